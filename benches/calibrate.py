@@ -1,6 +1,6 @@
-"""Calibrates the model of error and cost of the schemes: writes ``python/rigid/calibration.json``.
+"""Calibrates the model of error and cost of the methods: writes ``python/rigid/calibration.json``.
 
-A run of a scheme of order p with steps in which the body turns by theta errs by about
+A run of a method of order p with steps in which the body turns by theta errs by about
 ``factor theta^p`` per radian turned, as long as theta is below ``largest``. The factor is the upper
 quartile over random bodies of each class, and 95 of 100 err by at most ``margin`` times as much;
 what chaos and saddles multiply comes on top and is found by the run itself. Costs are parts of
@@ -32,8 +32,8 @@ from rigid.solve.work import LANES, reference_nanoseconds
 TARGET = Path(__file__).parents[1] / "python" / "rigid" / "calibration.json"
 KINDS = ("free", "lagrange", "top", "forced")
 MEASURED = sized(KINDS, ("lagrange",))
-SCHEMES = sized(None, 3)
-"""So many of the schemes; None for all."""
+METHODS = sized(None, 3)
+"""So many of the methods; None for all."""
 CLOSED = ("free", "lagrange")
 """Classes with a closed form."""
 ERRORS = ("factor", "margin", "largest")
@@ -123,7 +123,7 @@ class Truth:
         )
 
     def errors(self, name: str, turn: float) -> Any:
-        """The errors of a scheme with steps of that angle; infinite where it fails."""
+        """The errors of a method with steps of that angle; infinite where it fails."""
         states = ends(self.table, name, "attitude", turn / self.rates, self.until)
         with np.errstate(all="ignore"):
             error = distances(states, self.states)[:, 0]
@@ -149,7 +149,7 @@ def margin(name: str, order: int, factor: float, largest: float, truth: Truth) -
 
 
 def errors(name: str, order: int, truth: Truth) -> tuple[float, float] | None:
-    """Factor and longest step of a scheme; None if it does not move these bodies."""
+    """Factor and longest step of a method; None if it does not move these bodies."""
     factors, found = [], []
     for turn in TURNS:
         try:
@@ -173,7 +173,7 @@ def errors(name: str, order: int, truth: Truth) -> tuple[float, float] | None:
 
 
 def work(kind: str, name: str, record: str) -> list[float]:
-    """The parts of the work of a scheme or of the closed form."""
+    """The parts of the work of a method or of the closed form."""
     rates_alone = kind == "forced" and record == "rates"
 
     def time_(count: int, states: int, steps: int, ends: int = 1) -> float:
@@ -196,15 +196,15 @@ def work(kind: str, name: str, record: str) -> list[float]:
         more = time_(count, 1, stepped) - time_(count, 1, 1)
         return positive(f"time of a step of {name}", more / (stepped - 1))
 
-    once, wanted, stepped, many = 1, 65, 257, 8 * LANES
+    once, outputs, stepped, many = 1, 65, 257, 8 * LANES
     alone = time_(1, once, 1)
     step_of_one, step, end = 0.0, 0.0, 0.0
     if name != EXACT:
         step_of_one, step = of_a_step(1), of_a_step(LANES)
         end = max((time_(LANES, 1, stepped, LANES) - time_(LANES, 1, stepped)) / (LANES - 1), 0.0)
-    of_one = (time_(1, wanted, wanted) - alone) / (wanted - 1) - step_of_one
+    of_one = (time_(1, outputs, outputs) - alone) / (outputs - 1) - step_of_one
     first = time_(many, once, 1)
-    of_group = (time_(many, wanted, wanted) - first) / (wanted - 1) * LANES / many - step
+    of_group = (time_(many, outputs, outputs) - first) / (outputs - 1) * LANES / many - step
     state = max((of_group - of_one) / (LANES - 1), 0.0)
     group_state = max(of_one - state, 0.0)
     body = max((first - alone) / many - state - (group_state + step) / LANES, 0.0)
@@ -214,10 +214,10 @@ def work(kind: str, name: str, record: str) -> list[float]:
 
 
 def calibrated_errors(kind: str) -> dict[str, dict[str, Any]]:
-    """Factor, margin and longest step of each scheme that moves bodies of a class."""
+    """Factor, margin and longest step of each method that moves bodies of a class."""
     truth, many = Truth(kind, BODIES), Truth(kind, BODIES_OF_MARGINS)
     found: dict[str, dict[str, Any]] = {}
-    for method in methods()[:SCHEMES]:
+    for method in methods()[:METHODS]:
         if kind != "forced" or method.forces:
             limits = errors(method.name, method.order, truth)
             if limits is not None:
@@ -236,7 +236,7 @@ def main() -> None:
     parts.add_argument("--errors", action="store_true", help="keep the costs of the file")
     chosen = options.parse_args()
     known = json.loads(TARGET.read_text())
-    schemes: dict[str, Any] = {}
+    calibrated: dict[str, Any] = {}
     closed: dict[str, Any] = known["closed forms"]
     for kind in MEASURED:
         of_kind = {name: at[kind] for name, at in known["methods"].items() if kind in at}
@@ -249,7 +249,7 @@ def main() -> None:
                 entry["work"] = of_kind[name]["work"]
             else:
                 entry["work"] = {record: work(kind, name, record) for record in RECORDS}
-            schemes.setdefault(name, {})[kind] = entry
+            calibrated.setdefault(name, {})[kind] = entry
             print(f"{kind:<10}{name:<12}{entry}", flush=True)
         if kind in CLOSED and not chosen.errors:
             closed[kind] = {record: work(kind, EXACT, record) for record in RECORDS}
@@ -260,7 +260,7 @@ def main() -> None:
         "bodies": BODIES,
         "angle": ANGLE,
     }
-    written = {"machine": machine, "methods": schemes, "closed forms": closed}
+    written = {"machine": machine, "methods": calibrated, "closed forms": closed}
     if not QUICK:
         TARGET.write_text(json.dumps(written, indent=1) + "\n")
 

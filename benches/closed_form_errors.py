@@ -127,7 +127,7 @@ def families() -> None:
     print(row("all", every))
     attitudes, rates = (every > 1.0).sum(axis=0)
     left_out = int((table["kappa_att"] * ROUNDOFF > LARGEST_COST).sum())
-    print(f"\nErrors above the bar: {attitudes} attitudes, {rates} rates. Left out: {left_out}")
+    print(f"\nErrors above the bar: {attitudes} attitudes, {rates} rates. Omitted: {left_out}")
     print(
         f"scenes, whose attitude changes by more than {LARGEST_COST} rad when inputs are rounded."
     )

@@ -30,7 +30,7 @@ KERNEL = re.compile(
 # Parts that several kernels share are functions of their own, and are read as kernels are.
 SHARED = re.compile(
     r"as rigid::real::Real>::apart::apart::"
-    r"<rigid::(observe::bounds::Look|scheme::taylor::Expansion)<"
+    r"<rigid::(observe::bounds::Look|method::taylor::Expansion)<"
 )
 # What a kernel may call, and why.
 ALLOWED = {

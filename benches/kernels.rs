@@ -7,9 +7,9 @@
 mod timing;
 
 use rigid::kernel::{Compiled, Entry, ForcesRows, Group, Kernel, KernelAssignment, System, load};
-use rigid::observe::{Displacement, Observed};
+use rigid::method::{self, EngineName};
+use rigid::observe::{Deviation, Observed};
 use rigid::parallel::thread_nanoseconds;
-use rigid::scheme::{self, Engine};
 use rigid::simd::Isa;
 use rigid::simd::LANES;
 use rigid::start::Body;
@@ -18,10 +18,10 @@ use std::hint::black_box;
 const STEPS: usize = 2000;
 const REPEATS: usize = 15;
 
-/// Slightly different tumbling bodies, one in each lane; `None` if no scheme integrates them so.
+/// Slightly different tumbling bodies, one in each lane; `None` if no method integrates them so.
 fn bodies(compiled: Compiled) -> Option<Group> {
     let kernel = compiled.kernel();
-    let symmetric = kernel.step.engine == Engine::KickRotor;
+    let symmetric = kernel.step.engine == EngineName::KickRotor;
     let weight = if kernel.system.scene().has_weight { [0.36, 0.24, 1.1] } else { [0.0; 3] };
     let mut group = Group::inactive();
     for lane in 0..LANES {
@@ -31,11 +31,11 @@ fn bodies(compiled: Compiled) -> Option<Group> {
             omega: [0.31 * (1.0 + 1e-3 * lane as f64), -0.42, 0.93],
             attitude: [0.5; 4],
         };
-        let assignments = scheme::ALL.iter().map(|of| KernelAssignment::of(of, &body, kernel.system.scene()));
+        let assignments = method::ALL.iter().map(|of| KernelAssignment::of(of, &body, kernel.system.scene()));
         let assignment = assignments.into_iter().find(|assignment| assignment.step == kernel.step)?;
-        let mut displacement = Displacement::new([0.1, 0.2, 0.3, 0.4, 0.5, 0.6]);
-        displacement.inverse_scale = [1.0; 3];
-        let entry = Entry { axis: 3, displacement, ..Entry::unobserved(&body, None, 0.02) };
+        let mut deviation = Deviation::new([0.1, 0.2, 0.3, 0.4, 0.5, 0.6]);
+        deviation.inverse_scale = [1.0; 3];
+        let entry = Entry { axis: 3, deviation, ..Entry::unobserved(&body, None, 0.02) };
         load(&mut group, lane, compiled, assignment, &entry);
     }
     Some(group)
@@ -92,9 +92,9 @@ fn fma_peak(isa: Isa) -> f64 {
 fn flops(kernel: Kernel) -> Option<f64> {
     match (kernel.system, kernel.step.engine, kernel.observed) {
         // 4 right-hand sides of 6 mul, 3 x 3 stage fma, 3 x (2 fma, 1 add, 1 fma).
-        (System::FreeRates, Engine::Rk4, Observed::Nothing) => Some(24.0 + 18.0 + 21.0),
+        (System::FreeRates, EngineName::Rk4, Observed::Nothing) => Some(24.0 + 18.0 + 21.0),
         // 4 x (6 mul + 6 fma; 3 mul + 3 fma), 18 stage fma, 6 x (2 fma + 1 add + 1 fma).
-        (System::TopAxis, Engine::Rk4, Observed::Nothing) => Some(4.0 * 27.0 + 36.0 + 42.0),
+        (System::TopAxis, EngineName::Rk4, Observed::Nothing) => Some(4.0 * 27.0 + 36.0 + 42.0),
         (system, _, Observed::Nothing) => {
             let order = kernel.step.is_series().then_some(kernel.step.numbers.order as f64)?;
             let vectors = (system.len() - 3) / 3;
@@ -135,7 +135,7 @@ pub fn print_rows(filter: Option<&str>, repeats: usize) -> Result<usize, String>
         (TopTangent, Observed::Nothing),
         (TopTangent, Observed::Growth),
     ];
-    for step in scheme::steps() {
+    for step in method::steps() {
         for (system, observed) in systems.into_iter().filter(|&(system, _)| system.is_moved_by(step)) {
             let kernel = Kernel { system, step, observed };
             let name = format!("{system:?} {step:?} {observed:?}");

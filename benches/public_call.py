@@ -3,7 +3,7 @@
     pip install . numba heyoka && python benches/public_call.py [NAME ...]
 
 Both sides of a ratio are timed in turn, on one thread, in processor time, and compared by medians.
-Names select rows by their beginnings; a row that needs numba or heyoka is left out without it.
+Names select rows by their beginnings; a row that needs numba or heyoka is omitted without it.
 """
 
 from __future__ import annotations

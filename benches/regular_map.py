@@ -1,12 +1,12 @@
-"""Growth of a displacement on a 64 x 64 grid, against numba: processor time of one thread.
+"""Growth of a deviation vector on a 64 x 64 grid, against numba: processor time of one thread.
 
     pip install numba && python benches/regular_map.py
 
-The asymmetric top of the map ``chaotic-top`` until T = 200, with one displacement. numba: what an
-expert writes, DOP853 in lanes with a fixed step for all bodies, the table as literals, fast math;
-the displacement is integrated only. rigid: the same with a step for each body, and exponent, MEGNO,
-its mean and FLI. Each takes the fewest steps for which the largest drift of the energy of all
-bodies is below the target. Medians of interleaved repeats.
+The asymmetric top of the map ``chaotic-top`` until T = 200, with one deviation vector. numba: what
+an expert writes, DOP853 in lanes with a fixed step for all bodies, the table as literals, fast
+math; the deviation vector is integrated only. rigid: the same with a step for each body, and
+exponent, MEGNO, its mean and FLI. Each takes the fewest steps for which the largest drift of the
+energy of all bodies is below the target. Medians of interleaved repeats.
 """
 
 from __future__ import annotations
@@ -54,13 +54,13 @@ def columns() -> dict[str, Floats]:
     return {"moments": moments, "weight": weight, "omega": omega, "attitude": attitude}
 
 
-def displacements() -> Floats:
-    """The displacement of each body at the start."""
-    return np.ascontiguousarray(_core.displacement_starts(**columns())[:, 0])
+def deviations() -> Floats:
+    """The deviation vector of each body at the start."""
+    return np.ascontiguousarray(_core.deviation_starts(**columns())[:, 0])
 
 
 def rates() -> Callable[..., tuple[Any, ...]]:
-    """Rates of change of rates, vertical and displacement; the numbers of the body as literals."""
+    """Rates of change of rates, gamma and deviation; the numbers of the body as literals."""
     i1, i2, i3 = MOMENTS.tolist()
     c1, c2, c3 = (MGL * COM).tolist()
     d1, d2, d3 = (i2 - i3) / i1, (i3 - i1) / i2, (i1 - i2) / i3
@@ -97,7 +97,7 @@ class Numba:
 
     def __init__(self) -> None:
         omega, vertical, _ = starts()
-        tangent = displacements()
+        tangent = deviations()
         self.start = np.ascontiguousarray(np.concatenate([omega, vertical, tangent], axis=1).T)
         form = Form("top", 12, rates(), lambda *_: self.start, lambda *_: ((), ()))
         fast = {"fastmath": True, "error_model": "numpy"}
@@ -135,13 +135,13 @@ class Rigid:
         self.bodies = {"scene": "top", **columns()}
         self.rates = _core.fastest_rates(**self.bodies)
         self.scale = _core.rate_units(**columns())
-        self.displacements = displacements()
+        self.deviations = deviations()
 
     def run(self, per_radian: float) -> dict[str, Any]:
         return _core.growth(
             **self.bodies,
             method=self.method,
-            displacements=self.displacements,
+            deviations=self.deviations,
             scale=self.scale,
             of_attitude=False,
             times=np.array([T]),
@@ -158,7 +158,7 @@ class Rigid:
 
 
 class Map:
-    """The map of verdicts, by the default method or by a scheme."""
+    """The map of verdicts, by the default method or by another."""
 
     def __init__(self, name: str, again: float) -> None:
         self.name, self.again = name, again

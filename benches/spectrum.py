@@ -47,7 +47,7 @@ def by_rigid(omega: np.ndarray, attitude: np.ndarray) -> Callable[[], Moved]:
 
 
 def by_heyoka(hy: Any, omega: np.ndarray, attitude: np.ndarray) -> Callable[[], Moved]:
-    """A function that integrates the bodies with all displacements."""
+    """A function that integrates the bodies with all deviation vectors."""
     w1, w2, w3, g1, g2, g3 = variables = hy.make_vars("w1", "w2", "w3", "g1", "g2", "g3")
     (i1, i2, i3), (c1, c2, c3) = MOMENTS, WEIGHT
     rates = [

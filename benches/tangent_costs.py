@@ -1,10 +1,10 @@
-"""Time of displacements over that of the motion, by scheme.
+"""Time of deviation vectors over that of the motion, by method.
 
     python benches/tangent_costs.py [--repeats N]
 
-Of 512 tops in equal steps, one thread: a displacement with the motion, its growth, and a derivative
-by a parameter, each over the motion alone. A ratio is the median of those of runs in turns. Counted
-are multiply-adds of a step: 18 of a right-hand side and 27 of its tangent.
+Of 512 tops in equal steps, one thread: a deviation vector with the motion, its growth, and a
+derivative by a parameter, each over the motion alone. A ratio is the median of those of runs in
+turns. Counted are multiply-adds of a step: 18 of a right-hand side and 27 of its tangent.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ METHODS = ("rk4", "dop853", "taylor12", "taylor16", "splitting", "splitting4", "
 def run(what: str, method: str, moments: tuple[float, float, float]) -> Moved:
     """What a run of the core has made of what it had at the start, in so many steps."""
     rng = np.random.default_rng(14)
-    omega, displacements = rng.normal(size=(BODIES, 3)), rng.normal(size=(BODIES, 6))
+    omega, deviations = rng.normal(size=(BODIES, 3)), rng.normal(size=(BODIES, 6))
     step = 0.02 if method in ("rk4", "splitting") else 0.1
     every = {
         "scene": "top",
@@ -42,7 +42,7 @@ def run(what: str, method: str, moments: tuple[float, float, float]) -> Moved:
     if what == "growth":
         done = _core.growth(
             **every,
-            displacements=displacements,
+            deviations=deviations,
             scale=np.ones(BODIES),
             of_attitude=False,
             times=np.array([steps * step]),
@@ -50,7 +50,7 @@ def run(what: str, method: str, moments: tuple[float, float, float]) -> Moved:
         return done["logs"][:, 0], 0.0, done["steps"]
     own, start, end = {
         "rates": ({}, omega, "omega"),
-        "tangent": ({"displacements": displacements}, displacements, "tangent"),
+        "tangent": ({"deviations": deviations}, deviations, "tangent"),
         "sensitivity": ({"changes": rng.normal(size=(BODIES, 15))}, 0.0, "tangent"),
     }[what]
     done = _core.simulate(**every, **own, record=what, times=np.array([[steps * step]]))
@@ -62,7 +62,7 @@ def main() -> None:
     options.add_argument("--repeats", type=int, default=sized(15, 1))
     repeats = options.parse_args().repeats
     print(f"{rigid.build_info()}\n")
-    print("| scheme | displacement | counted | growth | by a parameter |\n|---|---|---|---|---|")
+    print("| method | deviation | counted | growth | by a parameter |\n|---|---|---|---|---|")
     kinds = [(method, (1.0, 1.6, 0.7)) for method in METHODS]
     kinds += [(method, (1.0, 1.0, 0.7)) for method in METHODS if method.startswith("splitting")]
     for method, moments in kinds:

@@ -62,7 +62,7 @@ def installed(name: str) -> Any:
     except ModuleNotFoundError as missing:
         if missing.name != name:
             raise
-        print(f"{name} is not installed: what needs it is left out")
+        print(f"{name} is not installed: what needs it is omitted")
         return None
     if name == "numba" and QUICK:
         # Its compiler takes longer than all the rest of a quick run.

@@ -8,11 +8,11 @@ use rigid::error::Error;
 use rigid::exact::derived::{free_quantities, saddle, sign_changes, tilt_time, top_quantities};
 use rigid::forces::Forces;
 use rigid::map::{Check, Condition, Criterion, Laws, Logic, Map, MethodChoice, Pixel, Rule, clopper_pearson};
+use rigid::method::{AnyMethod, default_step};
 use rigid::parallel::Interrupt;
 use rigid::sample::Law;
 use rigid::scene::{FREE, Scene, TOP};
 use rigid::simd::Isa;
-use rigid::solver::{Solver, default_step};
 use rigid::special;
 use rigid::start::{Body, unit_quaternion};
 use rigid::status::Status;
@@ -112,7 +112,7 @@ impl Bytes<'_> {
         Forces::new(&times, &body, &space, &[damping])
     }
 
-    fn solver(&mut self) -> Solver {
+    fn method(&mut self) -> AnyMethod {
         let names = [
             "exact",
             "rk4",
@@ -126,7 +126,7 @@ impl Bytes<'_> {
             "midpoint",
             "etd4",
         ];
-        Solver::parse(self.of(names)).expect("a method of this name")
+        AnyMethod::parse(self.of(names)).expect("a method of this name")
     }
 }
 
@@ -142,7 +142,7 @@ fn simulate(numbers: &mut Bytes) {
     let scene = numbers.scene();
     let mut bodies = numbers.list(40, |numbers| numbers.body(scene));
     let forces = if numbers.below(3) == 0 { let_out(numbers.forcing()) } else { None };
-    let solver = numbers.solver();
+    let method = numbers.method();
     let mut times = numbers.list(5, Bytes::number);
     // The caller checks that times ascend and that numbers of the start are finite.
     times.retain(|time| time.is_finite());
@@ -156,7 +156,7 @@ fn simulate(numbers: &mut Bytes) {
         bodies: &bodies,
         scene,
         forces: forces.as_ref().unwrap_or(Forces::NONE),
-        solver,
+        method,
         record: numbers.of([Record::Rates, Record::Axis, Record::Attitude]),
         schedule,
         refinement: numbers.of([1.0, 1.25, 3.0]),
@@ -186,7 +186,7 @@ fn map(numbers: &mut Bytes) {
     let asked = Map {
         scene,
         forces: Vec::new(),
-        method: if numbers.below(2) == 0 { MethodChoice::Auto } else { MethodChoice::Only(numbers.solver()) },
+        method: if numbers.below(2) == 0 { MethodChoice::Auto } else { MethodChoice::Only(numbers.method()) },
         pixels: numbers.list(3, |numbers| Pixel {
             body: numbers.body(scene),
             omega_size: numbers.vector(),
@@ -281,15 +281,15 @@ fn forcing_and_axes(numbers: &mut Bytes) {
         forces.interval(time, numbers.below(2) == 0, body.moments);
         forces.table.next_knot(time, numbers.below(2) == 0);
     }
-    if let Solver::Steps(scheme) = numbers.solver() {
-        default_step(scheme, body.step_rate(scheme, forces, [0.0, time]));
+    if let AnyMethod::Steps(method) = numbers.method() {
+        default_step(method, body.step_rate(method, forces, [0.0, time]));
     }
 }
 
 fn names(bytes: &[u8]) {
     let name = String::from_utf8_lossy(bytes);
     let refused = [
-        Solver::parse(&name).err(),
+        AnyMethod::parse(&name).err(),
         Scene::parse(&name).err(),
         Law::parse("law", &name).err(),
         // A known criterion of more limits is refused by their number.

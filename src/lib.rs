@@ -4,7 +4,7 @@
 //!
 //! ```text
 //! real ← simd        real ← special ← kinematics        kinematics ← series ← forces ← {body, start}
-//! {kinematics, forces} ← scene ← scheme ← observe ← kernel        {special, start} ← exact
+//! {kinematics, forces} ← scene ← method ← observe ← kernel        {special, start} ← exact
 //! special ← sample        memory ← {forces, kernel, parallel}        float_environment ← {parallel, python}
 //! {kernel, exact, sample, parallel} ← trajectory ← map ← python
 //! ```
@@ -18,6 +18,7 @@ pub mod kernel;
 pub mod kinematics;
 pub mod map;
 pub mod memory;
+pub mod method;
 pub mod observe;
 pub mod parallel;
 pub mod polhode;
@@ -26,10 +27,8 @@ mod python;
 pub mod real;
 pub mod sample;
 pub mod scene;
-pub mod scheme;
 pub mod series;
 pub mod simd;
-pub mod solver;
 pub mod special;
 pub mod start;
 pub mod status;

@@ -4,7 +4,7 @@ use crate::kinematics::put;
 use crate::real::Real;
 use std::mem::MaybeUninit;
 
-/// The highest order of any series; `scheme` checks it.
+/// The highest order of any series; `method` checks it.
 pub const MAX_ORDER: usize = 26;
 
 /// 1 / k.

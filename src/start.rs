@@ -22,7 +22,7 @@ pub(crate) const VERTICAL: [f64; 3] = [0.0, 0.0, 1.0];
 impl Body {
     /// The vertical in body components at the start.
     #[inline(always)]
-    pub fn vertical(&self) -> [f64; 3] {
+    pub fn gamma(&self) -> [f64; 3] {
         to_body_frame(&self.attitude, &VERTICAL)
     }
 
@@ -62,8 +62,8 @@ impl Body {
 
     /// 1 - cos of the angle between the upward vertical and the centre of mass, which lies on this axis.
     pub fn depth(&self, axis: usize) -> f64 {
-        let vertical = self.vertical()[axis];
-        1.0 - if self.weight[axis] < 0.0 { -vertical } else { vertical }
+        let gamma = self.gamma()[axis];
+        1.0 - if self.weight[axis] < 0.0 { -gamma } else { gamma }
     }
 
     /// A bound of |omega| between two times around 0; without forces, over the whole motion.
@@ -77,8 +77,8 @@ impl Body {
         if forces.is_none() && mgl == 0.0 {
             return self.polhode_bounds(twice_kinetic).iter().sum::<f64>().sqrt();
         }
-        let vertical = self.vertical();
-        let height: f64 = (0..3).map(|k| self.weight[k] * vertical[k]).sum();
+        let gamma = self.gamma();
+        let height: f64 = (0..3).map(|k| self.weight[k] * gamma[k]).sum();
         let fall = (mgl + height).max(0.0);
         if !forces.is_none() {
             return forces.fastest_rate(self.moments, [twice_kinetic, mgl, fall], span);

@@ -1,8 +1,8 @@
-r"""How displacements grow
-======================
+r"""How deviation vectors grow
+==========================
 
-Above: the logarithm :math:`\Lambda(t)` of the size of a small displacement for five motions, and
-three laws (dotted). On a sphere, displaced along its spin, it is
+Above: the logarithm :math:`\Lambda(t)` of the size of a small deviation vector for five motions,
+and three laws (dotted). On a sphere, with a deviation along its spin, it is
 :math:`\frac12\ln(1+|\omega|^2t^2)`, and that of a regular top stays near a logarithm. Beside the
 separatrix of a free body it grows like :math:`\lambda t` until the body has turned over, and then
 shrinks again, turn after turn. That of a chaotic top grows for ever, and so does that of a top

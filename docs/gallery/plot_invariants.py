@@ -1,8 +1,8 @@
-"""What a scheme keeps
+"""What a method keeps
 ===================
 
-Energy and angular momentum of a tumbling body over a hundred turns, by two schemes of order 4 with
-the same step. The Runge-Kutta scheme loses a little of each in every step. The symplectic splitting
+Energy and angular momentum of a tumbling body over a hundred turns, by two methods of order 4 with
+the same step. The Runge-Kutta method loses a little of each in every step. The symplectic splitting
 preserves the angular momentum in the body and in space to rounding, and the error of its energy
 does not grow.
 """

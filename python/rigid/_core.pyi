@@ -29,14 +29,14 @@ __all__ = [
     "closed_forms",
     "closed_forms_for",
     "default_steps",
-    "displacement_starts",
+    "deviation_starts",
     "elliptic",
     "fastest_rates",
     "first_not_finite",
     "first_slow",
     "flip_times",
     "free_quantities",
-    "generic_displacements",
+    "generic_deviations",
     "growth",
     "in_standard_floats",
     "lagrange_axes",
@@ -106,7 +106,7 @@ def simulate(
     refinement: float = 1.0,
     tolerance: float | None = None,
     forces: Forces | None = None,
-    displacements: NDArray[np.float64] | None = None,
+    deviations: NDArray[np.float64] | None = None,
     changes: NDArray[np.float64] | None = None,
     out: Mapping[str, NDArray[Any]] | None = None,
     single: bool = False,
@@ -122,7 +122,7 @@ def growth(
     weight: NDArray[np.float64],
     omega: NDArray[np.float64],
     attitude: NDArray[np.float64],
-    displacements: NDArray[np.float64],
+    deviations: NDArray[np.float64],
     scale: NDArray[np.float64],
     of_attitude: bool,
     times: NDArray[np.float64],
@@ -162,8 +162,8 @@ def closed_forms(
 ) -> NDArray[np.uint8]: ...
 def first_not_finite(array: NDArray[np.float64]) -> int | None: ...
 def first_slow(omega: NDArray[np.float64], swing: float, least: float) -> int | None: ...
-def generic_displacements() -> NDArray[np.float64]: ...
-def displacement_starts(
+def generic_deviations() -> NDArray[np.float64]: ...
+def deviation_starts(
     *,
     moments: NDArray[np.float64],
     weight: NDArray[np.float64],

@@ -159,7 +159,7 @@ def cite(used: Used) -> str:
     for form in sorted({_OF_FORM[form] for form in forms}):
         key, note, doi = CLOSED_FORMS[form]
         entries.append(_entry(f"rigid-exact-{key}", note, doi))
-    if hasattr(used, "log_growth") or _is_displaced(used):
+    if hasattr(used, "log_growth") or _has_deviation(used):
         entries += [_entry(f"rigid-{name}", *of) for name, of in INDICATORS.items()]
     if hasattr(used, "grazing"):
         entries += [_entry(f"rigid-{name}", *of) for name, of in SECTIONS.items()]
@@ -168,9 +168,9 @@ def cite(used: Used) -> str:
     return "\n\n".join(entries)
 
 
-def _is_displaced(used: object) -> bool:
-    """Whether a plan or its result integrates a displacement."""
-    return "displacement" in getattr(getattr(used, "plan", used), "carried", ())
+def _has_deviation(used: object) -> bool:
+    """Whether a plan or its result integrates a deviation vector."""
+    return "deviation" in getattr(getattr(used, "plan", used), "carried", ())
 
 
 def _is_of_lines(used: object) -> bool:
@@ -179,7 +179,7 @@ def _is_of_lines(used: object) -> bool:
 
 
 def _used(used: Used) -> tuple[list[str], list[str]]:
-    """The names of the schemes, and the closed forms."""
+    """The names of the methods, and the closed forms."""
     if _is_of_lines(used):
         return [], []
     if isinstance(used, Method):
@@ -192,9 +192,9 @@ def _used(used: Used) -> tuple[list[str], list[str]]:
     result: Any = used
     plan: Plan = used if isinstance(used, Plan) else result.plan
     forms = plan.closed_form.split(", ") if plan.closed_form else []
-    fallback = GROWTH_FALLBACK if "displacement" in plan.carried else MAP_FALLBACK
-    scheme = fallback if plan.method == AUTO else plan.method
-    return ([] if scheme == EXACT else [scheme]), forms
+    fallback = GROWTH_FALLBACK if "deviation" in plan.carried else MAP_FALLBACK
+    method = fallback if plan.method == AUTO else plan.method
+    return ([] if method == EXACT else [method]), forms
 
 
 def _software() -> str:

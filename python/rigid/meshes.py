@@ -221,7 +221,7 @@ def file_properties(
 
 
 def _merged(corners: Floats, triangles: Indices) -> tuple[Floats, Indices]:
-    """Corners in one place made one; triangles that lose a corner by this are left out."""
+    """Corners in one place made one; triangles that lose a corner by this are omitted."""
     near = _SAME_CORNER * float(np.abs(corners).max())
     label = np.zeros(len(corners), dtype=np.int64)
     count = 0

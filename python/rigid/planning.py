@@ -65,7 +65,7 @@ def plan(
         Horizon (s). A criterion needs one, unless it is :func:`judged`, which has times.
     accuracy : float, optional
         Largest error of the last state relative to its size. A closed form reaches it; otherwise
-        the accuracy, the rates and the horizon determine the cheapest scheme and its step. Default
+        the accuracy, the rates and the horizon determine the cheapest method and its step. Default
         without a method and a step: 1e-8. A criterion has none: a map classifies bodies again
         whose class an error could change.
     method : str, optional
@@ -77,7 +77,7 @@ def plan(
         Number of bodies of the call, which the cost of one depends on. Default: those of ``omega``,
         many without them. Of a criterion many bodies share a call.
     times : int, optional
-        Number of wanted times, which cost and memory depend on. Default: 1. A criterion has none.
+        Number of output times, which cost and memory depend on. Default: 1. A criterion has none.
 
     Returns
     -------
@@ -99,7 +99,7 @@ def plan(
     >>> made = rigid.plan(scene, "rates", omega=[0.1, 1.0, 0.2], t_end=100.0)
     >>> print(made)  # doctest: +ELLIPSIS
     scene       free body, moments (1, 2, 3)
-    question    rates at wanted times
+    question    rates at output times
     method      exact, closed form: free asymmetric
     carried     omega
     why         every body has a closed form
@@ -124,7 +124,7 @@ def plan(
             ("attitude", attitude, "the start of a map is given by start"),
             ("accuracy", accuracy, "a map classifies again what an error could change"),
             ("bodies", bodies, "many bodies of a map share a call"),
-            ("times", times, "a class is no state at wanted times"),
+            ("times", times, "a class is no state at output times"),
         ):
             if value is not None:
                 raise ValueError(f"{name} = {brief(value)}: is not asked with a criterion: {why}")

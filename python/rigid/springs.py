@@ -55,8 +55,8 @@ class Modes:
     def stiff_step(self) -> Floats:
         """Inverse of the largest frequency (s): ``sqrt(m / k)`` with the reduced mass m.
 
-        Steps of an explicit scheme must be shorter than a multiple of this time: 2 for leapfrog,
-        2.83 for the classical Runge-Kutta scheme. inf if all frequencies are zero.
+        Steps of an explicit method must be shorter than a multiple of this time: 2 for leapfrog,
+        2.83 for the classical Runge-Kutta method. inf if all frequencies are zero.
         """
         with np.errstate(divide="ignore"):
             largest = np.maximum(self.omega_squared[..., -1], 0.0)

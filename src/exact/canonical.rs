@@ -266,14 +266,14 @@ impl CanonicalForm {
         if let Some(axis) = heavy.filter(|&k| rest && is_vertical(body, k)) {
             return Some(CanonicalForm::permanent_rotation(axis));
         }
-        let vertical = body.vertical();
+        let gamma = body.gamma();
         let axis = (0..3).find(|&k| {
             let (i, j) = ((k + 1) % 3, (k + 2) % 3);
-            body.omega[i] == 0.0 && body.omega[j] == 0.0 && body.weight[k] == 0.0 && vertical[k] == 0.0
+            body.omega[i] == 0.0 && body.omega[j] == 0.0 && body.weight[k] == 0.0 && gamma[k] == 0.0
         })?;
         let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
         // The weight has no lever arm: a body at rest stays at rest.
-        if rest && vertical[i] * body.weight[j] == vertical[j] * body.weight[i] {
+        if rest && gamma[i] * body.weight[j] == gamma[j] * body.weight[i] {
             return Some(CanonicalForm::permanent_rotation(axis));
         }
         Some(CanonicalForm { closed_form: ClosedForm::Pendulum, transform: Transform::Pendulum(axis) })
@@ -413,9 +413,9 @@ mod tests {
         for (body, closed_form) in bodies() {
             let there = CanonicalForm::of(&body).unwrap().to_canonical(&body);
             let energy = |b: &Body, heavy: f64| -> f64 {
-                let vertical = b.vertical();
+                let gamma = b.gamma();
                 (0..3)
-                    .map(|k| 0.5 * b.moments[k] * b.omega[k] * b.omega[k] + heavy * b.weight[k] * vertical[k])
+                    .map(|k| 0.5 * b.moments[k] * b.omega[k] * b.omega[k] + heavy * b.weight[k] * gamma[k])
                     .sum()
             };
             let heavy = f64::from(closed_form == ClosedForm::Lagrange || closed_form == ClosedForm::Pendulum);

@@ -26,11 +26,11 @@ pub struct ForcesInterval<R> {
     pub further: Further<R>,
     /// The function that returns a further torque.
     pub function: Option<TorqueCall>,
-    /// The change of the parameters that displaces the body, if displacements are integrated.
+    /// The change of the parameters that displaces the body, if deviation vectors are integrated.
     pub change: ParameterChange<R>,
 }
 
-/// A small change of the parameters of a body, whose effect is a displacement.
+/// A small change of the parameters of a body, whose effect is a deviation vector.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ParameterChange<R> {
     /// Of the principal moments.
@@ -156,7 +156,7 @@ impl Forces {
     /// The same with the torque that a function returns.
     ///
     /// # Errors
-    /// If it is that of another number of bodies, or something acts that no scheme integrates with it.
+    /// If it is that of another number of bodies, or something acts that no method integrates with it.
     pub fn with_function(self, function: TorqueFunction) -> Result<Forces, Error> {
         if self.further.iter().any(|further| !further.is_none()) {
             let (value, rule) =

@@ -130,7 +130,7 @@ impl TorqueCall {
     /// first row of the rotation matrix.
     ///
     /// The rows of a stage are no unit vectors. The attitude is that of the nearest third row and of the part of the first
-    /// row across it: it depends smoothly on them, so that no scheme loses its order.
+    /// row across it: it depends smoothly on them, so that no method loses its order.
     #[inline(never)]
     pub fn torque(&self, time: f64, omega: [f64; 3], third: [f64; 3], first: [f64; 3]) -> [f64; 3] {
         let unit = |v: [f64; 3]| v.map(|x| x / dot(&v, &v).sqrt());

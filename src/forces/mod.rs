@@ -82,7 +82,7 @@ pub struct Order<R> {
     pub factor: R,
 }
 
-/// What is known of a further force outside kernels. A bound that is left out is that of a force which adds no energy
+/// What is known of a further force outside kernels. A bound that is omitted is that of a force which adds no energy
 /// and is not fast.
 pub trait Bounded {
     /// Refuses impossible numbers. They are finite.
@@ -298,13 +298,13 @@ macro_rules! forces {
             }
         }
 
-        /// The rule of schemes that integrate no further force.
+        /// The rule of methods that integrate no further force.
         pub const NO_FURTHER: &str = concat!(
             "does not integrate ", $($word, ", ",)* "as Runge-Kutta methods and Taylor series do"
         );
-        /// The rule of displacements under further forces.
+        /// The rule of deviation vectors under further forces.
         pub const NOT_DISPLACED: &str =
-            concat!("displacements are not integrated under ", $($word, ", ",)* "or a function");
+            concat!("deviation vectors are not integrated under ", $($word, ", ",)* "or a function");
     };
 }
 forces! {

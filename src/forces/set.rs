@@ -1,4 +1,4 @@
-//! What acts on bodies besides weight, as a set. The set decides which variables are integrated, and by which schemes.
+//! What acts on bodies besides weight, as a set. The set decides which variables are integrated, and by which methods.
 
 use super::{BodyForces, NOT_DISPLACED};
 use crate::error::Error;
@@ -30,11 +30,11 @@ impl ForceSet {
         }
     }
 
-    /// Refuses displacements under forces for which there are no kernels.
+    /// Refuses deviation vectors under forces for which there are no kernels.
     ///
     /// # Errors
     /// If a further force or the torque of a function acts.
-    pub fn check_displaced(self) -> Result<(), Error> {
+    pub fn check_deviations(self) -> Result<(), Error> {
         if !(self.further || self.function) {
             return Ok(());
         }

@@ -4,9 +4,9 @@ use super::group::{Group, MAX_STATE};
 use super::step::used_packs;
 use crate::error::Error;
 use crate::memory;
+use crate::method::{Coefficients, Engine, in_halves, two_sum};
 use crate::real::{Pack, Real, zero_or_nan};
 use crate::scene::{Layout, Model, Parameters};
-use crate::scheme::{Coefficients, Stepper, in_halves, two_sum};
 use crate::simd::{LANES, Row};
 use crate::special::{exp, ln};
 
@@ -64,7 +64,7 @@ pub fn adaptive_block<P: Pack, const PACKS: usize, M, L, S, const D: usize>(
 where
     M: Model<P>,
     L: Layout,
-    S: Stepper<P, M, L, D>,
+    S: Engine<P, M, L, D>,
 {
     let packs = used_packs::<P, PACKS>(g);
     for done in 1..=most {
@@ -96,7 +96,7 @@ where
                 y[d].store(&mut g.state[d].0[at..]);
                 compensation[d].store(&mut g.compensation[d].0[at..]);
             });
-            // The motion goes on if the displacement overflows.
+            // The motion goes on if the deviation vector overflows.
             let step = unit.fma(bound, zero_or_nan(&y[..L::TANGENT_AT]));
             unit.store(&mut l.unit.0[at..]);
             step.store(&mut g.step.0[at..]);
@@ -140,9 +140,9 @@ fn step_bound<R: Real, L: Layout, const D: usize>(
     inverse_rate: R,
     tolerance: R,
 ) -> R {
-    let displacement =
+    let deviation =
         if L::TANGENT { largest_change::<R, L, D>(c.order(0), inverse_rate) } else { R::splat(1.0) };
-    let scales = [inverse_rate, displacement];
+    let scales = [inverse_rate, deviation];
     let last = log_margin::<R, L, D>(c.order(order), scales, tolerance);
     let before = log_margin::<R, L, D>(c.order(order - 1), scales, tolerance);
     bound_of_margins(last, before, order)
@@ -159,12 +159,12 @@ pub(super) fn bound_of_margins<R: Real>(last: R, before: R, order: usize) -> R {
     exp((last.min(before) - margin).min(growth).max(-growth))
 }
 
-/// ln of the tolerance over the largest number of a term, where a displacement counts relative to its size. The
+/// ln of the tolerance over the largest number of a term, where a deviation vector counts relative to its size. The
 /// balance follows from the motion, so the balance is ignored.
 #[inline(always)]
 fn log_margin<R: Real, L: Layout, const D: usize>(
     term: &[R; D],
-    [inverse_rate, displacement]: [R; 2],
+    [inverse_rate, deviation]: [R; 2],
     tolerance: R,
 ) -> R {
     let mut largest = R::splat(f64::MIN_POSITIVE);
@@ -173,16 +173,17 @@ fn log_margin<R: Real, L: Layout, const D: usize>(
         largest = largest.max(size);
     }
     if L::TANGENT {
-        // `max` returns its second argument if the quotient is a NaN: a displacement that has overflowed does not count.
+        // `max` returns its second argument if the quotient is a NaN: a deviation vector that has overflowed does not
+        // count.
         let change = largest_change::<R, L, D>(term, inverse_rate);
         // Nor does one that is zero and stays so.
         let none = R::splat(f64::MIN_POSITIVE);
-        largest = R::select(none.lt(change), change / displacement, none).max(largest);
+        largest = R::select(none.lt(change), change / deviation, none).max(largest);
     }
     ln(tolerance) - ln(largest)
 }
 
-/// The largest number of a displacement, its change of the rates over the scale of the rates.
+/// The largest number of a deviation vector, its change of the rates over the scale of the rates.
 #[inline(always)]
 fn largest_change<R: Real, L: Layout, const D: usize>(y: &[R; D], inverse_rate: R) -> R {
     let mut largest = R::splat(f64::MIN_POSITIVE);

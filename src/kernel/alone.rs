@@ -3,9 +3,9 @@
 use super::adaptive::{AdaptiveSteps, bound_of_margins, some_ends};
 use super::group::{ForcesRows, Group, MAX_STATE};
 use crate::forces::ForcesInterval;
+use crate::method::{COLUMNS, Columns, Engine, Numbers, SeriesAlone, Taylor, in_columns, two_sum};
 use crate::real::{Quad, is_finite};
 use crate::scene::{Layout, Model, Parameters};
-use crate::scheme::{COLUMNS, Columns, Numbers, SeriesAlone, Stepper, Taylor, in_columns, two_sum};
 use crate::simd::Row;
 use crate::special::ln;
 
@@ -68,7 +68,7 @@ fn engine<R: Quad, M: Model<R>, L: Layout, const D: usize>(
             interval.damping[k] = first(&forces.damping[k]);
         }
     }
-    <Taylor<R, M> as Stepper<R, M, L, D>>::new(&p, &interval, numbers)
+    <Taylor<R, M> as Engine<R, M, L, D>>::new(&p, &interval, numbers)
 }
 
 /// Advances the body in the first lane by adaptive steps until it reaches its `next` time; returns the number of steps,

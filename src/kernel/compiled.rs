@@ -40,7 +40,7 @@ impl Compiled {
         unsafe { (self.code.advance)(group, forces, steps, self.kernel.observed, self.kernel.step.numbers) }
     }
 
-    /// Whether the further displacements of a group are moved with its motions.
+    /// Whether the further deviation vectors of a group are moved with its motions.
     pub fn shares_motion(self) -> bool {
         self.code.shares_motion
     }

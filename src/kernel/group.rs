@@ -6,8 +6,8 @@ use crate::real::Pack;
 use crate::simd::{LANES, Row};
 use std::sync::OnceLock;
 
-/// Longest state: rates, three directions, the balance of work, impulse and time, and a displacement or the variables of
-/// further forces.
+/// Longest state: rates, three directions, the balance of work, impulse and time, and a deviation vector or the
+/// variables of further forces.
 pub const MAX_STATE: usize = 15 + if Further::VARIABLES > 6 { Further::VARIABLES } else { 6 };
 
 /// The invariants at the start, and the largest deviation from them at the ends of blocks of steps.
@@ -21,19 +21,18 @@ pub struct DriftRows {
     pub worst: Row,
 }
 
-/// A displacement of each body, beside the one in its state: the numbers, and their rounding errors.
+/// A deviation vector of each body, beside the one in its state: the numbers, and their rounding errors.
 #[derive(Clone, Copy)]
-pub struct DisplacementRows {
+pub struct DeviationRows {
     /// Change of the rates, and rotation vector.
     pub state: [Row; 6],
-    /// Rounding error, for schemes with compensation.
+    /// Rounding error, for methods with compensation.
     pub compensation: [Row; 6],
 }
 
-impl DisplacementRows {
-    /// No displacement.
-    pub const ZERO: DisplacementRows =
-        DisplacementRows { state: [Row::ZERO; 6], compensation: [Row::ZERO; 6] };
+impl DeviationRows {
+    /// No deviation vector.
+    pub const ZERO: DeviationRows = DeviationRows { state: [Row::ZERO; 6], compensation: [Row::ZERO; 6] };
 }
 
 /// The bodies that are integrated together, with their states and invariants.
@@ -41,9 +40,9 @@ impl DisplacementRows {
 pub struct Group {
     /// Lanes up to the last that was loaded: the packs after them are not computed.
     pub(super) used: usize,
-    /// Rates or momenta, directions, quaternion, balance, displacement.
+    /// Rates or momenta, directions, quaternion, balance, deviation vector.
     pub state: [Row; MAX_STATE],
-    /// Rounding error of the state, for schemes with compensation.
+    /// Rounding error of the state, for methods with compensation.
     pub compensation: [Row; MAX_STATE],
     /// Principal moments.
     pub moments: [Row; 3],
@@ -61,9 +60,9 @@ pub struct Group {
     pub momentum: DriftRows,
     /// Largest deviation of the length of a direction from one.
     pub unit: Row,
-    /// Further displacements of all bodies, for a kernel that moves them with one motion. A change of the parameters is that
-    /// of the displacement in the state.
-    pub further: Vec<DisplacementRows>,
+    /// Further deviation vectors of all bodies, for a kernel that moves them with one motion. A change of the
+    /// parameters is that of the deviation vector in the state.
+    pub further: Vec<DeviationRows>,
 }
 
 /// The forces on the bodies of a group on an interval: the numbers of `ForcesInterval`, in its order.

@@ -5,19 +5,19 @@ use super::{Compiled, System};
 use crate::body::Inertia;
 use crate::forces::{BodyForces, ForcesInterval, Further};
 use crate::kinematics::{attitude_of_rows, dot, to_body_frame};
-use crate::observe::{self, Bound, Displacement};
+use crate::method::{Method, Step, Variables};
+use crate::observe::{self, Bound, Deviation};
 use crate::scene::{Parameters, Scene};
-use crate::scheme::{Scheme, Step, Variables};
 use crate::simd::Row;
 use crate::start::{Body, VERTICAL};
 use std::sync::OnceLock;
 
 impl Body {
-    /// The rate that determines the steps of a scheme: the fastest rate of the body, and the fastest damping rate if
-    /// the scheme is stable only for short steps.
-    pub fn step_rate(&self, scheme: &Scheme, forces: BodyForces, span: [f64; 2]) -> f64 {
+    /// The rate that determines the steps of a method: the fastest rate of the body, and the fastest damping rate if
+    /// the method is stable only for short steps.
+    pub fn step_rate(&self, method: &Method, forces: BodyForces, span: [f64; 2]) -> f64 {
         let turning = self.fastest_rate(forces, span);
-        if forces.is_none() || scheme.is_stiff() {
+        if forces.is_none() || method.is_stiff() {
             return turning;
         }
         let [.., slowing] = forces.damping.rates(self.moments);
@@ -31,7 +31,7 @@ impl Body {
 /// A cyclic permutation is exact. Kernel axis i is body axis (i + shift) mod 3.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct KernelAssignment {
-    /// The step of the scheme for this body.
+    /// The step of the method for this body.
     pub step: Step,
     /// The permutation.
     shift: usize,
@@ -43,10 +43,10 @@ impl KernelAssignment {
     /// The rotor needs the symmetry axis third. The error of planar rotations is four to eight times smaller with the
     /// smallest moment first than with the smallest moment in the middle. Steps that evaluate the equations of motion
     /// use the axes of the user.
-    pub fn of(scheme: &Scheme, body: &Body, scene: &Scene) -> KernelAssignment {
+    pub fn of(method: &Method, body: &Body, scene: &Scene) -> KernelAssignment {
         let (step, shift) = match Inertia::new(body.moments).ok().and_then(Inertia::symmetry_axis) {
-            Some(axis) => (scheme.symmetric, (axis + 1) % 3),
-            None => (scheme.any, body.smallest_moment()),
+            Some(axis) => (method.symmetric, (axis + 1) % 3),
+            None => (method.any, body.smallest_moment()),
         };
         let step = if scene.has_weight { step } else { step.torque_free() };
         let shift = if step.engine.variables() == Variables::Rates { 0 } else { shift };
@@ -54,25 +54,25 @@ impl KernelAssignment {
     }
 
     /// The assignment of a body that is forced, or not.
-    pub fn of_either(is_forced: bool, scheme: &Scheme, body: &Body, scene: &Scene) -> KernelAssignment {
+    pub fn of_either(is_forced: bool, method: &Method, body: &Body, scene: &Scene) -> KernelAssignment {
         if is_forced {
-            KernelAssignment::of_forced(scheme, body)
+            KernelAssignment::of_forced(method, body)
         } else {
-            KernelAssignment::of(scheme, body, scene)
+            KernelAssignment::of(method, body, scene)
         }
     }
 
-    /// The assignment of a forced body, in the axes of the user. Panics if the scheme does not integrate forced bodies.
-    pub fn of_forced(scheme: &Scheme, _body: &Body) -> KernelAssignment {
-        let forced = scheme.forced.expect("checked when the request was made");
+    /// The assignment of a forced body, in the axes of the user. Panics if the method does not integrate forced bodies.
+    pub fn of_forced(method: &Method, _body: &Body) -> KernelAssignment {
+        let forced = method.forced.expect("checked when the request was made");
         KernelAssignment { step: forced.step, shift: 0 }
     }
 
-    /// A displacement in the variables of the kernel: a change of momenta, if the kernel integrates them.
-    pub fn displacement(self, displacement: &Displacement, body: &Body) -> Displacement {
-        let [d1, d2, d3, x1, x2, x3] = displacement.start;
+    /// A deviation vector in the variables of the kernel: a change of momenta, if the kernel integrates them.
+    pub fn deviation(self, deviation: &Deviation, body: &Body) -> Deviation {
+        let [d1, d2, d3, x1, x2, x3] = deviation.start;
         let (mut d, x) = (self.to_kernel_axes([d1, d2, d3]), self.to_kernel_axes([x1, x2, x3]));
-        let mut inverse_scale = self.to_kernel_axes(displacement.inverse_scale);
+        let mut inverse_scale = self.to_kernel_axes(deviation.inverse_scale);
         if self.step.engine.variables() == Variables::Momenta {
             let moments = self.to_kernel_axes(body.moments);
             for k in 0..3 {
@@ -80,12 +80,12 @@ impl KernelAssignment {
                 inverse_scale[k] /= moments[k];
             }
         }
-        Displacement { start: [d[0], d[1], d[2], x[0], x[1], x[2]], inverse_scale, ..*displacement }
+        Deviation { start: [d[0], d[1], d[2], x[0], x[1], x[2]], inverse_scale, ..*deviation }
     }
 
-    /// The displacement with these numbers of the kernel: a change of the rates and a rotation vector, in the axes of
-    /// the user.
-    fn displacement_of(self, [mut d, x]: [[f64; 3]; 2], moments: [f64; 3]) -> [f64; 6] {
+    /// The deviation vector with these numbers of the kernel: a change of the rates and a rotation vector, in the axes
+    /// of the user.
+    fn deviation_of(self, [mut d, x]: [[f64; 3]; 2], moments: [f64; 3]) -> [f64; 6] {
         if self.step.engine.variables() == Variables::Momenta {
             for k in 0..3 {
                 d[k] /= moments[k];
@@ -130,7 +130,7 @@ pub struct State {
     /// Energy and conserved momentum of a top with the vertical that follows from its attitude; this vertical may
     /// differ from the integrated one.
     pub invariants_of_attitude: Option<[f64; 2]>,
-    /// The displacement, if one is integrated: a change of the rates and a rotation vector in the body.
+    /// The deviation vector, if one is integrated: a change of the rates and a rotation vector in the body.
     pub tangent: Option<[f64; 6]>,
     /// Work and scales of a forced body.
     pub balance: Option<Balance>,
@@ -165,7 +165,7 @@ fn kernel_state(
     for v in 0..system.vectors() {
         let direction = match v {
             0 if is_observed && !system.scene().has_weight => observed_axis,
-            0 => assignment.to_kernel_axes(body.vertical()),
+            0 => assignment.to_kernel_axes(body.gamma()),
             1 if is_observed && !system.is_forced() => observed_axis,
             1 => in_kernel_axes([1.0, 0.0, 0.0]),
             _ => in_kernel_axes([0.0, 1.0, 0.0]),
@@ -195,8 +195,8 @@ pub struct Entry<'a> {
     pub step: f64,
     /// The variables of further forces at the start.
     pub own: [f64; Further::VARIABLES],
-    /// The displacement at the start, for systems that integrate one.
-    pub displacement: Displacement,
+    /// The deviation vector at the start, for systems that integrate one.
+    pub deviation: Deviation,
     /// The bound that is observed, if one is.
     pub bound: Option<Bound>,
 }
@@ -206,14 +206,14 @@ impl<'a> Entry<'a> {
     pub fn unobserved(body: &'a Body, forced_rate: Option<f64>, step: f64) -> Self {
         static NO_FORCES: OnceLock<ForcesInterval<f64>> = OnceLock::new();
         let forces = forced_rate.map(|rate| (NO_FORCES.get_or_init(ForcesInterval::none), rate));
-        let (own, displacement) = (Further::NONE.start(0.0), Displacement::NONE);
-        Entry { body, forces, axis: 0, limit: f64::INFINITY, step, own, displacement, bound: None }
+        let (own, deviation) = (Further::NONE.start(0.0), Deviation::NONE);
+        Entry { body, forces, axis: 0, limit: f64::INFINITY, step, own, deviation, bound: None }
     }
 }
 
 /// Loads a body into a lane.
 pub fn load(group: &mut Group, lane: usize, compiled: Compiled, assignment: KernelAssignment, entry: &Entry) {
-    let &Entry { body, forces, axis, limit, step, ref own, ref displacement, ref bound } = entry;
+    let &Entry { body, forces, axis, limit, step, ref own, ref deviation, ref bound } = entry;
     let kernel = compiled.kernel();
     let mut unit = [0.0; 3];
     if axis != 0 {
@@ -224,9 +224,9 @@ pub fn load(group: &mut Group, lane: usize, compiled: Compiled, assignment: Kern
     if let Some(at) = kernel.system.own_at() {
         y[at..at + own.len()].copy_from_slice(own);
     }
-    let displacement = assignment.displacement(displacement, body);
+    let deviation = assignment.deviation(deviation, body);
     if let Some(at) = kernel.system.tangent_at() {
-        y[at..at + 6].copy_from_slice(&displacement.start);
+        y[at..at + 6].copy_from_slice(&deviation.start);
     }
     let parameters = Parameters {
         moments: assignment.to_kernel_axes(body.moments),
@@ -277,7 +277,7 @@ pub fn load(group: &mut Group, lane: usize, compiled: Compiled, assignment: Kern
         unit,
         direction,
         limit,
-        displacement: &displacement,
+        deviation: &deviation,
         bound: bound.as_ref(),
         rates,
         momentum,
@@ -332,7 +332,7 @@ pub fn read(
     let in_rows = kernel.system.has_rows();
     let row = |y: &[f64; MAX_STATE], at: usize| [y[at], y[at + 1], y[at + 2]];
     let tangent = kernel.system.tangent_at();
-    let tangent = tangent.map(|at| assignment.displacement_of([row(&y, at), row(&y, at + 3)], *moments));
+    let tangent = tangent.map(|at| assignment.deviation_of([row(&y, at), row(&y, at + 3)], *moments));
     // With a quaternion, the space axes are permuted like the body axes.
     let attitude_and_vertical = match quaternion {
         Some(at) => Some(([y[at], y[at + 1], y[at + 2], y[at + 3]], assignment.to_kernel_axes(VERTICAL))),

@@ -13,6 +13,6 @@ mod step;
 pub use adaptive::AdaptiveSteps;
 pub use compiled::Compiled;
 pub use drive::{Job, drive};
-pub use group::{DisplacementRows, DriftRows, ForcesRows, Group, MAX_STATE};
+pub use group::{DeviationRows, DriftRows, ForcesRows, Group, MAX_STATE};
 pub use load::{Balance, Entry, KernelAssignment, State, load, read, reset_time, unload};
 pub use registry::{Kernel, Needs, System};

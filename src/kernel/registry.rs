@@ -1,20 +1,20 @@
-//! The list of kernels: systems and engines, and the code of each pair that a scheme can request.
+//! The list of kernels: systems and engines, and the code of each pair that a method can request.
 
 use super::adaptive::{AdaptiveSteps, adaptive_block, dense_output};
 use super::alone::adaptive_alone;
 use super::group::{ForcesRows, Group, MAX_STATE};
 use super::step::{invariants, prepared, process, step_block};
 use crate::forces::ForceSet;
+use crate::method::{
+    AffineSplitting, ComposedPlanar, Dop853Tableau, Engine, EngineName, Exponential, ImplicitMidpoint,
+    KickMoserVeselov, KickRotor, Numbers, Planar, Rk4Tableau, RungeKutta, Splitting, Step, Taylor, engines,
+};
 use crate::observe::Observed;
 use crate::real::{Pack, Quad};
 use crate::scene::{
     Attitude, Axis, AxisAttitude, AxisSensitivity, AxisTangent, FREE, ForcedFrame, ForcedFrameTangent,
     ForcedRates, Free, FunctionFrame, FurtherFrame, FurtherRates, Layout, Model, Parameters, Rates, Scene,
     TOP, Top, TwoAxes,
-};
-use crate::scheme::{
-    AffineSplitting, ComposedPlanar, Dop853Tableau, Engine, Exponential, ImplicitMidpoint, KickMoserVeselov,
-    KickRotor, Numbers, Planar, Rk4Tableau, RungeKutta, Splitting, Step, Stepper, Taylor, engines,
 };
 #[cfg(target_arch = "x86_64")]
 use crate::simd::{Arr, V4, V8};
@@ -25,7 +25,7 @@ use crate::simd::{Isa, LANES};
 pub struct Kernel {
     /// Model and layout.
     pub system: System,
-    /// The step of a scheme.
+    /// The step of a method.
     pub step: Step,
     /// The observable.
     pub observed: Observed,
@@ -42,13 +42,13 @@ type Adaptive = unsafe fn(&mut Group, &ForcesRows, &mut AdaptiveSteps, usize, &'
 /// A state of one lane inside its last step; see `dense_output`.
 type Dense = unsafe fn(&AdaptiveSteps, usize, f64, &'static Numbers) -> [f64; MAX_STATE];
 
-/// The code of a kernel for an instruction set. Code that no scheme can request is not compiled.
+/// The code of a kernel for an instruction set. Code that no method can request is not compiled.
 #[derive(Clone, Copy)]
 pub(super) struct Code {
     pub(super) advance: Advance,
     pub(super) process: Option<Process>,
     pub(super) invariants: Invariants,
-    /// Whether the further displacements of a group are moved with its motions.
+    /// Whether the further deviation vectors of a group are moved with its motions.
     pub(super) shares_motion: bool,
     pub(super) adaptive: Option<Adaptive>,
     /// The same for a group of one body.
@@ -82,7 +82,7 @@ macro_rules! entry_points {
                 numbers: &'static Numbers,
             ) where
                 P: Pack,
-                S: Stepper<P, M, L, D>,
+                S: Engine<P, M, L, D>,
                 M: Model<P>,
                 L: Layout,
             {
@@ -96,7 +96,7 @@ macro_rules! entry_points {
                 numbers: &'static Numbers,
             ) where
                 P: Pack,
-                S: Stepper<P, M, L, D>,
+                S: Engine<P, M, L, D>,
                 M: Model<P>,
                 L: Layout,
             {
@@ -153,7 +153,7 @@ macro_rules! entry_points {
                 y: &[f64; MAX_STATE],
             ) -> [f64; 2]
             where
-                T: Stepper<f64, N, L, D>,
+                T: Engine<f64, N, L, D>,
                 N: Model<f64>,
                 L: Layout,
             {
@@ -181,9 +181,9 @@ macro_rules! entry_points {
             ) -> Option<Code>
             where
                 P: Pack,
-                S: Stepper<P, M, L, D>,
+                S: Engine<P, M, L, D>,
                 M: Model<P>,
-                T: Stepper<f64, N, L, D>,
+                T: Engine<f64, N, L, D>,
                 N: Model<f64>,
                 L: Layout,
             {
@@ -204,13 +204,13 @@ macro_rules! entry_points {
     };
 }
 
-/// Whether a layout is compiled for AVX-512 too, where the engine is: forced bodies and displacements gain too little
-/// (benches/README.md).
+/// Whether a layout is compiled for AVX-512 too, where the engine is: forced bodies and deviation vectors gain too
+/// little (benches/README.md).
 const fn gains_by_avx512<L: Layout>() -> bool {
     !L::BALANCE && !L::TANGENT
 }
 
-/// The kernels: each engine of the list of `scheme` with each system that the engine integrates. The first system with
+/// The kernels: each engine of the list of `method` with each system that the engine integrates. The first system with
 /// the needed variables is taken, so a system with fewer variables stands before a system with more.
 macro_rules! kernels {
     (systems { $($system:ident: $scene:ident, $model:ident, $layout:ident;)* } engines $engines:tt) => {
@@ -254,7 +254,7 @@ macro_rules! kernels {
 
         kernels!(@modules $engines);
 
-        fn codes(system: System, engine: Engine) -> &'static Codes {
+        fn codes(system: System, engine: EngineName) -> &'static Codes {
             match system {
                 $(System::$system => kernels!(@codes engine, $model, $layout, $engines),)*
             }
@@ -262,7 +262,7 @@ macro_rules! kernels {
     };
     // The compiler works by modules. Each engine has its own module, so a change of one engine compiles only the
     // kernels of this engine.
-    (@modules { $($(#[$doc:meta])* $engine:ident: $stepper:ty, $avx2:ty $(, $avx512:ty)?;)* }) => {
+    (@modules { $($(#[$doc:meta])* $engine:ident: $code:ty, $avx2:ty $(, $avx512:ty)?;)* }) => {
         mod kernels_of {$(
             #[allow(non_snake_case)]
             pub mod $engine {
@@ -281,12 +281,12 @@ macro_rules! kernels {
         entry_points!(avx512 [#[target_feature(enable = "avx512f,avx512dq,avx512vl,avx512bw,avx2,fma")]]);
     };
     (@codes $which:ident, $model:ident, $layout:ident,
-        { $($(#[$doc:meta])* $engine:ident: $stepper:ty, $avx2:ty $(, $avx512:ty)?;)* }) => {
+        { $($(#[$doc:meta])* $engine:ident: $code:ty, $avx2:ty $(, $avx512:ty)?;)* }) => {
         match $which {
-            $(Engine::$engine => const {
+            $(EngineName::$engine => const {
                 type R = f64;
                 type M = $model<R>;
-                type Alone = $stepper;
+                type Alone = $code;
                 type AloneModel = M;
                 const D: usize = <$layout as Layout>::LEN;
                 &Codes {
@@ -297,7 +297,7 @@ macro_rules! kernels {
                         type M = $model<R>;
                         let alone = kernels_of::$engine::avx512::code_alone::<V4, $model<V4>, $layout, D>();
                         if gains_by_avx512::<$layout>() {
-                            kernels_of::$engine::avx512::code::<R, $stepper, M, Alone, AloneModel, $layout, D, { LANES / R::LANES }>(alone)
+                            kernels_of::$engine::avx512::code::<R, $code, M, Alone, AloneModel, $layout, D, { LANES / R::LANES }>(alone)
                         } else {
                             None
                         }
@@ -307,7 +307,7 @@ macro_rules! kernels {
                         type R = <$layout as Layout>::Lanes<$avx2>;
                         type M = $model<R>;
                         let alone = kernels_of::$engine::avx2::code_alone::<V4, $model<V4>, $layout, D>();
-                        kernels_of::$engine::avx2::code::<R, $stepper, M, Alone, AloneModel, $layout, D, { LANES / R::LANES }>(alone)
+                        kernels_of::$engine::avx2::code::<R, $code, M, Alone, AloneModel, $layout, D, { LANES / R::LANES }>(alone)
                     },
                     #[cfg(plain)]
                     scalar: kernels_of::$engine::scalar::code::<R, Alone, M, Alone, AloneModel, $layout, D, { LANES / R::LANES }>(None),
@@ -336,7 +336,7 @@ engines! { kernels
 }
 
 /// The code of a system and an engine for an instruction set; `None` if the engine does not integrate the system.
-pub(super) fn code(system: System, engine: Engine, isa: Isa) -> Option<&'static Code> {
+pub(super) fn code(system: System, engine: EngineName, isa: Isa) -> Option<&'static Code> {
     let codes = codes(system, engine);
     match isa {
         #[cfg(target_arch = "x86_64")]
@@ -357,9 +357,9 @@ pub struct Needs {
     pub directions: usize,
     /// Whether the attitude is needed, as a quaternion or as rows of its matrix.
     pub attitude: bool,
-    /// Whether a displacement is integrated with the motion.
+    /// Whether a deviation vector is integrated with the motion.
     pub tangent: bool,
-    /// Whether a change of the parameters adds to the displacement.
+    /// Whether a change of the parameters adds to the deviation vector.
     pub is_changed: bool,
 }
 
@@ -396,7 +396,7 @@ impl Traits {
 
 impl System {
     /// The first system of a scene, or of the scene that contains this one as a special case, that has the needed
-    /// variables and that the step integrates. Panics if there is no such system; schemes are checked when a request is
+    /// variables and that the step integrates. Panics if there is no such system; methods are checked when a request is
     /// made.
     pub fn carrying(scene: &Scene, step: Step, needs: Needs) -> System {
         let forces = needs.forces;
@@ -445,7 +445,7 @@ impl System {
         self.traits().own_at
     }
 
-    /// Index in the state of the displacement; `None` without one.
+    /// Index in the state of the deviation vector; `None` without one.
     #[inline]
     pub fn tangent_at(self) -> Option<usize> {
         self.traits().tangent_at
@@ -487,7 +487,7 @@ impl System {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scheme;
+    use crate::method;
 
     #[test]
     fn a_system_carries_what_is_needed_and_no_more() {
@@ -507,7 +507,7 @@ mod tests {
         let tangent = |needs| Needs { tangent: true, ..needs };
         let changed = |needs| Needs { tangent: true, is_changed: true, ..needs };
         // A series does not integrate a top with a quaternion.
-        let (rotations, series) = (scheme::SPLITTING4.any, scheme::TAYLOR12.any);
+        let (rotations, series) = (method::SPLITTING4.any, method::TAYLOR12.any);
         for (scene, step, needs, system) in [
             (&FREE, series, needs(0, false), FreeRates),
             (&FREE, series, needs(1, false), FreeAxis),
@@ -524,8 +524,8 @@ mod tests {
             (&TOP, series, forced(needs(0, false)), ForcedFrame),
             (&FREE, series, further(needs(0, false)), FurtherRates),
             (&FREE, series, further(needs(0, true)), FurtherFrame),
-            (&FREE, scheme::RK4.any, function(needs(0, false)), FunctionFrame),
-            (&TOP, scheme::MIDPOINT.any, function(needs(0, true)), FunctionFrame),
+            (&FREE, method::RK4.any, function(needs(0, false)), FunctionFrame),
+            (&TOP, method::MIDPOINT.any, function(needs(0, true)), FunctionFrame),
             // A free body is a top without weight.
             (&FREE, series, tangent(needs(0, false)), TopTangent),
             (&TOP, series, tangent(needs(0, false)), TopTangent),

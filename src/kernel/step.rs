@@ -3,13 +3,13 @@
 //! A block advances all bodies of a `Group` by some steps. Lanes are loaded and read by scalar code. No lane depends on
 //! another.
 
-use super::group::{DisplacementRows, DriftRows, ForcesRows, Group};
+use super::group::{DeviationRows, DriftRows, ForcesRows, Group};
 use crate::forces::ForcesInterval;
 use crate::kinematics::{direction, dot};
+use crate::method::{Coefficients, Engine, Numbers};
 use crate::observe::{Observed, Segment};
 use crate::real::{Pack, Real};
 use crate::scene::{Layout, Model, Parameters};
-use crate::scheme::{Coefficients, Numbers, Stepper};
 use crate::simd::{LANES, Row};
 
 #[inline(always)]
@@ -26,7 +26,7 @@ fn update_drift<P: Pack>(rows: &mut DriftRows, at: usize, now: P) {
 
 /// The constants of the body and of its step in the pack that begins at a lane.
 #[inline(always)]
-fn prepared_pack<P: Pack, M: Model<P>, L: Layout, S: Stepper<P, M, L, D>, const D: usize>(
+fn prepared_pack<P: Pack, M: Model<P>, L: Layout, S: Engine<P, M, L, D>, const D: usize>(
     g: &Group,
     forces: &ForcesRows,
     at: usize,
@@ -58,7 +58,7 @@ where
     P: Pack,
     M: Model<P>,
     L: Layout,
-    S: Stepper<P, M, L, D>,
+    S: Engine<P, M, L, D>,
 {
     const { assert!(D == L::LEN && PACKS * P::LANES == LANES) };
     let mut bodies = [prepared_pack::<P, M, L, S, D>(g, forces, 0, numbers); PACKS];
@@ -80,7 +80,7 @@ pub(super) fn step_block<P, const PACKS: usize, M, L, S, const D: usize>(
     P: Pack,
     M: Model<P>,
     L: Layout,
-    S: Stepper<P, M, L, D>,
+    S: Engine<P, M, L, D>,
 {
     let packs = used_packs::<P, PACKS>(g);
     if const { S::IS_SHORT && PACKS <= MOST_WRITTEN_OUT } && observed == Observed::Nothing && packs == PACKS {
@@ -100,7 +100,7 @@ pub(super) fn step_block<P, const PACKS: usize, M, L, S, const D: usize>(
                 y[d] = P::load(&g.state[d].0[at..]);
             }
             let before = y;
-            let (p, stepper) = &bodies[b];
+            let (p, engine) = &bodies[b];
             let mut compensation = y;
             let mut dense = Coefficients::new();
             if S::COMPENSATES {
@@ -108,7 +108,7 @@ pub(super) fn step_block<P, const PACKS: usize, M, L, S, const D: usize>(
                     compensation[d] = P::load(&g.compensation[d].0[at..]);
                 }
             }
-            stepper.step(p, &mut y, &mut compensation, &mut dense);
+            engine.step(p, &mut y, &mut compensation, &mut dense);
             if S::COMPENSATES {
                 for d in 0..D {
                     compensation[d].store(&mut g.compensation[d].0[at..]);
@@ -120,11 +120,11 @@ pub(super) fn step_block<P, const PACKS: usize, M, L, S, const D: usize>(
             if observed != Observed::Nothing {
                 let begin = (P::load(&g.count.0[at..]) + P::splat(i as f64)) * p.step;
                 let segment = Segment { begin, before: &before, after: &y, dense: &dense };
-                observed.after_step::<P, M, L, S, D>(stepper, p, &mut g.observed, at, &segment);
+                observed.after_step::<P, M, L, S, D>(engine, p, &mut g.observed, at, &segment);
             }
             if const { S::SHARES_MOTION } {
                 for rows in &mut g.further {
-                    displace::<P, M, L, S, D>(stepper, rows, at, &mut dense);
+                    move_deviation::<P, M, L, S, D>(engine, rows, at, &mut dense);
                 }
             }
         }
@@ -135,33 +135,33 @@ pub(super) fn step_block<P, const PACKS: usize, M, L, S, const D: usize>(
         for d in 0..D {
             y[d] = P::load(&g.state[d].0[at..]);
         }
-        let (p, stepper) = &bodies[b];
+        let (p, engine) = &bodies[b];
         if observed != Observed::Nothing {
-            observed.after_block::<P, M, L, S, D>(stepper, p, &mut g.observed, at, &y);
+            observed.after_block::<P, M, L, S, D>(engine, p, &mut g.observed, at, &y);
         }
         end_block::<P, M, L, S, D>(g, at, p, &y, steps);
     }
 }
 
-/// Moves a further displacement of the pack that begins at a lane by the last step.
+/// Moves a further deviation vector of the pack that begins at a lane by the last step.
 #[inline(always)]
-fn displace<P: Pack, M: Model<P>, L: Layout, S: Stepper<P, M, L, D>, const D: usize>(
-    stepper: &S,
-    rows: &mut DisplacementRows,
+fn move_deviation<P: Pack, M: Model<P>, L: Layout, S: Engine<P, M, L, D>, const D: usize>(
+    engine: &S,
+    rows: &mut DeviationRows,
     at: usize,
     dense: &mut Coefficients<P, D>,
 ) {
     let zero = P::splat(0.0);
-    let (mut displacement, mut compensation) = ([zero; 6], [zero; 6]);
+    let (mut deviation, mut compensation) = ([zero; 6], [zero; 6]);
     for k in 0..6 {
-        displacement[k] = P::load(&rows.state[k].0[at..]);
+        deviation[k] = P::load(&rows.state[k].0[at..]);
         if S::COMPENSATES {
             compensation[k] = P::load(&rows.compensation[k].0[at..]);
         }
     }
-    stepper.displace(&mut displacement, &mut compensation, dense);
+    engine.move_deviation(&mut deviation, &mut compensation, dense);
     for k in 0..6 {
-        displacement[k].store(&mut rows.state[k].0[at..]);
+        deviation[k].store(&mut rows.state[k].0[at..]);
         if S::COMPENSATES {
             compensation[k].store(&mut rows.compensation[k].0[at..]);
         }
@@ -170,7 +170,7 @@ fn displace<P: Pack, M: Model<P>, L: Layout, S: Stepper<P, M, L, D>, const D: us
 
 /// Updates the drifts and the steps of the pack that begins at a lane, at the end of a block.
 #[inline(always)]
-fn end_block<P: Pack, M: Model<P>, L: Layout, S: Stepper<P, M, L, D>, const D: usize>(
+fn end_block<P: Pack, M: Model<P>, L: Layout, S: Engine<P, M, L, D>, const D: usize>(
     g: &mut Group,
     at: usize,
     p: &Parameters<P>,
@@ -204,7 +204,7 @@ fn short_steps<P, const PACKS: usize, M, L, S, const D: usize>(
     P: Pack,
     M: Model<P>,
     L: Layout,
-    S: Stepper<P, M, L, D>,
+    S: Engine<P, M, L, D>,
 {
     macro_rules! each_pack {
         ($b:ident => $body:block) => {
@@ -225,9 +225,9 @@ fn short_steps<P, const PACKS: usize, M, L, S, const D: usize>(
     });
     for _ in 0..steps {
         each_pack!(B => {
-            let (p, stepper) = &bodies[B];
+            let (p, engine) = &bodies[B];
             let (mut compensation, mut dense) = (states[B], Coefficients::new());
-            stepper.step(p, &mut states[B], &mut compensation, &mut dense);
+            engine.step(p, &mut states[B], &mut compensation, &mut dense);
         });
     }
     each_pack!(B => {
@@ -248,7 +248,7 @@ pub(super) fn process<P, const PACKS: usize, M, L, S, const D: usize>(
     P: Pack,
     M: Model<P>,
     L: Layout,
-    S: Stepper<P, M, L, D>,
+    S: Engine<P, M, L, D>,
 {
     for b in 0..PACKS {
         let at = b * P::LANES;
@@ -272,7 +272,7 @@ pub(super) fn process<P, const PACKS: usize, M, L, S, const D: usize>(
 
 /// Energy and conserved momentum of a state, minus work and impulse if the body is forced.
 #[inline(always)]
-pub(super) fn invariants<R: Real, M: Model<R>, L: Layout, S: Stepper<R, M, L, D>, const D: usize>(
+pub(super) fn invariants<R: Real, M: Model<R>, L: Layout, S: Engine<R, M, L, D>, const D: usize>(
     p: &Parameters<R>,
     y: &[R; D],
 ) -> [R; 2] {

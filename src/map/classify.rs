@@ -103,7 +103,7 @@ impl<'a> ClosedFormClassifier<'a> {
         if self.map.criterion.rule().is_some() {
             let is_known = is_integrable(body);
             if is_known {
-                // Displacements grow exponentially on a separatrix, although nothing is chaotic.
+                // Deviation vectors grow exponentially on a separatrix, although nothing is chaotic.
                 let class = if is_on_separatrix(self.isa, body) { Class::Undecided } else { Class::Stable };
                 let status = Status::Finished;
                 outcomes[index] = Some(Outcome { class, status, exact: true, ..Outcome::REFUSED });

@@ -6,9 +6,9 @@ use super::{Class, Outcome, STEP_BLOCK, Watched};
 use crate::error::Error;
 use crate::kernel::{Compiled, Entry, ForcesRows, Group, Job, drive, load};
 use crate::memory;
-use crate::observe::{Displacement, EXIT_TIME, Observed};
+use crate::method::Step;
+use crate::observe::{Deviation, EXIT_TIME, Observed};
 use crate::parallel::Interrupt;
-use crate::scheme::Step;
 use crate::simd::Isa;
 use crate::simd::LANES;
 use crate::start::Body;
@@ -147,15 +147,15 @@ impl Job for MapJob<'_> {
             }
             let step = map.t_end / steps as f64;
             let assignment = map.assignment(body, cross_check);
-            let displacement = match map.criterion.rule() {
+            let deviation = match map.criterion.rule() {
                 Some(_) => {
                     let of_attitude = matches!(map.criterion, Criterion::RegularAttitude(_));
-                    regular::displacement(body, forces, of_attitude, cross_check)
+                    regular::deviation(body, forces, of_attitude, cross_check)
                 }
-                None => Displacement::NONE,
+                None => Deviation::NONE,
             };
             let course = map.criterion.rule().map(|rule| {
-                let norm = assignment.displacement(&displacement, body);
+                let norm = assignment.deviation(&deviation, body);
                 Course::new(rule, norm, map.is_forced(), [steps as f64, map.t_end])
             });
             let own = forces.further.start(0.0);
@@ -165,7 +165,7 @@ impl Job for MapJob<'_> {
                 (interval, body.fastest_rate(forces, [0.0, map.t_end]))
             });
             let (limit, bound) = (map.criterion.limit(), map.criterion.bound());
-            let entry = Entry { body, forces, axis: map.axis, limit, step, own, displacement, bound };
+            let entry = Entry { body, forces, axis: map.axis, limit, step, own, deviation, bound };
             load(&mut self.group, lane, self.compiled, assignment, &entry);
             if let Some(course) = &course {
                 course.settle(&mut self.group, self.compiled.kernel().system, lane);

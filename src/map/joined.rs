@@ -1,4 +1,4 @@
-//! Conditions joined by logic. Each is judged over the whole horizon, alone; the logic joins the verdicts.
+//! Conditions joined by logic. Each holds or fails over the whole horizon, alone; the logic joins the verdicts.
 //!
 //! A condition is kept until a time if it was not left before. `a & b`: both are kept until the horizon; `a | b`: at
 //! least one of them is, the same one all the time; `~a`: it was left. What is not known of one condition has no effect

@@ -19,7 +19,7 @@ pub use draw::{Laws, Mixed};
 pub use interval::{clopper_pearson, clopper_pearson_of_each};
 pub use joined::{Condition, Logic, MOST_CONDITIONS};
 pub use measure::{Measure, Quantity};
-pub use regular::{DISPLACEMENTS, PARTS, Rule, displacement_start};
+pub use regular::{DEVIATIONS, PARTS, Rule, deviation_start};
 pub use request::{Map, MethodChoice, Pixel};
 pub use sketch::{Bin, Sketch};
 pub use statistics::{Class, Column, FIXED_POINT, Field, Outcome, Statistics};
@@ -28,10 +28,9 @@ use crate::error::Error;
 use crate::forces::BodyForces;
 use crate::kernel::{Kernel, KernelAssignment, Needs, System};
 use crate::memory;
+use crate::method::{Method, Step, default_step};
 use crate::parallel::{Interrupt, over_blocks, thread_nanoseconds};
-use crate::scheme::{Scheme, Step};
 use crate::simd::Isa;
-use crate::solver::default_step;
 use crate::start::Body;
 use check::Runs;
 use classify::ClosedFormClassifier;
@@ -346,7 +345,7 @@ impl Deref for Watched<'_> {
 impl Watched<'_> {
     /// How a run of a sample is assigned to a kernel.
     fn assignment(&self, body: &Body, cross_check: bool) -> KernelAssignment {
-        KernelAssignment::of_either(self.is_forced(), self.scheme(cross_check), body, self.scene)
+        KernelAssignment::of_either(self.is_forced(), self.method(cross_check), body, self.scene)
     }
 
     /// The kernel of the samples with that step: its system carries what the criterion watches and no more.
@@ -365,27 +364,27 @@ impl Watched<'_> {
         }
     }
 
-    /// The scheme of a run of a sample.
-    fn scheme(&self, cross_check: bool) -> &'static Scheme {
-        let scheme = self.first_scheme();
-        if cross_check { scheme.second(self.is_forced()) } else { scheme }
+    /// The method of a run of a sample.
+    fn method(&self, cross_check: bool) -> &'static Method {
+        let method = self.first_method();
+        if cross_check { method.second(self.is_forced()) } else { method }
     }
 
     /// Number of steps of a run of a sample: whole blocks, no step longer than the map allows; above `max_steps` if the
-    /// rates need that many. A cross-check takes the steps of its scheme, and half the step that was asked for or that
-    /// the first run takes with the same scheme.
+    /// rates need that many. A cross-check takes the steps of its method, and half the step that was asked for or that
+    /// the first run takes with the same method.
     fn steps_of(&self, body: &Body, forces: BodyForces, cross_check: bool) -> u64 {
-        let scheme = self.scheme(cross_check);
-        let rate = body.step_rate(scheme, forces, [0.0, self.t_end]);
+        let method = self.method(cross_check);
+        let rate = body.step_rate(method, forces, [0.0, self.t_end]);
         let own = if cross_check {
-            default_step(scheme, rate)
+            default_step(method, rate)
         } else {
             self.method.default_step(self.criterion.rule().is_some(), rate)
         };
         let largest = match self.step {
             Some(step) if cross_check => own.min(0.5 * step),
             Some(step) => step,
-            None if cross_check && scheme == self.first_scheme() => 0.5 * own,
+            None if cross_check && method == self.first_method() => 0.5 * own,
             None => own,
         };
         let [multiple, fewest] = self.whole_steps();

@@ -1,13 +1,13 @@
-//! Whether a motion is regular or chaotic, from the mean MEGNO of a displacement at a few times.
+//! Whether a motion is regular or chaotic, from the mean MEGNO of a deviation vector at a few times.
 //!
-//! The mean MEGNO of displacements that grow like a power `t^p` of the time stays at `2 p`. It grows like `lambda T / 2`
-//! where displacements grow exponentially, so it doubles with the time.
+//! The mean MEGNO of deviation vectors that grow like a power `t^p` of the time stays at `2 p`. It grows like `lambda T
+//! / 2` where deviation vectors grow exponentially, so it doubles with the time.
 
 use super::{Class, Outcome, STEP_BLOCK, Watched};
 use crate::forces::BodyForces;
 use crate::kernel::{Group, System};
 use crate::kinematics::cross;
-use crate::observe::{Displacement, Growth};
+use crate::observe::{Deviation, Growth};
 use crate::simd::Isa;
 use crate::start::Body;
 use crate::status::Status;
@@ -25,10 +25,10 @@ pub(super) const BLOCK: u64 = STEP_BLOCK / 2;
 /// Least number of steps of a sample: the means need them.
 pub(super) const FEWEST: u64 = 64 * PARTS[0];
 
-/// A displacement beyond 2^this, or below its inverse, is divided by a power of two.
+/// A deviation vector beyond 2^this, or below its inverse, is divided by a power of two.
 const LARGEST_EXPONENT: u64 = 256;
 
-/// Blocks between two looks for such displacements: in their steps a displacement grows by less than 2^256.
+/// Blocks between two looks for such deviation vectors: in their steps a deviation vector grows by less than 2^256.
 const BLOCKS_TOGETHER: u64 = 4;
 
 /// When a run is called regular, and when chaotic.
@@ -67,9 +67,9 @@ impl Rule {
     }
 }
 
-/// Generic displacements, with rates in the unit of the body: each has a part along the direction that grows most. Those
-/// of the first and of the second run of a verdict follow from the first two; the others are for spectra.
-pub const DISPLACEMENTS: [[f64; 6]; 6] = [
+/// Generic deviation vectors, with rates in the unit of the body: each has a part along the direction that grows most.
+/// Those of the first and of the second run of a verdict follow from the first two; the others are for spectra.
+pub const DEVIATIONS: [[f64; 6]; 6] = [
     [0.5, -0.25, 0.375, 0.3125, 0.4375, -0.5],
     [-0.25, 0.5, 0.125, 0.25, -0.375, 0.625],
     [0.125, 0.25, -0.5, -0.5, 0.25, 0.125],
@@ -81,23 +81,19 @@ pub const DISPLACEMENTS: [[f64; 6]; 6] = [
 /// The largest component of what is left on the level of `L.gamma` must exceed this: rounding has no part in it then.
 const LEAST_LEFT: f64 = 1.0 / (1 << 20) as f64;
 
-/// The displacement of a run of a sample.
-pub(super) fn displacement(
-    body: &Body,
-    forces: BodyForces,
-    of_attitude: bool,
-    cross_check: bool,
-) -> Displacement {
-    let start = displacement_start(body, forces, cross_check);
-    Displacement { start, inverse_scale: [1.0 / body.rate_unit(); 3], of_attitude }
+/// The deviation vector of a run of a sample.
+pub(super) fn deviation(body: &Body, forces: BodyForces, of_attitude: bool, cross_check: bool) -> Deviation {
+    let start = deviation_start(body, forces, cross_check);
+    Deviation { start, inverse_scale: [1.0 / body.rate_unit(); 3], of_attitude }
 }
 
-/// The displacement from which a verdict begins: that of the first run, or of the one that checks it.
+/// The deviation vector from which a verdict begins: that of the first run, or of the one that checks it.
 ///
-/// Where `L.gamma` is conserved by a weight, it is the part of the generic displacement that keeps `L.gamma`. A motion
-/// changes with `L.gamma` too: at a resonance quadratically in the time, and a top may be integrable at one value only.
-pub fn displacement_start(body: &Body, forces: BodyForces, cross_check: bool) -> [f64; 6] {
-    let (generic, unit) = (DISPLACEMENTS[usize::from(cross_check)], body.rate_unit());
+/// Where `L.gamma` is conserved by a weight, it is the part of the generic deviation vector that keeps `L.gamma`. A
+/// motion changes with `L.gamma` too: at a resonance quadratically in the time, and a top may be integrable at one
+/// value only.
+pub fn deviation_start(body: &Body, forces: BodyForces, cross_check: bool) -> [f64; 6] {
+    let (generic, unit) = (DEVIATIONS[usize::from(cross_check)], body.rate_unit());
     let keeps_momentum = forces.is_none() && body.weight != [0.0; 3];
     let gradient = if keeps_momentum { momentum_gradient(body, unit) } else { None };
     let level = gradient.map(|gradient| across(&generic, &gradient));
@@ -108,27 +104,27 @@ pub fn displacement_start(body: &Body, forces: BodyForces, cross_check: bool) ->
     start
 }
 
-/// The gradient of `L.gamma = I omega . gamma` by a displacement with rates in this unit, its largest component one in
-/// size: `(unit I gamma, I omega x gamma)`, because a rotation vector x changes gamma by `gamma x x`. `None` if it
+/// The gradient of `L.gamma = I omega . gamma` by a deviation vector with rates in this unit, its largest component one
+/// in size: `(unit I gamma, I omega x gamma)`, because a rotation vector x changes gamma by `gamma x x`. `None` if it
 /// vanishes or is not finite. Moments over the largest one and rates over their unit stay in the range of doubles.
 fn momentum_gradient(body: &Body, unit: f64) -> Option<[f64; 6]> {
-    let vertical = body.vertical();
+    let gamma = body.gamma();
     let most = largest(&body.moments);
     let moments = body.moments.map(|moment| moment / most);
     let momentum = [0, 1, 2].map(|k| moments[k] * (body.omega[k] / unit));
-    let [a, b, c] = [0, 1, 2].map(|k| moments[k] * vertical[k]);
-    let [x, y, z] = cross(&momentum, &vertical);
+    let [a, b, c] = [0, 1, 2].map(|k| moments[k] * gamma[k]);
+    let [x, y, z] = cross(&momentum, &gamma);
     let gradient = [a, b, c, x, y, z];
     let most = largest(&gradient);
     let scaled = gradient.map(|g| g / most);
     scaled.iter().all(|g| g.is_finite()).then_some(scaled)
 }
 
-/// The part of a displacement across a direction.
-fn across(displacement: &[f64; 6], direction: &[f64; 6]) -> [f64; 6] {
+/// The part of a deviation vector across a direction.
+fn across(deviation: &[f64; 6], direction: &[f64; 6]) -> [f64; 6] {
     let product = |a: &[f64; 6], b: &[f64; 6]| a.iter().zip(b).fold(0.0, |sum, (a, b)| sum + a * b);
-    let along = product(displacement, direction) / product(direction, direction);
-    let mut left = *displacement;
+    let along = product(deviation, direction) / product(direction, direction);
+    let mut left = *deviation;
     for (left, direction) in left.iter_mut().zip(direction) {
         *left -= along * direction;
     }
@@ -144,8 +140,9 @@ fn largest(components: &[f64]) -> f64 {
 #[derive(Clone, Copy)]
 pub(super) struct Course {
     rule: Rule,
-    norm: Displacement,
-    /// The rotation about the vertical is removed from the displacement every so many steps: damping shrinks the rest.
+    norm: Deviation,
+    /// The rotation about the vertical is removed from the deviation vector every so many steps: damping shrinks the
+    /// rest.
     turns: bool,
     steps: f64,
     /// Horizon.
@@ -153,12 +150,12 @@ pub(super) struct Course {
     /// Mean MEGNO at the checkpoints that were reached.
     means: [f64; 4],
     reached: usize,
-    /// Steps after which the displacement was settled.
+    /// Steps after which the deviation vector was settled.
     settled: f64,
 }
 
 impl Course {
-    pub(super) fn new(rule: Rule, norm: Displacement, is_forced: bool, [steps, t_end]: [f64; 2]) -> Course {
+    pub(super) fn new(rule: Rule, norm: Deviation, is_forced: bool, [steps, t_end]: [f64; 2]) -> Course {
         let turns = is_forced && !norm.of_attitude;
         Course { rule, norm, turns, steps, t_end, means: [f64::NAN; 4], reached: 0, settled: 0.0 }
     }
@@ -185,9 +182,9 @@ impl Course {
         seen || self.reached == PARTS.len()
     }
 
-    /// Brings the displacement of a lane near one in size, which changes no digit of its growth.
+    /// Brings the deviation vector of a lane near one in size, which changes no digit of its growth.
     pub(super) fn settle(&self, group: &mut Group, system: System, lane: usize) {
-        // One displacement takes so few operations that the instruction set does not matter.
+        // One deviation vector takes so few operations that the instruction set does not matter.
         settle(group, system, lane, &self.norm, self.turns, &mut Frame::new(1, Isa::NARROWEST));
     }
 
@@ -216,7 +213,7 @@ fn mean_megno(group: &Group, lane: usize) -> f64 {
     2.0 * mean
 }
 
-/// Divides the displacements of a group that are far from one in size. Looks after some blocks only.
+/// Divides the deviation vectors of a group that are far from one in size. Looks after some blocks only.
 pub(super) fn keep_in_range<'a>(
     group: &mut Group,
     system: System,
@@ -226,7 +223,7 @@ pub(super) fn keep_in_range<'a>(
     if !blocks.is_multiple_of(BLOCKS_TOGETHER) {
         return;
     }
-    let at = system.tangent_at().expect("the system has a displacement");
+    let at = system.tangent_at().expect("the system has a deviation vector");
     for (lane, course) in courses {
         let size = (0..6).fold(0.0_f64, |size, k| size.max(group.state[at + k].0[lane].abs()));
         let exponent = (size.to_bits() >> 52).abs_diff(1023);
@@ -267,20 +264,19 @@ mod tests {
         let turned = Body { attitude: quaternion_product(&body.attitude, &turn), ..*body };
         let [p, q, r] = body.omega;
         let momentum = [body.moments[0] * (p + a), body.moments[1] * (q + b), body.moments[2] * (r + c)];
-        dot(&momentum, &turned.vertical())
+        dot(&momentum, &turned.gamma())
     }
 
-    /// The derivative of `L.gamma` along a displacement by central differences.
-    fn slope(body: &Body, displacement: [f64; 6]) -> f64 {
-        let [after, before] =
-            [STEP, -STEP].map(|h| momentum_about_vertical(body, displacement.map(|u| h * u)));
+    /// The derivative of `L.gamma` along a deviation vector by central differences.
+    fn slope(body: &Body, deviation: [f64; 6]) -> f64 {
+        let [after, before] = [STEP, -STEP].map(|h| momentum_about_vertical(body, deviation.map(|u| h * u)));
         (after - before) / (2.0 * STEP)
     }
 
     const STEP: f64 = 1e-5;
 
     #[test]
-    fn displacements_of_a_verdict_keep_the_momentum_about_the_vertical() {
+    fn deviations_of_a_verdict_keep_the_momentum_about_the_vertical() {
         let tops = [
             TOP,
             Body { weight: [1.0, 0.0, 0.0], moments: [4.0, 4.0, 1.0], ..TOP },
@@ -291,8 +287,8 @@ mod tests {
         for body in tops {
             let unit = body.rate_unit();
             for cross_check in [false, true] {
-                let found = displacement_start(&body, BodyForces::NONE, cross_check);
-                let generic = DISPLACEMENTS[usize::from(cross_check)];
+                let found = deviation_start(&body, BodyForces::NONE, cross_check);
+                let generic = DEVIATIONS[usize::from(cross_check)];
                 let mut scaled = found;
                 scaled[..3].iter_mut().for_each(|rate| *rate /= unit);
                 // Truncation is the square of the step, rounding 2^-53 over the step, each times some L.
@@ -313,8 +309,8 @@ mod tests {
     }
 
     #[test]
-    fn displacements_do_not_depend_on_units() {
-        let known = displacement_start(&TOP, BodyForces::NONE, false);
+    fn deviations_do_not_depend_on_units() {
+        let known = deviation_start(&TOP, BodyForces::NONE, false);
         for (mass, rate) in [(3, -7), (400, 40), (900, -400), (-900, 400), (-400, -40)] {
             let [mass, rate] = [mass, rate].map(|power| 2.0_f64.powi(power));
             let scaled = Body {
@@ -323,20 +319,20 @@ mod tests {
                 omega: TOP.omega.map(|x| x * rate),
                 ..TOP
             };
-            let mut found = displacement_start(&scaled, BodyForces::NONE, false);
+            let mut found = deviation_start(&scaled, BodyForces::NONE, false);
             found[..3].iter_mut().for_each(|x| *x /= rate);
             assert_eq!(found, known, "{mass:e} {rate:e}");
         }
     }
 
     #[test]
-    fn bodies_whose_momentum_about_the_vertical_is_not_that_of_a_weight_have_generic_displacements() {
+    fn bodies_whose_momentum_about_the_vertical_is_not_that_of_a_weight_have_generic_deviations() {
         let damping = Forces::new(&[], &[], &[], &[[0.1, 0.1, 0.1, 0.0, 0.0, 0.0]]).unwrap();
         let nothing = Forces::new(&[], &[], &[], &[[0.0; 6]]).unwrap();
         let is_generic = |body: &Body, forces: &Forces| {
             let unit = body.rate_unit();
-            let [a, b, c, x, y, z] = DISPLACEMENTS[1];
-            let found = displacement_start(body, forces.of(0), true);
+            let [a, b, c, x, y, z] = DEVIATIONS[1];
+            let found = deviation_start(body, forces.of(0), true);
             found == [a * unit, b * unit, c * unit, x, y, z]
         };
         assert!(!is_generic(&TOP, Forces::NONE));
@@ -347,10 +343,10 @@ mod tests {
     }
 
     #[test]
-    fn a_displacement_along_the_gradient_stays() {
-        // The gradient (unit I gamma, L x gamma) is made equal to the displacement (d, x): gamma follows from d and moments
-        // for which gamma is across x, L from x, and the weight from the unit.
-        let [a, b, c, x, y, z] = DISPLACEMENTS[0];
+    fn a_deviation_along_the_gradient_stays() {
+        // The gradient (unit I gamma, L x gamma) is made equal to the deviation vector (d, x): gamma follows from d and
+        // moments for which gamma is across x, L from x, and the weight from the unit.
+        let [a, b, c, x, y, z] = DEVIATIONS[0];
         let (i1, i2) = (0.1, 0.2);
         let moments = [i1, i2, -c * z / (a * x / i1 + b * y / i2)];
         let along = [a / moments[0], b / moments[1], c / moments[2]];
@@ -364,11 +360,11 @@ mod tests {
         let scale = (2.0 * (1.0 + gamma[2])).sqrt();
         let attitude = [0.5 * scale, gamma[1] / scale, -gamma[0] / scale, 0.0];
         let body = Body { moments, weight: [mgl, 0.0, 0.0], omega, attitude };
-        assert!((0..3).all(|k| (body.vertical()[k] - gamma[k]).abs() < 1e-15));
+        assert!((0..3).all(|k| (body.gamma()[k] - gamma[k]).abs() < 1e-15));
         assert!((body.rate_unit() - unit).abs() < 1e-14);
-        let found = displacement_start(&body, BodyForces::NONE, false);
-        assert_eq!(found[3..], DISPLACEMENTS[0][3..]);
-        assert_ne!(displacement_start(&body, BodyForces::NONE, true)[3..], DISPLACEMENTS[1][3..]);
+        let found = deviation_start(&body, BodyForces::NONE, false);
+        assert_eq!(found[3..], DEVIATIONS[0][3..]);
+        assert_ne!(deviation_start(&body, BodyForces::NONE, true)[3..], DEVIATIONS[1][3..]);
     }
 
     #[test]

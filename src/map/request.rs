@@ -7,9 +7,8 @@ use crate::exact::Question;
 use crate::forces::ForceSet;
 use crate::forces::{BodyForces, Forces};
 use crate::kernel::System;
+use crate::method::{self, AnyMethod, Method, Step, default_step};
 use crate::scene::Scene;
-use crate::scheme::{self, Scheme, Step};
-use crate::solver::{Solver, default_step};
 use crate::start::Body;
 
 /// The nominal body of a pixel and the size of the perturbations of its samples.
@@ -28,10 +27,10 @@ pub struct Pixel {
 /// How the samples of a map are classified.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MethodChoice {
-    /// In closed form where there is one, else by the default scheme.
+    /// In closed form where there is one, else by the default method.
     Auto,
-    /// By this solver; with the closed forms, a sample without one is refused.
-    Only(Solver),
+    /// By this method; with the closed forms, a sample without one is refused.
+    Only(AnyMethod),
 }
 
 impl MethodChoice {
@@ -43,40 +42,40 @@ impl MethodChoice {
         if name == MethodChoice::AUTO {
             Ok(MethodChoice::Auto)
         } else {
-            Solver::parse(name).map(MethodChoice::Only)
+            AnyMethod::parse(name).map(MethodChoice::Only)
         }
     }
 
     /// Whether closed forms are used.
     pub(super) fn exact(self) -> bool {
-        matches!(self, MethodChoice::Auto | MethodChoice::Only(Solver::Exact))
+        matches!(self, MethodChoice::Auto | MethodChoice::Only(AnyMethod::Exact))
     }
 
-    /// The scheme of the samples that have no closed form. A series by default: what is watched is computed inside its
-    /// steps, so that these may be long. The growth of a displacement is a sum over the steps, which Runge-Kutta makes
-    /// faster.
-    pub fn scheme(self, of_growth: bool) -> &'static Scheme {
+    /// The method of the samples that have no closed form. A series by default: what is watched is computed inside its
+    /// steps, so that these may be long. The growth of a deviation vector is a sum over the steps, which Runge-Kutta
+    /// makes faster.
+    pub fn by_steps(self, of_growth: bool) -> &'static Method {
         match self {
-            MethodChoice::Only(Solver::Steps(scheme)) => scheme,
-            _ if of_growth => &scheme::DOP853,
-            _ => &scheme::TAYLOR12,
+            MethodChoice::Only(AnyMethod::Steps(method)) => method,
+            _ if of_growth => &method::DOP853,
+            _ => &method::TAYLOR12,
         }
     }
 
-    /// The longest step at a rate. Of the default scheme it is three times as long as where a trajectory is wanted to
-    /// rounding: its error is about 1e-8 rad per radian turned, and the check knows it. Whether a motion is chaotic does
-    /// not depend on its digits: its steps are a radian and a quarter of the bound of its rates.
+    /// The longest step at a rate. Of the default method it is three times as long as where a trajectory is asked for
+    /// to rounding: its error is about 1e-8 rad per radian turned, and the check knows it. Whether a motion is chaotic
+    /// does not depend on its digits: its steps are a radian and a quarter of the bound of its rates.
     pub fn default_step(self, of_growth: bool, rate: f64) -> f64 {
         let longer = match self {
             MethodChoice::Only(_) => 1.0,
             _ if of_growth => GROWTH_STEPS,
             _ => 3.0,
         };
-        longer * default_step(self.scheme(of_growth), rate)
+        longer * default_step(self.by_steps(of_growth), rate)
     }
 }
 
-/// Steps of the default scheme for the growth of displacements, over those for states: 1.25 rad.
+/// Steps of the default method for the growth of deviation vectors, over those for states: 1.25 rad.
 const GROWTH_STEPS: f64 = 12.5;
 
 /// Everything that the statistics of a map depend on.
@@ -161,28 +160,28 @@ impl Map {
         if !(self.t_end.is_finite() && self.t_end > 0.0) {
             return refuse("t_end", self.t_end.to_string(), "must be positive and finite");
         }
-        let is_exact = self.method == MethodChoice::Only(Solver::Exact);
+        let is_exact = self.method == MethodChoice::Only(AnyMethod::Exact);
         if is_exact && !self.measures.iter().all(|measure| measure.is_known()) {
-            return refuse("method", format!("'{}'", Solver::EXACT), "measures are taken along steps");
+            return refuse("method", format!("'{}'", AnyMethod::EXACT), "measures are taken along steps");
         }
         for watched in self.each_watched().filter(|_| !is_exact) {
-            let scheme = watched.first_scheme();
-            scheme.check(self.scene, true)?;
+            let method = watched.first_method();
+            method.check(self.scene, true)?;
             if watched.criterion.bound().is_some() {
-                scheme.check_limits()?;
+                method.check_limits()?;
             }
             if watched.criterion.rule().is_some() {
-                scheme.check_tangent(self.is_forced())?;
-                self.forces().check_displaced()?;
+                method.check_tangent(self.is_forced())?;
+                self.forces().check_deviations()?;
             }
-            let steps = [scheme.any, scheme.symmetric].map(Step::torque_free);
+            let steps = [method.any, method.symmetric].map(Step::torque_free);
             let is_framed = watched.criterion.directions(self.scene) > 1 && !self.scene.has_weight;
             if is_framed
                 && !self.is_forced()
                 && !steps.iter().all(|&step| System::TopTwoAxes.is_moved_by(step))
             {
                 let rule = "integrates no frame with a free body, which this criterion needs";
-                return refuse("method", format!("'{}'", scheme.facts.name), rule);
+                return refuse("method", format!("'{}'", method.facts.name), rule);
             }
         }
         if self.is_forced() {
@@ -200,9 +199,9 @@ impl Map {
         self.pixels.iter().position(|pixel| pixel.possible && !answers(&pixel.body))
     }
 
-    /// The scheme of the first run of samples that have no closed form.
-    pub fn first_scheme(&self) -> &'static Scheme {
-        self.method.scheme(self.conditions.iter().any(|condition| condition.criterion.rule().is_some()))
+    /// The method of the first run of samples that have no closed form.
+    pub fn first_method(&self) -> &'static Method {
+        self.method.by_steps(self.conditions.iter().any(|condition| condition.criterion.rule().is_some()))
     }
 
     /// Whether torque or damping is applied.
@@ -224,18 +223,18 @@ impl Map {
 
     /// Refuses forces that a criterion or the method cannot handle.
     fn check_forced(&self) -> Result<(), Error> {
-        let scheme = self.first_scheme();
+        let method = self.first_method();
         let refuse = |argument, value, rule| Err(Error::Value { argument, value, rule });
-        if self.method == MethodChoice::Only(Solver::Exact) {
+        if self.method == MethodChoice::Only(AnyMethod::Exact) {
             let rule = "no classification in closed form is known under torque and damping";
-            return refuse("method", format!("'{}'", Solver::EXACT), rule);
+            return refuse("method", format!("'{}'", AnyMethod::EXACT), rule);
         }
-        scheme.forced_limit()?;
+        method.forced_limit()?;
         if self.forces().function {
             let rule = "cannot act in a map, whose samples a Taylor series classifies again";
             return refuse("torque", "a function".to_string(), rule);
         }
-        scheme.check_forces(self.forces())?;
+        method.check_forces(self.forces())?;
         let is_from_start =
             self.conditions.iter().any(|one| matches!(one.criterion, Criterion::TiltFromStart(_)))
                 || !self.measures.iter().all(|measure| measure.can_be_forced());
@@ -249,7 +248,7 @@ impl Map {
         if let Some(step) = self.step {
             for (pixel, forces) in self.pixels.iter().zip(&self.forces).filter(|(pixel, _)| pixel.possible) {
                 let [.., rate] = forces.of(0).damping.rates(pixel.body.moments);
-                scheme.check_damping(None, step, rate)?;
+                method.check_damping(None, step, rate)?;
             }
         }
         Ok(())
@@ -257,9 +256,9 @@ impl Map {
 }
 
 impl Watched<'_> {
-    /// The scheme of the first run of samples that have no closed form.
-    pub(super) fn first_scheme(&self) -> &'static Scheme {
-        self.method.scheme(self.criterion.rule().is_some())
+    /// The method of the first run of samples that have no closed form.
+    pub(super) fn first_method(&self) -> &'static Method {
+        self.method.by_steps(self.criterion.rule().is_some())
     }
 }
 
@@ -317,6 +316,6 @@ mod tests {
     #[test]
     fn methods_have_names() {
         assert_eq!(MethodChoice::parse("auto"), Ok(MethodChoice::Auto));
-        assert_eq!(MethodChoice::parse("exact"), Ok(MethodChoice::Only(Solver::Exact)));
+        assert_eq!(MethodChoice::parse("exact"), Ok(MethodChoice::Only(AnyMethod::Exact)));
     }
 }

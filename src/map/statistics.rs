@@ -55,7 +55,7 @@ pub struct Outcome {
     pub tilt: f64,
     /// Mean rate about the watched axis, NaN if it is not observed.
     pub mean_rate: f64,
-    /// Logarithm of the growth of a displacement over the time, at the end; NaN if it is not observed (1/s).
+    /// Logarithm of the growth of a deviation vector over the time, at the end; NaN if it is not observed (1/s).
     pub exponent: f64,
     /// The mean over the time of MEGNO, at the end; NaN if it is not observed.
     pub mean_megno: f64,
@@ -303,7 +303,7 @@ columns! {
     /// Earliest loss of stability; infinite if none.
     earliest: f64 Min, "s", "first time of leaving stability", true,
         |s| if s.class == Class::Unstable { s.first.left } else { f64::INFINITY };
-    /// Sum of the growth of displacements over the horizon, at the rate that it had when the run ended.
+    /// Sum of the growth of deviation vectors over the horizon, at the rate that it had when the run ended.
     growth: i64 Sum, "2^-20", "sum of exponents times the horizon", true, |s| Outcome::fixed(s.first.exponent * s.t_end);
     /// Sum of the mean MEGNO.
     megno: i64 Sum, "2^-20", "sum of mean MEGNO", true, |s| Outcome::fixed(s.first.mean_megno);

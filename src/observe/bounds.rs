@@ -3,9 +3,9 @@
 use super::dense::hermite_weights;
 use super::{EXIT_TIME, Observable, Rows, Segment, Start, Update, three};
 use crate::kinematics::{cross, direction, direction_rate, dot};
+use crate::method::{Coefficients, Engine, Variables, in_halves};
 use crate::real::{Apart, Real};
 use crate::scene::{Layout, Model, Parameters};
-use crate::scheme::{Coefficients, Stepper, Variables, in_halves};
 use crate::special::sincos;
 use std::f64::consts::PI;
 use std::marker::PhantomData;
@@ -203,13 +203,13 @@ impl<R: Real, const D: usize> Inside<'_, R, D> {
 
 /// The rates of change of the observed variables, times the step.
 #[inline(always)]
-fn slopes<R: Real, M: Model<R>, L: Layout, S: Stepper<R, M, L, D>, const D: usize>(
-    stepper: &S,
+fn slopes<R: Real, M: Model<R>, L: Layout, S: Engine<R, M, L, D>, const D: usize>(
+    engine: &S,
     p: &Parameters<R>,
     y: &[R; D],
 ) -> [R; D] {
     let mut slopes = [R::splat(0.0); D];
-    let (velocity, rates) = (stepper.velocity(p, y), S::rates(p, y));
+    let (velocity, rates) = (engine.velocity(p, y), S::rates(p, y));
     for k in 0..3 {
         slopes[k] = velocity[k] * p.step;
     }
@@ -288,8 +288,8 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Bou
 
     #[expect(clippy::manual_memcpy, reason = "a copied slice has an address: its state would stay in memory")]
     #[inline(always)]
-    fn after_step<S: Stepper<R, M, L, D>>(
-        stepper: &S,
+    fn after_step<S: Engine<R, M, L, D>>(
+        engine: &S,
         p: &Parameters<R>,
         rows: &mut Rows<R>,
         segment: &Segment<R, D>,
@@ -309,7 +309,7 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Bou
             return;
         }
         let slopes =
-            [slopes::<R, M, L, S, D>(stepper, p, &before), slopes::<R, M, L, S, D>(stepper, p, &after)];
+            [slopes::<R, M, L, S, D>(engine, p, &before), slopes::<R, M, L, S, D>(engine, p, &after)];
         let inside = Inside { before: &before, after: &after, slopes: &slopes, dense: segment.dense };
         if const { matches!(S::VARIABLES, Variables::Rates) } {
             R::apart(Look::<R, L, false, false, D> { p, rows, begin, inside, layout: PhantomData });

@@ -1,7 +1,7 @@
 //! The polynomial of a step, and its zeros.
 
+use crate::method::Coefficients;
 use crate::real::Real;
-use crate::scheme::Coefficients;
 
 /// Three numbers that are linear in a state.
 pub(super) trait Part<R>: Copy {

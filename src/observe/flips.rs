@@ -4,9 +4,9 @@ use super::dense::{Bracket, Part, hermite_root, interpolate, newton, turning_poi
 use super::{EXIT_TIME, Observable, Rows, Segment, Start, Update, along, first_time, three};
 use crate::forces::{BodyForces, ForcesInterval};
 use crate::kinematics::to_body_frame;
+use crate::method::{Coefficients, Engine, Numbers, Taylor};
 use crate::real::{Apart, Real};
 use crate::scene::{FurtherFrame, Layout, Model, Parameters, Top};
-use crate::scheme::{Coefficients, Numbers, Stepper, Taylor};
 #[cfg(all(target_arch = "x86_64", plain))]
 use crate::simd::Isa;
 #[cfg(target_arch = "x86_64")]
@@ -27,8 +27,8 @@ impl Flips {
     /// Two sign changes inside one long step: the component moves towards zero at the begin, away from zero at the end,
     /// and has the other sign between.
     #[inline(always)]
-    fn two_flips_in_a_step<R: Real, M: Model<R>, L: Layout, S: Stepper<R, M, L, D>, const D: usize>(
-        stepper: &S,
+    fn two_flips_in_a_step<R: Real, M: Model<R>, L: Layout, S: Engine<R, M, L, D>, const D: usize>(
+        engine: &S,
         p: &Parameters<R>,
         rows: &mut Rows<R>,
         segment: &Segment<R, D>,
@@ -38,7 +38,7 @@ impl Flips {
         let sign = rows[Flips::SIGN];
         let zero = R::splat(0.0);
         let begin_slope = along(&axis, &0usize.of(segment.dense.order(1))) * sign;
-        let end_slope = along(&axis, &stepper.velocity(p, after)) * p.step * sign;
+        let end_slope = along(&axis, &engine.velocity(p, after)) * p.step * sign;
         let has_minimum = R::select(zero.lt(end_slope), begin_slope, zero).lt(zero);
         if R::any(has_minimum) {
             let dense = segment.dense;
@@ -80,7 +80,7 @@ impl Apart for AfterStart<'_> {
         const NUMBERS: &Numbers = &Numbers { order: 6, ..Numbers::NONE };
         let AfterStart { body, interval, rate, rates } = self;
         let p = Parameters { moments: body.moments, weight: body.weight, step: 1e-3 / rate };
-        let series = <Taylor<f64, Top<f64>> as Stepper<_, _, FurtherFrame, LEN>>::new(&p, interval, NUMBERS);
+        let series = <Taylor<f64, Top<f64>> as Engine<_, _, FurtherFrame, LEN>>::new(&p, interval, NUMBERS);
         let mut y = [0.0; LEN];
         y[..3].copy_from_slice(&body.omega);
         for (v, axis) in [VERTICAL, [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]].iter().enumerate() {
@@ -147,8 +147,8 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Fli
     const FITS: bool = !L::QUATERNION && !L::TANGENT && (L::BALANCE || L::VECTORS == M::HEAVY as usize);
 
     #[inline(always)]
-    fn after_step<S: Stepper<R, M, L, D>>(
-        stepper: &S,
+    fn after_step<S: Engine<R, M, L, D>>(
+        engine: &S,
         p: &Parameters<R>,
         rows: &mut Rows<R>,
         segment: &Segment<R, D>,
@@ -162,8 +162,8 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Fli
         let flipped = (end * sign).lt(zero);
         if R::any(flipped) {
             let begin = along(&axis, &[before[0], before[1], before[2]]);
-            let begin_rate = along(&axis, &stepper.velocity(p, before)) * p.step;
-            let end_rate = along(&axis, &stepper.velocity(p, after)) * p.step;
+            let begin_rate = along(&axis, &engine.velocity(p, before)) * p.step;
+            let end_rate = along(&axis, &engine.velocity(p, after)) * p.step;
             let mut fraction = hermite_root(begin, begin_rate, end, end_rate);
             if const { S::IS_SERIES } {
                 let dense = segment.dense;
@@ -180,7 +180,7 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Fli
             rows[Flips::SIGN] = R::select(flipped, -sign, sign);
         }
         if const { S::IS_SERIES } {
-            Self::two_flips_in_a_step(stepper, p, rows, segment);
+            Self::two_flips_in_a_step(engine, p, rows, segment);
         }
     }
 }

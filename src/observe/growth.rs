@@ -1,17 +1,18 @@
-//! Growth of a displacement: its logarithm, and the means of the logarithm over the time.
+//! Growth of a deviation vector: its logarithm, and the means of the logarithm over the time.
 
 use super::dense::interpolate;
 use super::{Observable, Rows, Segment, Start, Update};
 use crate::kinematics::{cross, direction, dot};
+use crate::method::Engine;
 use crate::real::Real;
 use crate::scene::{Layout, Model, Parameters};
-use crate::scheme::Stepper;
 use crate::special::ln;
 
-/// A displacement at the start, and the norm in which its growth is measured: `|d / scale|^2 + |x|^2` of a change d of the
-/// rates, or momenta in a kernel, and a rotation vector x, or with the change `gamma x x` of the vertical instead of x.
+/// A deviation vector at the start, and the norm in which its growth is measured: `|d / scale|^2 + |x|^2` of a change d
+/// of the rates, or momenta in a kernel, and a rotation vector x, or with the change `gamma x x` of the vertical
+/// instead of x.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Displacement {
+pub struct Deviation {
     /// Change of the rates, and rotation vector.
     pub start: [f64; 6],
     /// One over the unit of each rate.
@@ -20,27 +21,28 @@ pub struct Displacement {
     pub of_attitude: bool,
 }
 
-impl Displacement {
-    /// No displacement.
-    pub const NONE: Displacement = Displacement::new([0.0; 6]);
+impl Deviation {
+    /// No deviation vector.
+    pub const NONE: Deviation = Deviation::new([0.0; 6]);
 
-    /// A displacement whose growth is not observed.
-    pub const fn new(start: [f64; 6]) -> Displacement {
-        Displacement { start, inverse_scale: [1.0; 3], of_attitude: true }
+    /// A deviation vector whose growth is not observed.
+    pub const fn new(start: [f64; 6]) -> Deviation {
+        Deviation { start, inverse_scale: [1.0; 3], of_attitude: true }
     }
 
-    /// The vector whose length is the norm of a displacement.
+    /// The vector whose length is the norm of a deviation vector.
     #[inline(always)]
-    pub fn measured(&self, displacement: &[f64; 6], vertical: &[f64; 3]) -> [f64; 6] {
-        let [d1, d2, d3, x1, x2, x3] = *displacement;
+    pub fn measured(&self, deviation: &[f64; 6], gamma: &[f64; 3]) -> [f64; 6] {
+        let [d1, d2, d3, x1, x2, x3] = *deviation;
         let x = [x1, x2, x3];
-        let [a, b, c] = if self.of_attitude { x } else { cross(vertical, &x) };
+        let [a, b, c] = if self.of_attitude { x } else { cross(gamma, &x) };
         let [s1, s2, s3] = self.inverse_scale;
         [d1 * s1, d2 * s2, d3 * s3, a, b, c]
     }
 }
 
-/// Logarithm of the size of a displacement over its size at the start, and integrals of the logarithm over the time.
+/// Logarithm of the size of a deviation vector over its size at the start, and integrals of the logarithm over the
+/// time.
 ///
 /// With `Λ = ln |v| / |v(0)|` and its integral `A`, MEGNO is `2 (Λ - A / t)` (Cincotta & Simó 2000, doi
 /// 10.1051/aas:2000108), and its mean over the time is `(2 / t) (A - integral of A / t)`. The integrals are trapezoids of
@@ -59,7 +61,7 @@ impl Growth {
     pub const MEAN_AREA: usize = 4;
     /// Time.
     pub const TIME: usize = 5;
-    /// The displacement is 2^shift times its row.
+    /// The deviation vector is 2^shift times its row.
     pub const SHIFT: usize = 6;
     /// Of the first rate, and two more.
     const INVERSE_SCALE: usize = 7;
@@ -77,13 +79,13 @@ impl Growth {
         [rows[Growth::LOG], rows[Growth::LARGEST], mean, mean - mean_of_mean]
     }
 
-    /// Logarithm of the size of a displacement, which is 2^shift times `[d, x]`. The power of two is added to the
+    /// Logarithm of the size of a deviation vector, which is 2^shift times `[d, x]`. The power of two is added to the
     /// exponent of the square, so the logarithm does not depend on how the size is divided between both.
     #[inline(always)]
-    fn log<R: Real>(rows: &Rows<R>, d: [R; 3], x: [R; 3], vertical: [R; 3]) -> R {
+    fn log<R: Real>(rows: &Rows<R>, d: [R; 3], x: [R; 3], gamma: [R; 3]) -> R {
         let at = Growth::INVERSE_SCALE;
         let d = [d[0] * rows[at], d[1] * rows[at + 1], d[2] * rows[at + 2]];
-        let turned = cross(&vertical, &x);
+        let turned = cross(&gamma, &x);
         let turn = R::select(R::splat(0.5).lt(rows[Growth::OF_ATTITUDE]), dot(&x, &x), dot(&turned, &turned));
         let square = dot(&d, &d) + turn;
         let (mantissa, exponent) = square.frexp();
@@ -197,8 +199,7 @@ impl Observable for Growth {
 
     fn start(start: &Start) -> Rows<f64> {
         let mut rows = super::UNOBSERVED;
-        let Displacement { start: [d1, d2, d3, x1, x2, x3], inverse_scale, of_attitude } =
-            *start.displacement;
+        let Deviation { start: [d1, d2, d3, x1, x2, x3], inverse_scale, of_attitude } = *start.deviation;
         rows[Growth::INVERSE_SCALE..Growth::OF_ATTITUDE].copy_from_slice(&inverse_scale);
         rows[Growth::OF_ATTITUDE] = if of_attitude { 1.0 } else { 0.0 };
         rows[Growth::START] = Growth::log(&rows, [d1, d2, d3], [x1, x2, x3], start.direction);
@@ -215,8 +216,8 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Gro
     const FITS: bool = L::TANGENT && L::BALANCE == L::CHANGED;
 
     #[inline(always)]
-    fn after_step<S: Stepper<R, M, L, D>>(
-        _stepper: &S,
+    fn after_step<S: Engine<R, M, L, D>>(
+        _engine: &S,
         p: &Parameters<R>,
         rows: &mut Rows<R>,
         segment: &Segment<R, D>,
@@ -236,8 +237,8 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Gro
                 let node = R::splat(NODES[i]);
                 let (d, _) = interpolate(dense, at, node);
                 let (x, _) = interpolate(dense, at + 3, node);
-                let (vertical, _) = interpolate(dense, 3, node);
-                logs[i] = Growth::log(rows, d, x, vertical);
+                let (gamma, _) = interpolate(dense, 3, node);
+                logs[i] = Growth::log(rows, d, x, gamma);
                 rows[Growth::LARGEST] = rows[Growth::LARGEST].max(logs[i]);
             }
             Growth::add_gauss(rows, p.step, &logs);

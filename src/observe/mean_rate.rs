@@ -1,9 +1,9 @@
 //! The mean over the time of a component of the rates.
 
 use super::{Observable, Rows, Segment, Start, Update, along, three};
+use crate::method::Engine;
 use crate::real::Real;
 use crate::scene::{Layout, Model, Parameters};
-use crate::scheme::Stepper;
 
 /// The integral over the time of the rate about the observed axis: of the polynomial of each step, or of the cubic
 /// through the values and slopes at its ends.
@@ -39,8 +39,8 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Mea
     const FITS: bool = !L::QUATERNION && !L::TANGENT && (L::BALANCE || L::VECTORS == M::HEAVY as usize);
 
     #[inline(always)]
-    fn after_step<S: Stepper<R, M, L, D>>(
-        stepper: &S,
+    fn after_step<S: Engine<R, M, L, D>>(
+        engine: &S,
         p: &Parameters<R>,
         rows: &mut Rows<R>,
         segment: &Segment<R, D>,
@@ -58,7 +58,7 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Mea
         } else {
             let (begin, end) = (along(&axis, &S::rates(p, before)), along(&axis, &S::rates(p, after)));
             // The state may consist of momenta.
-            let [mut slope, last] = [stepper.velocity(p, before), stepper.velocity(p, after)];
+            let [mut slope, last] = [engine.velocity(p, before), engine.velocity(p, after)];
             for k in 0..3 {
                 slope[k] = (slope[k] - last[k]) * p.step;
             }

@@ -12,14 +12,14 @@ mod tilt;
 
 pub use bounds::{Bound, Bounds, Quantity};
 pub use flips::Flips;
-pub use growth::{Displacement, Growth};
+pub use growth::{Deviation, Growth};
 pub use mean_rate::MeanRate;
 pub use tilt::{Tilt, largest_tilt};
 
 use crate::forces::ForcesInterval;
+use crate::method::{Coefficients, Engine};
 use crate::real::{Pack, Real};
 use crate::scene::{Layout, Model, Parameters};
-use crate::scheme::{Coefficients, Stepper};
 use crate::simd::Row;
 use crate::start::Body;
 
@@ -46,20 +46,15 @@ pub trait Update<R: Real, M: Model<R>, L: Layout, const D: usize>: Observable {
     /// Whether the observable fits the model and the layout. Code is compiled only if the observable fits.
     const FITS: bool;
     /// Updates the rows after a step.
-    fn after_step<S: Stepper<R, M, L, D>>(
-        stepper: &S,
+    fn after_step<S: Engine<R, M, L, D>>(
+        engine: &S,
         p: &Parameters<R>,
         rows: &mut Rows<R>,
         segment: &Segment<R, D>,
     );
     /// Updates the rows at the end of a block of steps.
     #[inline(always)]
-    fn after_block<S: Stepper<R, M, L, D>>(
-        _stepper: &S,
-        _p: &Parameters<R>,
-        _rows: &mut Rows<R>,
-        _y: &[R; D],
-    ) {
+    fn after_block<S: Engine<R, M, L, D>>(_engine: &S, _p: &Parameters<R>, _rows: &mut Rows<R>, _y: &[R; D]) {
     }
 }
 
@@ -77,8 +72,8 @@ pub struct Start<'a> {
     pub direction: [f64; 3],
     /// The largest allowed angle.
     pub limit: f64,
-    /// The displacement at the start.
-    pub displacement: &'a Displacement,
+    /// The deviation vector at the start.
+    pub deviation: &'a Deviation,
     /// The bound that is observed, if one is.
     pub bound: Option<&'a Bound>,
     /// Rates and angular momentum, in the axes of the kernel.
@@ -146,9 +141,9 @@ macro_rules! observables {
 
             /// Updates the rows after a step of the pack that begins at a lane.
             #[inline(always)]
-            pub fn after_step<P: Pack, M: Model<P>, L: Layout, S: Stepper<P, M, L, D>, const D: usize>(
+            pub fn after_step<P: Pack, M: Model<P>, L: Layout, S: Engine<P, M, L, D>, const D: usize>(
                 self,
-                stepper: &S,
+                engine: &S,
                 p: &Parameters<P>,
                 rows: &mut [Row; MAX_ROWS],
                 at: usize,
@@ -157,16 +152,16 @@ macro_rules! observables {
                 $(if const { <$name as Update<P, M, L, D>>::FITS } && self == Observed::$name {
                     let mut values = [P::splat(0.0); MAX_ROWS];
                     load::<P, $name>(rows, at, &mut values);
-                    <$name as Update<P, M, L, D>>::after_step(stepper, p, &mut values, segment);
+                    <$name as Update<P, M, L, D>>::after_step(engine, p, &mut values, segment);
                     store::<P, $name>(rows, at, &values);
                 })*
             }
 
             /// Updates the rows at the end of a block of steps of the pack that begins at a lane.
             #[inline(always)]
-            pub fn after_block<P: Pack, M: Model<P>, L: Layout, S: Stepper<P, M, L, D>, const D: usize>(
+            pub fn after_block<P: Pack, M: Model<P>, L: Layout, S: Engine<P, M, L, D>, const D: usize>(
                 self,
-                stepper: &S,
+                engine: &S,
                 p: &Parameters<P>,
                 rows: &mut [Row; MAX_ROWS],
                 at: usize,
@@ -175,7 +170,7 @@ macro_rules! observables {
                 $(if const { <$name as Update<P, M, L, D>>::FITS } && self == Observed::$name {
                     let mut values = [P::splat(0.0); MAX_ROWS];
                     load::<P, $name>(rows, at, &mut values);
-                    <$name as Update<P, M, L, D>>::after_block(stepper, p, &mut values, y);
+                    <$name as Update<P, M, L, D>>::after_block(engine, p, &mut values, y);
                     store::<P, $name>(rows, at, &values);
                 })*
             }

@@ -3,9 +3,9 @@
 use super::dense::{Part, interpolate, turning_point};
 use super::{EXIT_TIME, Observable, Rows, Segment, Start, Update, along, three};
 use crate::kinematics::{cross, direction, direction_rate, dot};
+use crate::method::{Coefficients, Engine};
 use crate::real::Real;
 use crate::scene::{Layout, Model, Parameters};
-use crate::scheme::{Coefficients, Stepper};
 use crate::special::{atan2, sincos};
 use std::marker::PhantomData;
 
@@ -13,27 +13,27 @@ use std::marker::PhantomData;
 pub struct Tilt;
 
 /// The direction in a state from which the tilt is measured, of layouts with an orbit from the space axes 3, 1 and 2.
-struct Vertical<R, L> {
+struct Reference<R, L> {
     normal: [R; 3],
     layout: PhantomData<L>,
 }
 
-impl<R: Copy, L> Clone for Vertical<R, L> {
+impl<R: Copy, L> Clone for Reference<R, L> {
     fn clone(&self) -> Self {
         *self
     }
 }
 
-impl<R: Copy, L> Copy for Vertical<R, L> {}
+impl<R: Copy, L> Copy for Reference<R, L> {}
 
-impl<R: Real, L: Layout> Vertical<R, L> {
+impl<R: Real, L: Layout> Reference<R, L> {
     #[inline(always)]
     fn of_rows(rows: &Rows<R>) -> Self {
-        Vertical { normal: three(rows, Tilt::NORMAL), layout: PhantomData }
+        Reference { normal: three(rows, Tilt::NORMAL), layout: PhantomData }
     }
 }
 
-impl<R: Real, L: Layout> Part<R> for Vertical<R, L> {
+impl<R: Real, L: Layout> Part<R> for Reference<R, L> {
     #[inline(always)]
     fn of<const D: usize>(self, state: &[R; D]) -> [R; 3] {
         if L::OWN == 0 {
@@ -84,14 +84,14 @@ impl Observable for Tilt {
 
     fn start(start: &Start) -> Rows<f64> {
         let mut rows = super::UNOBSERVED;
-        let (mut normal, mut vertical) = ([0.0, 0.0, 1.0], start.direction);
+        let (mut normal, mut reference) = ([0.0, 0.0, 1.0], start.direction);
         if let Some(of_orbit) = start.forces.and_then(|(forces, _)| forces.further.gravity_gradient.normal())
         {
             let [third, first] = start.frame;
             normal = of_orbit;
-            vertical = combined(&normal, &[first, cross(&third, &first), third]);
+            reference = combined(&normal, &[first, cross(&third, &first), third]);
         }
-        let [cosine, sine2] = tilt(&start.unit, &vertical);
+        let [cosine, sine2] = tilt(&start.unit, &reference);
         let limit = Tilt::limit(start.limit);
         if cosine < limit[0] || sine2 > limit[1] {
             rows[EXIT_TIME] = 0.0;
@@ -116,8 +116,8 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Til
     /// Steps of a Taylor series are long, so the largest tilt inside the step and the time at which the limit is
     /// reached are computed from the coefficients of the series.
     #[inline(always)]
-    fn after_step<S: Stepper<R, M, L, D>>(
-        stepper: &S,
+    fn after_step<S: Engine<R, M, L, D>>(
+        engine: &S,
         p: &Parameters<R>,
         rows: &mut Rows<R>,
         segment: &Segment<R, D>,
@@ -126,19 +126,19 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Til
         let axis = three(rows, Tilt::AXIS);
         let limit = [rows[Tilt::LIMIT], rows[Tilt::LIMIT + 1]];
         let (zero, one) = (R::splat(0.0), R::splat(1.0));
-        let vertical = Vertical::<R, L>::of_rows(rows);
-        let at_end = vertical.of(after);
+        let reference = Reference::<R, L>::of_rows(rows);
+        let at_end = reference.of(after);
         let [mut cosine, mut sine2] = tilt(&axis, &at_end);
         let mut fraction = one;
         if const { S::IS_SERIES } {
-            let begin_slope = along(&axis, &vertical.of(segment.dense.order(1)));
-            let end_slope = along(&axis, &direction_rate(&at_end, &stepper.turning(after))) * p.step;
+            let begin_slope = along(&axis, &reference.of(segment.dense.order(1)));
+            let end_slope = along(&axis, &direction_rate(&at_end, &engine.turning(after))) * p.step;
             // The cosine has a minimum inside the step.
             let has_minimum = R::select(zero.lt(end_slope), begin_slope, zero).lt(zero);
             if R::any(has_minimum) {
                 let dense = segment.dense;
-                let minimum = turning_point(dense, vertical, &axis, [begin_slope, end_slope]);
-                let (n, _) = interpolate(dense, vertical, minimum);
+                let minimum = turning_point(dense, reference, &axis, [begin_slope, end_slope]);
+                let (n, _) = interpolate(dense, reference, minimum);
                 let [cosine_there, sine2_there] = tilt(&axis, &n);
                 fraction = R::select(has_minimum, minimum, fraction);
                 cosine = R::select(has_minimum, cosine_there, cosine);
@@ -150,11 +150,11 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Til
         let end = margin(&limit, [cosine, sine2]);
         let exceeded = R::select(rows[EXIT_TIME].lt(R::splat(f64::INFINITY)), zero, end).lt(zero);
         if R::any(exceeded) {
-            let begin = tilt(&axis, &vertical.of(before));
+            let begin = tilt(&axis, &reference.of(before));
             // The time is the begin of the step if the limit was exceeded there.
             let begin = margin(&limit, begin).max(zero);
             let fraction = if const { S::IS_SERIES } {
-                crossing(segment.dense, vertical, &axis, &limit, [begin, end], fraction)
+                crossing(segment.dense, reference, &axis, &limit, [begin, end], fraction)
             } else {
                 // Linear interpolation.
                 begin / (begin - end)
@@ -171,7 +171,7 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Til
 #[inline(always)]
 fn crossing<R: Real, const D: usize>(
     dense: &Coefficients<R, D>,
-    vertical: impl Part<R>,
+    reference: impl Part<R>,
     axis: &[R; 3],
     limit: &[R; 2],
     [mut inner, mut outer]: [R; 2],
@@ -182,7 +182,7 @@ fn crossing<R: Real, const D: usize>(
     let mut last_side = zero;
     for _ in 0..16 {
         let fraction = (high - low).fma(inner / (inner - outer), low);
-        let (n, _) = interpolate(dense, vertical, fraction);
+        let (n, _) = interpolate(dense, reference, fraction);
         let margin = margin(limit, tilt(axis, &n));
         let beyond = margin.lt(zero);
         let side = R::select(beyond, one, -one);

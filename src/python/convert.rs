@@ -61,14 +61,14 @@ pub fn same_length(argument: &'static str, expected: usize, got: usize) -> PyRes
 
 pub fn parse_record<'a>(
     record: &str,
-    displacements: &'a [[f64; 6]],
+    deviations: &'a [[f64; 6]],
     changes: &'a [ParameterChange<f64>],
 ) -> Result<Record<'a>, Error> {
     match record {
         "rates" => Ok(Record::Rates),
         "axis" => Ok(Record::Axis),
         "attitude" => Ok(Record::Attitude),
-        "tangent" => Ok(Record::Tangent(displacements)),
+        "tangent" => Ok(Record::Tangent(deviations)),
         "sensitivity" => Ok(Record::Sensitivity(changes)),
         _ => Err(Error::Unknown {
             argument: "record",

@@ -1,21 +1,20 @@
-//! Growth of displacements.
+//! Growth of deviation vectors.
 
 use super::convert::{BodyColumns, column, copied, evaluated, interruptible, rows, same_length};
 use super::forces::PyForces;
 use super::simulate::forces_of;
 use crate::error::Error;
 use crate::float_environment::FloatEnvironment;
-use crate::map::{Class, DISPLACEMENTS, Rule, displacement_start};
+use crate::map::{Class, DEVIATIONS, Rule, deviation_start};
 use crate::memory;
-use crate::observe::Displacement;
+use crate::method::{AnyMethod, Method};
+use crate::observe::Deviation;
 use crate::parallel::Interrupt;
 use crate::scene::Scene;
-use crate::scheme::Scheme;
 use crate::simd::Isa;
-use crate::solver::Solver;
 use crate::start::Body;
 use crate::status::Status;
-use crate::trajectory::{self, Displacements, Growths, MAX_DISPLACEMENTS, Record, Request, Schedule};
+use crate::trajectory::{self, Deviations, Growths, MAX_DEVIATIONS, Record, Request, Schedule};
 use numpy::ndarray::Array3;
 use numpy::{
     IntoPyArray, PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2,
@@ -24,10 +23,10 @@ use numpy::{
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-/// Growth of displacements, so many a body, at positive times; see `rigid.lyapunov`. `scale` is the unit of the rates of
-/// each body.
+/// Growth of deviation vectors, so many a body, at positive times; see `rigid.lyapunov`. `scale` is the unit of the
+/// rates of each body.
 #[pyfunction]
-#[pyo3(signature = (*, scene, method, moments, weight, omega, attitude, displacements, scale, of_attitude, times, step, max_steps, threads, forces=None))]
+#[pyo3(signature = (*, scene, method, moments, weight, omega, attitude, deviations, scale, of_attitude, times, step, max_steps, threads, forces=None))]
 #[allow(clippy::too_many_arguments)] // The request of `trajectory`, column by column.
 pub fn growth<'py>(
     py: Python<'py>,
@@ -37,7 +36,7 @@ pub fn growth<'py>(
     weight: PyReadonlyArray2<'py, f64>,
     omega: PyReadonlyArray2<'py, f64>,
     attitude: PyReadonlyArray2<'py, f64>,
-    displacements: PyReadonlyArray2<'py, f64>,
+    deviations: PyReadonlyArray2<'py, f64>,
     scale: PyReadonlyArray1<'py, f64>,
     of_attitude: bool,
     times: PyReadonlyArray1<'py, f64>,
@@ -47,24 +46,24 @@ pub fn growth<'py>(
     forces: Option<PyRef<'py, PyForces>>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let _standard = FloatEnvironment::standard();
-    let (scene, scheme, isa) = (Scene::parse(scene)?, Scheme::parse(method)?, Isa::current()?);
+    let (scene, method, isa) = (Scene::parse(scene)?, Method::parse(method)?, Isa::current()?);
     let columns = BodyColumns::of_arrays(&moments, &weight, &omega, &attitude)?;
     let n = columns.len();
     let forces = forces_of(forces.as_ref(), n)?;
     let (times, scale) = (copied("times", &times)?, copied("scale", &scale)?);
     same_length("scale", n, scale.len())?;
-    let starts = rows::<6>("displacements", &displacements)?;
+    let starts = rows::<6>("deviations", &deviations)?;
     let count = starts.len().checked_div(n).unwrap_or(1);
-    if starts.len() != n * count || !(1..=MAX_DISPLACEMENTS).contains(&count) {
+    if starts.len() != n * count || !(1..=MAX_DEVIATIONS).contains(&count) {
         let (expected, got) = (format!("(1 to 6 times {n}, 6)"), format!("({}, 6)", starts.len()));
-        return Err(Error::Shape { argument: "displacements", expected, got }.into());
+        return Err(Error::Shape { argument: "deviations", expected, got }.into());
     }
-    let each = starts.iter().enumerate().map(|(index, &start)| Displacement {
+    let each = starts.iter().enumerate().map(|(index, &start)| Deviation {
         start,
         inverse_scale: [1.0 / scale[index / count]; 3],
         of_attitude,
     });
-    let each = memory::collected("displacements", starts.len(), each)?;
+    let each = memory::collected("deviations", starts.len(), each)?;
     let bodies = &columns.bodies(0..n)?;
     let schedule = Schedule::Times(&times);
     same_length("step", n, step.len())?;
@@ -73,8 +72,8 @@ pub fn growth<'py>(
         bodies,
         scene,
         forces,
-        solver: Solver::Steps(scheme),
-        // The kernels are those of displacements; they are not recorded one by one.
+        method: AnyMethod::Steps(method),
+        // The kernels are those of deviation vectors; they are not recorded one by one.
         record: Record::Tangent(&[]),
         schedule,
         steps,
@@ -82,8 +81,8 @@ pub fn growth<'py>(
         tolerance: None,
         max_steps,
     };
-    let displacements = Displacements { each: &each, count };
-    let run = |stop: &Interrupt| trajectory::growth(&request, scheme, displacements, threads, isa, stop);
+    let deviations = Deviations { each: &each, count };
+    let run = |stop: &Interrupt| trajectory::growth(&request, method, deviations, threads, isa, stop);
     to_dict(py, interruptible(py, None, run)??, n, times.len(), count)
 }
 
@@ -111,16 +110,17 @@ fn to_dict(
     Ok(dict)
 }
 
-/// Generic displacements, (6, 6): rates in the unit of the body, rotation vectors in rad.
+/// Generic deviation vectors, (6, 6): rates in the unit of the body, rotation vectors in rad.
 #[pyfunction]
-pub fn generic_displacements(py: Python<'_>) -> PyResult<Bound<'_, PyArray2<f64>>> {
-    DISPLACEMENTS.as_flattened().to_vec().into_pyarray(py).reshape([6, 6])
+pub fn generic_deviations(py: Python<'_>) -> PyResult<Bound<'_, PyArray2<f64>>> {
+    DEVIATIONS.as_flattened().to_vec().into_pyarray(py).reshape([6, 6])
 }
 
-/// The displacements of the two runs of a verdict on each body, (n, 2, 6): changes of the rates, rotation vectors in rad.
+/// The deviation vectors of the two runs of a verdict on each body, (n, 2, 6): changes of the rates, rotation vectors
+/// in rad.
 #[pyfunction]
 #[pyo3(signature = (*, moments, weight, omega, attitude, forces=None))]
-pub fn displacement_starts<'py>(
+pub fn deviation_starts<'py>(
     py: Python<'py>,
     moments: PyReadonlyArray2<'py, f64>,
     weight: PyReadonlyArray2<'py, f64>,
@@ -133,10 +133,10 @@ pub fn displacement_starts<'py>(
     let forces = forces_of(forces.as_ref(), n)?;
     let bodies = columns.bodies(0..n)?;
     let both = |index: usize| {
-        let start = |cross_check| displacement_start(&bodies[index], forces.of(index), cross_check);
+        let start = |cross_check| deviation_start(&bodies[index], forces.of(index), cross_check);
         Ok([false, true].map(start))
     };
-    let starts = evaluated(py, "displacements", n, both)?;
+    let starts = evaluated(py, "deviations", n, both)?;
     starts.into_flattened().into_flattened().into_pyarray(py).reshape([n, 2, 6])
 }
 

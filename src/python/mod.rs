@@ -15,8 +15,8 @@ use crate::error::Error;
 use crate::float_environment::FloatEnvironment;
 use crate::map::MethodChoice;
 use crate::memory;
+use crate::method::{self, Method};
 use crate::scene::Scene;
-use crate::scheme::{self, Scheme};
 use crate::simd::Isa;
 use crate::start::unit_quaternion;
 use convert::{column, rows};
@@ -54,7 +54,7 @@ mod _core {
     #[pymodule_export]
     use super::forces::PyForces;
     #[pymodule_export]
-    use super::growth::{displacement_starts, generic_displacements, growth, rate_units, verdicts};
+    use super::growth::{deviation_starts, generic_deviations, growth, rate_units, verdicts};
     #[pymodule_export]
     use super::map::{
         MapJob, MapStatistics, agreed_classes, class_names, clopper_pearson, map_columns, unknown_outcomes,
@@ -120,8 +120,8 @@ fn build_info(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
 /// Properties of the methods, one dict a method.
 #[pyfunction]
 fn methods(py: Python<'_>) -> PyResult<Vec<Bound<'_, PyDict>>> {
-    let describe = |scheme: &Scheme| {
-        let facts = scheme.facts;
+    let describe = |method: &Method| {
+        let facts = method.facts;
         let entry = PyDict::new(py);
         entry.set_item("name", facts.name)?;
         entry.set_item("title", facts.title)?;
@@ -131,39 +131,39 @@ fn methods(py: Python<'_>) -> PyResult<Vec<Bound<'_, PyDict>>> {
         entry.set_item("reversible", facts.reversible)?;
         entry.set_item("group_preserving", facts.group_preserving)?;
         entry.set_item("conserves", PyTuple::new(py, facts.conserves)?)?;
-        entry.set_item("tangent", scheme.has_tangent())?;
-        entry.set_item("forces", PyTuple::new(py, scheme.forces())?)?;
-        entry.set_item("stiff", scheme.is_stiff())?;
-        entry.set_item("tops", scheme.moves_tops())?;
-        entry.set_item("maps", !scheme.is_processed())?;
-        entry.set_item("series", scheme.is_series())?;
-        entry.set_item("compensated", scheme.any.is_compensated())?;
-        entry.set_item("damping_limit", scheme.damping_limit())?;
+        entry.set_item("tangent", method.has_tangent())?;
+        entry.set_item("forces", PyTuple::new(py, method.forces())?)?;
+        entry.set_item("stiff", method.is_stiff())?;
+        entry.set_item("tops", method.moves_tops())?;
+        entry.set_item("maps", !method.is_processed())?;
+        entry.set_item("series", method.is_series())?;
+        entry.set_item("compensated", method.any.is_compensated())?;
+        entry.set_item("damping_limit", method.damping_limit())?;
         entry.set_item("angle_per_step", facts.angle_per_step)?;
         entry.set_item("citation", facts.citation)?;
         entry.set_item("doi", facts.doi)?;
         Ok(entry)
     };
-    scheme::ALL.iter().copied().map(describe).collect()
+    method::ALL.iter().copied().map(describe).collect()
 }
 
-/// The names of the schemes that are chosen by default: without a closed form, for the samples of a map, for the growth
-/// of displacements in a map, to cross-check samples, and under strong damping.
+/// The names of the methods that are chosen by default: without a closed form, for the samples of a map, for the growth
+/// of deviation vectors in a map, to cross-check samples, and under strong damping.
 #[pyfunction]
 fn chosen_methods(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
     let names = PyDict::new(py);
-    names.set_item("default", scheme::DEFAULT.facts.name)?;
-    names.set_item("map", MethodChoice::Auto.scheme(false).facts.name)?;
-    names.set_item("growth", MethodChoice::Auto.scheme(true).facts.name)?;
-    names.set_item("second", scheme::SECOND.facts.name)?;
-    names.set_item("stiff", scheme::STIFF.facts.name)?;
+    names.set_item("default", method::DEFAULT.facts.name)?;
+    names.set_item("map", MethodChoice::Auto.by_steps(false).facts.name)?;
+    names.set_item("growth", MethodChoice::Auto.by_steps(true).facts.name)?;
+    names.set_item("second", method::SECOND.facts.name)?;
+    names.set_item("stiff", method::STIFF.facts.name)?;
     Ok(names)
 }
 
 /// Methods of earlier versions, each with the method that takes its place.
 #[pyfunction]
 fn retired_methods() -> BTreeMap<&'static str, &'static str> {
-    scheme::RETIRED.into()
+    method::RETIRED.into()
 }
 
 /// Calls a function while its thread rounds to nearest and keeps subnormal numbers.
@@ -180,7 +180,7 @@ fn in_standard_floats<'py>(
 /// Raises if the method does not integrate that scene, or cannot be observed between steps, which a map needs.
 #[pyfunction]
 fn check_method(method: &str, scene: &str, watched: bool) -> PyResult<()> {
-    Scheme::parse(method)?.check(Scene::parse(scene)?, watched)?;
+    Method::parse(method)?.check(Scene::parse(scene)?, watched)?;
     Ok(())
 }
 

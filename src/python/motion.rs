@@ -6,9 +6,9 @@ use crate::error::Error;
 use crate::float_environment::FloatEnvironment;
 use crate::forces::Forces;
 use crate::memory;
+use crate::method::Method;
 use crate::parallel::caught;
 use crate::scene::Scene;
-use crate::scheme::Scheme;
 use crate::simd::Isa;
 use crate::start::Body;
 use crate::trajectory::{Motion, NUMBERS, Torques};
@@ -48,8 +48,8 @@ impl PyMotion {
         let _standard = FloatEnvironment::standard();
         let bodies = bodies_of(&moments, &weight, &omega, &attitude)?;
         let forces = forces.as_ref().map_or(Forces::NONE, |forces| &forces.0).copied()?;
-        let (scene, scheme) = (Scene::parse(scene)?, Scheme::parse(method)?);
-        let motion = Motion::new(&bodies, time, scene, scheme, forces, Isa::current()?)?;
+        let (scene, method) = (Scene::parse(scene)?, Method::parse(method)?);
+        let motion = Motion::new(&bodies, time, scene, method, forces, Isa::current()?)?;
         Ok(PyMotion { motion, unit, threads })
     }
 

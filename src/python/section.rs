@@ -6,11 +6,10 @@ use super::simulate::forces_of;
 use crate::error::Error;
 use crate::float_environment::FloatEnvironment;
 use crate::memory;
+use crate::method::{AnyMethod, Method, default_step};
 use crate::parallel::Interrupt;
 use crate::scene::Scene;
-use crate::scheme::Scheme;
 use crate::simd::Isa;
-use crate::solver::{Solver, default_step};
 use crate::trajectory::{self, Crossings, Point, Record, Request, Schedule, Section, Surface, SurfaceKind};
 use numpy::ndarray::Array2;
 use numpy::{IntoPyArray, PyReadonlyArray1, PyReadonlyArray2};
@@ -44,7 +43,7 @@ pub fn section<'py>(
     forces: Option<PyRef<'py, PyForces>>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let _standard = FloatEnvironment::standard();
-    let (scene, scheme, isa) = (Scene::parse(scene)?, Scheme::parse(method)?, Isa::current()?);
+    let (scene, method, isa) = (Scene::parse(scene)?, Method::parse(method)?, Isa::current()?);
     let columns = BodyColumns::of_arrays(&moments, &weight, &omega, &attitude)?;
     let n = columns.len();
     let forces = forces_of(forces.as_ref(), n)?;
@@ -64,13 +63,13 @@ pub fn section<'py>(
     let bodies = &columns.bodies(0..n)?;
     let own = bodies.iter().zip(&ends).enumerate();
     let own =
-        own.map(|(i, (body, &end))| default_step(scheme, body.step_rate(scheme, forces.of(i), [0.0, end])));
+        own.map(|(i, (body, &end))| default_step(method, body.step_rate(method, forces.of(i), [0.0, end])));
     let steps = &memory::collected("steps", n, own)?;
     let request = Request {
         bodies,
         scene,
         forces,
-        solver: Solver::Steps(scheme),
+        method: AnyMethod::Steps(method),
         record: Record::Attitude,
         schedule: Schedule::TimesOfEach(&ends, 1),
         steps,
@@ -79,7 +78,7 @@ pub fn section<'py>(
         max_steps,
     };
     let section = Section { kinds, surfaces, count, ends: &ends, closed };
-    let run = |stop: &Interrupt| trajectory::section(&request, scheme, &section, threads, isa, stop);
+    let run = |stop: &Interrupt| trajectory::section(&request, method, &section, threads, isa, stop);
     to_dict(py, &interruptible(py, None, run)??)
 }
 

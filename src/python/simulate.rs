@@ -9,11 +9,10 @@ use crate::float_environment::FloatEnvironment;
 use crate::forces::{Forces, ParameterChange};
 use crate::map::MethodChoice;
 use crate::memory;
+use crate::method::{AnyMethod, Method, default_step};
 use crate::parallel::{self, Interrupt};
 use crate::scene::Scene;
-use crate::scheme::Scheme;
 use crate::simd::Isa;
-use crate::solver::{Solver, default_step};
 use crate::start::Body;
 use crate::status::Status;
 use crate::trajectory::{self, Column, Record, Request, Schedule, States, time_range};
@@ -38,7 +37,7 @@ pub fn state_bytes(
         bodies: &[],
         scene: Scene::parse(scene)?,
         forces: forces.as_ref().map_or(Forces::NONE, |forces| &forces.0),
-        solver: Solver::Exact,
+        method: AnyMethod::Exact,
         record: parse_record(record, &[], &[])?,
         schedule: Schedule::Times(&[]),
         steps: &[],
@@ -51,7 +50,7 @@ pub fn state_bytes(
 
 /// States of bodies at given times; see `rigid.simulate`.
 #[pyfunction]
-#[pyo3(signature = (*, scene, method, record, moments, weight, omega, attitude, step, max_steps, threads, times=None, strides=None, refinement=1.0, tolerance=None, forces=None, displacements=None, changes=None, out=None, single=false))]
+#[pyo3(signature = (*, scene, method, record, moments, weight, omega, attitude, step, max_steps, threads, times=None, strides=None, refinement=1.0, tolerance=None, forces=None, deviations=None, changes=None, out=None, single=false))]
 #[allow(clippy::too_many_arguments)] // The request of `trajectory`, column by column.
 pub fn simulate<'py>(
     py: Python<'py>,
@@ -70,20 +69,20 @@ pub fn simulate<'py>(
     refinement: f64,
     tolerance: Option<f64>,
     forces: Option<PyRef<'py, PyForces>>,
-    displacements: Option<PyReadonlyArray2<'py, f64>>,
+    deviations: Option<PyReadonlyArray2<'py, f64>>,
     changes: Option<PyReadonlyArray2<'py, f64>>,
     out: Option<&Bound<'py, PyDict>>,
     single: bool,
 ) -> PyResult<Bound<'py, PyDict>> {
     let _standard = FloatEnvironment::standard();
-    let (scene, solver, isa) = (Scene::parse(scene)?, Solver::parse(method)?, Isa::current()?);
+    let (scene, method, isa) = (Scene::parse(scene)?, AnyMethod::parse(method)?, Isa::current()?);
     let columns = BodyColumns::of_arrays(&moments, &weight, &omega, &attitude)?;
     let n = columns.len();
     let forces = forces_of(forces.as_ref(), n)?;
-    let displacements = match &displacements {
+    let deviations = match &deviations {
         Some(given) => {
-            let given = rows::<6>("displacements", given)?;
-            memory::collected("displacements", given.len(), given.iter().copied())?
+            let given = rows::<6>("deviations", given)?;
+            memory::collected("deviations", given.len(), given.iter().copied())?
         }
         None => Vec::new(),
     };
@@ -94,9 +93,9 @@ pub fn simulate<'py>(
         }
         None => Vec::new(),
     };
-    let record = parse_record(record, &displacements, &changes)?;
+    let record = parse_record(record, &deviations, &changes)?;
     match record {
-        Record::Tangent(displacements) => same_length("displacements", n, displacements.len())?,
+        Record::Tangent(deviations) => same_length("deviations", n, deviations.len())?,
         Record::Sensitivity(changes) => same_length("changes", n, changes.len())?,
         _ => {}
     }
@@ -117,7 +116,7 @@ pub fn simulate<'py>(
     };
     let (bodies, steps) = (&[], &[]);
     let request =
-        Request { bodies, scene, forces, solver, record, schedule, steps, refinement, tolerance, max_steps };
+        Request { bodies, scene, forces, method, record, schedule, steps, refinement, tolerance, max_steps };
     let mut targets = Target::all(py, &request, n, out, single)?;
     let given: Vec<_> = targets.iter().map(|target| target.name).collect();
     let mut states = States::reserved(&request, n, &given)?;
@@ -126,22 +125,22 @@ pub fn simulate<'py>(
         let bodies = &columns.bodies(part.clone())?;
         let own = if part.len() < n { forces.of_range(part.clone())? } else { None };
         let (forces, schedule) = (own.as_ref().unwrap_or(forces), schedule.of_range(part.clone()));
-        let steps = &match (&step, solver) {
+        let steps = &match (&step, method) {
             (Some(step), _) => {
                 let steps = step.as_array();
                 memory::collected("steps", part.len(), part.clone().map(|index| steps[index]))?
             }
-            (None, Solver::Steps(method)) => {
+            (None, AnyMethod::Steps(method)) => {
                 let step = |(index, body): (usize, &Body)| {
                     let span = schedule.times_of(index).map_or([0.0; 2], time_range);
                     default_step(method, body.step_rate(method, forces.of(index), span))
                 };
                 memory::collected("steps", part.len(), bodies.iter().enumerate().map(step))?
             }
-            (None, Solver::Exact) => Vec::new(),
+            (None, AnyMethod::Exact) => Vec::new(),
         };
         let record = match record {
-            Record::Tangent(displacements) => Record::Tangent(&displacements[part.clone()]),
+            Record::Tangent(deviations) => Record::Tangent(&deviations[part.clone()]),
             Record::Sensitivity(changes) => Record::Sensitivity(&changes[part.clone()]),
             record => record,
         };
@@ -195,7 +194,7 @@ pub fn fastest_rates<'py>(
     method: Option<&str>,
 ) -> PyResult<Bound<'py, PyArray1<f64>>> {
     Scene::parse(scene)?;
-    let method = method.map(Scheme::parse).transpose()?;
+    let method = method.map(Method::parse).transpose()?;
     let columns = BodyColumns::of_arrays(&moments, &weight, &omega, &attitude)?;
     let forces = forces_of(forces.as_ref(), columns.len())?;
     let spans = span.as_ref().map(|span| rows::<2>("span", span)).transpose()?.unwrap_or(&[[0.0; 2]]);
@@ -219,7 +218,7 @@ pub fn fastest_rates<'py>(
 }
 
 /// The default steps of a method at these rates, or those of a map that chooses its method, for its samples or for the
-/// growth of their displacements; infinite for a rate of zero.
+/// growth of their deviation vectors; infinite for a rate of zero.
 #[pyfunction]
 #[pyo3(signature = (method, rates, of_growth=false))]
 pub fn default_steps<'py>(

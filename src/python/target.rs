@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::ops::Range;
 
-/// A column of wanted times, (n, times, width), in an array of Python.
+/// A column of output times, (n, times, width), in an array of Python.
 pub struct Target<'py> {
     pub name: &'static str,
     width: usize,

@@ -2,7 +2,7 @@
 //!
 //! A torque in the body needs only the rates as state; a torque in space is linear in the rows of the rotation matrix,
 //! so the state contains all rows. Work and impulse are integrated with the motion: energy minus work and momentum
-//! minus impulse are constant, so a drift measures the error of forced motions too. The exponential scheme computes
+//! minus impulse are constant, so a drift measures the error of forced motions too. The exponential method computes
 //! work and impulse from the gains of energy and momentum, so its drifts do not measure the error.
 //!
 //! A forced body has a layout with a balance; the models contain no forces.
@@ -182,7 +182,8 @@ impl<R: Real> Applied<R> {
         self.forces.change.torque
     }
 
-    /// Adds the rate of a displacement by a change of the torque and of the moments, `I^-1 (torque - dI w')`, to `sum`.
+    /// Adds the rate of a deviation vector by a change of the torque and of the moments, `I^-1 (torque - dI w')`, to
+    /// `sum`.
     #[inline(always)]
     pub fn add_changed_rate(&self, torque: &[R; 3], rate: &[R; 3], sum: &mut [R; 3]) {
         for i in 0..3 {

@@ -1,9 +1,9 @@
 //! The variables that are integrated.
 //!
-//! A state is a flat array `[R; D]`: three rates or momenta (the scheme decides which), then `VECTORS` directions that
+//! A state is a flat array `[R; D]`: three rates or momenta (the method decides which), then `VECTORS` directions that
 //! are fixed in space, in body components, then a quaternion if the attitude is requested, then the balance of a forced
-//! body: work, impulse and time; then a displacement of the motion if its growth is requested, or the variables of further
-//! forces.
+//! body: work, impulse and time; then a deviation vector of the motion if its growth is requested, or the variables of
+//! further forces.
 
 use crate::forces::Further;
 use crate::real::Pack;
@@ -16,9 +16,10 @@ pub trait Layout: Copy {
     const QUATERNION: bool;
     /// Whether work, impulse and time are integrated.
     const BALANCE: bool = false;
-    /// Whether a displacement is integrated with the motion: a change of the rates, and a rotation vector in the body.
+    /// Whether a deviation vector is integrated with the motion: a change of the rates, and a rotation vector in the
+    /// body.
     const TANGENT: bool = false;
-    /// Whether a change of the parameters adds to the displacement.
+    /// Whether a change of the parameters adds to the deviation vector.
     const CHANGED: bool = false;
     /// Whether the further forces act.
     const FURTHER: bool = false;
@@ -39,7 +40,7 @@ pub trait Layout: Copy {
     const IMPULSE_AT: usize = Self::BALANCE_AT + 1;
     /// Index of the time of a forced body.
     const TIME_AT: usize = Self::BALANCE_AT + 2;
-    /// Index of the displacement, and length of the state without it.
+    /// Index of the deviation vector, and length of the state without it.
     const TANGENT_AT: usize = Self::BALANCE_AT + 3 * Self::BALANCE as usize;
     /// How many variables of further forces are integrated.
     const OWN: usize = if Self::FURTHER && Self::VECTORS > 0 { Further::VARIABLES } else { 0 };
@@ -80,11 +81,11 @@ layouts! {
     ForcedRates: 0, false, true, false, false;
     /// Rates, the space axes z, x and y, and the balance.
     ForcedFrame: 3, false, true, false, false;
-    /// Rates, the vertical, and a displacement; the other numbers are equal to those of `Axis` to the bit.
+    /// Rates, the vertical, and a deviation vector; the other numbers are equal to those of `Axis` to the bit.
     AxisTangent: 1, false, false, true, false;
     /// The same with a change of the parameters.
     AxisSensitivity: 1, false, false, true, true;
-    /// Rates, the space axes, the balance and a displacement, with a change of the parameters.
+    /// Rates, the space axes, the balance and a deviation vector, with a change of the parameters.
     ForcedFrameTangent: 3, false, true, true, true;
 }
 

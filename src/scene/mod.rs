@@ -70,10 +70,10 @@ pub enum ConservedMomentum {
 impl ConservedMomentum {
     /// The vector whose product with the angular momentum is conserved.
     #[inline(always)]
-    pub fn factor(self, momentum: [f64; 3], vertical: [f64; 3]) -> [f64; 3] {
+    pub fn factor(self, momentum: [f64; 3], gamma: [f64; 3]) -> [f64; 3] {
         match self {
             ConservedMomentum::Square => momentum,
-            ConservedMomentum::Vertical => vertical,
+            ConservedMomentum::Vertical => gamma,
         }
     }
 

@@ -73,7 +73,7 @@ fn apart<R: Real, const N: usize>(mean: R, spread: f64, arguments: [R; N]) -> R:
 /// Within 4 ulp for arguments 0 and 1e-300 to 1e300 (measured: 3.7); infinity where two are 0.
 #[inline(always)]
 pub fn carlson_rf<R: Real>(x: R, y: R, z: R) -> R {
-    // The terms of degree 12, the first left out, are below 0.01 SPREAD^12 < 1e-17.
+    // The terms of degree 12, the first omitted, are below 0.01 SPREAD^12 < 1e-17.
     const SPREAD: f64 = 0.055;
     const SERIES: [f64; 6] = rf_series(0);
     const SERIES_1: [f64; 5] = rf_series(1);
@@ -113,7 +113,7 @@ pub fn carlson_rf<R: Real>(x: R, y: R, z: R) -> R {
 /// R_C(x, y) for x >= 0, y > 0, from a difference y - x that is more accurate than x and y.
 #[inline(always)]
 fn rc_of_difference<R: Real>(x: R, y: R, difference: R) -> R {
-    // The first term left out is below NEAR^22 / 45 < 1e-17. Closer to 1 the logarithm would lose digits.
+    // The first term omitted is below NEAR^22 / 45 < 1e-17. Closer to 1 the logarithm would lose digits.
     const NEAR: f64 = 0.2;
     let size = difference.abs();
     let far = (x * R::splat(NEAR)).lt(size);

@@ -10,9 +10,9 @@ use crate::error::Error;
 use crate::forces::BodyForces;
 use crate::kernel::{Job, Kernel, KernelAssignment, State, drive, read, unload};
 use crate::memory;
+use crate::method::Method;
 use crate::observe::Observed;
 use crate::parallel::Interrupt;
-use crate::scheme::Scheme;
 use crate::simd::{Isa, LANES};
 use crate::status::Status;
 
@@ -25,7 +25,7 @@ const STEPS_BETWEEN_STOPS: u64 = 1 << 10;
 /// Runs the request.
 pub fn simulate(
     request: &Request,
-    scheme: &Scheme,
+    method: &Method,
     states: StatesPart,
     threads: usize,
     isa: Isa,
@@ -40,14 +40,14 @@ pub fn simulate(
     }
     let tolerance = request.tolerance.filter(|t| (f64::MIN_POSITIVE..1.0).contains(t));
     let tolerance = tolerance.ok_or_else(|| refused("must be positive and below one"))?;
-    if !scheme.is_series() {
+    if !method.is_series() {
         return Err(refused("only the Taylor methods choose their steps"));
     }
     let blocks = neighbours(request.bodies.len(), BLOCK, |_| ())?;
     over_blocks_of(request, &blocks, states, threads, stop, |block, mut states| {
         states.forget();
         let mut lane_steps = 0;
-        let ways = Integration::of_block(request, scheme, block.clone())?;
+        let ways = Integration::of_block(request, method, block.clone())?;
         for members in kinds_in(block.clone(), |index| ways[index - block.start].kind())? {
             let how = (isa, tolerance);
             let mut job = AdaptiveJob::new(request, &ways, block.start, &members, how, &mut states, stop)?;
@@ -67,7 +67,7 @@ struct Task {
     /// The first of its times that is not negative.
     split: usize,
     /// The next requested time.
-    wanted: usize,
+    output: usize,
     backward: bool,
     steps: u64,
     /// Attitude at the last recorded state.
@@ -125,14 +125,14 @@ impl<'a, 'b> AdaptiveJob<'a, 'b> {
             let mut start = unload(&self.lanes.group, lane, self.lanes.kernel, task.assignment);
             start.omega = body.omega;
             self.record(lane, task, &start);
-            task.wanted += 1;
+            task.output += 1;
         }
         self.aim(lane, task)
     }
 
     /// The next requested time of a body.
     fn next_time(&self, task: &Task) -> Option<f64> {
-        self.times(task.body).get(task.wanted).copied()
+        self.times(task.body).get(task.output).copied()
     }
 
     /// The requested times of a body of the block.
@@ -147,7 +147,7 @@ impl<'a, 'b> AdaptiveJob<'a, 'b> {
             if task.split == 0 {
                 return self.leave(lane, task);
             }
-            (task.wanted, task.backward) = (task.split - 1, true);
+            (task.output, task.backward) = (task.split - 1, true);
             return self.enter(lane, task);
         };
         if task.steps >= self.request.max_steps {
@@ -165,7 +165,7 @@ impl<'a, 'b> AdaptiveJob<'a, 'b> {
     }
 
     fn record(&mut self, lane: usize, task: &mut Task, state: &State) {
-        let at = task.body * self.request.schedule.len() + task.wanted;
+        let at = task.body * self.request.schedule.len() + task.output;
         let known = (invariants_at_start(&self.lanes.group, lane), &mut task.last);
         self.states.record(task.body, at, state, known);
     }
@@ -179,7 +179,7 @@ impl Job for AdaptiveJob<'_, '_> {
             let split = self.times(body).partition_point(|&t| t < 0.0);
             let assignment = self.ways[body].assignment;
             let mut task =
-                Task { body, assignment, split, wanted: split, backward: false, steps: 0, last: [0.0; 4] };
+                Task { body, assignment, split, output: split, backward: false, steps: 0, last: [0.0; 4] };
             for drift in self.states.drifts() {
                 drift[body] = 0.0;
             }
@@ -212,10 +212,10 @@ impl Job for AdaptiveJob<'_, '_> {
             let y = self.lanes.kernel.dense_output(&self.lanes.steps, lane, units);
             let state = read(&self.lanes.group, lane, self.lanes.kernel, task.assignment, y);
             self.record(lane, task, &state);
-            if task.backward && task.wanted == 0 {
+            if task.backward && task.output == 0 {
                 return Ok(self.leave(lane, task));
             }
-            task.wanted = if task.backward { task.wanted - 1 } else { task.wanted + 1 };
+            task.output = if task.backward { task.output - 1 } else { task.output + 1 };
         }
         if !now.is_finite() {
             let body = task.body;

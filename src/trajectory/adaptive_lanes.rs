@@ -5,7 +5,7 @@ use crate::error::Error;
 use crate::kernel::{
     AdaptiveSteps, Compiled, Entry, ForcesRows, Group, Kernel, KernelAssignment, load, reset_time,
 };
-use crate::observe::Displacement;
+use crate::observe::Deviation;
 use crate::simd::{Isa, LANES};
 
 /// The lanes of one kernel.
@@ -51,10 +51,10 @@ impl<'a> AdaptiveLanes<'a> {
         // A body that does not turn needs one step.
         let first = if first.is_finite() { first } else { range[1] - range[0] };
         let direction = if backward { -1.0 } else { 1.0 };
-        let displacement = Displacement::new(self.request.record.displacement_of(index));
+        let deviation = Deviation::new(self.request.record.deviation_of(index));
         let forced_rate = (!forces.is_none()).then_some(rate);
         let own = forces.further.start(0.0);
-        let entry = Entry { displacement, own, ..Entry::unobserved(body, forced_rate, direction * first) };
+        let entry = Entry { deviation, own, ..Entry::unobserved(body, forced_rate, direction * first) };
         load(&mut self.group, lane, self.kernel, assignment, &entry);
         self.steps.direction.0[lane] = direction;
         self.steps.inverse_rate.0[lane] = if rate > 0.0 { 1.0 / rate } else { 0.0 };

@@ -131,7 +131,7 @@ impl ClosedFormBatch<'_> {
         Ok(())
     }
 
-    /// Wanted time number `time` of each body, one body a lane.
+    /// Output time number `time` of each body, one body a lane.
     fn row(&self, time: usize) -> Row {
         let mut row = Row([self.times(0)[time]; LANES]);
         if let Schedule::TimesOfEach(..) = self.request.schedule {
@@ -142,7 +142,7 @@ impl ClosedFormBatch<'_> {
         row
     }
 
-    /// Writes the state of a body at wanted time number `time`, which is `t`, and updates its drifts.
+    /// Writes the state of a body at output time number `time`, which is `t`, and updates its drifts.
     fn record(
         &self,
         states: &mut StatesPart,
@@ -163,18 +163,18 @@ impl ClosedFormBatch<'_> {
         if let Some(column) = &mut states.omega {
             column[3 * at..][..3].copy_from_slice(&omega);
         }
-        let mut vertical = [0.0; 3];
+        let mut gamma = [0.0; 3];
         if self.with_attitude() {
-            vertical = vertical_of(attitude);
-            if let Some(column) = &mut states.vertical {
-                column[3 * at..][..3].copy_from_slice(&vertical);
+            gamma = gamma_of(attitude);
+            if let Some(column) = &mut states.gamma {
+                column[3 * at..][..3].copy_from_slice(&gamma);
             }
             if let Some(column) = &mut states.attitude {
                 column[4 * at..][..4].copy_from_slice(&attitude);
             }
             states.unit_drift[place] = worse(states.unit_drift[place], (norm(&attitude) - 1.0).abs());
         }
-        let now = invariants(body, self.request.scene, omega, vertical);
+        let now = invariants(body, self.request.scene, omega, gamma);
         let Invariants { start, inverse_scale } = self.known[index];
         let drift = [0, 1].map(|k| (now[k] - start[k]).abs() * inverse_scale[k]);
         states.energy_drift[place] = worse(states.energy_drift[place], drift[0]);
@@ -212,7 +212,7 @@ struct Invariants {
 
 impl Invariants {
     fn new(body: &Body, scene: &Scene) -> Self {
-        let start = invariants(body, scene, body.omega, vertical_of(body.attitude));
+        let start = invariants(body, scene, body.omega, gamma_of(body.attitude));
         let moves = body.omega.iter().chain(&body.weight).any(|&x| x != 0.0);
         // Of a body that cannot move nothing can drift.
         let inverse = |scale: f64| if moves { 1.0 / scale } else { 0.0 };
@@ -221,10 +221,10 @@ impl Invariants {
 }
 
 /// Energy and conserved momentum.
-fn invariants(body: &Body, scene: &Scene, omega: [f64; 3], vertical: [f64; 3]) -> [f64; 2] {
+fn invariants(body: &Body, scene: &Scene, omega: [f64; 3], gamma: [f64; 3]) -> [f64; 2] {
     let momentum = [0, 1, 2].map(|k| body.moments[k] * omega[k]);
-    let energy = 0.5 * plain_dot(momentum, omega) + plain_dot(body.weight, vertical);
-    [energy, plain_dot(momentum, scene.conserved.factor(momentum, vertical))]
+    let energy = 0.5 * plain_dot(momentum, omega) + plain_dot(body.weight, gamma);
+    [energy, plain_dot(momentum, scene.conserved.factor(momentum, gamma))]
 }
 
 /// a . b. Without `fma`, which costs a call outside the kernels.
@@ -233,6 +233,6 @@ fn plain_dot(a: [f64; 3], b: [f64; 3]) -> f64 {
 }
 
 /// The vertical seen from the body.
-fn vertical_of([w, x, y, z]: [f64; 4]) -> [f64; 3] {
+fn gamma_of([w, x, y, z]: [f64; 4]) -> [f64; 3] {
     [2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)]
 }

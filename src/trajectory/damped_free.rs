@@ -4,10 +4,9 @@ use super::{Effort, Request, Schedule, StatesPart};
 use crate::error::Error;
 use crate::forces::Forces;
 use crate::memory;
+use crate::method::{AnyMethod, phi};
 use crate::parallel::Interrupt;
-use crate::scheme::phi;
 use crate::simd::Isa;
-use crate::solver::Solver;
 use crate::special::exp;
 
 /// Free bodies under a damping `D = k I`: `L' = L x omega - k L` is the free motion in the time
@@ -19,7 +18,7 @@ pub fn simulate(
     isa: Isa,
     stop: &Interrupt,
 ) -> Result<Effort, Error> {
-    let refuse = |rule| Err(Error::Value { argument: "method", value: Solver::EXACT.to_string(), rule });
+    let refuse = |rule| Err(Error::Value { argument: "method", value: AnyMethod::EXACT.to_string(), rule });
     if let Schedule::Strides(_) = request.schedule {
         return refuse("a closed form takes no steps");
     }

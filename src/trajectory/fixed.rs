@@ -1,4 +1,4 @@
-//! States by steps of a scheme.
+//! States by steps of a method.
 
 use super::legs::LegGroup;
 use super::{
@@ -7,9 +7,9 @@ use super::{
 };
 use crate::error::Error;
 use crate::kernel::{Entry, Job, drive, load, unload};
-use crate::observe::{Displacement, Observed};
+use crate::method::Method;
+use crate::observe::{Deviation, Observed};
 use crate::parallel::Interrupt;
-use crate::scheme::Scheme;
 use crate::simd::{Isa, LANES};
 use crate::status::Status;
 
@@ -20,14 +20,14 @@ const STEPS_BETWEEN_STOPS: u64 = 1 << 9;
 /// Runs the request.
 pub fn simulate(
     request: &Request,
-    scheme: &Scheme,
+    method: &Method,
     states: StatesPart,
     threads: usize,
     isa: Isa,
     stop: &Interrupt,
 ) -> Result<Effort, Error> {
     let count = request.bodies.len();
-    let ways = Integration::of_block(request, scheme, 0..count)?;
+    let ways = Integration::of_block(request, method, 0..count)?;
     let kind = |index: usize| ways[index].kind();
     let blocks = blocks(count, threads, |index| (kind(index), steps_of_legs(request, index)))?;
     // The bits of a body do not depend on the others of its group.
@@ -93,7 +93,7 @@ impl FixedJob<'_, '_> {
         if !moved {
             // Through the momenta and back, the rates would return rounded.
             now.omega = legs.body(lane).omega;
-            now.tangent = now.tangent.map(|_| request.record.displacement_of(legs.index(lane)));
+            now.tangent = now.tangent.map(|_| request.record.deviation_of(legs.index(lane)));
         }
         let at = member * request.schedule.len() + state;
         self.states.record(member, at, &now, (invariants_at_start(&legs.lanes, lane), &mut self.last[lane]));
@@ -111,9 +111,9 @@ impl Job for FixedJob<'_, '_> {
         self.loaded += 1;
         let (body, index) = (legs.body(lane), legs.index(lane));
         self.last[lane] = body.attitude;
-        let displacement = Displacement::new(legs.request.record.displacement_of(index));
+        let deviation = Deviation::new(legs.request.record.deviation_of(index));
         let own = legs.request.forces_of(index).further.start(0.0);
-        let entry = Entry { displacement, own, ..Entry::unobserved(body, legs.forced_rate(lane), 0.0) };
+        let entry = Entry { deviation, own, ..Entry::unobserved(body, legs.forced_rate(lane), 0.0) };
         let assignment = legs.way(lane).assignment;
         load(&mut legs.lanes, lane, legs.compiled, assignment, &entry);
         Ok(Some(Moving { moved: false }))

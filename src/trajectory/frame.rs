@@ -1,22 +1,22 @@
-//! Displacements of a body made orthogonal: what they span, however much they grow and align.
+//! Deviation vectors of a body made orthogonal: what they span, however much they grow and align.
 
-use crate::observe::Displacement;
+use crate::observe::Deviation;
 use crate::simd::Isa;
 use crate::special::ln;
 
-/// Most displacements of a body: the rates and the rotation vector have six components.
-pub const MAX_DISPLACEMENTS: usize = 6;
+/// Most deviation vectors of a body: the rates and the rotation vector have six components.
+pub const MAX_DEVIATIONS: usize = 6;
 
-/// The displacements that began with given vectors are `O U`: the columns of O are orthogonal and near one in size, U is
-/// upper triangular. Element (j, i) of U is `upper[j][i] 2^column[i]`, and 2^diagonal[i] on the diagonal, so that what
-/// has aligned beyond the digits of a double is still known.
+/// The deviation vectors that began with given vectors are `O U`: the columns of O are orthogonal and near one in size,
+/// U is upper triangular. Element (j, i) of U is `upper[j][i] 2^column[i]`, and 2^diagonal[i] on the diagonal, so that
+/// what has aligned beyond the digits of a double is still known.
 #[derive(Clone, Copy)]
 pub struct Frame {
     count: usize,
     isa: Isa,
-    upper: [[f64; MAX_DISPLACEMENTS]; MAX_DISPLACEMENTS],
-    column: [i64; MAX_DISPLACEMENTS],
-    diagonal: [i64; MAX_DISPLACEMENTS],
+    upper: [[f64; MAX_DEVIATIONS]; MAX_DEVIATIONS],
+    column: [i64; MAX_DEVIATIONS],
+    diagonal: [i64; MAX_DEVIATIONS],
 }
 
 /// Mantissa in [1, 2) and exponent of a positive number.
@@ -45,67 +45,67 @@ fn product(a: &[f64; 6], b: &[f64; 6]) -> f64 {
 }
 
 impl Frame {
-    /// So many displacements at their start. Each instruction set gives the same bits. Panics if the CPU lacks it.
+    /// So many deviation vectors at their start. Each instruction set gives the same bits. Panics if the CPU lacks it.
     pub fn new(count: usize, isa: Isa) -> Frame {
         assert!(isa.is_available());
-        let mut upper = [[0.0; MAX_DISPLACEMENTS]; MAX_DISPLACEMENTS];
-        for i in 0..MAX_DISPLACEMENTS {
+        let mut upper = [[0.0; MAX_DEVIATIONS]; MAX_DEVIATIONS];
+        for i in 0..MAX_DEVIATIONS {
             upper[i][i] = 1.0;
         }
-        let zeros = [0; MAX_DISPLACEMENTS];
+        let zeros = [0; MAX_DEVIATIONS];
         Frame { count, isa, upper, column: zeros, diagonal: zeros }
     }
 
-    /// Number of displacements.
+    /// Number of deviation vectors.
     pub fn count(&self) -> usize {
         self.count
     }
 
-    /// Makes displacements orthogonal to those before them (modified Gram-Schmidt) and returns the power of two by which
-    /// each was divided. The first is only divided. `norm` measures them; `vertical` is that of the body.
+    /// Makes deviation vectors orthogonal to those before them (modified Gram-Schmidt) and returns the power of two by
+    /// which each was divided. The first is only divided. `norm` measures them; `gamma` is that of the body.
     pub fn settle(
         &mut self,
-        norm: &Displacement,
-        vertical: &[f64; 3],
-        displacements: &mut [[f64; 6]],
-    ) -> [i64; MAX_DISPLACEMENTS] {
+        norm: &Deviation,
+        gamma: &[f64; 3],
+        deviations: &mut [[f64; 6]],
+    ) -> [i64; MAX_DEVIATIONS] {
         #[cfg(target_arch = "x86_64")]
         #[target_feature(enable = "avx2,fma")]
         fn by_fma(
             frame: &mut Frame,
-            norm: &Displacement,
-            vertical: &[f64; 3],
-            displacements: &mut [[f64; 6]],
-        ) -> [i64; MAX_DISPLACEMENTS] {
-            frame.settle_inline(norm, vertical, displacements)
+            norm: &Deviation,
+            gamma: &[f64; 3],
+            deviations: &mut [[f64; 6]],
+        ) -> [i64; MAX_DEVIATIONS] {
+            frame.settle_inline(norm, gamma, deviations)
         }
         match self.isa {
             #[cfg(target_arch = "x86_64")]
             // SAFETY: `new` has seen the features.
-            Isa::Avx512 | Isa::Avx2 => unsafe { by_fma(self, norm, vertical, displacements) },
+            Isa::Avx512 | Isa::Avx2 => unsafe { by_fma(self, norm, gamma, deviations) },
             #[cfg(plain)]
-            Isa::Scalar => self.settle_inline(norm, vertical, displacements),
+            Isa::Scalar => self.settle_inline(norm, gamma, deviations),
         }
     }
 
     #[inline(always)]
     fn settle_inline(
         &mut self,
-        norm: &Displacement,
-        vertical: &[f64; 3],
-        displacements: &mut [[f64; 6]],
-    ) -> [i64; MAX_DISPLACEMENTS] {
-        let mut shifts = [0; MAX_DISPLACEMENTS];
-        let (mut measured, mut squares) = ([[0.0; 6]; MAX_DISPLACEMENTS], [0.0; MAX_DISPLACEMENTS]);
+        norm: &Deviation,
+        gamma: &[f64; 3],
+        deviations: &mut [[f64; 6]],
+    ) -> [i64; MAX_DEVIATIONS] {
+        let mut shifts = [0; MAX_DEVIATIONS];
+        let (mut measured, mut squares) = ([[0.0; 6]; MAX_DEVIATIONS], [0.0; MAX_DEVIATIONS]);
         // The factors of this round: unit upper triangular.
-        let mut factors = [[0.0; MAX_DISPLACEMENTS]; MAX_DISPLACEMENTS];
+        let mut factors = [[0.0; MAX_DEVIATIONS]; MAX_DEVIATIONS];
         for i in 0..self.count {
-            let mut own = norm.measured(&displacements[i], vertical);
+            let mut own = norm.measured(&deviations[i], gamma);
             for j in 0..i {
                 let factor = product(&measured[j], &own) / squares[j];
                 factors[j][i] = factor;
                 for k in 0..6 {
-                    displacements[i][k] = (-factor).mul_add(displacements[j][k], displacements[i][k]);
+                    deviations[i][k] = (-factor).mul_add(deviations[j][k], deviations[i][k]);
                     own[k] = (-factor).mul_add(measured[j][k], own[k]);
                 }
             }
@@ -116,7 +116,7 @@ impl Frame {
             // Half of the exponent, rounded down.
             shifts[i] = if square > 0.0 && square.is_finite() { parts(square).1.div_euclid(2) } else { 0 };
             for k in 0..6 {
-                displacements[i][k] = times_power_of_two(displacements[i][k], -shifts[i]);
+                deviations[i][k] = times_power_of_two(deviations[i][k], -shifts[i]);
             }
         }
         self.advance(&factors, &shifts);
@@ -125,14 +125,10 @@ impl Frame {
 
     /// Multiplies U from the left by the factors of a round.
     #[inline(always)]
-    fn advance(
-        &mut self,
-        factors: &[[f64; MAX_DISPLACEMENTS]; MAX_DISPLACEMENTS],
-        shifts: &[i64; MAX_DISPLACEMENTS],
-    ) {
+    fn advance(&mut self, factors: &[[f64; MAX_DEVIATIONS]; MAX_DEVIATIONS], shifts: &[i64; MAX_DEVIATIONS]) {
         for i in 0..self.count {
             let on_diagonal = times_power_of_two(1.0, self.diagonal[i] - self.column[i]);
-            let (mut next, mut largest) = ([0.0; MAX_DISPLACEMENTS], 0.0_f64);
+            let (mut next, mut largest) = ([0.0; MAX_DEVIATIONS], 0.0_f64);
             for j in 0..i {
                 let mut sum = factors[j][i].mul_add(on_diagonal, self.upper[j][i]);
                 for l in j + 1..i {
@@ -153,36 +149,36 @@ impl Frame {
         }
     }
 
-    /// Logarithms of the sizes that the displacements keep across those before them: the diagonal of R in
-    /// `displacements = Q R`, whose means over the time are the Lyapunov exponents. Not less those of the start.
+    /// Logarithms of the sizes that the deviation vectors keep across those before them: the diagonal of R in
+    /// `deviations = Q R`, whose means over the time are the Lyapunov exponents. Not less those of the start.
     pub fn log_diagonal(
         &self,
-        norm: &Displacement,
-        vertical: &[f64; 3],
-        displacements: &[[f64; 6]],
-    ) -> [f64; MAX_DISPLACEMENTS] {
-        let mut logs = [f64::NAN; MAX_DISPLACEMENTS];
+        norm: &Deviation,
+        gamma: &[f64; 3],
+        deviations: &[[f64; 6]],
+    ) -> [f64; MAX_DEVIATIONS] {
+        let mut logs = [f64::NAN; MAX_DEVIATIONS];
         for i in 0..self.count {
-            let own = norm.measured(&displacements[i], vertical);
+            let own = norm.measured(&deviations[i], gamma);
             logs[i] = log_size(product(&own, &own), self.diagonal[i]);
         }
         logs
     }
 
-    /// Logarithms of GALI_2, GALI_3, …: of the volumes that the first displacements span, each of length one (Skokos,
-    /// Bountis & Antonopoulos 2007, doi 10.1016/j.physd.2007.04.004); and SALI, the smaller of the lengths of the sum and
-    /// the difference of the first two (Skokos 2001, doi 10.1088/0305-4470/34/47/309).
+    /// Logarithms of GALI_2, GALI_3, …: of the volumes that the first deviation vectors span, each of length one
+    /// (Skokos, Bountis & Antonopoulos 2007, doi 10.1016/j.physd.2007.04.004); and SALI, the smaller of the lengths of
+    /// the sum and the difference of the first two (Skokos 2001, doi 10.1088/0305-4470/34/47/309).
     pub fn alignment(
         &self,
-        norm: &Displacement,
-        vertical: &[f64; 3],
-        displacements: &[[f64; 6]],
-    ) -> ([f64; MAX_DISPLACEMENTS], f64) {
-        let (mut logs, mut sali) = ([f64::NAN; MAX_DISPLACEMENTS], f64::NAN);
-        let mut squares = [0.0; MAX_DISPLACEMENTS];
+        norm: &Deviation,
+        gamma: &[f64; 3],
+        deviations: &[[f64; 6]],
+    ) -> ([f64; MAX_DEVIATIONS], f64) {
+        let (mut logs, mut sali) = ([f64::NAN; MAX_DEVIATIONS], f64::NAN);
+        let mut squares = [0.0; MAX_DEVIATIONS];
         let mut volume = 0.0;
         for i in 0..self.count {
-            let own = norm.measured(&displacements[i], vertical);
+            let own = norm.measured(&deviations[i], gamma);
             squares[i] = product(&own, &own);
             // The size across those before, and along them, in units of 2^column.
             let across = times_power_of_two(1.0, self.diagonal[i] - self.column[i]) * squares[i].sqrt();

@@ -1,45 +1,46 @@
-//! Growth of displacements: how fast neighbouring motions part, by steps of a scheme with a tangent.
+//! Growth of deviation vectors: how fast neighbouring motions part, by steps of a method with a tangent.
 //!
-//! The displacements of a body are integrated with one motion, if the scheme can, or in lanes of their own, each with the
-//! motion. After some steps they are divided by powers of two, which changes no digit, and all but the first are made
-//! orthogonal to those before.
+//! The deviation vectors of a body are integrated with one motion, if the method can, or in lanes of their own, each
+//! with the motion. After some steps they are divided by powers of two, which changes no digit, and all but the first
+//! are made orthogonal to those before.
 
-use super::frame::{Frame, MAX_DISPLACEMENTS};
+use super::frame::{Frame, MAX_DEVIATIONS};
 use super::legs::LegGroup;
 use super::{Integration, Request, blocks, kinds_in, steps_of_legs};
 use crate::error::Error;
-use crate::kernel::{DisplacementRows, Entry, Group, Job, System, drive, load};
+use crate::kernel::{DeviationRows, Entry, Group, Job, System, drive, load};
 use crate::memory;
-use crate::observe::{Displacement, Growth, Observed};
+use crate::method::Method;
+use crate::observe::{Deviation, Growth, Observed};
 use crate::parallel::{Interrupt, over_blocks};
-use crate::scheme::Scheme;
 use crate::simd::{Isa, LANES};
 use crate::status::{DRIFT_LIMIT, Status};
 
-/// Steps between two divisions of a displacement, so few that none overflows; of several, so few that they do not align.
+/// Steps between two divisions of a deviation vector, so few that none overflows; of several, so few that they do not
+/// align.
 pub const STEPS_TOGETHER: [u64; 2] = [64, 16];
 
-/// Bodies in a group of a scheme whose steps move all displacements: they take so long that one register of bodies hides
-/// every latency, and few wait for the body with the most steps.
+/// Bodies in a group of a method whose steps move all deviation vectors: they take so long that one register of bodies
+/// hides every latency, and few wait for the body with the most steps.
 const FEW: usize = LANES / 4;
 
-/// The displacements of the bodies of a request, and what is wanted.
+/// The deviation vectors of the bodies of a request, and what is asked for.
 #[derive(Clone, Copy)]
-pub struct Displacements<'a> {
-    /// Displacements of each body, one after another.
-    pub each: &'a [Displacement],
-    /// Number of displacements of a body.
+pub struct Deviations<'a> {
+    /// Deviation vectors of each body, one after another.
+    pub each: &'a [Deviation],
+    /// Number of deviation vectors of a body.
     pub count: usize,
 }
 
-/// Growth at the wanted times, body first.
+/// Growth at the output times, body first.
 pub struct Growths {
-    /// ln of the size over that at the start, of the first displacement; its largest until then; its mean over the time;
-    /// and the mean over the time of `ln - mean`: (n, times, 4).
+    /// ln of the size over that at the start, of the first deviation vector; its largest until then; its mean over the
+    /// time; and the mean over the time of `ln - mean`: (n, times, 4).
     pub logs: Vec<f64>,
-    /// ln of what each displacement keeps across those before it, over that at the start: (n, times, count).
+    /// ln of what each deviation vector keeps across those before it, over that at the start: (n, times, count).
     pub log_diagonal: Vec<f64>,
-    /// ln of GALI of the first 1, 2, … displacements: (n, times, count).
+    /// ln of GALI of the first 1, 2, … deviation vectors: (n, times, count).
     pub log_gali: Vec<f64>,
     /// SALI of the first two: (n, times).
     pub sali: Vec<f64>,
@@ -51,14 +52,14 @@ pub struct Growths {
     pub steps: Vec<u64>,
 }
 
-/// Growth of the first displacement at a time.
+/// Growth of the first deviation vector at a time.
 const LOGS: usize = 4;
 
 impl Growths {
     fn reserved(bodies: usize, times: usize, count: usize) -> Result<Growths, Error> {
         let unknown = |width: usize| {
             let length = bodies.saturating_mul(times).saturating_mul(width);
-            memory::filled("growth of displacements", length, f64::NAN)
+            memory::filled("growth of deviation vectors", length, f64::NAN)
         };
         Ok(Growths {
             logs: unknown(LOGS)?,
@@ -72,29 +73,29 @@ impl Growths {
     }
 }
 
-/// Growth of the displacements of the bodies of a request at its times, which are positive.
+/// Growth of the deviation vectors of the bodies of a request at its times, which are positive.
 ///
 /// # Errors
 /// If the method has no tangent or does not move the bodies, if a step is beyond its stability, if the request was
 /// stopped, or if the results do not fit into memory.
 pub fn growth(
     request: &Request,
-    scheme: &Scheme,
-    displacements: Displacements,
+    method: &Method,
+    deviations: Deviations,
     threads: usize,
     isa: Isa,
     stop: &Interrupt,
 ) -> Result<Growths, Error> {
-    assert!((1..=MAX_DISPLACEMENTS).contains(&displacements.count));
-    assert_eq!(displacements.each.len(), request.bodies.len() * displacements.count);
-    scheme.check(request.scene, false)?;
-    scheme.check_tangent(!request.forces.is_none())?;
-    request.check_displaced()?;
+    assert!((1..=MAX_DEVIATIONS).contains(&deviations.count));
+    assert_eq!(deviations.each.len(), request.bodies.len() * deviations.count);
+    method.check(request.scene, false)?;
+    method.check_tangent(!request.forces.is_none())?;
+    request.check_deviations()?;
     if !request.forces.is_none() {
-        super::check_forced(request, scheme)?;
+        super::check_forced(request, method)?;
     }
     let times = request.schedule.len();
-    let mut growths = Growths::reserved(request.bodies.len(), times, displacements.count)?;
+    let mut growths = Growths::reserved(request.bodies.len(), times, deviations.count)?;
     let mut rest = Part {
         logs: &mut growths.logs,
         log_diagonal: &mut growths.log_diagonal,
@@ -106,9 +107,9 @@ pub fn growth(
     };
     let blocks = blocks(request.bodies.len(), threads, |index| steps_of_legs(request, index))?;
     let parts =
-        blocks.iter().map(|block| (block.clone(), rest.split_off(times, displacements.count, block.len())));
+        blocks.iter().map(|block| (block.clone(), rest.split_off(times, deviations.count, block.len())));
     over_blocks(parts, threads, stop, |(block, mut part)| {
-        let ways = Integration::of_block(request, scheme, block.clone())?;
+        let ways = Integration::of_block(request, method, block.clone())?;
         let kind = |index: usize| ways[index - block.start].kind();
         for mut alike in kinds_in(block.clone(), kind)? {
             // Bodies with as many steps together, so that few wait for others.
@@ -117,16 +118,16 @@ pub fn growth(
             let (lanes_each, together) = if compiled.shares_motion() {
                 (1, FEW)
             } else {
-                (displacements.count, LANES / displacements.count)
+                (deviations.count, LANES / deviations.count)
             };
             for members in alike.chunks(together) {
                 let job = GrowthJob {
                     legs: LegGroup::new(request, &ways, block.start, members, compiled, lanes_each, stop)?,
-                    displacements,
+                    deviations,
                     part: &mut part,
                     loaded: 0,
-                    frames: [Frame::new(displacements.count, isa); LANES],
-                    start_logs: [[0.0; MAX_DISPLACEMENTS]; LANES],
+                    frames: [Frame::new(deviations.count, isa); LANES],
+                    start_logs: [[0.0; MAX_DEVIATIONS]; LANES],
                     stop,
                 };
                 job.run()?;
@@ -168,12 +169,12 @@ impl<'a> Part<'a> {
 /// The growth of the bodies of one group.
 struct GrowthJob<'a, 'b> {
     legs: LegGroup<'a>,
-    displacements: Displacements<'a>,
+    deviations: Deviations<'a>,
     part: &'a mut Part<'b>,
     /// Bodies that are loaded.
     loaded: usize,
     frames: [Frame; LANES],
-    start_logs: [[f64; MAX_DISPLACEMENTS]; LANES],
+    start_logs: [[f64; MAX_DEVIATIONS]; LANES],
     stop: &'a Interrupt<'a>,
 }
 
@@ -187,29 +188,29 @@ impl Job for GrowthJob<'_, '_> {
             return Ok(None);
         }
         self.loaded += 1;
-        let (body, lane, count) = (legs.body(b), legs.lane(b), self.displacements.count);
+        let (body, lane, count) = (legs.body(b), legs.lane(b), self.deviations.count);
         let (rate, assignment) = (legs.forced_rate(b), legs.way(b).assignment);
-        let each = &self.displacements.each[legs.index(b) * count..][..count];
+        let each = &self.deviations.each[legs.index(b) * count..][..count];
         for j in 0..legs.lanes_each {
-            let entry = Entry { displacement: each[j], ..Entry::unobserved(body, rate, 0.0) };
+            let entry = Entry { deviation: each[j], ..Entry::unobserved(body, rate, 0.0) };
             load(&mut legs.lanes, lane + j, legs.compiled, assignment, &entry);
         }
-        for (rows, displacement) in legs.lanes.further.iter_mut().zip(&each[legs.lanes_each..]) {
-            let start = assignment.displacement(displacement, body).start;
+        for (rows, deviation) in legs.lanes.further.iter_mut().zip(&each[legs.lanes_each..]) {
+            let start = assignment.deviation(deviation, body).start;
             rows.state.iter_mut().zip(start).for_each(|(row, number)| row.0[lane] = number);
         }
         self.settle(b);
-        let (norm, vertical, displacements) = self.read(b);
-        self.start_logs[b] = self.frames[b].log_diagonal(&norm, &vertical, &displacements[..count]);
+        let (norm, gamma, deviations) = self.read(b);
+        self.start_logs[b] = self.frames[b].log_diagonal(&norm, &gamma, &deviations[..count]);
         Ok(Some(b))
     }
 
-    /// Advances every body by its leg. Displacements are settled after each so many steps of a leg and at its end, so
-    /// that they do not depend on the other bodies of the group.
+    /// Advances every body by its leg. Deviation vectors are settled after each so many steps of a leg and at its end,
+    /// so that they do not depend on the other bodies of the group.
     fn advance(&mut self, _: &[Option<usize>; LANES]) -> Result<(), Error> {
         self.legs.begin_legs();
         let bodies = self.legs.members.len();
-        let together = STEPS_TOGETHER[usize::from(self.displacements.count > 1)];
+        let together = STEPS_TOGETHER[usize::from(self.deviations.count > 1)];
         let mut done = 0;
         loop {
             let legs = &mut self.legs;
@@ -254,28 +255,28 @@ impl GrowthJob<'_, '_> {
             }
         }
         if self.legs.begin(false)? {
-            let further = self.displacements.count - self.legs.lanes_each;
-            self.legs.lanes.further = memory::filled("displacements", further, DisplacementRows::ZERO)?;
+            let further = self.deviations.count - self.legs.lanes_each;
+            self.legs.lanes.further = memory::filled("deviations", further, DeviationRows::ZERO)?;
             drive(&mut self)?;
         }
         Ok(())
     }
 
     /// The norm of a body in the variables of the kernel.
-    fn norm(&self, b: usize) -> Displacement {
-        let norm = self.displacements.each[self.legs.index(b) * self.displacements.count];
-        self.legs.way(b).assignment.displacement(&norm, self.legs.body(b))
+    fn norm(&self, b: usize) -> Deviation {
+        let norm = self.deviations.each[self.legs.index(b) * self.deviations.count];
+        self.legs.way(b).assignment.deviation(&norm, self.legs.body(b))
     }
 
-    /// Norm, vertical and displacements of a body, in the variables of the kernel.
-    fn read(&self, b: usize) -> (Displacement, [f64; 3], [[f64; 6]; MAX_DISPLACEMENTS]) {
-        let (legs, count) = (&self.legs, self.displacements.count);
+    /// Norm, vertical and deviation vectors of a body, in the variables of the kernel.
+    fn read(&self, b: usize) -> (Deviation, [f64; 3], [[f64; 6]; MAX_DEVIATIONS]) {
+        let (legs, count) = (&self.legs, self.deviations.count);
         let system = legs.compiled.kernel().system;
-        let (vertical, displacements) = read(&legs.lanes, system, legs.lane(b), count);
-        (self.norm(b), vertical, displacements)
+        let (gamma, deviations) = read(&legs.lanes, system, legs.lane(b), count);
+        (self.norm(b), gamma, deviations)
     }
 
-    /// Makes the displacements of a body orthogonal, and near one in size.
+    /// Makes the deviation vectors of a body orthogonal, and near one in size.
     fn settle(&mut self, b: usize) {
         let (norm, legs) = (self.norm(b), &mut self.legs);
         let (lane, is_damped) = (legs.lane(b), legs.way(b).forces.act);
@@ -285,14 +286,14 @@ impl GrowthJob<'_, '_> {
 
     /// Writes the growth of a body, number `at` of all.
     fn record(&mut self, b: usize, at: usize) {
-        let (norm, vertical, displacements) = self.read(b);
-        let (count, member, lane) = (self.displacements.count, self.legs.members[b], self.legs.lane(b));
+        let (norm, gamma, deviations) = self.read(b);
+        let (count, member, lane) = (self.deviations.count, self.legs.members[b], self.legs.lane(b));
         let (group, part) = (&self.legs.lanes, &mut *self.part);
         let rows = group.observed_in(lane);
         part.logs[LOGS * at..][..LOGS].copy_from_slice(&Growth::logs(&rows));
-        let displacements = &displacements[..count];
-        let diagonal = self.frames[b].log_diagonal(&norm, &vertical, displacements);
-        let (gali, sali) = self.frames[b].alignment(&norm, &vertical, displacements);
+        let deviations = &deviations[..count];
+        let diagonal = self.frames[b].log_diagonal(&norm, &gamma, deviations);
+        let (gali, sali) = self.frames[b].alignment(&norm, &gamma, deviations);
         for j in 0..count {
             part.log_diagonal[count * at + j] = diagonal[j] - self.start_logs[b][j];
             part.log_gali[count * at + j] = gali[j];
@@ -316,47 +317,42 @@ impl GrowthJob<'_, '_> {
     }
 }
 
-/// The vertical and the displacements of a body in lanes from `lane` on, or in one lane if they share a motion.
-fn read(
-    group: &Group,
-    system: System,
-    lane: usize,
-    count: usize,
-) -> ([f64; 3], [[f64; 6]; MAX_DISPLACEMENTS]) {
-    let at = system.tangent_at().expect("the system has a displacement");
-    let vertical = [3, 4, 5].map(|d| group.state[d].0[lane]);
-    let mut displacements = [[0.0; 6]; MAX_DISPLACEMENTS];
+/// The vertical and the deviation vectors of a body in lanes from `lane` on, or in one lane if they share a motion.
+fn read(group: &Group, system: System, lane: usize, count: usize) -> ([f64; 3], [[f64; 6]; MAX_DEVIATIONS]) {
+    let at = system.tangent_at().expect("the system has a deviation vector");
+    let gamma = [3, 4, 5].map(|d| group.state[d].0[lane]);
+    let mut deviations = [[0.0; 6]; MAX_DEVIATIONS];
     for j in 0..count {
         let (rows, lane) = match group.further.get(j.wrapping_sub(1)) {
             Some(further) => (&further.state[..], lane),
             None => (&group.state[at..at + 6], lane + j),
         };
-        displacements[j] = std::array::from_fn(|k| rows[k].0[lane]);
+        deviations[j] = std::array::from_fn(|k| rows[k].0[lane]);
     }
-    (vertical, displacements)
+    (gamma, deviations)
 }
 
-/// Makes the displacements of a body orthogonal, and near one in size, as many as the frame has. They are in lanes from
-/// `lane` on, or in one lane if they share a motion.
+/// Makes the deviation vectors of a body orthogonal, and near one in size, as many as the frame has. They are in lanes
+/// from `lane` on, or in one lane if they share a motion.
 pub fn settle(
     group: &mut Group,
     system: System,
     lane: usize,
-    norm: &Displacement,
+    norm: &Deviation,
     is_damped: bool,
     frame: &mut Frame,
 ) {
     let count = frame.count();
-    let at = system.tangent_at().expect("the system has a displacement");
-    let (vertical, mut displacements) = read(group, system, lane, count);
+    let at = system.tangent_at().expect("the system has a deviation vector");
+    let (gamma, mut deviations) = read(group, system, lane, count);
     if !norm.of_attitude {
         // A turn about the vertical is not seen by this norm. It is removed before it outgrows what is: from the
         // first only under damping, which shrinks the rest.
-        for displacement in &mut displacements[if is_damped { 0 } else { 1 }..count] {
-            remove_turn(displacement, &vertical);
+        for deviation in &mut deviations[if is_damped { 0 } else { 1 }..count] {
+            remove_turn(deviation, &gamma);
         }
     }
-    let shifts = frame.settle(norm, &vertical, &mut displacements[..count]);
+    let shifts = frame.settle(norm, &gamma, &mut deviations[..count]);
     for j in 0..count {
         let (rows, rests, lane) = match group.further.get_mut(j.wrapping_sub(1)) {
             Some(further) => (&mut further.state[..], &mut further.compensation[..], lane),
@@ -367,18 +363,18 @@ pub fn settle(
         };
         for k in 0..6 {
             let rest = &mut rests[k].0[lane];
-            // Of a displacement that was changed the lost digits are those of another.
+            // Of a deviation vector that was changed the lost digits are those of another.
             *rest = if j == 0 { super::frame::times_power_of_two(*rest, -shifts[0]) } else { 0.0 };
-            rows[k].0[lane] = displacements[j][k];
+            rows[k].0[lane] = deviations[j][k];
         }
     }
 }
 
 /// Removes the part of the rotation vector along the vertical.
-fn remove_turn(displacement: &mut [f64; 6], vertical: &[f64; 3]) {
-    let product = |a: &[f64]| a[0].mul_add(vertical[0], a[1].mul_add(vertical[1], a[2] * vertical[2]));
-    let share = product(&displacement[3..]) / product(vertical);
+fn remove_turn(deviation: &mut [f64; 6], gamma: &[f64; 3]) {
+    let product = |a: &[f64]| a[0].mul_add(gamma[0], a[1].mul_add(gamma[1], a[2] * gamma[2]));
+    let share = product(&deviation[3..]) / product(gamma);
     for k in 0..3 {
-        displacement[3 + k] = (-share).mul_add(vertical[k], displacement[3 + k]);
+        deviation[3 + k] = (-share).mul_add(gamma[k], deviation[3 + k]);
     }
 }

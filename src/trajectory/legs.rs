@@ -6,10 +6,10 @@ use crate::error::Error;
 use crate::forces::BodyForces;
 use crate::kernel::{Compiled, ForcesRows, Group, Kernel, reset_time};
 use crate::memory;
+use crate::method::AnyMethod;
 use crate::observe::Observed;
 use crate::parallel::Interrupt;
 use crate::simd::{Isa, LANES};
-use crate::solver::Solver;
 use crate::start::Body;
 use std::ops::Range;
 
@@ -89,9 +89,9 @@ const PART: f64 = 0.25;
 impl Layer {
     /// The layer at the start of a body whose steps do not follow its damping.
     fn of(request: &Request, body: usize) -> Option<Layer> {
-        let Solver::Steps(scheme) = request.solver else { return None };
+        let AnyMethod::Steps(method) = request.method else { return None };
         let forces = request.forces_of(body);
-        if !scheme.damps_exactly() || forces.is_none() {
+        if !method.damps_exactly() || forces.is_none() {
             return None;
         }
         let [.., rate] = forces.damping.rates(request.bodies[body].moments);
@@ -110,7 +110,7 @@ impl Layer {
 }
 
 /// The stops of a body in the order they are made: forward from 0 through the times >= 0, or backward from 0 through
-/// the times < 0. Legs end at the knots of the forces: a step across a knot would lose the order of any scheme.
+/// the times < 0. Legs end at the knots of the forces: a step across a knot would lose the order of any method.
 struct Stops<'a> {
     schedule: &'a Schedule<'a>,
     /// The times of the body; none if its steps are counted.

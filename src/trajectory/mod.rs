@@ -1,4 +1,4 @@
-//! States of bodies at the times that a user wants, by steps or in closed form; growth of displacements; and bodies that
+//! States of bodies at output times, by steps or in closed form; growth of deviation vectors; and bodies that
 //! are moved step by step.
 
 mod adaptive;
@@ -14,8 +14,8 @@ mod request;
 mod section;
 mod states;
 
-pub use frame::{Frame, MAX_DISPLACEMENTS};
-pub use growth::{Displacements, Growths, STEPS_TOGETHER, growth, settle};
+pub use frame::{Frame, MAX_DEVIATIONS};
+pub use growth::{Deviations, Growths, STEPS_TOGETHER, growth, settle};
 pub use motion::{Motion, NUMBERS, Torques};
 pub use request::{Record, Request, Schedule, time_range};
 pub use section::{Crossings, Point, Section, Surface, SurfaceKind, section};
@@ -25,10 +25,9 @@ use crate::error::Error;
 use crate::forces::ForceSet;
 use crate::kernel::{Group, KernelAssignment, Needs, System};
 use crate::memory;
+use crate::method::{AnyMethod, Method, Step};
 use crate::parallel::{Interrupt, over_blocks};
-use crate::scheme::{Scheme, Step};
 use crate::simd::{Isa, LANES};
-use crate::solver::Solver;
 use crate::start::Body;
 use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -56,7 +55,7 @@ pub fn simulate(request: &Request, threads: usize, isa: Isa, stop: &Interrupt) -
 ///
 /// # Errors
 /// If the request was stopped; if a closed form is wanted and a body has none; if the method does not move tops or
-/// forced bodies; if a step is beyond the stability of the method, or a wanted time beyond the table of a torque; if a
+/// forced bodies; if a step is beyond the stability of the method, or an output time beyond the table of a torque; if a
 /// tolerance is given to a method that is no series.
 pub fn simulate_into(
     request: &Request,
@@ -65,32 +64,32 @@ pub fn simulate_into(
     isa: Isa,
     stop: &Interrupt,
 ) -> Result<Effort, Error> {
-    match request.solver {
-        Solver::Steps(scheme) => {
-            scheme.check(request.scene, false)?;
+    match request.method {
+        AnyMethod::Steps(method) => {
+            method.check(request.scene, false)?;
             if request.record.is_tangent() {
-                scheme.check_tangent(request.record.is_sensitivity() || !request.forces.is_none())?;
-                request.check_displaced()?;
+                method.check_tangent(request.record.is_sensitivity() || !request.forces.is_none())?;
+                request.check_deviations()?;
             }
             if !request.forces.is_none() {
-                check_forced(request, scheme)?;
+                check_forced(request, method)?;
             }
             match request.tolerance {
-                Some(_) => adaptive::simulate(request, scheme, states, threads, isa, stop),
-                None => fixed::simulate(request, scheme, states, threads, isa, stop),
+                Some(_) => adaptive::simulate(request, method, states, threads, isa, stop),
+                None => fixed::simulate(request, method, states, threads, isa, stop),
             }
         }
-        Solver::Exact => {
+        AnyMethod::Exact => {
             if request.record.is_tangent() {
-                let value = format!("'{}'", Solver::EXACT);
-                let rule = "has no tangent here: displacements are integrated";
+                let value = format!("'{}'", AnyMethod::EXACT);
+                let rule = "has no tangent here: deviation vectors are integrated";
                 return Err(Error::Value { argument: "method", value, rule });
             }
             if !request.forces.is_none() {
                 return damped_free::simulate(request, states, threads, isa, stop);
             }
             if let Schedule::Strides(_) = request.schedule {
-                let value = Solver::EXACT.to_string();
+                let value = AnyMethod::EXACT.to_string();
                 return Err(Error::Value { argument: "method", value, rule: "a closed form takes no steps" });
             }
             closed::simulate(request, states, threads, isa, stop)
@@ -100,11 +99,11 @@ pub fn simulate_into(
 
 /// Refuses a method that does not move forced bodies, a step beyond the stability of an explicit method, and a time at
 /// which the torque is unknown.
-fn check_forced(request: &Request, scheme: &Scheme) -> Result<(), Error> {
+fn check_forced(request: &Request, method: &Method) -> Result<(), Error> {
     for index in 0..request.bodies.len() {
-        scheme.check_forces(request.forces_of(index).into())?;
+        method.check_forces(request.forces_of(index).into())?;
     }
-    let is_stable = scheme.forced_limit()? == f64::INFINITY || request.tolerance.is_some();
+    let is_stable = method.forced_limit()? == f64::INFINITY || request.tolerance.is_some();
     let mut last = None;
     for (index, (body, &step)) in request.bodies.iter().zip(request.steps).enumerate() {
         let forces = request.forces_of(index);
@@ -121,7 +120,7 @@ fn check_forced(request: &Request, scheme: &Scheme) -> Result<(), Error> {
         let [.., rate] = forces.damping.rates(body.moments);
         // A step is cut to the span.
         let step = step.min(request.range_of(index).iter().fold(0.0_f64, |a, t| a.max(t.abs())));
-        scheme.check_damping((request.bodies.len() > 1).then_some(index), step, rate)?;
+        method.check_damping((request.bodies.len() > 1).then_some(index), step, rate)?;
     }
     Ok(())
 }
@@ -179,7 +178,7 @@ fn kinds_in<K: PartialEq>(block: Range<usize>, kind: impl Fn(usize) -> K) -> Res
     Ok(kinds.into_iter().map(|(_, members)| members).collect())
 }
 
-/// The steps that a body makes between two wanted times, as if these were equally spaced.
+/// The steps that a body makes between two output times, as if these were equally spaced.
 fn steps_of_legs(request: &Request, index: usize) -> u64 {
     let [first, last] = request.range_of(index);
     if last - first < f64::INFINITY {
@@ -199,11 +198,11 @@ fn is_light(request: &Request) -> bool {
         let [first, last] = request.range_of(index);
         (last - first) / step
     };
-    let made = match (request.solver, &request.schedule) {
+    let made = match (request.method, &request.schedule) {
         _ if bodies * states > FEW => return false,
-        (Solver::Exact, _) => 0.0,
-        (Solver::Steps(_), Schedule::Strides(strides)) => bodies * strides.iter().sum::<u64>() as f64,
-        (Solver::Steps(_), _) => {
+        (AnyMethod::Exact, _) => 0.0,
+        (AnyMethod::Steps(_), Schedule::Strides(strides)) => bodies * strides.iter().sum::<u64>() as f64,
+        (AnyMethod::Steps(_), _) => {
             request.refinement * request.steps.iter().enumerate().map(steps).sum::<f64>()
         }
     };
@@ -239,15 +238,15 @@ struct Integration {
 }
 
 impl Integration {
-    fn of(request: &Request, scheme: &Scheme, index: usize) -> Self {
+    fn of(request: &Request, method: &Method, index: usize) -> Self {
         let forces = ForceSet::from(request.forces_of(index));
         let assignment =
-            KernelAssignment::of_either(forces.act, scheme, &request.bodies[index], request.scene);
+            KernelAssignment::of_either(forces.act, method, &request.bodies[index], request.scene);
         Integration { assignment, forces }
     }
 
     /// Those of the bodies of a block.
-    fn of_block(request: &Request, scheme: &Scheme, block: Range<usize>) -> Result<Vec<Self>, Error> {
+    fn of_block(request: &Request, method: &Method, block: Range<usize>) -> Result<Vec<Self>, Error> {
         let mut ways = memory::reserved("bodies of a block", block.len())?;
         let mut last: Option<(&Body, Self)> = None;
         let all_free = request.forces.is_none();
@@ -263,7 +262,7 @@ impl Integration {
                 {
                     way
                 }
-                _ => Integration::of(request, scheme, index),
+                _ => Integration::of(request, method, index),
             };
             last = Some((body, way));
             ways.push(way);

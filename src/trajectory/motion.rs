@@ -7,10 +7,10 @@ use crate::forces::{BodyForces, Forces, ForcesInterval};
 use crate::kernel::{Compiled, Entry, ForcesRows, Group, Kernel, MAX_STATE};
 use crate::kernel::{KernelAssignment, Needs, System, load, reset_time, unload};
 use crate::memory;
+use crate::method::Method;
 use crate::observe::Observed;
 use crate::parallel::{Interrupt, over_blocks};
 use crate::scene::Scene;
-use crate::scheme::Scheme;
 use crate::simd::{Isa, LANES};
 use crate::start::Body;
 
@@ -20,7 +20,7 @@ pub const NUMBERS: usize = 2 * MAX_STATE + 7;
 /// Bodies in motion, and the code of their steps.
 pub struct Motion {
     scene: &'static Scene,
-    scheme: &'static Scheme,
+    method: &'static Method,
     /// Torque and damping of the scene, which has one for all bodies; without any that of a torque of zero once a
     /// torque has been applied.
     forces: Forces,
@@ -51,17 +51,17 @@ impl Motion {
     /// The bodies at their start, at a time.
     ///
     /// # Errors
-    /// If the scheme does not move the scene, or the bodies do not fit into memory.
+    /// If the method does not move the scene, or the bodies do not fit into memory.
     pub fn new(
         bodies: &[Body],
         time: f64,
         scene: &'static Scene,
-        scheme: &'static Scheme,
+        method: &'static Method,
         forces: Forces,
         isa: Isa,
     ) -> Result<Motion, Error> {
-        scheme.check(scene, false)?;
-        let mut motion = Motion { scene, scheme, forces, isa, time, damping_rate: 0.0, groups: Vec::new() };
+        method.check(scene, false)?;
+        let mut motion = Motion { scene, method, forces, isa, time, damping_rate: 0.0, groups: Vec::new() };
         motion.load(bodies)?;
         Ok(motion)
     }
@@ -134,7 +134,7 @@ impl Motion {
     /// the scene's torque has a knot, the step is divided.
     ///
     /// # Errors
-    /// If a number is not finite, if there is neither one torque nor one for each body, if the scheme does not move
+    /// If a number is not finite, if there is neither one torque nor one for each body, if the method does not move
     /// forced bodies or is unstable with the step, or if the table of the scene's torque does not reach its end. The
     /// bodies are then as before.
     pub fn step(&mut self, dt: f64, torques: Torques, threads: usize) -> Result<(), Error> {
@@ -179,12 +179,12 @@ impl Motion {
 
     /// Refuses what `trajectory::simulate` refuses of forced bodies.
     fn check_forced(&self, begin: f64, dt: f64) -> Result<(), Error> {
-        self.scheme.forced_limit()?;
-        self.scheme.check_forces(self.forces.of(0).into())?;
+        self.method.forced_limit()?;
+        self.method.check_forces(self.forces.of(0).into())?;
         for time in [begin, begin + dt] {
             self.forces.of(0).table.check_reaches(time)?;
         }
-        self.scheme.check_damping(None, dt.abs(), self.damping_rate)
+        self.method.check_damping(None, dt.abs(), self.damping_rate)
     }
 
     /// Loads the bodies anew into kernels of forced bodies.
@@ -201,12 +201,12 @@ impl Motion {
 
     /// Loads bodies into groups.
     fn load(&mut self, bodies: &[Body]) -> Result<(), Error> {
-        let (scheme, scene, forced) = (self.scheme, self.scene, !self.forces.is_none());
+        let (method, scene, forced) = (self.method, self.scene, !self.forces.is_none());
         if forced {
             self.check_forced(self.time, 0.0)?;
         }
         let forces = ForceSet { act: forced, ..self.forces.of(0).into() };
-        let assignment = |body: &Body| KernelAssignment::of_either(forced, scheme, body, scene);
+        let assignment = |body: &Body| KernelAssignment::of_either(forced, method, body, scene);
         let ranges = neighbours(bodies.len(), LANES, |index| assignment(&bodies[index]).step)?;
         let mut loaded = memory::reserved("groups of the bodies", ranges.len())?;
         self.damping_rate = 0.0;
@@ -315,8 +315,8 @@ impl MovingGroup {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::method::RK4;
     use crate::scene::FREE;
-    use crate::scheme::RK4;
 
     const BODY: Body = Body {
         moments: [1.0, 2.0, 2.5],

@@ -3,8 +3,8 @@
 use crate::error::Error;
 use crate::forces::ForceSet;
 use crate::forces::{BodyForces, Forces, ForcesInterval, ParameterChange};
+use crate::method::AnyMethod;
 use crate::scene::Scene;
-use crate::solver::Solver;
 use crate::start::Body;
 use std::ops::Range;
 
@@ -17,14 +17,14 @@ pub enum Record<'a> {
     Axis,
     /// Rates and attitude.
     Attitude,
-    /// The displacement of each body that begins with these numbers: a change of the rates and a rotation vector.
+    /// The deviation vector of each body that begins with these numbers: a change of the rates and a rotation vector.
     Tangent(&'a [[f64; 6]]),
-    /// The displacement of each body by this change of its parameters, from the same start.
+    /// The deviation vector of each body by this change of its parameters, from the same start.
     Sensitivity(&'a [ParameterChange<f64>]),
 }
 
 impl Record<'_> {
-    /// Whether displacements are recorded.
+    /// Whether deviation vectors are recorded.
     pub fn is_tangent(&self) -> bool {
         matches!(self, Record::Tangent(_) | Record::Sensitivity(_))
     }
@@ -42,10 +42,10 @@ impl Record<'_> {
         }
     }
 
-    /// The displacement of a body at its start; zero if none is recorded.
-    pub fn displacement_of(&self, body: usize) -> [f64; 6] {
+    /// The deviation vector of a body at its start; zero if none is recorded.
+    pub fn deviation_of(&self, body: usize) -> [f64; 6] {
         match self {
-            Record::Tangent(displacements) => displacements[body],
+            Record::Tangent(deviations) => deviations[body],
             _ => [0.0; 6],
         }
     }
@@ -105,16 +105,16 @@ pub struct Request<'a> {
     pub scene: &'static Scene,
     /// Applied torque and damping.
     pub forces: &'a Forces,
-    /// The solver of the bodies.
-    pub solver: Solver,
+    /// The method of the bodies.
+    pub method: AnyMethod,
     /// The recorded variables.
     pub record: Record<'a>,
     /// The times of the states.
     pub schedule: Schedule<'a>,
     /// Largest step of each body; with a tolerance its first.
     pub steps: &'a [f64],
-    /// A leg between two wanted times takes this many times its steps, rounded up: above 1 at least one more. Steps that
-    /// follow a tolerance ignore the number.
+    /// A leg between two output times takes this many times its steps, rounded up: above 1 at least one more. Steps
+    /// that follow a tolerance ignore the number.
     pub refinement: f64,
     /// Tolerance of adaptive steps of a Taylor series: the largest last terms of a step, relative to the state.
     pub tolerance: Option<f64>,
@@ -128,12 +128,12 @@ impl Request<'_> {
         self.forces.of(body)
     }
 
-    /// Refuses displacements under forces for which there are no kernels.
+    /// Refuses deviation vectors under forces for which there are no kernels.
     ///
     /// # Errors
     /// If a further force or the torque of a function acts on a body.
-    pub fn check_displaced(&self) -> Result<(), Error> {
-        (0..self.forces.bodies()).try_for_each(|body| ForceSet::from(self.forces_of(body)).check_displaced())
+    pub fn check_deviations(&self) -> Result<(), Error> {
+        (0..self.forces.bodies()).try_for_each(|body| ForceSet::from(self.forces_of(body)).check_deviations())
     }
 
     /// The forces on a body from a time to the next knot, and the change of its parameters.

@@ -9,7 +9,7 @@ use crate::status::{DRIFT_LIMIT, Status};
 
 /// The values of a column.
 pub enum Column {
-    /// Numbers of each wanted time of each body, this many in a row; `None` if they are not recorded.
+    /// Numbers of each output time of each body, this many in a row; `None` if they are not recorded.
     Series(usize, Option<Vec<f64>>),
     /// A number of each body.
     Numbers(Vec<f64>),
@@ -59,7 +59,7 @@ macro_rules! states {
         }
 
         impl States {
-            /// The columns of wanted times that a request records, with the numbers of each in a row.
+            /// The columns of output times that a request records, with the numbers of each in a row.
             pub fn recorded(request: &Request) -> Vec<(&'static str, usize)> {
                 let mut columns = Vec::new();
                 $({
@@ -134,7 +134,7 @@ macro_rules! states {
                 }
             }
 
-            /// Lets a column of wanted times be written into given memory.
+            /// Lets a column of output times be written into given memory.
             pub fn give(&mut self, column: &str, values: &'a mut [f64]) {
                 match column {
                     $(stringify!($time) => self.$time = Some(values),)*
@@ -174,26 +174,26 @@ fn first<'a, T>(rest: &mut &'a mut [T], count: usize) -> &'a mut [T] {
 
 states! {
     times {
-        /// Rates, (n, times, 3), unless displacements are recorded.
+        /// Rates, (n, times, 3), unless deviation vectors are recorded.
         omega: 3, |request| !request.record.is_tangent();
         /// The vertical seen from the body, (n, times, 3), if recorded.
-        vertical: 3, |request| match request.record {
+        gamma: 3, |request| match request.record {
             Record::Rates | Record::Tangent(_) | Record::Sensitivity(_) => false,
             Record::Axis => true,
             Record::Attitude => request.scene.has_weight,
         };
         /// Attitude, (n, times, 4), if recorded.
         attitude: 4, |request| request.record == Record::Attitude;
-        /// Displacements, (n, times, 6), if recorded: changes of the rates, and rotation vectors in the body.
+        /// Deviation vectors, (n, times, 6), if recorded: changes of the rates, and rotation vectors in the body.
         tangent: 6, |request| request.record.is_tangent();
         /// Work of torque and damping since the start, (n, times), of forced bodies.
         work: 1, |request| !request.forces.is_none() && !request.record.is_tangent();
     }
     bodies {
-        /// Largest energy error at a wanted time, relative. For a forced body: the error of the energy less the work,
+        /// Largest energy error at an output time, relative. For a forced body: the error of the energy less the work,
         /// relative to the energy at the start plus the energy at that time.
         energy_drift: f64, f64::NAN;
-        /// Largest error of the conserved momentum at a wanted time, relative.
+        /// Largest error of the conserved momentum at an output time, relative.
         momentum_drift: f64, f64::NAN;
         /// Largest deviation of |gamma| and |q| from one.
         unit_drift: f64, f64::NAN;
@@ -207,9 +207,9 @@ states! {
 }
 
 impl States {
-    /// The rates. Panics if displacements are recorded instead.
+    /// The rates. Panics if deviation vectors are recorded instead.
     pub fn rates(&self) -> &[f64] {
-        self.omega.as_deref().expect("rates are recorded but with displacements")
+        self.omega.as_deref().expect("rates are recorded but with deviation vectors")
     }
 }
 
@@ -234,8 +234,8 @@ impl StatesPart<'_> {
         let mut units = 0.0_f64;
         if let Some(direction) = &now.direction {
             units = worse(units, (norm(direction) - 1.0).abs());
-            if let Some(vertical) = &mut self.vertical {
-                vertical[3 * at..][..3].copy_from_slice(direction);
+            if let Some(gamma) = &mut self.gamma {
+                gamma[3 * at..][..3].copy_from_slice(direction);
             }
         }
         if let (Some(mut attitude), Some(attitudes)) = (now.attitude, &mut self.attitude) {
@@ -322,8 +322,8 @@ pub(super) fn norm<const N: usize>(v: &[f64; N]) -> f64 {
 mod tests {
     use super::*;
     use crate::forces::Forces;
+    use crate::method::AnyMethod;
     use crate::scene::{FREE, Scene, TOP};
-    use crate::solver::Solver;
     use crate::trajectory::Schedule;
 
     fn request<'a>(scene: &'static Scene, record: Record<'a>) -> Request<'a> {
@@ -331,7 +331,7 @@ mod tests {
             bodies: &[],
             scene,
             forces: Forces::NONE,
-            solver: Solver::Exact,
+            method: AnyMethod::Exact,
             record,
             schedule: Schedule::Times(&[0.0, 1.0]),
             steps: &[],
@@ -343,7 +343,7 @@ mod tests {
 
     #[test]
     fn what_is_recorded_follows_from_the_request() {
-        for (scene, record, vertical, attitude) in [
+        for (scene, record, gamma, attitude) in [
             (&FREE, Record::Rates, false, false),
             (&TOP, Record::Axis, true, false),
             (&FREE, Record::Attitude, false, true),
@@ -351,11 +351,11 @@ mod tests {
         ] {
             let request = request(scene, record);
             let all = States::reserved(&request, 3, &[]).unwrap();
-            assert_eq!((all.vertical.is_some(), all.attitude.is_some()), (vertical, attitude));
+            assert_eq!((all.gamma.is_some(), all.attitude.is_some()), (gamma, attitude));
             assert!(all.work.is_none());
             let names: Vec<_> = States::recorded(&request).into_iter().map(|(name, _)| name).collect();
             assert!(States::reserved(&request, 3, &names).unwrap().omega.is_none());
-            assert_eq!(names.len(), 1 + usize::from(vertical) + usize::from(attitude));
+            assert_eq!(names.len(), 1 + usize::from(gamma) + usize::from(attitude));
             assert_eq!((all.omega.unwrap().len(), all.energy_drift.len(), all.status.len()), (18, 3, 3));
         }
     }
@@ -369,7 +369,7 @@ mod tests {
             let mut part = rest.split_off(2, bodies);
             part.energy_drift.fill(value as f64);
             part.attitude.as_mut().unwrap().fill(value as f64);
-            assert!(part.vertical.is_none());
+            assert!(part.gamma.is_none());
         }
         assert_eq!(all.energy_drift, [0.0, 1.0, 1.0]);
         assert_eq!(all.attitude.unwrap(), [[0.0; 8], [1.0; 8], [1.0; 8]].concat());

@@ -649,7 +649,7 @@ def tilted(tilt: float, *, yaw: float = 0.0) -> tuple[float, ...]:
     return c * math.cos(yaw), x, y, c * math.sin(yaw)
 
 
-def vertical_of(q: Sequence[float]) -> tuple[float, ...]:
+def gamma_of(q: Sequence[float]) -> tuple[float, ...]:
     w, x, y, z = q
     size = sum(v * v for v in q)
     return 2 * (x * z - w * y) / size, 2 * (y * z + w * x) / size, 1 - 2 * (x * x + y * y) / size
@@ -657,7 +657,7 @@ def vertical_of(q: Sequence[float]) -> tuple[float, ...]:
 
 def precessing(q: Sequence[float], rate: float, spin: float) -> tuple[float, ...]:
     """Body rates of a precession about the vertical with that third rate."""
-    g1, g2, _ = vertical_of(q)
+    g1, g2, _ = gamma_of(q)
     return rate * g1, rate * g2, spin
 
 
@@ -724,7 +724,7 @@ def top_start(family: str) -> Upright:
     elif family == "past a pole":
         # b = 0 (through the top) or b2 = 0 (the bottom), to rounding or a little more.
         attitude, off = any_tilt, RNG.choice((0.0, sign() * near))
-        g1, g2, g3 = vertical_of(attitude)
+        g1, g2, g3 = gamma_of(attitude)
         s2 = g1 * g1 + g2 * g2
         rate = i3 * spin * RNG.choice((1 - g3, -1 - g3)) / (i1 * s2) * (1 + off)
         sway = swing * decades(-3, 1) * RNG.gauss(0, 1)
@@ -738,7 +738,7 @@ def top_start(family: str) -> Upright:
         while True:
             attitude = tilted(RNG.uniform(0.01, 3.1), yaw=yaw)
             spin = sign() * swing * decades(-3, 3)
-            g3, a = vertical_of(attitude)[2], i3 * spin
+            g3, a = gamma_of(attitude)[2], i3 * spin
             root = a * a - 4 * i1 * mgl * g3
             if root >= 0:
                 break
@@ -755,7 +755,7 @@ def top_start(family: str) -> Upright:
     elif family == "planar pendulum":
         half = RNG.uniform(-math.pi, math.pi)
         attitude = (math.cos(half), math.sin(half), 0.0, 0.0)
-        g3 = vertical_of(attitude)[2]
+        g3 = gamma_of(attitude)[2]
         edge = swing * math.sqrt(max(0.0, 2 * (1 - g3)))  # of turning over
         edge *= 1 + sign() * decades(-14, -1)
         omega = (RNG.choice((swing * decades(-3, 2), edge)), 0.0, 0.0)

@@ -11,7 +11,7 @@ from error_survey import survey
 ratios, missed = survey(int(sys.argv[1]) if len(sys.argv) > 1 else 10_000, seed=1)
 within = float(np.mean(ratios <= 1.0))
 print(f"{len(ratios)} runs, {within:.2%} within, median {np.median(ratios):.3f}")
-print(f"largest ratios {np.sort(ratios)[-5:].round(2).tolist()}, silent misses {len(missed)}")
+print(f"largest ratios {np.sort(ratios)[-5:].round(2).tolist()}, undetected misses {len(missed)}")
 for one in missed:
     print(one)
 sys.exit(int(bool(missed) or within < 0.99 or not 0.05 <= np.median(ratios) <= 1.0))

@@ -50,22 +50,23 @@ def table(pool: ProcessPoolExecutor, bias: bool, count: int, seed: int) -> bool:
     findings: list[Finding] = list(pool.map(judge, range(count), chunksize=4))
     seconds = (time.perf_counter() - begin) / count
     right = sum(one.success and one.right for one in findings)
-    silent = [one for one in findings if one.success and not one.right]
+    undetected = [one for one in findings if one.success and not one.right]
     failed = [one for one in findings if not one.success]
     held = np.array([one.held for one in findings if one.success])
     evaluations = [one.evaluations for one in findings]
     print(
         f"bias {'free' if bias else 'none'}: {right} of {count} right, {len(failed)} failed, "
-        f"{len(silent)} SILENT; {np.mean(evaluations):.1f} evaluations, most {max(evaluations)}; "
+        f"{len(undetected)} UNDETECTED; "
+        f"{np.mean(evaluations):.1f} evaluations, most {max(evaluations)}; "
         f"{seconds:.2f} s a fit"
     )
     print(f"  intervals of 95 % hold {held.mean():.4f}; of each parameter {held.mean(0).round(3)}")
-    for one in silent:
-        print(f"  {one.number}: SILENT, chi2 above that of the truth by {-one.excess:.1f}")
+    for one in undetected:
+        print(f"  {one.number}: UNDETECTED, chi2 above that of the truth by {-one.excess:.1f}")
     for one in failed:
         print(f"  {one.number}: {one.reason}")
     covered = COVERAGE[0] <= held.mean() <= COVERAGE[1]
-    return right < LEAST_RIGHT * count or bool(silent) or not covered
+    return right < LEAST_RIGHT * count or bool(undetected) or not covered
 
 
 if __name__ == "__main__":

@@ -49,7 +49,7 @@ def integrable(kind: str) -> tuple[Scene, dict[str, Any]]:
         return rigid.FreeBody(body), cells
     if kind == "lagrange":
         return rigid.HeavyTop(body, mgl=1.0), cells
-    # Random starts: those of the grid lie on separatrices of this top, where displacements grow
+    # Random starts: those of the grid lie on separatrices of this top, where deviation vectors grow
     # exponentially again and again, and two runs call some chaotic.
     start = rigid.Start(
         omega=(0, 0, 0), noise=rigid.normal(1.0), attitude_noise=rigid.uniform_attitude()

@@ -190,7 +190,7 @@ def _states(run: rigid.Run) -> dict[str, Any]:
 
 
 def _growth(growth: rigid.Growth) -> dict[str, Any]:
-    """What the core computes of the growth of a displacement."""
+    """What the core computes of the growth of a deviation vector."""
     names = ("t", "log_growth", "mean_megno", "fli", "status", "energy_drift")
     return {name: getattr(growth, name) for name in names}
 
@@ -385,7 +385,7 @@ def _closed_forms() -> Iterator[Case]:
     yield "core/exact/jacobi", partial(asked, exact.jacobi, y, unit)
 
 
-DISPLACED_MAPS = ("chaotic-com", "chaotic-top", "separatrix-web")
+DEVIATING_MAPS = ("chaotic-com", "chaotic-top", "separatrix-web")
 """Built-in maps that would take hours in plain code; a smaller one is among the requests."""
 
 MAP_ARRAYS = (
@@ -490,7 +490,7 @@ def _maps() -> Iterator[Case]:
             for pixel in range(result.share.size):
                 if result.status.flat[pixel]:
                     continue
-                # The growth of a displacement begins after the start.
+                # The growth of a deviation vector begins after the start.
                 for times in (None, [0.5, 2.0] if is_growth else [0.0, 0.5, 2.0]):
                     body = result.replay(pixel, pixel % 21, t=times)
                     values = dataclasses.asdict(dataclasses.replace(body, run=None))  # type: ignore[arg-type]
@@ -548,7 +548,7 @@ def _builtin_maps() -> Iterator[Case]:
         cli.main(["maps"])
     for line in listed.getvalue().splitlines():
         name = line.split()[0]
-        if name in DISPLACED_MAPS:
+        if name in DEVIATING_MAPS:
             continue
         samples = 1 if name == "falling-top" else 3
         yield f"core/builtin-map/{name}", partial(arrays, name, samples)

@@ -4,7 +4,7 @@
 
 A run is right if its true error is at most the larger of the error asked for and the error stated.
 It is also right if its status is not ``ok``, or if a few roundings of the inputs change the motion
-as much. All else is SILENT: it is listed with its number, and the script fails if there is more
+as much. All else is UNDETECTED: it is listed with its number, and the script fails if there is more
 of it than one run in 2000, or if a true error is more than three times the larger.
 """
 
@@ -25,7 +25,7 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "shared"))
 from adversarial import KINDS
 from verdicts import VERDICTS, Finding, judge
 
-MOST_SILENT, MOST_EXCESS = 1 / 2000, 3.0
+MOST_UNDETECTED, MOST_EXCESS = 1 / 2000, 3.0
 
 #: From this error on a run is lost.
 LOST = 1.0
@@ -50,22 +50,22 @@ def main() -> int:
             partial(judge, seed=chosen.seed, kinds=kinds), numbers, chunksize=8
         ):
             findings.append(finding)
-            silent = sum(one.verdict == "SILENT" for one in findings)
+            undetected = sum(one.verdict == "UNDETECTED" for one in findings)
             seconds = time.perf_counter() - begin
-            line = f"{len(findings)} of {chosen.scenes} runs, {seconds:.0f} s, {silent} silent"
+            line = f"{len(findings)}/{chosen.scenes} runs, {seconds:.0f} s, {undetected} undetected"
             print(f"\r{line}", end="", file=sys.stderr, flush=True)
     print(file=sys.stderr)
 
     print_table("kind", lambda one: one.case.kind, findings)
     print_table("method", lambda one: one.method, findings)
     print_estimates(findings)
-    silent_ones = [one for one in findings if one.verdict == "SILENT"]
-    for one in silent_ones:
+    undetected_ones = [one for one in findings if one.verdict == "UNDETECTED"]
+    for one in undetected_ones:
         words = f"{one.number}: {one.case.kind}, {one.method}, true {one.true:.2e}"
         print(f"{words}, stated {one.stated:.2e}, asked {one.asked:.1e}, 4uκ {one.within:.1e}")
         print(f"    {one.case.code()}")
-    worst = max((one.excess for one in silent_ones), default=0.0)
-    return int(len(silent_ones) > MOST_SILENT * len(findings) or worst > MOST_EXCESS)
+    worst = max((one.excess for one in undetected_ones), default=0.0)
+    return int(len(undetected_ones) > MOST_UNDETECTED * len(findings) or worst > MOST_EXCESS)
 
 
 def print_table(name: str, of: Callable[[Finding], str], findings: list[Finding]) -> None:
@@ -73,7 +73,7 @@ def print_table(name: str, of: Callable[[Finding], str], findings: list[Finding]
     for key in [*sorted({of(one) for one in findings}), "all"]:
         rows = [one for one in findings if key in ("all", of(one))]
         counts = [sum(one.verdict == verdict for one in rows) for verdict in VERDICTS]
-        worst = max((one.excess for one in rows if one.verdict == "SILENT"), default=0.0)
+        worst = max((one.excess for one in rows if one.verdict == "UNDETECTED"), default=0.0)
         print(f"{key:22} {len(rows):6}", *(f"{count:10}" for count in counts), f"{worst:13.2g}")
     print()
 
@@ -86,7 +86,9 @@ def print_estimates(findings: list[Finding]) -> None:
         "true error / stated error of the right ones, quantiles 5, 50, 95 %:", at.round(4).tolist()
     )
     planned = [
-        one for one in findings if one.verdict in ("right", "flagged", "SILENT") and one.planned > 0
+        one
+        for one in findings
+        if one.verdict in ("right", "flagged", "UNDETECTED") and one.planned > 0
     ]
     for factor in (10.0, 1000.0):
         below = sum(one.true > factor * one.planned for one in planned)

@@ -33,14 +33,14 @@ def main() -> int:
     print(f"{len(found)} runs, {len(found) - len(judged)} refused or without truth")
     for way in WAYS:
         print_way(way, [one for one in judged if one.way == way])
-    silent = [one for one in judged if one.is_claimed and not one.excess <= 1.0]
-    for one in sorted(silent, key=lambda one: -one.excess):
+    undetected = [one for one in judged if one.is_claimed and not one.excess <= 1.0]
+    for one in sorted(undetected, key=lambda one: -one.excess):
         print(
-            f"{one.number}: SILENT, {one.way}, {one.method}, damping rate times length "
+            f"{one.number}: UNDETECTED, {one.way}, {one.method}, damping rate times length "
             f"{one.strength:.1e}: stated {one.stated:.1e}, asked {one.asked:.1e}, "
             f"true {one.true:.1e}\n  {one.case.code()}"
         )
-    return int(bool(silent))
+    return int(bool(undetected))
 
 
 def print_way(way: str, runs: list[Judged]) -> None:

@@ -245,7 +245,7 @@ def test_springs_approach_the_rigid_body_as_one_over_their_stiffness() -> None:
 def test_a_stiff_step_is_the_root_of_mass_over_stiffness() -> None:
     steps, calls = [], []
     for k in (1e2, 1e3, 1e4, 1e5):
-        # With so coarse a tolerance the stability of the scheme decides, not its error.
+        # With so coarse a tolerance the stability of the method decides, not its error.
         path = springs.spring_body(FOUR_MASSES, FOUR, SPIN, stiffness=k, t=[3.0], rtol=1e-3)
         steps.append(path.stiff_step)
         calls.append(path.evaluations)

@@ -3,18 +3,17 @@
 
 use crate::tests::scene_of;
 use rigid::forces::{BodyForces, Forces};
+use rigid::method::{self, AnyMethod, Method};
 use rigid::parallel::Interrupt;
 use rigid::sample::{Law, attitude, uniforms};
-use rigid::scheme::{self, Scheme};
 use rigid::simd::Isa;
-use rigid::solver::Solver;
 use rigid::start::Body;
 use rigid::status::Status;
 use rigid::trajectory::{Record, Request, Schedule, States, simulate};
 
 struct Case<'a> {
     bodies: &'a [Body],
-    method: &'static Scheme,
+    method: &'static Method,
     tolerance: f64,
     record: Record<'a>,
     times: &'a [f64],
@@ -23,18 +22,18 @@ struct Case<'a> {
     isa: Isa,
 }
 
-fn case<'a>(bodies: &'a [Body], method: &'static Scheme, tolerance: f64, times: &'a [f64]) -> Case<'a> {
+fn case<'a>(bodies: &'a [Body], method: &'static Method, tolerance: f64, times: &'a [f64]) -> Case<'a> {
     let isa = Isa::available()[0];
     Case { bodies, method, tolerance, record: Record::Attitude, times, max_steps: 1 << 40, threads: 1, isa }
 }
 
 impl Case<'_> {
-    fn request<'a>(&'a self, solver: Solver, steps: &'a [f64], tolerance: Option<f64>) -> Request<'a> {
+    fn request<'a>(&'a self, method: AnyMethod, steps: &'a [f64], tolerance: Option<f64>) -> Request<'a> {
         Request {
             bodies: self.bodies,
             scene: scene_of(self.bodies.iter().any(|body| body.weight != [0.0; 3])),
             forces: Forces::NONE,
-            solver,
+            method,
             record: self.record,
             schedule: Schedule::Times(self.times),
             steps,
@@ -48,19 +47,19 @@ impl Case<'_> {
         let first =
             |body: &Body| self.method.facts.angle_per_step / body.fastest_rate(BodyForces::NONE, [0.0; 2]);
         let steps: Vec<f64> = self.bodies.iter().map(first).collect();
-        let request = self.request(Solver::Steps(self.method), &steps, Some(self.tolerance));
+        let request = self.request(AnyMethod::Steps(self.method), &steps, Some(self.tolerance));
         simulate(&request, self.threads, self.isa, &Interrupt::never()).unwrap()
     }
 
     fn exact_states(&self) -> States {
         let steps = vec![f64::INFINITY; self.bodies.len()];
-        let request = self.request(Solver::Exact, &steps, None);
+        let request = self.request(AnyMethod::Exact, &steps, None);
         simulate(&request, self.threads, self.isa, &Interrupt::never()).unwrap()
     }
 }
 
-fn series() -> impl Iterator<Item = &'static Scheme> {
-    scheme::ALL.iter().copied().filter(|method| method.is_series())
+fn series() -> impl Iterator<Item = &'static Method> {
+    method::ALL.iter().copied().filter(|method| method.is_series())
 }
 
 /// A random body, with its centre of mass on the symmetry axis 3 if `symmetric`; rates of one size times `spin`.
@@ -79,7 +78,7 @@ fn body(number: u64, is_top: bool, symmetric: bool, spin: f64) -> Body {
 
 fn numbers(states: &States, i: usize) -> (Vec<u64>, Status, u64) {
     let n = states.status.len();
-    let fields = [&states.omega, &states.vertical, &states.attitude];
+    let fields = [&states.omega, &states.gamma, &states.attitude];
     let of_field = |field: &Vec<f64>| field[i * (field.len() / n)..][..field.len() / n].to_vec();
     let mut all: Vec<f64> = fields.into_iter().flatten().flat_map(of_field).collect();
     all.extend([states.energy_drift[i], states.momentum_drift[i], states.unit_drift[i]]);
@@ -131,7 +130,7 @@ fn dense_output_changes_no_step() {
     let many: Vec<f64> = (0..1000).map(|k| 0.02 * f64::from(k)).collect();
     let few = [many[7], many[500], many[999]];
     let [many, few] =
-        [&many[..], &few].map(|times| case(&bodies, &scheme::TAYLOR16, 1e-14, times).adaptive_states());
+        [&many[..], &few].map(|times| case(&bodies, &method::TAYLOR16, 1e-14, times).adaptive_states());
     assert_eq!(many.steps, few.steps);
     for i in 0..bodies.len() {
         for (of_few, of_many) in [(0, 7), (1, 500), (2, 999)] {
@@ -198,7 +197,7 @@ fn the_bits_of_a_body_do_not_depend_on_the_batch() {
 fn few_lanes_are_inactive() {
     let bodies: Vec<Body> =
         (0..1024).map(|i| body(i, true, false, 8.0 * (1.0 + 3.0 * (i % 16) as f64 / 15.0))).collect();
-    let states = case(&bodies, &scheme::TAYLOR16, 1e-13, &[100.0]).adaptive_states();
+    let states = case(&bodies, &method::TAYLOR16, 1e-13, &[100.0]).adaptive_states();
     let (least, most) = (states.steps.iter().min().unwrap(), states.steps.iter().max().unwrap());
     let utilisation = states.steps.iter().sum::<u64>() as f64 / states.effort.lane_steps as f64;
     println!("{least} to {most} steps, utilisation {utilisation:.3}");
@@ -210,15 +209,15 @@ fn few_lanes_are_inactive() {
 #[test]
 fn refused_tolerances() {
     let bodies = [body(1, false, false, 1.0)];
-    let refusal = |method: &'static Scheme, tolerance: f64| {
+    let refusal = |method: &'static Method, tolerance: f64| {
         let case = case(&bodies, method, tolerance, &[1.0]);
-        let request = case.request(Solver::Steps(method), &[0.1], Some(tolerance));
+        let request = case.request(AnyMethod::Steps(method), &[0.1], Some(tolerance));
         simulate(&request, 1, Isa::NARROWEST, &Interrupt::never()).err().expect("refused").to_string()
     };
-    for method in [&scheme::RK4, &scheme::SPLITTING] {
+    for method in [&method::RK4, &method::SPLITTING] {
         assert!(refusal(method, 1e-9).contains("only the Taylor methods"));
     }
     for tolerance in [0.0, -1e-9, f64::NAN, f64::INFINITY, 1.0] {
-        assert!(refusal(&scheme::TAYLOR12, tolerance).contains("must be positive and below one"));
+        assert!(refusal(&method::TAYLOR12, tolerance).contains("must be positive and below one"));
     }
 }

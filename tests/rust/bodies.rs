@@ -5,11 +5,11 @@ use proptest::prelude::*;
 use rigid::body::{Inertia, principal_axes};
 use rigid::error::Error;
 use rigid::forces::Forces;
+use rigid::method;
+use rigid::method::AnyMethod;
 use rigid::parallel::Interrupt;
 use rigid::scene::FREE;
-use rigid::scheme;
 use rigid::simd::Isa;
-use rigid::solver::Solver;
 use rigid::start::Body;
 use rigid::status::Status;
 use rigid::trajectory::{Record, Request, Schedule, simulate};
@@ -224,12 +224,12 @@ fn the_unit_of_inertia_does_not_matter() {
     let rates = |unit: f64| -> Vec<Vec<f64>> {
         let moments = Inertia::new([2.0 * unit, 3.0 * unit, 4.0 * unit]).unwrap().moments();
         let body = Body { moments, weight: [0.0; 3], omega: [0.3, 1.0, 0.2], attitude: [1.0, 0.0, 0.0, 0.0] };
-        let of_method = |method: &'static scheme::Scheme| {
+        let of_method = |method: &'static method::Method| {
             let request = Request {
                 bodies: &[body],
                 scene: &FREE,
                 forces: Forces::NONE,
-                solver: Solver::Steps(method),
+                method: AnyMethod::Steps(method),
                 record: Record::Rates,
                 schedule: Schedule::Times(&[5.0]),
                 steps: &[0.01],
@@ -241,7 +241,7 @@ fn the_unit_of_inertia_does_not_matter() {
             assert_eq!(states.status[0], Status::Finished);
             states.rates().to_vec()
         };
-        scheme::ALL.iter().copied().map(of_method).collect()
+        method::ALL.iter().copied().map(of_method).collect()
     };
     // Powers of two give the same bits. Squares of the momenta must not overflow.
     for exponent in [-500, -30, 30, 500] {

@@ -4,11 +4,10 @@
 use crate::tests::scene_of;
 use rigid::error::Error;
 use rigid::forces::Forces;
+use rigid::method::{self, AnyMethod, Method};
 use rigid::parallel::Interrupt;
 use rigid::sample::uniforms;
-use rigid::scheme::{self, Scheme};
 use rigid::simd::Isa;
-use rigid::solver::Solver;
 use rigid::start::Body;
 use rigid::status::Status;
 use rigid::trajectory::{Record, Request, Schedule, States, simulate};
@@ -39,12 +38,12 @@ fn scenes() -> [Scene; 4] {
     ]
 }
 
-fn integrate(scene: &Scene, solver: Solver, times: &[f64], step: f64) -> States {
+fn integrate(scene: &Scene, method: AnyMethod, times: &[f64], step: f64) -> States {
     let request = Request {
         bodies: &scene.bodies,
         scene: scene_of(scene.is_top),
         forces: Forces::NONE,
-        solver,
+        method,
         record: Record::Attitude,
         schedule: Schedule::Times(times),
         steps: &vec![step; scene.bodies.len()],
@@ -70,23 +69,23 @@ fn all_finished(states: &States) -> bool {
 /// The closed form, or the composition of the highest order with tiny steps for a scene without a closed form.
 fn reference(scene: &Scene, time: f64) -> States {
     if scene.name == "asymmetric" {
-        integrate(scene, Solver::Steps(&scheme::SPLITTING8), &[time], 0.01)
+        integrate(scene, AnyMethod::Steps(&method::SPLITTING8), &[time], 0.01)
     } else {
-        integrate(scene, Solver::Exact, &[time], 0.01)
+        integrate(scene, AnyMethod::Exact, &[time], 0.01)
     }
 }
 
-fn geometric_methods(scene: &Scene) -> impl Iterator<Item = &'static Scheme> {
+fn geometric_methods(scene: &Scene) -> impl Iterator<Item = &'static Method> {
     let is_top = scene.is_top;
-    scheme::ALL
+    method::ALL
         .iter()
         .copied()
         .filter(move |m| m.facts.group_preserving && m.check(scene_of(is_top), false).is_ok())
 }
 
 /// The order of the remaining error: a body without weight only drifts.
-fn nominal_order(method: &'static Scheme, scene: &Scene) -> f64 {
-    let kicks = [scheme::CHIN4A, scheme::PMLF4, scheme::PMLF6];
+fn nominal_order(method: &'static Method, scene: &Scene) -> f64 {
+    let kicks = [method::CHIN4A, method::PMLF4, method::PMLF6];
     f64::from(if !scene.is_top && kicks.contains(method) { 10 } else { method.facts.order })
 }
 
@@ -104,7 +103,7 @@ fn orders() {
             let mut slope = f64::NAN;
             let mut last = (f64::NAN, 1.0);
             for n in [12, 16, 20, 24, 32, 40, 48, 64, 96, 128, 192, 256, 512, 1024, 2048] {
-                let states = integrate(&scene, Solver::Steps(method), &[TIME], TIME / f64::from(n));
+                let states = integrate(&scene, AnyMethod::Steps(method), &[TIME], TIME / f64::from(n));
                 let error = if all_finished(&states) { difference(&states, &reference) } else { f64::NAN };
                 if error < if scene.is_top { 2e-11 } else { 4.5e-12 } {
                     break;
@@ -130,7 +129,7 @@ fn orders() {
 fn a_palindrome_is_reversible() {
     for scene in scenes() {
         for method in geometric_methods(&scene).filter(|m| m.facts.reversible) {
-            let there = integrate(&scene, Solver::Steps(method), &[5.0], 0.025);
+            let there = integrate(&scene, AnyMethod::Steps(method), &[5.0], 0.025);
             let attitudes = there.attitude.as_ref().unwrap();
             let at_end = |(i, body): (usize, &Body)| Body {
                 omega: there.rates()[3 * i..][..3].try_into().unwrap(),
@@ -138,8 +137,8 @@ fn a_palindrome_is_reversible() {
                 ..*body
             };
             let bodies = scene.bodies.iter().enumerate().map(at_end).collect();
-            let back = integrate(&Scene { bodies, ..scene }, Solver::Steps(method), &[-5.0], 0.025);
-            let home = integrate(&scene, Solver::Steps(method), &[0.0], 0.025);
+            let back = integrate(&Scene { bodies, ..scene }, AnyMethod::Steps(method), &[-5.0], 0.025);
+            let home = integrate(&scene, AnyMethod::Steps(method), &[0.0], 0.025);
             let difference = difference(&back, &home);
             let roundings = (2.0 * 200.0 * 10.0 * method.facts.stages.max(7) as f64).sqrt() * EPS / 2.0;
             let bound = 4.0 * if scene.is_top { 33.0 * 7.0_f64.sqrt() } else { 30.0 } * roundings;
@@ -158,7 +157,7 @@ fn lengths_and_energy_do_not_drift() {
         for method in geometric_methods(&scene) {
             let run = |steps: f64| {
                 let times: Vec<f64> = (1..=500).map(|k| f64::from(k) * STEP * steps / 500.0).collect();
-                integrate(&scene, Solver::Steps(method), &times, STEP)
+                integrate(&scene, AnyMethod::Steps(method), &times, STEP)
             };
             let [early, all] = [run(1e4), run(1e5)];
             assert!(all_finished(&all), "{} {method:?}", scene.name);
@@ -195,8 +194,8 @@ fn too_long_a_drift_gives_no_state() {
         let scene = Scene { name: "free", is_top: false, bodies: vec![body] };
         let rate = (x * x + y * y + z * z).sqrt();
         let step = 4.0 * h / rate;
-        let reference = integrate(&scene, Solver::Exact, &[step], step);
-        let states = integrate(&scene, Solver::Steps(&scheme::DMV10), &[step], step);
+        let reference = integrate(&scene, AnyMethod::Exact, &[step], step);
+        let states = integrate(&scene, AnyMethod::Steps(&method::DMV10), &[step], step);
         if states.status[0] == Status::Finished {
             finished += 1;
             let error = difference(&states, &reference) / rate.max(1.0);
@@ -214,7 +213,7 @@ fn too_long_a_drift_gives_no_state() {
 #[test]
 fn refused_scenes_and_observables() {
     let refused =
-        |method: &'static Scheme, is_top, is_observed| match method.check(scene_of(is_top), is_observed) {
+        |method: &'static Method, is_top, is_observed| match method.check(scene_of(is_top), is_observed) {
             Ok(()) => false,
             Err(Error::Value { argument, value, .. }) => {
                 assert_eq!((argument, value), ("method", format!("'{}'", method.facts.name)));
@@ -222,7 +221,7 @@ fn refused_scenes_and_observables() {
             }
             Err(other) => panic!("{other:?}"),
         };
-    for method in scheme::ALL {
+    for method in method::ALL {
         let (drifts, processed) =
             (method.facts.name.starts_with("dmv"), method.facts.name.starts_with("pmlf"));
         assert!(!refused(method, false, false));

@@ -6,13 +6,13 @@ use rigid::forces::{BodyForces, Further};
 use rigid::kernel::Group;
 use rigid::kernel::{Compiled, ForcesRows, Kernel, System};
 use rigid::kernel::{Entry, KernelAssignment, load};
-use rigid::observe::{Displacement, EXIT_TIME, Observed, Tilt, largest_tilt};
-use rigid::scheme::{self, Scheme};
+use rigid::method::{self, Method};
+use rigid::observe::{Deviation, EXIT_TIME, Observed, Tilt, largest_tilt};
 use rigid::simd::Isa;
 use rigid::start::Body;
 
-fn series() -> impl Iterator<Item = &'static Scheme> {
-    scheme::ALL.iter().copied().filter(|method| method.is_series())
+fn series() -> impl Iterator<Item = &'static Method> {
+    method::ALL.iter().copied().filter(|method| method.is_series())
 }
 
 /// A body in a group without other bodies, with the longest steps that keep the attitude to 4e-14 a radian
@@ -26,7 +26,7 @@ struct Run {
 impl Run {
     fn new(
         body: &Body,
-        method: &'static Scheme,
+        method: &'static Method,
         system: System,
         observed: Observed,
         (axis, limit): (i32, f64),
@@ -43,7 +43,7 @@ impl Run {
             limit,
             step,
             own: Further::NONE.start(0.0),
-            displacement: Displacement::NONE,
+            deviation: Deviation::NONE,
             bound: None,
         };
         load(&mut group, 0, compiled, KernelAssignment::of(method, body, system.scene()), &entry);

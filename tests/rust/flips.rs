@@ -5,10 +5,10 @@ use rigid::forces::{ForcesInterval, Further};
 use rigid::kernel::Group;
 use rigid::kernel::{Compiled, ForcesRows, Kernel, System};
 use rigid::kernel::{Entry, KernelAssignment, load};
-use rigid::observe::{Displacement, EXIT_TIME, Flips, MAX_ROWS, Observed, Rows, Segment, Update};
+use rigid::method::{self, Coefficients, Engine, Method, Numbers, Rk4Tableau, RungeKutta};
+use rigid::observe::{Deviation, EXIT_TIME, Flips, MAX_ROWS, Observed, Rows, Segment, Update};
 use rigid::scene::FREE;
 use rigid::scene::{Free, Parameters, Rates};
-use rigid::scheme::{self, Coefficients, Numbers, Rk4Tableau, RungeKutta, Scheme, Stepper};
 use rigid::simd::Isa;
 use rigid::simd::LANES;
 use rigid::start::Body;
@@ -20,8 +20,8 @@ fn free(moments: [f64; 3], omega: [f64; 3]) -> Body {
 }
 
 /// The methods that a map can use.
-fn methods_of_maps(is_top: bool) -> impl Iterator<Item = &'static Scheme> {
-    scheme::ALL.iter().copied().filter(move |method| method.check(scene_of(is_top), true).is_ok())
+fn methods_of_maps(is_top: bool) -> impl Iterator<Item = &'static Method> {
+    method::ALL.iter().copied().filter(move |method| method.check(scene_of(is_top), true).is_ok())
 }
 
 /// One observed body in a group without other bodies.
@@ -31,7 +31,7 @@ struct ObservedBody {
 }
 
 impl ObservedBody {
-    fn new(body: &Body, method: &'static Scheme, axis: i32, step: f64) -> ObservedBody {
+    fn new(body: &Body, method: &'static Method, axis: i32, step: f64) -> ObservedBody {
         let is_top = body.weight != [0.0; 3];
         let assignment = KernelAssignment::of(method, body, scene_of(is_top));
         let system = if is_top { System::TopAxis } else { System::FreeRates };
@@ -45,7 +45,7 @@ impl ObservedBody {
             limit: f64::INFINITY,
             step,
             own: Further::NONE.start(0.0),
-            displacement: Displacement::NONE,
+            deviation: Deviation::NONE,
             bound: None,
         };
         load(&mut group, 0, compiled, assignment, &entry);
@@ -90,7 +90,7 @@ fn swinger() -> Body {
 }
 
 /// Time of the `nth` flip; the counter is reset before each step.
-fn time_of_flip(body: &Body, method: &'static Scheme, axis: i32, step: f64, nth: f64) -> f64 {
+fn time_of_flip(body: &Body, method: &'static Method, axis: i32, step: f64, nth: f64) -> f64 {
     let mut run = ObservedBody::new(body, method, axis, step);
     while run.flips() < nth {
         assert!(run.group.count.0[0] * step < 200.0, "no such flip");
@@ -104,12 +104,12 @@ fn time_of_flip(body: &Body, method: &'static Scheme, axis: i32, step: f64, nth:
 }
 
 /// Half the step has an error of the flip time 2^order times smaller. The cubic inside the step is of order 4, as good
-/// as a scheme of order 4; its error depends on the position of the zero in the step, and is small compared with the
+/// as a method of order 4; its error depends on the position of the zero in the step, and is small compared with the
 /// error of a run of ten units of time or more. The ratio differs from 2^order by the effect of the next power of h: h
 /// times a rate of 1 to 3, 0.05 to 0.15, and half of that with half the step. (Flips with a vanishing leading error
-/// were left out.)
+/// were omitted.)
 #[test]
-fn the_time_of_a_flip_has_the_order_of_the_scheme() {
+fn the_time_of_a_flip_has_the_order_of_the_method() {
     let cases = [
         (tumbler(), 2, 1.0),
         (tumbler(), -2, 3.0),
@@ -119,9 +119,9 @@ fn the_time_of_a_flip_has_the_order_of_the_scheme() {
     ];
     for (body, axis, nth) in cases {
         // The reference is RK4 with a step 16 times smaller than the finest step, which has 16^-4 of its error.
-        let exact = time_of_flip(&body, &scheme::RK4, axis, 0.05 / 64.0, nth);
+        let exact = time_of_flip(&body, &method::RK4, axis, 0.05 / 64.0, nth);
         // The errors of other methods are smaller than that of the cubic.
-        for method in [&scheme::RK4, &scheme::SPLITTING] {
+        for method in [&method::RK4, &method::SPLITTING] {
             let error = |h: f64| (time_of_flip(&body, method, axis, h, nth) - exact).abs();
             let errors = [0.05, 0.025, 0.0125].map(error);
             let expected = 2.0_f64.powi(method.facts.order as i32);
@@ -180,8 +180,8 @@ fn a_flip_on_the_border_of_two_steps() {
     }
 }
 
-/// The classical scheme for one body, step 1/2, observed along axis 2, positive at the start.
-type Engine = RungeKutta<Rk4Tableau, f64, Free<f64>>;
+/// The classical method for one body, step 1/2, observed along axis 2, positive at the start.
+type Classical = RungeKutta<Rk4Tableau, f64, Free<f64>>;
 const BODY: Parameters<f64> = Parameters { moments: [1.0, 1.6, 2.0], weight: [0.0; 3], step: 0.5 };
 const POSITIVE: Rows<f64> = {
     let mut rows = [0.0; MAX_ROWS];
@@ -194,7 +194,7 @@ const POSITIVE: Rows<f64> = {
 /// Gives the observable a step between any two states.
 fn observe_step(rows: &mut Rows<f64>, begin: f64, before: [f64; 3], after: [f64; 3]) {
     let engine =
-        <Engine as Stepper<f64, Free<f64>, Rates, 3>>::new(&BODY, &ForcesInterval::none(), &Numbers::NONE);
+        <Classical as Engine<f64, Free<f64>, Rates, 3>>::new(&BODY, &ForcesInterval::none(), &Numbers::NONE);
     let nothing = Coefficients::new();
     let segment = Segment { begin, before: &before, after: &after, dense: &nothing };
     <Flips as Update<f64, Free<f64>, Rates, 3>>::after_step(&engine, &BODY, rows, &segment);
@@ -250,7 +250,7 @@ fn the_root_of_the_cubic() {
 }
 
 /// A component that starts at zero has the sign that it takes just after the start, so there is no flip at t = 0. The
-/// component grows like t, t^2 or t^3. A scheme of order p has an error of h^(p+1) in its first step, so it resolves
+/// component grows like t, t^2 or t^3. A method of order p has an error of h^(p+1) in its first step, so it resolves
 /// powers up to p only.
 #[test]
 fn starting_on_zero_is_no_flip() {
@@ -347,12 +347,12 @@ fn stable_spin_for_a_million_steps() {
                     limit,
                     step,
                     own: Further::NONE.start(0.0),
-                    displacement: Displacement::NONE,
+                    deviation: Deviation::NONE,
                     bound: None,
                 };
                 load(&mut group, lane, compiled, assignment, &entry);
             }
-            // Fewer steps of expensive schemes.
+            // Fewer steps of expensive methods.
             let steps = if method.facts.order <= 4 { 1_000_000 } else { 50_000 };
             compiled.advance(
                 &mut group,

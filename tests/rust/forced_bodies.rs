@@ -6,14 +6,13 @@ use rigid::forces::Forces;
 use rigid::kernel::{Compiled, Kernel, System};
 use rigid::kernel::{Entry, KernelAssignment, load};
 use rigid::kernel::{ForcesRows, Group};
+use rigid::method::{self, AnyMethod, Method, Step};
 use rigid::observe::Observed;
 use rigid::parallel::Interrupt;
 use rigid::sample::{Law, attitude, uniforms};
 use rigid::scene::FREE;
-use rigid::scheme::{self, Scheme, Step};
 use rigid::simd::Isa;
 use rigid::simd::LANES;
-use rigid::solver::Solver;
 use rigid::start::Body;
 use rigid::status::Status;
 use rigid::trajectory::{Record, Request, Schedule, States, simulate};
@@ -44,14 +43,14 @@ fn table(in_space: bool) -> Forces {
     Forces::new(&times, &values, space, &[[0.3, 0.2, 0.4, 0.05, -0.1, 0.02]]).unwrap()
 }
 
-fn forced_methods() -> Vec<&'static Scheme> {
-    scheme::ALL.iter().copied().filter(|method| method.damping_limit().is_some()).collect()
+fn forced_methods() -> Vec<&'static Method> {
+    method::ALL.iter().copied().filter(|method| method.damping_limit().is_some()).collect()
 }
 
 #[test]
 fn every_kernel_on_every_instruction_set_and_in_every_lane() {
     for system in [System::ForcedRates, System::ForcedFrame] {
-        let forced: Vec<Step> = forced_methods().iter().map(|scheme| scheme.forced.unwrap().step).collect();
+        let forced: Vec<Step> = forced_methods().iter().map(|method| method.forced.unwrap().step).collect();
         for step in forced.into_iter().filter(|&step| system.is_moved_by(step)) {
             let kernel = Kernel { system, step, observed: Observed::Nothing };
             let assignment_of = |body: &Body| {
@@ -60,7 +59,7 @@ fn every_kernel_on_every_instruction_set_and_in_every_lane() {
                 assignments
                     .into_iter()
                     .find(|assignment| assignment.step == step)
-                    .expect("a scheme for every step")
+                    .expect("a method for every step")
             };
             let put =
                 |group: &mut Group, forces_rows: &mut ForcesRows, lane: usize, number: usize, compiled| {
@@ -115,7 +114,7 @@ fn every_kernel_on_every_instruction_set_and_in_every_lane() {
 const TIMES: [f64; 6] = [-2.9, -0.7, 0.0, 0.25, 0.31, 3.9];
 
 fn integrate(
-    method: &'static Scheme,
+    method: &'static Method,
     record: Record,
     tolerance: Option<f64>,
     (bodies, is_top): (&[Body], bool),
@@ -127,7 +126,7 @@ fn integrate(
         bodies,
         scene: scene_of(is_top),
         forces: &table(is_top),
-        solver: Solver::Steps(method),
+        method: AnyMethod::Steps(method),
         record,
         schedule: Schedule::Times(&TIMES),
         steps: &steps,
@@ -140,7 +139,7 @@ fn integrate(
 
 fn all_bits(states: &States) -> Vec<u64> {
     let mut numbers = states.rates().to_vec();
-    for column in [&states.vertical, &states.attitude, &states.work].into_iter().flatten() {
+    for column in [&states.gamma, &states.attitude, &states.work].into_iter().flatten() {
         numbers.extend(column);
     }
     for column in [&states.energy_drift, &states.momentum_drift, &states.unit_drift] {
@@ -212,14 +211,14 @@ fn of_all_kinds(is_top: bool) -> (Vec<Body>, Forces) {
 fn adaptive_steps_of_a_body_alone_are_those_beside_others() {
     for is_top in [false, true] {
         let (bodies, all) = of_all_kinds(is_top);
-        for method in scheme::ALL.iter().copied().filter(|method| method.is_series()) {
+        for method in method::ALL.iter().copied().filter(|method| method.is_series()) {
             for record in [Record::Rates, Record::Attitude] {
                 let run = |bodies: &[Body], forces: &Forces, isa| {
                     let request = Request {
                         bodies,
                         scene: scene_of(is_top),
                         forces,
-                        solver: Solver::Steps(method),
+                        method: AnyMethod::Steps(method),
                         record,
                         schedule: Schedule::Times(&TIMES),
                         steps: &vec![0.03; bodies.len()],
@@ -263,8 +262,8 @@ fn steps_of_a_series_end_at_knots() {
         let at = |method, tolerance| {
             integrate(method, Record::Attitude, tolerance, (&bodies, is_top), 1, Isa::NARROWEST)
         };
-        let fixed = at(&scheme::TAYLOR26, None);
-        for method in scheme::ALL.iter().copied().filter(|method| method.is_series()) {
+        let fixed = at(&method::TAYLOR26, None);
+        for method in method::ALL.iter().copied().filter(|method| method.is_series()) {
             let own = at(method, Some(1e-16));
             // Rounding of some hundred steps, of motions that grow an error no more than ten times in this time.
             for (a, b) in own.rates().iter().zip(fixed.rates()) {
@@ -324,13 +323,13 @@ fn damping_that_adds_energy_and_unstable_steps_are_refused() {
     assert!(make([1.0, f64::NAN, 1.0, 0.0, 0.0, 0.0]).unwrap_err().to_string().contains("finite"));
     let stiff = make([1e3, 1e3, 1e3, 0.0, 0.0, 0.0]).unwrap();
     let bodies = [body(0, false)];
-    for method in scheme::ALL {
+    for method in method::ALL {
         let run = |step: f64| {
             let request = Request {
                 bodies: &bodies,
                 scene: &FREE,
                 forces: &stiff,
-                solver: Solver::Steps(method),
+                method: AnyMethod::Steps(method),
                 record: Record::Rates,
                 schedule: Schedule::Times(&[1.0]),
                 steps: &[step],

@@ -5,11 +5,11 @@
 
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use rigid::map::{Check, Condition, Criterion, Laws, Logic, Map, MethodChoice, Pixel};
+use rigid::method;
+use rigid::method::AnyMethod;
 use rigid::sample::{Law, attitude, philox4x64, uniforms, vector};
 use rigid::scene::FREE;
-use rigid::scheme;
 use rigid::simd::Isa;
-use rigid::solver::Solver;
 use rigid::start::Body;
 
 const N: u64 = 100_000;
@@ -214,7 +214,7 @@ fn draws_do_not_shift_each_other() {
         let map = Map {
             scene: &FREE,
             forces: Vec::new(),
-            method: MethodChoice::Only(Solver::Steps(&scheme::RK4)),
+            method: MethodChoice::Only(AnyMethod::Steps(&method::RK4)),
             pixels: vec![pixel_of; 3],
             laws: Laws { omega, attitude, ..Laws::NONE },
             mixture: Vec::new(),

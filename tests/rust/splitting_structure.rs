@@ -1,19 +1,18 @@
 //! Properties of splittings beside their order: reversibility, lengths, energy, the exact motion of a symmetric body,
-//! and renamed axes. And one step of each scheme equals its table, written out naively.
+//! and renamed axes. And one step of each method equals its table, written out naively.
 
 use crate::tests::scene_of;
 use nalgebra::{Quaternion, SVector, Unit, UnitQuaternion, Vector3};
 use rigid::forces::{Forces, ForcesInterval};
+use rigid::method::{
+    self, AnyMethod, Coefficients, ComposedPlanar, Engine, ExactRotor, Flow, KickRotor, Method, Numbers,
+    Planar, Rk4Tableau, Round, RungeKutta, Splitting,
+};
 use rigid::parallel::Interrupt;
 use rigid::real::Real;
 use rigid::sample::{Law, attitude, uniforms};
 use rigid::scene::{Attitude, AxisAttitude, Free, Layout, Model, Parameters, Top};
-use rigid::scheme::{
-    self, Coefficients, ComposedPlanar, ExactRotor, Flow, KickRotor, Numbers, Planar, Rk4Tableau, Round,
-    RungeKutta, Scheme, Splitting, Stepper,
-};
 use rigid::simd::Isa;
-use rigid::solver::Solver;
 use rigid::start::Body;
 use rigid::trajectory::{Record, Request, Schedule, States, simulate};
 
@@ -37,7 +36,7 @@ fn start([l1, l2, l3]: [f64; 3]) -> [f64; 10] {
 }
 
 /// The state of a free body from that of a top: without the vertical.
-fn without_vertical(y: [f64; 10]) -> [f64; 7] {
+fn without_gamma(y: [f64; 10]) -> [f64; 7] {
     [y[0], y[1], y[2], y[6], y[7], y[8], y[9]]
 }
 
@@ -46,20 +45,20 @@ trait Tested {
     const NUMBERS: &'static Numbers;
 }
 impl<M> Tested for RungeKutta<Rk4Tableau, f64, M> {
-    const NUMBERS: &'static Numbers = scheme::RK4.any.numbers;
+    const NUMBERS: &'static Numbers = method::RK4.any.numbers;
 }
 impl Tested for Splitting<Planar, f64> {
-    const NUMBERS: &'static Numbers = scheme::SPLITTING.any.numbers;
+    const NUMBERS: &'static Numbers = method::SPLITTING.any.numbers;
 }
 impl Tested for Splitting<KickRotor, f64> {
-    const NUMBERS: &'static Numbers = scheme::SPLITTING.symmetric.numbers;
+    const NUMBERS: &'static Numbers = method::SPLITTING.symmetric.numbers;
 }
 
 fn go<S, M, L, const D: usize>(p: &Parameters<f64>, y: &mut [f64; D], steps: usize)
 where
     M: Model<f64>,
     L: Layout,
-    S: Stepper<f64, M, L, D> + Tested,
+    S: Engine<f64, M, L, D> + Tested,
 {
     go_by::<S, M, L, D>(S::NUMBERS, p, y, steps);
 }
@@ -72,11 +71,11 @@ fn go_by<S, M, L, const D: usize>(
 ) where
     M: Model<f64>,
     L: Layout,
-    S: Stepper<f64, M, L, D>,
+    S: Engine<f64, M, L, D>,
 {
-    let stepper = S::new(p, &ForcesInterval::none(), numbers);
+    let engine = S::new(p, &ForcesInterval::none(), numbers);
     for _ in 0..steps {
-        stepper.step(p, y, &mut [0.0; D], &mut Coefficients::new());
+        engine.step(p, y, &mut [0.0; D], &mut Coefficients::new());
     }
 }
 
@@ -105,7 +104,7 @@ fn round_trip<S, M, L, const D: usize>(p: Parameters<f64>, start: [f64; D]) -> (
 where
     M: Model<f64>,
     L: Layout,
-    S: Stepper<f64, M, L, D> + Tested,
+    S: Engine<f64, M, L, D> + Tested,
 {
     let mut far = start;
     go::<S, M, L, D>(&p, &mut far, ROUND_TRIP);
@@ -128,7 +127,7 @@ where
 #[test]
 fn there_and_back() {
     let (p, y) = general();
-    let (twist, free) = (symmetric().0, without_vertical(y));
+    let (twist, free) = (symmetric().0, without_gamma(y));
     for (trip, bound) in [
         round_trip::<Splitting<Planar, f64>, Free<f64>, Attitude, 7>(p, free),
         round_trip::<Splitting<Planar, f64>, Top<f64>, AxisAttitude, 10>(p, y),
@@ -139,7 +138,7 @@ fn there_and_back() {
         assert!(trip <= bound && bound < 1e-9, "{trip:e}, bound {bound:e}");
     }
 
-    // The same flows in an order that is no palindrome, and the classical scheme, are not reversible.
+    // The same flows in an order that is no palindrome, and the classical method, are not reversible.
     let (change, _) = round_trip::<Splitting<OneWay, f64>, Top<f64>, AxisAttitude, 10>(p, y);
     assert!(change > 1e-3, "{change:e}");
     let (change, bound) =
@@ -168,7 +167,7 @@ fn lengths<S, M, L, const D: usize>(p: Parameters<f64>, start: [f64; D]) -> Vec<
 where
     M: Model<f64>,
     L: Layout,
-    S: Stepper<f64, M, L, D> + Tested,
+    S: Engine<f64, M, L, D> + Tested,
 {
     let parts = [0..3, 3..L::QUATERNION_AT, L::QUATERNION_AT..D];
     let mut y = start;
@@ -186,7 +185,7 @@ fn lengths_at_rounding() {
     // A free symmetric body turns by the same two angles in each step, so their d add up: eps a step.
     let constant = LONG as f64 * EPS;
     let (p, y) = general();
-    let (twist, free) = (symmetric().0, without_vertical(y));
+    let (twist, free) = (symmetric().0, without_gamma(y));
     let planar = lengths::<Splitting<Planar, f64>, Free<f64>, Attitude, 7>(p, free);
     let rotor = lengths::<Splitting<KickRotor, f64>, Free<f64>, Attitude, 7>(twist, free);
     // The weight changes |L|; the vertical and the attitude keep their lengths.
@@ -203,7 +202,7 @@ fn lengths_at_rounding() {
         assert!(lengths.iter().all(|&d| d <= bound), "{lengths:?}, bound {bound:e}");
     }
 
-    // The error of the classical scheme is about h^5 a step.
+    // The error of the classical method is about h^5 a step.
     let change = lengths::<RungeKutta<Rk4Tableau, f64, Top<f64>>, Top<f64>, AxisAttitude, 10>(p, y);
     assert!(change[1] > 1e3 * changing && change[2] > 1e3 * changing, "{change:?}");
 }
@@ -213,14 +212,14 @@ fn energy_errors<S, M, L, const D: usize>(p: Parameters<f64>, mut y: [f64; D]) -
 where
     M: Model<f64>,
     L: Layout,
-    S: Stepper<f64, M, L, D> + Tested,
+    S: Engine<f64, M, L, D> + Tested,
 {
     let energy = |y: &[f64; D]| S::kinetic(&p, y) + M::potential(&p, y);
     let start = energy(&y);
-    let stepper = S::new(&p, &ForcesInterval::none(), S::NUMBERS);
+    let engine = S::new(&p, &ForcesInterval::none(), S::NUMBERS);
     let (mut early, mut worst) = (0.0, 0.0_f64);
     for i in 0..LONG {
-        stepper.step(&p, &mut y, &mut [0.0; D], &mut Coefficients::new());
+        engine.step(&p, &mut y, &mut [0.0; D], &mut Coefficients::new());
         worst = worst.max((energy(&y) - start).abs());
         if i == LONG / 10 {
             early = worst;
@@ -238,8 +237,8 @@ fn energy_does_not_drift() {
     let twist = symmetric().0;
     let cases = [
         (
-            energy_errors::<PlanarSteps, Free<f64>, Attitude, 7>(p, without_vertical(y)),
-            energy_errors::<PlanarSteps, Free<f64>, Attitude, 7>(halved, without_vertical(y)),
+            energy_errors::<PlanarSteps, Free<f64>, Attitude, 7>(p, without_gamma(y)),
+            energy_errors::<PlanarSteps, Free<f64>, Attitude, 7>(halved, without_gamma(y)),
         ),
         (
             energy_errors::<PlanarSteps, Top<f64>, AxisAttitude, 10>(p, y),
@@ -264,7 +263,7 @@ fn energy_does_not_drift() {
 #[test]
 fn the_rotor_is_exact_for_any_step() {
     let (p, y) = symmetric();
-    let y = without_vertical(y);
+    let y = without_gamma(y);
     for h in [1e-3, 0.1, 1.0, 10.0, 100.0, -7.0] {
         let mut once = y;
         go::<Splitting<KickRotor, f64>, Free<f64>, Attitude, 7>(&Parameters { step: h, ..p }, &mut once, 1);
@@ -291,13 +290,13 @@ fn the_rotor_is_exact_for_any_step() {
 
 // --- Renamed axes ----------------------------------------------------------------------------------------------
 
-fn run(bodies: &[Body], is_top: bool, method: &'static Scheme) -> States {
+fn run(bodies: &[Body], is_top: bool, method: &'static Method) -> States {
     let steps = vec![0.02; bodies.len()];
     let request = Request {
         bodies,
         scene: scene_of(is_top),
         forces: Forces::NONE,
-        solver: Solver::Steps(method),
+        method: AnyMethod::Steps(method),
         record: Record::Attitude,
         schedule: Schedule::Strides(&[1, 199]),
         steps: &steps,
@@ -325,8 +324,8 @@ fn the_renaming_is_one() {
         omega: [1.0, 2.0, 3.0],
         attitude: [0.8, 0.4, -0.4, 0.2],
     };
-    let [a, b, c] = body.vertical();
-    let other = renamed(&body).vertical();
+    let [a, b, c] = body.gamma();
+    let other = renamed(&body).gamma();
     assert!(distance(&other, &[b, c, a]) < 2.0 * EPS);
     // The vertical of the states above is that of their attitude.
     assert!(distance(&[a, b, c], &y[3..6]) < 2.0 * EPS, "{:?}", [a, b, c]);
@@ -335,7 +334,7 @@ fn the_renaming_is_one() {
 #[test]
 fn axes_may_be_renamed() {
     for is_top in [false, true] {
-        for method in scheme::ALL.iter().copied().filter(|m| !is_top || m.moves_tops()) {
+        for method in method::ALL.iter().copied().filter(|m| !is_top || m.moves_tops()) {
             for moments in [[1.0, 1.6, 0.7], [1.0, 1.0, 0.7], [0.7, 1.0, 1.0], [1.6, 1.0, 0.7]] {
                 let weight = if is_top { [0.2, -0.1, 0.3] } else { [0.0; 3] };
                 let body = Body { moments, weight, omega: [0.9, -0.4, 1.1], attitude: [0.8, 0.4, -0.4, 0.2] };
@@ -348,7 +347,7 @@ fn axes_may_be_renamed() {
     }
 }
 
-fn renamed_motion(is_top: bool, method: &'static Scheme, bodies: [Body; 2], turns: usize) {
+fn renamed_motion(is_top: bool, method: &'static Method, bodies: [Body; 2], turns: usize) {
     let states = run(&bodies, is_top, method);
     let attitudes = states.attitude.as_ref().unwrap();
     // 200 steps, of so many flows or evaluations, of some ten roundings each.
@@ -379,7 +378,7 @@ fn renamed_motion(is_top: bool, method: &'static Scheme, bodies: [Body; 2], turn
 #[derive(Clone, Copy)]
 struct Naive {
     first: Vector3<f64>,
-    vertical: Vector3<f64>,
+    gamma: Vector3<f64>,
     attitude: Quaternion<f64>,
 }
 
@@ -387,20 +386,20 @@ impl Naive {
     fn of(y: &[f64; 10]) -> Naive {
         Naive {
             first: Vector3::new(y[0], y[1], y[2]),
-            vertical: Vector3::new(y[3], y[4], y[5]),
+            gamma: Vector3::new(y[3], y[4], y[5]),
             attitude: Quaternion::new(y[6], y[7], y[8], y[9]),
         }
     }
 
     fn numbers(self) -> [f64; 10] {
-        let Naive { first: a, vertical: b, attitude: q } = self;
+        let Naive { first: a, gamma: b, attitude: q } = self;
         [a.x, a.y, a.z, b.x, b.y, b.z, q.w, q.i, q.j, q.k]
     }
 
     /// The body turns by this rotation, given in the body.
     fn turn(&mut self, by: UnitQuaternion<f64>) {
         self.first = by.inverse() * self.first;
-        self.vertical = by.inverse() * self.vertical;
+        self.gamma = by.inverse() * self.gamma;
         self.attitude *= by.into_inner();
     }
 }
@@ -421,7 +420,7 @@ fn naive_splitting<C: Round>(numbers: &Numbers, p: &Parameters<f64>, y: &[f64; 1
                 state.turn(UnitQuaternion::from_scaled_axis(state.first / p.moments[0] * h));
                 state.turn(UnitQuaternion::from_axis_angle(&Vector3::z_axis(), spin));
             }
-            Flow::Kick => state.first += state.vertical.cross(&Vector3::from(p.weight)) * h,
+            Flow::Kick => state.first += state.gamma.cross(&Vector3::from(p.weight)) * h,
         }
     }
     state.numbers()
@@ -431,11 +430,11 @@ fn naive_splitting<C: Round>(numbers: &Numbers, p: &Parameters<f64>, y: &[f64; 1
 fn naive_rate(p: &Parameters<f64>, y: &SVector<f64, 10>) -> SVector<f64, 10> {
     let state = Naive::of(&y.as_slice().try_into().unwrap());
     let (omega, moments) = (state.first, Vector3::from(p.moments));
-    let torque = state.vertical.cross(&Vector3::from(p.weight));
+    let torque = state.gamma.cross(&Vector3::from(p.weight));
     let momentum = moments.component_mul(&omega);
     let rate = Naive {
         first: (momentum.cross(&omega) + torque).component_div(&moments),
-        vertical: state.vertical.cross(&omega),
+        gamma: state.gamma.cross(&omega),
         attitude: state.attitude * Quaternion::from_imag(omega) * 0.5,
     };
     SVector::from(rate.numbers())
@@ -469,7 +468,7 @@ fn one_step_as_its_table_says() {
         let mut rotor = state;
         go::<Splitting<KickRotor, f64>, Top<f64>, AxisAttitude, 10>(&twist, &mut rotor, 1);
         let mut planar4 = state;
-        let [four, eight] = [scheme::SPLITTING4.any.numbers, scheme::SPLITTING8.symmetric.numbers];
+        let [four, eight] = [method::SPLITTING4.any.numbers, method::SPLITTING8.symmetric.numbers];
         go_by::<Splitting<ComposedPlanar, f64>, Top<f64>, AxisAttitude, 10>(four, &p, &mut planar4, 1);
         let mut rotor8 = state;
         go_by::<Splitting<KickRotor, f64>, Top<f64>, AxisAttitude, 10>(eight, &twist, &mut rotor8, 1);
@@ -479,11 +478,11 @@ fn one_step_as_its_table_says() {
         // Numbers of size one, at most ten roundings of eps/2 on either side: no number has an error above 10 eps, and
         // the mean square of ten numbers has less. Five times as many flows: the same.
         for (name, got, naive) in [
-            ("planar", planar, naive_splitting::<Planar>(scheme::SPLITTING.any.numbers, &p, &state)),
+            ("planar", planar, naive_splitting::<Planar>(method::SPLITTING.any.numbers, &p, &state)),
             (
                 "rotor",
                 rotor,
-                naive_splitting::<KickRotor>(scheme::SPLITTING.symmetric.numbers, &twist, &state),
+                naive_splitting::<KickRotor>(method::SPLITTING.symmetric.numbers, &twist, &state),
             ),
             ("planar 4", planar4, naive_splitting::<ComposedPlanar>(four, &p, &state)),
             ("rotor 8", rotor8, naive_splitting::<KickRotor>(eight, &twist, &state)),

@@ -1,22 +1,21 @@
-//! Displacements: the derivative of the steps, without any change of the motion.
+//! Deviation vectors: the derivative of the steps, without any change of the motion.
 
 use crate::tests::scene_of;
 use rigid::forces::{Forces, ForcesInterval, ParameterChange};
 use rigid::kernel::{
-    Compiled, DisplacementRows, Entry, ForcesRows, Group, Kernel, KernelAssignment, System, load,
+    Compiled, DeviationRows, Entry, ForcesRows, Group, Kernel, KernelAssignment, System, load,
 };
-use rigid::observe::{Displacement, Growth, MAX_ROWS, Observed};
+use rigid::method::{
+    self, AnyMethod, Coefficients, ComposedPlanar, Dop853Tableau, Engine, EngineName, KickRotor, Method,
+    Numbers, Planar, Rk4Tableau, Round, RungeKutta, Splitting, Taylor,
+};
+use rigid::observe::{Deviation, Growth, MAX_ROWS, Observed};
 use rigid::parallel::Interrupt;
 use rigid::real::{Apart, Real};
 use rigid::scene::{
     Axis, AxisTangent, ForcedFrame, ForcedFrameTangent, Free, Layout, Model, Parameters, Top,
 };
-use rigid::scheme::{
-    self, Coefficients, ComposedPlanar, Dop853Tableau, Engine, KickRotor, Numbers, Planar, Rk4Tableau, Round,
-    RungeKutta, Scheme, Splitting, Stepper, Taylor,
-};
 use rigid::simd::{Isa, LANES};
-use rigid::solver::Solver;
 use rigid::start::Body;
 use rigid::trajectory::{Record, Request, Schedule, simulate};
 use std::ops::{Add, Div, Mul, Neg, Sub};
@@ -27,13 +26,13 @@ const BODY: Body = Body {
     omega: [0.5, 0.4, 1.25],
     attitude: [0.9, 0.3, 0.2, 0.245],
 };
-const DISPLACEMENT: [f64; 6] = [0.5, -0.25, 0.375, 0.3125, 0.4375, -0.5];
+const DEVIATION: [f64; 6] = [0.5, -0.25, 0.375, 0.3125, 0.4375, -0.5];
 /// A change of moments, weight, damping and torque.
 const CHANGE: [f64; ParameterChange::LEN] =
     [0.3, -0.2, 0.25, 0.4, -0.3, 0.1, 0.2, 0.1, -0.15, 0.05, 0.02, -0.04, 0.1, 0.3, -0.2];
 
-fn schemes() -> impl Iterator<Item = &'static Scheme> {
-    scheme::ALL.iter().copied().filter(|scheme| scheme.has_tangent())
+fn methods() -> impl Iterator<Item = &'static Method> {
+    method::ALL.iter().copied().filter(|method| method.has_tangent())
 }
 
 fn assert_equal_bits(a: &[f64], b: &[f64], what: &str) {
@@ -56,21 +55,21 @@ fn rows(interval: &ForcesInterval<f64>) -> ForcesRows {
     rows
 }
 
-/// A group whose lanes take different steps, after some steps. Between them `divide` may change the displacements.
+/// A group whose lanes take different steps, after some steps. Between them `divide` may change the deviation vectors.
 fn moved(
     system: System,
-    (scheme, isa): (&'static Scheme, Isa),
+    (method, isa): (&'static Method, Isa),
     observed: Observed,
     forces: &ForcesRows,
     divide: impl Fn(&mut Group, usize),
 ) -> Group {
-    let compiled = Compiled::new(Kernel { system, step: scheme.any, observed }, isa);
-    let assignment = KernelAssignment::of(scheme, &BODY, scene_of(true));
+    let compiled = Compiled::new(Kernel { system, step: method.any, observed }, isa);
+    let assignment = KernelAssignment::of(method, &BODY, scene_of(true));
     let mut group = Group::inactive();
     for lane in 0..LANES {
         let step = 0.05 + 0.002 * lane as f64;
-        let displacement = Displacement { of_attitude: lane % 2 == 0, ..Displacement::new(DISPLACEMENT) };
-        let entry = Entry { displacement, ..Entry::unobserved(&BODY, None, step) };
+        let deviation = Deviation { of_attitude: lane % 2 == 0, ..Deviation::new(DEVIATION) };
+        let entry = Entry { deviation, ..Entry::unobserved(&BODY, None, step) };
         load(&mut group, lane, compiled, assignment, &entry);
     }
     for block in 0..10 {
@@ -83,17 +82,17 @@ fn moved(
 fn nothing(_: &mut Group, _: usize) {}
 
 #[test]
-fn the_motion_has_the_same_bits_with_and_without_a_displacement() {
+fn the_motion_has_the_same_bits_with_and_without_a_deviation() {
     for (plain, varied, forces, len) in [
         (System::TopAxis, System::TopTangent, ForcesRows::NONE, Axis::LEN),
         (System::ForcedFrame, System::ForcedTangent, rows(&interval()), ForcedFrame::LEN),
     ] {
-        for scheme in schemes().filter(|scheme| plain == System::TopAxis || scheme.has_forced_tangent()) {
-            let scalar = moved(varied, (scheme, Isa::NARROWEST), Observed::Growth, &forces, nothing);
+        for method in methods().filter(|method| plain == System::TopAxis || method.has_forced_tangent()) {
+            let scalar = moved(varied, (method, Isa::NARROWEST), Observed::Growth, &forces, nothing);
             for isa in Isa::available() {
-                let without = moved(plain, (scheme, isa), Observed::Nothing, &forces, nothing);
-                let with = moved(varied, (scheme, isa), Observed::Growth, &forces, nothing);
-                let what = |d| format!("{varied:?} {scheme:?} {isa:?}, number {d}");
+                let without = moved(plain, (method, isa), Observed::Nothing, &forces, nothing);
+                let with = moved(varied, (method, isa), Observed::Growth, &forces, nothing);
+                let what = |d| format!("{varied:?} {method:?} {isa:?}, number {d}");
                 for d in 0..len {
                     assert_equal_bits(&without.state[d].0, &with.state[d].0, &what(d));
                 }
@@ -109,30 +108,30 @@ fn the_motion_has_the_same_bits_with_and_without_a_displacement() {
 }
 
 #[test]
-fn a_displacement_that_shares_a_motion_has_the_bits_of_one_with_a_lane_of_its_own() {
-    let displacement = |j: usize| DISPLACEMENT.map(|x| x * (1.0 + 0.3 * j as f64) + 0.1 * j as f64);
+fn a_deviation_that_shares_a_motion_has_the_bits_of_one_with_a_lane_of_its_own() {
+    let deviation = |j: usize| DEVIATION.map(|x| x * (1.0 + 0.3 * j as f64) + 0.1 * j as f64);
     for (system, forces) in
         [(System::TopTangent, ForcesRows::NONE), (System::ForcedTangent, rows(&interval()))]
     {
-        for scheme in schemes().filter(|scheme| scheme.is_series()) {
-            let assignment = KernelAssignment::of(scheme, &BODY, scene_of(true));
+        for method in methods().filter(|method| method.is_series()) {
+            let assignment = KernelAssignment::of(method, &BODY, scene_of(true));
             for isa in Isa::available() {
-                let kernel = Kernel { system, step: scheme.any, observed: Observed::Growth };
+                let kernel = Kernel { system, step: method.any, observed: Observed::Growth };
                 let compiled = Compiled::new(kernel, isa);
                 assert!(compiled.shares_motion());
                 let at = system.tangent_at().unwrap();
                 let (mut own, mut shared) = (Group::inactive(), Group::inactive());
-                shared.further = vec![DisplacementRows::ZERO; 5];
+                shared.further = vec![DeviationRows::ZERO; 5];
                 let lane = 9;
                 for j in 0..6 {
-                    let displacement = Displacement::new(displacement(j));
-                    let entry = Entry { displacement, ..Entry::unobserved(&BODY, None, 0.1) };
+                    let deviation = Deviation::new(deviation(j));
+                    let entry = Entry { deviation, ..Entry::unobserved(&BODY, None, 0.1) };
                     load(&mut own, j, compiled, assignment, &entry);
                     if j == 0 {
                         load(&mut shared, lane, compiled, assignment, &entry);
                     } else {
                         for k in 0..6 {
-                            shared.further[j - 1].state[k].0[lane] = displacement.start[k];
+                            shared.further[j - 1].state[k].0[lane] = deviation.start[k];
                         }
                     }
                 }
@@ -146,7 +145,7 @@ fn a_displacement_that_shares_a_motion_has_the_bits_of_one_with_a_lane_of_its_ow
                             0 => [&shared.state[at + k], &shared.compensation[at + k]],
                             _ => [&shared.further[j - 1].state[k], &shared.further[j - 1].compensation[k]],
                         };
-                        let what = format!("{system:?} {scheme:?} {isa:?}, number {k} of {j}");
+                        let what = format!("{system:?} {method:?} {isa:?}, number {k} of {j}");
                         assert_equal_bits(&alone, &rows.map(|row| row.0[lane]), &what);
                     }
                 }
@@ -158,9 +157,9 @@ fn a_displacement_that_shares_a_motion_has_the_bits_of_one_with_a_lane_of_its_ow
     }
 }
 
-/// The equations of a displacement are linear: a power of two changes no digit, now or later.
+/// The equations of a deviation vector are linear: a power of two changes no digit, now or later.
 #[test]
-fn it_does_not_matter_when_a_displacement_is_divided_by_a_power_of_two() {
+fn it_does_not_matter_when_a_deviation_is_divided_by_a_power_of_two() {
     let divide = |power: f64| {
         move |group: &mut Group, block: usize| {
             if block % 3 != 1 {
@@ -175,10 +174,10 @@ fn it_does_not_matter_when_a_displacement_is_divided_by_a_power_of_two() {
             group.observed[Growth::SHIFT].0.iter_mut().for_each(|shift| *shift += power);
         }
     };
-    for scheme in schemes() {
+    for method in methods() {
         let run = |power: f64| {
             let isa = Isa::available()[0];
-            moved(System::TopTangent, (scheme, isa), Observed::Growth, &ForcesRows::NONE, divide(power))
+            moved(System::TopTangent, (method, isa), Observed::Growth, &ForcesRows::NONE, divide(power))
         };
         let whole = run(0.0);
         for power in [1.0, 60.0, -13.0] {
@@ -187,7 +186,7 @@ fn it_does_not_matter_when_a_displacement_is_divided_by_a_power_of_two() {
                 assert_equal_bits(
                     &whole.observed[row].0,
                     &divided.observed[row].0,
-                    &format!("{scheme:?} {row}"),
+                    &format!("{method:?} {row}"),
                 );
             }
             assert!(whole.observed[Growth::LARGEST].0.iter().all(|&log| log > 0.5));
@@ -195,21 +194,21 @@ fn it_does_not_matter_when_a_displacement_is_divided_by_a_power_of_two() {
     }
 }
 
-/// Displacements of all bodies, by their start or by parameters, forward and backward in time.
-fn displacements(
-    scheme: &'static Scheme,
+/// Deviation vectors of all bodies, by their start or by parameters, forward and backward in time.
+fn deviations(
+    method: &'static Method,
     (tolerance, by_parameters): (Option<f64>, bool),
     threads: usize,
     isa: Isa,
 ) -> Vec<f64> {
     let bodies: Vec<Body> = (0..70).map(|i| Body { omega: [0.5, 0.4, 0.1 * f64::from(i)], ..BODY }).collect();
-    let (starts, changes) = ([DISPLACEMENT; 70], [ParameterChange::of(&CHANGE); 70]);
+    let (starts, changes) = ([DEVIATION; 70], [ParameterChange::of(&CHANGE); 70]);
     let record = if by_parameters { Record::Sensitivity(&changes) } else { Record::Tangent(&starts) };
     let request = Request {
         bodies: &bodies,
         scene: scene_of(true),
         forces: Forces::NONE,
-        solver: Solver::Steps(scheme),
+        method: AnyMethod::Steps(method),
         record,
         schedule: Schedule::Times(&[-1.0, 0.0, 0.7, 3.0]),
         steps: &vec![0.05; bodies.len()],
@@ -221,23 +220,19 @@ fn displacements(
 }
 
 #[test]
-fn displacements_have_the_same_bits_on_every_instruction_set_and_number_of_threads() {
-    for scheme in schemes() {
-        let tolerance = scheme.is_series().then_some(1e-15);
+fn deviations_have_the_same_bits_on_every_instruction_set_and_number_of_threads() {
+    for method in methods() {
+        let tolerance = method.is_series().then_some(1e-15);
         for which in [(None, false), (tolerance, false), (None, true), (tolerance, true)] {
-            if which.1 && !scheme.has_forced_tangent() {
+            if which.1 && !method.has_forced_tangent() {
                 continue;
             }
-            let scalar = displacements(scheme, which, 1, Isa::NARROWEST);
-            assert_equal_bits(
-                &scalar[6..12],
-                if which.1 { &[0.0; 6] } else { &DISPLACEMENT },
-                "at the start",
-            );
+            let scalar = deviations(method, which, 1, Isa::NARROWEST);
+            assert_equal_bits(&scalar[6..12], if which.1 { &[0.0; 6] } else { &DEVIATION }, "at the start");
             for isa in Isa::available() {
                 for threads in [1, 3] {
-                    let other = displacements(scheme, which, threads, isa);
-                    assert_equal_bits(&scalar, &other, &format!("{scheme:?} {which:?} {isa:?} {threads}"));
+                    let other = deviations(method, which, threads, isa);
+                    assert_equal_bits(&scalar, &other, &format!("{method:?} {which:?} {isa:?} {threads}"));
                 }
             }
         }
@@ -346,7 +341,7 @@ impl Real for Dual {
 }
 
 /// One step of a state.
-fn stepped<R: Real, M: Model<R>, L: Layout, S: Stepper<R, M, L, D>, const D: usize>(
+fn stepped<R: Real, M: Model<R>, L: Layout, S: Engine<R, M, L, D>, const D: usize>(
     numbers: &'static Numbers,
     interval: &ForcesInterval<R>,
     step: f64,
@@ -362,7 +357,7 @@ fn stepped<R: Real, M: Model<R>, L: Layout, S: Stepper<R, M, L, D>, const D: usi
 }
 
 /// One step of a state of a body.
-fn stepped_by<R: Real, M: Model<R>, L: Layout, S: Stepper<R, M, L, D>, const D: usize>(
+fn stepped_by<R: Real, M: Model<R>, L: Layout, S: Engine<R, M, L, D>, const D: usize>(
     numbers: &'static Numbers,
     interval: &ForcesInterval<R>,
     p: &Parameters<R>,
@@ -397,29 +392,29 @@ fn start<const D: usize>(vectors: usize) -> [f64; D] {
     y
 }
 
-/// The largest difference of the displaced rates and directions after a step from the derivative of the step, for the
-/// rates and for all.
+/// The largest difference of the deviations of rates and directions after a step from the derivative of the step, for
+/// the rates and for all.
 macro_rules! differences {
-    ([$stepper:ident $($table:ident)?], $model:ident, $plain:ty, $varied:ty, $numbers:expr, $interval:expr, $step:expr) => {{
+    ([$engine:ident $($table:ident)?], $model:ident, $plain:ty, $varied:ty, $numbers:expr, $interval:expr, $step:expr) => {{
         const D: usize = <$plain>::LEN;
         const E: usize = <$varied>::LEN;
         let vectors = <$plain>::VECTORS;
         let mut y: [f64; E] = start(vectors);
-        y[<$varied>::TANGENT_AT..].copy_from_slice(&DISPLACEMENT);
+        y[<$varied>::TANGENT_AT..].copy_from_slice(&DEVIATION);
         let mut z = start::<D>(vectors).map(|x| dual(x, 0.0));
         for k in 0..3 {
-            z[k].slope = DISPLACEMENT[k];
+            z[k].slope = DEVIATION[k];
         }
         for v in 0..vectors {
-            let change = cross(&y[3 + 3 * v..6 + 3 * v], &DISPLACEMENT[3..]);
+            let change = cross(&y[3 + 3 * v..6 + 3 * v], &DEVIATION[3..]);
             for k in 0..3 {
                 z[3 + 3 * v + k].slope = change[k];
             }
         }
-        let y = stepped::<f64, $model<f64>, $varied, $stepper<$($table,)? f64, $model<f64>>, E>(
+        let y = stepped::<f64, $model<f64>, $varied, $engine<$($table,)? f64, $model<f64>>, E>(
             $numbers, &interval_of(&$interval), $step, y,
         );
-        let z = stepped::<Dual, $model<Dual>, $plain, $stepper<$($table,)? Dual, $model<Dual>>, D>(
+        let z = stepped::<Dual, $model<Dual>, $plain, $engine<$($table,)? Dual, $model<Dual>>, D>(
             $numbers, &interval_of(&$interval), $step, z,
         );
         let turn = &y[<$varied>::TANGENT_AT + 3..];
@@ -439,13 +434,13 @@ macro_rules! differences {
 
 type Series<R, M> = Taylor<R, M>;
 
-/// The rates of a body without weight depend on nothing else, so their displacement is the derivative of the step to
-/// rounding at any step. With weight or a torque in space the displacement of a direction is `n x x`, where x has its own
-/// equation: equal to the derivative of the step up to the error of the step.
+/// The rates of a body without weight depend on nothing else, so their deviation vector is the derivative of the step
+/// to rounding at any step. With weight or a torque in space the deviation vector of a direction is `n x x`, where x
+/// has its own equation: equal to the derivative of the step up to the error of the step.
 #[test]
-fn a_displacement_is_the_derivative_of_the_step() {
+fn a_deviation_is_the_derivative_of_the_step() {
     let none = ForcesInterval::none();
-    let taylor = scheme::TAYLOR12.any.numbers;
+    let taylor = method::TAYLOR12.any.numbers;
     for step in [0.1, 0.5, 1.0] {
         for [rates, _] in [
             differences!([RungeKutta Rk4Tableau], Free, Axis, AxisTangent, &Numbers::NONE, none, step),
@@ -506,10 +501,10 @@ fn a_displacement_is_the_derivative_of_the_step() {
     }
 }
 
-/// The largest difference of the rates and directions after a step, displaced by a change of parameters, from the
+/// The largest difference of the rates and directions after a step, that deviate by a change of parameters, from the
 /// derivative of the step by them, for the rates and for all.
 macro_rules! effects {
-    ([$stepper:ident $($table:ident)?], $numbers:expr, $weight:expr, $interval:expr, $change:expr, $step:expr) => {{
+    ([$engine:ident $($table:ident)?], $numbers:expr, $weight:expr, $interval:expr, $change:expr, $step:expr) => {{
         const D: usize = ForcedFrame::LEN;
         const E: usize = ForcedFrameTangent::LEN;
         const AT: usize = ForcedFrameTangent::TANGENT_AT;
@@ -526,10 +521,10 @@ macro_rules! effects {
         for k in 0..6 {
             varied.damping[k].slope = change.damping[k];
         }
-        let y = stepped_by::<f64, Top<f64>, ForcedFrameTangent, $stepper<$($table,)? f64, Top<f64>>, E>(
+        let y = stepped_by::<f64, Top<f64>, ForcedFrameTangent, $engine<$($table,)? f64, Top<f64>>, E>(
             $numbers, &ForcesInterval { change, ..interval }, &p, start(ForcedFrame::VECTORS),
         );
-        let z = stepped_by::<Dual, Top<Dual>, ForcedFrame, $stepper<$($table,)? Dual, Top<Dual>>, D>(
+        let z = stepped_by::<Dual, Top<Dual>, ForcedFrame, $engine<$($table,)? Dual, Top<Dual>>, D>(
             $numbers, &varied, &q, start::<D>(ForcedFrame::VECTORS).map(|x| dual(x, 0.0)),
         );
         let mut found = [0.0_f64; 2];
@@ -549,7 +544,7 @@ macro_rules! effects {
 /// Without weight and torque in space the rates depend on nothing else: to rounding at any step. Else to the order.
 #[test]
 fn the_effect_of_a_change_of_parameters_is_the_derivative_of_the_step() {
-    let (none, forced, taylor) = (&Numbers::NONE, interval(), scheme::TAYLOR12.any.numbers);
+    let (none, forced, taylor) = (&Numbers::NONE, interval(), method::TAYLOR12.any.numbers);
     let change = ParameterChange::of(&CHANGE);
     let light = ForcesInterval { space: [[0.0; 3]; 2], ..forced };
     let of_light = ParameterChange { weight: [0.0; 3], ..change };
@@ -585,8 +580,8 @@ fn the_effect_of_a_change_of_parameters_is_the_derivative_of_the_step() {
     }
 }
 
-/// The difference of a displacement after a step of a splitting from the derivative of the step, and the size of the
-/// derivative.
+/// The difference of a deviation vector after a step of a splitting from the derivative of the step, and the size of
+/// the derivative.
 fn difference_of_splitting<C: Round>(numbers: &'static Numbers, moments: [f64; 3], step: f64) -> [f64; 2] {
     const D: usize = Axis::LEN;
     const E: usize = AxisTangent::LEN;
@@ -595,11 +590,11 @@ fn difference_of_splitting<C: Round>(numbers: &'static Numbers, moments: [f64; 3
         Parameters { moments: moments.map(R::splat), weight: BODY.weight.map(R::splat), step: R::splat(step) }
     }
     let mut y: [f64; E] = start(1);
-    y[AT..].copy_from_slice(&DISPLACEMENT);
+    y[AT..].copy_from_slice(&DEVIATION);
     let mut z = start::<D>(1).map(|x| dual(x, 0.0));
-    let change = cross(&y[3..6], &DISPLACEMENT[3..]);
+    let change = cross(&y[3..6], &DEVIATION[3..]);
     for k in 0..3 {
-        (z[k].slope, z[3 + k].slope) = (DISPLACEMENT[k], change[k]);
+        (z[k].slope, z[3 + k].slope) = (DEVIATION[k], change[k]);
     }
     let y = stepped_by::<f64, Top<f64>, AxisTangent, Splitting<C, f64>, E>(
         numbers,
@@ -622,17 +617,19 @@ fn difference_of_splitting<C: Round>(numbers: &'static Numbers, moments: [f64; 3
 
 /// Rotations and kicks are differentiated one by one, so at any step: momenta and vertical.
 #[test]
-fn a_displacement_is_the_derivative_of_a_splitting() {
+fn a_deviation_is_the_derivative_of_a_splitting() {
     let symmetric = [1.0, 1.0, 0.6];
     for step in [0.0, 1e-9, 0.1, 0.7, 1.0] {
-        for scheme in schemes().filter(|scheme| scheme.facts.symplectic) {
-            let found = match scheme.any.engine {
-                Engine::Planar => difference_of_splitting::<Planar>(scheme.any.numbers, BODY.moments, step),
-                _ => difference_of_splitting::<ComposedPlanar>(scheme.any.numbers, BODY.moments, step),
+        for method in methods().filter(|method| method.facts.symplectic) {
+            let found = match method.any.engine {
+                EngineName::Planar => {
+                    difference_of_splitting::<Planar>(method.any.numbers, BODY.moments, step)
+                }
+                _ => difference_of_splitting::<ComposedPlanar>(method.any.numbers, BODY.moments, step),
             };
-            let rotor = difference_of_splitting::<KickRotor>(scheme.symmetric.numbers, symmetric, step);
+            let rotor = difference_of_splitting::<KickRotor>(method.symmetric.numbers, symmetric, step);
             for [off, size] in [found, rotor] {
-                assert!(off < 8.0 * f64::EPSILON * size, "{scheme:?}, step {step}: {off:e} of {size:e}");
+                assert!(off < 8.0 * f64::EPSILON * size, "{method:?}, step {step}: {off:e} of {size:e}");
             }
         }
     }

@@ -3,24 +3,23 @@
 use crate::tests::scene_of;
 use nalgebra::{DMatrix, DVector};
 use rigid::forces::{BodyForces, Forces, ForcesInterval};
+use rigid::method::{self, AnyMethod, Coefficients, Engine, Method, Taylor};
 use rigid::parallel::Interrupt;
 use rigid::sample::{Law, attitude, uniforms};
 use rigid::scene::{Attitude, Axis, Free, Layout, Model, Parameters, Top};
-use rigid::scheme::{self, Coefficients, Scheme, Stepper, Taylor};
 use rigid::simd::Isa;
-use rigid::solver::Solver;
 use rigid::start::Body;
 use rigid::status::Status;
 use rigid::trajectory::{Record, Request, Schedule, States, simulate};
 
 const EPS: f64 = f64::EPSILON;
 
-fn run(bodies: &[Body], solver: Solver, step: f64, times: &[f64]) -> States {
+fn run(bodies: &[Body], method: AnyMethod, step: f64, times: &[f64]) -> States {
     let request = Request {
         bodies,
         scene: scene_of(bodies[0].weight != [0.0; 3]),
         forces: Forces::NONE,
-        solver,
+        method,
         record: Record::Attitude,
         schedule: Schedule::Times(times),
         steps: &vec![step; bodies.len()],
@@ -31,8 +30,8 @@ fn run(bodies: &[Body], solver: Solver, step: f64, times: &[f64]) -> States {
     simulate(&request, 1, Isa::available()[0], &Interrupt::never()).unwrap()
 }
 
-fn series() -> impl Iterator<Item = &'static Scheme> {
-    scheme::ALL.iter().copied().filter(|method| method.facts.name.starts_with("taylor"))
+fn series() -> impl Iterator<Item = &'static Method> {
+    method::ALL.iter().copied().filter(|method| method.facts.name.starts_with("taylor"))
 }
 
 fn tilted(angle: f64) -> [f64; 4] {
@@ -76,48 +75,48 @@ fn truncated(x: f64, order: u32) -> [f64; 2] {
     sum
 }
 
-fn step<S, M, L, const D: usize>(stepper: &S, p: &Parameters<f64>, y: &mut [f64; D])
+fn step<S, M, L, const D: usize>(engine: &S, p: &Parameters<f64>, y: &mut [f64; D])
 where
     M: Model<f64>,
     L: Layout,
-    S: Stepper<f64, M, L, D>,
+    S: Engine<f64, M, L, D>,
 {
-    stepper.step(p, y, &mut [0.0; D], &mut Coefficients::new());
+    engine.step(p, y, &mut [0.0; D], &mut Coefficients::new());
 }
 
 /// The rates of a free symmetric body turn at a constant rate, and so do the directions and, at half the rate, the
 /// quaternion of a spin: truncated sine and cosine. With an angle of 5 the truncation error is at least 1e-10 of the
 /// numbers, so the test detects a missing order and an extra one. Terms are up to 26, with forty roundings.
-fn uniform_turn<S>(of: &Scheme)
+fn uniform_turn<S>(of: &Method)
 where
-    S: Stepper<f64, Free<f64>, Attitude, 7> + Stepper<f64, Free<f64>, Axis, 6>,
+    S: Engine<f64, Free<f64>, Attitude, 7> + Engine<f64, Free<f64>, Axis, 6>,
 {
     let (order, numbers) = (of.facts.order, of.any.numbers);
     let p = Parameters { moments: [1.0, 1.0, 0.5], weight: [0.0; 3], step: 2.5 };
     let bound = 40.0 * 26.0 * EPS;
     // Relative to the body, the rates turn at (1 - I3/I1) w3 = 2.
     let mut y = [0.3, 0.0, 4.0, 0.0, 0.0, 1.0];
-    let stepper = <S as Stepper<f64, Free<f64>, Axis, 6>>::new(&p, &ForcesInterval::none(), numbers);
-    step::<S, Free<f64>, Axis, 6>(&stepper, &p, &mut y);
+    let engine = <S as Engine<f64, Free<f64>, Axis, 6>>::new(&p, &ForcesInterval::none(), numbers);
+    step::<S, Free<f64>, Axis, 6>(&engine, &p, &mut y);
     let [c, s] = truncated(5.0, order);
     assert!(distance(&y[..3], &[0.3 * c, -0.3 * s, 4.0]) < bound, "{order}: {y:?}");
     assert!((c - 5.0_f64.cos()).abs() > 100.0 * bound);
 
     // A spin of 2: a direction turns by 5 and the attitude by half of it.
     let mut y = [0.0, 0.0, 2.0, 0.6, 0.0, 0.8];
-    step::<S, Free<f64>, Axis, 6>(&stepper, &p, &mut y);
+    step::<S, Free<f64>, Axis, 6>(&engine, &p, &mut y);
     assert!(distance(&y, &[0.0, 0.0, 2.0, 0.6 * c, -0.6 * s, 0.8]) < bound, "{order}: {y:?}");
     let mut y = [0.0, 0.0, 2.0, 1.0, 0.0, 0.0, 0.0];
-    let stepper = <S as Stepper<f64, Free<f64>, Attitude, 7>>::new(&p, &ForcesInterval::none(), numbers);
-    step::<S, Free<f64>, Attitude, 7>(&stepper, &p, &mut y);
+    let engine = <S as Engine<f64, Free<f64>, Attitude, 7>>::new(&p, &ForcesInterval::none(), numbers);
+    step::<S, Free<f64>, Attitude, 7>(&engine, &p, &mut y);
     let [c, s] = truncated(2.5, order);
     assert!(distance(&y[3..], &[c, 0.0, 0.0, s]) < bound, "{order}: {y:?}");
 }
 
 #[test]
 fn of_a_uniform_turn_the_series_are_those_of_sine_and_cosine() {
-    for scheme in [&scheme::TAYLOR12, &scheme::TAYLOR16, &scheme::TAYLOR20, &scheme::TAYLOR26] {
-        uniform_turn::<Taylor<f64, Free<f64>>>(scheme);
+    for method in [&method::TAYLOR12, &method::TAYLOR16, &method::TAYLOR20, &method::TAYLOR26] {
+        uniform_turn::<Taylor<f64, Free<f64>>>(method);
     }
 }
 
@@ -137,9 +136,9 @@ fn first_coefficients_of_a_pendulum() {
         let p = Parameters { moments: [1.0, 1.6, 0.7], weight: [0.0, 0.0, 0.5], step: h };
         let mut y = [0.0, w, 0.0, s, 0.0, -c];
         type Series = Taylor<f64, Top<f64>>;
-        let numbers = scheme::TAYLOR16.any.numbers;
-        let stepper = <Series as Stepper<f64, Top<f64>, Axis, 6>>::new(&p, &ForcesInterval::none(), numbers);
-        step::<Series, Top<f64>, Axis, 6>(&stepper, &p, &mut y);
+        let numbers = method::TAYLOR16.any.numbers;
+        let engine = <Series as Engine<f64, Top<f64>, Axis, 6>>::new(&p, &ForcesInterval::none(), numbers);
+        step::<Series, Top<f64>, Axis, 6>(&engine, &p, &mut y);
         let [a, b, c, d] = derivatives;
         y[1] - (w + h * (a + h / 2.0 * (b + h / 3.0 * (c + h / 4.0 * d))))
     };
@@ -152,9 +151,9 @@ fn first_coefficients_of_a_pendulum() {
 fn truth(body: &Body, times: &[f64]) -> States {
     if *body == asymmetric() {
         // At most a fortieth of the radius of convergence, so the truncation error is negligible.
-        run(&[*body], Solver::Steps(&scheme::TAYLOR26), 0.02, times)
+        run(&[*body], AnyMethod::Steps(&method::TAYLOR26), 0.02, times)
     } else {
-        run(&[*body], Solver::Exact, 1.0, times)
+        run(&[*body], AnyMethod::Exact, 1.0, times)
     }
 }
 
@@ -178,13 +177,13 @@ fn one_step_has_the_stated_order() {
                 let times = [-h, h];
                 let odd = |s: States| {
                     // Of a top the vertical: its attitude is made of rows, where part of the error cancels.
-                    let other = s.vertical.as_ref().or(s.attitude.as_ref()).unwrap();
+                    let other = s.gamma.as_ref().or(s.attitude.as_ref()).unwrap();
                     let n = other.len() / 2;
                     let of_rates = (0..3).map(|i| s.rates()[3 + i] - s.rates()[i]);
                     of_rates.chain((0..n).map(|i| other[n + i] - other[i])).collect::<Vec<_>>()
                 };
                 let error = distance(
-                    &odd(run(&[body], Solver::Steps(method), h, &times)),
+                    &odd(run(&[body], AnyMethod::Steps(method), h, &times)),
                     &odd(truth(&body, &times)),
                 );
                 if error > 1e3 * EPS && error < 1e-3 {
@@ -218,10 +217,10 @@ fn the_default_step_leaves_only_rounding() {
         let body = random_body(number, number % 2 == 1);
         let rate = body.fastest_rate(BodyForces::NONE, [0.0; 2]);
         let end = [20.0 / rate];
-        let exact = run(&[body], Solver::Steps(&scheme::TAYLOR26), 0.3 / rate, &end).attitude.unwrap();
+        let exact = run(&[body], AnyMethod::Steps(&method::TAYLOR26), 0.3 / rate, &end).attitude.unwrap();
         for method in series() {
             let step = method.facts.angle_per_step / rate;
-            let got = run(&[body], Solver::Steps(method), step, &end).attitude.unwrap();
+            let got = run(&[body], AnyMethod::Steps(method), step, &end).attitude.unwrap();
             let error = 2.0 * distance(&got, &exact) / 20.0;
             assert!(error < 1e-13, "{method:?} {body:?}: {error:e}");
         }
@@ -239,7 +238,7 @@ fn energy_after_a_hundred_thousand_steps() {
     let times = [1e1, 1e2, 1e3, 1e4];
     let neighbour = |i: i32| Body { omega: [0.3 + 1e-3 * f64::from(i), 0.1, 2.0], ..asymmetric() };
     let bodies: Vec<Body> = (0..32).map(neighbour).collect();
-    let states = run(&bodies, Solver::Steps(&scheme::TAYLOR16), 0.1, &times);
+    let states = run(&bodies, AnyMethod::Steps(&method::TAYLOR16), 0.1, &times);
     assert!(states.status.iter().all(|&status| status == Status::Finished));
     let mut squares = [0.0; 4];
     let mut worst = 0.0_f64;
@@ -248,12 +247,12 @@ fn energy_after_a_hundred_thousand_steps() {
             |omega: &[f64]| (0..3).map(|k| 0.5 * body.moments[k] * omega[k] * omega[k]).sum::<f64>();
         let potential = |n: &[f64]| (0..3).map(|k| body.weight[k] * n[k]).sum::<f64>();
         let scale = kinetic(&body.omega) + norm(&body.weight);
-        let start = kinetic(&body.omega) + potential(&body.vertical());
+        let start = kinetic(&body.omega) + potential(&body.gamma());
         for k in 0..4 {
             let at = 3 * (4 * i + k);
             let omega = &states.rates()[at..at + 3];
-            let vertical = &states.vertical.as_ref().unwrap()[at..at + 3];
-            let error = (kinetic(omega) + potential(vertical) - start) / scale;
+            let gamma = &states.gamma.as_ref().unwrap()[at..at + 3];
+            let error = (kinetic(omega) + potential(gamma) - start) / scale;
             squares[k] += error * error / bodies.len() as f64;
             worst = worst.max(error.abs());
         }

@@ -1,4 +1,4 @@
-"""Random runs that are hard on stated errors: scenes, starts, wanted times and methods.
+"""Random runs that are hard on stated errors: scenes, starts, output times and methods.
 
 Each is one of :data:`KINDS`. Angles and times are counted in the body's own unit of time, so that
 the truth costs a bounded number of steps.
@@ -84,7 +84,7 @@ KINDS: Kinds = {
 # Times and methods
 
 
-def wanted(rng: np.random.Generator, start: Start, *, short: bool) -> Floats:
+def output_times(rng: np.random.Generator, start: Start, *, short: bool) -> Floats:
     """Times of the states: even, random, geometric, in clusters, one alone, some negative."""
     low, high = (-1.3, 0.3) if short else (-0.5, float(np.log10(start.longest)))
     span = decades(rng, low, high) / start.rate
@@ -142,7 +142,7 @@ def random_case(rng: np.random.Generator, kinds: Kinds = KINDS) -> Case:
     record = str(rng.choice(["attitude", "axis", "rates"], p=[0.7, 0.15, 0.15]))
     if record != "attitude":
         options["record"] = record
-    t = wanted(rng, start, short=mode == "tolerance" and rng.random() < 0.5)
+    t = output_times(rng, start, short=mode == "tolerance" and rng.random() < 0.5)
     others = None
     if mode != "tolerance" and rng.random() < 0.04:
         others = start.omega + 1e-3 * start.rate * rng.normal(size=(CROWD, 3))

@@ -1,4 +1,4 @@
-"""Motions whose displacements are known to 26 digits."""
+"""Motions whose deviation vectors are known to 26 digits."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from rigid.model.scene import Scene
 
 
 @dataclass(frozen=True)
-class Displaced:
-    """A motion, its tangent at some times, and the growth of displacements in two norms."""
+class Deviating:
+    """A motion, its tangent at some times, and the growth of deviation vectors in two norms."""
 
     name: str
     family: str
@@ -43,13 +43,13 @@ def attitude_with(gamma: Floats) -> Floats:
     return unit
 
 
-def _displaced(data: dict[str, Any]) -> Displaced:
+def _deviating(data: dict[str, Any]) -> Deviating:
     weight = np.array(data["weight"])
     mgl = float(np.linalg.norm(weight))
     body = rigid.Body(data["moments"])
     options = {"damping": data["damping"]} if any(data["damping"]) else {}
     at = data["at"]
-    return Displaced(
+    return Deviating(
         name=data["name"],
         family=data["family"],
         scene=(
@@ -70,6 +70,6 @@ def _displaced(data: dict[str, Any]) -> Displaced:
     )
 
 
-DISPLACED = tuple(
-    _displaced(data) for data in json.loads((GOLDEN / "chaos.json").read_text())["scenes"]
+DEVIATING = tuple(
+    _deviating(data) for data in json.loads((GOLDEN / "chaos.json").read_text())["scenes"]
 )

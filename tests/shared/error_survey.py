@@ -39,7 +39,7 @@ def random_scene(rng: np.random.Generator) -> tuple[Scene, Floats, Floats]:
 
 
 def survey(count: int, seed: int) -> tuple[Floats, list[Any]]:
-    """Ratios of true to estimated errors of random runs, and the runs that silently missed.
+    """Ratios of true to estimated errors of random runs, and the runs that missed.
 
     The truth is the closed form, or taylor26 with steps of a quarter of a radian.
     """

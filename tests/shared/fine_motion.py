@@ -160,7 +160,7 @@ class FineMotion:
         attitude: Floats = states / np.linalg.norm(states, axis=-1, keepdims=True)
         return attitude
 
-    def vertical(self, t: Floats) -> Floats:
+    def gamma(self, t: Floats) -> Floats:
         """The upward vertical in the body, shape (m, 3)."""
         return rotated(self.attitude(t) * [1.0, -1.0, -1.0, -1.0], unit(3))
 

@@ -10,7 +10,7 @@ import rigid
 from physics import Floats
 from rigid.model.scene import Scene
 
-#: How wanted times lie.
+#: How output times lie.
 PATTERNS = ("even", "random", "geometric", "clusters", "last")
 
 

@@ -20,7 +20,7 @@ from hard_starts import decades, direction
 from judged import Judged
 from judged_growth import ROUNDING, rounder
 from physics import Floats, present
-from quad_tangent import Acting, Displaced, moved
+from quad_tangent import Acting, Deviating, moved
 from rigid import meshes, rotations
 from verdicts import JUDGED, ROUNDINGS, rounding, true_errors
 
@@ -181,7 +181,7 @@ def _scene_in_frame(body: rigid.Body, axes: Floats, acting: dict[str, Floats]) -
     return rigid.HeavyTop(body, mgl=mgl, com=acting["weight"] / mgl, frame=axes, **options)
 
 
-def _error(omega: Floats, attitude: Floats, true: Displaced) -> float:
+def _error(omega: Floats, attitude: Floats, true: Deviating) -> float:
     """Of rates relative to the fastest, of attitudes in rad."""
     motion = true.motion
     of_rates = motion.rates_off(omega) / np.linalg.norm(true.omega, axis=1).max()
@@ -203,9 +203,9 @@ def judge_frame(number: int, seed: int) -> Judged:
     end = decades(rng, -0.5, 1.2) / rate
     t = end * np.append(np.sort(rng.uniform(0.1, 1.0, 3)), 1.0)
 
-    def true(t: Floats, tensor: Floats = tensor) -> Displaced | None:
+    def true(t: Floats, tensor: Floats = tensor) -> Deviating | None:
         start = np.eye(6) if kind == "tangent" else ()
-        return moved(Acting(tensor, **acting), omega, attitude, t, displacements=start, limit=800)
+        return moved(Acting(tensor, **acting), omega, attitude, t, deviations=start, limit=800)
 
     tangent = None
     if kind == "steps":
@@ -258,7 +258,7 @@ def judge_frame(number: int, seed: int) -> Judged:
         # The rate about axis 1 of the drawing is zero there.
         worst = max(worst, float(np.abs(rates[:, 0]).max()) / rate)
     if tangent is not None:
-        matrices = np.swapaxes(known.displacements, 1, 2)
+        matrices = np.swapaxes(known.deviations, 1, 2)
         sizes = np.abs(matrices).max(axis=(1, 2), keepdims=True)
         far = float((np.abs(tangent - matrices) / sizes).max())
         worst = max(worst, 1e-2 * far)  # 1e-8, beside 1e-10 of the states
@@ -280,7 +280,7 @@ def judge_frame(number: int, seed: int) -> Judged:
 
 
 def judge_other_times(number: int, seed: int) -> Judged:
-    """``run.at`` between, beside and at the wanted times, of runs that are hard on their errors."""
+    """``run.at`` between, beside and at the output times, of runs that are hard on their errors."""
     case = random_case(np.random.default_rng([seed, number]), KINDS)
     rng = np.random.default_rng([seed, number, 1])
     if "function" in case.scene.forces:
@@ -363,7 +363,7 @@ def judge_steps(number: int, seed: int) -> Judged:
     else:
         damping = np.eye(3) * options.get("damping", 0.0)
         weight = np.array(scene.weight) if heavy else np.zeros(3)
-        known: Displaced | None = None
+        known: Deviating | None = None
         for length, torque in zip(lengths, torques, strict=True):
             acting = Acting(np.diag(shape), weight, damping, body=torque[last])
             known = moved(

@@ -1,4 +1,4 @@
-"""Random growth of displacements, verdicts on it, lines of signals and drifts of lines, judged.
+"""Random growth of deviation vectors, verdicts on it, lines of signals and drifts of lines, judged.
 
 Each ``judge_`` makes one case of its number and compares it with a truth of its own.
 """
@@ -20,13 +20,13 @@ from rigid.model.scene import Scene
 from verdicts import ROUNDINGS
 
 #: The methods that have a tangent.
-DISPLACING = [method.name for method in rigid.methods() if method.tangent]
+MOVING_DEVIATIONS = [method.name for method in rigid.methods() if method.tangent]
 
 #: A rounding of an input.
 ROUNDING = 2.0**-53
 
 
-# Growth of displacements
+# Growth of deviation vectors
 
 
 def rounder(rng: np.random.Generator) -> Floats:
@@ -66,14 +66,14 @@ def _growing(rng: np.random.Generator, kind: str) -> tuple[Scene, Acting, Floats
     return rigid.FreeBody(body, **outside), Acting(np.diag(shape), **acting), omega, attitude
 
 
-def _measured(attitude: Any, displacements: Any, scale: float, of: str) -> Any:
-    """The vectors whose lengths are the sizes of displacements, in 64 bits."""
+def _measured(attitude: Any, deviations: Any, scale: float, of: str) -> Any:
+    """The vectors whose lengths are the sizes of deviation vectors, in 64 bits."""
     w, x, y, z = attitude / np.sqrt(attitude @ attitude)
-    vertical = np.array([2 * (x * z - w * y), 2 * (y * z + w * x), w * w - x * x - y * y + z * z])
-    vectors = np.array(displacements)
+    gamma = np.array([2 * (x * z - w * y), 2 * (y * z + w * x), w * w - x * x - y * y + z * z])
+    vectors = np.array(deviations)
     vectors[:, :3] /= np.longdouble(scale)
     if of == "rates":
-        vectors[:, 3:] = np.cross(vertical, vectors[:, 3:])
+        vectors[:, 3:] = np.cross(gamma, vectors[:, 3:])
     return vectors
 
 
@@ -90,7 +90,7 @@ def _true_growth(
     """Logarithms of sizes and of what is left across others, SALI, GALI and mean MEGNO."""
     motion = moved(
         acting, omega, attitude, t,
-        displacements=start, scale=scale, of_attitude=of == "attitude", limit=1500,
+        deviations=start, scale=scale, of_attitude=of == "attitude", limit=1500,
     )  # fmt: skip
     if motion is None:
         return None
@@ -129,7 +129,7 @@ def judge_growth(number: int, seed: int, kinds: tuple[str, ...] = GROWING) -> Ju
     start = rng.normal(size=(count, 6)) * np.array([scale] * 3 + [1.0] * 3)
     options: dict[str, Any] = {}
     if rng.random() < 0.4:
-        options["method"] = str(rng.choice(DISPLACING))
+        options["method"] = str(rng.choice(MOVING_DEVIATIONS))
         if rng.random() < 0.4:
             options["step"] = decades(rng, -2.0, -0.3) / scale
     try:

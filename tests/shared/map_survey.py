@@ -453,8 +453,8 @@ def judged_states(seed: int, count: int) -> Tally:
 
 def _agree(states: rigid.States, body: int, truths: Truths, scene: Scene, of: str) -> bool:
     """Whether the states of a body are its motion, and what is not computed is None."""
-    has_vertical = of == "axis" or (of == "attitude" and bool(scene.directions))
-    if (states.gamma is not None) != has_vertical:
+    has_gamma = of == "axis" or (of == "attitude" and bool(scene.directions))
+    if (states.gamma is not None) != has_gamma:
         return False
     if (states.attitude is not None) != (of == "attitude"):
         return False
@@ -465,5 +465,5 @@ def _agree(states: rigid.States, body: int, truths: Truths, scene: Scene, of: st
         sign = np.sign((attitude * true).sum(axis=-1, keepdims=True))
         good.append(truths.agrees(sign * attitude, lambda one: one.attitude(states.t)))
     if states.gamma is not None:
-        good.append(truths.agrees(states.gamma[body], lambda one: one.vertical(states.t)))
+        good.append(truths.agrees(states.gamma[body], lambda one: one.gamma(states.t)))
     return all(good)

@@ -19,7 +19,7 @@ Floats = NDArray[np.float64]
 EVERY_METHOD = rigid.methods()
 
 #: Everything that is said of a method through Python is tested over this list: those that move any
-#: body at any wanted time. What is said of compositions, processed kernels and drifts (order,
+#: body at any output time. What is said of compositions, processed kernels and drifts (order,
 #: structure, bits) is tested on the core, over its own list: tests/rust. Series of all orders are
 #: one loop; here are the lowest order, the lowest that sums with compensation, and the highest.
 METHODS = tuple(
@@ -167,7 +167,7 @@ def quaternion_product(p: Floats, q: Floats) -> Floats:
     return np.stack(np.broadcast_arrays(*rows), axis=-1)
 
 
-def vertical(attitude: ArrayLike) -> Floats:
+def gamma_of(attitude: ArrayLike) -> Floats:
     """``gamma = R.T e3``, the upward vertical seen from the body, shape (..., 3)."""
     return rotation_matrix(attitude)[..., 2, :]
 

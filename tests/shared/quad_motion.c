@@ -333,7 +333,7 @@ static void stop(quad *state, const Series *x, quad step)
 long motion(const double *moments, const double *weight, const double *damping, ptrdiff_t knots,
             const double *times, const double *body, const double *space, const double *satellite,
             const double *function, const double *omega,
-            const double *attitude, ptrdiff_t count, const double *wanted, double tolerance,
+            const double *attitude, ptrdiff_t count, const double *output, double tolerance,
             long limit, double *high, double *low)
 {
     const Scene scene = {moments, weight, damping, knots, times, body, space,
@@ -354,7 +354,7 @@ long motion(const double *moments, const double *weight, const double *damping, 
 
     long steps = 0;
     for (ptrdiff_t done = 0; done < count;) {
-        const quad target = wanted[count - 1];
+        const quad target = output[count - 1];
         const int ahead = target > t;
         Piece piece = piece_at(&scene, t, ahead, target);
         Series x;
@@ -369,10 +369,10 @@ long motion(const double *moments, const double *weight, const double *damping, 
             end = ahead ? t + (quad)step : t - (quad)step;
         if (any(scene.drag))
             end = t + until_stop(&x, end - t);
-        for (; done < count && (ahead ? wanted[done] <= end : wanted[done] >= end); done++) {
+        for (; done < count && (ahead ? output[done] <= end : output[done] >= end); done++) {
             quad record[RECORD];
             for (int i = 0; i < STATE; i++)
-                record[i] = value(i < 3 ? x.w[i] : x.q[i - 3], wanted[done] - t);
+                record[i] = value(i < 3 ? x.w[i] : x.q[i - 3], output[done] - t);
             record[10] = energy(&scene, record, record + 7) - begin;
             for (int i = 0; i < RECORD; i++) {
                 high[RECORD * done + i] = record[i];

@@ -55,7 +55,7 @@ class Motion:
             distance: Floats = np.linalg.norm(omega - self.high[:, :3] - self.low[:, :3], axis=-1)
         return distance
 
-    def vertical_off(self, gamma: Floats) -> Floats:
+    def gamma_off(self, gamma: Floats) -> Floats:
         """Distance of the vertical in the body from the true one, shape (m,)."""
         distance: Floats = np.linalg.norm(gamma - self.high[:, 7:10] - self.low[:, 7:10], axis=-1)
         return distance
@@ -166,12 +166,12 @@ def motion(
     if torque is not None and torque.function is not None:
         assert torque.function.address == called(), "no other function is known here"
         function = np.array(torque.function.data)
-    wanted = np.array(times, dtype=np.float64)
-    high, low = np.empty((2, len(wanted), RECORD))
-    for side, outward in ((wanted < 0.0, slice(None, None, -1)), (wanted >= 0.0, slice(None))):
+    output = np.array(times, dtype=np.float64)
+    high, low = np.empty((2, len(output), RECORD))
+    for side, outward in ((output < 0.0, slice(None, None, -1)), (output >= 0.0, slice(None))):
         if not side.any():
             continue
-        there = np.ascontiguousarray(wanted[side][outward])
+        there = np.ascontiguousarray(output[side][outward])
         records = np.empty((2, len(there), RECORD))
         steps = _library().motion(
             *(np.ascontiguousarray(scene.body.moments if moments is None else moments),),

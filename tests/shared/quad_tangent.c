@@ -1,8 +1,8 @@
-/* A rigid body of any tensor of inertia with displacements of its motion, in 128-bit numbers, by Gragg's method with the
+/* A rigid body of any tensor of inertia with deviation vectors of its motion, in 128-bit numbers, by Gragg's method with the
    extrapolation of Bulirsch and Stoer (Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, II.9).
 
    I w' = L x w - weight x gamma + body + R^T space - D w,  L = I w + rotor,  gamma = R^T e3,  q' = q (0, w) / 2;
-   I d' = (I d) x w + L x d - weight x (gamma x x) + (R^T space) x x - D d,  x' = d + x x w  of a displacement (d, x);
+   I d' = (I d) x w + L x d - weight x (gamma x x) + (R^T space) x x - D d,  x' = d + x x w  of a deviation vector (d, x);
    A' = l,  B' = A / t  with l = ln |v| of the first. All vectors are along the axes of the tensor. */
 
 #include <math.h>
@@ -14,7 +14,7 @@ enum { COLUMNS = 13, MOST = 6, LARGEST = 9 + 6 * MOST };
 
 typedef struct {
     quad inertia[3][3], inverse[3][3], weight[3], damping[3][3], rotor[3], body[3], space[3];
-    double scale;    /* unit of the rates of a displacement; 0: l is not integrated */
+    double scale;    /* unit of the rates of a deviation vector; 0: l is not integrated */
     int of_attitude; /* whether x counts, or gamma x x */
     int count, size;
     quad log_start;
@@ -114,7 +114,7 @@ static void slope(const Body *b, quad t, const quad *y, quad *f)
 }
 
 /* The largest error, relative to the rates, the quaternion, the time (of the integrals of logarithms in 64 bits) and
-   each displacement. */
+   each deviation vector. */
 static long double distance(const Body *b, quad t, const quad *y, const quad *other)
 {
     static const int ENDS[] = {0, 3, 7, 9};
@@ -186,11 +186,11 @@ static quad pair(const double *high, const double *low, int i)
 }
 
 /* States at times in order from a time on, or back; numbers are sums of two doubles. A record is w, q, A, B and the
-   displacements. Returns the number of steps, or -1 beyond the limit. */
-long displaced(const double *inertia, const double *inverse, const double *inverse_low, const double *weight,
+   deviation vectors. Returns the number of steps, or -1 beyond the limit. */
+long deviating(const double *inertia, const double *inverse, const double *inverse_low, const double *weight,
                const double *damping, const double *rotor, const double *body, const double *space, double scale,
                int of_attitude, int count, double begin, const double *start, const double *start_low,
-               ptrdiff_t wanted, const double *at, double tolerance, long limit, double *high, double *low)
+               ptrdiff_t output, const double *at, double tolerance, long limit, double *high, double *low)
 {
     Body b = {.scale = scale, .of_attitude = of_attitude, .count = count, .size = 9 + 6 * count};
     for (int i = 0; i < 3; i++) {
@@ -207,7 +207,7 @@ long displaced(const double *inertia, const double *inverse, const double *inver
         b.log_start = log_size(&b, y, y + 9);
     long double longest = 0;
     long steps = 0;
-    for (ptrdiff_t done = 0; done < wanted; done++) {
+    for (ptrdiff_t done = 0; done < output; done++) {
         const quad target = at[done];
         while (t != target) {
             const long double left = (long double)(target - t);

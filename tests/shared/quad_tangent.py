@@ -1,4 +1,4 @@
-"""Motions of bodies with any tensor of inertia, and their displacements, in 128-bit numbers.
+"""Motions of bodies with any tensor of inertia, and their deviation vectors, in 128-bit numbers.
 
 ``quad_tangent.c`` shares no line with the library, nor a method with ``quad_motion.c``: that sums
 Taylor series along principal axes, this extrapolates along any axes.
@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 from physics import Floats
 from quad_motion import Motion, compiled
 
-#: Largest error of a step, relative to the rates, the quaternion and each displacement.
+#: Largest error of a step, relative to the rates, the quaternion and each deviation vector.
 TOLERANCE = 1e-24
 
 
@@ -36,7 +36,7 @@ class Acting:
 
 
 @dataclass(frozen=True)
-class Displaced:
+class Deviating:
     """States at some times: sums of two doubles, ``high`` and ``low``."""
 
     t: Floats
@@ -57,7 +57,7 @@ class Displaced:
 
     @property
     def mean_log(self) -> Floats:
-        """Mean over the time of ``l = ln |v| / |v(0)|`` of the first displacement."""
+        """Mean over the time of ``l = ln |v| / |v(0)|`` of the first deviation vector."""
         return self.high[:, 7] / self.t
 
     @property
@@ -65,7 +65,7 @@ class Displaced:
         return 2.0 * (self.high[:, 7] - self.high[:, 8]) / self.t
 
     @property
-    def displacements(self) -> Floats:
+    def deviations(self) -> Floats:
         """Shape (m, count, 6)."""
         return self.high[:, 9:].reshape(len(self.t), -1, 6)
 
@@ -76,32 +76,33 @@ def moved(
     attitude: ArrayLike,
     t: ArrayLike,
     *,
-    displacements: ArrayLike = (),
+    deviations: ArrayLike = (),
     scale: float = 0.0,
     of_attitude: bool = False,
-    since: tuple[float, Displaced] | None = None,
+    since: tuple[float, Deviating] | None = None,
     tolerance: float = TOLERANCE,
     limit: int = 3000,
-) -> Displaced | None:
+) -> Deviating | None:
     """States at times in order; None beyond a limit of steps.
 
-    Displacements of shape (count, 6). With a unit ``scale`` of their rates the means of the growth
-    of the first are integrated. ``since`` goes on at a time with the last state of another motion.
+    Deviation vectors of shape (count, 6). With a unit ``scale`` of their rates the means of the
+    growth of the first are integrated. ``since`` goes on at a time with the last state of another
+    motion.
     """
-    times, rows = np.array(t, dtype=np.float64), np.reshape(np.array(displacements), (-1, 6))
+    times, rows = np.array(t, dtype=np.float64), np.reshape(np.array(deviations), (-1, 6))
     start = np.concatenate([np.ravel(omega), np.ravel(attitude), [0.0, 0.0], rows.ravel()])
     begin, low = 0.0, np.zeros_like(start)
     if since is not None:
         begin, start, low = since[0], since[1].high[-1].copy(), since[1].low[-1].copy()
     high_of_inverse, low_of_inverse = _inverse(acting.inertia)
     records = np.empty((2, len(times), len(start)))
-    steps = _library().displaced(
+    steps = _library().deviating(
         *(np.ascontiguousarray(acting.inertia), high_of_inverse, low_of_inverse),
         *(acting.weight, acting.damping, acting.rotor, acting.body, acting.space),
         *(scale, of_attitude, len(rows), begin, start, low),
         *(len(times), times, tolerance, limit, records[0], records[1]),
     )
-    return None if steps < 0 else Displaced(times, records[0], records[1])
+    return None if steps < 0 else Deviating(times, records[0], records[1])
 
 
 def _inverse(matrix: Floats) -> tuple[Floats, Floats]:
@@ -149,8 +150,8 @@ def _exact(x: np.floating) -> mpmath.mpf:
 def _library() -> ctypes.CDLL:
     library = compiled(Path(__file__).with_suffix(".c"))
     numbers, size = np.ctypeslib.ndpointer(np.float64, flags="C"), ctypes.c_ssize_t
-    library.displaced.restype = ctypes.c_long
-    library.displaced.argtypes = [
+    library.deviating.restype = ctypes.c_long
+    library.deviating.argtypes = [
         *([numbers] * 8),
         *(ctypes.c_double, ctypes.c_int, ctypes.c_int, ctypes.c_double, numbers, numbers),
         *(size, numbers, ctypes.c_double, ctypes.c_long, numbers, numbers),

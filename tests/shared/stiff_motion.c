@@ -201,12 +201,12 @@ static real energy(const Scene *s, const real *y, real *gamma)
    gamma and the work. Rates below `rest` are compared with it. Returns the number of steps, -1 beyond the limit. */
 long stiff_motion(const double *moments, const double *weight, const double *damping, ptrdiff_t knots,
                   const double *times, const double *body, const double *space, const double *omega,
-                  const double *attitude, ptrdiff_t count, const double *wanted, double rest, double tolerance,
+                  const double *attitude, ptrdiff_t count, const double *output, double rest, double tolerance,
                   long limit, const double *table_high, const double *table_low, double *high, double *low)
 {
     enum { TABLE = STAGES + STAGES * STAGES + STAGES };
     const Scene s = {moments, weight, damping, knots, times, body, space};
-    real table[TABLE], y[STATE], gamma[3], square = 0, t = 0, h = wanted[count - 1];
+    real table[TABLE], y[STATE], gamma[3], square = 0, t = 0, h = output[count - 1];
     for (int i = 0; i < TABLE; i++)
         table[i] = (real)table_high[i] + table_low[i];
     for (int i = 0; i < 4; i++)
@@ -217,7 +217,7 @@ long stiff_motion(const double *moments, const double *weight, const double *dam
     long steps = 0;
     ptrdiff_t k = 0;
     for (ptrdiff_t done = 0; done < count;) {
-        if (wanted[done] <= t) {
+        if (output[done] <= t) {
             real record[RECORD];
             for (int i = 0; i < STATE; i++)
                 record[i] = y[i];
@@ -231,7 +231,7 @@ long stiff_motion(const double *moments, const double *weight, const double *dam
         }
         while (knots && k < knots - 2 && times[k + 1] <= t)
             k++;
-        real stop = wanted[done], end[STATE];
+        real stop = output[done], end[STATE];
         if (knots && times[k + 1] > t && times[k + 1] < stop)
             stop = times[k + 1];
         const int cut = h >= stop - t;

@@ -94,13 +94,13 @@ def motion(
     """The states at ascending times, none below 0; None beyond a limit of steps."""
     assert not scene.has_further, "the reference has no rotor, sink, drag and orbit"
     damping, knots, body, space = applied(scene)
-    start, wanted = np.array(omega, dtype=np.float64), np.array(times, dtype=np.float64)
+    start, output = np.array(omega, dtype=np.float64), np.array(times, dtype=np.float64)
     largest = np.linalg.norm(scene.weight) + np.abs([body, space]).max()
     rest = REST * (np.linalg.norm(start) + np.sqrt(largest / min(scene.body.moments)))
-    records = np.empty((2, len(wanted), RECORD))
+    records = np.empty((2, len(output), RECORD))
     steps = _library().stiff_motion(
         *(np.array(scene.body.moments), np.ascontiguousarray(scene.weight), damping),
         *(len(knots), knots, body, space, start, np.array(attitude, dtype=np.float64)),
-        *(len(wanted), wanted, rest, tolerance, limit, *_table(), records[0], records[1]),
+        *(len(output), output, rest, tolerance, limit, *_table(), records[0], records[1]),
     )
     return None if steps < 0 else Motion(*records)

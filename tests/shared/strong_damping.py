@@ -113,10 +113,14 @@ def random_case(rng: np.random.Generator) -> tuple[Case, str, float]:
         options["accuracy"] = float(rng.choice([1e-6, decades(rng, -9.0, -2.0)]))
     if way.endswith("step"):
         options["step"] = decades(rng, -2.5, 0.3) / speed
-    return Case("damped", scene, omega, attitude, wanted(rng, span, rate), options), way, strength
+    return (
+        Case("damped", scene, omega, attitude, output_times(rng, span, rate), options),
+        way,
+        strength,
+    )
 
 
-def wanted(rng: np.random.Generator, span: float, rate: float) -> Floats:
+def output_times(rng: np.random.Generator, span: float, rate: float) -> Floats:
     """Times of the states: the end alone, some at random, or in the first layer too."""
     kind = rng.choice(["end", "even", "random", "layer"], p=[0.4, 0.15, 0.2, 0.25])
     count = int(rng.integers(1, 9))

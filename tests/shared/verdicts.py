@@ -9,12 +9,12 @@ import numpy as np
 import quad_motion
 import rigid
 from adversarial import KINDS, Case, Kinds, random_case
-from physics import ROUNDOFF, Floats, energy, vertical
+from physics import ROUNDOFF, Floats, energy, gamma_of
 from quad_motion import Motion
 from rigid.solve.arrays import time_range
 from rigid.solve.starts import bodies_of
 
-VERDICTS = ("right", "within 4uκ", "flagged", "refused", "status", "no truth", "SILENT")
+VERDICTS = ("right", "within 4uκ", "flagged", "refused", "status", "no truth", "UNDETECTED")
 
 #: A body whose rates are all below this share of what it could reach is at rest. It is twice that
 #: of :attr:`rigid.Run.error`: the run knows only its own rates.
@@ -74,7 +74,7 @@ def reach(case: Case) -> float:
 
 
 def fastest(case: Case, truth: Motion) -> float:
-    """The fastest rate at the wanted times; of a body at rest a rate that it could reach."""
+    """The fastest rate at the output times; of a body at rest a rate that it could reach."""
     swing = np.linalg.norm(case.scene.weight) / min(case.scene.body.moments)
     largest = max(reach(case), float(np.sqrt(swing)))
     rate = float(np.linalg.norm(truth.omega, axis=-1).max())
@@ -82,7 +82,7 @@ def fastest(case: Case, truth: Motion) -> float:
 
 
 def true_errors(case: Case, run: rigid.Run, row: int | None, truth: Motion) -> Floats:
-    """The largest error at each wanted time, shape (m,).
+    """The largest error at each output time, shape (m,).
 
     Of the rates relative to the fastest of them, of the vertical and the attitude in rad, of the
     work relative to the largest kinetic energy that the body can reach.
@@ -93,7 +93,7 @@ def true_errors(case: Case, run: rigid.Run, row: int | None, truth: Motion) -> F
 
     worst = [truth.rates_off(of_body(run.omega)) / fastest(case, truth)]
     if run.gamma is not None:
-        worst.append(truth.vertical_off(of_body(run.gamma)))
+        worst.append(truth.gamma_off(of_body(run.gamma)))
     if run.attitude is not None:
         worst.append(truth.attitude_off(of_body(run.attitude)))
     if run.work is not None:
@@ -114,7 +114,7 @@ def unbalanced(case: Case, run: rigid.Run, row: int | None) -> float:
     if run.work is None or (gamma is None and scene.weight.any()):
         return -np.inf
     work = of_body(run.work)
-    before = energy(scene, case.omega, None if gamma is None else vertical(case.attitude))
+    before = energy(scene, case.omega, None if gamma is None else gamma_of(case.attitude))
     scale = 0.5 * min(scene.body.moments) * reach(case) ** 2 + np.linalg.norm(scene.weight)
     reached: Floats = scale + energy(scene, case.omega) + energy(scene, omega) + np.abs(work)
     drift = np.abs(energy(scene, omega, gamma) - before - work)
@@ -160,7 +160,7 @@ def _apart(case: Case, one: Motion, other: Motion, run: rigid.Run) -> float:
     off = Motion(other.high - one.low, other.low)
     worst = [off.rates_off(one.omega) / fastest(case, other)]
     if run.gamma is not None:
-        worst.append(off.vertical_off(one.high[:, 7:10]))
+        worst.append(off.gamma_off(one.high[:, 7:10]))
     if run.attitude is not None:
         worst.append(off.attitude_off(one.high[:, 3:7]))
     return float(np.max(worst))
@@ -196,7 +196,7 @@ def judge(number: int, seed: int, kinds: Kinds = KINDS) -> Finding:
         verdict = "right"
     else:
         within = ROUNDINGS * rounding(case, truth, run)
-        verdict = "SILENT"
+        verdict = "UNDETECTED"
         if true <= within:
             verdict = "within 4uκ"
         else:

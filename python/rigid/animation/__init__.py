@@ -116,7 +116,7 @@ def animate(
         Length of trails in seconds of the run, ``math.inf`` for trails without end. Default: a
         quarter of the run, and without end in the view ``"poinsot"``.
     fps : float
-        Most frames in a second of a moving picture: closer frames are left out. At most 50, which
+        Most frames in a second of a moving picture: closer frames are omitted. At most 50, which
         is what browsers show of a GIF.
     size : int
         Height of a moving picture in pixels, 64 or more.

@@ -283,7 +283,7 @@ def drawn_edges(axis: Axis, geometric: bool) -> NDArray[np.float64]:
 
 
 def _layers(result: StabilityMap) -> list[dict[str, Any]]:
-    """What can be drawn, with the range of its colours; a layer without numbers is left out."""
+    """What can be drawn, with the range of its colours; a layer without numbers is omitted."""
     done = np.where(result.samples > 0, result.samples, np.nan).astype(np.float64)
     shares: dict[str, ArrayLike] = {
         "share": result.filled,

@@ -49,7 +49,7 @@ if TYPE_CHECKING:
 
 __all__ = ["main"]
 
-SILENT_ERROR = 1
+UNDETECTED_ERROR = 1
 WRITE_ERROR = 74
 """Exit codes besides that of ``parser``; an interrupted command ends with 128 and the signal."""
 
@@ -67,11 +67,11 @@ _COPIED = {"map": "thrown-box", "section": "kovalevskaya", "report": "lagrange-t
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; returns the exit code.
 
-    0: done. 1: `rigid extremes` has found a silent error, `rigid diff` a difference, `rigid verify`
-    wrong or damaged numbers, `rigid status` damage, or some units of a stored map were given up. 2:
-    refused before any work. 74: a file or the output could not be written. 75: other parts of a
-    stored map are not finished, and `rigid pack` has written nothing. 130, 143: ended by Ctrl-C or
-    SIGTERM.
+    0: done. 1: `rigid extremes` has found an undetected error, `rigid diff` a difference, `rigid
+    verify` wrong or damaged numbers, `rigid status` damage, or some units of a stored map were
+    given up. 2: refused before any work. 74: a file or the output could not be written. 75: other
+    parts of a stored map are not finished, and `rigid pack` has written nothing. 130, 143: ended by
+    Ctrl-C or SIGTERM.
 
     Parameters
     ----------
@@ -360,7 +360,7 @@ def _extremes(options: argparse.Namespace) -> int:
             f"within {cell.bound:.1e}",
             file=sys.stderr,
         )
-    return SILENT_ERROR if found.wrong else 0
+    return UNDETECTED_ERROR if found.wrong else 0
 
 
 def _info(options: argparse.Namespace) -> int:

@@ -49,7 +49,7 @@ class Key:
     unit : str
         Unit of numbers, empty if they have none.
     default : str
-        Value of a key that is left out; empty if it must be given or there is none.
+        Value of a key that is omitted; empty if it must be given or there is none.
     """
 
     kind: str
@@ -148,7 +148,7 @@ START: Mapping[str, Key] = {
 
 NOISE: Mapping[str, Key] = {
     "kind": Key("text", ", ".join(f"`{kind}`" for kind in NOISE_KINDS)),
-    "size": Key("number or 3", "size; left out if an axis varies it", "rad/s or rad"),
+    "size": Key("number or 3", "size; omitted if an axis varies it", "rad/s or rad"),
     "kappa": Key("number", "instead of `size`: concentration of `von_mises_fisher`"),
     "cov": Key("3 x 3 or 6 x 6", "instead of `size`: covariance of `normal`", "(rad/s)², rad²"),
 }

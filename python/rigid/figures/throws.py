@@ -249,7 +249,7 @@ def invariants(run: Run, *, ax: Any | None = None) -> DriftArtists:
     """Draw the drift of energy and angular momentum of a run, on a logarithmic scale.
 
     The grey line is the rounding of a single number; a drift of exactly zero is drawn at the lower
-    edge. A constant that a scheme conserves remains near the grey line; other constants drift.
+    edge. A constant that a method conserves remains near the grey line; other constants drift.
 
     Parameters
     ----------

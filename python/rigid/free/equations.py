@@ -195,7 +195,7 @@ def invariants(
     >>> bool(kept.drift("L_space") < 1e-12), bool(np.ptp(run.omega[:, 1]) > 1.9)
     (True, True)
     """
-    scene, rates, quaternions, vertical = _states(motion, omega, attitude)
+    scene, rates, quaternions, gamma = _states(motion, omega, attitude)
     shape = rates.shape[:-1]
     if not isinstance(motion, Run):
         shape = leading_shape({"scene": scene.shape, **_axes(rates, quaternions)})
@@ -205,9 +205,9 @@ def invariants(
         momentum = momentum + _of_each(scene.rotor, motion)
     potential, p_psi = np.zeros_like(kinetic), None
     if "gamma" in scene.directions:
-        if vertical is None:
+        if gamma is None:
             raise ValueError("attitude = None: the energy of a heavy top needs it")
-        potential = _along(vertical, _of_each(scene.weight, motion))
+        potential = _along(gamma, _of_each(scene.weight, motion))
     if isinstance(scene, HeavyTop):
         p_psi = _along(momentum, _of_each(scene.com, motion))
     return Invariants(
@@ -219,7 +219,7 @@ def invariants(
         L_space=None
         if quaternions is None
         else _filled(to_space(quaternions, momentum), (*shape, 3)),
-        p_phi=None if vertical is None else _filled((momentum * vertical).sum(axis=-1), shape),
+        p_phi=None if gamma is None else _filled((momentum * gamma).sum(axis=-1), shape),
         p_psi=None if p_psi is None else _filled(p_psi, shape),
     )
 
@@ -300,7 +300,7 @@ def power_balance(
     >>> bool(np.abs(rigid.free.power_balance(run).residual).max() < 1e-5)
     True
     """
-    scene, rates, quaternions, vertical = _states(motion, omega, attitude)
+    scene, rates, quaternions, gamma = _states(motion, omega, attitude)
     if isinstance(motion, Run) and t is not None:
         raise ValueError("t: a run has its own times")
     times = times_of_each("t", motion.t if isinstance(motion, Run) else [] if t is None else t)
@@ -330,9 +330,9 @@ def power_balance(
     if "function" in scene.forces:
         raise ValueError("torque: that of a function is not known from the states")
     if "gamma" in scene.directions:
-        if vertical is None:
+        if gamma is None:
             raise ValueError("attitude = None: the torque of the weight needs it")
-        acting = acting + np.cross(vertical, _at_times(scene.weight))
+        acting = acting + np.cross(gamma, _at_times(scene.weight))
     if torque is not None:
         acting = acting + _body_torque(torque, quaternions, frame)
     acting = acting + _gravity_gradient(scene, quaternions, times)
@@ -418,15 +418,15 @@ def _states(
             raise ValueError("omega, attitude: a run has its own states")
         motion = motion.in_frame(None) if motion.frame is not None else motion
         scene = scene_from_dict(motion.spec["scene"])
-        omega, attitude, vertical = motion.omega, motion.attitude, motion.gamma
+        omega, attitude, gamma = motion.omega, motion.attitude, motion.gamma
     else:
-        scene, vertical = check_scene(motion, many=True), None
+        scene, gamma = check_scene(motion, many=True), None
         if omega is None:
             raise ValueError("omega = None: states are needed, or a run")
     rates = vectors("omega", omega)
     quaternions = None if attitude is None else attitudes(attitude)
     if quaternions is not None:
         leading_shape(_axes(rates, quaternions))
-        if vertical is None:
-            vertical = to_body(quaternions, np.array([0.0, 0.0, 1.0]))
-    return scene, rates, quaternions, vertical
+        if gamma is None:
+            gamma = to_body(quaternions, np.array([0.0, 0.0, 1.0]))
+    return scene, rates, quaternions, gamma

@@ -16,7 +16,7 @@ from .spec import MapSpec
 __all__ = ["GROWTH", "check_counts", "counted"]
 
 GROWTH = frozenset({"growth", "megno", "largest_exponent"})
-"""Columns of the displacements; they may be negative."""
+"""Columns of the deviation vectors; they may be negative."""
 
 
 def counted(spec: MapSpec, given: Mapping[str, ArrayLike]) -> dict[str, NDArray[Any]]:

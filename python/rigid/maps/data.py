@@ -206,8 +206,8 @@ class MapData:
     def exponent(self) -> NDArray[np.float64]:
         """Mean exponent (1/s) of the bodies that were integrated, NaN if none was.
 
-        The exponent of a body is the logarithm of the growth of its displacement over the time that
-        it ran.
+        The exponent of a body is the logarithm of the growth of its deviation vector over the time
+        that it ran.
         """
         return self._mean("growth") / self.spec.horizons
 
@@ -238,9 +238,9 @@ class MapData:
 
     @property
     def cut(self) -> int:
-        """Number of pixels that the budget left out; with ``refine`` of the stage where it ended.
+        """Number of pixels that the budget omitted; with ``refine`` of the stage where it ended.
 
-        A pixel is left out if the most bodies that it may need do not fit.
+        A pixel is omitted if the most bodies that it may need do not fit.
         """
         return 0 if self.spec.budget is None else self._stages.cut
 
@@ -260,7 +260,7 @@ class MapData:
 
     @property
     def stage(self) -> NDArray[np.uint8]:
-        """The stage of refinement that computes each pixel, 0 without; 255: left out."""
+        """The stage of refinement that computes each pixel, 0 without; 255: omitted."""
         if not refined(self.spec):
             return np.zeros(self.spec.shape, dtype=np.uint8)
         return self._stages.stage

@@ -28,9 +28,9 @@ def map_dataset(data: MapData) -> xarray.Dataset:
         for name, attributes in _array_attributes(spec).items()
     }
     if refined(spec):
-        stage = {"long_name": "stage of refinement, 255: left out", "units": "1"}
+        stage = {"long_name": "stage of refinement, 255: omitted", "units": "1"}
         arrays["stage"] = (dimensions, data.stage, stage)
-        long_name = f"share {spec.criterion}, interpolated where it is left out"
+        long_name = f"share {spec.criterion}, interpolated where it is omitted"
         arrays["share_filled"] = (dimensions, data.filled, {"long_name": long_name, "units": "1"})
     coordinates = {
         name: (name, list(axis.values), {"long_name": axis.name, "units": axis.unit})

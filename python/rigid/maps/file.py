@@ -149,7 +149,7 @@ def _header(spec: MapSpec) -> bytes:
 def read_map(path: str | os.PathLike[str]) -> tuple[MapSpec, dict[str, NDArray[Any]], list[Bins]]:
     """Specification, :data:`STORED` arrays and bins of measures; see :func:`rigid.load_map`.
 
-    Arrays that the format of the file does not have are left out.
+    Arrays that the format of the file does not have are omitted.
     """
     from pathlib import Path
 
@@ -204,7 +204,7 @@ def _read(file: BinaryIO) -> tuple[MapSpec, dict[str, NDArray[Any]], list[Bins]]
         arrays["audited"] = arrays["checked"]
         arrays["audited_undecided"] = np.minimum(arrays["checked"], arrays["undecided"])
     for name in MISSING_IN[version] & GROWTH:
-        # No displacement was integrated then.
+        # No deviation vector was integrated then.
         unknown = 0 if STORED[name] == np.int64 else np.nan
         arrays[name] = np.full(spec.shape, unknown, dtype=STORED[name])
 

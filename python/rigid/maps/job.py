@@ -10,13 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
-from ..model.judged import Judged
+from ..model.judged import Custom
 from ..model.mixture import Mixture
 from ..model.start import Noise, Samples, Start
 from ..solve.methods import AUTO, EXACT, known_method, map_methods
 from .core_request import CoreRequest, CoreStarts
 from .grid import NominalStarts
-from .judge import JudgedJob
+from .judge import CustomJob
 from .sequential import LOOK
 from .spec import MapSpec
 
@@ -36,7 +36,7 @@ class Jobs:
         Samples of each row.
     """
 
-    def __init__(self, jobs: list[tuple[_core.MapJob | JudgedJob, Ints]], samples: int) -> None:
+    def __init__(self, jobs: list[tuple[_core.MapJob | CustomJob, Ints]], samples: int) -> None:
         self._jobs, self._samples = jobs, samples
         self.status = np.empty(sum(len(rows) for _, rows in jobs), dtype=np.uint8)
         for job, rows in jobs:
@@ -86,7 +86,7 @@ class Jobs:
 
     def _split(
         self, samples: NDArray[np.uint64]
-    ) -> Iterator[tuple[_core.MapJob | JudgedJob, NDArray[np.intp], NDArray[np.uint64]]]:
+    ) -> Iterator[tuple[_core.MapJob | CustomJob, NDArray[np.intp], NDArray[np.uint64]]]:
         """The request of each part with its own of the samples, and their numbers there."""
         pixel, within = np.divmod(samples.astype(np.int64), self._samples)
         for job, rows in self._jobs:
@@ -100,7 +100,7 @@ def of_pixels(bins: NDArray[np.int64], pixels: NDArray[np.int64]) -> NDArray[np.
     return np.concatenate([pixels[bins[:, :1]], bins[:, 1:]], axis=1)
 
 
-Job: TypeAlias = _core.MapJob | JudgedJob | Jobs
+Job: TypeAlias = _core.MapJob | CustomJob | Jobs
 
 
 def to_core(
@@ -148,12 +148,12 @@ def _one(
     count: int,
     first: int | Ints,
     fixed: Mapping[str, float] | None = None,
-) -> _core.MapJob | JudgedJob:
+) -> _core.MapJob | CustomJob:
     """The request of a map of one horizon and one limit, which are known by their axes."""
     grids = [spec.starting(start, pixels) for start in spec.start.starts]
     grid = grids[0]
     begins = np.broadcast_to(first, len(grid.moments))
-    is_judged = isinstance(spec.stable, Judged)
+    is_judged = isinstance(spec.stable, Custom)
     request = CoreRequest(
         scene=spec.scene.kind,
         # What draws for a function classifies nothing, and may have no closed form.
@@ -179,7 +179,7 @@ def _one(
     if not is_judged:
         return job
     all_pixels = np.arange(math.prod(spec.shape)) if pixels is None else pixels
-    return JudgedJob(spec, job, request, all_pixels, fixed or {})
+    return CustomJob(spec, job, request, all_pixels, fixed or {})
 
 
 def _starts(start: Start, grid: NominalStarts) -> CoreStarts:

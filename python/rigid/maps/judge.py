@@ -1,6 +1,7 @@
 """Maps whose criterion is a function of the user: the interface of ``_core.MapJob``.
 
-The core draws the starts and computes the states of a block of bodies; the function judges them.
+The core draws the starts and computes the states of a block of bodies; the custom criterion
+classifies them.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
-from ..model.judged import Judged, States
+from ..model.judged import Custom, States
 from ..solve.closed_form import NO_FORM, closed_forms
 from ..solve.methods import AUTO, EXACT, SECOND
 from ..solve.request import Request
@@ -21,7 +22,7 @@ from ..solve.status import Status
 from .core_request import CoreRequest
 from .spec import MapSpec
 
-__all__ = ["TOLERANCE", "JudgedJob", "is_adaptive"]
+__all__ = ["TOLERANCE", "CustomJob", "is_adaptive"]
 
 Floats = NDArray[np.float64]
 
@@ -43,13 +44,13 @@ _OF_BOTH_RUNS = ("checked", "steps_of_both")
 
 
 def is_adaptive(spec: MapSpec, method: str) -> bool:
-    """Whether the bodies of a judged map take steps of their own by this method."""
+    """Whether the bodies of a map by a custom criterion take steps of their own by this method."""
     is_second = method == SECOND and method != spec.scheme
     return spec.step is None and method.startswith("taylor") and (spec.method == AUTO or is_second)
 
 
-class JudgedJob:
-    """The request of a map whose bodies a function judges.
+class CustomJob:
+    """The request of a map by a custom criterion.
 
     Parameters
     ----------
@@ -72,7 +73,7 @@ class JudgedJob:
         pixels: NDArray[np.int64],
         fixed: Mapping[str, float],
     ) -> None:
-        assert isinstance(spec.stable, Judged)
+        assert isinstance(spec.stable, Custom)
         self._spec, self._drawing, self._request = spec, drawing, request
         self._stable, self._pixels, self._fixed = spec.stable, pixels, fixed
         self.status = drawing.status
@@ -83,7 +84,7 @@ class JudgedJob:
 
     @property
     def _block(self) -> int:
-        """Bodies that are judged together."""
+        """Bodies that the function gets together."""
         return max(1, ROWS // len(self._stable.times))
 
     def run(
@@ -238,7 +239,7 @@ class JudgedJob:
             which: Any = slice(None) if len(kept) == len(rows) else kept
             of_kept: list[Any] = [
                 None if part[name] is None else part[name][which]
-                for name in ("omega", "vertical", "attitude")
+                for name in ("omega", "gamma", "attitude")
             ]
             verdict = self._stable.verdicts(
                 States(

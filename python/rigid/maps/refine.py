@@ -1,4 +1,4 @@
-"""Refinement: pixels of the given grid that tell nothing new are left out, coarse to fine.
+"""Refinement: pixels of the given grid that tell nothing new are omitted, coarse to fine.
 
 The first stage is every k-th row and column, and the last ones. Then each cell between computed
 corners is split if its corners differ for certain: the intervals of two of them do not meet, or
@@ -39,7 +39,7 @@ class Stages:
     Attributes
     ----------
     stage : ndarray of uint8, shape of the grid
-        The stage at which each pixel is computed; 255: left out, so far.
+        The stage at which each pixel is computed; 255: omitted, so far.
     wanted : ndarray of int64
         The pixels to be computed now, in C order of the grid, the most telling first.
     cells : ndarray of int64, shape (n, 4)
@@ -55,7 +55,7 @@ class Stages:
 
 
 def refined(spec: MapSpec) -> bool:
-    """Whether pixels may be left out."""
+    """Whether pixels may be omitted."""
     return spec.refine is not None or spec.budget is not None
 
 

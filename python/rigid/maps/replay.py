@@ -18,7 +18,7 @@ from .._checks.arguments import brief, sorted_times
 from ..drawing.figure import html_text, html_with_picture
 from ..model.criteria import Regular
 from ..model.criterion import Criterion
-from ..model.judged import Judged
+from ..model.judged import Custom
 from ..solve.growth import Growth
 from ..solve.lyapunov import growth_of
 from ..solve.methods import EXACT, SECOND
@@ -78,7 +78,7 @@ class Replay:
     omega, attitude : ndarray, shapes (3,), (4,)
         Start of the body: rad/s in the body; quaternion (w, x, y, z).
     method : str
-        ``"exact"`` if it was classified in closed form, else the scheme.
+        ``"exact"`` if it was classified in closed form, else the method.
     outcome : str
         ``"stable"``, ``"unstable"``, ``"undecided"`` or ``"failed"``.
     status : str
@@ -90,7 +90,7 @@ class Replay:
     tilt : float
         Largest observed tilt (rad), NaN if the criterion is not a tilt limit.
     exponent, mean_megno : float
-        Exponent (1/s) and mean MEGNO at the end, NaN if no displacement was integrated.
+        Exponent (1/s) and mean MEGNO at the end, NaN if no deviation vector was integrated.
     energy_drift, momentum_drift, unit_drift : float
         Worst drift of the energy, of the conserved momentum (relative) and of the length of the
         directions that were integrated; NaN by closed form, which conserves them.
@@ -104,7 +104,8 @@ class Replay:
         Time steps taken.
     run : Run or Growth
         The trajectory until the horizon, with the same method and step; the growth of the
-        displacement with :func:`rigid.regular`; the states at the times of :func:`rigid.judged`.
+        deviation vector with :func:`rigid.regular`; the states at the times of
+        :func:`rigid.judged`.
     """
 
     pixel: tuple[int, ...]
@@ -188,7 +189,7 @@ def replay(
     run: Any
     if isinstance(spec.stable, Regular):
         run = _growth(part, own, start, record, t)
-    elif isinstance(part.stable, Judged):
+    elif isinstance(part.stable, Custom):
         run = replay_states(
             scene,
             *start,
@@ -260,7 +261,7 @@ def _growth(
     record: Mapping[str, Any],
     t: ArrayLike | None,
 ) -> Growth:
-    """The growth of the displacement of a body, at whole numbers of the steps that were taken."""
+    """The growth of the deviation vector of a body, at whole numbers of the steps taken."""
     assert isinstance(spec.stable, Regular)
     step = record["step"]
     taken = math.isfinite(step)

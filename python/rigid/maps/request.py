@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from .._checks.arguments import brief
 from ..model.body import Body
 from ..model.criteria import Criterion
-from ..model.judged import Judged
+from ..model.judged import Custom
 from ..model.mixture import Mixture
 from ..model.scene import Scene, check_scene
 from ..model.seed import seed_from
@@ -73,7 +73,7 @@ def of_one_pixel(
 
 def _require(function: str, given: dict[str, Any], *names: str) -> None:
     """Raise TypeError if arguments are missing; the horizon of ``judged`` is its last time."""
-    if isinstance(given.get("stable"), Judged):
+    if isinstance(given.get("stable"), Custom):
         given.setdefault("t_end", given["stable"].times[-1])
     missing = [name for name in names if name not in given]
     if missing:

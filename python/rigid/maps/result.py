@@ -102,15 +102,15 @@ class StabilityMap(MapData):
     narrow : ndarray of bool
         With ``half_width``, pixels whose interval is no wider than twice that.
     stage : ndarray of uint8
-        With ``refine`` or ``budget``, the stage that computes a pixel; 255: left out.
+        With ``refine`` or ``budget``, the stage that computes a pixel; 255: omitted.
     complete : bool
         Whether every body that was asked for was computed, and no budget left pixels out.
     ended : bool
         Whether nothing more is to be computed: the map is complete, or its ``budget`` is spent.
     cut : int
-        Number of pixels that the ``budget`` left out; with ``refine`` of the stage where it ended.
+        Number of pixels that the ``budget`` omitted; with ``refine`` of the stage where it ended.
     filled : ndarray
-        The share, interpolated in the pixels that refinement has left out.
+        The share, interpolated in the pixels that refinement has omitted.
     nanoseconds : ndarray
         Processor time spent. A measurement of this machine: not saved, NaN in a loaded map.
     elapsed : float
@@ -350,7 +350,7 @@ class StabilityMap(MapData):
     def condition(self, samples: int = 1, *, threads: int | None = None) -> NDArray[np.float64]:
         """Factor by which the motions of each pixel magnify a small change of their start.
 
-        Use the factor to distinguish sensitive motions from errors of the solver; see
+        Use the factor to distinguish sensitive motions from errors of the method; see
         :func:`rigid.condition`.
 
         Parameters

@@ -52,13 +52,13 @@ class Outcomes:
     tilt : ndarray
         Largest observed tilt (rad), NaN if the criterion is not a tilt limit.
     exponent, mean_megno : ndarray
-        Exponent (1/s) and mean MEGNO at the end, NaN if no displacement was integrated.
+        Exponent (1/s) and mean MEGNO at the end, NaN if no deviation vector was integrated.
     flips, steps : ndarray of int64
         Sign changes seen, and time steps taken.
     status : ndarray of uint8
         Codes of :class:`rigid.Status` at the end of the integration.
     method : ndarray of str
-        ``"exact"`` for a closed form, else the scheme.
+        ``"exact"`` for a closed form, else the method.
     energy_drift, momentum_drift, unit_drift : ndarray
         Drifts as in :class:`Replay`; NaN by closed form.
     step : ndarray

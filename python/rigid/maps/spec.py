@@ -18,7 +18,7 @@ from .._checks.arguments import brief, finite_float, nearest, positive_int
 from .._moments import possible
 from ..model.bounds import RateWithin
 from ..model.criteria import Criterion, check_criterion, criterion_from_dict
-from ..model.judged import Judged
+from ..model.judged import Custom
 from ..model.measures import Measure, check_distinct, make_measures
 from ..model.mixture import Mixture, start_from_dict
 from ..model.scene import Scene, scene_from_dict
@@ -88,7 +88,8 @@ class MapSpec:
         Bodies per pixel.
     method : str
         ``"auto"``: the closed form for each body that has one, else ``"taylor12"``, or ``"dop853"``
-        where displacements are integrated; ``"exact"``: closed forms only; or the name of a scheme.
+        where deviation vectors are integrated; ``"exact"``: closed forms only; or the name of
+        another method.
     step : float or None
         Time step of the bodies that are integrated, s; None: the core picks one for each body from
         a bound of its rates.
@@ -159,9 +160,9 @@ class MapSpec:
             if axis.name == "t_end":
                 put("t_end", max(axis.values))
         put("t_end", finite_float("t_end", self.t_end, positive=True))
-        if isinstance(self.stable, Judged):
-            self._check_judged(self.stable)
-        limited = self.stable.limited is not None or isinstance(self.stable, Judged)
+        if isinstance(self.stable, Custom):
+            self._check_custom(self.stable)
+        limited = self.stable.limited is not None or isinstance(self.stable, Custom)
         if "limit" in self.varied and not limited:
             raise ValueError(f"axes: 'limit' does not apply: {self.stable} limits no angle")
         put("samples", positive_int("samples", self.samples))
@@ -213,7 +214,7 @@ class MapSpec:
             watched=True,
             forces=self.forces,
         )
-        if self.stable.displaced and self.method != AUTO:
+        if self.stable.has_deviation and self.method != AUTO:
             check_tangent(self.method, forces=self.forces)
         if self.method == EXACT and not self.misses_functions:
             self._require_closed_forms()
@@ -234,7 +235,7 @@ class MapSpec:
             raise ValueError(f"{name}: the starts of the mixture turn about other axes; say which")
         return first
 
-    def _check_judged(self, stable: Judged) -> None:
+    def _check_custom(self, stable: Custom) -> None:
         """Refuse what a function of states at given times does not serve."""
         for axis in self.axes:
             if axis.name != "t_end":
@@ -250,7 +251,7 @@ class MapSpec:
                 f"t = {stable.times[-1]:g}"
             )
         if any(one.name == "time_to_leave" for one in self.measure):
-            raise ValueError("measure: a function that judges bodies tells no time_to_leave")
+            raise ValueError("measure: a custom criterion tells no time_to_leave")
 
     @property
     def forces(self) -> tuple[str, ...]:
@@ -280,7 +281,7 @@ class MapSpec:
     def _sources(self) -> dict[str, Sourced]:
         """The functions that the numbers depend on, by their arguments of ``with_functions``."""
         found = {} if self.own is None else {"scene": self.own.source}
-        return {**found, "stable": self.stable.source} if isinstance(self.stable, Judged) else found
+        return {**found, "stable": self.stable.source} if isinstance(self.stable, Custom) else found
 
     @property
     def functions(self) -> dict[str, Callable[..., Any]]:
@@ -340,7 +341,7 @@ class MapSpec:
         scene : callable, optional
             The function that makes the scenes.
         stable : callable, optional
-            The function that judges the bodies.
+            The function of a custom criterion.
         carried : bool
             The functions came from another process, where their sources were compared. They are
             compared here only if the sources are here too.
@@ -363,7 +364,7 @@ class MapSpec:
         """
         known = self._sources
         if stable is not None and "stable" not in known:
-            raise ValueError("stable: no function judges the bodies of this map")
+            raise ValueError("stable: this map has no custom criterion")
         if scene is not None and "scene" not in known:
             raise ValueError("scene: no function makes the scenes of this map")
         given = {"stable": stable, "scene": scene}
@@ -382,7 +383,7 @@ class MapSpec:
         changed: dict[str, Any] = {}
         if self.own is not None and "scene" in sources:
             changed["own"] = dataclasses.replace(self.own, source=sources["scene"])
-        if isinstance(self.stable, Judged) and "stable" in sources:
+        if isinstance(self.stable, Custom) and "stable" in sources:
             changed["stable"] = dataclasses.replace(self.stable, source=sources["stable"])
         return dataclasses.replace(self, **changed)
 
@@ -416,7 +417,7 @@ class MapSpec:
                 fixed[self.axes[place].name] = value
                 if self.axes[place].name == "t_end":
                     changes["t_end"] = value
-                    if isinstance(self.stable, Judged):
+                    if isinstance(self.stable, Custom):
                         changes["stable"] = self.stable.until_time(value)
                 elif self.stable.limited is not None:
                     limited: Any = {self.stable.limited: value}
@@ -497,10 +498,10 @@ class MapSpec:
 
     @property
     def scheme(self) -> str:
-        """The scheme of the bodies without a closed form."""
+        """The method of the bodies without a closed form."""
         if self.method not in (AUTO, EXACT):
             return self.method
-        return GROWTH_FALLBACK if self.stable.displaced else MAP_FALLBACK
+        return GROWTH_FALLBACK if self.stable.has_deviation else MAP_FALLBACK
 
     def _require_closed_forms(self) -> None:
         """Raise ValueError, naming the first, if a possible body has no closed form."""

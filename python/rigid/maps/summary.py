@@ -27,7 +27,7 @@ def summary(data: MapData) -> str:
         ("samples", _samples(data)),
         ("bodies", _bodies(data)),
         ("classes", _classes(data)),
-        *([("exponents", _exponents(data))] if spec.stable.displaced else []),
+        *([("exponents", _exponents(data))] if spec.stable.has_deviation else []),
         *(("measured", _measured(one)) for one in data.measures.values()),
         ("worst drift", _drift(data)),
         ("theory", _theory(data)),
@@ -87,7 +87,7 @@ def _bodies(data: MapData) -> str:
             text += " (stopped early)"
         elif data.cut:
             stage = "" if data.spec.refine is None else "of the next stage "
-            text += f"; the budget of {data.spec.budget:,} leaves out {data.cut:,} {stage}".rstrip()
+            text += f"; the budget of {data.spec.budget:,} omits {data.cut:,} {stage}".rstrip()
     elif data.spec.half_width is not None:
         text += "" if data.complete else " (stopped early)"
     elif not data.complete:

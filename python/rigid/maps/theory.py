@@ -94,7 +94,7 @@ class Theory:
     share : ndarray
         Predicted share of stable bodies in each pixel, NaN where there is no prediction.
     curves : tuple of Curve
-        Lines to draw; those that do not cross the grid are left out.
+        Lines to draw; those that do not cross the grid are omitted.
     """
 
     label: str

@@ -16,7 +16,7 @@ import numpy as np
 from .._checks.arguments import brief, finite_float, one_of
 from .bounds import NearStart, RateWithin, ReturnsNear, SpinAbove, TiltBetween
 from .criterion import Criterion, Joined
-from .judged import Judged
+from .judged import Custom
 from .scene import Scene
 from .start import Start, body_axis
 
@@ -38,7 +38,7 @@ __all__ = [
 REFERENCES = ("start", "vertical")
 
 NORMS = ("rates", "attitude")
-"""What the growth of a displacement is that of: rates and vertical, or rates and attitude."""
+"""What the growth of a deviation vector is that of: rates and vertical, or rates and attitude."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -148,8 +148,8 @@ class Regular(Criterion):
     name: ClassVar[str] = "regular"
     stays: ClassVar[str] = "regular"
     record: ClassVar[str] = "axis"
-    displaced: ClassVar[bool] = True
-    alone: ClassVar[str | None] = "integrates a displacement"
+    has_deviation: ClassVar[bool] = True
+    alone: ClassVar[str | None] = "integrates a deviation vector"
 
     of: str = "rates"
     sure: float = 2.1
@@ -181,7 +181,7 @@ class Regular(Criterion):
         return 2.0 * self.high / t_end
 
     def watched(self, step: float) -> float:
-        """More than twice the step: that of the displacement, and its growth."""
+        """More than twice the step: that of the deviation vector, and its growth."""
         return 2.3 * step
 
     def resolved(self, scene: Scene, start: Start) -> Self:
@@ -198,7 +198,7 @@ class Regular(Criterion):
         return "regular", None
 
     def check_forced(self) -> None:
-        """Do nothing: displacements are integrated under torque and damping too."""
+        """Do nothing: deviation vectors are integrated under torque and damping too."""
 
     def until(self, t_end: float) -> str:
         """The criterion with its horizon (s) and what this horizon can show, in words."""
@@ -288,16 +288,16 @@ def regular(
 ) -> Regular:
     """Stable: the motion is regular, as far as its horizon can tell; unstable: it is chaotic.
 
-    A small displacement of the motion is integrated with it. It grows like a power of the time on
-    regular motions, and exponentially on chaotic ones: the mean MEGNO stays, or doubles with the
+    A small deviation vector of the motion is integrated with it. It grows like a power of the time
+    on regular motions, and exponentially on chaotic ones: the mean MEGNO stays, or doubles with the
     time. What is neither yet is undecided. A map runs each body twice, by two methods and from two
-    displacements, which keep ``L·gamma`` of a top without torque and damping. A body is regular if
-    both runs are; chaotic if one is and the other is not regular.
+    deviation vectors, which keep ``L·gamma`` of a top without torque and damping. A body is regular
+    if both runs are; chaotic if one is and the other is not regular.
 
     Parameters
     ----------
     of : {"rates", "attitude"}
-        The size of a displacement, as in :func:`rigid.lyapunov`.
+        The size of a deviation vector, as in :func:`rigid.lyapunov`.
     sure, low : float
         A run is regular if its mean MEGNO at the horizon is below ``sure``, or below ``low`` and
         less than 1/2 above that at half of the horizon. The limit of regular motions is 2.
@@ -337,7 +337,7 @@ def regular(
 
 
 def check_norm(of: str, scene: Scene) -> None:
-    """Raise ValueError for a norm of displacements that does not see what a torque makes grow."""
+    """Raise ValueError for a norm that does not see what a torque makes grow."""
     if of == "attitude" or scene.torque is None:
         return
     if np.any(np.asarray(scene.torque.in_space)[..., :2]):
@@ -367,8 +367,8 @@ def criterion_from_dict(data: Mapping[str, Any]) -> Criterion:
     """The criterion of :meth:`Criterion.to_dict`."""
     values = dict(data)
     name = values.pop("criterion")
-    if name == Judged.name:
-        return Judged.from_dict(values)
+    if name == Custom.name:
+        return Custom.from_dict(values)
     if name == Joined.name:
         parts = tuple(criterion_from_dict(part) for part in values["parts"])
         return Joined(values["operation"], parts)

@@ -34,8 +34,8 @@ class Criterion(ABC):
         A body that meets the criterion, in one word.
     record : {"rates", "axis", "attitude"}
         The state that must be integrated to observe the criterion.
-    displaced : bool
-        Whether a displacement is integrated with the motion.
+    has_deviation : bool
+        Whether a deviation vector is integrated with the motion.
     width : int
         Number of its conditions.
     alone : str or None
@@ -49,7 +49,7 @@ class Criterion(ABC):
     name: ClassVar[str]
     stays: ClassVar[str] = "stable"
     record: ClassVar[str]
-    displaced: ClassVar[bool] = False
+    has_deviation: ClassVar[bool] = False
     width: ClassVar[int] = 1
     alone: ClassVar[str | None] = None
     limited: ClassVar[str | None] = None
@@ -108,7 +108,7 @@ class Criterion(ABC):
         return _joined("not", self)
 
     def __bool__(self) -> bool:
-        """Raise TypeError: ``a and b`` would silently be ``b``."""
+        """Raise TypeError: ``a and b`` would be ``b``."""
         raise TypeError("criteria are joined by &, | and ~, not by and, or and not")
 
 
@@ -116,9 +116,9 @@ class Criterion(ABC):
 class Joined(Criterion):
     """Criteria joined by ``&``, ``|`` or ``~``.
 
-    Each criterion is judged over the whole horizon, alone: ``a | b`` is met if one of them is, the
-    same one all the time; ``~a`` is met if ``a`` was left. A criterion whose class is not known has
-    no effect where the others decide.
+    Each criterion holds or fails over the whole horizon, alone: ``a | b`` is met if one of them is,
+    the same one all the time; ``~a`` is met if ``a`` was left. A criterion whose class is not known
+    has no effect where the others decide.
 
     Attributes
     ----------

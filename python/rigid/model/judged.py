@@ -15,7 +15,7 @@ from .scene import Scene
 from .sourced import Sourced
 from .start import Start
 
-__all__ = ["Judged", "States", "judged"]
+__all__ = ["Custom", "States", "judged"]
 
 Floats = NDArray[np.float64]
 
@@ -48,11 +48,11 @@ class States:
 
 
 @dataclass(frozen=True, slots=True)
-class Judged(Criterion):
+class Custom(Criterion):
     """Stable if a function of the states says so; made by :func:`judged`."""
 
     name: ClassVar[str] = "judged"
-    alone: ClassVar[str | None] = "has a function, which can join all that it judges"
+    alone: ClassVar[str | None] = "has a function, which can join conditions itself"
 
     source: Sourced
     times: tuple[float, ...]
@@ -67,7 +67,7 @@ class Judged(Criterion):
         """Twice the step: states inside steps are computed too."""
         return 2.0 * step
 
-    def until_time(self, t_end: float) -> Judged:
+    def until_time(self, t_end: float) -> Custom:
         """The criterion whose function sees the times up to one of them."""
         return replace(self, times=tuple(t for t in self.times if t <= t_end))
 
@@ -107,7 +107,7 @@ class Judged(Criterion):
         }
 
     @classmethod
-    def from_dict(cls, data: Mapping[str, Any]) -> Judged:
+    def from_dict(cls, data: Mapping[str, Any]) -> Custom:
         """The criterion of :meth:`to_dict`, whose function must be given again."""
         of = one_of("of", data["of"], RECORDS)
         return cls(Sourced.from_dict(data["function"]), _times(data["times"]), of)
@@ -118,7 +118,7 @@ class Judged(Criterion):
 
 def judged(
     function: Callable[[States], ArrayLike], t: ArrayLike, *, of: str = "attitude"
-) -> Judged:
+) -> Custom:
     """Stable: a function of the states of a body at some times says so.
 
     The bodies are drawn, integrated, counted and checked as those of any criterion. Each integrated
@@ -170,7 +170,7 @@ def judged(
     >>> bool((result.stable == flips.stable).all())
     True
     """
-    return Judged(Sourced.of("function", function), _times(t), one_of("of", of, RECORDS))
+    return Custom(Sourced.of("function", function), _times(t), one_of("of", of, RECORDS))
 
 
 def _times(t: ArrayLike) -> tuple[float, ...]:

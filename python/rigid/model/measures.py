@@ -221,7 +221,7 @@ def mean_rate(axis: int) -> Measure:
 
     Notes
     -----
-    The rate is integrated as the polynomial of each step, by schemes without one as the cubic
+    The rate is integrated as the polynomial of each step, by methods without one as the cubic
     through the rates and their slopes at both ends.
 
     Examples

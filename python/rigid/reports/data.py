@@ -64,7 +64,7 @@ class ReportData(Stored):
 
     @property
     def scheme_front(self) -> tuple[Row, ...]:
-        """The Pareto front of the schemes without the closed form, which is often the fastest."""
+        """The Pareto front of the methods without the closed form, which is often the fastest."""
         return pareto([row for row in self.rows if row.method != EXACT], _error)
 
     def cost(self, method: str, error: float) -> float | None:

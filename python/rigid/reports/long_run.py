@@ -51,7 +51,7 @@ ANGLES = tuple(2.0**-k for k in range(-4, 5))
 """Angles (rad) turned in a step, from long steps to short ones."""
 
 LOST_ENERGY = 1e-3
-"""A row with a larger error of the energy after the first revolutions is left out."""
+"""A row with a larger error of the energy after the first revolutions is omitted."""
 
 LOST = 1.0
 """Larger errors, and larger angles (rad) between two attitudes, are infinite."""
@@ -93,7 +93,7 @@ def long_run(
     Each method is run with steps in which the body turns by 16 rad, 8 rad and so on, down to
     1/16 rad, until shorter steps make no error smaller: over the first number of revolutions, then
     over the next one, the cheapest runs first, as far as the time goes. A step with an energy that
-    is off by more than 1e-3 after the first revolutions is left out.
+    is off by more than 1e-3 after the first revolutions is omitted.
 
     An ensemble of 32 bodies is run, as in :func:`rigid.report`, and the largest error of all is
     told: of energy and momentum the largest at 256 times of the run, of the phase that at its end.

@@ -78,7 +78,7 @@ def plot_report(report: ReportData, *, ax: Axes | None = None) -> Axes:
     """Draw error against processor time, both axes logarithmic.
 
     Each method has a pale line. The best of a family of methods has a line in a colour, with the
-    name of the family; the Pareto front of all schemes is the broad line, with the names of the
+    name of the family; the Pareto front of all methods is the broad line, with the names of the
     methods that begin there to be the best. Nothing is known in the hatched region below the
     uncertainty of the reference. Slow families may end beyond the right edge.
 

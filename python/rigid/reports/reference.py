@@ -32,12 +32,12 @@ class Reference:
     Attributes
     ----------
     method : str
-        ``"exact"`` or the scheme with the highest order.
+        ``"exact"`` or the method with the highest order.
     steps : int
         Number of steps of the reference; 0 by closed form.
     uncertainty, worst : float
         Estimated error of the reference: median and largest of the ensemble. For a closed form it
-        is the difference between one evaluation and two in a row; for a scheme, the larger
+        is the difference between one evaluation and two in a row; for a method, the larger
         difference to half and twice the step, or, if the time limit was reached, to twice the
         step. It is at least the rounding error, ``1e-15`` per radian turned.
     """

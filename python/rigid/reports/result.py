@@ -30,7 +30,7 @@ class Report(ReportData):
     rows : tuple of Row
         Method by method, from long steps to short ones. Each method differs from all others.
     same : dict of str to tuple of str
-        The other names of a method, of schemes that make the same steps on these bodies.
+        The other names of a method, of methods that make the same steps on these bodies.
     reference : Reference
         The solution that errors are measured against, and its uncertainty.
     refused : dict of str to str
@@ -91,7 +91,7 @@ class LongRun(LongRunData):
     rows : tuple of LongRow
         Method by method, from long steps to short ones.
     same : dict of str to tuple of str
-        The other names of a method, of schemes that make the same steps on these bodies.
+        The other names of a method, of methods that make the same steps on these bodies.
     references : tuple of Reference
         What the phase is compared with, over each number of revolutions as far as it is known.
     refused : dict of str to str

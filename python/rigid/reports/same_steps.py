@@ -21,7 +21,7 @@ STEPS = 4
 def same_steps(ensemble: Ensemble, names: Sequence[str]) -> Mapping[str, tuple[str, ...]]:
     """Each method that differs from all others on these bodies, and its other names.
 
-    Many schemes are one on simple bodies: without damping exponential Runge-Kutta is Runge-Kutta,
+    Many methods are one on simple bodies: without damping exponential Runge-Kutta is Runge-Kutta,
     and whatever moves a symmetric free body by its exact flow makes the same steps. The name of the
     highest order stands for all, of equal orders the first.
     """

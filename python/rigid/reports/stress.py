@@ -33,7 +33,7 @@ ACCURACY = 1e-8
 MAX_STEPS = 50_000
 """Largest number of steps of a run, so that the suite ends within a minute."""
 
-SILENT_ERROR = "silent error"
+UNDETECTED_ERROR = "undetected error"
 """The class of a result with too large an error and without a flag."""
 
 UNIT_ROUNDOFF = 2.0**-53
@@ -55,8 +55,8 @@ class Cell:
         given step, the estimated error of the run.
     verdict : str
         ``"right"``; ``"flagged"``; ``"step limit"``, ``"not finite"``, ``"drifted"``: the status;
-        ``"refused"``; ``"unknown"``: there is no reference; ``"silent error"``: the error is too
-        large and the result is not flagged.
+        ``"refused"``; ``"unknown"``: there is no reference; ``"undetected error"``: the error is
+        too large and the result is not flagged.
     reason : str
         The status or the message of the error.
     seconds : float
@@ -81,7 +81,7 @@ class Extremes:
     @property
     def wrong(self) -> tuple[Cell, ...]:
         """Results with too large an error and without a flag."""
-        return tuple(cell for cell in self.cells if cell.verdict == SILENT_ERROR)
+        return tuple(cell for cell in self.cells if cell.verdict == UNDETECTED_ERROR)
 
     def __repr__(self) -> str:
         counts = ", ".join(f"{count} {verdict}" for verdict, count in self.counts().items())
@@ -98,7 +98,7 @@ class Extremes:
     def __str__(self) -> str:
         """A table: a row for each case with the classes of its results, and the counts below."""
         rows: list[tuple[str, ...]] = [
-            ("case", "right", "worst error", "flagged", "refused or status", SILENT_ERROR, "s")
+            ("case", "right", "worst error", "flagged", "refused or status", UNDETECTED_ERROR, "s")
         ]
         family = ""
         for case in dict.fromkeys(id(cell.case) for cell in self.cells):
@@ -122,14 +122,14 @@ class Extremes:
 def _row(cells: list[Cell]) -> tuple[str, ...]:
     verdicts = [cell.verdict for cell in cells]
     right = [cell.error for cell in cells if cell.verdict == "right"]
-    others = [v for v in verdicts if v not in ("right", "flagged", SILENT_ERROR)]
+    others = [v for v in verdicts if v not in ("right", "flagged", UNDETECTED_ERROR)]
     return (
         f"  {cells[0].case.name}",
         str(len(right)),
         f"{max(right):.0e}" if right else "",
         str(verdicts.count("flagged") or ""),
         ", ".join(f"{others.count(v)} {v}" for v in dict.fromkeys(others)),
-        str(verdicts.count(SILENT_ERROR) or ""),
+        str(verdicts.count(UNDETECTED_ERROR) or ""),
         f"{sum(cell.seconds for cell in cells):.1f}",
     )
 
@@ -253,7 +253,7 @@ def _verdict(case: Case, run: Run | None, truth: _Truth | None) -> dict[str, Any
     status = Status(int(run.status))
     error = math.nan
     if truth is not None and run.attitude is not None:
-        states = {"omega": run.omega[None], "attitude": run.attitude[None], "vertical": None}
+        states = {"omega": run.omega[None], "attitude": run.attitude[None], "gamma": None}
         exact = {"omega": truth.omega[None, None], "attitude": truth.attitude[None, None]}
         with np.errstate(invalid="ignore"):
             error = float(distances(states, exact)[0, -1])
@@ -262,5 +262,5 @@ def _verdict(case: Case, run: Run | None, truth: _Truth | None) -> dict[str, Any
     elif truth is None:
         verdict = "unknown"
     else:
-        verdict = "right" if error <= bound else SILENT_ERROR
+        verdict = "right" if error <= bound else UNDETECTED_ERROR
     return {"error": error, "bound": bound, "verdict": verdict}

@@ -1,10 +1,10 @@
 """The measurement of a report: cost and error of each method for ever shorter steps.
 
 Time is the processor time that the core needed on one thread: neither the way into Python and back
-nor other people's work on the machine counts. For a scheme the horizon is lengthened until a call
-works for at least 4 ms; a closed form costs nothing per step, so it is evaluated for 1024 bodies.
-Rows are measured in turns, in an order that is shuffled anew each round; the result is the median
-of the rounds with the distance of the quartiles.
+nor other people's work on the machine counts. For a method by steps the horizon is lengthened until
+a call works for at least 4 ms; a closed form costs nothing per step, so it is evaluated for 1024
+bodies. Rows are measured in turns, in an order that is shuffled anew each round; the result is the
+median of the rounds with the distance of the quartiles.
 """
 
 from __future__ import annotations
@@ -254,14 +254,14 @@ def time_sweeps(
             if sweep.method == EXACT:
                 spent = _time_closed_form(ensemble)
             else:
-                spent = _time_scheme(ensemble, sweep.method, run.steps, run.call)
+                spent = _time_steps(ensemble, sweep.method, run.steps, run.call)
             run.times.append(spent)
             told((number + done / len(pairs)) / MOST_ROUNDS)
         if not allowed(time.perf_counter() - begun):
             break
 
 
-def _time_scheme(ensemble: Ensemble, method: str, steps: int, work: float) -> float:
+def _time_steps(ensemble: Ensemble, method: str, steps: int, work: float) -> float:
     """Processor time of a body until ``t_end`` (ns); ``work`` is about that of the ensemble."""
     times = max(1, math.ceil(WORK / max(work, 1.0)))
     times = min(times, max(1, MOST_STEPS // steps))

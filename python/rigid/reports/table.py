@@ -55,7 +55,8 @@ def _repeats(rounds: int) -> str:
 def _costs(report: ReportData) -> list[str]:
     """Per method its order, the time for each error, and its other names.
 
-    The cheapest method and the cheapest scheme have stars, and what is not told apart from them.
+    The cheapest method, and the cheapest one without the closed form, have stars, and what is not
+    told apart from them.
     """
     wanted = report.spec.errors
     orders = {method.name: method.order for method in methods()}

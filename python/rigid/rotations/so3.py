@@ -284,7 +284,7 @@ def rotation_matrices(name: str, value: ArrayLike) -> Floats:
         error, det = how.error[index], how.determinant[index]
         raise ValueError(
             f"{name}{place}: not a rotation: |R.T R - 1| = {error:.3g}, det R = {det:.3g} "
-            "(nearest_rotation mends small errors)"
+            "(nearest_rotation corrects small errors)"
         )
     return r
 

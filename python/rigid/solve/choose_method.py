@@ -1,4 +1,4 @@
-"""Choose the method for states of a scene: closed form or scheme, and its steps."""
+"""Choose the method for states of a scene, the closed form or steps, and the steps."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from .closed_form import (
     weight_rows,
     why_not,
 )
-from .cost_model import cheapest, check_attainable, schemes, some_of, steps_for
+from .cost_model import calibrated, cheapest, check_attainable, some_of, steps_for
 from .foresight import why_unforeseen
 from .methods import EXACT, FALLBACK, STIFF, methods_under, plain_methods, series_methods
 from .plan import LazyPlan, Plan
@@ -44,7 +44,7 @@ USUAL_ACCURACY = 1e-8
 """The accuracy of states for which neither a method nor a step is asked."""
 
 USUAL_ANGLE = 100.0
-"""Angle (rad) after which the cheapest scheme is compared where the true one is not known."""
+"""Angle (rad) after which the cheapest method is compared where the true one is not known."""
 
 LOST_ANGLE = 1e15
 """A body that turns by more (rad) has lost all digits of its phase."""
@@ -100,7 +100,7 @@ def choose_method(problem: Problem) -> tuple[str, Floats | None, LazyPlan]:
     scene = problem.scene
     _check_rates_are_known(problem)
     asked = problem.method
-    # A scheme that was asked for does not depend on them.
+    # A method that was asked for does not depend on them.
     forms = _known_closed_forms(problem) if asked in (None, EXACT) else np.empty(0, np.uint8)
     if scene.torque is not None and problem.span is not None:
         scene.torque.at(np.ravel(problem.times))  # ValueError outside the times of its table
@@ -177,32 +177,32 @@ def _known_closed_forms(problem: Problem) -> Codes:
 
 
 def _preferred(problem: Problem, forms: Codes) -> tuple[str, list[str]]:
-    """The method unless an accuracy needs another scheme, and the reasons for it."""
+    """The method unless an accuracy needs another method, and the reasons for it."""
     scene = problem.scene
     if problem.method is not None:
         return problem.method, [f"method = {problem.method!r} was asked for"]
     if forms.all():
         if problem.step is not None:
-            return _scheme(problem, ["a step was asked for"])
+            return _by_steps(problem, ["a step was asked for"])
         if not forms.size:
             return EXACT, ["there are no bodies: nothing is done"]
         return EXACT, ["every body has a closed form"]
     if scene.forces:
-        return _scheme(problem, ["no closed form under torque and damping"])
+        return _by_steps(problem, ["no closed form under torque and damping"])
     moments, weight = np.broadcast_arrays(*problem.inertia())
     # Of bodies that differ, the first without a closed form.
     body = int(np.flatnonzero(forms == NO_FORM)[0]) if len(moments) > 1 else 0
-    return _scheme(problem, [why_not(problem.record, moments[body], weight[body])])
+    return _by_steps(problem, [why_not(problem.record, moments[body], weight[body])])
 
 
-def _scheme(problem: Problem, why: list[str]) -> tuple[str, list[str]]:
-    """The scheme of bodies without a closed form: the one for strong damping where it is needed."""
+def _by_steps(problem: Problem, why: list[str]) -> tuple[str, list[str]]:
+    """The method of bodies without a closed form: the one for strong damping where it is needed."""
     slowing = damping_rate(problem.scene)
     if slowing == 0.0 or problem.scene.has_further or "function" in problem.scene.forces:
         return FALLBACK, why
     turning = problem.rates()
     if problem.step is not None:
-        # An explicit scheme would have the error of the damping, not of the motion.
+        # An explicit method would have the error of the damping, not of the motion.
         is_stiff = problem.step * slowing > 1.0
     elif turning is None:
         is_stiff = False
@@ -221,7 +221,7 @@ def _takes_usual_accuracy(problem: Problem, method: str) -> bool:
 
 
 def _applicable(scene: Scene) -> list[str]:
-    """The schemes among which the cheapest is taken."""
+    """The methods among which the cheapest is taken."""
     if not scene.forces:
         return plain_methods()
     known = methods_under(scene.forces)
@@ -231,7 +231,7 @@ def _applicable(scene: Scene) -> list[str]:
 
 
 def _usually_cheapest(problem: Problem, method: str, why: list[str]) -> str:
-    """The scheme that mostly is the cheapest, where rates or horizon are not known."""
+    """The method that mostly is the cheapest, where rates or horizon are not known."""
     names = _applicable(problem.scene)
     usual = cheapest(
         USUAL_ACCURACY,
@@ -239,14 +239,14 @@ def _usually_cheapest(problem: Problem, method: str, why: list[str]) -> str:
         stepped_record(problem, method),
         dict.fromkeys(names, USUAL_ANGLE),
     )
-    why.append(f"{usual} is mostly the cheapest scheme for an error of {USUAL_ACCURACY:g}")
+    why.append(f"{usual} is mostly the cheapest method for an error of {USUAL_ACCURACY:g}")
     return usual
 
 
 def _accurate(
     problem: Problem, accuracy: float, method: str, why: list[str]
 ) -> tuple[str, Floats | None]:
-    """The requested scheme or the cheapest one for the accuracy, and its steps; adds to why."""
+    """The requested method or the cheapest one for the accuracy, and its steps; adds to why."""
     span, turning = problem.span, problem.rates()
     if problem.accuracy is not None and turning is not None and span is not None:
         with np.errstate(over="ignore", invalid="ignore"):
@@ -260,7 +260,7 @@ def _accurate(
         )
     assert problem.bodies is not None  # the rates are known
     classes = problem.classes()
-    # Of bodies of several classes the most decide about the scheme, each class about its steps.
+    # Of bodies of several classes the most decide about the method, each class about its steps.
     kinds, counts = np.unique(classes, return_counts=True)
     kind = "forced" if problem.scene.forces else str(kinds[counts.argmax()])
     if problem.method is None:
@@ -273,13 +273,15 @@ def _accurate(
             angles = dict.fromkeys(plain_methods(), _largest_angle(turning, span))
         record = stepped_record(problem, method)
         method = cheapest(accuracy, kind, record, angles)
-        why.append(f"{method} is the cheapest scheme for an error of {accuracy:g}")
+        why.append(f"{method} is the cheapest method for an error of {accuracy:g}")
     why.append(f"the step follows from the error of {accuracy:g} at the end")
     rates = problem.bodies.fastest_rates(problem.times, method)
     steps = np.empty_like(rates)
     for own in kinds.tolist():
         mine = slice(None) if len(classes) == 1 else np.flatnonzero(classes == own)
-        steps[mine] = steps_for(accuracy, schemes()[method, own], rates[mine], some_of(span, mine))
+        steps[mine] = steps_for(
+            accuracy, calibrated()[method, own], rates[mine], some_of(span, mine)
+        )
     return method, steps
 
 

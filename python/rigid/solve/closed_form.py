@@ -44,9 +44,9 @@ NO_FORM = 0
 _NAMES = _core.closed_form_names()
 
 RECORDS: Mapping[str, str] = {
-    "rates": "rates at wanted times",
-    "axis": "rates and vertical at wanted times",
-    "attitude": "rates and attitude at wanted times",
+    "rates": "rates at output times",
+    "axis": "rates and vertical at output times",
+    "attitude": "rates and attitude at output times",
 }
 """The questions that are answered by states, in words."""
 

@@ -23,9 +23,10 @@ from .work import LANES, MANY, Work
 
 __all__ = [
     "ROUNDING",
+    "Constants",
     "Estimate",
     "Motions",
-    "Scheme",
+    "calibrated",
     "calibration_class_of_any",
     "calibration_classes",
     "cheapest",
@@ -34,7 +35,6 @@ __all__ = [
     "costliest",
     "joined",
     "phase_error",
-    "schemes",
     "some_of",
     "steps_estimate",
     "steps_for",
@@ -46,15 +46,15 @@ ROUNDING = 1e-15
 """Error of an attitude per radian turned that float64 leaves even to a closed form (rad)."""
 
 PROCESSOR = 1e-12
-"""Rounding (rad) of the change of variables before and after the steps of a processed scheme."""
+"""Rounding (rad) of the change of variables before and after the steps of a processed method."""
 
 LAYER = 0.1
 """Steps longer than this share of the damping time do not resolve how damping forgets a start."""
 
 
 @dataclass(frozen=True, slots=True)
-class Scheme:
-    """Calibrated constants of a scheme for a class of bodies.
+class Constants:
+    """Calibrated constants of a method for a class of bodies.
 
     The error of a run is about ``factor theta**order`` per radian turned, ``theta`` being the angle
     that the body turns in a step, up to ``largest``. Of many bodies 95 % err by at most ``margin``
@@ -86,10 +86,10 @@ def _works(by_record: Mapping[str, list[float]]) -> dict[str, Work]:
 
 
 @cache
-def schemes() -> dict[tuple[str, str], Scheme]:
-    """The schemes, by name and class of bodies."""
+def calibrated() -> dict[tuple[str, str], Constants]:
+    """The constants of the methods, by name and class of bodies."""
     return {
-        (name, kind): Scheme(
+        (name, kind): Constants(
             order_of(name),
             entry["factor"],
             entry["margin"],
@@ -111,7 +111,7 @@ def _closed_form_work() -> dict[str, dict[str, Work]]:
 def calibration_classes(
     scene: Scene, moments: Floats, weight: Floats, forced: NDArray[np.bool_]
 ) -> NDArray[np.str_]:
-    """The class of bodies on which the schemes that move each body are calibrated, shape (n,).
+    """The class of bodies on which the methods that move each body are calibrated, shape (n,).
 
     Of one element if all bodies are alike; the rows of a column may serve all.
     """
@@ -125,7 +125,7 @@ def calibration_classes(
 
 
 def calibration_class_of_any(scene: Scene) -> str:
-    """The class of bodies of any moments on which the schemes that move this scene are calibrated.
+    """The class of bodies of any moments on which the methods that move this scene are calibrated.
 
     Nothing is applied. What a step costs depends on whether a direction is carried for the torque.
     """
@@ -139,18 +139,18 @@ def cheapest(
     record: str,
     angles: Mapping[str, float],
 ) -> str:
-    """The scheme that needs the least time for this error after these angles.
+    """The method that needs the least time for this error after these angles.
 
     Explicit steps follow the damping too: the angles include what damping takes away.
     """
 
     def time(name: str) -> float:
-        scheme, angle = schemes()[name, kind], angles[name]
-        turn = _turn(scheme, accuracy, np.array(angle)).item()
+        constants, angle = calibrated()[name, kind], angles[name]
+        turn = _turn(constants, accuracy, np.array(angle)).item()
         taken = max(angle, 1e-300) / turn if turn > 0.0 else math.inf
-        return scheme.work[record].step * taken
+        return constants.work[record].step * taken
 
-    return min((name for name, known in schemes() if known == kind and name in angles), key=time)
+    return min((name for name, known in calibrated() if known == kind and name in angles), key=time)
 
 
 CLASS_WORK: Mapping[str, float] = {
@@ -174,17 +174,17 @@ def check_attainable(accuracy: float, angles: Floats) -> None:
 
 
 @np.errstate(all="ignore")
-def steps_for(accuracy: float, scheme: Scheme, rates: Floats, span: float | Floats) -> Floats:
+def steps_for(accuracy: float, constants: Constants, rates: Floats, span: float | Floats) -> Floats:
     """The step of each body whose error at the end is ``accuracy``."""
     # What does not turn needs no step.
-    return np.where(rates > 0.0, _turn(scheme, accuracy, rates * span) / rates, np.inf)
+    return np.where(rates > 0.0, _turn(constants, accuracy, rates * span) / rates, np.inf)
 
 
-def _turn(scheme: Scheme, accuracy: float, angles: Floats) -> Floats:
+def _turn(constants: Constants, accuracy: float, angles: Floats) -> Floats:
     """The angle turned in a step for this error after these angles."""
     left = np.maximum(accuracy - ROUNDING * (1.0 + angles), 0.5 * accuracy)
-    turn = (left / (scheme.factor * angles)) ** (1.0 / scheme.order)
-    shorter: Floats = np.minimum(turn, scheme.largest)
+    turn = (left / (constants.factor * angles)) ** (1.0 / constants.order)
+    shorter: Floats = np.minimum(turn, constants.largest)
     return shorter
 
 
@@ -263,7 +263,7 @@ def phase_error(
     if bodies.forces is not None:
         kinds = np.where(bodies.under_forces(), "forced", kinds)
     known, which = np.unique(kinds, return_inverse=True)
-    factors = np.array([schemes()[method, kind].factor for kind in known.tolist()])
+    factors = np.array([calibrated()[method, kind].factor for kind in known.tolist()])
     error: Floats = angles * factors[which] * (angles / taken) ** order_of(method)
     return error
 
@@ -283,7 +283,7 @@ class Motions:
     states : int
         Number of requested states of a body.
     damping : ndarray, shape (n,), or float
-        The largest damping rates (1/s). The error of a stiff scheme is not known unless its steps
+        The largest damping rates (1/s). The error of a stiff method is not known unless its steps
         follow the damping: the model does not contain the layer in which the start is forgotten.
     nearness : ndarray, shape (n,), or float
         How many times the angle of a step counts, from the poles of the motion of free bodies.
@@ -308,7 +308,7 @@ class Motions:
         """About how many steps each body takes, shape (n,) or (1,)."""
         if self.span is None:
             return np.full(1, np.inf)
-        # Each interval between wanted times has a whole number of steps.
+        # Each interval between output times has a whole number of steps.
         least = max(self.states, 1)
         with np.errstate(all="ignore"):
             each = np.ceil(self.span / self.steps + 0.5 * (self.states - 1))
@@ -343,7 +343,7 @@ def some_of(values: Any, mine: slice | NDArray[np.intp]) -> Any:
 def steps_estimate(
     question: str | Criterion, method: str, kind: str, motions: Motions, bodies: int = MANY
 ) -> Estimate:
-    """Work and error of a scheme.
+    """Work and error of a method.
 
     The error is that of the model times its margin; that of longer steps than the model knows is
     None.
@@ -352,7 +352,7 @@ def steps_estimate(
     ----------
     question : str or Criterion
     method, kind : str
-        A scheme and the class of bodies that it is calibrated on.
+        A method and the class of bodies that it is calibrated on.
     motions : Motions
     bodies : int
         Number of bodies of the call.
@@ -362,15 +362,15 @@ def steps_estimate(
     each = motions.taken
     taken = float(each.max(initial=0.0))
     counted = taken < 2.0**63
-    scheme = schemes()[method, kind]
+    constants = calibrated()[method, kind]
     error, unknown = None, None
     turn = np.where(rates > 0.0, rates * motions.steps, 0.0)
     widest = float(turn.max(initial=0.0))
     if is_stiff(method) and np.any(motions.steps * motions.damping > LAYER):
         unknown = f"the steps do not resolve the damping, as those of {LAYER:g} of its time do"
-    elif not widest <= scheme.longest:
+    elif not widest <= constants.longest:
         unknown = f"a step turns a body by {widest:.3g} rad, and the model of {method} holds up to \
-{scheme.largest:g} rad"
+{constants.largest:g} rad"
     elif span is not None:
         if is_stiff(method):
             # The rates that other steps follow contain the damping.
@@ -378,12 +378,14 @@ def steps_estimate(
         angles = rates * span
         error = ROUNDING * (1.0 + angles) + motions.rounding + PROCESSOR * is_processed(method)
         counts = np.maximum(angles, np.minimum(angles * motions.slowness, 1.0))
-        truncation = scheme.factor * (rates * motions.steps * motions.nearness) ** scheme.order
-        error += scheme.margin * counts * truncation
+        truncation = (
+            constants.factor * (rates * motions.steps * motions.nearness) ** constants.order
+        )
+        error += constants.margin * counts * truncation
     return Estimate(
         step=shortest if shortest < np.inf else None,
         steps=int(taken) if counted else None,
-        work=_work(scheme, question).of_a_body(
+        work=_work(constants, question).of_a_body(
             bodies, states, _by_group(each), _ends(each / max(states, 1))
         )
         if counted
@@ -428,11 +430,11 @@ def _ends(steps: Floats) -> float:
     return 1.0 + float(np.count_nonzero(np.diff(groups, axis=1) > 0.0)) / len(groups)
 
 
-def _work(scheme: Scheme, question: str | Criterion) -> Work:
+def _work(constants: Constants, question: str | Criterion) -> Work:
     """The parts of the work; a criterion is watched at each step."""
     if isinstance(question, str):
-        return scheme.work[question]
-    known = scheme.work[question.record]
+        return constants.work[question]
+    known = constants.work[question.record]
     return replace(known, step=question.watched(known.step))
 
 

@@ -8,8 +8,8 @@ times the difference is stated: nearly always more than the error, and seldom mu
 extrapolation is Richardson's (Hairer, Nørsett, Wanner, *Solving Ordinary Differential Equations I*,
 § II.4).
 
-The second run divides the steps of the first: between any two wanted times it takes at least one
-step more. It begins at a start that is rounded otherwise. The runs are compared at every wanted
+The second run divides the steps of the first: between any two output times it takes at least one
+step more. It begins at a start that is rounded otherwise. The runs are compared at every output
 time.
 """
 
@@ -52,7 +52,7 @@ PART_OF_A_TURN = 0.5
 """Phase (rad) by which two runs may part between two compared times; a whole turn would not show"""
 
 BETWEEN = 64
-"""Times, at most, at which runs that may part by whole turns are compared besides the wanted."""
+"""Most times at which runs that may part by whole turns are compared besides output times."""
 
 
 @dataclass(slots=True, eq=False)
@@ -261,7 +261,7 @@ def _ringing(bodies: Bodies, states: Mapping[str, Any], times: Floats) -> Floats
 def _count_turns(request: Request, taken: Floats, estimate: ErrorEstimate) -> None:
     """Compare runs that may part by whole turns on the way too; writes larger errors over.
 
-    The steps of a run are equal between wanted times. So that no bit of its states depends on the
+    The steps of a run are equal between output times. So that no bit of its states depends on the
     estimate, a pair of further runs is compared.
     """
     gaps = intervals(request.times)
@@ -311,8 +311,8 @@ def distances(
     with ``scale``.
     """
     parts = [_rate_distances(states, other, rest, scale)]
-    if states["vertical"] is not None:
-        parts.append(lengths(states["vertical"] - other["vertical"]))
+    if states["gamma"] is not None:
+        parts.append(lengths(states["gamma"] - other["gamma"]))
     if states["attitude"] is not None:
         a, b = states["attitude"], other["attitude"]
         apart = np.minimum(lengths(a - b), lengths(a + b))

@@ -213,7 +213,7 @@ def fit(
     span = float(np.ptp(np.append(times, 0.0)))
     covariance, words = _covariance(unknowns, values, by_value, span)
     freedom = measured.size - len(values)
-    success, reason = _judged(found.squares, found.gain, freedom)
+    success, reason = _verdict(found.squares, found.gain, freedom)
     if not success:
         warnings.warn(f"the fit failed: {reason}", FitWarning, stacklevel=2)
     varied, rates = unknowns.at(found.x)
@@ -235,7 +235,7 @@ def fit(
     )
 
 
-def _judged(chi2: float, gain: float, freedom: int) -> tuple[bool, str]:
+def _verdict(chi2: float, gain: float, freedom: int) -> tuple[bool, str]:
     """Whether a fit succeeded, and why, in words."""
     largest, per = largest_chi2(freedom), max(freedom, 1)
     if not chi2 <= largest:

@@ -12,7 +12,7 @@ from .arrays import Range, lengths, spread_indices
 from .bodies import Bodies
 from .cost_model import Motions
 from .rounding import planned_rounding
-from .saddle import separatrices, verticals
+from .saddle import gammas, separatrices
 from .separatrix import circulation_terms
 
 __all__ = ["motions_of", "why_unforeseen"]
@@ -126,9 +126,9 @@ def _distances_in_energy(bodies: Bodies) -> tuple[Floats, Floats]:
     size = lengths(bodies.weight)
     up = bodies.weight / size[:, None]
     kinetic = 0.5 * np.sum(bodies.moments * bodies.omega**2, axis=1)
-    vertical = verticals(bodies)
+    gamma = gammas(bodies)
     # Differences of unit vectors: small angles lose no digits.
-    raised, fallen = (0.5 * np.sum((vertical + sign * up) ** 2, axis=1) for sign in (1.0, -1.0))
+    raised, fallen = (0.5 * np.sum((gamma + sign * up) ** 2, axis=1) for sign in (1.0, -1.0))
     fastest = np.sqrt(2.0 * (kinetic + size * raised) / bodies.moments.min(axis=1))
     return fastest, np.abs(kinetic / size - fallen)
 

@@ -218,7 +218,7 @@ def frequency_drift(run: Run, of: str = "omega") -> FrequencyDrift:
     if run.t.ndim != 1:
         raise ValueError("run: its bodies have times of their own; all must share them")
     signal = states[..., 0] + 1j * states[..., 1]
-    # A body that failed is left out: as one at rest, it has no line.
+    # A body that failed is omitted: as one at rest, it has no line.
     signal = np.where(np.isfinite(signal).all(axis=-1, keepdims=True), signal, 0.0)
     half = (len(run.t) + 1) // 2
     first = frequencies(run.t[:half], signal[..., :half])

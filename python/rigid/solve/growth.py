@@ -1,4 +1,4 @@
-"""Growth of small displacements of motions, and what it says of chaos."""
+"""Growth of small deviation vectors of motions, and what it says of chaos."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class Growth:
     t : ndarray, shape (m,)
         Times (s).
     log_growth : ndarray, shape (n, m)
-        ``Λ(t) = ln |v(t)| / |v(0)|`` of the first displacement.
+        ``Λ(t) = ln |v(t)| / |v(0)|`` of the first deviation vector.
     megno : ndarray, shape (n, m)
         ``2 (Λ - mean of Λ)``: near 2 on regular motions, ``lambda t`` on chaotic ones.
     mean_megno : ndarray, shape (n, m)
@@ -41,7 +41,7 @@ class Growth:
         How many of all exponents are zero by theory, whatever the horizon: by symmetries and
         conserved quantities. Six of a free body off the separatrix, four of a top.
     sali : ndarray, shape (n, m), or None
-        Smaller alignment index of the first two displacements; None with one exponent.
+        Smaller alignment index of the first two deviation vectors; None with one exponent.
     gali : ndarray, shape (n, m, k - 1), or None
         Generalised alignment indices ``GALI_2`` to ``GALI_k``; None with one exponent.
     error : ndarray, shape (n,)
@@ -54,7 +54,7 @@ class Growth:
     verdict : ndarray of str, shape (n,)
         At the last time: ``"regular"``, ``"chaotic"``, ``"undecided"``, or ``"failed"`` for a body
         that was not run to its end. A free body or a Lagrange top without torque and damping is
-        never chaotic: beside a separatrix it is undecided while its displacements grow.
+        never chaotic: beside a separatrix it is undecided while its deviation vectors grow.
     energy_drift : ndarray, shape (n,)
         Largest error of the energy, as in :class:`Run`.
     status : ndarray of uint8, shape (n,)

@@ -169,7 +169,7 @@ def _refine(
 ) -> ErrorEstimate:
     """Shorten the steps of inaccurate bodies, and write their better states over the others."""
     estimate = estimate_error(request, states, steps)
-    # Steps longer than any interval between wanted times were cut to the interval.
+    # Steps longer than any interval between output times were cut to the interval.
     longest = intervals(request.times).max(axis=-1, initial=0.0)
     steps, order = np.minimum(steps, longest), order_of(request.method)
     pending = np.flatnonzero(estimate.error > accuracy)

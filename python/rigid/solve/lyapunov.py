@@ -22,7 +22,7 @@ from .integrate import integrate
 from .methods import EXACT, SECOND
 from .problem import Problem
 from .request import Request
-from .saddle import verticals
+from .saddle import gammas
 from .starts import bodies_of
 from .status import Status
 from .tangent import check_tangent, rate_scale
@@ -34,9 +34,9 @@ __all__ = ["growth_of", "lyapunov"]
 
 Floats = NDArray[np.float64]
 
-GENERIC = _core.generic_displacements()
-"""Displacements at the start: rates in the unit of the body, rotation vectors in rad. Each has a
-part along the direction that grows most."""
+GENERIC = _core.generic_deviations()
+"""Deviation vectors at the start: rates in the unit of the body, rotation vectors in rad. Each
+has a part along the direction that grows most."""
 
 ANOTHER = "taylor20"
 """The method of the second run of :data:`SECOND`."""
@@ -75,9 +75,9 @@ def lyapunov(
 ) -> Growth:
     """How fast motions beside a motion part from it: exponents, MEGNO, FLI, SALI and GALI.
 
-    A small displacement of the motion, a change of the rates and a rotation vector, is integrated
-    with it by the linear equations of the tangent. Its size is divided by powers of two on the way,
-    which changes no digit, so no horizon is too long.
+    A small deviation vector of the motion, a change of the rates and a rotation vector, is
+    integrated with it by the linear equations of the tangent. Its size is divided by powers of two
+    on the way, which changes no digit, so no horizon is too long.
 
     Parameters
     ----------
@@ -90,15 +90,15 @@ def lyapunov(
     t : array_like, shape (m,)
         Times (s), ascending and positive.
     of : {"rates", "attitude"}
-        The size of a displacement: ``|dw|² / scale²`` of the rates plus the square of the angle by
-        which the vertical in the body changes, or by which the attitude does. The scale is
+        The size of a deviation vector: ``|dw|² / scale²`` of the rates plus the square of the angle
+        by which the vertical in the body changes, or by which the attitude does. The scale is
         ``sqrt(|omega|² + mgl / I_min)`` at the start. Exponents do not depend on it. Under a torque
         in space that is not vertical: ``"attitude"``.
     exponents : int
         Number of exponents, from the largest down, by Gram-Schmidt: 1 to 6, to 5 of the rates.
     start : array_like, shape (6,) or (exponents, 6), optional
-        Displacements at the start: changes of the rates (rad/s), and rotation vectors in the body
-        (rad). Default: generic ones, the same for all bodies in their units; the first, whose
+        Deviation vectors at the start: changes of the rates (rad/s), and rotation vectors in the
+        body (rad). Default: generic ones, the same for all bodies in their units; the first, whose
         growth the verdict is on, is projected on the level of ``L·gamma`` of a top.
     method : str, optional
         One of the :func:`rigid.methods` with a tangent. Default: ``"taylor16"``.
@@ -106,7 +106,7 @@ def lyapunov(
         Largest step (s). Default: that of the method, and at least 64 steps until the first time.
     check : bool
         Whether a second run, by another method, estimates the error and confirms the verdict with
-        another displacement.
+        another deviation vector.
     max_steps : int
         A body that would need more is not run.
     threads : int, optional
@@ -122,13 +122,13 @@ def lyapunov(
     ValueError
         Naming the argument, its value and the rule: as :func:`simulate`; times that are not
         positive, a method without a tangent, the size of the rates under a torque in space that is
-        not vertical, displacements of no size or that depend on each other.
+        not vertical, deviation vectors of no size or that depend on each other.
 
     Notes
     -----
     ``L·gamma`` of a top without torque and damping is conserved, and how the motion changes with it
     is no matter of chaos: at a resonance this change is quadratic in the time, and some tops are
-    integrable at one value only. So both displacements of a verdict keep it.
+    integrable at one value only. So both deviation vectors of a verdict keep it.
 
     All integrals are those of ``Λ = ln |v|`` over the time. They are sums over the steps of a
     Runge-Kutta method; a Taylor method knows ``Λ`` inside its steps too.
@@ -162,7 +162,7 @@ def lyapunov(
     if not len(times) or times[0] <= 0.0:
         raise ValueError(f"t = {times[0] if len(times) else '[]'}: must be positive times")
     if method == EXACT:
-        raise ValueError("method = 'exact': displacements are integrated; name a scheme")
+        raise ValueError("method = 'exact': deviation vectors are integrated; name another method")
     check_tangent(method, forces=scene.forces)
     bodies = bodies_of(scene, omega, attitude)
     return growth_of(
@@ -194,7 +194,7 @@ def growth_of(
     start: ArrayLike | None = None,
     check: bool = True,
 ) -> Growth:
-    """The growth of displacements of checked bodies."""
+    """The growth of deviation vectors of checked bodies."""
     chosen = method
     _, steps, plan = choose_method(
         Problem(
@@ -209,9 +209,9 @@ def growth_of(
     )
     every = np.union1d(times, times[-1] * np.array(CHECKPOINTS))
     run = _Run(bodies, every, of, max_steps, threads)
-    vectors = _displacements(bodies, start, count, of)
+    vectors = _deviations(bodies, start, count, of)
     found = run.growth(chosen, steps, vectors)
-    wanted = np.searchsorted(every, times)
+    output = np.searchsorted(every, times)
     marks = np.searchsorted(every, times[-1] * np.array(CHECKPOINTS))
     log, largest, mean, mean_megno = np.moveaxis(found["logs"], -1, 0)
     error = np.full(len(bodies), np.nan)
@@ -220,8 +220,8 @@ def growth_of(
     status = found["status"]
     if check:
         again = run.again(ANOTHER if chosen == SECOND else SECOND, vectors[:, 0])
-        apart = np.abs(again["logs"][0::2, wanted, 0] - log[:, wanted])
-        rounding = ROUNDING * np.maximum(1.0, np.abs(log[:, wanted]))
+        apart = np.abs(again["logs"][0::2, output, 0] - log[:, output])
+        rounding = ROUNDING * np.maximum(1.0, np.abs(log[:, output]))
         error = (3.0 * apart + rounding).max(axis=1)
         second = np.ascontiguousarray(2.0 * again["logs"][1::2, marks, 3])
         lost_from = _lost_from(bodies, times, chosen, steps, run.max_steps, threads)
@@ -229,23 +229,23 @@ def growth_of(
         status = np.where(status == Status.OK, Status.UNCHECKED, status).astype(np.uint8)
     means = np.ascontiguousarray(2.0 * mean_megno[:, marks])
     verdict = np.array(_core.verdicts(means, second, Regular().limits))
-    # Beside a separatrix displacements grow exponentially, although nothing is chaotic.
+    # Beside a separatrix deviation vectors grow exponentially, although nothing is chaotic.
     verdict = np.where((verdict == "chaotic") & _is_integrable(bodies), "undecided", verdict)
     verdict = np.where(np.isin(status, (Status.OK, Status.UNCHECKED)), verdict, "failed")
 
     several = count > 1
-    words = f"{count} displacement{'s' if several else ''} of the {of}, growth by their tangent"
+    words = f"{count} deviation vector{'s' if several else ''} of the {of}, growth by their tangent"
     plan.amend(words)
     return Growth(
         t=times,
-        log_growth=bodies.in_axes(log[:, wanted]),
-        megno=bodies.in_axes(2.0 * (log - mean)[:, wanted]),
-        mean_megno=bodies.in_axes(2.0 * mean_megno[:, wanted]),
-        fli=bodies.in_axes(largest[:, wanted]),
-        spectrum=bodies.in_axes(found["log_diagonal"][:, wanted] / times[:, np.newaxis]),
+        log_growth=bodies.in_axes(log[:, output]),
+        megno=bodies.in_axes(2.0 * (log - mean)[:, output]),
+        mean_megno=bodies.in_axes(2.0 * mean_megno[:, output]),
+        fli=bodies.in_axes(largest[:, output]),
+        spectrum=bodies.in_axes(found["log_diagonal"][:, output] / times[:, np.newaxis]),
         zeros=bodies.in_axes(_zeros(scene, bodies, of)),
-        sali=bodies.in_axes(found["sali"][:, wanted, 0]) if several else None,
-        gali=bodies.in_axes(np.exp(found["log_gali"][:, wanted, 1:])) if several else None,
+        sali=bodies.in_axes(found["sali"][:, output, 0]) if several else None,
+        gali=bodies.in_axes(np.exp(found["log_gali"][:, output, 1:])) if several else None,
         error=bodies.in_axes(error),
         lost_from=bodies.in_axes(lost_from),
         verdict=bodies.in_axes(verdict),
@@ -276,14 +276,14 @@ class _Run:
     def growth(
         self, method: str, steps: Floats | None, vectors: Floats, fewest: int = FEWEST
     ) -> dict[str, Any]:
-        """The growth of displacements (n, k, 6) by a method, with its longest steps (s)."""
+        """The growth of deviation vectors (n, k, 6) by a method, with its longest steps (s)."""
         if steps is None:
             rates = self.bodies.fastest_rates((0.0, float(self.times[-1])), method)
             steps = np.minimum(_core.default_steps(method, rates), self.times[0] / fewest)
         return _core.growth(
             **self.bodies.columns(),
             method=method,
-            displacements=np.ascontiguousarray(vectors.reshape(-1, 6)),
+            deviations=np.ascontiguousarray(vectors.reshape(-1, 6)),
             scale=self.scale,
             of_attitude=self.of == "attitude",
             times=self.times,
@@ -293,7 +293,7 @@ class _Run:
         )
 
     def again(self, method: str, first: Floats) -> dict[str, Any]:
-        """Each body twice, with the same displacement (n, 6) and with another, by a method."""
+        """Each body twice, with the same deviation vector (n, 6) and with another, by a method."""
         starts = _starts(self.bodies)
         first_in_units, in_units = (
             _unscaled(vectors, 1.0 / self.scale) for vectors in (first, starts[:, 1])
@@ -306,14 +306,14 @@ class _Run:
 
 
 def _starts(bodies: Bodies) -> Floats:
-    """Displacements of the two runs of a verdict on each body at its start, (n, 2, 6)."""
+    """Deviation vectors of the two runs of a verdict on each body at its start, (n, 2, 6)."""
     columns = bodies.columns()
     del columns["scene"]
-    return _core.displacement_starts(**columns)
+    return _core.deviation_starts(**columns)
 
 
 def _unscaled(vectors: Floats, scale: Floats) -> Floats:
-    """Displacements (n, ..., 6) in rad/s and rad, from those with rates in units of the bodies."""
+    """Deviation vectors (n, ..., 6) in rad/s and rad, from those in units of the bodies."""
     unit = np.repeat(scale[:, np.newaxis], 3, axis=1)
     units = np.concatenate([unit, np.ones_like(unit)], axis=1)
     # A scale that overflows is that of a body which is not run.
@@ -322,8 +322,8 @@ def _unscaled(vectors: Floats, scale: Floats) -> Floats:
     return scaled
 
 
-def _displacements(bodies: Bodies, start: ArrayLike | None, count: int, of: str) -> Floats:
-    """Displacements of each body at its start, (n, k, 6)."""
+def _deviations(bodies: Bodies, start: ArrayLike | None, count: int, of: str) -> Floats:
+    """Deviation vectors of each body at its start, (n, k, 6)."""
     scale = rate_scale(bodies)
     if start is None:
         several = _unscaled(np.broadcast_to(GENERIC[:count], (len(bodies), count, 6)), scale)
@@ -340,18 +340,18 @@ def _displacements(bodies: Bodies, start: ArrayLike | None, count: int, of: str)
     for body, vectors in enumerate(_measured(bodies, several, scale, of)):
         sizes = np.linalg.norm(vectors, axis=1)
         if not (sizes > 1e-12 * np.linalg.norm(given, axis=1)).all():
-            raise ValueError(f"start: a displacement of body {body} has no size of = {of!r}")
+            raise ValueError(f"start: a deviation vector of body {body} has no size of = {of!r}")
         if np.linalg.matrix_rank(vectors / sizes[:, np.newaxis], tol=1e-8) < count:
-            raise ValueError(f"start: the displacements of body {body} depend on each other")
+            raise ValueError(f"start: the deviation vectors of body {body} depend on each other")
     return np.array(several)
 
 
 def _measured(bodies: Bodies, vectors: Floats, scale: Floats, of: str) -> Floats:
-    """The vectors whose lengths are the sizes of displacements (n, k, 6)."""
+    """The vectors whose lengths are the sizes of deviation vectors (n, k, 6)."""
     scaled = _unscaled(vectors, 1.0 / scale)
     if of == "attitude":
         return scaled
-    turned = np.cross(verticals(bodies)[:, np.newaxis], scaled[..., 3:])
+    turned = np.cross(gammas(bodies)[:, np.newaxis], scaled[..., 3:])
     return np.concatenate([scaled[..., :3], turned], axis=-1)
 
 

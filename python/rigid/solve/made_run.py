@@ -12,7 +12,7 @@ from .error_estimate import ErrorEstimate
 from .events import FoundEvents
 from .plan import LazyPlan
 from .run import Run
-from .status import Status, judged_status
+from .status import Status, status_by_error
 from .target import COLUMNS
 
 __all__ = ["end_records", "to_run"]
@@ -45,7 +45,7 @@ def to_run(
     if np.count_nonzero(states["status"]):
         unknown = np.isin(states["status"], (Status.STEP_LIMIT, Status.NOT_FINITE))
         error, lost_from = (np.where(unknown, np.nan, values) for values in (error, lost_from))
-    states["status"] = judged_status(states["status"], error, spec)
+    states["status"] = status_by_error(states["status"], error, spec)
     if found is not None:
         ended = found.stopped & np.isin(states["status"], (Status.OK, Status.UNCHECKED))
         states["status"] = np.where(ended, Status.STOPPED, states["status"]).astype(np.uint8)

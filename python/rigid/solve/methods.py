@@ -1,4 +1,4 @@
-"""The methods, their names, and the properties of the schemes."""
+"""The methods, their names and their properties."""
 
 from __future__ import annotations
 
@@ -50,24 +50,24 @@ RETIRED = _core.retired_methods()
 _CHOSEN = _core.chosen_methods()
 
 STIFF = _CHOSEN["stiff"]
-"""The scheme for strong damping; without damping it is the fallback."""
+"""The method for strong damping; without damping it is the fallback."""
 
 FALLBACK = _CHOSEN["default"]
-"""The default scheme of bodies without a closed form."""
+"""The default method of bodies without a closed form."""
 
 MAP_FALLBACK = _CHOSEN["map"]
-"""The default scheme of the samples of a map without a closed form."""
+"""The default method of the samples of a map without a closed form."""
 
 GROWTH_FALLBACK = _CHOSEN["growth"]
-"""That of a map that measures the growth of displacements."""
+"""That of a map that measures the growth of deviation vectors."""
 
 SECOND = _CHOSEN["second"]
-"""The scheme that classifies the samples of a map again."""
+"""The method that classifies the samples of a map again."""
 
 
 @dataclass(frozen=True, slots=True)
 class Method:
-    """Properties of a scheme, and its source.
+    """Properties of a method, and its source.
 
     Attributes
     ----------
@@ -87,8 +87,8 @@ class Method:
         What of a free body is constant up to rounding with any step: ``"momentum"``, in space, and
         ``"energy"``.
     tangent : bool
-        Integrates small displacements with the motion; a symplectic method those of bodies without
-        torque and damping, and none by parameters.
+        Integrates small deviation vectors with the motion; a symplectic method those of bodies
+        without torque and damping, and none by parameters.
     forces : tuple of str
         The forces that it integrates: ``"torque"``, ``"damping"``, ``"function"`` and the names of
         the others; empty if none.
@@ -108,7 +108,7 @@ class Method:
     angle_per_step : float
         Largest angle (rad) by which a body turns in a default step.
     citation, doi : str
-        Publication of the scheme.
+        Publication of the method.
     """
 
     name: str
@@ -133,7 +133,7 @@ class Method:
 
 
 class Methods(tuple[Method, ...]):
-    """Schemes, shown as a table."""
+    """Methods, shown as a table."""
 
     __slots__ = ()
 
@@ -165,7 +165,7 @@ class Methods(tuple[Method, ...]):
 
 
 def methods() -> Methods:
-    """All schemes; ``"exact"``, which takes no steps, is not among them.
+    """All methods that make steps; ``"exact"``, which makes none, is not among them.
 
     Examples
     --------
@@ -182,32 +182,32 @@ def _all() -> Methods:
 
 
 def order_of(name: str) -> int:
-    """The order of a scheme."""
+    """The order of a method."""
     return _named(name).order
 
 
 def angle_per_step(name: str) -> float:
-    """The largest angle (rad) by which a body turns in a default step of a scheme."""
+    """The largest angle (rad) by which a body turns in a default step of a method."""
     return _named(name).angle_per_step
 
 
 def is_processed(name: str) -> bool:
-    """Whether a scheme has states only before and after many steps."""
+    """Whether a method has states only before and after many steps."""
     return not _named(name).maps
 
 
 def is_compensated(name: str) -> bool:
-    """Whether a scheme carries the rounding of a fixed step to the next one."""
+    """Whether a method carries the rounding of a fixed step to the next one."""
     return _named(name).compensated
 
 
 def preserves_groups(name: str) -> bool:
-    """Whether a scheme turns momenta and directions, so that their lengths stay."""
+    """Whether a method turns momenta and directions, so that their lengths stay."""
     return _named(name).group_preserving
 
 
 def rotations(name: str) -> int:
-    """Number of exact flows in a step of a splitting; 0 for other schemes."""
+    """Number of exact flows in a step of a splitting; 0 for other methods."""
     method = _named(name)
     return method.stages if method.symplectic else 0
 
@@ -230,19 +230,19 @@ def series_methods() -> list[str]:
 
 @cache
 def tangent_methods(*, forced: bool = False) -> tuple[str, ...]:
-    """The names of the schemes that integrate displacements, of forced bodies and by parameters."""
+    """The methods that integrate deviation vectors, of forced bodies and by parameters."""
     known = (method for method in methods() if method.tangent)
     return tuple(method.name for method in known if not (forced and method.symplectic))
 
 
 def methods_under(forces: Collection[str]) -> list[str]:
-    """The names of the schemes that integrate all of these forces, or some if there are none."""
+    """The names of the methods that integrate all of these forces, or some if there are none."""
     wanted = set(forces) or {"torque"}
     return [method.name for method in methods() if wanted <= set(method.forces)]
 
 
 def plain_methods() -> list[str]:
-    """The names of the schemes that differ from others without damping too."""
+    """The names of the methods that differ from others without damping too."""
     return [method.name for method in methods() if method.name != STIFF]
 
 
@@ -265,7 +265,7 @@ def check_method(
     watched: bool,
     forces: Collection[str] = (),
 ) -> None:
-    """Raise ValueError if a scheme does not integrate the kind of scene, or cannot be observed."""
+    """Raise ValueError if a method does not integrate the kind of scene, or cannot be observed."""
     if name in (AUTO, EXACT):
         return
     _core.check_method(name, kind, watched)
@@ -277,5 +277,5 @@ def check_method(
 
 
 def is_stiff(name: str) -> bool:
-    """Whether strong damping does not force a scheme to short steps."""
+    """Whether strong damping does not force a method to short steps."""
     return _named(name).stiff

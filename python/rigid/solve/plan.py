@@ -34,11 +34,11 @@ class Plan:
         The closed form: ``"free asymmetric"``, ``"free symmetric"``, ``"axis spin"``,
         ``"lagrange"`` or ``"pendulum"``; several are joined by commas.
     method : str
-        ``"exact"``, the name of a scheme, or ``"auto"`` for a map where only some bodies have a
-        closed form.
+        ``"exact"``, the name of another method, or ``"auto"`` for a map where only some bodies have
+        a closed form.
     carried : tuple of str
         Variables computed: ``"omega"``, ``"gamma"`` (the vertical in the body), ``"attitude"``;
-        under torque and damping their ``"work"``; ``"displacement"`` of a nearby motion.
+        under torque and damping their ``"work"``; ``"deviation"`` of a nearby motion.
     step : float or None
         Longest step (s), the shortest of many bodies; None for a closed form and where the rates
         are not known.
@@ -54,11 +54,11 @@ class Plan:
         The error for which method and steps are made: that asked for, or the usual one of states
         for which neither a method nor a step is asked; None where there is none.
     memory : int or None
-        Bytes of the states of all bodies of the call at the wanted times, in double precision and
+        Bytes of the states of all bodies of the call at the output times, in double precision and
         without arrays of the user. None for a criterion, and if the number of bodies is not known.
     error : float or None
         Estimate of the error of the attitude at the end, rad: ``1e-15`` per radian turned, and for
-        a scheme what 95 of 100 random bodies keep, at most a requested accuracy. None if it is not
+        a method what 95 of 100 random bodies keep, at most a requested accuracy. None if it is not
         known: the rates or the horizon are missing, or ``why`` says what the model does not hold
         for: a step that turns a body too far, or is too long for its damping, rates that nearly
         vanish, a saddle, chaos, or moments far apart. Of more than 32 bodies 32 are looked at for
@@ -235,9 +235,9 @@ def carried(scene: Scene, question: Question, method: str) -> tuple[str, ...]:
     record = question if isinstance(question, str) else question.record
     if watched and exact and not scene.forces:
         return ()
-    if not isinstance(question, str) and question.displaced:
+    if not isinstance(question, str) and question.has_deviation:
         attitude = ("attitude",) if scene.forces else ()
-        return ("omega", "gamma", *attitude, "displacement")
+        return ("omega", "gamma", *attitude, "deviation")
     if scene.forces and (watched or not exact):
         bare = record == "rates" and not scene.rates_need_attitude
         variables = ("omega",) if bare else ("omega", "gamma", "attitude")

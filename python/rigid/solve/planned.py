@@ -41,7 +41,7 @@ def plan_of(
     steps : ndarray, shape (n,), or None
         The longest step of each body (s); None if there are none or if they are left to the core.
     forms : ndarray of uint8
-        The closed forms of the bodies, by their codes; empty if a scheme was asked for.
+        The closed forms of the bodies, by their codes; empty if a method was asked for.
     accuracy : float or None
         The error for which method and steps were chosen.
     why : tuple of str
@@ -93,7 +93,7 @@ def _estimate(
 
 
 def _steps_estimate(problem: Problem, method: str, steps: Floats | None) -> Estimate:
-    """Work and error of a scheme, the largest of all classes of bodies."""
+    """Work and error of a method, the largest of all classes of bodies."""
     rates = problem.rates(method)
     if problem.bodies is None or rates is None:
         return Estimate(problem.step, None, None, None)

@@ -27,7 +27,7 @@ class Request:
     times : ndarray, shape (m,) or (n, m)
         Times of the states (s), ascending; of all bodies or of each.
     method : str
-        ``"exact"`` or the name of a scheme.
+        ``"exact"`` or the name of another method.
     record : {"rates", "axis", "attitude", "tangent", "sensitivity"}
     max_steps : int
         A body that needs more is not run to its end.
@@ -49,16 +49,16 @@ class Request:
         steps: Floats | None,
         refinement: float = 1.0,
         *,
-        displacements: Floats | None = None,
+        deviations: Floats | None = None,
         changes: Floats | None = None,
         out: Mapping[str, NDArray[Any]] | None = None,
         single: bool = False,
     ) -> dict[str, Any]:
         """The states, each body with its longest step (s); None leaves the steps to the core.
 
-        Between two wanted times a body takes ``refinement`` times the steps, rounded up. Columns of
+        Between two output times a body takes ``refinement`` times the steps, rounded up. Columns of
         ``out``, of shape (n, m, k), are written where they are; other columns of rows are new, in
-        single precision if asked for. Displacements are recorded instead of the states if the
+        single precision if asked for. Deviation vectors are recorded instead of the states if the
         record is ``"tangent"``, from those at the start, (n, 6), or ``"sensitivity"``, by changes
         of parameters, (n, 15).
         """
@@ -78,7 +78,7 @@ class Request:
             times=self.times if self.times.ndim == 2 else self.times[np.newaxis],
             refinement=refinement,
             tolerance=self.tolerance,
-            displacements=displacements,
+            deviations=deviations,
             changes=changes,
             out=out,
             single=single,

@@ -13,7 +13,7 @@ from .arrays import lengths, spread_indices, time_ranges, time_span
 from .bodies import Bodies
 from .methods import is_compensated, preserves_groups, rotations, series_methods
 from .request import Request
-from .saddle import dampings, verticals
+from .saddle import dampings, gammas
 
 __all__ = ["REST", "common_rounding", "planned_rounding", "rounding_of_damping"]
 
@@ -40,7 +40,7 @@ TURN = 1.3e-16
 DRIFT = 5.6e-17
 """Relative change of the rates by which rounding may leave each of many equal steps.
 
-It is half a unit in the last place, always in one direction: a scheme of exact flows turns the
+It is half a unit in the last place, always in one direction: a method of exact flows turns the
 rates of a symmetric free body by the same angle each step, and all but steady rates change by the
 same amount."""
 
@@ -63,7 +63,7 @@ PART = 1024.0
 """The time of this measurement is a step over this."""
 
 PROBE = "rk4"
-"""The scheme of this measurement: it integrates whatever acts."""
+"""The method of this measurement: it integrates whatever acts."""
 
 
 def common_rounding(
@@ -79,7 +79,7 @@ def common_rounding(
     ----------
     request : Request
     states : mapping
-        States of the first run at the wanted times, with its steps.
+        States of the first run at the output times, with its steps.
     rates : ndarray, shape (n,)
         Bounds of the rates (rad/s).
     scale : ndarray, shape (n,)
@@ -149,9 +149,9 @@ def rounding_of_damping(bodies: Bodies, omega: Floats, times: Floats) -> Floats:
     ----------
     bodies : Bodies
     omega : ndarray, shape (n, m, 3)
-        Rates of the first run at the wanted times (rad/s).
+        Rates of the first run at the output times (rad/s).
     times : ndarray, shape (m,) or (n, m)
-        The wanted times (s).
+        The output times (s).
     """
     matrix = dampings(bodies.forces, alone=False)
     moments = bodies.moments[:, np.newaxis]
@@ -181,7 +181,7 @@ def _rounded_share_of_torque(bodies: Bodies) -> Floats:
 
     Each component of ``com x gamma`` is one of two products of which both may be rounded.
     """
-    com, gamma = np.abs(bodies.weight), np.abs(verticals(bodies))
+    com, gamma = np.abs(bodies.weight), np.abs(gammas(bodies))
     products = np.roll(com, 1, axis=1) * np.roll(gamma, 2, axis=1)
     products = products + np.roll(com, 2, axis=1) * np.roll(gamma, 1, axis=1)
     share: Floats = lengths(products) / lengths(com)
@@ -206,7 +206,7 @@ def _second_difference(bodies: Bodies, method: str, omega: Floats) -> Floats:
     """About ``|d2 omega / dt2| / |omega|``, 1/s², shape (n, m); NaN if a torque acts.
 
     Without weight the rates turn in the body, and so do their changes. The change by the weight
-    turns with the body. Schemes that preserve ``|L|`` add it apart from the turn.
+    turns with the body. Methods that preserve ``|L|`` add it apart from the turn.
     """
     moments = bodies.moments[:, np.newaxis, :]
     # The matrices of damping are symmetric.

@@ -80,8 +80,8 @@ class Run(HasColumns):
     tangent : ndarray, shape (n, m, 6, 6), or None
         Derivative of the motion by its start, if it was asked for. Rows and columns are a change of
         the rates (rad/s) and a rotation vector in the body (rad), ``R -> R exp(x)``: column ``j``
-        is what component ``j`` of a small displacement at ``t = 0`` has become. Infinite beyond the
-        range of doubles.
+        is what component ``j`` of a small deviation vector at ``t = 0`` has become. Infinite beyond
+        the range of doubles.
     sensitivity : ndarray, shape (n, m, 6, k), or None
         Derivative of the motion by k parameters, from the same start, if it was asked for: the
         change of the rates (rad/s) and the rotation vector in the body (rad) over the change of
@@ -152,7 +152,7 @@ class Run(HasColumns):
     _plan: LazyPlan
 
     omega = Column[Floats]("omega")
-    gamma = Column[Floats | None]("vertical")
+    gamma = Column[Floats | None]("gamma")
     attitude = Column[Floats | None]("attitude")
     work = Column[Floats | None]("work")
     tangent = Column[Floats | None]("tangent")
@@ -339,7 +339,7 @@ an accuracy
 
         States are not interpolated. A closed form is evaluated at these times. With a
         ``tolerance`` the body takes the steps of the run again, and each state is a value of the
-        series of its step: both have the bits of a run in which these times had been wanted. Other
+        series of its step: both have the bits of a run whose output times had been these. Other
         runs are made again by the same method with steps of the same length, which end at these
         times. So ask for many times at once.
 
@@ -351,7 +351,7 @@ an accuracy
         Returns
         -------
         Run
-            With these times in the place of the wanted ones, its own ``error`` and ``status``, and
+            With these times in the place of its output times, its own ``error`` and ``status``, and
             neither tangent nor events. NaN after the end of a body that an event has ended.
 
         Raises

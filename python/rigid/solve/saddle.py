@@ -16,7 +16,7 @@ from ..rotations.so3 import hat
 from .arrays import lengths
 from .bodies import Bodies
 
-__all__ = ["RateSizes", "departure", "homoclinic", "separatrices", "verticals"]
+__all__ = ["RateSizes", "departure", "gammas", "homoclinic", "separatrices"]
 
 Floats = NDArray[np.float64]
 
@@ -99,21 +99,21 @@ def departure(bodies: Bodies, times: Floats, sizes: RateSizes) -> Floats:
         return error
     moments = np.broadcast_to(bodies.moments, (len(bodies), 3))
     weight = np.broadcast_to(bodies.weight, (len(bodies), 3))
-    vertical, omega = verticals(bodies), bodies.omega
+    gamma, omega = gammas(bodies), bodies.omega
     damping = np.broadcast_to(dampings(bodies.forces, alone=True), (len(bodies), 3, 3))
-    torque = _cross(moments * omega, omega) + _cross(vertical, weight)
+    torque = _cross(moments * omega, omega) + _cross(gamma, weight)
     if bodies.forces is not None:
         # Not by `@`: OpenBLAS ends the process where its own memory cannot be had.
         torque -= np.einsum("ni,nij->nj", omega, damping)
     swing2 = lengths(bodies.weight) / bodies.moments.min(axis=1)
     rate = np.sqrt(np.einsum("ni,ni->n", omega, omega) + swing2)
-    away = np.maximum(lengths(torque / moments) / rate**2, lengths(_cross(vertical, omega)) / rate)
+    away = np.maximum(lengths(torque / moments) / rate**2, lengths(_cross(gamma, omega)) / rate)
     stays = (away == 0.0) & _is_upright_to_the_bit(bodies)
     since = np.abs(times) if bodies.forces is None else np.maximum(times, 0.0)
     since = np.broadcast_to(since, error.shape)
     near = ~stays & (away < NEAR) & weight.any(axis=1)
     for body in np.flatnonzero(near):
-        flow = _linearised(moments[body], weight[body], omega[body], vertical[body], damping[body])
+        flow = _linearised(moments[body], weight[body], omega[body], gamma[body], damping[body])
         exponent = np.linalg.eigvals(flow).real.max()
         if exponent > rate[body] * max(SLOWEST, 10.0 * np.sqrt(away[body])):
             left = max(away[body], START)
@@ -137,7 +137,7 @@ def _is_upright_to_the_bit(bodies: Bodies) -> NDArray[np.bool_]:
     return upright
 
 
-def verticals(bodies: Bodies) -> Floats:
+def gammas(bodies: Bodies) -> Floats:
     """The upward verticals in body components, shape (n, 3)."""
     w, x, y, z = np.broadcast_to(bodies.attitude, (len(bodies), 4)).T
     return np.stack(
@@ -163,7 +163,7 @@ def _cross(a: Floats, b: Floats) -> Floats:
 
 
 def _linearised(
-    moments: Floats, weight: Floats, omega: Floats, vertical: Floats, damping: Floats
+    moments: Floats, weight: Floats, omega: Floats, gamma: Floats, damping: Floats
 ) -> Floats:
     """Derivative of the rates of change of rates and vertical, shape (6, 6)."""
     turning = hat(moments * omega) - hat(omega) * moments - damping
@@ -171,6 +171,6 @@ def _linearised(
     return np.block(
         [
             [turning / moments[:, None], falling / moments[:, None]],
-            [hat(vertical), -hat(omega)],
+            [hat(gamma), -hat(omega)],
         ]
     )

@@ -88,7 +88,7 @@ def second_run(
 
 
 def _longest(request: Request, method: str) -> Floats:
-    """The longest steps that a scheme takes by default (s), shape (n,)."""
+    """The longest steps that a method takes by default (s), shape (n,)."""
     rates = request.bodies.fastest_rates(time_ranges(request.times), method)
     longest: Floats = angle_per_step(method) / rates
     return longest

@@ -1,4 +1,4 @@
-"""Sensitivity: how much a motion magnifies a small change of its start, whatever the solver."""
+"""Sensitivity: how much a motion magnifies a small change of its start, whatever the method."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def condition(
 
     The largest singular value of the derivative of the state with respect to the start, with rates
     in units of ``sqrt(|omega|² + mgl / I_min)`` and attitudes in rad. The factor is a
-    property of the motion, not of a solver: an error of 1e-16 in the start, the size of rounding,
+    property of the motion, not of a method: an error of 1e-16 in the start, the size of rounding,
     becomes ``1e-16 condition`` with every method. It grows like ``t`` on regular motions and
     exponentially on chaotic ones and near a separatrix.
 

@@ -98,7 +98,7 @@ def simulate(
         give each body times of its own.
     method : str, optional
         ``"exact"``, the closed form, or one of :func:`rigid.methods`. Default: ``"exact"`` where
-        all bodies have a closed form and no step is given, else the cheapest scheme for the
+        all bodies have a closed form and no step is given, else the cheapest method for the
         accuracy; ``"rk4"`` if a step is given; ``"etd4"`` if damping is ten times as fast as the
         turning of the fastest body. Steps are equal between given times and end exactly at these
         times and at the knots of a torque's table.
@@ -239,8 +239,8 @@ def simulate(
         tolerance = _checked_tolerance(tolerance, method, step, accuracy)
     plain = step is None and accuracy is None and tolerance is None and given.ndim == 1
     if plain and method in (None, EXACT) and has_closed_form(scene):
-        number, wanted = max(len(bodies), 1), len(times)
-        plan = LazyPlan(partial(_plan_of_any_start, scene, record, method, number, wanted))
+        number, outputs = max(len(bodies), 1), len(times)
+        plan = LazyPlan(partial(_plan_of_any_start, scene, record, method, number, outputs))
         chosen, steps = EXACT, None
     else:
         begin, end = time_ranges(times)

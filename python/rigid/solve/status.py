@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["ARRIVED", "Status", "error_limit", "judged_status", "sentences"]
+__all__ = ["ARRIVED", "Status", "error_limit", "sentences", "status_by_error"]
 
 COARSE_ERROR = 1e-3
 """Without a requested accuracy a larger error is called coarse."""
@@ -38,7 +38,7 @@ def error_limit(spec: dict[str, Any]) -> float:
     return 1.0 if spec["accuracy"] is None else float(spec["accuracy"])
 
 
-def judged_status(
+def status_by_error(
     status: NDArray[np.uint8], error: NDArray[np.float64], spec: dict[str, Any]
 ) -> NDArray[np.uint8]:
     """The status of bodies whose error is known: only a small error leaves them ``OK``."""
@@ -50,12 +50,12 @@ def judged_status(
         accurate = np.count_nonzero(error < limit) == len(error)
     if arrived and accurate:
         return status
-    judged = np.isnan(error) * np.uint8(Status.UNCHECKED)
-    if not judged.all():
+    found = np.isnan(error) * np.uint8(Status.UNCHECKED)
+    if not found.all():
         if spec["accuracy"] is None:
-            judged[error > COARSE_ERROR] = Status.COARSE
-        judged[error >= error_limit(spec)] = Status.FLAGGED
-    return judged if arrived else np.where(status == Status.OK, judged, status)
+            found[error > COARSE_ERROR] = Status.COARSE
+        found[error >= error_limit(spec)] = Status.FLAGGED
+    return found if arrived else np.where(status == Status.OK, found, status)
 
 
 def sentences(words: Callable[..., str], *columns: NDArray[Any]) -> tuple[Any, ...]:

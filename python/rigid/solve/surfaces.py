@@ -216,7 +216,7 @@ class Search:
         normal = surfaces.normal[rows, kind]
         of_omega, of_gamma = normal[..., :3], normal[..., 3:]
         of_momentum = surfaces.momentum[rows, kind]
-        omega, gamma = states["omega"], states["vertical"]
+        omega, gamma = states["omega"], states["gamma"]
         turning = np.array([of_rate for of_rate, _, _ in surfaces.kinds], dtype=bool)[kind]
         if states["attitude"] is None:  # no event of any body has the momentum
             along = np.zeros(kind.shape)
@@ -236,8 +236,8 @@ class Search:
         if (turning & unknown).any():
             fastest = bodies.fastest_rates((np.zeros(len(some)), self.ends[some]))
             pair = [
-                {"omega": one["omega"], "vertical": vertical, "attitude": None}
-                for one, vertical in ((states, gamma), (known, known["gamma"]))
+                {"omega": one["omega"], "gamma": turned, "attitude": None}
+                for one, turned in ((states, gamma), (known, known["gamma"]))
             ]
             apart = distances(pair[0], pair[1], np.zeros(len(some)), fastest)
             rate = np.where(

@@ -1,6 +1,6 @@
 """The tangent of a motion: the derivative of rates and attitude by the start and by parameters.
 
-A small displacement of a motion is a change of its rates and a rotation vector in the body. It
+A small deviation vector of a motion is a change of its rates and a rotation vector in the body. It
 obeys linear equations, which are integrated with the motion: one lane for each column. That of a
 parameter begins at zero, and the change of the parameter is a torque in its equations.
 """
@@ -26,13 +26,13 @@ __all__ = ["ROUNDING", "check_tangent", "rate_scale", "tangent_matrices", "tange
 Floats = NDArray[np.float64]
 
 ROUNDING = 2.0**-53
-"""Tolerance of a tangent whose scheme is not given."""
+"""Tolerance of a tangent whose method is not given."""
 
 
 def check_tangent(
     method: str | None, *, forces: tuple[str, ...], by_parameters: bool = False
 ) -> None:
-    """Raise ValueError for a scheme without a tangent; a closed form has an integrated one."""
+    """Raise ValueError for a method without a tangent; a closed form has an integrated one."""
     known = tangent_methods(forced=bool(forces) or by_parameters)
     if method in (None, EXACT, *known):
         return
@@ -59,7 +59,7 @@ def tangent_of(
 ) -> tuple[Floats, Floats | None, str]:
     """The tangent of the bodies of a request, that of a change of parameters, and a sentence.
 
-    A scheme that the user has named returns the tangent too, with the steps of the motion or the
+    A method that the user has named returns the tangent too, with the steps of the motion or the
     same tolerance. Else it is integrated by ``taylor16``, whose errors are those of rounding.
     """
     words = f"tangent by {method} too"
@@ -87,7 +87,7 @@ def tangent_matrices(request: Request, steps: Floats | None) -> Floats:
         leaves the range of doubles.
     """
     starts = np.tile(np.eye(6), (len(request.bodies), 1))
-    return _columns(request, steps, 6, displacements=starts)
+    return _columns(request, steps, 6, deviations=starts)
 
 
 def _sensitivity(
@@ -105,18 +105,18 @@ def _columns(
     steps: Floats | None,
     width: int,
     *,
-    displacements: Floats | None = None,
+    deviations: Floats | None = None,
     changes: Floats | None = None,
 ) -> Floats:
-    """Displacements of each body in columns, shape (n, m, 6, width), a lane for each column.
+    """Deviation vectors of each body in columns, shape (n, m, 6, width), a lane for each column.
 
-    Their causes are displacements at the start or changes of parameters, (n width, ...).
+    Their causes are deviation vectors at the start or changes of parameters, (n width, ...).
     """
     count, record = len(request.bodies), "tangent" if changes is None else "sensitivity"
     columns = replace(request.select(np.repeat(np.arange(count), width)), record=record)
     found = columns.states(
         None if steps is None else np.repeat(steps, width),
-        displacements=displacements,
+        deviations=deviations,
         changes=changes,
     )
     matrices = found["tangent"].reshape(count, width, request.times.shape[-1], 6)

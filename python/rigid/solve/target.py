@@ -20,7 +20,7 @@ Floats = NDArray[np.float64]
 
 COLUMNS: Mapping[str, tuple[str, int]] = {
     "omega": ("omega", 3),
-    "gamma": ("vertical", 3),
+    "gamma": ("gamma", 3),
     "attitude": ("attitude", 4),
     "work": ("work", 1),
 }

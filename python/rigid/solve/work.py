@@ -45,11 +45,11 @@ class Work:
     call, body : float
         Once for each call and for each body.
     group_state, state : float
-        For each wanted state: of a group of bodies side by side, and of a body.
+        For each output state: of a group of bodies side by side, and of a body.
     step_of_one, step : float
         A step of a group with one body, and of a full group.
     end : float
-        Another end of steps in a group: bodies of unlike steps reach a wanted time one after
+        Another end of steps in a group: bodies of unlike steps reach an output time one after
         another, and the others go on.
     """
 
@@ -64,7 +64,7 @@ class Work:
     def of_a_body(self, bodies: int, states: int, steps: float, ends: float = 1.0) -> float:
         """The work of one of so many bodies, each with so many states and steps.
 
-        The bodies of a group reach each wanted time after so many unlike numbers of steps.
+        The bodies of a group reach each output time after so many unlike numbers of steps.
         """
         full, rest = divmod(bodies, LANES)
         step = full * self.step

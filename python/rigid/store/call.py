@@ -114,7 +114,7 @@ def stability_map(
         between leaving and the horizon, is within 30 times the root of this error of another class,
         or within 0.01 rad.
         A flip does not tell by how much it was missed: with ``no_flip`` the default is all bodies,
-        and so it is with ``regular``, whose second run has another displacement too.
+        and so it is with ``regular``, whose second run has another deviation vector too.
     rng : int, numpy.random.Generator or SeedSequence, optional
         The seed, or a source of its 128 bits; by default fresh entropy. ``result.spec.seed``
         stores the seed.
@@ -159,7 +159,7 @@ def stability_map(
         columns that touches none of them is not seen.
     budget : int, optional
         Most bodies. What tells most is computed first, as long as the most bodies that the next
-        pixel may need fit. ``result.cut`` tells how many pixels are left out then, and
+        pixel may need fit. ``result.cut`` tells how many pixels are omitted then, and
         ``result.complete`` is False.
 
     Returns

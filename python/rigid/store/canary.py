@@ -28,7 +28,7 @@ MOST_CANDIDATES = 4096
 def canaries(table: Table) -> Block:
     """Up to 16 known rows, always the same of the same rows: those of the least digests.
 
-    Rows that took long are left out; the first is kept.
+    Rows that took long are omitted; the first is kept.
     """
     known = np.flatnonzero(table.known)
     known = known[:: -(-len(known) // MOST_CANDIDATES) or 1]

@@ -28,7 +28,7 @@ class Status:
     units, done, missing : int
         Units of work with a possible body; those whose rows are stored; those to be computed next.
     cut : int
-        Pixels that the budget of the map leaves out.
+        Pixels that the budget of the map omits.
     bodies, failed : int
         Bodies done, and the failed among them.
     twice : int
@@ -76,7 +76,7 @@ class Status:
             ("cost", f"{self.seconds:.3g} s of processor time, {self._left()}"),
         ]
         if self.cut and self.complete:
-            lines.append(("budget", f"spent: {self.cut:,} pixels are left out"))
+            lines.append(("budget", f"spent: {self.cut:,} pixels are omitted"))
         if self.twice:
             lines.append(("twice", f"{self.twice:,} rows were computed twice, with equal bytes"))
         for writer in self.writers:

@@ -17,10 +17,10 @@ use crate::exact::{CanonicalForm, Evaluator, EvaluatorKind, Question, StartRows,
 use crate::forces::ForceSet;
 use crate::kernel::{Entry, Job, Kernel, KernelAssignment, Needs, State, System, drive, load, read, unload};
 use crate::memory;
+use crate::method::{Method, Step};
 use crate::observe::Observed;
 use crate::parallel::{Interrupt, over_blocks};
 use crate::scene::TOP;
-use crate::scheme::{Scheme, Step};
 use crate::simd::{Isa, LANES};
 use crate::start::Body;
 use crate::status::{DRIFT_LIMIT, Status};
@@ -133,7 +133,7 @@ pub struct Crossings {
 /// fit into memory.
 pub fn section(
     request: &Request,
-    scheme: &Scheme,
+    method: &Method,
     section: &Section,
     threads: usize,
     isa: Isa,
@@ -142,22 +142,22 @@ pub fn section(
     let n = request.bodies.len();
     assert_eq!(section.surfaces.len(), n * section.kinds.len());
     assert_eq!(section.ends.len(), n);
-    scheme.check(request.scene, false)?;
+    method.check(request.scene, false)?;
     let refused = |argument, value, rule| Err(Error::Value { argument, value, rule });
     if section.kinds.len() > MOST_KINDS {
         let rule = "a run watches 32 at most";
         return refused("events", section.kinds.len().to_string(), rule);
     }
-    if !scheme.is_series() {
+    if !method.is_series() {
         let rule = "only a Taylor method is a polynomial inside its steps, of which no crossing is missed";
-        return refused("method", format!("'{}'", scheme.facts.name), rule);
+        return refused("method", format!("'{}'", method.facts.name), rule);
     }
     let given = request.tolerance.unwrap_or(f64::NAN);
     if !(f64::MIN_POSITIVE..1.0).contains(&given) {
         return refused("tolerance", format!("{given:e}"), "must be positive and below one");
     }
     if !request.forces.is_none() {
-        check_forced(request, scheme)?;
+        check_forced(request, method)?;
     }
     let none = Crossings {
         points: Vec::new(),
@@ -177,7 +177,7 @@ pub fn section(
         let block = first..first + crossings.len();
         let mut ways = memory::reserved("bodies of a block", block.len())?;
         for index in block.clone() {
-            ways.push(Way::of(request, scheme, index, section.closed)?);
+            ways.push(Way::of(request, method, index, section.closed)?);
         }
         for members in kinds_in(block.clone(), |index| ways[index - first].kind())? {
             let own = (&mut *crossings, &points);
@@ -200,9 +200,9 @@ struct Way {
 }
 
 impl Way {
-    fn of(request: &Request, scheme: &Scheme, index: usize, closed: bool) -> Result<Way, Error> {
+    fn of(request: &Request, method: &Method, index: usize, closed: bool) -> Result<Way, Error> {
         let (body, forces) = (&request.bodies[index], ForceSet::from(request.forces_of(index)));
-        let assignment = KernelAssignment::of_either(forces.act, scheme, body, &TOP);
+        let assignment = KernelAssignment::of_either(forces.act, method, body, &TOP);
         let form = if closed && !forces.act { CanonicalForm::of(body) } else { None };
         if closed && form.is_none() {
             return Err(Error::NoClosedForm { index, rule: Question::RULE_OF_STATES });

@@ -4,7 +4,7 @@
 //! differences do for its extrema. Intervals are halved until each has at most one extremum; between extrema a change of
 //! sign is one zero. F. Rouillier, P. Zimmermann, J. Comput. Appl. Math. 162 (2004) 33 (doi 10.1016/j.cam.2003.08.015).
 
-use crate::scheme::MAX_ORDER;
+use crate::method::MAX_ORDER;
 
 /// Most coefficients of a polynomial.
 pub const TERMS: usize = MAX_ORDER + 1;

@@ -335,7 +335,7 @@ def test_a_page_says_from_when_on_a_chaotic_motion_is_doubtful() -> None:
         found.append((np.inf if seen is None else float(seen), meant))
     (chaotic, meant), regular = found
     assert 20.0 < meant < 180.0
-    # Rounding errors change the displacement by 1e-3 of it, and its time by less than two of t.
+    # Rounding errors change the deviation vector by 1e-3 of it, and its time by less than two of t.
     assert abs(chaotic - meant) <= 0.2
     assert regular == (np.inf, np.inf)
 

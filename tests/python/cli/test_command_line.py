@@ -118,7 +118,7 @@ def test_a_map_writes_picture_and_data_and_prints_what_was_computed(
     assert facts["picture"] == "small.png"
 
 
-def test_a_scheme_is_told_with_its_steps_and_drifts(
+def test_a_method_is_told_with_its_steps_and_drifts(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     (folder / "steps.toml").write_text(SPEC.replace("samples", 'method = "rk4"\nsamples'))

@@ -162,7 +162,7 @@ def test_criteria_are_joined_by_lists() -> None:
         ('any = [{ criterion = "noflip" }, {}]', "[stable.any[0]] criterion = 'noflip'"),
         (
             'all = [{ criterion = "regular" }, { criterion = "no_flip" }]',
-            "[stable] regular() integrates a displacement: it is not joined with others",
+            "[stable] regular() integrates a deviation vector: it is not joined with others",
         ),
         ("not = { " * 17 + 'criterion = "no_flip"' + " }" * 17, "criteria are joined more than 16"),
     ],

@@ -205,13 +205,13 @@ def test_a_budget_that_is_spent_is_no_interruption(capsys: pytest.CaptureFixture
         assert re.search(
             r"until the share is known to within 0.1: so in \d+ pixels, not in \d+; seed", told.out
         )
-        assert re.search(r"1,\d+ in \d+ of \d+ pixels; the budget of 1,500 leaves out \d", told.out)
+        assert re.search(r"1,\d+ in \d+ of \d+ pixels; the budget of 1,500 omits \d", told.out)
     result = rigid.load_map("small.npz")
     assert not result.complete
     assert 1500 - result.spec.samples < result.samples.sum() <= 1500
     assert Path("stored.npz").read_bytes() == Path("small.npz").read_bytes()
     assert main(["status", "run.rigid"]) == 0
-    assert f"budget      spent: {result.cut} pixels are left out" in capsys.readouterr().out
+    assert f"budget      spent: {result.cut} pixels are omitted" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(

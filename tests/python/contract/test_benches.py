@@ -70,7 +70,7 @@ def test_a_quick_run_prints_rows_and_keeps_what_was_measured(bench: Path, tmp_pa
 def test_what_needs_a_peer_that_is_missing_is_left_out(bench: Path) -> None:
     done = python_process(WITHOUT_PEERS, str(bench), "--quick", PYTHONPATH=path_of(bench))
     assert rows(done.stdout)
-    assert re.search("(numba|heyoka) is not installed: what needs it is left out", done.stdout)
+    assert re.search("(numba|heyoka) is not installed: what needs it is omitted", done.stdout)
 
 
 LOST = """

@@ -15,7 +15,7 @@ sys.modules["kernel_calls"] = kernel_calls
 _SPEC.loader.exec_module(kernel_calls)
 
 KERNEL = "rigid::kernel::registry::kernels_of::Taylor::avx2::advance"
-TABLE = {0x9000: "memcpy@GLIBC_2.14", 0x9008: "fma@GLIBC_2.2.5", 0x9010: "rigid::scheme::only"}
+TABLE = {0x9000: "memcpy@GLIBC_2.14", 0x9008: "fma@GLIBC_2.2.5", 0x9010: "rigid::method::only"}
 
 
 def refused(*instructions: str, name: str = KERNEL) -> list[tuple[str, str]]:
@@ -31,16 +31,16 @@ def refused(*instructions: str, name: str = KERNEL) -> list[tuple[str, str]]:
 @pytest.mark.parametrize(
     "call",
     [
-        "call   200 <rigid::scheme::only>",
-        "addr32 call 200 <rigid::scheme::only>",
+        "call   200 <rigid::method::only>",
+        "addr32 call 200 <rigid::method::only>",
         "call   *0x8f10(%rip)        # 9010 <_GLOBAL_OFFSET_TABLE_+0x10>",
-        "jmp    200 <rigid::scheme::only>",
-        "jmp    210 <rigid::scheme::only+0x10>",
+        "jmp    200 <rigid::method::only>",
+        "jmp    210 <rigid::method::only+0x10>",
         "jmp    *0x8f10(%rip)        # 9010 <_GLOBAL_OFFSET_TABLE_+0x10>",
     ],
 )
 def test_a_call_inside_a_kernel_is_refused(call: str) -> None:
-    assert refused("push   %rbp", call, "ret") == [("rigid::scheme::only", "not inlined")]
+    assert refused("push   %rbp", call, "ret") == [("rigid::method::only", "not inlined")]
 
 
 def test_a_call_to_an_address_that_is_computed_is_refused() -> None:
@@ -53,7 +53,7 @@ def test_a_call_of_a_register_is_one_of_what_is_loaded_there() -> None:
     plain = "rigid::kernel::registry::kernels_of::Taylor::scalar::advance"
     assert not refused(fma, "call   *%rbx", name=plain)
     assert refused(fma, other, "call   *%r12", name=plain) == [
-        ("rigid::scheme::only", "not inlined")
+        ("rigid::method::only", "not inlined")
     ]
 
 

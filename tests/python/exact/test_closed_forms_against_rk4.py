@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from physics import Floats, vertical
+from physics import Floats, gamma_of
 from random_scenes import Scenes, batches, compared, free, tops
 from rigid import _core
 
@@ -72,7 +72,7 @@ def test_random_tops_stand_hang_and_lie_on_every_axis() -> None:
     scenes = tops(np.random.default_rng(1), 4000)
     axis = np.abs(scenes.weight).argmax(axis=1)
     one = np.arange(len(axis))
-    upward = np.sign(scenes.weight[one, axis]) * vertical(scenes.attitude)[one, axis]
+    upward = np.sign(scenes.weight[one, axis]) * gamma_of(scenes.attitude)[one, axis]
     for k in range(3):
         for sign in (-1.0, 1.0):
             here = (axis == k) & (np.sign(scenes.weight[one, k]) == sign)

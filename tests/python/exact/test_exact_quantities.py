@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from scipy.special import ellipk
 
 import rigid
-from physics import ROUNDOFF, Floats, angular_momentum, present, rotation_matrix, tilted, vertical
+from physics import ROUNDOFF, Floats, angular_momentum, gamma_of, present, rotation_matrix, tilted
 from rigid import exact
 
 STANDARD = rigid.FreeBody(rigid.Body((1.0, 2.0, 3.0)))
@@ -209,7 +209,7 @@ def start(tilt: float, axis: int, side: float) -> Floats:
 
 def tilts(scene: rigid.HeavyTop, attitude: ArrayLike) -> Floats:
     """Angles of the centre of mass from the upward vertical, small ones without cancellation."""
-    gamma, com = vertical(attitude), np.array(scene.com)
+    gamma, com = gamma_of(attitude), np.array(scene.com)
     angle: Floats = np.arctan2(np.linalg.norm(np.cross(gamma, com), axis=-1), gamma @ com)
     return angle
 
@@ -282,7 +282,7 @@ def test_steady_precession_is_steady(tilt: float, spin: float, axis: int, side: 
         terms = [rate**2 * np.cos(tilt), -0.5 * side * spin * rate, 1.0]
         assert abs(sum(terms)) < 16 * ROUNDOFF * np.abs(terms).max()
         # Turning about the vertical with that rate, and about its own axis with what is missing.
-        gamma = vertical(start(tilt, axis, side))
+        gamma = gamma_of(start(tilt, axis, side))
         omega = rate * gamma
         omega[axis - 1] = spin
         t = np.linspace(0.0, 10.0, 11)

@@ -267,5 +267,5 @@ def test_the_picture_of_drift_carries_it() -> None:
     assert drawn.ax.get_yscale() == "log"
     assert drawn.ax.get_xlabel() == "$t$ (s)"
     assert drawn.ax.get_ylabel() == "relative drift"
-    assert drawn.data.drift[1:].max() < 1e-13  # the scheme keeps L, in space too
+    assert drawn.data.drift[1:].max() < 1e-13  # the method keeps L, in space too
     assert drawn.data.drift[0].max() > 1e-10

@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 
 import rigid
 from free_motions import OBLATE, SPUN, moments_at_random, path
-from physics import ROUNDOFF, Floats, present, rotation_matrix, tilted, vertical
+from physics import ROUNDOFF, Floats, gamma_of, present, rotation_matrix, tilted
 from rigid import exact, free, rotations, top
 
 RANDOM = np.random.default_rng(38)
@@ -265,4 +265,4 @@ def test_scipy_rotations_are_attitudes() -> None:
     np.testing.assert_allclose(present(ours.attitude), present(theirs.attitude), atol=1e-15)
     assert exact.free_body(rigid.Body(OBLATE), SPUN).period == pytest.approx(ours.period)
     weight = top.gravity_torque(HEAVY, rotation)
-    np.testing.assert_allclose(weight, np.cross(vertical(attitude), [0, 0, 1.0]), atol=1e-15)
+    np.testing.assert_allclose(weight, np.cross(gamma_of(attitude), [0, 0, 1.0]), atol=1e-15)

@@ -53,12 +53,12 @@ def test_verdicts_are_those_of_a_fine_motion(family: int) -> None:
     assert seen == {False, True}
 
 
-@pytest.mark.parametrize("scheme", ["rk4", "splitting4", "taylor12"])
-def test_other_methods_agree(scheme: str) -> None:
+@pytest.mark.parametrize("method", ["rk4", "splitting4", "taylor12"])
+def test_other_methods_agree(method: str) -> None:
     """By the polynomial of their step, or by the cubic through its ends."""
     scenes = free(np.random.default_rng(5), BODIES, equal=False)
     for criterion in (rigid.rate_within(0.7), rigid.near_start(1.0), rigid.spin_above(0.3, 1)):
-        by_map = judged(scenes, criterion, scheme)
+        by_map = judged(scenes, criterion, method)
         series = judged(scenes, criterion)
         decided = ~by_map.undecided & ~series.undecided
         assert decided.mean() > 0.9
@@ -222,7 +222,7 @@ def test_plans_of_joined_criteria() -> None:
         (lambda: rigid.returns(1.0, after=-1.0), "after = -1.0: must not be negative"),
         (lambda: rigid.spin_above(-1.0), "rate = -1.0: must not be negative"),
         (lambda: rigid.spin_above(1.0, axis=0), "axis = 0"),
-        (lambda: rigid.no_flip() & rigid.regular(), r"regular\(\) integrates a displacement"),
+        (lambda: rigid.no_flip() & rigid.regular(), r"regular\(\) integrates a deviation vector"),
         (lambda: Joined("xor", (rigid.no_flip(),)), "operation = 'xor': must be 'and' or 'or'"),
         (
             lambda: small_map(stable=rigid.tilt_between(0.1, 0.2)),

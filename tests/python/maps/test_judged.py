@@ -291,7 +291,7 @@ def test_plans_and_closed_forms() -> None:
         (
             lambda: rigid.judged(stays_low, T) & rigid.no_flip(),
             ValueError,
-            r"judged\(\) has a function, which can join all that it judges: it is not joined",
+            r"judged\(\) has a function, which can join conditions itself: it is not joined",
         ),
         (
             lambda: small_map(stable=rigid.judged(stays_low, T), t_end=10.0),
@@ -308,7 +308,7 @@ def test_plans_and_closed_forms() -> None:
         (
             lambda: small_map(stable=rigid.judged(stays_low, T), measure=rigid.time_to_leave()),
             ValueError,
-            "measure: a function that judges bodies tells no time_to_leave",
+            "measure: a custom criterion tells no time_to_leave",
         ),
         (
             lambda: small_map(stable=rigid.judged(lambda states: states.omega, T)),
@@ -318,7 +318,7 @@ def test_plans_and_closed_forms() -> None:
         (
             lambda: small_map(samples=1).spec.with_functions(stable=keeps_its_sign),
             ValueError,
-            "stable: no function judges the bodies of this map",
+            "stable: this map has no custom criterion",
         ),
         (
             lambda: rigid.stability_map(

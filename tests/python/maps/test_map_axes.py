@@ -192,7 +192,7 @@ def test_maps_of_three_and_four_axes(count: int, tmp_path: Path) -> None:
 
 
 def test_three_axes_are_stacked_planes_of_two() -> None:
-    # The draws depend on the number of the pixel: so the noise is left out.
+    # The draws depend on the number of the pixel: so the noise is omitted.
     start = rigid.Start(omega=(0.3, 1.0, 0.2))
     options: dict[str, Any] = {"start": start, "stable": rigid.no_flip(2)}
     x, y, z = [1.2, 1.4, 1.6], [0.1, 0.4], [0.5, 1.0, 2.0, 3.0]

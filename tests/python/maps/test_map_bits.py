@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import rigid
-from physics import angular_momentum, energy, vertical
+from physics import angular_momentum, energy, gamma_of
 from processes import PATIENCE, python_process
 from rigid.model.criteria import NoFlip, TiltBelow
 from rigid.model.scene import scene_from_dict
@@ -195,7 +195,7 @@ def watched(result: rigid.StabilityMap, run: rigid.Run) -> Floats:
     assert run.attitude is not None
     axis = np.sign(criterion.axis) * np.eye(3)[abs(criterion.axis) - 1]
     if criterion.reference == "vertical":
-        seen = vertical(run.attitude) @ axis
+        seen = gamma_of(run.attitude) @ axis
     else:
         rotations = run.rotation()
         seen = rotations.apply(axis) @ rotations[0].apply(axis)
@@ -241,7 +241,7 @@ def test_a_replay_is_the_motion_that_was_judged(case: str) -> None:
         else:
             tilt = watched(result, run)
             # The tilt comes from the vertical that is carried, here it comes from the quaternion:
-            # they part by the error of the scheme, which is that of the drift, and by rounding
+            # they part by the error of the method, which is that of the drift, and by rounding
             # where the arc cosine is steep (1e-8 near 0).
             assert body.tilt == pytest.approx(tilt.max(), abs=2e-5)
             assert isinstance(result.spec.stable, TiltBelow)

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import rigid
-from physics import rotation_matrix, vertical
+from physics import gamma_of, rotation_matrix
 from rigid.maps.parameters import PARAMETERS
 from rigid.model.scene import Scene, scene_from_dict
 from small_maps import NAMED, Floats, in_blocks, small_map
@@ -125,7 +125,7 @@ def test_tilt_of_a_top_leans_its_axis_from_the_vertical(axis: int, tilt: float) 
     gamma = np.zeros(3)
     gamma[axis - 1], gamma[axis - 2] = math.cos(tilt), math.sin(tilt)
     # Half the angle is rounded once, a product of a quaternion twice.
-    np.testing.assert_allclose(vertical(body.attitude), gamma, atol=2e-15)
+    np.testing.assert_allclose(gamma_of(body.attitude), gamma, atol=2e-15)
     np.testing.assert_allclose(rotation_matrix(body.attitude)[2], gamma, atol=2e-15)
     assert np.linalg.norm(body.attitude) == pytest.approx(1.0, abs=4e-16)
     assert body.omega.tolist() == (3.0 * np.eye(3)[axis - 1]).tolist()
@@ -328,7 +328,7 @@ def test_a_flat_box_is_possible_at_equality() -> None:
     assert small_map(axes={"I3": [2.5]}, start=rigid.Start(spin=1.0)).status.tolist() == [0]
 
 
-# What is left out of a request
+# What is omitted of a request
 
 
 @pytest.mark.parametrize("scene", [rigid.FreeBody, rigid.HeavyTop])

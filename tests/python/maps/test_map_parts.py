@@ -17,7 +17,7 @@ from small_maps import spec_of
 
 TOP = rigid.HeavyTop(rigid.Body((1.0, 1.2, 0.5)), mgl=1.0)
 
-#: Closed forms, audits of groups, checks of some bodies, driven bodies, and displacements.
+#: Closed forms, audits of groups, checks of some bodies, driven bodies, and deviation vectors.
 SPECS: dict[str, dict[str, Any]] = {
     "flips": {},
     "closed forms": {"method": "auto"},

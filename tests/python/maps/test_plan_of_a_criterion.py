@@ -187,7 +187,7 @@ def test_an_error_that_no_model_foresees_is_unknown_in_a_map_too(words: str) -> 
     ("options", "message"),
     [
         ({"accuracy": 1e-6}, "accuracy = 1e-06: is not asked with a criterion: a map classifies"),
-        ({"times": 3}, "times = 3: is not asked with a criterion: a class is no state at wanted"),
+        ({"times": 3}, "times = 3: is not asked with a criterion: a class is no state at output"),
         ({"bodies": 3}, "bodies = 3: is not asked with a criterion: many bodies of a map share"),
         ({"attitude": [1, 0, 0, 0]}, "attitude = [1, 0, 0, 0]: is not asked with a criterion"),
         ({"omega": [0, 0, 1], "start": rigid.Start(spin=1.0)}, "omega, start: exclude each other"),

@@ -1,4 +1,4 @@
-"""Refined maps: which pixels are left out, and that the others are those of the full map."""
+"""Refined maps: which pixels are omitted, and that the others are those of the full map."""
 
 from __future__ import annotations
 
@@ -124,7 +124,7 @@ def test_a_budget_without_refinement_gives_a_coarse_whole_map() -> None:
     result = small_map(**{**GRID, "axes": {"spin": np.linspace(1, 2, 17)}}, budget=5 * 64)
     assert np.flatnonzero(result.samples).tolist() == [0, 4, 8, 12, 16]
     assert (result.complete, result.ended, result.cut) == (False, True, 12)
-    assert "320 in 5 of 17 pixels; the budget of 320 leaves out 12" in result.summary()
+    assert "320 in 5 of 17 pixels; the budget of 320 omits 12" in result.summary()
 
 
 #: Pixels stop at 64, 128, ... 384 bodies.
@@ -150,7 +150,7 @@ def test_the_budget_is_spent_where_pixels_miss_the_half_width(tmp_path: Path) ->
         missed = int((~result.narrow & (result.status == 0)).sum())
         assert missed >= result.cut
         assert f"pixels, not in {missed:,}" in result.summary()
-        assert f"the budget of {budget:,} leaves out {result.cut:,}" in result.summary()
+        assert f"the budget of {budget:,} omits {result.cut:,}" in result.summary()
         assert (result.samples >= before).all()
         before = result.samples
         loaded = rigid.load_map(result.save(tmp_path / "map.npz"))
@@ -158,7 +158,7 @@ def test_the_budget_is_spent_where_pixels_miss_the_half_width(tmp_path: Path) ->
     enough = small_map(**NARROW, budget=int(whole.samples.sum()) + most)
     assert enough.complete
     assert_same_map(enough, whole)
-    assert "leaves out" not in enough.summary()
+    assert "omits" not in enough.summary()
 
 
 @pytest.mark.parametrize("refine", [None, 8])
@@ -173,7 +173,7 @@ def test_parts_and_sittings_spend_a_budget_alike(tmp_path: Path, refine: int | N
     assert_same_map(results[-1], at_once)
     status = rigid.open_store(tmp_path / "run").status()
     assert (status.complete, status.cut, status.twice) == (True, at_once.cut, 0)
-    assert f"budget      spent: {at_once.cut:,} pixels are left out" in str(status)
+    assert f"budget      spent: {at_once.cut:,} pixels are omitted" in str(status)
     again = small_map(**asked, store=tmp_path / "run")
     assert_same_map(again, at_once)
 

@@ -157,7 +157,7 @@ def test_both_norms_agree_on_what_is_chaotic() -> None:
 
 
 def test_damping_makes_every_motion_regular() -> None:
-    """A top comes to rest, hanging: no displacement grows for ever."""
+    """A top comes to rest, hanging: no deviation vector grows for ever."""
     damped = rigid.HeavyTop(TOP.body, mgl=1.2, com=COM, damping=0.1)
     found = regular_map(damped, axes={"spin": [1.0, 3.0]}, start=rigid.Start(spin=0.0, tilt=2.0))
     assert found.unstable.sum() == 0
@@ -175,13 +175,13 @@ def test_the_rule_can_be_moved() -> None:
     assert never.resolution == 1e4
     strict = regular_map(stable=rigid.regular(sure=1e-9, low=1e-6))
     plain = regular_map()
-    # Beside a stable steady rotation displacements are bounded, and the limit of MEGNO is 0.
+    # Beside a stable steady rotation deviation vectors are bounded, and the limit of MEGNO is 0.
     assert (strict.mean_megno[strict.stable == 1] < 1e-6).all()
     assert strict.stable.sum() < 0.1 * plain.stable.sum()
     assert (strict.unstable == plain.unstable).all()
 
 
-def test_the_check_has_another_displacement_and_another_method() -> None:
+def test_the_check_has_another_deviation_and_another_method() -> None:
     alone, checked = (regular_map(**CLOUD, check=check) for check in (0.0, None))
     assert alone.checked.sum() == 0
     assert (checked.checked == checked.samples).all()
@@ -258,7 +258,7 @@ def test_the_summary_and_the_plan() -> None:
     assert f"auto: {found.plan.method}, step chosen for each body" in words
     assert "none below 0.05 1/s can be seen" in words
     assert found.plan.method != "exact"
-    assert found.plan.carried == ("omega", "gamma", "displacement")
+    assert found.plan.carried == ("omega", "gamma", "deviation")
     assert "Cincotta" in rigid.cite(found)
     assert "Cincotta" not in rigid.cite(regular_map(stable=rigid.tilt_below(1.0), t_end=1.0))
 

@@ -170,10 +170,10 @@ def test_a_satellite_map_is_replayed_to_the_bit() -> None:
     assert result.theory() is None
 
 
-def test_displacements_of_a_satellite_are_refused_in_maps() -> None:
+def test_deviations_of_a_satellite_are_refused_in_maps() -> None:
     scene = rigid.FreeBody(rigid.Body((1.0, 1.6, 2.0)), rotor=(0.1, 0.0, 0.2))
     asked: Any = {"axes": {"spin": [0.5, 1.0]}, "samples": 2, "t_end": 10.0, "progress": False}
-    with pytest.raises(ValueError, match="displacements are not integrated under a rotor"):
+    with pytest.raises(ValueError, match="deviation vectors are not integrated under a rotor"):
         rigid.stability_map(scene, stable=rigid.regular(), **asked)
     with pytest.raises(ValueError, match="method = 'etd4': does not integrate rotor"):
         rigid.stability_map(scene, stable=rigid.no_flip(2), method="etd4", **asked)

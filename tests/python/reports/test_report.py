@@ -43,7 +43,7 @@ ASYMMETRIC = rigid.HeavyTop(rigid.Body((1.0, 1.6, 0.7)), mgl=1.2)
 
 @pytest.fixture(scope="module")
 def box() -> rigid.Report:
-    """Two schemes against the closed form, with more time than they need."""
+    """Two methods against the closed form, with more time than they need."""
     return rigid.report(
         BOX,
         THROW,
@@ -67,7 +67,7 @@ def top() -> rigid.Report:
 
 
 @pytest.mark.parametrize(("method", "order"), [("rk4", 4.0), ("splitting", 2.0)])
-def test_the_order_of_a_scheme_is_found(box: rigid.Report, method: str, order: float) -> None:
+def test_the_order_of_a_method_is_found(box: rigid.Report, method: str, order: float) -> None:
     assert box.order(method) == pytest.approx(order, abs=0.4)
 
 
@@ -354,7 +354,7 @@ def test_a_margin_above_the_spread_of_repeats_is_a_star(box: rigid.Report) -> No
     assert starred(clear) == {"rk4"}
 
 
-def test_a_closed_form_and_the_cheapest_scheme_have_stars(box: rigid.Report) -> None:
+def test_a_closed_form_and_the_cheapest_method_have_stars(box: rigid.Report) -> None:
     report = timed(box, {"exact": [50.0] * 3, "rk4": [70.0] * 3, "dop853": [90.0] * 3})
     assert report.cheapest(1e-3) == ("exact",)
     assert report.cheapest(1e-3, schemes=True) == ("rk4",)

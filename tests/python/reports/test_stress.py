@@ -1,4 +1,4 @@
-"""Extreme and stiff bodies by every method: right, flagged or refused, never silently wrong."""
+"""Extreme and stiff bodies by every method: right, flagged or refused."""
 
 from __future__ import annotations
 

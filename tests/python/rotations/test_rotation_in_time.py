@@ -141,8 +141,8 @@ def test_long_runs_stay_rotations(method: str, lost: float) -> None:
     error = rotations.orthogonality_error(matrices).error.max()
     assert error < lost
     assert (method == "rk4") == (error > 1e-11)
-    mended = rotations.nearest_rotation(matrices)
-    assert rotations.orthogonality_error(mended).error.max() < ROUNDED
+    nearest = rotations.nearest_rotation(matrices)
+    assert rotations.orthogonality_error(nearest).error.max() < ROUNDED
 
 
 # Bad input

@@ -28,7 +28,7 @@ CASES = [case for family in FAMILIES for case in golden(family)]
 
 
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.id)
-def test_every_scheme_gives_the_accuracy_or_says_that_it_does_not(case: Golden) -> None:
+def test_every_method_gives_the_accuracy_or_says_that_it_does_not(case: Golden) -> None:
     known = case.kappa_att < 1e6
     last = int(np.flatnonzero(known)[min(2, known.sum() - 1)])
     fastest = float(np.linalg.norm(case.omega, axis=-1).max())

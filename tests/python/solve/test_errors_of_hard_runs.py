@@ -31,7 +31,7 @@ RUNS, PER_TEST = 300, 50
 def test_no_error_is_larger_than_what_is_said_of_it(first: int) -> None:
     for number in range(first, first + PER_TEST):
         found = judge(number, seed=2026)
-        assert found.verdict != "SILENT", (found.true, found.stated, found.case.code())
+        assert found.verdict != "UNDETECTED", (found.true, found.stated, found.case.code())
 
 
 @pytest.mark.parametrize("ratio", [1e-12, 1e-9, 1e-6])
@@ -209,7 +209,7 @@ def test_equal_rotations_drift_in_one_direction(method: str) -> None:
     assert largest > 1e-12
 
 
-def test_few_steps_of_a_stiff_scheme_are_checked_by_many() -> None:
+def test_few_steps_of_a_stiff_method_are_checked_by_many() -> None:
     """Its error is largest at four steps: three and six err alike."""
     rows = (
         (1155.755142463569, -106.54897650554865, -382.7203876884117),

@@ -38,7 +38,7 @@ def test_a_slew_from_rest_to_rest_is_no_drift(method: str) -> None:
     assert np.abs(run.omega[-1]).max() < 1e-14
     assert run.energy_drift < 1e-13
     assert run.attitude is not None
-    # Constant torque about a principal axis: exact for all schemes but those of order 2.
+    # Constant torque about a principal axis: exact for all methods but those of order 2.
     slack = 1e-3 if method in ("splitting", "midpoint") else 1e-6
     np.testing.assert_allclose(
         np.abs(run.attitude[-1]), [abs(np.cos(2.0)), np.sin(2.0), 0.0, 0.0], atol=slack
@@ -82,7 +82,7 @@ def test_backward_in_time_a_damped_body_is_fast_and_its_error_is_stated() -> Non
     assert lost.lost_from < 0.0
 
 
-def test_upright_at_rest_small_displacements_grow_for_ever() -> None:
+def test_upright_at_rest_small_deviations_grow_for_ever() -> None:
     """As ``e^t``, times a number near one from the units: the linear equations know no size."""
     top = rigid.HeavyTop(rigid.Body((1.0, 1.2, 0.5)), mgl=1.0)
     times = np.array([20.0, 40.0, 50.0])

@@ -15,13 +15,13 @@ from physics import (
     Golden,
     angular_momentum,
     energy,
+    gamma_of,
     golden,
     golden_number,
     present,
     rotation_angle,
     rotation_matrix,
     tilted,
-    vertical,
 )
 
 LAGRANGE = golden("lagrange")
@@ -46,7 +46,7 @@ def test_constants_of_the_symmetric_top(case: Golden) -> None:
     bound = 4.0 * ROUNDOFF * steps * reach
     assert angular_momentum(scene, run.omega)[:, 2] == pytest.approx(start[2], abs=bound)
     along = (angular_momentum(scene, run.omega) * gamma).sum(axis=-1)
-    assert along == pytest.approx(start @ vertical(case.attitude0), abs=bound)
+    assert along == pytest.approx(start @ gamma_of(case.attitude0), abs=bound)
     # Energy: order 2 in a step of 1/40 rad.
     scale = energy(scene, case.omega0) + scene.mgl
     assert np.abs(energy(scene, run.omega, gamma) - case.energy).max() < 0.025**2 * scale
@@ -57,7 +57,7 @@ def test_the_vertical_is_that_of_the_attitude(case: Golden) -> None:
     """It is carried beside the attitude; each method turns both alike."""
     until = case.t[case.kappa_att < 1e6].max()
     run = case.run("splitting", until=until, step=case.step_turning(0.025))
-    apart = np.abs(present(run.gamma) - vertical(present(run.attitude))).max()
+    apart = np.abs(present(run.gamma) - gamma_of(present(run.attitude))).max()
     assert apart < 4.0 * ROUNDOFF * float(run.steps) + 8 * ROUNDOFF
 
 

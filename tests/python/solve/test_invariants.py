@@ -16,12 +16,12 @@ from physics import (
     Floats,
     angular_momentum,
     energy,
+    gamma_of,
     golden_scene,
     present,
     rotation_angle,
     telling,
     tilted,
-    vertical,
 )
 from rigid.model.scene import Scene
 from rigid.solve.status import ARRIVED
@@ -58,7 +58,7 @@ def million_steps(method: str, scene: Scene, omega: Floats, step: float) -> rigi
 
 
 def energy_error(scene: Scene, run: rigid.Run, omega: Floats) -> Floats:
-    gamma = None if isinstance(scene, rigid.FreeBody) else vertical(START)
+    gamma = None if isinstance(scene, rigid.FreeBody) else gamma_of(START)
     start = energy(scene, omega, gamma)
     return (energy(scene, run.omega, run.gamma) - start) / energy(scene, omega)
 
@@ -220,14 +220,14 @@ def test_reported_drifts_are_those_of_the_returned_states(
     kinetic, momentum = energy(scene, omega), angular_momentum(scene, omega)
     if isinstance(scene, rigid.HeavyTop):
         # The vertical is carried beside the attitude, and the worse of the two is reported.
-        gammas = [present(run.gamma), vertical(attitude)]
+        gammas = [present(run.gamma), gamma_of(attitude)]
         drifts = [
-            energy(scene, run.omega, g) - energy(scene, omega, vertical(START)) for g in gammas
+            energy(scene, run.omega, g) - energy(scene, omega, gamma_of(START)) for g in gammas
         ]
         energy_drift = np.abs(drifts).max() / (kinetic + scene.mgl)
         along = [(angular_momentum(scene, run.omega) * g).sum(axis=-1) for g in gammas]
         reach = np.sqrt(scene.mgl * max(scene.body.moments))
-        momentum_drift = np.abs(np.array(along) - momentum @ vertical(START)).max()
+        momentum_drift = np.abs(np.array(along) - momentum @ gamma_of(START)).max()
         momentum_drift /= np.linalg.norm(momentum) + reach
     else:
         energy_drift = np.abs(energy(scene, run.omega) / kinetic - 1.0).max()

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import rigid
-from physics import ROUNDOFF, Floats, angular_momentum, energy, present, rotation_angle, vertical
+from physics import ROUNDOFF, Floats, angular_momentum, energy, gamma_of, present, rotation_angle
 from rigid.model.scene import Scene
 from rigid.solve.status import ARRIVED
 
@@ -29,7 +29,7 @@ def turning(scene: Scene, omega: Floats, attitude: Floats) -> float:
 def kept(scene: Scene, run: rigid.Run) -> dict[str, Floats]:
     """All that is quadratic in momenta and directions, relative to its size."""
     q = present(run.attitude)
-    momentum, up = angular_momentum(scene, run.omega), vertical(q)
+    momentum, up = angular_momentum(scene, run.omega), gamma_of(q)
     kinetic = energy(scene, run.omega)
     size = np.linalg.norm(momentum, axis=-1)
     if isinstance(scene, rigid.FreeBody):
@@ -182,7 +182,7 @@ def test_a_top_that_sinks_through_strong_damping(c: float) -> None:
     shape = np.array([[1.0, 0.1, 0.0], [0.1, 1.2, 0.2], [0.0, 0.2, 0.9]])
     scene = rigid.HeavyTop(BODY, mgl=3.0 * c, com=(0.0, 0.6, 0.8), damping=c * shape)
     attitude = np.array(START[1])
-    omega = np.linalg.solve(c * shape, np.cross(vertical(attitude), scene.weight))
+    omega = np.linalg.solve(c * shape, np.cross(gamma_of(attitude), scene.weight))
     truth = rigid.simulate(
         scene, omega, attitude, t=[1.0], method="etd4", step=1.0 / 20000, check=False
     )

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import rigid
-from physics import METHODS, Floats, present, vertical
+from physics import METHODS, Floats, gamma_of, present
 from rigid.model.scene import Scene
 
 SCENES: dict[str, Scene] = {
@@ -67,7 +67,7 @@ def test_what_was_not_asked_for_is_not_there(method: rigid.Method, scene: Scene)
     else:
         # A free body has it from the attitude; carried alone it has another error of the method.
         assert attitude.gamma is None
-        assert vertical(attitude.attitude) == pytest.approx(axis.gamma, abs=1e-4)
+        assert gamma_of(attitude.attitude) == pytest.approx(axis.gamma, abs=1e-4)
 
 
 def test_no_rotation_without_attitude() -> None:

@@ -11,9 +11,9 @@ from scipy.spatial.transform import Rotation
 
 import quad_motion
 import rigid
-from chaos_scenes import DISPLACED, Displaced
+from chaos_scenes import DEVIATING, Deviating
 from judged_growth import judge_growth
-from physics import Floats, present, vertical
+from physics import Floats, gamma_of, present
 from rigid import _core
 from rigid.model.scene import Scene
 from rigid.solve.starts import bodies_of
@@ -28,8 +28,8 @@ ATTITUDE = [0.9, 0.3, 0.2, 0.1]
 
 
 @pytest.mark.parametrize("of", ["rates", "attitude"])
-@pytest.mark.parametrize("case", DISPLACED, ids=lambda case: case.name)
-def test_growth_of_26_digits(case: Displaced, of: str) -> None:
+@pytest.mark.parametrize("case", DEVIATING, ids=lambda case: case.name)
+def test_growth_of_26_digits(case: Deviating, of: str) -> None:
     """As exact as the matrices: rounding of the start costs the square of the growth."""
     true = case.growth[of]
     found = rigid.lyapunov(
@@ -55,7 +55,7 @@ def test_growth_of_26_digits(case: Displaced, of: str) -> None:
 def test_the_error_of_growth_covers_the_truth_of_26_digits() -> None:
     """The check of a series in its own steps agreed to the last bit, and the error was zero."""
     ratios = []
-    for case in DISPLACED:
+    for case in DEVIATING:
         times = case.t[case.t > 0.0]
         for of in ("rates", "attitude"):
             found = rigid.lyapunov(
@@ -77,7 +77,7 @@ def test_the_error_of_growth_has_the_rounding_that_both_runs_share(number: int) 
 
 
 @pytest.mark.parametrize("power", [-1000, -700, 700, 1000])
-def test_the_size_of_a_displacement_does_not_matter(power: int) -> None:
+def test_the_size_of_a_deviation_does_not_matter(power: int) -> None:
     start = np.array([1.0, -2.0, 3.0, 1.0, 0.5, -1.0])
     known, found = (
         rigid.lyapunov(TOP, [0.3, 0.4, 1.0], t=[10.0, 20.0], start=vector)
@@ -87,8 +87,8 @@ def test_the_size_of_a_displacement_does_not_matter(power: int) -> None:
     np.testing.assert_array_equal(found.mean_megno, known.mean_megno)
 
 
-@pytest.mark.parametrize("case", DISPLACED, ids=lambda case: case.name)
-def test_the_spectrum_is_that_of_a_decomposition_in_26_digits(case: Displaced) -> None:
+@pytest.mark.parametrize("case", DEVIATING, ids=lambda case: case.name)
+def test_the_spectrum_is_that_of_a_decomposition_in_26_digits(case: Deviating) -> None:
     """``ln`` of the diagonal of R of the whole matrix, however often it is made orthogonal."""
     unit = np.diag([case.rate_scale] * 3 + [1.0] * 3)
     for of, count in (("attitude", 6), ("rates", 3)):
@@ -110,8 +110,8 @@ def test_the_spectrum_is_that_of_a_decomposition_in_26_digits(case: Displaced) -
             np.testing.assert_allclose(logs.sum(axis=1), true.sum(axis=1), rtol=0.0, atol=1e-13)
 
 
-@pytest.mark.parametrize("case", DISPLACED, ids=lambda case: case.name)
-def test_trapezoids_of_small_steps(case: Displaced) -> None:
+@pytest.mark.parametrize("case", DEVIATING, ids=lambda case: case.name)
+def test_trapezoids_of_small_steps(case: Deviating) -> None:
     """In steps of a tenth of a radian."""
     found = rigid.lyapunov(
         case.scene, case.omega, case.attitude, t=case.t, start=case.tangents[0], method="dop853"
@@ -225,7 +225,7 @@ def test_growth_under_a_torque_in_space(of: str, torque: list[float]) -> None:
         [np.eye(6), *present(run.tangent)], [ATTITUDE, *present(run.attitude)], strict=True
     ):
         rates, turn = (matrix @ start)[:3] / np.linalg.norm(CHAOTIC), (matrix @ start)[3:]
-        seen = turn if of == "attitude" else np.cross(vertical(np.array([attitude]))[0], turn)
+        seen = turn if of == "attitude" else np.cross(gamma_of(np.array([attitude]))[0], turn)
         sizes.append(np.hypot(np.linalg.norm(rates), np.linalg.norm(seen)))
     true = np.log(np.array(sizes[1:]) / sizes[0])
     np.testing.assert_allclose(found.log_growth, true, rtol=0.0, atol=1e-11)
@@ -265,8 +265,8 @@ def test_exponents_of_splittings_add_up_to_zero_at_any_step(method: str) -> None
         assert (np.abs((found.spectrum * found.t[:, None]).sum(axis=1)) < 1e-11).all()
 
 
-@pytest.mark.parametrize("case", DISPLACED, ids=lambda case: case.name)
-def test_growth_by_splittings(case: Displaced) -> None:
+@pytest.mark.parametrize("case", DEVIATING, ids=lambda case: case.name)
+def test_growth_by_splittings(case: Deviating) -> None:
     """Of any body without damping: the error is that of the steps, and the estimate is above it."""
     if case.scene.forces:
         pytest.skip("splittings have no tangent under damping")
@@ -295,7 +295,7 @@ def integrable(kind: str, count: int) -> tuple[Scene, Floats, Floats]:
         return rigid.HeavyTop(body, mgl=1.0, com=(1.0, 0.0, 0.0)), omega, attitude
     # Goryachev-Chaplygin: no momentum about the vertical.
     moments = np.array([4.0, 4.0, 1.0])
-    weighed = moments * vertical(attitude)
+    weighed = moments * gamma_of(attitude)
     omega -= weighed * ((omega * weighed).sum(axis=1) / (weighed**2).sum(axis=1))[:, None]
     return rigid.HeavyTop(rigid.Body(moments), mgl=1.0, com=(1.0, 0.0, 0.0)), omega, attitude
 
@@ -314,7 +314,7 @@ def test_no_integrable_motion_is_called_chaotic(kind: str, undecided: float) -> 
 
 @pytest.mark.parametrize("kind", ["middle axis", "upright"])
 def test_what_is_integrable_is_undecided_beside_a_separatrix_and_never_chaotic(kind: str) -> None:
-    """For ``ln(1 / distance)`` over the exponent displacements grow like those of chaos."""
+    """For ``ln(1 / distance)`` over the exponent deviation vectors grow like those of chaos."""
     rng = np.random.default_rng(30)
     away = 10.0 ** rng.uniform(-9.0, -3.0, (60, 1)) * rng.normal(size=(60, 3))
     scene: Scene = BOX
@@ -333,7 +333,7 @@ def test_what_is_integrable_is_undecided_beside_a_separatrix_and_never_chaotic(k
 
 
 def test_regular_motions_may_have_grown_faster_than_what_their_horizon_shows() -> None:
-    """The exponent of a finite time keeps what a displacement grew beside a separatrix."""
+    """The exponent of a finite time keeps what a deviation vector grew beside a separatrix."""
     top = rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0)
     omega = [[away, 0.0, 1.5] for away in np.geomspace(1e-7, 1e-5, 16)]
     found = rigid.lyapunov(top, omega, t=[400.0])
@@ -344,24 +344,24 @@ def test_regular_motions_may_have_grown_faster_than_what_their_horizon_shows() -
     assert words.startswith("regular: no growth like exp(k t) with k above 0.025 1/s")
 
 
-def test_displacements_of_a_verdict_keep_the_momentum_about_the_vertical() -> None:
+def test_deviations_of_a_verdict_keep_the_momentum_about_the_vertical() -> None:
     """The derivative of ``I w · gamma`` along them, by central differences, is zero."""
     scene, omega, attitude = integrable("kovalevskaya", 64)
     bodies = bodies_of(scene, omega, attitude)
     columns = {name: value for name, value in bodies.columns().items() if name != "scene"}
     unit = np.sqrt((omega**2).sum(axis=1) + 1.0)
 
-    def momentum(displacement: Floats) -> Floats:
+    def momentum(deviation: Floats) -> Floats:
         turned = Rotation.from_quat(attitude, scalar_first=True) * Rotation.from_rotvec(
-            displacement[:, 3:]
+            deviation[:, 3:]
         )
         gamma = turned.inv().apply([0.0, 0.0, 1.0])
         moments = np.array(scene.body.moments)
-        total: Floats = (moments * (omega + displacement[:, :3]) * gamma).sum(axis=1)
+        total: Floats = (moments * (omega + deviation[:, :3]) * gamma).sum(axis=1)
         return total
 
-    starts = _core.displacement_starts(**columns)
-    others = np.tile(_core.generic_displacements()[0], (64, 1))
+    starts = _core.deviation_starts(**columns)
+    others = np.tile(_core.generic_deviations()[0], (64, 1))
     others[:, :3] *= unit[:, None]
     kept, also_kept, changed = (
         np.abs(momentum(1e-5 * along) - momentum(-1e-5 * along)) / 2e-5 / unit
@@ -376,7 +376,7 @@ def test_displacements_of_a_verdict_keep_the_momentum_about_the_vertical() -> No
 def test_resonances_of_a_goryachev_chaplygin_top_are_quadratic_in_the_time_off_its_level() -> None:
     """A mean MEGNO of 4 where the motion changes with ``L·gamma``, and of 2 where it may not."""
     scene, omega, attitude = integrable("goryachev-chaplygin", 128)
-    generic = _core.generic_displacements()[0]
+    generic = _core.generic_deviations()[0]
     kept, changed = (
         rigid.lyapunov(scene, omega, attitude, t=[400.0], start=start, check=False)
         for start in (None, generic)
@@ -394,7 +394,7 @@ def test_resonances_of_a_goryachev_chaplygin_top_are_quadratic_in_the_time_off_i
     ],
     ids=["damping", "mgl"],
 )
-def test_the_displacement_of_a_body_is_its_own(name: str, values: Floats) -> None:
+def test_the_deviation_of_a_body_is_its_own(name: str, values: Floats) -> None:
     """Tops keep ``L·gamma`` beside damped tops and beside free bodies."""
     fixed: dict[str, Any] = {"mgl": 1.2, "com": (0.6, 0.0, 0.8)}
     body, times = rigid.Body((1.0, 1.6, 0.7)), [10.0, 40.0]
@@ -493,12 +493,12 @@ def test_a_long_horizon_overflows_nothing() -> None:
         ({"t": [0.0, 1.0]}, "t = 0.0: must be positive times"),
         ({"t": []}, r"t = \[\]: must be positive times"),
         ({"t": [2.0, 1.0]}, "times must be ascending"),
-        ({"method": "exact"}, "method = 'exact': displacements are integrated"),
+        ({"method": "exact"}, "method = 'exact': deviation vectors are integrated"),
         ({"method": "dmv10"}, "method = 'dmv10': has no tangent"),
-        ({"start": np.zeros(6)}, "start: a displacement of body 0 has no size of = 'rates'"),
+        ({"start": np.zeros(6)}, "start: a deviation vector of body 0 has no size of = 'rates'"),
         (
             {"start": [0.0, 0.0, 0.0, 0.0, 0.0, 1.0]},
-            "start: a displacement of body 0 has no size of = 'rates'",
+            "start: a deviation vector of body 0 has no size of = 'rates'",
         ),
         ({"start": np.ones((2, 6)), "exponents": 2}, "start: .* depend on each other"),
         ({"start": np.ones(5)}, r"start: expected shape \(1, 6\)"),

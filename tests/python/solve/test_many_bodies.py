@@ -474,7 +474,7 @@ REFUSED: list[tuple[Callable[[], Any], type[Exception], str]] = [
     (
         lambda: rigid.simulate(TOPS, OMEGA, t=[1.0], method="exact"),
         ValueError,
-        "method = 'exact': no closed form of rates and attitude at wanted times for body 1 of the",
+        "method = 'exact': no closed form of rates and attitude at output times for body 1 of the",
     ),
     (
         lambda: exact.lagrange_top(rigid.HeavyTop(rigid.Body(MOMENTS[:2]), mgl=1.0), OMEGA[0]),

@@ -1,4 +1,4 @@
-"""The plan says what is done, what is left out and why; closed forms are taken where they exist."""
+"""The plan says what is done, what is omitted and why; closed forms are taken where they exist."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from error_survey import random_scene
 from physics import LISTED, METHODS, present, rotation_angle, tilted
 from rigid.model.scene import Scene
 from rigid.solve import work
-from rigid.solve.cost_model import schemes
+from rigid.solve.cost_model import calibrated
 from small_maps import small_map
 
 FREE = rigid.FreeBody(rigid.Body((1.0, 2.0, 3.0)))
@@ -81,7 +81,7 @@ def test_a_plan_is_read_in_lines(make: Callable[[], rigid.Plan]) -> None:
 def test_less_is_carried_where_less_is_asked() -> None:
     carried = [rigid.plan(FREE, record).carried for record in RECORDS]
     assert carried == [("omega",), ("omega", "gamma", "attitude"), ("omega", "attitude")]
-    # A scheme needs the vertical of a top for its torque, a closed form does not.
+    # A method needs the vertical of a top for its torque, a closed form does not.
     carried = [rigid.plan(HEAVY, record).carried for record in RECORDS]
     assert carried == [("omega", "gamma"), ("omega", "gamma"), ("omega", "gamma", "attitude")]
     assert rigid.plan(LAGRANGE, "rates").carried == ("omega", "attitude")
@@ -153,12 +153,12 @@ def test_bodies_of_unlike_steps_cost_an_end_of_the_group_each() -> None:
             present_float(rigid.plan(HEAVY, "rates", omega=rows, **options).work)
             for rows in (alike, unlike)
         ]
-        end = schemes()[method, "top"].work["rates"].end
+        end = calibrated()[method, "top"].work["rates"].end
         assert end > 0.5
         assert works[1] - works[0] == pytest.approx(states * 31 * end / 32, rel=1e-9)
 
 
-def test_each_wanted_state_has_its_cost() -> None:
+def test_each_output_state_has_its_cost() -> None:
     runs = [
         rigid.simulate(scene, RATES, t=np.linspace(0.0, 1.0, states), check=False)
         for scene in (FREE, HEAVY)
@@ -621,7 +621,7 @@ def test_the_error_of_a_plan_is_seldom_too_small_by_ten() -> None:
 def test_the_error_of_a_plan_is_seldom_too_small_by_ten_for_flat_bodies(method: str) -> None:
     """Free bodies of three unlike moments, in steps up to the longest that the model knows."""
     rng = np.random.default_rng(21)
-    longest = schemes()[method, "free"].longest
+    longest = calibrated()[method, "free"].longest
     small = []
     for _ in range(100):
         parts = rng.uniform(0.05, 1.0, 3) * (1.0, 1.0, 0.1)

@@ -394,7 +394,7 @@ def test_rest_in_the_region_of_debra_and_delp_is_stable_and_its_complement_is_no
 
 
 def linearised(own: Floats) -> Floats:
-    """The matrix of small displacements from rest on the orbit, by central differences."""
+    """The matrix of small deviation vectors from rest on the orbit, by central differences."""
     moments = np.array(own)
 
     def rate(y: Floats) -> Floats:
@@ -546,7 +546,7 @@ def test_steps_one_by_one_are_those_of_a_run() -> None:
     np.testing.assert_allclose(motion.omega, run.omega[-1], atol=1e-14)
 
 
-def test_a_chosen_scheme_moves_satellites() -> None:
+def test_a_chosen_method_moves_satellites() -> None:
     for name, scene in SCENES.items():
         for accuracy in (1e-3, 1e-10):
             plan = rigid.plan(scene, "rates", omega=OMEGA, t_end=10.0, accuracy=accuracy)
@@ -557,16 +557,14 @@ def test_a_chosen_scheme_moves_satellites() -> None:
     ("method", "words"),
     [("midpoint", "does not integrate (rotor|dissipation|drag|gravity gradient)")],
 )
-def test_a_scheme_that_does_not_move_satellites_is_refused(method: str, words: str) -> None:
+def test_a_method_that_does_not_move_satellites_is_refused(method: str, words: str) -> None:
     for scene in SCENES.values():
         with pytest.raises(ValueError, match=f"method = '{method}': {words}"):
             rigid.simulate(scene, OMEGA, t=[1.0], method=method)
 
 
-def test_displacements_of_satellites_are_refused() -> None:
-    words = (
-        "displacements are not integrated under a rotor, a gravity gradient, drag, dissipation, or"
-    )
+def test_deviations_of_satellites_are_refused() -> None:
+    words = "deviation vectors are not integrated under a rotor, a gravity gradient, drag, dissipation, or"
     scene = SCENES["rotor"]
     with pytest.raises(ValueError, match=words):
         rigid.condition(scene, OMEGA, t=[1.0])
@@ -653,5 +651,5 @@ def test_stated_errors_of_random_satellites_are_true() -> None:
     kinds = {"satellite": KINDS["satellite"]}
     findings = [judge(number, 1, kinds) for number in range(40)]
     verdicts = [one.verdict for one in findings]
-    assert verdicts.count("SILENT") == 0
+    assert verdicts.count("UNDETECTED") == 0
     assert verdicts.count("right") > 30

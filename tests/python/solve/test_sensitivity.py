@@ -213,7 +213,7 @@ def random_driven(count: int) -> tuple[rigid.HeavyTop, Floats, Floats, Floats, F
 
 @pytest.mark.parametrize("method", [None, "rk4", "dop853", "taylor12", "taylor26"])
 def test_another_unit_of_mass_changes_no_motion(method: str | None) -> None:
-    """``sum p dx/dp = 0`` of moments, weight, damping and torque: exact for every scheme."""
+    """``sum p dx/dp = 0`` of moments, weight, damping and torque: exact for every method."""
     top, damping, torque, omega, attitude = random_driven(300)
     run = rigid.simulate(
         top, omega, attitude, t=[1.0, 4.0], tangent=OF_TOP[:10], check=False, method=method

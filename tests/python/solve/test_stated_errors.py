@@ -43,7 +43,7 @@ EARLY = [1e-4, 1e-3, 0.01, 0.03, 0.1, 0.3]
 
 @pytest.mark.parametrize("t", [EARLY, np.geomspace(1e-4, 0.3, 8)], ids=["decades", "geometric"])
 @pytest.mark.parametrize("method", [None, "etd4", "splitting", "midpoint"])
-def test_wanted_times_closer_than_a_step_do_not_hide_its_error(method: str | None, t: Any) -> None:
+def test_output_times_closer_than_a_step_do_not_hide_its_error(method: str | None, t: Any) -> None:
     run, true = both(LAYER, [3.0, -10.0, 1.0], t, method=method)
     assert true.max() > 1e-10
     assert true.max() <= run.error
@@ -70,7 +70,7 @@ def test_the_whole_record_keeps_an_accuracy(t: Any) -> None:
 
 @pytest.mark.parametrize("method", ["rk4", "dop853", "splitting", "taylor12", "chin4a", "pmlf4"])
 def test_every_interval_is_checked_by_other_steps(method: str) -> None:
-    """One to three steps lie between the wanted times: shorter steps must be more of them."""
+    """One to three steps lie between the output times: shorter steps must be more of them."""
     top = rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0)
     for steps in (0.9, 1.05, 1.9, 2.4):
         t = np.cumsum(np.full(12, 0.3 * steps))
@@ -216,7 +216,7 @@ def test_damping_slows_the_fall_of_an_upright_top(damping: float) -> None:
 def test_a_top_that_hardly_swings_is_compared_with_its_own_rates(
     method: str, accuracy: float | None, size: float
 ) -> None:
-    """It could reach 2 rad/s; displaced by 2e-9 rad it never exceeds 2e-9 rad/s."""
+    """It could reach 2 rad/s; turned by 2e-9 rad it never exceeds 2e-9 rad/s."""
     top = rigid.HeavyTop(rigid.Body((1.0, 1.3, 0.6)), mgl=1.0)
     start = size * np.array([0.3, 0.2, 1.0])
     attitude = [size, 1.0, 0.3 * size, 0.0]

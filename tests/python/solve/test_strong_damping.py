@@ -1,4 +1,4 @@
-"""Damping of any strength: the schemes that act by its exponential, and who chooses them."""
+"""Damping of any strength: the methods that act by its exponential, and who chooses them."""
 
 from __future__ import annotations
 
@@ -27,12 +27,12 @@ def damped_top(c: float) -> rigid.HeavyTop:
     return rigid.HeavyTop(BODY, mgl=10.0 * c, com=TILTED_COM, damping=c * SHAPE)
 
 
-def test_three_schemes_do_not_mind_the_strength() -> None:
+def test_three_methods_do_not_mind_the_strength() -> None:
     assert list(STIFF) == ["splitting", "etd4", "midpoint"]
 
 
 @pytest.mark.parametrize("method", STIFF)
-def test_measured_order_of_the_schemes_for_damping(method: str) -> None:
+def test_measured_order_of_the_methods_for_damping(method: str) -> None:
     """Of moderate damping, with a torque that changes in time, in body and space."""
     torque = rigid.Torque.body([(0.2, -0.5, 0.9), (1.0, 0.3, -0.7)], times=[0.0, 2.0])
     scene = rigid.HeavyTop(
@@ -67,7 +67,7 @@ def test_the_error_falls_with_the_step_whatever_the_damping(c: float) -> None:
     """`h c/I` from 1e-2 to 1e4 and beyond: never above 1e-2, and of order 4 for weak damping.
 
     Under strong damping each halving gains at least a factor of 4 until the error is that of the
-    layer in which the start is forgotten, `h omega^2 I/c` (no step of a stiff scheme resolves it).
+    layer in which the start is forgotten, `h omega^2 I/c` (no step of a stiff method resolves it).
     """
     scene = damped_top(c)
     end = 0.4

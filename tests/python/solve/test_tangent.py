@@ -9,7 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 import rigid
-from chaos_scenes import DISPLACED, Displaced, attitude_with
+from chaos_scenes import DEVIATING, Deviating, attitude_with
 from physics import Floats, present
 from rigid.model.scene import Scene
 
@@ -52,7 +52,7 @@ def exponential(matrix: Floats) -> Floats:
 
 
 def jacobian(scene: Scene, omega: Floats, gamma: Floats) -> Floats:
-    """The matrix of the linear equations of a displacement, by cross products."""
+    """The matrix of the linear equations of a deviation vector, by cross products."""
     moments = np.array(scene.body.moments)
     inertia, inverse = np.diag(moments), np.diag(1.0 / moments)
     spin = inverse @ (hat(inertia @ omega) - hat(omega) @ inertia)
@@ -64,9 +64,9 @@ def jacobian(scene: Scene, omega: Floats, gamma: Floats) -> Floats:
 # --- Data ----------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("case", DISPLACED, ids=lambda case: case.name)
+@pytest.mark.parametrize("case", DEVIATING, ids=lambda case: case.name)
 @pytest.mark.parametrize("method", [None, "taylor16"])
-def test_matrices_of_26_digits(case: Displaced, method: str | None) -> None:
+def test_matrices_of_26_digits(case: Deviating, method: str | None) -> None:
     """The rounding of the start costs 1e-16 times the square of the growth, over what is left."""
     tolerance = None if method is None else 1e-16
     found = tangent(
@@ -214,7 +214,7 @@ def test_splittings_are_symplectic_at_any_step(method: str, symmetric: bool) -> 
         assert (np.abs(values * values[:, ::-1] - 1.0).max(axis=1) < 1e-13 * size**2).all()
         turns = np.concatenate([np.zeros_like(gamma), gamma], axis=2)
         turned = np.einsum("nij,nj->ni", matrices, turns[:, 0])
-        # In steps of 4 s, which are far too long, a displacement grows more inside a step than
+        # In steps of 4 s, which are far too long, a deviation vector grows more inside a step than
         # over it, and what rounds there is lost: 5e-12 of 3e12 of one top with splitting8.
         least = 1e-12 if step < 1.0 else 1e-11
         assert (np.abs(turned - turns[:, 1]).max(axis=1) < least * size).all()
@@ -263,7 +263,7 @@ def test_about_a_permanent_axis_it_is_the_exponential_of_a_constant_matrix(
 
 
 def test_on_the_separatrix_it_is_elementary() -> None:
-    """``w = (a1 s, a2 t, a3 s)`` with ``s = sech u``, ``t = tanh u``: three known displacements."""
+    """``w = (a1 s, a2 t, a3 s)`` with ``s = sech u``, ``t = tanh u``: three known deviations."""
     moments, omega = np.array([4.0, 8.0, 9.0]), np.array([0.375, -0.25, 0.5])
     # Lies on it in doubles: I1 (I2 - I1) w1² = I3 (I3 - I2) w3².
     size = np.linalg.norm(moments * omega) / moments[1]

@@ -1,4 +1,4 @@
-"""States at wanted times, any of them, and what becomes of bodies that cannot be run."""
+"""States at output times, any of them, and what becomes of bodies that cannot be run."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def test_states_belong_to_their_times(method: rigid.Method, t: list[float]) -> N
 
 
 @pytest.mark.parametrize("method", METHODS, ids=lambda method: method.name)
-def test_steps_end_exactly_on_wanted_times(method: rigid.Method) -> None:
+def test_steps_end_exactly_on_output_times(method: rigid.Method) -> None:
     """Steps of 0.25 make the way to 1 in two legs as well as in one: the same bits."""
     legs = rigid.simulate(TOP, RATES, t=[0.5, 1.0], step=0.25, method=method.name)
     whole = rigid.simulate(TOP, RATES, t=[1.0], step=0.25, method=method.name)

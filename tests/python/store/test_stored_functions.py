@@ -73,7 +73,7 @@ def test_a_folder_needs_the_function_again(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("options", [{"samples": None, "half_width": 0.1}, {"refine": 2}])
 def test_pixels_have_the_bits_of_the_full_map(options: dict[str, Any]) -> None:
-    """With as many bodies as a pixel needs, and where pixels are left out."""
+    """With as many bodies as a pixel needs, and where pixels are omitted."""
     for asked in (ASKED, {**OWN, "axes": {**OWN["axes"]}}):
         if "refine" in options and "scene" in asked:
             asked["axes"] = {"length": [1.5, 2.0, 2.5], "noise": [1e-3, 0.03, 0.1]}

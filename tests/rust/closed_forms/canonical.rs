@@ -165,7 +165,7 @@ fn what_has_no_closed_form_is_refused() {
             bodies,
             scene: &TOP,
             forces: Forces::NONE,
-            solver: Solver::Exact,
+            method: AnyMethod::Exact,
             record: Record::Attitude,
             schedule,
             steps: &[f64::NAN; 2],

@@ -15,9 +15,9 @@ use rigid::exact::derived::{free_quantities, sign_changes, tilt_time, top_quanti
 use rigid::exact::{CanonicalForm, ClosedForm, EvaluatorKind};
 use rigid::forces::{BodyForces, Forces};
 use rigid::kinematics::to_body_frame;
+use rigid::method::AnyMethod;
 use rigid::parallel::Interrupt;
 use rigid::simd::Isa;
-use rigid::solver::Solver;
 use rigid::special::theta::{Phase, Torus};
 use rigid::special::{complete_k, jacobi, sincos};
 use rigid::start::Body;
@@ -34,7 +34,7 @@ fn solved(body: &Body, times: &[f64]) -> States {
         bodies: &[*body],
         scene: scene_of(body.weight != [0.0; 3]),
         forces: Forces::NONE,
-        solver: Solver::Exact,
+        method: AnyMethod::Exact,
         record: Record::Attitude,
         schedule: Schedule::Times(times),
         steps: &[f64::NAN],

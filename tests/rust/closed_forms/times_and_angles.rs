@@ -5,8 +5,8 @@ use super::*;
 /// The vertical in axes whose third axis points to the centre of mass, and this axis in space.
 fn poles(body: &Body, attitude: &[f64; 4]) -> ([f64; 3], [f64; 3]) {
     let frame = Frame::of(weight_axis(body));
-    let vertical = to_body_frame(attitude, &[0.0, 0.0, 1.0]);
-    (frame.apply(vertical), to_space(attitude, frame.back([0.0, 0.0, 1.0])))
+    let gamma = to_body_frame(attitude, &[0.0, 0.0, 1.0]);
+    (frame.apply(gamma), to_space(attitude, frame.back([0.0, 0.0, 1.0])))
 }
 
 /// The angle between the vertical and the centre of mass.

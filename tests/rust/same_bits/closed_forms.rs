@@ -170,12 +170,12 @@ fn closed_form(
     isa: Isa,
 ) -> States {
     let steps = vec![f64::NAN; bodies.len()];
-    let (solver, schedule) = (Solver::Exact, Schedule::Times(times));
+    let (method, schedule) = (AnyMethod::Exact, Schedule::Times(times));
     let request = Request {
         bodies,
         scene: scene_of(is_top),
         forces: Forces::NONE,
-        solver,
+        method,
         record,
         schedule,
         steps: &steps,

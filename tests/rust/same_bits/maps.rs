@@ -42,7 +42,7 @@ fn bounded(quantity: Quantity, limit: f64) -> Criterion {
 
 fn maps() -> Vec<Map> {
     let [rk4, splitting] =
-        [&scheme::RK4, &scheme::SPLITTING].map(|method| MethodChoice::Only(Solver::Steps(method)));
+        [&method::RK4, &method::SPLITTING].map(|method| MethodChoice::Only(AnyMethod::Steps(method)));
     vec![
         map(false, rk4, Criterion::NoFlip, Some(0.05)),
         map(false, splitting, Criterion::TiltFromStart(1.5), None),
@@ -59,7 +59,7 @@ fn maps() -> Vec<Map> {
 fn maps_in_closed_form() -> Vec<Map> {
     let mut maps = vec![
         map(false, MethodChoice::Auto, Criterion::NoFlip, None),
-        map(false, MethodChoice::Only(Solver::Exact), Criterion::NoFlip, None),
+        map(false, MethodChoice::Only(AnyMethod::Exact), Criterion::NoFlip, None),
         map(true, MethodChoice::Auto, Criterion::TiltFromVertical(2.2), None),
     ];
     for map in &mut maps {
@@ -158,7 +158,7 @@ fn a_map_does_not_depend_on_the_division_of_the_work() {
 /// theorem.
 fn maps_of_growth() -> Vec<Map> {
     let rule = Rule { sure: 2.1, low: 3.0, high: 5.0, ratio: 1.5 };
-    let taylor = MethodChoice::Only(Solver::Steps(&scheme::TAYLOR16));
+    let taylor = MethodChoice::Only(AnyMethod::Steps(&method::TAYLOR16));
     let mut maps = vec![
         map(true, MethodChoice::Auto, Criterion::RegularRates(rule), None),
         map(true, taylor, Criterion::RegularAttitude(rule), Some(0.2)),
@@ -196,7 +196,7 @@ fn classes_of_growth_do_not_depend_on_the_division_of_the_work() {
 
 #[test]
 fn samples_with_common_audits_do_not_depend_on_the_division_of_the_work() {
-    let splitting = MethodChoice::Only(Solver::Steps(&scheme::SPLITTING));
+    let splitting = MethodChoice::Only(AnyMethod::Steps(&method::SPLITTING));
     let tilted = [
         map(true, MethodChoice::Auto, Criterion::TiltFromVertical(2.2), None),
         map(true, splitting, Criterion::TiltFromVertical(2.2), Some(0.05)),

@@ -17,13 +17,12 @@ use rigid::kernel::{Entry, KernelAssignment, load};
 use rigid::map::{
     Check, Class, Condition, Criterion, Laws, Logic, Map, MethodChoice, Pixel, Rule, Statistics,
 };
-use rigid::observe::{Bound, Displacement, EXIT_TIME, Flips, Observed, Quantity, Tilt};
+use rigid::method::{self, AnyMethod, EngineName, Method, Step};
+use rigid::observe::{Bound, Deviation, EXIT_TIME, Flips, Observed, Quantity, Tilt};
 use rigid::parallel::Interrupt;
 use rigid::sample::{Law, uniforms};
-use rigid::scheme::{self, Engine, Scheme, Step};
 use rigid::simd::Isa;
 use rigid::simd::{LANES, Row};
-use rigid::solver::Solver;
 use rigid::start::Body;
 use rigid::status::Status;
 use rigid::trajectory::{Record, Request, Schedule, States, simulate};
@@ -48,21 +47,21 @@ const SYSTEMS: [(System, &[Observed]); 7] = [
     (System::TopTangent, &[Observed::Nothing, Observed::Growth]),
 ];
 
-/// The assignment with which some scheme integrates a body in a kernel.
+/// The assignment with which some method integrates a body in a kernel.
 fn assignment(kernel: Kernel, body: &Body) -> Option<KernelAssignment> {
-    let of_method = |method: &Scheme| KernelAssignment::of(method, body, kernel.system.scene());
-    let schemes =
-        scheme::ALL.iter().copied().filter(|scheme| !kernel.system.scene().has_weight || scheme.moves_tops());
-    schemes.map(of_method).find(|assignment| assignment.step == kernel.step)
+    let of_method = |method: &Method| KernelAssignment::of(method, body, kernel.system.scene());
+    let methods =
+        method::ALL.iter().copied().filter(|method| !kernel.system.scene().has_weight || method.moves_tops());
+    methods.map(of_method).find(|assignment| assignment.step == kernel.step)
 }
 
-/// Every kernel that some scheme needs.
+/// Every kernel that some method needs.
 fn kernels() -> Vec<Kernel> {
     let of_system = |(system, observables): (System, &'static [Observed])| {
         let of_observable = move |&observed| {
             let fits = move |step: Step| observed != Observed::Bounds || step.sees_limits();
             let moving =
-                scheme::steps().into_iter().filter(move |&step| system.is_moved_by(step) && fits(step));
+                method::steps().into_iter().filter(move |&step| system.is_moved_by(step) && fits(step));
             let kernels = moving.map(move |step| Kernel { system, step, observed });
             kernels.filter(|&kernel| assignment(kernel, &lane_starts(kernel)[0].body).is_some())
         };
@@ -84,7 +83,7 @@ fn codes() -> Vec<Kernel> {
 #[test]
 fn the_list_of_kernels_is_complete() {
     for (system, observables) in SYSTEMS {
-        let step = scheme::steps().into_iter().find(|&step| system.is_moved_by(step)).unwrap();
+        let step = method::steps().into_iter().find(|&step| system.is_moved_by(step)).unwrap();
         use Observed::*;
         for observed in [Nothing, Flips, Tilt, Growth, Bounds] {
             let kernel = Kernel { system, step, observed };
@@ -131,12 +130,12 @@ const FAST: usize = 12;
 
 fn lane_starts(kernel: Kernel) -> Vec<LaneStart> {
     let of_lane = |lane: usize| {
-        let symmetric = kernel.step.engine == Engine::KickRotor;
+        let symmetric = kernel.step.engine == EngineName::KickRotor;
         let mut body = body(lane as u64, kernel.system.scene().has_weight, symmetric);
         // Angles of 0.1 to 0.7 in a step. The code for large angles gives another sine for up to one in a hundred of
         // these angles, but for hardly any smaller angle, so smaller angles would not show a lane with the wrong code.
         let mut step = 0.1 + 0.01 * lane as f64;
-        if kernel.step.engine == Engine::KickMoserVeselov {
+        if kernel.step.engine == EngineName::KickMoserVeselov {
             // At angles above one the equation of these drifts has no solution, and half of the lanes would be NaN.
             step *= 0.25;
         }
@@ -163,7 +162,7 @@ fn lane_starts(kernel: Kernel) -> Vec<LaneStart> {
 }
 
 fn load_lane(group: &mut Group, lane: usize, kernel: Kernel, compiled: Compiled, lane_start: &LaneStart) {
-    let assignment = assignment(kernel, &lane_start.body).expect("some scheme asks for every kernel");
+    let assignment = assignment(kernel, &lane_start.body).expect("some method asks for every kernel");
     let entry = Entry {
         body: &lane_start.body,
         forces: None,
@@ -171,16 +170,16 @@ fn load_lane(group: &mut Group, lane: usize, kernel: Kernel, compiled: Compiled,
         limit: lane_start.limit,
         step: lane_start.step,
         own: Further::NONE.start(0.0),
-        displacement: Displacement::new([0.5, -0.25, 0.375, 0.3125, 0.4375, -0.5]),
+        deviation: Deviation::new([0.5, -0.25, 0.375, 0.3125, 0.4375, -0.5]),
         bound: Some(lane_start.bound),
     };
     load(group, lane, compiled, assignment, &entry);
 }
 
-/// Blocks of several lengths: 200 steps, or 40 steps of expensive schemes.
+/// Blocks of several lengths: 200 steps, or 40 steps of expensive methods.
 fn run(group: &mut Group, kernel: Kernel, compiled: Compiled) {
-    let splitting = [scheme::SPLITTING.any, scheme::SPLITTING.symmetric].contains(&kernel.step);
-    let short = splitting || matches!(kernel.step.engine, Engine::Rk4 | Engine::KickMoserVeselov);
+    let splitting = [method::SPLITTING.any, method::SPLITTING.symmetric].contains(&kernel.step);
+    let short = splitting || matches!(kernel.step.engine, EngineName::Rk4 | EngineName::KickMoserVeselov);
     for steps in if short { [1, 16, 83, 100] } else { [1, 5, 14, 20] } {
         compiled.advance(group, &ForcesRows::NONE, steps);
     }
@@ -200,7 +199,7 @@ fn rows(g: &Group) -> Vec<&Row> {
     let vectors = g.moments.iter().chain(&g.weight).chain(&g.observed);
     let rows: Vec<_> =
         g.state.iter().chain(&g.compensation).chain(vectors).chain(singles).chain(drifts).collect();
-    // The list contains every row of a group; the further displacements take the room that a row is aligned to.
+    // The list contains every row of a group; the further deviation vectors take the room that a row is aligned to.
     assert_eq!(size_of::<Group>(), rows.len() * size_of::<Row>() + align_of::<Row>());
     rows
 }
@@ -318,7 +317,7 @@ const STRIDES: [u64; 4] = [0, 1, 40, 7];
 #[derive(Clone, Copy)]
 struct Case {
     is_top: bool,
-    method: &'static Scheme,
+    method: &'static Method,
     record: Record<'static>,
     at_times: bool,
 }
@@ -327,12 +326,12 @@ impl Case {
     fn integrate(self, bodies: &[Body], steps: &[f64], threads: usize, isa: Isa) -> States {
         let schedule = if self.at_times { Schedule::Times(&TIMES) } else { Schedule::Strides(&STRIDES) };
         let Case { is_top, method, record, .. } = self;
-        let solver = Solver::Steps(method);
+        let method = AnyMethod::Steps(method);
         let request = Request {
             bodies,
             scene: scene_of(is_top),
             forces: Forces::NONE,
-            solver,
+            method,
             record,
             schedule,
             steps,
@@ -345,10 +344,10 @@ impl Case {
 }
 
 /// The last of the methods that share all code, which has the longest table.
-fn methods(is_top: bool) -> Vec<&'static Scheme> {
+fn methods(is_top: bool) -> Vec<&'static Method> {
     let all: Vec<_> =
-        scheme::ALL.iter().copied().filter(|method| method.check(scene_of(is_top), false).is_ok()).collect();
-    let code = |method: &Scheme| {
+        method::ALL.iter().copied().filter(|method| method.check(scene_of(is_top), false).is_ok()).collect();
+    let code = |method: &Method| {
         let steps = [true, false].map(|symmetric| {
             KernelAssignment::of(method, &body(0, is_top, symmetric), scene_of(is_top)).step
         });
@@ -376,7 +375,7 @@ fn cases() -> Vec<Case> {
 fn of_body(states: &States, i: usize) -> (Vec<u64>, Status, u64) {
     let n = states.status.len();
     let mut numbers = Vec::new();
-    for field in [&states.omega, &states.vertical, &states.attitude].into_iter().flatten() {
+    for field in [&states.omega, &states.gamma, &states.attitude].into_iter().flatten() {
         let width = field.len() / n;
         numbers.extend_from_slice(&field[i * width..][..width]);
     }

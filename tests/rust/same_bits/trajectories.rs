@@ -67,8 +67,8 @@ fn records_change_no_rates() {
                     "{record:?} {method:?} {is_top}"
                 );
                 if is_top && record == Record::Axis {
-                    let verticals = [&less, &attitude].map(|s| all_bits(s.vertical.as_ref().unwrap()));
-                    assert_eq!(verticals[0], verticals[1], "{method:?}");
+                    let gammas = [&less, &attitude].map(|s| all_bits(s.gamma.as_ref().unwrap()));
+                    assert_eq!(gammas[0], gammas[1], "{method:?}");
                 }
             }
         }

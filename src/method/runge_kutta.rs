@@ -1,7 +1,7 @@
 //! Explicit Runge-Kutta methods: one engine, any tableau.
 
 use super::tangent::tangent_rate;
-use super::{Coefficients, Engine, Facts, Numbers, Scheme, Step, Stepper, Variables};
+use super::{Coefficients, Engine, EngineName, Facts, Method, Numbers, Step, Variables};
 use super::{acceleration, acceleration_by};
 use crate::forces::ForcesInterval;
 use crate::kinematics;
@@ -27,7 +27,7 @@ pub trait Tableau: Copy {
 }
 
 /// Classical Runge-Kutta of order 4.
-pub const RK4: Scheme = Scheme::direct(
+pub const RK4: Method = Method::direct(
     Facts {
         name: "rk4",
         title: "classical Runge-Kutta",
@@ -42,12 +42,12 @@ pub const RK4: Scheme = Scheme::direct(
                    Z. Math. Phys. 46 (1901) 435-453",
         doi: "",
     },
-    Step::plain(Engine::Rk4),
+    Step::plain(EngineName::Rk4),
     2.78,
 );
 
 /// Dormand-Prince of order 8.
-pub const DOP853: Scheme = Scheme::direct(
+pub const DOP853: Method = Method::direct(
     Facts {
         name: "dop853",
         title: "Dormand-Prince of order 8 with 12 stages",
@@ -63,7 +63,7 @@ pub const DOP853: Scheme = Scheme::direct(
                    formulae, J. Comput. Appl. Math. 7 (1981) 67-75",
         doi: "10.1007/978-3-540-78862-1",
     },
-    Step::plain(Engine::Dop853),
+    Step::plain(EngineName::Dop853),
     6.39,
 );
 
@@ -432,9 +432,7 @@ fn further_rate<R: Real, M: Model<R>, L: Layout, const D: usize>(
     dy
 }
 
-impl<T: Tableau, R: Real, M: Model<R>, L: Layout, const D: usize> Stepper<R, M, L, D>
-    for RungeKutta<T, R, M>
-{
+impl<T: Tableau, R: Real, M: Model<R>, L: Layout, const D: usize> Engine<R, M, L, D> for RungeKutta<T, R, M> {
     const VARIABLES: Variables = Variables::Rates;
     const MOVES: bool = !(T::ROWS_ONLY && M::HEAVY && L::QUATERNION);
     const HAS_TANGENT: bool = true;

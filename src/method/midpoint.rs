@@ -5,14 +5,14 @@
 //! of `h omega` with the rate in the middle, `omega = I^(-1) (m0 + m1) / 2`. The only unknown is `u = h omega / 2`,
 //! which is found by Newton's method.
 
-use super::{Coefficients, Engine, Facts, Numbers, Scheme, Step, Stepper, Variables};
+use super::{Coefficients, Engine, EngineName, Facts, Method, Numbers, Step, Variables};
 use crate::forces::ForcesInterval;
 use crate::kinematics::{cross, direction, dot, put, quaternion_product};
 use crate::real::Real;
 use crate::scene::{Applied, Layout, Model, Parameters};
 
-/// The implicit midpoint rule. The scheme is used in the frame of the body, as published.
-pub const MIDPOINT: Scheme = Scheme::direct(
+/// The implicit midpoint rule. The method is used in the frame of the body, as published.
+pub const MIDPOINT: Method = Method::direct(
     Facts {
         name: "midpoint",
         title: "implicit midpoint rule: conserves energy and momentum with steps of any length",
@@ -30,7 +30,7 @@ pub const MIDPOINT: Scheme = Scheme::direct(
                    of Runge-Kutta methods for trajectory problems, IMA J. Numer. Anal. 7 (1987) 1-13",
         doi: "10.1002/nme.1620310103",
     },
-    Step::plain(Engine::Midpoint),
+    Step::plain(EngineName::Midpoint),
     f64::INFINITY,
 );
 
@@ -420,7 +420,7 @@ impl<R: Real> ImplicitMidpoint<R> {
     }
 }
 
-impl<R: Real, M: Model<R>, L: Layout, const D: usize> Stepper<R, M, L, D> for ImplicitMidpoint<R> {
+impl<R: Real, M: Model<R>, L: Layout, const D: usize> Engine<R, M, L, D> for ImplicitMidpoint<R> {
     const VARIABLES: Variables = Variables::Momenta;
     const MOVES: bool = !L::FURTHER && !(M::HEAVY && L::QUATERNION);
 

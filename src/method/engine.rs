@@ -1,12 +1,12 @@
 //! The list of engines. What an engine can do follows from its code.
 
 use super::{
-    AffineSplitting, ComposedPlanar, Dop853Tableau, Exponential, Flow, ImplicitMidpoint, KickMoserVeselov,
-    KickRotor, Planar, Rk4Tableau, RungeKutta, Splitting, Stepper, Taylor, Variables,
+    AffineSplitting, ComposedPlanar, Dop853Tableau, Engine, Exponential, Flow, ImplicitMidpoint,
+    KickMoserVeselov, KickRotor, Planar, Rk4Tableau, RungeKutta, Splitting, Taylor, Variables,
 };
 use crate::scene::{AxisTangent, FunctionFrame, FurtherFrame, Layout, Top};
 
-/// Gives the list of engines to a macro. `R` stands for the pack and `M` for the model in this pack. After the stepper
+/// Gives the list of engines to a macro. `R` stands for the pack and `M` for the model in this pack. After the code
 /// stand the packs for AVX2, and for AVX-512 where it gains. Engines with long chains of rotations are fastest with two
 /// packs side by side inside the step (`Arr`), other engines with one (benches/README.md).
 macro_rules! engines {
@@ -38,20 +38,20 @@ macro_rules! engines {
 pub(crate) use engines;
 
 macro_rules! with_facts {
-    (engines { $($(#[$doc:meta])* $engine:ident: $stepper:ty, $avx2:ty $(, $avx512:ty)?;)* }) => {
-        /// The code that makes a step. Schemes that differ only in their numbers share an engine.
+    (engines { $($(#[$doc:meta])* $engine:ident: $code:ty, $avx2:ty $(, $avx512:ty)?;)* }) => {
+        /// The code that makes a step. Methods that differ only in their numbers share an engine.
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-        pub enum Engine {
+        pub enum EngineName {
             $($(#[$doc])* $engine,)*
         }
 
-        impl Engine {
+        impl EngineName {
             /// What the engine can do.
             pub(super) const fn facts(self) -> &'static EngineFacts {
                 type R = f64;
                 type M = Top<R>;
                 match self {
-                    $(Engine::$engine => const { &EngineFacts::of::<$stepper>() },)*
+                    $(EngineName::$engine => const { &EngineFacts::of::<$code>() },)*
                 }
             }
         }
@@ -59,14 +59,14 @@ macro_rules! with_facts {
 }
 engines!(with_facts);
 
-impl Engine {
+impl EngineName {
     /// The variables that the engine integrates.
     pub const fn variables(self) -> Variables {
         self.facts().variables
     }
 }
 
-/// What an engine can do, by the constants of its code; see [`Stepper`].
+/// What an engine can do, by the constants of its code; see [`Engine`].
 pub(super) struct EngineFacts {
     pub(super) variables: Variables,
     pub(super) is_series: bool,
@@ -82,18 +82,18 @@ pub(super) struct EngineFacts {
 impl EngineFacts {
     const fn of<S>() -> EngineFacts
     where
-        S: Stepper<f64, Top<f64>, AxisTangent, { AxisTangent::LEN }>
-            + Stepper<f64, Top<f64>, FurtherFrame, { FurtherFrame::LEN }>
-            + Stepper<f64, Top<f64>, FunctionFrame, { FunctionFrame::LEN }>,
+        S: Engine<f64, Top<f64>, AxisTangent, { AxisTangent::LEN }>
+            + Engine<f64, Top<f64>, FurtherFrame, { FurtherFrame::LEN }>
+            + Engine<f64, Top<f64>, FunctionFrame, { FunctionFrame::LEN }>,
     {
         EngineFacts {
-            variables: <S as Stepper<f64, Top<f64>, AxisTangent, { AxisTangent::LEN }>>::VARIABLES,
-            is_series: <S as Stepper<f64, Top<f64>, AxisTangent, { AxisTangent::LEN }>>::IS_SERIES,
-            sees_limits: <S as Stepper<f64, Top<f64>, AxisTangent, { AxisTangent::LEN }>>::SEES_LIMITS,
-            has_tangent: <S as Stepper<f64, Top<f64>, AxisTangent, { AxisTangent::LEN }>>::HAS_TANGENT,
-            flows: <S as Stepper<f64, Top<f64>, AxisTangent, { AxisTangent::LEN }>>::FLOWS,
-            moves_further: <S as Stepper<f64, Top<f64>, FurtherFrame, { FurtherFrame::LEN }>>::MOVES,
-            moves_function: <S as Stepper<f64, Top<f64>, FunctionFrame, { FunctionFrame::LEN }>>::MOVES,
+            variables: <S as Engine<f64, Top<f64>, AxisTangent, { AxisTangent::LEN }>>::VARIABLES,
+            is_series: <S as Engine<f64, Top<f64>, AxisTangent, { AxisTangent::LEN }>>::IS_SERIES,
+            sees_limits: <S as Engine<f64, Top<f64>, AxisTangent, { AxisTangent::LEN }>>::SEES_LIMITS,
+            has_tangent: <S as Engine<f64, Top<f64>, AxisTangent, { AxisTangent::LEN }>>::HAS_TANGENT,
+            flows: <S as Engine<f64, Top<f64>, AxisTangent, { AxisTangent::LEN }>>::FLOWS,
+            moves_further: <S as Engine<f64, Top<f64>, FurtherFrame, { FurtherFrame::LEN }>>::MOVES,
+            moves_function: <S as Engine<f64, Top<f64>, FunctionFrame, { FunctionFrame::LEN }>>::MOVES,
         }
     }
 }

@@ -1,7 +1,7 @@
 //! The splittings. Only halves of palindromes are listed; the other fractions follow from sums.
 
 use super::splitting::flow_code;
-use super::{Composition, Engine, Facts, ForcedStep, Numbers, Processor, Scheme, Step};
+use super::{Composition, EngineName, Facts, ForcedStep, Method, Numbers, Processor, Step};
 
 /// Alternating fractions of kicks and drifts: a palindrome that begins with a kick, which may be 0. The lists omit the
 /// last fractions of kicks and drifts, because each kind sums to one.
@@ -76,8 +76,8 @@ const fn in_four_parts<const N: usize, const M: usize>(two: &[f64; N]) -> [f64; 
 }
 
 /// Planar rotations about the principal axes of any body; the exact rotor of a symmetric body. The code of the planar
-/// step is specialised. The scheme is used in the frame of the body, as published.
-pub const SPLITTING: Scheme = Scheme {
+/// step is specialised. The method is used in the frame of the body, as published.
+pub const SPLITTING: Method = Method {
     facts: Facts {
         name: "splitting",
         title: "Lie-Poisson integrator: planar rotations, or the exact rotor if symmetric; weight as a kick",
@@ -95,9 +95,9 @@ pub const SPLITTING: Scheme = Scheme {
                    J. Chem. Phys. 107 (1997) 5840-5851",
         doi: "10.1063/1.474310",
     },
-    any: Step { engine: Engine::Planar, numbers: &Numbers::of(&[0.5, 0.5, 0.5, 1.0, 0.5, 0.5, 0.5]) },
-    symmetric: Step { engine: Engine::KickRotor, numbers: &Numbers::of(&[0.5, 1.0, 0.5]) },
-    forced: Some(ForcedStep { step: Step::plain(Engine::Affine), damping_limit: f64::INFINITY }),
+    any: Step { engine: EngineName::Planar, numbers: &Numbers::of(&[0.5, 0.5, 0.5, 1.0, 0.5, 0.5, 0.5]) },
+    symmetric: Step { engine: EngineName::KickRotor, numbers: &Numbers::of(&[0.5, 1.0, 0.5]) },
+    forced: Some(ForcedStep { step: Step::plain(EngineName::Affine), damping_limit: f64::INFINITY }),
 };
 
 const S6: [f64; 13] = alternating(
@@ -117,17 +117,17 @@ const KAHAN_LI_17: [f64; 35] = composed(&[
 
 /// A composition of order above two of the flows of [`SPLITTING`]: `two` for the exact rotor, `four` for planar
 /// rotations.
-const fn composition(facts: Facts, two: &'static Numbers, four: &'static Numbers) -> Scheme {
-    Scheme {
+const fn composition(facts: Facts, two: &'static Numbers, four: &'static Numbers) -> Method {
+    Method {
         facts: Facts { stages: four.fractions.len(), ..facts },
-        any: Step { engine: Engine::ComposedPlanar, numbers: four },
-        symmetric: Step { engine: Engine::KickRotor, numbers: two },
+        any: Step { engine: EngineName::ComposedPlanar, numbers: four },
+        symmetric: Step { engine: EngineName::KickRotor, numbers: two },
         forced: None,
     }
 }
 
 /// The flows of [`SPLITTING`], composed to order 4.
-pub const SPLITTING4: Scheme = composition(
+pub const SPLITTING4: Method = composition(
     Facts {
         name: "splitting4",
         title: "Lie-Poisson integrator: the flows of \"splitting\", composed to order 4",
@@ -142,12 +142,12 @@ pub const SPLITTING4: Scheme = composition(
 );
 
 /// The flows of [`SPLITTING`], composed to order 8.
-pub const SPLITTING8: Scheme = composition(
+pub const SPLITTING8: Method = composition(
     Facts {
         name: "splitting8",
         title: "Lie-Poisson integrator: the flows of \"splitting\", composed to order 8",
         order: 8,
-        citation: "W. Kahan, R.-C. Li, Composition constants for raising the orders of unconventional schemes for ordinary \
+        citation: "W. Kahan, R.-C. Li, Composition constants for raising the orders of unconventional methods for ordinary \
          differential equations, Math. Comp. 66 (1997) 1089-1099, 17 steps",
         doi: "10.1090/S0025-5718-97-00873-9",
         ..SPLITTING.facts
@@ -227,21 +227,21 @@ const fn backwards_gradients<const N: usize>(gradients: &[f64]) -> [f64; N] {
 
 /// Kicks and drifts. The drift of a symmetric body is the exact rotor; the drift of any other body is a discrete
 /// Moser-Veselov drift, whose order is so high that its error is negligible.
-const fn kicks_and_drifts(facts: Facts, numbers: &'static Numbers) -> Scheme {
-    Scheme {
+const fn kicks_and_drifts(facts: Facts, numbers: &'static Numbers) -> Method {
+    Method {
         facts,
-        any: Step { engine: Engine::KickMoserVeselov, numbers },
-        symmetric: Step { engine: Engine::KickRotor, numbers },
+        any: Step { engine: EngineName::KickMoserVeselov, numbers },
+        symmetric: Step { engine: EngineName::KickRotor, numbers },
         forced: None,
     }
 }
 const DRIFTS: Numbers = Numbers { drift_order: 10, ..Numbers::NONE };
 
-/// Properties of all schemes of kicks and drifts.
+/// Properties of all methods of kicks and drifts.
 const EXACT_DRIFT: Facts = Facts { title: "Lie-group integrator: free motion and kicks", ..SPLITTING.facts };
 
 /// Chin's algorithm A.
-pub const CHIN4A: Scheme = kicks_and_drifts(
+pub const CHIN4A: Method = kicks_and_drifts(
     Facts {
         name: "chin4a",
         title: "Lie-group integrator: free motion and kicks, one of them with its force gradient",
@@ -256,7 +256,7 @@ pub const CHIN4A: Scheme = kicks_and_drifts(
 );
 
 /// Takahashi and Imada's kernel, processed.
-pub const PMLF4: Scheme = kicks_and_drifts(
+pub const PMLF4: Method = kicks_and_drifts(
     Facts {
         name: "pmlf4",
         title: "processed Lie-group integrator: a drift and a kick with its force gradient",
@@ -281,7 +281,7 @@ pub const PMLF4: Scheme = kicks_and_drifts(
 );
 
 /// Blanes, Casas and Ros, processed.
-pub const PMLF6: Scheme = kicks_and_drifts(
+pub const PMLF6: Method = kicks_and_drifts(
     Facts {
         name: "pmlf6",
         title: "processed Lie-group integrator: three drifts and kicks, one with its force gradient",
@@ -308,7 +308,7 @@ pub const PMLF6: Scheme = kicks_and_drifts(
 );
 
 /// Free motion without kicks: Moser-Veselov drifts of any body, the exact rotor of a symmetric body.
-const fn drift(name: &'static str, order: u32, numbers: &'static Numbers) -> Scheme {
+const fn drift(name: &'static str, order: u32, numbers: &'static Numbers) -> Method {
     let facts = Facts {
         name,
         title: "Lie-group integrator of the free body: discrete Moser-Veselov, moments modified",
@@ -322,9 +322,9 @@ const fn drift(name: &'static str, order: u32, numbers: &'static Numbers) -> Sch
         doi: "10.1007/BF02352494",
         ..SPLITTING.facts
     };
-    Scheme {
+    Method {
         facts,
-        any: Step { engine: Engine::KickMoserVeselov, numbers },
+        any: Step { engine: EngineName::KickMoserVeselov, numbers },
         symmetric: SPLITTING.symmetric,
         forced: None,
     }
@@ -332,16 +332,16 @@ const fn drift(name: &'static str, order: u32, numbers: &'static Numbers) -> Sch
 const DRIFT: Numbers = Numbers::of(&[0.0, 1.0]);
 
 /// Discrete Moser-Veselov drifts of order 2.
-pub const DMV2: Scheme = drift("dmv2", 2, &Numbers { drift_order: 2, ..DRIFT });
+pub const DMV2: Method = drift("dmv2", 2, &Numbers { drift_order: 2, ..DRIFT });
 /// Discrete Moser-Veselov drifts of order 10.
-pub const DMV10: Scheme = drift("dmv10", 10, &Numbers { drift_order: 10, ..DRIFT });
+pub const DMV10: Method = drift("dmv10", 10, &Numbers { drift_order: 10, ..DRIFT });
 
 const fn is_near(a: f64, b: f64) -> bool {
     // The rounding error of a sum of up to 35 numbers of size one with 16 digits.
     a - b < 2e-14 && b - a < 2e-14
 }
 
-/// Checks a composition. The fractions of each flow sum to one; the fractions are a palindrome, so the scheme is
+/// Checks a composition. The fractions of each flow sum to one; the fractions are a palindrome, so the method is
 /// reversible and of even order; kicks and drifts satisfy the quadrature conditions of the order. The last drift of a
 /// processed kernel is split in two for the palindrome.
 pub(super) const fn check_composition(step: Step, facts: Facts) {

@@ -1,4 +1,4 @@
-//! Schemes for damping of any strength: every step contains the exponential of the damping.
+//! Methods for damping of any strength: every step contains the exponential of the damping.
 //!
 //! The modes of the damping are `v = G L` with `G = V^T I^(-1/2)`, and `v' = -rates v + G torque`. The splitting solves
 //! this equation with a torque that is constant during the step; the exponential Runge-Kutta method corrects for the
@@ -6,15 +6,15 @@
 
 use super::acceleration;
 use super::splitting::turn;
-use super::{Coefficients, Engine, Facts, ForcedStep, Numbers, RK4, Scheme, Step, Stepper, Variables};
+use super::{Coefficients, Engine, EngineName, Facts, ForcedStep, Method, Numbers, RK4, Step, Variables};
 use crate::forces::ForcesInterval;
 use crate::kinematics::{cross, direction, dot, put};
 use crate::real::Real;
 use crate::scene::{Applied, Layout, Model, Parameters};
 use crate::special::{exp, rodrigues};
 
-/// Exponential Runge-Kutta method of stiff order 4. Without damping the scheme is the classical Runge-Kutta method.
-pub const ETD4: Scheme = Scheme {
+/// Exponential Runge-Kutta method of stiff order 4. Without damping the method is the classical Runge-Kutta method.
+pub const ETD4: Method = Method {
     facts: Facts {
         name: "etd4",
         title: "exponential Runge-Kutta of stiff order 4 for damping of any strength; without damping it is rk4",
@@ -30,7 +30,7 @@ pub const ETD4: Scheme = Scheme {
                    Runge-Kutta methods on Lie groups, BIT 38 (1998) 92-111",
         doi: "10.1137/040611434",
     },
-    forced: Some(ForcedStep { step: Step::plain(Engine::Exponential), damping_limit: f64::INFINITY }),
+    forced: Some(ForcedStep { step: Step::plain(EngineName::Exponential), damping_limit: f64::INFINITY }),
     ..RK4
 };
 
@@ -152,7 +152,7 @@ pub struct AffineSplitting<R> {
     shift: [R; 3],
 }
 
-impl<R: Real, M: Model<R>, L: Layout, const D: usize> Stepper<R, M, L, D> for AffineSplitting<R> {
+impl<R: Real, M: Model<R>, L: Layout, const D: usize> Engine<R, M, L, D> for AffineSplitting<R> {
     const VARIABLES: Variables = Variables::Momenta;
     const MOVES: bool = L::BALANCE && !L::FURTHER && !L::FUNCTION;
 
@@ -379,7 +379,7 @@ impl<R: Real, M: Model<R>> Exponential<R, M> {
     }
 }
 
-impl<R: Real, M: Model<R>, L: Layout, const D: usize> Stepper<R, M, L, D> for Exponential<R, M> {
+impl<R: Real, M: Model<R>, L: Layout, const D: usize> Engine<R, M, L, D> for Exponential<R, M> {
     const VARIABLES: Variables = Variables::Rates;
     const MOVES: bool = L::BALANCE && !L::FURTHER && !L::FUNCTION;
 
@@ -481,8 +481,8 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Stepper<R, M, L, D> for Ex
             worked = worked + dot(&weight, &alone);
         }
         // The impulse of strong damping is a small difference of large ones, so it is set to the gain of momentum.
-        let impulse = M::conserved(&<Self as Stepper<R, M, L, D>>::momentum(p, &at), &at)
-            - M::conserved(&<Self as Stepper<R, M, L, D>>::momentum(p, y), y);
+        let impulse = M::conserved(&<Self as Engine<R, M, L, D>>::momentum(p, &at), &at)
+            - M::conserved(&<Self as Engine<R, M, L, D>>::momentum(p, y), y);
         at[D - 3] = y[D - 3] + (gained - worked);
         at[D - 2] = y[D - 2] + impulse;
         *y = at;

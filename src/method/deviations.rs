@@ -1,8 +1,8 @@
-//! The Taylor series of the displacements of a motion.
+//! The Taylor series of the deviation vectors of a motion.
 //!
-//! The equations of a displacement (`tangent`) are linear in it, and the series of the motion is known when they are
-//! solved: each order follows from the Cauchy products of the motion with the lower orders of the displacement (Jorba &
-//! Zou 2005, §2). The motion does not depend on its displacements, so any number of them share one motion.
+//! The equations of a deviation vector (`tangent`) are linear in it, and the series of the motion is known when they
+//! are solved: each order follows from the Cauchy products of the motion with the lower orders of the deviation vector
+//! (Jorba & Zou 2005, §2). The motion does not depend on its deviation vectors, so any number of them share one motion.
 
 use super::tangent::{Variation, turn};
 use super::taylor::{add_rates, times_unit};
@@ -12,7 +12,8 @@ use crate::real::Real;
 use crate::scene::{Layout, Model};
 use crate::series::{INVERSE, VectorSeries};
 
-/// Cauchy products of one order with a displacement, and those of the rates where a change of the parameters needs them.
+/// Cauchy products of one order with a deviation vector, and those of the rates where a change of the parameters needs
+/// them.
 #[derive(Clone, Copy)]
 struct VariedProducts<R> {
     variation: Variation<R>,
@@ -25,7 +26,7 @@ impl<R: Real> VariedProducts<R> {
         VariedProducts { variation: Variation::none(), rates: [R::splat(0.0); 3] }
     }
 
-    /// Adds the products of the motion of one order with the displacement of another.
+    /// Adds the products of the motion of one order with the deviation vector of another.
     #[inline(always)]
     fn add<M: Model<R>, L: Layout, const D: usize>(&mut self, a: &[R; D], b: &[R; D]) {
         self.variation.add::<M, L, D>(b, a);
@@ -36,10 +37,10 @@ impl<R: Real> VariedProducts<R> {
 }
 
 impl<R: Real, M: Model<R>> Taylor<R, M> {
-    /// All coefficients of the displacement that begins with that of order 0, from those of the motion. The motion alone
-    /// comes first, because the sums of both together exceed the registers.
+    /// All coefficients of the deviation vector that begins with that of order 0, from those of the motion. The motion
+    /// alone comes first, because the sums of both together exceed the registers.
     #[inline(always)]
-    pub(super) fn displaced<L: Layout, const D: usize>(&self, unit: R, c: &mut Coefficients<R, D>) {
+    pub(super) fn deviation<L: Layout, const D: usize>(&self, unit: R, c: &mut Coefficients<R, D>) {
         let mut torques = VectorSeries::new();
         for half in 0..self.order / 2 {
             let k = 2 * half;
@@ -53,16 +54,17 @@ impl<R: Real, M: Model<R>> Taylor<R, M> {
                 after.add::<M, L, D>(c.order(1), c.order(k));
             }
             sums.add::<M, L, D>(c.order(k), c.order(0));
-            self.set_next_displaced::<L, D>(unit, &sums, &mut torques, c, k);
+            self.set_next_deviation::<L, D>(unit, &sums, &mut torques, c, k);
             after.add::<M, L, D>(c.order(0), c.order(k + 1));
             after.add::<M, L, D>(c.order(k + 1), c.order(0));
-            self.set_next_displaced::<L, D>(unit, &after, &mut torques, c, k + 1);
+            self.set_next_deviation::<L, D>(unit, &after, &mut torques, c, k + 1);
         }
     }
 
-    /// Computes the coefficients of order k + 1 of the displacement, from the products and the coefficients of order k.
+    /// Computes the coefficients of order k + 1 of the deviation vector, from the products and the coefficients of
+    /// order k.
     #[inline(always)]
-    fn set_next_displaced<L: Layout, const D: usize>(
+    fn set_next_deviation<L: Layout, const D: usize>(
         &self,
         unit: R,
         sums: &VariedProducts<R>,
@@ -82,7 +84,7 @@ impl<R: Real, M: Model<R>> Taylor<R, M> {
         c.set(k + 1, L::TANGENT_AT, next);
     }
 
-    /// The change of order k of the torque in space by the displacement: the torque turns with the body.
+    /// The change of order k of the torque in space by the deviation vector: the torque turns with the body.
     #[inline(always)]
     fn varied_torque<L: Layout, const D: usize>(
         &self,
@@ -110,8 +112,8 @@ impl<R: Real, M: Model<R>> Taylor<R, M> {
         sum
     }
 
-    /// Adds the effect of the change of the parameters to the displacement of order k + 1, from the motion of the orders k
-    /// and k + 1; `factor` is the unit of time over k + 1.
+    /// Adds the effect of the change of the parameters to the deviation vector of order k + 1, from the motion of the
+    /// orders k and k + 1; `factor` is the unit of time over k + 1.
     #[inline(always)]
     fn add_changed<const D: usize>(
         &self,
@@ -119,7 +121,7 @@ impl<R: Real, M: Model<R>> Taylor<R, M> {
         products: &[R; 3],
         [of_k, next]: [&[R; D]; 2],
         k: usize,
-        displacement: &mut [R; 6],
+        deviation: &mut [R; 6],
     ) {
         let mut torque = self.applied.changed_torque(products, of_k);
         let own = self.applied.changed_applied_torque();
@@ -127,8 +129,8 @@ impl<R: Real, M: Model<R>> Taylor<R, M> {
             // The change of the applied torque is constant: its series has one term.
             torque[i] = factor * (if k == 0 { torque[i] + own[i] } else { torque[i] });
         }
-        let mut spin = [displacement[0], displacement[1], displacement[2]];
+        let mut spin = [deviation[0], deviation[1], deviation[2]];
         self.applied.add_changed_rate(&torque, &[next[0], next[1], next[2]], &mut spin);
-        put(displacement, 0, spin);
+        put(deviation, 0, spin);
     }
 }

@@ -68,8 +68,8 @@ def test_damping_by_a_function_is_damping(method: str) -> None:
 
 
 @pytest.mark.parametrize("method", METHODS)
-def test_a_function_is_told_time_and_attitude_in_the_order_of_the_scheme(method: str) -> None:
-    # A ramp in space; its table has knots at which steps end, as the wanted times do.
+def test_a_function_is_told_time_and_attitude_in_the_order_of_the_method(method: str) -> None:
+    # A ramp in space; its table has knots at which steps end, as the output times do.
     table = rigid.Torque.space([(0.1, 0.2, 0.1), (0.1, 0.2, 0.25)], times=[0.0, 3.0])
     truth = states(top(torque=table), OMEGA, TILTED, t=[3.0], method="taylor20")
     scene = top(torque=rigid.Torque.call(ramp_in_space))
@@ -206,7 +206,7 @@ def test_what_a_function_does_not_go_with_is_refused() -> None:
             "'taylor16': does not integrate function",
             lambda: rigid.simulate(scene, OMEGA, method="taylor16", **one),
         ),
-        ("displacements are not", lambda: rigid.simulate(scene, OMEGA, tangent=True, **one)),
+        ("deviation vectors are not", lambda: rigid.simulate(scene, OMEGA, tangent=True, **one)),
         (
             "events: no method",
             lambda: rigid.simulate(scene, OMEGA, events=rigid.crosses("omega1"), **one),

@@ -1,6 +1,6 @@
-"""Time of maps that a function judges, over those of the criterion that states the same thing.
+"""Time of maps by a custom criterion, over those of the criterion that states the same thing.
 
-Processor time on one thread, median of interleaved repeats. ``python benches/judged.py``.
+Processor time on one thread, median of interleaved repeats. ``python benches/custom_criterion.py``.
 """
 
 from __future__ import annotations

@@ -3,10 +3,10 @@
 //! The flow of `L_k^2 / 2 I_k` is a rotation about body axis k; the flow of the potential is a kick of the momentum;
 //! between kicks the body drifts freely. Each flow preserves the Poisson structure, so a composition of flows does too.
 //!
-//! A displacement is a change d of the momenta and a rotation vector x in the body, `R -> R exp(hat(x))`. It is moved by the
-//! derivative of each flow, so it is the derivative of the step to rounding, and symplectic at any step.
+//! A deviation vector is a change d of the momenta and a rotation vector x in the body, `R -> R exp(hat(x))`. It is
+//! moved by the derivative of each flow, so it is the derivative of the step to rounding, and symplectic at any step.
 
-use super::{Coefficients, Numbers, Stepper, Variables};
+use super::{Coefficients, Engine, Numbers, Variables};
 use crate::forces::ForcesInterval;
 use crate::kinematics;
 use crate::real::Real;
@@ -24,9 +24,9 @@ pub enum Flow {
     Kick,
 }
 
-/// Free motion over fractions of a step, exact or of the order in the numbers of a scheme.
+/// Free motion over fractions of a step, exact or of the order in the numbers of a method.
 pub trait Drift<R: Real>: Copy {
-    /// Whether the motion moves a displacement too.
+    /// Whether the motion moves a deviation vector too.
     const HAS_TANGENT: bool = false;
     /// Prepares the constants of the step.
     fn new(p: &Parameters<R>, numbers: &Numbers) -> Self;
@@ -257,7 +257,7 @@ fn kick<R: Real, M: Model<R>, L: Layout, const D: usize>(
     let mut momentum = [y[0], y[1], y[2]];
     let h = R::splat(fraction) * p.step;
     if L::TANGENT {
-        // A kick is linear in the vertical n, which the displacement changes by n x x.
+        // A kick is linear in the vertical n, which the deviation vector changes by n x x.
         let at = L::TANGENT_AT;
         let (mut change, x) = ([y[at], y[at + 1], y[at + 2]], [y[at + 3], y[at + 4], y[at + 5]]);
         let mut varied = *y;
@@ -274,7 +274,7 @@ fn kick<R: Real, M: Model<R>, L: Layout, const D: usize>(
     kinematics::put(y, 0, momentum);
 }
 
-impl<C: Round, R: Real, M: Model<R>, L: Layout, const D: usize> Stepper<R, M, L, D> for Splitting<C, R> {
+impl<C: Round, R: Real, M: Model<R>, L: Layout, const D: usize> Engine<R, M, L, D> for Splitting<C, R> {
     const VARIABLES: Variables = Variables::Momenta;
     // Layouts with two directions have no processor, because the directions are observed.
     const MOVES: bool = !L::BALANCE && !L::CHANGED;

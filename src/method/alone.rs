@@ -178,9 +178,9 @@ impl<R: Quad, M: Model<R>> Taylor<R, M> {
         let k = rows.len() - 1;
         let (factor, zero) = (unit * R::splat(INVERSE[k + 1]), R::splat(0.0));
         let [n1, n2, n3, w1, w2, w3, ..] = rows[k];
-        let vertical = [w1, w2, w3, n1.lane(0), n2.lane(0), n3.lane(0)];
+        let gamma = [w1, w2, w3, n1.lane(0), n2.lane(0), n3.lane(0)];
         let products = [sums.rates.lane(0), sums.rates.lane(1), sums.rates.lane(2)];
-        let acceleration = self.model.euler(&products, &vertical);
+        let acceleration = self.model.euler(&products, &gamma);
         let mut rates = [factor * acceleration[0], factor * acceleration[1], factor * acceleration[2]];
         if L::BALANCE {
             let torque = if k == 0 {

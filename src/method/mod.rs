@@ -1,11 +1,12 @@
-//! Schemes as constants, and the engines that run them.
+//! Methods as constants, and the engines that run them.
 //!
-//! A scheme is one constant, listed in [`ALL`]: its facts, and its step for each kind of body. A step is an
-//! engine and its numbers; all other properties of a scheme follow from its steps.
+//! A method is one constant, listed in [`ALL`]: its facts, and its step for each kind of body. A step is an
+//! engine and its numbers; all other properties of a method follow from its steps.
 
 mod alone;
+mod any;
 mod compositions;
-mod displacements;
+mod deviations;
 mod engine;
 mod exponential;
 mod midpoint;
@@ -17,8 +18,9 @@ mod taylor;
 
 pub use crate::series::{Coefficients, MAX_ORDER};
 pub use alone::{COLUMNS, Columns, SeriesAlone, in_columns};
+pub use any::{AnyMethod, default_step};
 use compositions::check_composition;
-pub use engine::Engine;
+pub use engine::EngineName;
 pub(crate) use engine::engines;
 pub(crate) use exponential::phi;
 pub use exponential::{AffineSplitting, Exponential};
@@ -39,16 +41,16 @@ use crate::kinematics::dot;
 use crate::real::Real;
 use crate::scene::{Applied, Layout, Model, Parameters, Scene};
 
-/// The list of all schemes, by the module of their constants.
-macro_rules! schemes {
+/// The list of all methods, by the module of their constants.
+macro_rules! methods {
     ($($module:ident: $($name:ident)*;)*) => {
         $(pub use $module::{$($name),*};)*
 
-        /// All schemes, in the order in which they are listed to users.
-        pub const ALL: &[&Scheme] = &[$($(&$name),*),*];
+        /// All methods, in the order in which they are listed to users.
+        pub const ALL: &[&Method] = &[$($(&$name),*),*];
     };
 }
-schemes! {
+methods! {
     runge_kutta: RK4 DOP853;
     taylor: TAYLOR12 TAYLOR16 TAYLOR20 TAYLOR26;
     compositions: SPLITTING SPLITTING4 SPLITTING8 CHIN4A PMLF4 PMLF6 DMV2 DMV10;
@@ -56,7 +58,7 @@ schemes! {
     midpoint: MIDPOINT;
 }
 
-/// Names of schemes of earlier versions, each with the scheme that takes its place.
+/// Names of methods of earlier versions, each with the method that takes its place.
 pub const RETIRED: [(&str, &str); 10] = [
     ("taylor8", "taylor12"),
     ("taylor14", "taylor16"),
@@ -70,10 +72,10 @@ pub const RETIRED: [(&str, &str); 10] = [
     ("hermite9", "dop853"),
 ];
 
-/// Every step of every scheme, each once.
+/// Every step of every method, each once.
 pub fn steps() -> Vec<Step> {
     let mut all: Vec<Step> = Vec::new();
-    for step in ALL.iter().flat_map(|scheme| scheme.steps()) {
+    for step in ALL.iter().flat_map(|method| method.steps()) {
         if !all.contains(&step) {
             all.push(step);
         }
@@ -81,18 +83,18 @@ pub fn steps() -> Vec<Step> {
     all
 }
 
-/// The default scheme of bodies without a closed form.
-pub const DEFAULT: &Scheme = &RK4;
+/// The default method of bodies without a closed form.
+pub const DEFAULT: &Method = &RK4;
 
-/// The scheme that cross-checks the samples of a map. The order is high, so that its errors differ from those of the
-/// first scheme. A second run of the first scheme with half the step would have similar errors: at order 2 such a
+/// The method that cross-checks the samples of a map. The order is high, so that its errors differ from those of the
+/// first method. A second run of the first method with half the step would have similar errors: at order 2 such a
 /// check would not find one wrong classification in four.
-pub const SECOND: &Scheme = &TAYLOR16;
+pub const SECOND: &Method = &TAYLOR16;
 
-/// The scheme for strong damping; without damping it is the default scheme.
-pub const STIFF: &Scheme = &ETD4;
+/// The method for strong damping; without damping it is the default method.
+pub const STIFF: &Method = &ETD4;
 
-/// Properties of a scheme, and its source.
+/// Properties of a method, and its source.
 #[derive(Clone, Copy, Debug)]
 pub struct Facts {
     /// The name that users pass as the method.
@@ -120,26 +122,26 @@ pub struct Facts {
     pub doi: &'static str,
 }
 
-/// A scheme as users name it.
+/// A method as users name it.
 #[derive(Clone, Copy)]
-pub struct Scheme {
-    /// Properties of the scheme.
+pub struct Method {
+    /// Properties of the method.
     pub facts: Facts,
     /// The step of a body without symmetry.
     pub any: Step,
     /// The step of a body whose moments about two axes are equal.
     pub symmetric: Step,
-    /// The step under torque and damping; `None` if the scheme does not integrate forced bodies.
+    /// The step under torque and damping; `None` if the method does not integrate forced bodies.
     pub forced: Option<ForcedStep>,
 }
 
-/// The step of a scheme for bodies under torque and damping, and its limit of stability.
+/// The step of a method for bodies under torque and damping, and its limit of stability.
 #[derive(Clone, Copy)]
 pub struct ForcedStep {
     /// The step.
     pub step: Step,
-    /// The largest product of step and damping rate for which the scheme is stable; infinite if the scheme is stable
-    /// for every product. The limit of an explicit scheme is where its stability function, on the negative real axis,
+    /// The largest product of step and damping rate for which the method is stable; infinite if the method is stable
+    /// for every product. The limit of an explicit method is where its stability function, on the negative real axis,
     /// first leaves -1 .. 1, rounded down. The limit of a series is half of this value, because higher powers of the
     /// rates decay faster by their exponent.
     pub damping_limit: f64,
@@ -149,7 +151,7 @@ pub struct ForcedStep {
 #[derive(Clone, Copy)]
 pub struct Step {
     /// The code of the step.
-    pub engine: Engine,
+    pub engine: EngineName,
     /// The numbers that the code reads.
     pub numbers: &'static Numbers,
 }
@@ -219,9 +221,9 @@ impl Numbers {
 
 impl std::fmt::Debug for Step {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let makes = |scheme: &&&Scheme| scheme.steps().contains(self);
-        let scheme = ALL.iter().find(makes).map_or("none", |scheme| scheme.facts.name);
-        write!(f, "{:?} of {scheme}", self.engine)
+        let makes = |method: &&&Method| method.steps().contains(self);
+        let method = ALL.iter().find(makes).map_or("none", |method| method.facts.name);
+        write!(f, "{:?} of {method}", self.engine)
     }
 }
 
@@ -235,7 +237,7 @@ impl PartialEq for Step {
 
 impl Step {
     /// A step of an engine without numbers, or with numbers that are literals in the code.
-    const fn plain(engine: Engine) -> Step {
+    const fn plain(engine: EngineName) -> Step {
         Step { engine, numbers: &Numbers::NONE }
     }
 
@@ -249,12 +251,12 @@ impl Step {
         self.numbers.is_compensated
     }
 
-    /// Whether the step moves a displacement by its derivative: one with force gradients or a processor has none.
+    /// Whether the step moves a deviation vector by its derivative: one with force gradients or a processor has none.
     pub const fn has_tangent(self) -> bool {
         self.engine.facts().has_tangent && self.numbers.gradients.is_empty() && !self.is_processed()
     }
 
-    /// Whether limits are observed inside the step; see [`Stepper::SEES_LIMITS`].
+    /// Whether limits are observed inside the step; see [`Engine::SEES_LIMITS`].
     pub const fn sees_limits(self) -> bool {
         self.engine.facts().sees_limits
     }
@@ -280,51 +282,51 @@ impl Step {
     /// The step for a body without weight: kicks and drifts become one drift, exact or of the highest order.
     pub const fn torque_free(self) -> Step {
         match self.engine {
-            Engine::KickRotor => SPLITTING.symmetric,
-            Engine::KickMoserVeselov if self.moves_weight() => DMV10.any,
+            EngineName::KickRotor => SPLITTING.symmetric,
+            EngineName::KickMoserVeselov if self.moves_weight() => DMV10.any,
             _ => self,
         }
     }
 }
 
-/// Schemes are equal if their names are equal.
-impl PartialEq for Scheme {
-    fn eq(&self, other: &Scheme) -> bool {
+/// Methods are equal if their names are equal.
+impl PartialEq for Method {
+    fn eq(&self, other: &Method) -> bool {
         self.facts.name == other.facts.name
     }
 }
-impl Eq for Scheme {}
+impl Eq for Method {}
 
-impl std::fmt::Debug for Scheme {
+impl std::fmt::Debug for Method {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(self.facts.name)
     }
 }
 
-impl Scheme {
-    /// A scheme with one step for all bodies, stable under torque and damping up to a product of step and damping rate.
-    const fn direct(facts: Facts, step: Step, damping_limit: f64) -> Scheme {
-        Scheme { facts, any: step, symmetric: step, forced: Some(ForcedStep { step, damping_limit }) }
+impl Method {
+    /// A method with one step for all bodies, stable under torque and damping up to a product of step and damping rate.
+    const fn direct(facts: Facts, step: Step, damping_limit: f64) -> Method {
+        Method { facts, any: step, symmetric: step, forced: Some(ForcedStep { step, damping_limit }) }
     }
 
-    /// The steps of the scheme; a step may occur more than once.
+    /// The steps of the method; a step may occur more than once.
     pub fn steps(&self) -> Vec<Step> {
         [self.any, self.symmetric].into_iter().chain(self.forced.map(|forced| forced.step)).collect()
     }
 
-    /// The scheme of this name.
+    /// The method of this name.
     ///
     /// # Errors
-    /// If no scheme has this name; the message lists all names.
-    pub fn parse(name: &str) -> Result<&'static Scheme, Error> {
-        ALL.iter().copied().find(|scheme| scheme.facts.name == name).ok_or_else(|| Error::Unknown {
+    /// If no method has this name; the message lists all names.
+    pub fn parse(name: &str) -> Result<&'static Method, Error> {
+        ALL.iter().copied().find(|method| method.facts.name == name).ok_or_else(|| Error::Unknown {
             argument: "method",
             value: name.to_string(),
-            known: ALL.iter().map(|scheme| scheme.facts.name).collect::<Vec<_>>().join(", "),
+            known: ALL.iter().map(|method| method.facts.name).collect::<Vec<_>>().join(", "),
         })
     }
 
-    /// Whether the scheme is a series, whose steps are adaptive if a tolerance is given.
+    /// Whether the method is a series, whose steps are adaptive if a tolerance is given.
     pub const fn is_series(&self) -> bool {
         self.any.is_series()
     }
@@ -334,13 +336,13 @@ impl Scheme {
         self.any.is_processed()
     }
 
-    /// Whether the scheme integrates displacements: of all bodies, or of those without forces by exact flows.
+    /// Whether the method integrates deviation vectors: of all bodies, or of those without forces by exact flows.
     pub const fn has_tangent(&self) -> bool {
         let of_free = self.any.has_tangent() && self.symmetric.has_tangent();
         of_free && (self.has_forced_tangent() || self.any.engine.facts().flows.is_some())
     }
 
-    /// Whether the scheme integrates displacements of forced bodies, and those by a change of parameters.
+    /// Whether the method integrates deviation vectors of forced bodies, and those by a change of parameters.
     pub const fn has_forced_tangent(&self) -> bool {
         match self.forced {
             Some(forced) => self.any.has_tangent() && forced.step.has_tangent(),
@@ -348,20 +350,20 @@ impl Scheme {
         }
     }
 
-    /// Whether the scheme integrates bodies with weight.
+    /// Whether the method integrates bodies with weight.
     pub const fn moves_tops(&self) -> bool {
         self.any.moves_weight()
     }
 
-    /// See [`ForcedStep::damping_limit`]; `None` if the scheme does not integrate bodies under torque and damping.
+    /// See [`ForcedStep::damping_limit`]; `None` if the method does not integrate bodies under torque and damping.
     pub fn damping_limit(&self) -> Option<f64> {
         self.forced.map(|forced| forced.damping_limit)
     }
 
-    /// The limit of [`Scheme::damping_limit`].
+    /// The limit of [`Method::damping_limit`].
     ///
     /// # Errors
-    /// If the scheme does not integrate bodies under torque and damping.
+    /// If the method does not integrate bodies under torque and damping.
     pub fn forced_limit(&self) -> Result<f64, Error> {
         self.damping_limit().ok_or_else(|| Error::Value {
             argument: "method",
@@ -373,7 +375,7 @@ impl Scheme {
     /// Refuses a step that is unstable at a damping rate. The body is named if it is one among many.
     ///
     /// # Errors
-    /// If the scheme does not integrate bodies under torque and damping, or is unstable with this step.
+    /// If the method does not integrate bodies under torque and damping, or is unstable with this step.
     pub fn check_damping(&self, body: Option<usize>, step: f64, rate: f64) -> Result<(), Error> {
         let limit = self.forced_limit()?;
         if step * rate > limit {
@@ -383,20 +385,20 @@ impl Scheme {
         Ok(())
     }
 
-    /// Whether the scheme is stable under damping of any strength.
+    /// Whether the method is stable under damping of any strength.
     pub fn is_stiff(&self) -> bool {
         self.damping_limit() == Some(f64::INFINITY)
     }
 
-    /// Whether the scheme integrates damping exactly, in steps much longer than the time of the damping.
+    /// Whether the method integrates damping exactly, in steps much longer than the time of the damping.
     pub const fn damps_exactly(&self) -> bool {
         match self.forced {
-            Some(forced) => matches!(forced.step.engine, Engine::Exponential | Engine::Affine),
+            Some(forced) => matches!(forced.step.engine, EngineName::Exponential | EngineName::Affine),
             None => false,
         }
     }
 
-    /// The forces that the scheme integrates, by name.
+    /// The forces that the method integrates, by name.
     pub fn forces(&self) -> Vec<&'static str> {
         let Some(forced) = self.forced else { return Vec::new() };
         let facts = forced.step.engine.facts();
@@ -405,10 +407,10 @@ impl Scheme {
         ["torque", "damping"].into_iter().chain(further).chain(function).collect()
     }
 
-    /// Raises an error for a scheme that does not integrate what acts on a body.
+    /// Raises an error for a method that does not integrate what acts on a body.
     ///
     /// # Errors
-    /// Naming the scheme and the rule.
+    /// Naming the method and the rule.
     pub fn check_forces(&self, forces: ForceSet) -> Result<(), Error> {
         if !forces.act {
             return Ok(());
@@ -425,16 +427,16 @@ impl Scheme {
         Err(Error::Value { argument: "method", value: format!("'{}'", self.facts.name), rule })
     }
 
-    /// The scheme that cross-checks samples classified by this scheme. A scheme for strong damping is cross-checked by
-    /// [`STIFF`], because an explicit scheme could need a thousand times the steps.
-    pub fn second(&self, is_forced: bool) -> &'static Scheme {
+    /// The method that cross-checks samples classified by this method. A method for strong damping is cross-checked by
+    /// [`STIFF`], because an explicit method could need a thousand times the steps.
+    pub fn second(&self, is_forced: bool) -> &'static Method {
         if is_forced && self.is_stiff() { STIFF } else { SECOND }
     }
 
-    /// Raises an error for a scheme that integrates no displacements, or not those of forced bodies.
+    /// Raises an error for a method that integrates no deviation vectors, or not those of forced bodies.
     ///
     /// # Errors
-    /// Naming the scheme and the rule.
+    /// Naming the method and the rule.
     pub fn check_tangent(&self, is_forced: bool) -> Result<(), Error> {
         let rule = match (self.has_tangent(), self.has_forced_tangent()) {
             (_, true) => return Ok(()),
@@ -448,10 +450,10 @@ impl Scheme {
         Err(Error::Value { argument: "method", value: format!("'{}'", self.facts.name), rule })
     }
 
-    /// Raises an error for a scheme inside whose steps no limit is observed.
+    /// Raises an error for a method inside whose steps no limit is observed.
     ///
     /// # Errors
-    /// Naming the scheme and the rule.
+    /// Naming the method and the rule.
     pub fn check_limits(&self) -> Result<(), Error> {
         if self.steps().into_iter().all(Step::sees_limits) {
             return Ok(());
@@ -461,11 +463,11 @@ impl Scheme {
         Err(Error::Value { argument: "method", value: format!("'{}'", self.facts.name), rule })
     }
 
-    /// Raises an error for a scene that the scheme does not integrate, and for an observable between steps that use
+    /// Raises an error for a scene that the method does not integrate, and for an observable between steps that use
     /// other variables than the state.
     ///
     /// # Errors
-    /// Naming the scheme and the rule.
+    /// Naming the method and the rule.
     pub fn check(&self, scene: &Scene, is_observed: bool) -> Result<(), Error> {
         let refuse =
             |rule| Err(Error::Value { argument: "method", value: format!("'{}'", self.facts.name), rule });
@@ -494,11 +496,11 @@ const _: () = assert!(
     }
 );
 
-/// Every scheme is checked when it is compiled.
+/// Every method is checked when it is compiled.
 const _: () = {
     let mut i = 0;
     while i < ALL.len() {
-        let Scheme { facts, any, symmetric, .. } = *ALL[i];
+        let Method { facts, any, symmetric, .. } = *ALL[i];
         assert!(any.is_series() == symmetric.is_series() && any.is_processed() == symmetric.is_processed());
         if any.is_series() {
             assert!(any.numbers.order == facts.order as usize && facts.order % 2 == 0);
@@ -545,8 +547,8 @@ fn acceleration_by<R: Real, M: Model<R>, L: Layout, const D: usize>(
     rate
 }
 
-/// The step of an engine for one pack of bodies. `R` is the pack; a state of the layout `L` has `D` numbers.
-pub trait Stepper<R: Real, M: Model<R>, L: Layout, const D: usize>: Copy {
+/// The code of an engine for one pack of bodies. `R` is the pack; a state of the layout `L` has `D` numbers.
+pub trait Engine<R: Real, M: Model<R>, L: Layout, const D: usize>: Copy {
     /// The variables that the engine integrates.
     const VARIABLES: Variables;
     /// Whether the engine integrates the model in the layout. Code is compiled only then.
@@ -555,9 +557,9 @@ pub trait Stepper<R: Real, M: Model<R>, L: Layout, const D: usize>: Copy {
     const COMPENSATES: bool = false;
     /// Whether a step is a series, and stores its coefficients: the motion inside the step is known.
     const IS_SERIES: bool = false;
-    /// Whether a step moves a displacement by the derivative of the step.
+    /// Whether a step moves a deviation vector by the derivative of the step.
     const HAS_TANGENT: bool = false;
-    /// Whether a step can move further displacements with the same motion.
+    /// Whether a step can move further deviation vectors with the same motion.
     const SHARES_MOTION: bool = false;
     /// Whether a step has so few operations that the loop over packs counts. Its sums are not
     /// compensated.
@@ -582,16 +584,16 @@ pub trait Stepper<R: Real, M: Model<R>, L: Layout, const D: usize>: Copy {
         compensation: &mut [R; D],
         dense: &mut Coefficients<R, D>,
     );
-    /// Moves a further displacement by the last step, whose coefficients of the motion are known; those of the displacement
-    /// are replaced.
+    /// Moves a further deviation vector by the last step, whose coefficients of the motion are known; those of the
+    /// deviation vector are replaced.
     #[inline(always)]
-    fn displace(
+    fn move_deviation(
         &self,
-        _displacement: &mut [R; 6],
+        _deviation: &mut [R; 6],
         _compensation: &mut [R; 6],
         _dense: &mut Coefficients<R, D>,
     ) {
-        unreachable!("only some steps move further displacements")
+        unreachable!("only some steps move further deviation vectors")
     }
     /// The coefficients of a series for the motion from `y` on, in powers of the time over `unit`. The coefficients are
     /// written in place, because a move would cost a tenth of their computation.

@@ -4,7 +4,7 @@
 //! (Jorba & Zou 2005, §2). Coefficients are those of powers of t / step: their sum is the state after a step.
 
 use super::acceleration;
-use super::{Engine, Facts, Numbers, Scheme, Step, Stepper, Variables};
+use super::{Engine, EngineName, Facts, Method, Numbers, Step, Variables};
 use crate::forces::{ForcesInterval, Further, FurtherSeries, Order};
 use crate::kinematics::{
     add_cross, add_roll_across, add_roll_along, add_turn_across, add_turn_along, direction, put,
@@ -31,7 +31,7 @@ const COMPENSATED_FROM: usize = 16;
 /// A series of an even order, with the largest angle of a step and the damping limit.
 macro_rules! series {
     ($order:literal, $angle:expr, $damping_limit:literal) => {
-        Scheme::direct(
+        Method::direct(
             Facts {
                 name: concat!("taylor", $order),
                 title: concat!("Taylor series of order ", $order),
@@ -49,7 +49,7 @@ macro_rules! series {
                 doi: "10.1080/10586458.2005.10128904",
             },
             Step {
-                engine: Engine::Taylor,
+                engine: EngineName::Taylor,
                 numbers: &Numbers {
                     order: $order,
                     is_compensated: $order >= COMPENSATED_FROM,
@@ -64,13 +64,13 @@ macro_rules! series {
 // With these angles per step, the attitudes of 600 random bodies and tops were off by at most 4e-14 rad per radian
 // turned.
 /// Taylor series of order 12.
-pub const TAYLOR12: Scheme = series!(12, 2.0 / 5.0, 2.91);
+pub const TAYLOR12: Method = series!(12, 2.0 / 5.0, 2.91);
 /// Taylor series of order 16.
-pub const TAYLOR16: Scheme = series!(16, 3.0 / 4.0, 3.66);
+pub const TAYLOR16: Method = series!(16, 3.0 / 4.0, 3.66);
 /// Taylor series of order 20.
-pub const TAYLOR20: Scheme = series!(20, 9.0 / 10.0, 4.41);
+pub const TAYLOR20: Method = series!(20, 9.0 / 10.0, 4.41);
 /// Taylor series of order 26.
-pub const TAYLOR26: Scheme = series!(26, 9.0 / 8.0, 5.53);
+pub const TAYLOR26: Method = series!(26, 9.0 / 8.0, 5.53);
 
 /// Cauchy products of one order: of the rates with each other, with the directions and with the quaternion.
 #[derive(Clone, Copy)]
@@ -180,7 +180,7 @@ impl<R: Real, M: Model<R>> Taylor<R, M> {
             all_orders = true;
         }
         if L::TANGENT {
-            self.displaced::<L, D>(unit, c);
+            self.deviation::<L, D>(unit, c);
         }
     }
 
@@ -238,7 +238,7 @@ impl<R: Real, M: Model<R>> Taylor<R, M> {
     ) -> [R; D] {
         let factor = unit * R::splat(INVERSE[k + 1]);
         let acceleration = self.model.euler(&sums.rates, of_k);
-        // Every number is written: those of the balance by `add_applied`, those of the displacement by `displaced`.
+        // Every number is written: those of the balance by `add_applied`, those of the deviation vector by `deviation`.
         let mut next = [unit; D];
         for i in 0..3 {
             next[i] = factor * acceleration[i];
@@ -427,8 +427,8 @@ pub fn two_sum<R: Real>(a: R, b: R) -> (R, R) {
     (sum, (a - (sum - of_b)) + (b - of_b))
 }
 
-/// The coefficients of a step under forces or with a displacement, in a function that fixed and adaptive steps share:
-/// shorter series are up to 13 % faster in the loop over steps.
+/// The coefficients of a step under forces or with a deviation vector, in a function that fixed and adaptive steps
+/// share: shorter series are up to 13 % faster in the loop over steps.
 struct Expansion<'a, R, M, L, const D: usize> {
     engine: &'a Taylor<R, M>,
     unit: R,
@@ -455,7 +455,7 @@ impl<R: Real, M: Model<R>> Taylor<R, M> {
     }
 }
 
-impl<R: Real, M: Model<R>, L: Layout, const D: usize> Stepper<R, M, L, D> for Taylor<R, M> {
+impl<R: Real, M: Model<R>, L: Layout, const D: usize> Engine<R, M, L, D> for Taylor<R, M> {
     const VARIABLES: Variables = Variables::Rates;
     // The attitude of a top is integrated as rows of its matrix: the vertical, which the torque needs anyway, and
     // another direction cost less than the vertical and a quaternion.
@@ -487,10 +487,10 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Stepper<R, M, L, D> for Ta
     }
 
     #[inline(always)]
-    fn displace(&self, displacement: &mut [R; 6], compensation: &mut [R; 6], c: &mut Coefficients<R, D>) {
-        c.set(0, L::TANGENT_AT, *displacement);
-        self.displaced::<L, D>(self.step, c);
-        self.add_series(c, L::TANGENT_AT, displacement, compensation);
+    fn move_deviation(&self, deviation: &mut [R; 6], compensation: &mut [R; 6], c: &mut Coefficients<R, D>) {
+        c.set(0, L::TANGENT_AT, *deviation);
+        self.deviation::<L, D>(self.step, c);
+        self.add_series(c, L::TANGENT_AT, deviation, compensation);
     }
 
     #[inline(always)]

@@ -1,28 +1,28 @@
-//! The tangent of the motion: the rate of change of a small displacement.
+//! The tangent of the motion: the rate of change of a small deviation vector.
 //!
-//! A displacement is a change d of the rates and a rotation vector x in the body, `R -> R exp(hat(x))`. Euler's equations
-//! are linear in the products of the rates and in the directions, so their derivative is the same model with the changes
-//! of both. A direction n that is fixed in space changes by `n x x` in the body.
+//! A deviation vector is a change d of the rates and a rotation vector x in the body, `R -> R exp(hat(x))`. Euler's
+//! equations are linear in the products of the rates and in the directions, so their derivative is the same model with
+//! the changes of both. A direction n that is fixed in space changes by `n x x` in the body.
 //!
-//! A change of the parameters displaces a body too that begins without a displacement: its effect is a torque of its own,
-//! in the systems that have one. No change adds zero.
+//! A change of the parameters makes a body deviate too that begins without a deviation vector: its effect is a torque
+//! of its own, in the systems that have one. No change adds zero.
 //!
 //! Runge-Kutta methods and Taylor series commute with differentiation (Hairer, Nørsett, Wanner, Solving ODEs I, §I.14):
 //! the change of the rates of a body without weight is the derivative of the step itself. The rotation vector has an
-//! equation of its own, so with weight both agree with the derivative of the step to the order of the scheme.
+//! equation of its own, so with weight both agree with the derivative of the step to the order of the method.
 
 use crate::kinematics::{add_cross, cross, direction, put};
 use crate::real::Real;
 use crate::scene::{Applied, Layout, Model};
 
-/// The change of the rates in a state with a displacement.
+/// The change of the rates in a state with a deviation vector.
 #[inline(always)]
 pub(super) fn spin<R: Real, L: Layout, const D: usize>(y: &[R; D]) -> [R; 3] {
     let at = L::TANGENT_AT;
     [y[at], y[at + 1], y[at + 2]]
 }
 
-/// The rotation vector in a state with a displacement.
+/// The rotation vector in a state with a deviation vector.
 #[inline(always)]
 pub(super) fn turn<R: Real, L: Layout, const D: usize>(y: &[R; D]) -> [R; 3] {
     let at = L::TANGENT_AT + 3;
@@ -34,7 +34,7 @@ pub(super) fn turn<R: Real, L: Layout, const D: usize>(y: &[R; D]) -> [R; 3] {
 #[derive(Clone, Copy)]
 pub(super) struct Variation<R> {
     products: [R; 3],
-    vertical: [R; 3],
+    gamma: [R; 3],
     turning: [R; 3],
 }
 
@@ -42,13 +42,13 @@ impl<R: Real> Variation<R> {
     #[inline(always)]
     pub(super) fn none() -> Self {
         let zero = [R::splat(0.0); 3];
-        Variation { products: zero, vertical: zero, turning: zero }
+        Variation { products: zero, gamma: zero, turning: zero }
     }
 
-    /// Adds the products of the displacement of one state with the rates and the vertical of another.
+    /// Adds the products of the deviation vector of one state with the rates and the vertical of another.
     #[inline(always)]
-    pub(super) fn add<M: Model<R>, L: Layout, const D: usize>(&mut self, displaced: &[R; D], y: &[R; D]) {
-        let ([d1, d2, d3], x) = (spin::<R, L, D>(displaced), turn::<R, L, D>(displaced));
+    pub(super) fn add<M: Model<R>, L: Layout, const D: usize>(&mut self, deviating: &[R; D], y: &[R; D]) {
+        let ([d1, d2, d3], x) = (spin::<R, L, D>(deviating), turn::<R, L, D>(deviating));
         let [w1, w2, w3] = [y[0], y[1], y[2]];
         self.products = [
             d2.fma(w3, d3.fma(w2, self.products[0])),
@@ -56,24 +56,24 @@ impl<R: Real> Variation<R> {
             d1.fma(w2, d2.fma(w1, self.products[2])),
         ];
         if M::HEAVY {
-            add_cross(&direction(y, 0), &x, &mut self.vertical);
+            add_cross(&direction(y, 0), &x, &mut self.gamma);
         }
         add_cross(&x, &[w1, w2, w3], &mut self.turning);
     }
 
-    /// The rate of the displacement, from this variation, the displacement of the same order, and the change of the
-    /// torque in space.
+    /// The rate of the deviation vector, from this variation, the deviation vector of the same order, and the change of
+    /// the torque in space.
     #[inline(always)]
     pub(super) fn rate<M: Model<R>, L: Layout, const D: usize>(
         &self,
         model: &M,
         applied: &Applied<R>,
-        displaced: &[R; D],
+        deviating: &[R; D],
         torque: [R; 3],
     ) -> [R; 6] {
-        let d = spin::<R, L, D>(displaced);
-        let mut varied = *displaced;
-        put(&mut varied, 3, self.vertical);
+        let d = spin::<R, L, D>(deviating);
+        let mut varied = *deviating;
+        put(&mut varied, 3, self.gamma);
         let mut change = model.euler(&self.products, &varied);
         if L::BALANCE {
             let gained = applied.over_moments(&applied.damped(torque, d));
@@ -86,7 +86,7 @@ impl<R: Real> Variation<R> {
     }
 }
 
-/// The rate of the displacement of a state, from the rate of change of its rates.
+/// The rate of the deviation vector of a state, from the rate of change of its rates.
 #[inline(always)]
 pub(super) fn tangent_rate<R: Real, M: Model<R>, L: Layout, const D: usize>(
     model: &M,

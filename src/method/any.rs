@@ -1,0 +1,53 @@
+//! The method of a body: its closed form, or one that makes steps.
+
+use super::Method;
+use crate::error::Error;
+
+/// The method of a body.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum AnyMethod {
+    /// The closed form.
+    Exact,
+    /// A method that makes steps.
+    Steps(&'static Method),
+}
+
+impl AnyMethod {
+    /// The name of the closed forms among the methods.
+    pub const EXACT: &str = "exact";
+
+    /// The method of this name.
+    pub fn parse(name: &str) -> Result<AnyMethod, Error> {
+        if name == AnyMethod::EXACT {
+            Ok(AnyMethod::Exact)
+        } else {
+            Method::parse(name).map(AnyMethod::Steps)
+        }
+    }
+}
+
+/// The default step of a method at a rate: the motion turns by the `angle_per_step` of the method. Infinite for a body
+/// that does not turn.
+pub fn default_step(method: &Method, rate: f64) -> f64 {
+    method.facts.angle_per_step / rate
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::method;
+
+    #[test]
+    fn methods_have_names() {
+        assert_eq!(AnyMethod::parse("exact"), Ok(AnyMethod::Exact));
+        assert_eq!(AnyMethod::parse("rk4"), Ok(AnyMethod::Steps(&method::RK4)));
+        assert!(AnyMethod::parse("rk5").is_err());
+    }
+
+    #[test]
+    fn a_default_step_turns_by_the_angle_of_its_method() {
+        let angle = method::RK4.facts.angle_per_step;
+        assert_eq!(default_step(&method::RK4, 4.0), angle / 4.0);
+        assert_eq!(default_step(&method::RK4, 0.0), f64::INFINITY);
+    }
+}
