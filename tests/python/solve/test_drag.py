@@ -102,10 +102,11 @@ def test_drag_acts_in_maps_motions_and_files() -> None:
 
 def test_a_scene_keeps_its_forces_when_a_field_is_replaced() -> None:
     scene = rigid.FreeBody(BODY, drag=0.3, rotor=(0.0, 0.0, 1.0))
-    damped = dataclasses.replace(scene, damping=0.1)
+    changes: dict[str, Any] = {"damping": 0.1}
+    damped = dataclasses.replace(scene, **changes)
     assert damped == rigid.FreeBody(BODY, drag=0.3, rotor=(0.0, 0.0, 1.0), damping=0.1)
-    still = dataclasses.replace(damped, rotor=(0.0, 0.0, 0.0))
-    assert still == rigid.FreeBody(BODY, drag=0.3, damping=0.1)
+    changes = {"rotor": (0.0, 0.0, 0.0)}
+    assert dataclasses.replace(damped, **changes) == rigid.FreeBody(BODY, drag=0.3, damping=0.1)
 
 
 def test_methods_of_bodies_that_may_stop_are_no_series() -> None:

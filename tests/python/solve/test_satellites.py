@@ -564,7 +564,9 @@ def test_a_method_that_does_not_move_satellites_is_refused(method: str, words: s
 
 
 def test_deviations_of_satellites_are_refused() -> None:
-    words = "deviation vectors are not integrated under a rotor, a gravity gradient, drag, dissipation, or"
+    words = (
+        "deviation vectors are not integrated under a rotor, a gravity gradient, drag, dissipation"
+    )
     scene = SCENES["rotor"]
     with pytest.raises(ValueError, match=words):
         rigid.condition(scene, OMEGA, t=[1.0])
