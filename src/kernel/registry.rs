@@ -5,10 +5,7 @@ use super::alone::adaptive_alone;
 use super::group::{ForcesRows, Group, MAX_STATE};
 use super::step::{invariants, prepared, process, step_block};
 use crate::forces::ForceSet;
-use crate::method::{
-    AffineSplitting, ComposedPlanar, Dop853Tableau, Engine, EngineName, Exponential, ImplicitMidpoint,
-    KickMoserVeselov, KickRotor, Numbers, Planar, Rk4Tableau, RungeKutta, Splitting, Step, Taylor, engines,
-};
+use crate::method::*;
 use crate::observe::Observed;
 use crate::real::{Pack, Quad};
 use crate::scene::{

@@ -1,10 +1,7 @@
 //! The list of engines. What an engine can do follows from its code.
 
-use super::{
-    AffineSplitting, ComposedPlanar, Dop853Tableau, Engine, Exponential, Flow, ImplicitMidpoint,
-    KickMoserVeselov, KickRotor, Planar, Rk4Tableau, RungeKutta, Splitting, Taylor, Variables,
-};
-use crate::scene::{AxisTangent, FunctionFrame, FurtherFrame, Layout, Top};
+use super::*;
+use crate::scene::{AxisTangent, FunctionFrame, FurtherFrame, Top};
 
 /// Gives the list of engines to a macro. `R` stands for the pack and `M` for the model in this pack. After the code
 /// stand the packs for AVX2, and for AVX-512 where it gains. Engines with long chains of rotations are fastest with two

@@ -81,7 +81,7 @@ class NominalStarts:
         known, of_pixel = np.unique(rows, axis=0, return_inverse=True)
         # Under a torque of zero, bodies without damping are integrated like their neighbours.
         none = Torque.body((0.0, 0.0, 0.0))
-        further = {force.name: force.numbers(value) for force, value in scene.further()}
+        further = scene.further_numbers()
         made = [
             forces_of(
                 self._torque(row[9:]) or none,

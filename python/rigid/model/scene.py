@@ -42,7 +42,6 @@ from .leading import (
 )
 from .start import Start, normal
 from .torque import (
-    NO_EXPONENT,
     Damping,
     Torque,
     checked_damping,
@@ -247,13 +246,14 @@ class Scene(HasForces, ABC):
         in_space = self.torque is not None and self.torque.acts_in_space
         return bool(self.directions) or in_space
 
-    def acting(
-        self, shape: Shape | None = None, exponents: NDArray[np.intc] = NO_EXPONENT
-    ) -> _core.Forces | None:
-        """The forces on bodies of this shape, or its own, as the core reads them."""
-        shape = self.shape if shape is None else shape
-        further = {force.name: force.numbers(value) for force, value in self.further()}
-        return forces_of(self.torque, self.damping, shape, exponents, further)
+    def further_numbers(self) -> dict[str, ArrayLike]:
+        """The numbers of the further forces by their names, shape (..., 3) each."""
+        return {force.name: force.numbers(value) for force, value in self.further()}
+
+    def acting(self) -> _core.Forces | None:
+        """The forces on its bodies as the core reads them."""
+        further = self.further_numbers()
+        return forces_of(self.torque, self.damping, self.shape, further=further)
 
     def replaced(
         self, body: Body, damping: ArrayLike | None, **own: float | tuple[float, ...]

@@ -13,7 +13,7 @@ from .. import _core
 from .._checks.arrays import IDENTITY
 from ..model.leading import Shape
 from ..model.scene import Scene
-from ..model.torque import NO_EXPONENT
+from ..model.torque import NO_EXPONENT, forces_of
 from .arrays import Range, in_rows, rows_of_each
 
 __all__ = ["Bodies"]
@@ -95,7 +95,8 @@ class Bodies:
             if np.count_nonzero(weight):
                 with np.errstate(over="ignore"):
                     weight = np.ldexp(weight, unit)
-            forces = scene.acting(shape, exponents)
+            further = scene.further_numbers()
+            forces = forces_of(scene.torque, scene.damping, shape, exponents, further)
         return cls(
             kind=scene.kind,
             shape=shape,
