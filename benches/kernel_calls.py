@@ -42,9 +42,9 @@ ALLOWED = {
 }
 # A function of the user is called, by these kernels only, which are those of one body at a time.
 OF_THE_USER = re.compile(
-    r"\brigid::called::TorqueCall::torque\b|<rigid::called::TorqueCall>::torque\b"
+    r"\brigid::forces::function::TorqueCall::torque\b|<rigid::forces::function::TorqueCall>::torque\b"
 )
-MAY_CALL_IT = re.compile(r"::kernels_of::.*::CalledFrame\b")
+MAY_CALL_IT = re.compile(r"::kernels_of::.*::FunctionFrame\b")
 # The plain path is for processors without FMA: it rounds products as FMA does with the C library.
 WITHOUT_FMA = re.compile(r"^(fma|rint|roundeven)$")
 # What the compiler calls for a large copy. It is refused in two nested loops (steps and packs),
@@ -53,7 +53,7 @@ COPIES = re.compile(r"^(memcpy|memset|memmove)$")
 MAY_COPY = {
     "the plain path is not for speed": re.compile(r"::scalar::"),
     "a state of 15 components is in memory, not in registers": re.compile(
-        r"::(ForcedFrame|SatelliteFrame)\b"
+        r"::(ForcedFrame|FurtherFrame)\b"
     ),
     "the set-up of a pack copies the tables of its drift": re.compile(r"::KickMoserVeselov\b"),
     "the set-up of a pack copies the functions of its damping": re.compile(r"::Exponential<"),
