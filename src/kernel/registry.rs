@@ -201,10 +201,10 @@ macro_rules! entry_points {
     };
 }
 
-/// Whether a layout is compiled for AVX-512 too, where the engine is: forced bodies and deviation vectors gain too
-/// little (benches/README.md).
+/// Whether a layout is compiled for AVX-512 too, where the engine is: forced bodies and changes of parameters are less
+/// often asked for, and gain less (benches/README.md).
 const fn gains_by_avx512<L: Layout>() -> bool {
-    !L::BALANCE && !L::TANGENT
+    !L::BALANCE && !L::CHANGED
 }
 
 /// The kernels: each engine of the list of `method` with each system that the engine integrates. The first system with
