@@ -26,7 +26,7 @@ pub struct ForcesInterval<R> {
     pub further: Further<R>,
     /// The function that returns a further torque.
     pub function: Option<TorqueCall>,
-    /// The change of the parameters that displaces the body, if deviation vectors are integrated.
+    /// The change of the parameters by which the body deviates, if deviation vectors are integrated.
     pub change: ParameterChange<R>,
 }
 

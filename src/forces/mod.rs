@@ -303,7 +303,7 @@ macro_rules! forces {
             "does not integrate ", $($word, ", ",)* "as Runge-Kutta methods and Taylor series do"
         );
         /// The rule of deviation vectors under further forces.
-        pub const NOT_DISPLACED: &str =
+        pub const NO_DEVIATIONS: &str =
             concat!("deviation vectors are not integrated under ", $($word, ", ",)* "or a function");
     };
 }

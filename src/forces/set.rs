@@ -1,6 +1,6 @@
 //! What acts on bodies besides weight, as a set. The set decides which variables are integrated, and by which methods.
 
-use super::{BodyForces, NOT_DISPLACED};
+use super::{BodyForces, NO_DEVIATIONS};
 use crate::error::Error;
 
 /// The forces on a body.
@@ -40,7 +40,7 @@ impl ForceSet {
         }
         let value = if self.function { "a function" } else { "under further forces" }.to_string();
         let argument = if self.function { "torque" } else { "scene" };
-        Err(Error::Value { argument, value, rule: NOT_DISPLACED })
+        Err(Error::Value { argument, value, rule: NO_DEVIATIONS })
     }
 }
 

@@ -73,7 +73,7 @@ class CoreRequest:
     checked : int or None
         Samples with smaller numbers are classified twice; None: the doubtful.
     forces : sequence of Forces, optional
-        That of each pixel.
+        Those on each pixel.
     numbers, first : ndarray of uint64, shape (P,), optional
         The number of each pixel in the whole map, and that of its first sample, a multiple of 64.
     """

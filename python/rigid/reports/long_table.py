@@ -6,7 +6,7 @@ import math
 
 from ..solve.methods import EXACT
 from .long_data import LongRow, LongRunData, in_short
-from .table import aligned, listed, refusals, time_text
+from .table import aligned, heading, time_text
 
 __all__ = ["long_text"]
 
@@ -25,28 +25,16 @@ def long_text(report: LongRunData) -> str:
 def _head(report: LongRunData) -> list[str]:
     spec = report.spec
     period = math.tau / math.hypot(*spec.omega)
-    lines = [
-        ("long run", spec.title or "errors over many revolutions"),
-        ("scene", spec.scene.words()),
-        (
-            "start",
-            f"omega ({listed(spec.omega)}) rad/{spec.unit}, attitude ({listed(spec.attitude)})",
-        ),
-        ("bodies", f"{spec.bodies} close to it, seed {spec.seed}: the largest error of all"),
-        ("revolution", f"2 pi / |omega| = {period:.4g} {spec.unit}; rad of a step at this rate"),
-        ("energy", "largest error, minus the work, relative"),
-        ("momentum", f"largest error {_momentum(report)}, relative"),
-        (
-            "phase",
-            "angle to the true attitude at the end, rad; < below the uncertainty of the truth",
-        ),
-        ("reference", _references(report)),
-        ("time", "processor time, ns per body and revolution"),
-        ("machine", ", ".join(report.machine[name] for name in ("cpu", "isa") if report.machine)),
-    ]
-    if not report.complete:
-        lines.append(("stopped", "before its end: the run is partial"))
-    return [f"{name:<12}{text}" for name, text in [*lines, *refusals(report.refused)]]
+    lines = {
+        "bodies": f"{spec.bodies} close to it, seed {spec.seed}: the largest error of all",
+        "revolution": f"2 pi / |omega| = {period:.4g} {spec.unit}; rad of a step at this rate",
+        "energy": "largest error, minus the work, relative",
+        "momentum": f"largest error {_momentum(report)}, relative",
+        "phase": "angle to the true attitude at the end, rad; < below the uncertainty of the truth",
+        "reference": _references(report),
+        "time": "processor time, ns per body and revolution",
+    }
+    return heading(report, "long run", "errors over many revolutions", lines)
 
 
 def _momentum(report: LongRunData) -> str:

@@ -7,8 +7,9 @@ from textwrap import wrap
 
 from ..solve.methods import EXACT, methods
 from .data import REPEATS, ReportData
+from .long_data import LongRunData
 
-__all__ = ["aligned", "listed", "refusals", "report_text", "time_text"]
+__all__ = ["aligned", "heading", "report_text", "time_text"]
 
 NAMES = 60
 """Characters of a line of other names."""
@@ -22,29 +23,36 @@ def report_text(report: ReportData) -> str:
 def _head(report: ReportData) -> list[str]:
     spec, reference = report.spec, report.reference
     how = "closed form" if reference.method == EXACT else f"{reference.steps:,} steps"
-    unit, attitude = spec.unit, f"({listed(spec.attitude)})"
-    lines = [
-        ("report", spec.title or "error against run time"),
-        ("scene", spec.scene.words()),
-        ("start", f"omega ({listed(spec.omega)}) rad/{unit}, attitude {attitude}"),
-        ("bodies", f"{spec.bodies} close to it, seed {spec.seed}; t = {spec.t_end:g} {unit}"),
-        (
-            "reference",
+    time = f"processor time, ns per body and {spec.unit} of motion; {_repeats(report.rounds)}"
+    lines = {
+        "bodies": f"{spec.bodies} close to it, seed {spec.seed}; t = {spec.t_end:g} {spec.unit}",
+        "reference": (
             f"{reference.method}, {how}; may be off by {reference.uncertainty:.1e}, "
-            f"worst {reference.worst:.1e}",
+            f"worst {reference.worst:.1e}"
         ),
-        ("error", "median of the bodies: of the rates, relative, or of the attitude, rad"),
-        ("time", f"processor time, ns per body and {unit} of motion; {_repeats(report.rounds)}"),
-        ("machine", ", ".join(report.machine[name] for name in ("cpu", "isa") if report.machine)),
+        "error": "median of the bodies: of the rates, relative, or of the attitude, rad",
+        "time": time,
+    }
+    return heading(report, "report", "error against run time", lines)
+
+
+def heading(
+    report: ReportData | LongRunData, what: str, untitled: str, lines: Mapping[str, str]
+) -> list[str]:
+    """What was measured, these lines on how, and what is not in the tables."""
+    spec, machine = report.spec, report.machine
+    attitude = f"({_listed(spec.attitude)})"
+    told = [
+        (what, spec.title or untitled),
+        ("scene", spec.scene.words()),
+        ("start", f"omega ({_listed(spec.omega)}) rad/{spec.unit}, attitude {attitude}"),
+        *lines.items(),
+        ("machine", ", ".join(machine[name] for name in ("cpu", "isa") if machine)),
     ]
     if not report.complete:
-        lines.append(("stopped", "before its end: the report is partial"))
-    return [f"{name:<12}{text}" for name, text in [*lines, *refusals(report.refused)]]
-
-
-def refusals(refused: Mapping[str, str]) -> list[tuple[str, str]]:
-    """A line for each method that is not applicable."""
-    return [("not for", f"{name}: {_brief(name, why)}") for name, why in refused.items()]
+        told.append(("stopped", f"before its end: the {what.split()[-1]} is partial"))
+    told += [("not for", f"{name}: {_brief(name, why)}") for name, why in report.refused.items()]
+    return [f"{name:<12}{text}" for name, text in told]
 
 
 def _repeats(rounds: int) -> str:
@@ -98,7 +106,7 @@ def _front(report: ReportData) -> list[str]:
     return aligned(table)
 
 
-def listed(values: Sequence[float]) -> str:
+def _listed(values: Sequence[float]) -> str:
     """The numbers of a vector."""
     return ", ".join(f"{value:g}" for value in values)
 

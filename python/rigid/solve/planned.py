@@ -83,9 +83,8 @@ def _estimate(
 ) -> Estimate:
     """Work and error."""
     if method == EXACT:
-        rates, forms = problem.rates(), forms
         return closed_form_estimate(
-            problem.record, forms, problem.states, rates, problem.span, problem.count
+            problem.record, forms, problem.states, problem.rates(), problem.span, problem.count
         )
     if accuracy is not None and not problem.knows_angles:
         return Estimate(None, None, None, None)

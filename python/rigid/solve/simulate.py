@@ -81,7 +81,7 @@ def simulate(
     the third axis: the closed form is evaluated at each given time and takes no steps. All other
     bodies are integrated, unless all tops of the call swing as pendulums about a principal axis.
     Bodies under torque or damping are integrated too. With a given method the result of a body has
-    the same bits in any bodies, on any processor and for any number of threads.
+    the same bits in any batch, on any processor and for any number of threads.
 
     Parameters
     ----------

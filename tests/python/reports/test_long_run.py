@@ -148,7 +148,8 @@ def test_the_energy_of_a_damped_top_is_compared_with_the_work() -> None:
     run = states(result, "taylor16", 0.25, 0)
     lost = np.abs(run.energy()[:, -1] / run.energy()[:, 0] - 1.0)
     assert lost.min() > 0.1
-    assert row.energy[0] < 1e-12
+    # Some units in the last place of each of 252 steps, all alike at worst.
+    assert row.energy[0] < 16.0 * ROUNDOFF * 252
     assert "largest error of its balance" in str(result)
 
 
