@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import argparse
 import importlib
+import os
 import sys
 import time
 from collections.abc import Callable, Mapping
@@ -16,6 +17,7 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from rigid import build_info
 from rigid.maps.data import CLASSES
 
 T = TypeVar("T")
@@ -55,8 +57,17 @@ def parser(doc: str) -> argparse.ArgumentParser:
     return made
 
 
+AVX2_ALONE = {"NUMBA_CPU_NAME": "znver3", "NUMBA_CPU_FEATURES": "+avx2,+fma"}
+"""The registers of numba on a processor with wider ones, where rigid is told to use AVX2."""
+
+
 def installed(name: str) -> Any:
-    """A package to compare with; None, which is said, if it is not installed."""
+    """A package to compare with; None, which is said, if it is not installed.
+
+    numba compiles for the instruction set of rigid. heyoka uses registers of AVX2 by default.
+    """
+    if name == "numba" and build_info()["isa"] == "avx2":
+        os.environ.update(AVX2_ALONE)
     try:
         package = importlib.import_module(name)
     except ModuleNotFoundError as missing:

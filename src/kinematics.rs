@@ -19,12 +19,6 @@ pub fn add_cross<R: Real>(a: &[R; 3], b: &[R; 3], sum: &mut [R; 3]) {
     ];
 }
 
-/// 2 v.
-#[inline(always)]
-pub fn doubled<R: Real>(v: &[R; 3]) -> [R; 3] {
-    [v[0] + v[0], v[1] + v[1], v[2] + v[2]]
-}
-
 /// a . b.
 #[inline(always)]
 pub fn dot<R: Real>(a: &[R; 3], b: &[R; 3]) -> R {
@@ -41,13 +35,6 @@ pub fn direction<R: Real, const D: usize>(y: &[R; D], v: usize) -> [R; 3] {
 #[inline(always)]
 pub fn direction_rate<R: Real>(n: &[R; 3], omega: &[R; 3]) -> [R; 3] {
     cross(n, omega)
-}
-
-/// Rate of change of the attitude: q' = q (0, omega) / 2.
-#[inline(always)]
-pub fn attitude_rate<R: Real>(q: &[R; 4], omega: &[R; 3]) -> [R; 4] {
-    let half = R::splat(0.5);
-    doubled_attitude_rate(q, &[omega[0] * half, omega[1] * half, omega[2] * half])
 }
 
 /// Twice the rate of change of the attitude: q (0, omega).

@@ -9,13 +9,19 @@ use crate::real::Real;
 use crate::scene::{Applied, FurtherRate, Layout, Model, Parameters};
 use std::marker::PhantomData;
 
-/// The table of an explicit Runge-Kutta method, `k_i = f(y + h sum_j a_ij k_j)`,
-/// `y + (h / divisor) sum_i weights_i k_i`.
+/// The table of an explicit Runge-Kutta method with the unit of time `u = h UNIT`, `k_i = f(y + u sum_j a_ij k_j)`,
+/// `y + (u / divisor) sum_i weights_i k_i`.
 pub trait Tableau: Copy {
     /// Order of the method.
     const ORDER: usize;
     /// Whether the attitude of tops is integrated as rows of its matrix only.
     const ROWS_ONLY: bool;
+    /// The unit of time over the step: a power of two with which few coefficients differ from one and two, which cost
+    /// no multiplication.
+    const UNIT: f64;
+    /// Whether the slopes of the rates of a free body are their products. The unit times the ratio of moments is one
+    /// more number that is rounded alike in every step, which a method of high order would show.
+    const IN_PRODUCTS: bool;
     /// Rows 1, 2, … of the matrix a; row i has i entries.
     const A: &'static [&'static [f64]];
     /// Weights over the common divisor: whole numbers where they can be.
@@ -78,14 +84,18 @@ pub struct Dop853Tableau;
 impl Tableau for Rk4Tableau {
     const ORDER: usize = 4;
     const ROWS_ONLY: bool = false;
-    const A: &'static [&'static [f64]] = &[&[0.5], &[0.0, 0.5], &[0.0, 0.0, 1.0]];
+    const UNIT: f64 = 0.5;
+    const IN_PRODUCTS: bool = true;
+    const A: &'static [&'static [f64]] = &[&[1.0], &[0.0, 1.0], &[0.0, 0.0, 2.0]];
     const WEIGHTS: &'static [f64] = &[1.0, 2.0, 2.0, 1.0];
-    const DIVISOR: f64 = 6.0;
+    const DIVISOR: f64 = 3.0;
 }
 
 impl Tableau for Dop853Tableau {
     const ORDER: usize = 8;
     const ROWS_ONLY: bool = true;
+    const UNIT: f64 = 1.0;
+    const IN_PRODUCTS: bool = false;
     const A: &'static [&'static [f64]] = &[
         &[0.05260015195876773],
         &[0.0197250569845379, 0.0591751709536137],
@@ -182,14 +192,14 @@ const fn check<T: Tableau>(facts: Facts) {
     while i < s {
         let mut j = 0;
         while j < i {
-            let a = T::A[i - 1][j];
+            let a = T::A[i - 1][j] * T::UNIT;
             c[i] += a;
             ac[i] += a * c[j];
             ac2[i] += a * c[j] * c[j];
             aac[i] += a * ac[j];
             j += 1;
         }
-        let b = T::WEIGHTS[i] / T::DIVISOR;
+        let b = T::WEIGHTS[i] * T::UNIT / T::DIVISOR;
         size += if b < 0.0 { -b } else { b };
         let mut power = b;
         let mut k = 0;
@@ -203,17 +213,6 @@ const fn check<T: Tableau>(facts: Facts) {
         while k < 8 {
             sums[k] += b * terms[k];
             k += 1;
-        }
-        i += 1;
-    }
-    // A doubled slope is used alone.
-    let mut i = 0;
-    while i < s {
-        let mut j = 0;
-        while j < i {
-            let alone = matches!(only::<T>(i), Some(k) if k == j);
-            assert!(T::WEIGHTS[j] != 2.0 || T::A[i - 1][j] == 0.0 || alone);
-            j += 1;
         }
         i += 1;
     }
@@ -238,16 +237,22 @@ const _: () = check::<Rk4Tableau>(RK4.facts);
 const _: () = check::<Dop853Tableau>(DOP853.facts);
 
 /// The engine.
+///
+/// The constants of a body and the unit of time are multiplied once. Of a free body the slopes of the rates are their
+/// products, and the moments are in the units of these slopes. The rates of a top are angles per unit of time within a
+/// step, so no slope has a factor.
 #[derive(Clone, Copy)]
 pub struct RungeKutta<T, R, M> {
     model: M,
-    /// The model of the stages of weight 2.
-    twice: M,
+    /// The model in the unit of time.
+    in_units: M,
     applied: Applied<R>,
-    /// The step times the coefficient of each stage with a single coefficient; half of that on a doubled slope.
-    single: [R; MAX_STAGES],
-    /// The step over the divisor of the weights.
-    weight_unit: R,
+    /// The unit of time.
+    unit: R,
+    /// The units of the slopes; see `unit_of`.
+    of_slope: [R; 5],
+    /// The units of the sums of slopes.
+    of_sum: [R; 5],
     tableau: PhantomData<T>,
 }
 
@@ -266,27 +271,46 @@ const fn weight<T: Tableau>(i: usize) -> f64 {
     if i < T::STAGES { T::WEIGHTS[i] } else { 0.0 }
 }
 
-/// Whether the slope of a stage is computed doubled, which its weight asks for: the constants of the model are then
-/// doubled once, and no slope has to be. Products with powers of two are exact, so no bit changes.
+/// Whether the rates are angles per unit of time within a step.
 #[inline(always)]
-const fn is_doubled<T: Tableau, L: Layout>(i: usize) -> bool {
-    weight::<T>(i) == 2.0 && !(L::BALANCE || L::TANGENT)
+const fn in_angles<R: Real, M: Model<R>, L: Layout>() -> bool {
+    M::HEAVY && !(L::BALANCE || L::CHANGED)
 }
 
-/// Index of the only coefficient of a row; `None` if there are several.
+/// Whether the slopes of the rates are their products, whose units contain the moments.
 #[inline(always)]
-const fn only<T: Tableau>(i: usize) -> Option<usize> {
-    let (mut found, mut j) = (None, 0);
-    while j < i {
-        if coefficient::<T>(i, j) != 0.0 {
-            if found.is_some() {
-                return None;
-            }
-            found = Some(j);
-        }
+const fn in_products<T: Tableau, R: Real, M: Model<R>, L: Layout>() -> bool {
+    T::IN_PRODUCTS && !(M::HEAVY || L::BALANCE || L::CHANGED)
+}
+
+/// Index of the unit of a quaternion.
+const OF_QUATERNION: usize = 4;
+
+/// Index of the unit of a variable: one for each rate, one for a quaternion, whose slope is twice its rate of change
+/// then, and one for all others. Rates and their changes have equal units where there is a deviation vector.
+#[inline(always)]
+const fn unit_of<L: Layout>(d: usize) -> usize {
+    let of_change = L::TANGENT && d >= L::TANGENT_AT && d < L::TANGENT_AT + 3;
+    let of_quaternion = L::QUATERNION && d >= L::QUATERNION_AT && d < L::QUATERNION_AT + 4;
+    if d < 3 {
+        d
+    } else if of_change {
+        d - L::TANGENT_AT
+    } else if of_quaternion {
+        OF_QUATERNION
+    } else {
+        3
+    }
+}
+
+/// Index of the first coefficient of a row.
+#[inline(always)]
+const fn first<T: Tableau>(i: usize) -> usize {
+    let mut j = 0;
+    while j < i && coefficient::<T>(i, j) == 0.0 {
         j += 1;
     }
-    found
+    j
 }
 
 /// Writes a statement once for each stage before the last.
@@ -300,60 +324,66 @@ macro_rules! for_stages {
     })*};
 }
 
-/// y + h sum_j a_ij k_j.
+/// A slope times a number of the table. Two additions take less time than a fused product beside others.
 #[inline(always)]
-fn stage_state<T: Tableau, const I: usize, R: Real, const D: usize>(
-    (single, step): (R, R),
+fn times<R: Real>(number: f64, slope: R) -> R {
+    match number {
+        1.0 => slope,
+        2.0 => slope + slope,
+        _ => R::splat(number) * slope,
+    }
+}
+
+/// sum + number slope.
+#[inline(always)]
+fn add_times<R: Real>(sum: R, number: f64, slope: R) -> R {
+    match number {
+        0.0 => sum,
+        1.0 | 2.0 => sum + times(number, slope),
+        _ => R::splat(number).fma(slope, sum),
+    }
+}
+
+/// y + u sum_j a_ij k_j.
+#[inline(always)]
+fn stage_state<T: Tableau, M: Model<R>, L: Layout, const I: usize, R: Real, const D: usize>(
+    of_slope: &[R; 5],
     y: &[R; D],
     k: &[[R; D]; MAX_STAGES],
 ) -> [R; D] {
     let mut at = *y;
-    if let Some(j) = const { only::<T>(I) } {
-        for d in 0..D {
-            at[d] = single.fma(k[j][d], y[d]);
-        }
+    if const { in_angles::<R, M, L>() } {
+        for_stages!(J => {
+            for d in 0..D {
+                at[d] = if unit_of::<L>(d) == OF_QUATERNION {
+                    add_times(at[d], const { 0.5 * coefficient::<T>(I, J) }, k[J][d])
+                } else {
+                    add_times(at[d], const { coefficient::<T>(I, J) }, k[J][d])
+                };
+            }
+        });
         return at;
     }
-    let first = R::splat(const { coefficient::<T>(I, 0) });
+    let begin = const { first::<T>(I) };
     for d in 0..D {
-        at[d] = first * k[0][d];
+        at[d] = times(const { coefficient::<T>(I, first::<T>(I)) }, k[begin][d]);
     }
     for_stages!(J => {
-        if const { J != 0 && coefficient::<T>(I, J) != 0.0 } {
-            let a = R::splat(const { coefficient::<T>(I, J) });
+        if J != begin {
             for d in 0..D {
-                at[d] = a.fma(k[J][d], at[d]);
+                at[d] = add_times(at[d], const { coefficient::<T>(I, J) }, k[J][d]);
             }
         }
     });
     for d in 0..D {
-        at[d] = step.fma(at[d], y[d]);
+        at[d] = of_slope[unit_of::<L>(d)].fma(at[d], y[d]);
     }
     at
 }
 
-/// sum += weight_i k; the first stage begins the sum. A doubled slope has the weight 1.
-#[inline(always)]
-fn add_weighted<T: Tableau, L: Layout, const I: usize, R: Real, const D: usize>(
-    sum: &mut [R; D],
-    k: &[R; D],
-) {
-    for d in 0..D {
-        sum[d] = match (I, const { if is_doubled::<T, L>(I) { 1.0 } else { weight::<T>(I) } }) {
-            (0, 1.0) => k[d],
-            (0, weight) => k[d] * R::splat(weight),
-            (_, 0.0) => sum[d],
-            (_, 1.0) => sum[d] + k[d],
-            // Two additions have the same bits as one fused product, and adders are idle here.
-            (_, 2.0) => sum[d] + (k[d] + k[d]),
-            (_, weight) => R::splat(weight).fma(k[d], sum[d]),
-        };
-    }
-}
-
 /// The equations of motion of the whole state.
 #[inline(always)]
-fn rate<R: Real, M: Model<R>, L: Layout, const D: usize>(
+fn rate<T: Tableau, R: Real, M: Model<R>, L: Layout, const D: usize>(
     model: &M,
     applied: &Applied<R>,
     y: &[R; D],
@@ -364,7 +394,11 @@ fn rate<R: Real, M: Model<R>, L: Layout, const D: usize>(
     let omega = [y[0], y[1], y[2]];
     let mut dy = *y;
     let torque = if L::BALANCE { applied.torque::<L, D>(y) } else { [R::splat(0.0); 3] };
-    let change = acceleration_by::<R, M, L, D>(model, applied, y, &torque);
+    let change = if const { in_products::<T, R, M, L>() } {
+        [y[1] * y[2], y[2] * y[0], y[0] * y[1]]
+    } else {
+        acceleration_by::<R, M, L, D>(model, applied, y, &torque)
+    };
     kinematics::put(&mut dy, 0, change);
     for v in 0..L::VECTORS {
         let at = 3 + 3 * v;
@@ -373,7 +407,7 @@ fn rate<R: Real, M: Model<R>, L: Layout, const D: usize>(
     if L::QUATERNION {
         let at = L::QUATERNION_AT;
         let q = [y[at], y[at + 1], y[at + 2], y[at + 3]];
-        kinematics::put(&mut dy, at, kinematics::attitude_rate(&q, &omega));
+        kinematics::put(&mut dy, at, kinematics::doubled_attitude_rate(&q, &omega));
     }
     if L::BALANCE {
         let at = L::BALANCE_AT;
@@ -382,29 +416,6 @@ fn rate<R: Real, M: Model<R>, L: Layout, const D: usize>(
     }
     if L::TANGENT {
         kinematics::put(&mut dy, L::TANGENT_AT, tangent_rate::<R, M, L, D>(model, applied, y, &change));
-    }
-    dy
-}
-
-/// Twice the rates of change of the whole state of a body without torque and damping, from the doubled model.
-#[inline(always)]
-fn doubled_rate<R: Real, M: Model<R>, L: Layout, const D: usize>(
-    twice: &M,
-    applied: &Applied<R>,
-    y: &[R; D],
-) -> [R; D] {
-    let omega = [y[0], y[1], y[2]];
-    let turning = kinematics::doubled(&omega);
-    let mut dy = *y;
-    kinematics::put(&mut dy, 0, acceleration::<R, M, L, D>(twice, applied, y));
-    for v in 0..L::VECTORS {
-        let n = kinematics::direction(y, v);
-        kinematics::put(&mut dy, 3 + 3 * v, kinematics::direction_rate(&n, &turning));
-    }
-    if L::QUATERNION {
-        let at = L::QUATERNION_AT;
-        let q = [y[at], y[at + 1], y[at + 2], y[at + 3]];
-        kinematics::put(&mut dy, at, kinematics::doubled_attitude_rate(&q, &omega));
     }
     dy
 }
@@ -442,26 +453,48 @@ impl<T: Tableau, R: Real, M: Model<R>, L: Layout, const D: usize> Engine<R, M, L
 
     #[inline(always)]
     fn new(p: &Parameters<R>, forces: &ForcesInterval<R>, _numbers: &'static Numbers) -> Self {
-        let mut single = [p.step; MAX_STAGES];
-        for i in 1..T::STAGES {
-            if let Some(j) = only::<T>(i) {
-                let share = if is_doubled::<T, L>(j) { 0.5 } else { 1.0 };
-                single[i] = p.step * R::splat(share * coefficient::<T>(i, j));
+        let (model, applied) = (M::new(p), Applied::new(p, forces));
+        let unit = p.step * R::splat(T::UNIT);
+        let mut of_slope = [unit; 5];
+        of_slope[OF_QUATERNION] = unit * R::splat(0.5);
+        if in_products::<T, R, M, L>() {
+            let ratios = model.ratios();
+            for i in 0..3 {
+                of_slope[i] = unit * ratios[i];
             }
         }
-        let weight_unit = p.step / R::splat(T::DIVISOR);
-        let (model, applied) = (M::new(p), Applied::new(p, forces));
-        RungeKutta { model, twice: model.doubled(), applied, single, weight_unit, tableau: PhantomData }
+        let mut of_sum = of_slope;
+        for i in 0..5 {
+            of_sum[i] = of_slope[i] / R::splat(T::DIVISOR);
+        }
+        if in_angles::<R, M, L>() {
+            // An inactive lane has no step.
+            let moves = R::splat(0.0).lt(unit.abs());
+            let rate = R::splat(1.0) / (unit * R::splat(T::DIVISOR));
+            let rate = R::select(moves, rate, R::splat(0.0));
+            of_sum = [rate, rate, rate, R::splat(1.0 / T::DIVISOR), R::splat(0.5 / T::DIVISOR)];
+        }
+        let in_units = model.in_units(unit);
+        RungeKutta { model, in_units, applied, unit, of_slope, of_sum, tableau: PhantomData }
     }
 
     #[inline(always)]
     fn step(
         &self,
-        p: &Parameters<R>,
+        _p: &Parameters<R>,
         y: &mut [R; D],
         _compensation: &mut [R; D],
         _dense: &mut Coefficients<R, D>,
     ) {
+        let (mut start, mut model) = (*y, &self.model);
+        if const { in_angles::<R, M, L>() } {
+            model = &self.in_units;
+            for d in 0..D {
+                if unit_of::<L>(d) < 3 {
+                    start[d] = self.unit * y[d];
+                }
+            }
+        }
         let mut k = [*y; MAX_STAGES];
         let mut sum = *y;
         // Unrolled, so that each number of the table is a literal, and zeros and ones cost nothing.
@@ -469,22 +502,24 @@ impl<T: Tableau, R: Real, M: Model<R>, L: Layout, const D: usize> Engine<R, M, L
             ($($i:literal)*) => {$(
                 if const { $i < T::STAGES } {
                     let at = if const { $i == 0 } {
-                        *y
+                        start
                     } else {
-                        stage_state::<T, $i, R, D>((self.single[$i], p.step), y, &k)
+                        stage_state::<T, M, L, $i, R, D>(&self.of_slope, &start, &k)
                     };
-                    k[$i] = if const { is_doubled::<T, L>($i) } {
-                        doubled_rate::<R, M, L, D>(&self.twice, &self.applied, &at)
-                    } else {
-                        rate::<R, M, L, D>(&self.model, &self.applied, &at)
-                    };
-                    add_weighted::<T, L, $i, R, D>(&mut sum, &k[$i]);
+                    k[$i] = rate::<T, R, M, L, D>(model, &self.applied, &at);
+                    for d in 0..D {
+                        sum[d] = if const { $i == 0 } {
+                            times(const { weight::<T>($i) }, k[$i][d])
+                        } else {
+                            add_times(sum[d], const { weight::<T>($i) }, k[$i][d])
+                        };
+                    }
                 }
             )*};
         }
         stages!(0 1 2 3 4 5 6 7 8 9 10 11);
         for d in 0..D {
-            y[d] = self.weight_unit.fma(sum[d], y[d]);
+            y[d] = self.of_sum[unit_of::<L>(d)].fma(sum[d], y[d]);
         }
     }
 

@@ -1,7 +1,7 @@
 //! The free body: I omega' = (I omega) x omega (Euler 1758).
 
 use super::{ConservedMomentum, Model, Parameters, Scene, TOP};
-use crate::kinematics::{dot, doubled};
+use crate::kinematics::dot;
 use crate::real::Real;
 
 /// The scene of a free body: a top without weight.
@@ -35,8 +35,12 @@ impl<R: Real> Model<R> for Free<R> {
         [a1 * products[0], a2 * products[1], a3 * products[2]]
     }
     #[inline(always)]
-    fn doubled(&self) -> Self {
-        Free { ratios: doubled(&self.ratios) }
+    fn ratios(&self) -> [R; 3] {
+        self.ratios
+    }
+    #[inline(always)]
+    fn in_units(&self, _unit: R) -> Self {
+        *self
     }
     #[inline(always)]
     fn kick<const D: usize>(_p: &Parameters<R>, _h: R, _momentum: &mut [R; 3], _y: &[R; D]) {}

@@ -107,8 +107,10 @@ pub trait Model<R: Real>: Copy {
     /// Euler's equations from the products `w2 w3`, `w3 w1`, `w1 w2`. The equations are linear in the products and in
     /// the vertical, so Cauchy products and one order of the vertical give the same order of the rate of change.
     fn euler<const D: usize>(&self, products: &[R; 3], y: &[R; D]) -> [R; 3];
-    /// The model whose rates of change are twice as large.
-    fn doubled(&self) -> Self;
+    /// `(I2 - I3) / I1` and its cyclic neighbours: the change of a rate per product of the others, without weight.
+    fn ratios(&self) -> [R; 3];
+    /// The model of rates that are angles per unit of time.
+    fn in_units(&self, unit: R) -> Self;
     /// Exact flow of the potential alone over the time `h`.
     fn kick<const D: usize>(p: &Parameters<R>, h: R, momentum: &mut [R; 3], y: &[R; D]);
     /// Exact flow over `h` of the potential `V - (weight / h) torque.torque / I`, which contains the force gradient.

@@ -1,7 +1,7 @@
 //! The heavy top: I omega' = (I omega) x omega + gamma x (mgl com), gamma' = gamma x omega.
 
 use super::{ConservedMomentum, Model, Parameters, Scene};
-use crate::kinematics::{cross, direction, dot, doubled};
+use crate::kinematics::{cross, direction, dot};
 use crate::real::Real;
 use crate::start::Body;
 
@@ -46,16 +46,24 @@ impl<R: Real> Model<R> for Top<R> {
     fn euler<const D: usize>(&self, products: &[R; 3], y: &[R; D]) -> [R; 3] {
         let [g1, g2, g3] = direction(y, 0);
         let Top { ratios: a, plus: p, minus: m } = self;
+        // The weight first: it does not wait for the products.
         [
-            g3.fnma(m[0], g2.fma(p[0], a[0] * products[0])),
-            g1.fnma(m[1], g3.fma(p[1], a[1] * products[1])),
-            g2.fnma(m[2], g1.fma(p[2], a[2] * products[2])),
+            a[0].fma(products[0], g3.fnma(m[0], g2 * p[0])),
+            a[1].fma(products[1], g1.fnma(m[1], g3 * p[1])),
+            a[2].fma(products[2], g2.fnma(m[2], g1 * p[2])),
         ]
     }
     #[inline(always)]
-    fn doubled(&self) -> Self {
-        let Top { ratios, plus, minus } = self;
-        Top { ratios: doubled(ratios), plus: doubled(plus), minus: doubled(minus) }
+    fn ratios(&self) -> [R; 3] {
+        self.ratios
+    }
+    #[inline(always)]
+    fn in_units(&self, unit: R) -> Self {
+        let &Top { ratios, mut plus, mut minus } = self;
+        for i in 0..3 {
+            (plus[i], minus[i]) = (plus[i] * unit * unit, minus[i] * unit * unit);
+        }
+        Top { ratios, plus, minus }
     }
     #[inline(always)]
     fn kick<const D: usize>(p: &Parameters<R>, h: R, momentum: &mut [R; 3], y: &[R; D]) {

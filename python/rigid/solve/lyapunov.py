@@ -149,7 +149,7 @@ def lyapunov(
     >>> growth.verdict.tolist()
     ['chaotic', 'regular']
     >>> growth.exponent[:, -1].round(2).tolist()
-    [0.31, 0.02]
+    [0.28, 0.02]
     """
     scene = check_scene(scene, many=True)
     one_of("of", of, NORMS)

@@ -385,11 +385,16 @@ def test_a_map_of_format_3_is_read_without_unit_drift(
 
 @pytest.mark.parametrize(("version", "missing"), [(3, {"unit_drift"}), (4, set[str]())])
 def test_files_of_earlier_versions_are_read(version: int, missing: set[str]) -> None:
-    """Files that the writers of their time wrote; their maps are computed again to the bit."""
+    """Files that the writers of their time wrote; their maps are computed again.
+
+    Runge-Kutta methods have rounded in another way since: numbers near one differ by some
+    roundings.
+    """
     loaded = rigid.load_map(GOLDEN / "map_files" / f"format{version}.npz")
     again = run_map(loaded.spec, progress=False)
     for name in set(NAMED) - missing:
-        np.testing.assert_array_equal(getattr(loaded, name), getattr(again, name), err_msg=name)
+        old, new = getattr(loaded, name), getattr(again, name)
+        np.testing.assert_allclose(old, new, rtol=0.0, atol=1e-14, err_msg=name)
     assert all(np.isnan(getattr(loaded, name)).all() for name in missing)
     assert loaded.spec.title == f"Format {version}"
     np.testing.assert_array_equal(loaded.replay(1, 2).omega, again.replay(1, 2).omega)

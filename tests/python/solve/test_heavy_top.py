@@ -168,10 +168,13 @@ def test_upright_top_without_spin_falls_and_with_spin_sleeps(method: rigid.Metho
     "moments", [(1.0, 2.0, 2.5), (1.0, 1.0, 1.5), (1.5, 1.0, 1.0), (1.0, 1.5, 1.0)]
 )
 @pytest.mark.parametrize("method", METHODS, ids=lambda method: method.name)
-def test_without_weight_it_is_the_free_body_bit_for_bit(
+def test_without_weight_it_is_the_free_body(
     method: rigid.Method, moments: tuple[float, float, float], record: str
 ) -> None:
-    """Also at the default step: the same bound of the rates holds."""
+    """Bit for bit, but for Runge-Kutta, which multiplies the constants of both in another order.
+
+    Also at the default step: the same bound of the rates holds.
+    """
     body = rigid.Body(moments)
     runs = [
         rigid.simulate(
@@ -181,17 +184,23 @@ def test_without_weight_it_is_the_free_body_bit_for_bit(
         for scene in (rigid.FreeBody(body), rigid.HeavyTop(body, mgl=0.0, com=(0.6, 0.0, 0.8)))
     ]  # fmt: skip
     free, top = runs
+    assert free.steps == top.steps
+    if method.name in ("rk4", "dop853"):
+        # A random walk of some operations a step.
+        rounding = 10.0 * ROUNDOFF * np.sqrt(float(free.steps))
+        assert np.abs(free.omega - top.omega).max() < rounding * np.abs(free.omega).max()
+        assert abs(free.energy_drift - top.energy_drift) < rounding
+        return
     assert free.omega.tobytes() == top.omega.tobytes()
+    assert free.energy_drift == top.energy_drift
     if record == "axis":
         assert present(free.gamma).tobytes() == present(top.gamma).tobytes()
     if record == "attitude":
         attitudes = present(free.attitude), present(top.attitude)
-        if method.name in ("rk4", "splitting"):
+        if method.name == "splitting":
             assert attitudes[0].tobytes() == attitudes[1].tobytes()
         else:  # carries the attitude of a top as rows of its matrix, of a free body as quaternion
             assert rotation_angle(*attitudes).max() < 1e-9
-    assert free.energy_drift == top.energy_drift
-    assert free.steps == top.steps
 
 
 def renamed(v: tuple[float, ...], turns: int) -> tuple[float, ...]:
