@@ -1,6 +1,7 @@
 //! The derived quantities of closed forms and the elliptic functions, array by array.
 
-use super::convert::{BodyColumns, bodies, bodies_of, column, copied, evaluated, rows, same_length};
+use super::bodies::Bodies;
+use super::convert::{BodyColumns, bodies, column, copied, evaluated, rows, same_length};
 use crate::error::Error;
 use crate::exact::derived::{
     FreeQuantities, TopQuantities, free_quantities, saddle, sign_change_time, sign_changes, tilt_time,
@@ -10,7 +11,6 @@ use crate::exact::{CanonicalForm, ClosedForm, Question, lagrange_axis};
 use crate::float_environment::FloatEnvironment;
 use crate::memory;
 use crate::polhode::{is_near_separatrix, nearness_of_pole};
-use crate::scene::Scene;
 use crate::simd::Isa;
 use crate::special::{agm, carlson_rc, carlson_rd, carlson_rf, carlson_rj};
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
@@ -25,17 +25,11 @@ pub fn closed_form_names() -> Vec<&'static str> {
 
 /// The code of the closed form of each body.
 #[pyfunction]
-#[pyo3(signature = (*, scene, moments, weight, omega, attitude))]
 pub fn closed_forms<'py>(
     py: Python<'py>,
-    scene: &str,
-    moments: PyReadonlyArray2<'py, f64>,
-    weight: PyReadonlyArray2<'py, f64>,
-    omega: PyReadonlyArray2<'py, f64>,
-    attitude: PyReadonlyArray2<'py, f64>,
+    bodies: Bodies<'py>,
 ) -> PyResult<Bound<'py, PyArray1<u8>>> {
-    Scene::parse(scene)?;
-    let bodies = bodies_of(&moments, &weight, &omega, &attitude)?;
+    let bodies = bodies.all()?;
     let code =
         |index: usize| Ok(ClosedForm::code(CanonicalForm::of(&bodies[index]).map(|form| form.closed_form)));
     Ok(evaluated(py, "closed forms", bodies.len(), code)?.into_pyarray(py))
@@ -191,25 +185,18 @@ pub fn free_quantities_of<'py>(
 
 /// Times of the first sign changes of a component of the rates.
 #[pyfunction]
-#[pyo3(signature = (*, scene, moments, weight, omega, attitude, axis, count))]
-#[allow(clippy::too_many_arguments)] // The columns of a request.
 pub fn flip_times<'py>(
     py: Python<'py>,
-    scene: &str,
-    moments: PyReadonlyArray2<'py, f64>,
-    weight: PyReadonlyArray2<'py, f64>,
-    omega: PyReadonlyArray2<'py, f64>,
-    attitude: PyReadonlyArray2<'py, f64>,
+    bodies: Bodies<'py>,
     axis: usize,
     count: usize,
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-    Scene::parse(scene)?;
     if !(1..=3).contains(&axis) {
         let rule = "must be 1, 2 or 3";
         return Err(Error::Value { argument: "axis", value: axis.to_string(), rule }.into());
     }
     let isa = Isa::current()?;
-    let bodies = bodies_of(&moments, &weight, &omega, &attitude)?;
+    let bodies = bodies.all()?;
     let what = "flip times";
     let bytes = (bodies.len() as u128).saturating_mul(count as u128).saturating_mul(8);
     let length = bodies.len().checked_mul(count);
@@ -225,32 +212,25 @@ pub fn flip_times<'py>(
 
 /// How near each body is to the separatrix of its closed form: complementary parameter, and the rate of the saddle.
 #[pyfunction]
-#[pyo3(signature = (*, moments, weight, omega, attitude))]
 pub fn saddles<'py>(
     py: Python<'py>,
-    moments: PyReadonlyArray2<'py, f64>,
-    weight: PyReadonlyArray2<'py, f64>,
-    omega: PyReadonlyArray2<'py, f64>,
-    attitude: PyReadonlyArray2<'py, f64>,
+    bodies: Bodies<'py>,
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
     let isa = Isa::current()?;
-    let bodies = bodies_of(&moments, &weight, &omega, &attitude)?;
+    let bodies = bodies.all()?;
     let all = evaluated(py, "saddles", bodies.len(), |index| Ok(saddle(isa, &bodies[index])))?;
     all.into_flattened().into_pyarray(py).reshape([bodies.len(), 2])
 }
 
 /// Turning points, period and advances of symmetric tops.
 #[pyfunction]
-#[pyo3(name = "top_quantities", signature = (*, moments, weight, omega, attitude))]
+#[pyo3(name = "top_quantities")]
 pub fn top_quantities_of<'py>(
     py: Python<'py>,
-    moments: PyReadonlyArray2<'py, f64>,
-    weight: PyReadonlyArray2<'py, f64>,
-    omega: PyReadonlyArray2<'py, f64>,
-    attitude: PyReadonlyArray2<'py, f64>,
+    bodies: Bodies<'py>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let isa = Isa::current()?;
-    let bodies = bodies_of(&moments, &weight, &omega, &attitude)?;
+    let bodies = bodies.all()?;
     let quantities = |index: usize| {
         let none = Error::NoClosedForm { index, rule: Question::RULE_OF_STATES };
         top_quantities(isa, &bodies[index]).ok_or(none)
@@ -273,17 +253,13 @@ pub fn top_quantities_of<'py>(
 
 /// First times at which symmetric tops reach a tilt.
 #[pyfunction]
-#[pyo3(signature = (*, moments, weight, omega, attitude, limit))]
 pub fn tilt_times<'py>(
     py: Python<'py>,
-    moments: PyReadonlyArray2<'py, f64>,
-    weight: PyReadonlyArray2<'py, f64>,
-    omega: PyReadonlyArray2<'py, f64>,
-    attitude: PyReadonlyArray2<'py, f64>,
+    bodies: Bodies<'py>,
     limit: f64,
 ) -> PyResult<Bound<'py, PyArray1<f64>>> {
     let isa = Isa::current()?;
-    let bodies = bodies_of(&moments, &weight, &omega, &attitude)?;
+    let bodies = bodies.all()?;
     let time = |index: usize| {
         let none = Error::NoClosedForm { index, rule: Question::RULE_OF_STATES };
         tilt_time(isa, &bodies[index], limit).ok_or(none)

@@ -14,6 +14,7 @@ mod request;
 mod section;
 mod states;
 
+pub use closed::{ROUNDING, rounding_errors};
 pub use frame::{Frame, MAX_DEVIATIONS};
 pub use growth::{Deviations, Growths, STEPS_TOGETHER, growth, settle};
 pub use motion::{Motion, NUMBERS, Torques};

@@ -81,8 +81,7 @@ def flip_times(
                 f"axis = {chosen}: no closed form for the {scene.words()}; there is one for a "
                 "free body, and for the symmetry axis of a Lagrange top"
             )
-        columns = some.full_columns()
-        parts.append((mine, _core.flip_times(**columns, axis=int(chosen), count=number)))
+        parts.append((mine, _core.flip_times(some, chosen, number)))
     if len(parts) == 1:
         times = parts[0][1]
     else:

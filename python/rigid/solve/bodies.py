@@ -127,11 +127,6 @@ class Bodies:
         }
         return columns if self.forces is None else {**columns, "forces": self.forces}
 
-    def full_columns(self) -> dict[str, Any]:
-        """The arguments of the core with a row of moments for each body."""
-        moments = np.broadcast_to(self.moments, self.omega.shape)
-        return {**self.columns(), "moments": np.ascontiguousarray(moments)}
-
     def select(self, bodies: NDArray[np.intp]) -> Self:
         """Some of the bodies."""
         chosen = self._taken(bodies)
@@ -178,9 +173,9 @@ class Bodies:
         key = None if spans is None else (spans.tobytes(), method)
         if key not in self._rates:
             rates = (
-                _core.fastest_rates(**self.columns())
+                _core.fastest_rates(self)
                 if spans is None
-                else _core.fastest_rates(**self.columns(), span=spans, method=method)
+                else _core.fastest_rates(self, spans, method)
             )
             rates.flags.writeable = False
             self._rates[key] = rates
@@ -193,9 +188,7 @@ class Bodies:
 
     def closed_forms(self) -> NDArray[np.uint8]:
         """The code of the closed form of each body from its start, 0 for none; shape (n,)."""
-        columns = self.columns()
-        columns.pop("forces", None)
-        forms = _core.closed_forms(**columns)
+        forms = _core.closed_forms(self)
         if self.forces is not None:
             forms[self.under_forces()] = 0
         return forms

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .. import _core
 from ..model.criteria import Criterion
 from ..model.scene import Scene
 from .arrays import time_ranges, time_span
@@ -42,7 +43,7 @@ __all__ = [
 
 Floats = NDArray[np.float64]
 
-ROUNDING = 1e-15
+ROUNDING = _core.ROUNDING
 """Error of an attitude per radian turned that float64 leaves even to a closed form (rad)."""
 
 PROCESSOR = 1e-12

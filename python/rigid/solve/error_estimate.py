@@ -37,6 +37,7 @@ __all__ = [
     "closed_form_error",
     "distances",
     "estimate_error",
+    "exact_error",
     "unknown_error",
 ]
 
@@ -65,10 +66,13 @@ class ErrorEstimate:
         The largest error at the compared times; NaN if it is not known.
     lost_from : ndarray, shape (n,)
         The time (s) nearest to 0 from which on the error is 1 or more; infinite if there is none.
+    worst : float or None
+        The largest error, if the core knows it and that all bodies have arrived.
     """
 
     error: Floats
     lost_from: Floats
+    worst: float | None = None
 
     def of(self, bodies: NDArray[np.intp]) -> ErrorEstimate:
         """A copy of the estimate of some bodies."""
@@ -77,6 +81,7 @@ class ErrorEstimate:
     def write(self, bodies: NDArray[np.intp], other: ErrorEstimate) -> None:
         """Write the estimate of some bodies over."""
         self.error[bodies], self.lost_from[bodies] = other.error, other.lost_from
+        self.worst = None
 
 
 def unknown_error(count: int) -> ErrorEstimate:
@@ -84,6 +89,15 @@ def unknown_error(count: int) -> ErrorEstimate:
     return ErrorEstimate(np.full(count, np.nan), np.full(count, np.nan))
 
 
+def exact_error(request: Request, states: dict[str, Any]) -> ErrorEstimate:
+    """The error of states in closed form, which the core knows where rounding alone makes it."""
+    error, lost_from, worst = states.pop("error"), states.pop("lost_from"), states.pop("worst")
+    if error is None:
+        return closed_form_error(request.bodies, request.times, states["omega"])
+    return ErrorEstimate(error, lost_from, worst)
+
+
+@np.errstate(all="ignore")
 def closed_form_error(bodies: Bodies, times: Floats, omega: Floats) -> ErrorEstimate:
     """The error of a closed form: 1e-15 for each radian turned, or what a saddle makes of 1e-15.
 
@@ -92,25 +106,8 @@ def closed_form_error(bodies: Bodies, times: Floats, omega: Floats) -> ErrorEsti
     of the attitude moves a top that hangs all but still as much as it would move any: of its
     small rates ``omega``, of shape (n, m, 3), it is a larger share.
     """
-    reached = time_ranges(times)
-    rates = bodies.fastest_rates(reached)
-    top = bodies.forces is None and np.count_nonzero(bodies.weight)
-    span = reached[1] - reached[0]
-    if not top and isinstance(span, float) and (fastest := largest(rates)) * span < 0.5 / ROUNDING:
-        # No error reaches one. One number is multiplied faster outside of an array.
-        if len(rates) == 1:
-            return ErrorEstimate(np.array([ROUNDING * (1.0 + fastest * span)]), np.array([np.inf]))
-        error = ROUNDING * (1.0 + rates * span)
-        return ErrorEstimate(error, error + np.inf)
-    with np.errstate(all="ignore"):
-        return _closed_form_error(bodies, rates, reached, omega)
-
-
-def _closed_form_error(
-    bodies: Bodies, rates: Floats, reached: Range, omega: Floats
-) -> ErrorEstimate:
-    """The error of a closed form between two times, whatever it is."""
-    first, last = reached
+    first, last = time_ranges(times)
+    rates = bodies.fastest_rates((first, last))
     error = ROUNDING * (1.0 + rates * (last - first))
     since = 1.0 / (ROUNDING * rates)
     if bodies.forces is None and bodies.weight.any():

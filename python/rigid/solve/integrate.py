@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .arrays import intervals, spread_indices, time_ranges
-from .error_estimate import ErrorEstimate, closed_form_error, estimate_error, unknown_error
+from .error_estimate import ErrorEstimate, estimate_error, exact_error, unknown_error
 from .methods import EXACT, order_of
 from .request import Request, select_states
 from .second_run import is_damped_stiffly
@@ -62,7 +62,7 @@ def compute_states(
     if request.method == EXACT:
         states = request.states(None, out=target.given, single=target.single)
         bodies.note_rates(states["fastest_rate"])
-        estimate = closed_form_error(bodies, request.times, states["omega"])
+        estimate = exact_error(request, states)
     else:
         states, estimate = integrate(
             request, steps, accuracy, check=check, every=every, out=target.exact

@@ -10,9 +10,10 @@ from numpy.typing import NDArray
 from .bodies import Bodies
 from .error_estimate import ErrorEstimate
 from .events import FoundEvents
+from .lazy import Lazy
 from .plan import LazyPlan
 from .run import Run
-from .status import Status, status_by_error
+from .status import Status, is_accurate, status_by_error
 from .target import COLUMNS
 
 __all__ = ["end_records", "to_run"]
@@ -34,7 +35,8 @@ def to_run(
     states: dict[str, Any],
     times: NDArray[np.float64],
     estimate: ErrorEstimate,
-    spec: dict[str, Any],
+    accuracy: float | None,
+    spec: Lazy[dict[str, Any]],
     plan: LazyPlan,
     bodies: Bodies,
     parameters: tuple[str, ...] = (),
@@ -42,10 +44,11 @@ def to_run(
 ) -> Run:
     """The run of these bodies, from the columns of the core."""
     error, lost_from = estimate.error, estimate.lost_from
-    if np.count_nonzero(states["status"]):
-        unknown = np.isin(states["status"], (Status.STEP_LIMIT, Status.NOT_FINITE))
-        error, lost_from = (np.where(unknown, np.nan, values) for values in (error, lost_from))
-    states["status"] = status_by_error(states["status"], error, spec)
+    if estimate.worst is None or not is_accurate(estimate.worst, accuracy):
+        if np.count_nonzero(states["status"]):
+            unknown = np.isin(states["status"], (Status.STEP_LIMIT, Status.NOT_FINITE))
+            error, lost_from = (np.where(unknown, np.nan, values) for values in (error, lost_from))
+        states["status"] = status_by_error(states["status"], error, accuracy)
     if found is not None:
         ended = found.stopped & np.isin(states["status"], (Status.OK, Status.UNCHECKED))
         states["status"] = np.where(ended, Status.STOPPED, states["status"]).astype(np.uint8)
@@ -55,13 +58,14 @@ def to_run(
     states["start_omega"], states["start_attitude"] = bodies.omega, attitude
     states["error"], states["lost_from"] = error, lost_from
     states["end"] = None if found is None else found.end
-    states.pop("fastest_rate", None)  # a run keeps what it shows
+    for name in ("fastest_rate", "worst"):
+        states.pop(name, None)  # a run keeps what it shows
     return Run(
         t=times,
         parameters=parameters,
         events=() if found is None else found.events,
         nanoseconds=states.pop("nanoseconds"),
-        spec=spec,
+        _spec=spec,
         _shape=bodies.shape,
         _columns=states,
         _plan=plan,

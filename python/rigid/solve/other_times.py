@@ -15,6 +15,7 @@ from .arrays import Range, in_rows, time_ranges
 from .bodies import Bodies
 from .choose_method import choose_method
 from .integrate import compute_states
+from .lazy import Lazy
 from .made_run import end_records, to_run
 from .methods import EXACT
 from .problem import Problem
@@ -70,7 +71,9 @@ def states_at(run: Run, t: ArrayLike) -> Run:
     )
     states["tangent"] = None
     end_records(states, times, last)
-    made = to_run(states, ascending, estimate, spec, run._plan, bodies)
+    made = to_run(
+        states, ascending, estimate, spec["accuracy"], Lazy.of(spec), run._plan, bodies
+    )
     if (order[..., 1:] < order[..., :-1]).any():
         made = _in_order(made, given, order)
     return made if run.frame is None else made.in_frame(run.frame)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Self
 
@@ -34,6 +34,8 @@ class Request:
     threads : int
     tolerance : float or None
         Tolerance of adaptive steps, for a Taylor method.
+    strides : sequence of int, optional
+        The states are those after these numbers of further steps of exactly the longest step.
     """
 
     bodies: Bodies
@@ -43,6 +45,7 @@ class Request:
     max_steps: int
     threads: int
     tolerance: float | None = None
+    strides: Sequence[int] | None = None
 
     def states(
         self,
@@ -62,22 +65,10 @@ class Request:
         record is ``"tangent"``, from those at the start, (n, 6), or ``"sensitivity"``, by changes
         of parameters, (n, 15).
         """
-        bodies = self.bodies
         return _core.simulate(
-            scene=bodies.kind,
-            moments=bodies.moments,
-            weight=bodies.weight,
-            omega=bodies.omega,
-            attitude=bodies.attitude,
-            forces=bodies.forces,
-            method=self.method,
-            record=self.record,
-            step=steps,
-            max_steps=self.max_steps,
-            threads=self.threads,
-            times=self.times if self.times.ndim == 2 else self.times[np.newaxis],
-            refinement=refinement,
-            tolerance=self.tolerance,
+            self,
+            steps,
+            refinement,
             deviations=deviations,
             changes=changes,
             out=out,

@@ -19,6 +19,7 @@ from .attitude_ephemeris import write_aem
 from .columns import Column, Columns, HasColumns, columns_of_arrays
 from .dataset import ARRAYS, run_dataset
 from .events import Events, columns_of, from_columns
+from .lazy import Lazy
 from .methods import EXACT
 from .plan import LazyPlan, Plan
 from .status import Status, error_limit, sentences
@@ -138,15 +139,13 @@ class Run(HasColumns):
         not known.
     nanoseconds : int
         Processor time of the states, of all threads together; not that of the second run.
-    spec : dict
-        Scene, method, step, accuracy, tolerance and record, as a dict; the scene in principal axes.
     """
 
     t: NDArray[np.float64]
     parameters: tuple[str, ...]
     events: tuple[Events, ...]
     nanoseconds: int
-    spec: dict[str, Any]
+    _spec: Lazy[dict[str, Any]]
     _shape: Shape
     _columns: Columns
     _plan: LazyPlan
@@ -199,6 +198,11 @@ class Run(HasColumns):
         return html_with_picture(
             lambda ax: self.plot(ax, body=0 if many else None), words, height=3.0
         )
+
+    @property
+    def spec(self) -> dict[str, Any]:
+        """Scene, method, step, accuracy, tolerance and record; the scene in principal axes."""
+        return self._spec()
 
     @property
     def plan(self) -> Plan:
@@ -264,7 +268,7 @@ class Run(HasColumns):
         spec = {name: value for name, value in run.spec.items() if name != "frame"}
         if frame is not None:
             spec["frame"] = frame.tolist()
-        return replace(run, spec=spec)
+        return replace(run, _spec=Lazy.of(spec))
 
     def _turned(self, axes: NDArray[np.float64], attitude: NDArray[np.float64] | None) -> Run:
         """The run with ``axes @ v`` for all vectors in the body, and these attitudes."""
@@ -295,7 +299,7 @@ class Run(HasColumns):
 
     @property
     def _limit(self) -> float:
-        return error_limit(self.spec)
+        return error_limit(self.spec["accuracy"])
 
     def reasons(self) -> tuple[Any, ...]:
         """How each body ended, and what to do if it did not end well, in a sentence each.
@@ -695,7 +699,7 @@ def load_run(path: str | PathLike[str]) -> Run:
             parameters=tuple(header["parameters"]),
             events=events,
             nanoseconds=int(header["nanoseconds"]),
-            spec=header["spec"],
+            _spec=Lazy.of(header["spec"]),
             _plan=LazyPlan.of(Plan.from_dict(header["plan"])),
         ).with_arrays(**fields)
     except (KeyError, TypeError, ValueError) as error:

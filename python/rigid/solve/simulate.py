@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
-from .. import _core
 from .._checks.arguments import (
     brief,
     finite_float,
@@ -32,6 +31,7 @@ from .closed_form import RECORDS
 from .error_estimate import ErrorEstimate, unknown_error
 from .events import check_event_method, find_events
 from .integrate import compute_states
+from .lazy import Lazy
 from .made_run import end_records, to_run
 from .methods import EXACT, series_methods
 from .parameters import check_parameters, parameter_changes
@@ -239,9 +239,7 @@ def simulate(
         tolerance = _checked_tolerance(tolerance, method, step, accuracy)
     plain = step is None and accuracy is None and tolerance is None and given.ndim == 1
     if plain and method in (None, EXACT) and has_closed_form(scene):
-        number, outputs = max(len(bodies), 1), len(times)
-        plan = LazyPlan(partial(_plan_of_any_start, scene, record, method, number, outputs))
-        chosen, steps = EXACT, None
+        chosen, steps, plan = EXACT, None, None
     else:
         begin, end = time_ranges(times)
         problem = Problem(
@@ -296,8 +294,14 @@ def simulate(
         request, steps, accuracy, check=check, every=every, target=target
     )
     if chosen == EXACT:
-        worst = largest(estimate.error)
-        plan.amend(error=worst if worst < 1.0 else None)
+        worst = estimate.worst if estimate.worst is not None else largest(estimate.error)
+        error = worst if worst < 1.0 else None
+        if plan is None:
+            asked = scene, record, method, max(len(bodies), 1), len(times), error
+            plan = LazyPlan(partial(_plan_of_any_start, *asked))
+        else:
+            plan.amend(error=error)
+    assert plan is not None
     matrices = sensitivity = None
     if parameters is not None:
         change = parameter_changes(scene, bodies, parameters) if parameters else None
@@ -306,11 +310,11 @@ def simulate(
     if target is not PLAIN:
         estimate = ErrorEstimate(target.finish(states, estimate.error), estimate.lost_from)
     own_step = None if chosen == EXACT else step
-    spec = _spec(scene, chosen, own_step, accuracy, tolerance, record)
+    spec = Lazy(partial(_spec, scene, chosen, own_step, accuracy, tolerance, record))
     states["tangent"], states["sensitivity"] = matrices, sensitivity
     if found is not None:
         end_records(states, times, found.last)
-    run = to_run(states, given, estimate, spec, plan, bodies, parameters or (), found)
+    run = to_run(states, given, estimate, accuracy, spec, plan, bodies, parameters or (), found)
     return run if frame is None else run.in_frame(frame)
 
 
@@ -334,11 +338,11 @@ def _spec(
 
 
 def _plan_of_any_start(
-    scene: Scene, record: str, method: str | None, number: int, states: int
+    scene: Scene, record: str, method: str | None, number: int, states: int, error: float | None
 ) -> Plan:
-    """The plan of a scene all of whose motions have a closed form, but for its error."""
+    """The plan of a scene all of whose motions have a closed form."""
     problem = Problem(scene=scene, record=record, method=method, number=number, states=states)
-    return choose_method(problem)[2]()
+    return replace(choose_method(problem)[2](), error=error)
 
 
 def _checked_count(count: int | None, watched: Sequence[Event], until: object) -> int | None:
@@ -377,7 +381,7 @@ def replay_steps(
 ) -> Run:
     """A body of a map again: its states after these numbers of steps of exactly ``step``."""
     times = np.cumsum(strides) * step
-    return _replayed(scene, omega, attitude, times, method, step, {"strides": list(strides)})
+    return _replayed(scene, omega, attitude, times, method, step, strides=strides)
 
 
 def replay_states(
@@ -391,8 +395,7 @@ def replay_states(
     tolerance: float | None,
 ) -> Run:
     """A body of a map again: its states at these times, in steps or by a tolerance."""
-    looks = {"times": t[np.newaxis], "tolerance": tolerance}
-    return _replayed(scene, omega, attitude, t, method, step, looks)
+    return _replayed(scene, omega, attitude, t, method, step, tolerance=tolerance)
 
 
 def _replayed(
@@ -402,7 +405,9 @@ def _replayed(
     times: NDArray[np.float64],
     method: str,
     step: float | None,
-    looks: dict[str, Any],
+    *,
+    tolerance: float | None = None,
+    strides: Sequence[int] | None = None,
 ) -> Run:
     """A body from the very start of a map: an attitude given by a user would be normalised."""
     bodies = Bodies.of_scene(scene, omega, attitude, (), NO_EXPONENT)
@@ -415,18 +420,19 @@ def _replayed(
         step=step,
     )
     _, steps, plan = choose_method(problem)
-    states = _core.simulate(
-        **bodies.columns(),
+    states = Request(
+        bodies=bodies,
+        times=times,
         method=method,
         record="attitude",
-        step=None if looks.get("tolerance") is not None else steps,
         max_steps=2**63,
         threads=1,
-        **looks,
-    )
-    spec = _spec(scene, method, step, None, looks.get("tolerance"), "attitude")
+        tolerance=tolerance,
+        strides=strides,
+    ).states(steps if tolerance is None else None)
+    spec = Lazy(partial(_spec, scene, method, step, None, tolerance, "attitude"))
     # The map that this body comes from has its own check of the error.
-    return to_run(states, times, unknown_error(1), spec, plan, bodies)
+    return to_run(states, times, unknown_error(1), None, spec, plan, bodies)
 
 
 def _checked_tolerance(

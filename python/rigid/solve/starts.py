@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._checks.arrays import attitudes, unit_quaternions, vectors
+from .._checks.arrays import IDENTITY, attitudes, unit_quaternions, vectors
 from ..model.frame import attitudes_in_principal_axes, turned
 from ..model.leading import Shape, leading_shape
 from ..model.scene import Scene
@@ -59,7 +59,9 @@ def bodies_of(
         if not np.isfinite(omega).all():
             raise ValueError("omega: must be finite along the principal axes of the frame too")
         attitude = unit_quaternions("attitude", attitudes_in_principal_axes(frame, attitude))
-    omega.flags.writeable = attitude.flags.writeable = False
+    omega.setflags(False)
+    if attitude is not IDENTITY:
+        attitude.setflags(False)
     shape = leading_shape(
         {
             "scene": scene.shape,
