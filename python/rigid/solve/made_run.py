@@ -52,14 +52,14 @@ def to_run(
     if found is not None:
         ended = found.stopped & np.isin(states["status"], (Status.OK, Status.UNCHECKED))
         states["status"] = np.where(ended, Status.STOPPED, states["status"]).astype(np.uint8)
-    attitude = bodies.attitude
-    if len(attitude) != len(bodies):
-        attitude = np.broadcast_to(attitude, (len(bodies), 4))
+    attitude, count = bodies.attitude, len(bodies.omega)
+    if len(attitude) != count:
+        attitude = np.broadcast_to(attitude, (count, 4))
     states["start_omega"], states["start_attitude"] = bodies.omega, attitude
     states["error"], states["lost_from"] = error, lost_from
     states["end"] = None if found is None else found.end
-    for name in ("fastest_rate", "worst"):
-        states.pop(name, None)  # a run keeps what it shows
+    states.pop("fastest_rate", None)  # a run keeps what it shows
+    states.pop("worst", None)
     return Run(
         t=times,
         parameters=parameters,

@@ -138,7 +138,8 @@ class Run(HasColumns):
         on. Negative if that is backward in time; infinite if there is none; NaN where the error is
         not known.
     nanoseconds : int
-        Processor time of the states, of all threads together; not that of the second run.
+        Processor time of the states, of all threads together; not that of the second run. Of a run
+        of some microseconds the time that passed.
     """
 
     t: NDArray[np.float64]

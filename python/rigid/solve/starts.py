@@ -62,14 +62,10 @@ def bodies_of(
     omega.setflags(False)
     if attitude is not IDENTITY:
         attitude.setflags(False)
-    shape = leading_shape(
-        {
-            "scene": scene.shape,
-            "omega": omega.shape[:-1],
-            "attitude": attitude.shape[:-1],
-            "t": times,
-        }
-    )
+    shape = scene.shape
+    if shape or times or omega.ndim > 1 or attitude.ndim > 1:
+        own = omega.shape[:-1], attitude.shape[:-1]
+        shape = leading_shape({"scene": shape, "omega": own[0], "attitude": own[1], "t": times})
     bodies = Bodies.of_scene(scene, omega, attitude, shape)
     bodies.check_ranges(scene)
     return bodies
