@@ -23,7 +23,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .arrays import Range, intervals, largest, lengths, time_range, time_ranges, time_span
+from .arrays import intervals, lengths, time_range, time_ranges, time_span
 from .bodies import Bodies
 from .cost_model import ROUNDING, phase_error
 from .request import Request, select_states
@@ -106,8 +106,9 @@ def closed_form_error(bodies: Bodies, times: Floats, omega: Floats) -> ErrorEsti
     of the attitude moves a top that hangs all but still as much as it would move any: of its
     small rates ``omega``, of shape (n, m, 3), it is a larger share.
     """
-    first, last = time_ranges(times)
-    rates = bodies.fastest_rates((first, last))
+    reached = time_ranges(times)
+    first, last = reached
+    rates = bodies.fastest_rates(reached)
     error = ROUNDING * (1.0 + rates * (last - first))
     since = 1.0 / (ROUNDING * rates)
     if bodies.forces is None and bodies.weight.any():

@@ -71,9 +71,7 @@ def states_at(run: Run, t: ArrayLike) -> Run:
     )
     states["tangent"] = None
     end_records(states, times, last)
-    made = to_run(
-        states, ascending, estimate, spec["accuracy"], Lazy.of(spec), run._plan, bodies
-    )
+    made = to_run(states, ascending, estimate, spec["accuracy"], Lazy.of(spec), run._plan, bodies)
     if (order[..., 1:] < order[..., :-1]).any():
         made = _in_order(made, given, order)
     return made if run.frame is None else made.in_frame(run.frame)

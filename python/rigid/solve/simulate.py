@@ -237,9 +237,10 @@ def simulate(
         target.check(bodies, time_ranges(times), accuracy)
     if tolerance is not None:
         tolerance = _checked_tolerance(tolerance, method, step, accuracy)
+    plan: LazyPlan | None = None
     plain = step is None and accuracy is None and tolerance is None and given.ndim == 1
     if plain and method in (None, EXACT) and has_closed_form(scene):
-        chosen, steps, plan = EXACT, None, None
+        chosen, steps = EXACT, None
     else:
         begin, end = time_ranges(times)
         problem = Problem(
@@ -257,9 +258,9 @@ def simulate(
         if watched and chosen != EXACT and chosen not in series_methods():
             chosen, steps, plan = choose_method(replace(problem, method=METHOD))
             plan.amend(why=("a Taylor series knows the events inside its steps",))
-    if tolerance is not None:
-        own = f"each body takes its own steps, last terms below {tolerance:g}"
-        plan.amend(own, step=None, steps=None, work=None, error=None)
+        if tolerance is not None:
+            own = f"each body takes its own steps, last terms below {tolerance:g}"
+            plan.amend(own, step=None, steps=None, work=None, error=None)
     request = Request(
         bodies=bodies,
         times=times,

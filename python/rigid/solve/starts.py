@@ -59,9 +59,9 @@ def bodies_of(
         if not np.isfinite(omega).all():
             raise ValueError("omega: must be finite along the principal axes of the frame too")
         attitude = unit_quaternions("attitude", attitudes_in_principal_axes(frame, attitude))
-    omega.setflags(False)
+    omega.setflags(write=False)
     if attitude is not IDENTITY:
-        attitude.setflags(False)
+        attitude.setflags(write=False)
     shape = scene.shape
     if shape or times or omega.ndim > 1 or attitude.ndim > 1:
         own = omega.shape[:-1], attitude.shape[:-1]
