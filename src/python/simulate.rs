@@ -294,12 +294,12 @@ fn errors_to_dict(dict: &Bound<'_, PyDict>, errors: Option<Vec<f64>>, arrived: b
 const FEW: usize = 64;
 
 /// An array with a number of each body.
-fn of_bodies<T: numpy::Element + Copy>(py: Python<'_>, values: Vec<T>) -> Bound<'_, PyArray1<T>> {
+pub(super) fn of_bodies<T: numpy::Element + Copy>(py: Python<'_>, values: Vec<T>) -> Bound<'_, PyArray1<T>> {
     if values.len() <= FEW { PyArray1::from_slice(py, &values) } else { values.into_pyarray(py) }
 }
 
 /// An array of this shape.
-fn shaped<const N: usize>(
+pub(super) fn shaped<const N: usize>(
     py: Python<'_>,
     values: Vec<f64>,
     shape: [usize; N],
