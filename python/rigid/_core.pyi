@@ -185,7 +185,6 @@ def default_steps(
 def status_names() -> list[str]: ...
 def closed_forms_for(
     question: str,
-    *,
     moments: NDArray[np.float64],
     weight: NDArray[np.float64],
     axis: int | None = None,

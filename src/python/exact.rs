@@ -41,12 +41,12 @@ pub fn closed_forms<'py>(
 /// "regular", "no_flip" or "tilt_from_vertical"; the last two need a body axis, 1 to 3, which is optional for
 /// "no_flip".
 #[pyfunction]
-#[pyo3(signature = (question, *, moments, weight, axis=None))]
+#[pyo3(signature = (question, moments, weight, axis=None))]
 pub fn closed_forms_for<'py>(
     py: Python<'py>,
     question: &str,
-    moments: PyReadonlyArray2<'py, f64>,
-    weight: PyReadonlyArray2<'py, f64>,
+    moments: &Bound<'py, PyArray2<f64>>,
+    weight: &Bound<'py, PyArray2<f64>>,
     axis: Option<usize>,
 ) -> PyResult<Bound<'py, PyArray1<u8>>> {
     let index = |axis: usize| {
@@ -69,11 +69,11 @@ pub fn closed_forms_for<'py>(
             return Err(Error::Unknown { argument: "question", value: question.into(), known }.into());
         }
     };
-    let (moments, weight) = (rows::<3>("moments", &moments)?, rows::<3>("weight", &weight)?);
+    let (moments, weight) = (rows_in::<3>("moments", moments)?, rows_in::<3>("weight", weight)?);
     same_length("weight", moments.len(), weight.len())?;
     let code = |(&moments, &weight)| ClosedForm::code(ClosedForm::answering(question, moments, weight));
     let codes = memory::collected("closed forms", moments.len(), moments.iter().zip(weight).map(code))?;
-    Ok(codes.into_pyarray(py))
+    Ok(of_bodies(py, codes))
 }
 
 /// The symmetry axis 1, 2 or 3 of each Lagrange top, 0 for any other body.

@@ -92,16 +92,17 @@ def finite_float(
 
     A quantity is taken in ``unit``, by default that of :data:`.quantities.UNITS`.
     """
-    value = without_unit(name, value, unit)
-    if isinstance(value, np.ndarray) and value.ndim == 0:
-        value = value[()]
-    if isinstance(value, bool) or not isinstance(value, Real):
-        raise TypeError(f"{name} = {brief(value)}: must be a real number")
+    if type(value) is not float:
+        value = without_unit(name, value, unit)
+        if isinstance(value, np.ndarray) and value.ndim == 0:
+            value = value[()]
+        if isinstance(value, bool) or not isinstance(value, Real):
+            raise TypeError(f"{name} = {brief(value)}: must be a real number")
     try:
         number = float(value)
     except OverflowError:
         raise ValueError(f"{name} = {brief(value)}: must be below 1.8e308 in size") from None
-    if not np.isfinite(number):
+    if not math.isfinite(number):
         raise ValueError(f"{name} = {number}: must be finite")
     if positive and number <= 0.0:
         raise ValueError(f"{name} = {number}: must be positive")

@@ -82,8 +82,9 @@ def closed_forms(question: Question, moments: Floats, weight: Floats) -> Codes:
     if asked is None:
         return np.full(len(moments), NO_FORM, dtype=np.uint8)
     name, axis = asked
-    first, second = (np.ascontiguousarray(rows) for rows in np.broadcast_arrays(moments, weight))
-    return _core.closed_forms_for(name, moments=first, weight=second, axis=axis)
+    if len(moments) != len(weight):
+        moments, weight = np.broadcast_arrays(moments, weight)
+    return _core.closed_forms_for(name, np.ascontiguousarray(moments), np.ascontiguousarray(weight), axis)
 
 
 def lagrange_axis_of(moments: ArrayLike, weight: ArrayLike) -> int:

@@ -89,6 +89,8 @@ def why_unforeseen(bodies: Bodies, times: Range, *, by_steps: bool) -> str | Non
     """
     if bodies.may_stop:
         return "drag may stop a body, and the speed has a corner there"
+    if not by_steps and not np.count_nonzero(bodies.weight):
+        return None
     looked_at = np.flatnonzero(~bodies.under_forces())
     looked_at = looked_at[spread_indices(len(looked_at), SAMPLE)]
     if not len(looked_at):
