@@ -2,7 +2,7 @@
 
 use super::bodies::Bodies;
 use super::convert::{BodyColumns, bodies, column, copied, evaluated, rows, rows_in, same_length};
-use super::simulate::{of_bodies, shaped};
+use super::states::{of_bodies, shaped};
 use crate::error::Error;
 use crate::exact::derived::{
     FreeQuantities, TopQuantities, free_quantities, saddle, sign_change_time, sign_changes, tilt_time,

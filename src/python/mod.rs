@@ -9,6 +9,7 @@ mod map;
 mod motion;
 mod section;
 mod simulate;
+mod states;
 mod target;
 
 use crate::body::{Inertia, MomentStatus, principal_axes as axes_of};
@@ -66,6 +67,8 @@ mod _core {
     use super::section::section;
     #[pymodule_export]
     use super::simulate::{default_steps, fastest_rates, simulate, state_bytes, status_names};
+    #[pymodule_export]
+    use super::states::PyStates;
     #[pymodule_export]
     use super::{
         available_threads, build_info, check_method, check_moments, chosen_methods, in_standard_floats,

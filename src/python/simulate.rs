@@ -5,6 +5,7 @@ use super::convert::{
     BodyColumns, column, copied, copied_numbers, evaluated, interruptible, parse_record, rows, same_length,
 };
 use super::forces::PyForces;
+use super::states::{PyStates, of_bodies};
 use super::target::Target;
 use crate::error::Error;
 use crate::float_environment::FloatEnvironment;
@@ -17,15 +18,12 @@ use crate::scene::Scene;
 use crate::simd::Isa;
 use crate::start::Body;
 use crate::status::Status;
-use crate::trajectory::{self, Column, Record, Request, Schedule, States, time_range};
-use numpy::ndarray::{Dim, Dimension, IntoDimension};
+use crate::trajectory::{self, Record, Request, Schedule, States, time_range};
 use numpy::{
-    IntoPyArray, PyArray, PyArray1, PyArrayDyn, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2,
-    PyUntypedArrayMethods,
+    PyArray1, PyArrayDyn, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods,
 };
 use pyo3::intern;
 use pyo3::prelude::*;
-use pyo3::sync::PyOnceLock;
 use pyo3::types::{PyDict, PyString};
 
 /// Bytes of the states of so many bodies at so many times.
@@ -68,7 +66,7 @@ struct Given<'py> {
 
 /// States of bodies at given times; see `rigid.simulate`.
 #[pyfunction]
-#[pyo3(signature = (request, step, refinement=1.0, *, deviations=None, changes=None, out=None, single=false))]
+#[pyo3(signature = (request, step, refinement=1.0, deviations=None, changes=None, out=None, single=false))]
 #[allow(clippy::too_many_arguments)] // What differs between the runs of one request.
 pub fn simulate<'py>(
     py: Python<'py>,
@@ -79,7 +77,7 @@ pub fn simulate<'py>(
     changes: Option<PyReadonlyArray2<'py, f64>>,
     out: Option<&Bound<'py, PyDict>>,
     single: bool,
-) -> PyResult<Bound<'py, PyDict>> {
+) -> PyResult<PyStates> {
     let _standard = FloatEnvironment::standard();
     let given: Given<'_> = request.extract()?;
     let Given { max_steps, threads, tolerance, .. } = given;
@@ -170,18 +168,25 @@ pub fn simulate<'py>(
         }
         py.check_signals()?;
     }
-    states.effort.nanoseconds = nanoseconds;
     let errors =
         if turns_alone { trajectory::rounding_errors(&schedule, &states.fastest_rate)? } else { None };
     let arrived = states.status.iter().all(|&status| status == Status::Finished);
-    let dict = states_to_dict(py, states, n, request.schedule.len())?;
-    if method == AnyMethod::Exact {
-        errors_to_dict(&dict, errors, arrived)?;
+    let (mut columns, mut worst) = (states.into_columns(), None);
+    if let Some(errors) = errors {
+        worst = arrived.then(|| errors.iter().copied().fold(0.0, f64::max));
+        let never = memory::filled("times from which bodies are lost", n, f64::INFINITY)?;
+        columns.extend([("error", errors.into()), ("lost_from", never.into())]);
     }
+    if method != AnyMethod::Exact || worst.is_some() {
+        // Errors that are known need no bounds of the rates.
+        columns.retain(|(name, _)| *name != "fastest_rate");
+    }
+    let states = PyStates::new(py, [n, schedule.len()], columns, worst)?;
+    states.insert(intern!(py, "nanoseconds"), nanoseconds)?;
     for target in targets {
-        dict.set_item(target.name, target.shaped()?)?;
+        states.insert(&PyString::new(py, target.name), target.shaped()?)?;
     }
-    Ok(dict)
+    Ok(states)
 }
 
 /// The forces on so many bodies.
@@ -249,70 +254,5 @@ pub fn status_names() -> Vec<&'static str> {
     Status::ALL.into_iter().map(Status::name).collect()
 }
 
-/// The columns of states as arrays; None for what is not recorded.
-fn states_to_dict(py: Python<'_>, states: States, n: usize, times: usize) -> PyResult<Bound<'_, PyDict>> {
-    static NAMES: PyOnceLock<Vec<Py<PyString>>> = PyOnceLock::new();
-    let dict = PyDict::new(py);
-    dict.set_item(intern!(py, "nanoseconds"), states.effort.nanoseconds)?;
-    let columns = states.into_columns();
-    let interned = || columns.iter().map(|(name, _)| PyString::intern(py, name).unbind()).collect();
-    let names = NAMES.get_or_init(py, interned);
-    for ((_, values), name) in columns.into_iter().zip(names) {
-        match values {
-            Column::Series(_, None) => dict.set_item(name, py.None())?,
-            Column::Series(1, Some(values)) => dict.set_item(name, shaped(py, values, [n, times])?)?,
-            Column::Series(width, Some(values)) => {
-                dict.set_item(name, shaped(py, values, [n, times, width])?)?;
-            }
-            Column::Numbers(values) => dict.set_item(name, of_bodies(py, values))?,
-            Column::Counts(values) => dict.set_item(name, of_bodies(py, values))?,
-            Column::Statuses(values) => {
-                let codes = values.iter().map(|&status| status as u8);
-                dict.set_item(name, of_bodies(py, memory::collected("statuses", values.len(), codes)?))?;
-            }
-        }
-    }
-    Ok(dict)
-}
-
-/// The errors of bodies in closed form where nothing but rounding makes them, else None; and the largest of them, if
-/// all bodies have arrived.
-fn errors_to_dict(dict: &Bound<'_, PyDict>, errors: Option<Vec<f64>>, arrived: bool) -> PyResult<()> {
-    let py = dict.py();
-    let (error, lost_from, worst) = (intern!(py, "error"), intern!(py, "lost_from"), intern!(py, "worst"));
-    let Some(errors) = errors else {
-        return [error, lost_from, worst].into_iter().try_for_each(|name| dict.set_item(name, py.None()));
-    };
-    let never = memory::filled("times from which bodies are lost", errors.len(), f64::INFINITY)?;
-    let largest = errors.iter().copied().fold(0.0, f64::max);
-    dict.set_item(worst, arrived.then_some(largest))?;
-    dict.set_item(error, of_bodies(py, errors))?;
-    dict.set_item(lost_from, of_bodies(py, never))
-}
-
 /// Numbers of which a copy takes less time than an array that owns those of the core.
-const FEW: usize = 64;
-
-/// An array with a number of each body.
-pub(super) fn of_bodies<T: numpy::Element + Copy>(py: Python<'_>, values: Vec<T>) -> Bound<'_, PyArray1<T>> {
-    if values.len() <= FEW { PyArray1::from_slice(py, &values) } else { values.into_pyarray(py) }
-}
-
-/// An array of this shape.
-pub(super) fn shaped<const N: usize>(
-    py: Python<'_>,
-    values: Vec<f64>,
-    shape: [usize; N],
-) -> PyResult<Bound<'_, PyArray<f64, Dim<[usize; N]>>>>
-where
-    Dim<[usize; N]>: Dimension,
-    [usize; N]: IntoDimension<Dim = Dim<[usize; N]>>,
-{
-    if values.len() > FEW {
-        return values.into_pyarray(py).reshape(shape);
-    }
-    let array = PyArray::zeros(py, shape, false);
-    // SAFETY: nothing else refers to a new array.
-    unsafe { array.as_slice_mut() }?.copy_from_slice(&values);
-    Ok(array)
-}
+pub(super) const FEW: usize = 64;

@@ -8,6 +8,7 @@ use crate::memory;
 use crate::status::{DRIFT_LIMIT, Status};
 
 /// The values of a column.
+#[derive(Clone)]
 pub enum Column {
     /// Numbers of each output time of each body, this many in a row; `None` if they are not recorded.
     Series(usize, Option<Vec<f64>>),

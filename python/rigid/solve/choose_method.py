@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -115,8 +114,7 @@ def choose_method(problem: Problem) -> tuple[str, Floats | None, LazyPlan]:
         method = _usually_cheapest(problem, method, why)
     elif problem.step is not None and method != EXACT and problem.bodies is not None:
         steps = np.full(len(problem.bodies), problem.step)
-    plan = partial(plan_of, problem, method, steps, forms, accuracy, tuple(why))
-    return method, steps, LazyPlan(plan)
+    return method, steps, LazyPlan(plan_of, problem, method, steps, forms, accuracy, tuple(why))
 
 
 def _check_rates_are_known(problem: Problem) -> None:

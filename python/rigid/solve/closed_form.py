@@ -84,7 +84,9 @@ def closed_forms(question: Question, moments: Floats, weight: Floats) -> Codes:
     name, axis = asked
     if len(moments) != len(weight):
         moments, weight = np.broadcast_arrays(moments, weight)
-    return _core.closed_forms_for(name, np.ascontiguousarray(moments), np.ascontiguousarray(weight), axis)
+    return _core.closed_forms_for(
+        name, np.ascontiguousarray(moments), np.ascontiguousarray(weight), axis
+    )
 
 
 def lagrange_axis_of(moments: ArrayLike, weight: ArrayLike) -> int:

@@ -37,7 +37,6 @@ __all__ = [
     "closed_form_error",
     "distances",
     "estimate_error",
-    "exact_error",
     "unknown_error",
 ]
 
@@ -66,13 +65,10 @@ class ErrorEstimate:
         The largest error at the compared times; NaN if it is not known.
     lost_from : ndarray, shape (n,)
         The time (s) nearest to 0 from which on the error is 1 or more; infinite if there is none.
-    worst : float or None
-        The largest error, if the core knows it and that all bodies have arrived.
     """
 
     error: Floats
     lost_from: Floats
-    worst: float | None = None
 
     def of(self, bodies: NDArray[np.intp]) -> ErrorEstimate:
         """A copy of the estimate of some bodies."""
@@ -81,20 +77,11 @@ class ErrorEstimate:
     def write(self, bodies: NDArray[np.intp], other: ErrorEstimate) -> None:
         """Write the estimate of some bodies over."""
         self.error[bodies], self.lost_from[bodies] = other.error, other.lost_from
-        self.worst = None
 
 
 def unknown_error(count: int) -> ErrorEstimate:
     """The estimate of bodies whose error is unknown."""
     return ErrorEstimate(np.full(count, np.nan), np.full(count, np.nan))
-
-
-def exact_error(request: Request, states: dict[str, Any]) -> ErrorEstimate:
-    """The error of states in closed form, which the core knows where rounding alone makes it."""
-    error, lost_from, worst = states.pop("error"), states.pop("lost_from"), states.pop("worst")
-    if error is None:
-        return closed_form_error(request.bodies, request.times, states["omega"])
-    return ErrorEstimate(error, lost_from, worst)
 
 
 @np.errstate(all="ignore")

@@ -16,10 +16,10 @@ class Lazy(Generic[Made]):
     What it is made of must not change meanwhile. Two threads that read it first make the same.
     """
 
-    __slots__ = ("_made", "_make")
+    __slots__ = ("_made", "_making")
 
-    def __init__(self, make: Callable[[], Made]) -> None:
-        self._make: Callable[[], Made] | None = make
+    def __init__(self, make: Callable[..., Made], *given: Any) -> None:
+        self._making: tuple[Callable[..., Made], tuple[Any, ...]] | None = make, given
         self._made: Made | None = None
 
     @classmethod
@@ -29,10 +29,11 @@ class Lazy(Generic[Made]):
 
     def __call__(self) -> Made:
         """What is made."""
-        make = self._make
-        if make is not None:
-            self._made = make()
-            self._make = None  # and what it holds: this comes last, for other threads
+        making = self._making
+        if making is not None:
+            make, given = making
+            self._made = make(*given)
+            self._making = None  # and what it holds: this comes last, for other threads
         assert self._made is not None
         return self._made
 

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import MutableMapping
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from .. import _core
 from .bodies import Bodies
 from .error_estimate import ErrorEstimate
 from .events import FoundEvents
@@ -20,7 +22,7 @@ __all__ = ["end_records", "to_run"]
 
 
 def end_records(
-    states: dict[str, Any], times: NDArray[np.float64], last: NDArray[np.float64]
+    states: MutableMapping[str, Any], times: NDArray[np.float64], last: NDArray[np.float64]
 ) -> None:
     """Write NaN over the states at times (m,) or (n, m) after the last of each body, (n, 1)."""
     after = times > last
@@ -32,9 +34,9 @@ def end_records(
 
 
 def to_run(
-    states: dict[str, Any],
+    states: MutableMapping[str, Any],
     times: NDArray[np.float64],
-    estimate: ErrorEstimate,
+    estimate: ErrorEstimate | _core.States,
     accuracy: float | None,
     spec: Lazy[dict[str, Any]],
     plan: LazyPlan,
@@ -43,28 +45,25 @@ def to_run(
     found: FoundEvents | None = None,
 ) -> Run:
     """The run of these bodies, from the columns of the core."""
-    error, lost_from = estimate.error, estimate.lost_from
-    if estimate.worst is None or not is_accurate(estimate.worst, accuracy):
+    if not (isinstance(estimate, _core.States) and is_accurate(estimate.worst, accuracy)):
+        error, lost_from = estimate.error, estimate.lost_from
         if np.count_nonzero(states["status"]):
             unknown = np.isin(states["status"], (Status.STEP_LIMIT, Status.NOT_FINITE))
             error, lost_from = (np.where(unknown, np.nan, values) for values in (error, lost_from))
         states["status"] = status_by_error(states["status"], error, accuracy)
+        states["error"], states["lost_from"] = error, lost_from
     if found is not None:
         ended = found.stopped & np.isin(states["status"], (Status.OK, Status.UNCHECKED))
         states["status"] = np.where(ended, Status.STOPPED, states["status"]).astype(np.uint8)
+        states["end"] = found.end
     attitude, count = bodies.attitude, len(bodies.omega)
     if len(attitude) != count:
         attitude = np.broadcast_to(attitude, (count, 4))
     states["start_omega"], states["start_attitude"] = bodies.omega, attitude
-    states["error"], states["lost_from"] = error, lost_from
-    states["end"] = None if found is None else found.end
-    states.pop("fastest_rate", None)  # a run keeps what it shows
-    states.pop("worst", None)
     return Run(
         t=times,
         parameters=parameters,
         events=() if found is None else found.events,
-        nanoseconds=states.pop("nanoseconds"),
         _spec=spec,
         _shape=bodies.shape,
         _columns=states,

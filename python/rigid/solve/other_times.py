@@ -69,7 +69,6 @@ def states_at(run: Run, t: ArrayLike) -> Run:
     states, estimate = compute_states(
         request, steps, spec["accuracy"], check=not unknown.all(), every=not unknown.any()
     )
-    states["tangent"] = None
     end_records(states, times, last)
     made = to_run(states, ascending, estimate, spec["accuracy"], Lazy.of(spec), run._plan, bodies)
     if (order[..., 1:] < order[..., :-1]).any():

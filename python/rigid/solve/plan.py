@@ -156,16 +156,16 @@ class LazyPlan(Lazy[Plan]):
 
     def amend(self, reason: str | None = None, **fields: Any) -> None:
         """Change fields of a plan that nobody has read yet, and add a reason."""
-        make = self._make
-        assert make is not None
+        assert self._making is not None
+        make, given = self._making
 
         def amended() -> Plan:
-            plan = make()
+            plan = make(*given)
             if reason is not None:
                 fields["why"] = (*plan.why, reason)
             return dataclasses.replace(plan, **fields)
 
-        self._make = amended
+        self._making = amended, ()
 
 
 def left_out(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping, MutableMapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Self
 
@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 
 from .. import _core
 from .bodies import Bodies
+
+MutableMapping.register(_core.States)
 
 __all__ = ["Request", "select_states"]
 
@@ -56,7 +58,7 @@ class Request:
         changes: Floats | None = None,
         out: Mapping[str, NDArray[Any]] | None = None,
         single: bool = False,
-    ) -> dict[str, Any]:
+    ) -> _core.States:
         """The states, each body with its longest step (s); None leaves the steps to the core.
 
         Between two output times a body takes ``refinement`` times the steps, rounded up. Columns of
@@ -65,15 +67,7 @@ class Request:
         record is ``"tangent"``, from those at the start, (n, 6), or ``"sensitivity"``, by changes
         of parameters, (n, 15).
         """
-        return _core.simulate(
-            self,
-            steps,
-            refinement,
-            deviations=deviations,
-            changes=changes,
-            out=out,
-            single=single,
-        )
+        return _core.simulate(self, steps, refinement, deviations, changes, out, single)
 
     def select(self, some: NDArray[np.intp]) -> Self:
         """The request for some of the bodies."""

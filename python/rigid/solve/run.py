@@ -137,15 +137,11 @@ class Run(HasColumns):
         Time from which on, away from 0, the error is 1 or more: do not use the states from there
         on. Negative if that is backward in time; infinite if there is none; NaN where the error is
         not known.
-    nanoseconds : int
-        Processor time of the states, of all threads together; not that of the second run. Of a run
-        of some microseconds the time that passed.
     """
 
     t: NDArray[np.float64]
     parameters: tuple[str, ...]
     events: tuple[Events, ...]
-    nanoseconds: int
     _spec: Lazy[dict[str, Any]]
     _shape: Shape
     _columns: Columns
@@ -199,6 +195,15 @@ class Run(HasColumns):
         return html_with_picture(
             lambda ax: self.plot(ax, body=0 if many else None), words, height=3.0
         )
+
+    @property
+    def nanoseconds(self) -> int:
+        """Processor time of the states, of all threads together; not that of the second run.
+
+        Of a run of some microseconds it is the time that passed.
+        """
+        nanoseconds: Any = self._columns["nanoseconds"]
+        return int(nanoseconds)
 
     @property
     def spec(self) -> dict[str, Any]:
@@ -696,10 +701,9 @@ def load_run(path: str | PathLike[str]) -> Run:
         run = Run(
             t=fields.pop("t"),
             _shape=fields["status"].shape,
-            _columns={},
+            _columns={"nanoseconds": int(header["nanoseconds"])},
             parameters=tuple(header["parameters"]),
             events=events,
-            nanoseconds=int(header["nanoseconds"]),
             _spec=Lazy.of(header["spec"]),
             _plan=LazyPlan.of(Plan.from_dict(header["plan"])),
         ).with_arrays(**fields)

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
+from .. import _core
 from .._checks.arguments import (
     brief,
     finite_float,
@@ -267,7 +267,7 @@ def simulate(
         method=chosen,
         record=record,
         max_steps=positive_int("max_steps", max_steps),
-        threads=resolve_threads(threads, len(bodies)),
+        threads=resolve_threads(threads, len(bodies.omega)),
         tolerance=tolerance,
     )
     found = None
@@ -295,24 +295,24 @@ def simulate(
         request, steps, accuracy, check=check, every=every, target=target
     )
     if chosen == EXACT:
-        worst = estimate.worst if estimate.worst is not None else largest(estimate.error)
+        known = estimate.worst if isinstance(estimate, _core.States) else None
+        worst = largest(estimate.error) if known is None else known
         error = worst if worst < 1.0 else None
         if plan is None:
-            asked = scene, record, method, max(len(bodies), 1), len(times), error
-            plan = LazyPlan(partial(_plan_of_any_start, *asked))
+            number = max(len(bodies.omega), 1)
+            plan = LazyPlan(_plan_of_any_start, scene, record, method, number, len(times), error)
         else:
             plan.amend(error=error)
     assert plan is not None
-    matrices = sensitivity = None
     if parameters is not None:
         change = parameter_changes(scene, bodies, parameters) if parameters else None
         matrices, sensitivity, words = tangent_of(request, steps, method, change)
+        states["tangent"], states["sensitivity"] = matrices, sensitivity
         plan.amend(words)
     if target is not PLAIN:
         estimate = ErrorEstimate(target.finish(states, estimate.error), estimate.lost_from)
     own_step = None if chosen == EXACT else step
-    spec = Lazy(partial(_spec, scene, chosen, own_step, accuracy, tolerance, record))
-    states["tangent"], states["sensitivity"] = matrices, sensitivity
+    spec = Lazy(_spec, scene, chosen, own_step, accuracy, tolerance, record)
     if found is not None:
         end_records(states, times, found.last)
     run = to_run(states, given, estimate, accuracy, spec, plan, bodies, parameters or (), found)
@@ -431,7 +431,7 @@ def _replayed(
         tolerance=tolerance,
         strides=strides,
     ).states(steps if tolerance is None else None)
-    spec = Lazy(partial(_spec, scene, method, step, None, tolerance, "attitude"))
+    spec = Lazy(_spec, scene, method, step, None, tolerance, "attitude")
     # The map that this body comes from has its own check of the error.
     return to_run(states, times, unknown_error(1), None, spec, plan, bodies)
 

@@ -112,7 +112,7 @@ def test_a_body_that_hit_the_step_limit_is_not_run_again(
     calls = []
     core = _core.simulate
 
-    def counted(request: Request, *args: Any, **options: Any) -> dict[str, Any]:
+    def counted(request: Request, *args: Any, **options: Any) -> _core.States:
         calls.append(len(request.bodies))
         return core(request, *args, **options)
 
