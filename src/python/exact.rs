@@ -37,7 +37,8 @@ pub fn closed_forms<'py>(
     Ok(evaluated(py, "closed forms", bodies.len(), code)?.into_pyarray(py))
 }
 
-/// The code of the closed form that applies to a question for each body from any start. The question is "states",
+/// The code of the closed form that applies to a question for each body from any start; a row of moments or weight may
+/// be that of all. The question is "states",
 /// "regular", "no_flip" or "tilt_from_vertical"; the last two need a body axis, 1 to 3, which is optional for
 /// "no_flip".
 #[pyfunction]
@@ -70,9 +71,17 @@ pub fn closed_forms_for<'py>(
         }
     };
     let (moments, weight) = (rows_in::<3>("moments", moments)?, rows_in::<3>("weight", weight)?);
-    same_length("weight", moments.len(), weight.len())?;
-    let code = |(&moments, &weight)| ClosedForm::code(ClosedForm::answering(question, moments, weight));
-    let codes = memory::collected("closed forms", moments.len(), moments.iter().zip(weight).map(code))?;
+    let n = if moments.len() == 1 { weight.len() } else { moments.len() };
+    for (argument, rows) in [("moments", moments.len()), ("weight", weight.len())] {
+        if rows != 1 {
+            same_length(argument, n, rows)?;
+        }
+    }
+    let code = |body: usize| {
+        let row = |rows: &[[f64; 3]]| rows[if rows.len() == 1 { 0 } else { body }];
+        ClosedForm::code(ClosedForm::answering(question, row(moments), row(weight)))
+    };
+    let codes = memory::collected("closed forms", n, (0..n).map(code))?;
     Ok(of_bodies(py, codes))
 }
 

@@ -251,8 +251,8 @@ def _scale_exponents(scene: Scene, shape: Shape) -> NDArray[np.intc]:
     changes no bit of a motion.
     """
     if scene.body.shape:
-        largest = in_rows(np.max(scene.body.moments, axis=-1, keepdims=True), shape)
-        return np.frexp(largest[:, 0])[1]
+        first, second, third = in_rows(np.asarray(scene.body.moments), shape).T
+        return np.frexp(np.maximum(np.maximum(first, second), third))[1]
     return np.array([math.frexp(max(scene.body.moments))[1]], dtype=np.intc)
 
 

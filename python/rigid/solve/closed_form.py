@@ -73,7 +73,7 @@ def closed_forms(question: Question, moments: Floats, weight: Floats) -> Codes:
     Parameters
     ----------
     question : str or Criterion
-    moments, weight : ndarray, shape (n, 3)
+    moments, weight : ndarray, shape (n, 3) or (1, 3)
     """
     if isinstance(question, Joined):
         each = [closed_forms(leaf, moments, weight) for leaf in question.leaves]
@@ -82,11 +82,8 @@ def closed_forms(question: Question, moments: Floats, weight: Floats) -> Codes:
     if asked is None:
         return np.full(len(moments), NO_FORM, dtype=np.uint8)
     name, axis = asked
-    if len(moments) != len(weight):
-        moments, weight = np.broadcast_arrays(moments, weight)
-    return _core.closed_forms_for(
-        name, np.ascontiguousarray(moments), np.ascontiguousarray(weight), axis
-    )
+    rows = np.ascontiguousarray(moments), np.ascontiguousarray(weight)
+    return _core.closed_forms_for(name, *rows, axis)
 
 
 def lagrange_axis_of(moments: ArrayLike, weight: ArrayLike) -> int:
