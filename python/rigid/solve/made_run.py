@@ -61,9 +61,9 @@ def to_run(
         attitude = np.broadcast_to(attitude, (count, 4))
     states["start_omega"], states["start_attitude"] = bodies.omega, attitude
     return Run(
-        t=times,
-        parameters=parameters,
-        events=() if found is None else found.events,
+        _t=times,
+        _parameters=parameters,
+        _events=() if found is None else found.events,
         _spec=spec,
         _shape=bodies.shape,
         _columns=states,

@@ -101,4 +101,4 @@ def _in_order(run: Run, times: NDArray[np.float64], order: NDArray[np.intp]) -> 
         return np.take_along_axis(array, index, axis=axis)
 
     states = {name: moved(getattr(run, name), width) for name, (_, width) in COLUMNS.items()}
-    return replace(run.with_arrays(**states), t=times)
+    return replace(run.with_arrays(**states), _t=times)

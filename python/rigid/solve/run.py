@@ -59,16 +59,15 @@ _STATUS_WORDS: Mapping[Status, str] = {
 }
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(slots=True)
 class Run(HasColumns):
     """The result of :func:`simulate`. With a single body the leading axis ``n`` is absent.
 
-    Scenes, rates and attitudes of other leading axes give these axes in the place of ``n``.
+    Scenes, rates and attitudes of other leading axes give these axes in the place of ``n``. All
+    attributes are read-only. It is not frozen: a frozen object takes twice as long to make.
 
     Attributes
     ----------
-    t : ndarray, shape (m,), or (..., m) if bodies have times of their own
-        Times (s).
     omega : ndarray, shape (n, m, 3)
         Angular velocity in the body (rad/s).
     gamma : ndarray, shape (n, m, 3), or None
@@ -87,10 +86,6 @@ class Run(HasColumns):
         Derivative of the motion by k parameters, from the same start, if it was asked for: the
         change of the rates (rad/s) and the rotation vector in the body (rad) over the change of
         each parameter in its SI unit. Zero at ``t = 0``.
-    parameters : tuple of str
-        The names of these parameters, in the order of the columns.
-    events : tuple of Events
-        What happened in each of the given events, then in those of ``until``; see :class:`Events`.
     end : ndarray, shape (n,), or None
         Time at which the record of each body ends (s), if there are events: its last time, or that
         of the event of ``until`` that it ended with. States at later times are NaN.
@@ -139,9 +134,9 @@ class Run(HasColumns):
         not known.
     """
 
-    t: NDArray[np.float64]
-    parameters: tuple[str, ...]
-    events: tuple[Events, ...]
+    _t: NDArray[np.float64]
+    _parameters: tuple[str, ...]
+    _events: tuple[Events, ...]
     _spec: Lazy[dict[str, Any]]
     _shape: Shape
     _columns: Columns
@@ -195,6 +190,21 @@ class Run(HasColumns):
         return html_with_picture(
             lambda ax: self.plot(ax, body=0 if many else None), words, height=3.0
         )
+
+    @property
+    def t(self) -> NDArray[np.float64]:
+        """Times (s), shape (m,), or (..., m) if bodies have times of their own."""
+        return self._t
+
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        """The names of the parameters of the :attr:`sensitivity`, in the order of its columns."""
+        return self._parameters
+
+    @property
+    def events(self) -> tuple[Events, ...]:
+        """What happened in each of the given events, then in those of ``until``."""
+        return self._events
 
     @property
     def nanoseconds(self) -> int:
@@ -263,14 +273,14 @@ class Run(HasColumns):
                 one.turned(run.frame.T, attitudes_in_principal_axes(run.frame, one.attitude))
                 for one in run.events
             )
-            run = replace(run._turned(run.frame.T, back), events=events)
+            run = replace(run._turned(run.frame.T, back), _events=events)
         if frame is not None:
             known = run.attitude
             events = tuple(
                 one.turned(frame, attitudes_in_frame(frame, one.attitude)) for one in run.events
             )
             run = run._turned(frame, None if known is None else attitudes_in_frame(frame, known))
-            run = replace(run, events=events)
+            run = replace(run, _events=events)
         spec = {name: value for name, value in run.spec.items() if name != "frame"}
         if frame is not None:
             spec["frame"] = frame.tolist()
@@ -699,11 +709,11 @@ def load_run(path: str | PathLike[str]) -> Run:
             if fields[name] is None:
                 raise ValueError(f"no array {name!r}")
         run = Run(
-            t=fields.pop("t"),
+            _t=fields.pop("t"),
             _shape=fields["status"].shape,
             _columns={"nanoseconds": int(header["nanoseconds"])},
-            parameters=tuple(header["parameters"]),
-            events=events,
+            _parameters=tuple(header["parameters"]),
+            _events=events,
             _spec=Lazy.of(header["spec"]),
             _plan=LazyPlan.of(Plan.from_dict(header["plan"])),
         ).with_arrays(**fields)
