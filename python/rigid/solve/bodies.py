@@ -24,7 +24,7 @@ SLOWEST = 1e-140
 """Squares of slower rates, and their products, would underflow (rad/s)."""
 
 
-@dataclass(slots=True, kw_only=True, eq=False)
+@dataclass(slots=True, eq=False)
 class Bodies:
     """Bodies of one kind with their starts: of a call, of a run again, or of pixels of a map.
 
@@ -81,22 +81,21 @@ class Bodies:
         ValueError
             If torque or damping overflow in this unit.
         """
-        known = scene.once(_inertia_of_one) if exponents is None else None
-        if exponents is None and known is None:
+        omega, attitude = rows_of_each(omega, shape), in_rows(attitude, shape)
+        if exponents is None:
+            known = scene.once(_inertia_of_one)
+            if known is not None:
+                moments, weight, unit, _ = known
+                return cls(scene.kind, shape, moments, weight, omega, attitude, None, False, unit)
             exponents = _scale_exponents(scene, shape)
-        omega, attitude, forces = rows_of_each(omega, shape), in_rows(attitude, shape), None
-        if known is not None:
-            moments, weight, exponents, _ = known
-        else:
-            assert exponents is not None
-            unit = -exponents[:, np.newaxis]
-            moments = np.ldexp(in_rows(np.asarray(scene.body.moments), shape), unit)
-            weight = in_rows(scene.weight, shape)
-            if np.count_nonzero(weight):
-                with np.errstate(over="ignore"):
-                    weight = np.ldexp(weight, unit)
-            further = scene.further_numbers()
-            forces = forces_of(scene.torque, scene.damping, shape, exponents, further)
+        units = -exponents[:, np.newaxis]
+        moments = np.ldexp(in_rows(np.asarray(scene.body.moments), shape), units)
+        weight = in_rows(scene.weight, shape)
+        if np.count_nonzero(weight):
+            with np.errstate(over="ignore"):
+                weight = np.ldexp(weight, units)
+        further = scene.further_numbers()
+        forces = forces_of(scene.torque, scene.damping, shape, exponents, further)
         return cls(
             kind=scene.kind,
             shape=shape,
@@ -252,7 +251,8 @@ def _scale_exponents(scene: Scene, shape: Shape) -> NDArray[np.intc]:
     """
     if scene.body.shape:
         first, second, third = in_rows(np.asarray(scene.body.moments), shape).T
-        return np.frexp(np.maximum(np.maximum(first, second), third))[1]
+        exponents: NDArray[np.intc] = np.frexp(np.maximum(np.maximum(first, second), third))[1]
+        return exponents
     return np.array([math.frexp(max(scene.body.moments))[1]], dtype=np.intc)
 
 
