@@ -134,14 +134,21 @@ pub fn interruptible<T: Send>(
     raised.into_inner().expect("nothing panics there").map_or(Ok(result), Err)
 }
 
-/// The values of 0 .. `length`, computed without the lock of the interpreter, which meanwhile handles signals.
+/// Runs `work` of some microseconds with the lock of the interpreter: to give it up and to take it would add to them.
+pub fn at_once<T>(work: impl FnOnce(&Interrupt) -> Result<T, Error>) -> Result<T, Error> {
+    memory::grow_stack()?;
+    caught(|| work(&Interrupt::never()))
+}
+
+/// The values of 0 .. `length`, computed without the lock of the interpreter, which meanwhile handles signals; few values
+/// at once.
 pub fn evaluated<T: Send>(
     py: Python<'_>,
     what: &str,
     length: usize,
     value: impl Fn(usize) -> Result<T, Error> + Sync,
 ) -> PyResult<Vec<T>> {
-    let values = interruptible(py, None, |stop| {
+    let all = |stop: &Interrupt| {
         let mut values = memory::reserved(what, length)?;
         for index in 0..length {
             if index % BETWEEN_CLOCKS == 0 && stop.is_wanted() {
@@ -150,8 +157,8 @@ pub fn evaluated<T: Send>(
             values.push(value(index)?);
         }
         Ok(values)
-    })?;
-    Ok(values?)
+    };
+    Ok(if length < BETWEEN_CLOCKS { at_once(all) } else { interruptible(py, None, all)? }?)
 }
 
 /// An array of one number of each value.

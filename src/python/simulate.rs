@@ -2,7 +2,7 @@
 
 use super::bodies::Bodies;
 use super::convert::{
-    BodyColumns, column, copied, copied_numbers, evaluated, interruptible, parse_record, rows, same_length,
+    BodyColumns, at_once, column, copied, copied_numbers, evaluated, interruptible, parse_record, rows, same_length,
 };
 use super::forces::PyForces;
 use super::states::{PyStates, of_bodies};
@@ -162,7 +162,9 @@ pub fn simulate<'py>(
             let simulate = || trajectory::simulate_into(request, states, threads, isa, stop);
             if forces.of(0).function.is_some() { parallel::apart(stop, simulate) } else { simulate() }
         };
-        nanoseconds += interruptible(py, None, run)?.map_err(|error| error.of_part(part.start))?.nanoseconds;
+        let is_brief = request.is_brief() && forces.of(0).function.is_none();
+        let effort = if is_brief { at_once(run) } else { interruptible(py, None, run)? };
+        nanoseconds += effort.map_err(|error| error.of_part(part.start))?.nanoseconds;
         for target in &mut targets {
             target.finish(part.clone())?;
         }

@@ -191,27 +191,6 @@ fn steps_of_legs(request: &Request, index: usize) -> u64 {
     }
 }
 
-/// Whether the request takes less than some 100 microseconds, about as long as to start a thread.
-fn is_light(request: &Request) -> bool {
-    // Steps and states of many bodies cost tens of nanoseconds each.
-    const FEW: f64 = 2000.0;
-    let (bodies, states) = (request.bodies.len() as f64, request.schedule.len() as f64);
-    let steps = |(index, step): (usize, &f64)| {
-        let [first, last] = request.range_of(index);
-        (last - first) / step
-    };
-    let made = match (request.method, &request.schedule) {
-        _ if bodies * states > FEW => return false,
-        (AnyMethod::Exact, _) => 0.0,
-        (AnyMethod::Steps(_), Schedule::Strides(strides)) => bodies * strides.iter().sum::<u64>() as f64,
-        (AnyMethod::Steps(_), _) => {
-            request.refinement * request.steps.iter().enumerate().map(steps).sum::<f64>()
-        }
-    };
-    // A step of zero, whose number is not a number, is not light.
-    made + bodies * states <= FEW
-}
-
 /// Does `work` for all blocks: it writes the states of a block and returns the steps of its lanes.
 fn over_blocks_of(
     request: &Request,
@@ -228,12 +207,13 @@ fn over_blocks_of(
         lane_steps.fetch_add(work(block, part)?, Ordering::Relaxed);
         Ok(())
     };
-    let nanoseconds = if is_light(request) {
+    let nanoseconds = if request.is_brief() {
         // To read the processor clock of a thread takes as long as a state.
         let begin = Instant::now();
         caught(|| parts.into_iter().try_for_each(done))?;
         begin.elapsed().as_nanos() as u64
     } else {
+        let threads = if request.is_light() { 1 } else { threads };
         over_blocks(parts, threads, stop, done)?
     };
     Ok(Effort { nanoseconds, lane_steps: lane_steps.into_inner() })
