@@ -19,6 +19,7 @@ __all__ = [
     "RECORDS",
     "Codes",
     "Question",
+    "all_have",
     "are_slowed_evenly",
     "closed_forms",
     "lagrange_axes",
@@ -114,8 +115,15 @@ def rule(question: Question) -> str:
 
 def names(forms: Codes) -> list[str]:
     """The names of the closed forms that occur, sorted."""
-    codes = {int(forms[0])} if len(forms) == 1 else set(np.flatnonzero(np.bincount(forms)).tolist())
+    if len(forms) == 1:
+        return [_NAMES[forms[0]]] if forms[0] != NO_FORM else []
+    codes = set(np.flatnonzero(np.bincount(forms)).tolist())
     return sorted(_NAMES[code] for code in codes - {NO_FORM})
+
+
+def all_have(forms: Codes) -> bool:
+    """Whether all bodies have a closed form; faster than a reduction."""
+    return bool(np.count_nonzero(forms) == len(forms))
 
 
 def why_not(question: Question, moments: Floats, weight: Floats) -> str:

@@ -198,8 +198,10 @@ def left_out(
         )
     elif question != "attitude" and "attitude" not in carried(scene, question, method):
         left.append(f"{'rates' if question == 'rates' else 'vertical'} only: no attitude")
-    if "gamma" not in carried(scene, question, method) and (
-        not scene.directions and question in ("rates", "attitude")
+    if (
+        not scene.directions
+        and question in ("rates", "attitude")
+        and "gamma" not in carried(scene, question, method)
     ):
         left.append("no weight: no vertical")
     return tuple(left)
