@@ -18,6 +18,7 @@ from __future__ import annotations
 
 import json
 import platform
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -25,8 +26,10 @@ import numpy as np
 from timing import QUICK, moved, parser, positive, sized
 
 from rigid import _core, build_info, methods
+from rigid.solve.bodies import Bodies
 from rigid.solve.error_estimate import distances
 from rigid.solve.methods import EXACT
+from rigid.solve.request import Request
 from rigid.solve.work import LANES, reference_nanoseconds
 
 TARGET = Path(__file__).parents[1] / "python" / "rigid" / "calibration.json"
@@ -53,7 +56,7 @@ OTHER_DATA = np.ones(2**20)
 """What a program does between two calls: the caches are not those of the last call."""
 
 
-def bodies(kind: str, count: int) -> dict[str, Any]:
+def bodies(kind: str, count: int) -> Bodies:
     """Random bodies that turn by about a radian in a unit of time."""
     # A forced body is a top under damping.
     rng = np.random.default_rng([2026, min(KINDS.index(kind), 2)])
@@ -72,36 +75,36 @@ def bodies(kind: str, count: int) -> dict[str, Any]:
     attitude /= np.linalg.norm(attitude, axis=1, keepdims=True)
     none, damping = np.empty((0, 3)), np.array([[0.1, 0.1, 0.1, 0.0, 0.0, 0.0]])
     damped = _core.Forces(times=np.array([]), body=none, space=none, damping=damping)
-    return {
-        **({"forces": damped} if kind == "forced" else {}),
-        "scene": "free" if kind == "free" else "top",
-        "moments": moments,
-        "weight": weight,
-        "omega": rng.normal(size=(count, 3)),
-        "attitude": attitude,
-    }
+    return Bodies(
+        kind="free" if kind == "free" else "top",
+        shape=(count,),
+        moments=moments,
+        weight=weight,
+        omega=rng.normal(size=(count, 3)),
+        attitude=attitude,
+        forces=damped if kind == "forced" else None,
+    )
 
 
-def ends(table: dict[str, Any], method: str, record: str, steps: Any, time_: float) -> Any:
+def ends(table: Bodies, method: str, record: str, steps: Any, time_: float) -> Any:
     """The states after a time."""
     return simulate(table, method, record, steps, np.array([time_]))
 
 
-def simulate(table: dict[str, Any], method: str, record: str, steps: Any, times: Any) -> Any:
+def simulate(table: Bodies, method: str, record: str, steps: Any, times: Any) -> Any:
     """The states at some times, by one thread; those that are found are not those of the start."""
-    states = _core.simulate(
-        **table,
+    states = Request(
+        bodies=table,
+        times=times,
         method=method,
         record=record,
-        step=steps,
         max_steps=10**9,
         threads=1,
-        times=times[np.newaxis],
-    )
+    ).states(steps)
     found = (states["status"] == 0) & np.isfinite(states["omega"]).all(axis=(1, 2))
     if found.any():
         made = states["steps"][found] + (method == EXACT)
-        moved(states["omega"][found, -1], table["omega"][found], made)
+        moved(states["omega"][found, -1], table.omega[found], made)
     return states
 
 
@@ -110,7 +113,7 @@ class Truth:
 
     def __init__(self, kind: str, count: int) -> None:
         self.table = bodies(kind, count)
-        self.rates = _core.fastest_rates(**self.table)
+        self.rates = _core.fastest_rates(self.table)
         self.until = ANGLE / float(np.median(self.rates))
         best = max(methods(), key=lambda method: (not method.symplectic, method.order))
         exact = kind in CLOSED
@@ -180,7 +183,7 @@ def work(kind: str, name: str, record: str) -> list[float]:
         table = bodies(kind, count)
         if rates_alone:
             # Of rates alone that need no directions.
-            table = {**table, "scene": "free", "weight": np.zeros((count, 3))}
+            table = replace(table, kind="free", weight=np.zeros((1, 3)))
         times = np.linspace(0.0, STEP * steps, states + 1)[1:]
         # The last of the bodies makes all the steps; the others make fewer.
         made = steps - np.arange(count)[::-1] * (ends - 1) / max(count - 1, 1)

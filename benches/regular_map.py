@@ -21,6 +21,7 @@ from timing import Floats, counted, in_turns, moved, over, parser, share, sized
 
 import rigid
 from rigid import _core
+from rigid.solve.bodies import Bodies
 
 sys.path.insert(0, str(Path(__file__).parent / "peers"))
 from numba_side import DOP853, numba, written
@@ -132,13 +133,13 @@ class Rigid:
 
     def __init__(self, method: str) -> None:
         self.method, self.name = method, f"rigid {method}"
-        self.bodies = {"scene": "top", **columns()}
+        self.bodies = Bodies(kind="top", shape=(len(columns()["omega"]),), **columns())
         self.scale = _core.rate_units(**columns())
         self.deviations = deviations()
 
     def run(self, steps: float) -> dict[str, Any]:
         return _core.growth(
-            **self.bodies,
+            **self.bodies.columns(),
             method=self.method,
             deviations=self.deviations,
             scale=self.scale,

@@ -16,6 +16,8 @@ from timing import Moved, in_turns, moved, over, parser, sized
 
 import rigid
 from rigid import _core
+from rigid.solve.bodies import Bodies
+from rigid.solve.request import Request
 
 BODIES, STEPS = sized((512, 1024), (512, 128))
 COUNTED = {"rk4": 2.3, "dop853": 2.2, "taylor16": 2.8, "splitting": 1.6}
@@ -27,21 +29,23 @@ def run(what: str, method: str, moments: tuple[float, float, float]) -> Moved:
     rng = np.random.default_rng(14)
     omega, deviations = rng.normal(size=(BODIES, 3)), rng.normal(size=(BODIES, 6))
     step = 0.02 if method in ("rk4", "splitting") else 0.1
-    every = {
-        "scene": "top",
-        "method": method,
-        "moments": np.array([moments]),
-        "weight": np.array([[0.72, 0.0, 0.96]]),
-        "omega": omega,
-        "attitude": np.array([[1.0, 0.0, 0.0, 0.0]]),
-        "step": np.full(BODIES, step),
-        "max_steps": 10**9,
-        "threads": 1,
-    }
+    bodies = Bodies(
+        kind="top",
+        shape=(BODIES,),
+        moments=np.array([moments]),
+        weight=np.array([[0.72, 0.0, 0.96]]),
+        omega=omega,
+        attitude=np.array([[1.0, 0.0, 0.0, 0.0]]),
+    )
+    longest = np.full(BODIES, step)
     steps = STEPS if method in ("rk4", "splitting") else STEPS // 8
     if what == "growth":
         done = _core.growth(
-            **every,
+            **bodies.columns(),
+            method=method,
+            step=longest,
+            max_steps=10**9,
+            threads=1,
             deviations=deviations,
             scale=np.ones(BODIES),
             of_attitude=False,
@@ -53,7 +57,14 @@ def run(what: str, method: str, moments: tuple[float, float, float]) -> Moved:
         "tangent": ({"deviations": deviations}, deviations, "tangent"),
         "sensitivity": ({"changes": rng.normal(size=(BODIES, 15))}, 0.0, "tangent"),
     }[what]
-    done = _core.simulate(**every, **own, record=what, times=np.array([[steps * step]]))
+    done = Request(
+        bodies=bodies,
+        times=np.array([steps * step]),
+        method=method,
+        record=what,
+        max_steps=10**9,
+        threads=1,
+    ).states(longest, **own)
     return done[end][:, 0], start, done["steps"]
 
 

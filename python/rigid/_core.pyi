@@ -1,21 +1,25 @@
 """Types of the compiled core. Arrays in, arrays out; checked against the binary by stubtest."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, MutableMapping, Sequence
 from typing import Any, final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .maps.core_request import CoreRequest
+from .solve.bodies import Bodies
+from .solve.request import Request
 
 __all__ = [
     "CHECKPOINT_PARTS",
     "DRIFT_LIMIT",
     "FIXED_POINT",
+    "ROUNDING",
     "Forces",
     "MapJob",
     "MapStatistics",
     "Motion",
+    "States",
     "__version__",
     "agreed_classes",
     "available_threads",
@@ -39,6 +43,7 @@ __all__ = [
     "generic_deviations",
     "growth",
     "in_standard_floats",
+    "is_set",
     "lagrange_axes",
     "map_columns",
     "methods",
@@ -46,6 +51,7 @@ __all__ = [
     "moment_status_names",
     "near_separatrix",
     "nearness_of_poles",
+    "plain_numbers",
     "principal_axes",
     "rate_units",
     "retired_methods",
@@ -64,9 +70,11 @@ __all__ = [
 CHECKPOINT_PARTS: Sequence[int]
 DRIFT_LIMIT: float
 FIXED_POINT: float
+ROUNDING: float
 __version__: str
 
 def available_threads() -> int: ...
+def is_set(variable: str) -> bool: ...
 def build_info() -> dict[str, Any]: ...
 def methods() -> list[dict[str, Any]]: ...
 def chosen_methods() -> dict[str, str]: ...
@@ -90,27 +98,14 @@ def principal_axes(
     tensor: Sequence[Sequence[float]],
 ) -> tuple[list[float], list[list[float]]]: ...
 def simulate(
-    *,
-    scene: str,
-    method: str,
-    record: str,
-    moments: NDArray[np.float64],
-    weight: NDArray[np.float64],
-    omega: NDArray[np.float64],
-    attitude: NDArray[np.float64],
+    request: Request,
     step: NDArray[np.float64] | None,
-    max_steps: int,
-    threads: int,
-    times: NDArray[np.float64] | None = None,
-    strides: Sequence[int] | None = None,
     refinement: float = 1.0,
-    tolerance: float | None = None,
-    forces: Forces | None = None,
     deviations: NDArray[np.float64] | None = None,
     changes: NDArray[np.float64] | None = None,
     out: Mapping[str, NDArray[Any]] | None = None,
     single: bool = False,
-) -> dict[str, Any]: ...
+) -> States: ...
 def state_bytes(
     *, scene: str, record: str, bodies: int, times: int, forces: Forces | None = None
 ) -> int: ...
@@ -152,15 +147,11 @@ def section(
     forces: Forces | None = None,
 ) -> dict[str, Any]: ...
 def closed_form_names() -> list[str]: ...
-def closed_forms(
-    *,
-    scene: str,
-    moments: NDArray[np.float64],
-    weight: NDArray[np.float64],
-    omega: NDArray[np.float64],
-    attitude: NDArray[np.float64],
-) -> NDArray[np.uint8]: ...
+def closed_forms(bodies: Bodies) -> NDArray[np.uint8]: ...
 def first_not_finite(array: NDArray[np.float64]) -> int | None: ...
+def plain_numbers(
+    value: Any, width: int | None = None, ascending: bool = False
+) -> NDArray[np.float64] | None: ...
 def first_slow(omega: NDArray[np.float64], swing: float, least: float) -> int | None: ...
 def generic_deviations() -> NDArray[np.float64]: ...
 def deviation_starts(
@@ -184,13 +175,7 @@ def verdicts(
     limits: Sequence[float],
 ) -> list[str]: ...
 def fastest_rates(
-    *,
-    scene: str,
-    moments: NDArray[np.float64],
-    weight: NDArray[np.float64],
-    omega: NDArray[np.float64],
-    attitude: NDArray[np.float64],
-    forces: Forces | None = None,
+    bodies: Bodies,
     span: NDArray[np.float64] | None = None,
     method: str | None = None,
 ) -> NDArray[np.float64]: ...
@@ -200,7 +185,6 @@ def default_steps(
 def status_names() -> list[str]: ...
 def closed_forms_for(
     question: str,
-    *,
     moments: NDArray[np.float64],
     weight: NDArray[np.float64],
     axis: int | None = None,
@@ -225,58 +209,37 @@ def nearness_of_poles(
 def lagrange_axes(
     moments: NDArray[np.float64], weight: NDArray[np.float64]
 ) -> NDArray[np.int64]: ...
-def free_quantities(
-    *, moments: NDArray[np.float64], omega: NDArray[np.float64]
-) -> dict[str, Any]: ...
-def flip_times(
-    *,
-    scene: str,
-    moments: NDArray[np.float64],
-    weight: NDArray[np.float64],
-    omega: NDArray[np.float64],
-    attitude: NDArray[np.float64],
-    axis: int,
-    count: int,
-) -> NDArray[np.float64]: ...
-def top_quantities(
-    *,
-    moments: NDArray[np.float64],
-    weight: NDArray[np.float64],
-    omega: NDArray[np.float64],
-    attitude: NDArray[np.float64],
-) -> dict[str, Any]: ...
-def saddles(
-    *,
-    moments: NDArray[np.float64],
-    weight: NDArray[np.float64],
-    omega: NDArray[np.float64],
-    attitude: NDArray[np.float64],
-) -> NDArray[np.float64]: ...
-def tilt_times(
-    *,
-    moments: NDArray[np.float64],
-    weight: NDArray[np.float64],
-    omega: NDArray[np.float64],
-    attitude: NDArray[np.float64],
-    limit: float,
-) -> NDArray[np.float64]: ...
+def free_quantities(moments: NDArray[np.float64], omega: NDArray[np.float64]) -> dict[str, Any]: ...
+def flip_times(bodies: Bodies, axis: int | None, count: int) -> NDArray[np.float64]: ...
+def top_quantities(bodies: Bodies) -> dict[str, Any]: ...
+def saddles(bodies: Bodies) -> NDArray[np.float64]: ...
+def tilt_times(bodies: Bodies, limit: float) -> NDArray[np.float64]: ...
 def elliptic(name: str, arguments: Sequence[NDArray[np.float64]]) -> list[NDArray[np.float64]]: ...
+
+@final
+class States(MutableMapping[str, Any]):
+    def __getitem__(self, name: str) -> Any: ...
+    def __setitem__(self, name: str, value: Any) -> None: ...
+    def __delitem__(self, name: str) -> None: ...
+    def __iter__(self) -> Iterator[str]: ...
+    def __len__(self) -> int: ...
+    @property
+    def worst(self) -> float | None: ...
+    @property
+    def error(self) -> NDArray[np.float64]: ...
+    @property
+    def lost_from(self) -> NDArray[np.float64]: ...
 
 @final
 class Motion:
     def __new__(
         cls,
+        bodies: Bodies,
         *,
-        scene: str,
         method: str,
-        moments: NDArray[np.float64],
-        weight: NDArray[np.float64],
-        omega: NDArray[np.float64],
-        attitude: NDArray[np.float64],
         time: float,
         unit: float,
         threads: int,
-        forces: Forces | None = None,
     ) -> Motion: ...
     @property
     def time(self) -> float: ...

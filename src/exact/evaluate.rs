@@ -21,6 +21,7 @@ pub struct StartRows {
 
 impl StartRows {
     /// One body in all lanes.
+    #[inline]
     pub fn filled(body: &Body) -> StartRows {
         StartRows {
             lanes: LANES,

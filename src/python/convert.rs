@@ -8,10 +8,12 @@ use crate::parallel::{Interrupt, caught};
 use crate::start::Body;
 use crate::trajectory::Record;
 use numpy::{
-    Element, IntoPyArray, PyArray1, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArrayDyn,
-    PyUntypedArrayMethods,
+    Element, IntoPyArray, PyArray1, PyArray2, PyArrayDyn, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2,
+    PyReadonlyArrayDyn, PyUntypedArrayMethods,
 };
+use numpy::npyffi::NPY_ARRAY_ALIGNED;
 use pyo3::prelude::*;
+use pyo3::types::{PyFloat, PyInt, PyList, PyTuple};
 use std::ops::Range;
 use std::sync::Mutex;
 
@@ -36,6 +38,28 @@ pub fn rows_of<'a, T: Element, const N: usize>(
         got: format!("({}, {})", shape[0], shape[1]),
     })?;
     Ok(slice.as_chunks::<N>().0)
+}
+
+/// The rows of a C-contiguous (n, N) array, to be read before the lock of the interpreter is given up: to register each
+/// array as borrowed would take as long as to read the columns of a small call.
+pub fn rows_in<'a, const N: usize>(
+    argument: &'static str,
+    array: &'a Bound<'_, PyArray2<f64>>,
+) -> PyResult<&'a [[f64; N]]> {
+    let shape = array.shape();
+    if shape[1] != N || !array.is_c_contiguous() {
+        let (expected, got) = (format!("(n, {N}), C-contiguous"), format!("({}, {})", shape[0], shape[1]));
+        return Err(Error::Shape { argument, expected, got }.into());
+    }
+    // SAFETY: the array is contiguous, and no code of Python runs while it is read.
+    Ok(unsafe { array.as_slice() }?.as_chunks::<N>().0)
+}
+
+/// A copy of all numbers of an array, in the order of C.
+pub fn copied_numbers(what: &str, array: &Bound<'_, PyArrayDyn<f64>>) -> Result<Vec<f64>, Error> {
+    // SAFETY: no code of Python runs while the array is read.
+    let array = unsafe { array.as_array() };
+    memory::collected(what, array.len(), array.iter().copied())
 }
 
 /// A copy of the rows of an array, and the length of a row.
@@ -110,14 +134,21 @@ pub fn interruptible<T: Send>(
     raised.into_inner().expect("nothing panics there").map_or(Ok(result), Err)
 }
 
-/// The values of 0 .. `length`, computed without the lock of the interpreter, which meanwhile handles signals.
+/// Runs `work` of some microseconds with the lock of the interpreter: to give it up and to take it would add to them.
+pub fn at_once<T>(work: impl FnOnce(&Interrupt) -> Result<T, Error>) -> Result<T, Error> {
+    memory::grow_stack()?;
+    caught(|| work(&Interrupt::never()))
+}
+
+/// The values of 0 .. `length`, computed without the lock of the interpreter, which meanwhile handles signals; few values
+/// at once.
 pub fn evaluated<T: Send>(
     py: Python<'_>,
     what: &str,
     length: usize,
     value: impl Fn(usize) -> Result<T, Error> + Sync,
 ) -> PyResult<Vec<T>> {
-    let values = interruptible(py, None, |stop| {
+    let all = |stop: &Interrupt| {
         let mut values = memory::reserved(what, length)?;
         for index in 0..length {
             if index % BETWEEN_CLOCKS == 0 && stop.is_wanted() {
@@ -126,8 +157,8 @@ pub fn evaluated<T: Send>(
             values.push(value(index)?);
         }
         Ok(values)
-    })?;
-    Ok(values?)
+    };
+    Ok(if length < BETWEEN_CLOCKS { at_once(all) } else { interruptible(py, None, all)? }?)
 }
 
 /// An array of one number of each value.
@@ -193,9 +224,9 @@ impl<'a> BodyColumns<'a> {
         self.omega.len()
     }
 
-    /// All bodies in the parts that are in memory at once, besides the columns; one empty part if there are none.
-    pub fn parts(&self, threads: usize) -> impl Iterator<Item = Range<usize>> + use<> {
-        let (n, part) = (self.len(), PART.saturating_mul(threads.max(1)));
+    /// So many bodies in the parts that are in memory at once, besides the columns; one empty part if there are none.
+    pub fn parts(n: usize, threads: usize) -> impl Iterator<Item = Range<usize>> {
+        let part = PART.saturating_mul(threads.max(1));
         (0..n.max(1)).step_by(part).map(move |begin| begin..n.min(begin.saturating_add(part)))
     }
 
@@ -228,15 +259,61 @@ pub fn bodies(
     Ok(columns.bodies(0..columns.len())?)
 }
 
-/// All bodies of the arrays of a request.
-pub fn bodies_of(
-    moments: &PyReadonlyArray2<'_, f64>,
-    weight: &PyReadonlyArray2<'_, f64>,
-    omega: &PyReadonlyArray2<'_, f64>,
-    attitude: &PyReadonlyArray2<'_, f64>,
-) -> PyResult<Vec<Body>> {
-    let columns = BodyColumns::of_arrays(moments, weight, omega, attitude)?;
-    Ok(columns.bodies(0..columns.len())?)
+/// Numbers in a list of Python that is read here.
+const SHORT: usize = 64;
+
+/// The finite floats of an array, which is returned, or of a short list or tuple; None for anything else, for other
+/// axes than (..., width), and for numbers that do not ascend along the last axis if they shall.
+#[pyfunction]
+#[pyo3(signature = (value, width=None, ascending=false))]
+pub fn plain_numbers<'py>(
+    value: &Bound<'py, PyAny>,
+    width: Option<usize>,
+    ascending: bool,
+) -> PyResult<Option<Bound<'py, PyAny>>> {
+    let py = value.py();
+    let fits = |numbers: &[f64], last: usize| {
+        let ascend = |row: &[f64]| row.is_sorted();
+        width.is_none_or(|width| width == last)
+            && numbers.iter().all(|x| x.is_finite())
+            && (!ascending || last == 0 || numbers.chunks_exact(last).all(ascend))
+    };
+    if let Ok(array) = value.cast_exact::<PyArrayDyn<f64>>() {
+        // SAFETY: the pointer is that of an array, whose flags do not change meanwhile.
+        let is_aligned = unsafe { (*array.as_array_ptr()).fields.flags } & NPY_ARRAY_ALIGNED != 0;
+        let Some(&last) = array.shape().last().filter(|_| is_aligned && array.is_c_contiguous()) else {
+            return Ok(None);
+        };
+        // SAFETY: the array is contiguous and aligned, and no code of Python runs while it is read.
+        return Ok(fits(unsafe { array.as_slice() }?, last).then(|| value.clone()));
+    }
+    let (mut numbers, mut length) = ([0.0; SHORT], 0);
+    let mut push = |item: Bound<'py, PyAny>| {
+        let number = plain_number(&item)?;
+        *numbers.get_mut(length)? = number;
+        length += 1;
+        Some(())
+    };
+    let read = if let Ok(list) = value.cast_exact::<PyList>() {
+        list.iter().try_for_each(&mut push)
+    } else if let Ok(tuple) = value.cast_exact::<PyTuple>() {
+        tuple.iter().try_for_each(&mut push)
+    } else {
+        None
+    };
+    let numbers = &numbers[..length];
+    let is_plain = read.is_some() && length > 0 && fits(numbers, length);
+    Ok(is_plain.then(|| PyArray1::from_slice(py, numbers).into_any()))
+}
+
+/// A float, or a whole number that is one.
+fn plain_number(item: &Bound<'_, PyAny>) -> Option<f64> {
+    const EXACT: i64 = 1 << 53;
+    if let Ok(float) = item.cast::<PyFloat>() {
+        return Some(float.value());
+    }
+    let whole: i64 = item.cast_exact::<PyInt>().ok()?.extract().ok()?;
+    (-EXACT..=EXACT).contains(&whole).then_some(whole as f64)
 }
 
 /// Flat index of the first element that is not finite.
@@ -247,9 +324,9 @@ pub fn first_not_finite(array: PyReadonlyArrayDyn<'_, f64>) -> PyResult<Option<u
 
 /// The first body whose fastest rate, the largest component of `omega` or `swing`, is below `least` but not zero.
 #[pyfunction]
-pub fn first_slow(omega: PyReadonlyArray2<'_, f64>, swing: f64, least: f64) -> PyResult<Option<usize>> {
+pub fn first_slow(omega: &Bound<'_, PyArray2<f64>>, swing: f64, least: f64) -> PyResult<Option<usize>> {
     let _standard = FloatEnvironment::standard();
     let fastest = |omega: &[f64; 3]| omega.iter().fold(swing, |rate, x| rate.max(x.abs()));
     let is_slow = |omega: &[f64; 3]| fastest(omega) > 0.0 && fastest(omega) < least;
-    Ok(rows::<3>("omega", &omega)?.iter().position(is_slow))
+    Ok(rows_in::<3>("omega", omega)?.iter().position(is_slow))
 }

@@ -1,6 +1,8 @@
 //! The derived quantities of closed forms and the elliptic functions, array by array.
 
-use super::convert::{BodyColumns, bodies, bodies_of, column, copied, evaluated, rows, same_length};
+use super::bodies::Bodies;
+use super::convert::{BodyColumns, bodies, column, copied, evaluated, rows, rows_in, same_length};
+use super::states::{of_bodies, shaped};
 use crate::error::Error;
 use crate::exact::derived::{
     FreeQuantities, TopQuantities, free_quantities, saddle, sign_change_time, sign_changes, tilt_time,
@@ -10,12 +12,12 @@ use crate::exact::{CanonicalForm, ClosedForm, Question, lagrange_axis};
 use crate::float_environment::FloatEnvironment;
 use crate::memory;
 use crate::polhode::{is_near_separatrix, nearness_of_pole};
-use crate::scene::Scene;
 use crate::simd::Isa;
 use crate::special::{agm, carlson_rc, carlson_rd, carlson_rf, carlson_rj};
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
+use pyo3::intern;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyDict, PyString};
 
 /// The names of the codes of closed forms, in their order; that of none is empty.
 #[pyfunction]
@@ -25,32 +27,27 @@ pub fn closed_form_names() -> Vec<&'static str> {
 
 /// The code of the closed form of each body.
 #[pyfunction]
-#[pyo3(signature = (*, scene, moments, weight, omega, attitude))]
 pub fn closed_forms<'py>(
     py: Python<'py>,
-    scene: &str,
-    moments: PyReadonlyArray2<'py, f64>,
-    weight: PyReadonlyArray2<'py, f64>,
-    omega: PyReadonlyArray2<'py, f64>,
-    attitude: PyReadonlyArray2<'py, f64>,
+    bodies: Bodies<'py>,
 ) -> PyResult<Bound<'py, PyArray1<u8>>> {
-    Scene::parse(scene)?;
-    let bodies = bodies_of(&moments, &weight, &omega, &attitude)?;
+    let bodies = bodies.all()?;
     let code =
         |index: usize| Ok(ClosedForm::code(CanonicalForm::of(&bodies[index]).map(|form| form.closed_form)));
     Ok(evaluated(py, "closed forms", bodies.len(), code)?.into_pyarray(py))
 }
 
-/// The code of the closed form that applies to a question for each body from any start. The question is "states",
+/// The code of the closed form that applies to a question for each body from any start; a row of moments or weight may
+/// be that of all. The question is "states",
 /// "regular", "no_flip" or "tilt_from_vertical"; the last two need a body axis, 1 to 3, which is optional for
 /// "no_flip".
 #[pyfunction]
-#[pyo3(signature = (question, *, moments, weight, axis=None))]
+#[pyo3(signature = (question, moments, weight, axis=None))]
 pub fn closed_forms_for<'py>(
     py: Python<'py>,
     question: &str,
-    moments: PyReadonlyArray2<'py, f64>,
-    weight: PyReadonlyArray2<'py, f64>,
+    moments: &Bound<'py, PyArray2<f64>>,
+    weight: &Bound<'py, PyArray2<f64>>,
     axis: Option<usize>,
 ) -> PyResult<Bound<'py, PyArray1<u8>>> {
     let index = |axis: usize| {
@@ -73,11 +70,19 @@ pub fn closed_forms_for<'py>(
             return Err(Error::Unknown { argument: "question", value: question.into(), known }.into());
         }
     };
-    let (moments, weight) = (rows::<3>("moments", &moments)?, rows::<3>("weight", &weight)?);
-    same_length("weight", moments.len(), weight.len())?;
-    let code = |(&moments, &weight)| ClosedForm::code(ClosedForm::answering(question, moments, weight));
-    let codes = memory::collected("closed forms", moments.len(), moments.iter().zip(weight).map(code))?;
-    Ok(codes.into_pyarray(py))
+    let (moments, weight) = (rows_in::<3>("moments", moments)?, rows_in::<3>("weight", weight)?);
+    let n = if moments.len() == 1 { weight.len() } else { moments.len() };
+    for (argument, rows) in [("moments", moments.len()), ("weight", weight.len())] {
+        if rows != 1 {
+            same_length(argument, n, rows)?;
+        }
+    }
+    let code = |body: usize| {
+        let row = |rows: &[[f64; 3]]| rows[if rows.len() == 1 { 0 } else { body }];
+        ClosedForm::code(ClosedForm::answering(question, row(moments), row(weight)))
+    };
+    let codes = memory::collected("closed forms", n, (0..n).map(code))?;
+    Ok(of_bodies(py, codes))
 }
 
 /// The symmetry axis 1, 2 or 3 of each Lagrange top, 0 for any other body.
@@ -160,97 +165,100 @@ fn free_columns<'a>(
 
 /// Periods, amplitudes and precession of free bodies.
 #[pyfunction]
-#[pyo3(name = "free_quantities", signature = (*, moments, omega))]
+#[pyo3(name = "free_quantities")]
 pub fn free_quantities_of<'py>(
     py: Python<'py>,
-    moments: PyReadonlyArray2<'py, f64>,
-    omega: PyReadonlyArray2<'py, f64>,
+    moments: &Bound<'py, PyArray2<f64>>,
+    omega: &Bound<'py, PyArray2<f64>>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let isa = Isa::current()?;
-    let bodies = bodies(
-        rows::<3>("moments", &moments)?,
-        &[[0.0; 3]],
-        rows::<3>("omega", &omega)?,
-        &[[1.0, 0.0, 0.0, 0.0]],
-    )?;
+    let (moments, omega) = (rows_in("moments", moments)?, rows_in("omega", omega)?);
+    let bodies = bodies(moments, &[[0.0; 3]], omega, &[[1.0, 0.0, 0.0, 0.0]])?;
     let quantities = |index: usize| Ok(free_quantities(isa, &bodies[index]));
     let all = evaluated(py, "quantities of free bodies", bodies.len(), quantities)?;
     let dict = PyDict::new(py);
-    let number = |of: fn(&FreeQuantities) -> f64| column(py, &all, of);
-    dict.set_item("axis", column(py, &all, |q| q.axis)?)?;
-    dict.set_item("m", number(|q| q.parameter[0])?)?;
-    dict.set_item("mc", number(|q| q.parameter[1])?)?;
-    dict.set_item("period", number(FreeQuantities::period)?)?;
-    dict.set_item("flip_time", number(|q| q.flip_time)?)?;
-    dict.set_item("precession", number(|q| q.precession)?)?;
-    dict.set_item("turn", number(FreeQuantities::turn)?)?;
+    let number = |name: &Bound<'py, PyString>, of: fn(&FreeQuantities) -> f64| {
+        let values = memory::collected("quantities of free bodies", all.len(), all.iter().map(of))?;
+        dict.set_item(name, of_bodies(py, values))
+    };
+    let axes = memory::collected("axes", all.len(), all.iter().map(|q| q.axis))?;
+    dict.set_item(intern!(py, "axis"), of_bodies(py, axes))?;
+    number(intern!(py, "m"), |q| q.parameter[0])?;
+    number(intern!(py, "mc"), |q| q.parameter[1])?;
+    number(intern!(py, "period"), FreeQuantities::period)?;
+    number(intern!(py, "flip_time"), |q| q.flip_time)?;
+    number(intern!(py, "precession"), |q| q.precession)?;
+    number(intern!(py, "turn"), FreeQuantities::turn)?;
     let amplitude = memory::collected("amplitudes", all.len(), all.iter().map(|q| q.amplitude))?;
-    dict.set_item("amplitude", amplitude.into_flattened().into_pyarray(py).reshape([all.len(), 3])?)?;
+    dict.set_item(intern!(py, "amplitude"), shaped(py, amplitude.into_flattened(), [all.len(), 3])?)?;
     Ok(dict)
 }
 
-/// Times of the first sign changes of a component of the rates.
+/// Times of the first sign changes of a component of the rates, by default of the largest of each body.
 #[pyfunction]
-#[pyo3(signature = (*, scene, moments, weight, omega, attitude, axis, count))]
-#[allow(clippy::too_many_arguments)] // The columns of a request.
+#[pyo3(signature = (bodies, axis, count))]
 pub fn flip_times<'py>(
     py: Python<'py>,
-    scene: &str,
-    moments: PyReadonlyArray2<'py, f64>,
-    weight: PyReadonlyArray2<'py, f64>,
-    omega: PyReadonlyArray2<'py, f64>,
-    attitude: PyReadonlyArray2<'py, f64>,
-    axis: usize,
+    bodies: Bodies<'py>,
+    axis: Option<usize>,
     count: usize,
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-    Scene::parse(scene)?;
-    if !(1..=3).contains(&axis) {
-        let rule = "must be 1, 2 or 3";
-        return Err(Error::Value { argument: "axis", value: axis.to_string(), rule }.into());
+    if !axis.is_none_or(|axis| (1..=3).contains(&axis)) {
+        let (value, rule) = (axis.map_or_else(String::new, |axis| axis.to_string()), "must be 1, 2 or 3");
+        return Err(Error::Value { argument: "axis", value, rule }.into());
     }
     let isa = Isa::current()?;
-    let bodies = bodies_of(&moments, &weight, &omega, &attitude)?;
+    let bodies = bodies.all()?;
     let what = "flip times";
     let bytes = (bodies.len() as u128).saturating_mul(count as u128).saturating_mul(8);
     let length = bodies.len().checked_mul(count);
     let length = length.ok_or_else(|| Error::Memory { what: what.into(), bytes, limit: None })?;
     memory::check(what, bytes)?;
     let changes = evaluated(py, what, bodies.len(), |pixel| {
-        let none = Error::NoClosedClassification { pixel, rule: Question::RULE_OF_CLASSES };
-        sign_changes(isa, &bodies[pixel], axis - 1).ok_or(none)
+        let body = &bodies[pixel];
+        let axis = match axis {
+            Some(axis) => axis - 1,
+            None => largest(body.omega).ok_or_else(|| {
+                let rule = "has no single largest component";
+                Error::Value { argument: "omega", value: format!("{:?}", body.omega), rule }
+            })?,
+        };
+        ClosedForm::answering(Question::NoFlip(Some(axis)), body.moments, body.weight)
+            .and_then(|_| sign_changes(isa, body, axis))
+            .ok_or(Error::NoClosedClassification { pixel, rule: Question::RULE_OF_CLASSES })
     })?;
     let time = |index| Ok(sign_change_time(changes[index / count], index % count));
-    evaluated(py, what, length, time)?.into_pyarray(py).reshape([bodies.len(), count])
+    shaped(py, evaluated(py, what, length, time)?, [bodies.len(), count])
+}
+
+/// The component of the largest size; `None` if there are two.
+fn largest(vector: [f64; 3]) -> Option<usize> {
+    let sizes = vector.map(f64::abs);
+    let alone = |&k: &usize| (0..3).all(|other| other == k || sizes[other] < sizes[k]);
+    (0..3).find(alone)
 }
 
 /// How near each body is to the separatrix of its closed form: complementary parameter, and the rate of the saddle.
 #[pyfunction]
-#[pyo3(signature = (*, moments, weight, omega, attitude))]
 pub fn saddles<'py>(
     py: Python<'py>,
-    moments: PyReadonlyArray2<'py, f64>,
-    weight: PyReadonlyArray2<'py, f64>,
-    omega: PyReadonlyArray2<'py, f64>,
-    attitude: PyReadonlyArray2<'py, f64>,
+    bodies: Bodies<'py>,
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
     let isa = Isa::current()?;
-    let bodies = bodies_of(&moments, &weight, &omega, &attitude)?;
+    let bodies = bodies.all()?;
     let all = evaluated(py, "saddles", bodies.len(), |index| Ok(saddle(isa, &bodies[index])))?;
     all.into_flattened().into_pyarray(py).reshape([bodies.len(), 2])
 }
 
 /// Turning points, period and advances of symmetric tops.
 #[pyfunction]
-#[pyo3(name = "top_quantities", signature = (*, moments, weight, omega, attitude))]
+#[pyo3(name = "top_quantities")]
 pub fn top_quantities_of<'py>(
     py: Python<'py>,
-    moments: PyReadonlyArray2<'py, f64>,
-    weight: PyReadonlyArray2<'py, f64>,
-    omega: PyReadonlyArray2<'py, f64>,
-    attitude: PyReadonlyArray2<'py, f64>,
+    bodies: Bodies<'py>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let isa = Isa::current()?;
-    let bodies = bodies_of(&moments, &weight, &omega, &attitude)?;
+    let bodies = bodies.all()?;
     let quantities = |index: usize| {
         let none = Error::NoClosedForm { index, rule: Question::RULE_OF_STATES };
         top_quantities(isa, &bodies[index]).ok_or(none)
@@ -273,17 +281,13 @@ pub fn top_quantities_of<'py>(
 
 /// First times at which symmetric tops reach a tilt.
 #[pyfunction]
-#[pyo3(signature = (*, moments, weight, omega, attitude, limit))]
 pub fn tilt_times<'py>(
     py: Python<'py>,
-    moments: PyReadonlyArray2<'py, f64>,
-    weight: PyReadonlyArray2<'py, f64>,
-    omega: PyReadonlyArray2<'py, f64>,
-    attitude: PyReadonlyArray2<'py, f64>,
+    bodies: Bodies<'py>,
     limit: f64,
 ) -> PyResult<Bound<'py, PyArray1<f64>>> {
     let isa = Isa::current()?;
-    let bodies = bodies_of(&moments, &weight, &omega, &attitude)?;
+    let bodies = bodies.all()?;
     let time = |index: usize| {
         let none = Error::NoClosedForm { index, rule: Question::RULE_OF_STATES };
         tilt_time(isa, &bodies[index], limit).ok_or(none)

@@ -1,5 +1,6 @@
 //! The bindings for Python: arrays in, arrays out. No mathematics.
 
+mod bodies;
 mod convert;
 mod exact;
 mod forces;
@@ -8,6 +9,7 @@ mod map;
 mod motion;
 mod section;
 mod simulate;
+mod states;
 mod target;
 
 use crate::body::{Inertia, MomentStatus, principal_axes as axes_of};
@@ -44,7 +46,7 @@ impl From<Error> for PyErr {
 #[pymodule(gil_used = false)]
 mod _core {
     #[pymodule_export]
-    use super::convert::{first_not_finite, first_slow};
+    use super::convert::{first_not_finite, first_slow, plain_numbers};
     #[pymodule_export]
     use super::exact::{closed_form_names, closed_forms, closed_forms_for, lagrange_axes};
     #[pymodule_export]
@@ -66,13 +68,19 @@ mod _core {
     #[pymodule_export]
     use super::simulate::{default_steps, fastest_rates, simulate, state_bytes, status_names};
     #[pymodule_export]
+    use super::states::PyStates;
+    #[pymodule_export]
     use super::{
         available_threads, build_info, check_method, check_moments, chosen_methods, in_standard_floats,
-        methods, moment_status, moment_status_names, principal_axes, retired_methods, unit_quaternions,
+        is_set, methods, moment_status, moment_status_names, principal_axes, retired_methods, unit_quaternions,
     };
     /// Largest relative error of energy, momentum or unit lengths of a motion that has not drifted.
     #[pymodule_export]
     const DRIFT_LIMIT: f64 = crate::status::DRIFT_LIMIT;
+
+    /// Error of a closed form for each radian that a body turns.
+    #[pymodule_export]
+    const ROUNDING: f64 = crate::trajectory::ROUNDING;
 
     /// The horizon over the times at which the mean MEGNO is read to tell whether a motion is regular.
     #[pymodule_export]
@@ -101,6 +109,12 @@ mod _core {
 fn available_threads() -> usize {
     static AVAILABLE: OnceLock<usize> = OnceLock::new();
     *AVAILABLE.get_or_init(|| std::thread::available_parallelism().map_or(1, usize::from))
+}
+
+/// Whether a variable of the environment is set: Python takes longer to tell.
+#[pyfunction]
+fn is_set(variable: &str) -> bool {
+    std::env::var_os(variable).is_some()
 }
 
 /// The build of this library and its instruction set.

@@ -1,14 +1,12 @@
 //! Bodies that Python moves step by step.
 
-use super::convert::{bodies_of, rows};
-use super::forces::PyForces;
+use super::bodies::Bodies;
+use super::convert::rows;
 use crate::error::Error;
 use crate::float_environment::FloatEnvironment;
-use crate::forces::Forces;
 use crate::memory;
 use crate::method::Method;
 use crate::parallel::caught;
-use crate::scene::Scene;
 use crate::simd::Isa;
 use crate::start::Body;
 use crate::trajectory::{Motion, NUMBERS, Torques};
@@ -31,25 +29,13 @@ pub struct PyMotion {
 #[pymethods]
 impl PyMotion {
     #[new]
-    #[pyo3(signature = (*, scene, method, moments, weight, omega, attitude, time, unit, threads, forces=None))]
-    #[allow(clippy::too_many_arguments)] // The columns of a request.
-    fn new(
-        scene: &str,
-        method: &str,
-        moments: PyReadonlyArray2<'_, f64>,
-        weight: PyReadonlyArray2<'_, f64>,
-        omega: PyReadonlyArray2<'_, f64>,
-        attitude: PyReadonlyArray2<'_, f64>,
-        time: f64,
-        unit: f64,
-        threads: usize,
-        forces: Option<PyRef<'_, PyForces>>,
-    ) -> PyResult<Self> {
+    #[pyo3(signature = (bodies, *, method, time, unit, threads))]
+    fn new(bodies: Bodies<'_>, method: &str, time: f64, unit: f64, threads: usize) -> PyResult<Self> {
         let _standard = FloatEnvironment::standard();
-        let bodies = bodies_of(&moments, &weight, &omega, &attitude)?;
-        let forces = forces.as_ref().map_or(Forces::NONE, |forces| &forces.0).copied()?;
-        let (scene, method) = (Scene::parse(scene)?, Method::parse(method)?);
-        let motion = Motion::new(&bodies, time, scene, method, forces, Isa::current()?)?;
+        let all = bodies.all()?;
+        let forces = bodies.forces(all.len())?.copied()?;
+        let motion =
+            Motion::new(&all, time, bodies.scene()?, Method::parse(method)?, forces, Isa::current()?)?;
         Ok(PyMotion { motion, unit, threads })
     }
 

@@ -1,10 +1,13 @@
 //! States at given times, and the rates that determine steps.
 
+use super::bodies::Bodies;
 use super::convert::{
-    BodyColumns, column, copied, copied_rows, evaluated, interruptible, parse_record, rows, same_length,
+    BodyColumns, at_once, column, copied, copied_numbers, evaluated, interruptible, parse_record, rows, same_length,
 };
 use super::forces::PyForces;
+use super::states::{PyStates, of_bodies};
 use super::target::Target;
+use crate::error::Error;
 use crate::float_environment::FloatEnvironment;
 use crate::forces::{Forces, ParameterChange};
 use crate::map::MethodChoice;
@@ -15,13 +18,13 @@ use crate::scene::Scene;
 use crate::simd::Isa;
 use crate::start::Body;
 use crate::status::Status;
-use crate::trajectory::{self, Column, Record, Request, Schedule, States, time_range};
-use numpy::ndarray::Array3;
+use crate::trajectory::{self, Record, Request, Schedule, States, time_range};
 use numpy::{
-    IntoPyArray, PyArray1, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods,
+    PyArray1, PyArrayDyn, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods,
 };
+use pyo3::intern;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyDict, PyString};
 
 /// Bytes of the states of so many bodies at so many times.
 #[pyfunction]
@@ -48,37 +51,40 @@ pub fn state_bytes(
     Ok(States::bytes(&request, bodies, times, &[]))
 }
 
-/// States of bodies at given times; see `rigid.simulate`.
-#[pyfunction]
-#[pyo3(signature = (*, scene, method, record, moments, weight, omega, attitude, step, max_steps, threads, times=None, strides=None, refinement=1.0, tolerance=None, forces=None, deviations=None, changes=None, out=None, single=false))]
-#[allow(clippy::too_many_arguments)] // The request of `trajectory`, column by column.
-pub fn simulate<'py>(
-    py: Python<'py>,
-    scene: &str,
-    method: &str,
-    record: &str,
-    moments: PyReadonlyArray2<'py, f64>,
-    weight: PyReadonlyArray2<'py, f64>,
-    omega: PyReadonlyArray2<'py, f64>,
-    attitude: PyReadonlyArray2<'py, f64>,
-    step: Option<PyReadonlyArray1<'py, f64>>,
+/// `rigid.solve.request.Request`.
+#[derive(FromPyObject)]
+struct Given<'py> {
+    bodies: Bodies<'py>,
+    times: Bound<'py, PyArrayDyn<f64>>,
+    strides: Option<Vec<u64>>,
+    method: Bound<'py, PyString>,
+    record: Bound<'py, PyString>,
     max_steps: u64,
     threads: usize,
-    times: Option<PyReadonlyArray2<'py, f64>>,
-    strides: Option<Vec<u64>>,
-    refinement: f64,
     tolerance: Option<f64>,
-    forces: Option<PyRef<'py, PyForces>>,
+}
+
+/// States of bodies at given times; see `rigid.simulate`.
+#[pyfunction]
+#[pyo3(signature = (request, step, refinement=1.0, deviations=None, changes=None, out=None, single=false))]
+#[allow(clippy::too_many_arguments)] // What differs between the runs of one request.
+pub fn simulate<'py>(
+    py: Python<'py>,
+    request: &Bound<'py, PyAny>,
+    step: Option<PyReadonlyArray1<'py, f64>>,
+    refinement: f64,
     deviations: Option<PyReadonlyArray2<'py, f64>>,
     changes: Option<PyReadonlyArray2<'py, f64>>,
     out: Option<&Bound<'py, PyDict>>,
     single: bool,
-) -> PyResult<Bound<'py, PyDict>> {
+) -> PyResult<PyStates> {
     let _standard = FloatEnvironment::standard();
-    let (scene, method, isa) = (Scene::parse(scene)?, AnyMethod::parse(method)?, Isa::current()?);
-    let columns = BodyColumns::of_arrays(&moments, &weight, &omega, &attitude)?;
-    let n = columns.len();
-    let forces = forces_of(forces.as_ref(), n)?;
+    let given: Given<'_> = request.extract()?;
+    let Given { max_steps, threads, tolerance, .. } = given;
+    let (scene, method, isa) =
+        (given.bodies.scene()?, AnyMethod::parse(given.method.to_str()?)?, Isa::current()?);
+    let n = given.bodies.columns()?.len();
+    let forces = given.bodies.forces(n)?;
     let deviations = match &deviations {
         Some(given) => {
             let given = rows::<6>("deviations", given)?;
@@ -93,36 +99,39 @@ pub fn simulate<'py>(
         }
         None => Vec::new(),
     };
-    let record = parse_record(record, &deviations, &changes)?;
+    let record = parse_record(given.record.to_str()?, &deviations, &changes)?;
     match record {
         Record::Tangent(deviations) => same_length("deviations", n, deviations.len())?,
         Record::Sensitivity(changes) => same_length("changes", n, changes.len())?,
         _ => {}
     }
-    // Copies: without the lock other threads may write to the arrays.
-    let times = times.map(|times| copied_rows("times", &times)).transpose()?;
     if let Some(step) = &step {
         same_length("step", n, step.len())?;
     }
-    let schedule = match (&times, &strides) {
-        // One row of times is that of all bodies.
-        (Some((times, count)), _) if times.len() == *count => Schedule::Times(times),
-        (Some((times, count)), _) => {
-            same_length("t", n * count, times.len())?;
-            Schedule::TimesOfEach(times, *count)
+    let times = copied_numbers("times", &given.times)?;
+    let schedule = match (&given.strides, given.times.shape()) {
+        (Some(strides), _) => Schedule::Strides(strides),
+        (None, [_]) => Schedule::Times(&times),
+        (None, [rows, count]) => {
+            same_length("t", n, *rows)?;
+            Schedule::TimesOfEach(&times, *count)
         }
-        (None, Some(strides)) => Schedule::Strides(strides),
-        (None, None) => Schedule::Times(&[]),
+        (None, shape) => {
+            let (expected, got) = ("(m,) or (n, m)".into(), format!("{shape:?}"));
+            return Err(Error::Shape { argument: "t", expected, got }.into());
+        }
     };
     let (bodies, steps) = (&[], &[]);
     let request =
         Request { bodies, scene, forces, method, record, schedule, steps, refinement, tolerance, max_steps };
     let mut targets = Target::all(py, &request, n, out, single)?;
-    let given: Vec<_> = targets.iter().map(|target| target.name).collect();
-    let mut states = States::reserved(&request, n, &given)?;
+    let elsewhere: Vec<_> = targets.iter().map(|target| target.name).collect();
+    let mut states = States::reserved(&request, n, &elsewhere)?;
     let (mut rest, mut nanoseconds) = (states.whole(), 0);
-    for part in columns.parts(threads) {
-        let bodies = &columns.bodies(part.clone())?;
+    let mut turns_alone = method == AnyMethod::Exact && forces.is_none();
+    for part in BodyColumns::parts(n, threads) {
+        let bodies = &given.bodies.columns()?.bodies(part.clone())?;
+        turns_alone &= bodies.iter().all(|body| body.weight == [0.0; 3]);
         let own = if part.len() < n { forces.of_range(part.clone())? } else { None };
         let (forces, schedule) = (own.as_ref().unwrap_or(forces), schedule.of_range(part.clone()));
         let steps = &match (&step, method) {
@@ -153,18 +162,33 @@ pub fn simulate<'py>(
             let simulate = || trajectory::simulate_into(request, states, threads, isa, stop);
             if forces.of(0).function.is_some() { parallel::apart(stop, simulate) } else { simulate() }
         };
-        nanoseconds += interruptible(py, None, run)?.map_err(|error| error.of_part(part.start))?.nanoseconds;
+        let is_brief = request.is_brief() && forces.of(0).function.is_none();
+        let effort = if is_brief { at_once(run) } else { interruptible(py, None, run)? };
+        nanoseconds += effort.map_err(|error| error.of_part(part.start))?.nanoseconds;
         for target in &mut targets {
             target.finish(part.clone())?;
         }
         py.check_signals()?;
     }
-    states.effort.nanoseconds = nanoseconds;
-    let dict = states_to_dict(py, states, n, request.schedule.len())?;
-    for target in targets {
-        dict.set_item(target.name, target.shaped()?)?;
+    let errors =
+        if turns_alone { trajectory::rounding_errors(&schedule, &states.fastest_rate)? } else { None };
+    let arrived = states.status.iter().all(|&status| status == Status::Finished);
+    let (mut columns, mut worst) = (states.into_columns(), None);
+    if let Some(errors) = errors {
+        worst = arrived.then(|| errors.iter().copied().fold(0.0, f64::max));
+        let never = memory::filled("times from which bodies are lost", n, f64::INFINITY)?;
+        columns.extend([("error", errors.into()), ("lost_from", never.into())]);
     }
-    Ok(dict)
+    if method != AnyMethod::Exact || worst.is_some() {
+        // Errors that are known need no bounds of the rates.
+        columns.retain(|(name, _)| *name != "fastest_rate");
+    }
+    let states = PyStates::new(py, [n, schedule.len()], columns, worst)?;
+    states.insert(intern!(py, "nanoseconds"), nanoseconds)?;
+    for target in targets {
+        states.insert(&PyString::new(py, target.name), target.shaped()?)?;
+    }
+    Ok(states)
 }
 
 /// The forces on so many bodies.
@@ -180,26 +204,19 @@ pub(super) fn forces_of<'a>(forces: Option<&'a PyRef<'_, PyForces>>, bodies: usi
 /// hold between the two times of each row of `span`, or of its only row; with a method they are the rates that determine
 /// its steps.
 #[pyfunction]
-#[pyo3(signature = (*, scene, moments, weight, omega, attitude, forces=None, span=None, method=None))]
-#[allow(clippy::too_many_arguments)] // The columns of a request.
+#[pyo3(signature = (bodies, span=None, method=None))]
 pub fn fastest_rates<'py>(
     py: Python<'py>,
-    scene: &str,
-    moments: PyReadonlyArray2<'py, f64>,
-    weight: PyReadonlyArray2<'py, f64>,
-    omega: PyReadonlyArray2<'py, f64>,
-    attitude: PyReadonlyArray2<'py, f64>,
-    forces: Option<PyRef<'py, PyForces>>,
+    bodies: Bodies<'py>,
     span: Option<PyReadonlyArray2<'py, f64>>,
     method: Option<&str>,
 ) -> PyResult<Bound<'py, PyArray1<f64>>> {
-    Scene::parse(scene)?;
     let method = method.map(Method::parse).transpose()?;
-    let columns = BodyColumns::of_arrays(&moments, &weight, &omega, &attitude)?;
-    let forces = forces_of(forces.as_ref(), columns.len())?;
+    let n = bodies.columns()?.len();
+    let forces = bodies.forces(n)?;
     let spans = span.as_ref().map(|span| rows::<2>("span", span)).transpose()?.unwrap_or(&[[0.0; 2]]);
     if spans.len() != 1 {
-        same_length("span", columns.len(), spans.len())?;
+        same_length("span", n, spans.len())?;
     }
     let rate = |index: usize, body: &Body| {
         let span = spans[if spans.len() == 1 { 0 } else { index }];
@@ -208,13 +225,13 @@ pub fn fastest_rates<'py>(
             Some(method) => body.step_rate(method, forces.of(index), span),
         }
     };
-    let mut rates = memory::reserved("rates", columns.len())?;
-    for part in columns.parts(1) {
-        let bodies = columns.bodies(part.clone())?;
+    let mut rates = memory::reserved("rates", n)?;
+    for part in BodyColumns::parts(n, 1) {
+        let bodies = bodies.columns()?.bodies(part.clone())?;
         let own = |index: usize| Ok(rate(part.start + index, &bodies[index]));
         rates.extend(evaluated(py, "rates", bodies.len(), own)?);
     }
-    Ok(rates.into_pyarray(py))
+    Ok(of_bodies(py, rates))
 }
 
 /// The default steps of a method at these rates, or those of a map that chooses its method, for its samples or for the
@@ -239,32 +256,5 @@ pub fn status_names() -> Vec<&'static str> {
     Status::ALL.into_iter().map(Status::name).collect()
 }
 
-/// The columns of states as arrays; None for what is not recorded.
-fn states_to_dict(py: Python<'_>, states: States, n: usize, times: usize) -> PyResult<Bound<'_, PyDict>> {
-    let dict = PyDict::new(py);
-    dict.set_item("nanoseconds", states.effort.nanoseconds)?;
-    for (name, values) in states.into_columns() {
-        match values {
-            Column::Series(_, None) => dict.set_item(name, py.None())?,
-            Column::Series(1, Some(values)) => {
-                dict.set_item(name, values.into_pyarray(py).reshape([n, times])?)?;
-            }
-            Column::Series(width, Some(values)) => {
-                let rows = Array3::from_shape_vec([n, times, width], values).expect("as long as reserved");
-                dict.set_item(name, rows.into_pyarray(py))?;
-            }
-            Column::Numbers(values) => dict.set_item(name, of_bodies(py, values))?,
-            Column::Counts(values) => dict.set_item(name, of_bodies(py, values))?,
-            Column::Statuses(values) => {
-                dict.set_item(name, column(py, &values, |&status| status as u8)?)?;
-            }
-        }
-    }
-    Ok(dict)
-}
-
-/// An array with a number of each body: of few bodies a copy, which is faster.
-fn of_bodies<T: numpy::Element + Copy>(py: Python<'_>, values: Vec<T>) -> Bound<'_, PyArray1<T>> {
-    const FEW: usize = 64;
-    if values.len() <= FEW { PyArray1::from_slice(py, &values) } else { values.into_pyarray(py) }
-}
+/// Numbers of which a copy takes less time than an array that owns those of the core.
+pub(super) const FEW: usize = 64;

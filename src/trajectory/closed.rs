@@ -1,7 +1,7 @@
 //! States in closed form: many bodies side by side, or many times of one.
 
 use super::states::{norm, worse};
-use super::{Effort, Record, Request, Schedule, StatesPart, kinds_in, neighbours, over_blocks_of};
+use super::{Effort, Record, Request, Schedule, StatesPart, kinds_in, neighbours, over_blocks_of, time_range};
 use crate::error::Error;
 use crate::exact::{CanonicalForm, Evaluator, Question, StartRows, StateRows};
 use crate::forces::BodyForces;
@@ -12,6 +12,9 @@ use crate::simd::{Isa, LANES, Row};
 use crate::start::Body;
 use crate::status::Status;
 use std::ops::Range;
+
+/// Error of a closed form for each radian that a body turns.
+pub const ROUNDING: f64 = 1e-15;
 
 /// Rows of times evaluated between two looks at the stop flag.
 const ROWS_BETWEEN_STOPS: usize = 256;
@@ -41,6 +44,25 @@ pub fn simulate(
         }
         Ok(0)
     })
+}
+
+/// The errors of free bodies in closed form over their times, from bounds of their rates: those of rounding. `None` if
+/// one may lose its phase.
+///
+/// # Errors
+/// If they do not fit into memory.
+pub fn rounding_errors(schedule: &Schedule, rates: &[f64]) -> Result<Option<Vec<f64>>, Error> {
+    let mut errors = memory::reserved("errors of the bodies", rates.len())?;
+    for (body, &rate) in rates.iter().enumerate() {
+        let [first, last] = schedule.times_of(body).map_or([0.0; 2], time_range);
+        let angle = rate * (last - first);
+        // Nor does a number that is none.
+        if !(angle < 0.5 / ROUNDING) {
+            return Ok(None);
+        }
+        errors.push(ROUNDING * (1.0 + angle));
+    }
+    Ok(Some(errors))
 }
 
 /// The closed forms of some bodies.

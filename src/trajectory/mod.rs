@@ -14,6 +14,7 @@ mod request;
 mod section;
 mod states;
 
+pub use closed::{ROUNDING, rounding_errors};
 pub use frame::{Frame, MAX_DEVIATIONS};
 pub use growth::{Deviations, Growths, STEPS_TOGETHER, growth, settle};
 pub use motion::{Motion, NUMBERS, Torques};
@@ -26,16 +27,17 @@ use crate::forces::ForceSet;
 use crate::kernel::{Group, KernelAssignment, Needs, System};
 use crate::memory;
 use crate::method::{AnyMethod, Method, Step};
-use crate::parallel::{Interrupt, over_blocks};
+use crate::parallel::{Interrupt, caught, over_blocks};
 use crate::simd::{Isa, LANES};
 use crate::start::Body;
 use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Instant;
 
 /// The processor time of a request, and its work.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Effort {
-    /// Processor time of all threads, ns.
+    /// Processor time of all threads, ns; of a request that takes no longer than to start one, the time that passed.
     pub nanoseconds: u64,
     /// Steps of all active lanes, waiting ones included; of bodies that choose their steps.
     pub lane_steps: u64,
@@ -189,27 +191,6 @@ fn steps_of_legs(request: &Request, index: usize) -> u64 {
     }
 }
 
-/// Whether the request takes less than some 100 microseconds, about as long as to start a thread.
-fn is_light(request: &Request) -> bool {
-    // Steps and states of many bodies cost tens of nanoseconds each.
-    const FEW: f64 = 2000.0;
-    let (bodies, states) = (request.bodies.len() as f64, request.schedule.len() as f64);
-    let steps = |(index, step): (usize, &f64)| {
-        let [first, last] = request.range_of(index);
-        (last - first) / step
-    };
-    let made = match (request.method, &request.schedule) {
-        _ if bodies * states > FEW => return false,
-        (AnyMethod::Exact, _) => 0.0,
-        (AnyMethod::Steps(_), Schedule::Strides(strides)) => bodies * strides.iter().sum::<u64>() as f64,
-        (AnyMethod::Steps(_), _) => {
-            request.refinement * request.steps.iter().enumerate().map(steps).sum::<f64>()
-        }
-    };
-    // A step of zero, whose number is not a number, is not light.
-    made + bodies * states <= FEW
-}
-
 /// Does `work` for all blocks: it writes the states of a block and returns the steps of its lanes.
 fn over_blocks_of(
     request: &Request,
@@ -222,11 +203,19 @@ fn over_blocks_of(
     let lane_steps = AtomicU64::new(0);
     let times = request.schedule.len();
     let parts = blocks.iter().map(|block| (block.clone(), states.split_off(times, block.len())));
-    let threads = if is_light(request) { 1 } else { threads };
-    let nanoseconds = over_blocks(parts, threads, stop, |(block, part)| {
+    let done = |(block, part)| {
         lane_steps.fetch_add(work(block, part)?, Ordering::Relaxed);
         Ok(())
-    })?;
+    };
+    let nanoseconds = if request.is_brief() {
+        // To read the processor clock of a thread takes as long as a state.
+        let begin = Instant::now();
+        caught(|| parts.into_iter().try_for_each(done))?;
+        begin.elapsed().as_nanos() as u64
+    } else {
+        let threads = if request.is_light() { 1 } else { threads };
+        over_blocks(parts, threads, stop, done)?
+    };
     Ok(Effort { nanoseconds, lane_steps: lane_steps.into_inner() })
 }
 

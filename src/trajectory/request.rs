@@ -142,6 +142,32 @@ impl Request<'_> {
         ForcesInterval { change: self.record.change_of(body), ..interval }
     }
 
+    /// Whether the request takes less than some 100 microseconds, about as long as to start a thread.
+    pub(super) fn is_light(&self) -> bool {
+        // Steps and states of many bodies cost tens of nanoseconds each.
+        const FEW: f64 = 2000.0;
+        let (bodies, states) = (self.bodies.len() as f64, self.schedule.len() as f64);
+        let steps = |(index, step): (usize, &f64)| {
+            let [first, last] = self.range_of(index);
+            (last - first) / step
+        };
+        let made = match (self.method, &self.schedule) {
+            _ if bodies * states > FEW => return false,
+            (AnyMethod::Exact, _) => 0.0,
+            (AnyMethod::Steps(_), Schedule::Strides(strides)) => bodies * strides.iter().sum::<u64>() as f64,
+            (AnyMethod::Steps(_), _) => {
+                self.refinement * self.steps.iter().enumerate().map(steps).sum::<f64>()
+            }
+        };
+        // A step of zero, whose number is not a number, is not light.
+        made + bodies * states <= FEW
+    }
+
+    /// Whether the request is light for sure: a tolerance may need any number of steps.
+    pub fn is_brief(&self) -> bool {
+        self.tolerance.is_none() && self.is_light()
+    }
+
     /// The time range of the motion of a body.
     pub fn range_of(&self, body: usize) -> [f64; 2] {
         self.schedule.times_of(body).map_or([0.0, f64::INFINITY], time_range)

@@ -8,6 +8,7 @@ use crate::memory;
 use crate::status::{DRIFT_LIMIT, Status};
 
 /// The values of a column.
+#[derive(Clone)]
 pub enum Column {
     /// Numbers of each output time of each body, this many in a row; `None` if they are not recorded.
     Series(usize, Option<Vec<f64>>),
@@ -90,20 +91,25 @@ macro_rules! states {
             /// do not matter.
             pub fn reserved(request: &Request, n: usize, given: &[&str]) -> Result<States, Error> {
                 let times = request.schedule.len();
-                let what = format!("states of {n} bodies at {times} times");
                 let bytes = States::bytes(request, n, times, given);
-                memory::check(&what, bytes)?;
-                let refused = || Error::Memory { what: what.clone(), bytes, limit: None };
+                let reworded = |error| match error {
+                    Error::Memory { limit, .. } => {
+                        Error::Memory { what: format!("states of {n} bodies at {times} times"), bytes, limit }
+                    }
+                    error => error,
+                };
+                let refused = || Error::Memory { what: String::new(), bytes, limit: None };
+                memory::check("", bytes).map_err(reworded)?;
                 Ok(States {
                     $($time: {
                         let $request = request;
                         let length = n.checked_mul(times).and_then(|states| states.checked_mul($width));
                         ($recorded && !given.contains(&stringify!($time)))
-                            .then(|| memory::zeros(&what, length.ok_or_else(refused)?))
+                            .then(|| memory::zeros("", length.ok_or_else(refused)?))
                             .transpose()
-                            .map_err(|_| refused())?
+                            .map_err(|_| reworded(refused()))?
                     },)*
-                    $($body: memory::filled(&what, n, $unknown).map_err(|_| refused())?,)*
+                    $($body: memory::filled("", n, $unknown).map_err(|_| reworded(refused()))?,)*
                     effort: Effort::default(),
                 })
             }

@@ -21,6 +21,7 @@ from rigid import _core
 from rigid.maps.core_request import CoreRequest, CoreStarts
 from rigid.model import bounds
 from rigid.model.criterion import Criterion
+from rigid.solve.request import Request
 
 Floats = NDArray[np.float64]
 
@@ -92,19 +93,15 @@ def judged(scenes: Scenes, criterion: Criterion, method: str = "auto") -> Judged
 def states(scenes: Scenes, times: Floats) -> tuple[Floats, Floats]:
     """Rates (n, m, 3) and attitudes (n, m, 4) at times of shape (1, m) or (n, m)."""
     exact = scenes.kind == "free" or scenes.family == "Lagrange top"
-    found: dict[str, Any] = _core.simulate(
-        scene=scenes.kind,
+    request = Request(
+        bodies=scenes.bodies,
+        times=times if len(times) == len(scenes) else times[0],
         method="exact" if exact else "taylor20",
         record="attitude",
-        moments=scenes.moments,
-        weight=scenes.weight,
-        omega=scenes.omega,
-        attitude=scenes.attitude,
-        step=None if exact else np.full(len(scenes), LOOK),
         max_steps=10**6,
         threads=2,
-        times=times,
     )
+    found = request.states(None if exact else np.full(len(scenes), LOOK))
     return found["omega"], found["attitude"]
 
 

@@ -8,8 +8,8 @@ import numpy as np
 
 import rigid
 from physics import EVERY_METHOD, NAMES, Floats, present, rotation_angle
-from rigid import _core
 from rigid.model.scene import Scene
+from rigid.solve.starts import bodies_of
 
 
 def final_error(run: rigid.Run, omega: Floats, attitude: Floats, fastest: float) -> float:
@@ -48,15 +48,7 @@ def survey(count: int, seed: int) -> tuple[Floats, list[Any]]:
     for _ in range(count):
         scene, omega, attitude = random_scene(rng)
         start: tuple[Any, ...] = (scene, omega, attitude)
-        rate = float(
-            _core.fastest_rates(
-                scene=scene.kind,
-                moments=np.array([scene.body.moments]),
-                weight=scene.weight[np.newaxis],
-                omega=omega[np.newaxis],
-                attitude=attitude[np.newaxis] / np.linalg.norm(attitude),
-            )[0]
-        )
+        rate = float(bodies_of(*start).fastest_rates((0.0, 0.0))[0])
         t = [rng.uniform(2.0, 100.0) / rate]
         accuracy = 10.0 ** rng.uniform(-10.0, -3.0)
         method = str(rng.choice(NAMES))

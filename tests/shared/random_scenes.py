@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
 from physics import ROUNDOFF, Floats, quaternion_product, rotation_angle
-from rigid import _core
+from rigid.solve.bodies import Bodies
+from rigid.solve.request import Request
 
 #: How far each way the bodies are followed: the angle turned at the fastest rate (rad).
 REACH = 9.0
@@ -38,6 +38,18 @@ class Scenes:
     def __len__(self) -> int:
         return len(self.omega)
 
+    @property
+    def bodies(self) -> Bodies:
+        """The bodies as the core reads them."""
+        return Bodies(
+            kind=self.kind,
+            shape=(len(self),),
+            moments=self.moments,
+            weight=self.weight,
+            omega=self.omega,
+            attitude=self.attitude,
+        )
+
     def in_units(self, time: int, mass: int) -> Scenes:
         """The same motion 2^time times as fast, of bodies 2^mass times as heavy; exact."""
         return replace(
@@ -57,19 +69,15 @@ class Scenes:
         self, times: Floats, method: str, step: float, threads: int = 2
     ) -> tuple[Floats, Floats]:
         """Rates (n, m, 3) and attitudes (n, m, 4) at the times."""
-        states: dict[str, Any] = _core.simulate(
-            scene=self.kind,
+        request = Request(
+            bodies=self.bodies,
+            times=times,
             method=method,
             record="attitude",
-            moments=self.moments,
-            weight=self.weight,
-            omega=self.omega,
-            attitude=self.attitude,
-            step=None if method == "exact" else np.full(len(self), step),
             max_steps=10**6,
             threads=threads,
-            times=times[np.newaxis],
         )
+        states = request.states(None if method == "exact" else np.full(len(self), step))
         return states["omega"], states["attitude"]
 
 

@@ -6,7 +6,7 @@ import difflib
 import math
 import os
 import sys
-from collections.abc import Collection, Iterable
+from collections.abc import Iterable
 from numbers import Real
 
 import numpy as np
@@ -71,7 +71,7 @@ def one_line(message: Exception | str) -> str:
 
 def one_of(argument: str, value: object, known: Iterable[str]) -> str:
     """``value`` if it is one of the known names."""
-    names = known if isinstance(known, Collection) else list(known)
+    names = known if hasattr(known, "__len__") else list(known)
     if isinstance(value, str) and value in names:
         return value
     known_names = ", ".join(map(repr, names))
@@ -92,16 +92,17 @@ def finite_float(
 
     A quantity is taken in ``unit``, by default that of :data:`.quantities.UNITS`.
     """
-    value = without_unit(name, value, unit)
-    if isinstance(value, np.ndarray) and value.ndim == 0:
-        value = value[()]
-    if isinstance(value, bool) or not isinstance(value, Real):
-        raise TypeError(f"{name} = {brief(value)}: must be a real number")
+    if type(value) is not float:
+        value = without_unit(name, value, unit)
+        if isinstance(value, np.ndarray) and value.ndim == 0:
+            value = value[()]
+        if isinstance(value, bool) or not isinstance(value, Real):
+            raise TypeError(f"{name} = {brief(value)}: must be a real number")
     try:
         number = float(value)
     except OverflowError:
         raise ValueError(f"{name} = {brief(value)}: must be below 1.8e308 in size") from None
-    if not np.isfinite(number):
+    if not math.isfinite(number):
         raise ValueError(f"{name} = {number}: must be finite")
     if positive and number <= 0.0:
         raise ValueError(f"{name} = {number}: must be positive")
@@ -112,6 +113,8 @@ def finite_float(
 
 def positive_int(name: str, value: object, *, minimum: int = 1) -> int:
     """``value`` as a whole number of at least ``minimum``."""
+    if type(value) is int and minimum <= value < 2**63:
+        return value
     if isinstance(value, bool) or not isinstance(value, (int, np.integer)):
         raise TypeError(f"{name} = {brief(value)}: must be a whole number")
     if value < minimum:
@@ -256,6 +259,9 @@ def sorted_times(name: str, value: ArrayLike) -> NDArray[np.float64]:
 
 def times_of_each(name: str, value: ArrayLike) -> NDArray[np.float64]:
     """``value`` as finite times that ascend along the last axis, shape ``(..., m)``."""
+    plain: NDArray[np.float64] | None = _core.plain_numbers(value, ascending=True)
+    if plain is not None:
+        return plain
     array = numbers(name, value)
     array = array if array.ndim else array.reshape(1)
     _finite(name, array)
@@ -280,8 +286,7 @@ def resolve_threads(threads: int | None, bodies: int | None = None) -> int:
         if threads > MOST_THREADS:
             raise ValueError(f"threads = {brief(threads)}: must be at most {MOST_THREADS}")
         return threads
-    variable = os.environ.get("RIGID_NUM_THREADS", "")
-    if variable:
+    if _core.is_set("RIGID_NUM_THREADS") and (variable := os.environ["RIGID_NUM_THREADS"]):
         digits = variable.lstrip("0")
         if not (variable.isascii() and variable.isdecimal() and digits):
             raise ValueError(

@@ -46,6 +46,9 @@ def require(name: str, array: NDArray[Any], good: NDArray[np.bool_], rule: str) 
 
 def vectors(name: str, value: ArrayLike, width: int = 3) -> Floats:
     """``value`` as finite floats of shape (..., width)."""
+    plain: Floats | None = _core.plain_numbers(value, width)
+    if plain is not None:
+        return plain
     array = numbers(name, value)
     return np.empty((0, width)) if array.shape == (0,) else of_shape(name, array, width)
 

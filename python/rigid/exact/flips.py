@@ -13,6 +13,7 @@ from ..model.body import Body
 from ..model.criteria import NoFlip
 from ..model.scene import Scene, check_scene
 from ..model.start import body_axis
+from ..solve.bodies import Bodies
 from ..solve.closed_form import closed_forms
 from ..solve.starts import bodies_of
 from .common import require_unforced
@@ -71,25 +72,26 @@ def flip_times(
     require_unforced(scene)
     number = positive_int("count", count)
     bodies = bodies_of(scene, omega, attitude)
-    axes = _largest(bodies.omega) if axis is None else body_axis(axis)
-    parts: list[tuple[NDArray[np.intp], Floats]] = []
+    chosen = None if axis is None else body_axis(axis)
+    try:
+        times = _core.flip_times(bodies, chosen, number)
+    except ValueError:
+        axes = _largest(bodies.omega) if chosen is None else np.array([chosen])
+        _require_closed_forms(scene, bodies, axes)
+        raise
+    found: Floats = bodies.in_axes(times)
+    return found
+
+
+def _require_closed_forms(scene: Scene, bodies: Bodies, axes: NDArray[np.intp]) -> None:
+    """Raise ValueError for a body that has no closed form for its axis."""
     for chosen in np.unique(axes).tolist():
-        mine = np.flatnonzero(np.broadcast_to(axes == chosen, len(bodies)))
-        some = bodies.select(mine)
+        some = bodies.select(np.flatnonzero(np.broadcast_to(axes == chosen, len(bodies))))
         if not closed_forms(NoFlip(chosen), some.moments, some.weight).all():
             raise ValueError(
                 f"axis = {chosen}: no closed form for the {scene.words()}; there is one for a "
                 "free body, and for the symmetry axis of a Lagrange top"
             )
-        columns = some.full_columns()
-        parts.append((mine, _core.flip_times(**columns, axis=int(chosen), count=number)))
-    if len(parts) == 1:
-        times = parts[0][1]
-    else:
-        times = np.empty((len(bodies), number))
-        for mine, found in parts:
-            times[mine] = found
-    return times.reshape((*bodies.shape, number))
 
 
 def _largest(omega: Floats) -> NDArray[np.intp]:

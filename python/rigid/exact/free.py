@@ -13,6 +13,7 @@ from ..model.body import Body
 from ..model.body_like import body_of
 from ..model.leading import leading_shape
 from ..model.scene import FreeBody
+from ..solve.arrays import in_rows, rows_of_each
 from .common import in_shape, require_unforced
 
 __all__ = ["FreeMotion", "free_body"]
@@ -88,8 +89,7 @@ def free_body(body: Body | FreeBody, omega: ArrayLike) -> FreeMotion:
     """
     if isinstance(body, FreeBody):
         require_unforced(body)
-    rates, moments = vectors("omega", omega), np.array(body_of(body).moments)
+    rates, moments = vectors("omega", omega), vectors("moments", body_of(body).moments)
     shape = leading_shape({"body": moments.shape[:-1], "omega": rates.shape[:-1]})
-    columns = (np.broadcast_to(rows, (*shape, 3)).reshape(-1, 3) for rows in (moments, rates))
-    first, second = map(np.ascontiguousarray, columns)
-    return FreeMotion(**in_shape(_core.free_quantities(moments=first, omega=second), shape))
+    columns = in_rows(moments, shape), rows_of_each(rates, shape)
+    return FreeMotion(**in_shape(_core.free_quantities(*columns), shape))

@@ -17,7 +17,6 @@ from .._checks.overflow import refuses_overflow
 from ..model.leading import leading_shape
 from ..model.scene import HeavyTop, check_heavy_top
 from ..model.start import body_axis
-from ..solve.bodies import Bodies
 from ..solve.starts import bodies_of
 from .common import in_shape, require_unforced
 from .elliptic import agm
@@ -114,7 +113,7 @@ def lagrange_top(
     """
     _lagrange(scene)
     bodies = bodies_of(scene, omega, attitude)
-    values = _core.top_quantities(**_without_kind(bodies))
+    values = _core.top_quantities(bodies)
     kinds = np.array(values.pop("kind"), dtype=np.str_).reshape(bodies.shape)
     return TopMotion(kind=_tuples(kinds.tolist()), **in_shape(values, bodies.shape))
 
@@ -160,7 +159,7 @@ def tilt_time(
     if angle > pi:
         raise ValueError(f"limit = {angle}: must lie in (0, pi] (rad)")
     bodies = bodies_of(scene, omega, attitude)
-    times = _core.tilt_times(**_without_kind(bodies), limit=angle)
+    times = _core.tilt_times(bodies, angle)
     return times.reshape(bodies.shape)[()]
 
 
@@ -366,10 +365,3 @@ def _lagrange(scene: HeavyTop) -> Symmetry:
 def _tuples(values: Any) -> Any:
     """Lists of lists as tuples of tuples."""
     return tuple(_tuples(value) for value in values) if isinstance(values, list) else values
-
-
-def _without_kind(bodies: Bodies) -> dict[str, Any]:
-    """The columns of tops, as the functions of the core for Lagrange tops take them."""
-    columns = bodies.full_columns()
-    del columns["scene"]
-    return columns

@@ -313,6 +313,9 @@ class Scene(HasForces, ABC):
 
     def words(self, varied: Container[str] = ()) -> str:
         """The scene in words; ``varied`` names the numbers that the axes of a map set."""
+        return self._in_words(varied) if varied else self.once(_words_of)
+
+    def _in_words(self, varied: Container[str]) -> str:
         bodies = (
             f"{self.shape} bodies"
             if len(self.shape) > 1
@@ -342,6 +345,10 @@ class Scene(HasForces, ABC):
 
 def _shape_of(scene: Scene) -> Shape:
     return scene._shape_of_parts()
+
+
+def _words_of(scene: Scene) -> str:
+    return scene._in_words(())
 
 
 def _forces_of(scene: Scene) -> tuple[str, ...]:

@@ -24,7 +24,7 @@ SLOWEST = 1e-140
 """Squares of slower rates, and their products, would underflow (rad/s)."""
 
 
-@dataclass(slots=True, kw_only=True, eq=False)
+@dataclass(slots=True, eq=False)
 class Bodies:
     """Bodies of one kind with their starts: of a call, of a run again, or of pixels of a map.
 
@@ -81,22 +81,21 @@ class Bodies:
         ValueError
             If torque or damping overflow in this unit.
         """
-        known = scene.once(_inertia_of_one) if exponents is None else None
-        if exponents is None and known is None:
+        omega, attitude = rows_of_each(omega, shape), in_rows(attitude, shape)
+        if exponents is None:
+            known = scene.once(_inertia_of_one)
+            if known is not None:
+                moments, weight, unit, _ = known
+                return cls(scene.kind, shape, moments, weight, omega, attitude, None, False, unit)
             exponents = _scale_exponents(scene, shape)
-        omega, attitude, forces = rows_of_each(omega, shape), in_rows(attitude, shape), None
-        if known is not None:
-            moments, weight, exponents, _ = known
-        else:
-            assert exponents is not None
-            unit = -exponents[:, np.newaxis]
-            moments = np.ldexp(in_rows(np.asarray(scene.body.moments), shape), unit)
-            weight = in_rows(scene.weight, shape)
-            if np.count_nonzero(weight):
-                with np.errstate(over="ignore"):
-                    weight = np.ldexp(weight, unit)
-            further = scene.further_numbers()
-            forces = forces_of(scene.torque, scene.damping, shape, exponents, further)
+        units = -exponents[:, np.newaxis]
+        moments = np.ldexp(in_rows(np.asarray(scene.body.moments), shape), units)
+        weight = in_rows(scene.weight, shape)
+        if np.count_nonzero(weight):
+            with np.errstate(over="ignore"):
+                weight = np.ldexp(weight, units)
+        further = scene.further_numbers()
+        forces = forces_of(scene.torque, scene.damping, shape, exponents, further)
         return cls(
             kind=scene.kind,
             shape=shape,
@@ -126,11 +125,6 @@ class Bodies:
             "attitude": self.attitude,
         }
         return columns if self.forces is None else {**columns, "forces": self.forces}
-
-    def full_columns(self) -> dict[str, Any]:
-        """The arguments of the core with a row of moments for each body."""
-        moments = np.broadcast_to(self.moments, self.omega.shape)
-        return {**self.columns(), "moments": np.ascontiguousarray(moments)}
 
     def select(self, bodies: NDArray[np.intp]) -> Self:
         """Some of the bodies."""
@@ -178,9 +172,9 @@ class Bodies:
         key = None if spans is None else (spans.tobytes(), method)
         if key not in self._rates:
             rates = (
-                _core.fastest_rates(**self.columns())
+                _core.fastest_rates(self)
                 if spans is None
-                else _core.fastest_rates(**self.columns(), span=spans, method=method)
+                else _core.fastest_rates(self, spans, method)
             )
             rates.flags.writeable = False
             self._rates[key] = rates
@@ -193,9 +187,7 @@ class Bodies:
 
     def closed_forms(self) -> NDArray[np.uint8]:
         """The code of the closed form of each body from its start, 0 for none; shape (n,)."""
-        columns = self.columns()
-        columns.pop("forces", None)
-        forms = _core.closed_forms(**columns)
+        forms = _core.closed_forms(self)
         if self.forces is not None:
             forms[self.under_forces()] = 0
         return forms
@@ -258,8 +250,9 @@ def _scale_exponents(scene: Scene, shape: Shape) -> NDArray[np.intc]:
     changes no bit of a motion.
     """
     if scene.body.shape:
-        largest = in_rows(np.max(scene.body.moments, axis=-1, keepdims=True), shape)
-        return np.frexp(largest[:, 0])[1]
+        first, second, third = in_rows(np.asarray(scene.body.moments), shape).T
+        exponents: NDArray[np.intc] = np.frexp(np.maximum(np.maximum(first, second), third))[1]
+        return exponents
     return np.array([math.frexp(max(scene.body.moments))[1]], dtype=np.intc)
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,6 +16,7 @@ from .closed_form import (
     NO_FORM,
     RECORDS,
     Codes,
+    all_have,
     are_slowed_evenly,
     closed_forms,
     moment_rows,
@@ -115,8 +115,7 @@ def choose_method(problem: Problem) -> tuple[str, Floats | None, LazyPlan]:
         method = _usually_cheapest(problem, method, why)
     elif problem.step is not None and method != EXACT and problem.bodies is not None:
         steps = np.full(len(problem.bodies), problem.step)
-    plan = partial(plan_of, problem, method, steps, forms, accuracy, tuple(why))
-    return method, steps, LazyPlan(plan)
+    return method, steps, LazyPlan(plan_of, problem, method, steps, forms, accuracy, tuple(why))
 
 
 def _check_rates_are_known(problem: Problem) -> None:
@@ -162,11 +161,11 @@ def _known_closed_forms(problem: Problem) -> Codes:
         assert forces is not None
         evenly = are_slowed_evenly(scene, forces, moments)
         forms = np.where(evenly, forms, np.uint8(NO_FORM))
-    elif problem.bodies is not None and not forms.all():
+    elif problem.bodies is not None and not all_have(forms):
         wanted = method == EXACT or (method is None and problem.step is None)
         # Whether a top swings as a pendulum depends on the start.
         forms = problem.bodies.closed_forms() if wanted else forms
-    if method == EXACT and not forms.all():
+    if method == EXACT and not all_have(forms):
         body = int(np.flatnonzero(forms == NO_FORM)[0])
         which = f"body {body} of the" if forms.size > 1 else "the"
         raise ValueError(
@@ -181,7 +180,7 @@ def _preferred(problem: Problem, forms: Codes) -> tuple[str, list[str]]:
     scene = problem.scene
     if problem.method is not None:
         return problem.method, [f"method = {problem.method!r} was asked for"]
-    if forms.all():
+    if all_have(forms):
         if problem.step is not None:
             return _by_steps(problem, ["a step was asked for"])
         if not forms.size:

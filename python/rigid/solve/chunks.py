@@ -13,6 +13,7 @@ from .._checks.arguments import numbers, positive_int, times_of_each
 from ..model.body import Body
 from ..model.forces import FORCES
 from ..model.scene import Scene, check_scene
+from .lazy import Lazy
 from .run import Run
 from .simulate import simulate
 from .starts import bodies_of
@@ -109,7 +110,8 @@ def _with_zeros(run: Run, whole: Scene) -> Run:
     }
     if not zeros:
         return run
-    run = replace(run, spec={**run.spec, "scene": {**known, **zeros}})
+    spec = {**run.spec, "scene": {**known, **zeros}}
+    run = replace(run, _spec=Lazy.of(spec))
     if run.work is not None:
         return run
     return run.with_arrays(work=np.zeros(run.omega.shape[:-1], run.omega.dtype))

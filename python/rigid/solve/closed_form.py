@@ -19,6 +19,7 @@ __all__ = [
     "RECORDS",
     "Codes",
     "Question",
+    "all_have",
     "are_slowed_evenly",
     "closed_forms",
     "lagrange_axes",
@@ -73,7 +74,7 @@ def closed_forms(question: Question, moments: Floats, weight: Floats) -> Codes:
     Parameters
     ----------
     question : str or Criterion
-    moments, weight : ndarray, shape (n, 3)
+    moments, weight : ndarray, shape (n, 3) or (1, 3)
     """
     if isinstance(question, Joined):
         each = [closed_forms(leaf, moments, weight) for leaf in question.leaves]
@@ -82,8 +83,8 @@ def closed_forms(question: Question, moments: Floats, weight: Floats) -> Codes:
     if asked is None:
         return np.full(len(moments), NO_FORM, dtype=np.uint8)
     name, axis = asked
-    first, second = (np.ascontiguousarray(rows) for rows in np.broadcast_arrays(moments, weight))
-    return _core.closed_forms_for(name, moments=first, weight=second, axis=axis)
+    rows = np.ascontiguousarray(moments), np.ascontiguousarray(weight)
+    return _core.closed_forms_for(name, *rows, axis)
 
 
 def lagrange_axis_of(moments: ArrayLike, weight: ArrayLike) -> int:
@@ -114,8 +115,15 @@ def rule(question: Question) -> str:
 
 def names(forms: Codes) -> list[str]:
     """The names of the closed forms that occur, sorted."""
-    codes = {int(forms[0])} if len(forms) == 1 else set(np.flatnonzero(np.bincount(forms)).tolist())
+    if len(forms) == 1:
+        return [_NAMES[forms[0]]] if forms[0] != NO_FORM else []
+    codes = set(np.flatnonzero(np.bincount(forms)).tolist())
     return sorted(_NAMES[code] for code in codes - {NO_FORM})
+
+
+def all_have(forms: Codes) -> bool:
+    """Whether all bodies have a closed form; faster than a reduction."""
+    return bool(np.count_nonzero(forms) == len(forms))
 
 
 def why_not(question: Question, moments: Floats, weight: Floats) -> str:

@@ -13,8 +13,9 @@ from ..model.leading import Shape
 
 __all__ = ["Column", "Columns", "columns_of_arrays"]
 
-Columns: TypeAlias = Mapping[str, NDArray[Any] | None]
-"""Arrays of shape (n, ...) by their names in the core; None for what is not recorded."""
+Columns: TypeAlias = Mapping[str, Any]
+"""Arrays of shape (n, ...) by their names in the core, None for what is not recorded; and the
+nanoseconds that they took."""
 
 Array = TypeVar("Array")
 

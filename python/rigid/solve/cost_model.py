@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .. import _core
 from ..model.criteria import Criterion
 from ..model.scene import Scene
 from .arrays import time_ranges, time_span
@@ -42,7 +43,7 @@ __all__ = [
 
 Floats = NDArray[np.float64]
 
-ROUNDING = 1e-15
+ROUNDING = _core.ROUNDING
 """Error of an attitude per radian turned that float64 leaves even to a closed form (rad)."""
 
 PROCESSOR = 1e-12
@@ -213,7 +214,6 @@ class Estimate:
     unknown: str | None = None
 
 
-@np.errstate(all="ignore")
 def closed_form_estimate(
     question: str | Criterion,
     forms: Codes,
@@ -246,8 +246,15 @@ def closed_form_estimate(
         else CLASS_WORK[form]
         for form in names(forms)
     ]
-    error = None if rates is None or span is None else ROUNDING * (1.0 + rates * span)
-    return Estimate(None, 0, max(of_forms, default=0.0), _worst(error))
+    if rates is None or span is None:
+        error = None
+    elif len(rates) == 1 and isinstance(span, float):
+        # One number is multiplied faster outside of an array.
+        error = _finite(ROUNDING * (1.0 + float(rates[0]) * span))
+    else:
+        with np.errstate(all="ignore"):
+            error = _worst(ROUNDING * (1.0 + rates * span))
+    return Estimate(None, 0, max(of_forms, default=0.0), error)
 
 
 @np.errstate(all="ignore")
@@ -440,5 +447,9 @@ def _work(constants: Constants, question: str | Criterion) -> Work:
 
 def _worst(errors: Floats | None) -> float | None:
     """The largest error, None if none is known."""
-    worst = None if errors is None else float(errors.max(initial=0.0))
-    return worst if worst is not None and math.isfinite(worst) else None
+    return None if errors is None else _finite(float(errors.max(initial=0.0)))
+
+
+def _finite(number: float) -> float | None:
+    """The number, None if it is not finite."""
+    return number if math.isfinite(number) else None

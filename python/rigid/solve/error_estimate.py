@@ -23,7 +23,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .arrays import Range, intervals, largest, lengths, time_range, time_ranges, time_span
+from .arrays import intervals, lengths, time_range, time_ranges, time_span
 from .bodies import Bodies
 from .cost_model import ROUNDING, phase_error
 from .request import Request, select_states
@@ -84,6 +84,7 @@ def unknown_error(count: int) -> ErrorEstimate:
     return ErrorEstimate(np.full(count, np.nan), np.full(count, np.nan))
 
 
+@np.errstate(all="ignore")
 def closed_form_error(bodies: Bodies, times: Floats, omega: Floats) -> ErrorEstimate:
     """The error of a closed form: 1e-15 for each radian turned, or what a saddle makes of 1e-15.
 
@@ -93,24 +94,8 @@ def closed_form_error(bodies: Bodies, times: Floats, omega: Floats) -> ErrorEsti
     small rates ``omega``, of shape (n, m, 3), it is a larger share.
     """
     reached = time_ranges(times)
-    rates = bodies.fastest_rates(reached)
-    top = bodies.forces is None and np.count_nonzero(bodies.weight)
-    span = reached[1] - reached[0]
-    if not top and isinstance(span, float) and (fastest := largest(rates)) * span < 0.5 / ROUNDING:
-        # No error reaches one. One number is multiplied faster outside of an array.
-        if len(rates) == 1:
-            return ErrorEstimate(np.array([ROUNDING * (1.0 + fastest * span)]), np.array([np.inf]))
-        error = ROUNDING * (1.0 + rates * span)
-        return ErrorEstimate(error, error + np.inf)
-    with np.errstate(all="ignore"):
-        return _closed_form_error(bodies, rates, reached, omega)
-
-
-def _closed_form_error(
-    bodies: Bodies, rates: Floats, reached: Range, omega: Floats
-) -> ErrorEstimate:
-    """The error of a closed form between two times, whatever it is."""
     first, last = reached
+    rates = bodies.fastest_rates(reached)
     error = ROUNDING * (1.0 + rates * (last - first))
     since = 1.0 / (ROUNDING * rates)
     if bodies.forces is None and bodies.weight.any():

@@ -81,7 +81,6 @@ def motions_of(
     return replace(motions, rounding=planned_rounding(bodies, method, bounds, motions.taken, span))
 
 
-@np.errstate(all="ignore")
 def why_unforeseen(bodies: Bodies, times: Range, *, by_steps: bool) -> str | None:
     """Why the error of the bodies is not foreseen, None if it is.
 
@@ -89,6 +88,14 @@ def why_unforeseen(bodies: Bodies, times: Range, *, by_steps: bool) -> str | Non
     """
     if bodies.may_stop:
         return "drag may stop a body, and the speed has a corner there"
+    if not by_steps and not np.count_nonzero(bodies.weight):
+        return None
+    with np.errstate(all="ignore"):
+        return _why_unforeseen(bodies, times, by_steps=by_steps)
+
+
+def _why_unforeseen(bodies: Bodies, times: Range, *, by_steps: bool) -> str | None:
+    """Why the error of bodies that drag does not stop is not foreseen."""
     looked_at = np.flatnonzero(~bodies.under_forces())
     looked_at = looked_at[spread_indices(len(looked_at), SAMPLE)]
     if not len(looked_at):

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, MutableMapping
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from .. import _core
 from .arrays import intervals, spread_indices, time_ranges
 from .error_estimate import ErrorEstimate, closed_form_error, estimate_error, unknown_error
 from .methods import EXACT, order_of
@@ -53,16 +54,20 @@ def compute_states(
     check: bool,
     every: bool = False,
     target: Target = PLAIN,
-) -> tuple[dict[str, Any], ErrorEstimate]:
+) -> tuple[MutableMapping[str, Any], ErrorEstimate | _core.States]:
     """The states in closed form or by steps, their work (J), and their estimated errors.
 
-    The arguments are those of :func:`integrate`; ``target`` says where the states go.
+    The arguments are those of :func:`integrate`; ``target`` says where the states go. The states
+    are their own estimate where the core knows the errors, and that all bodies have arrived.
     """
     bodies = request.bodies
+    states: MutableMapping[str, Any]
     if request.method == EXACT:
-        states = request.states(None, out=target.given, single=target.single)
-        bodies.note_rates(states["fastest_rate"])
-        estimate = closed_form_error(bodies, request.times, states["omega"])
+        exact = request.states(None, out=target.given or None, single=target.single)
+        if exact.worst is not None:
+            return exact, exact
+        bodies.note_rates(exact.pop("fastest_rate"))
+        states, estimate = exact, closed_form_error(bodies, request.times, exact["omega"])
     else:
         states, estimate = integrate(
             request, steps, accuracy, check=check, every=every, out=target.exact
@@ -80,7 +85,7 @@ def integrate(
     check: bool,
     every: bool = False,
     out: Mapping[str, NDArray[Any]] | None = None,
-) -> tuple[dict[str, Any], ErrorEstimate]:
+) -> tuple[MutableMapping[str, Any], ErrorEstimate]:
     """The states by steps, and their estimated errors.
 
     Parameters
@@ -127,7 +132,7 @@ def _in_parts(
     *,
     check: bool,
     every: bool,
-) -> tuple[dict[str, Any], ErrorEstimate]:
+) -> tuple[MutableMapping[str, Any], ErrorEstimate]:
     """Bodies under torque and damping, and those without: each part as if it were alone."""
     states: dict[str, Any] = {}
     estimate = unknown_error(len(forced))
@@ -148,7 +153,7 @@ def _in_parts(
 
 
 def _sampled_estimate(
-    request: Request, states: dict[str, Any], steps: Floats | None, most: int
+    request: Request, states: MutableMapping[str, Any], steps: Floats | None, most: int
 ) -> ErrorEstimate:
     """The errors of all bodies, of a large call those of a sample unless one of them is lost."""
     count = len(request.bodies)
@@ -165,7 +170,7 @@ def _sampled_estimate(
 
 
 def _refine(
-    request: Request, states: dict[str, Any], steps: Floats, accuracy: float
+    request: Request, states: MutableMapping[str, Any], steps: Floats, accuracy: float
 ) -> ErrorEstimate:
     """Shorten the steps of inaccurate bodies, and write their better states over the others."""
     estimate = estimate_error(request, states, steps)
@@ -209,7 +214,7 @@ def _step_reductions(errors: Floats, accuracy: float, order: int) -> Floats:
 
 
 def _replace_states(
-    states: dict[str, Any], bodies: NDArray[np.intp], others: Mapping[str, Any]
+    states: MutableMapping[str, Any], bodies: NDArray[np.intp], others: Mapping[str, Any]
 ) -> None:
     """Write the states of some bodies over."""
     for name, values in others.items():

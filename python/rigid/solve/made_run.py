@@ -2,24 +2,27 @@
 
 from __future__ import annotations
 
+from collections.abc import MutableMapping
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from .. import _core
 from .bodies import Bodies
 from .error_estimate import ErrorEstimate
 from .events import FoundEvents
+from .lazy import Lazy
 from .plan import LazyPlan
 from .run import Run
-from .status import Status, status_by_error
+from .status import Status, is_accurate, status_by_error
 from .target import COLUMNS
 
 __all__ = ["end_records", "to_run"]
 
 
 def end_records(
-    states: dict[str, Any], times: NDArray[np.float64], last: NDArray[np.float64]
+    states: MutableMapping[str, Any], times: NDArray[np.float64], last: NDArray[np.float64]
 ) -> None:
     """Write NaN over the states at times (m,) or (n, m) after the last of each body, (n, 1)."""
     after = times > last
@@ -31,37 +34,37 @@ def end_records(
 
 
 def to_run(
-    states: dict[str, Any],
+    states: MutableMapping[str, Any],
     times: NDArray[np.float64],
-    estimate: ErrorEstimate,
-    spec: dict[str, Any],
+    estimate: ErrorEstimate | _core.States,
+    accuracy: float | None,
+    spec: Lazy[dict[str, Any]],
     plan: LazyPlan,
     bodies: Bodies,
     parameters: tuple[str, ...] = (),
     found: FoundEvents | None = None,
 ) -> Run:
     """The run of these bodies, from the columns of the core."""
-    error, lost_from = estimate.error, estimate.lost_from
-    if np.count_nonzero(states["status"]):
-        unknown = np.isin(states["status"], (Status.STEP_LIMIT, Status.NOT_FINITE))
-        error, lost_from = (np.where(unknown, np.nan, values) for values in (error, lost_from))
-    states["status"] = status_by_error(states["status"], error, spec)
+    if not (isinstance(estimate, _core.States) and is_accurate(estimate.worst, accuracy)):
+        error, lost_from = estimate.error, estimate.lost_from
+        if np.count_nonzero(states["status"]):
+            unknown = np.isin(states["status"], (Status.STEP_LIMIT, Status.NOT_FINITE))
+            error, lost_from = (np.where(unknown, np.nan, values) for values in (error, lost_from))
+        states["status"] = status_by_error(states["status"], error, accuracy)
+        states["error"], states["lost_from"] = error, lost_from
     if found is not None:
         ended = found.stopped & np.isin(states["status"], (Status.OK, Status.UNCHECKED))
         states["status"] = np.where(ended, Status.STOPPED, states["status"]).astype(np.uint8)
-    attitude = bodies.attitude
-    if len(attitude) != len(bodies):
-        attitude = np.broadcast_to(attitude, (len(bodies), 4))
+        states["end"] = found.end
+    attitude, count = bodies.attitude, len(bodies.omega)
+    if len(attitude) != count:
+        attitude = np.broadcast_to(attitude, (count, 4))
     states["start_omega"], states["start_attitude"] = bodies.omega, attitude
-    states["error"], states["lost_from"] = error, lost_from
-    states["end"] = None if found is None else found.end
-    states.pop("fastest_rate", None)  # a run keeps what it shows
     return Run(
-        t=times,
-        parameters=parameters,
-        events=() if found is None else found.events,
-        nanoseconds=states.pop("nanoseconds"),
-        spec=spec,
+        _t=times,
+        _parameters=parameters,
+        _events=() if found is None else found.events,
+        _spec=spec,
         _shape=bodies.shape,
         _columns=states,
         _plan=plan,

@@ -110,7 +110,7 @@ class Motion:
             )
         self._single, self._threads = not bodies.shape, threads
         self._core = _core.Motion(
-            **bodies.columns(),
+            bodies,
             method=method,
             time=finite_float("t0", t0, unit="s"),
             unit=math.ldexp(1.0, int(bodies.scale_exponent[0])),

@@ -15,6 +15,7 @@ from .arrays import Range, in_rows, time_ranges
 from .bodies import Bodies
 from .choose_method import choose_method
 from .integrate import compute_states
+from .lazy import Lazy
 from .made_run import end_records, to_run
 from .methods import EXACT
 from .problem import Problem
@@ -68,9 +69,8 @@ def states_at(run: Run, t: ArrayLike) -> Run:
     states, estimate = compute_states(
         request, steps, spec["accuracy"], check=not unknown.all(), every=not unknown.any()
     )
-    states["tangent"] = None
     end_records(states, times, last)
-    made = to_run(states, ascending, estimate, spec, run._plan, bodies)
+    made = to_run(states, ascending, estimate, spec["accuracy"], Lazy.of(spec), run._plan, bodies)
     if (order[..., 1:] < order[..., :-1]).any():
         made = _in_order(made, given, order)
     return made if run.frame is None else made.in_frame(run.frame)
@@ -101,4 +101,4 @@ def _in_order(run: Run, times: NDArray[np.float64], order: NDArray[np.intp]) -> 
         return np.take_along_axis(array, index, axis=axis)
 
     states = {name: moved(getattr(run, name), width) for name, (_, width) in COLUMNS.items()}
-    return replace(run.with_arrays(**states), t=times)
+    return replace(run.with_arrays(**states), _t=times)

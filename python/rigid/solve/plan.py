@@ -9,13 +9,14 @@ from __future__ import annotations
 
 import dataclasses
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 from ..drawing.figure import html_table
 from ..model.scene import Scene
 from .closed_form import Codes, Question, names
+from .lazy import Lazy
 from .methods import EXACT
 from .work import unit_nanoseconds
 
@@ -148,47 +149,23 @@ class Plan:
         return ", ".join(parts)
 
 
-class LazyPlan:
-    """A plan that is made when it is first read: many runs are made, and few plans are read.
+class LazyPlan(Lazy[Plan]):
+    """A plan that is made when it is first read."""
 
-    What it is made of must not change meanwhile. Two threads that read it first make the same plan.
-    """
-
-    __slots__ = ("_make", "_plan")
-
-    def __init__(self, make: Callable[[], Plan]) -> None:
-        self._make: Callable[[], Plan] | None = make
-        self._plan: Plan | None = None
-
-    @classmethod
-    def of(cls, plan: Plan) -> LazyPlan:
-        """A plan that is made already."""
-        return cls(lambda: plan)
-
-    def __call__(self) -> Plan:
-        """The plan."""
-        make = self._make
-        if make is not None:
-            self._plan = make()
-            self._make = None  # and what it holds: this comes last, for other threads
-        assert self._plan is not None
-        return self._plan
+    __slots__ = ()
 
     def amend(self, reason: str | None = None, **fields: Any) -> None:
         """Change fields of a plan that nobody has read yet, and add a reason."""
-        make = self._make
-        assert make is not None
+        assert self._making is not None
+        make, given = self._making
 
         def amended() -> Plan:
-            plan = make()
+            plan = make(*given)
             if reason is not None:
                 fields["why"] = (*plan.why, reason)
             return dataclasses.replace(plan, **fields)
 
-        self._make = amended
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        return LazyPlan.of, (self(),)
+        self._making = amended, ()
 
 
 def left_out(
@@ -221,8 +198,10 @@ def left_out(
         )
     elif question != "attitude" and "attitude" not in carried(scene, question, method):
         left.append(f"{'rates' if question == 'rates' else 'vertical'} only: no attitude")
-    if "gamma" not in carried(scene, question, method) and (
-        not scene.directions and question in ("rates", "attitude")
+    if (
+        not scene.directions
+        and question in ("rates", "attitude")
+        and "gamma" not in carried(scene, question, method)
     ):
         left.append("no weight: no vertical")
     return tuple(left)

@@ -84,8 +84,11 @@ class Problem:
     @property
     def times(self) -> Range:
         """First and last time of the run (s)."""
-        begin, end = np.broadcast_arrays(self.begin, 0.0 if self.end is None else self.end)
-        return begin, end
+        begin, end = self.begin, 0.0 if self.end is None else self.end
+        if isinstance(begin, float) and isinstance(end, float):
+            return begin, end
+        first, last = np.broadcast_arrays(begin, end)
+        return first, last
 
     @property
     def span(self) -> float | Floats | None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, MutableMapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Self
 
@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 
 from .. import _core
 from .bodies import Bodies
+
+MutableMapping.register(_core.States)
 
 __all__ = ["Request", "select_states"]
 
@@ -34,6 +36,8 @@ class Request:
     threads : int
     tolerance : float or None
         Tolerance of adaptive steps, for a Taylor method.
+    strides : sequence of int, optional
+        The states are those after these numbers of further steps of exactly the longest step.
     """
 
     bodies: Bodies
@@ -43,6 +47,7 @@ class Request:
     max_steps: int
     threads: int
     tolerance: float | None = None
+    strides: Sequence[int] | None = None
 
     def states(
         self,
@@ -53,7 +58,7 @@ class Request:
         changes: Floats | None = None,
         out: Mapping[str, NDArray[Any]] | None = None,
         single: bool = False,
-    ) -> dict[str, Any]:
+    ) -> _core.States:
         """The states, each body with its longest step (s); None leaves the steps to the core.
 
         Between two output times a body takes ``refinement`` times the steps, rounded up. Columns of
@@ -62,27 +67,7 @@ class Request:
         record is ``"tangent"``, from those at the start, (n, 6), or ``"sensitivity"``, by changes
         of parameters, (n, 15).
         """
-        bodies = self.bodies
-        return _core.simulate(
-            scene=bodies.kind,
-            moments=bodies.moments,
-            weight=bodies.weight,
-            omega=bodies.omega,
-            attitude=bodies.attitude,
-            forces=bodies.forces,
-            method=self.method,
-            record=self.record,
-            step=steps,
-            max_steps=self.max_steps,
-            threads=self.threads,
-            times=self.times if self.times.ndim == 2 else self.times[np.newaxis],
-            refinement=refinement,
-            tolerance=self.tolerance,
-            deviations=deviations,
-            changes=changes,
-            out=out,
-            single=single,
-        )
+        return _core.simulate(self, steps, refinement, deviations, changes, out, single)
 
     def select(self, some: NDArray[np.intp]) -> Self:
         """The request for some of the bodies."""

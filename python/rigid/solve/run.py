@@ -19,6 +19,7 @@ from .attitude_ephemeris import write_aem
 from .columns import Column, Columns, HasColumns, columns_of_arrays
 from .dataset import ARRAYS, run_dataset
 from .events import Events, columns_of, from_columns
+from .lazy import Lazy
 from .methods import EXACT
 from .plan import LazyPlan, Plan
 from .status import Status, error_limit, sentences
@@ -58,16 +59,15 @@ _STATUS_WORDS: Mapping[Status, str] = {
 }
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(slots=True)
 class Run(HasColumns):
     """The result of :func:`simulate`. With a single body the leading axis ``n`` is absent.
 
-    Scenes, rates and attitudes of other leading axes give these axes in the place of ``n``.
+    Scenes, rates and attitudes of other leading axes give these axes in the place of ``n``. All
+    attributes are read-only. It is not frozen: a frozen object takes twice as long to make.
 
     Attributes
     ----------
-    t : ndarray, shape (m,), or (..., m) if bodies have times of their own
-        Times (s).
     omega : ndarray, shape (n, m, 3)
         Angular velocity in the body (rad/s).
     gamma : ndarray, shape (n, m, 3), or None
@@ -86,10 +86,6 @@ class Run(HasColumns):
         Derivative of the motion by k parameters, from the same start, if it was asked for: the
         change of the rates (rad/s) and the rotation vector in the body (rad) over the change of
         each parameter in its SI unit. Zero at ``t = 0``.
-    parameters : tuple of str
-        The names of these parameters, in the order of the columns.
-    events : tuple of Events
-        What happened in each of the given events, then in those of ``until``; see :class:`Events`.
     end : ndarray, shape (n,), or None
         Time at which the record of each body ends (s), if there are events: its last time, or that
         of the event of ``until`` that it ended with. States at later times are NaN.
@@ -136,17 +132,12 @@ class Run(HasColumns):
         Time from which on, away from 0, the error is 1 or more: do not use the states from there
         on. Negative if that is backward in time; infinite if there is none; NaN where the error is
         not known.
-    nanoseconds : int
-        Processor time of the states, of all threads together; not that of the second run.
-    spec : dict
-        Scene, method, step, accuracy, tolerance and record, as a dict; the scene in principal axes.
     """
 
-    t: NDArray[np.float64]
-    parameters: tuple[str, ...]
-    events: tuple[Events, ...]
-    nanoseconds: int
-    spec: dict[str, Any]
+    _t: NDArray[np.float64]
+    _parameters: tuple[str, ...]
+    _events: tuple[Events, ...]
+    _spec: Lazy[dict[str, Any]]
     _shape: Shape
     _columns: Columns
     _plan: LazyPlan
@@ -201,6 +192,35 @@ class Run(HasColumns):
         )
 
     @property
+    def t(self) -> NDArray[np.float64]:
+        """Times (s), shape (m,), or (..., m) if bodies have times of their own."""
+        return self._t
+
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        """The names of the parameters of the :attr:`sensitivity`, in the order of its columns."""
+        return self._parameters
+
+    @property
+    def events(self) -> tuple[Events, ...]:
+        """What happened in each of the given events, then in those of ``until``."""
+        return self._events
+
+    @property
+    def nanoseconds(self) -> int:
+        """Processor time of the states, of all threads together; not that of the second run.
+
+        Of a run of some microseconds it is the time that passed.
+        """
+        nanoseconds: Any = self._columns["nanoseconds"]
+        return int(nanoseconds)
+
+    @property
+    def spec(self) -> dict[str, Any]:
+        """Scene, method, step, accuracy, tolerance and record; the scene in principal axes."""
+        return self._spec()
+
+    @property
     def plan(self) -> Plan:
         """The method, the omissions and the reasons."""
         return self._plan()
@@ -253,18 +273,18 @@ class Run(HasColumns):
                 one.turned(run.frame.T, attitudes_in_principal_axes(run.frame, one.attitude))
                 for one in run.events
             )
-            run = replace(run._turned(run.frame.T, back), events=events)
+            run = replace(run._turned(run.frame.T, back), _events=events)
         if frame is not None:
             known = run.attitude
             events = tuple(
                 one.turned(frame, attitudes_in_frame(frame, one.attitude)) for one in run.events
             )
             run = run._turned(frame, None if known is None else attitudes_in_frame(frame, known))
-            run = replace(run, events=events)
+            run = replace(run, _events=events)
         spec = {name: value for name, value in run.spec.items() if name != "frame"}
         if frame is not None:
             spec["frame"] = frame.tolist()
-        return replace(run, spec=spec)
+        return replace(run, _spec=Lazy.of(spec))
 
     def _turned(self, axes: NDArray[np.float64], attitude: NDArray[np.float64] | None) -> Run:
         """The run with ``axes @ v`` for all vectors in the body, and these attitudes."""
@@ -295,7 +315,7 @@ class Run(HasColumns):
 
     @property
     def _limit(self) -> float:
-        return error_limit(self.spec)
+        return error_limit(self.spec["accuracy"])
 
     def reasons(self) -> tuple[Any, ...]:
         """How each body ended, and what to do if it did not end well, in a sentence each.
@@ -689,13 +709,12 @@ def load_run(path: str | PathLike[str]) -> Run:
             if fields[name] is None:
                 raise ValueError(f"no array {name!r}")
         run = Run(
-            t=fields.pop("t"),
+            _t=fields.pop("t"),
             _shape=fields["status"].shape,
-            _columns={},
-            parameters=tuple(header["parameters"]),
-            events=events,
-            nanoseconds=int(header["nanoseconds"]),
-            spec=header["spec"],
+            _columns={"nanoseconds": int(header["nanoseconds"])},
+            _parameters=tuple(header["parameters"]),
+            _events=events,
+            _spec=Lazy.of(header["spec"]),
             _plan=LazyPlan.of(Plan.from_dict(header["plan"])),
         ).with_arrays(**fields)
     except (KeyError, TypeError, ValueError) as error:

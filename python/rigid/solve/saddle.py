@@ -63,9 +63,7 @@ def separatrices(bodies: Bodies) -> tuple[Floats, Floats]:
     """
     if bodies.forces is not None or not bodies.weight.any():
         return np.ones(len(bodies)), np.zeros(len(bodies))
-    columns = bodies.full_columns()
-    del columns["scene"]
-    mc, exponent = _core.saddles(**columns).T
+    mc, exponent = _core.saddles(bodies).T
     weighs = bodies.weight.any(axis=1)
     return np.where(weighs, mc, 1.0), np.where(weighs, exponent, 0.0)
 

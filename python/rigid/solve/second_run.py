@@ -6,11 +6,11 @@ It begins at a start that is rounded otherwise, and takes shorter steps.
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from .. import _core
 from .arrays import time_ranges, time_span
 from .bodies import Bodies
 from .methods import angle_per_step, is_compensated, is_stiff, order_of, series_methods
@@ -49,7 +49,7 @@ def second_run(
     refinement: float,
     taken: Floats,
     halvings: float = HALVINGS,
-) -> dict[str, Any]:
+) -> _core.States:
     """The states of the same bodies at the same times, with shorter steps than those taken.
 
     Nearly all of their distance from the states of the first run is the error of the first run.
@@ -96,7 +96,7 @@ def _longest(request: Request, method: str) -> Floats:
 
 def _past_stops(
     second: Request, steps: Floats | None, refinement: float, taken: Floats
-) -> dict[str, Any]:
+) -> _core.States:
     """The states of bodies that drag may stop, by a Runge-Kutta method in much shorter steps.
 
     Where the body stops the speed has a corner. The error of the step that passes the corner falls

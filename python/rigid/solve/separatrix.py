@@ -102,7 +102,7 @@ def separatrix_error(
             omega=omega[mine],
             attitude=IDENTITY[np.newaxis],
         )
-        first[mine] = _core.flip_times(**free.columns(), axis=axis + 1, count=1)[:, 0]
+        first[mine] = _core.flip_times(free, axis + 1, 1)[:, 0]
     # Backward in time a body passes the saddle about as late.
     begin, end = (np.broadcast_to(time, count)[near] for time in reached)
     passed = np.where(first <= end, first, np.where(first <= -begin, -first, np.inf))

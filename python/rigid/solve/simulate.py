@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -32,6 +31,7 @@ from .closed_form import RECORDS
 from .error_estimate import ErrorEstimate, unknown_error
 from .events import check_event_method, find_events
 from .integrate import compute_states
+from .lazy import Lazy
 from .made_run import end_records, to_run
 from .methods import EXACT, series_methods
 from .parameters import check_parameters, parameter_changes
@@ -237,10 +237,9 @@ def simulate(
         target.check(bodies, time_ranges(times), accuracy)
     if tolerance is not None:
         tolerance = _checked_tolerance(tolerance, method, step, accuracy)
+    plan: LazyPlan | None = None
     plain = step is None and accuracy is None and tolerance is None and given.ndim == 1
     if plain and method in (None, EXACT) and has_closed_form(scene):
-        number, outputs = max(len(bodies), 1), len(times)
-        plan = LazyPlan(partial(_plan_of_any_start, scene, record, method, number, outputs))
         chosen, steps = EXACT, None
     else:
         begin, end = time_ranges(times)
@@ -259,16 +258,16 @@ def simulate(
         if watched and chosen != EXACT and chosen not in series_methods():
             chosen, steps, plan = choose_method(replace(problem, method=METHOD))
             plan.amend(why=("a Taylor series knows the events inside its steps",))
-    if tolerance is not None:
-        own = f"each body takes its own steps, last terms below {tolerance:g}"
-        plan.amend(own, step=None, steps=None, work=None, error=None)
+        if tolerance is not None:
+            own = f"each body takes its own steps, last terms below {tolerance:g}"
+            plan.amend(own, step=None, steps=None, work=None, error=None)
     request = Request(
         bodies=bodies,
         times=times,
         method=chosen,
         record=record,
         max_steps=positive_int("max_steps", max_steps),
-        threads=resolve_threads(threads, len(bodies)),
+        threads=resolve_threads(threads, len(bodies.omega)),
         tolerance=tolerance,
     )
     found = None
@@ -296,21 +295,27 @@ def simulate(
         request, steps, accuracy, check=check, every=every, target=target
     )
     if chosen == EXACT:
-        worst = largest(estimate.error)
-        plan.amend(error=worst if worst < 1.0 else None)
-    matrices = sensitivity = None
+        known = estimate.worst if isinstance(estimate, _core.States) else None
+        worst = largest(estimate.error) if known is None else known
+        error = worst if worst < 1.0 else None
+        if plan is None:
+            number = max(len(bodies.omega), 1)
+            plan = LazyPlan(_plan_of_any_start, scene, record, method, number, len(times), error)
+        else:
+            plan.amend(error=error)
+    assert plan is not None
     if parameters is not None:
         change = parameter_changes(scene, bodies, parameters) if parameters else None
         matrices, sensitivity, words = tangent_of(request, steps, method, change)
+        states["tangent"], states["sensitivity"] = matrices, sensitivity
         plan.amend(words)
     if target is not PLAIN:
         estimate = ErrorEstimate(target.finish(states, estimate.error), estimate.lost_from)
     own_step = None if chosen == EXACT else step
-    spec = _spec(scene, chosen, own_step, accuracy, tolerance, record)
-    states["tangent"], states["sensitivity"] = matrices, sensitivity
+    spec = Lazy(_spec, scene, chosen, own_step, accuracy, tolerance, record)
     if found is not None:
         end_records(states, times, found.last)
-    run = to_run(states, given, estimate, spec, plan, bodies, parameters or (), found)
+    run = to_run(states, given, estimate, accuracy, spec, plan, bodies, parameters or (), found)
     return run if frame is None else run.in_frame(frame)
 
 
@@ -334,11 +339,11 @@ def _spec(
 
 
 def _plan_of_any_start(
-    scene: Scene, record: str, method: str | None, number: int, states: int
+    scene: Scene, record: str, method: str | None, number: int, states: int, error: float | None
 ) -> Plan:
-    """The plan of a scene all of whose motions have a closed form, but for its error."""
+    """The plan of a scene all of whose motions have a closed form."""
     problem = Problem(scene=scene, record=record, method=method, number=number, states=states)
-    return choose_method(problem)[2]()
+    return replace(choose_method(problem)[2](), error=error)
 
 
 def _checked_count(count: int | None, watched: Sequence[Event], until: object) -> int | None:
@@ -377,7 +382,7 @@ def replay_steps(
 ) -> Run:
     """A body of a map again: its states after these numbers of steps of exactly ``step``."""
     times = np.cumsum(strides) * step
-    return _replayed(scene, omega, attitude, times, method, step, {"strides": list(strides)})
+    return _replayed(scene, omega, attitude, times, method, step, strides=strides)
 
 
 def replay_states(
@@ -391,8 +396,7 @@ def replay_states(
     tolerance: float | None,
 ) -> Run:
     """A body of a map again: its states at these times, in steps or by a tolerance."""
-    looks = {"times": t[np.newaxis], "tolerance": tolerance}
-    return _replayed(scene, omega, attitude, t, method, step, looks)
+    return _replayed(scene, omega, attitude, t, method, step, tolerance=tolerance)
 
 
 def _replayed(
@@ -402,7 +406,9 @@ def _replayed(
     times: NDArray[np.float64],
     method: str,
     step: float | None,
-    looks: dict[str, Any],
+    *,
+    tolerance: float | None = None,
+    strides: Sequence[int] | None = None,
 ) -> Run:
     """A body from the very start of a map: an attitude given by a user would be normalised."""
     bodies = Bodies.of_scene(scene, omega, attitude, (), NO_EXPONENT)
@@ -415,18 +421,19 @@ def _replayed(
         step=step,
     )
     _, steps, plan = choose_method(problem)
-    states = _core.simulate(
-        **bodies.columns(),
+    states = Request(
+        bodies=bodies,
+        times=times,
         method=method,
         record="attitude",
-        step=None if looks.get("tolerance") is not None else steps,
         max_steps=2**63,
         threads=1,
-        **looks,
-    )
-    spec = _spec(scene, method, step, None, looks.get("tolerance"), "attitude")
+        tolerance=tolerance,
+        strides=strides,
+    ).states(steps if tolerance is None else None)
+    spec = Lazy(_spec, scene, method, step, None, tolerance, "attitude")
     # The map that this body comes from has its own check of the error.
-    return to_run(states, times, unknown_error(1), spec, plan, bodies)
+    return to_run(states, times, unknown_error(1), None, spec, plan, bodies)
 
 
 def _checked_tolerance(

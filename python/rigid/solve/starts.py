@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._checks.arrays import attitudes, unit_quaternions, vectors
+from .._checks.arrays import IDENTITY, attitudes, unit_quaternions, vectors
 from ..model.frame import attitudes_in_principal_axes, turned
 from ..model.leading import Shape, leading_shape
 from ..model.scene import Scene
@@ -59,15 +59,13 @@ def bodies_of(
         if not np.isfinite(omega).all():
             raise ValueError("omega: must be finite along the principal axes of the frame too")
         attitude = unit_quaternions("attitude", attitudes_in_principal_axes(frame, attitude))
-    omega.flags.writeable = attitude.flags.writeable = False
-    shape = leading_shape(
-        {
-            "scene": scene.shape,
-            "omega": omega.shape[:-1],
-            "attitude": attitude.shape[:-1],
-            "t": times,
-        }
-    )
+    omega.setflags(write=False)
+    if attitude is not IDENTITY:
+        attitude.setflags(write=False)
+    shape = scene.shape
+    if shape or times or omega.ndim > 1 or attitude.ndim > 1:
+        own = omega.shape[:-1], attitude.shape[:-1]
+        shape = leading_shape({"scene": shape, "omega": own[0], "attitude": own[1], "t": times})
     bodies = Bodies.of_scene(scene, omega, attitude, shape)
     bodies.check_ranges(scene)
     return bodies

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["ARRIVED", "Status", "error_limit", "sentences", "status_by_error"]
+__all__ = ["ARRIVED", "Status", "error_limit", "is_accurate", "sentences", "status_by_error"]
 
 COARSE_ERROR = 1e-3
 """Without a requested accuracy a larger error is called coarse."""
@@ -33,28 +33,28 @@ ARRIVED = (Status.OK, Status.FLAGGED, Status.UNCHECKED, Status.COARSE)
 """The statuses of bodies at the last requested time, whatever their errors are."""
 
 
-def error_limit(spec: dict[str, Any]) -> float:
+def error_limit(accuracy: float | None) -> float:
     """The error from which on a body is flagged."""
-    return 1.0 if spec["accuracy"] is None else float(spec["accuracy"])
+    return 1.0 if accuracy is None else float(accuracy)
+
+
+def is_accurate(error: Any, accuracy: float | None) -> Any:
+    """Whether the error, or each of an array, leaves a body ``OK``."""
+    return error < (COARSE_ERROR if accuracy is None else accuracy)
 
 
 def status_by_error(
-    status: NDArray[np.uint8], error: NDArray[np.float64], spec: dict[str, Any]
+    status: NDArray[np.uint8], error: NDArray[np.float64], accuracy: float | None
 ) -> NDArray[np.uint8]:
     """The status of bodies whose error is known: only a small error leaves them ``OK``."""
-    limit = COARSE_ERROR if spec["accuracy"] is None else error_limit(spec)
-    if len(error) == 1:  # without reductions, which are slow
-        arrived, accurate = not status[0], error[0] < limit
-    else:
-        arrived = not np.count_nonzero(status)
-        accurate = np.count_nonzero(error < limit) == len(error)
-    if arrived and accurate:
+    arrived = not np.count_nonzero(status)
+    if arrived and np.count_nonzero(is_accurate(error, accuracy)) == len(error):
         return status
     found = np.isnan(error) * np.uint8(Status.UNCHECKED)
     if not found.all():
-        if spec["accuracy"] is None:
+        if accuracy is None:
             found[error > COARSE_ERROR] = Status.COARSE
-        found[error >= error_limit(spec)] = Status.FLAGGED
+        found[error >= error_limit(accuracy)] = Status.FLAGGED
     return found if arrived else np.where(status == Status.OK, found, status)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, Self
 
@@ -207,7 +207,7 @@ class Search:
         self,
         bodies: Bodies,
         some: NDArray[np.intp],
-        states: dict[str, Any],
+        states: Mapping[str, Any],
         known: dict[str, NDArray[Any]],
     ) -> Floats:
         """What is zero on the surfaces, at states of bodies at points of these kinds, (n, m)."""

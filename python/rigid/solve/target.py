@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, MutableMapping
 from dataclasses import dataclass
 from math import prod
 from typing import Any, Self
@@ -110,7 +110,7 @@ class Target:
         """The given arrays of double precision: steps are compared before they are rounded."""
         return {name: array for name, array in self.given.items() if array.dtype == np.float64}
 
-    def finish(self, states: dict[str, Any], error: Floats) -> Floats:
+    def finish(self, states: MutableMapping[str, Any], error: Floats) -> Floats:
         """Put all states where they go; return their errors with that of the rounding."""
         for name, width in COLUMNS.values():
             array, given = states[name], self.given.get(name)

@@ -9,12 +9,13 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cache
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import _core
+from .._checks.arrays import IDENTITY
+from .bodies import Bodies
+from .request import Request
 
 __all__ = ["LANES", "MANY", "Work", "reference_nanoseconds", "unit_nanoseconds"]
 
@@ -80,20 +81,23 @@ class Work:
 def reference_nanoseconds() -> float:
     """Processor time of a unit (ns), measured now: it takes about 0.1 ms."""
     count = LANES
-    states: dict[str, Any] = _core.simulate(
-        scene="top",
-        moments=np.tile([1.0, 1.2, 0.5], (count, 1)),
-        weight=np.tile([0.6, 0.0, 0.8], (count, 1)),
+    bodies = Bodies(
+        kind="top",
+        shape=(count,),
+        moments=np.array([[1.0, 1.2, 0.5]]),
+        weight=np.array([[0.6, 0.0, 0.8]]),
         omega=np.tile([0.1, 0.2, 2.0], (count, 1)),
-        attitude=np.tile([1.0, 0.0, 0.0, 0.0], (count, 1)),
+        attitude=IDENTITY[np.newaxis],
+    )
+    request = Request(
+        bodies=bodies,
+        times=np.ones(1),
         method="rk4",
         record="attitude",
-        step=np.full(count, 1.0 / STEPS),
         max_steps=STEPS,
         threads=1,
-        times=np.ones((1, 1)),
     )
-    return float(states["nanoseconds"]) / STEPS
+    return float(request.states(np.full(count, 1.0 / STEPS))["nanoseconds"]) / STEPS
 
 
 @cache

@@ -13,6 +13,7 @@ import pytest
 import rigid
 from processes import python_process, run_python
 from rigid import _core
+from rigid.solve.starts import bodies_of
 
 FREE = rigid.FreeBody(rigid.Body((1.0, 1.5, 2.0)))
 
@@ -66,15 +67,7 @@ def test_numbers_of_flips_beyond_any_memory_are_refused() -> None:
         rigid.exact.flip_times(FREE, [1.0, 2.0, 3.0], axis=2, count=10**15)
     # More than there are addresses: the product with the bytes of a number does not wrap around.
     with pytest.raises(MemoryError, match=f"flip times: {2 * 8 * 2**63} bytes"):
-        _core.flip_times(
-            scene="free",
-            moments=np.array([[1.0, 2.0, 3.0]]),
-            weight=np.zeros((1, 3)),
-            omega=np.ones((2, 3)),
-            attitude=np.array([[1.0, 0.0, 0.0, 0.0]]),
-            axis=2,
-            count=2**63,
-        )
+        _core.flip_times(bodies_of(FREE, np.ones((2, 3))), 2, 2**63)
 
 
 @limited

@@ -45,13 +45,7 @@ def test_random_scenes_are_of_all_classes() -> None:
     rng = np.random.default_rng(1)
     found: set[str] = set()
     for scenes, _ in batches(rng, 2000, 2000):
-        forms = _core.closed_forms(
-            scene=scenes.kind,
-            moments=scenes.moments,
-            weight=scenes.weight,
-            omega=scenes.omega,
-            attitude=scenes.attitude,
-        )
+        forms = _core.closed_forms(scenes.bodies)
         found.update(_core.closed_form_names()[code] for code in np.unique(forms))
     assert found == {"axis spin", "free symmetric", "free asymmetric", "lagrange", "pendulum"}
 

@@ -16,6 +16,7 @@ from physics import LISTED, METHODS, present, rotation_angle, tilted
 from rigid.model.scene import Scene
 from rigid.solve import work
 from rigid.solve.cost_model import calibrated
+from rigid.solve.starts import bodies_of
 from small_maps import small_map
 
 FREE = rigid.FreeBody(rigid.Body((1.0, 2.0, 3.0)))
@@ -344,14 +345,7 @@ def test_a_swing_about_a_principal_axis_is_a_pendulum_if_all_bodies_swing() -> N
 def test_the_core_knows_the_closed_forms_that_are_planned(scene: Scene) -> None:
     rng = np.random.default_rng(7)
     omega, attitude = rng.normal(size=(20, 3)), rng.normal(size=(20, 4))
-    attitude /= np.linalg.norm(attitude, axis=1, keepdims=True)
-    forms = rigid._core.closed_forms(
-        scene=scene.kind,
-        moments=np.tile(scene.body.moments, (20, 1)),
-        weight=np.tile(scene.weight, (20, 1)),
-        omega=omega,
-        attitude=attitude,
-    )
+    forms = rigid._core.closed_forms(bodies_of(scene, omega, attitude))
     planned = rigid.plan(scene, "attitude").closed_form
     names = rigid._core.closed_form_names()
     assert {names[code] for code in forms} == {planned or ""}

@@ -17,6 +17,7 @@ import rigid
 from adversarial import KINDS
 from processes import python_process
 from rigid.model.scene import scene_from_dict
+from rigid.solve.starts import bodies_of
 from verdicts import judge
 
 Floats = NDArray[np.float64]
@@ -448,21 +449,8 @@ def test_on_an_orbit_the_rates_are_bounded() -> None:
             rotor=rng.normal(size=3),
         )
         omega = rng.normal(size=3)
-        forcing = scene.acting()
-        bounds = [
-            float(
-                rigid._core.fastest_rates(
-                    scene="free",
-                    moments=np.array([moments]),
-                    weight=np.zeros((1, 3)),
-                    omega=omega[np.newaxis],
-                    attitude=np.array([[1.0, 0.0, 0.0, 0.0]]),
-                    forces=forcing,
-                    span=np.array([[0.0, horizon]]),
-                )[0]
-            )
-            for horizon in (20.0, 1e6)
-        ]
+        bodies = bodies_of(scene, omega)
+        bounds = [float(bodies.fastest_rates((0.0, horizon))[0]) for horizon in (20.0, 1e6)]
         assert bounds[0] == bounds[1]
         run = rigid.simulate(scene, omega, t=np.linspace(0.0, 20.0, 400), record="rates")
         assert np.linalg.norm(run.omega, axis=1).max() <= bounds[0]

@@ -11,6 +11,7 @@ import rigid
 from physics import Floats, present, rotation_angle, tilted
 from rigid import Status, _core
 from rigid.model.scene import Scene
+from rigid.solve.request import Request
 
 TOP = rigid.HeavyTop(rigid.Body((1.0, 1.2, 0.5)), mgl=1.0, com=(0.6, 0.0, 0.8))
 
@@ -111,9 +112,9 @@ def test_a_body_that_hit_the_step_limit_is_not_run_again(
     calls = []
     core = _core.simulate
 
-    def counted(**request: Any) -> dict[str, Any]:
-        calls.append(len(request["omega"]))
-        return core(**request)
+    def counted(request: Request, *args: Any, **options: Any) -> _core.States:
+        calls.append(len(request.bodies))
+        return core(request, *args, **options)
 
     monkeypatch.setattr(_core, "simulate", counted)
     options: dict[str, Any] = {"method": "taylor12", "tolerance": 1e-12, "max_steps": 100}

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 import rigid
-from rigid import _core
 from rigid.model.scene import Scene
+from rigid.solve.request import Request
+from rigid.solve.starts import bodies_of
 
 FREE = rigid.FreeBody(rigid.Body((1.0, 2.0, 3.0)))
 TOP = rigid.HeavyTop(rigid.Body((1.0, 1.6, 0.7)), mgl=1.2, com=(0.6, 0.0, 0.8))
@@ -137,17 +138,11 @@ def test_the_core_refuses_arrays_that_it_cannot_fill(array: np.ndarray) -> None:
     with pytest.raises(
         ValueError, match=r"^omega: expected shape \[1, 1, 3\] of float64 or float32"
     ):
-        _core.simulate(
-            scene="free",
+        Request(
+            bodies=bodies_of(FREE, [1.0, 1.0, 1.0]),
+            times=np.zeros(1),
             method="exact",
             record="rates",
-            moments=np.array([[1.0, 2.0, 3.0]]),
-            weight=np.zeros((1, 3)),
-            omega=np.ones((1, 3)),
-            attitude=np.array([[1.0, 0.0, 0.0, 0.0]]),
-            step=None,
             max_steps=1,
             threads=1,
-            times=np.zeros((1, 1)),
-            out={"omega": array},
-        )
+        ).states(None, out={"omega": array})
