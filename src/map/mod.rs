@@ -19,7 +19,7 @@ pub use draw::{Laws, Mixed};
 pub use interval::{clopper_pearson, clopper_pearson_of_each};
 pub use joined::{Condition, Logic, MOST_CONDITIONS};
 pub use measure::{Measure, Quantity};
-pub use regular::{DEVIATIONS, PARTS, Rule, deviation_start};
+pub use regular::{DEVIATIONS, PARTS, Rule, SECOND as SECOND_OF_GROWTH, deviation_start};
 pub use request::{Map, MethodChoice, Pixel};
 pub use sketch::{Bin, Sketch};
 pub use statistics::{Class, Column, FIXED_POINT, Field, Outcome, Statistics};
@@ -367,27 +367,32 @@ impl Watched<'_> {
     /// The method of a run of a sample.
     fn method(&self, cross_check: bool) -> &'static Method {
         let method = self.first_method();
-        if cross_check { method.second(self.is_forced()) } else { method }
+        match (cross_check, self.criterion.rule()) {
+            (false, _) => method,
+            (true, Some(_)) => regular::SECOND,
+            (true, None) => method.second(self.is_forced()),
+        }
     }
 
     /// Number of steps of a run of a sample: whole blocks, no step longer than the map allows; above `max_steps` if the
-    /// rates need that many. A cross-check takes the steps of its method, and half the step that was asked for or that
-    /// the first run takes with the same method.
+    /// rates need that many. A cross-check takes steps of its own, and at most half the step that was asked for or, unless
+    /// it is of regularity, that the first run takes with the same method.
     fn steps_of(&self, body: &Body, forces: BodyForces, cross_check: bool) -> u64 {
         let method = self.method(cross_check);
         let rate = body.step_rate(method, forces, [0.0, self.t_end]);
-        let own = if cross_check {
-            default_step(method, rate)
-        } else {
-            self.method.default_step(self.criterion.rule().is_some(), rate)
+        let is_ruled = self.criterion.rule().is_some();
+        let own = match (cross_check, is_ruled) {
+            (false, _) => self.method.default_step(is_ruled, rate),
+            (true, true) => regular::second_step(rate, self.t_end),
+            (true, false) => default_step(method, rate),
         };
         let largest = match self.step {
             Some(step) if cross_check => own.min(0.5 * step),
             Some(step) => step,
-            None if cross_check && method == self.first_method() => 0.5 * own,
+            None if cross_check && !is_ruled && method == self.first_method() => 0.5 * own,
             None => own,
         };
-        let [multiple, fewest] = self.whole_steps();
+        let [multiple, fewest] = self.whole_steps(cross_check);
         let blocks = (self.t_end / largest / multiple as f64).ceil();
         // A NaN or an absurd number becomes one that no limit allows.
         if blocks < 1e17 { (blocks as u64 * multiple).max(fewest) } else { u64::MAX }

@@ -7,6 +7,7 @@ use super::{Class, Outcome, STEP_BLOCK, Watched};
 use crate::forces::BodyForces;
 use crate::kernel::{Group, System};
 use crate::kinematics::cross;
+use crate::method::{self, Method};
 use crate::observe::{Deviation, Growth};
 use crate::simd::Isa;
 use crate::start::Body;
@@ -24,6 +25,26 @@ pub(super) const BLOCK: u64 = STEP_BLOCK / 2;
 
 /// Least number of steps of a sample: the means need them.
 pub(super) const FEWEST: u64 = 64 * PARTS[0];
+
+/// And of the run that checks it: a sample that turns little then has other steps in both.
+const FEWEST_AGAIN: u64 = FEWEST + STEPS;
+
+/// The method of the run that checks a sample.
+pub const SECOND: &Method = &method::DOP853;
+
+/// Its longest step: the body turns by this angle (rad).
+const SECOND_ANGLE: f64 = 1.0;
+
+/// In runs over more than this angle (rad) its steps are shorter: the longer a run, the more often it passes a saddle, and
+/// the less it may err there.
+const SECOND_TURN: f64 = 1600.0;
+
+/// The longest step of the run that checks a sample with this bound of its rate. It follows no step of the first run, so
+/// that it is right where the steps of the user are too long, and wrong in half of them.
+pub(super) fn second_step(rate: f64, t_end: f64) -> f64 {
+    // Square roots have the same bits everywhere. The error of the whole run falls like 1 / t_end.
+    SECOND_ANGLE * (SECOND_TURN / (rate * t_end)).min(1.0).sqrt().sqrt() / rate
+}
 
 /// A deviation vector beyond 2^this, or below its inverse, is divided by a power of two.
 const LARGEST_EXPONENT: u64 = 256;
@@ -235,8 +256,12 @@ pub(super) fn keep_in_range<'a>(
 
 impl Watched<'_> {
     /// Steps of a sample are a multiple of the first number, and at least the second.
-    pub(super) fn whole_steps(&self) -> [u64; 2] {
-        if self.criterion.rule().is_some() { [STEPS, FEWEST] } else { [STEP_BLOCK; 2] }
+    pub(super) fn whole_steps(&self, cross_check: bool) -> [u64; 2] {
+        match (self.criterion.rule(), cross_check) {
+            (Some(_), false) => [STEPS, FEWEST],
+            (Some(_), true) => [STEPS, FEWEST_AGAIN],
+            (None, _) => [STEP_BLOCK; 2],
+        }
     }
 }
 
@@ -385,6 +410,16 @@ mod tests {
         for (means, class) in classes {
             assert_eq!(RULE.class(means), class, "{means:?}");
         }
+    }
+
+    #[test]
+    fn steps_of_the_second_run_are_shorter_in_long_runs() {
+        for (rate, t_end, step) in
+            [(2.0, 1.0, 0.5), (2.0, 800.0, 0.5), (2.0, 12800.0, 0.25), (4.0, 6400.0, 0.125)]
+        {
+            assert_eq!(second_step(rate, t_end), step);
+        }
+        assert_eq!(second_step(0.0, 100.0), f64::INFINITY);
     }
 
     #[test]

@@ -15,7 +15,7 @@ mod target;
 use crate::body::{Inertia, MomentStatus, principal_axes as axes_of};
 use crate::error::Error;
 use crate::float_environment::FloatEnvironment;
-use crate::map::MethodChoice;
+use crate::map::{MethodChoice, SECOND_OF_GROWTH};
 use crate::memory;
 use crate::method::{self, Method};
 use crate::scene::Scene;
@@ -162,7 +162,7 @@ fn methods(py: Python<'_>) -> PyResult<Vec<Bound<'_, PyDict>>> {
 }
 
 /// The names of the methods that are chosen by default: without a closed form, for the samples of a map, for the growth
-/// of deviation vectors in a map, to cross-check samples, and under strong damping.
+/// of deviation vectors in a map, to cross-check samples and such growth, and under strong damping.
 #[pyfunction]
 fn chosen_methods(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
     let names = PyDict::new(py);
@@ -170,6 +170,7 @@ fn chosen_methods(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
     names.set_item("map", MethodChoice::Auto.by_steps(false).facts.name)?;
     names.set_item("growth", MethodChoice::Auto.by_steps(true).facts.name)?;
     names.set_item("second", method::SECOND.facts.name)?;
+    names.set_item("second_growth", SECOND_OF_GROWTH.facts.name)?;
     names.set_item("stiff", method::STIFF.facts.name)?;
     Ok(names)
 }

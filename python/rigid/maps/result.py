@@ -59,7 +59,8 @@ class StabilityMap(MapData):
         Why bodies have failed: more than ``max_steps`` steps were needed; overflow; energy,
         momentum or unit lengths off by more than 0.1.
     checked : ndarray of int64
-        Bodies that the second method, ``taylor16``, has classified again.
+        Bodies that the second method, ``taylor16``, or ``dop853`` with :func:`rigid.regular`, has
+        classified again.
     audited, audited_undecided : ndarray of int64
         The checked whose check did not depend on their own outcome, and the undecided among them.
         Loaded maps of format 3 or 4 count all checks as audits.

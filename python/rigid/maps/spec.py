@@ -30,8 +30,10 @@ from ..solve.methods import (
     AUTO,
     EXACT,
     GROWTH_FALLBACK,
+    GROWTH_SECOND,
     MAP_FALLBACK,
     RETIRED,
+    SECOND,
     check_method,
     known_method,
     map_methods,
@@ -94,7 +96,7 @@ class MapSpec:
         Time step of the bodies that are integrated, s; None: the core picks one for each body from
         a bound of its rates.
     check : float or None
-        Share of the bodies of a pixel that ``taylor16`` classifies too, as a cross-check, in
+        Share of the bodies of a pixel that a second run classifies too, as a cross-check, in
         [0, 1]; None: the bodies whose class an error could change, and an audit of the others.
         Bodies with a closed form need none.
     max_steps : int
@@ -502,6 +504,11 @@ class MapSpec:
         if self.method not in (AUTO, EXACT):
             return self.method
         return GROWTH_FALLBACK if self.stable.has_deviation else MAP_FALLBACK
+
+    @property
+    def second(self) -> str:
+        """The method that classifies these bodies again."""
+        return GROWTH_SECOND if self.stable.has_deviation else SECOND
 
     def _require_closed_forms(self) -> None:
         """Raise ValueError, naming the first, if a possible body has no closed form."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ..solve.methods import AUTO, EXACT, SECOND
+from ..solve.methods import AUTO, EXACT
 from .data import CLASSES, FAILURES, MapData
 from .measured import Measured
 from .parameters import axis_letter
@@ -60,7 +60,7 @@ def _samples(data: MapData) -> str:
     if integrated:
         checked = {0: "none", integrated: "all"}.get(repeated, f"{repeated:,}")
         which = "" if integrated == done else " of those integrated"
-        text += f", {checked}{which} cross-checked by {SECOND}"
+        text += f", {checked}{which} cross-checked by {data.spec.second}"
         audited, differ = data.audited.sum(), data.audited_undecided.sum()
         if 0 < audited < repeated:
             text += f", {audited:,} of these as an audit: {differ:,} differ"

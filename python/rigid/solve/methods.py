@@ -15,6 +15,7 @@ __all__ = [
     "EXACT",
     "FALLBACK",
     "GROWTH_FALLBACK",
+    "GROWTH_SECOND",
     "MAP_FALLBACK",
     "RETIRED",
     "SECOND",
@@ -63,6 +64,9 @@ GROWTH_FALLBACK = _CHOSEN["growth"]
 
 SECOND = _CHOSEN["second"]
 """The method that classifies the samples of a map again."""
+
+GROWTH_SECOND = _CHOSEN["second_growth"]
+"""That of a map that measures the growth of deviation vectors."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -114,7 +114,9 @@ def stability_map(
         between leaving and the horizon, is within 30 times the root of this error of another class,
         or within 0.01 rad.
         A flip does not tell by how much it was missed: with ``no_flip`` the default is all bodies,
-        and so it is with ``regular``, whose second run has another deviation vector too.
+        and so it is with ``regular``, whose second run has another deviation vector too. That is by
+        ``dop853`` in steps of its own, of 1 rad and less, the less the longer the horizon, and at
+        most half of ``step``.
     rng : int, numpy.random.Generator or SeedSequence, optional
         The seed, or a source of its 128 bits; by default fresh entropy. ``result.spec.seed``
         stores the seed.

@@ -181,7 +181,43 @@ def test_the_rule_can_be_moved() -> None:
     assert (strict.unstable == plain.unstable).all()
 
 
-def test_the_check_has_another_deviation_and_another_method() -> None:
+@pytest.mark.parametrize(("method", "step"), [("dop853", 1.6), ("rk4", 0.4), ("splitting", 0.4)])
+def test_chaos_of_steps_that_are_too_long_is_seen(method: str, step: float) -> None:
+    """No Kovalevskaya top is chaotic; a second run in half of these steps would agree to some."""
+    start = rigid.Start(
+        omega=(0, 0, 0), noise=rigid.normal(1.0), attitude_noise=rigid.uniform_attitude()
+    )
+    asked: dict[str, Any] = {
+        "axes": {"mgl": [1.0]}, "start": start, "samples": 1024, "t_end": 800.0, "method": method
+    }  # fmt: skip
+    alone = regular_map(KOVALEVSKAYA, **asked, step=step, check=0.0)
+    checked = regular_map(KOVALEVSKAYA, **asked, step=step)
+    assert alone.unstable.sum() >= 5, "the steps are not long enough to show anything"
+    assert checked.unstable.sum() == 0
+    np.testing.assert_array_equal(checked.failed, alone.failed)
+
+
+def test_the_check_has_steps_of_its_own() -> None:
+    """Of 1 rad, at most half of those asked for, and others than the first run if both are few."""
+    asked: dict[str, Any] = {"axes": {"spin": [7.0]}, "start": rigid.Start(spin=0.0, tilt=0.6)}
+
+    def steps(t_end: float, **options: Any) -> list[int]:
+        alone, both = (
+            regular_map(**asked, t_end=t_end, **options, check=check).steps for check in (0.0, 1.0)
+        )
+        return [int(alone[0]), int(both[0] - alone[0])]
+
+    assert steps(10.0) == [512, 576]
+    first, second = steps(200.0)
+    # Both are whole blocks of 64 steps.
+    assert second == pytest.approx(1.25 * first, abs=128)
+    assert steps(200.0, method="rk4")[1] == steps(200.0, method="rk4", step=0.5)[1] == second
+    assert steps(200.0, step=0.02) == [10048, 20032]
+    # Over 16 times the time, 16 times the root of the root of 16.
+    assert steps(3200.0)[1] > 1.9 * 16 * second - 64
+
+
+def test_the_check_has_another_deviation() -> None:
     alone, checked = (regular_map(**CLOUD, check=check) for check in (0.0, None))
     assert alone.checked.sum() == 0
     assert (checked.checked == checked.samples).all()
