@@ -14,7 +14,7 @@ from .._checks.arrays import IDENTITY
 from ..model.leading import Shape
 from ..model.scene import Scene
 from ..model.torque import NO_EXPONENT, forces_of
-from .arrays import Range, in_rows, rows_of_each
+from .arrays import Range, in_rows, lengths, rows_of_each
 
 __all__ = ["Bodies"]
 
@@ -185,6 +185,16 @@ class Bodies:
             rates.flags.writeable = False
             self._rates[key] = rates
         return self._rates[key]
+
+    @np.errstate(all="ignore")
+    def weight_ratios(self, rates: Floats) -> Floats:
+        """``mgl / (I rate²)`` of each body, I its least moment, for bounds of its rates; (n,).
+
+        It tells how small a perturbation the weight is.
+        """
+        size = lengths(self.weight) / self.moments.min(axis=1)
+        ratios: Floats = np.where(size > 0.0, size / rates / rates, 0.0)
+        return ratios
 
     def note_rates(self, rates: Floats) -> None:
         """Keep the bounds that a run in closed form has returned."""

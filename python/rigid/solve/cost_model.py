@@ -48,6 +48,9 @@ ROUNDING = 1e-15
 PROCESSOR = 1e-12
 """Rounding (rad) of the change of variables before and after the steps of a processed method."""
 
+ROUNDED = 1.01
+"""A step may turn a body so many times the largest angle of a model: roundings add to it."""
+
 LAYER = 0.1
 """Steps longer than this share of the damping time do not resolve how damping forgets a start."""
 
@@ -58,19 +61,32 @@ class Constants:
 
     The error of a run is about ``factor theta**order`` per radian turned, ``theta`` being the angle
     that the body turns in a step, up to ``largest``. Of many bodies 95 % err by at most ``margin``
-    times as much.
+    times as much. Those of tops are known at some :meth:`ratios <.Bodies.weight_ratios>` of their
+    weight, in ascending order; those of other bodies do not depend on it.
     """
 
     order: int
-    factor: float
-    margin: float
-    largest: float
+    ratios: Floats
+    factors: Floats
+    margins: Floats
+    largests: Floats
     work: Mapping[str, Work]
 
-    @property
-    def longest(self) -> float:
-        """``largest``, and what roundings add to it: nothing is known of the error beyond."""
-        return 1.01 * self.largest
+    def at(self, ratios: Floats) -> AtRatios:
+        """The constants of bodies with these ratios of their weight, shape (n,)."""
+        known = (self.factors, self.margins, self.largests)
+        if len(self.ratios) == 1:
+            return AtRatios(*known)
+        return AtRatios(*(np.interp(ratios, self.ratios, values) for values in known))
+
+
+@dataclass(frozen=True, slots=True)
+class AtRatios:
+    """The constants of some bodies, or of all: shape (n,) or (1,) each."""
+
+    factor: Floats
+    margin: Floats
+    largest: Floats
 
 
 @cache
@@ -88,12 +104,12 @@ def _works(by_record: Mapping[str, list[float]]) -> dict[str, Work]:
 @cache
 def calibrated() -> dict[tuple[str, str], Constants]:
     """The constants of the methods, by name and class of bodies."""
+    ratios = _calibration()["ratios"]
     return {
         (name, kind): Constants(
             order_of(name),
-            entry["factor"],
-            entry["margin"],
-            entry["largest"],
+            np.array(ratios.get(kind, [0.0])),
+            *(np.array(entry[part]) for part in ("factor", "margin", "largest")),
             _works(entry["work"]),
         )
         for name, kinds in _calibration()["methods"].items()
@@ -138,15 +154,17 @@ def cheapest(
     kind: str,
     record: str,
     angles: Mapping[str, float],
+    ratio: float,
 ) -> str:
     """The method that needs the least time for this error after these angles.
 
-    Explicit steps follow the damping too: the angles include what damping takes away.
+    Explicit steps follow the damping too: the angles include what damping takes away. The ratio is
+    that of the weight.
     """
 
     def time(name: str) -> float:
         constants, angle = calibrated()[name, kind], angles[name]
-        turn = _turn(constants, accuracy, np.array(angle)).item()
+        turn = _turn(constants, accuracy, np.array(angle), np.array(ratio)).item()
         taken = max(angle, 1e-300) / turn if turn > 0.0 else math.inf
         return constants.work[record].step * taken
 
@@ -174,17 +192,21 @@ def check_attainable(accuracy: float, angles: Floats) -> None:
 
 
 @np.errstate(all="ignore")
-def steps_for(accuracy: float, constants: Constants, rates: Floats, span: float | Floats) -> Floats:
+def steps_for(
+    accuracy: float, constants: Constants, rates: Floats, span: float | Floats, ratios: Floats
+) -> Floats:
     """The step of each body whose error at the end is ``accuracy``."""
     # What does not turn needs no step.
-    return np.where(rates > 0.0, _turn(constants, accuracy, rates * span) / rates, np.inf)
+    turn = _turn(constants, accuracy, rates * span, ratios)
+    return np.where(rates > 0.0, turn / rates, np.inf)
 
 
-def _turn(constants: Constants, accuracy: float, angles: Floats) -> Floats:
+def _turn(constants: Constants, accuracy: float, angles: Floats, ratios: Floats) -> Floats:
     """The angle turned in a step for this error after these angles."""
+    known = constants.at(ratios)
     left = np.maximum(accuracy - ROUNDING * (1.0 + angles), 0.5 * accuracy)
-    turn = (left / (constants.factor * angles)) ** (1.0 / constants.order)
-    shorter: Floats = np.minimum(turn, constants.largest)
+    turn = (left / (known.factor * angles)) ** (1.0 / constants.order)
+    shorter: Floats = np.minimum(turn, known.largest)
     return shorter
 
 
@@ -263,8 +285,13 @@ def phase_error(
     if bodies.forces is not None:
         kinds = np.where(bodies.under_forces(), "forced", kinds)
     known, which = np.unique(kinds, return_inverse=True)
-    factors = np.array([calibrated()[method, kind].factor for kind in known.tolist()])
-    error: Floats = angles * factors[which] * (angles / taken) ** order_of(method)
+    ratios = bodies.weight_ratios(bodies.fastest_rates(time_ranges(times)))
+    factors = np.empty(len(bodies))
+    for number, kind in enumerate(known.tolist()):
+        # A row that serves all bodies has one class.
+        mine = slice(None) if len(known) == 1 else which == number
+        factors[mine] = calibrated()[method, kind].at(ratios[mine]).factor
+    error: Floats = angles * factors * (angles / taken) ** order_of(method)
     return error
 
 
@@ -276,6 +303,8 @@ class Motions:
     ----------
     rates : ndarray, shape (n,)
         The rates (rad/s) that the steps follow.
+    ratios : ndarray, shape (n,)
+        The ratios of the weight of the bodies.
     steps : ndarray, shape (n,)
         The longest steps (s).
     span : float, ndarray of shape (n,), or None
@@ -295,6 +324,7 @@ class Motions:
     """
 
     rates: Floats
+    ratios: Floats
     steps: Floats
     span: float | Floats | None
     states: int = 1
@@ -320,7 +350,7 @@ class Motions:
         return replace(self, **{name: some_of(getattr(self, name), bodies) for name in _OF_EACH})
 
 
-_OF_EACH = ("rates", "steps", "span", "damping", "nearness", "slowness", "rounding")
+_OF_EACH = ("rates", "ratios", "steps", "span", "damping", "nearness", "slowness", "rounding")
 
 
 def joined(parts: Sequence[Motions]) -> Motions:
@@ -363,14 +393,17 @@ def steps_estimate(
     taken = float(each.max(initial=0.0))
     counted = taken < 2.0**63
     constants = calibrated()[method, kind]
+    known = constants.at(motions.ratios)
     error, unknown = None, None
     turn = np.where(rates > 0.0, rates * motions.steps, 0.0)
-    widest = float(turn.max(initial=0.0))
+    too_wide = turn > ROUNDED * known.largest
     if is_stiff(method) and np.any(motions.steps * motions.damping > LAYER):
         unknown = f"the steps do not resolve the damping, as those of {LAYER:g} of its time do"
-    elif not widest <= constants.longest:
-        unknown = f"a step turns a body by {widest:.3g} rad, and the model of {method} holds up to \
-{constants.largest:g} rad"
+    elif np.any(too_wide):
+        body = int(np.argmax(too_wide))
+        largest = np.broadcast_to(known.largest, turn.shape)[body]
+        unknown = f"a step turns a body by {turn[body]:.3g} rad, and the model of {method} holds \
+up to {largest:.3g} rad"
     elif span is not None:
         if is_stiff(method):
             # The rates that other steps follow contain the damping.
@@ -379,9 +412,9 @@ def steps_estimate(
         error = ROUNDING * (1.0 + angles) + motions.rounding + PROCESSOR * is_processed(method)
         counts = np.maximum(angles, np.minimum(angles * motions.slowness, 1.0))
         truncation = (
-            constants.factor * (rates * motions.steps * motions.nearness) ** constants.order
+            known.factor * (rates * motions.steps * motions.nearness) ** constants.order
         )
-        error += constants.margin * counts * truncation
+        error += known.margin * counts * truncation
     return Estimate(
         step=shortest if shortest < np.inf else None,
         steps=int(taken) if counted else None,
