@@ -15,7 +15,7 @@ from .run import Run
 from .status import Status, status_by_error
 from .target import COLUMNS
 
-__all__ = ["end_records", "to_run"]
+__all__ = ["end_records", "made_steps", "to_run"]
 
 
 def end_records(
@@ -28,6 +28,14 @@ def end_records(
     for name in (*(column for column, _ in COLUMNS.values()), "tangent", "sensitivity"):
         if states.get(name) is not None:
             states[name][after] = np.nan
+
+
+def made_steps(
+    taken: NDArray[np.uint64], span: float | NDArray[np.float64]
+) -> dict[str, float | int | None]:
+    """The shortest step (s) and the most steps of bodies, as a plan has them."""
+    made = np.broadcast_to(span, taken.shape)[taken > 0] / taken[taken > 0]
+    return {"step": float(made.min()) if len(made) else None, "steps": int(taken.max(initial=0))}
 
 
 def to_run(

@@ -16,7 +16,14 @@ from .bodies import Bodies
 from .methods import angle_per_step, is_compensated, is_stiff, order_of, series_methods
 from .request import Request
 
-__all__ = ["HALVINGS", "is_damped_stiffly", "second_run"]
+__all__ = [
+    "HALVINGS",
+    "is_damped_stiffly",
+    "is_refined_alike",
+    "rounded_start",
+    "second_run",
+    "step_ratio",
+]
 
 Floats = NDArray[np.float64]
 
@@ -55,7 +62,7 @@ def second_run(
     Nearly all of their distance from the states of the first run is the error of the first run.
     """
     second = replace(
-        request, bodies=_rounded_start(request.bodies), max_steps=min(64 * request.max_steps, 2**63)
+        request, bodies=rounded_start(request.bodies), max_steps=min(64 * request.max_steps, 2**63)
     )
     if request.bodies.may_stop:
         return _past_stops(second, steps, refinement, taken)
@@ -71,20 +78,31 @@ def second_run(
             tighter *= 2.0 ** order_of(method)
         tolerance = max(request.tolerance / tighter, np.finfo(np.float64).tiny)
         return replace(second, method=method, tolerance=tolerance).states(None)
-    # Of forced bodies the order falls where damping is as fast as the steps.
-    ratio = max(
-        2.0 ** (halvings / order_of(request.method)), 1.2 if request.bodies.forces is None else 1.3
-    )
-    if is_damped_stiffly(request):
-        # Under strong damping the order of these methods falls.
-        ratio = max(ratio, 2.0)
-    if request.method == SUBDIVIDING and ratio == 4.0:
-        ratio = 6.0  # steps of a quarter are those that the first run may have divided
+    ratio = step_ratio(request.bodies, request.method, halvings)
     if request.method in series_methods() and not is_compensated(request.method):
         # Rounding that is alike in each step shows against none only.
         steps = _longest(second, request.method) if steps is None else steps
         second = replace(second, method=COMPENSATED)
     return second.states(steps, refinement * ratio)
+
+
+def step_ratio(bodies: Bodies, method: str, halvings: float = HALVINGS) -> float:
+    """How many times shorter the steps of the second run are, in steps of the same method."""
+    # Of forced bodies the order falls where damping is as fast as the steps.
+    ratio = max(2.0 ** (halvings / order_of(method)), 1.2 if bodies.forces is None else 1.3)
+    if bodies.forces is not None and is_stiff(method):
+        # Under strong damping the order of these methods falls.
+        ratio = max(ratio, 2.0)
+    if method == SUBDIVIDING and ratio == 4.0:
+        ratio = 6.0  # steps of a quarter are those that the first run may have divided
+    return ratio
+
+
+def is_refined_alike(bodies: Bodies, method: str) -> bool:
+    """Whether the second run is by the same method, and its error falls with its order."""
+    if bodies.forces is not None and (bodies.may_stop or is_stiff(method)):
+        return False
+    return method not in series_methods() or is_compensated(method)
 
 
 def _longest(request: Request, method: str) -> Floats:
@@ -110,7 +128,7 @@ def _past_stops(
     return replace(second, method=RUNGE_KUTTA, tolerance=None).states(longest)
 
 
-def _rounded_start(bodies: Bodies) -> Bodies:
+def rounded_start(bodies: Bodies) -> Bodies:
     """The bodies with their starts and their damping rounded otherwise.
 
     Two runs from one start would share what a saddle makes of its rounding, and two runs with one

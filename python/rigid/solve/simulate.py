@@ -32,7 +32,7 @@ from .closed_form import RECORDS
 from .error_estimate import ErrorEstimate, unknown_error
 from .events import check_event_method, find_events
 from .integrate import compute_states
-from .made_run import end_records, to_run
+from .made_run import end_records, made_steps, to_run
 from .methods import EXACT, series_methods
 from .parameters import check_parameters, parameter_changes
 from .plan import LazyPlan, Plan
@@ -293,8 +293,16 @@ def simulate(
             request = replace(request, times=np.minimum(times, found.last))
     every = method is None and step is None
     states, estimate = compute_states(
-        request, steps, accuracy, check=check, every=every, target=target
+        request,
+        steps,
+        accuracy,
+        check=check,
+        every=every,
+        pilot=method is None,
+        target=target,
     )
+    if accuracy is not None and chosen != EXACT:
+        plan.amend(**made_steps(states["steps"], time_span(request.times)))
     if chosen == EXACT:
         worst = largest(estimate.error)
         plan.amend(error=worst if worst < 1.0 else None)
