@@ -1,8 +1,8 @@
 """How much dearer the method of a plan is than the best one, for tops of several spins.
 
-Each method takes the longest steps with which no body errs by more than the accuracy; what counts is
-the processor time of these steps, in turns. Also printed: the time of ``accuracy=`` over that of the
-best steps.
+Each method takes the longest steps with which no body errs by more than the accuracy; what counts
+is the processor time of these steps, in turns. Also printed: the time of ``accuracy=`` over that of
+the best steps.
 
     python benches/chosen_methods.py
 """

@@ -72,21 +72,20 @@ class Constants:
     largests: Floats
     work: Mapping[str, Work]
 
-    def at(self, ratios: Floats) -> AtRatios:
-        """The constants of bodies with these ratios of their weight, shape (n,)."""
-        known = (self.factors, self.margins, self.largests)
-        if len(self.ratios) == 1:
-            return AtRatios(*known)
-        return AtRatios(*(np.interp(ratios, self.ratios, values) for values in known))
+    def factor(self, ratios: Floats) -> Floats:
+        """The factors of bodies with these ratios of their weight: (n,), or (1,) of all."""
+        return self._at(ratios, self.factors)
 
+    def margin(self, ratios: Floats) -> Floats:
+        """Their margins."""
+        return self._at(ratios, self.margins)
 
-@dataclass(frozen=True, slots=True)
-class AtRatios:
-    """The constants of some bodies, or of all: shape (n,) or (1,) each."""
+    def largest(self, ratios: Floats) -> Floats:
+        """Their largest angles."""
+        return self._at(ratios, self.largests)
 
-    factor: Floats
-    margin: Floats
-    largest: Floats
+    def _at(self, ratios: Floats, values: Floats) -> Floats:
+        return values if len(values) == 1 else np.interp(ratios, self.ratios, values)
 
 
 @cache
@@ -107,10 +106,12 @@ def calibrated() -> dict[tuple[str, str], Constants]:
     ratios = _calibration()["ratios"]
     return {
         (name, kind): Constants(
-            order_of(name),
-            np.array(ratios.get(kind, [0.0])),
-            *(np.array(entry[part]) for part in ("factor", "margin", "largest")),
-            _works(entry["work"]),
+            order=order_of(name),
+            ratios=np.array(ratios.get(kind, [0.0])),
+            factors=np.array(entry["factor"]),
+            margins=np.array(entry["margin"]),
+            largests=np.array(entry["largest"]),
+            work=_works(entry["work"]),
         )
         for name, kinds in _calibration()["methods"].items()
         for kind, entry in kinds.items()
@@ -203,10 +204,9 @@ def steps_for(
 
 def _turn(constants: Constants, accuracy: float, angles: Floats, ratios: Floats) -> Floats:
     """The angle turned in a step for this error after these angles."""
-    known = constants.at(ratios)
     left = np.maximum(accuracy - ROUNDING * (1.0 + angles), 0.5 * accuracy)
-    turn = (left / (known.factor * angles)) ** (1.0 / constants.order)
-    shorter: Floats = np.minimum(turn, known.largest)
+    turn = (left / (constants.factor(ratios) * angles)) ** (1.0 / constants.order)
+    shorter: Floats = np.minimum(turn, constants.largest(ratios))
     return shorter
 
 
@@ -290,7 +290,7 @@ def phase_error(
     for number, kind in enumerate(known.tolist()):
         # A row that serves all bodies has one class.
         mine = slice(None) if len(known) == 1 else which == number
-        factors[mine] = calibrated()[method, kind].at(ratios[mine]).factor
+        factors[mine] = calibrated()[method, kind].factor(ratios[mine])
     error: Floats = angles * factors * (angles / taken) ** order_of(method)
     return error
 
@@ -393,17 +393,17 @@ def steps_estimate(
     taken = float(each.max(initial=0.0))
     counted = taken < 2.0**63
     constants = calibrated()[method, kind]
-    known = constants.at(motions.ratios)
+    largest = constants.largest(motions.ratios)
     error, unknown = None, None
     turn = np.where(rates > 0.0, rates * motions.steps, 0.0)
-    too_wide = turn > ROUNDED * known.largest
+    too_wide = turn > ROUNDED * largest
     if is_stiff(method) and np.any(motions.steps * motions.damping > LAYER):
         unknown = f"the steps do not resolve the damping, as those of {LAYER:g} of its time do"
     elif np.any(too_wide):
         body = int(np.argmax(too_wide))
-        largest = np.broadcast_to(known.largest, turn.shape)[body]
+        most = np.broadcast_to(largest, turn.shape)[body]
         unknown = f"a step turns a body by {turn[body]:.3g} rad, and the model of {method} holds \
-up to {largest:.3g} rad"
+up to {most:.3g} rad"
     elif span is not None:
         if is_stiff(method):
             # The rates that other steps follow contain the damping.
@@ -412,9 +412,10 @@ up to {largest:.3g} rad"
         error = ROUNDING * (1.0 + angles) + motions.rounding + PROCESSOR * is_processed(method)
         counts = np.maximum(angles, np.minimum(angles * motions.slowness, 1.0))
         truncation = (
-            known.factor * (rates * motions.steps * motions.nearness) ** constants.order
+            constants.factor(motions.ratios)
+            * (rates * motions.steps * motions.nearness) ** constants.order
         )
-        error += known.margin * counts * truncation
+        error += constants.margin(motions.ratios) * counts * truncation
     return Estimate(
         step=shortest if shortest < np.inf else None,
         steps=int(taken) if counted else None,

@@ -13,12 +13,20 @@ from .error_estimate import (
     ErrorEstimate,
     checked_states,
     closed_form_error,
+    distances,
     estimate_error,
+    safety_of_finer,
     unknown_error,
 )
 from .methods import EXACT, order_of
 from .request import Request, select_states
-from .second_run import is_damped_stiffly, is_refined_alike
+from .second_run import (
+    HALVINGS,
+    HALVINGS_AGAIN,
+    is_damped_stiffly,
+    is_refined_alike,
+    step_ratio,
+)
 from .separatrix import separatrix_error
 from .target import PLAIN, Target
 
@@ -41,19 +49,13 @@ LEAST, MOST = 1.2, 8.0
 MUCH = 2.0
 """Steps shorter by less may err more: errors of few steps do not fall evenly."""
 
-HALVINGS_AGAIN = 4.0
-"""Halvings of the error by the second run of bodies that are integrated again.
-
-Mostly their motion multiplies errors. Two runs of which one errs by a quarter of the other then err
-alike by chance in 5 of 100 cases, by a sixteenth in 1 or 2."""
-
-STATED = 1.5
-"""So many times the error of the coarser run is stated as that of the finer: twice three quarters."""
+MULTIPLIED = 10.0
+"""Errors that are so many times as large as those of the model are multiplied by the motion."""
 
 PILOTED = 512
 """From so many bodies on a few are integrated first, and tell the steps of all."""
 
-SPARED = 1.15
+SPARED = 1.1
 """The other bodies of a call may err by so much more than those that are integrated first."""
 
 LONGEST = 1.5
@@ -124,8 +126,7 @@ def integrate(
     """
     forced = request.bodies.under_forces()
     if forced.any() and not forced.all():
-        options = {"check": check, "every": every, "pilot": pilot}
-        return _in_parts(request, steps, accuracy, forced, options)
+        return _in_parts(request, steps, accuracy, forced, check=check, every=every, pilot=pilot)
     if accuracy is not None and steps is not None:
         states, estimate = _refined(request, steps, accuracy, pilot=pilot, out=out)
     else:
@@ -151,14 +152,19 @@ def _in_parts(
     steps: Floats | None,
     accuracy: float | None,
     forced: NDArray[np.bool_],
-    options: Mapping[str, bool],
+    *,
+    check: bool,
+    every: bool,
+    pilot: bool,
 ) -> tuple[dict[str, Any], ErrorEstimate]:
     """Bodies under torque and damping, and those without: each part as if it were alone."""
     states: dict[str, Any] = {}
     estimate = unknown_error(len(forced))
     for mine in (np.flatnonzero(forced), np.flatnonzero(~forced)):
         longest = None if steps is None else steps[mine]
-        part, own = integrate(request.select(mine), longest, accuracy, **options)
+        part, own = integrate(
+            request.select(mine), longest, accuracy, check=check, every=every, pilot=pilot
+        )
         estimate.write(mine, own)
         states["nanoseconds"] = states.get("nanoseconds", 0) + part.pop("nanoseconds")
         for name, values in part.items():
@@ -198,14 +204,18 @@ def _refined(
     out: Mapping[str, NDArray[Any]] | None,
 ) -> tuple[dict[str, Any], ErrorEstimate]:
     """The states by about these steps, or shorter ones until they are accurate; their errors."""
-    order = order_of(request.method)
+    order, halvings = order_of(request.method), HALVINGS
     if is_refined_alike(request.bodies, request.method):
-        steps = steps * STATED ** (-1.0 / order)
-    if pilot and len(steps) >= PILOTED:
-        steps = steps * _scale_of_steps(request, steps, accuracy)
+        factor = _stated(HALVINGS)
+        if pilot and len(steps) >= PILOTED:
+            factor = _error_of_a_few(request, steps) / accuracy
+            if factor > MULTIPLIED:
+                factor *= _stated(HALVINGS_AGAIN) / _stated(HALVINGS)
+                halvings = HALVINGS_AGAIN
+        steps = steps / min(max(factor ** (1.0 / order), 1.0 / LONGEST), MOST)
     # Steps longer than any interval between output times are cut to the interval.
     steps = np.minimum(steps, intervals(request.times).max(axis=-1, initial=0.0))
-    states, estimate = checked_states(request, steps, out=out)
+    states, estimate = checked_states(request, steps, halvings=halvings, out=out)
     pending = np.flatnonzero(estimate.error > accuracy)
     stiffly = is_damped_stiffly(request)
     for attempt in range(1, ATTEMPTS + 1):
@@ -233,25 +243,32 @@ def _refined(
     return states, estimate
 
 
-def _scale_of_steps(request: Request, steps: Floats, accuracy: float) -> float:
-    """The factor of all steps with which a call takes the least time, by the errors of a few.
+def _stated(halvings: float) -> float:
+    """What is stated of the finer of two runs over the error of the coarser."""
+    return safety_of_finer(halvings) * (1.0 - 2.0**-halvings)
 
-    Steps with which one of the few is just accurate are compared: of those that err more another
-    attempt is made. The few are spread over the angles that the bodies turn.
+
+def _error_of_a_few(request: Request, steps: Floats) -> float:
+    """The stated error of one of a few bodies: steps with which it is just accurate are the best.
+
+    Of those that err more another attempt is made. The few are spread over the angles that the
+    bodies turn.
     """
     angles = request.bodies.fastest_rates(time_ranges(request.times)) * time_span(request.times)
     few = np.argsort(angles, kind="stable")[spread_indices(len(steps), SAMPLE)]
-    errors = checked_states(request.select(few), steps[few])[1].error
-    ascending = np.sort(errors[(errors > 0.0) & np.isfinite(errors)] / accuracy).tolist()
+    some, ratio = request.select(few), step_ratio(request.bodies, request.method)
+    apart = distances(some.states(steps[few]), some.states(steps[few], ratio))
+    errors = safety_of_finer(HALVINGS) * apart.max(axis=1, initial=0.0)
+    ascending = np.sort(errors[np.isfinite(errors)]).tolist()
     if not ascending:
-        return 1.0
+        return np.inf
     power = 1.0 / order_of(request.method)
     again = [AGAIN * (MARGIN * error) ** power for error in ascending]
     works = [
-        (len(ascending) * shorter + sum(again[number + 1 :]), shorter)
-        for number, shorter in enumerate((SPARED * error) ** power for error in ascending)
+        len(ascending) * (SPARED * error) ** power + sum(again[number + 1 :])
+        for number, error in enumerate(ascending)
     ]
-    return min(max(1.0 / min(works)[1], 1.0 / MOST), LONGEST)
+    return SPARED * float(ascending[works.index(min(works))])
 
 
 def _step_reductions(errors: Floats, accuracy: float, order: int) -> Floats:

@@ -32,10 +32,10 @@ def end_records(
 
 def made_steps(
     taken: NDArray[np.uint64], span: float | NDArray[np.float64]
-) -> dict[str, float | int | None]:
-    """The shortest step (s) and the most steps of bodies, as a plan has them."""
+) -> tuple[float | None, int]:
+    """The shortest step (s) of bodies that cover this time, and the most steps."""
     made = np.broadcast_to(span, taken.shape)[taken > 0] / taken[taken > 0]
-    return {"step": float(made.min()) if len(made) else None, "steps": int(taken.max(initial=0))}
+    return float(made.min()) if len(made) else None, int(taken.max(initial=0))
 
 
 def to_run(

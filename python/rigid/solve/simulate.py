@@ -302,7 +302,8 @@ def simulate(
         target=target,
     )
     if accuracy is not None and chosen != EXACT:
-        plan.amend(**made_steps(states["steps"], time_span(request.times)))
+        made, most = made_steps(states["steps"], time_span(request.times))
+        plan.amend(step=made, steps=most)
     if chosen == EXACT:
         worst = largest(estimate.error)
         plan.amend(error=worst if worst < 1.0 else None)
