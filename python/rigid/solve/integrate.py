@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from .arrays import intervals, spread_indices, time_ranges, time_span
 from .error_estimate import (
+    SAFETY,
     ErrorEstimate,
     checked_states,
     closed_form_error,
@@ -23,6 +24,7 @@ from .request import Request, select_states
 from .second_run import (
     HALVINGS,
     HALVINGS_AGAIN,
+    has_its_order,
     is_damped_stiffly,
     is_refined_alike,
     step_ratio,
@@ -49,7 +51,7 @@ LEAST, MOST = 1.2, 8.0
 MUCH = 2.0
 """Steps shorter by less may err more: errors of few steps do not fall evenly."""
 
-MULTIPLIED = 10.0
+MULTIPLIED = 5.0
 """Errors that are so many times as large as those of the model are multiplied by the motion."""
 
 PILOTED = 512
@@ -205,14 +207,14 @@ def _refined(
 ) -> tuple[dict[str, Any], ErrorEstimate]:
     """The states by about these steps, or shorter ones until they are accurate; their errors."""
     order, halvings = order_of(request.method), HALVINGS
-    if is_refined_alike(request.bodies, request.method):
-        factor = _stated(HALVINGS)
+    if has_its_order(request.bodies, request.method):
+        error = 1.0
         if pilot and len(steps) >= PILOTED:
-            factor = _error_of_a_few(request, steps) / accuracy
-            if factor > MULTIPLIED:
-                factor *= _stated(HALVINGS_AGAIN) / _stated(HALVINGS)
+            error = _error_of_a_few(request, steps) / accuracy
+            if error > MULTIPLIED:
                 halvings = HALVINGS_AGAIN
-        steps = steps / min(max(factor ** (1.0 / order), 1.0 / LONGEST), MOST)
+        shorter = (_stated(request, halvings) * error) ** (1.0 / order)
+        steps = steps / min(max(shorter, 1.0 / LONGEST), MOST)
     # Steps longer than any interval between output times are cut to the interval.
     steps = np.minimum(steps, intervals(request.times).max(axis=-1, initial=0.0))
     states, estimate = checked_states(request, steps, halvings=halvings, out=out)
@@ -243,22 +245,25 @@ def _refined(
     return states, estimate
 
 
-def _stated(halvings: float) -> float:
-    """What is stated of the finer of two runs over the error of the coarser."""
-    return safety_of_finer(halvings) * (1.0 - 2.0**-halvings)
+def _stated(request: Request, halvings: float) -> float:
+    """What is stated of the run that is returned, over the error of the first run."""
+    if not is_refined_alike(request.bodies, request.method):
+        return SAFETY
+    left: float = 2.0**-halvings
+    return safety_of_finer(halvings) * (1.0 - left)
 
 
 def _error_of_a_few(request: Request, steps: Floats) -> float:
-    """The stated error of one of a few bodies: steps with which it is just accurate are the best.
+    """The error of one of a few bodies, with these steps: the steps of all are best made for it.
 
-    Of those that err more another attempt is made. The few are spread over the angles that the
-    bodies turn.
+    Steps with which one of the few is just accurate are compared: of those that err more another
+    attempt is made. The few are spread over the angles that the bodies turn.
     """
     angles = request.bodies.fastest_rates(time_ranges(request.times)) * time_span(request.times)
     few = np.argsort(angles, kind="stable")[spread_indices(len(steps), SAMPLE)]
     some, ratio = request.select(few), step_ratio(request.bodies, request.method)
     apart = distances(some.states(steps[few]), some.states(steps[few], ratio))
-    errors = safety_of_finer(HALVINGS) * apart.max(axis=1, initial=0.0)
+    errors = apart.max(axis=1, initial=0.0) / (1.0 - ratio ** -order_of(request.method))
     ascending = np.sort(errors[np.isfinite(errors)]).tolist()
     if not ascending:
         return np.inf

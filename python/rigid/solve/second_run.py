@@ -19,6 +19,7 @@ from .request import Request
 __all__ = [
     "HALVINGS",
     "HALVINGS_AGAIN",
+    "has_its_order",
     "is_damped_stiffly",
     "is_refined_alike",
     "rounded_start",
@@ -105,11 +106,15 @@ def step_ratio(bodies: Bodies, method: str, halvings: float = HALVINGS) -> float
     return ratio
 
 
+def has_its_order(bodies: Bodies, method: str) -> bool:
+    """Whether the error falls with the order: not at a stop by drag, nor under strong damping."""
+    return bodies.forces is None or not (bodies.may_stop or is_stiff(method))
+
+
 def is_refined_alike(bodies: Bodies, method: str) -> bool:
-    """Whether the second run is by the same method, and its error falls with its order."""
-    if bodies.forces is not None and (bodies.may_stop or is_stiff(method)):
-        return False
-    return method not in series_methods() or is_compensated(method)
+    """Whether the second run is by the same method, and its error falls with the order."""
+    other = method in series_methods() and not is_compensated(method)
+    return has_its_order(bodies, method) and not other
 
 
 def _longest(request: Request, method: str) -> Floats:
