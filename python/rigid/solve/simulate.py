@@ -107,8 +107,10 @@ def simulate(
         of the method a step, from a bound of its rates.
     accuracy : float, optional
         Largest error of all states (see :attr:`Run.error`), instead of a step. Method and step
-        follow from a calibrated model of the error. Each body is then integrated again with shorter
-        steps, repeatedly, until its estimated error is below. A body whose error stays above,
+        follow from a calibrated model of the error; the steps of 512 bodies or more, for which no
+        method is given, from the errors of a few of them. Each body is integrated again with
+        shorter steps, repeatedly, until its estimated error is below, and the last run is returned,
+        whose step is that of :attr:`Run.plan`. A body whose error stays above,
         because of chaos or rounding, is :attr:`Run.flagged`. Without a method and a step the steps
         are made for 1e-8: :attr:`Run.error` tells how well each body meets it, and no body is
         integrated again.
