@@ -62,6 +62,7 @@ class Bodies:
     may_stop: bool = False
     scale_exponent: NDArray[np.intc] = field(default_factory=lambda: NO_EXPONENT)
     _rates: dict[object, Floats] = field(default_factory=dict, init=False, repr=False)
+    _forms: NDArray[np.uint8] | None = field(default=None, init=False, repr=False)
 
     @classmethod
     def of_scene(
@@ -203,12 +204,15 @@ class Bodies:
 
     def closed_forms(self) -> NDArray[np.uint8]:
         """The code of the closed form of each body from its start, 0 for none; shape (n,)."""
-        columns = self.columns()
-        columns.pop("forces", None)
-        forms = _core.closed_forms(**columns)
-        if self.forces is not None:
-            forms[self.under_forces()] = 0
-        return forms
+        if self._forms is None:
+            columns = self.columns()
+            columns.pop("forces", None)
+            forms = _core.closed_forms(**columns)
+            if self.forces is not None:
+                forms[self.under_forces()] = 0
+            forms.flags.writeable = False
+            self._forms = forms
+        return self._forms
 
     def _swings(self) -> Floats:
         """The rate of the swing of each body, or of all (rad/s)."""

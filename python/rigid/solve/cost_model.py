@@ -162,14 +162,54 @@ def cheapest(
     Explicit steps follow the damping too: the angles include what damping takes away. The ratio is
     that of the weight.
     """
+    names = tuple(name for name, known in calibrated() if known == kind and name in angles)
+    methods = _compared(names, kind, record)
+    factors, largests = methods.at(ratio)
+    each = np.array([angles[name] for name in names])
+    turn = _turn(accuracy, each, factors, largests, methods.orders)
+    times = np.where(turn > 0.0, methods.steps * np.maximum(each, 1e-300) / turn, np.inf)
+    return names[int(times.argmin())]
 
-    def time(name: str) -> float:
-        constants, angle = calibrated()[name, kind], angles[name]
-        turn = _turn(constants, accuracy, np.array(angle), np.array(ratio)).item()
-        taken = max(angle, 1e-300) / turn if turn > 0.0 else math.inf
-        return constants.work[record].step * taken
 
-    return min((name for name, known in calibrated() if known == kind and name in angles), key=time)
+@dataclass(frozen=True, slots=True)
+class _Methods:
+    """Constants of k methods for a class of bodies, known at r ratios of the weight.
+
+    Attributes
+    ----------
+    ratios : ndarray, shape (r,)
+    orders, steps : ndarray, shape (k,)
+        The orders, and the work of a step.
+    factors, largests : ndarray, shape (r, k)
+    """
+
+    ratios: Floats
+    orders: Floats
+    steps: Floats
+    factors: Floats
+    largests: Floats
+
+    def at(self, ratio: float) -> tuple[Floats, Floats]:
+        """Factors and largest angles, interpolated once for all methods."""
+        last = len(self.ratios) - 1
+        place = float(np.interp(ratio, self.ratios, np.arange(last + 1)))
+        low, high = int(place), min(int(place) + 1, last)
+        known = (self.factors, self.largests)
+        factors, largests = (rows[low] + (place - low) * (rows[high] - rows[low]) for rows in known)
+        return factors, largests
+
+
+@cache
+def _compared(names: tuple[str, ...], kind: str, record: str) -> _Methods:
+    """The constants of some methods, to be compared at once."""
+    each = [calibrated()[name, kind] for name in names]
+    return _Methods(
+        ratios=each[0].ratios,
+        orders=np.array([float(known.order) for known in each]),
+        steps=np.array([known.work[record].step for known in each]),
+        factors=np.stack([known.factors for known in each], axis=1),
+        largests=np.stack([known.largests for known in each], axis=1),
+    )
 
 
 CLASS_WORK: Mapping[str, float] = {
@@ -198,15 +238,18 @@ def steps_for(
 ) -> Floats:
     """The step of each body whose error at the end is ``accuracy``."""
     # What does not turn needs no step.
-    turn = _turn(constants, accuracy, rates * span, ratios)
+    known = constants.factor(ratios), constants.largest(ratios)
+    turn = _turn(accuracy, rates * span, *known, constants.order)
     return np.where(rates > 0.0, turn / rates, np.inf)
 
 
-def _turn(constants: Constants, accuracy: float, angles: Floats, ratios: Floats) -> Floats:
-    """The angle turned in a step for this error after these angles."""
+def _turn(
+    accuracy: float, angles: Floats, factors: Floats, largests: Floats, orders: Floats | int
+) -> Floats:
+    """The angle turned in a step for this error after these angles, at most the largest known."""
     left = np.maximum(accuracy - ROUNDING * (1.0 + angles), 0.5 * accuracy)
-    turn = (left / (constants.factor(ratios) * angles)) ** (1.0 / constants.order)
-    shorter: Floats = np.minimum(turn, constants.largest(ratios))
+    turn = (left / (factors * angles)) ** (1.0 / orders)
+    shorter: Floats = np.minimum(turn, largests)
     return shorter
 
 

@@ -57,8 +57,12 @@ MULTIPLIED = 5.0
 PILOTED = 512
 """From so many bodies on a few are integrated first, and tell the steps of all."""
 
-SPARED = 1.1
-"""The other bodies of a call may err by so much more than those that are integrated first."""
+SPARED = 1.2
+"""Steps are made for so much more than the error of those that are integrated first.
+
+Others may err more, and the errors of longer steps do not fall evenly. Of 150 clouds of 512 alike
+tops a tenth of the bodies or more were integrated again in 38 at 1.05, in 18 at 1.1, in 5 at 1.2
+and in 3 at 1.35; 1.2 took the least time."""
 
 LONGEST = 1.5
 """Steps are longer than those of the model by at most this, whatever the first bodies tell."""

@@ -61,7 +61,7 @@ def separatrices(bodies: Bodies) -> tuple[Floats, Floats]:
 
     Of tops and pendulums in closed form; 1 and 0 for free bodies.
     """
-    if bodies.forces is not None or not bodies.weight.any():
+    if bodies.forces is not None or not bodies.weight.any() or not bodies.closed_forms().any():
         return np.ones(len(bodies)), np.zeros(len(bodies))
     columns = bodies.full_columns()
     del columns["scene"]

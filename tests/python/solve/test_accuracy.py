@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -58,6 +60,7 @@ def test_the_plan_of_a_run_has_the_step_that_was_made(method: str | None, accura
     run = rigid.simulate(TOP, [0.5, 0.4, 2.5], t=[10.0], accuracy=accuracy, method=method)
     assert run.plan.step == 10.0 / run.steps
     assert run.plan.steps == run.steps
+    assert run.plan.step is not None
     # The quotient is rounded: a step that is shorter by it would make one step more.
     step = run.plan.step * (1.0 + 1e-15)
     again = rigid.simulate(TOP, [0.5, 0.4, 2.5], t=[10.0], method=run.plan.method, step=step)
@@ -71,7 +74,7 @@ def test_the_shortest_step_of_many_tops_is_that_of_the_plan() -> None:
 
 
 def test_a_given_method_moves_a_body_of_a_large_call_as_if_it_were_alone() -> None:
-    options = {"t": [20.0], "accuracy": 1e-6, "method": "dop853"}
+    options: dict[str, Any] = {"t": [20.0], "accuracy": 1e-6, "method": "dop853"}
     run = rigid.simulate(TOP, cloud(), **options)
     for body in (0, 333, MANY - 1):
         alone = rigid.simulate(TOP, cloud()[body], **options)
@@ -80,7 +83,7 @@ def test_a_given_method_moves_a_body_of_a_large_call_as_if_it_were_alone() -> No
 
 
 def test_the_steps_of_a_large_call_depend_on_neither_threads_nor_the_order_of_bodies() -> None:
-    options = {"t": [20.0], "accuracy": 1e-6}
+    options: dict[str, Any] = {"t": [20.0], "accuracy": 1e-6}
     run = rigid.simulate(TOP, cloud(), threads=1, **options)
     backward = rigid.simulate(TOP, cloud()[::-1], threads=2, **options)
     assert backward.omega[::-1].tobytes() == run.omega.tobytes()
@@ -92,13 +95,14 @@ def test_free_motions_and_kicks_err_in_proportion_to_the_weight_over_the_spin(me
     """At equal angles a step, four times the spin leaves a sixteenth of ``mgl / (I omega²)``."""
     errors, steps = [], []
     for spin in (8.0, 32.0):
-        options = {"t": [30.0 / spin], "method": method}
+        options: dict[str, Any] = {"t": [30.0 / spin], "method": method}
         run = rigid.simulate(TOP, cloud(spin, 32), step=0.5 / spin, check=False, **options)
         errors.append(float(np.median(true_errors(run))))
         plan = rigid.plan(
             TOP, omega=cloud(spin, 32), t_end=30.0 / spin, method=method, accuracy=1e-8
         )
-        steps.append(spin * present(plan.step))
+        assert plan.step is not None
+        steps.append(spin * plan.step)
     assert errors[0] / errors[1] == pytest.approx(16.0, rel=0.3)
     # They are of order 4: a sixteenth of the error allows twice the angle.
     assert steps[1] / steps[0] == pytest.approx(2.0, rel=0.2)
