@@ -3,7 +3,9 @@
 A run of a method of order p with steps in which the body turns by theta errs by about
 ``factor theta^p`` per radian turned, as long as theta is below ``largest``. The factor is the upper
 quartile over random bodies of each class, and 95 of 100 err by at most ``margin`` times as much;
-what chaos and saddles multiply comes on top and is found by the run itself. Costs are parts of
+what chaos and saddles multiply comes on top and is found by the run itself. Those of tops are
+measured at several spins, and kept beside the ratio of the weight, ``mgl / (I omega^2)``: methods
+of free motions and kicks err in proportion to it, or to a power. Costs are parts of
 :class:`rigid.solve.work.Work`, in its unit: processor times over those of reference runs in
 between, medians of seven.
 
@@ -39,11 +41,15 @@ METHODS = sized(None, 3)
 """So many of the methods; None for all."""
 CLOSED = ("free", "lagrange")
 """Classes with a closed form."""
+OF_WEIGHT = ("top",)
+"""Classes of which the errors are measured at several ratios of the weight."""
 ERRORS = ("factor", "margin", "largest")
 RECORDS = ("rates", "axis", "attitude")
 BODIES, BODIES_OF_MARGINS = sized((48, 192), (4, 4))
 MARGIN = 5.0
 """The least margin: a run may be longer than these, and what is chaotic grows."""
+SPINS = sized((40.0, 16.0, 8.0, 4.0, 2.0, 1.0, 0.3), (40.0, 1.0))
+"""How many times faster the tops spin; the ratios of their weight ascend."""
 ANGLE = 30.0
 """Radians that the bodies turn at most."""
 TURNS = 2.0 ** (-0.5 * np.arange(-2, 22))
@@ -56,8 +62,8 @@ OTHER_DATA = np.ones(2**20)
 """What a program does between two calls: the caches are not those of the last call."""
 
 
-def bodies(kind: str, count: int) -> Bodies:
-    """Random bodies that turn by about a radian in a unit of time."""
+def bodies(kind: str, count: int, spin: float = 1.0) -> Bodies:
+    """Random bodies that turn by about a radian in a unit of time, or so many times as far."""
     # A forced body is a top under damping.
     rng = np.random.default_rng([2026, min(KINDS.index(kind), 2)])
     parts = rng.uniform(0.2, 1.2, (count, 3))
@@ -80,7 +86,7 @@ def bodies(kind: str, count: int) -> Bodies:
         shape=(count,),
         moments=moments,
         weight=weight,
-        omega=rng.normal(size=(count, 3)),
+        omega=spin * rng.normal(size=(count, 3)),
         attitude=attitude,
         forces=damped if kind == "forced" else None,
     )
@@ -111,8 +117,8 @@ def simulate(table: Bodies, method: str, record: str, steps: Any, times: Any) ->
 class Truth:
     """Random bodies of a class, and where they are after ``ANGLE``."""
 
-    def __init__(self, kind: str, count: int) -> None:
-        self.table = bodies(kind, count)
+    def __init__(self, kind: str, count: int, spin: float = 1.0) -> None:
+        self.table = bodies(kind, count, spin)
         self.rates = _core.fastest_rates(self.table)
         self.until = ANGLE / float(np.median(self.rates))
         best = max(methods(), key=lambda method: (not method.symplectic, method.order))
@@ -131,6 +137,11 @@ class Truth:
         with np.errstate(all="ignore"):
             error = distances(states, self.states)[:, 0]
         return np.where((states["status"] == 0) & np.isfinite(error), error, np.inf)
+
+    def ratio(self) -> float:
+        """The median of the ratios of the weight."""
+        size = np.linalg.norm(self.table["weight"], axis=1) / self.table["moments"].min(axis=1)
+        return float(np.median(size / self.rates**2))
 
     def model(self, order: int, turn: float) -> Any:
         """The error of the model with a factor of one."""
@@ -213,23 +224,29 @@ def work(kind: str, name: str, record: str) -> list[float]:
     body = max((first - alone) / many - state - (group_state + step) / LANES, 0.0)
     call = max(alone - body - state - group_state - step_of_one, 0.0)
     parts = (call, body, group_state, state, step_of_one, step, end)
-    return [float(f"{part:.3g}") for part in parts]
+    return [rounded(part) for part in parts]
 
 
-def calibrated_errors(kind: str) -> dict[str, dict[str, Any]]:
-    """Factor, margin and longest step of each method that moves bodies of a class."""
-    truth, many = Truth(kind, BODIES), Truth(kind, BODIES_OF_MARGINS)
+def calibrated_errors(kind: str) -> tuple[dict[str, dict[str, Any]], list[float]]:
+    """Factors, margins and longest steps of each method that moves bodies of a class, by ratios."""
+    spins = SPINS if kind in OF_WEIGHT else (1.0,)
+    truths = [(Truth(kind, BODIES, s), Truth(kind, BODIES_OF_MARGINS, s)) for s in spins]
     found: dict[str, dict[str, Any]] = {}
     for method in methods()[:METHODS]:
-        if kind != "forced" or method.forces:
+        if kind == "forced" and not method.forces:
+            continue
+        for truth, many in truths:
             limits = errors(method.name, method.order, truth)
             if limits is not None:
                 values = (limits[0], margin(method.name, method.order, *limits, many), limits[1])
-                found[method.name] = {
-                    part: float(f"{positive(f'{part} of {method.name}', value):.3g}")
-                    for part, value in zip(ERRORS, values, strict=True)
-                }
-    return found
+                for part, value in zip(ERRORS, values, strict=True):
+                    of_part = found.setdefault(method.name, {}).setdefault(part, [])
+                    of_part.append(rounded(positive(f"{part} of {method.name}", value)))
+    return found, [rounded(many.ratio()) for _, many in truths]
+
+
+def rounded(value: float) -> float:
+    return float(f"{value:.3g}")
 
 
 def main() -> None:
@@ -241,12 +258,15 @@ def main() -> None:
     known = json.loads(TARGET.read_text())
     calibrated: dict[str, Any] = {}
     closed: dict[str, Any] = known["closed forms"]
+    ratios: dict[str, list[float]] = known["ratios"]
     for kind in MEASURED:
         of_kind = {name: at[kind] for name, at in known["methods"].items() if kind in at}
         if chosen.costs:
             found = {name: {part: old[part] for part in ERRORS} for name, old in of_kind.items()}
         else:
-            found = calibrated_errors(kind)
+            found, of_weight = calibrated_errors(kind)
+            if kind in OF_WEIGHT:
+                ratios[kind] = of_weight
         for name, entry in found.items():
             if chosen.errors:
                 entry["work"] = of_kind[name]["work"]
@@ -263,7 +283,12 @@ def main() -> None:
         "bodies": BODIES,
         "angle": ANGLE,
     }
-    written = {"machine": machine, "methods": calibrated, "closed forms": closed}
+    written = {
+        "machine": machine,
+        "ratios": ratios,
+        "methods": calibrated,
+        "closed forms": closed,
+    }
     if not QUICK:
         TARGET.write_text(json.dumps(written, indent=1) + "\n")
 

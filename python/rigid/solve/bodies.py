@@ -14,7 +14,7 @@ from .._checks.arrays import IDENTITY
 from ..model.leading import Shape
 from ..model.scene import Scene
 from ..model.torque import NO_EXPONENT, forces_of
-from .arrays import Range, in_rows, rows_of_each
+from .arrays import Range, in_rows, lengths, rows_of_each
 
 __all__ = ["Bodies"]
 
@@ -62,6 +62,7 @@ class Bodies:
     may_stop: bool = False
     scale_exponent: NDArray[np.intc] = field(default_factory=lambda: NO_EXPONENT)
     _rates: dict[object, Floats] = field(default_factory=dict, init=False, repr=False)
+    _forms: NDArray[np.uint8] | None = field(default=None, init=False, repr=False)
 
     @classmethod
     def of_scene(
@@ -180,6 +181,16 @@ class Bodies:
             self._rates[key] = rates
         return self._rates[key]
 
+    @np.errstate(all="ignore")
+    def weight_ratios(self, rates: Floats) -> Floats:
+        """``mgl / (I rate²)`` of each body, I its least moment, for bounds of its rates; (n,).
+
+        It tells how small a perturbation the weight is.
+        """
+        size = lengths(self.weight) / self.moments.min(axis=1)
+        ratios: Floats = np.where(size > 0.0, size / rates / rates, 0.0)
+        return ratios
+
     def note_rates(self, rates: Floats) -> None:
         """Keep the bounds that a run in closed form has returned."""
         if self.forces is None:
@@ -187,10 +198,13 @@ class Bodies:
 
     def closed_forms(self) -> NDArray[np.uint8]:
         """The code of the closed form of each body from its start, 0 for none; shape (n,)."""
-        forms = _core.closed_forms(self)
-        if self.forces is not None:
-            forms[self.under_forces()] = 0
-        return forms
+        if self._forms is None:
+            forms = _core.closed_forms(self)
+            if self.forces is not None:
+                forms[self.under_forces()] = 0
+            forms.flags.writeable = False
+            self._forms = forms
+        return self._forms
 
     def _swings(self) -> Floats:
         """The rate of the swing of each body, or of all (rad/s)."""

@@ -43,8 +43,9 @@ Floats = NDArray[np.float64]
 USUAL_ACCURACY = 1e-8
 """The accuracy of states for which neither a method nor a step is asked."""
 
-USUAL_ANGLE = 100.0
-"""Angle (rad) after which the cheapest method is compared where the true one is not known."""
+USUAL_ANGLE, USUAL_RATIO = 100.0, 0.1
+"""Angle (rad) after which, and ratio of the weight at which, the cheapest method is compared where
+the true ones are not known."""
 
 LOST_ANGLE = 1e15
 """A body that turns by more (rad) has lost all digits of its phase."""
@@ -237,6 +238,7 @@ def _usually_cheapest(problem: Problem, method: str, why: list[str]) -> str:
         str(problem.classes()[0]),
         stepped_record(problem, method),
         dict.fromkeys(names, USUAL_ANGLE),
+        USUAL_RATIO,
     )
     why.append(f"{usual} is mostly the cheapest method for an error of {USUAL_ACCURACY:g}")
     return usual
@@ -262,6 +264,7 @@ def _accurate(
     # Of bodies of several classes the most decide about the method, each class about its steps.
     kinds, counts = np.unique(classes, return_counts=True)
     kind = "forced" if problem.scene.forces else str(kinds[counts.argmax()])
+    ratios = problem.bodies.weight_ratios(turning)
     if problem.method is None:
         if problem.scene.forces:
             angles = {
@@ -271,7 +274,7 @@ def _accurate(
         else:
             angles = dict.fromkeys(plain_methods(), _largest_angle(turning, span))
         record = stepped_record(problem, method)
-        method = cheapest(accuracy, kind, record, angles)
+        method = cheapest(accuracy, kind, record, angles, _median(ratios))
         why.append(f"{method} is the cheapest method for an error of {accuracy:g}")
     why.append(f"the step follows from the error of {accuracy:g} at the end")
     rates = problem.bodies.fastest_rates(problem.times, method)
@@ -279,9 +282,14 @@ def _accurate(
     for own in kinds.tolist():
         mine = slice(None) if len(classes) == 1 else np.flatnonzero(classes == own)
         steps[mine] = steps_for(
-            accuracy, calibrated()[method, own], rates[mine], some_of(span, mine)
+            accuracy, calibrated()[method, own], rates[mine], some_of(span, mine), ratios[mine]
         )
     return method, steps
+
+
+def _median(ratios: Floats) -> float:
+    """The median of the ratios of the weight, 0 of no bodies."""
+    return float(np.median(ratios)) if len(ratios) else 0.0
 
 
 def _largest_angle(rates: Floats, span: float | Floats) -> float:

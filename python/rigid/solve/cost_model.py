@@ -49,6 +49,9 @@ ROUNDING = _core.ROUNDING
 PROCESSOR = 1e-12
 """Rounding (rad) of the change of variables before and after the steps of a processed method."""
 
+ROUNDED = 1.01
+"""A step may turn a body so many times the largest angle of a model: roundings add to it."""
+
 LAYER = 0.1
 """Steps longer than this share of the damping time do not resolve how damping forgets a start."""
 
@@ -59,19 +62,31 @@ class Constants:
 
     The error of a run is about ``factor theta**order`` per radian turned, ``theta`` being the angle
     that the body turns in a step, up to ``largest``. Of many bodies 95 % err by at most ``margin``
-    times as much.
+    times as much. Those of tops are known at some :meth:`ratios <.Bodies.weight_ratios>` of their
+    weight, in ascending order; those of other bodies do not depend on it.
     """
 
     order: int
-    factor: float
-    margin: float
-    largest: float
+    ratios: Floats
+    factors: Floats
+    margins: Floats
+    largests: Floats
     work: Mapping[str, Work]
 
-    @property
-    def longest(self) -> float:
-        """``largest``, and what roundings add to it: nothing is known of the error beyond."""
-        return 1.01 * self.largest
+    def factor(self, ratios: Floats) -> Floats:
+        """The factors of bodies with these ratios of their weight: (n,), or (1,) of all."""
+        return self._at(ratios, self.factors)
+
+    def margin(self, ratios: Floats) -> Floats:
+        """Their margins."""
+        return self._at(ratios, self.margins)
+
+    def largest(self, ratios: Floats) -> Floats:
+        """Their largest angles."""
+        return self._at(ratios, self.largests)
+
+    def _at(self, ratios: Floats, values: Floats) -> Floats:
+        return values if len(values) == 1 else np.interp(ratios, self.ratios, values)
 
 
 @cache
@@ -89,13 +104,15 @@ def _works(by_record: Mapping[str, list[float]]) -> dict[str, Work]:
 @cache
 def calibrated() -> dict[tuple[str, str], Constants]:
     """The constants of the methods, by name and class of bodies."""
+    ratios = _calibration()["ratios"]
     return {
         (name, kind): Constants(
-            order_of(name),
-            entry["factor"],
-            entry["margin"],
-            entry["largest"],
-            _works(entry["work"]),
+            order=order_of(name),
+            ratios=np.array(ratios.get(kind, [0.0])),
+            factors=np.array(entry["factor"]),
+            margins=np.array(entry["margin"]),
+            largests=np.array(entry["largest"]),
+            work=_works(entry["work"]),
         )
         for name, kinds in _calibration()["methods"].items()
         for kind, entry in kinds.items()
@@ -139,19 +156,61 @@ def cheapest(
     kind: str,
     record: str,
     angles: Mapping[str, float],
+    ratio: float,
 ) -> str:
     """The method that needs the least time for this error after these angles.
 
-    Explicit steps follow the damping too: the angles include what damping takes away.
+    Explicit steps follow the damping too: the angles include what damping takes away. The ratio is
+    that of the weight.
+    """
+    names = tuple(name for name, known in calibrated() if known == kind and name in angles)
+    methods = _compared(names, kind, record)
+    factors, largests = methods.at(ratio)
+    each = np.array([angles[name] for name in names])
+    turn = _turn(accuracy, each, factors, largests, methods.orders)
+    times = np.where(turn > 0.0, methods.steps * np.maximum(each, 1e-300) / turn, np.inf)
+    return names[int(times.argmin())]
+
+
+@dataclass(frozen=True, slots=True)
+class _Methods:
+    """Constants of k methods for a class of bodies, known at r ratios of the weight.
+
+    Attributes
+    ----------
+    ratios : ndarray, shape (r,)
+    orders, steps : ndarray, shape (k,)
+        The orders, and the work of a step.
+    factors, largests : ndarray, shape (r, k)
     """
 
-    def time(name: str) -> float:
-        constants, angle = calibrated()[name, kind], angles[name]
-        turn = _turn(constants, accuracy, np.array(angle)).item()
-        taken = max(angle, 1e-300) / turn if turn > 0.0 else math.inf
-        return constants.work[record].step * taken
+    ratios: Floats
+    orders: Floats
+    steps: Floats
+    factors: Floats
+    largests: Floats
 
-    return min((name for name, known in calibrated() if known == kind and name in angles), key=time)
+    def at(self, ratio: float) -> tuple[Floats, Floats]:
+        """Factors and largest angles, interpolated once for all methods."""
+        last = len(self.ratios) - 1
+        place = float(np.interp(ratio, self.ratios, np.arange(last + 1)))
+        low, high = int(place), min(int(place) + 1, last)
+        known = (self.factors, self.largests)
+        factors, largests = (rows[low] + (place - low) * (rows[high] - rows[low]) for rows in known)
+        return factors, largests
+
+
+@cache
+def _compared(names: tuple[str, ...], kind: str, record: str) -> _Methods:
+    """The constants of some methods, to be compared at once."""
+    each = [calibrated()[name, kind] for name in names]
+    return _Methods(
+        ratios=each[0].ratios,
+        orders=np.array([float(known.order) for known in each]),
+        steps=np.array([known.work[record].step for known in each]),
+        factors=np.stack([known.factors for known in each], axis=1),
+        largests=np.stack([known.largests for known in each], axis=1),
+    )
 
 
 CLASS_WORK: Mapping[str, float] = {
@@ -175,17 +234,23 @@ def check_attainable(accuracy: float, angles: Floats) -> None:
 
 
 @np.errstate(all="ignore")
-def steps_for(accuracy: float, constants: Constants, rates: Floats, span: float | Floats) -> Floats:
+def steps_for(
+    accuracy: float, constants: Constants, rates: Floats, span: float | Floats, ratios: Floats
+) -> Floats:
     """The step of each body whose error at the end is ``accuracy``."""
     # What does not turn needs no step.
-    return np.where(rates > 0.0, _turn(constants, accuracy, rates * span) / rates, np.inf)
+    known = constants.factor(ratios), constants.largest(ratios)
+    turn = _turn(accuracy, rates * span, *known, constants.order)
+    return np.where(rates > 0.0, turn / rates, np.inf)
 
 
-def _turn(constants: Constants, accuracy: float, angles: Floats) -> Floats:
-    """The angle turned in a step for this error after these angles."""
+def _turn(
+    accuracy: float, angles: Floats, factors: Floats, largests: Floats, orders: Floats | int
+) -> Floats:
+    """The angle turned in a step for this error after these angles, at most the largest known."""
     left = np.maximum(accuracy - ROUNDING * (1.0 + angles), 0.5 * accuracy)
-    turn = (left / (constants.factor * angles)) ** (1.0 / constants.order)
-    shorter: Floats = np.minimum(turn, constants.largest)
+    turn = (left / (factors * angles)) ** (1.0 / orders)
+    shorter: Floats = np.minimum(turn, largests)
     return shorter
 
 
@@ -270,8 +335,13 @@ def phase_error(
     if bodies.forces is not None:
         kinds = np.where(bodies.under_forces(), "forced", kinds)
     known, which = np.unique(kinds, return_inverse=True)
-    factors = np.array([calibrated()[method, kind].factor for kind in known.tolist()])
-    error: Floats = angles * factors[which] * (angles / taken) ** order_of(method)
+    ratios = bodies.weight_ratios(bodies.fastest_rates(time_ranges(times)))
+    factors = np.empty(len(bodies))
+    for number, kind in enumerate(known.tolist()):
+        # A row that serves all bodies has one class.
+        mine = slice(None) if len(known) == 1 else which == number
+        factors[mine] = calibrated()[method, kind].factor(ratios[mine])
+    error: Floats = angles * factors * (angles / taken) ** order_of(method)
     return error
 
 
@@ -283,6 +353,8 @@ class Motions:
     ----------
     rates : ndarray, shape (n,)
         The rates (rad/s) that the steps follow.
+    ratios : ndarray, shape (n,)
+        The ratios of the weight of the bodies.
     steps : ndarray, shape (n,)
         The longest steps (s).
     span : float, ndarray of shape (n,), or None
@@ -302,6 +374,7 @@ class Motions:
     """
 
     rates: Floats
+    ratios: Floats
     steps: Floats
     span: float | Floats | None
     states: int = 1
@@ -327,7 +400,7 @@ class Motions:
         return replace(self, **{name: some_of(getattr(self, name), bodies) for name in _OF_EACH})
 
 
-_OF_EACH = ("rates", "steps", "span", "damping", "nearness", "slowness", "rounding")
+_OF_EACH = ("rates", "ratios", "steps", "span", "damping", "nearness", "slowness", "rounding")
 
 
 def joined(parts: Sequence[Motions]) -> Motions:
@@ -370,14 +443,17 @@ def steps_estimate(
     taken = float(each.max(initial=0.0))
     counted = taken < 2.0**63
     constants = calibrated()[method, kind]
+    largest = constants.largest(motions.ratios)
     error, unknown = None, None
     turn = np.where(rates > 0.0, rates * motions.steps, 0.0)
-    widest = float(turn.max(initial=0.0))
+    too_wide = turn > ROUNDED * largest
     if is_stiff(method) and np.any(motions.steps * motions.damping > LAYER):
         unknown = f"the steps do not resolve the damping, as those of {LAYER:g} of its time do"
-    elif not widest <= constants.longest:
-        unknown = f"a step turns a body by {widest:.3g} rad, and the model of {method} holds up to \
-{constants.largest:g} rad"
+    elif np.any(too_wide):
+        body = int(np.argmax(too_wide))
+        most = np.broadcast_to(largest, turn.shape)[body]
+        unknown = f"a step turns a body by {turn[body]:.3g} rad, and the model of {method} holds \
+up to {most:.3g} rad"
     elif span is not None:
         if is_stiff(method):
             # The rates that other steps follow contain the damping.
@@ -386,9 +462,10 @@ def steps_estimate(
         error = ROUNDING * (1.0 + angles) + motions.rounding + PROCESSOR * is_processed(method)
         counts = np.maximum(angles, np.minimum(angles * motions.slowness, 1.0))
         truncation = (
-            constants.factor * (rates * motions.steps * motions.nearness) ** constants.order
+            constants.factor(motions.ratios)
+            * (rates * motions.steps * motions.nearness) ** constants.order
         )
-        error += constants.margin * counts * truncation
+        error += constants.margin(motions.ratios) * counts * truncation
     return Estimate(
         step=shortest if shortest < np.inf else None,
         steps=int(taken) if counted else None,

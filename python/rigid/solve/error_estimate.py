@@ -8,9 +8,13 @@ times the difference is stated: nearly always more than the error, and seldom mu
 extrapolation is Richardson's (Hairer, Nørsett, Wanner, *Solving Ordinary Differential Equations I*,
 § II.4).
 
+For an accuracy the finer of the two runs is returned. It errs by a third of the difference, and
+twice the difference is stated; three times where the second run errs by a sixteenth, because there
+the motion multiplies errors.
+
 The second run divides the steps of the first: between any two output times it takes at least one
-step more. It begins at a start that is rounded otherwise. The runs are compared at every output
-time.
+step more. The run that is not returned begins at a start that is rounded otherwise. The runs are
+compared at every output time.
 """
 
 from __future__ import annotations
@@ -29,14 +33,23 @@ from .cost_model import ROUNDING, phase_error
 from .request import Request, select_states
 from .rounding import REST, common_rounding, rounding_of_damping
 from .saddle import RateSizes, departure, homoclinic, separatrices
-from .second_run import HALVINGS, is_damped_stiffly, second_run
+from .second_run import (
+    HALVINGS,
+    is_damped_stiffly,
+    is_refined_alike,
+    rounded_start,
+    second_run,
+    step_ratio,
+)
 from .status import Status
 
 __all__ = [
     "ErrorEstimate",
+    "checked_states",
     "closed_form_error",
     "distances",
     "estimate_error",
+    "safety_of_finer",
     "unknown_error",
 ]
 
@@ -44,6 +57,9 @@ Floats = NDArray[np.float64]
 
 SAFETY = 3.0
 """The difference of two runs times this is stated as the error."""
+
+SAFETY_OF_FINER = 2.0
+"""The same of the finer of two runs, if that errs by a quarter of the other."""
 
 RINGING = "midpoint"
 """Under strong damping its rates change sign each step and hardly decay: it is not L-stable."""
@@ -116,6 +132,32 @@ def closed_form_error(bodies: Bodies, times: Floats, omega: Floats) -> ErrorEsti
     return ErrorEstimate(error, np.where(backward & (lost < np.inf), -lost, lost))
 
 
+def safety_of_finer(halvings: float) -> float:
+    """The difference of two runs times this is stated as the error of the finer."""
+    return SAFETY_OF_FINER if halvings == HALVINGS else SAFETY
+
+
+def checked_states(
+    request: Request,
+    steps: Floats,
+    refinement: float = 1.0,
+    halvings: float = HALVINGS,
+    out: Mapping[str, NDArray[Any]] | None = None,
+) -> tuple[dict[str, Any], ErrorEstimate]:
+    """The states of the second run, whose steps are shorter than these (s), and their errors.
+
+    Where the second run is another one than of shorter steps, the states are those of the first.
+    """
+    if not is_refined_alike(request.bodies, request.method):
+        states = request.states(steps, refinement, out=out)
+        return states, estimate_error(request, states, steps, refinement, halvings)
+    ratio = step_ratio(request.bodies, request.method, halvings)
+    otherwise = replace(request, bodies=rounded_start(request.bodies))
+    coarser = otherwise.states(steps, refinement)
+    states = request.states(steps, refinement * ratio, out=out)
+    return states, estimate_error(request, states, steps, refinement, halvings, coarser)
+
+
 @np.errstate(all="ignore")
 def estimate_error(
     request: Request,
@@ -123,10 +165,12 @@ def estimate_error(
     steps: Floats | None,
     refinement: float = 1.0,
     halvings: float = HALVINGS,
+    coarser: Mapping[str, Any] | None = None,
 ) -> ErrorEstimate:
     """The error of states from a second run, which halves the truncation error so many times.
 
-    The states were made with these longest steps (s) and this :meth:`refinement <Request.states>`.
+    The states were made with these longest steps (s) and this :meth:`refinement <Request.states>`;
+    or ``coarser`` was, and the states are those of the second run.
     """
     bodies, times, method = request.bodies, request.times, request.method
     ended = states["status"] != Status.STEP_LIMIT
@@ -136,18 +180,22 @@ def estimate_error(
         if len(some):
             longest = None if steps is None else steps[some]
             parts = request.select(some), select_states(states, some), longest
-            estimate.write(some, estimate_error(*parts, refinement, halvings))
+            other = None if coarser is None else select_states(coarser, some)
+            estimate.write(some, estimate_error(*parts, refinement, halvings, other))
         return estimate
     span = time_span(times)
     if not np.any(span) or not times.shape[-1]:
         return ErrorEstimate(np.zeros(len(bodies)), np.full(len(bodies), np.inf))
-    taken = states["steps"].astype(np.float64)
+    taken = (states if coarser is None else coarser)["steps"].astype(np.float64)
     rates = bodies.fastest_rates(time_ranges(times))
     scale = _fastest_or_swing(bodies, rates)
     fastest = lengths(states["omega"]).max(axis=1)
     floor = common_rounding(request, states, rates, scale, span)
-    again = second_run(request, steps, refinement, taken, halvings)
-    error = _stated_distances(bodies, states, again, rates, times)
+    if coarser is None:
+        again = second_run(request, steps, refinement, taken, halvings)
+        error = _stated_distances(bodies, states, again, rates, times, SAFETY)
+    else:
+        error = _stated_distances(bodies, states, coarser, rates, times, safety_of_finer(halvings))
     sizes = RateSizes(fastest, REST * scale, scale)
     error += (
         floor[:, None]
@@ -176,30 +224,36 @@ def _stated_distances(
     again: Mapping[str, Any],
     rates: Floats,
     times: Floats,
+    safety: float,
 ) -> Floats:
     """What the distance of the states of two runs is stated as, their work included, (n, m)."""
     scale = _fastest_or_swing(bodies, rates)
     rest = REST * scale
-    apart = SAFETY * distances(states, again, rest, scale)
+    apart = safety * distances(states, again, rest, scale)
     # Relative to the rates of the runs: relative to the true ones it may be as much larger.
-    of_rates = SAFETY * _rate_distances(states, again, rest, scale)
+    of_rates = safety * _rate_distances(states, again, rest, scale)
     apart = np.where(of_rates < 1.0, np.maximum(apart, of_rates / (1.0 - of_rates)), apart)
     lost = np.flatnonzero(~np.all(apart < 1.0, axis=1))
     if len(lost):
         pair = states["omega"][lost], again["omega"][lost]
         own = np.broadcast_to(times, apart.shape)[lost]
-        apart[lost] = _before_the_loss(apart[lost], pair, own, rest[lost], scale[lost])
+        apart[lost] = _before_the_loss(apart[lost], pair, own, rest[lost], scale[lost], safety)
     if states["work"] is None:
         return apart
     # The fastest rate is reached about the axis of the least moment.
     energy = 0.5 * bodies.moments.min(axis=1) * rates**2
     work = np.abs(states["work"] - again["work"]) / np.where(energy > 0.0, energy, 1.0)[:, None]
-    largest: Floats = np.maximum(apart, SAFETY * work)
+    largest: Floats = np.maximum(apart, safety * work)
     return largest
 
 
 def _before_the_loss(
-    error: Floats, pair: tuple[Floats, Floats], times: Floats, rest: Floats, scale: Floats
+    error: Floats,
+    pair: tuple[Floats, Floats],
+    times: Floats,
+    rest: Floats,
+    scale: Floats,
+    safety: float,
 ) -> Floats:
     """Errors of lost bodies, those before the loss relative to the rates before it; shape (n, m).
 
@@ -211,7 +265,7 @@ def _before_the_loss(
         since = np.where(lost, np.abs(times), np.inf).min(axis=1, keepdims=True)
         before = np.abs(times) < since
         one, other = ({"omega": np.where(before[..., None], rates, 0.0)} for rates in pair)
-        nearer = np.where(before, SAFETY * _rate_distances(one, other, rest, scale), 0.0)
+        nearer = np.where(before, safety * _rate_distances(one, other, rest, scale), 0.0)
         error = np.maximum(error, nearer)
         if not np.any(nearer >= 1.0):
             return error
@@ -267,7 +321,7 @@ def _count_turns(request: Request, taken: Floats, estimate: ErrorEstimate) -> No
     steps = gaps.sum() / taken[some]
     rates = dense.bodies.fastest_rates(time_range(dense.times))
     both = dense.states(steps), second_run(dense, steps, 1.0, taken[some])
-    apart = _stated_distances(dense.bodies, *both, rates, dense.times)
+    apart = _stated_distances(dense.bodies, *both, rates, dense.times, SAFETY)
     error = np.where(np.isfinite(apart), apart, np.inf)
     largest = error.max(axis=1)
     larger = largest > estimate.error[some]

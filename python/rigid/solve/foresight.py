@@ -69,6 +69,7 @@ def motions_of(
     gains = bodies.weight.any(axis=1) | bodies.under_forces()
     motions = Motions(
         rates=rates,
+        ratios=bodies.weight_ratios(bounds),
         steps=steps,
         span=span,
         states=states,

@@ -18,7 +18,7 @@ from .run import Run
 from .status import Status, is_accurate, status_by_error
 from .target import COLUMNS
 
-__all__ = ["end_records", "to_run"]
+__all__ = ["end_records", "made_steps", "to_run"]
 
 
 def end_records(
@@ -31,6 +31,14 @@ def end_records(
     for name in (*(column for column, _ in COLUMNS.values()), "tangent", "sensitivity"):
         if states.get(name) is not None:
             states[name][after] = np.nan
+
+
+def made_steps(
+    taken: NDArray[np.uint64], span: float | NDArray[np.float64]
+) -> tuple[float | None, int]:
+    """The shortest step (s) of bodies that cover this time, and the most steps."""
+    made = np.broadcast_to(span, taken.shape)[taken > 0] / taken[taken > 0]
+    return float(made.min()) if len(made) else None, int(taken.max(initial=0))
 
 
 def to_run(

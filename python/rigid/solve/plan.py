@@ -42,15 +42,17 @@ class Plan:
         under torque and damping their ``"work"``; ``"deviation"`` of a nearby motion.
     step : float or None
         Longest step (s), the shortest of many bodies; None for a closed form and where the rates
-        are not known.
+        are not known. Of a run to an accuracy the step that was made: the time covered over the
+        steps.
     steps : int or None
-        About how many steps the body takes, the most of many bodies; 0 for a closed form.
+        About how many steps the body takes, the most of many bodies; 0 for a closed form. Of a run
+        to an accuracy the steps that were made.
     why, left_out : tuple of str
         The reasons, and the parts that the scene or the question does not need.
     work : float or None
         Estimate of the work of a body, the costliest of many that differ, in units that hold on any
-        machine; of a call by steps that of its first run, without the second run that estimates the
-        error.
+        machine; of a call by steps that of one run with the steps of the model, without the second
+        run that estimates the error.
     accuracy : float or None
         The error for which method and steps are made: that asked for, or the usual one of states
         for which neither a method nor a step is asked; None where there is none.

@@ -209,8 +209,10 @@ def _second_difference(bodies: Bodies, method: str, omega: Floats) -> Floats:
     turns with the body. Methods that preserve ``|L|`` add it apart from the turn.
     """
     moments = bodies.moments[:, np.newaxis, :]
-    # The matrices of damping are symmetric.
-    torque = np.cross(moments * omega, omega) - omega @ dampings(bodies.forces, alone=True)
+    torque = np.cross(moments * omega, omega)
+    if bodies.forces is not None:
+        # The matrices of damping are symmetric.
+        torque -= omega @ dampings(bodies.forces, alone=True)
     turning: Floats = (lengths(torque / moments) / lengths(omega)) ** 2
     weight = np.reshape(lengths(bodies.weight) / bodies.moments.min(axis=1), (-1, 1))
     apart = preserves_groups(method) & (weight > 0.0)

@@ -61,7 +61,7 @@ def separatrices(bodies: Bodies) -> tuple[Floats, Floats]:
 
     Of tops and pendulums in closed form; 1 and 0 for free bodies.
     """
-    if bodies.forces is not None or not bodies.weight.any():
+    if bodies.forces is not None or not bodies.weight.any() or not bodies.closed_forms().any():
         return np.ones(len(bodies)), np.zeros(len(bodies))
     mc, exponent = _core.saddles(bodies).T
     weighs = bodies.weight.any(axis=1)
@@ -98,14 +98,17 @@ def departure(bodies: Bodies, times: Floats, sizes: RateSizes) -> Floats:
     moments = np.broadcast_to(bodies.moments, (len(bodies), 3))
     weight = np.broadcast_to(bodies.weight, (len(bodies), 3))
     gamma, omega = gammas(bodies), bodies.omega
+    swing2 = lengths(bodies.weight) / bodies.moments.min(axis=1)
+    rate = np.sqrt(np.einsum("ni,ni->n", omega, omega) + swing2)
+    tilts = lengths(_cross(gamma, omega)) / rate
+    if not np.any(tilts < NEAR):
+        return error
     damping = np.broadcast_to(dampings(bodies.forces, alone=True), (len(bodies), 3, 3))
     torque = _cross(moments * omega, omega) + _cross(gamma, weight)
     if bodies.forces is not None:
         # Not by `@`: OpenBLAS ends the process where its own memory cannot be had.
         torque -= np.einsum("ni,nij->nj", omega, damping)
-    swing2 = lengths(bodies.weight) / bodies.moments.min(axis=1)
-    rate = np.sqrt(np.einsum("ni,ni->n", omega, omega) + swing2)
-    away = np.maximum(lengths(torque / moments) / rate**2, lengths(_cross(gamma, omega)) / rate)
+    away = np.maximum(lengths(torque / moments) / rate**2, tilts)
     stays = (away == 0.0) & _is_upright_to_the_bit(bodies)
     since = np.abs(times) if bodies.forces is None else np.maximum(times, 0.0)
     since = np.broadcast_to(since, error.shape)

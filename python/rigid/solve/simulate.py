@@ -32,7 +32,7 @@ from .error_estimate import ErrorEstimate, unknown_error
 from .events import check_event_method, find_events
 from .integrate import compute_states
 from .lazy import Lazy
-from .made_run import end_records, to_run
+from .made_run import end_records, made_steps, to_run
 from .methods import EXACT, series_methods
 from .parameters import check_parameters, parameter_changes
 from .plan import LazyPlan, Plan
@@ -107,8 +107,10 @@ def simulate(
         of the method a step, from a bound of its rates.
     accuracy : float, optional
         Largest error of all states (see :attr:`Run.error`), instead of a step. Method and step
-        follow from a calibrated model of the error. Each body is then integrated again with shorter
-        steps, repeatedly, until its estimated error is below. A body whose error stays above,
+        follow from a calibrated model of the error; the steps of 512 bodies or more, for which no
+        method is given, from the errors of a few of them. Each body is integrated again with
+        shorter steps, repeatedly, until its estimated error is below, and the last run is returned,
+        whose step is that of :attr:`Run.plan`. A body whose error stays above,
         because of chaos or rounding, is :attr:`Run.flagged`. Without a method and a step the steps
         are made for 1e-8: :attr:`Run.error` tells how well each body meets it, and no body is
         integrated again.
@@ -292,8 +294,17 @@ def simulate(
             request = replace(request, times=np.minimum(times, found.last))
     every = method is None and step is None
     states, estimate = compute_states(
-        request, steps, accuracy, check=check, every=every, target=target
+        request,
+        steps,
+        accuracy,
+        check=check,
+        every=every,
+        pilot=method is None,
+        target=target,
     )
+    if accuracy is not None and chosen != EXACT and plan is not None:
+        made, most = made_steps(states["steps"], time_span(request.times))
+        plan.amend(step=made, steps=most)
     if chosen == EXACT:
         known = estimate.worst if isinstance(estimate, _core.States) else None
         worst = largest(estimate.error) if known is None else known

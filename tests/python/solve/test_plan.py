@@ -615,7 +615,7 @@ def test_the_error_of_a_plan_is_seldom_too_small_by_ten() -> None:
 def test_the_error_of_a_plan_is_seldom_too_small_by_ten_for_flat_bodies(method: str) -> None:
     """Free bodies of three unlike moments, in steps up to the longest that the model knows."""
     rng = np.random.default_rng(21)
-    longest = calibrated()[method, "free"].longest
+    longest = calibrated()[method, "free"].largests[0]
     small = []
     for _ in range(100):
         parts = rng.uniform(0.05, 1.0, 3) * (1.0, 1.0, 0.1)
