@@ -19,7 +19,7 @@ compared at every output time.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, MutableMapping
 from dataclasses import dataclass, replace
 from functools import reduce
 from typing import Any
@@ -143,7 +143,7 @@ def checked_states(
     refinement: float = 1.0,
     halvings: float = HALVINGS,
     out: Mapping[str, NDArray[Any]] | None = None,
-) -> tuple[dict[str, Any], ErrorEstimate]:
+) -> tuple[MutableMapping[str, Any], ErrorEstimate]:
     """The states of the second run, whose steps are shorter than these (s), and their errors.
 
     Where the second run is another one than of shorter steps, the states are those of the first.
