@@ -7,11 +7,11 @@ use crate::memory;
 use crate::parallel::{Interrupt, caught};
 use crate::start::Body;
 use crate::trajectory::Record;
+use numpy::npyffi::NPY_ARRAY_ALIGNED;
 use numpy::{
     Element, IntoPyArray, PyArray1, PyArray2, PyArrayDyn, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2,
     PyReadonlyArrayDyn, PyUntypedArrayMethods,
 };
-use numpy::npyffi::NPY_ARRAY_ALIGNED;
 use pyo3::prelude::*;
 use pyo3::types::{PyFloat, PyInt, PyList, PyTuple};
 use std::ops::Range;

@@ -1,7 +1,9 @@
 //! States in closed form: many bodies side by side, or many times of one.
 
 use super::states::{norm, worse};
-use super::{Effort, Record, Request, Schedule, StatesPart, kinds_in, neighbours, over_blocks_of, time_range};
+use super::{
+    Effort, Record, Request, Schedule, StatesPart, kinds_in, neighbours, over_blocks_of, time_range,
+};
 use crate::error::Error;
 use crate::exact::{CanonicalForm, Evaluator, Question, StartRows, StateRows};
 use crate::forces::BodyForces;
