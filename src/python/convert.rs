@@ -7,11 +7,11 @@ use crate::memory;
 use crate::parallel::{Interrupt, caught};
 use crate::start::Body;
 use crate::trajectory::Record;
+use numpy::npyffi::{NPY_ARRAY_ALIGNED, NPY_ARRAY_WRITEABLE};
 use numpy::{
     Element, IntoPyArray, PyArray1, PyArray2, PyArrayDyn, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2,
     PyReadonlyArrayDyn, PyUntypedArrayMethods,
 };
-use numpy::npyffi::NPY_ARRAY_ALIGNED;
 use pyo3::prelude::*;
 use pyo3::types::{PyFloat, PyInt, PyList, PyTuple};
 use std::ops::Range;
@@ -263,13 +263,15 @@ pub fn bodies(
 const SHORT: usize = 64;
 
 /// The finite floats of an array, which is returned, or of a short list or tuple; None for anything else, for other
-/// axes than (..., width), and for numbers that do not ascend along the last axis if they shall.
+/// axes than (..., width), and for numbers that do not ascend along the last axis if they shall. To be kept are those of
+/// a list or tuple only: nobody can write to them.
 #[pyfunction]
-#[pyo3(signature = (value, width=None, ascending=false))]
+#[pyo3(signature = (value, width=None, ascending=false, kept=false))]
 pub fn plain_numbers<'py>(
     value: &Bound<'py, PyAny>,
     width: Option<usize>,
     ascending: bool,
+    kept: bool,
 ) -> PyResult<Option<Bound<'py, PyAny>>> {
     let py = value.py();
     let fits = |numbers: &[f64], last: usize| {
@@ -278,7 +280,7 @@ pub fn plain_numbers<'py>(
             && numbers.iter().all(|x| x.is_finite())
             && (!ascending || last == 0 || numbers.chunks_exact(last).all(ascend))
     };
-    if let Ok(array) = value.cast_exact::<PyArrayDyn<f64>>() {
+    if let (false, Ok(array)) = (kept, value.cast_exact::<PyArrayDyn<f64>>()) {
         // SAFETY: the pointer is that of an array, whose flags do not change meanwhile.
         let is_aligned = unsafe { (*array.as_array_ptr()).fields.flags } & NPY_ARRAY_ALIGNED != 0;
         let Some(&last) = array.shape().last().filter(|_| is_aligned && array.is_c_contiguous()) else {
@@ -303,7 +305,15 @@ pub fn plain_numbers<'py>(
     };
     let numbers = &numbers[..length];
     let is_plain = read.is_some() && length > 0 && fits(numbers, length);
-    Ok(is_plain.then(|| PyArray1::from_slice(py, numbers).into_any()))
+    if !is_plain {
+        return Ok(None);
+    }
+    let array = PyArray1::from_slice(py, numbers);
+    if kept {
+        // SAFETY: nothing else refers to the new array yet.
+        unsafe { (*array.as_array_ptr()).fields.flags &= !NPY_ARRAY_WRITEABLE };
+    }
+    Ok(Some(array.into_any()))
 }
 
 /// A float, or a whole number that is one.

@@ -27,10 +27,7 @@ pub fn closed_form_names() -> Vec<&'static str> {
 
 /// The code of the closed form of each body.
 #[pyfunction]
-pub fn closed_forms<'py>(
-    py: Python<'py>,
-    bodies: Bodies<'py>,
-) -> PyResult<Bound<'py, PyArray1<u8>>> {
+pub fn closed_forms<'py>(py: Python<'py>, bodies: Bodies<'py>) -> PyResult<Bound<'py, PyArray1<u8>>> {
     let bodies = bodies.all()?;
     let code =
         |index: usize| Ok(ClosedForm::code(CanonicalForm::of(&bodies[index]).map(|form| form.closed_form)));
@@ -240,10 +237,7 @@ fn largest(vector: [f64; 3]) -> Option<usize> {
 
 /// How near each body is to the separatrix of its closed form: complementary parameter, and the rate of the saddle.
 #[pyfunction]
-pub fn saddles<'py>(
-    py: Python<'py>,
-    bodies: Bodies<'py>,
-) -> PyResult<Bound<'py, PyArray2<f64>>> {
+pub fn saddles<'py>(py: Python<'py>, bodies: Bodies<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
     let isa = Isa::current()?;
     let bodies = bodies.all()?;
     let all = evaluated(py, "saddles", bodies.len(), |index| Ok(saddle(isa, &bodies[index])))?;
@@ -253,10 +247,7 @@ pub fn saddles<'py>(
 /// Turning points, period and advances of symmetric tops.
 #[pyfunction]
 #[pyo3(name = "top_quantities")]
-pub fn top_quantities_of<'py>(
-    py: Python<'py>,
-    bodies: Bodies<'py>,
-) -> PyResult<Bound<'py, PyDict>> {
+pub fn top_quantities_of<'py>(py: Python<'py>, bodies: Bodies<'py>) -> PyResult<Bound<'py, PyDict>> {
     let isa = Isa::current()?;
     let bodies = bodies.all()?;
     let quantities = |index: usize| {

@@ -72,7 +72,8 @@ mod _core {
     #[pymodule_export]
     use super::{
         available_threads, build_info, check_method, check_moments, chosen_methods, in_standard_floats,
-        is_set, methods, moment_status, moment_status_names, principal_axes, retired_methods, unit_quaternions,
+        is_set, methods, moment_status, moment_status_names, principal_axes, retired_methods,
+        unit_quaternions,
     };
     /// Largest relative error of energy, momentum or unit lengths of a motion that has not drifted.
     #[pymodule_export]

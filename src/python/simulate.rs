@@ -2,7 +2,8 @@
 
 use super::bodies::Bodies;
 use super::convert::{
-    BodyColumns, at_once, column, copied, copied_numbers, evaluated, interruptible, parse_record, rows, same_length,
+    BodyColumns, at_once, column, copied, copied_numbers, evaluated, interruptible, parse_record, rows,
+    same_length,
 };
 use super::forces::PyForces;
 use super::states::{PyStates, of_bodies};
@@ -19,9 +20,7 @@ use crate::simd::Isa;
 use crate::start::Body;
 use crate::status::Status;
 use crate::trajectory::{self, Record, Request, Schedule, States, time_range};
-use numpy::{
-    PyArray1, PyArrayDyn, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods,
-};
+use numpy::{PyArray1, PyArrayDyn, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};

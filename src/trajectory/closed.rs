@@ -1,7 +1,9 @@
 //! States in closed form: many bodies side by side, or many times of one.
 
 use super::states::{norm, worse};
-use super::{Effort, Record, Request, Schedule, StatesPart, kinds_in, neighbours, over_blocks_of, time_range};
+use super::{
+    Effort, Record, Request, Schedule, StatesPart, kinds_in, neighbours, over_blocks_of, time_range,
+};
 use crate::error::Error;
 use crate::exact::{CanonicalForm, Evaluator, Question, StartRows, StateRows};
 use crate::forces::BodyForces;
@@ -257,4 +259,20 @@ fn plain_dot(a: [f64; 3], b: [f64; 3]) -> f64 {
 /// The vertical seen from the body.
 fn gamma_of([w, x, y, z]: [f64; 4]) -> [f64; 3] {
     [2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn errors_are_those_of_rounding_unless_a_body_loses_its_phase() {
+        let times = Schedule::Times(&[-1.0, 3.0]);
+        assert_eq!(rounding_errors(&times, &[0.0, 2.0]), Ok(Some(vec![1e-15, 1e-15 * (1.0 + 2.0 * 4.0)])));
+        let each = Schedule::TimesOfEach(&[1.0, 2.0], 1);
+        assert_eq!(rounding_errors(&each, &[1.0, 1.0]), Ok(Some(vec![2e-15, 3e-15])));
+        for rate in [1e15, f64::INFINITY, f64::NAN] {
+            assert_eq!(rounding_errors(&times, &[1.0, rate]), Ok(None));
+        }
+    }
 }

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .. import _core
 from .._checks.arrays import IDENTITY, attitudes, unit_quaternions, vectors
 from ..model.frame import attitudes_in_principal_axes, turned
 from ..model.leading import Shape, leading_shape
@@ -48,24 +49,26 @@ def bodies_of(
         underflow, or the weight, torque or damping so large that they overflow in the unit of the
         moments.
     """
-    is_shared = not isinstance(omega, (list, tuple))
-    omega = vectors("omega", omega)
-    if is_shared:
-        omega = omega.copy()  # a run keeps it: the caller may write to this memory
+    rates = _core.plain_numbers(omega, 3, kept=True)
+    if rates is None:
+        rates = vectors("omega", omega)
+        if not isinstance(omega, (list, tuple)):
+            rates = rates.copy()  # a run keeps it: the caller may write to this memory
+        rates.setflags(write=False)
     attitude = attitudes(attitude)
     if frame is not None:
         with np.errstate(over="ignore", invalid="ignore"):
-            omega = turned(frame.T, omega)
-        if not np.isfinite(omega).all():
+            rates = turned(frame.T, rates)
+        if not np.isfinite(rates).all():
             raise ValueError("omega: must be finite along the principal axes of the frame too")
+        rates.setflags(write=False)
         attitude = unit_quaternions("attitude", attitudes_in_principal_axes(frame, attitude))
-    omega.setflags(write=False)
     if attitude is not IDENTITY:
         attitude.setflags(write=False)
     shape = scene.shape
-    if shape or times or omega.ndim > 1 or attitude.ndim > 1:
-        own = omega.shape[:-1], attitude.shape[:-1]
+    if shape or times or rates.ndim > 1 or attitude.ndim > 1:
+        own = rates.shape[:-1], attitude.shape[:-1]
         shape = leading_shape({"scene": shape, "omega": own[0], "attitude": own[1], "t": times})
-    bodies = Bodies.of_scene(scene, omega, attitude, shape)
+    bodies = Bodies.of_scene(scene, rates, attitude, shape)
     bodies.check_ranges(scene)
     return bodies
