@@ -119,25 +119,13 @@ impl PyStates {
     }
 
     /// The value of a name, by default None.
-    #[pyo3(signature = (name, default=None))]
+    #[pyo3(signature = (name, default=None, /))]
     fn get<'py>(
         &self,
         name: &Bound<'py, PyString>,
         default: Option<Bound<'py, PyAny>>,
     ) -> PyResult<Option<Bound<'py, PyAny>>> {
         Ok(self.found(name)?.or(default))
-    }
-
-    /// Takes a value out, by default None.
-    #[pyo3(signature = (name, default=None))]
-    fn pop<'py>(
-        &self,
-        name: &Bound<'py, PyString>,
-        default: Option<Bound<'py, PyAny>>,
-    ) -> PyResult<Option<Bound<'py, PyAny>>> {
-        let Some(value) = self.found(name)? else { return Ok(default) };
-        self.made.bind(name.py()).del_item(name)?;
-        Ok(Some(value))
     }
 
     /// The other methods of a dict.
