@@ -270,7 +270,7 @@ mod tests {
         let times = Schedule::Times(&[-1.0, 3.0]);
         assert_eq!(rounding_errors(&times, &[0.0, 2.0]), Ok(Some(vec![1e-15, 1e-15 * (1.0 + 2.0 * 4.0)])));
         let each = Schedule::TimesOfEach(&[1.0, 2.0], 1);
-        assert_eq!(rounding_errors(&each, &[1.0, 1.0]), Ok(Some(vec![2e-15, 3e-15])));
+        assert_eq!(rounding_errors(&each, &[1.0, 1.0]), Ok(Some(vec![2e-15, 1e-15 * 3.0])));
         for rate in [1e15, f64::INFINITY, f64::NAN] {
             assert_eq!(rounding_errors(&times, &[1.0, rate]), Ok(None));
         }
