@@ -140,7 +140,7 @@ class Truth:
 
     def ratio(self) -> float:
         """The median of the ratios of the weight."""
-        size = np.linalg.norm(self.table["weight"], axis=1) / self.table["moments"].min(axis=1)
+        size = np.linalg.norm(self.table.weight, axis=1) / self.table.moments.min(axis=1)
         return float(np.median(size / self.rates**2))
 
     def model(self, order: int, turn: float) -> Any:
