@@ -20,7 +20,7 @@ from .error_estimate import (
     safety_of_finer,
     unknown_error,
 )
-from .methods import EXACT, order_of
+from .methods import EXACT, order_of, preserves_groups
 from .request import Request, select_states
 from .second_run import (
     HALVINGS,
@@ -66,7 +66,10 @@ tops a tenth of the bodies or more were integrated again in 38 at 1.05, in 18 at
 and in 3 at 1.35; 1.2 took the least time."""
 
 LONGEST = 1.5
-"""Steps are longer than those of the model by at most this, whatever the first bodies tell."""
+"""Steps are longer than those of the model by at most this, whatever the first bodies tell.
+
+Those of methods that preserve the group are not: a step of Moser and Veselov has no solution beyond
+an angle."""
 
 AGAIN = 1.1
 """Work of another attempt over that of the first with the same steps: 1 + 2**(4/8) over 1 + 1.2."""
@@ -223,7 +226,8 @@ def _refined(
             if error > MULTIPLIED:
                 halvings = HALVINGS_AGAIN
         shorter = (_stated(request, halvings) * error) ** (1.0 / order)
-        steps = steps / min(max(shorter, 1.0 / LONGEST), MOST)
+        longest = 1.0 if preserves_groups(request.method) else LONGEST
+        steps = steps / min(max(shorter, 1.0 / longest), MOST)
     # Steps longer than any interval between output times are cut to the interval.
     steps = np.minimum(steps, intervals(request.times).max(axis=-1, initial=0.0))
     states, estimate = checked_states(request, steps, halvings=halvings, out=out)
