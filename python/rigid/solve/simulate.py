@@ -223,7 +223,7 @@ def simulate(
         watched, counted = checked_events(events, until)
         count = _checked_count(count, watched, until)
         check_event_method(method, scene)
-    parameters = check_parameters(tangent, scene)
+    parameters = None if tangent is False else check_parameters(tangent, scene)
     if parameters is not None:
         check_tangent(method, forces=scene.forces, by_parameters=bool(parameters))
     if frame is not None:
