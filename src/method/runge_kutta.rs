@@ -447,7 +447,7 @@ impl<T: Tableau, R: Real, M: Model<R>, L: Layout, const D: usize> Engine<R, M, L
     const VARIABLES: Variables = Variables::Rates;
     const MOVES: bool = !(T::ROWS_ONLY && M::HEAVY && L::QUATERNION);
     const HAS_TANGENT: bool = true;
-    const IS_SHORT: bool = T::STAGES <= 4 && !(L::BALANCE || L::TANGENT);
+    const IS_SHORT: bool = T::STAGES <= 4 && D <= 6 && !L::BALANCE;
     /// With twelve stages and the search inside a step, the compiler copies the set-up of a pack by calls.
     const SEES_LIMITS: bool = T::STAGES < 12;
 
