@@ -64,7 +64,7 @@ HEADER = re.compile(r"^([0-9a-f]+) <(.*)>:$")
 INSTRUCTION = re.compile(r"^\s*([0-9a-f]+):\s+(.*)$")
 DIRECT = re.compile(r"\b(call|j\w+)\s+([0-9a-f]+) <(.*)>")
 THROUGH_TABLE = re.compile(r"\b(?:call|jmp)\s+\*.*# ([0-9a-f]+)\b")
-LOADED = re.compile(r"^mov\s+0x[0-9a-f]+\(%rip\),%r\w+\s+# ([0-9a-f]+)\b")
+LOADED = re.compile(r"^mov\s+0x[0-9a-f]+\(%rip\),(%r\w+)\s+# ([0-9a-f]+)\b")
 
 
 @dataclass
@@ -78,19 +78,21 @@ class Function:
     jumps: list[tuple[int, int, str]] = field(default_factory=list)
     calls: list[tuple[int, str]] = field(default_factory=list)
     computed: list[tuple[int, str]] = field(default_factory=list)
-    loaded: set[str] = field(default_factory=set)
+    loaded: dict[str, set[str]] = field(default_factory=dict)
 
     def finished(self) -> "Function":
         """The function when all its instructions are known.
 
         A jump that leaves it is a call. A call of a register may be one of any address that the
-        function loads from the global offset table.
+        function loads into it from the global offset table, or into any register if into none.
         """
         inside = [jump for jump in self.jumps if self.begin <= jump[1] <= self.end]
         outside = [jump for jump in self.jumps if not self.begin <= jump[1] <= self.end]
         calls = self.calls + [(at, name) for at, _, name in outside]
         for at, text in self.computed:
-            calls += [(at, name) for name in sorted(self.loaded) or [text]]
+            register = text.rpartition("*")[2]
+            names = self.loaded.get(register) or set().union(*self.loaded.values())
+            calls += [(at, name) for name in sorted(names) or [text]]
         return Function(self.name, self.begin, self.end, self.uses_fma, inside, sorted(calls))
 
     def loops_around(self, at: int) -> int:
@@ -122,8 +124,8 @@ def functions(listing: Iterable[str], table: Mapping[int, str]) -> Iterator[Func
             elif through := THROUGH_TABLE.search(text):
                 function.calls.append((at, table.get(int(through[1], 16), text)))
             elif loaded := LOADED.search(text):
-                if name := table.get(int(loaded[1], 16)):
-                    function.loaded.add(name)
+                if name := table.get(int(loaded[2], 16)):
+                    function.loaded.setdefault(loaded[1], set()).add(name)
             elif re.match(r"(\w+ )?call\b", text):
                 function.computed.append((at, text))
     if function is not None:

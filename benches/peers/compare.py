@@ -162,7 +162,7 @@ def timed(entries: list[tuple[Any, Entry]], scene: Scene) -> None:
         entry.by_depth = [float(np.median(turns)) for turns in of_depths]
         entry.nanoseconds = min(entry.by_depth)
         if entry.side == "rigid" and not QUICK:
-            # The sides take turns at all depths. Runs of some microseconds tell the time that passed.
+            # The sides take turns at all depths. Brief closed forms tell the time that passed.
             share("core of a call", np.max(cores[index] / np.transpose(of_depths).ravel()))
             entry.core = float(np.median(cores[index]))
             entry.chosen = side.chosen

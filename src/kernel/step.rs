@@ -47,6 +47,20 @@ pub(super) fn used_packs<P: Pack, const PACKS: usize>(g: &Group) -> usize {
     g.used.div_ceil(P::LANES).min(PACKS)
 }
 
+/// Most packs that are written out one after another.
+const MOST_WRITTEN_OUT: usize = 8;
+
+/// Writes a statement once for each pack.
+macro_rules! each_pack {
+    ($b:ident < $packs:ident => $body:block) => {
+        each_pack!(@each $b $packs $body 0 1 2 3 4 5 6 7);
+    };
+    (@each $b:ident $packs:ident $body:block $($number:literal)*) => {$({
+        const $b: usize = $number;
+        if const { $b < $packs } $body
+    })*};
+}
+
 /// The constants of the bodies and of their steps, pack by pack.
 #[inline(always)]
 pub(super) fn prepared<P, const PACKS: usize, M, L, S, const D: usize>(
@@ -62,6 +76,14 @@ where
 {
     const { assert!(D == L::LEN && PACKS * P::LANES == LANES) };
     let mut bodies = [prepared_pack::<P, M, L, S, D>(g, forces, 0, numbers); PACKS];
+    if const { S::IS_SHORT && PACKS <= MOST_WRITTEN_OUT } {
+        each_pack!(B < PACKS => {
+            if const { B > 0 } {
+                bodies[B] = prepared_pack::<P, M, L, S, D>(g, forces, B * P::LANES, numbers);
+            }
+        });
+        return bodies;
+    }
     for b in 1..PACKS {
         bodies[b] = prepared_pack::<P, M, L, S, D>(g, forces, b * P::LANES, numbers);
     }
@@ -189,9 +211,6 @@ fn end_block<P: Pack, M: Model<P>, L: Layout, S: Engine<P, M, L, D>, const D: us
     (P::load(&g.count.0[at..]) + P::splat(steps as f64)).store(&mut g.count.0[at..]);
 }
 
-/// Most packs whose steps are written out one after another.
-const MOST_WRITTEN_OUT: usize = 8;
-
 /// Advances full groups by steps of few operations that nothing observes. The steps of all packs are written out: the
 /// loop over packs, with the constants of a pack at an address that it computes, takes a quarter of such a step.
 #[inline(always)]
@@ -206,31 +225,22 @@ fn short_steps<P, const PACKS: usize, M, L, S, const D: usize>(
     L: Layout,
     S: Engine<P, M, L, D>,
 {
-    macro_rules! each_pack {
-        ($b:ident => $body:block) => {
-            each_pack!(@each $b $body 0 1 2 3 4 5 6 7);
-        };
-        (@each $b:ident $body:block $($number:literal)*) => {$({
-            const $b: usize = $number;
-            if const { $b < PACKS } $body
-        })*};
-    }
     let mut bodies = [prepared_pack::<P, M, L, S, D>(g, forces, 0, numbers); PACKS];
     let mut states = [[P::splat(0.0); D]; PACKS];
-    each_pack!(B => {
+    each_pack!(B < PACKS => {
         bodies[B] = prepared_pack::<P, M, L, S, D>(g, forces, B * P::LANES, numbers);
         for d in 0..D {
             states[B][d] = P::load(&g.state[d].0[B * P::LANES..]);
         }
     });
     for _ in 0..steps {
-        each_pack!(B => {
+        each_pack!(B < PACKS => {
             let (p, engine) = &bodies[B];
             let (mut compensation, mut dense) = (states[B], Coefficients::new());
             engine.step(p, &mut states[B], &mut compensation, &mut dense);
         });
     }
-    each_pack!(B => {
+    each_pack!(B < PACKS => {
         for d in 0..D {
             states[B][d].store(&mut g.state[d].0[B * P::LANES..]);
         }

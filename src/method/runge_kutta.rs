@@ -19,9 +19,9 @@ pub trait Tableau: Copy {
     /// The unit of time over the step: a power of two with which few coefficients differ from one and two, which cost
     /// no multiplication.
     const UNIT: f64;
-    /// Whether the slopes of the rates of a free body are their products. The unit times the ratio of moments is one
-    /// more number that is rounded alike in every step, which a method of high order would show.
-    const IN_PRODUCTS: bool;
+    /// Whether the constants of a body are multiplied by the unit once. Each is one more number that is rounded alike in
+    /// every step, which a method of high order would show.
+    const MULTIPLIES_ONCE: bool;
     /// Rows 1, 2, … of the matrix a; row i has i entries.
     const A: &'static [&'static [f64]];
     /// Weights over the common divisor: whole numbers where they can be.
@@ -85,7 +85,7 @@ impl Tableau for Rk4Tableau {
     const ORDER: usize = 4;
     const ROWS_ONLY: bool = false;
     const UNIT: f64 = 0.5;
-    const IN_PRODUCTS: bool = true;
+    const MULTIPLIES_ONCE: bool = true;
     const A: &'static [&'static [f64]] = &[&[1.0], &[0.0, 1.0], &[0.0, 0.0, 2.0]];
     const WEIGHTS: &'static [f64] = &[1.0, 2.0, 2.0, 1.0];
     const DIVISOR: f64 = 3.0;
@@ -95,7 +95,7 @@ impl Tableau for Dop853Tableau {
     const ORDER: usize = 8;
     const ROWS_ONLY: bool = true;
     const UNIT: f64 = 1.0;
-    const IN_PRODUCTS: bool = false;
+    const MULTIPLIES_ONCE: bool = false;
     const A: &'static [&'static [f64]] = &[
         &[0.05260015195876773],
         &[0.0197250569845379, 0.0591751709536137],
@@ -238,22 +238,58 @@ const _: () = check::<Dop853Tableau>(DOP853.facts);
 
 /// The engine.
 ///
-/// The constants of a body and the unit of time are multiplied once. Of a free body the slopes of the rates are their
-/// products, and the moments are in the units of these slopes. The rates of a top are angles per unit of time within a
-/// step, so no slope has a factor.
+/// By `rk4` the constants of a body and the unit of time are multiplied once: the slopes of the rates of a free body are
+/// their products, whose units contain the moments, and the slopes of the rates of a top contain the unit.
 #[derive(Clone, Copy)]
 pub struct RungeKutta<T, R, M> {
     model: M,
-    /// The model in the unit of time.
+    /// The model whose slopes contain the unit.
     in_units: M,
     applied: Applied<R>,
-    /// The unit of time.
-    unit: R,
-    /// The units of the slopes; see `unit_of`.
-    of_slope: [R; 5],
-    /// The units of the sums of slopes.
-    of_sum: [R; 5],
+    slopes: Units<R>,
+    sums: Units<R>,
     tableau: PhantomData<T>,
+}
+
+/// Units of the slopes of the variables, or of their weighted sums.
+#[derive(Clone, Copy)]
+struct Units<R> {
+    rates: [R; 3],
+    /// The slope of a quaternion is twice its rate of change.
+    quaternion: R,
+    others: R,
+}
+
+impl<R: Real> Units<R> {
+    /// y plus a sum of slopes in these units, or times a factor that of slopes that contain the unit.
+    #[inline(always)]
+    fn add<T: Tableau, M: Model<R>, L: Layout, const D: usize>(
+        &self,
+        sum: &[R; D],
+        factor: f64,
+        y: &[R; D],
+    ) -> [R; D] {
+        let mut at = *y;
+        // Each index of `rates` is a literal: else the compiler keeps the constants of all packs in memory.
+        let [a, b, c] = self.rates;
+        if const { in_units::<T, R, M, L>() } {
+            for d in 0..3 {
+                at[d] = add_times(y[d], factor, sum[d]);
+            }
+        } else {
+            (at[0], at[1], at[2]) = (a.fma(sum[0], y[0]), b.fma(sum[1], y[1]), c.fma(sum[2], y[2]));
+        }
+        for d in 3..D {
+            at[d] = if const { in_units::<T, R, M, L>() } && is_change::<L>(d) {
+                add_times(y[d], factor, sum[d])
+            } else if L::QUATERNION && d >= L::QUATERNION_AT && d < L::QUATERNION_AT + 4 {
+                self.quaternion.fma(sum[d], y[d])
+            } else {
+                self.others.fma(sum[d], y[d])
+            };
+        }
+        at
+    }
 }
 
 /// Largest number of stages of any tableau.
@@ -271,36 +307,22 @@ const fn weight<T: Tableau>(i: usize) -> f64 {
     if i < T::STAGES { T::WEIGHTS[i] } else { 0.0 }
 }
 
-/// Whether the rates are angles per unit of time within a step.
-#[inline(always)]
-const fn in_angles<R: Real, M: Model<R>, L: Layout>() -> bool {
-    M::HEAVY && !(L::BALANCE || L::CHANGED)
-}
-
 /// Whether the slopes of the rates are their products, whose units contain the moments.
 #[inline(always)]
 const fn in_products<T: Tableau, R: Real, M: Model<R>, L: Layout>() -> bool {
-    T::IN_PRODUCTS && !(M::HEAVY || L::BALANCE || L::CHANGED)
+    T::MULTIPLIES_ONCE && !(M::HEAVY || L::BALANCE || L::CHANGED)
 }
 
-/// Index of the unit of a quaternion.
-const OF_QUATERNION: usize = 4;
-
-/// Index of the unit of a variable: one for each rate, one for a quaternion, whose slope is twice its rate of change
-/// then, and one for all others. Rates and their changes have equal units where there is a deviation vector.
+/// Whether the slopes of the rates contain the unit.
 #[inline(always)]
-const fn unit_of<L: Layout>(d: usize) -> usize {
-    let of_change = L::TANGENT && d >= L::TANGENT_AT && d < L::TANGENT_AT + 3;
-    let of_quaternion = L::QUATERNION && d >= L::QUATERNION_AT && d < L::QUATERNION_AT + 4;
-    if d < 3 {
-        d
-    } else if of_change {
-        d - L::TANGENT_AT
-    } else if of_quaternion {
-        OF_QUATERNION
-    } else {
-        3
-    }
+const fn in_units<T: Tableau, R: Real, M: Model<R>, L: Layout>() -> bool {
+    T::MULTIPLIES_ONCE && M::HEAVY && !(L::BALANCE || L::CHANGED)
+}
+
+/// Whether a variable is the change of a rate by a deviation vector.
+#[inline(always)]
+const fn is_change<L: Layout>(d: usize) -> bool {
+    L::TANGENT && d >= L::TANGENT_AT && d < L::TANGENT_AT + 3
 }
 
 /// Index of the first coefficient of a row.
@@ -338,7 +360,6 @@ fn times<R: Real>(number: f64, slope: R) -> R {
 #[inline(always)]
 fn add_times<R: Real>(sum: R, number: f64, slope: R) -> R {
     match number {
-        0.0 => sum,
         1.0 | 2.0 => sum + times(number, slope),
         _ => R::splat(number).fma(slope, sum),
     }
@@ -347,38 +368,23 @@ fn add_times<R: Real>(sum: R, number: f64, slope: R) -> R {
 /// y + u sum_j a_ij k_j.
 #[inline(always)]
 fn stage_state<T: Tableau, M: Model<R>, L: Layout, const I: usize, R: Real, const D: usize>(
-    of_slope: &[R; 5],
+    slopes: &Units<R>,
     y: &[R; D],
     k: &[[R; D]; MAX_STAGES],
 ) -> [R; D] {
     let mut at = *y;
-    if const { in_angles::<R, M, L>() } {
-        for_stages!(J => {
+    for_stages!(J => {
+        if const { coefficient::<T>(I, J) != 0.0 } {
             for d in 0..D {
-                at[d] = if unit_of::<L>(d) == OF_QUATERNION {
-                    add_times(at[d], const { 0.5 * coefficient::<T>(I, J) }, k[J][d])
+                at[d] = if const { J == first::<T>(I) } {
+                    times(const { coefficient::<T>(I, J) }, k[J][d])
                 } else {
                     add_times(at[d], const { coefficient::<T>(I, J) }, k[J][d])
                 };
             }
-        });
-        return at;
-    }
-    let begin = const { first::<T>(I) };
-    for d in 0..D {
-        at[d] = times(const { coefficient::<T>(I, first::<T>(I)) }, k[begin][d]);
-    }
-    for_stages!(J => {
-        if J != begin {
-            for d in 0..D {
-                at[d] = add_times(at[d], const { coefficient::<T>(I, J) }, k[J][d]);
-            }
         }
     });
-    for d in 0..D {
-        at[d] = of_slope[unit_of::<L>(d)].fma(at[d], y[d]);
-    }
-    at
+    slopes.add::<T, M, L, D>(&at, 1.0, y)
 }
 
 /// The equations of motion of the whole state.
@@ -454,28 +460,22 @@ impl<T: Tableau, R: Real, M: Model<R>, L: Layout, const D: usize> Engine<R, M, L
     #[inline(always)]
     fn new(p: &Parameters<R>, forces: &ForcesInterval<R>, _numbers: &'static Numbers) -> Self {
         let (model, applied) = (M::new(p), Applied::new(p, forces));
-        let unit = p.step * R::splat(T::UNIT);
-        let mut of_slope = [unit; 5];
-        of_slope[OF_QUATERNION] = unit * R::splat(0.5);
+        let (unit, half) = (p.step * R::splat(T::UNIT), R::splat(0.5));
+        let mut rates = [unit; 3];
         if in_products::<T, R, M, L>() {
-            let ratios = model.ratios();
-            for i in 0..3 {
-                of_slope[i] = unit * ratios[i];
-            }
+            let [a, b, c] = model.ratios();
+            rates = [unit * a, unit * b, unit * c];
         }
-        let mut of_sum = of_slope;
-        for i in 0..5 {
-            of_sum[i] = of_slope[i] / R::splat(T::DIVISOR);
-        }
-        if in_angles::<R, M, L>() {
-            // An inactive lane has no step.
-            let moves = R::splat(0.0).lt(unit.abs());
-            let rate = R::splat(1.0) / (unit * R::splat(T::DIVISOR));
-            let rate = R::select(moves, rate, R::splat(0.0));
-            of_sum = [rate, rate, rate, R::splat(1.0 / T::DIVISOR), R::splat(0.5 / T::DIVISOR)];
-        }
+        let slopes = Units { rates, quaternion: unit * half, others: unit };
+        let share = R::splat(T::DIVISOR);
+        let [a, b, c] = rates;
+        let sums = Units {
+            rates: [a / share, b / share, c / share],
+            quaternion: slopes.quaternion / share,
+            others: unit / share,
+        };
         let in_units = model.in_units(unit);
-        RungeKutta { model, in_units, applied, unit, of_slope, of_sum, tableau: PhantomData }
+        RungeKutta { model, in_units, applied, slopes, sums, tableau: PhantomData }
     }
 
     #[inline(always)]
@@ -486,15 +486,7 @@ impl<T: Tableau, R: Real, M: Model<R>, L: Layout, const D: usize> Engine<R, M, L
         _compensation: &mut [R; D],
         _dense: &mut Coefficients<R, D>,
     ) {
-        let (mut start, mut model) = (*y, &self.model);
-        if const { in_angles::<R, M, L>() } {
-            model = &self.in_units;
-            for d in 0..D {
-                if unit_of::<L>(d) < 3 {
-                    start[d] = self.unit * y[d];
-                }
-            }
-        }
+        let model = if const { in_units::<T, R, M, L>() } { &self.in_units } else { &self.model };
         let mut k = [*y; MAX_STAGES];
         let mut sum = *y;
         // Unrolled, so that each number of the table is a literal, and zeros and ones cost nothing.
@@ -502,25 +494,25 @@ impl<T: Tableau, R: Real, M: Model<R>, L: Layout, const D: usize> Engine<R, M, L
             ($($i:literal)*) => {$(
                 if const { $i < T::STAGES } {
                     let at = if const { $i == 0 } {
-                        start
+                        *y
                     } else {
-                        stage_state::<T, M, L, $i, R, D>(&self.of_slope, &start, &k)
+                        stage_state::<T, M, L, $i, R, D>(&self.slopes, y, &k)
                     };
                     k[$i] = rate::<T, R, M, L, D>(model, &self.applied, &at);
-                    for d in 0..D {
-                        sum[d] = if const { $i == 0 } {
-                            times(const { weight::<T>($i) }, k[$i][d])
-                        } else {
-                            add_times(sum[d], const { weight::<T>($i) }, k[$i][d])
-                        };
+                    if const { weight::<T>($i) != 0.0 } {
+                        for d in 0..D {
+                            sum[d] = if const { $i == 0 } {
+                                times(const { weight::<T>($i) }, k[$i][d])
+                            } else {
+                                add_times(sum[d], const { weight::<T>($i) }, k[$i][d])
+                            };
+                        }
                     }
                 }
             )*};
         }
         stages!(0 1 2 3 4 5 6 7 8 9 10 11);
-        for d in 0..D {
-            y[d] = self.of_sum[unit_of::<L>(d)].fma(sum[d], y[d]);
-        }
+        *y = self.sums.add::<T, M, L, D>(&sum, const { 1.0 / T::DIVISOR }, y);
     }
 
     #[inline(always)]

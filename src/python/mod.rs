@@ -43,7 +43,7 @@ impl From<Error> for PyErr {
 }
 
 /// Rotation of rigid bodies: the compiled core of `rigid`.
-#[pymodule(gil_used = false)]
+#[pymodule]
 mod _core {
     #[pymodule_export]
     use super::convert::{first_not_finite, first_slow, plain_numbers};

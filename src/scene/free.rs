@@ -39,8 +39,9 @@ impl<R: Real> Model<R> for Free<R> {
         self.ratios
     }
     #[inline(always)]
-    fn in_units(&self, _unit: R) -> Self {
-        *self
+    fn in_units(&self, unit: R) -> Self {
+        let [a, b, c] = self.ratios;
+        Free { ratios: [a * unit, b * unit, c * unit] }
     }
     #[inline(always)]
     fn kick<const D: usize>(_p: &Parameters<R>, _h: R, _momentum: &mut [R; 3], _y: &[R; D]) {}

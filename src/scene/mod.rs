@@ -109,7 +109,7 @@ pub trait Model<R: Real>: Copy {
     fn euler<const D: usize>(&self, products: &[R; 3], y: &[R; D]) -> [R; 3];
     /// `(I2 - I3) / I1` and its cyclic neighbours: the change of a rate per product of the others, without weight.
     fn ratios(&self) -> [R; 3];
-    /// The model of rates that are angles per unit of time.
+    /// The model whose rates of change are those over a unit of time.
     fn in_units(&self, unit: R) -> Self;
     /// Exact flow of the potential alone over the time `h`.
     fn kick<const D: usize>(p: &Parameters<R>, h: R, momentum: &mut [R; 3], y: &[R; D]);

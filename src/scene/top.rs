@@ -59,11 +59,12 @@ impl<R: Real> Model<R> for Top<R> {
     }
     #[inline(always)]
     fn in_units(&self, unit: R) -> Self {
-        let &Top { ratios, mut plus, mut minus } = self;
-        for i in 0..3 {
-            (plus[i], minus[i]) = (plus[i] * unit * unit, minus[i] * unit * unit);
+        let Top { ratios: [a, b, c], plus: [d, e, f], minus: [g, h, i] } = *self;
+        Top {
+            ratios: [a * unit, b * unit, c * unit],
+            plus: [d * unit, e * unit, f * unit],
+            minus: [g * unit, h * unit, i * unit],
         }
-        Top { ratios, plus, minus }
     }
     #[inline(always)]
     fn kick<const D: usize>(p: &Parameters<R>, h: R, momentum: &mut [R; 3], y: &[R; D]) {

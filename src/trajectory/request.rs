@@ -163,9 +163,9 @@ impl Request<'_> {
         made + bodies * states <= FEW
     }
 
-    /// Whether the request is light for sure: a tolerance may need any number of steps.
+    /// Whether the request is in closed form and light: of steps one may cost a hundred others.
     pub fn is_brief(&self) -> bool {
-        self.tolerance.is_none() && self.is_light()
+        matches!(self.method, AnyMethod::Exact) && self.is_light()
     }
 
     /// The time range of the motion of a body.

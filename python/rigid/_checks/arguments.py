@@ -286,7 +286,7 @@ def resolve_threads(threads: int | None, bodies: int | None = None) -> int:
         if threads > MOST_THREADS:
             raise ValueError(f"threads = {brief(threads)}: must be at most {MOST_THREADS}")
         return threads
-    if _core.is_set("RIGID_NUM_THREADS") and (variable := os.environ["RIGID_NUM_THREADS"]):
+    if _core.is_set("RIGID_NUM_THREADS") and (variable := os.environ.get("RIGID_NUM_THREADS")):
         digits = variable.lstrip("0")
         if not (variable.isascii() and variable.isdecimal() and digits):
             raise ValueError(

@@ -71,6 +71,9 @@ LONGEST = 1.5
 Those of methods that preserve the group are not: a step of Moser and Veselov has no solution beyond
 an angle."""
 
+LOST = 0.1
+"""Two runs that are so far apart tell no order: the motion is lost in one of them."""
+
 AGAIN = 1.1
 """Work of another attempt over that of the first with the same steps: 1 + 2**(4/8) over 1 + 1.2."""
 
@@ -222,7 +225,7 @@ def _refined(
     if has_its_order(request.bodies, request.method):
         error = 1.0
         if pilot and len(steps) >= PILOTED:
-            error = _error_of_a_few(request, steps) / accuracy
+            error = _error_of_a_few(request, steps, accuracy) / accuracy
             if error > MULTIPLIED:
                 halvings = HALVINGS_AGAIN
         shorter = (_stated(request, halvings) * error) ** (1.0 / order)
@@ -266,20 +269,22 @@ def _stated(request: Request, halvings: float) -> float:
     return safety_of_finer(halvings) * (1.0 - left)
 
 
-def _error_of_a_few(request: Request, steps: Floats) -> float:
+def _error_of_a_few(request: Request, steps: Floats, accuracy: float) -> float:
     """The error of one of a few bodies, with these steps: the steps of all are best made for it.
 
     Steps with which one of the few is just accurate are compared: of those that err more another
-    attempt is made. The few are spread over the angles that the bodies turn.
+    attempt is made. The few are spread over the angles that the bodies turn. The error is that of
+    the model, the accuracy, where an eighth of them or more are lost: they tell of no others.
     """
     angles = request.bodies.fastest_rates(time_ranges(request.times)) * time_span(request.times)
     few = np.argsort(angles, kind="stable")[spread_indices(len(steps), SAMPLE)]
     some, ratio = request.select(few), step_ratio(request.bodies, request.method)
     apart = distances(some.states(steps[few]), some.states(steps[few], ratio))
     errors = apart.max(axis=1, initial=0.0) / (1.0 - ratio ** -order_of(request.method))
-    ascending = np.sort(errors[np.isfinite(errors)]).tolist()
-    if not ascending:
-        return np.inf
+    known = np.isfinite(errors) & (apart.max(axis=1, initial=0.0) < LOST)
+    if np.count_nonzero(known) <= 0.875 * len(few):
+        return accuracy
+    ascending = np.sort(errors[known]).tolist()
     power = 1.0 / order_of(request.method)
     again = [AGAIN * (MARGIN * error) ** power for error in ascending]
     works = [

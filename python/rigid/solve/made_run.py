@@ -34,11 +34,12 @@ def end_records(
 
 
 def made_steps(
-    taken: NDArray[np.uint64], span: float | NDArray[np.float64]
+    taken: NDArray[np.uint64], span: float | NDArray[np.float64], accurate: NDArray[np.bool_]
 ) -> tuple[float | None, int]:
-    """The shortest step (s) of bodies that cover this time, and the most steps."""
-    made = np.broadcast_to(span, taken.shape)[taken > 0] / taken[taken > 0]
-    return float(made.min()) if len(made) else None, int(taken.max(initial=0))
+    """The shortest step (s) of the accurate bodies that cover this time, and the most steps."""
+    moved = accurate & (taken > 0)
+    made = np.broadcast_to(span, taken.shape)[moved] / taken[moved]
+    return float(made.min()) if len(made) else None, int(taken[accurate].max(initial=0))
 
 
 def to_run(

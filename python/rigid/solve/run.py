@@ -59,7 +59,7 @@ _STATUS_WORDS: Mapping[Status, str] = {
 }
 
 
-@dataclass(slots=True)
+@dataclass(slots=True, eq=False)
 class Run(HasColumns):
     """The result of :func:`simulate`. With a single body the leading axis ``n`` is absent.
 
@@ -122,8 +122,9 @@ class Run(HasColumns):
         fastest that the body can reach, or of ``sqrt(mgl / I_min)``, are those of a body at rest
         and are compared with the larger of these two. For steps the error is three times the
         difference from a second run, which takes at least one step more between any two times and
-        begins at a start that is rounded otherwise; beside an unstable equilibrium or a
-        separatrix it includes the rounding of the start, magnified. For a closed form it is
+        begins at a start that is rounded otherwise; with an ``accuracy`` the finer of both runs is
+        returned, and mostly twice their difference is stated. Beside an unstable equilibrium or a
+        separatrix the error includes the rounding of the start, magnified. For a closed form it is
         ``1e-15`` per radian turned, or what the saddle of a top makes of ``1e-15``, relative to the
         rates of a top that hangs all but still. NaN for a body that was not run, and for one that
         was not checked: in a call with more than 32 bodies and a method or step, but no
@@ -208,9 +209,9 @@ class Run(HasColumns):
 
     @property
     def nanoseconds(self) -> int:
-        """Processor time of the states, of all threads together; not that of the second run.
+        """Processor time of the states, of all threads together; not that of the other run.
 
-        Of a run of some microseconds it is the time that passed.
+        Of a run in closed form of some microseconds it is the time that passed.
         """
         nanoseconds: Any = self._columns["nanoseconds"]
         return int(nanoseconds)

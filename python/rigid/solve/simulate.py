@@ -303,8 +303,10 @@ def simulate(
         target=target,
     )
     if accuracy is not None and chosen != EXACT and plan is not None:
-        made, most = made_steps(states["steps"], time_span(request.times))
-        plan.amend(step=made, steps=most)
+        accurate = estimate.error <= accuracy
+        if accurate.any():
+            made, most = made_steps(states["steps"], time_span(request.times), accurate)
+            plan.amend(step=made, steps=most)
     if chosen == EXACT:
         known = estimate.worst if isinstance(estimate, _core.States) else None
         worst = largest(estimate.error) if known is None else known

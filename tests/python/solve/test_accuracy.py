@@ -9,6 +9,7 @@ import pytest
 
 import rigid
 from physics import Floats, present, rotation_angle
+from rigid.solve import integrate
 
 BODY = rigid.Body((1.0, 1.6, 0.7))
 TOP = rigid.HeavyTop(BODY, mgl=1.2, com=(0.6, 0.0, 0.8))
@@ -106,3 +107,13 @@ def test_free_motions_and_kicks_err_in_proportion_to_the_weight_over_the_spin(me
     assert errors[0] / errors[1] == pytest.approx(16.0, rel=0.3)
     # They are of order 4: a sixteenth of the error allows twice the angle.
     assert steps[1] / steps[0] == pytest.approx(2.0, rel=0.2)
+
+
+def test_motions_that_are_lost_tell_no_steps_of_the_others(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Two runs of a lost motion differ by one, whatever the steps."""
+    omega = np.random.default_rng(1).normal(size=(512, 3))
+    piloted = rigid.simulate(TOP, omega, t=[120.0], accuracy=1e-3)
+    assert np.count_nonzero(piloted.flagged) > 128
+    monkeypatch.setattr(integrate, "PILOTED", 513)
+    plain = rigid.simulate(TOP, omega, t=[120.0], accuracy=1e-3)
+    assert np.array_equal(piloted.steps, plain.steps)

@@ -160,6 +160,24 @@ def test_upright_top_without_spin_falls_and_with_spin_sleeps(method: rigid.Metho
     assert present(asleep.gamma)[:, 2].min() > 1.0 - 1e-6
 
 
+# --- the smallest motions --------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("t", [1e-60, 1e-161, 1e-200])
+@pytest.mark.parametrize("mgl", [1.0, 1e-100])
+@pytest.mark.parametrize("method", METHODS, ids=lambda method: method.name)
+def test_a_top_that_is_let_go_begins_to_turn_by_its_torque(
+    method: rigid.Method, mgl: float, t: float
+) -> None:
+    """The rates are the torque over the moments times the time, however short."""
+    moments, com = np.array([1.0, 1.6, 0.7]), np.array([0.6, 0.0, 0.8])
+    top = rigid.HeavyTop(rigid.Body(tuple(moments)), mgl=mgl, com=tuple(com))
+    run = rigid.simulate(top, [0.0, 0.0, 0.0], [1.0, 0.3, 0.2, 0.1], t=[t], method=method.name)
+    gamma = present(run.gamma)[-1]
+    begin = np.cross(gamma, com) / moments
+    assert np.abs(run.omega[-1] / (mgl * t) - begin).max() < 1e-14
+
+
 # --- weight and axes ------------------------------------------------------------------------------
 
 
@@ -190,6 +208,12 @@ def test_without_weight_it_is_the_free_body(
         rounding = 10.0 * ROUNDOFF * np.sqrt(float(free.steps))
         assert np.abs(free.omega - top.omega).max() < rounding * np.abs(free.omega).max()
         assert abs(free.energy_drift - top.energy_drift) < rounding
+        if record == "axis":
+            assert np.abs(present(free.gamma) - present(top.gamma)).max() < rounding
+        if record == "attitude":
+            # By `dop853` the attitude of a top is rows of its matrix, of a free body a quaternion.
+            apart = rotation_angle(present(free.attitude), present(top.attitude)).max()
+            assert apart < (1e-9 if method.name == "dop853" else 10.0 * rounding)
         return
     assert free.omega.tobytes() == top.omega.tobytes()
     assert free.energy_drift == top.energy_drift

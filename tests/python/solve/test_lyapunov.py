@@ -416,6 +416,7 @@ def test_verdicts_on_a_chaotic_sea_and_on_islands() -> None:
     assert np.isinf(found.lost_from[1])
     assert found.error[1] < 1e-10
     chaotic, regular = found.reasons()
+    assert 0.2 < found.exponent[0, -1] < 0.4
     assert chaotic.startswith(f"chaotic: exponent {found.exponent[0, -1]:.3g}")
     assert "the motion itself is lost from t = " in chaotic
     assert regular.startswith(
