@@ -270,14 +270,17 @@ impl<R: Real> Units<R> {
         y: &[R; D],
     ) -> [R; D] {
         let mut at = *y;
-        // Each index of `rates` is a literal: else the compiler keeps the constants of all packs in memory.
-        let [a, b, c] = self.rates;
         if const { in_units::<T, R, M, L>() } {
             for d in 0..3 {
                 at[d] = add_times(y[d], factor, sum[d]);
             }
-        } else {
+        } else if const { in_products::<T, R, M, L>() } {
+            let [a, b, c] = self.rates;
             (at[0], at[1], at[2]) = (a.fma(sum[0], y[0]), b.fma(sum[1], y[1]), c.fma(sum[2], y[2]));
+        } else {
+            for d in 0..3 {
+                at[d] = self.others.fma(sum[d], y[d]);
+            }
         }
         for d in 3..D {
             at[d] = if const { in_units::<T, R, M, L>() } && is_change::<L>(d) {
