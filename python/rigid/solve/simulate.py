@@ -127,9 +127,10 @@ def simulate(
         method or a step, of more than 32 bodies only 32 are checked.
     tangent : bool or sequence of str
         Whether the derivative of the motion by its start is returned, as :attr:`Run.tangent`: by
-        the ``method`` in the same steps, else by ``"taylor16"`` in its own. It changes no bit of
-        the states. With names of parameters also the derivative by them, from the same start, as
-        :attr:`Run.sensitivity`: ``"I1"``, ``"I2"``, ``"I3"`` (kg m²); of a top ``"mgl"`` (J) and
+        the ``method`` in the same steps, with an ``accuracy`` in those of :func:`plan`, else by
+        ``"taylor16"`` in its own. It changes no bit of the states. With names of parameters also
+        the derivative by them, from the same start, as :attr:`Run.sensitivity`: ``"I1"``,
+        ``"I2"``, ``"I3"`` (kg m²); of a top ``"mgl"`` (J) and
         ``"com1"``, ``"com2"``, ``"com3"``, the components of ``com`` with ``mgl`` fixed, as if each
         were free, or ``"com"`` for the three; ``"damping1"`` to ``"damping3"``, the diagonal of the
         damping matrix (N m s), or ``"damping"``, one coefficient added to all of it; ``"torque1"``

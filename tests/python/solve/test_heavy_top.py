@@ -160,7 +160,7 @@ def test_upright_top_without_spin_falls_and_with_spin_sleeps(method: rigid.Metho
     assert present(asleep.gamma)[:, 2].min() > 1.0 - 1e-6
 
 
-# --- the smallest motions --------------------------------------------------------------------------
+# --- the smallest motions -------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("t", [1e-60, 1e-161, 1e-200])
