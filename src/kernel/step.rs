@@ -78,7 +78,7 @@ where
     let mut bodies = [prepared_pack::<P, M, L, S, D>(g, forces, 0, numbers); PACKS];
     if const { S::IS_SHORT && PACKS <= MOST_WRITTEN_OUT } {
         each_pack!(B < PACKS => {
-            if const { B > 0 } {
+            if const { B != 0 } {
                 bodies[B] = prepared_pack::<P, M, L, S, D>(g, forces, B * P::LANES, numbers);
             }
         });
