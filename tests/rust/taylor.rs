@@ -259,7 +259,9 @@ fn energy_after_a_hundred_thousand_steps() {
     }
     let errors = squares.map(f64::sqrt);
     println!("energy errors {errors:?}, worst {worst:e}");
-    assert!(worst < 1e-14, "{worst:e}");
+    // 1e5 steps that err by 1.5e-17 each; one body of 32 is beyond four standard deviations once in 500 times.
+    assert!(errors[3] < 1e5_f64.sqrt() * 1.5e-17, "{errors:?}");
+    assert!(worst < 4.0 * errors[3], "{worst:e}");
     // Three standard errors of a root mean square of 32, times the early rounding error of the energy itself.
     assert!(errors[3] < 1.4 * 10.0_f64.sqrt() * errors[2], "{errors:?}");
     assert!(errors[3] < 1.4 * 10.0 * errors[1].max(EPS / 2.0), "{errors:?}");
