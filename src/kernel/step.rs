@@ -77,6 +77,7 @@ where
     const { assert!(D == L::LEN && PACKS * P::LANES == LANES) };
     let mut bodies = [prepared_pack::<P, M, L, S, D>(g, forces, 0, numbers); PACKS];
     if const { S::IS_SHORT && PACKS <= MOST_WRITTEN_OUT } {
+        // The loop below stays a loop here, in which the compiler copies the constants of a pack by calls.
         each_pack!(B < PACKS => {
             if const { B != 0 } {
                 bodies[B] = prepared_pack::<P, M, L, S, D>(g, forces, B * P::LANES, numbers);
@@ -225,10 +226,9 @@ fn short_steps<P, const PACKS: usize, M, L, S, const D: usize>(
     L: Layout,
     S: Engine<P, M, L, D>,
 {
-    let mut bodies = [prepared_pack::<P, M, L, S, D>(g, forces, 0, numbers); PACKS];
+    let bodies = prepared::<P, PACKS, M, L, S, D>(g, forces, numbers);
     let mut states = [[P::splat(0.0); D]; PACKS];
     each_pack!(B < PACKS => {
-        bodies[B] = prepared_pack::<P, M, L, S, D>(g, forces, B * P::LANES, numbers);
         for d in 0..D {
             states[B][d] = P::load(&g.state[d].0[B * P::LANES..]);
         }

@@ -464,11 +464,9 @@ impl<T: Tableau, R: Real, M: Model<R>, L: Layout, const D: usize> Engine<R, M, L
     fn new(p: &Parameters<R>, forces: &ForcesInterval<R>, _numbers: &'static Numbers) -> Self {
         let (model, applied) = (M::new(p), Applied::new(p, forces));
         let (unit, half) = (p.step * R::splat(T::UNIT), R::splat(0.5));
-        let mut rates = [unit; 3];
-        if in_products::<T, R, M, L>() {
-            let [a, b, c] = model.ratios();
-            rates = [unit * a, unit * b, unit * c];
-        }
+        let in_units = model.in_units(unit);
+        // Of products as slopes only.
+        let rates = in_units.ratios();
         let slopes = Units { rates, quaternion: unit * half, others: unit };
         let share = R::splat(T::DIVISOR);
         let [a, b, c] = rates;
@@ -477,7 +475,6 @@ impl<T: Tableau, R: Real, M: Model<R>, L: Layout, const D: usize> Engine<R, M, L
             quaternion: slopes.quaternion / share,
             others: unit / share,
         };
-        let in_units = model.in_units(unit);
         RungeKutta { model, in_units, applied, slopes, sums, tableau: PhantomData }
     }
 
