@@ -208,7 +208,7 @@ def estimate_error(
             error += _ringing(bodies, states, times)
     # What is not a number is not known.
     error = np.where(np.isfinite(error), error, np.inf)
-    if is_damped_stiffly(request) and request.tolerance is None:
+    if is_damped_stiffly(bodies, method) and request.tolerance is None:
         # Damping can stop a body within a step: both runs lose the angle it turned meanwhile.
         error[rates * span > np.pi * taken] = np.inf
     # Nothing moves in no time.

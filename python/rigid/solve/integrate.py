@@ -235,7 +235,7 @@ def _refined(
     steps = np.minimum(steps, intervals(request.times).max(axis=-1, initial=0.0))
     states, estimate = checked_states(request, steps, halvings=halvings, out=out)
     pending = np.flatnonzero(estimate.error > accuracy)
-    stiffly = is_damped_stiffly(request)
+    stiffly = is_damped_stiffly(request.bodies, request.method)
     for attempt in range(1, ATTEMPTS + 1):
         if not len(pending):
             break

@@ -98,7 +98,7 @@ def step_ratio(bodies: Bodies, method: str, halvings: float = HALVINGS) -> float
     """How many times shorter the steps of the second run are, in steps of the same method."""
     # Of forced bodies the order falls where damping is as fast as the steps.
     ratio: float = max(2.0 ** (halvings / order_of(method)), 1.2 if bodies.forces is None else 1.3)
-    if bodies.forces is not None and is_stiff(method):
+    if is_damped_stiffly(bodies, method):
         # Under strong damping the order of these methods falls.
         ratio = max(ratio, 2.0)
     if method == SUBDIVIDING and ratio == 4.0:
@@ -164,6 +164,6 @@ def _rounded_otherwise(rows: Floats) -> Floats:
     return rounded
 
 
-def is_damped_stiffly(request: Request) -> bool:
+def is_damped_stiffly(bodies: Bodies, method: str) -> bool:
     """Whether a method for strong damping integrates forced bodies."""
-    return request.bodies.forces is not None and is_stiff(request.method)
+    return bodies.forces is not None and is_stiff(method)
