@@ -33,6 +33,7 @@ from .model.forces import EnergySink
 from .model.judged import States, judged
 from .model.measures import drift, flips, largest_tilt, mean_rate, time_to_leave
 from .model.mixture import Mixture, mixture
+from .model.orbit import Orbit
 from .model.scene import FreeBody, HeavyTop
 from .model.start import (
     Noise,
@@ -113,6 +114,7 @@ __all__ = [
     "Mixture",
     "Motion",
     "Noise",
+    "Orbit",
     "Outcomes",
     "Plan",
     "Progress",

@@ -1,6 +1,6 @@
 //! `Forces`: those of one body or of many; `BodyForces`: those of one of them; `ForcesInterval`: those in a kernel.
 
-use super::{Damping, Further, Table, TorqueCall, TorqueFunction, table};
+use super::{Damping, Further, Table, TorqueCall, TorqueFunction, part, table};
 use crate::error::Error;
 use crate::memory;
 use crate::real::Real;
@@ -41,20 +41,25 @@ pub struct ParameterChange<R> {
     pub damping: [R; 6],
     /// Of the torque in the body, at all times.
     pub torque: [R; 3],
+    /// Of the numbers of the further forces.
+    pub further: Further<R>,
 }
 
 impl ParameterChange<f64> {
+    /// Number of parameters without those of the further forces.
+    pub const OWN: usize = 15;
     /// Number of parameters.
-    pub const LEN: usize = 15;
+    pub const LEN: usize = ParameterChange::OWN + Further::LEN;
 
-    /// The change with these numbers: of moments, weight, damping and torque.
+    /// The change with these numbers: of moments, weight, damping, torque and the further forces.
     pub fn of(numbers: &[f64; ParameterChange::LEN]) -> Self {
-        let [i1, i2, i3, w1, w2, w3, d11, d22, d33, d23, d31, d12, t1, t2, t3] = *numbers;
+        let [i1, i2, i3, w1, w2, w3, d11, d22, d33, d23, d31, d12, t1, t2, t3] = part(numbers, 0);
         ParameterChange {
             moments: [i1, i2, i3],
             weight: [w1, w2, w3],
             damping: [d11, d22, d33, d23, d31, d12],
             torque: [t1, t2, t3],
+            further: Further::of(&part(numbers, ParameterChange::OWN)),
         }
     }
 }
@@ -64,7 +69,13 @@ impl<R: Real> ParameterChange<R> {
     #[inline(always)]
     pub fn none() -> Self {
         let zero = R::splat(0.0);
-        ParameterChange { moments: [zero; 3], weight: [zero; 3], damping: [zero; 6], torque: [zero; 3] }
+        ParameterChange {
+            moments: [zero; 3],
+            weight: [zero; 3],
+            damping: [zero; 6],
+            torque: [zero; 3],
+            further: Further::none(),
+        }
     }
 }
 

@@ -1,7 +1,7 @@
 //! Forces: what acts on a body besides weight, each in one file.
 //!
-//! A force has numbers and their check, an equation, its Taylor product, bounds, and what it adds to the rate that
-//! steps follow. Every kernel of a forced body has the table of a torque and linear damping. The *further* forces are
+//! A force has numbers and their check, an equation and its derivative, the Taylor products of both, bounds, and what it
+//! adds to the rate that steps follow. Every kernel of a forced body has the table of a torque and linear damping. The *further* forces are
 //! the rows of the list below; kernels with them have them all, and a body that has none of one has zeros for its
 //! numbers.
 //!
@@ -14,7 +14,7 @@ mod damping;
 mod dissipation;
 mod drag;
 mod function;
-mod gravity_gradient;
+mod orbit;
 mod rotor;
 mod set;
 mod table;
@@ -24,7 +24,7 @@ pub use damping::{Damping, damp};
 pub use dissipation::Dissipation;
 pub use drag::Drag;
 pub use function::{Function, TorqueCall, TorqueFunction};
-pub use gravity_gradient::GravityGradient;
+pub use orbit::Orbit;
 pub use rotor::Rotor;
 pub use set::ForceSet;
 pub use table::{Table, add_space_torque};
@@ -34,7 +34,7 @@ use crate::real::{Pack, Real};
 use crate::series::Coefficients;
 use crate::simd::Row;
 
-/// A further force in kernels: its equation and its Taylor product. `y` is a state, which begins with the rates and, if
+/// A further force in kernels: its equation and its derivative, and the Taylor products of both. `y` is a state, which begins with the rates and, if
 /// there are any, the space axes 3, 1 and 2 in the body. The variables of the force are at `own`.
 pub trait Force<R: Real>: Copy {
     /// Whether the torque depends on the attitude. The force then acts only in kernels with the space axes.
@@ -43,9 +43,14 @@ pub trait Force<R: Real>: Copy {
     const VARIABLES: usize = 0;
     /// Coefficients of its Taylor product beside those of the state.
     type Series;
+    /// Coefficients of the derivative beside those.
+    type Varied;
 
     /// No coefficients yet.
     fn series() -> Self::Series;
+
+    /// No coefficients of the derivative yet.
+    fn varied() -> Self::Varied;
 
     /// Adds the torque at a state to `torque`.
     #[inline(always)]
@@ -69,6 +74,52 @@ pub trait Force<R: Real>: Copy {
     /// Writes the rates of change of its variables at a state.
     #[inline(always)]
     fn change<const D: usize>(&self, _y: &[R; D], _own: usize, _change: &mut [R; D]) {}
+
+    /// Adds the change of the torque by the deviation vector in a state to `torque`, and that by a change `by` of the
+    /// numbers of the force.
+    #[inline(always)]
+    fn add_varied_torque<const D: usize>(
+        &self,
+        _by: &Self,
+        _body: &Varied<R>,
+        _y: &[R; D],
+        _own: usize,
+        _torque: &mut [R; 3],
+    ) {
+    }
+
+    /// Adds the coefficient of order k of both to `torque`. The calls are for ascending orders, after those of
+    /// `add_order` for all orders.
+    #[inline(always)]
+    fn add_varied_order<const D: usize>(
+        &self,
+        _by: &Self,
+        _body: &Varied<R>,
+        _c: &Coefficients<R, D>,
+        _at: Order<R>,
+        _series: (&mut Self::Series, &mut Self::Varied),
+        _torque: &mut [R; 3],
+    ) {
+    }
+}
+
+/// What varies besides the numbers of a force.
+#[derive(Clone, Copy)]
+pub struct Varied<R> {
+    /// Principal moments.
+    pub moments: [R; 3],
+    /// Their change.
+    pub change: [R; 3],
+    /// Index of the time in a state.
+    pub time: usize,
+    /// Index of the deviation vector.
+    pub tangent: usize,
+}
+
+/// The deviation vector at an index of a state: a change of the rates, and a rotation vector.
+#[inline(always)]
+fn deviation<R: Real, const D: usize>(y: &[R; D], at: usize) -> [[R; 3]; 2] {
+    [[y[at], y[at + 1], y[at + 2]], [y[at + 3], y[at + 4], y[at + 5]]]
 }
 
 /// An order of a Taylor product.
@@ -158,6 +209,11 @@ macro_rules! forces {
             $($name: <$force<R> as Force<R>>::Series,)*
         }
 
+        /// The coefficients of the derivatives of all forces beside those.
+        pub struct FurtherVaried<R: Real> {
+            $($name: <$force<R> as Force<R>>::Varied,)*
+        }
+
         impl Further<f64> {
             /// Nothing acts.
             pub const NONE: Further<f64> = Further { $($name: $force([0.0; $numbers]),)* };
@@ -169,12 +225,17 @@ macro_rules! forces {
             pub const NAMES: &[(&str, std::ops::Range<usize>)] =
                 &[$((stringify!($name), places(Place::$name as usize)),)*];
 
+            /// The forces with these numbers, or the change of their numbers by these.
+            pub fn of(numbers: &[f64; Further::LEN]) -> Self {
+                Further { $($name: $force(part(numbers, before(NUMBERS, Place::$name as usize))),)* }
+            }
+
             /// The forces with these numbers.
             ///
             /// # Errors
             /// If a number is not finite, or impossible.
             pub fn checked(numbers: &[f64; Further::LEN]) -> Result<Self, Error> {
-                let further = Further { $($name: $force(part(numbers, before(NUMBERS, Place::$name as usize))),)* };
+                let further = Further::of(numbers);
                 $(
                     if let Some(bad) = further.$name.0.iter().find(|x| !x.is_finite()) {
                         let (value, rule) = (bad.to_string(), "must be finite");
@@ -291,6 +352,46 @@ macro_rules! forces {
                 })*
             }
 
+            /// No coefficients of derivatives yet.
+            #[inline(always)]
+            pub fn varied() -> FurtherVaried<R> {
+                FurtherVaried { $($name: <$force<R> as Force<R>>::varied(),)* }
+            }
+
+            /// See [`Force::add_varied_torque`]; the variables of all forces begin at `own`.
+            #[inline(always)]
+            pub fn add_varied_torques<const D: usize>(
+                &self,
+                by: &Self,
+                body: &Varied<R>,
+                y: &[R; D],
+                own: usize,
+                torque: &mut [R; 3],
+            ) {
+                $({
+                    let own = own + const { before(VARIABLES, Place::$name as usize) };
+                    self.$name.add_varied_torque(&by.$name, body, y, own, torque);
+                })*
+            }
+
+            /// See [`Force::add_varied_order`].
+            #[inline(always)]
+            pub fn add_varied_orders<const D: usize>(
+                &self,
+                by: &Self,
+                body: &Varied<R>,
+                c: &Coefficients<R, D>,
+                at: Order<R>,
+                (series, varied): (&mut FurtherSeries<R>, &mut FurtherVaried<R>),
+                torque: &mut [R; 3],
+            ) {
+                $({
+                    let at = Order { own: at.own + const { before(VARIABLES, Place::$name as usize) }, ..at };
+                    let series = (&mut series.$name, &mut varied.$name);
+                    self.$name.add_varied_order(&by.$name, body, c, at, series, torque);
+                })*
+            }
+
             /// Writes the rates of change of the variables of all forces, which begin at `own`.
             #[inline(always)]
             pub fn change<const D: usize>(&self, y: &[R; D], own: usize, change: &mut [R; D]) {
@@ -302,16 +403,13 @@ macro_rules! forces {
         pub const NO_FURTHER: &str = concat!(
             "does not integrate ", $($word, ", ",)* "as Runge-Kutta methods and Taylor series do"
         );
-        /// The rule of deviation vectors under further forces.
-        pub const NO_DEVIATIONS: &str =
-            concat!("deviation vectors are not integrated under ", $($word, ", ",)* "or a function");
     };
 }
 forces! {
     /// A rotor at constant speed.
     rotor: Rotor, 3, "a rotor";
-    /// The gravity gradient on a circular orbit.
-    gravity_gradient: GravityGradient, 7, "a gravity gradient";
+    /// The gravity gradient on an orbit.
+    orbit: Orbit, 9, "the gravity gradient of an orbit";
     /// Quadratic drag.
     drag: Drag, 3, "drag";
     /// An energy sink.
@@ -396,7 +494,7 @@ mod tests {
         numbers[at("rotor")].copy_from_slice(&[1.0, 2.0, 3.0]);
         numbers[at("dissipation")].copy_from_slice(&[0.0, 0.1, 0.2]);
         numbers[at("drag")].copy_from_slice(&[0.3, 0.0, 0.4]);
-        numbers[at("gravity_gradient")].copy_from_slice(&[0.5, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0]);
+        numbers[at("orbit")].copy_from_slice(&[0.5, 0.6, 0.0, 1.0, 0.0, 0.0, 0.0, 0.8, 0.0]);
         let further = Further::checked(&numbers).unwrap();
         assert_eq!((further.rotor.0, further.drag.0), ([1.0, 2.0, 3.0], [0.3, 0.0, 0.4]));
         assert!(!further.is_none() && Further::NONE.is_none() && further.acts_in_space());
@@ -408,7 +506,8 @@ mod tests {
         assert!(with("rotor", 0, f64::NAN).starts_with("rotor = NaN"));
         assert!(with("dissipation", 1, -1.0).starts_with("dissipation = [0.0, -1.0, 0.2]"));
         assert!(with("drag", 2, -1.0).starts_with("drag = [0.3, 0.0, -1.0]"));
-        assert!(with("gravity_gradient", 1, 0.5).starts_with("towards = [0.5, 0.0, 0.0]"));
-        assert!(with("gravity_gradient", 4, 0.5).starts_with("towards"));
+        assert!(with("orbit", 1, 1.0).starts_with("eccentricity = 1"));
+        assert!(with("orbit", 3, 0.5).starts_with("periapsis = [0.5, 0.0, 0.0]"));
+        assert!(with("orbit", 7, 0.5).starts_with("periapsis"));
     }
 }

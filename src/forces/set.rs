@@ -1,6 +1,6 @@
 //! What acts on bodies besides weight, as a set. The set decides which variables are integrated, and by which methods.
 
-use super::{BodyForces, NO_DEVIATIONS};
+use super::BodyForces;
 use crate::error::Error;
 
 /// The forces on a body.
@@ -30,17 +30,16 @@ impl ForceSet {
         }
     }
 
-    /// Refuses deviation vectors under forces for which there are no kernels.
+    /// Refuses deviation vectors under the torque of a function.
     ///
     /// # Errors
-    /// If a further force or the torque of a function acts.
+    /// If such a torque acts.
     pub fn check_deviations(self) -> Result<(), Error> {
-        if !(self.further || self.function) {
+        if !self.function {
             return Ok(());
         }
-        let value = if self.function { "a function" } else { "under further forces" }.to_string();
-        let argument = if self.function { "torque" } else { "scene" };
-        Err(Error::Value { argument, value, rule: NO_DEVIATIONS })
+        let rule = "has no derivative: deviation vectors are not integrated under the torque of a function";
+        Err(Error::Value { argument: "torque", value: "a function".to_string(), rule })
     }
 }
 

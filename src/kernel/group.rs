@@ -6,9 +6,9 @@ use crate::real::Pack;
 use crate::simd::{LANES, Row};
 use std::sync::OnceLock;
 
-/// Longest state: rates, three directions, the balance of work, impulse and time, and a deviation vector or the
-/// variables of further forces.
-pub const MAX_STATE: usize = 15 + if Further::VARIABLES > 6 { Further::VARIABLES } else { 6 };
+/// Longest state: rates, three directions, the balance of work, impulse and time, a deviation vector, and the variables
+/// of further forces.
+pub const MAX_STATE: usize = 15 + 6 + Further::VARIABLES;
 
 /// The invariants at the start, and the largest deviation from them at the ends of blocks of steps.
 #[derive(Clone, Copy)]
@@ -81,7 +81,9 @@ pub struct ForcesRows {
     /// The numbers of the further forces.
     pub further: Further<Row>,
     /// Changes of moments, weight, damping and torque.
-    pub change: [Row; ParameterChange::LEN],
+    pub change: [Row; ParameterChange::OWN],
+    /// Changes of the numbers of the further forces.
+    pub further_change: Further<Row>,
     /// The functions that return a torque.
     pub functions: [Option<TorqueCall>; LANES],
 }
@@ -95,7 +97,8 @@ impl ForcesRows {
         rates: [Row::ZERO; 3],
         modes: [[Row::ZERO; 3]; 3],
         further: Further::<Row>::ZERO,
-        change: [Row::ZERO; ParameterChange::LEN],
+        change: [Row::ZERO; ParameterChange::OWN],
+        further_change: Further::<Row>::ZERO,
         functions: [None; LANES],
     };
 
@@ -117,7 +120,8 @@ impl ForcesRows {
             }
         }
         self.further.set(lane, &interval.further);
-        let ParameterChange { moments, weight, damping, torque } = &interval.change;
+        let ParameterChange { moments, weight, damping, torque, further } = &interval.change;
+        self.further_change.set(lane, further);
         let numbers = moments.iter().chain(weight).chain(damping).chain(torque);
         for (row, number) in self.change.iter_mut().zip(numbers) {
             row.0[lane] = *number;
@@ -145,6 +149,7 @@ impl ForcesRows {
             }
         }
         interval.further = self.further.load(at);
+        interval.change.further = self.further_change.load(at);
         for k in 0..3 {
             interval.change.moments[k] = P::load(&self.change[k].0[at..]);
             interval.change.weight[k] = P::load(&self.change[3 + k].0[at..]);

@@ -10,8 +10,8 @@ use crate::observe::Observed;
 use crate::real::{Pack, Quad};
 use crate::scene::{
     Attitude, Axis, AxisAttitude, AxisSensitivity, AxisTangent, FREE, ForcedFrame, ForcedFrameTangent,
-    ForcedRates, Free, FunctionFrame, FurtherFrame, FurtherRates, Layout, Model, Parameters, Rates, Scene,
-    TOP, Top, TwoAxes,
+    ForcedRates, Free, FunctionFrame, FurtherFrame, FurtherFrameTangent, FurtherRates, Layout, Model,
+    Parameters, Rates, Scene, TOP, Top, TwoAxes,
 };
 #[cfg(target_arch = "x86_64")]
 use crate::simd::{Arr, V4, V8};
@@ -329,6 +329,7 @@ engines! { kernels
         TopTangent: TOP, Top, AxisTangent;
         TopSensitivity: TOP, Top, AxisSensitivity;
         ForcedTangent: TOP, Top, ForcedFrameTangent;
+        FurtherTangent: TOP, Top, FurtherFrameTangent;
     }
 }
 

@@ -1,6 +1,6 @@
 //! Explicit Runge-Kutta methods: one engine, any tableau.
 
-use super::tangent::tangent_rate;
+use super::tangent::{further_tangent_rate, tangent_rate};
 use super::{Coefficients, Engine, EngineName, Facts, Method, Numbers, Step, Variables};
 use super::{acceleration, acceleration_by};
 use crate::forces::ForcesInterval;
@@ -437,7 +437,8 @@ fn further_rate<R: Real, M: Model<R>, L: Layout, const D: usize>(
     y: &[R; D],
 ) -> [R; D] {
     let mut dy = *y;
-    let FurtherRate { omega, turn, balance } = applied.under_further::<M, L, D>(model, y);
+    let rates = applied.under_further::<M, L, D>(model, y);
+    let FurtherRate { omega, turn, balance, .. } = rates;
     kinematics::put(&mut dy, 0, omega);
     let turning = [y[0] + turn[0], y[1] + turn[1], y[2] + turn[2]];
     for v in 0..L::VECTORS {
@@ -446,6 +447,10 @@ fn further_rate<R: Real, M: Model<R>, L: Layout, const D: usize>(
     }
     kinematics::put(&mut dy, L::BALANCE_AT, balance);
     dy[L::TIME_AT] = R::splat(1.0);
+    if L::TANGENT {
+        let rate = further_tangent_rate::<R, M, L, D>(model, applied, y, &rates);
+        kinematics::put(&mut dy, L::TANGENT_AT, rate);
+    }
     if L::OWN > 0 {
         applied.forces.further.change(y, L::OWN_AT, &mut dy);
     }

@@ -13,7 +13,7 @@
 
 use crate::kinematics::{add_cross, cross, direction, put};
 use crate::real::Real;
-use crate::scene::{Applied, Layout, Model};
+use crate::scene::{Applied, FurtherRate, Layout, Model, Undamped};
 
 /// The change of the rates in a state with a deviation vector.
 #[inline(always)]
@@ -61,6 +61,20 @@ impl<R: Real> Variation<R> {
         add_cross(&x, &[w1, w2, w3], &mut self.turning);
     }
 
+    /// The change of Euler's equations without torques by a deviation vector.
+    #[inline(always)]
+    pub(super) fn acceleration<M: Model<R>, const D: usize>(&self, model: &M, deviating: &[R; D]) -> [R; 3] {
+        let mut varied = *deviating;
+        put(&mut varied, 3, self.gamma);
+        model.euler(&self.products, &varied)
+    }
+
+    /// The change of the frame of the body by the rates: `d + x x omega`.
+    #[inline(always)]
+    pub(super) fn turning(&self, d: &[R; 3]) -> [R; 3] {
+        [d[0] + self.turning[0], d[1] + self.turning[1], d[2] + self.turning[2]]
+    }
+
     /// The rate of the deviation vector, from this variation, the deviation vector of the same order, and the change of
     /// the torque in space.
     #[inline(always)]
@@ -72,17 +86,15 @@ impl<R: Real> Variation<R> {
         torque: [R; 3],
     ) -> [R; 6] {
         let d = spin::<R, L, D>(deviating);
-        let mut varied = *deviating;
-        put(&mut varied, 3, self.gamma);
-        let mut change = model.euler(&self.products, &varied);
+        let mut change = self.acceleration::<M, D>(model, deviating);
         if L::BALANCE {
             let gained = applied.over_moments(&applied.damped(torque, d));
             for i in 0..3 {
                 change[i] = change[i] + gained[i];
             }
         }
-        let turning = &self.turning;
-        [change[0], change[1], change[2], d[0] + turning[0], d[1] + turning[1], d[2] + turning[2]]
+        let turning = self.turning(&d);
+        [change[0], change[1], change[2], turning[0], turning[1], turning[2]]
     }
 }
 
@@ -114,4 +126,46 @@ pub(super) fn tangent_rate<R: Real, M: Model<R>, L: Layout, const D: usize>(
         put(&mut rate, 0, spin);
     }
     rate
+}
+
+/// The rate of the deviation vector of a state under further forces, whose dissipation turns the frame of the body.
+#[inline(always)]
+pub(super) fn further_tangent_rate<R: Real, M: Model<R>, L: Layout, const D: usize>(
+    model: &M,
+    applied: &Applied<R>,
+    y: &[R; D],
+    rates: &FurtherRate<R>,
+) -> [R; 6] {
+    let (d, x, omega) = (spin::<R, L, D>(y), turn::<R, L, D>(y), [y[0], y[1], y[2]]);
+    let mut variation = Variation::none();
+    variation.add::<M, L, D>(y, y);
+    let mut torque = applied.damped(cross(&applied.space_torque::<L, D>(y), &x), d);
+    let changed = applied.changed_torque(&[omega[1] * omega[2], omega[2] * omega[0], omega[0] * omega[1]], y);
+    let own = applied.changed_applied_torque();
+    for i in 0..3 {
+        torque[i] = torque[i] + (changed[i] + own[i]);
+    }
+    applied.add_varied_torques::<L, D>(y, &mut torque);
+    let undamped = Undamped { omega, rate: rates.undamped };
+    let mut rate = applied.varied_rate(variation.acceleration::<M, D>(model, y), &d, &torque, &undamped);
+    let varied_turn = applied.varied_turn(&rate, &rates.undamped, &rates.turn);
+
+    let change = &applied.forces.change;
+    let mut momentum = applied.varied_momentum(&omega, &d);
+    for i in 0..3 {
+        momentum[i] = momentum[i] + change.further.rotor.0[i];
+    }
+    let mut by_turn = cross(&momentum, &rates.turn);
+    add_cross(&applied.whole_momentum(&omega), &varied_turn, &mut by_turn);
+    for i in 0..3 {
+        by_turn[i] = change.moments[i].fnma(rates.omega[i] - rates.undamped[i], by_turn[i]);
+    }
+    let gained = applied.over_moments(&by_turn);
+    let mut turning = variation.turning(&d);
+    add_cross(&x, &rates.turn, &mut turning);
+    for i in 0..3 {
+        rate[i] = rate[i] + gained[i];
+        turning[i] = turning[i] + varied_turn[i];
+    }
+    [rate[0], rate[1], rate[2], turning[0], turning[1], turning[2]]
 }

@@ -138,11 +138,10 @@ impl<R: Real, M: Model<R>> Taylor<R, M> {
     #[inline(always)]
     pub fn coefficients<L: Layout, const D: usize>(&self, unit: R, y: &[R; D], c: &mut Coefficients<R, D>) {
         let side_by_side = const { L::VECTORS < 3 };
-        let mut all_orders = self.has_high_orders;
+        let mut series = Beside::new(self.has_high_orders);
         loop {
             c.clear();
             c.push(*y);
-            let mut series = Beside::new(all_orders);
             for half in 0..self.order / 2 {
                 let k = 2 * half;
                 let (mut sums, mut after) = (Products::none(), Products::none());
@@ -174,12 +173,14 @@ impl<R: Real, M: Model<R>> Taylor<R, M> {
             }
             // All coefficients are finite if those of the highest order are: where one overflows, so do those after it. A
             // torque that is zero times one that has overflowed is not a number, and may not be skipped.
-            if !(L::BALANCE && L::VECTORS > 0) || all_orders || is_finite(&directions::<R, L, D>(c)) {
+            if !(L::BALANCE && L::VECTORS > 0) || series.all_orders || is_finite(&directions::<R, L, D>(c)) {
                 break;
             }
-            all_orders = true;
+            series = Beside::new(true);
         }
-        if L::TANGENT {
+        if L::TANGENT && L::FURTHER {
+            self.further_deviation::<L, D>(unit, &mut series.further, c);
+        } else if L::TANGENT {
             self.deviation::<L, D>(unit, c);
         }
     }
@@ -336,6 +337,7 @@ impl<R: Real, M: Model<R>> Taylor<R, M> {
         rate = [rate[0] + change[0], rate[1] + change[1], rate[2] + change[2]];
         let sink = applied.turn(&rate);
         series.turn.push(k, sink);
+        series.undamped.push(k, rate);
         let rotor = rotor.across(&sink);
         series.impulse.push(k, [impulse[0] + rotor[0], impulse[1] + rotor[1], impulse[2] + rotor[2]]);
 
@@ -351,6 +353,7 @@ impl<R: Real, M: Model<R>> Taylor<R, M> {
         }
         torques.push(k, [torque[0] + by_turn[0], torque[1] + by_turn[1], torque[2] + by_turn[2]]);
         let change = applied.over_moments(&by_turn);
+        series.gained.push(k, change);
         for i in 0..3 {
             next[i] = factor * (rate[i] + change[i]);
             for v in 0..L::VECTORS {
@@ -405,6 +408,8 @@ impl<R: Real> Beside<R> {
     fn new(all_orders: bool) -> Self {
         let further = TurnSeries {
             turn: VectorSeries::new(),
+            undamped: VectorSeries::new(),
+            gained: VectorSeries::new(),
             impulse: VectorSeries::new(),
             torques: Further::series(),
         };
@@ -412,11 +417,17 @@ impl<R: Real> Beside<R> {
     }
 }
 
-/// Coefficients under further forces: the turn by the dissipation, the torque of the impulse, and those of the forces.
-struct TurnSeries<R: Real> {
-    turn: VectorSeries<R>,
+/// Coefficients under further forces.
+pub(super) struct TurnSeries<R: Real> {
+    /// The turn of the frame by the dissipation.
+    pub(super) turn: VectorSeries<R>,
+    /// The rates of change of the rates without the dissipation, and what the dissipation adds.
+    pub(super) undamped: VectorSeries<R>,
+    pub(super) gained: VectorSeries<R>,
+    /// The torque of the impulse.
     impulse: VectorSeries<R>,
-    torques: FurtherSeries<R>,
+    /// Those of the forces.
+    pub(super) torques: FurtherSeries<R>,
 }
 
 /// `a + b` and its rounding error (Knuth, TAOCP 2, §4.2.2).
@@ -463,7 +474,8 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Engine<R, M, L, D> for Tay
     const HAS_TANGENT: bool = true;
     const COMPENSATES: bool = true;
     const IS_SERIES: bool = true;
-    const SHARES_MOTION: bool = L::TANGENT;
+    // Under further forces a deviation vector needs coefficients beside those of the motion.
+    const SHARES_MOTION: bool = L::TANGENT && !L::FURTHER;
 
     #[inline(always)]
     fn new(p: &Parameters<R>, forces: &ForcesInterval<R>, numbers: &'static Numbers) -> Self {

@@ -85,8 +85,7 @@ impl Observable for Tilt {
     fn start(start: &Start) -> Rows<f64> {
         let mut rows = super::UNOBSERVED;
         let (mut normal, mut reference) = ([0.0, 0.0, 1.0], start.direction);
-        if let Some(of_orbit) = start.forces.and_then(|(forces, _)| forces.further.gravity_gradient.normal())
-        {
+        if let Some(of_orbit) = start.forces.and_then(|(forces, _)| forces.further.orbit.normal()) {
             let [third, first] = start.frame;
             normal = of_orbit;
             reference = combined(&normal, &[first, cross(&third, &first), third]);

@@ -3,7 +3,7 @@
 use super::convert::{copied, copied_rows, rows, same_length};
 use crate::error::Error;
 use crate::float_environment::FloatEnvironment;
-use crate::forces::{BodyForces, Damping, Forces, Further, TorqueFunction};
+use crate::forces::{BodyForces, Bounded, Damping, Forces, Further, Orbit, ParameterChange, TorqueFunction};
 use crate::memory;
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
@@ -37,6 +37,32 @@ fn further(given: &HashMap<String, PyReadonlyArray2<'_, f64>>) -> Result<Vec<[f6
         }
     }
     Ok(all)
+}
+
+/// Where the numbers of each further force begin among those of a change of the parameters, and the length of the change.
+#[pyfunction]
+pub fn change_places() -> (HashMap<&'static str, usize>, usize) {
+    let places = Further::NAMES.iter().map(|(name, places)| (*name, ParameterChange::OWN + places.start));
+    (places.collect(), ParameterChange::LEN)
+}
+
+/// Cosine and sine of the eccentric anomaly, (n, 2), of orbits with these numbers at these times, (n, 9) and (n,).
+#[pyfunction]
+pub fn orbit_anomalies<'py>(
+    py: Python<'py>,
+    numbers: PyReadonlyArray2<'py, f64>,
+    times: PyReadonlyArray1<'py, f64>,
+) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let _standard = FloatEnvironment::standard();
+    let (numbers, times) = (rows::<9>("orbit", &numbers)?, copied("t", &times)?);
+    same_length("t", numbers.len(), times.len())?;
+    let anomalies = numbers.iter().zip(&times).map(|(numbers, &time)| {
+        let mut variables = [0.0; 2];
+        Orbit(*numbers).start(time, &mut variables);
+        variables
+    });
+    let anomalies = memory::collected("anomalies", times.len(), anomalies)?.into_flattened();
+    anomalies.into_pyarray(py).reshape([times.len(), 2])
 }
 
 #[pymethods]

@@ -54,7 +54,7 @@ mod _core {
     #[pymodule_export]
     use super::exact::{near_separatrix, nearness_of_poles};
     #[pymodule_export]
-    use super::forces::PyForces;
+    use super::forces::{PyForces, change_places, orbit_anomalies};
     #[pymodule_export]
     use super::growth::{deviation_starts, generic_deviations, growth, rate_units, verdicts};
     #[pymodule_export]

@@ -2,21 +2,36 @@
 //!
 //! The angular momentum is `L = I omega + h`, with that of the rotor. The frame of the body turns with `omega + e`,
 //! `e` the turn by the dissipation; in space L changes by the torques alone.
+//!
+//! A deviation vector of rates d and rotation vector x changes a torque by its derivative, `e` by a change `f` that
+//! follows from the change of the rates without it, and turns with `d + f + x x (omega + e)`.
 
 use super::{Applied, Layout, Model};
-use crate::forces::{FurtherSeries, Order};
+use crate::forces::{FurtherSeries, FurtherVaried, Order, Varied};
 use crate::kinematics::{add_cross, cross, direction, dot};
 use crate::real::Real;
 use crate::series::Coefficients;
 
 /// The rates of change under further forces.
+#[derive(Clone, Copy)]
 pub struct FurtherRate<R> {
     /// Of the rates.
     pub omega: [R; 3],
+    /// Of the rates without the dissipation.
+    pub undamped: [R; 3],
     /// The turn of the frame of the body in addition to the rates.
     pub turn: [R; 3],
     /// Of the work and the impulse.
     pub balance: [R; 2],
+}
+
+/// Rates, and their rates of change without the dissipation, of a state or of one order of it.
+#[derive(Clone, Copy)]
+pub struct Undamped<R> {
+    /// The rates.
+    pub omega: [R; 3],
+    /// Their rates of change.
+    pub rate: [R; 3],
 }
 
 impl<R: Real> Applied<R> {
@@ -24,6 +39,13 @@ impl<R: Real> Applied<R> {
     #[inline(always)]
     pub fn momentum(&self, omega: &[R; 3]) -> [R; 3] {
         [self.moments[0] * omega[0], self.moments[1] * omega[1], self.moments[2] * omega[2]]
+    }
+
+    /// The momentum with that of the rotor.
+    #[inline(always)]
+    pub fn whole_momentum(&self, omega: &[R; 3]) -> [R; 3] {
+        let (own, rotor) = (self.momentum(omega), &self.forces.further.rotor.0);
+        [own[0] + rotor[0], own[1] + rotor[1], own[2] + rotor[2]]
     }
 
     /// The turn of the frame by the dissipation, from the rate of change of the rates without it; linear.
@@ -51,12 +73,8 @@ impl<R: Real> Applied<R> {
         for i in 0..3 {
             rate[i] = rate[i] + change[i];
         }
-        let turn = self.turn(&rate);
-        let mut momentum = self.momentum(&omega);
-        for i in 0..3 {
-            momentum[i] = momentum[i] + rotor.0[i];
-        }
-        let by_turn = cross(&momentum, &turn);
+        let (undamped, turn) = (rate, self.turn(&rate));
+        let by_turn = cross(&self.whole_momentum(&omega), &turn);
         let change = self.over_moments(&by_turn);
         let mut power = torque;
         for i in 0..3 {
@@ -71,7 +89,75 @@ impl<R: Real> Applied<R> {
             dot(&with_rotor, &direction(y, 0))
         };
         // The rotor does no work.
-        FurtherRate { omega: rate, turn, balance: [dot(&power, &omega), impulse] }
+        FurtherRate { omega: rate, undamped, turn, balance: [dot(&power, &omega), impulse] }
+    }
+
+    /// The change of the rates without the dissipation by a deviation vector with the change d of the rates, and by a
+    /// change of the parameters: from the changes by the products and the weight, and of the torques; linear.
+    #[inline(always)]
+    pub fn varied_rate(&self, by_products: [R; 3], d: &[R; 3], torque: &[R; 3], y: &Undamped<R>) -> [R; 3] {
+        let change = &self.forces.change;
+        let mut gained = self.forces.further.rotor.across(d);
+        add_cross(&change.further.rotor.0, &y.omega, &mut gained);
+        for i in 0..3 {
+            gained[i] = change.moments[i].fnma(y.rate[i], gained[i] + torque[i]);
+        }
+        let gained = self.over_moments(&gained);
+        [by_products[0] + gained[0], by_products[1] + gained[1], by_products[2] + gained[2]]
+    }
+
+    /// The change of the turn of the frame, from the change of the rates without the dissipation; linear.
+    #[inline(always)]
+    pub fn varied_turn(&self, varied_rate: &[R; 3], rate: &[R; 3], turn: &[R; 3]) -> [R; 3] {
+        let change = &self.forces.change;
+        let mut sum = self.forces.further.dissipation.times(varied_rate);
+        let by_numbers = change.further.dissipation.times(rate);
+        for i in 0..3 {
+            sum[i] = change.moments[i].fnma(turn[i], sum[i] + by_numbers[i]);
+        }
+        self.over_moments(&sum)
+    }
+
+    /// The change of the momentum by those of the moments and of the rates; linear in both.
+    #[inline(always)]
+    pub fn varied_momentum(&self, omega: &[R; 3], d: &[R; 3]) -> [R; 3] {
+        let (mut sum, moments) = (self.momentum(d), &self.forces.change.moments);
+        for i in 0..3 {
+            sum[i] = moments[i].fma(omega[i], sum[i]);
+        }
+        sum
+    }
+
+    /// The change of the further torques by the deviation vector in a state, and by a change of the parameters.
+    #[inline(always)]
+    pub fn add_varied_torques<L: Layout, const D: usize>(&self, y: &[R; D], torque: &mut [R; 3]) {
+        let (further, by) = (&self.forces.further, &self.forces.change.further);
+        further.add_varied_torques::<D>(by, &self.varied::<L>(), y, L::OWN_AT, torque);
+    }
+
+    /// Adds the coefficient of order k of the change of all further torques; see [`Force::add_varied_order`].
+    ///
+    /// [`Force::add_varied_order`]: crate::forces::Force::add_varied_order
+    #[inline(always)]
+    pub fn add_varied_orders<L: Layout, const D: usize>(
+        &self,
+        c: &Coefficients<R, D>,
+        at: Order<R>,
+        series: (&mut FurtherSeries<R>, &mut FurtherVaried<R>),
+        torque: &mut [R; 3],
+    ) {
+        let (further, by) = (&self.forces.further, &self.forces.change.further);
+        further.add_varied_orders(by, &self.varied::<L>(), c, at, series, torque);
+    }
+
+    #[inline(always)]
+    fn varied<L: Layout>(&self) -> Varied<R> {
+        Varied {
+            moments: self.moments,
+            change: self.forces.change.moments,
+            time: L::TIME_AT,
+            tangent: L::TANGENT_AT,
+        }
     }
 
     #[inline(always)]

@@ -2,7 +2,7 @@
 //!
 //! A state is a flat array `[R; D]`: three rates or momenta (the method decides which), then `VECTORS` directions that
 //! are fixed in space, in body components, then a quaternion if the attitude is requested, then the balance of a forced
-//! body: work, impulse and time; then a deviation vector of the motion if its growth is requested, or the variables of
+//! body: work, impulse and time; then a deviation vector of the motion if its growth is requested; then the variables of
 //! further forces.
 
 use crate::forces::Further;
@@ -107,6 +107,19 @@ impl Layout for FurtherFrame {
     const VECTORS: usize = 3;
     const QUATERNION: bool = false;
     const BALANCE: bool = true;
+    const FURTHER: bool = true;
+    type Lanes<P: Pack> = P;
+}
+
+/// The same with a deviation vector, and a change of the parameters.
+#[derive(Clone, Copy)]
+pub struct FurtherFrameTangent;
+impl Layout for FurtherFrameTangent {
+    const VECTORS: usize = 3;
+    const QUATERNION: bool = false;
+    const BALANCE: bool = true;
+    const TANGENT: bool = true;
+    const CHANGED: bool = true;
     const FURTHER: bool = true;
     type Lanes<P: Pack> = P;
 }

@@ -8,10 +8,10 @@ mod top;
 
 pub use forced::Applied;
 pub use free::{FREE, Free};
-pub use further::FurtherRate;
+pub use further::{FurtherRate, Undamped};
 pub use layout::{
     Attitude, Axis, AxisAttitude, AxisSensitivity, AxisTangent, ForcedFrame, ForcedFrameTangent, ForcedRates,
-    FunctionFrame, FurtherFrame, FurtherRates, Layout, Rates, TwoAxes,
+    FunctionFrame, FurtherFrame, FurtherFrameTangent, FurtherRates, Layout, Rates, TwoAxes,
 };
 pub use top::{TOP, Top};
 

@@ -113,14 +113,16 @@ SCENE: Mapping[str, Key] = {
 
 FREE_SCENE: Mapping[str, Key] = {
     **{name: key for name, key in _further(FreeForces).items() if name not in SCENE},
-    "gravity_gradient": Key("table", "the orbit of a gravity gradient", "", "none"),
 }
 """Further keys of the scene of a free body."""
 
 ORBIT: Mapping[str, Key] = {
-    "rate": Key("number", "orbital rate", "rad/s"),
+    "rate": Key("number", "mean motion: 2π over the period", "rad/s"),
+    "eccentricity": Key("number", "from 0, a circle, to 0.95", "", "0"),
+    "anomaly": Key("number", "mean anomaly at `t = 0`", "rad", "0"),
+    "true_anomaly": Key("number", "angle from the periapsis at `t = 0`, instead", "rad", "none"),
     "normal": Key("3 numbers", "normal of the orbit in space", "", "[0, 0, 1]"),
-    "towards": Key("3 numbers", "direction of the centre at `t = 0`", "", "see the torque"),
+    "periapsis": Key("3 numbers", "direction of the periapsis in space", "", "[1, 0, 0]"),
 }
 
 AXIS: Mapping[str, Key] = {

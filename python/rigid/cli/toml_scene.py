@@ -13,6 +13,7 @@ from ..model.body import Body
 from ..model.criteria import CRITERIA, Criterion
 from ..model.forces import FORCES
 from ..model.mixture import Mixture, mixture
+from ..model.orbit import Orbit
 from ..model.scene import SCENES, FreeBody, Scene
 from ..model.start import NOISE_KINDS, Noise, Start, von_mises_fisher
 from ..model.torque import Torque
@@ -52,26 +53,22 @@ def _further(table: Table) -> dict[str, Any]:
 
 
 def _made(table: Table, name: str) -> Any:
-    numbers = table.take(name, as_is)
-    return table.build(lambda: FORCES[name].made(numbers))
+    if name == "orbit":
+        orbit = table.table(name)
+        orbit.only(*ORBIT)
+        given = {key: orbit.take(key, as_is) for key in ORBIT if key == "rate" or key in orbit}
+        return orbit.build(lambda: Orbit(**given))
+    data = table.take(name, as_is)
+    return table.build(lambda: FORCES[name].of_data(data))
 
 
 def _torque_and_damping(table: Table) -> dict[str, Any]:
-    """Constant torques, a gravity gradient, and damping, as far as they are given."""
+    """Constant torques and damping, as far as they are given."""
     torque: Torque | None = None
     for key, make in (("torque", Torque.body), ("torque_in_space", Torque.space)):
         if key in table:
             part = make(table.take(key, as_is))
             torque = part if torque is None else torque + part
-    if "gravity_gradient" in table:
-        orbit = table.table("gravity_gradient")
-        orbit.only(*ORBIT)
-        directions = {
-            name: orbit.take(name, three) for name in ("normal", "towards") if name in orbit
-        }
-        rate = orbit.take("rate", finite_float)
-        part = orbit.build(lambda: Torque.gravity_gradient(rate=rate, **directions))
-        torque = part if torque is None else torque + part
     return {"torque": torque, "damping": table.take("damping", as_is, default=None)}
 
 

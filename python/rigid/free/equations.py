@@ -16,7 +16,6 @@ from ..model.scene import HeavyTop, Scene, check_scene, scene_from_dict
 from ..model.torque import Torque
 from ..rotations.apply import to_body, to_space
 from ..solve.run import Run
-from .satellites import centre
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
@@ -342,14 +341,17 @@ def power_balance(
 
 
 def _gravity_gradient(scene: Scene, quaternions: Floats | None, times: Floats) -> Floats:
-    """The torque of a gravity gradient, ``3 n² o × I o``; zero without an orbit."""
-    orbit = None if scene.torque is None else scene.torque.orbit
+    """The torque of the gravity gradient, ``3 n² (a/r)³ o × I o``; zero without an orbit."""
+    orbit = scene.orbit
     if orbit is None:
         return np.zeros(3)
     if quaternions is None:
         raise ValueError("attitude = None: the torque of a gravity gradient needs it")
-    o = centre(orbit, quaternions, times)
-    torque: Floats = 3.0 * orbit.rate**2 * np.cross(o, _at_times(scene.body.moments) * o)
+    place = orbit.position(times)
+    distance = np.linalg.norm(place, axis=-1, keepdims=True)
+    o = to_body(quaternions, place / distance)
+    strength = 3.0 * _at_times(orbit.rate)[..., np.newaxis] ** 2 / distance**3
+    torque: Floats = strength * np.cross(o, _at_times(scene.body.moments) * o)
     return torque
 
 

@@ -11,14 +11,14 @@ from numpy.typing import ArrayLike, NDArray
 from .._checks.arguments import brief, shaped
 from .._checks.arrays import attitudes, vectors
 from ..model.body_like import BodyLike, moments_of
-from ..model.forces import Orbit
+from ..model.orbit import Orbit
 from ..model.scene import Scene, check_scene
 from ..rotations.apply import to_body
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
 
-__all__ = ["Libration", "centre", "jacobi_integral", "libration"]
+__all__ = ["Libration", "jacobi_integral", "libration", "radial"]
 
 Floats = NDArray[np.float64]
 
@@ -97,16 +97,16 @@ def libration(body: BodyLike, rate: ArrayLike) -> Libration:
 def jacobi_integral(
     scene: Scene, omega: ArrayLike, attitude: ArrayLike | Rotation, t: ArrayLike
 ) -> Floats:
-    """Energy of a satellite in the frame of its orbit (J), constant if nothing else acts.
+    """Energy of a satellite in the frame of its circular orbit (J), constant if nothing else acts.
 
-    ``omega·I omega / 2 + 3 n² o·I o / 2 - n N·L``, with the direction ``o`` to the centre, the
+    ``omega·I omega / 2 + 3 n² o·I o / 2 - n N·L``, with the direction ``o`` from the planet, the
     normal ``N`` and the rate ``n`` of the orbit, and the angular momentum ``L``, that of a rotor
     included (Hughes, *Spacecraft Attitude Dynamics*, 1986, § 9.2). It falls by dissipation.
 
     Parameters
     ----------
     scene : FreeBody
-        One satellite with the torque of a gravity gradient.
+        One satellite on a circular orbit.
     omega : array_like, shape (..., 3)
         Angular velocities in the body (rad/s).
     attitude : array_like, shape (..., 4), or scipy Rotation
@@ -117,34 +117,36 @@ def jacobi_integral(
     Raises
     ------
     ValueError
-        If no gravity gradient acts, or the shapes do not broadcast.
+        If there is no orbit, the orbit is not circular (nothing is constant on an ellipse), or the
+        shapes do not broadcast.
 
     Examples
     --------
     >>> import numpy as np, rigid
-    >>> gravity = rigid.Torque.gravity_gradient(rate=0.1)
-    >>> scene = rigid.FreeBody(rigid.Body((1.0, 2.0, 2.5)), torque=gravity)
+    >>> scene = rigid.FreeBody(rigid.Body((1.0, 2.0, 2.5)), orbit=rigid.Orbit(0.1))
     >>> t = np.linspace(0.0, 500.0, 6)
     >>> run = rigid.simulate(scene, [0.1, 0.2, 0.3], t=t, accuracy=1e-9)
     >>> jacobi = rigid.free.jacobi_integral(scene, run.omega, run.attitude, t)
     >>> bool(np.ptp(jacobi) < 1e-9 * run.energy()[0])
     True
     """
-    torque = check_scene(scene).torque
-    orbit = None if torque is None else torque.orbit
+    orbit = check_scene(scene).orbit
     if orbit is None:
-        raise ValueError(f"scene = {brief(scene)}: no gravity gradient acts")
+        raise ValueError(f"scene = {brief(scene)}: has no orbit; give rigid.FreeBody one by orbit=")
+    if orbit.eccentricity:
+        raise ValueError(
+            f"orbit = {orbit}: the Jacobi integral is constant on a circle; take the orbit with "
+            "eccentricity 0, or compare run.energy()"
+        )
     rates, turned, times = vectors("omega", omega), attitudes(attitude), shaped("t", t)
     moments = np.asarray(scene.body.moments)
-    o, normal = centre(orbit, turned, times), to_body(turned, orbit.normal)
+    o, normal = radial(orbit, turned, times), to_body(turned, orbit.normal)
     momentum = moments * rates + (0.0 if scene.rotor is None else np.asarray(scene.rotor))
     twice = np.sum(moments * (rates**2 + 3.0 * orbit.rate**2 * o**2), axis=-1)
     energy: Floats = 0.5 * twice - orbit.rate * np.sum(normal * momentum, axis=-1)
     return energy
 
 
-def centre(orbit: Orbit, attitude: Floats, t: Floats) -> Floats:
-    """The direction to the centre in the body at times ``t``, shape (..., 3)."""
-    angle = orbit.rate * t[..., np.newaxis]
-    in_space = np.cos(angle) * np.array(orbit.towards) + np.sin(angle) * np.array(orbit.ahead)
-    return to_body(attitude, in_space)
+def radial(orbit: Orbit, attitude: Floats, t: Floats) -> Floats:
+    """The direction from the planet, in the body at times ``t``, shape (..., 3)."""
+    return to_body(attitude, orbit.frame(t)[..., 0])

@@ -29,8 +29,8 @@ from numpy.typing import NDArray
 from .. import _core
 from .._moments import possible
 from ..model.criteria import NoFlip, TiltBelow
+from ..model.orbit import Orbit
 from ..model.scene import FreeBody
-from ..model.torque import Torque
 from .spec import MapSpec
 
 __all__ = ["flat_spin", "on_orbit", "time_to_separatrix"]
@@ -192,7 +192,7 @@ def mean_products(m: Floats, mc: Floats) -> tuple[Floats, Floats, Floats]:
 def on_orbit(spec: MapSpec) -> Predicted | None:
     """Roll and yaw of a satellite at rest on its orbit, None if it is none."""
     scene, stable, start, grid = spec.scene, spec.stable, spec.start.starts[0], spec.grid
-    orbit = None if scene.torque is None else scene.torque.orbit
+    orbit = scene.orbit
     noise = start.noise
     if (
         orbit is None
@@ -201,7 +201,8 @@ def on_orbit(spec: MapSpec) -> Predicted | None:
         or scene.rotor is not None
         or scene.dissipation is not None
         or grid.damping is not None
-        or scene.torque != Torque.gravity_gradient(rate=orbit.rate)
+        or scene.torque is not None
+        or orbit != Orbit(orbit.rate, anomaly=orbit.anomaly)
         or stable.reference != "vertical"
         or stable.axis != 3
         or start.attitude_noise is not None

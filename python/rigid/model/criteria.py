@@ -151,14 +151,15 @@ class Regular(Criterion):
     has_deviation: ClassVar[bool] = True
     alone: ClassVar[str | None] = "integrates a deviation vector"
 
-    of: str = "rates"
+    of: str | None = None
     sure: float = 2.1
     low: float = 3.0
     high: float = 5.0
     ratio: float = 1.5
 
     def __post_init__(self) -> None:
-        one_of("of", self.of, NORMS)
+        if self.of is not None:
+            one_of("of", self.of, NORMS)
         for name in ("sure", "low", "high", "ratio"):
             object.__setattr__(self, name, finite_float(name, getattr(self, name), positive=True))
         if self.sure > self.low:
@@ -185,9 +186,8 @@ class Regular(Criterion):
         return 2.3 * step
 
     def resolved(self, scene: Scene, start: Start) -> Self:
-        """The criterion, which leaves nothing open, if its norm serves the scene."""
-        check_norm(self.of, scene)
-        return self
+        """The criterion with the norm that serves the scene."""
+        return replace(self, of=norm_of(self.of, scene))
 
     def core(self) -> tuple[str, int, tuple[float, ...]]:
         """Name, no axis, and the numbers of the rule as the core takes them."""
@@ -206,7 +206,7 @@ class Regular(Criterion):
         return f"{self} down to {seen} until T = {t_end:g} s"
 
     def __str__(self) -> str:
-        return "regular" if self.of == "rates" else "regular with its attitude"
+        return "regular with its attitude" if self.of == "attitude" else "regular"
 
 
 CRITERIA: Mapping[str, type[Criterion]] = {
@@ -284,7 +284,11 @@ def tilt_below(angle: float, *, axis: int = 3, reference: str | None = None) -> 
 
 
 def regular(
-    of: str = "rates", sure: float = 2.1, low: float = 3.0, high: float = 5.0, ratio: float = 1.5
+    of: str | None = None,
+    sure: float = 2.1,
+    low: float = 3.0,
+    high: float = 5.0,
+    ratio: float = 1.5,
 ) -> Regular:
     """Stable: the motion is regular, as far as its horizon can tell; unstable: it is chaotic.
 
@@ -296,8 +300,8 @@ def regular(
 
     Parameters
     ----------
-    of : {"rates", "attitude"}
-        The size of a deviation vector, as in :func:`rigid.lyapunov`.
+    of : {"rates", "attitude"}, optional
+        The size of a deviation vector, and its default, as in :func:`rigid.lyapunov`.
     sure, low : float
         A run is regular if its mean MEGNO at the horizon is below ``sure``, or below ``low`` and
         less than 1/2 above that at half of the horizon. The limit of regular motions is 2.
@@ -336,15 +340,25 @@ def regular(
     return Regular(of, sure, low, high, ratio)
 
 
-def check_norm(of: str, scene: Scene) -> None:
-    """Raise ValueError for a norm that does not see what a torque makes grow."""
-    if of == "attitude" or scene.torque is None:
-        return
-    if np.any(np.asarray(scene.torque.in_space)[..., :2]):
+def norm_of(of: str | None, scene: Scene) -> str:
+    """The norm of deviation vectors of a scene: that of the rates where they see all that grows.
+
+    Raises
+    ------
+    ValueError
+        If the norm that is given does not see what a torque makes grow.
+    """
+    turns = scene.orbit is not None or (
+        scene.torque is not None and bool(np.any(np.asarray(scene.torque.in_space)[..., :2]))
+    )
+    if of is None:
+        return "attitude" if turns else "rates"
+    if one_of("of", of, NORMS) == "rates" and turns:
         raise ValueError(
-            f"of = {of!r}: the rates do not see turns about the vertical, with which a torque in "
-            "space that is not vertical changes; use 'attitude'"
+            f"of = {of!r}: the rates do not see turns about the vertical, with which an orbit, and "
+            "a torque in space that is not vertical, change; use 'attitude'"
         )
+    return of
 
 
 def check_criterion(name: str, criterion: object) -> Criterion:

@@ -15,9 +15,10 @@ from typing import Any, ClassVar, Generic, Self, TypeAlias, TypedDict, TypeVar, 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._checks.arguments import brief, finite_float, shaped, unit_vector
+from .._checks.arguments import brief, finite_float, shaped
 from .frame import turned
 from .leading import Index, Shape, axes_of, frozen, same, taken
+from .orbit import Orbit
 
 __all__ = [
     "FORCES",
@@ -25,7 +26,6 @@ __all__ = [
     "Force",
     "FreeForces",
     "HasForces",
-    "Orbit",
     "TopForces",
     "checked_forces",
     "with_forces",
@@ -153,59 +153,6 @@ class EnergySink:
         return f"EnergySink({self.coefficient})"
 
 
-@dataclass(frozen=True, slots=True)
-class Orbit:
-    """A circular orbit: its rate, and the directions to the centre now and a quarter later.
-
-    Attributes
-    ----------
-    rate : float
-        Angle per time (rad/s).
-    towards, ahead : tuple of 3 floats
-        Direction to the centre at ``t = 0``, and a quarter of an orbit later; in space.
-    """
-
-    rate: float
-    towards: Vector
-    ahead: Vector
-
-    @classmethod
-    def of(cls, rate: object, normal: ArrayLike, towards: ArrayLike) -> Self:
-        """The orbit about this normal.
-
-        Raises
-        ------
-        ValueError
-            If the rate is not positive, a direction is no unit vector, or the two are not at right
-            angles.
-        """
-        n = finite_float("rate", rate, positive=True, unit="rad/s")
-        axis, begin = unit_vector("normal", normal, 3), unit_vector("towards", towards, 3)
-        along = float(axis @ begin)
-        if abs(along) > 1e-9:
-            raise ValueError(
-                f"towards = {begin.tolist()}: must be at right angles to normal, their product is "
-                f"{along:g}"
-            )
-        begin = begin - along * axis
-        begin /= np.linalg.norm(begin)
-        return cls(n, _tuple(begin), _tuple(np.cross(axis, begin)))
-
-    @property
-    def normal(self) -> Floats:
-        """The normal of the orbit, about which it turns; shape (3,)."""
-        return np.cross(self.towards, self.ahead)
-
-    def to_dict(self) -> dict[str, Any]:
-        """The orbit as a dict of numbers."""
-        return {"rate": self.rate, "towards": list(self.towards), "ahead": list(self.ahead)}
-
-    @classmethod
-    def from_dict(cls, data: Mapping[str, Any]) -> Self:
-        """The orbit of :meth:`to_dict`."""
-        return cls(float(data["rate"]), _tuple(data["towards"]), _tuple(data["ahead"]))
-
-
 class Force(Generic[Value]):
     """A force of a scene: its attribute, keyword, key in TOML files and name in the core.
 
@@ -223,6 +170,10 @@ class Force(Generic[Value]):
         Whether the numbers are a vector, which turns with the axes; coefficients do not.
     has_corner : bool
         Whether the torque has a corner where the body stops.
+    has_mass : bool
+        Whether the numbers are in proportion to the mass of the body.
+    in_space : bool
+        Whether the torque depends on the attitude.
     in_toml, meaning : str
         Type and meaning of its key in TOML files.
     parameter : str
@@ -234,6 +185,8 @@ class Force(Generic[Value]):
     unit: ClassVar[str]
     is_vector: ClassVar[bool] = False
     has_corner: ClassVar[bool] = False
+    has_mass: ClassVar[bool] = True
+    in_space: ClassVar[bool] = False
     in_toml: ClassVar[str]
     meaning: ClassVar[str]
     parameter: ClassVar[str]
@@ -274,6 +227,14 @@ class Force(Generic[Value]):
     def made(self, numbers: Any) -> Value | None:
         """The value with these numbers; None if they are zero."""
         return self.checked(numbers)
+
+    def to_data(self, value: Value) -> Any:
+        """The value as files have it."""
+        return np.asarray(self.numbers(value)).tolist()
+
+    def of_data(self, data: Any) -> Value | None:
+        """The value of :meth:`to_data`, or of a key of a TOML file."""
+        return self.made(data)
 
     def of(self, value: Value, shape: Shape, index: Index) -> Value | None:
         """The value of some of the bodies of this shape."""
@@ -330,6 +291,53 @@ class Dissipation(Force[EnergySink]):
         return self.checked(EnergySink(numbers))
 
 
+class GravityGradient(Force[Orbit]):
+    """The gravity gradient on an orbit."""
+
+    title = "rate, eccentricity, mean anomaly and semi-axes of the orbit"
+    unit = ""
+    has_mass = False
+    in_space = True
+    in_toml, meaning = "table", "the orbit about a planet, whose gravity gradient acts"
+    parameter = """\
+    orbit : Orbit, optional
+        The orbit about a planet, whose gravity gradient acts."""
+
+    def checked(self, given: Any) -> Orbit | None:
+        """The orbit."""
+        if not isinstance(given, Orbit):
+            raise TypeError(f"orbit = {brief(given)}: must be a rigid.Orbit")
+        return given
+
+    def numbers(self, value: Orbit) -> Any:
+        """Its numbers, shape (..., 9)."""
+        return value.numbers
+
+    def made(self, numbers: Any) -> Orbit | None:
+        """The orbit with these numbers."""
+        return Orbit.of_numbers(numbers)
+
+    def of(self, value: Orbit, shape: Shape, index: Index) -> Orbit | None:
+        """The orbits of some of the bodies."""
+        return self.made(taken(value.numbers, 1, shape, index)) if value.shape else value
+
+    def to_data(self, value: Orbit) -> Any:
+        """The orbit as a dict."""
+        return value.to_dict()
+
+    def of_data(self, data: Any) -> Orbit | None:
+        """The orbit of a dict."""
+        return Orbit.from_dict(data)
+
+    def turned(self, value: Orbit, axes: Floats) -> Orbit | None:
+        """The orbit, which is in space."""
+        return value
+
+    def words(self, value: Orbit) -> str:
+        """The orbit in a few words."""
+        return value.words()
+
+
 class Rotor(Force[Vector | Floats]):
     """A rotor at constant speed."""
 
@@ -369,6 +377,7 @@ class HasForces:
 
     _further: Mapping[str, Any]
 
+    orbit = GravityGradient()
     dissipation = Dissipation()
     rotor = Rotor()
     drag = Drag()
@@ -387,6 +396,7 @@ class TopForces(TypedDict, total=False):
 class FreeForces(TopForces, total=False):
     """Those of free bodies."""
 
+    orbit: Orbit | None
     dissipation: EnergySink | None
     rotor: ArrayLike | None
 

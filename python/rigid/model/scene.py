@@ -40,6 +40,7 @@ from .leading import (
     same,
     taken,
 )
+from .orbit import Orbit
 from .start import Start, normal
 from .torque import (
     Damping,
@@ -112,7 +113,7 @@ class Scene(HasForces, ABC):
     body : Body
     torque : Torque or None
     damping : 3 tuples of 3 floats, or None
-    dissipation, rotor, drag : EnergySink, tuple of 3 floats, or None
+    orbit, dissipation, rotor, drag : Orbit, EnergySink, tuple of 3 floats, or None
         The further forces.
     """
 
@@ -232,7 +233,7 @@ class Scene(HasForces, ABC):
     @property
     def has_further(self) -> bool:
         """Whether other forces act than a torque, damping and a function."""
-        return bool(self._further) or "gravity_gradient" in self.forces
+        return bool(self._further)
 
     @property
     def may_stop(self) -> bool:
@@ -244,10 +245,11 @@ class Scene(HasForces, ABC):
     def rates_need_attitude(self) -> bool:
         """Whether the rates depend on the attitude: by the weight or by a torque in space."""
         in_space = self.torque is not None and self.torque.acts_in_space
-        return bool(self.directions) or in_space
+        by_force = any(force.in_space for force, _ in self.further())
+        return bool(self.directions) or in_space or by_force
 
     def further_numbers(self) -> dict[str, ArrayLike]:
-        """The numbers of the further forces by their names, shape (..., 3) each."""
+        """The numbers of the further forces by their names, one row of each body."""
         return {force.name: force.numbers(value) for force, value in self.further()}
 
     def acting(self) -> _core.Forces | None:
@@ -298,7 +300,7 @@ class Scene(HasForces, ABC):
                 damping = damping.reshape(*(1,) * len(self.shape), 3, 3)
             data["damping"] = damping.tolist()
         for force, value in self.further():
-            data[force.name] = np.asarray(force.numbers(value)).tolist()
+            data[force.name] = force.to_data(value)
         return data
 
     def __repr__(self) -> str:
@@ -354,8 +356,6 @@ def _words_of(scene: Scene) -> str:
 def _forces_of(scene: Scene) -> tuple[str, ...]:
     names = [name for name in ("torque", "damping") if getattr(scene, name) is not None]
     torque = scene.torque
-    if torque is not None and torque.orbit is not None:
-        names.append("gravity_gradient")
     if torque is not None and torque.function is not None:
         names.append("function")
     return (*names, *scene._further)
@@ -416,7 +416,7 @@ class FreeBody(Scene):
     body : Body
         The body, or many.
     torque : Torque, optional
-        Applied torque: :meth:`Torque.body`, :meth:`Torque.space`, :meth:`Torque.gravity_gradient`,
+        Applied torque: :meth:`Torque.body`, :meth:`Torque.space`,
         :meth:`Torque.call`, or a sum of them.
     damping : float or array_like, shape (3,) or (3, 3), optional
         Linear damping ``D`` (N m s): one coefficient, one for each body axis, or a symmetric
@@ -755,9 +755,12 @@ def scene_from_dict(data: Mapping[str, Any]) -> Scene:
     own = {name: data[name] for name in scene.fields}
     own.update(
         {
-            name: force.made(data[name])
+            name: force.of_data(data[name])
             for name, force in FORCES.items()
             if data.get(name) is not None
         }
     )
+    torque_data = data.get("torque") or {}
+    if torque_data.get("orbit") is not None:  # Of versions whose torques had an orbit.
+        own["orbit"] = Orbit.from_dict(torque_data["orbit"])
     return scene(body, **own, torque=torque, damping=data.get("damping"))  # type: ignore[call-arg]

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
 from .._checks.arguments import brief, first_place, numbers, shaped, sorted_times
-from .forces import Orbit
+from .forces import FORCES
 from .frame import turned
 from .function import TorqueFunction
 from .leading import Index, Shape, axes_of, frozen, leading_shape, same, taken
@@ -40,7 +40,7 @@ NO_EXPONENT: NDArray[np.intc] = np.zeros(1, dtype=np.intc)
 class Torque:
     """A torque in the body or in space, constant or a table over time, of one body or of each.
 
-    Made by :meth:`body`, :meth:`space`, :meth:`gravity_gradient` and :meth:`call`; torques add.
+    Made by :meth:`body`, :meth:`space` and :meth:`call`; torques add.
     Between the times of a table the torque is linear. Two values at one time are a jump. The torque
     is unknown outside the times of the table, so a run beyond them raises ValueError; if the torque
     ends, end the table with zeros.
@@ -52,8 +52,6 @@ class Torque:
     in_body, in_space : tuple of (float, float, float), or ndarray of shape (..., m, 3)
         Torque (N m) in the body and in space at these times, or always, m being 1; the arrays hold
         those of many bodies and are read-only.
-    orbit : Orbit or None
-        The circular orbit of a gravity gradient.
     function : TorqueFunction or None
         The function that returns a further torque.
 
@@ -68,7 +66,6 @@ class Torque:
     times: tuple[float, ...]
     in_body: tuple[Vector, ...] | Floats
     in_space: tuple[Vector, ...] | Floats
-    orbit: Orbit | None = None
     function: TorqueFunction | None = None
 
     @property
@@ -87,7 +84,7 @@ class Torque:
             np.asarray(taken(part, 2, shape, index)) for part in (self.in_body, self.in_space)
         )
         function = None if self.function is None else self.function.of(shape, index)
-        return Torque(self.times, _vectors(body), _vectors(space), self.orbit, function)
+        return Torque(self.times, _vectors(body), _vectors(space), function)
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Torque):
@@ -96,13 +93,12 @@ class Torque:
 
     def __hash__(self) -> int:
         own = self.shape or (self.in_body, self.in_space)
-        return hash((self.times, own, self.orbit, self.function))
+        return hash((self.times, own, self.function))
 
     def __repr__(self) -> str:
         if self.shape:
             return f"Torque({self.words()}, bodies of shape {self.shape})"
-        others = "" if self.orbit is None else f", orbit={self.orbit}"
-        others += "" if self.function is None else f", {self.function}"
+        others = "" if self.function is None else f", {self.function}"
         return (
             f"Torque(times={self.times}, in_body={self.in_body}, in_space={self.in_space}{others})"
         )
@@ -130,50 +126,6 @@ class Torque:
     def space(cls, values: ArrayLike, *, times: ArrayLike | None = None) -> Torque:
         """A torque with these components along the axes of space; arguments as in :meth:`body`."""
         return cls._made(values, times, 1)
-
-    @classmethod
-    def gravity_gradient(
-        cls,
-        *,
-        rate: float,
-        normal: ArrayLike = (0.0, 0.0, 1.0),
-        towards: ArrayLike = (1.0, 0.0, 0.0),
-    ) -> Torque:
-        """The torque of the gravity gradient on a circular orbit, ``3 n² o × I o``.
-
-        ``o`` is the direction to the centre; in space it turns about ``normal`` at the rate ``n``.
-        The body is small against the orbit (Hughes, *Spacecraft Attitude Dynamics*, 1986, § 8.1).
-        Its moments are those of the scene; :func:`rigid.free.jacobi_integral` is constant.
-
-        Parameters
-        ----------
-        rate : float
-            Rate ``n`` of the orbit (rad/s), positive.
-        normal : array_like, shape (3,)
-            Unit vector about which the orbit turns, in space.
-        towards : array_like, shape (3,)
-            Unit vector to the centre at ``t = 0``, in space, at right angles to ``normal``.
-
-        Raises
-        ------
-        ValueError
-            If the rate is not positive, a direction is no unit vector, or the two are not at right
-            angles.
-
-        Examples
-        --------
-        A satellite on its orbit, its long axis near the vertical, swings with ``n sqrt(1.5)``:
-
-        >>> import numpy as np, rigid
-        >>> gravity = rigid.Torque.gravity_gradient(rate=1.0)
-        >>> scene = rigid.FreeBody(rigid.Body((1.0, 2.0, 2.0)), torque=gravity)
-        >>> period = 2.0 * np.pi / np.sqrt(1.5)
-        >>> run = rigid.simulate(scene, [0.0, 0.0, 1.001], t=[0.0, period], accuracy=1e-9)
-        >>> [round(rate, 6) for rate in run.omega[-1].tolist()]
-        [0.0, 0.0, 1.001]
-        """
-        none = ((0.0, 0.0, 0.0),)
-        return cls((), none, none, Orbit.of(rate, normal, towards))
 
     @classmethod
     def call(
@@ -233,7 +185,7 @@ class Torque:
         """
         none = ((0.0, 0.0, 0.0),)
         function = TorqueFunction.of_input(address, data, fastest)
-        return cls((), none, none, function=function)
+        return cls((), none, none, function)
 
     @classmethod
     def _made(cls, values: ArrayLike, times: ArrayLike | None, frame: int) -> Torque:
@@ -267,12 +219,9 @@ class Torque:
         ]
         leading_shape({"torque": self.shape, "other torque": other.shape})
         body, space = (_vectors(parts[0][frame] + parts[1][frame]) for frame in (0, 1))
-        if self.orbit is not None and other.orbit is not None:
-            raise ValueError("torque: a body has one orbit, and both torques are gravity gradients")
         if self.function is not None and other.function is not None:
             raise ValueError("torque: both are functions; write one function for their sum")
-        orbit, function = self.orbit or other.orbit, self.function or other.function
-        return Torque(tuple(knots.tolist()), body, space, orbit, function)
+        return Torque(tuple(knots.tolist()), body, space, self.function or other.function)
 
     def turned(self, axes: Floats) -> Torque:
         """The torque with other body axes: the part in the body becomes ``axes @ torque``."""
@@ -282,17 +231,17 @@ class Torque:
                 "and its torque in the function, and leave the frame out"
             )
         body = turned(axes, np.asarray(self.in_body))
-        return Torque(self.times, _vectors(body), self.in_space, self.orbit)
+        return Torque(self.times, _vectors(body), self.in_space)
 
     @property
     def acts_in_space(self) -> bool:
         """Whether a part of it depends on the attitude: then so do the rates."""
-        return self.orbit is not None or self.function is not None or bool(np.any(self.in_space))
+        return self.function is not None or bool(np.any(self.in_space))
 
     def at(self, t: ArrayLike) -> tuple[Floats, Floats]:
         """Torque in the body and in space at times ``t`` (m,), shapes (..., m, 3); after a jump.
 
-        A gravity gradient, which depends on the attitude, and a function are not in them.
+        A function is not in them.
 
         Raises
         ------
@@ -316,14 +265,10 @@ class Torque:
             for name, values in (("body", self.in_body), ("space", self.in_space))
             if np.any(values)
         ]
-        own = []
-        if self.orbit is not None:
-            own.append(f"gravity gradient of an orbit at {self.orbit.rate:g} rad/s")
         if self.function is not None:
-            own.append("torque by a function")
-        if own:
             others = Torque(self.times, self.in_body, self.in_space)
-            return ", ".join([*own, others.words()] if frames else own)
+            own = "torque by a function"
+            return f"{own}, {others.words()}" if frames else own
         if not frames:
             return "torque zero"
         if self.shape and not self.times:
@@ -346,7 +291,6 @@ class Torque:
             "times": list(self.times),
             "in_body": np.asarray(self.in_body).tolist(),
             "in_space": np.asarray(self.in_space).tolist(),
-            **({} if self.orbit is None else {"orbit": self.orbit.to_dict()}),
             **({} if self.function is None else {"function": self.function.to_dict()}),
         }
 
@@ -357,10 +301,9 @@ class Torque:
         parts = []
         for make, values in ((cls.body, data["in_body"]), (cls.space, data["in_space"])):
             parts.append(make(values if times else np.asarray(values)[..., 0, :], times=times))
-        orbit = None if data.get("orbit") is None else Orbit.from_dict(data["orbit"])
         given = data.get("function")
         function = None if given is None else TorqueFunction.from_dict(given)
-        return cls(parts[0].times, parts[0].in_body, parts[1].in_space, orbit, function)
+        return cls(parts[0].times, parts[0].in_body, parts[1].in_space, function)
 
 
 def _refuse_function(torque: object) -> None:
@@ -502,7 +445,7 @@ def forces_of(
     """The forces on bodies of this shape as the core reads them; None if nothing acts.
 
     They are counted in units of ``2**exponents``, one for each body or one for all. ``further``
-    has the numbers of further forces, shape (..., 3).
+    has the numbers of further forces by their names.
 
     Raises
     ------
@@ -516,21 +459,21 @@ def forces_of(
     none = np.empty((0, 3))
     tables = [none, none] if torque is None else [np.asarray(torque.in_body), torque.in_space]
 
-    def scaled(name: str, values: ArrayLike, width: int) -> Floats:
+    def scaled(name: str, values: ArrayLike, width: int, has_mass: bool = True) -> Floats:
         array = np.asarray(values)
         if array.ndim > width:
             array = np.broadcast_to(array, (*shape, *array.shape[-width:]))
         lead, tail = array.shape[: array.ndim - width], array.shape[array.ndim - width :]
         each = array.reshape(prod(lead), *tail)
-        found: Floats = np.ldexp(each, -exponents.reshape(-1, *(1,) * width))
+        units = exponents if has_mass else NO_EXPONENT
+        found: Floats = np.ldexp(each, -units.reshape(-1, *(1,) * width))
         if not np.isfinite(found).all():
             raise ValueError(f"{name}: must be below 1e308 times the largest moment")
         return np.ascontiguousarray(found.reshape(prod(found.shape[:-1]), tail[-1]))
 
-    others = {name: scaled(name, numbers, 1) for name, numbers in further.items()}
-    if torque is not None and torque.orbit is not None:
-        orbit = torque.orbit
-        others["gravity_gradient"] = np.array([(orbit.rate, *orbit.towards, *orbit.ahead)])
+    others = {
+        name: scaled(name, numbers, 1, FORCES[name].has_mass) for name, numbers in further.items()
+    }
     return _core.Forces(
         times=np.array(() if torque is None else torque.times, dtype=np.float64),
         body=scaled("torque", tables[0], 2),

@@ -11,7 +11,7 @@ from .. import _core
 from .._checks.arguments import numbers, one_of, positive_int, resolve_threads, sorted_times
 from .._checks.float_environment import in_standard_floats
 from ..model.body import Body
-from ..model.criteria import NORMS, Regular, check_norm
+from ..model.criteria import Regular, norm_of
 from ..model.scene import Scene, check_scene
 from .arrays import time_span
 from .bodies import Bodies
@@ -64,7 +64,7 @@ def lyapunov(
     attitude: ArrayLike | Rotation | None = None,
     *,
     t: ArrayLike,
-    of: str = "rates",
+    of: str | None = None,
     exponents: int = 1,
     start: ArrayLike | None = None,
     method: str | None = None,
@@ -89,11 +89,11 @@ def lyapunov(
         Attitude at ``t = 0``. Default: body and space axes coincide.
     t : array_like, shape (m,)
         Times (s), ascending and positive.
-    of : {"rates", "attitude"}
+    of : {"rates", "attitude"}, optional
         The size of a deviation vector: ``|dw|² / scale²`` of the rates plus the square of the angle
         by which the vertical in the body changes, or by which the attitude does. The scale is
-        ``sqrt(|omega|² + mgl / I_min)`` at the start. Exponents do not depend on it. Under a torque
-        in space that is not vertical: ``"attitude"``.
+        ``sqrt(|omega|² + mgl / I_min)`` at the start. Exponents do not depend on it. Default:
+        ``"rates"``; ``"attitude"`` on an orbit and under a torque in space that is not vertical.
     exponents : int
         Number of exponents, from the largest down, by Gram-Schmidt: 1 to 6, to 5 of the rates.
     start : array_like, shape (6,) or (exponents, 6), optional
@@ -121,8 +121,8 @@ def lyapunov(
     ------
     ValueError
         Naming the argument, its value and the rule: as :func:`simulate`; times that are not
-        positive, a method without a tangent, the size of the rates under a torque in space that is
-        not vertical, deviation vectors of no size or that depend on each other.
+        positive, a method without a tangent, the size of the rates on an orbit or under a torque in
+        space that is not vertical, deviation vectors of no size or that depend on each other.
 
     Notes
     -----
@@ -152,8 +152,7 @@ def lyapunov(
     [0.28, 0.02]
     """
     scene = check_scene(scene, many=True)
-    one_of("of", of, NORMS)
-    check_norm(of, scene)
+    of = norm_of(of, scene)
     count = positive_int("exponents", exponents)
     most = 6 if of == "attitude" else 5
     if count > most:
@@ -380,10 +379,18 @@ def _is_integrable(bodies: Bodies) -> NDArray[np.bool_]:
 def _zeros(scene: Scene, bodies: Bodies, of: str) -> NDArray[np.intp]:
     """Number of exponents of each body that are zero by theory."""
     heavy = np.broadcast_to(np.any(bodies.weight != 0.0, axis=1), (len(bodies),))
-    if not scene.forces:
+    acting = set(scene.forces) - {"rotor"}
+    if not acting:
         # Flow, energy, turns about the vertical and L·gamma; of a free body all of space, and L.
         zeros = np.where(heavy, 4, 6)
-    elif scene.torque is not None and scene.torque.acts_in_space:
+    elif acting == {"orbit"}:
+        # On a circle flow and Jacobi's integral, in the frame of the orbit.
+        circular = np.asarray(scene.further_numbers()["orbit"])[..., 1] == 0.0
+        zeros = np.where(np.broadcast_to(circular, bodies.shape or 1).ravel(), 2, 0)
+    elif acting == {"dissipation"}:
+        # Turns of all space, and |L|.
+        zeros = np.full(len(bodies), 4)
+    elif scene.orbit is not None or (scene.torque is not None and scene.torque.acts_in_space):
         zeros = np.zeros(len(bodies), dtype=np.intp)
     else:
         # Turns of all space, or of the vertical.

@@ -7,7 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from .. import _core
 from .._checks.arguments import brief, nearest
+from ..model.forces import FORCES
 from ..model.scene import Scene
 from .arrays import in_rows
 from .bodies import Bodies
@@ -16,8 +18,9 @@ __all__ = ["check_parameters", "parameter_changes"]
 
 Floats = NDArray[np.float64]
 
-_LEN = 15
-"""Numbers of a change: moments, ``mgl com``, damping 11, 22, 33, 23, 31, 12, torque in the body."""
+_PLACES, _LEN = _core.change_places()
+"""Numbers of a change: moments, ``mgl com``, damping 11, 22, 33, 23, 31, 12, torque in the body,
+and those of the further forces, which begin at these places."""
 
 _OF_BODY: dict[str, tuple[int, ...]] = {
     **{f"I{k + 1}": (k,) for k in range(3)},
@@ -26,6 +29,14 @@ _OF_BODY: dict[str, tuple[int, ...]] = {
     **{f"torque{k + 1}": (12 + k,) for k in range(3)},
 }
 """The numbers that a parameter of any scene adds one to."""
+
+_OF_FORCE: dict[str, tuple[str, tuple[int, ...]]] = {
+    f"{force}{axis or ''}": (force, (axis - 1,) if axis else (0, 1, 2))
+    for force in ("rotor", "dissipation", "drag")
+    for axis in range(4)
+    if axis or force != "rotor"
+} | {name: ("orbit", (k,)) for k, name in enumerate(("rate", "eccentricity", "anomaly"))}
+"""The force of a parameter that a scene has only with the force, and which of its numbers."""
 
 _OF_WEIGHT = ("mgl", "com1", "com2", "com3")
 
@@ -51,11 +62,14 @@ def check_parameters(tangent: bool | str | Sequence[str], scene: Scene) -> tuple
     if not names:
         raise ValueError(f"tangent = {brief(tangent)}: must be True, False or names of parameters")
     weight = (*_OF_WEIGHT, *_GROUPS) if "mgl" in scene.fields else ()
-    known = (*_OF_BODY, *weight)
+    acting = [name for name, (force, _) in _OF_FORCE.items() if force in scene.forces]
+    known = (*_OF_BODY, *weight, *acting)
     every: list[str] = []
     for name in names:
         if name not in known:
             why = f": a {scene.title} has no weight" if name in (*_OF_WEIGHT, *_GROUPS) else ""
+            if name in _OF_FORCE:
+                why = f": the scene has no {_OF_FORCE[name][0]}"
             raise ValueError(
                 f"tangent = {brief(name)}{why or ': is no parameter'}; known are "
                 f"{', '.join(map(repr, known))}{nearest(name, known)}"
@@ -70,7 +84,7 @@ def check_parameters(tangent: bool | str | Sequence[str], scene: Scene) -> tuple
 def parameter_changes(
     scene: Scene, bodies: Bodies, names: Sequence[str]
 ) -> tuple[Floats, NDArray[np.intc]]:
-    """A change of each parameter of each body, shape (n, k, 15), and the power of two in its unit.
+    """A change of each parameter of each body, shape (n, k, m), and the power of two in its unit.
 
     A change of a parameter in SI units is that change times ``2**exponent``, shape (n, k): moments,
     weight, damping and torque are counted in the unit of the bodies.
@@ -82,6 +96,17 @@ def parameter_changes(
             mgl = np.asarray(scene.mgl)[..., np.newaxis]  # type: ignore[attr-defined]
             own = np.ldexp(in_rows(mgl, bodies.shape), -bodies.scale_exponent[:, np.newaxis])
             changes[:, column, 2 + int(name[3:])] = own[:, 0]
+            continue
+        if name in _OF_FORCE:
+            force, own_numbers = _OF_FORCE[name]
+            first = _PLACES[force]
+            changes[:, column, [first + k for k in own_numbers]] = 1.0
+            if name == "eccentricity":  # The second semi-axis, sqrt(1 - e²) long, changes too.
+                numbers = in_rows(scene.further_numbers()[force], bodies.shape)
+                e = numbers[:, 1:2]
+                changes[:, column, first + 6 : first + 9] = -e / (1.0 - e * e) * numbers[:, 6:]
+            if FORCES[force].has_mass:
+                exponents[:, column] = -bodies.scale_exponent
             continue
         exponents[:, column] = -bodies.scale_exponent
         if name == "mgl":

@@ -1,0 +1,285 @@
+"""The orbit of a body about a planet, which the rotation of the body does not change."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Self, TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .. import _core
+from .._checks.arguments import first_place, shaped
+from .._checks.arrays import unit_vectors
+from .leading import Shape, frozen, leading_shape, same
+
+__all__ = ["Orbit"]
+
+Floats = NDArray[np.float64]
+Vector: TypeAlias = tuple[float, float, float]
+
+_MOST_ECCENTRIC = 0.95
+
+
+@dataclass(frozen=True, slots=True, init=False, eq=False, repr=False)
+class Orbit:
+    """A Keplerian orbit about a point mass, whose gravity gradient turns the body.
+
+    The torque is ``3 n² (a/r)³ o × I o``, with the mean motion ``n``, the semi-major axis ``a``,
+    the distance ``r``, and the direction ``o`` from the planet to the body (Hughes, *Spacecraft
+    Attitude Dynamics*, 1986, § 8.1). The orbit is given: the rotation does not act on it. The
+    torque leaves out terms of the size of the body over ``r``, and the oblateness of the planet.
+    A large moon close to its planet changes its orbit and its libration (Agrusa et al., Icarus 370
+    (2021) 114624, § 5): take a code of the full two-body problem for one.
+
+    Parameters
+    ----------
+    rate : float or array_like, shape (...)
+        Mean motion ``n`` (rad/s), positive: 2π over the period.
+    eccentricity : float or array_like, shape (...)
+        From 0, a circle, to 0.95. A parabola is no orbit of this class.
+    anomaly : float or array_like, shape (...)
+        Mean anomaly at ``t = 0`` (rad): 0 at the periapsis.
+    normal : array_like, shape (3,) or (..., 3)
+        Unit vector about which the body goes around, in space.
+    periapsis : array_like, shape (3,) or (..., 3)
+        Unit vector from the planet to the periapsis, in space, at right angles to ``normal``. On a
+        circle it is where the body is at the anomaly 0.
+    true_anomaly : float or array_like, shape (...), optional
+        Angle from the periapsis at ``t = 0`` (rad), instead of ``anomaly``.
+
+    Leading axes give each body an orbit of its own.
+
+    Attributes
+    ----------
+    rate, eccentricity, anomaly : float, or ndarray of shape (...)
+    normal, periapsis : tuple of 3 floats, or ndarray of shape (..., 3)
+
+    Raises
+    ------
+    ValueError
+        If the rate is not positive, the eccentricity is not from 0 to 0.95, a direction is no unit
+        vector, the two are not at right angles, both anomalies are given, or the shapes do not
+        broadcast.
+
+    References
+    ----------
+    C. D. Murray, S. F. Dermott, *Solar System Dynamics*, 1999, § 2.4.
+
+    Examples
+    --------
+    A satellite on a circular orbit, its long axis near the vertical, swings with ``n sqrt(1.5)``:
+
+    >>> import numpy as np, rigid
+    >>> scene = rigid.FreeBody(rigid.Body((1.0, 2.0, 2.0)), orbit=rigid.Orbit(1.0))
+    >>> period = 2.0 * np.pi / np.sqrt(1.5)
+    >>> run = rigid.simulate(scene, [0.0, 0.0, 1.001], t=[0.0, period], accuracy=1e-9)
+    >>> [round(rate, 6) for rate in run.omega[-1].tolist()]
+    [0.0, 0.0, 1.001]
+    """
+
+    rate: float | Floats
+    eccentricity: float | Floats
+    anomaly: float | Floats
+    normal: Vector | Floats
+    periapsis: Vector | Floats
+
+    def __init__(
+        self,
+        rate: ArrayLike,
+        eccentricity: ArrayLike = 0.0,
+        anomaly: ArrayLike | None = None,
+        normal: ArrayLike = (0.0, 0.0, 1.0),
+        periapsis: ArrayLike = (1.0, 0.0, 0.0),
+        *,
+        true_anomaly: ArrayLike | None = None,
+    ) -> None:
+        rates = shaped("rate", rate, positive=True, unit="rad/s")
+        e = shaped("eccentricity", eccentricity, nonnegative=True)
+        if np.any(e > _MOST_ECCENTRIC):
+            index, place = first_place(e > _MOST_ECCENTRIC)
+            raise ValueError(
+                f"eccentricity{place} = {e[index]:g}: must be at most {_MOST_ECCENTRIC}; near a "
+                "parabola (1) the steps at the periapsis would be too short"
+            )
+        mean = shaped("anomaly", 0.0 if anomaly is None else anomaly, unit="rad")
+        if true_anomaly is not None:
+            if anomaly is not None:
+                raise ValueError("anomaly, true_anomaly: give one of them")
+            mean = _mean_anomaly(shaped("true_anomaly", true_anomaly, unit="rad"), e)
+        axis = unit_vectors("normal", normal)
+        begin = unit_vectors("periapsis", periapsis)
+        along = np.sum(axis * begin, axis=-1, keepdims=True)
+        if np.any(np.abs(along) > 1e-9):
+            index, place = first_place(np.abs(along[..., 0]) > 1e-9)
+            given = np.broadcast_to(begin, (*along.shape[:-1], 3))[index].tolist()
+            raise ValueError(
+                f"periapsis{place} = {given}: must be at right angles to normal, their product is "
+                f"{along[index][0]:g}"
+            )
+        begin = begin - along * axis
+        begin = begin / np.linalg.norm(begin, axis=-1, keepdims=True)
+        set_field = object.__setattr__  # the dataclass is frozen
+        for name, array in (("rate", rates), ("eccentricity", e), ("anomaly", mean)):
+            set_field(self, name, frozen(array) if array.ndim else float(array))
+        for name, array in (("normal", axis), ("periapsis", begin)):
+            set_field(self, name, frozen(array) if array.ndim > 1 else _tuple(array))
+        # Raises for shapes that do not broadcast.
+        self.shape  # noqa: B018
+
+    @property
+    def shape(self) -> Shape:
+        """The axes of the bodies: ``()`` of one orbit, ``(n,)`` of one for each of n bodies."""
+        shapes = {name: np.shape(getattr(self, name)) for name in self.__slots__}
+        axes = {name: shapes[name][:-1] for name in ("normal", "periapsis")}
+        return leading_shape({**shapes, **axes})
+
+    @property
+    def period(self) -> float | Floats:
+        """Time of a revolution (s), shape (...)."""
+        return 2.0 * np.pi / self.rate
+
+    def position(self, t: ArrayLike) -> Floats:
+        """From the planet to the body in space, over the semi-major axis.
+
+        Parameters
+        ----------
+        t : array_like, shape (m,), () or (..., m)
+            Times (s), of all orbits or of each.
+
+        Returns
+        -------
+        ndarray, shape (..., m, 3) or (..., 3)
+
+        Examples
+        --------
+        >>> import numpy as np, rigid
+        >>> orbit = rigid.Orbit(2.0 * np.pi, eccentricity=0.5)
+        >>> orbit.position([0.0, 0.5]).round(12).tolist()
+        [[0.5, 0.0, 0.0], [-1.5, 0.0, 0.0]]
+        """
+        times = np.atleast_1d(shaped("t", t))
+        numbers = self.numbers[..., np.newaxis, :]
+        bodies = np.broadcast_shapes(self.shape, times.shape[:-1])
+        each = np.broadcast_to(numbers, (*bodies, times.shape[-1], 9))
+        found = _core.orbit_anomalies(
+            np.ascontiguousarray(each.reshape(-1, 9)),
+            np.ascontiguousarray(np.broadcast_to(times, each.shape[:-1]).reshape(-1)),
+        ).reshape(*each.shape[:-1], 2)
+        place: Floats = (found[..., :1] - each[..., 1:2]) * each[..., 3:6]
+        place = place + found[..., 1:] * each[..., 6:]
+        return place if np.ndim(t) else place[..., 0, :]
+
+    def frame(self, t: ArrayLike) -> Floats:
+        """The axes of the orbit in space: columns radial, along and normal.
+
+        The radial axis points from the planet to the body, the axis along is at right angles to it
+        in the plane of the orbit, on a circle in the direction of the motion.
+
+        Parameters
+        ----------
+        t : array_like, shape (m,), () or (..., m)
+            Times (s), of all orbits or of each.
+
+        Returns
+        -------
+        ndarray, shape (..., m, 3, 3) or (..., 3, 3)
+            Rotation matrices.
+
+        Examples
+        --------
+        >>> import rigid
+        >>> rigid.Orbit(1.0).frame(0.0).tolist()
+        [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
+        """
+        place = self.position(t)
+        radial = place / np.linalg.norm(place, axis=-1, keepdims=True)
+        normal = np.asarray(self.normal)
+        normal = np.broadcast_to(normal[..., np.newaxis, :] if np.ndim(t) else normal, radial.shape)
+        return np.stack([radial, np.cross(normal, radial), normal], axis=-1)
+
+    @property
+    def numbers(self) -> Floats:
+        """Rate, eccentricity, mean anomaly and both semi-axes, as the core reads them; (..., 9)."""
+        shape = self.shape
+        scalars = [
+            np.broadcast_to(np.asarray(number), shape)[..., np.newaxis]
+            for number in (self.rate, self.eccentricity, self.anomaly)
+        ]
+        first, normal = (
+            np.broadcast_to(np.asarray(axis), (*shape, 3)) for axis in (self.periapsis, self.normal)
+        )
+        e = scalars[1]
+        second = np.sqrt((1.0 - e) * (1.0 + e)) * np.cross(normal, first)
+        return np.concatenate([*scalars, first, second], axis=-1)
+
+    @classmethod
+    def of_numbers(cls, numbers: ArrayLike) -> Self:
+        """The orbit with these :attr:`numbers`, shape (..., 9)."""
+        every = np.asarray(numbers, dtype=np.float64)
+        rate, e, mean = (every[..., k] for k in range(3))
+        normal = np.cross(every[..., 3:6], every[..., 6:])
+        normal = normal / np.linalg.norm(normal, axis=-1, keepdims=True)
+        return cls(rate, e, mean, normal, every[..., 3:6])
+
+    def to_dict(self) -> dict[str, Any]:
+        """The orbit as a dict of numbers."""
+        return {name: np.asarray(getattr(self, name)).tolist() for name in self.__slots__}
+
+    @classmethod
+    def from_dict(cls, data: Mapping[str, Any]) -> Self:
+        """The orbit of :meth:`to_dict`."""
+        if "towards" in data:  # Of versions that knew circles only.
+            towards, ahead = np.array(data["towards"]), np.array(data["ahead"])
+            return cls(data["rate"], normal=np.cross(towards, ahead), periapsis=-towards)
+        return cls(**data)
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Orbit):
+            return NotImplemented
+        return all(same(getattr(self, name), getattr(other, name)) for name in self.__slots__)
+
+    def __hash__(self) -> int:
+        return hash(("orbit", self.shape or tuple(self.numbers.tolist())))
+
+    def __repr__(self) -> str:
+        parts = []
+        for name, usual in _USUAL.items():
+            value = getattr(self, name)
+            if isinstance(value, np.ndarray):
+                parts.append(f"{name} of shape {value.shape}")
+            elif value != usual:
+                parts.append(f"{name}={value}")
+        return f"Orbit({', '.join(parts)})"
+
+    def words(self) -> str:
+        """The orbit in a few words."""
+        if self.shape:
+            return "orbit of each"
+        path = f"eccentricity {self.eccentricity:g}" if self.eccentricity else "circular"
+        return f"orbit at {self.rate:g} rad/s, {path}"
+
+
+_USUAL: Mapping[str, Any] = {
+    "rate": None,
+    "eccentricity": 0.0,
+    "anomaly": 0.0,
+    "normal": (0.0, 0.0, 1.0),
+    "periapsis": (1.0, 0.0, 0.0),
+}
+"""What `repr` leaves out."""
+
+
+def _mean_anomaly(true: Floats, e: Floats) -> Floats:
+    """The mean anomaly at a true anomaly, of the same revolution (Murray and Dermott, eq. 2.46)."""
+    half = 0.5 * np.remainder(true + np.pi, 2.0 * np.pi) - 0.5 * np.pi
+    turns = true - 2.0 * half
+    eccentric = 2.0 * np.arctan2(np.sqrt(1.0 - e) * np.sin(half), np.sqrt(1.0 + e) * np.cos(half))
+    mean: Floats = eccentric - e * np.sin(eccentric) + turns
+    return mean
+
+
+def _tuple(values: ArrayLike) -> Vector:
+    first, second, third = (float(value) for value in np.asarray(values))
+    return first, second, third
