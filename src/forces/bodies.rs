@@ -220,8 +220,9 @@ impl Forces {
         })
     }
 
-    /// The same with damping that is rounded otherwise, by a unit in the last place: the diagonal up, the rest down. So
-    /// equal dampings of all axes stay equal, and a matrix that is nearly singular changes its least rate.
+    /// The same with damping and orbits that are rounded otherwise, by a unit in the last place: of the damping the
+    /// diagonal up, the rest down. So equal dampings of all axes stay equal, and a matrix that is nearly singular changes
+    /// its least rate. A step rounds how far an orbit has gone alike in every step, as another rate would.
     ///
     /// # Errors
     /// As `of_some`.
@@ -230,6 +231,7 @@ impl Forces {
         for (k, entry) in forces.dampings.iter_mut().flat_map(|damping| damping.iter_mut().enumerate()) {
             *entry *= if k < 3 { 1.0 + f64::EPSILON } else { 1.0 - f64::EPSILON };
         }
+        forces.further.iter_mut().for_each(|further| further.orbit.round_otherwise());
         Ok(forces)
     }
 

@@ -422,6 +422,16 @@ impl<R: Real> Force<R> for Orbit<R> {
 }
 
 impl Orbit<f64> {
+    /// Rounds the rate otherwise, by a unit in the last place.
+    pub fn round_otherwise(&mut self) {
+        self.0[0] *= 1.0 + f64::EPSILON;
+    }
+
+    /// Makes a change of an orbit that of the same orbit whose time begins then: its mean anomaly grows with the time.
+    pub fn begin_at(&mut self, time: f64) {
+        self.0[2] = self.0[0].mul_add(time, self.0[2]);
+    }
+
     /// The normal of the orbit in space, if there is one.
     pub fn normal(&self) -> Option<[f64; 3]> {
         let [a, b] = self.semi_axes();

@@ -139,7 +139,9 @@ impl Request<'_> {
     /// The forces on a body from a time to the next knot, and the change of its parameters.
     pub fn interval_of(&self, body: usize, time: f64, backward: bool) -> ForcesInterval<f64> {
         let interval = self.forces_of(body).interval(time, backward, self.bodies[body].moments);
-        ForcesInterval { change: self.record.change_of(body), ..interval }
+        let mut change = self.record.change_of(body);
+        change.further.orbit.begin_at(time);
+        ForcesInterval { change, ..interval }
     }
 
     /// Whether the request takes less than some 100 microseconds, about as long as to start a thread.

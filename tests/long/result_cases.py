@@ -60,7 +60,8 @@ SCENES: dict[str, Any] = {
     ),
     "satellite": rigid.FreeBody(
         rigid.Body((1.0, 1.5, 2.0)),
-        torque=TORQUE + rigid.Torque.gravity_gradient(rate=0.7, normal=(0.0, 0.6, 0.8)),
+        torque=TORQUE,
+        orbit=rigid.Orbit(0.7, 0.4, 1.0, normal=(0.0, 0.6, 0.8)),
         damping=(0.1, 0.2, 0.05),
         rotor=(0.3, -0.2, 0.5),
         dissipation=rigid.EnergySink(0.05),

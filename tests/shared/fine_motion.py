@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from functools import cached_property, partial
 from itertools import pairwise
-from math import cos, sin, sqrt
+from math import sqrt
 from typing import Any
 
 import numpy as np
@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq, minimize_scalar
 
-from physics import angle_between, rotated
+from physics import angle_between, place_on_orbit, rotated
 from rigid.model.measures import Measure
 from rigid.model.scene import Scene
 
@@ -49,7 +49,7 @@ def _slopes(scene: Scene) -> Callable[[float, Any], list[float]]:
     damping = np.array(np.zeros((3, 3)) if scene.damping is None else scene.damping).tolist()
     rotor, drag = three(getattr(scene, "rotor", None)), three(scene.drag)
     loss, heavy = three(sink and sink.coefficient), weight.tolist()
-    orbit = torque.orbit if torque is not None else None
+    orbit = scene.orbit
 
     def slopes(t: float, y: Any) -> list[float]:
         w, q = y[:3].tolist(), y[3:7].tolist()
@@ -65,11 +65,11 @@ def _slopes(scene: Scene) -> Callable[[float, Any], list[float]]:
         speed = sqrt(sum(rate * rate for rate in w))
         pull = [0.0, 0.0, 0.0]
         if orbit is not None:
-            u, v = cos(orbit.rate * t), sin(orbit.rate * t)
-            towards = [u * orbit.towards[i] + v * orbit.ahead[i] for i in range(3)]
-            o = [sum(rows[i][k] * towards[i] for i in range(3)) for k in range(3)]
+            place = place_on_orbit(orbit, t).tolist()
+            distance = sqrt(sum(part * part for part in place))
+            o = [sum(rows[i][k] * place[i] for i in range(3)) for k in range(3)]
             side = _cross(o, [moments[k] * o[k] for k in range(3)])
-            pull = [3.0 * orbit.rate**2 * part for part in side]
+            pull = [3.0 * orbit.rate**2 / distance**5 * part for part in side]
         change = []
         for k in range(3):
             pushed = body[k] + pull[k] + sum(rows[i][k] * space[i] for i in range(3))

@@ -163,29 +163,31 @@ def drag(rng: np.random.Generator) -> Start:
     return Start(rigid.FreeBody(body, **acting), omega, rng.normal(size=4), rate, 200.0)
 
 
-def orbit(rng: np.random.Generator, rate: float) -> rigid.Torque:
-    """The gravity gradient on an orbit in any plane."""
+def orbit(rng: np.random.Generator, rate: float, e: float = 0.0) -> rigid.Orbit:
+    """An orbit in any plane."""
     normal, other = direction(rng), rng.normal(size=3)
-    towards = np.cross(normal, other) / np.linalg.norm(np.cross(normal, other))
-    return rigid.Torque.gravity_gradient(rate=rate, normal=normal, towards=towards)
+    periapsis = np.cross(normal, other) / np.linalg.norm(np.cross(normal, other))
+    anomaly = float(rng.uniform(-np.pi, np.pi)) if e else 0.0
+    return rigid.Orbit(rate, e, anomaly, normal, periapsis)
 
 
 def gravity_gradient(rng: np.random.Generator) -> Start:
-    """A circular orbit: tumbling, slow, or near a relative equilibrium, stable or not."""
+    """An orbit: tumbling, slow, or near a relative equilibrium of a circle, stable or not."""
     body, speed = rigid.Body(moments(rng)), decades(rng, -1.0, 1.0)
     if rng.random() < 0.5:
         omega = rates(rng)
         speed *= float(np.linalg.norm(omega)) * decades(rng, -2.0, 0.3)
         rate = float(np.linalg.norm(omega)) + 2.0 * speed
-        acting: dict[str, Any] = {"torque": orbit(rng, speed)}
-        if rng.random() < 0.15:
-            top = heavy(rng, body, **acting)
-            return Start(top, omega, rng.normal(size=4), rate + swing(top), 100.0)
+        e = float(rng.uniform(0.0, 0.95)) if rng.random() < 0.5 else 0.0
+        acting: dict[str, Any] = {"orbit": orbit(rng, speed, e)}
+        if rng.random() < 0.2:
+            acting["rotor"] = float(np.median(body.moments)) * rates(rng)
+        if rng.random() < 0.2:
+            acting["dissipation"] = rigid.EnergySink(decades(rng, -3.0, -1.0) * min(body.moments))
+        rate += 2.0 * speed * ((1.0 + e) ** 0.5 * (1.0 - e) ** -1.5 - 1.0)
         return Start(rigid.FreeBody(body, **acting), omega, rng.normal(size=4), rate)
-    gradient = orbit(rng, speed)
-    assert gradient.orbit is not None
-    ahead, towards = (np.array(v) for v in (gradient.orbit.ahead, gradient.orbit.towards))
-    columns = np.array([towards, ahead, np.cross(towards, ahead)]).T
+    around = orbit(rng, speed)
+    columns = around.frame(0.0)
     order = rng.permutation(3)
     signs = rng.choice([-1.0, 1.0], 3)
     frame = columns[:, order] * signs
@@ -194,7 +196,7 @@ def gravity_gradient(rng: np.random.Generator) -> Start:
     off = rng.choice([0.0, decades(rng, -16.0, -1.0)])
     attitude = quaternion_product(attitude, np.array([1.0, *(off * rng.normal(size=3))]))
     omega = frame.T @ columns[:, 2] * speed + off * speed * rng.normal(size=3)
-    scene = rigid.FreeBody(body, torque=gradient)
+    scene = rigid.FreeBody(body, orbit=around)
     return Start(scene, omega, attitude, 2.0 * speed, 200.0)
 
 
@@ -332,13 +334,12 @@ def satellite(rng: np.random.Generator) -> Start:
         outside["dissipation"] = rigid.EnergySink(size * each)
     if acts[2]:
         speed = decades(rng, -3.0, 0.5) * rate
-        outside["torque"] = orbit(rng, speed)
+        outside["orbit"] = orbit(rng, speed)
         rate += 2.0 * speed
     if acts[3]:
         outside["drag"] = decades(rng, -3.0, 0.0) * float(np.median(shape)) * rng.random(3)
     if rng.random() < 0.25:
-        own = torque(rng, rate**2 * decades(rng, -3.0, -0.5), 120.0 / rate)
-        outside["torque"] = own + outside["torque"] if "torque" in outside else own
+        outside["torque"] = torque(rng, rate**2 * decades(rng, -3.0, -0.5), 120.0 / rate)
     if rng.random() < 0.25:
         outside["damping"] = damping(rng, decades(rng, -4.0, -1.0) * rate)
     return Start(rigid.FreeBody(body, **outside), omega, rng.normal(size=4), rate, 100.0)

@@ -101,10 +101,10 @@ def any_scene(rng: np.random.Generator) -> Scene:
         return rigid.HeavyTop(body, mgl=float(rng.uniform(0.2, 2.0)), com=com, **acting)
     if rng.random() < 0.2:
         normal = direction(rng)
-        towards = np.cross(normal, direction(rng))
-        towards /= np.linalg.norm(towards)
-        rate = float(rng.uniform(0.1, 1.0))
-        pushes.append(rigid.Torque.gravity_gradient(rate=rate, normal=normal, towards=towards))
+        periapsis = np.cross(normal, direction(rng))
+        periapsis /= np.linalg.norm(periapsis)
+        rate, e = float(rng.uniform(0.1, 1.0)), float(rng.choice([0.0, rng.uniform(0.0, 0.8)]))
+        acting["orbit"] = rigid.Orbit(rate, e, 1.0, normal, periapsis)
     if pushes:
         acting["torque"] = sum(pushes[1:], pushes[0])
     if rng.random() < 0.2:

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.optimize import brentq
 
 import rigid
 from rigid.model.scene import Scene
@@ -208,3 +209,12 @@ def angle_between(u: Floats, v: Floats) -> Floats:
     half = np.arctan2(np.linalg.norm(u - v, axis=-1), np.linalg.norm(u + v, axis=-1))
     angle: Floats = 2.0 * half
     return angle
+
+
+def place_on_orbit(orbit: rigid.Orbit, t: float) -> NDArray[np.float64]:
+    """From the planet to the body in space, by bisection of Kepler's equation."""
+    mean, e = float(orbit.rate) * t + float(orbit.anomaly), float(orbit.eccentricity)
+    anomaly = brentq(lambda at: at - e * np.sin(at) - mean, mean - 1.0, mean + 1.0, xtol=1e-15)
+    across = np.cross(orbit.normal, orbit.periapsis) * np.sqrt(1.0 - e**2)
+    place: NDArray[np.float64] = (np.cos(anomaly) - e) * np.array(orbit.periapsis)
+    return place + np.sin(anomaly) * across

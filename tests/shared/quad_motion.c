@@ -1,8 +1,8 @@
 /* The motion of a rigid body in 128-bit numbers, by Taylor series with steps of their own.
 
-   I w' = L x w - weight x gamma + body + R^T space - D w - |w| drag w + 3 n^2 o x I o + called + L x e,
+   I w' = L x w - weight x gamma + body + R^T space - D w - |w| drag w + 3 n^2 (a/r)^5 p x I p + called + L x e,
    gamma = R^T e3,  L = I w + rotor,  q' = q (0, w + e) / 2,  I e = sink (w' without e),
-   o = R^T (cos towards + sin ahead) with the angle n t.
+   p = R^T ((cos E - e) first + sin E second),  r/a = 1 - e cos E,  E' = n a/r.
 
    The torques body and space are constant, or linear between the times of a table; `called` is the torque of the
    function of this name, below. */
@@ -18,7 +18,7 @@ typedef struct {
     const double *moments, *weight, *damping; /* 3, 3, 3 x 3 */
     ptrdiff_t knots;                          /* 0: the torques are constant */
     const double *times, *body, *space;       /* knots, and 3 for each knot, or 3 */
-    const double *rotor, *sink, *drag, *orbit; /* 3, 3, 3, and the rate, 3 towards, 3 ahead */
+    const double *rotor, *sink, *drag, *orbit; /* 3, 3, 3, and rate, eccentricity, mean anomaly, both semi-axes */
     const double *push, *cubic, *dipole, *field; /* of `called`: 3 and a rate, 3, 3, 3 */
 } Scene;
 
@@ -30,7 +30,8 @@ typedef struct {
 /* Coefficients of the rates and of the quaternion. */
 typedef struct {
     quad w[3][ORDER + 1], q[4][ORDER + 1];
-    quad u[2][2][ORDER + 1]; /* cosine and sine of the angle on the orbit, and of that of the push */
+    quad u[2][2][ORDER + 1]; /* cosine and sine of the eccentric anomaly, and of the angle of the push */
+    quad near[5][ORDER + 1]; /* powers of a/r */
 } Series;
 
 static void line(const Scene *s, const double *values, ptrdiff_t k, quad t, quad *now, quad *slope)
@@ -73,6 +74,20 @@ static quad product(const quad *a, const quad *b, int n)
     for (int k = 0; k <= n; k++)
         sum += a[k] * b[n - k];
     return sum;
+}
+
+/* The coefficients n of the powers of a/r, and n + 1 of cosine and sine of the eccentric anomaly. */
+static void expand_orbit(const double *orbit, int n, Series *x)
+{
+    const quad rate = orbit[0], e = orbit[1];
+    quad sum = n == 0;
+    for (int k = 1; k <= n; k++)
+        sum += e * x->u[0][0][k] * x->near[0][n - k];
+    x->near[0][n] = sum / (1 - e * x->u[0][0][0]);
+    for (int power = 1; power < 5; power++)
+        x->near[power][n] = product(x->near[power - 1], x->near[0], n);
+    x->u[0][0][n + 1] = -rate * product(x->u[0][1], x->near[0], n) / (n + 1);
+    x->u[0][1][n + 1] = rate * product(x->u[0][0], x->near[0], n) / (n + 1);
 }
 
 /* The matrix R of v_space = R v_body from the products of the components of q. */
@@ -131,12 +146,12 @@ static void expand(const Scene *s, const Piece *piece, int in_space, int ahead, 
     quad fast[ORDER + 1], squares[3][ORDER + 1];
     int first = ORDER; /* the order of w at this point */
     const double *I = s->moments, *weight = s->weight, *orbit = s->orbit;
-    const double rates[2] = {orbit[0], s->push[3]};
+    const quad push = s->push[3];
+    quad products[3][ORDER + 1];
     for (int n = 0; n < ORDER; n++) {
-        for (int a = 0; a < 2; a++) {
-            x->u[a][0][n + 1] = -(quad)rates[a] * x->u[a][1][n] / (n + 1);
-            x->u[a][1][n + 1] = (quad)rates[a] * x->u[a][0][n] / (n + 1);
-        }
+        expand_orbit(orbit, n, x);
+        x->u[1][0][n + 1] = -push * x->u[1][1][n] / (n + 1);
+        x->u[1][1][n + 1] = push * x->u[1][0][n] / (n + 1);
         if (first == ORDER && (x->w[0][n] != 0 || x->w[1][n] != 0 || x->w[2][n] != 0))
             first = n;
         if (any(s->drag))
@@ -159,9 +174,11 @@ static void expand(const Scene *s, const Piece *piece, int in_space, int ahead, 
                     rows[a][i][n] = r[a][i];
                 o[i][n] = 0;
                 for (int a = 0; a < 3; a++)
-                    o[i][n] += orbit[1 + a] * product(rows[a][i], x->u[0][0], n)
-                        + orbit[4 + a] * product(rows[a][i], x->u[0][1], n);
+                    o[i][n] += orbit[3 + a] * (product(rows[a][i], x->u[0][0], n) - (quad)orbit[1] * r[a][i])
+                        + orbit[6 + a] * product(rows[a][i], x->u[0][1], n);
             }
+            for (int i = 0; i < 3; i++)
+                products[i][n] = product(o[(i + 1) % 3], o[(i + 2) % 3], n);
         }
         quad field[3] = {0};
         for (int i = 0; i < 3; i++)
@@ -191,7 +208,8 @@ static void expand(const Scene *s, const Piece *piece, int in_space, int ahead, 
                 torque -= s->cubic[i] * product(squares[i], x->w[i], n);
             }
             if (orbit[0] != 0 && I[j] != I[k])
-                torque += 3 * (quad)orbit[0] * orbit[0] * ((quad)I[k] - I[j]) * product(o[j], o[k], n);
+                torque += 3 * (quad)orbit[0] * orbit[0] * ((quad)I[k] - I[j])
+                    * product(products[i], x->near[4], n);
             whole[i] = torque;
             e[i][n] = s->sink[i] * torque / I[i] / I[i];
             turn[i][n] = x->w[i][n] + e[i][n];
@@ -221,7 +239,7 @@ static long double size(quad (*series)[ORDER + 1], int rows, int n)
 }
 
 /* The step whose last terms are below the tolerance, as shares of an early term and of one. */
-static long double longest(Series *x, long double tolerance)
+static long double longest(Series *x, const double *orbit, long double tolerance)
 {
     long double step = HUGE_VALL;
     for (int n = ORDER - JUDGED + 1; n <= ORDER; n++) {
@@ -234,6 +252,9 @@ static long double longest(Series *x, long double tolerance)
         }
         if (of_attitude > 0)
             step = fminl(step, powl(tolerance / of_attitude, 1.0L / n));
+        long double of_orbit = size(x->u[0], 2, n);
+        if (orbit[0] != 0 && of_orbit > 0)
+            step = fminl(step, powl(tolerance / of_orbit, 1.0L / n));
     }
     return step;
 }
@@ -326,6 +347,26 @@ static void stop(quad *state, const Series *x, quad step)
         state[i] = 0;
 }
 
+/* Cosine and sine of the eccentric anomaly at the start: from the periapsis on, where they are 1 and 0. */
+static void start_orbit(const double *orbit, quad *anomaly)
+{
+    quad left = orbit[0] != 0 ? (quad)orbit[2] / orbit[0] : 0;
+    anomaly[0] = 1;
+    anomaly[1] = 0;
+    while (left != 0) {
+        Series x;
+        x.u[0][0][0] = anomaly[0];
+        x.u[0][1][0] = anomaly[1];
+        for (int n = 0; n < ORDER; n++)
+            expand_orbit(orbit, n, &x);
+        const quad step = powl(1e-34L / size(x.u[0], 2, ORDER), 1.0L / ORDER);
+        const quad made = left > step ? step : left < -step ? -step : left;
+        for (int i = 0; i < 2; i++)
+            anomaly[i] = value(x.u[0][i], made);
+        left -= made;
+    }
+}
+
 /* States from a start, at times that go away from 0; each number as the sum of two doubles.
 
    A record is w, q, gamma and the work since the start. Returns the number of steps, or -1 if
@@ -351,6 +392,7 @@ long motion(const double *moments, const double *weight, const double *damping, 
     for (int i = 0; i < 4; i++)
         state[3 + i] = attitude[i] / length;
     const quad begin = energy(&scene, state, gamma);
+    start_orbit(scene.orbit, angles[0]);
 
     long steps = 0;
     for (ptrdiff_t done = 0; done < count;) {
@@ -364,7 +406,7 @@ long motion(const double *moments, const double *weight, const double *damping, 
             x.u[i / 2][i % 2][0] = angles[i / 2][i % 2];
         expand(&scene, &piece, in_space, ahead, &x);
         quad end = piece.end;
-        const long double step = longest(&x, tolerance);
+        const long double step = longest(&x, scene.orbit, tolerance);
         if (step < fabsl((long double)(end - t)))
             end = ahead ? t + (quad)step : t - (quad)step;
         if (any(scene.drag))

@@ -155,13 +155,14 @@ def motion(
     """
     torque = scene.torque
     damping, knots, body, space = applied(scene)
-    further = np.zeros(16)
+    further = np.zeros(18)
     for place, name in enumerate(("rotor", "dissipation", "drag")):
         value = getattr(scene, name)
         if value is not None:
             further[3 * place : 3 * place + 3] = FORCES[name].numbers(value)
-    if torque is not None and torque.orbit is not None:
-        further[9:] = (torque.orbit.rate, *torque.orbit.towards, *torque.orbit.ahead)
+    orbit = getattr(scene, "orbit", None)
+    if orbit is not None:
+        further[9:] = orbit.numbers
     function = np.zeros(13)
     if torque is not None and torque.function is not None:
         assert torque.function.address == called(), "no other function is known here"

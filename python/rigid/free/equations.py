@@ -350,7 +350,7 @@ def _gravity_gradient(scene: Scene, quaternions: Floats | None, times: Floats) -
     place = orbit.position(times)
     distance = np.linalg.norm(place, axis=-1, keepdims=True)
     o = to_body(quaternions, place / distance)
-    strength = 3.0 * _at_times(orbit.rate)[..., np.newaxis] ** 2 / distance**3
+    strength = 3.0 * np.asarray(orbit.rate)[..., np.newaxis, np.newaxis] ** 2 / distance**3
     torque: Floats = strength * np.cross(o, _at_times(scene.body.moments) * o)
     return torque
 

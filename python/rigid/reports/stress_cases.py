@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from ..model.body import Body
 from ..model.forces import EnergySink
+from ..model.orbit import Orbit
 from ..model.scene import FreeBody, HeavyTop, Scene
 from ..model.torque import Torque
 
@@ -227,11 +228,11 @@ def _satellites() -> Iterator[Case]:
         yield _satellite(f"rotor of 1e{power} |L|", scene, t=10.0 / max(1.0, h))
     for power in (-4, -2, 0, 2):
         rate = 10.0**power
-        scene = FreeBody(body, torque=Torque.gravity_gradient(rate=rate))
+        scene = FreeBody(body, orbit=Orbit(rate))
         yield _satellite(f"orbit of 1e{power} |omega|", scene, t=10.0 / max(1.0, rate))
     needle = FreeBody(
         Body((1.0, 1.0 - 5e-4, 1e-3)),
-        torque=Torque.gravity_gradient(rate=1.0),
+        orbit=Orbit(1.0),
         rotor=(0.0, 1.0, 0.0),
     )
     yield _satellite("needle with a rotor on an orbit", needle, t=0.1)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
-from .._checks.arguments import numbers, one_of, positive_int, resolve_threads, sorted_times
+from .._checks.arguments import numbers, positive_int, resolve_threads, sorted_times
 from .._checks.float_environment import in_standard_floats
 from ..model.body import Body
 from ..model.criteria import Regular, norm_of

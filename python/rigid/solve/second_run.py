@@ -141,10 +141,11 @@ def _past_stops(
 
 
 def rounded_start(bodies: Bodies) -> Bodies:
-    """The bodies with their starts and their damping rounded otherwise.
+    """The bodies with their starts, damping and orbits rounded otherwise.
 
-    Two runs from one start would share what a saddle makes of its rounding, and two runs with one
-    matrix what rounding makes of its least rate. Zeros stay and equal sizes stay equal, so that a
+    Two runs from one start would share what a saddle makes of its rounding, two runs with one
+    matrix what rounding makes of its least rate, and two runs on one orbit what rounds alike in
+    each step. Zeros stay and equal sizes stay equal, so that a
     start that is in equilibrium to the bit stays one.
     """
     omega, attitude = _rounded_otherwise(bodies.omega), _rounded_otherwise(bodies.attitude)

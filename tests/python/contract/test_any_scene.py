@@ -227,7 +227,7 @@ def satellites(draw: st.DrawFn) -> Scene:
         body,
         rotor=None if rotor is None else rotor * draw(directions()),
         dissipation=None if sink is None else rigid.EnergySink(sink),
-        torque=None if rate is None else rigid.Torque.gravity_gradient(rate=rate),
+        orbit=None if rate is None else rigid.Orbit(rate, draw(st.floats(0.0, 0.95))),
     )
 
 

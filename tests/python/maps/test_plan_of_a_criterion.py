@@ -24,10 +24,7 @@ SCENES: dict[str, Scene] = {
     "heavy": HEAVY,
     "damped": rigid.HeavyTop(HEAVY.body, mgl=1.0, damping=0.1),
     "strongly damped": rigid.FreeBody(FREE.body, damping=(50.0, 1.0, 1.0)),
-    "satellite": rigid.FreeBody(
-        FREE.body,
-        torque=rigid.Torque.gravity_gradient(rate=1.0, normal=(0, 0, 1), towards=(1, 0, 0)),
-    ),
+    "satellite": rigid.FreeBody(FREE.body, orbit=rigid.Orbit(1.0)),
     "with a wheel": rigid.FreeBody(FREE.body, rotor=(0.0, 0.0, 1.0)),
 }
 CRITERIA: dict[str, Criterion] = {

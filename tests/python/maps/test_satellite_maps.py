@@ -143,7 +143,7 @@ def test_half_of_the_nutations_are_larger_than_the_median(
 def test_a_satellite_map_is_replayed_to_the_bit() -> None:
     scene = rigid.FreeBody(
         rigid.Body((1.0, 1.6, 2.0)),
-        torque=rigid.Torque.gravity_gradient(rate=0.3),
+        orbit=rigid.Orbit(0.3, 0.2),
         rotor=(0.1, 0.0, 0.2),
         dissipation=rigid.EnergySink(0.05),
     )
@@ -170,11 +170,9 @@ def test_a_satellite_map_is_replayed_to_the_bit() -> None:
     assert result.theory() is None
 
 
-def test_deviations_of_a_satellite_are_refused_in_maps() -> None:
+def test_methods_that_integrate_no_rotor_are_refused_in_maps() -> None:
     scene = rigid.FreeBody(rigid.Body((1.0, 1.6, 2.0)), rotor=(0.1, 0.0, 0.2))
     asked: Any = {"axes": {"spin": [0.5, 1.0]}, "samples": 2, "t_end": 10.0, "progress": False}
-    with pytest.raises(ValueError, match="deviation vectors are not integrated under a rotor"):
-        rigid.stability_map(scene, stable=rigid.regular(), **asked)
     with pytest.raises(ValueError, match="method = 'etd4': does not integrate rotor"):
         rigid.stability_map(scene, stable=rigid.no_flip(2), method="etd4", **asked)
 
@@ -188,13 +186,13 @@ def test_the_vertical_of_a_satellite_is_the_normal_of_its_orbit(
     moments, results = np.array([0.8, 1.0, 1.2]), []
     for k in (2, 1, 0):
         shift = 2 - k  # body and space axes are renamed together, in turn
-        normal, towards = np.roll([0.0, 0.0, 1.0], -shift), np.roll([1.0, 0.0, 0.0], -shift)
-        gravity = rigid.Torque.gravity_gradient(rate=1.0, normal=normal, towards=towards)
+        normal, begin = np.roll([0.0, 0.0, 1.0], -shift), np.roll([1.0, 0.0, 0.0], -shift)
+        orbit = rigid.Orbit(1.0, normal=normal, periapsis=begin)
         rates = [[1e-3, 0.0, 1.0], [2e-3, 1e-3, 1.0], [0.0, 4e-3, 1.0]]
         given = rigid.samples(np.roll(rates, -shift, axis=1), in_order=True)
         results.append(
             rigid.stability_map(
-                rigid.FreeBody(rigid.Body(tuple(np.roll(moments, -shift))), torque=gravity),
+                rigid.FreeBody(rigid.Body(tuple(np.roll(moments, -shift))), orbit=orbit),
                 axes={"t_end": [20.0]},
                 start=rigid.Start(omega=(0.0, 0.0, 0.0), noise=given),
                 stable=rigid.tilt_below(angle, axis=k + 1, reference="vertical"),

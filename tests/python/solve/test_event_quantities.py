@@ -101,9 +101,7 @@ MOTIONS = {
         rigid.FreeBody(
             ASYMMETRIC,
             rotor=ROTOR,
-            torque=rigid.Torque.gravity_gradient(
-                rate=0.7, normal=(0.0, 0.0, 1.0), towards=(1.0, 0.0, 0.0)
-            ),
+            orbit=rigid.Orbit(0.7),
         ),
         (None, *SERIES),
         rotor=ROTOR,

@@ -238,9 +238,9 @@ def test_a_copy_knows_that_a_torque_has_acted() -> None:
 def test_a_motion_begins_at_its_time() -> None:
     # The torque of the table and the orbit are those of the times, whenever the motion begins.
     table = rigid.Torque.body([[0.2, -0.5, 0.9], [1.0, 0.3, -0.7]], times=[0.0, 1.0])
-    gravity = rigid.Torque.gravity_gradient(rate=2.0)
-    for torque in (table, gravity):
-        scene = rigid.FreeBody(BODY, torque=torque)
+    around = rigid.Orbit(2.0, 0.3)
+    for acting in ({"torque": table}, {"orbit": around}):
+        scene = rigid.FreeBody(BODY, **acting)
         whole = rigid.Motion(scene, START, TILTED, method="dop853")
         for _ in range(16):
             whole.step(STEP)
