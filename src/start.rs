@@ -81,7 +81,8 @@ impl Body {
         let height: f64 = (0..3).map(|k| self.weight[k] * gamma[k]).sum();
         let fall = (mgl + height).max(0.0);
         if !forces.is_none() {
-            return forces.fastest_rate(self.moments, [twice_kinetic, mgl, fall], span);
+            let start = (self.moments, self.omega, self.attitude);
+            return forces.fastest_rate(start, [twice_kinetic, mgl, fall], span);
         }
         let reach = twice_kinetic + 2.0 * fall;
         let squares: f64 = match self.lagrange_axis() {

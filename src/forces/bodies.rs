@@ -1,6 +1,6 @@
 //! `Forces`: those of one body or of many; `BodyForces`: those of one of them; `ForcesInterval`: those in a kernel.
 
-use super::{Damping, Further, Table, TorqueCall, TorqueFunction, part, table};
+use super::{AtStart, Damping, Further, Table, TorqueCall, TorqueFunction, part, table};
 use crate::error::Error;
 use crate::memory;
 use crate::real::Real;
@@ -336,6 +336,12 @@ impl BodyForces<'_> {
         }
     }
 
+    /// Whether the gravity gradient of an orbit acts, and nothing else at any time.
+    pub fn orbit_alone(&self) -> bool {
+        let has_others = !self.damping.is_none() || self.function.is_some() || !self.table.is_zero();
+        !has_others && self.further.is_orbit_alone()
+    }
+
     /// The damping, if nothing else acts at any time.
     pub fn damping_alone(&self) -> Option<Damping> {
         let is_alone = self.further.is_none() && self.function.is_none() && self.table.is_zero();
@@ -367,7 +373,7 @@ impl BodyForces<'_> {
     /// added none. Of a function a bound may be known.
     pub fn fastest_rate(
         &self,
-        moments: [f64; 3],
+        (moments, omega, attitude): ([f64; 3], [f64; 3], [f64; 4]),
         [twice_kinetic, mgl, fall]: [f64; 3],
         [first, last]: [f64; 2],
     ) -> f64 {
@@ -375,7 +381,8 @@ impl BodyForces<'_> {
         let [d, .., fastest] = self.damping.rates(moments);
         let strength = self.table.strength(moments) + self.further.strength(moments);
         let start = twice_kinetic.sqrt();
-        let [reach, turning] = self.further.reach(moments, (twice_kinetic + 2.0 * fall).sqrt());
+        let at_start = AtStart { moments, omega, attitude, rotor: self.further.rotor.0 };
+        let [reach, turning] = self.further.reach(&at_start, (twice_kinetic + 2.0 * fall).sqrt());
         // Damping slows the rates in space, not those seen from a turning frame.
         let drag = |time: f64| if turning > 0.0 { turning * fastest.max(0.0) * time } else { 0.0 };
         let mut forward =

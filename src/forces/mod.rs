@@ -157,7 +157,7 @@ pub trait Bounded {
 
     /// From a bound of the root of twice the energy: that with the potential energy of this force, and how much the
     /// frame in which this energy is constant turns.
-    fn reach(&self, _moments: [f64; 3], root: f64) -> [f64; 2] {
+    fn reach(&self, _start: &AtStart, root: f64) -> [f64; 2] {
         [root, 0.0]
     }
 
@@ -168,6 +168,18 @@ pub trait Bounded {
 
     /// Its variables at a time.
     fn start(&self, _time: f64, _variables: &mut [f64]) {}
+}
+
+/// A body at its start, with the momentum of its rotor.
+pub struct AtStart {
+    /// Principal moments.
+    pub moments: [f64; 3],
+    /// Rates in the body.
+    pub omega: [f64; 3],
+    /// Attitude: unit quaternion, scalar first, body to space.
+    pub attitude: [f64; 4],
+    /// Momentum of the rotor.
+    pub rotor: [f64; 3],
 }
 
 /// Bounds for a body on which forces act.
@@ -206,7 +218,7 @@ macro_rules! forces {
 
         /// The coefficients of all forces beside those of the state.
         pub struct FurtherSeries<R: Real> {
-            $($name: <$force<R> as Force<R>>::Series,)*
+            $(pub(crate) $name: <$force<R> as Force<R>>::Series,)*
         }
 
         /// The coefficients of the derivatives of all forces beside those.
@@ -267,10 +279,10 @@ macro_rules! forces {
             }
 
             /// See [`Bounded::reach`].
-            pub fn reach(&self, moments: [f64; 3], root: f64) -> [f64; 2] {
+            pub fn reach(&self, start: &AtStart, root: f64) -> [f64; 2] {
                 let [mut reach, mut turning] = [root, 0.0];
                 $({
-                    let [higher, turn] = self.$name.reach(moments, reach);
+                    let [higher, turn] = self.$name.reach(start, reach);
                     (reach, turning) = (higher, turning + turn);
                 })*
                 [reach, turning]
@@ -417,6 +429,11 @@ forces! {
 }
 
 impl Further<f64> {
+    /// Whether the gravity gradient of an orbit acts, and nothing else.
+    pub fn is_orbit_alone(&self) -> bool {
+        !self.is_none() && Further { orbit: self.orbit, ..Further::NONE } == *self
+    }
+
     /// What the forces add to the rate that the steps of a body follow, whose rates reach `fastest`. The momentum in
     /// space is constant if there is no other torque, `is_torque_free`.
     pub fn step_rate(&self, moments: [f64; 3], omega: [f64; 3], fastest: f64, is_torque_free: bool) -> f64 {

@@ -6,9 +6,9 @@
 //! the distance is `1 - e cos E`, both in units of the semi-major axis; `E' = n / (1 - e cos E)` (Murray and Dermott,
 //! Solar System Dynamics, 1999, §2.4).
 
-use super::{Bounded, Force, Order, Pace, Varied, deviation, range};
+use super::{AtStart, Bounded, Force, Order, Pace, Varied, deviation, length, range};
 use crate::error::Error;
-use crate::kinematics::{add_cross, cross, direction, dot, put};
+use crate::kinematics::{add_cross, cross, direction, dot, put, to_body_frame};
 use crate::real::Real;
 use crate::series::{Coefficients, VectorSeries};
 use crate::special::sincos;
@@ -21,6 +21,8 @@ pub struct Orbit<R>(pub [R; 9]);
 
 /// Coefficients beside those of the state.
 pub struct OrbitSeries<R> {
+    /// The semi-axes in the body.
+    semi_axes: [VectorSeries<R>; 2],
     /// The direction from the planet along the semi-axes `a` and `b`, the second over its length, and `u = a/r`.
     plane: VectorSeries<R>,
     /// `u^2` and `u^3`.
@@ -72,13 +74,7 @@ impl<R: Real> Orbit<R> {
         for k in 0..3 {
             part[k] = x.fma(a[k], y * b[k]);
         }
-        // The third row of the matrix, the vertical, comes first in the state.
-        let (third, first, second) = (direction(state, 0), direction(state, 1), direction(state, 2));
-        let mut sum = part;
-        for i in 0..3 {
-            sum[i] = part[2].fma(third[i], part[0].fma(first[i], part[1] * second[i]));
-        }
-        sum
+        to_body(&part, state)
     }
 
     /// `u = a/r`, from the cosine of the eccentric anomaly.
@@ -151,6 +147,18 @@ impl<R: Real> Orbit<R> {
     }
 }
 
+/// A vector in space, in the body, from the space axes of a state, or of one order of it; linear in both.
+#[inline(always)]
+fn to_body<R: Real, const D: usize>(v: &[R; 3], state: &[R; D]) -> [R; 3] {
+    // The third row of the matrix, the vertical, comes first in the state.
+    let (third, first, second) = (direction(state, 0), direction(state, 1), direction(state, 2));
+    let mut sum = *v;
+    for i in 0..3 {
+        sum[i] = v[2].fma(third[i], v[0].fma(first[i], v[1] * second[i]));
+    }
+    sum
+}
+
 /// `a2 b3`, `a3 b1` and `a1 b2`, added to sums.
 #[inline(always)]
 fn add_products<R: Real>(a: &[R; 3], b: &[R; 3], sums: &mut [R; 3]) {
@@ -174,6 +182,7 @@ impl<R: Real> Force<R> for Orbit<R> {
     #[inline(always)]
     fn series() -> OrbitSeries<R> {
         OrbitSeries {
+            semi_axes: [VectorSeries::new(), VectorSeries::new()],
             plane: VectorSeries::new(),
             powers: VectorSeries::new(),
             directions: VectorSeries::new(),
@@ -208,7 +217,7 @@ impl<R: Real> Force<R> for Orbit<R> {
         moments: &[R; 3],
         c: &Coefficients<R, D>,
         Order { k, own, factor }: Order<R>,
-        OrbitSeries { plane, powers, directions, pulls }: &mut OrbitSeries<R>,
+        OrbitSeries { semi_axes: [first_axis, second_axis], plane, powers, directions, pulls }: &mut OrbitSeries<R>,
         next: &mut [R; D],
         torque: &mut [R; 3],
     ) {
@@ -236,12 +245,18 @@ impl<R: Real> Force<R> for Orbit<R> {
         put(next, own, [factor * of_cos, factor * of_sin]);
         plane.push(k, [self.eccentricity().fnma(u, cos), sin, u]);
 
+        let [a, b] = self.semi_axes();
+        first_axis.push(k, to_body(&a, row));
+        second_axis.push(k, to_body(&b, row));
         let (mut o, mut square, mut cube) = ([zero; 3], zero, zero);
         for j in 0..=k {
             // SAFETY: as above.
             let ([x, y, u], [.., v]) = unsafe { (*plane.order(j), *plane.order(k - j)) };
-            let part = self.in_body([x, y], c.order(k - j));
-            o = [o[0] + part[0], o[1] + part[1], o[2] + part[2]];
+            // SAFETY: as above.
+            let (a, b) = unsafe { (first_axis.order(k - j), second_axis.order(k - j)) };
+            for i in 0..3 {
+                o[i] = x.fma(a[i], y.fma(b[i], o[i]));
+            }
             square = u.fma(v, square);
         }
         for j in 1..=k {
@@ -440,10 +455,10 @@ impl Orbit<f64> {
         (!self.is_none()).then(|| normal.map(|x| x / length))
     }
 
-    /// The rate at which the direction turns at the periapsis, the largest.
-    fn rate_at_periapsis(&self) -> f64 {
-        let left = 1.0 - self.eccentricity();
-        self.rate() * (1.0 + self.eccentricity()).sqrt() / (left * left.sqrt())
+    /// The rate at which the direction turns at a distance, `n sqrt(1 - e^2) (a/r)^2`.
+    fn turning(&self, distance: f64) -> f64 {
+        let e = self.eccentricity();
+        self.rate() * ((1.0 - e) * (1.0 + e)).sqrt() / (distance * distance)
     }
 
     /// The eccentric anomaly over the mean anomaly, by Newton's steps inside brackets: `f = E - e sin E - M` ascends.
@@ -506,24 +521,41 @@ impl Bounded for Orbit<f64> {
         1.5 * self.rate() * self.rate() * (largest - least) / (left * left * left * least.sqrt())
     }
 
-    /// In the frame of a circular orbit the Jacobi integral is constant, and its potential `n^2 (3 o.Io - N.IN) / 2`, N
-    /// along the normal, has the depth `2 n^2 (I_max - I_min)`. On an eccentric orbit nothing is constant; the bound is
-    /// that of a circle on which the direction turns as at the periapsis.
-    fn reach(&self, moments: [f64; 3], root: f64) -> [f64; 2] {
-        if self.is_none() {
-            return [root, 0.0];
-        }
-        let [least, largest] = range(moments);
-        let rate = self.rate_at_periapsis();
-        let turning = rate.abs() * largest.sqrt();
-        let depth = 4.0 * rate * rate * (largest - least);
-        [((root + turning) * (root + turning) + depth).sqrt(), turning]
+    /// In the frame of a circular orbit the Jacobi integral is constant: the kinetic energy of the rates in this frame
+    /// and the potential `n^2 (3 o.Io - N.IN) / 2 - n N.h`, N along the normal, h the momentum of a rotor. On an eccentric
+    /// orbit nothing is constant. The bound is that of a circle on which the direction turns as at the periapsis, with
+    /// the whole depth of the potential, and with the changes of the rate of the frame as further rates.
+    fn reach(&self, start: &AtStart, root: f64) -> [f64; 2] {
+        let Some(normal) = self.normal() else { return [root, 0.0] };
+        let (moments, wheel) = (&start.moments, length(start.rotor));
+        let [least, largest] = range(start.moments);
+        let (fastest, slowest) =
+            (self.turning(1.0 - self.eccentricity()), self.turning(1.0 + self.eccentricity()));
+        let mut variables = [0.0; 2];
+        self.start(0.0, &mut variables);
+        let [cos, sin] = variables;
+        let (distance, [a, b]) = (self.eccentricity().mul_add(-cos, 1.0), self.semi_axes());
+        let place = [0, 1, 2].map(|k| ((cos - self.eccentricity()) * a[k] + sin * b[k]) / distance);
+        let [n, o] = [normal, place].map(|axis| to_body_frame(&start.attitude, &axis));
+        let now = self.turning(distance);
+        let twice = |v: &[f64; 3]| (0..3).map(|k| moments[k] * v[k] * v[k]).sum::<f64>();
+        let relative = twice(&[0, 1, 2].map(|k| start.omega[k] - now * n[k]));
+        let others = (root * root - twice(&start.omega)).max(0.0);
+        let depth = if self.eccentricity() == 0.0 {
+            let of_rotor = 2.0 * fastest * (wheel - dot(&n, &start.rotor));
+            fastest * fastest * (3.0 * (twice(&o) - least) + (largest - twice(&n))) + of_rotor
+        } else {
+            4.0 * fastest * fastest * (largest - least) + 4.0 * fastest * wheel
+        };
+        let changes = (fastest - slowest) * largest.sqrt();
+        let begin = (relative + others).sqrt() + changes;
+        [(begin * begin + depth.max(0.0)).sqrt(), fastest * largest.sqrt()]
     }
 
     /// Near a periapsis a series in time converges up to `arcosh(1/e) - sqrt(1 - e^2)` over n, which is 1.3 over the rate
     /// there: less than that of a rotation, which is pi/2 over its rate. A circle adds nothing.
     fn step_rate(&self, _pace: &Pace) -> f64 {
-        0.2 * (self.rate_at_periapsis() - self.rate())
+        0.2 * (self.turning(1.0 - self.eccentricity()) - self.rate())
     }
 
     fn start(&self, time: f64, variables: &mut [f64]) {

@@ -14,11 +14,14 @@ pub struct ForceSet {
     pub function: bool,
     /// Whether a torque depends on the attitude: all space axes are then integrated.
     pub in_space: bool,
+    /// Whether the gravity gradient of an orbit acts, and nothing else.
+    pub orbit_alone: bool,
 }
 
 impl ForceSet {
     /// Nothing acts.
-    pub const NONE: ForceSet = ForceSet { act: false, further: false, function: false, in_space: false };
+    pub const NONE: ForceSet =
+        ForceSet { act: false, further: false, function: false, in_space: false, orbit_alone: false };
 
     /// The forces of both.
     pub fn and(self, other: ForceSet) -> ForceSet {
@@ -27,6 +30,7 @@ impl ForceSet {
             further: self.further || other.further,
             function: self.function || other.function,
             in_space: self.in_space || other.in_space,
+            orbit_alone: (self.orbit_alone || !self.act) && (other.orbit_alone || !other.act),
         }
     }
 
@@ -50,6 +54,7 @@ impl From<BodyForces<'_>> for ForceSet {
             further: !forces.further.is_none(),
             function: forces.function.is_some(),
             in_space: forces.acts_in_space(),
+            orbit_alone: forces.orbit_alone(),
         }
     }
 }

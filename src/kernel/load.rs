@@ -166,7 +166,7 @@ fn kernel_state(
         let direction = match v {
             0 if is_observed && !system.scene().has_weight => observed_axis,
             0 => assignment.to_kernel_axes(body.gamma()),
-            1 if is_observed && !system.is_forced() => observed_axis,
+            1 if is_observed && system.vectors() < 3 => observed_axis,
             1 => in_kernel_axes([1.0, 0.0, 0.0]),
             _ => in_kernel_axes([0.0, 1.0, 0.0]),
         };

@@ -11,7 +11,7 @@ use crate::real::{Pack, Quad};
 use crate::scene::{
     Attitude, Axis, AxisAttitude, AxisSensitivity, AxisTangent, FREE, ForcedFrame, ForcedFrameTangent,
     ForcedRates, Free, FunctionFrame, FurtherFrame, FurtherFrameTangent, FurtherRates, Layout, Model,
-    Parameters, Rates, Scene, TOP, Top, TwoAxes,
+    OrbitFrame, Parameters, Rates, Scene, TOP, Top, TwoAxes,
 };
 #[cfg(target_arch = "x86_64")]
 use crate::simd::{Arr, V4, V8};
@@ -169,7 +169,7 @@ macro_rules! entry_points {
                 M: Model<R>,
                 L: Layout,
             {
-                let has_more = L::TANGENT || L::FURTHER || L::FUNCTION;
+                let has_more = L::TANGENT || L::FURTHER || L::FUNCTION || L::ORBIT;
                 if L::VECTORS > 1 && !has_more { Some(alone::<R, M, L, D>) } else { None }
             }
 
@@ -192,9 +192,10 @@ macro_rules! entry_points {
                     process: if S::PROCESSED { Some(processed::<P, S, M, L, D, PACKS>) } else { None },
                     invariants: invariants_of::<T, N, L, D>,
                     shares_motion: S::SHARES_MOTION,
-                    adaptive: if S::IS_SERIES { Some(adaptive::<P, M, L, D, PACKS>) } else { None },
+                    // Only maps, whose steps are equal, need nothing but the motion on an orbit.
+                    adaptive: if S::IS_SERIES && !L::ORBIT { Some(adaptive::<P, M, L, D, PACKS>) } else { None },
                     alone: if S::IS_SERIES { alone } else { None },
-                    dense: if S::IS_SERIES { Some(dense::<D>) } else { None },
+                    dense: if S::IS_SERIES && !L::ORBIT { Some(dense::<D>) } else { None },
                 })
             }
         }
@@ -323,6 +324,7 @@ engines! { kernels
         TopTwoAxes: TOP, Top, TwoAxes;
         ForcedRates: FREE, Free, ForcedRates;
         ForcedFrame: TOP, Top, ForcedFrame;
+        OrbitFrame: FREE, Free, OrbitFrame;
         FurtherRates: FREE, Free, FurtherRates;
         FurtherFrame: TOP, Top, FurtherFrame;
         FunctionFrame: TOP, Top, FunctionFrame;
@@ -359,6 +361,8 @@ pub struct Needs {
     pub tangent: bool,
     /// Whether a change of the parameters adds to the deviation vector.
     pub is_changed: bool,
+    /// Whether the work of the forces is needed.
+    pub balance: bool,
 }
 
 /// Properties of a system from its model and its layout.
@@ -369,6 +373,7 @@ struct Traits {
     balance_at: Option<usize>,
     is_further: bool,
     is_function: bool,
+    is_orbit: bool,
     own_at: Option<usize>,
     tangent_at: Option<usize>,
     is_changed: bool,
@@ -384,6 +389,7 @@ impl Traits {
             balance_at: if L::BALANCE { Some(L::BALANCE_AT) } else { None },
             is_further: L::FURTHER,
             is_function: L::FUNCTION,
+            is_orbit: L::ORBIT,
             own_at: if L::OWN > 0 { Some(L::OWN_AT) } else { None },
             tangent_at: if L::TANGENT { Some(L::TANGENT_AT) } else { None },
             is_changed: L::CHANGED,
@@ -399,11 +405,13 @@ impl System {
     pub fn carrying(scene: &Scene, step: Step, needs: Needs) -> System {
         let forces = needs.forces;
         let directions = if forces.in_space { 3 } else { needs.directions };
+        let on_orbit = forces.orbit_alone && !needs.balance && !needs.tangent;
         let carries = |system: System| {
             let traits = system.traits();
             system.scene() == scene
-                && traits.balance_at.is_some() == forces.act
-                && traits.is_further == forces.further
+                && traits.is_orbit == on_orbit
+                && traits.balance_at.is_some() == (forces.act && !on_orbit)
+                && traits.is_further == (forces.further && !on_orbit)
                 && traits.is_function == forces.function
                 && traits.tangent_at.is_some() == needs.tangent
                 && (traits.is_changed || !needs.is_changed)
@@ -429,6 +437,12 @@ impl System {
     #[inline]
     pub fn is_forced(self) -> bool {
         self.balance_at().is_some()
+    }
+
+    /// Whether the invariants of the body are known: on an orbit nothing that is integrated is constant.
+    #[inline]
+    pub fn has_invariants(self) -> bool {
+        !self.traits().is_orbit
     }
 
     /// Index in the state of work, impulse and time; `None` if the system is not forced.
@@ -496,12 +510,15 @@ mod tests {
             attitude,
             tangent: false,
             is_changed: false,
+            balance: true,
         };
         let act = ForceSet { act: true, ..ForceSet::NONE };
         let forced = |needs| Needs { forces: act, ..needs };
         let in_space = |needs| Needs { forces: ForceSet { in_space: true, ..act }, ..needs };
         let further = |needs| Needs { forces: ForceSet { further: true, ..act }, ..needs };
         let function = |needs| Needs { forces: ForceSet { function: true, ..act }, ..needs };
+        let orbit = ForceSet { further: true, in_space: true, orbit_alone: true, ..act };
+        let on_orbit = |needs| Needs { forces: orbit, ..needs };
         let tangent = |needs| Needs { tangent: true, ..needs };
         let changed = |needs| Needs { tangent: true, is_changed: true, ..needs };
         // A series does not integrate a top with a quaternion.
@@ -522,6 +539,10 @@ mod tests {
             (&TOP, series, forced(needs(0, false)), ForcedFrame),
             (&FREE, series, further(needs(0, false)), FurtherRates),
             (&FREE, series, further(needs(0, true)), FurtherFrame),
+            (&FREE, series, on_orbit(needs(0, false)), FurtherFrame),
+            (&FREE, series, Needs { balance: false, ..on_orbit(needs(0, false)) }, OrbitFrame),
+            (&FREE, series, Needs { balance: false, ..further(needs(0, false)) }, FurtherRates),
+            (&FREE, series, Needs { balance: false, ..on_orbit(tangent(needs(0, false))) }, FurtherTangent),
             (&FREE, method::RK4.any, function(needs(0, false)), FunctionFrame),
             (&TOP, method::MIDPOINT.any, function(needs(0, true)), FunctionFrame),
             // A free body is a top without weight.

@@ -37,7 +37,8 @@ fn prepared_pack<P: Pack, M: Model<P>, L: Layout, S: Engine<P, M, L, D>, const D
         weight: load3::<P>(&g.weight, at),
         step: P::load(&g.step.0[at..]),
     };
-    let interval = if L::BALANCE || L::CHANGED { forces.load(at) } else { ForcesInterval::none() };
+    let acts = L::BALANCE || L::CHANGED || L::ORBIT;
+    let interval = if acts { forces.load(at) } else { ForcesInterval::none() };
     (p, S::new(&p, &interval, numbers))
 }
 
@@ -280,12 +281,16 @@ pub(super) fn process<P, const PACKS: usize, M, L, S, const D: usize>(
     }
 }
 
-/// Energy and conserved momentum of a state, minus work and impulse if the body is forced.
+/// Energy and conserved momentum of a state, minus work and impulse if the body is forced; zeros where nothing that is
+/// integrated is constant.
 #[inline(always)]
 pub(super) fn invariants<R: Real, M: Model<R>, L: Layout, S: Engine<R, M, L, D>, const D: usize>(
     p: &Parameters<R>,
     y: &[R; D],
 ) -> [R; 2] {
+    if L::ORBIT {
+        return [R::splat(0.0); 2];
+    }
     let (mut potential, mut conserved) = (M::potential(p, y), M::conserved(&S::momentum(p, y), y));
     if L::BALANCE {
         potential = potential - y[L::BALANCE_AT];

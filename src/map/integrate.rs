@@ -204,6 +204,9 @@ impl Job for MapJob<'_> {
         }
         let kernel = self.compiled.kernel();
         let mut outcome = Watched::outcome(&self.group, lane, kernel.observed, task.step);
+        if !kernel.system.has_invariants() {
+            (outcome.energy_drift, outcome.momentum_drift) = (f64::NAN, f64::NAN);
+        }
         if let Some(course) = &mut task.course {
             if outcome.class != Class::Failed && !course.look(&mut self.group, kernel.system, lane) {
                 self.target[lane] = course.next();

@@ -356,6 +356,7 @@ impl Watched<'_> {
             attitude: false,
             tangent: self.criterion.rule().is_some(),
             is_changed: false,
+            balance: false,
         };
         Kernel {
             system: System::carrying(self.scene, step, needs),

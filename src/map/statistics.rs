@@ -78,9 +78,10 @@ impl Outcome {
         self.status != Status::StepLimit
     }
 
-    /// A drift, infinite if the sample overflowed on its steps; a sample that was not integrated has a NaN.
+    /// A drift, infinite if the sample overflowed on its steps. A sample that was not integrated has a NaN, and so has
+    /// one of which nothing is constant.
     fn lost(&self, drift: f64) -> f64 {
-        if drift.is_nan() && self.was_run() && !self.exact { f64::INFINITY } else { drift }
+        if drift.is_nan() && self.status == Status::NotFinite { f64::INFINITY } else { drift }
     }
 
     /// A number in units of 2^-20; zero if it is not known. Sums of such numbers do not depend on their order.

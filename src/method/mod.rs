@@ -524,6 +524,9 @@ fn acceleration<R: Real, M: Model<R>, L: Layout, const D: usize>(
     if L::FURTHER {
         return applied.under_further::<M, L, D>(model, y).omega;
     }
+    if L::ORBIT {
+        return applied.on_orbit::<M, L, D>(model, y);
+    }
     let torque = if L::BALANCE { applied.torque::<L, D>(y) } else { [R::splat(0.0); 3] };
     acceleration_by::<R, M, L, D>(model, applied, y, &torque)
 }

@@ -3,7 +3,7 @@
 use super::tangent::{further_tangent_rate, tangent_rate};
 use super::{Coefficients, Engine, EngineName, Facts, Method, Numbers, Step, Variables};
 use super::{acceleration, acceleration_by};
-use crate::forces::ForcesInterval;
+use crate::forces::{Force, ForcesInterval};
 use crate::kinematics;
 use crate::real::Real;
 use crate::scene::{Applied, FurtherRate, Layout, Model, Parameters};
@@ -313,13 +313,13 @@ const fn weight<T: Tableau>(i: usize) -> f64 {
 /// Whether the slopes of the rates are their products, whose units contain the moments.
 #[inline(always)]
 const fn in_products<T: Tableau, R: Real, M: Model<R>, L: Layout>() -> bool {
-    T::MULTIPLIES_ONCE && !(M::HEAVY || L::BALANCE || L::CHANGED)
+    T::MULTIPLIES_ONCE && !(M::HEAVY || L::BALANCE || L::CHANGED || L::ORBIT)
 }
 
 /// Whether the slopes of the rates contain the unit.
 #[inline(always)]
 const fn in_units<T: Tableau, R: Real, M: Model<R>, L: Layout>() -> bool {
-    T::MULTIPLIES_ONCE && M::HEAVY && !(L::BALANCE || L::CHANGED)
+    T::MULTIPLIES_ONCE && M::HEAVY && !(L::BALANCE || L::CHANGED || L::ORBIT)
 }
 
 /// Whether a variable is the change of a rate by a deviation vector.
@@ -403,7 +403,9 @@ fn rate<T: Tableau, R: Real, M: Model<R>, L: Layout, const D: usize>(
     let omega = [y[0], y[1], y[2]];
     let mut dy = *y;
     let torque = if L::BALANCE { applied.torque::<L, D>(y) } else { [R::splat(0.0); 3] };
-    let change = if const { in_products::<T, R, M, L>() } {
+    let change = if L::ORBIT {
+        applied.on_orbit::<M, L, D>(model, y)
+    } else if const { in_products::<T, R, M, L>() } {
         [y[1] * y[2], y[2] * y[0], y[0] * y[1]]
     } else {
         acceleration_by::<R, M, L, D>(model, applied, y, &torque)
@@ -425,6 +427,9 @@ fn rate<T: Tableau, R: Real, M: Model<R>, L: Layout, const D: usize>(
     }
     if L::TANGENT {
         kinematics::put(&mut dy, L::TANGENT_AT, tangent_rate::<R, M, L, D>(model, applied, y, &change));
+    }
+    if L::ORBIT {
+        applied.forces.further.orbit.change(y, L::OWN_AT, &mut dy);
     }
     dy
 }

@@ -36,6 +36,12 @@ impl<R: Real> Applied<R> {
         Applied { moments: p.moments, inverse: [one / i1, one / i2, one / i3], forces: *forces }
     }
 
+    /// Principal moments.
+    #[inline(always)]
+    pub fn moments(&self) -> &[R; 3] {
+        &self.moments
+    }
+
     /// The torque in the body and the torque in space at a time.
     #[inline(always)]
     fn torques_at(&self, time: R) -> [[R; 3]; 2] {

@@ -25,11 +25,13 @@ pub trait Layout: Copy {
     const FURTHER: bool = false;
     /// Whether a function of the user returns a torque.
     const FUNCTION: bool = false;
+    /// Whether the gravity gradient of an orbit acts, and nothing else.
+    const ORBIT: bool = false;
     /// The bodies that are integrated side by side where the registers hold those of `P`: one under the torque of a
     /// function, which is called for one body at a time.
     type Lanes<P: Pack>: Pack;
     /// The direction from which a tilt is measured: the last direction, or the vertical of a frame.
-    const OBSERVED: usize = if Self::BALANCE { 0 } else { Self::VECTORS.saturating_sub(1) };
+    const OBSERVED: usize = if Self::BALANCE || Self::ORBIT { 0 } else { Self::VECTORS.saturating_sub(1) };
     /// Length of the state.
     const LEN: usize = Self::OWN_AT + Self::OWN;
     /// Index of the first component of the quaternion.
@@ -43,7 +45,8 @@ pub trait Layout: Copy {
     /// Index of the deviation vector, and length of the state without it.
     const TANGENT_AT: usize = Self::BALANCE_AT + 3 * Self::BALANCE as usize;
     /// How many variables of further forces are integrated.
-    const OWN: usize = if Self::FURTHER && Self::VECTORS > 0 { Further::VARIABLES } else { 0 };
+    const OWN: usize =
+        if (Self::FURTHER || Self::ORBIT) && Self::VECTORS > 0 { Further::VARIABLES } else { 0 };
     /// Index of these variables.
     const OWN_AT: usize = Self::TANGENT_AT + 6 * Self::TANGENT as usize;
 }
@@ -111,7 +114,18 @@ impl Layout for FurtherFrame {
     type Lanes<P: Pack> = P;
 }
 
-/// The same with a deviation vector, and a change of the parameters.
+/// Rates, the space axes z, x and y, and the variables of an orbit; the numbers are equal to those of `FurtherFrame` to
+/// the bit.
+#[derive(Clone, Copy)]
+pub struct OrbitFrame;
+impl Layout for OrbitFrame {
+    const VECTORS: usize = 3;
+    const QUATERNION: bool = false;
+    const ORBIT: bool = true;
+    type Lanes<P: Pack> = P;
+}
+
+/// The same as `FurtherFrame` with a deviation vector, and a change of the parameters.
 #[derive(Clone, Copy)]
 pub struct FurtherFrameTangent;
 impl Layout for FurtherFrameTangent {

@@ -273,6 +273,7 @@ impl Integration {
             attitude: request.record == Record::Attitude,
             tangent: request.record.is_tangent(),
             is_changed: request.record.is_sensitivity(),
+            balance: true,
         };
         System::carrying(request.scene, self.assignment.step, needs)
     }

@@ -214,7 +214,14 @@ impl Motion {
             let bodies = &bodies[range];
             let assignments =
                 memory::collected("bodies of a group", bodies.len(), bodies.iter().map(assignment))?;
-            let needs = Needs { forces, directions: 0, attitude: true, tangent: false, is_changed: false };
+            let needs = Needs {
+                forces,
+                directions: 0,
+                attitude: true,
+                tangent: false,
+                is_changed: false,
+                balance: true,
+            };
             let step = assignments[0].step;
             let kernel =
                 Kernel { system: System::carrying(scene, step, needs), step, observed: Observed::Nothing };
