@@ -164,7 +164,7 @@ fn kernel_state(
     let is_observed = observed_axis != [0.0; 3];
     for v in 0..system.vectors() {
         let direction = match v {
-            0 if is_observed && !system.scene().has_weight => observed_axis,
+            0 if is_observed && !system.scene().has_weight && system.vectors() < 3 => observed_axis,
             0 => assignment.to_kernel_axes(body.gamma()),
             1 if is_observed && system.vectors() < 3 => observed_axis,
             1 => in_kernel_axes([1.0, 0.0, 0.0]),
