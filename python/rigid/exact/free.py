@@ -42,9 +42,11 @@ class FreeMotion:
     amplitude : ndarray, shape (n, 3)
         Largest ``|omega_k|`` (rad/s).
     precession : ndarray, shape (n,)
-        Mean rate of precession about the angular momentum (rad/s).
+        Mean rate at which the encircled axis goes about the angular momentum (rad/s);
+        :func:`rigid.free.spin_periods` has the rate of the long axis. ``abs(omega)`` for constant
+        rates.
     turn : ndarray, shape (n,)
-        Angle of precession in a period (rad); inf without a period.
+        Angle of this precession in a period (rad); inf without a period.
     """
 
     axis: NDArray[np.int8]

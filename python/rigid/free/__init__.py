@@ -32,6 +32,7 @@ from .tops import (
     steady_axis_spin,
     symmetric_free_top,
 )
+from .tumbling import SpinState, spin_periods, spin_state
 
 __all__ = [
     "AsymmetricTop",
@@ -42,6 +43,7 @@ __all__ = [
     "PermanentRotation",
     "Poinsot",
     "PowerBalance",
+    "SpinState",
     "SymmetricTop",
     "ThrowExperiment",
     "asymmetric_free_top",
@@ -59,6 +61,8 @@ __all__ = [
     "permanent_rotation",
     "poinsot",
     "power_balance",
+    "spin_periods",
+    "spin_state",
     "steady_axis_frame",
     "steady_axis_spin",
     "symmetric_free_top",
