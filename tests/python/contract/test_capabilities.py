@@ -63,6 +63,7 @@ SUBJECTS = (
     "steady precession without torque",
     "Poinsot's construction",
     "permanent rotation",
+    "tumbling by two periods",
     "factors of Euler's equations",
     "linearised Euler's equations",
     "circulation and reversals",
@@ -106,6 +107,7 @@ SUBJECTS = (
     "error against run time",
     "long runs",
     "extreme bodies",
+    "numbers of the literature",
     "figures and animations",
 )
 

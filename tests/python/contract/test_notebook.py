@@ -51,6 +51,7 @@ def results() -> dict[str, Any]:
             TOP, [0.3, 0.4, 1.0], revolutions=[3], methods=["rk4"], progress=False
         ),
         "extremes": rigid.extremes("spin", method="exact", progress=False),
+        "validation": rigid.validation("earth-chandler", progress=False),
     }
 
 
@@ -63,6 +64,7 @@ LINES = {
     "report": r"<Report: heavy top, .*; \d+ runs by 1 methods>",
     "long": r"<LongRun: heavy top, .*; 3 revolutions by 1 methods>",
     "extremes": r"<Extremes: \d+ cells: \d+ right.*>",
+    "validation": r"<Validation: 1 numbers: 0 agree, 1 of models that differ, 0 unexplained>",
 }
 
 
