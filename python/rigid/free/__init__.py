@@ -10,6 +10,7 @@ use it.
 """
 
 from .equations import Invariants, PowerBalance, euler_rhs, invariants, power_balance
+from .relaxation import Relaxation, damping_time, relaxation, sink_of_damping
 from .rolling import Cones, Poinsot, cones, poinsot
 from .satellites import Libration, jacobi_integral, libration
 from .stability import (
@@ -43,6 +44,7 @@ __all__ = [
     "PermanentRotation",
     "Poinsot",
     "PowerBalance",
+    "Relaxation",
     "SpinState",
     "SymmetricTop",
     "ThrowExperiment",
@@ -50,6 +52,7 @@ __all__ = [
     "circulation",
     "cones",
     "crossings",
+    "damping_time",
     "euler_rhs",
     "gamma_residual",
     "gammas",
@@ -61,6 +64,8 @@ __all__ = [
     "permanent_rotation",
     "poinsot",
     "power_balance",
+    "relaxation",
+    "sink_of_damping",
     "spin_periods",
     "spin_state",
     "steady_axis_frame",

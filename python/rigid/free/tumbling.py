@@ -14,7 +14,7 @@ from .._checks.overflow import refuses_overflow
 from ..model.body_like import BodyLike, moments_of
 from .tops import asymmetric_free_top
 
-__all__ = ["SpinState", "spin_periods", "spin_state"]
+__all__ = ["SpinState", "momentum_near", "spin_periods", "spin_state"]
 
 Floats = NDArray[np.float64]
 
@@ -215,13 +215,8 @@ def spin_state(
             f"that of small nutations in the {name}; take other moments or the other mode"
         )
 
-    def at(place_of: Floats) -> SpinState:
-        momentum = np.zeros((*shape, 3))
-        angle = np.exp(np.minimum(place_of, 0.0)), np.exp(-np.maximum(place_of, 0.0))
-        size = np.hypot(*angle)
-        np.put_along_axis(momentum, order[..., 1:2], (angle[0] / size)[..., np.newaxis], axis=-1)
-        encircled = order[..., place : place + 1]
-        np.put_along_axis(momentum, encircled, (angle[1] / size)[..., np.newaxis], axis=-1)
+    def at(log_tangent: Floats) -> SpinState:
+        momentum = momentum_near(order, place, log_tangent)
         return spin_periods(moments, momentum / moments)
 
     low, high = np.full(shape, FIRST), np.full(shape, LAST)
@@ -239,3 +234,29 @@ def spin_state(
         "rotation",
     )
     return spin_periods(moments, unit.omega * (unit.precession / long_period)[..., np.newaxis])
+
+
+def momentum_near(order: NDArray[np.intp], encircled: int, log_tangent: Floats) -> Floats:
+    """Unit vectors along L in the plane of an axis and the axis of the middle moment.
+
+    Parameters
+    ----------
+    order : ndarray, shape (..., 3)
+        The axes in the order of ascending moments.
+    encircled : {0, 2}
+        The place of the encircled axis in this order.
+    log_tangent : ndarray, shape (...)
+        Logarithm of the tangent of the angle of L from the encircled axis.
+
+    Returns
+    -------
+    ndarray, shape (..., 3)
+    """
+    across, along = np.exp(np.minimum(log_tangent, 0.0)), np.exp(-np.maximum(log_tangent, 0.0))
+    size = np.hypot(across, along)
+    momentum = np.zeros((*np.shape(log_tangent), 3))
+    axes = np.broadcast_to(order, momentum.shape)
+    np.put_along_axis(momentum, axes[..., 1:2], (across / size)[..., np.newaxis], axis=-1)
+    own = axes[..., encircled : encircled + 1]
+    np.put_along_axis(momentum, own, (along / size)[..., np.newaxis], axis=-1)
+    return momentum

@@ -1,10 +1,12 @@
-"""Tumbling asteroids: periods, energies and times of damping."""
+"""Tumbling asteroids: periods, energies and a time of damping."""
 
 from __future__ import annotations
 
+from math import pi
+
 import numpy as np
 
-from ..free import SpinState, spin_periods, spin_state
+from ..free import SpinState, damping_time, spin_periods, spin_state
 from .entry import Entry
 
 __all__ = ["ENTRIES"]
@@ -44,6 +46,13 @@ def toutatis_of_2013() -> SpinState:
 def apophis() -> SpinState:
     """The state of the moments and periods of Pravec et al.; time in hours."""
     return spin_state((0.61, 0.965, 1.0), precession=27.38, rotation=263.0, mode="SAM")
+
+
+def period_of_damping() -> float:
+    """Period (h) of a body of 1 km that is damped in 1e9 years; the time goes as its cube."""
+    hour, age = 3600.0, 1e9 * 365.25 * 86400.0
+    of_an_hour = damping_time(500.0, 2.0 * pi / hour, density=2000.0, rigidity=5e9, quality=100.0)
+    return float((age / of_an_hour) ** (1.0 / 3.0))
 
 
 ENTRIES = (
@@ -111,5 +120,19 @@ ENTRIES = (
         seen="energy: the abstract; ratios of moments 0.61 and 0.965 and the periods: from memory "
         "of the abstract, the found text ends before them",
         compute=lambda: float(apophis().energy),
+    ),
+    Entry(
+        name="damping-of-tumbling",
+        quantity="asteroid of 1 km, of 2000 kg/m³, mu Q = 5e11 Pa and K3² = 0.03: period of "
+        "rotation whose nutation is damped in 1e9 years",
+        printed="17",
+        value=17.0,
+        within=0.5,
+        interval="rounding",
+        unit="h",
+        source="A. W. Harris, Tumbling asteroids, Icarus 107 (1994) 209-211, from the formula of "
+        "J. A. Burns, V. S. Safronov, Mon. Not. R. Astron. Soc. 165 (1973) 403-411",
+        seen="the abstract of the manuscript; the number and its parameters: from memory",
+        compute=period_of_damping,
     ),
 )

@@ -64,6 +64,7 @@ SUBJECTS = (
     "Poinsot's construction",
     "permanent rotation",
     "tumbling by two periods",
+    "relaxation",
     "factors of Euler's equations",
     "linearised Euler's equations",
     "circulation and reversals",
