@@ -44,6 +44,7 @@ def results() -> dict[str, Any]:
         "plan": rigid.plan(BOX, "attitude", omega=[1e-3, 10.0, 1e-3], t_end=3600.0),
         "methods": rigid.methods(),
         "points": rigid.poincare(TOP, [0.3, 0.4, 1.0], [0.9, 0.3, 0.2, 0.1], t_end=30.0),
+        "growth": rigid.lyapunov(TOP, [0.3, 0.4, 1.0], t=np.linspace(5.0, 100.0, 20)),
         "report": rigid.report(
             TOP, [0.3, 0.4, 1.0], t_end=1.0, methods=["rk4"], seconds=0.1, progress=False
         ),
@@ -61,6 +62,7 @@ LINES = {
     "run": r"Run\(one body at 50 times; exact; error .*; ok\)",
     "plan": r"<Plan: free body, box .*; exact, closed form: free asymmetric; error about .* rad>",
     "points": r"<Crossings: .*>",
+    "growth": r"<Growth: one body at 20 times; 1 \w+>",
     "report": r"<Report: heavy top, .*; \d+ runs by 1 methods>",
     "long": r"<LongRun: heavy top, .*; 3 revolutions by 1 methods>",
     "extremes": r"<Extremes: \d+ cells: \d+ right.*>",
@@ -81,7 +83,7 @@ def test_methods_are_a_table_of_a_line_each(results: dict[str, Any]) -> None:
     assert max(map(len, lines)) < 160
 
 
-@pytest.mark.parametrize("name", ["map", "points", "report", "long", "run", "replay"])
+@pytest.mark.parametrize("name", ["map", "points", "growth", "report", "long", "run", "replay"])
 def test_a_notebook_shows_a_picture_and_its_words(name: str, results: dict[str, Any]) -> None:
     shown = results[name]._repr_html_()
     (picture,) = re.findall(r'src="data:image/png;base64,([^"]*)"', shown)
@@ -91,6 +93,7 @@ def test_a_notebook_shows_a_picture_and_its_words(name: str, results: dict[str, 
     words = {
         "map": results["map"].summary(),
         "points": repr(results["points"]),
+        "growth": repr(results["growth"]),
         "report": str(results["report"]),
         "long": str(results["long"]),
         "run": repr(results["run"]),
