@@ -106,7 +106,7 @@ def relaxation(body: BodyLike, omega: ArrayLike, t: ArrayLike, sink: EnergySink)
         raise TypeError(f"sink = {brief(sink)}: must be a rigid.EnergySink")
     coefficient = np.array(sink.coefficient)
     if coefficient.shape != (3,):
-        raise ValueError(f"sink = {brief(sink)}: must be that of one body; loop over bodies")
+        raise ValueError(f"sink = {brief(sink)}: must be the sink of one body; loop over bodies")
     times = sorted_times("t", t)
     if times.size and times[0] < 0.0:
         raise ValueError(f"t[0] = {times[0]}: must not be negative")
@@ -156,7 +156,7 @@ def _start(moments: Floats, rates: Floats) -> tuple[int, float] | None:
     """
     i1, i2, i3 = moments
     w1, w2, w3 = rates * rates
-    # The difference of the two is that of the energies of the motion and of the separatrix.
+    # Their difference is the distance in energy from the separatrix.
     small, large = i1 * (i2 - i1) * w1, i3 * (i3 - i2) * w3
     if small > large:
         encircled, rest = 0, i1 * (small - large)
@@ -172,7 +172,7 @@ def _start(moments: Floats, rates: Floats) -> tuple[int, float] | None:
 class _Leg:
     """The motion in one mode: time as an integral over the place ``ln(x / (1 - x))``.
 
-    ``moments`` and ``sink`` are those of the encircled axis, the middle one and the third.
+    ``moments`` and ``sink`` belong to the encircled axis, the middle one and the third.
     """
 
     def __init__(
@@ -266,16 +266,16 @@ def damping_time(
     >>> round(time / (1e9 * 365.25 * 86400.0), 2)
     0.98
     """
-    given = {
-        "radius": radius,
-        "rate": rate,
-        "density": density,
-        "rigidity": rigidity,
-        "quality": quality,
-        "shape": shape,
-    }
     size, turning, rho, mu, q, k = (
-        finite_float(name, value, positive=True) for name, value in given.items()
+        finite_float(name, value, positive=True, unit=unit)
+        for name, value, unit in (
+            ("radius", radius, "m"),
+            ("rate", rate, "rad/s"),
+            ("density", density, "kg/m³"),
+            ("rigidity", rigidity, "Pa"),
+            ("quality", quality, "1"),
+            ("shape", shape, "1"),
+        )
     )
     return mu * q / (rho * k * size**2 * turning**3)
 
@@ -320,8 +320,8 @@ def sink_of_damping(body: BodyLike, rate: float, time: float) -> EnergySink:
     moments = np.sort(moments_of(body))
     if moments.shape != (3,):
         raise ValueError(f"body of shape {moments.shape}: one body at a time; loop over bodies")
-    turning = finite_float("rate", rate, positive=True)
-    decay = finite_float("time", time, positive=True)
+    turning = finite_float("rate", rate, positive=True, unit="rad/s")
+    decay = finite_float("time", time, positive=True, unit="s")
     i1, i2, i3 = (float(moment) for moment in moments)
     if i3 == i2:
         raise ValueError(

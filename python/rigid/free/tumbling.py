@@ -70,7 +70,7 @@ def spin_periods(body: BodyLike, omega: ArrayLike) -> SpinState:
 
     :class:`rigid.exact.FreeMotion` has the mean precession of the *encircled* axis. The encircled
     axis is the long axis in the long-axis mode. In the short-axis mode the long axis goes about L
-    once less in each period of the rates. The two periods are those of Kaasalainen, *Astron.
+    once less in each period of the rates. Both periods have the meaning of Kaasalainen, *Astron.
     Astrophys.* 376 (2001) 302, and of Pravec et al., *Icarus* 173 (2005) 108 and 233 (2014) 48.
 
     Parameters
@@ -103,7 +103,6 @@ def spin_periods(body: BodyLike, omega: ArrayLike) -> SpinState:
     motion = asymmetric_free_top(moments, rates)
     period = np.asarray(motion.period)
     has_two = np.isfinite(period) & (motion.axis != 0)
-    # The largest moment is that of the axis with the last place in the order.
     encircled = np.maximum(np.abs(motion.axis) - 1, 0)[..., np.newaxis]
     own = np.take_along_axis(moments, encircled, axis=-1)[..., 0]
     is_long = own == moments.min(axis=-1)
@@ -177,8 +176,8 @@ def spin_state(
     1.029
     """
     name = one_of("mode", mode, MODES)
-    long_period = shaped("precession", precession, positive=True)
-    short_period = shaped("rotation", rotation, positive=True)
+    long_period = shaped("precession", precession, positive=True, unit="s")
+    short_period = shaped("rotation", rotation, positive=True, unit="s")
     moments = moments_of(body)
     shape = np.broadcast_shapes(moments.shape[:-1], long_period.shape, short_period.shape)
     moments = np.broadcast_to(moments, (*shape, 3))
@@ -212,7 +211,7 @@ def spin_state(
         index, spot = first_place(below)
         raise ValueError(
             f"rotation / precession{spot} = {ratio[index]:.6g}: must be above {least[index]:.6g}, "
-            f"that of small nutations in the {name}; take other moments or the other mode"
+            f"the ratio of small nutations in the {name}; take other moments or the other mode"
         )
 
     def at(log_tangent: Floats) -> SpinState:
@@ -230,7 +229,7 @@ def spin_state(
         "rotation / precession",
         ratio,
         np.isfinite(unit.rotation) & (high < LAST),
-        "is that of a motion so near the separatrix that rounding decides its mode; take a smaller "
+        "belongs to a motion so near the separatrix that rounding decides its mode; take a smaller "
         "rotation",
     )
     return spin_periods(moments, unit.omega * (unit.precession / long_period)[..., np.newaxis])

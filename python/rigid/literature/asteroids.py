@@ -25,7 +25,8 @@ ZHAO = (
 )
 TAKAHASHI_STATE = (
     "periods: the abstract (arXiv:1511.04357); state of 9 November 1992: Y. Takahashi, M. W. "
-    "Busch, D. J. Scheeres, Astron. J. 146 (2013) 95"
+    "Busch, D. J. Scheeres, Astron. J. 146 (2013) 95, as the test of Toutatis of "
+    "mockingbirdnest/Principia has it"
 )
 PRAVEC = (
     "P. Pravec et al., The tumbling spin state of (99942) Apophis, Icarus 233 (2014) 48-60, "

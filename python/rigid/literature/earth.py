@@ -61,7 +61,8 @@ ENTRIES = (
     ),
     Entry(
         name="earth-chandler",
-        quantity="the Earth: observed period of the free polar motion, beside that of a rigid body",
+        quantity="the Earth: observed period of the free polar motion, beside the period of a "
+        "rigid body",
         printed="435.2",
         value=435.2,
         within=0.05,

@@ -43,6 +43,11 @@ HUGHES = (
     "Delp, J. Astronaut. Sci. 8 (1961) 14-17"
 )
 TEXTBOOK = "formula of the textbook, from memory"
+REGIONS = (
+    "plots of the regions of the course AA 279C (Stanford) in public repositories, with the "
+    "formula and references to J. R. Wertz, Spacecraft Attitude Determination and Control, pp. "
+    "611-612"
+)
 
 AT_REST = (0.5, 0.5, -0.5, -0.5)
 """Roll along the motion, pitch along the normal, yaw to the centre, in ``on_orbit``."""
@@ -73,7 +78,7 @@ def moon() -> tuple[float, float]:
 
 
 def frequency_of_dumbbell(axis: int, lines: int) -> float:
-    """Highest frequency of the small swing of a dumbbell about a body axis, over that of the orbit.
+    """Highest frequency of a dumbbell that swings about a body axis, over the rate of the orbit.
 
     Pitch has one line, roll and yaw together have two.
     """
@@ -188,7 +193,7 @@ ENTRIES = (
         within=0.5 * STEP_OF_K1,
         interval="half the distance of the bodies",
         source=HUGHES,
-        seen=TEXTBOOK,
+        seen=REGIONS,
         compute=border_by_motion,
     ),
     Entry(
@@ -200,7 +205,7 @@ ENTRIES = (
         within=0.0,
         interval="whole number",
         source=HUGHES,
-        seen=TEXTBOOK,
+        seen=REGIONS,
         compute=wrong_pixels,
     ),
 )

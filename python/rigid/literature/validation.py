@@ -1,4 +1,4 @@
-"""All numbers of the literature beside those of the library."""
+"""All numbers of the literature, each beside the number of the library."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ class Compared:
 
     @property
     def explained(self) -> bool:
-        """Whether the numbers agree, or the entry says why those of its model differ."""
+        """Whether the numbers agree, or the entry says why its model differs."""
         return self.agrees or bool(self.entry.reason)
 
     @property
@@ -90,7 +90,7 @@ class Compared:
 
 @dataclass(frozen=True, slots=True)
 class Validation:
-    """The result of :func:`validation`: each number of the literature with that of the library."""
+    """The result of :func:`validation`: each published number beside the computed one."""
 
     rows: tuple[Compared, ...]
 

@@ -47,7 +47,7 @@ _POINTS = {
     "grazing": ("", ()),
     "error": ("s", ()),
 }
-"""Unit and axes, after that of the points, of what each point has."""
+"""Unit and axes, after the axis ``point``, of what each point has."""
 
 _BODIES = {
     "complete": "",

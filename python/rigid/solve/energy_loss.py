@@ -34,7 +34,7 @@ def mean_loss(
     square : float or ndarray
         ``L²``.
     x, rest : ndarray
-        Share ``x`` of the way from the energy of axis 1 to that of the separatrix, at this L, in
+        Share ``x`` of the way from the energy of axis 1 to the energy of the separatrix, at L, in
         (0, 1), and ``1 - x`` without cancellation.
 
     Returns

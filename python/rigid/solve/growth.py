@@ -47,7 +47,7 @@ ARRAYS: Mapping[str, tuple[str, tuple[str, ...]]] = {
     "status": ("", ()),
     "steps": ("1", ()),
 }
-"""Unit and axes, after those of the bodies, of each array."""
+"""Unit and axes, after the axes of the bodies, of each array."""
 
 LABELS: Mapping[str, str] = {
     "exponent": "exponent (1/s)",

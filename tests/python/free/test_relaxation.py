@@ -123,7 +123,13 @@ def test_toutatis_is_damped_later_than_its_age() -> None:
         ([0.0, 1.0, 0.0], [1.0], 0.1, ValueError, "does not nutate"),
         ([0.1, 0.0, 1.0], [-1.0], 0.1, ValueError, r"t\[0\] = -1.0: must not be negative"),
         ([0.1, 0.0, 1.0], [1.0], 0.0, ValueError, "drains nothing; give each axis a coefficient"),
-        ([0.1, 0.0, 1.0], [1.0], [[0.1] * 3] * 2, ValueError, "one body; loop over bodies"),
+        (
+            [0.1, 0.0, 1.0],
+            [1.0],
+            [[0.1] * 3] * 2,
+            ValueError,
+            "the sink of one body; loop over bodies",
+        ),
         ([[0.1, 0.0, 1.0]], [1.0], 0.1, ValueError, r"shape \(3,\), \(1, 3\): one body at a time"),
     ],
 )

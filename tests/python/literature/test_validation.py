@@ -1,4 +1,4 @@
-"""Numbers of the literature beside those of the library."""
+"""Numbers of the literature, each beside the number of the library."""
 
 from __future__ import annotations
 
