@@ -20,7 +20,6 @@ from .._checks.arguments import positive_int, resolve_threads
 from .._checks.progress import heeding_signals
 from .._files import published, require_replaceable, require_room
 from ..info import build_info
-from ..literature.validation import validation
 from ..maps.data import CLASSES, FAILURES
 from ..maps.file import file_size
 from ..maps.plan import map_plan
@@ -367,6 +366,9 @@ def _extremes(options: argparse.Namespace) -> int:
 
 
 def _validation(options: argparse.Namespace) -> int:
+    # The values of formulas are computed when the entries are imported.
+    from ..literature.validation import validation
+
     found = validation(options.names or None, progress=progress_shown(options.progress))
     if options.json:
         print_list({"numbers": [row.to_dict() for row in found.rows]}, as_json=True)
