@@ -98,9 +98,7 @@ def validation_table() -> str:
         reason = f" The model differs: {entry.reason}." if entry.reason else ""
         facts = [
             f"{entry.quantity}.{reason}",
-            f"{entry.printed}{unit}"
-            if entry.printed[0].isdigit()
-            else f"{entry.printed}: {cells[1]}{unit}",
+            f"{entry.printed}{unit}" if entry.digits else f"{entry.printed}: {cells[1]}{unit}",
             cells[2],
             cells[3],
             f"{cells[4]}: {entry.interval}",

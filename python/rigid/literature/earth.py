@@ -15,6 +15,11 @@ from .entry import Entry
 
 __all__ = ["ENTRIES"]
 
+SMITH = (
+    "M. L. Smith, A normal mode study of wobble and nutation, in: Nutation and the Earth's "
+    "Rotation, IAU Symposium 78 (1980) 195-202"
+)
+
 FLATTENING = 0.0032737949
 """``(C - A) / C`` of the Earth."""
 
@@ -60,6 +65,18 @@ ENTRIES = (
         compute=lambda: euler_days(0.00327),
     ),
     Entry(
+        name="earth-rigid",
+        quantity="the Earth as a rigid body: Euler's period for (C - A)/C = 0.0032737949",
+        printed="about 305",
+        value=305.0,
+        within=1.0,
+        interval="the source says 'about'",
+        unit="sidereal days",
+        source=SMITH,
+        seen="the abstract",
+        compute=lambda: euler_days(FLATTENING / (1.0 - FLATTENING)),
+    ),
+    Entry(
         name="earth-chandler",
         quantity="the Earth: observed period of the free polar motion, beside the period of a "
         "rigid body",
@@ -68,9 +85,8 @@ ENTRIES = (
         within=0.05,
         interval="rounding",
         unit="sidereal days",
-        source="M. L. Smith, A normal mode study of wobble and nutation, in: Nutation and the "
-        "Earth's Rotation, IAU Symposium 78 (1980) 195-202",
-        seen="the abstract, which also has about 305 for a rigid Earth",
+        source=SMITH,
+        seen="the abstract",
         compute=lambda: euler_days(FLATTENING / (1.0 - FLATTENING)),
         reason="the Earth is not rigid: mantle and oceans yield, and the core does not follow",
     ),

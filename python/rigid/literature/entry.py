@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -50,3 +51,9 @@ class Entry:
     seen: str
     compute: Callable[[], float]
     reason: str = ""
+
+    @property
+    def digits(self) -> str | None:
+        """The number as it is printed, without its error; None of a formula and of words."""
+        found = re.fullmatch(r"([\d.]+)( ± [\d.]+)?", self.printed)
+        return None if found is None else found[1]

@@ -67,14 +67,20 @@ def on_orbit(moments: tuple[float, float, float] | Floats) -> FreeBody:
     return FreeBody(Body(moments), torque=Torque.gravity_gradient(rate=1.0))
 
 
-def moon() -> tuple[float, float]:
-    """Periods (d) of the libration in longitude and of the wobble of the Moon."""
+def moon() -> tuple[float, float, float]:
+    """Periods (d) of the free modes of the Moon: longitude, latitude and wobble.
+
+    In the body the mode in latitude is nearly a month; the literature refers it to the node of the
+    orbit, whose month is the draconic one.
+    """
     beta, gamma = 6.310e-4, 2.277e-4  # (C - A)/B and (B - A)/C
     # With A = 1: B = 1 + gamma C and C = 1 + beta B.
     largest = (1.0 + beta) / (1.0 - beta * gamma)
     middle = 1.0 + gamma * largest
     found = libration((middle, largest, 1.0), 2.0 * pi / 27.321661)
-    return 2.0 * pi / float(found.pitch), 2.0 * pi / float(found.roll_yaw[1])
+    latitude = 2.0 * pi / 27.212221 - float(found.roll_yaw[0])
+    longitude, wobble = float(found.pitch), float(found.roll_yaw[1])
+    return 2.0 * pi / longitude, 2.0 * pi / latitude, 2.0 * pi / wobble
 
 
 def frequency_of_dumbbell(axis: int, lines: int) -> float:
@@ -147,6 +153,21 @@ ENTRIES = (
         reason=MOON_REASON,
     ),
     Entry(
+        name="moon-latitude",
+        quantity="the Moon: period of the free libration in latitude against the node, linear on a "
+        "circular orbit",
+        printed="8806.9",
+        value=8806.9,
+        within=0.05,
+        interval="rounding",
+        unit="d",
+        source=YANG,
+        seen=YANG_SEEN,
+        compute=lambda: moon()[1],
+        reason="the period is a beat of nearly a month with the draconic month; eccentricity and "
+        "inclination of the orbit are missing, as in the libration in longitude",
+    ),
+    Entry(
         name="moon-wobble",
         quantity="the Moon: period of the free wobble, linear on a circular orbit",
         printed="27262.99",
@@ -156,7 +177,7 @@ ENTRIES = (
         unit="d",
         source=YANG,
         seen=YANG_SEEN,
-        compute=lambda: moon()[1],
+        compute=lambda: moon()[2],
         reason="the model is a circular orbit in the plane of the equator; eccentricity and "
         "inclination of the orbit are missing, as in the libration in longitude",
     ),

@@ -76,10 +76,9 @@ class Compared:
     def cells(self) -> tuple[str, ...]:
         """Name, published number, number, difference, interval, unit and verdict, as text."""
         entry = self.entry
-        printed, _, _ = entry.printed.partition(" ")
         return (
             entry.name,
-            printed if printed.replace(".", "").isdigit() else f"{entry.value:.9g}",
+            entry.digits or f"{entry.value:.9g}",
             f"{self.number:.9g}",
             f"{self.difference:+.1e}",
             f"{entry.within:.2g}",

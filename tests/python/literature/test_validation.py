@@ -27,15 +27,15 @@ def test_numbers_are_those_of_the_literature(name: str) -> None:
 
 @pytest.mark.parametrize("entry", ENTRIES.values(), ids=list(ENTRIES))
 def test_an_entry_has_the_number_as_it_is_printed(entry: Entry) -> None:
-    printed, _, stated = entry.printed.partition(" ± ")
     assert entry.source
     assert entry.seen
-    if not printed.replace(".", "").isdigit() or "." not in printed:
+    if entry.digits is None:
+        assert not entry.printed.replace(".", "").isdigit()
         return
-    assert float(printed) == entry.value
-    unit = 10.0 ** -len(printed.partition(".")[2])
-    if stated:
-        assert entry.within == float(stated)
+    assert float(entry.digits) == entry.value
+    unit = 10.0 ** -len(entry.digits.partition(".")[2])
+    if " ± " in entry.printed:
+        assert entry.within == float(entry.printed.split(" ± ")[1])
     elif entry.interval == "rounding":
         assert entry.within == pytest.approx(0.5 * unit)
 
@@ -96,6 +96,8 @@ def test_the_table_has_a_row_for_each_number_and_the_reasons_below() -> None:
     assert lines[1].split()[:4] == ["earth-chandler", "435.2", "304.45591", "-1.3e+02"]
     assert lines[1].endswith("model differs")
     assert lines[3] == f"earth-chandler: {entry.reason}"
+    formula = Compared(entry=ENTRIES["flip-period"], number=2.0, seconds=0.0).cells()
+    assert float(formula[1]) == pytest.approx(ENTRIES["flip-period"].value)
     assert rigid.Validation((row,))._repr_html_().count("<tr>") == 2
 
 
