@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from .._checks.arguments import brief, finite_float, sorted_times
 from .._checks.arrays import vectors
 from .._checks.overflow import refuses_overflow
+from .._checks.shown import short_repr
 from ..model.body_like import BodyLike, moments_of
 from ..model.forces import EnergySink
 from ..solve.energy_loss import mean_loss
@@ -32,6 +33,7 @@ NEWTON = 8
 """Steps of Newton's method for the place at a time; the time is nearly linear in a panel."""
 
 
+@short_repr
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Relaxation:
     """The averaged motion of a body that loses energy and keeps its angular momentum.

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from .._checks.arguments import first_place, one_of, shaped
 from .._checks.arrays import require, vectors
 from .._checks.overflow import refuses_overflow
+from .._checks.shown import short_repr
 from ..model.body_like import BodyLike, moments_of
 from .tops import asymmetric_free_top
 
@@ -30,6 +31,7 @@ HALVINGS = 70
 """Halvings of this interval: as many as leave it below the spacing of doubles."""
 
 
+@short_repr
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class SpinState:
     """The spin state of free bodies as observers of asteroids and comets describe it.

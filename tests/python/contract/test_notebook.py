@@ -77,6 +77,25 @@ def test_a_result_is_named_in_one_short_line(name: str, results: dict[str, Any])
     assert len(line) < 250
 
 
+def test_arrays_of_many_numbers_print_their_shapes() -> None:
+    t = np.linspace(0.0, 50.0, 501)
+    omega = np.full((300, 3), 0.3)
+    sink = rigid.EnergySink(0.01)
+    for many in (
+        rigid.exact.free_body(rigid.Body((1.0, 2.0, 3.0)), omega),
+        rigid.free.spin_periods((1.0, 2.0, 3.0), omega),
+        rigid.free.relaxation((1.0, 2.0, 2.5), [0.1, 0.2, 1.0], t, sink),
+        rigid.frequencies(t, np.cos(np.outer(np.arange(1.0, 20.0), t))),
+        small_map().outcomes(range(10)),
+    ):
+        assert len(repr(many)) < 700
+        assert "of shape (" in repr(many)
+    one = rigid.exact.free_body(rigid.Body((1.0, 2.0, 3.0)), [0.3, 0.2, 1.2])
+    assert repr(one).startswith("FreeMotion(axis=3, m=0.0")
+    drift = repr(rigid.frequency_drift(rigid.simulate(TOP, [0.3, 0.4, 1.0], t=t)))
+    assert drift.startswith("FrequencyDrift(first=Lines(frequency=")
+
+
 def test_methods_are_a_table_of_a_line_each(results: dict[str, Any]) -> None:
     lines = repr(results["methods"]).splitlines()
     assert [line.split()[0] for line in lines[1:]] == [method.name for method in rigid.methods()]
