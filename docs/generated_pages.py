@@ -40,6 +40,7 @@ def write_generated_pages(docs: Path) -> None:
         if isinstance(table, dict):
             _write(folder / f"toml_{name.lower()}.txt", key_table(table))
     _write(folder / "toml_criteria.txt", criterion_table())
+    _write(folder / "validation.txt", validation_table())
     write_film(docs / "_static" / "thrown-box.html")
     for name in modules():
         _write(docs / "api" / f"{name}.rst", module_page(name))
@@ -84,6 +85,27 @@ def module_table() -> str:
         lines += [
             f"| [`rigid.{name}`](api/{name}.rst) | {_first_sentence(name)} |" for name in names
         ]
+    return "\n".join(lines) + "\n"
+
+
+def validation_table() -> str:
+    """The table of ``validation.md``: each published number beside the one computed now."""
+    header = "| number | published | here | difference | interval | source | command |"
+    lines = [header, "|---|---|---|---|---|---|---|"]
+    for row in rigid.validation(progress=False).rows:
+        entry, cells = row.entry, row.cells()
+        unit = f" {entry.unit}" if entry.unit else ""
+        reason = f" The model differs: {entry.reason}." if entry.reason else ""
+        facts = [
+            f"{entry.quantity}.{reason}",
+            f"{entry.printed}{unit}" if entry.digits else f"{entry.printed}: {cells[1]}{unit}",
+            cells[2],
+            cells[3],
+            f"{cells[4]}: {entry.interval}",
+            f"{entry.source}. Looked up: {entry.seen}.",
+            f"`{row.command}`",
+        ]
+        lines.append("| " + " | ".join(fact.replace("|", "\\|") for fact in facts) + " |")
     return "\n".join(lines) + "\n"
 
 

@@ -44,6 +44,13 @@ assert abs(rotation - 5.38) < 0.03
 assert abs(precession - 7.40) < 0.03
 
 # %%
+# Both periods follow from the state of one day in closed form, without a run.
+found = rigid.free.spin_periods(asteroid, rates)
+print(f"rotation {found.rotation:.4f} d, precession {found.precession:.4f} d, {found.mode}")
+assert abs(found.rotation - rotation) < 0.01
+assert abs(found.precession - precession) < 0.01
+
+# %%
 # The periods differ from those of 1995 by half a percent: the rates of a day are known to about a
 # degree a day. The tip of the long axis fills a band about the angular momentum and never comes
 # back.

@@ -90,6 +90,7 @@ if TYPE_CHECKING:
         top,
         units,
     )
+    from .literature.validation import Validation, validation
     from .store.store import Store, diff, merge, open_store
 
 __all__ = [
@@ -131,6 +132,7 @@ __all__ = [
     "Status",
     "Store",
     "Torque",
+    "Validation",
     "__version__",
     "animation",
     "build_info",
@@ -192,17 +194,22 @@ __all__ = [
     "uniform",
     "uniform_attitude",
     "units",
+    "validation",
     "von_mises_fisher",
 ]
 
 if not TYPE_CHECKING:  # a type checker would take any name for a module
+    _LATER = {
+        **dict.fromkeys(("Store", "diff", "merge", "open_store"), ".store.store"),
+        **dict.fromkeys(("Validation", "validation"), ".literature.validation"),
+    }
 
     def __getattr__(name: str) -> object:
-        """Modules and what runs stored maps are imported when they are first named."""
+        """Modules, and what runs stored maps or the literature, are imported when first named."""
         from importlib import import_module
 
-        if name in ("Store", "diff", "merge", "open_store"):
-            return getattr(import_module(".store.store", __name__), name)
+        if name in _LATER:
+            return getattr(import_module(_LATER[name], __name__), name)
         if name in __all__:
             return import_module(f".{name}", __name__)
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

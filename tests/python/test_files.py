@@ -37,12 +37,21 @@ REPORT = rigid.report(
 
 POINTS = rigid.poincare(rigid.HeavyTop.example(), [0.5, 0.25, 3.0], t_end=10.0)
 
+GROWTH = rigid.lyapunov(
+    rigid.FreeBody(rigid.Body((1.0, 1.5, 2.0))), [0.1, 1.0, 0.1], t=[10.0, 20.0, 30.0], check=False
+)
+
 #: Every writer of the library, with the suffix of its files.
 WRITERS: dict[str, tuple[str, Callable[[Path], Any]]] = {
     "map": (".npz", lambda path: small_map(samples=1, t_end=1.0).save(path)),
     "report": (".json", REPORT.save),
     "section": (".npz", POINTS.save),
     "run": (".npz", RUN.save),
+    "growth": (".npz", GROWTH.save),
+    "map_table": (".csv", lambda path: small_map(samples=1, t_end=1.0).to_csv(path)),
+    "run_table": (".csv", RUN.to_csv),
+    "section_table": (".csv", POINTS.to_csv),
+    "growth_table": (".csv", GROWTH.to_csv),
     "ephemeris": (".aem", lambda path: RUN.to_aem(path, epoch="2026-01-31")),
     "page": (".html", RUN.animate),
     "picture": (".gif", RUN.animate),

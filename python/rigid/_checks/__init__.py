@@ -1,4 +1,4 @@
-"""Checks of arguments, and progress of long calls: the lowest layer.
+"""Checks of arguments, progress of long calls, how results print: the lowest layer.
 
 Every error message names the argument, its value and the rule. The package uses NumPy and the
 core only, and contains no physics; all other packages use it.

@@ -2,8 +2,8 @@
 
 ``parser`` has the arguments and help, ``output`` prints and writes. ``toml_table`` reports mistakes
 in a file with their location, ``toml_scene`` reads scene, start and criterion, ``toml_map``,
-``toml_section`` and ``toml_report`` the three kinds of files. Uses ``maps``, ``sections`` and
-``reports``; nothing uses it.
+``toml_section`` and ``toml_report`` the three kinds of files. Uses ``maps``, ``sections``,
+``reports`` and ``literature``; nothing uses it.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ if TYPE_CHECKING:
 
 __all__ = ["main"]
 
-UNDETECTED_ERROR = 1
+UNDETECTED_ERROR = DIFFERENT = 1
 WRITE_ERROR = 74
 """Exit codes besides that of ``parser``; an interrupted command ends with 128 and the signal."""
 
@@ -67,11 +67,12 @@ _COPIED = {"map": "thrown-box", "section": "kovalevskaya", "report": "lagrange-t
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; returns the exit code.
 
-    0: done. 1: `rigid extremes` has found an undetected error, `rigid diff` a difference, `rigid
-    verify` wrong or damaged numbers, `rigid status` damage, or some units of a stored map were
-    given up. 2: refused before any work. 74: a file or the output could not be written. 75: other
-    parts of a stored map are not finished, and `rigid pack` has written nothing. 130, 143: ended by
-    Ctrl-C or SIGTERM.
+    0: done. 1: `rigid extremes` has found an undetected error, `rigid validation` a number that
+    differs from the published one without a reason, `rigid diff` a difference, `rigid verify` wrong
+    or damaged numbers, `rigid status` damage, or some units of a stored map were given up. 2:
+    refused before any work. 74: a file or the output could not be written. 75: other parts of a
+    stored map are not finished, and `rigid pack` has written nothing. 130, 143: ended by Ctrl-C or
+    SIGTERM.
 
     Parameters
     ----------
@@ -101,6 +102,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
                 "report": _report,
                 "reports": _reports,
                 "extremes": _extremes,
+                "validation": _validation,
                 "info": _info,
             }[options.command]
             return command(options)
@@ -361,6 +363,18 @@ def _extremes(options: argparse.Namespace) -> int:
             file=sys.stderr,
         )
     return UNDETECTED_ERROR if found.wrong else 0
+
+
+def _validation(options: argparse.Namespace) -> int:
+    # The values of formulas are computed when the entries are imported.
+    from ..literature.validation import validation
+
+    found = validation(options.names or None, progress=progress_shown(options.progress))
+    if options.json:
+        print_list({"numbers": [row.to_dict() for row in found.rows]}, as_json=True)
+    else:
+        say(str(found))
+    return DIFFERENT if found.unexplained else 0
 
 
 def _info(options: argparse.Namespace) -> int:

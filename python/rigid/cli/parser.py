@@ -52,6 +52,10 @@ _EXAMPLES = {
   rigid extremes
   rigid extremes needle --method taylor16
 """,
+    "validation": """\
+  rigid validation
+  rigid validation toutatis-precession apophis-energy
+""",
     "new": """\
   rigid new map                                  writes my-map.toml
   rigid new map tops.toml --like sleeping-top
@@ -169,6 +173,10 @@ def make_parser() -> Parser:
     worst.add_argument("family", nargs="?", metavar="FAMILY", help="only these, such as needle")
     worst.add_argument("--method", metavar="NAME", help="only this one")
     _shown(worst)
+
+    literature = command("validation", "compute numbers of the literature, and compare")
+    literature.add_argument("names", nargs="*", metavar="NAME", help="only these entries")
+    _shown(literature)
 
     new = command("new", "write a specification to change, as a commented TOML file")
     new.add_argument("kind", choices=("map", "section", "report"), help="what it specifies")

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
 from .._checks.arrays import vectors
+from .._checks.shown import short_repr
 from ..model.body import Body
 from ..model.body_like import body_of
 from ..model.leading import leading_shape
@@ -21,6 +22,7 @@ __all__ = ["FreeMotion", "free_body"]
 Floats = NDArray[np.float64]
 
 
+@short_repr
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class FreeMotion:
     """The motion of free bodies. Arrays of a single body lack the leading axis ``n``.
@@ -42,9 +44,11 @@ class FreeMotion:
     amplitude : ndarray, shape (n, 3)
         Largest ``|omega_k|`` (rad/s).
     precession : ndarray, shape (n,)
-        Mean rate of precession about the angular momentum (rad/s).
+        Mean rate at which the encircled axis goes about the angular momentum (rad/s);
+        :func:`rigid.free.spin_periods` has the rate of the long axis. ``abs(omega)`` for constant
+        rates.
     turn : ndarray, shape (n,)
-        Angle of precession in a period (rad); inf without a period.
+        Angle of this precession in a period (rad); inf without a period.
     """
 
     axis: NDArray[np.int8]

@@ -14,6 +14,7 @@ from .. import _core
 from .._checks.arguments import finite_float
 from .._checks.arrays import finite_array, require
 from .._checks.overflow import refuses_overflow
+from .._checks.shown import short_repr
 from ..model.leading import leading_shape
 from ..model.scene import HeavyTop, check_heavy_top
 from ..model.start import body_axis
@@ -38,6 +39,7 @@ __all__ = [
 Floats = NDArray[np.float64]
 
 
+@short_repr
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class TopMotion:
     """The motion of Lagrange tops. Arrays of a single top lack the leading axis ``n``.
@@ -163,6 +165,7 @@ def tilt_time(
     return times.reshape(bodies.shape)[()]
 
 
+@short_repr
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class SteadyPrecession:
     """The slow and the fast steady precession at a tilt: ``slow, fast = found`` unpacks the rates.

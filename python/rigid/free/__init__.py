@@ -10,6 +10,7 @@ use it.
 """
 
 from .equations import Invariants, PowerBalance, euler_rhs, invariants, power_balance
+from .relaxation import Relaxation, damping_time, relaxation, sink_of_damping
 from .rolling import Cones, Poinsot, cones, poinsot
 from .satellites import Libration, jacobi_integral, libration
 from .stability import (
@@ -32,6 +33,7 @@ from .tops import (
     steady_axis_spin,
     symmetric_free_top,
 )
+from .tumbling import SpinState, spin_periods, spin_state
 
 __all__ = [
     "AsymmetricTop",
@@ -42,12 +44,15 @@ __all__ = [
     "PermanentRotation",
     "Poinsot",
     "PowerBalance",
+    "Relaxation",
+    "SpinState",
     "SymmetricTop",
     "ThrowExperiment",
     "asymmetric_free_top",
     "circulation",
     "cones",
     "crossings",
+    "damping_time",
     "euler_rhs",
     "gamma_residual",
     "gammas",
@@ -59,6 +64,10 @@ __all__ = [
     "permanent_rotation",
     "poinsot",
     "power_balance",
+    "relaxation",
+    "sink_of_damping",
+    "spin_periods",
+    "spin_state",
     "steady_axis_frame",
     "steady_axis_spin",
     "symmetric_free_top",

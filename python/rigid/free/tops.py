@@ -13,6 +13,7 @@ from .. import _core
 from .._checks.arguments import resolve_threads, sorted_times
 from .._checks.arrays import attitudes, finite_array, require, vectors
 from .._checks.overflow import refuses_overflow
+from .._checks.shown import short_repr
 from ..exact import FreeMotion
 from ..model.body_like import BodyLike, moments_of
 from ..model.scene import FreeBody
@@ -37,6 +38,7 @@ __all__ = [
 Floats = NDArray[np.float64]
 
 
+@short_repr
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class SymmetricTop:
     """Three different rates and the constant angles of a free symmetric top.
@@ -189,6 +191,7 @@ def _symmetry_axes(moments: Floats) -> NDArray[np.intp]:
     return axes
 
 
+@short_repr
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class AsymmetricTop(FreeMotion):
     """The quantities of :class:`rigid.exact.FreeMotion` for any free body, and its motion.

@@ -4,6 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+from numpy.typing import NDArray
+
+from ..solve.dataset import as_dataset
 from .data import COLUMNS, STATUS, MapData
 from .refine import refined
 from .spec import MapSpec
@@ -11,15 +15,11 @@ from .spec import MapSpec
 if TYPE_CHECKING:
     import xarray
 
-__all__ = ["map_dataset"]
+__all__ = ["map_dataset", "map_table"]
 
 
 def map_dataset(data: MapData) -> xarray.Dataset:
     """The map as an xarray Dataset; see :meth:`rigid.StabilityMap.to_xarray`."""
-    try:
-        import xarray
-    except ImportError:
-        raise ImportError("to_xarray() needs xarray: pip install 'rigid[maps]'") from None
     spec = data.spec
     axes = [(axis.name.replace("/", "_over_"), axis) for axis in spec.axes]
     dimensions = [name for name, _ in reversed(axes)]
@@ -49,7 +49,20 @@ def map_dataset(data: MapData) -> xarray.Dataset:
         "rigid_version": spec.version,
         "spec": spec.to_json(),
     }
-    return xarray.Dataset(arrays, coordinates, attributes)
+    return as_dataset(arrays, coordinates, attributes)
+
+
+def map_table(data: MapData) -> dict[str, NDArray[Any]]:
+    """The columns of a tidy table of the map, which broadcast to the grid."""
+    axes = data.spec.axes
+    columns: dict[str, NDArray[Any]] = {
+        axis.name: np.reshape(axis.values, (-1,) + (1,) * place) for place, axis in enumerate(axes)
+    }
+    columns |= {name: getattr(data, name) for name in _array_attributes(data.spec)}
+    for name, measured in data.measures.items():
+        for number in ("mean", "std", "least", "largest", "count"):
+            columns[f"{number} of {name}"] = getattr(measured, number)
+    return columns
 
 
 def _array_attributes(spec: MapSpec) -> dict[str, dict[str, Any]]:

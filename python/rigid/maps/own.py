@@ -8,13 +8,14 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import brief
 from ..model.scene import SCENES, Scene
 from ..model.sourced import Sourced
+from .parameters import Axis, make_axes
 
-__all__ = ["OwnScene"]
+__all__ = ["OwnScene", "own_scene"]
 
 Floats = NDArray[np.float64]
 
@@ -82,3 +83,15 @@ class OwnScene:
     def from_dict(cls, data: Mapping[str, Any]) -> OwnScene:
         """The scene of :meth:`to_dict`, whose function must be given again."""
         return cls(tuple(map(str, data["names"])), Sourced.from_dict(data["function"]))
+
+
+def own_scene(
+    function: Callable[..., Any], given: Mapping[str, ArrayLike]
+) -> tuple[Scene, OwnScene, tuple[Axis, ...]]:
+    """The scene of the first pixel, the function that makes those of all, and the axes."""
+    if not isinstance(given, Mapping):
+        make_axes(given)
+    own = OwnScene.of(function, given)
+    axes = make_axes(given, own.names)
+    first = own.made({axis.name: np.array(axis.values[:1]) for axis in axes})
+    return (first[0] if first.shape else first), own, axes

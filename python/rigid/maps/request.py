@@ -5,9 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
-import numpy as np
-from numpy.typing import ArrayLike
-
 from .._checks.arguments import brief
 from ..model.body import Body
 from ..model.criteria import Criterion
@@ -16,8 +13,8 @@ from ..model.mixture import Mixture
 from ..model.scene import Scene, check_scene
 from ..model.seed import seed_from
 from ..model.start import Start
-from .own import OwnScene
-from .parameters import Axis, make_axes
+from .own import own_scene
+from .parameters import make_axes
 from .sequential import checked_half_width, stop_table
 from .spec import MapSpec
 
@@ -48,7 +45,7 @@ def spec_of(
     if "samples" not in given:
         given["samples"] = stop_table(checked_half_width(given["half_width"])).last
     if not isinstance(scene, type | Scene | Body) and callable(scene):
-        known, given["own"], given["axes"] = _own_scene(scene, given["axes"])
+        known, given["own"], given["axes"] = own_scene(scene, given["axes"])
     else:
         known = _scene(scene)
         given["axes"] = make_axes(given["axes"])
@@ -84,18 +81,6 @@ def _started(scene: Scene, seed: int, given: dict[str, Any]) -> MapSpec:
     """The specification, with the start of the scene if none is given."""
     given.setdefault("start", scene.default_start())
     return MapSpec(scene=scene, seed=seed, **given)
-
-
-def _own_scene(
-    function: Callable[..., Any], given: Mapping[str, ArrayLike]
-) -> tuple[Scene, OwnScene, tuple[Axis, ...]]:
-    """The scene of the first pixel, the function that makes those of all, and the axes."""
-    if not isinstance(given, Mapping):
-        make_axes(given)
-    own = OwnScene.of(function, given)
-    axes = make_axes(given, own.names)
-    first = own.made({axis.name: np.array(axis.values[:1]) for axis in axes})
-    return (first[0] if first.shape else first), own, axes
 
 
 def _scene(scene: Scene | Body | type[Scene]) -> Scene:

@@ -15,9 +15,10 @@ from numpy.typing import ArrayLike, NDArray
 from .._checks.arguments import brief, positive_int, resolve_threads
 from ..drawing.figure import html_with_picture
 from ..solve.plan import Plan
+from ..solve.tidy import write_table
 from .counts import counted
 from .data import CLASSES, MapData
-from .dataset import map_dataset
+from .dataset import map_dataset, map_table
 from .file import read_map, write_map
 from .identity import receipt
 from .plan import map_plan
@@ -497,6 +498,39 @@ class StabilityMap(MapData):
         from ..animation.widget import MapWidget
 
         return MapWidget(self, threads=threads)
+
+    def to_csv(self, path: str | os.PathLike[str]) -> Path:
+        """Write a tidy table: a row for each pixel, with its axes, share, interval and counts.
+
+        The mean, standard deviation, least and largest value of each measure are columns too.
+
+        Parameters
+        ----------
+        path : path-like
+
+        Returns
+        -------
+        Path
+            The path.
+
+        Raises
+        ------
+        OSError
+            Naming the path, if the file cannot be written.
+
+        Examples
+        --------
+        >>> import os, tempfile, rigid
+        >>> result = rigid.stability_map(
+        ...     rigid.FreeBody, axes={"I2/I1": [1.2, 1.8]}, samples=4, t_end=50.0,
+        ...     stable=rigid.no_flip(), rng=2026,
+        ... )
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     path = result.to_csv(os.path.join(folder, "map.csv"))
+        ...     print(*path.read_text().splitlines()[0].split(",")[:5])
+        I2/I1 share lower upper samples
+        """
+        return write_table(path, map_table(self))
 
     def to_xarray(self) -> xarray.Dataset:
         """The map as an xarray Dataset.

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import brief
+from .._checks.shown import short_repr
 from ..solve.status import Status
 from .data import MapData
 from .job import to_core
@@ -20,6 +21,7 @@ __all__ = ["Outcomes", "Starts", "outcomes", "starts"]
 Floats = NDArray[np.float64]
 
 
+@short_repr
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Starts:
     """Starts of bodies of a map, as it drew them; NaN where no body is possible.
@@ -36,6 +38,7 @@ class Starts:
     attitude: Floats
 
 
+@short_repr
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Outcomes:
     """What became of bodies of a map, each as the map classified it.

@@ -26,11 +26,11 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import _core
 from .._moments import possible
 from ..model.criteria import NoFlip, TiltBelow
 from ..model.orbit import Orbit
 from ..model.scene import FreeBody
+from ..solve.energy_loss import mean_loss
 from .spec import MapSpec
 
 __all__ = ["flat_spin", "on_orbit", "time_to_separatrix"]
@@ -126,9 +126,8 @@ def median_across(moments: Floats, size: Floats) -> Floats:
 def time_to_separatrix(moments: Floats, sink: Floats, spin: Floats, across: Floats) -> Floats:
     """Time until a spin about axis 1, of the smallest moment, has fallen to the separatrix.
 
-    With ``I3`` the largest moment, the polhode about axis 1 is ``w1 = a1 dn``, ``w2 = a2 sn``,
-    ``w3 = a3 cn`` with the parameter m. Here ``x`` is the share of the energy between that of the
-    axis and that of the separatrix, from ``x0`` by the rates ``across`` at the start to 1.
+    ``I3`` is the largest moment. Here ``x`` is the share of the energy between that of the axis and
+    that of the separatrix, from ``x0`` by the rates ``across`` at the start to 1.
 
     Parameters
     ----------
@@ -159,34 +158,9 @@ def time_to_separatrix(moments: Floats, sink: Floats, spin: Floats, across: Floa
     place = low + (high - low) * 0.5 * (1.0 + nodes)
     x, rest = 1.0 / (1.0 + np.exp(-place)), 1.0 / (1.0 + np.exp(place))
     measure = 0.5 * (high - low) * weights * x * rest
-    # Squares of the amplitudes, and means of products of squares of Jacobi functions.
-    near, far = i1 * (i3 - i2) / (i2 * (i3 - i1)), i3 * (i2 - i1) / (i2 * (i3 - i1))  # sum: 1
-    left = rest + near * x
-    a1, a2, a3 = left * square / i1**2, x * square / i2**2, far * x * square / i3**2
-    sncn, sndn, cndn = mean_products(near * x / left, rest / left)
-    # ((I3 - I2)/I1)² sn² cn², with near divided out of m = near x / left: both vanish at I2 = I3.
-    slip = (i3 - i2) * i2 * (i3 - i1) / i1**3 * left / x
-    power = p1 * slip * a2 * a3 * sncn
-    power += p2 * ((i3 - i1) / i2) ** 2 * a1 * a3 * cndn
-    power += p3 * ((i2 - i1) / i3) ** 2 * a1 * a2 * sndn
+    power = mean_loss((i1, i2, i3), (p1, p2, p3), square, x, rest)
     time: Floats = (0.5 * whole * measure / power).sum(axis=-1)
     return time
-
-
-def mean_products(m: Floats, mc: Floats) -> tuple[Floats, Floats, Floats]:
-    """Means of ``m sn² cn²``, ``sn² dn²`` and ``cn² dn²`` over a period; ``mc`` is ``1 - m``.
-
-    The mean of sn² is ``R_D(0, mc, 1) / (3 R_F(0, mc, 1))`` (DLMF 19.25.1); that of sn⁴ follows
-    from the derivative of ``sn cn dn``.
-    """
-    shape, complement = mc.shape, mc.ravel()
-    zero, one = np.zeros_like(complement), np.ones_like(complement)
-    rd = _core.elliptic("rd", [zero, complement, one])[0]
-    rf = _core.elliptic("rf", [zero, complement, one])[0]
-    square = (rd / (3.0 * rf)).reshape(shape)
-    # The difference loses digits where m is small; there the mean is m/8 + O(m³).
-    sncn = np.where(m < 1e-5, 0.125 * m, (1.0 - 2.0 * square + m * square) / 3.0)
-    return sncn, mc * square + sncn, 1.0 - square - sncn
 
 
 def on_orbit(spec: MapSpec) -> Predicted | None:

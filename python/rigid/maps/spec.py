@@ -40,7 +40,7 @@ from ..solve.methods import (
 )
 from ..solve.tangent import check_tangent
 from .grid import NominalStarts, grid_shape, nominal_starts
-from .own import OwnScene
+from .own import OwnScene, own_scene
 from .parameters import Axis, check_applicable, make_axes
 from .sequential import Looks, checked_half_width, stop_table
 
@@ -79,6 +79,7 @@ class MapSpec:
     Attributes
     ----------
     scene : FreeBody or HeavyTop
+        The constructor takes a function of the axes too, as :func:`rigid.stability_map` does.
     start : Start or Mixture
     axes : tuple of Axis
         x first, then y, and so on. The constructor takes a dict of names and values too.
@@ -146,6 +147,11 @@ class MapSpec:
 
         if not isinstance(self.start, Start | Mixture):
             raise TypeError(f"start = {brief(self.start)}: must be a rigid.Start, or a mixture")
+        if not isinstance(self.scene, Scene) and callable(self.scene):
+            for name, made in zip(
+                ("scene", "own", "axes"), own_scene(self.scene, self.axes), strict=True
+            ):
+                put(name, made)
         if isinstance(self.axes, Mapping):
             put("axes", make_axes(self.axes, () if self.own is None else self.own.names))
         for name in () if self.own is None else self.own.names:

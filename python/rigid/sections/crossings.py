@@ -16,11 +16,14 @@ from .._checks.arguments import one_of
 from .._files import published
 from ..drawing.figure import html_with_picture, shown_figure
 from ..model.events import COMPONENTS
+from ..solve.dataset import as_dataset
 from ..solve.plan import Plan
 from ..solve.status import Status
+from ..solve.tidy import parts, write_table
 from .surface import Section
 
 if TYPE_CHECKING:
+    import xarray
     from matplotlib.axes import Axes
 
 __all__ = ["Crossings"]
@@ -32,6 +35,30 @@ LABELS = {
     **{f"gamma{i}": rf"$\gamma_{i}$" for i in (1, 2, 3)},
     "t": "$t$ (s)",
 }
+
+_POINTS = {
+    "t": ("s", ()),
+    "omega": ("rad/s", ("axis",)),
+    "gamma": ("1", ("axis",)),
+    "attitude": ("1", ("part",)),
+    "direction": ("1", ()),
+    "slope": ("", ()),
+    "body": ("", ()),
+    "grazing": ("", ()),
+    "error": ("s", ()),
+}
+"""Unit and axes, after the axis ``point``, of what each point has."""
+
+_BODIES = {
+    "complete": "",
+    "end": "s",
+    "lost_from": "s",
+    "energy_drift": "1",
+    "status": "",
+    "stays": "",
+    "steps": "1",
+}
+"""Unit of what each body has."""
 
 _FAILED = {
     Status.STEP_LIMIT: "step limit: it needs more than max_steps steps",
@@ -250,3 +277,56 @@ class Crossings:
         with published(path) as file:
             file.write(content.getbuffer())
         return Path(path)
+
+    def to_xarray(self) -> xarray.Dataset:
+        """The points as an xarray ``Dataset`` with names and units.
+
+        The points have the axis ``point``, and ``body`` is the index of the body of each; what each
+        body has, such as ``complete``, has the axis ``motion``, in the flat order of all.
+
+        Raises
+        ------
+        ImportError
+            Without xarray.
+
+        Examples
+        --------
+        >>> import rigid
+        >>> top = rigid.HeavyTop(rigid.Body((1.0, 1.6, 0.7)), mgl=1.2, com=(0.6, 0.0, 0.8))
+        >>> points = rigid.poincare(top, [0.3, 0.4, 1.0], [0.9, 0.3, 0.2, 0.1], t_end=30.0)
+        >>> data = points.to_xarray()
+        >>> data.omega.sel(axis=2).sizes["point"], bool(data.complete.all())
+        (8, True)
+        """
+        arrays: dict[str, Any] = {
+            name: (("point", *axes), getattr(self, name), {"units": unit})
+            for name, (unit, axes) in _POINTS.items()
+        }
+        for name, unit in _BODIES.items():
+            arrays[name] = ("motion", np.ravel(getattr(self, name)), {"units": unit})
+        coordinates = {"axis": [1, 2, 3], "part": list("wxyz")}
+        attributes = {"spec": json.dumps(self.spec), "plan": self.plan.to_json()}
+        return as_dataset(arrays, coordinates, attributes)
+
+    def to_csv(self, path: str | os.PathLike[str]) -> Path:
+        """Write a tidy table: a row for each point, with its body, time, rates and attitude.
+
+        Parameters
+        ----------
+        path : path-like
+
+        Returns
+        -------
+        Path
+            The path.
+
+        Raises
+        ------
+        OSError
+            Naming the path, if the file cannot be written.
+        """
+        columns: dict[str, NDArray[Any]] = {"body": self.body}
+        for name, (_, axes) in _POINTS.items():
+            values = getattr(self, name)
+            columns |= parts(name, values) if axes else {name: values}
+        return write_table(path, columns)

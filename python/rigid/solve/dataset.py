@@ -16,7 +16,7 @@ from ..model.leading import Shape
 if TYPE_CHECKING:
     import xarray
 
-__all__ = ["ARRAYS", "run_dataset"]
+__all__ = ["ARRAYS", "as_dataset", "run_dataset"]
 
 _STATES, _BODIES = ("t",), ()
 ARRAYS: Mapping[str, tuple[str, tuple[str, ...]]] = {
@@ -56,12 +56,25 @@ _OF_SCENE: Mapping[str, tuple[tuple[str, ...], str, tuple[str, ...], str]] = {
 along principal axes."""
 
 
-def run_dataset(run: Any) -> xarray.Dataset:
-    """The run as an xarray Dataset; see :meth:`rigid.Run.to_xarray`."""
+def as_dataset(
+    arrays: Mapping[str, Any], coordinates: Mapping[str, Any], attributes: Mapping[str, Any]
+) -> xarray.Dataset:
+    """Arrays with their axes and units as an xarray Dataset.
+
+    Raises
+    ------
+    ImportError
+        Without xarray.
+    """
     try:
         import xarray
     except ImportError:
         raise ImportError("to_xarray() needs xarray: pip install 'rigid[maps]'") from None
+    return xarray.Dataset(arrays, coordinates, attributes)
+
+
+def run_dataset(run: Any) -> xarray.Dataset:
+    """The run as an xarray Dataset; see :meth:`rigid.Run.to_xarray`."""
     bodies = tuple(f"body{k or ''}" for k in range(run.status.ndim))
     arrays: dict[str, Any] = {}
     for name, (unit, dimensions) in ARRAYS.items():
@@ -88,7 +101,7 @@ def run_dataset(run: Any) -> xarray.Dataset:
                 values, dimensions = values[..., 0, :], ("axis",)
         arrays[name] = ((*bodies, *dimensions), values, {"units": unit, "long_name": words})
     attributes = {"spec": json.dumps(spec), "plan": run.plan.to_json()}
-    return xarray.Dataset(arrays, coordinates, attributes)
+    return as_dataset(arrays, coordinates, attributes)
 
 
 def _take_numbers(scene: dict[str, Any], shape: Shape) -> dict[str, NDArray[np.float64]]:

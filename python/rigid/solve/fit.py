@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import brief, shaped, sorted_times, vector
+from .._checks.shown import short_repr
 from ..model.body import Body
 from ..model.scene import Scene, check_scene
 from .arcs import Arcs, largest_chi2
@@ -35,6 +36,7 @@ class FitWarning(UserWarning):
     """A fit that failed."""
 
 
+@short_repr
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Fit:
     """Parameters of a motion from measured rates, made by :func:`fit`.

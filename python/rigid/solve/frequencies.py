@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import brief, one_of, positive_int, sorted_times
 from .._checks.quantities import without_unit
+from .._checks.shown import short_repr
 from .run import Run
 
 __all__ = ["FrequencyDrift", "Lines", "frequencies", "frequency_drift"]
@@ -36,6 +37,7 @@ PASSES = 12
 """Most rounds in which each line is found again without the others."""
 
 
+@short_repr
 @dataclass(frozen=True, slots=True, eq=False)
 class Lines:
     """Lines of the spectrum of a signal, the strongest first; made by :func:`frequencies`.
@@ -58,6 +60,7 @@ class Lines:
     error: Floats
 
 
+@short_repr
 @dataclass(frozen=True, slots=True, eq=False)
 class FrequencyDrift:
     """The main frequency in both halves of a run; made by :func:`frequency_drift`.

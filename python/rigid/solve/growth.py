@@ -2,23 +2,64 @@
 
 from __future__ import annotations
 
+import json
+import os
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from io import BytesIO
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from .._checks.arguments import one_of
+from .._files import published
+from ..drawing.figure import html_with_picture, shown_figure
 from ..model.criteria import Regular
 from ..model.scene import scene_from_dict
+from .dataset import as_dataset
 from .plan import Plan
 from .status import Status, sentences
+from .tidy import body_columns, write_table
+
+if TYPE_CHECKING:
+    import xarray
+    from matplotlib.axes import Axes
 
 __all__ = ["Growth"]
 
 Floats = NDArray[np.float64]
 
+ARRAYS: Mapping[str, tuple[str, tuple[str, ...]]] = {
+    "log_growth": ("1", ("t",)),
+    "megno": ("1", ("t",)),
+    "mean_megno": ("1", ("t",)),
+    "fli": ("1", ("t",)),
+    "spectrum": ("1/s", ("t", "exponent")),
+    "sali": ("1", ("t",)),
+    "gali": ("1", ("t", "order")),
+    "zeros": ("1", ()),
+    "error": ("1", ()),
+    "lost_from": ("s", ()),
+    "verdict": ("", ()),
+    "energy_drift": ("1", ()),
+    "status": ("", ()),
+    "steps": ("1", ()),
+}
+"""Unit and axes, after the axes of the bodies, of each array."""
 
-@dataclass(frozen=True, slots=True)
+LABELS: Mapping[str, str] = {
+    "exponent": "exponent (1/s)",
+    "log_growth": "ln of the growth",
+    "megno": "MEGNO",
+    "mean_megno": "mean MEGNO",
+    "fli": "FLI",
+    "sali": "SALI",
+}
+
+
+@dataclass(frozen=True, slots=True, repr=False, eq=False)
 class Growth:
     """The result of :func:`lyapunov`. With a single body the leading axis ``n`` is absent.
 
@@ -85,6 +126,15 @@ class Growth:
     plan: Plan
     spec: dict[str, Any]
 
+    def __repr__(self) -> str:
+        verdicts = np.ravel(self.verdict).tolist()
+        counts = ", ".join(f"{verdicts.count(one)} {one}" for one in sorted(set(verdicts)))
+        each = "one body" if np.ndim(self.verdict) == 0 else f"{len(verdicts)} bodies"
+        return f"<Growth: {each} at {len(self.t)} times; {counts or 'none'}>"
+
+    def _repr_html_(self) -> str:
+        return html_with_picture(lambda ax: self.plot(ax=ax), repr(self))
+
     @property
     def exponent(self) -> Floats:
         """``log_growth / t`` (1/s), shape (n, m)."""
@@ -139,3 +189,138 @@ class Growth:
         if np.isfinite(lost):
             words += f"; the motion itself is lost from t = {lost:.4g} s on"
         return words
+
+    def plot(self, what: str = "exponent", *, ax: Axes | None = None) -> Axes:
+        """Draw an indicator over the time, a line for each body.
+
+        Parameters
+        ----------
+        what : {"exponent", "log_growth", "megno", "mean_megno", "fli", "sali"}
+            The indicator; exponent and SALI on logarithmic axes.
+        ax : matplotlib Axes, optional
+            By default those of a new figure.
+
+        Returns
+        -------
+        matplotlib Axes
+
+        Raises
+        ------
+        ImportError
+            Without matplotlib.
+        ValueError
+            If the indicator is unknown, or SALI was not computed.
+
+        Examples
+        --------
+        >>> import numpy as np, rigid
+        >>> box = rigid.FreeBody(rigid.Body((1.0, 2.0, 3.0)))
+        >>> growth = rigid.lyapunov(box, [1.0, 0.1, 0.1], t=np.linspace(10.0, 200.0, 20))
+        >>> growth.plot("mean_megno").get_ylabel()
+        'mean MEGNO'
+        """
+        values = getattr(self, one_of("what", what, LABELS))
+        if values is None:
+            raise ValueError("what = 'sali': needs two exponents; call lyapunov(..., exponents=2)")
+        if ax is None:
+            ax = shown_figure().add_subplot()
+        lines = np.reshape(values, (-1, len(self.t)))
+        # One body has a colour; of many each line is faint, so that a crowd shows its density.
+        alpha = 1.0 if len(lines) == 1 else max(0.1, len(lines) ** -0.5)
+        ax.plot(self.t, lines.T, color="#0072b2", alpha=alpha, linewidth=1.0)
+        if what in ("exponent", "sali"):
+            ax.set(xscale="log", yscale="log")
+        ax.set(xlabel="t (s)", ylabel=LABELS[what])
+        return ax
+
+    def save(self, path: str | os.PathLike[str]) -> Path:
+        """Save the arrays as an ``.npz`` file, which :func:`numpy.load` reads.
+
+        Its arrays are the attributes by name; ``spec`` and ``plan`` are JSON texts. The file
+        appears whole or not at all; see :meth:`rigid.StabilityMap.save`.
+
+        Parameters
+        ----------
+        path : path-like
+
+        Returns
+        -------
+        Path
+            The path.
+
+        Raises
+        ------
+        OSError
+            Naming the path, if the file cannot be written.
+        """
+        content = BytesIO()
+        np.savez(
+            content,
+            allow_pickle=False,
+            t=self.t,
+            spec=np.array(json.dumps(self.spec)),
+            plan=np.array(self.plan.to_json()),
+            **self._arrays(),
+        )
+        with published(path) as file:
+            file.write(content.getbuffer())
+        return Path(path)
+
+    def to_xarray(self) -> xarray.Dataset:
+        """The indicators as an xarray ``Dataset`` with names, units, and times as a coordinate.
+
+        Raises
+        ------
+        ImportError
+            Without xarray.
+
+        Examples
+        --------
+        >>> import rigid
+        >>> box = rigid.FreeBody(rigid.Body((1.0, 2.0, 3.0)))
+        >>> growth = rigid.lyapunov(box, [[1.0, 0.1, 0.1]] * 2, t=[100.0, 200.0])
+        >>> dict(growth.to_xarray().log_growth.sizes)
+        {'body': 2, 't': 2}
+        """
+        bodies = tuple(f"body{k or ''}" for k in range(np.ndim(self.status)))
+        arrays = {
+            name: ((*bodies, *ARRAYS[name][1]), array, {"units": ARRAYS[name][0]})
+            for name, array in self._arrays().items()
+        }
+        coordinates: dict[str, Any] = {"t": ("t", self.t, {"units": "s"})}
+        if self.gali is not None:
+            coordinates["order"] = np.arange(2, 2 + self.gali.shape[-1])
+        attributes = {"spec": json.dumps(self.spec), "plan": self.plan.to_json()}
+        return as_dataset(arrays, coordinates, attributes)
+
+    def to_csv(self, path: str | os.PathLike[str]) -> Path:
+        """Write a tidy table: a row for each body and time, a column for each indicator.
+
+        Parameters
+        ----------
+        path : path-like
+
+        Returns
+        -------
+        Path
+            The path.
+
+        Raises
+        ------
+        OSError
+            Naming the path, if the file cannot be written.
+        """
+        columns = {**body_columns(np.shape(self.status), 1), "t": self.t}
+        for name, array in self._arrays().items():
+            if ARRAYS[name][1] == ("t",):
+                columns[name] = array
+            elif ARRAYS[name][1] != ():
+                first = 1 if name == "spectrum" else 2
+                word = "exponent" if name == "spectrum" else name
+                columns |= {f"{word}{first + k}": array[..., k] for k in range(array.shape[-1])}
+        return write_table(path, {**columns, "verdict": np.asarray(self.verdict)[..., np.newaxis]})
+
+    def _arrays(self) -> dict[str, NDArray[Any]]:
+        """The arrays that there are, without the times."""
+        known = {name: getattr(self, name) for name in ARRAYS}
+        return {name: np.asarray(array) for name, array in known.items() if array is not None}

@@ -23,6 +23,7 @@ from .lazy import Lazy
 from .methods import EXACT
 from .plan import LazyPlan, Plan
 from .status import Status, error_limit, sentences
+from .tidy import COMPONENTS, body_columns, parts, write_table
 
 if TYPE_CHECKING:
     from datetime import datetime
@@ -525,6 +526,44 @@ an accuracy
         [1.5, 1.2]
         """
         return run_dataset(self)
+
+    def to_csv(self, path: str | PathLike[str]) -> Path:
+        """Write a tidy table: a row for each body and time, with rates, vertical and attitude.
+
+        Numbers have the digits that give their bits back. Columns are ``body`` (and ``body1`` and
+        so on, of further leading axes), ``t``, ``omega1`` to ``omega3``, and, if they were
+        recorded, ``gamma1`` to ``gamma3``, ``w``, ``x``, ``y``, ``z`` and ``work``.
+
+        Parameters
+        ----------
+        path : path-like
+
+        Returns
+        -------
+        Path
+            The path.
+
+        Raises
+        ------
+        OSError
+            Naming the path, if the file cannot be written.
+
+        Examples
+        --------
+        >>> import os, tempfile, rigid
+        >>> run = rigid.simulate(rigid.Body((1.0, 1.5, 2.0)), [0.0, 0.0, 0.5], t=[0.0, 3.0])
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     path = run.to_csv(os.path.join(folder, "run.csv"))
+        ...     print(path.read_text().splitlines()[0])
+        t,omega1,omega2,omega3,w,x,y,z
+        """
+        columns = {**body_columns(self.omega.shape[:-2], 1), "t": np.asarray(self.t)}
+        for name in COMPONENTS:
+            array = getattr(self, name)
+            columns |= {} if array is None else parts(name, array)
+        if self.work is not None:
+            columns["work"] = self.work
+        return write_table(path, columns)
 
     def plot(self, ax: Axes | None = None, *, body: int | None = None) -> Axes:
         """Draw the three rates of one body over time, in the colours of its axes.

@@ -46,7 +46,7 @@ def test_the_bare_command_shows_help(capsys: pytest.CaptureFixture[str]) -> None
     assert "rigid map thrown-box" in output
 
 
-@pytest.mark.parametrize("command", ["map", "section", "report", "extremes", "new"])
+@pytest.mark.parametrize("command", ["map", "section", "report", "extremes", "validation", "new"])
 def test_help_has_examples_and_they_are_understood(
     command: str, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -63,6 +63,8 @@ SUBJECTS = (
     "steady precession without torque",
     "Poinsot's construction",
     "permanent rotation",
+    "tumbling by two periods",
+    "relaxation",
     "factors of Euler's equations",
     "linearised Euler's equations",
     "circulation and reversals",
@@ -106,6 +108,7 @@ SUBJECTS = (
     "error against run time",
     "long runs",
     "extreme bodies",
+    "numbers of the literature",
     "figures and animations",
 )
 

@@ -45,6 +45,9 @@ assert rigid.free.gammas([1.0, 2.0, 2.5]).shape == (3,)
 for name in later:
     if name in ("Store", "diff", "merge", "open_store"):
         assert getattr(rigid, name) is getattr(import_module("rigid.store.store"), name), name
+    elif name in ("Validation", "validation"):
+        found = getattr(import_module("rigid.literature.validation"), name)
+        assert getattr(rigid, name) is found, name
     else:
         assert getattr(rigid, name) is import_module(f"rigid.{name}"), name
 """

@@ -44,6 +44,7 @@ def results() -> dict[str, Any]:
         "plan": rigid.plan(BOX, "attitude", omega=[1e-3, 10.0, 1e-3], t_end=3600.0),
         "methods": rigid.methods(),
         "points": rigid.poincare(TOP, [0.3, 0.4, 1.0], [0.9, 0.3, 0.2, 0.1], t_end=30.0),
+        "growth": rigid.lyapunov(TOP, [0.3, 0.4, 1.0], t=np.linspace(5.0, 100.0, 20)),
         "report": rigid.report(
             TOP, [0.3, 0.4, 1.0], t_end=1.0, methods=["rk4"], seconds=0.1, progress=False
         ),
@@ -51,6 +52,7 @@ def results() -> dict[str, Any]:
             TOP, [0.3, 0.4, 1.0], revolutions=[3], methods=["rk4"], progress=False
         ),
         "extremes": rigid.extremes("spin", method="exact", progress=False),
+        "validation": rigid.validation("earth-chandler", progress=False),
     }
 
 
@@ -60,9 +62,11 @@ LINES = {
     "run": r"Run\(one body at 50 times; exact; error .*; ok\)",
     "plan": r"<Plan: free body, box .*; exact, closed form: free asymmetric; error about .* rad>",
     "points": r"<Crossings: .*>",
+    "growth": r"<Growth: one body at 20 times; 1 \w+>",
     "report": r"<Report: heavy top, .*; \d+ runs by 1 methods>",
     "long": r"<LongRun: heavy top, .*; 3 revolutions by 1 methods>",
     "extremes": r"<Extremes: \d+ cells: \d+ right.*>",
+    "validation": r"<Validation: 1 numbers: 0 agree, 1 of models that differ, 0 unexplained>",
 }
 
 
@@ -73,13 +77,32 @@ def test_a_result_is_named_in_one_short_line(name: str, results: dict[str, Any])
     assert len(line) < 250
 
 
+def test_arrays_of_many_numbers_print_their_shapes() -> None:
+    t = np.linspace(0.0, 50.0, 501)
+    omega = np.full((300, 3), 0.3)
+    sink = rigid.EnergySink(0.01)
+    for many in (
+        rigid.exact.free_body(rigid.Body((1.0, 2.0, 3.0)), omega),
+        rigid.free.spin_periods((1.0, 2.0, 3.0), omega),
+        rigid.free.relaxation((1.0, 2.0, 2.5), [0.1, 0.2, 1.0], t, sink),
+        rigid.frequencies(t, np.cos(np.outer(np.arange(1.0, 20.0), t))),
+        small_map().outcomes(range(10)),
+    ):
+        assert len(repr(many)) < 700
+        assert "of shape (" in repr(many)
+    one = rigid.exact.free_body(rigid.Body((1.0, 2.0, 3.0)), [0.3, 0.2, 1.2])
+    assert repr(one).startswith("FreeMotion(axis=3, m=0.0")
+    drift = repr(rigid.frequency_drift(rigid.simulate(TOP, [0.3, 0.4, 1.0], t=t)))
+    assert drift.startswith("FrequencyDrift(first=Lines(frequency=")
+
+
 def test_methods_are_a_table_of_a_line_each(results: dict[str, Any]) -> None:
     lines = repr(results["methods"]).splitlines()
     assert [line.split()[0] for line in lines[1:]] == [method.name for method in rigid.methods()]
     assert max(map(len, lines)) < 160
 
 
-@pytest.mark.parametrize("name", ["map", "points", "report", "long", "run", "replay"])
+@pytest.mark.parametrize("name", ["map", "points", "growth", "report", "long", "run", "replay"])
 def test_a_notebook_shows_a_picture_and_its_words(name: str, results: dict[str, Any]) -> None:
     shown = results[name]._repr_html_()
     (picture,) = re.findall(r'src="data:image/png;base64,([^"]*)"', shown)
@@ -89,6 +112,7 @@ def test_a_notebook_shows_a_picture_and_its_words(name: str, results: dict[str, 
     words = {
         "map": results["map"].summary(),
         "points": repr(results["points"]),
+        "growth": repr(results["growth"]),
         "report": str(results["report"]),
         "long": str(results["long"]),
         "run": repr(results["run"]),

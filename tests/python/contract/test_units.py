@@ -188,3 +188,28 @@ def test_no_unit_is_lost_in_silence() -> None:
     assert rigid.top.u_of(1.0, **nutation, **percent) == one
     share = Q(1e-4, "percent")
     assert rigid.simulate(BODY, [1.0, 0.1, 0.0], t=[1.0], accuracy=share).spec["accuracy"] < 2e-6
+
+
+def test_periods_of_an_asteroid_in_hours_and_a_damping_time_in_years() -> None:
+    moments = (0.61, 0.965, 1.0)
+    found = rigid.free.spin_state(
+        moments, precession=Q(27.38, "hour"), rotation=Q(263.0, "hour"), mode="SAM"
+    )
+    same = rigid.free.spin_state(
+        moments, precession=27.38 * 3600.0, rotation=263.0 * 3600.0, mode="SAM"
+    )
+    assert np.allclose(found.omega, same.omega, rtol=1e-13)
+    of_quantities = rigid.free.damping_time(
+        Q(0.5, "km"),
+        Q(1.0, "turn/day"),
+        density=Q(2.0, "g/cm³"),
+        rigidity=Q(5.0, "GPa"),
+        quality=100.0,
+    )
+    of_numbers = rigid.free.damping_time(
+        500.0, 2.0 * np.pi / 86400.0, density=2000.0, rigidity=5e9, quality=100.0
+    )
+    assert np.isclose(of_quantities, of_numbers, rtol=1e-12)
+    sink = rigid.free.sink_of_damping(moments, Q(1.0, "rpm"), Q(2.0, "hour"))
+    same_sink = rigid.free.sink_of_damping(moments, units.rpm, 7200.0)
+    assert np.allclose(sink.coefficient, same_sink.coefficient, rtol=1e-13)

@@ -230,6 +230,35 @@ def test_counts_that_no_computation_gives(
     assert message in str(caught.value)
 
 
+def test_counts_of_a_scene_by_a_function_have_its_axes() -> None:
+    """Axes of the user, whose names are the arguments of a function that makes the scenes."""
+
+    def plates(width: Any, depth: Any) -> rigid.FreeBody:
+        one = np.ones_like(width)
+        return rigid.FreeBody(rigid.Body(np.stack([one, one + width, one + width * depth], -1)))
+
+    function: Any = plates
+    axes: Any = {"width": [0.2, 0.4], "depth": [0.1, 0.2, 0.3]}
+    spec = rigid.MapSpec(
+        scene=function,
+        start=rigid.Start(spin=1.0),
+        axes=axes,
+        stable=rigid.no_flip(),
+        t_end=50.0,
+        samples=10,
+        seed=0,
+    )
+    stable = np.arange(6).reshape(3, 2)
+    made = rigid.StabilityMap.from_counts(spec, stable=stable, unstable=10 - stable)
+    assert [axis.name for axis in made.spec.axes] == ["width", "depth"]
+    np.testing.assert_array_equal(made.share, stable / 10.0)
+    computed = rigid.stability_map(
+        plates, axes=axes, start=rigid.Start(spin=1.0), stable=rigid.no_flip(), t_end=50.0,
+        samples=10, rng=0, progress=False,
+    )  # fmt: skip
+    assert computed.spec == spec
+
+
 def test_counts_of_no_specification() -> None:
     spec: Any = "map.toml"
     with pytest.raises(TypeError, match=r"spec = 'map.toml': must be a rigid.MapSpec"):

@@ -10,8 +10,9 @@ import pytest
 
 import rigid
 from rigid.cli.toml_map import read_spec
-from rigid.maps.satellites import mean_products, median_across, time_to_separatrix
+from rigid.maps.satellites import median_across, time_to_separatrix
 from rigid.maps.spec import MapSpec
+from rigid.solve.energy_loss import mean_products
 
 
 def coarse(name: str, every: int, samples: int) -> rigid.StabilityMap:

@@ -1,0 +1,59 @@
+"""One number of the literature, and the function that computes it again."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+
+__all__ = ["Entry"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Entry:
+    """A number that a text states.
+
+    Attributes
+    ----------
+    name : str
+        Name of the entry, for the command line.
+    quantity : str
+        What the number is, with the model in which it is computed here.
+    printed : str
+        The number or the formula as the source has it.
+    value : float
+        The number; of a formula its value for the body of the entry.
+    within : float
+        Largest difference from the number that counts as agreement.
+    interval : str
+        Where ``within`` comes from: the stated error, the rounding of the printed number, or the
+        error of the computation.
+    unit : str
+        Unit of the number; empty for pure numbers.
+    source : str
+        Full reference.
+    seen : str
+        The text in which the number was looked up, or that it could not be.
+    compute : callable
+        Computes the number by the library.
+    reason : str
+        Why the number of a model lies outside the interval; empty where it must lie inside.
+    """
+
+    name: str
+    quantity: str
+    printed: str
+    value: float
+    within: float
+    interval: str
+    unit: str = ""
+    source: str
+    seen: str
+    compute: Callable[[], float]
+    reason: str = ""
+
+    @property
+    def digits(self) -> str | None:
+        """The number as it is printed, without its error; None of a formula and of words."""
+        found = re.fullmatch(r"([\d.]+)( ± [\d.]+)?", self.printed)
+        return None if found is None else found[1]

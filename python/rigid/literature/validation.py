@@ -1,0 +1,167 @@
+"""All numbers of the literature, each beside the number of the library."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any
+
+from .._checks.arguments import one_of
+from .._checks.progress import Progress, ProgressOption, reporting
+from ..drawing.figure import html_table
+from . import asteroids, earth, free_bodies, heavy_tops, moons
+from .entry import Entry
+
+__all__ = ["Compared", "Validation", "entries", "validation"]
+
+HEADER = ("name", "published", "here", "difference", "interval", "unit", "verdict")
+
+
+def entries() -> tuple[Entry, ...]:
+    """All entries, subject by subject."""
+    subjects = (asteroids, moons, earth, free_bodies, heavy_tops)
+    return tuple(entry for subject in subjects for entry in subject.ENTRIES)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Compared:
+    """A number of the literature beside the number that the library computes.
+
+    Attributes
+    ----------
+    entry : Entry
+        Quantity, published number, interval and source.
+    number : float
+        The number of the library.
+    seconds : float
+        Wall time of the computation.
+    """
+
+    entry: Entry
+    number: float
+    seconds: float
+
+    @property
+    def difference(self) -> float:
+        """The number of the library less the published one."""
+        return self.number - self.entry.value
+
+    @property
+    def agrees(self) -> bool:
+        """Whether the difference lies within the interval."""
+        return abs(self.difference) <= self.entry.within
+
+    @property
+    def explained(self) -> bool:
+        """Whether the numbers agree, or the entry says why its model differs."""
+        return self.agrees or bool(self.entry.reason)
+
+    @property
+    def command(self) -> str:
+        """The command that computes the number."""
+        return f"rigid validation {self.entry.name}"
+
+    def to_dict(self) -> dict[str, Any]:
+        """All of it as plain Python values."""
+        entry = {name: getattr(self.entry, name) for name in Entry.__slots__ if name != "compute"}
+        return {
+            **entry,
+            "number": self.number,
+            "difference": self.difference,
+            "agrees": self.agrees,
+            "seconds": self.seconds,
+        }
+
+    def cells(self) -> tuple[str, ...]:
+        """Name, published number, number, difference, interval, unit and verdict, as text."""
+        entry = self.entry
+        return (
+            entry.name,
+            entry.digits or f"{entry.value:.9g}",
+            f"{self.number:.9g}",
+            f"{self.difference:+.1e}",
+            f"{entry.within:.2g}",
+            entry.unit,
+            "agrees" if self.agrees else "model differs" if entry.reason else "differs",
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class Validation:
+    """The result of :func:`validation`: each published number beside the computed one."""
+
+    rows: tuple[Compared, ...]
+
+    @property
+    def unexplained(self) -> tuple[Compared, ...]:
+        """Rows whose numbers differ without a reason."""
+        return tuple(row for row in self.rows if not row.explained)
+
+    def __repr__(self) -> str:
+        agreeing = sum(row.agrees for row in self.rows)
+        models = sum(row.explained for row in self.rows) - agreeing
+        return (
+            f"<Validation: {len(self.rows)} numbers: {agreeing} agree, {models} of models that "
+            f"differ, {len(self.unexplained)} unexplained>"
+        )
+
+    def _repr_html_(self) -> str:
+        return html_table([row.cells() for row in self.rows], header=HEADER)
+
+    def __str__(self) -> str:
+        """A table: a row for each number; below, why models differ."""
+        table = [HEADER, *(row.cells() for row in self.rows)]
+        widths = [max(len(cells[k]) for cells in table) for k in range(len(HEADER))]
+        lines = [
+            "  ".join(
+                cell.rjust(width) if 1 <= k <= 4 else cell.ljust(width)
+                for k, (cell, width) in enumerate(zip(cells, widths, strict=True))
+            ).rstrip()
+            for cells in table
+        ]
+        reasons = [f"{row.entry.name}: {row.entry.reason}" for row in self.rows if row.entry.reason]
+        return "\n".join([*lines, *([""] if reasons else []), *reasons])
+
+
+def validation(
+    names: str | Iterable[str] | None = None, *, progress: ProgressOption = None
+) -> Validation:
+    """Compute numbers that the literature states, and compare.
+
+    Parameters
+    ----------
+    names : str or iterable of str, optional
+        Only the entries of these names; by default all.
+    progress : bool or callable, optional
+        As of :func:`stability_map`.
+
+    Returns
+    -------
+    Validation
+
+    Raises
+    ------
+    ValueError
+        If there is no entry of such a name.
+
+    Examples
+    --------
+    >>> import rigid
+    >>> (row,) = rigid.validation("toutatis-precession").rows
+    >>> row.entry.printed, round(row.number, 3), row.agrees
+    ('7.40 ± 0.03', 7.4, True)
+    """
+    known = {entry.name: entry for entry in entries()}
+    wanted = list(known) if names is None else [names] if isinstance(names, str) else list(names)
+    chosen = [known[one_of("names", name, known)] for name in wanted]
+    rows: list[Compared] = []
+    begun = time.perf_counter()
+    with reporting(progress, len(chosen), unit=" numbers") as report:
+        for done, entry in enumerate(chosen, start=1):
+            start = time.perf_counter()
+            number = entry.compute()
+            now = time.perf_counter()
+            rows.append(Compared(entry=entry, number=number, seconds=now - start))
+            report(Progress(done=done, total=len(chosen), elapsed=now - begun, failures=0))
+    return Validation(tuple(rows))

@@ -1,0 +1,106 @@
+"""Numbers of the literature, each beside the number of the library."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+
+import pytest
+
+import rigid
+from rigid.cli import main
+from rigid.literature import asteroids
+from rigid.literature.entry import Entry
+from rigid.literature.heavy_tops import goryachev_chaplygin_change, kovalevskaya_change
+from rigid.literature.validation import Compared, entries
+
+ENTRIES = {entry.name: entry for entry in entries()}
+
+
+@pytest.mark.parametrize("name", ENTRIES)
+def test_numbers_are_those_of_the_literature(name: str) -> None:
+    """Within the interval of the entry; where a model differs the entry says why, and it does."""
+    (row,) = rigid.validation(name, progress=False).rows
+    assert row.entry is ENTRIES[name]
+    assert row.agrees != bool(row.entry.reason), row.number
+
+
+@pytest.mark.parametrize("entry", ENTRIES.values(), ids=list(ENTRIES))
+def test_an_entry_has_the_number_as_it_is_printed(entry: Entry) -> None:
+    assert entry.source
+    assert entry.seen
+    if entry.digits is None:
+        assert not entry.printed.replace(".", "").isdigit()
+        return
+    assert float(entry.digits) == entry.value
+    unit = 10.0 ** -len(entry.digits.partition(".")[2])
+    if " ± " in entry.printed:
+        assert entry.within == float(entry.printed.split(" ± ")[1])
+    elif entry.interval == "rounding":
+        assert entry.within == pytest.approx(0.5 * unit)
+
+
+def test_names_are_distinct() -> None:
+    assert len(ENTRIES) == len(entries()) > 20
+
+
+def test_neighbours_of_integrable_tops_keep_no_fourth_integral() -> None:
+    """Kovalevskaya's moments alone, and for Goryachev and Chaplygin also L·gamma = 0."""
+    assert kovalevskaya_change() < 1e-9
+    assert kovalevskaya_change((2.0, 2.1, 1.0)) > 0.1
+    assert goryachev_chaplygin_change() < 1e-9
+    assert goryachev_chaplygin_change((4.0, 4.2, 1.0)) > 0.1
+    assert goryachev_chaplygin_change(l_gamma=0.5) > 0.1
+
+
+def test_what_differs_without_a_reason_is_found(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    wrong = replace(ENTRIES["toutatis-precession"], value=7.50)
+    monkeypatch.setattr(asteroids, "ENTRIES", (wrong, ENTRIES["toutatis-rotation"]))
+    names = ["toutatis-rotation", "toutatis-precession"]
+    found = rigid.validation(names, progress=False)
+    assert [row.entry.name for row in found.rows] == names
+    assert found.unexplained == (found.rows[1],)
+    assert found.rows[1].difference == pytest.approx(-0.1, abs=1e-3)
+    assert repr(found) == (
+        "<Validation: 2 numbers: 1 agree, 0 of models that differ, 1 unexplained>"
+    )
+    assert main(["validation", *names, "--no-progress"]) == 1
+    assert "differs" in capsys.readouterr().out
+    assert main(["validation", names[0], "--no-progress"]) == 0
+
+
+def test_the_command_prints_numbers_for_other_programs(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["validation", "earth-chandler", "--json", "--no-progress"]) == 0
+    (row,) = json.loads(capsys.readouterr().out)["numbers"]
+    assert row["value"] == 435.2
+    assert row["number"] == pytest.approx(304.46, abs=0.01)
+    assert row["agrees"] is False
+    assert "not rigid" in row["reason"]
+
+
+def test_the_table_has_a_row_for_each_number_and_the_reasons_below() -> None:
+    entry = ENTRIES["earth-chandler"]
+    row = Compared(entry=entry, number=304.45591, seconds=0.0)
+    lines = str(rigid.Validation((row,))).splitlines()
+    assert lines[0].split() == [
+        "name",
+        "published",
+        "here",
+        "difference",
+        "interval",
+        "unit",
+        "verdict",
+    ]
+    assert lines[1].split()[:4] == ["earth-chandler", "435.2", "304.45591", "-1.3e+02"]
+    assert lines[1].endswith("model differs")
+    assert lines[3] == f"earth-chandler: {entry.reason}"
+    formula = Compared(entry=ENTRIES["flip-period"], number=2.0, seconds=0.0).cells()
+    assert float(formula[1]) == pytest.approx(ENTRIES["flip-period"].value)
+    assert rigid.Validation((row,))._repr_html_().count("<tr>") == 2
+
+
+def test_an_unknown_number_is_refused() -> None:
+    with pytest.raises(ValueError, match="names = 'toutatis': must be one of 'toutatis-rotation'"):
+        rigid.validation("toutatis")

@@ -1,0 +1,149 @@
+"""Results as Datasets and as tidy tables: names, axes, and the bits of every number."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import rigid
+
+TOP = rigid.HeavyTop(rigid.Body((1.0, 1.6, 0.7)), mgl=1.2, com=(0.6, 0.0, 0.8))
+STARTS, ATTITUDE = [[0.3, 0.4, 1.0], [0.1, -0.4, 2.0], [1.0, 0.2, 0.3]], [0.9, 0.3, 0.2, 0.1]
+
+
+def table(path: Path) -> Mapping[str, Any]:
+    """The columns of a table, as texts or, where all are numbers, as numbers."""
+    with path.open(newline="", encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    columns = {name: np.array([row[name] for row in rows]) for name in rows[0]}
+    words = ("verdict", "grazing", "start")
+    return {name: c if name in words else c.astype(float) for name, c in columns.items()}
+
+
+def test_a_run_is_a_row_for_each_body_and_time(tmp_path: Path) -> None:
+    t = np.linspace(0.0, 3.0, 7)
+    run = rigid.simulate(TOP, STARTS, ATTITUDE, t=t)
+    found = table(run.to_csv(tmp_path / "run.csv"))
+    assert run.attitude is not None
+    assert run.gamma is not None
+    np.testing.assert_array_equal(found["body"], np.repeat([0, 1, 2], 7))
+    np.testing.assert_array_equal(found["t"], np.tile(t, 3))
+    np.testing.assert_array_equal(found["omega2"], run.omega[..., 1].ravel())
+    np.testing.assert_array_equal(found["gamma3"], run.gamma[..., 2].ravel())
+    np.testing.assert_array_equal(found["w"], run.attitude[..., 0].ravel())
+    alone = rigid.simulate(TOP, STARTS[0], ATTITUDE, t=t, record="rates")
+    found = table(alone.to_csv(tmp_path / "alone.csv"))
+    assert list(found) == ["t", "omega1", "omega2", "omega3"]
+    np.testing.assert_array_equal(found["omega3"], alone.omega[:, 2])
+
+
+def test_bodies_of_two_axes_have_two_indices(tmp_path: Path) -> None:
+    run = rigid.simulate(TOP, np.ones((2, 3, 3)), ATTITUDE, t=[1.0, 2.0])
+    found = table(run.to_csv(tmp_path / "run.csv"))
+    np.testing.assert_array_equal(found["body"], np.repeat([0, 1], 6))
+    np.testing.assert_array_equal(found["body1"], np.tile(np.repeat([0, 1, 2], 2), 2))
+
+
+def test_more_rows_than_are_written_at_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    run = rigid.simulate(TOP, STARTS, ATTITUDE, t=np.linspace(0.0, 3.0, 7))
+    whole = run.to_csv(tmp_path / "whole.csv").read_bytes()
+    monkeypatch.setattr("rigid.solve.tidy.ROWS", 4)
+    assert run.to_csv(tmp_path / "parts.csv").read_bytes() == whole
+    assert whole.count(b"\r\n") == 22
+
+
+def test_points_are_rows_and_a_dataset() -> None:
+    points = rigid.poincare(TOP, STARTS, ATTITUDE, t_end=20.0)
+    data = points.to_xarray()
+    assert data.sizes == {"point": len(points), "axis": 3, "part": 4, "motion": 3}
+    np.testing.assert_array_equal(data.gamma.sel(axis=1), points.gamma[:, 0])
+    np.testing.assert_array_equal(data.attitude.sel(part="w"), points.attitude[:, 0])
+    np.testing.assert_array_equal(data.complete, points.complete)
+    assert data.omega.units == "rad/s"
+
+
+def test_points_are_rows_of_a_table(tmp_path: Path) -> None:
+    points = rigid.poincare(TOP, STARTS, ATTITUDE, t_end=20.0)
+    found = table(points.to_csv(tmp_path / "points.csv"))
+    for name, column in (
+        ("body", points.body),
+        ("t", points.t),
+        ("gamma2", points.gamma[:, 1]),
+        ("z", points.attitude[:, 3]),
+        ("direction", points.direction),
+        ("error", points.error),
+    ):
+        np.testing.assert_array_equal(found[name], column)
+    assert set(found["grazing"]) == {"False"}
+
+
+@pytest.fixture(scope="module")
+def growth() -> rigid.Growth:
+    return rigid.lyapunov(TOP, STARTS, ATTITUDE, t=np.linspace(10.0, 100.0, 10), exponents=3)
+
+
+def test_growth_is_a_dataset(growth: rigid.Growth) -> None:
+    data = growth.to_xarray()
+    assert data.sizes == {"body": 3, "t": 10, "exponent": 3, "order": 2}
+    assert data.order.values.tolist() == [2, 3]
+    assert growth.gali is not None
+    np.testing.assert_array_equal(data.gali.sel(order=3), growth.gali[..., 1])
+    np.testing.assert_array_equal(data.log_growth.sel(t=100.0), growth.log_growth[:, -1])
+    assert data.spectrum.units == "1/s"
+
+
+def test_growth_is_kept_in_a_file_and_in_a_table(growth: rigid.Growth, tmp_path: Path) -> None:
+    with np.load(growth.save(tmp_path / "growth.npz")) as kept:
+        np.testing.assert_array_equal(kept["spectrum"], growth.spectrum)
+        np.testing.assert_array_equal(kept["verdict"], growth.verdict)
+        np.testing.assert_array_equal(kept["t"], growth.t)
+        assert '"exponents": 3' in str(kept["spec"])
+    found = table(growth.to_csv(tmp_path / "growth.csv"))
+    assert growth.sali is not None
+    assert growth.gali is not None
+    np.testing.assert_array_equal(found["mean_megno"], growth.mean_megno.ravel())
+    np.testing.assert_array_equal(found["exponent3"], growth.spectrum[..., 2].ravel())
+    np.testing.assert_array_equal(found["sali"], growth.sali.ravel())
+    np.testing.assert_array_equal(found["gali2"], growth.gali[..., 0].ravel())
+    np.testing.assert_array_equal(found["verdict"], np.repeat(growth.verdict, 10))
+
+
+def test_growth_is_drawn_over_the_time(growth: rigid.Growth) -> None:
+    ax = growth.plot("fli")
+    assert ax.get_ylabel() == "FLI"
+    assert len(ax.lines) == 3
+    np.testing.assert_array_equal(ax.lines[1].get_ydata(), growth.fli[1])
+    assert growth.plot().get_xscale() == "log"
+    alone = rigid.lyapunov(TOP, STARTS[0], ATTITUDE, t=[10.0, 20.0], check=False)
+    assert len(alone.plot("megno").lines) == 1
+    with pytest.raises(ValueError, match=r"what = 'sali': .*exponents=2"):
+        alone.plot("sali")
+    with pytest.raises(ValueError, match="what = 'lce': must be one of 'exponent'"):
+        growth.plot("lce")
+
+
+def test_a_map_is_a_row_for_each_pixel(tmp_path: Path) -> None:
+    result = rigid.stability_map(
+        rigid.FreeBody,
+        axes={"I2/I1": [1.2, 1.8, 1.9], "spin": [1.0, 2.0]},
+        samples=4,
+        t_end=50.0,
+        stable=rigid.no_flip(),
+        measure=rigid.flips(2),
+        rng=2026,
+        progress=False,
+    )
+    found = table(result.to_csv(tmp_path / "map.csv"))
+    np.testing.assert_array_equal(found["I2/I1"], np.tile([1.2, 1.8, 1.9], 2))
+    np.testing.assert_array_equal(found["spin"], np.repeat([1.0, 2.0], 3))
+    np.testing.assert_array_equal(found["share"], result.share.ravel())
+    np.testing.assert_array_equal(found["stable"], result.stable.ravel())
+    (name,) = result.measures
+    np.testing.assert_array_equal(found[f"mean of {name}"], result.measures[name].mean.ravel())
