@@ -69,7 +69,7 @@ def _slopes(scene: Scene) -> Callable[[float, Any], list[float]]:
             distance = sqrt(sum(part * part for part in place))
             o = [sum(rows[i][k] * place[i] for i in range(3)) for k in range(3)]
             side = _cross(o, [moments[k] * o[k] for k in range(3)])
-            pull = [3.0 * orbit.rate**2 / distance**5 * part for part in side]
+            pull = [3.0 * float(orbit.rate) ** 2 / distance**5 * part for part in side]
         change = []
         for k in range(3):
             pushed = body[k] + pull[k] + sum(rows[i][k] * space[i] for i in range(3))

@@ -216,5 +216,6 @@ def place_on_orbit(orbit: rigid.Orbit, t: float) -> NDArray[np.float64]:
     mean, e = float(orbit.rate) * t + float(orbit.anomaly), float(orbit.eccentricity)
     anomaly = brentq(lambda at: at - e * np.sin(at) - mean, mean - 1.0, mean + 1.0, xtol=1e-15)
     across = np.cross(orbit.normal, orbit.periapsis) * np.sqrt(1.0 - e**2)
-    place: NDArray[np.float64] = (np.cos(anomaly) - e) * np.array(orbit.periapsis)
-    return place + np.sin(anomaly) * across
+    along = (np.cos(anomaly) - e) * np.array(orbit.periapsis)
+    place: NDArray[np.float64] = along + np.sin(anomaly) * across
+    return place

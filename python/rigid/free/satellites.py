@@ -140,7 +140,7 @@ def jacobi_integral(
         )
     rates, turned, times = vectors("omega", omega), attitudes(attitude), shaped("t", t)
     moments = np.asarray(scene.body.moments)
-    o, normal = radial(orbit, turned, times), to_body(turned, orbit.normal)
+    o, normal = radial(orbit, turned, times), to_body(turned, np.asarray(orbit.normal))
     momentum = moments * rates + (0.0 if scene.rotor is None else np.asarray(scene.rotor))
     twice = np.sum(moments * (rates**2 + 3.0 * orbit.rate**2 * o**2), axis=-1)
     energy: Floats = 0.5 * twice - orbit.rate * np.sum(normal * momentum, axis=-1)

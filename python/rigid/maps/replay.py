@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from .. import _core
 from .._checks.arguments import brief, sorted_times
 from ..drawing.figure import html_text, html_with_picture
-from ..model.criteria import Regular
+from ..model.criteria import Regular, norm_of
 from ..model.criterion import Criterion
 from ..model.judged import Custom
 from ..solve.growth import Growth
@@ -277,7 +277,7 @@ def _growth(
         spec.grid.scene_of(pixel),
         replace(batch, shape=()),
         times,
-        of=spec.stable.of,
+        of=norm_of(spec.stable.of, spec.scene),
         method=record["method"] if taken else SECOND,
         step=step if taken else None,
         max_steps=spec.max_steps,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,7 +30,7 @@ _OF_BODY: dict[str, tuple[int, ...]] = {
 }
 """The numbers that a parameter of any scene adds one to."""
 
-_OF_FORCE: dict[str, tuple[str, tuple[int, ...]]] = {
+_OF_FORCE: Mapping[str, tuple[str, tuple[int, ...]]] = {
     f"{force}{axis or ''}": (force, (axis - 1,) if axis else (0, 1, 2))
     for force in ("rotor", "dissipation", "drag")
     for axis in range(4)
@@ -102,7 +102,7 @@ def parameter_changes(
             first = _PLACES[force]
             changes[:, column, [first + k for k in own_numbers]] = 1.0
             if name == "eccentricity":  # The second semi-axis, sqrt(1 - e²) long, changes too.
-                numbers = in_rows(scene.further_numbers()[force], bodies.shape)
+                numbers = in_rows(np.asarray(scene.further_numbers()[force]), bodies.shape)
                 e = numbers[:, 1:2]
                 changes[:, column, first + 6 : first + 9] = -e / (1.0 - e * e) * numbers[:, 6:]
             if FORCES[force].has_mass:
