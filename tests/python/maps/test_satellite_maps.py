@@ -211,3 +211,33 @@ def test_the_vertical_of_a_satellite_is_the_normal_of_its_orbit(
         # The same motion by the same steps, but for the order of sums.
         (one,), (same,) = (list(result.measures.values()) for result in (first, other))
         np.testing.assert_allclose(same.largest, one.largest, rtol=1e-9)
+
+
+@pytest.mark.parametrize("method", ["rk4", "dop853", "taylor12", "taylor16"])
+def test_an_orbit_alone_moves_bodies_to_the_bit_as_beside_another_force(method: str) -> None:
+    # A wheel whose momentum is lost in every sum needs the variables of all further forces.
+    orbit = rigid.Orbit(1.0, 0.3, 0.7, normal=(0.0, 0.6, 0.8))
+    maps = [
+        rigid.stability_map(
+            rigid.FreeBody(rigid.Body((0.9, 1.2, 1.4)), orbit=orbit, rotor=rotor),
+            axes={"t_end": [20.0]},
+            start=rigid.Start(omega=(0.3, 0.2, 1.0), noise=rigid.normal(0.1)),
+            stable=rigid.no_flip(3),
+            measure=[rigid.mean_rate(axis=1), rigid.largest_tilt(axis=3, reference="vertical")],
+            samples=64,
+            check=0.0,
+            method=method,
+            progress=False,
+            rng=1,
+        )
+        for rotor in (None, (1e-300, 0.0, 0.0))
+    ]
+    alone, beside = maps
+    for name in ("stable", "unstable", "steps"):
+        np.testing.assert_array_equal(getattr(alone, name), getattr(beside, name))
+    for one, other in zip(alone.measures.values(), beside.measures.values(), strict=True):
+        assert one.largest.tobytes() == other.largest.tobytes()
+        assert one.mean.tobytes() == other.mean.tobytes()
+    # On an ellipse nothing is constant that is integrated alone.
+    assert np.isnan(alone.energy_drift).all()
+    assert (beside.energy_drift < 1e-4).all()
