@@ -205,6 +205,8 @@ def nominal_starts(
         attitude, rates_tilt = tilted_attitude(start.axis, pixels.tilt), upright
     else:
         attitude, rates_tilt = tilted_attitude(3, upright), pixels.tilt
+    if start.attitude is not None:
+        attitude = np.tile(start.attitude, (count, 1))
     omega = pixels.omega
     if start.omega is None:
         omega = tilted_rates(pixels.spin, start.axis, rates_tilt)

@@ -267,6 +267,8 @@ def _needs_spin(_scene: Scene, start: Start) -> str:
 
 
 def _needs_spin_or_attitude(scene: Scene, start: Start) -> str:
+    if start.attitude is not None:
+        return "the attitude of the start is given; use Start(tilt=...)"
     if start.spin is None and not scene.directions:
         return "the start is given by omega; use Start(spin=...)"
     return ""

@@ -179,6 +179,7 @@ def on_orbit(spec: MapSpec) -> Predicted | None:
         or orbit != Orbit(orbit.rate, anomaly=orbit.anomaly)
         or stable.reference != "vertical"
         or stable.axis != 3
+        or start.attitude is not None
         or start.attitude_noise is not None
         or noise is None
         or not noise.is_plain_normal

@@ -360,6 +360,7 @@ def _symmetric_top(spec: MapSpec) -> Theory | None:
         stable.reference != "vertical"
         or stable.axis != axis
         or tuple(along) != tuple(scene.com)
+        or start.attitude is not None
         or start.noise is not None
         or (noise is not None and not noise.is_plain_normal)
     ):
@@ -404,6 +405,7 @@ def _falling_top(spec: MapSpec) -> Theory | None:
         or stable.reference != "vertical"
         or stable.axis != start.axis
         or tuple(scene.com) != tuple(np.eye(3)[start.axis - 1])
+        or start.attitude is not None
         or start.noise is not None
         or noise is None
         or not noise.is_plain_normal
