@@ -51,10 +51,14 @@ class PixelValues:
     com_tilt, com_turn : ndarray, shape (P, 2)
         Cosine and sine of the angle from axis 3 to the centre of mass, and of its azimuth from
         axis 1 towards axis 2.
+    shape : ndarray, shape (P, 2)
+        ``a/b`` and ``c/b`` of the homogeneous ellipsoid with these moments; NaN if there is none.
     damping : ndarray, shape (P, 3, 3)
         Damping in the principal axes, N m s.
     torque : ndarray, shape (P, 3)
         Constant torque in the body, N m.
+    further : dict of str to ndarray
+        The numbers of further forces, such as ``rotor``, that act or that an axis has set.
     spin, tilt : ndarray, shape (P,)
         Rate about the axis of the start (rad/s) and angle to it (rad).
     omega : ndarray, shape (P, 3)
@@ -66,12 +70,14 @@ class PixelValues:
     moments: Floats
     sides: Floats
     mass: Floats
+    shape: Floats
     own: dict[str, Floats]
     com: Floats
     com_tilt: Floats
     com_turn: Floats
     damping: Floats
     torque: Floats
+    further: dict[str, Floats]
     spin: Floats
     tilt: Floats
     omega: Floats
@@ -105,6 +111,8 @@ class Parameter:
     sets, reads : str or None
         The moment or number of the scene that the parameter sets, if it has another name, and the
         moment that it needs: it is applied after the parameter that sets what it reads.
+    force : str or None
+        The name of the further force whose numbers the parameter sets.
     describes : str or None
         What the parameter is one of, such as ``"moments"``; some kinds exclude each other.
     of_run : bool
@@ -122,6 +130,7 @@ class Parameter:
     why_not: WhyNot = _anywhere
     sets: str | None = None
     reads: str | None = None
+    force: str | None = None
     describes: str | None = None
     lowest: float = -np.inf
     highest: float = np.inf
@@ -133,6 +142,8 @@ class Parameter:
         """The rule for the values."""
         if self.highest < np.inf:
             return f"must lie in [{self.lowest:.6g}, {self.highest:.6g}]"
+        if self.lowest > 0.0:
+            return f"must be at least {self.lowest:g}"
         return "must be positive" if self.open_end else "must not be negative"
 
     def rejects(self, values: Floats) -> NDArray[np.bool_]:
@@ -207,6 +218,29 @@ def _box(apply_to_box: Apply) -> Apply:
     return apply
 
 
+def _shape(index: int, power: int) -> Apply:
+    """Set ``a/b``, or the inverse of ``b/c``, of an ellipsoid; the largest moment stays."""
+
+    def apply(pixels: PixelValues, values: Floats) -> None:
+        pixels.shape[:, index] = values**power
+        a, c = pixels.shape.T
+        long, short, largest = a * a, c * c, pixels.moments[:, 2].copy()
+        pixels.moments[:, 0] = largest * (1.0 + short) / (1.0 + long)
+        pixels.moments[:, 1] = largest * (long + short) / (1.0 + long)
+
+    return apply
+
+
+def _further(name: str, *index: int) -> Apply:
+    """Set one number of a further force, or all of them."""
+
+    def apply(pixels: PixelValues, values: Floats) -> None:
+        numbers = pixels.further.setdefault(name, np.zeros((len(values), 3)))
+        numbers[:, *(index or (slice(None),))] = values if index else values[:, np.newaxis]
+
+    return apply
+
+
 def _ratio(i: int, j: int) -> Apply:
     """Set moment ``i`` to a multiple of moment ``j``."""
 
@@ -238,6 +272,12 @@ _ATTITUDE_UNFELT = "the attitude of a free body without a torque in space has no
 def _needs_box(scene: Scene, _start: Start) -> str:
     if scene.body.sides is None:
         return "the sides of the body are not known; make it with Body.box(a, b, c)"
+    return ""
+
+
+def _needs_free_body(scene: Scene, _start: Start) -> str:
+    if scene.directions:
+        return f"a {scene.title} has none; use a FreeBody"
     return ""
 
 
@@ -390,6 +430,18 @@ PARAMETERS: Mapping[str, Parameter] = {
         lowest=0.0,
         open_end=True,
     ),
+    **{
+        name: Parameter(
+            f"${name}$",
+            "1",
+            "ratio of the semi-axes a ≥ b ≥ c, along axes 1, 2, 3, of the homogeneous ellipsoid "
+            "with these moments; I3 stays",
+            _shape(index, power),
+            describes="semi-axes",
+            lowest=1.0,
+        )
+        for name, index, power in (("a/b", 0, 1), ("b/c", 1, -1))
+    },
     "mgl": Parameter(
         "$mgl$",
         "J",
@@ -455,6 +507,27 @@ PARAMETERS: Mapping[str, Parameter] = {
         )
         for k in (1, 2, 3)
     },
+    **{
+        f"rotor{k}": Parameter(
+            f"$h_{k}$",
+            "kg m²/s",
+            f"angular momentum of the rotor about body axis {k}",
+            _further("rotor", k - 1),
+            _needs_free_body,
+            sets="rotor",
+            force="rotor",
+        )
+        for k in (1, 2, 3)
+    },
+    "dissipation": Parameter(
+        "$P$",
+        "kg m² s",
+        "coefficient of the energy sink, the same along all axes",
+        _further("dissipation"),
+        _needs_free_body,
+        force="dissipation",
+        lowest=0.0,
+    ),
     "spin": Parameter(
         "spin", "rad/s", "rate about the axis of the start", _whole("spin"), _needs_spin
     ),
@@ -556,6 +629,8 @@ MOST_AXES = 32
 
 EXCLUSIVE = (
     ("box", "moments", "the moments of a box follow from its sides"),
+    ("semi-axes", "moments", "the moments of an ellipsoid follow from its semi-axes"),
+    ("semi-axes", "box", "both say which shape the body has"),
     ("com angle", "com component", "both say where the centre of mass is"),
     ("noise", "noise component", "both say how large the noise is"),
     ("attitude noise", "attitude noise component", "both say how large the noise is"),

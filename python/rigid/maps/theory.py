@@ -120,7 +120,7 @@ def predict(spec: MapSpec) -> Theory | None:
         return _of_parts(spec)
     with np.errstate(all="ignore"):  # impossible and degenerate pixels end as NaN
         predictors = [_free_no_flip, _symmetric_top, _falling_top, _satellite]
-        if spec.own is not None or spec.grid.torque is not None:
+        if spec.own is not None or spec.grid.torque is not None or spec.grid.further:
             # The others read the scene of all pixels.
             predictors = [_free_no_flip]
         known = (predictor(spec) for predictor in predictors)
