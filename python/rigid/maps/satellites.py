@@ -9,7 +9,8 @@ Free body with an energy sink, spinning about its axis of the smallest moment, *
     to the axis that the noise begins beside it; then it falls.
 
 Satellite at rest on a circular orbit, criterion *tilt of the pitch axis from the normal*
-    Roll and yaw are linear for small noise, with the equations of :func:`rigid.free.libration`.
+    Axis 1 (roll) lies along the motion, axis 2 (pitch) along the normal, axis 3 (yaw) along the
+    line from the planet, as in :func:`rigid.free.libration`. Roll and yaw are linear for small noise, with the equations of :func:`rigid.free.libration`.
     Where they are stable no motion exceeds the noise times the condition of the eigenvectors;
     where they are not, nearly every motion grows at the largest exponent. No prediction is made
     between, and where rest is unstable in pitch.
@@ -38,6 +39,9 @@ __all__ = ["flat_spin", "on_orbit", "time_to_separatrix"]
 Floats = NDArray[np.float64]
 Predicted: TypeAlias = tuple[str, Floats, dict[str, Floats]]
 """Label, share of each pixel, and the lines where a number of each pixel is zero."""
+
+AT_REST = (0.5, 0.5, 0.5, 0.5)
+"""The attitude of a body whose axes 1, 2, 3 lie along axes 2, 3, 1 of space."""
 
 NORMAL_REACH = 4.0
 """Largest deviation of normal noise that is considered, in standard deviations (all but 6e-5)."""
@@ -178,15 +182,15 @@ def on_orbit(spec: MapSpec) -> Predicted | None:
         or scene.torque is not None
         or orbit != Orbit(orbit.rate, anomaly=orbit.anomaly)
         or stable.reference != "vertical"
-        or stable.axis != 3
-        or start.attitude is not None
+        or stable.axis != 2
+        or start.attitude != AT_REST
         or start.attitude_noise is not None
         or noise is None
         or not noise.is_plain_normal
     ):
         return None
-    at_rest = np.all(grid.omega == (0.0, 0.0, orbit.rate), axis=1) & possible(grid.moments)
-    yaw, roll, pitch = grid.moments.T
+    at_rest = np.all(grid.omega == (0.0, orbit.rate, 0.0), axis=1) & possible(grid.moments)
+    roll, pitch, yaw = grid.moments.T
     k1, k3 = (pitch - yaw) / roll, (pitch - roll) / yaw
     # Roll a and yaw c, the time in units of the orbit: a'' = -4 k1 a + (1 - k1) c' and
     # c'' = -k3 c - (1 - k3) a'.
