@@ -52,8 +52,9 @@ def libration(body: BodyLike, rate: ArrayLike) -> Libration:
     """Libration of a satellite whose axes lie along the orbit: roll, pitch and yaw.
 
     At rest axis 1 (roll) lies along the motion, axis 2 (pitch) along the normal of the orbit, axis
-    3 (yaw) along the line from the planet: the convention of the glossary. With ``k1 = (I2 - I3)/I1`` and ``k3 = (I2 - I1)/I3`` the squares of the
-    frequencies of roll and yaw, over that of the orbit, are the roots of
+    3 (yaw) along the line from the planet: the convention of the glossary. With
+    ``k1 = (I2 - I3)/I1`` and ``k3 = (I2 - I1)/I3`` the squares of the frequencies of roll and yaw,
+    over that of the orbit, are the roots of
     ``x² - (1 + 3 k1 + k1 k3) x + 4 k1 k3`` (Hughes, *Spacecraft Attitude Dynamics*, 1986, § 9.2;
     DeBra and Delp, *J. Astronaut. Sci.* 8 (1961) 14-17).
 

@@ -10,10 +10,10 @@ Free body with an energy sink, spinning about its axis of the smallest moment, *
 
 Satellite at rest on a circular orbit, criterion *tilt of the pitch axis from the normal*
     Axis 1 (roll) lies along the motion, axis 2 (pitch) along the normal, axis 3 (yaw) along the
-    line from the planet, as in :func:`rigid.free.libration`. Roll and yaw are linear for small noise, with the equations of :func:`rigid.free.libration`.
-    Where they are stable no motion exceeds the noise times the condition of the eigenvectors;
-    where they are not, nearly every motion grows at the largest exponent. No prediction is made
-    between, and where rest is unstable in pitch.
+    line from the planet. Roll and yaw are linear for small noise, with the equations of
+    :func:`rigid.free.libration`. Where they are stable no motion exceeds the noise times the
+    condition of the eigenvectors; where they are not, nearly every motion grows at the largest
+    exponent. No prediction is made between, and where rest is unstable in pitch.
 
 Hughes, *Spacecraft Attitude Dynamics*, §§ 5.5, 9.2; DeBra and Delp, *J. Astronaut. Sci.* 8 (1961)
 14-17.

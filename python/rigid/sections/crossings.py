@@ -85,7 +85,7 @@ class Crossings:
         1 where the motion rises through the surface, -1 where it falls, 0 where it touches it.
     slope : ndarray, shape (p,)
         Rate of what is zero on the surface; of ``"height"`` the second derivative of the height of
-        the centre of mass (1/s²), in units of its distance from the fixed point.
+        the centre of mass (1/s²), in units of its distance from the fixed point. 1 at equal times.
     body : ndarray of int, shape (p,)
         Index of the body, in the flat order of all.
     grazing : ndarray of bool, shape (p,)
@@ -93,7 +93,8 @@ class Crossings:
         rates, that rounding may decide whether it crosses. They are kept whatever their direction.
     error : ndarray, shape (p,)
         Estimated error of ``t`` (s): three times what a second run, with a method of another order,
-        makes of the surface, the largest until then, and rounding, over the slope. NaN without that
+        makes of the surface, the largest until then, and rounding, over the slope. Of states at
+        equal times their error as in :attr:`Run.error`, the largest of the body. NaN without that
         run.
     complete : ndarray of bool, shape (n,)
         Whether every crossing until ``end`` is among the points and no other: the body was run, no
@@ -113,7 +114,7 @@ class Crossings:
     steps : ndarray of uint64, shape (n,)
         Steps taken.
     section : Section
-        The surface.
+        The surface, or the equal times.
     plan : Plan
         The method and the reasons.
     spec : dict
