@@ -232,8 +232,8 @@ def _at_times(run: Run, section: Section, asked: dict[str, Any]) -> Crossings:
     shape = np.shape(run.status)
     omega = np.reshape(run.omega, (run.status.size, len(run.t), 3))
     # Those that a body did not reach are no points.
-    reached: NDArray[np.bool_] = np.isfinite(omega).all(axis=2)
-    whole: NDArray[np.bool_] = reached.all(axis=1)
+    reached = np.asarray(np.isfinite(omega).all(axis=2))
+    whole = np.asarray(reached.all(axis=1))
     body, at = np.nonzero(reached)
     attitude = np.reshape(np.asarray(run.attitude), (*reached.shape, 4))[reached]
     attitude = np.where(attitude[:, :1] < 0.0, -attitude, attitude)
