@@ -31,6 +31,7 @@ from .._moments import possible
 from ..model.criteria import NoFlip, TiltBelow
 from ..model.orbit import Orbit
 from ..model.scene import FreeBody
+from ..rotations import quaternion_to_matrix
 from ..solve.energy_loss import mean_loss
 from .spec import MapSpec
 
@@ -39,9 +40,6 @@ __all__ = ["flat_spin", "on_orbit", "time_to_separatrix"]
 Floats = NDArray[np.float64]
 Predicted: TypeAlias = tuple[str, Floats, dict[str, Floats]]
 """Label, share of each pixel, and the lines where a number of each pixel is zero."""
-
-AT_REST = (0.5, 0.5, 0.5, 0.5)
-"""The attitude of a body whose axes 1, 2, 3 lie along axes 2, 3, 1 of space."""
 
 NORMAL_REACH = 4.0
 """Largest deviation of normal noise that is considered, in standard deviations (all but 6e-5)."""
@@ -167,6 +165,11 @@ def time_to_separatrix(moments: Floats, sink: Floats, spin: Floats, across: Floa
     return time
 
 
+def at_rest_on(orbit: Orbit) -> Floats:
+    """The attitude at ``t = 0`` of a body whose roll, pitch and yaw are zero, as a matrix."""
+    return orbit.frame(0.0)[:, [1, 2, 0]]
+
+
 def on_orbit(spec: MapSpec) -> Predicted | None:
     """Roll and yaw of a satellite at rest on its orbit, None if it is none."""
     scene, stable, start, grid = spec.scene, spec.stable, spec.start.starts[0], spec.grid
@@ -180,10 +183,12 @@ def on_orbit(spec: MapSpec) -> Predicted | None:
         or scene.dissipation is not None
         or grid.damping is not None
         or scene.torque is not None
-        or orbit != Orbit(orbit.rate, anomaly=orbit.anomaly)
+        or orbit.shape
+        or orbit.eccentricity != 0.0
         or stable.reference != "vertical"
         or stable.axis != 2
-        or start.attitude != AT_REST
+        or start.attitude is None
+        or not np.allclose(quaternion_to_matrix(start.attitude), at_rest_on(orbit), atol=1e-12)
         or start.attitude_noise is not None
         or noise is None
         or not noise.is_plain_normal

@@ -155,7 +155,7 @@ def poincare(
             max_steps=max_steps,
             threads=threads,
         )
-        return _at_times(run, at_equal_times(period), {"t_end": end, "count": count})
+        return _at_times(run, scene, at_equal_times(period), {"t_end": end, "count": count})
     surface = _checked_section(section)
     bodies = bodies_of(scene, omega, attitude)
     weight = np.broadcast_to(bodies.weight, (len(bodies), 3))
@@ -216,6 +216,7 @@ def poincare(
         steps=bodies.in_axes(found["steps"]),
         section=surface,
         plan=plan(),
+        orbit=scene.orbit,
         spec={
             "scene": scene.to_dict(),
             "method": chosen,
@@ -227,7 +228,7 @@ def poincare(
     )
 
 
-def _at_times(run: Run, section: Section, asked: dict[str, Any]) -> Crossings:
+def _at_times(run: Run, scene: Scene, section: Section, asked: dict[str, Any]) -> Crossings:
     """The states of a run as the points of a section of equal times."""
     shape = np.shape(run.status)
     omega = np.reshape(run.omega, (run.status.size, len(run.t), 3))
@@ -258,6 +259,7 @@ def _at_times(run: Run, section: Section, asked: dict[str, Any]) -> Crossings:
         steps=run.steps,
         section=section,
         plan=run.plan,
+        orbit=scene.orbit,
         spec={
             **{name: run.spec[name] for name in ("scene", "method", "tolerance")},
             "section": section.to_dict(),

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import rigid
+from planar_moons import MOMENTS, planar
 
 TOP = rigid.HeavyTop(rigid.Body((1.0, 1.6, 0.7)), mgl=1.2, com=(0.6, 0.0, 0.8))
 
@@ -44,6 +45,37 @@ def test_points_are_the_states_of_a_run() -> None:
     np.testing.assert_array_equal(
         rigid.poincare(TOP, starts[0], every=0.7, t_end=7.0, count=3).omega, points.omega[:3]
     )
+
+
+def test_a_moon_at_each_periapsis_is_that_of_its_equation() -> None:
+    """Angle and rate of the long axis, as in figure 2 of Wisdom, Peale and Mignard (1984)."""
+    e, turns = 0.1, 12
+    orbit = rigid.Orbit(1.0, e)
+    moon = rigid.FreeBody(rigid.Body(MOMENTS), orbit=orbit)
+    rates = np.array([0.9, 1.3, 1.5, 2.4])
+    starts = np.stack([0.0 * rates, 0.0 * rates, rates], axis=-1)
+    period = float(orbit.period)
+    end = turns * period
+    points = rigid.poincare(moon, starts, every=period, t_end=end)
+    assert points.complete.all()
+    angle, rate = points.component("angle1"), points.omega[:, 2]
+    for k, start in enumerate(rates):
+        # Angles and rates between times of SciPy, by its own dense polynomial: to 1e-9.
+        t, theta, _ = planar(0.0, start, e, end, count=turns + 1)
+        np.testing.assert_allclose(points.t[points.body == k], t[1:], rtol=1e-15)
+        off = (angle[points.body == k] - theta[1:] + np.pi) % (2.0 * np.pi) - np.pi
+        np.testing.assert_allclose(off, 0.0, atol=1e-7)
+    # The rates by the same equation, as differences of angles a thousandth later.
+    later = np.array([planar(0.0, one, e, end, count=turns * 4000 + 1)[1] for one in rates])
+    step = end / (turns * 4000)
+    each = later[:, 4000::4000], later[:, 3999::4000][:, :turns], later[:, 3998::4000][:, :turns]
+    slopes = (3.0 * each[0] - 4.0 * each[1] + each[2]) / (2.0 * step)
+    np.testing.assert_allclose(rate, slopes.ravel(), atol=1e-5)
+    # An orbit for each body turns the angle of each by its own frame.
+    both = rigid.FreeBody(moon.body, orbit=rigid.Orbit(1.0, [e, e], [0.0, np.pi]))
+    each_own = rigid.poincare(both, starts[0], every=period, t_end=20.0)
+    assert each_own.component("angle1")[:3].tolist() == angle[:3].tolist()
+    assert abs(each_own.component("angle1")[3] - angle[0]) > 0.1
 
 
 def test_a_body_that_was_not_run_is_not_complete(tmp_path: Path) -> None:
