@@ -110,14 +110,21 @@ class NominalStarts:
         none = Torque.body((0.0, 0.0, 0.0))
         alike = scene.further_numbers()
         ends = np.cumsum([12, *(each.shape[1] for each in self.further.values())])
+
+        def varied(row: Floats) -> dict[str, Floats]:
+            """The further numbers of a row, as the scene of a pixel has them."""
+            parts = zip(self.further, np.split(row, ends)[1:-1], strict=True)
+            made = {name: (part, FORCES[name].made(part)) for name, part in parts}
+            return {
+                name: part if value is None else np.asarray(FORCES[name].numbers(value))
+                for name, (part, value) in made.items()
+            }
+
         made = [
             forces_of(
                 self._torque(row[9:12]) or none,
                 checked_damping(row[:9].reshape(3, 3)),
-                further={
-                    **alike,
-                    **dict(zip(self.further, np.split(row, ends)[1:-1], strict=True)),
-                },
+                further={**alike, **varied(row)},
             )
             for row in known
         ]

@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import brief, nearest, numbers
 from .._moments import box_moments
+from ..model.orbit import Orbit
 from ..model.scene import Scene
 from ..model.start import Noise, Start, cos_sin
 
@@ -241,6 +242,19 @@ def _further(name: str, *index: int) -> Apply:
     return apply
 
 
+def _orbit(index: int) -> Apply:
+    """Set eccentricity or mean anomaly of the orbit, of which the second semi-axis follows."""
+
+    def apply(pixels: PixelValues, values: Floats) -> None:
+        numbers = pixels.further["orbit"]
+        known = Orbit.of_numbers(numbers)
+        numbers[:, index] = values
+        changed = Orbit(known.rate, numbers[:, 1], numbers[:, 2], known.normal, known.periapsis)
+        pixels.further["orbit"] = changed.numbers
+
+    return apply
+
+
 def _ratio(i: int, j: int) -> Apply:
     """Set moment ``i`` to a multiple of moment ``j``."""
 
@@ -278,6 +292,12 @@ def _needs_box(scene: Scene, _start: Start) -> str:
 def _needs_free_body(scene: Scene, _start: Start) -> str:
     if scene.directions:
         return f"a {scene.title} has none; use a FreeBody"
+    return ""
+
+
+def _needs_orbit(scene: Scene, _start: Start) -> str:
+    if scene.orbit is None:
+        return "the scene has no orbit; give it orbit=rigid.Orbit(rate)"
     return ""
 
 
@@ -527,6 +547,24 @@ PARAMETERS: Mapping[str, Parameter] = {
         _needs_free_body,
         force="dissipation",
         lowest=0.0,
+    ),
+    "eccentricity": Parameter(
+        "$e$",
+        "1",
+        "eccentricity of the orbit",
+        _orbit(1),
+        _needs_orbit,
+        force="orbit",
+        lowest=0.0,
+        highest=0.95,
+    ),
+    "anomaly": Parameter(
+        "$M_0$",
+        "rad",
+        "mean anomaly of the orbit at t = 0",
+        _orbit(2),
+        _needs_orbit,
+        force="orbit",
     ),
     "spin": Parameter(
         "spin", "rad/s", "rate about the axis of the start", _whole("spin"), _needs_spin

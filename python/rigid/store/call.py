@@ -81,9 +81,9 @@ def stability_map(
         ``attitude_noise3``; ``damping1``, ``damping2``, ``damping3`` (N m s): damping of the rates
         about the axes; ``kappa``, ``attitude_kappa``: concentration of the directions of
         :func:`von_mises_fisher`; ``torque1``, ``torque2``, ``torque3`` (N m): constant torque about
-        them; ``rotor1``, ``rotor2``, ``rotor3`` and ``dissipation``; ``limit``: the angle of the
-        criterion; ``t_end``: the horizon. All horizons and limits
-        see the same bodies, each by a run of its own.
+        them; ``rotor1``, ``rotor2``, ``rotor3`` and ``dissipation``; ``eccentricity``, ``anomaly``
+        of the orbit; ``limit``: the angle of the criterion; ``t_end``: the horizon. All horizons
+        and limits see the same bodies, each by a run of its own.
     samples : int
         Bodies per pixel; or give ``half_width``. One of them is required, as ``axes``, ``t_end``
         and ``stable`` are, unless ``scene`` is a specification.
@@ -91,8 +91,9 @@ def stability_map(
         Horizon in s: *stable* means stable until then. By default that of :func:`judged`.
     stable : Criterion
         The criterion: :func:`no_flip`, :func:`tilt_below`, :func:`tilt_between`,
-        :func:`rate_within`, :func:`near_start`, :func:`returns`, :func:`spin_above`, joined by
-        ``&``, ``|`` and ``~`` or alone, or :func:`regular`; or :func:`judged` by a function.
+        :func:`rate_within`, :func:`near_start`, :func:`returns`, :func:`spin_above`,
+        :func:`pointing_within`, :func:`librates`, joined by ``&``, ``|`` and ``~`` or alone, or
+        :func:`regular`; or :func:`judged` by a function.
     start : Start or Mixture, optional
         By default a free body spins at 1 rad/s about the axis of its middle moment with
         ``noise=normal(1e-3)``, and a top at 5 rad/s about axis 3 with
@@ -134,7 +135,8 @@ def stability_map(
         For plots and files.
     measure : Measure or sequence of Measure, optional
         Numbers to collect of each body besides its class: :func:`time_to_leave`, :func:`flips`,
-        :func:`largest_tilt`, :func:`mean_rate`, :func:`drift`. ``result.measures`` has them.
+        :func:`largest_tilt`, :func:`mean_rate`, :func:`drift`, :func:`libration_amplitude`,
+        :func:`obliquity`, :func:`spin_orbit_ratio`. ``result.measures`` has them.
     partial : bool
         Return the map of what is done after Ctrl-C, instead of raising :class:`Interrupted`:
         the program goes on. ``result.ended`` tells whether all was done.
