@@ -74,7 +74,7 @@ impl Measure {
     }
 
     /// What is observed in a run of its own until the horizon; `None` if the runs that classify tell the value.
-    fn watched(self) -> Option<Criterion> {
+    pub(super) fn watched(self) -> Option<Criterion> {
         match self.quantity {
             Quantity::TimeToLeave | Quantity::Drift => None,
             Quantity::Flips => Some(Criterion::NoFlip),

@@ -371,9 +371,9 @@ impl Observable for Bounds {
                         put(&mut rows, Bounds::AXIS, axis);
                         chord2(&axis, &aimed)
                     }
-                    // Without an orbit no limit is passed, and the motion is not known well enough.
+                    // Without an orbit there is no direction, and no limit is passed.
                     None => {
-                        (rows[Bounds::LIMIT], rows[Bounds::LEAP2]) = (f64::INFINITY, f64::INFINITY);
+                        rows[Bounds::LIMIT] = f64::INFINITY;
                         0.0
                     }
                 }
