@@ -18,6 +18,7 @@ from ..model.forces import FORCES
 from ..model.scene import Scene
 from ..model.start import Noise, Start, tilted_attitude, tilted_rates
 from ..model.torque import Torque, checked_damping, forces_of
+from ..rotations.apply import to_body
 from ..solve.bodies import Bodies
 from .parameters import Axis, PixelValues, in_order
 
@@ -256,10 +257,12 @@ def nominal_starts(
     omega = pixels.omega
     if start.omega is None:
         omega = tilted_rates(pixels.spin, start.axis, rates_tilt)
+    weight = scene.weights(pixels.own, count)
+    omega = _on_surface(pixels, weight, omega, attitude)
     return NominalStarts(
         scene=scene,
         moments=pixels.moments,
-        weight=scene.weights(pixels.own, count),
+        weight=weight,
         own=pixels.own,
         omega=omega,
         omega_size=pixels.omega_size,
@@ -309,10 +312,46 @@ def _without_axes(scene: Scene, start: Start, count: int) -> PixelValues:
         further={force.name: each(force.numbers(value), 1) for force, value in scene.further()},
         spin=each(start.spin or 0.0),
         tilt=each(start.tilt),
+        energy=each(np.nan),
+        l_gamma=each(np.nan),
         omega=each(start.omega or (0.0, 0.0, 0.0), 1),
         omega_size=each(np.broadcast_to(noise, (3,)), 1),
         attitude_size=each(np.broadcast_to(attitude_noise, (3,)), 1),
     )
+
+
+def _on_surface(pixels: PixelValues, weight: Floats, omega: Floats, attitude: Floats) -> Floats:
+    """The rates with the energies and the vertical momenta that the axes set.
+
+    With the momentum the rates are ``l gamma / (gamma·I gamma) + s u``, ``u`` what is left of them
+    without their vertical momentum: both parts are at right angles in the kinetic energy. A pixel
+    without such a start gets moments that no body has.
+    """
+    of_energy, of_momentum = (~np.isnan(part) for part in (pixels.energy, pixels.l_gamma))
+    if not (of_energy.any() or of_momentum.any()):
+        return omega
+    gamma = to_body(attitude, np.array([0.0, 0.0, 1.0]))
+    moments = pixels.moments
+
+    def product(a: Floats, b: Floats) -> Floats:
+        """``a·I b``, in a fixed order."""
+        first, second, third = (moments * a * b).T
+        return np.asarray(first + second + third)
+
+    upright = product(gamma, gamma)
+    momentum = np.where(of_momentum, pixels.l_gamma, 0.0)
+    share = np.where(of_momentum, product(omega, gamma) / upright, 0.0)
+    rest = omega - share[:, np.newaxis] * gamma
+    first, second, third = (weight * gamma).T
+    left = pixels.energy - (first + second + third) - 0.5 * momentum * momentum / upright
+    with np.errstate(divide="ignore", invalid="ignore"):
+        scale = np.where(of_energy, np.sqrt(2.0 * left / product(rest, rest)), 1.0)
+    scale = np.where(of_energy & (left == 0.0), 0.0, scale)
+    none = ~np.isfinite(scale)
+    pixels.moments = np.where(none[:, np.newaxis], np.nan, moments)
+    along = np.where(of_momentum, momentum / upright, 0.0)
+    found = along[:, np.newaxis] * gamma + np.where(none, 0.0, scale)[:, np.newaxis] * rest
+    return np.asarray(found)
 
 
 def _semi_axes(moments: Floats) -> Floats:

@@ -62,6 +62,9 @@ class PixelValues:
         The numbers of further forces, such as ``rotor``, that act or that an axis has set.
     spin, tilt : ndarray, shape (P,)
         Rate about the axis of the start (rad/s) and angle to it (rad).
+    energy, l_gamma : ndarray, shape (P,)
+        Energy (J) and vertical angular momentum (kg m²/s) of the start without noise; NaN if they
+        follow from the rates.
     omega : ndarray, shape (P, 3)
         Rates of a start that is given by its rates (rad/s).
     omega_size, attitude_size : ndarray, shape (P, 3)
@@ -81,6 +84,8 @@ class PixelValues:
     further: dict[str, Floats]
     spin: Floats
     tilt: Floats
+    energy: Floats
+    l_gamma: Floats
     omega: Floats
     omega_size: Floats
     attitude_size: Floats
@@ -298,6 +303,12 @@ def _needs_free_body(scene: Scene, _start: Start) -> str:
 def _needs_orbit(scene: Scene, _start: Start) -> str:
     if scene.orbit is None:
         return "the scene has no orbit; give it orbit=rigid.Orbit(rate)"
+    return ""
+
+
+def _needs_vertical(scene: Scene, _start: Start) -> str:
+    if not scene.directions:
+        return "a free body knows no vertical; use a HeavyTop"
     return ""
 
 
@@ -577,6 +588,20 @@ PARAMETERS: Mapping[str, Parameter] = {
         _needs_spin_or_attitude,
         lowest=-pi,
         highest=pi,
+    ),
+    "energy": Parameter(
+        "energy",
+        "J",
+        "energy of the start without noise; the rates are scaled, with `l_gamma` their other part",
+        _whole("energy"),
+    ),
+    "l_gamma": Parameter(
+        r"$L\cdot\gamma$",
+        "kg m²/s",
+        "vertical angular momentum of the start without noise: the part of the rates along the "
+        "vertical is set",
+        _whole("l_gamma"),
+        _needs_vertical,
     ),
     **{
         f"omega{k}": Parameter(

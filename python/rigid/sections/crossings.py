@@ -176,7 +176,7 @@ class Crossings:
         >>> moon = rigid.FreeBody(rigid.Body((1.0, 1.2, 1.4)), orbit=rigid.Orbit(1.0, 0.05))
         >>> each = rigid.poincare(moon, [0.0, 0.0, 1.01], every=moon.orbit.period, t_end=20.0)
         >>> each.component("angle1").round(3).tolist()
-        [-0.061, -0.015, 0.056]
+        [-0.088, 0.109, -0.048]
         """
         one_of("name", name, LABELS)
         if name == "t":

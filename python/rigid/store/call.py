@@ -74,7 +74,8 @@ def stability_map(
         as ``I2/I1`` (which sets ``I2``); sides ``a``, ``b``, ``c`` and ``mass`` of a box; ``mgl``
         of a top, ``com1``, ``com2``, ``com3``: components towards its centre of mass, of which the
         direction counts, or ``com_tilt``, ``com_turn``: angle of the centre of mass from axis 3,
-        and its azimuth; ``a/b``, ``b/c``: ratios of the semi-axes of an ellipsoid; ``spin``,
+        and its azimuth; ``a/b``, ``b/c``: ratios of the semi-axes of an ellipsoid; ``energy``,
+        ``l_gamma`` of the start without noise; ``spin``,
         ``tilt``, ``omega1``, ``omega2``, ``omega3``; ``noise``,
         ``attitude_noise``: the size of the perturbation that the start names, or of one component:
         ``noise1``, ``noise2``, ``noise3``, ``attitude_noise1``, ``attitude_noise2``,

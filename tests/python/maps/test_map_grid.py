@@ -189,7 +189,7 @@ def test_every_parameter_is_tested_here() -> None:
     tested |= {"kappa", "attitude_kappa"}  # in test_directions.py
     # In test_own_starts.py:
     tested |= {"eccentricity", "anomaly"}  # in test_frame_of_the_orbit.py
-    tested |= {"a/b", "b/c", "dissipation"} | {f"rotor{i}" for i in (1, 2, 3)}
+    tested |= {"a/b", "b/c", "dissipation", "energy", "l_gamma"} | {f"rotor{i}" for i in (1, 2, 3)}
     tested |= {f"I{i}/I{j}" for i in (1, 2, 3) for j in (1, 2, 3) if i != j}
     assert set(PARAMETERS) == tested
 

@@ -170,6 +170,36 @@ def test_a_rotor_keeps_the_middle_axis_from_a_size_on() -> None:
         small_map(rigid.HeavyTop, axes={"rotor1": [0.1]}, stable=rigid.tilt_below(1.0))
 
 
+def test_energy_and_vertical_momentum_are_those_of_their_axes() -> None:
+    axes: dict[str, Any] = {"energy": [0.2, 1.5, 3.0], "l_gamma": [-0.4, 0.0, 0.7]}
+    start = rigid.Start(omega=(0.5, -0.2, 1.0), tilt=0.8)
+    stable = rigid.tilt_below(2.0)
+    both = small_map(TOP, axes=axes, start=start, stable=stable, samples=1)
+    starts = both.starts(0)
+    known = both.status == 0
+    # At rest the energy is mgl cos(0.8) = 0.697: no start has 0.2.
+    np.testing.assert_array_equal(known, [[False, True, True]] * 3)
+    found = rigid.top.heavy_constants(TOP, starts.omega[known], starts.attitude[known])
+    momentum, energy = np.meshgrid(axes["l_gamma"], axes["energy"], indexing="ij")
+    np.testing.assert_allclose(found.energy, energy[known], atol=1e-14)
+    np.testing.assert_allclose(found.p_phi, momentum[known], atol=1e-14)
+    # Alone the energy scales the rates, and the momentum leaves what has none as it is.
+    one = small_map(TOP, axes={"energy": [1.5]}, start=start, stable=stable, samples=1).starts(0)
+    assert rigid.top.heavy_constants(TOP, one.omega, one.attitude).energy[0] == pytest.approx(1.5)
+    np.testing.assert_allclose(np.cross(one.omega[0], [0.5, -0.2, 1.0]), 0.0, atol=1e-15)
+    assert one.omega[0, 0] > 0.0
+    other = small_map(TOP, axes={"l_gamma": [0.7]}, start=start, stable=stable, samples=1).starts(0)
+    assert rigid.top.heavy_constants(TOP, other.omega, other.attitude).p_phi[0] == (
+        pytest.approx(0.7)
+    )
+    gamma = np.array([0.0, np.sin(0.8), np.cos(0.8)])
+    np.testing.assert_allclose(np.cross(other.omega[0] - [0.5, -0.2, 1.0], gamma), 0.0, atol=1e-15)
+    free = small_map(axes={"energy": [0.5, 2.0]}, start=rigid.Start(spin=1.0, axis=2), samples=1)
+    np.testing.assert_allclose(free.starts(0).omega[:, 1], np.sqrt([1.0 / 1.5, 4.0 / 1.5]))
+    with pytest.raises(ValueError, match="'l_gamma' does not apply: a free body knows no vertical"):
+        small_map(axes={"l_gamma": [0.5]})
+
+
 def test_the_flat_spin_comes_sooner_by_a_stronger_sink() -> None:
     """The rate about the axis of the smallest moment changes its sign by the mean loss of energy.
 
