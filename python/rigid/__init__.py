@@ -26,12 +26,29 @@ from .maps.result import StabilityMap, load_map
 from .maps.samples import Outcomes, Starts
 from .maps.spec import MapSpec
 from .model.body import Body
-from .model.bounds import near_start, rate_within, returns, spin_above, tilt_between
+from .model.bounds import (
+    librates,
+    near_start,
+    pointing_within,
+    rate_within,
+    returns,
+    spin_above,
+    tilt_between,
+)
 from .model.criteria import no_flip, regular, tilt_below
 from .model.events import Event, crosses, turns
 from .model.forces import EnergySink
 from .model.judged import States, judged
-from .model.measures import drift, flips, largest_tilt, mean_rate, time_to_leave
+from .model.measures import (
+    drift,
+    flips,
+    largest_tilt,
+    libration_amplitude,
+    mean_rate,
+    obliquity,
+    spin_orbit_ratio,
+    time_to_leave,
+)
 from .model.mixture import Mixture, mixture
 from .model.orbit import Orbit
 from .model.scene import FreeBody, HeavyTop
@@ -156,6 +173,8 @@ __all__ = [
     "inertia",
     "judged",
     "largest_tilt",
+    "librates",
+    "libration_amplitude",
     "load_map",
     "load_run",
     "long_run",
@@ -168,10 +187,12 @@ __all__ = [
     "near_start",
     "no_flip",
     "normal",
+    "obliquity",
     "open_store",
     "particles",
     "plan",
     "poincare",
+    "pointing_within",
     "rate_within",
     "regular",
     "report",
@@ -183,6 +204,7 @@ __all__ = [
     "simulate_chunks",
     "solids",
     "spin_above",
+    "spin_orbit_ratio",
     "springs",
     "stability_map",
     "statics",

@@ -50,8 +50,9 @@ pub struct VariedOrbit<R> {
 }
 
 impl<R: Real> Orbit<R> {
+    /// The mean motion.
     #[inline(always)]
-    fn rate(&self) -> R {
+    pub fn rate(&self) -> R {
         self.0[0]
     }
 
@@ -60,8 +61,9 @@ impl<R: Real> Orbit<R> {
         self.0[1]
     }
 
+    /// The semi-axes of the ellipse in space, over the semi-major axis.
     #[inline(always)]
-    fn semi_axes(&self) -> [[R; 3]; 2] {
+    pub fn semi_axes(&self) -> [[R; 3]; 2] {
         let [.., a1, a2, a3, b1, b2, b3] = self.0;
         [[a1, a2, a3], [b1, b2, b3]]
     }
@@ -91,6 +93,12 @@ impl<R: Real> Orbit<R> {
         let o = self.in_body([(y[own] - self.eccentricity()) * u, y[own + 1] * u], y);
         let cube = u * u * u;
         [o, [o[0] * cube, o[1] * cube, o[2] * cube]]
+    }
+
+    /// The direction from the planet in the body at a state; see `direction`.
+    #[inline(always)]
+    pub fn radial<const D: usize>(&self, y: &[R; D], own: usize) -> [R; 3] {
+        self.direction(y, own)[0]
     }
 
     /// Adds the torque from the products `o2 o3`, `o3 o1`, `o1 o2`, times `u^3`; linear.

@@ -279,6 +279,7 @@ pub fn load(group: &mut Group, lane: usize, compiled: Compiled, assignment: Kern
         limit,
         deviation: &deviation,
         bound: bound.as_ref(),
+        own,
         rates,
         momentum,
         frame: [[y[3], y[4], y[5]], [y[6], y[7], y[8]]],

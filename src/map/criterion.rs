@@ -3,7 +3,7 @@
 
 use super::Rule;
 use crate::error::Error;
-use crate::observe::{Bound, Observed, Quantity};
+use crate::observe::{Bound, Direction, Observed, Quantity};
 use crate::scene::Scene;
 
 /// When a sample counts as stable.
@@ -23,6 +23,8 @@ pub enum Criterion {
     Bounded(Bound),
     /// None: the mean rate about the watched axis is measured.
     MeanRate,
+    /// None: the mean rate about the watched axis over that of the orbit is measured.
+    MeanRateOverMotion,
 }
 
 /// The numbers of a rule, and how many of them a criterion has.
@@ -30,7 +32,7 @@ const RULE: usize = 4;
 
 impl Criterion {
     /// The names that Python knows, and how many numbers each needs: an angle (rad), or those of a rule in their order.
-    const NAMES: [(&'static str, usize); 13] = [
+    const NAMES: [(&'static str, usize); 16] = [
         ("no_flip", 0),
         ("tilt_from_start", 1),
         ("tilt_from_vertical", 1),
@@ -44,6 +46,9 @@ impl Criterion {
         ("momentum_within_space", 1),
         ("near_start", 1),
         ("away_from_start", 2),
+        ("pointing_radial", 2),
+        ("pointing_along", 2),
+        ("pointing_normal", 2),
     ];
 
     /// A criterion that a scalar stays on one side of a limit, from the start on.
@@ -54,6 +59,11 @@ impl Criterion {
     /// A criterion that a vector stays within an angle of its direction at the start.
     fn within(of_momentum: bool, in_space: bool, angle: f64) -> Criterion {
         Criterion::bounded(Quantity::Turn { of_momentum, in_space }, angle, true)
+    }
+
+    /// A criterion that the watched axis, or its opposite, stays within an angle of a direction of the orbit.
+    pub(super) fn pointing(from: Direction, angle: f64, either: bool) -> Criterion {
+        Criterion::bounded(Quantity::Pointing { from, either }, angle, true)
     }
 
     /// The bound that is observed, if one is.
@@ -74,7 +84,8 @@ impl Criterion {
 
     /// Whether the criterion watches a body axis.
     pub(super) fn has_axis(self) -> bool {
-        self.rule().is_none() && self.bound().is_none_or(|bound| bound.quantity == Quantity::Rate)
+        let of_axis = |bound: Bound| matches!(bound.quantity, Quantity::Rate | Quantity::Pointing { .. });
+        self.rule().is_none() && self.bound().is_none_or(of_axis)
     }
 
     /// The largest angle that the watched axis may tilt; infinite if its tilt is not asked for.
@@ -102,19 +113,19 @@ impl Criterion {
             Criterion::TiltFromStart(_) | Criterion::TiltFromVertical(_) => Observed::Tilt,
             Criterion::RegularRates(_) | Criterion::RegularAttitude(_) => Observed::Growth,
             Criterion::Bounded(_) => Observed::Bounds,
-            Criterion::MeanRate => Observed::MeanRate,
+            Criterion::MeanRate | Criterion::MeanRateOverMotion => Observed::MeanRate,
         }
     }
 
     /// How many directions a body of the scene must carry. Where there is weight, the first is the vertical.
     pub(super) fn directions(self, scene: &Scene) -> usize {
         match self {
-            Criterion::NoFlip | Criterion::MeanRate => 0,
+            Criterion::NoFlip | Criterion::MeanRate | Criterion::MeanRateOverMotion => 0,
             Criterion::RegularRates(_) | Criterion::RegularAttitude(_) => 0,
             Criterion::TiltFromStart(_) => 1 + usize::from(scene.has_weight),
             Criterion::TiltFromVertical(_) => 1,
             Criterion::Bounded(bound) => match bound.quantity {
-                Quantity::Turn { in_space: true, .. } | Quantity::Attitude => 2,
+                Quantity::Turn { in_space: true, .. } | Quantity::Attitude | Quantity::Pointing { .. } => 2,
                 _ => 0,
             },
         }
@@ -144,6 +155,15 @@ impl Criterion {
             ("near_start", &[angle]) => Criterion::bounded(Quantity::Attitude, angle, true),
             ("away_from_start", &[limit, after]) => {
                 Criterion::Bounded(Bound { quantity: Quantity::Attitude, limit, below: false, after })
+            }
+            ("pointing_radial", &[angle, either]) => {
+                Criterion::pointing(Direction::Radial, angle, either != 0.0)
+            }
+            ("pointing_along", &[angle, either]) => {
+                Criterion::pointing(Direction::Along, angle, either != 0.0)
+            }
+            ("pointing_normal", &[angle, either]) => {
+                Criterion::pointing(Direction::Normal, angle, either != 0.0)
             }
             _ => return Err(Criterion::unknown(name, limits.len())),
         };

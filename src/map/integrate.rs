@@ -74,7 +74,7 @@ impl Watched<'_> {
     }
 
     /// The outcome of a lane whose sample is finished.
-    fn outcome(group: &Group, lane: usize, observed: Observed, step: f64) -> Outcome {
+    fn outcome(&self, group: &Group, lane: usize, observed: Observed, step: f64) -> Outcome {
         let energy_drift = group.energy.worst.0[lane];
         let momentum_drift = group.momentum.worst.0[lane];
         let unit_drift = group.unit.0[lane];
@@ -82,6 +82,11 @@ impl Watched<'_> {
         let rows = group.observed_in(lane);
         let left = rows[EXIT_TIME];
         let value = observed.outcome(&rows);
+        let tilt = match self.criterion.bound() {
+            Some(bound) => bound.largest_angle(value),
+            None if observed == Observed::Tilt => value,
+            None => f64::NAN,
+        };
         let finite = energy_drift.is_finite() && momentum_drift.is_finite() && unit_drift.is_finite();
         let (class, status) = if !finite {
             (Class::Failed, Status::NotFinite)
@@ -99,7 +104,7 @@ impl Watched<'_> {
             status,
             flips: if observed == Observed::Flips { value as u64 } else { 0 },
             left,
-            tilt: if observed == Observed::Tilt { value } else { f64::NAN },
+            tilt,
             mean_rate: if observed == Observed::MeanRate { value } else { f64::NAN },
             exponent: f64::NAN,
             mean_megno: f64::NAN,
@@ -203,9 +208,13 @@ impl Job for MapJob<'_> {
             return Ok(true);
         }
         let kernel = self.compiled.kernel();
-        let mut outcome = Watched::outcome(&self.group, lane, kernel.observed, task.step);
+        let mut outcome = self.map.outcome(&self.group, lane, kernel.observed, task.step);
         if !kernel.system.has_invariants() {
             (outcome.energy_drift, outcome.momentum_drift) = (f64::NAN, f64::NAN);
+        }
+        if self.map.criterion == Criterion::MeanRateOverMotion {
+            let forces = self.map.forces_of((self.first + task.index as u64) / self.map.samples);
+            outcome.mean_rate /= forces.further.orbit.rate();
         }
         if let Some(course) = &mut task.course {
             if outcome.class != Class::Failed && !course.look(&mut self.group, kernel.system, lane) {

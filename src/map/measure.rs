@@ -5,8 +5,10 @@ use super::statistics::Sample;
 use super::{Class, Criterion, Map, Outcome, Watched};
 use crate::error::Error;
 use crate::memory;
+use crate::observe::Direction;
 use crate::parallel::Interrupt;
 use crate::simd::Isa;
+use std::f64::consts::PI;
 use std::ops::Range;
 
 /// What is measured.
@@ -24,6 +26,12 @@ pub enum Quantity {
     TiltFromVertical,
     /// The mean over the time of the rate about the axis.
     MeanRate,
+    /// The same over the mean motion of the orbit.
+    MeanRateOverMotion,
+    /// The largest angle of the end of the axis that is nearer to the direction from the planet at the start.
+    AngleFromRadial,
+    /// The largest angle of the axis from the normal of the orbit.
+    AngleFromNormal,
 }
 
 /// A measure: a quantity, of a body axis if it has one.
@@ -41,13 +49,16 @@ impl Measure {
     /// # Errors
     /// Naming the known ones, or the axis.
     pub fn parse(name: &str, axis: i32) -> Result<Measure, Error> {
-        const NAMES: [(&str, Quantity); 6] = [
+        const NAMES: [(&str, Quantity); 9] = [
             ("time_to_leave", Quantity::TimeToLeave),
             ("drift", Quantity::Drift),
             ("flips", Quantity::Flips),
             ("tilt_from_start", Quantity::TiltFromStart),
             ("tilt_from_vertical", Quantity::TiltFromVertical),
             ("mean_rate", Quantity::MeanRate),
+            ("mean_rate_over_motion", Quantity::MeanRateOverMotion),
+            ("angle_from_radial", Quantity::AngleFromRadial),
+            ("angle_from_normal", Quantity::AngleFromNormal),
         ];
         let Some((_, quantity)) = NAMES.into_iter().find(|(known, _)| *known == name) else {
             let known = NAMES.map(|(known, _)| known).join(", ");
@@ -63,13 +74,16 @@ impl Measure {
     }
 
     /// What is observed in a run of its own until the horizon; `None` if the runs that classify tell the value.
-    fn watched(self) -> Option<Criterion> {
+    pub(super) fn watched(self) -> Option<Criterion> {
         match self.quantity {
             Quantity::TimeToLeave | Quantity::Drift => None,
             Quantity::Flips => Some(Criterion::NoFlip),
             Quantity::TiltFromStart => Some(Criterion::TiltFromStart(f64::INFINITY)),
             Quantity::TiltFromVertical => Some(Criterion::TiltFromVertical(f64::INFINITY)),
             Quantity::MeanRate => Some(Criterion::MeanRate),
+            Quantity::MeanRateOverMotion => Some(Criterion::MeanRateOverMotion),
+            Quantity::AngleFromRadial => Some(Criterion::pointing(Direction::Radial, PI, true)),
+            Quantity::AngleFromNormal => Some(Criterion::pointing(Direction::Normal, PI, false)),
         }
     }
 
@@ -93,7 +107,8 @@ impl Measure {
             }
             (Quantity::Flips, Some(own)) => own.flips as f64,
             (Quantity::TiltFromStart | Quantity::TiltFromVertical, Some(own)) => own.tilt,
-            (Quantity::MeanRate, Some(own)) => own.mean_rate,
+            (Quantity::AngleFromRadial | Quantity::AngleFromNormal, Some(own)) => own.tilt,
+            (Quantity::MeanRate | Quantity::MeanRateOverMotion, Some(own)) => own.mean_rate,
             _ => f64::NAN,
         }
     }

@@ -184,6 +184,11 @@ impl Map {
                 return refuse("method", format!("'{}'", method.facts.name), rule);
             }
         }
+        let of_measures = self.measures.iter().filter_map(|measure| measure.watched());
+        for criterion in of_measures.filter(|criterion| criterion.bound().is_some()) {
+            let watched = Watched { map: &self, criterion, axis: 0, is_stopped: false };
+            watched.first_method().check_limits()?;
+        }
         if self.is_forced() {
             self.check_forced()?;
         }

@@ -459,7 +459,7 @@ impl Method {
             return Ok(());
         }
         let rule =
-            "observes no limit inside its steps, which this criterion needs: all other methods of maps do";
+            "observes no limit inside its steps, which is needed here: all other methods of maps do";
         Err(Error::Value { argument: "method", value: format!("'{}'", self.facts.name), rule })
     }
 

@@ -2,11 +2,12 @@
 
 use super::dense::hermite_weights;
 use super::{EXIT_TIME, Observable, Rows, Segment, Start, Update, three};
+use crate::forces::{Force, Orbit};
 use crate::kinematics::{cross, direction, direction_rate, dot};
 use crate::method::{Coefficients, Engine, Variables, in_halves};
 use crate::real::{Apart, Real};
 use crate::scene::{Layout, Model, Parameters};
-use crate::special::sincos;
+use crate::special::{atan2, sincos};
 use std::f64::consts::PI;
 use std::marker::PhantomData;
 
@@ -27,6 +28,24 @@ pub enum Quantity {
     },
     /// The angle of the rotation since the start.
     Attitude,
+    /// The angle of the observed axis from a direction of the orbit.
+    Pointing {
+        /// The direction.
+        from: Direction,
+        /// Of the end of the axis that is nearer to the direction at the start.
+        either: bool,
+    },
+}
+
+/// A direction of the frame of an orbit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Direction {
+    /// From the planet to the body.
+    Radial,
+    /// Across it in the plane of the orbit, towards the motion.
+    Along,
+    /// The normal of the orbit.
+    Normal,
 }
 
 /// A limit of a quantity, and the side of it on which the quantity stays.
@@ -50,10 +69,23 @@ impl Bound {
             // No angle is larger.
             Quantity::Turn { .. } | Quantity::Attitude if self.below && self.limit >= PI => f64::INFINITY,
             Quantity::Rate | Quantity::Speed => self.limit,
-            Quantity::Turn { .. } => 4.0 * half * half,
+            Quantity::Pointing { .. } if self.limit >= PI => Bound::NO_CHORD2,
+            Quantity::Turn { .. } | Quantity::Pointing { .. } => 4.0 * half * half,
             Quantity::Attitude => 8.0 * half * half,
         };
         [limit, if self.below { 1.0 } else { -1.0 }]
+    }
+
+    /// More than the square of any distance between two directions.
+    const NO_CHORD2: f64 = 5.0;
+
+    /// The largest angle of the observed axis from its direction, by the smallest margin; NaN of another quantity.
+    pub fn largest_angle(self, margin: f64) -> f64 {
+        if !matches!(self.quantity, Quantity::Pointing { .. }) {
+            return f64::NAN;
+        }
+        let chord2 = self.of_scalar()[0] - margin;
+        2.0 * atan2(chord2.max(0.0).sqrt(), (4.0 - chord2).max(0.0).sqrt())
     }
 }
 
@@ -79,8 +111,13 @@ impl Bounds {
     const MOMENTUM: usize = 7;
     /// The observed axis, the direction at the start in the body, or the vertical at the start.
     const AXIS: usize = 8;
-    /// The direction at the start in space, or space axis 1 at the start in the body.
+    /// The direction at the start in space, or space axis 1 at the start in the body; of an orbit the normal, or the first
+    /// of the two semi-axes from which the direction follows.
     const SPACE: usize = 11;
+    /// The second semi-axis.
+    const SECOND: usize = 14;
+    /// Eccentricity and rate of the orbit.
+    const ORBIT: usize = 17;
 
     /// The largest `LEAP2` of a motion that is known well enough: a leap of 1 rad.
     const MOST_LEAP2: f64 = 0.9193953882637205;
@@ -90,6 +127,8 @@ impl Bounds {
     const IN_BODY: f64 = 2.0;
     const IN_SPACE: f64 = 3.0;
     const ATTITUDE: f64 = 4.0;
+    const POINTING: f64 = 5.0;
+    const NORMAL: f64 = 6.0;
 
     /// Places inside a step at which the scalar is computed, the end among them. A step is at most about 1 rad.
     const PLACES: usize = 4;
@@ -114,6 +153,24 @@ fn frame<R: Real, L: Layout, const D: usize>(y: &[R; D]) -> [[R; 3]; 3] {
 fn chord2<R: Real>(a: &[R; 3], b: &[R; 3]) -> R {
     let d = [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
     dot(&d, &d)
+}
+
+/// A vector of space in the body, from the axes of space there.
+#[inline(always)]
+fn in_body<R: Real>(v: &[R; 3], [one, two, third]: &[[R; 3]; 3]) -> [R; 3] {
+    let mut sum = *one;
+    for k in 0..3 {
+        sum[k] = one[k].fma(v[0], two[k].fma(v[1], third[k] * v[2]));
+    }
+    sum
+}
+
+/// The orbit whose direction from the planet is the one that is watched: the semi-axes may be others.
+#[inline(always)]
+fn orbit<R: Real>(rows: &Rows<R>) -> Orbit<R> {
+    let ([a1, a2, a3], [b1, b2, b3]) = (three(rows, Bounds::SPACE), three(rows, Bounds::SECOND));
+    let (eccentricity, rate) = (rows[Bounds::ORBIT], rows[Bounds::ORBIT + 1]);
+    Orbit([rate, eccentricity, R::splat(0.0), a1, a2, a3, b1, b2, b3])
 }
 
 /// The observed vector of a state, its length and its direction: zero, if the vector is.
@@ -151,13 +208,17 @@ fn margin<R: Real, L: Layout, const D: usize>(
     if const { L::VECTORS > 1 } {
         let [one, two, third] = frame::<R, L, D>(y);
         let space = three(rows, Bounds::SPACE);
-        let mut fixed = one;
-        for k in 0..3 {
-            fixed[k] = one[k].fma(space[0], two[k].fma(space[1], third[k] * space[2]));
-        }
+        let mut fixed = in_body(&space, &[one, two, third]);
         scalar = R::select(R::splat(Bounds::IN_BODY).lt(kind), chord2(&unit, &fixed), scalar);
         let turned = chord2(&third, &axis) + chord2(&one, &space) + chord2(&two, &cross(&axis, &space));
         scalar = R::select(R::splat(Bounds::IN_SPACE).lt(kind), turned, scalar);
+        if const { L::OWN > 0 } {
+            let moving = orbit(rows).radial(y, L::OWN_AT);
+            for k in 0..3 {
+                fixed[k] = R::select(kind.lt(R::splat(Bounds::NORMAL)), moving[k], fixed[k]);
+            }
+            scalar = R::select(R::splat(Bounds::ATTITUDE).lt(kind), chord2(&axis, &fixed), scalar);
+        }
     }
     (rows[Bounds::LIMIT] - scalar) * rows[Bounds::SIDE]
 }
@@ -175,23 +236,27 @@ struct Inside<'a, R, const D: usize> {
 impl<R: Real, const D: usize> Inside<'_, R, D> {
     #[inline(always)]
     fn at<L: Layout, const IS_SERIES: bool>(&self, fraction: R) -> [R; D] {
-        let used = const { 3 + 3 * L::VECTORS };
+        let vectors = const { 3 + 3 * L::VECTORS };
+        let used = const { 3 + 3 * L::VECTORS + L::OWN };
         let (mut y, dense) = (*self.after, self.dense);
         if IS_SERIES {
             let order = dense.highest();
             // Neither a copy of slices nor a zip is always inlined, and a kernel has no calls.
             #[allow(clippy::manual_memcpy)]
-            for d in 0..used {
+            for i in 0..used {
+                let d = if i < vectors { i } else { L::OWN_AT + (i - vectors) };
                 y[d] = dense.order(order)[d];
             }
             for k in (0..order).rev() {
-                for d in 0..used {
+                for i in 0..used {
+                    let d = if i < vectors { i } else { L::OWN_AT + (i - vectors) };
                     y[d] = y[d].fma(fraction, dense.order(k)[d]);
                 }
             }
         } else {
             let [of_change, of_begin, of_end] = hermite_weights(fraction);
-            for d in 0..used {
+            for i in 0..used {
+                let d = if i < vectors { i } else { L::OWN_AT + (i - vectors) };
                 let change = self.after[d] - self.before[d];
                 let bent = self.slopes[1][d].fma(of_end, self.slopes[0][d].fma(of_begin, self.before[d]));
                 y[d] = change.fma(of_change, bent);
@@ -206,6 +271,7 @@ impl<R: Real, const D: usize> Inside<'_, R, D> {
 fn slopes<R: Real, M: Model<R>, L: Layout, S: Engine<R, M, L, D>, const D: usize>(
     engine: &S,
     p: &Parameters<R>,
+    rows: &Rows<R>,
     y: &[R; D],
 ) -> [R; D] {
     let mut slopes = [R::splat(0.0); D];
@@ -219,11 +285,17 @@ fn slopes<R: Real, M: Model<R>, L: Layout, S: Engine<R, M, L, D>, const D: usize
             slopes[3 + 3 * v + k] = turning[k] * p.step;
         }
     }
+    if const { L::OWN > 0 } {
+        orbit(rows).change(y, L::OWN_AT, &mut slopes);
+        for k in 0..L::OWN {
+            slopes[L::OWN_AT + k] = slopes[L::OWN_AT + k] * p.step;
+        }
+    }
     slopes
 }
 
 impl Observable for Bounds {
-    const ROWS: usize = 14;
+    const ROWS: usize = 19;
     const CHANGING: usize = 3;
 
     fn start(start: &Start) -> Rows<f64> {
@@ -265,6 +337,46 @@ impl Observable for Bounds {
                 put(&mut rows, Bounds::AXIS, third);
                 put(&mut rows, Bounds::SPACE, first);
                 0.0
+            }
+            Quantity::Pointing { from, either } => {
+                let is_normal = from == Direction::Normal;
+                rows[Bounds::KIND] = if is_normal { Bounds::NORMAL } else { Bounds::POINTING };
+                put(&mut rows, Bounds::AXIS, start.unit);
+                let known = start.forces.map(|(forces, _)| forces.further.orbit);
+                match known.and_then(|orbit| Some((orbit, orbit.normal()?))) {
+                    Some((known, normal)) => {
+                        let [mut first_axis, mut second_axis] = known.semi_axes();
+                        if from == Direction::Along {
+                            first_axis = cross(&normal, &first_axis);
+                            second_axis = cross(&normal, &second_axis);
+                        }
+                        put(&mut rows, Bounds::SPACE, if is_normal { normal } else { first_axis });
+                        put(&mut rows, Bounds::SECOND, second_axis);
+                        [rows[Bounds::ORBIT + 1], rows[Bounds::ORBIT]] = [known.0[0], known.0[1]];
+                        let second = cross(&third, &first);
+                        let mut y = [0.0; 14];
+                        for (at, part) in [(3, third), (6, first), (9, second)] {
+                            y[at..at + 3].copy_from_slice(&part);
+                        }
+                        y[12..].copy_from_slice(start.own);
+                        let aimed = if is_normal {
+                            in_body(&normal, &[first, second, third])
+                        } else {
+                            orbit(&rows).radial(&y, 12)
+                        };
+                        let mut axis = start.unit;
+                        if either && dot(&axis, &aimed) < 0.0 {
+                            axis = axis.map(|x| -x);
+                        }
+                        put(&mut rows, Bounds::AXIS, axis);
+                        chord2(&axis, &aimed)
+                    }
+                    // Without an orbit there is no direction, and no limit is passed.
+                    None => {
+                        rows[Bounds::LIMIT] = f64::INFINITY;
+                        0.0
+                    }
+                }
             }
         };
         if bound.after <= 0.0 {
@@ -308,8 +420,10 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Bou
             R::apart(Look::<R, L, false, true, D> { p, rows, begin, inside, layout: PhantomData });
             return;
         }
-        let slopes =
-            [slopes::<R, M, L, S, D>(engine, p, &before), slopes::<R, M, L, S, D>(engine, p, &after)];
+        let slopes = [
+            slopes::<R, M, L, S, D>(engine, p, rows, &before),
+            slopes::<R, M, L, S, D>(engine, p, rows, &after),
+        ];
         let inside = Inside { before: &before, after: &after, slopes: &slopes, dense: segment.dense };
         if const { matches!(S::VARIABLES, Variables::Rates) } {
             R::apart(Look::<R, L, false, false, D> { p, rows, begin, inside, layout: PhantomData });
@@ -368,7 +482,10 @@ impl<R: Real, L: Layout, const MOMENTA: bool, const IS_SERIES: bool, const D: us
             let mut dip = R::select(half.lt(is_minimum), depth, never);
             let mut at = before_middle.fnma(size, fraction - size);
             // The parabola is wrong by a small part of what the scalar changes by: near the limit the minimum is sought.
-            let near = R::select((spread * half).lt(dip), zero, R::select(dip.lt(never), one, zero));
+            // Of a direction of an orbit near the least margin so far too, for its largest angle is told.
+            let is_told = R::splat(Bounds::ATTITUDE).lt(rows[Bounds::KIND]);
+            let level = R::select(is_told, least.max(zero), zero);
+            let near = R::select(spread.fma(half, level).lt(dip), zero, R::select(dip.lt(never), one, zero));
             let near = R::select(exit.lt(never), zero, near);
             if R::any(half.lt(near)) {
                 let mut reach = size * half;

@@ -10,7 +10,7 @@ mod growth;
 mod mean_rate;
 mod tilt;
 
-pub use bounds::{Bound, Bounds, Quantity};
+pub use bounds::{Bound, Bounds, Direction, Quantity};
 pub use flips::Flips;
 pub use growth::{Deviation, Growth};
 pub use mean_rate::MeanRate;
@@ -76,6 +76,8 @@ pub struct Start<'a> {
     pub deviation: &'a Deviation,
     /// The bound that is observed, if one is.
     pub bound: Option<&'a Bound>,
+    /// The variables of further forces.
+    pub own: &'a [f64],
     /// Rates and angular momentum, in the axes of the kernel.
     pub rates: [f64; 3],
     /// See `rates`.

@@ -336,7 +336,7 @@ def _layers(result: StabilityMap) -> list[dict[str, Any]]:
 def _motion(spec: MapSpec) -> dict[str, Any] | None:
     """The numbers of the equations of motion of each pixel; None if the page has not these."""
     grid, scene = spec.grid, spec.scene
-    if scene.torque is not None or scene.has_further:
+    if scene.torque is not None or scene.has_further or grid.further:
         return None
     if grid.made is not None and (grid.made.torque is not None or grid.made.has_further):
         return None

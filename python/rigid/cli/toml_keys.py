@@ -139,6 +139,7 @@ _NOMINAL: Mapping[str, Key] = {
     "spin": Key("number", "rate about `axis`", "rad/s"),
     "axis": Key("1, 2 or 3", "body axis of the spin and of the tilt", "", "3"),
     "tilt": Key("number", "angle of the axis from the vertical", "rad", "0"),
+    "attitude": Key("4 numbers", "instead of `tilt`: quaternion (w, x, y, z)", "", "none"),
 }
 
 START: Mapping[str, Key] = {

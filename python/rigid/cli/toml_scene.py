@@ -105,6 +105,7 @@ def read_start(table: Table, axes: list[str], *more: str) -> Start:
     spin = table.take("spin", finite_float, default=0.0 if "spin" in axes else None)
     axis = table.take("axis", as_is, default=3)
     tilt = table.take("tilt", finite_float, default=0.0)
+    attitude = table.take("attitude", as_is, default=None)
     noise, attitude_noise = (
         _noise(table.table(name), name in axes, kappa in axes) if name in table else None
         for name, kappa in (("noise", "kappa"), ("attitude_noise", "attitude_kappa"))
@@ -115,6 +116,7 @@ def read_start(table: Table, axes: list[str], *more: str) -> Start:
             spin=spin,
             axis=axis,
             tilt=tilt,
+            attitude=attitude,
             noise=noise,
             attitude_noise=attitude_noise,
         )

@@ -12,7 +12,7 @@ use it.
 from .equations import Invariants, PowerBalance, euler_rhs, invariants, power_balance
 from .relaxation import Relaxation, damping_time, relaxation, sink_of_damping
 from .rolling import Cones, Poinsot, cones, poinsot
-from .satellites import Libration, jacobi_integral, libration
+from .satellites import Libration, jacobi_integral, libration, roll_pitch_yaw
 from .stability import (
     Circulation,
     PermanentRotation,
@@ -65,6 +65,7 @@ __all__ = [
     "poinsot",
     "power_balance",
     "relaxation",
+    "roll_pitch_yaw",
     "sink_of_damping",
     "spin_periods",
     "spin_state",

@@ -18,7 +18,7 @@ from ..rotations.apply import to_body
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
 
-__all__ = ["Libration", "jacobi_integral", "libration", "radial"]
+__all__ = ["Libration", "jacobi_integral", "libration", "radial", "roll_pitch_yaw"]
 
 Floats = NDArray[np.float64]
 
@@ -51,9 +51,10 @@ class Libration:
 def libration(body: BodyLike, rate: ArrayLike) -> Libration:
     """Libration of a satellite whose axes lie along the orbit: roll, pitch and yaw.
 
-    Axis 1 (roll) points along the motion, axis 2 (pitch) along the normal of the orbit, axis 3
-    (yaw) to the centre. With ``k1 = (I2 - I3)/I1`` and ``k3 = (I2 - I1)/I3`` the squares of the
-    frequencies of roll and yaw, over that of the orbit, are the roots of
+    At rest axis 1 (roll) lies along the motion, axis 2 (pitch) along the normal of the orbit, axis
+    3 (yaw) along the line from the planet, as in :func:`roll_pitch_yaw`. With
+    ``k1 = (I2 - I3)/I1`` and ``k3 = (I2 - I1)/I3`` the squares of the frequencies of roll and yaw,
+    over that of the orbit, are the roots of
     ``x² - (1 + 3 k1 + k1 k3) x + 4 k1 k3`` (Hughes, *Spacecraft Attitude Dynamics*, 1986, § 9.2;
     DeBra and Delp, *J. Astronaut. Sci.* 8 (1961) 14-17).
 
@@ -145,6 +146,56 @@ def jacobi_integral(
     twice = np.sum(moments * (rates**2 + 3.0 * orbit.rate**2 * o**2), axis=-1)
     energy: Floats = 0.5 * twice - orbit.rate * np.sum(normal * momentum, axis=-1)
     return energy
+
+
+def roll_pitch_yaw(orbit: Orbit, attitude: ArrayLike | Rotation, t: ArrayLike) -> Floats:
+    """Roll, pitch and yaw of a body on an orbit (rad), shape (..., 3).
+
+    The attitude is that of the directions *along*, *normal* and *radial* of :meth:`Orbit.frame`,
+    turned by yaw about *radial*, then by pitch about the new axis 2, then by roll about the new
+    axis 1: a 3-2-1 sequence. They are zero if body axes 1, 2, 3 lie along these directions.
+
+    Parameters
+    ----------
+    orbit : Orbit
+        One orbit.
+    attitude : array_like, shape (..., 4), or scipy Rotation
+        Attitudes.
+    t : array_like, shape (...)
+        Times (s) of the attitudes.
+
+    Returns
+    -------
+    ndarray, shape (..., 3)
+        Roll and yaw from -pi to pi, pitch from -pi/2 to pi/2.
+
+    Raises
+    ------
+    ValueError
+        If the shapes do not broadcast, or an attitude is zero.
+
+    Examples
+    --------
+    >>> import rigid
+    >>> at_rest = [0.5, 0.5, 0.5, 0.5]  # axes 1, 2, 3 along y, z, x
+    >>> rigid.free.roll_pitch_yaw(rigid.Orbit(1.0), at_rest, 0.0).tolist()
+    [0.0, 0.0, 0.0]
+    >>> rigid.free.roll_pitch_yaw(rigid.Orbit(1.0), at_rest, 0.2).round(3).tolist()
+    [0.0, -0.2, 0.0]
+    """
+    turned, times = attitudes(attitude), shaped("t", t)
+    along, normal, radial = (
+        to_body(turned, orbit.frame(times)[..., column]) for column in (1, 2, 0)
+    )
+    angles: Floats = np.stack(
+        [
+            np.arctan2(radial[..., 1], radial[..., 2]),
+            np.arcsin(np.clip(-radial[..., 0], -1.0, 1.0)),
+            np.arctan2(normal[..., 0], along[..., 0]),
+        ],
+        axis=-1,
+    )
+    return angles + 0.0  # no negative zeros
 
 
 def radial(orbit: Orbit, attitude: Floats, t: Floats) -> Floats:

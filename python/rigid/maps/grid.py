@@ -14,15 +14,41 @@ from numpy.typing import ArrayLike, NDArray
 from .. import _core
 from .._checks.float_environment import in_standard_floats
 from ..model.body import Body
+from ..model.forces import FORCES
 from ..model.scene import Scene
 from ..model.start import Noise, Start, tilted_attitude, tilted_rates
 from ..model.torque import Torque, checked_damping, forces_of
+from ..rotations.apply import to_body
 from ..solve.bodies import Bodies
 from .parameters import Axis, PixelValues, in_order
 
-__all__ = ["NominalStarts", "grid_shape", "nominal_starts"]
+__all__ = ["Made", "NominalStarts", "grid_shape", "nominal_starts"]
 
 Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Made:
+    """What a function of the user makes of all P pixels.
+
+    Attributes
+    ----------
+    scene : FreeBody or HeavyTop
+        Of one body, or of P bodies.
+    omega, attitude : ndarray, shapes (P, 3), (P, 4), or None
+        Nominal rates and attitudes, if the function gives them.
+    """
+
+    scene: Scene
+    omega: Floats | None = None
+    attitude: Floats | None = None
+
+    def of_pixels(self, pixels: NDArray[np.int64]) -> Made:
+        """What it makes of some pixels."""
+        omega, attitude = (
+            None if part is None else part[pixels] for part in (self.omega, self.attitude)
+        )
+        return Made(self.scene[pixels] if self.scene.shape else self.scene, omega, attitude)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -44,6 +70,7 @@ class NominalStarts:
     attitude_size : (P, 3) sizes of the rotation vectors of the attitude noise, rad
     damping : (P, 3, 3), or None if nothing damps
     torque : (P, 3) constant torque in the body, or None if the axes set none
+    further : the numbers of the further forces that the axes set, such as ``rotor``, (P, 3) each
     """
 
     scene: Scene
@@ -57,6 +84,7 @@ class NominalStarts:
     attitude_size: Floats
     damping: Floats | None
     torque: Floats | None
+    further: Mapping[str, Floats]
     made: Scene | None = None
 
     def __post_init__(self) -> None:
@@ -71,22 +99,33 @@ class NominalStarts:
         scene = self.scene
         if self.made is not None:
             return self._forces_of_each(self.made)
-        if not scene.forces and self.damping is None and self.torque is None:
+        if not (scene.forces or self.further) and self.damping is None and self.torque is None:
             return None
         count = len(self.moments)
         damping = np.zeros((count, 3, 3)) if self.damping is None else self.damping
         torque = np.zeros((count, 3)) if self.torque is None else self.torque
-        rows = np.concatenate([damping.reshape(-1, 9), torque], axis=1)
+        rows = np.concatenate([damping.reshape(-1, 9), torque, *self.further.values()], axis=1)
         # Pixels of a row mostly share theirs.
         known, of_pixel = np.unique(rows, axis=0, return_inverse=True)
         # Under a torque of zero, bodies without damping are integrated like their neighbours.
         none = Torque.body((0.0, 0.0, 0.0))
-        further = scene.further_numbers()
+        alike = scene.further_numbers()
+        ends = np.cumsum([12, *(each.shape[1] for each in self.further.values())])
+
+        def varied(row: Floats) -> dict[str, Floats]:
+            """The further numbers of a row, as the scene of a pixel has them."""
+            parts = zip(self.further, np.split(row, ends)[1:-1], strict=True)
+            made = {name: (part, FORCES[name].made(part)) for name, part in parts}
+            return {
+                name: part if value is None else np.asarray(FORCES[name].numbers(value))
+                for name, (part, value) in made.items()
+            }
+
         made = [
             forces_of(
-                self._torque(row[9:]) or none,
+                self._torque(row[9:12]) or none,
                 checked_damping(row[:9].reshape(3, 3)),
-                further=further,
+                further={**alike, **varied(row)},
             )
             for row in known
         ]
@@ -95,7 +134,7 @@ class NominalStarts:
 
     def _forces_of_each(self, made: Scene) -> list[_core.Forces] | None:
         """Applied torque and damping of each pixel, where all of these may differ."""
-        if not made.forces and self.damping is None and self.torque is None:
+        if not (made.forces or self.further) and self.damping is None and self.torque is None:
             return None
         none = forces_of(Torque.body((0.0, 0.0, 0.0)), None)
         assert none is not None
@@ -152,16 +191,18 @@ class NominalStarts:
         }
         own = {name: column[pixels] for name, column in self.own.items()}
         made = self.made[pixels] if self.made is not None and self.made.shape else self.made
-        return replace(self, own=own, made=made, **some)
+        further = {name: column[pixels] for name, column in self.further.items()}
+        return replace(self, own=own, made=made, further=further, **some)
 
     def scene_of(self, pixel: int) -> Scene:
         """The scene of one pixel, with the numbers that the axes set."""
         i1, i2, i3 = self.moments[pixel].tolist()
         damping = None if self.damping is None else self.damping[pixel]
-        own = {
+        own: dict[str, Any] = {
             name: float(column[pixel]) if column.ndim == 1 else tuple(column[pixel].tolist())
             for name, column in self.own.items()
         }
+        own |= {name: FORCES[name].made(column[pixel]) for name, column in self.further.items()}
         base = self.scene if self.made is None or not self.made.shape else self.made[pixel]
         scene = base.replaced(Body((i1, i2, i3)), damping, **own)
         if self.torque is not None:
@@ -180,49 +221,58 @@ def nominal_starts(
     start: Start,
     axes: tuple[Axis, ...] = (),
     index: NDArray[np.int64] | None = None,
-    made: Scene | None = None,
+    made: Made | None = None,
 ) -> NominalStarts:
     """The nominal start of every pixel of a grid that :func:`check_applicable` accepts.
 
     Without axes there is one pixel: the nominal start of the scene. With ``index`` only the pixels
-    with these numbers in C order are made, a row for each. ``made`` is the scene of all pixels if a
-    function of the user made it.
+    with these numbers in C order are made, a row for each. ``made`` is what a function of the user
+    made of all pixels.
     """
     shape = grid_shape(axes)
     flat = np.arange(prod(shape)) if index is None else index
     count = len(flat)
-    if made is not None and made.shape and index is not None:
-        made = made[index]
-    pixels = _without_axes(made or scene, start, count)
+    if made is not None and index is not None:
+        made = made.of_pixels(index)
+    base = scene if made is None else made.scene
+    pixels = _without_axes(base, start, count)
+    if made is not None and made.omega is not None:
+        pixels.omega = made.omega.copy()
     places = list(reversed(np.unravel_index(flat, shape))) if axes else []
     for k in in_order(axes):
         axes[k].parameter.apply(pixels, np.array(axes[k].values)[places[k]])
     if "com" in pixels.own and not np.isfinite(pixels.own["com"]).all():
         raise ValueError("axes: com1, com2 and com3 must not all be zero: they are a direction")
     kinds = {axis.parameter.describes for axis in axes}
+    forces = {axis.parameter.force for axis in axes}
     upright = np.zeros(count)
     if scene.directions:
         attitude, rates_tilt = tilted_attitude(start.axis, pixels.tilt), upright
     else:
         attitude, rates_tilt = tilted_attitude(3, upright), pixels.tilt
+    if start.attitude is not None:
+        attitude = np.tile(start.attitude, (count, 1))
+    if made is not None and made.attitude is not None:
+        attitude = made.attitude.copy()
     omega = pixels.omega
     if start.omega is None:
         omega = tilted_rates(pixels.spin, start.axis, rates_tilt)
+    weight = scene.weights(pixels.own, count)
+    omega = _on_surface(pixels, weight, omega, attitude)
     return NominalStarts(
         scene=scene,
         moments=pixels.moments,
-        weight=scene.weights(pixels.own, count),
+        weight=weight,
         own=pixels.own,
         omega=omega,
         omega_size=pixels.omega_size,
         attitude=attitude,
         tilt=pixels.tilt,
         attitude_size=pixels.attitude_size,
-        damping=pixels.damping
-        if "damping" in kinds or (made or scene).damping is not None
-        else None,
+        damping=pixels.damping if "damping" in kinds or base.damping is not None else None,
         torque=pixels.torque if "torque" in kinds else None,
-        made=made,
+        further={name: pixels.further[name] for name in FORCES if name in forces},
+        made=None if made is None else made.scene,
     )
 
 
@@ -242,11 +292,13 @@ def _without_axes(scene: Scene, start: Start, count: int) -> PixelValues:
 
     torque = np.zeros(3) if scene.torque is None else np.asarray(scene.torque.in_body)[..., 0, :]
     com = each(getattr(scene, "com", (0.0, 0.0, 1.0)), 1)
+    moments = each(body.moments, 1)
     com_tilt, com_turn = _angles_of_com(com)
     return PixelValues(
-        moments=each(body.moments, 1),
+        moments=moments,
         sides=each((np.nan,) * 3 if body.sides is None else body.sides, 1),
         mass=each(np.nan if body.mass is None else body.mass),
+        shape=_semi_axes(moments),
         own={
             name: each(getattr(scene, name), int(field.width > 1))
             for name, field in scene.fields.items()
@@ -257,12 +309,57 @@ def _without_axes(scene: Scene, start: Start, count: int) -> PixelValues:
         com_turn=com_turn,
         damping=each(np.zeros((3, 3)) if scene.damping is None else scene.damping, 2),
         torque=each(torque, 1),
+        further={force.name: each(force.numbers(value), 1) for force, value in scene.further()},
         spin=each(start.spin or 0.0),
         tilt=each(start.tilt),
+        energy=each(np.nan),
+        l_gamma=each(np.nan),
         omega=each(start.omega or (0.0, 0.0, 0.0), 1),
         omega_size=each(np.broadcast_to(noise, (3,)), 1),
         attitude_size=each(np.broadcast_to(attitude_noise, (3,)), 1),
     )
+
+
+def _on_surface(pixels: PixelValues, weight: Floats, omega: Floats, attitude: Floats) -> Floats:
+    """The rates with the energies and the vertical momenta that the axes set.
+
+    With the momentum the rates are ``l gamma / (gamma·I gamma) + s u``, ``u`` what is left of them
+    without their vertical momentum: both parts are at right angles in the kinetic energy. A pixel
+    without such a start gets moments that no body has.
+    """
+    of_energy, of_momentum = (~np.isnan(part) for part in (pixels.energy, pixels.l_gamma))
+    if not (of_energy.any() or of_momentum.any()):
+        return omega
+    gamma = to_body(attitude, np.array([0.0, 0.0, 1.0]))
+    moments = pixels.moments
+
+    def product(a: Floats, b: Floats) -> Floats:
+        """``a·I b``, in a fixed order."""
+        first, second, third = (moments * a * b).T
+        return np.asarray(first + second + third)
+
+    upright = product(gamma, gamma)
+    momentum = np.where(of_momentum, pixels.l_gamma, 0.0)
+    share = np.where(of_momentum, product(omega, gamma) / upright, 0.0)
+    rest = omega - share[:, np.newaxis] * gamma
+    first, second, third = (weight * gamma).T
+    left = pixels.energy - (first + second + third) - 0.5 * momentum * momentum / upright
+    with np.errstate(divide="ignore", invalid="ignore"):
+        scale = np.where(of_energy, np.sqrt(2.0 * left / product(rest, rest)), 1.0)
+    scale = np.where(of_energy & (left == 0.0), 0.0, scale)
+    none = ~np.isfinite(scale)
+    pixels.moments = np.where(none[:, np.newaxis], np.nan, moments)
+    along = np.where(of_momentum, momentum / upright, 0.0)
+    found = along[:, np.newaxis] * gamma + np.where(none, 0.0, scale)[:, np.newaxis] * rest
+    return np.asarray(found)
+
+
+def _semi_axes(moments: Floats) -> Floats:
+    """``a/b`` and ``c/b`` of homogeneous ellipsoids with these moments; NaN if there is none."""
+    squares = moments.sum(axis=1, keepdims=True) - 2.0 * moments
+    with np.errstate(all="ignore"):
+        ratios: Floats = np.sqrt(squares[:, [0, 2]] / squares[:, [1]])
+    return ratios
 
 
 def _angles_of_com(com: Floats) -> tuple[Floats, Floats]:

@@ -1,28 +1,34 @@
-"""Scenes that a function of the user makes from its own parameters."""
+"""Scenes and starts that a function of the user makes from its own parameters."""
 
 from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import brief
+from .._checks.arrays import attitudes, vectors
 from ..model.scene import SCENES, Scene
 from ..model.sourced import Sourced
+from ..model.start import Start
+from .grid import Made
 from .parameters import Axis, make_axes
 
 __all__ = ["OwnScene", "own_scene"]
 
 Floats = NDArray[np.float64]
 
+GIVEN = ("omega", "attitude")
+"""What a function may give of the starts."""
+
 
 @dataclass(frozen=True, slots=True)
 class OwnScene:
-    """A function of named numbers that gives a scene of many bodies.
+    """A function of named numbers that gives a scene of many bodies, and perhaps their starts.
 
     Attributes
     ----------
@@ -30,10 +36,13 @@ class OwnScene:
         The axes that are its arguments.
     source : Sourced
         The function.
+    gives : tuple of str
+        What it gives of the starts: ``"omega"``, or ``"omega"`` and ``"attitude"``.
     """
 
     names: tuple[str, ...]
     source: Sourced
+    gives: tuple[str, ...] = ()
 
     @classmethod
     def of(cls, function: Callable[..., Any], axes: Iterable[str]) -> OwnScene:
@@ -53,14 +62,16 @@ class OwnScene:
             raise ValueError(f"axes: none is an argument of the function {source.name!r}")
         return cls(names, source)
 
-    def made(self, values: Mapping[str, Floats]) -> Scene:
-        """The scene of all pixels, from the numbers of its axes there."""
-        scene = self.source.call("scene")(**{name: values[name] for name in self.names})
+    def made(self, values: Mapping[str, Floats]) -> Made:
+        """What it makes of all pixels, from the numbers of its axes there."""
+        found = self.source.call("scene")(**{name: values[name] for name in self.names})
         count = len(next(iter(values.values())))
-        if not isinstance(scene, Scene):
+        scene, *starts = found if isinstance(found, tuple) and found else (found,)
+        if not isinstance(scene, Scene) or len(starts) > 2:
             known = " or ".join(f"rigid.{one.__name__}" for one in SCENES.values())
             raise TypeError(
-                f"scene = {self.source.name}: must return a {known}, not {brief(scene)}"
+                f"scene = {self.source.name}: must return a {known}, not {brief(found)}; omega "
+                "and attitude may follow the scene"
             )
         if scene.shape not in ((), (count,)):
             raise ValueError(
@@ -69,20 +80,60 @@ class OwnScene:
             )
         if scene.torque is not None and scene.torque.times:
             raise ValueError("torque: maps accept constant torques only, not a table")
-        return scene
+        checks: tuple[Callable[[Any], Floats], ...] = (_rates, attitudes)
+        checked = [check(part) for check, part in zip(checks, starts, strict=False)]
+        for name, part in zip(GIVEN, checked, strict=False):
+            if part.shape[:-1] not in ((), (count,)):
+                raise ValueError(
+                    f"scene = {self.source.name}: must return {name} of shape "
+                    f"({count}, {part.shape[-1]}), a row for each number it is given, got "
+                    f"{part.shape}"
+                )
+        return Made(scene, *(np.broadcast_to(one, (count, one.shape[-1])) for one in checked))
+
+    def giving(self, made: Made) -> OwnScene:
+        """The function, of which is known what it gives."""
+        return replace(self, gives=tuple(n for n in GIVEN if getattr(made, n) is not None))
+
+    def check_start(self, start: Start, axes: Iterable[str]) -> None:
+        """Raise ValueError if a start, or an axis, says what the function gives.
+
+        Its noise is another matter: it perturbs what the function gives.
+        """
+        if "omega" in self.gives and start.omega != (0.0, 0.0, 0.0):
+            raise ValueError(
+                f"start: {self.source.name} gives the rates; leave them zero, as in "
+                "Start(omega=(0, 0, 0), noise=...)"
+            )
+        is_given = start.tilt != 0.0 or start.attitude is not None or "tilt" in axes
+        if "attitude" in self.gives and is_given:
+            raise ValueError(
+                f"start: {self.source.name} gives the attitude; leave tilt and attitude out"
+            )
+
+    def default_start(self, scene: Scene) -> Start:
+        """The start of a map that is given none."""
+        return Start(omega=(0.0, 0.0, 0.0)) if self.gives else scene.default_start()
 
     def words(self, title: str) -> str:
         """The scene in words."""
-        return f"{title} by {self.source.name}({', '.join(self.names)})"
+        starts = f" with {' and '.join(self.gives)}" if self.gives else ""
+        return f"{title}{starts} by {self.source.name}({', '.join(self.names)})"
 
     def to_dict(self) -> dict[str, Any]:
         """Names, and name and digests of the function."""
-        return {"names": list(self.names), "function": self.source.to_dict()}
+        given = {"gives": list(self.gives)} if self.gives else {}
+        return {"names": list(self.names), "function": self.source.to_dict(), **given}
 
     @classmethod
     def from_dict(cls, data: Mapping[str, Any]) -> OwnScene:
         """The scene of :meth:`to_dict`, whose function must be given again."""
-        return cls(tuple(map(str, data["names"])), Sourced.from_dict(data["function"]))
+        gives = tuple(map(str, data.get("gives", ())))
+        return cls(tuple(map(str, data["names"])), Sourced.from_dict(data["function"]), gives)
+
+
+def _rates(omega: ArrayLike) -> Floats:
+    return vectors("omega", omega)
 
 
 def own_scene(
@@ -94,4 +145,5 @@ def own_scene(
     own = OwnScene.of(function, given)
     axes = make_axes(given, own.names)
     first = own.made({axis.name: np.array(axis.values[:1]) for axis in axes})
-    return (first[0] if first.shape else first), own, axes
+    scene = first.scene
+    return (scene[0] if scene.shape else scene), own.giving(first), axes

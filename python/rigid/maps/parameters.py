@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import brief, nearest, numbers
 from .._moments import box_moments
+from ..model.orbit import Orbit
 from ..model.scene import Scene
 from ..model.start import Noise, Start, cos_sin
 
@@ -51,12 +52,19 @@ class PixelValues:
     com_tilt, com_turn : ndarray, shape (P, 2)
         Cosine and sine of the angle from axis 3 to the centre of mass, and of its azimuth from
         axis 1 towards axis 2.
+    shape : ndarray, shape (P, 2)
+        ``a/b`` and ``c/b`` of the homogeneous ellipsoid with these moments; NaN if there is none.
     damping : ndarray, shape (P, 3, 3)
         Damping in the principal axes, N m s.
     torque : ndarray, shape (P, 3)
         Constant torque in the body, N m.
+    further : dict of str to ndarray
+        The numbers of further forces, such as ``rotor``, that act or that an axis has set.
     spin, tilt : ndarray, shape (P,)
         Rate about the axis of the start (rad/s) and angle to it (rad).
+    energy, l_gamma : ndarray, shape (P,)
+        Energy (J) and vertical angular momentum (kg m²/s) of the start without noise; NaN if they
+        follow from the rates.
     omega : ndarray, shape (P, 3)
         Rates of a start that is given by its rates (rad/s).
     omega_size, attitude_size : ndarray, shape (P, 3)
@@ -66,14 +74,18 @@ class PixelValues:
     moments: Floats
     sides: Floats
     mass: Floats
+    shape: Floats
     own: dict[str, Floats]
     com: Floats
     com_tilt: Floats
     com_turn: Floats
     damping: Floats
     torque: Floats
+    further: dict[str, Floats]
     spin: Floats
     tilt: Floats
+    energy: Floats
+    l_gamma: Floats
     omega: Floats
     omega_size: Floats
     attitude_size: Floats
@@ -105,6 +117,8 @@ class Parameter:
     sets, reads : str or None
         The moment or number of the scene that the parameter sets, if it has another name, and the
         moment that it needs: it is applied after the parameter that sets what it reads.
+    force : str or None
+        The name of the further force whose numbers the parameter sets.
     describes : str or None
         What the parameter is one of, such as ``"moments"``; some kinds exclude each other.
     of_run : bool
@@ -122,6 +136,7 @@ class Parameter:
     why_not: WhyNot = _anywhere
     sets: str | None = None
     reads: str | None = None
+    force: str | None = None
     describes: str | None = None
     lowest: float = -np.inf
     highest: float = np.inf
@@ -133,6 +148,8 @@ class Parameter:
         """The rule for the values."""
         if self.highest < np.inf:
             return f"must lie in [{self.lowest:.6g}, {self.highest:.6g}]"
+        if self.lowest > 0.0:
+            return f"must be at least {self.lowest:g}"
         return "must be positive" if self.open_end else "must not be negative"
 
     def rejects(self, values: Floats) -> NDArray[np.bool_]:
@@ -207,6 +224,42 @@ def _box(apply_to_box: Apply) -> Apply:
     return apply
 
 
+def _shape(index: int, power: int) -> Apply:
+    """Set ``a/b``, or the inverse of ``b/c``, of an ellipsoid; the largest moment stays."""
+
+    def apply(pixels: PixelValues, values: Floats) -> None:
+        pixels.shape[:, index] = values**power
+        a, c = pixels.shape.T
+        long, short, largest = a * a, c * c, pixels.moments[:, 2].copy()
+        pixels.moments[:, 0] = largest * (1.0 + short) / (1.0 + long)
+        pixels.moments[:, 1] = largest * (long + short) / (1.0 + long)
+
+    return apply
+
+
+def _further(name: str, *index: int) -> Apply:
+    """Set one number of a further force, or all of them."""
+
+    def apply(pixels: PixelValues, values: Floats) -> None:
+        numbers = pixels.further.setdefault(name, np.zeros((len(values), 3)))
+        numbers[:, *(index or (slice(None),))] = values if index else values[:, np.newaxis]
+
+    return apply
+
+
+def _orbit(index: int) -> Apply:
+    """Set eccentricity or mean anomaly of the orbit, of which the second semi-axis follows."""
+
+    def apply(pixels: PixelValues, values: Floats) -> None:
+        numbers = pixels.further["orbit"]
+        known = Orbit.of_numbers(numbers)
+        numbers[:, index] = values
+        changed = Orbit(known.rate, numbers[:, 1], numbers[:, 2], known.normal, known.periapsis)
+        pixels.further["orbit"] = changed.numbers
+
+    return apply
+
+
 def _ratio(i: int, j: int) -> Apply:
     """Set moment ``i`` to a multiple of moment ``j``."""
 
@@ -241,6 +294,24 @@ def _needs_box(scene: Scene, _start: Start) -> str:
     return ""
 
 
+def _needs_free_body(scene: Scene, _start: Start) -> str:
+    if scene.directions:
+        return f"a {scene.title} has none; use a FreeBody"
+    return ""
+
+
+def _needs_orbit(scene: Scene, _start: Start) -> str:
+    if scene.orbit is None:
+        return "the scene has no orbit; give it orbit=rigid.Orbit(rate)"
+    return ""
+
+
+def _needs_vertical(scene: Scene, _start: Start) -> str:
+    if not scene.directions:
+        return "a free body knows no vertical; use a HeavyTop"
+    return ""
+
+
 def _needs_weight(scene: Scene, _start: Start) -> str:
     if "mgl" not in scene.fields:
         return "a free body feels no weight; use a HeavyTop"
@@ -267,6 +338,8 @@ def _needs_spin(_scene: Scene, start: Start) -> str:
 
 
 def _needs_spin_or_attitude(scene: Scene, start: Start) -> str:
+    if start.attitude is not None:
+        return "the attitude of the start is given; use Start(tilt=...)"
     if start.spin is None and not scene.directions:
         return "the start is given by omega; use Start(spin=...)"
     return ""
@@ -388,6 +461,18 @@ PARAMETERS: Mapping[str, Parameter] = {
         lowest=0.0,
         open_end=True,
     ),
+    **{
+        name: Parameter(
+            f"${name}$",
+            "1",
+            "ratio of the semi-axes a ≥ b ≥ c, along axes 1, 2, 3, of the homogeneous ellipsoid "
+            "with these moments; I3 stays",
+            _shape(index, power),
+            describes="semi-axes",
+            lowest=1.0,
+        )
+        for name, index, power in (("a/b", 0, 1), ("b/c", 1, -1))
+    },
     "mgl": Parameter(
         "$mgl$",
         "J",
@@ -453,6 +538,45 @@ PARAMETERS: Mapping[str, Parameter] = {
         )
         for k in (1, 2, 3)
     },
+    **{
+        f"rotor{k}": Parameter(
+            f"$h_{k}$",
+            "kg m²/s",
+            f"angular momentum of the rotor about body axis {k}",
+            _further("rotor", k - 1),
+            _needs_free_body,
+            sets="rotor",
+            force="rotor",
+        )
+        for k in (1, 2, 3)
+    },
+    "dissipation": Parameter(
+        "$P$",
+        "kg m² s",
+        "coefficient of the energy sink, the same along all axes",
+        _further("dissipation"),
+        _needs_free_body,
+        force="dissipation",
+        lowest=0.0,
+    ),
+    "eccentricity": Parameter(
+        "$e$",
+        "1",
+        "eccentricity of the orbit",
+        _orbit(1),
+        _needs_orbit,
+        force="orbit",
+        lowest=0.0,
+        highest=0.95,
+    ),
+    "anomaly": Parameter(
+        "$M_0$",
+        "rad",
+        "mean anomaly of the orbit at t = 0",
+        _orbit(2),
+        _needs_orbit,
+        force="orbit",
+    ),
     "spin": Parameter(
         "spin", "rad/s", "rate about the axis of the start", _whole("spin"), _needs_spin
     ),
@@ -464,6 +588,20 @@ PARAMETERS: Mapping[str, Parameter] = {
         _needs_spin_or_attitude,
         lowest=-pi,
         highest=pi,
+    ),
+    "energy": Parameter(
+        "energy",
+        "J",
+        "energy of the start without noise; the rates are scaled, with `l_gamma` their other part",
+        _whole("energy"),
+    ),
+    "l_gamma": Parameter(
+        r"$L\cdot\gamma$",
+        "kg m²/s",
+        "vertical angular momentum of the start without noise: the part of the rates along the "
+        "vertical is set",
+        _whole("l_gamma"),
+        _needs_vertical,
     ),
     **{
         f"omega{k}": Parameter(
@@ -554,6 +692,8 @@ MOST_AXES = 32
 
 EXCLUSIVE = (
     ("box", "moments", "the moments of a box follow from its sides"),
+    ("semi-axes", "moments", "the moments of an ellipsoid follow from its semi-axes"),
+    ("semi-axes", "box", "both say which shape the body has"),
     ("com angle", "com component", "both say where the centre of mass is"),
     ("noise", "noise component", "both say how large the noise is"),
     ("attitude noise", "attitude noise component", "both say how large the noise is"),

@@ -79,7 +79,8 @@ def _require(function: str, given: dict[str, Any], *names: str) -> None:
 
 def _started(scene: Scene, seed: int, given: dict[str, Any]) -> MapSpec:
     """The specification, with the start of the scene if none is given."""
-    given.setdefault("start", scene.default_start())
+    own = given.get("own")
+    given.setdefault("start", scene.default_start() if own is None else own.default_start(scene))
     return MapSpec(scene=scene, seed=seed, **given)
 
 

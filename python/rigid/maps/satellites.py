@@ -9,10 +9,11 @@ Free body with an energy sink, spinning about its axis of the smallest moment, *
     to the axis that the noise begins beside it; then it falls.
 
 Satellite at rest on a circular orbit, criterion *tilt of the pitch axis from the normal*
-    Roll and yaw are linear for small noise, with the equations of :func:`rigid.free.libration`.
-    Where they are stable no motion exceeds the noise times the condition of the eigenvectors;
-    where they are not, nearly every motion grows at the largest exponent. No prediction is made
-    between, and where rest is unstable in pitch.
+    Axis 1 (roll) lies along the motion, axis 2 (pitch) along the normal, axis 3 (yaw) along the
+    line from the planet. Roll and yaw are linear for small noise, with the equations of
+    :func:`rigid.free.libration`. Where they are stable no motion exceeds the noise times the
+    condition of the eigenvectors; where they are not, nearly every motion grows at the largest
+    exponent. No prediction is made between, and where rest is unstable in pitch.
 
 Hughes, *Spacecraft Attitude Dynamics*, §§ 5.5, 9.2; DeBra and Delp, *J. Astronaut. Sci.* 8 (1961)
 14-17.
@@ -30,6 +31,7 @@ from .._moments import possible
 from ..model.criteria import NoFlip, TiltBelow
 from ..model.orbit import Orbit
 from ..model.scene import FreeBody
+from ..rotations import quaternion_to_matrix
 from ..solve.energy_loss import mean_loss
 from .spec import MapSpec
 
@@ -163,6 +165,11 @@ def time_to_separatrix(moments: Floats, sink: Floats, spin: Floats, across: Floa
     return time
 
 
+def at_rest_on(orbit: Orbit) -> Floats:
+    """The attitude at ``t = 0`` of a body whose roll, pitch and yaw are zero, as a matrix."""
+    return orbit.frame(0.0)[:, [1, 2, 0]]
+
+
 def on_orbit(spec: MapSpec) -> Predicted | None:
     """Roll and yaw of a satellite at rest on its orbit, None if it is none."""
     scene, stable, start, grid = spec.scene, spec.stable, spec.start.starts[0], spec.grid
@@ -176,16 +183,19 @@ def on_orbit(spec: MapSpec) -> Predicted | None:
         or scene.dissipation is not None
         or grid.damping is not None
         or scene.torque is not None
-        or orbit != Orbit(orbit.rate, anomaly=orbit.anomaly)
+        or orbit.shape
+        or orbit.eccentricity != 0.0
         or stable.reference != "vertical"
-        or stable.axis != 3
+        or stable.axis != 2
+        or start.attitude is None
+        or not np.allclose(quaternion_to_matrix(start.attitude), at_rest_on(orbit), atol=1e-12)
         or start.attitude_noise is not None
         or noise is None
         or not noise.is_plain_normal
     ):
         return None
-    at_rest = np.all(grid.omega == (0.0, 0.0, orbit.rate), axis=1) & possible(grid.moments)
-    yaw, roll, pitch = grid.moments.T
+    at_rest = np.all(grid.omega == (0.0, orbit.rate, 0.0), axis=1) & possible(grid.moments)
+    roll, pitch, yaw = grid.moments.T
     k1, k3 = (pitch - yaw) / roll, (pitch - roll) / yaw
     # Roll a and yaw c, the time in units of the orbit: a'' = -4 k1 a + (1 - k1) c' and
     # c'' = -k3 c - (1 - k3) a'.

@@ -18,6 +18,7 @@ from .._checks.arguments import brief, finite_float, nearest, positive_int
 from .._moments import possible
 from ..model.bounds import RateWithin
 from ..model.criteria import Criterion, check_criterion, criterion_from_dict
+from ..model.forces import FORCES
 from ..model.judged import Custom
 from ..model.measures import Measure, check_distinct, make_measures
 from ..model.mixture import Mixture, start_from_dict
@@ -39,7 +40,7 @@ from ..solve.methods import (
     map_methods,
 )
 from ..solve.tangent import check_tangent
-from .grid import NominalStarts, grid_shape, nominal_starts
+from .grid import Made, NominalStarts, grid_shape, nominal_starts
 from .own import OwnScene, own_scene
 from .parameters import Axis, check_applicable, make_axes
 from .sequential import Looks, checked_half_width, stop_table
@@ -154,6 +155,9 @@ class MapSpec:
                 put(name, made)
         if isinstance(self.axes, Mapping):
             put("axes", make_axes(self.axes, () if self.own is None else self.own.names))
+        if self.own is not None:
+            for start in self.start.starts:
+                self.own.check_start(start, [axis.name for axis in self.axes])
         for name in () if self.own is None else self.own.names:
             if name not in (axis.name for axis in self.axes):
                 raise ValueError(f"axes: the function of the scene needs an axis {name!r}")
@@ -199,7 +203,7 @@ class MapSpec:
             if self.check > 1.0:
                 raise ValueError(f"check = {self.check}: must lie in [0, 1]")
         known_method("method", self.method, map_methods())
-        if self.scene.rotor is not None:
+        if "rotor" in self.forces:
             for leaf in self.stable.leaves:
                 if isinstance(leaf, RateWithin) and leaf.of == "L":
                     raise ValueError(
@@ -266,11 +270,18 @@ class MapSpec:
         """The names of the forces that act in some pixel."""
         described = [axis.parameter.describes for axis in self.axes]
         varied = [name for name in ("torque", "damping") if name in described]
-        return (*(self.made or self.scene).forces, *varied)
+        further = {axis.parameter.force for axis in self.axes}
+        scene = self.scene if self.made is None else self.made
+        return (*scene.forces, *varied, *(name for name in FORCES if name in further))
 
-    @cached_property
+    @property
     def made(self) -> Scene | None:
         """The scene of all pixels, if a function makes it and is known."""
+        return None if self._made is None else self._made.scene
+
+    @cached_property
+    def _made(self) -> Made | None:
+        """What a function makes of all pixels, if there is one and it is known."""
         if self.own is None or self.own.source.function is None:
             return None
         places = np.unravel_index(np.arange(math.prod(self.shape)), self.shape)
@@ -463,7 +474,7 @@ class MapSpec:
 
     def _nominal(self, start: Start, pixels: NDArray[np.int64] | None = None) -> NominalStarts:
         self.require_scene()
-        return nominal_starts(self.scene, start, self.axes, pixels, self.made)
+        return nominal_starts(self.scene, start, self.axes, pixels, self._made)
 
     def __getstate__(self) -> dict[str, Any]:
         """The fields without what follows from them."""
@@ -477,7 +488,10 @@ class MapSpec:
     @property
     def varied(self) -> tuple[str, ...]:
         """The numbers of the scene and start that the axes set; a ratio sets its numerator."""
-        return tuple(axis.parameter.sets or axis.name for axis in self.axes)
+        names = [axis.parameter.sets or axis.name for axis in self.axes]
+        if any(axis.parameter.describes == "semi-axes" for axis in self.axes):
+            names += ["I1", "I2"]
+        return tuple(names)
 
     def checked_before(self, count: int, first: NDArray[np.int64]) -> int | None:
         """The number in a pixel below which bodies are classified by the second method, too.

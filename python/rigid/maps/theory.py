@@ -120,7 +120,7 @@ def predict(spec: MapSpec) -> Theory | None:
         return _of_parts(spec)
     with np.errstate(all="ignore"):  # impossible and degenerate pixels end as NaN
         predictors = [_free_no_flip, _symmetric_top, _falling_top, _satellite]
-        if spec.own is not None or spec.grid.torque is not None:
+        if spec.own is not None or spec.grid.torque is not None or spec.grid.further:
             # The others read the scene of all pixels.
             predictors = [_free_no_flip]
         known = (predictor(spec) for predictor in predictors)
@@ -360,6 +360,7 @@ def _symmetric_top(spec: MapSpec) -> Theory | None:
         stable.reference != "vertical"
         or stable.axis != axis
         or tuple(along) != tuple(scene.com)
+        or start.attitude is not None
         or start.noise is not None
         or (noise is not None and not noise.is_plain_normal)
     ):
@@ -404,6 +405,7 @@ def _falling_top(spec: MapSpec) -> Theory | None:
         or stable.reference != "vertical"
         or stable.axis != start.axis
         or tuple(scene.com) != tuple(np.eye(3)[start.axis - 1])
+        or start.attitude is not None
         or start.noise is not None
         or noise is None
         or not noise.is_plain_normal

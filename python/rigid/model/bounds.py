@@ -2,23 +2,30 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import pi
 from typing import ClassVar, Self
 
-from .._checks.arguments import finite_float, one_of
+import numpy as np
+
+from .._checks.arguments import brief, finite_float, one_of
 from .criterion import Condition, Criterion
 from .scene import Scene
 from .start import Start, body_axis
 
 __all__ = [
     "NearStart",
+    "PointingWithin",
     "RateWithin",
     "ReturnsNear",
     "SpinAbove",
     "TiltBetween",
+    "extreme_axis",
+    "librates",
     "near_start",
+    "pointing_within",
     "rate_within",
+    "require_orbit",
     "returns",
     "spin_above",
     "tilt_between",
@@ -26,6 +33,7 @@ __all__ = [
 
 VECTORS = {"omega": "omega", "L": "momentum"}
 FRAMES = ("space", "body")
+DIRECTIONS = ("radial", "along", "normal")
 
 
 def _angle(name: str, value: float) -> float:
@@ -166,6 +174,45 @@ class NearStart(_Bounded):
 
     def __str__(self) -> str:
         return f"attitude within {self.angle:g} rad of the start"
+
+
+@dataclass(frozen=True, slots=True)
+class PointingWithin(_Bounded):
+    """Stable while an axis points along the orbit; see :func:`pointing_within`."""
+
+    name: ClassVar[str] = "pointing_within"
+    limited: ClassVar[str | None] = "angle"
+    record: ClassVar[str] = "attitude"
+
+    angle: float
+    axis: int | None = None
+    of: str = "radial"
+    either: bool = False
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "angle", _angle("angle", self.angle))
+        if self.axis is not None:
+            object.__setattr__(self, "axis", body_axis(self.axis, signed=True))
+        one_of("of", self.of, DIRECTIONS)
+        if not isinstance(self.either, bool):
+            raise TypeError(f"either = {brief(self.either)}: must be True or False")
+
+    def resolved(self, scene: Scene, start: Start) -> Self:
+        """The criterion with an axis, if there is an orbit."""
+        require_orbit(self.name, scene)
+        return replace(
+            self, axis=extreme_axis(scene, long=True) if self.axis is None else self.axis
+        )
+
+    def core(self) -> Condition:
+        """Name, axis, the limit (rad) and whether the opposite counts, as the core takes them."""
+        assert self.axis is not None
+        return f"pointing_{self.of}", self.axis, (self.angle, float(self.either))
+
+    def __str__(self) -> str:
+        axis = "long axis" if self.axis is None else f"axis {self.axis}"
+        either = ", or of its opposite" if self.either else ""
+        return f"{axis} within {self.angle:g} rad of *{self.of}*{either}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -323,6 +370,93 @@ def near_start(angle: float) -> NearStart:
     'attitude within 0.2 rad of the start'
     """
     return NearStart(angle)
+
+
+def pointing_within(
+    angle: float, axis: int | None = None, of: str = "radial", *, either: bool = False
+) -> PointingWithin:
+    """Stable: a body axis stays within an angle of a direction that goes round with the orbit.
+
+    Parameters
+    ----------
+    angle : float
+        Limit in rad, in (0, pi].
+    axis : {1, 2, 3, -1, -2, -3}, optional
+        The body axis; negative for its opposite direction. By default the long axis: that of the
+        smallest moment of the scene.
+    of : {"radial", "along", "normal"}
+        The direction: away from the planet; across it in the plane of the orbit, towards the
+        motion; or the normal of the orbit.
+    either : bool
+        Whether the opposite of the axis counts too: watched is the end that is nearer to the
+        direction at the start.
+
+    Returns
+    -------
+    PointingWithin
+
+    Raises
+    ------
+    ValueError
+        If the angle, the axis or the direction is unknown or out of range. A map of a scene without
+        an orbit refuses the criterion.
+
+    Notes
+    -----
+    The angle is observed as ``4 sin²(angle / 2)``, as in :func:`rate_within`.
+
+    Examples
+    --------
+    >>> import rigid
+    >>> str(rigid.pointing_within(0.5, axis=3, of="normal"))
+    'axis 3 within 0.5 rad of *normal*'
+    """
+    return PointingWithin(angle, axis, of, either)
+
+
+def librates(axis: int | None = None) -> PointingWithin:
+    """Stable: the long axis never faces backwards, so the body keeps one side to the planet.
+
+    The end of the axis that is nearer to the line from the planet at the start stays within 90
+    degrees of it: ``pointing_within(pi/2, axis, either=True)``. In the plane of the orbit this is
+    a libration of less than 90 degrees.
+
+    Parameters
+    ----------
+    axis : {1, 2, 3}, optional
+        The body axis; by default that of the smallest moment of the scene.
+
+    Returns
+    -------
+    PointingWithin
+
+    Raises
+    ------
+    ValueError
+        As :func:`pointing_within`.
+
+    Examples
+    --------
+    >>> import rigid
+    >>> str(rigid.librates(1))
+    'axis 1 within 1.5708 rad of *radial*, or of its opposite'
+    """
+    return PointingWithin(0.5 * pi, axis, either=True)
+
+
+def require_orbit(name: str, scene: Scene) -> None:
+    """Raise ValueError if a scene has no orbit, whose frame a question is about."""
+    if scene.orbit is None:
+        raise ValueError(
+            f"{name}() measures in the frame of an orbit, which the scene does not have; give it "
+            "orbit=rigid.Orbit(rate)"
+        )
+
+
+def extreme_axis(scene: Scene, *, long: bool) -> int:
+    """The long axis of the body of a scene, of its smallest moment; else that of the largest."""
+    moments = np.asarray(scene.body.moments).reshape(-1, 3)[0]
+    return int(np.argmin(moments) if long else np.argmax(moments)) + 1
 
 
 def returns(angle: float, after: float) -> ReturnsNear:

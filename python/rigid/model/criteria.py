@@ -14,7 +14,7 @@ from typing import Any, ClassVar, Self
 import numpy as np
 
 from .._checks.arguments import brief, finite_float, one_of
-from .bounds import NearStart, RateWithin, ReturnsNear, SpinAbove, TiltBetween
+from .bounds import NearStart, PointingWithin, RateWithin, ReturnsNear, SpinAbove, TiltBetween
 from .criterion import Criterion, Joined
 from .judged import Custom
 from .scene import Scene
@@ -219,6 +219,7 @@ CRITERIA: Mapping[str, type[Criterion]] = {
         NearStart,
         ReturnsNear,
         SpinAbove,
+        PointingWithin,
         Regular,
     )
 }

@@ -7,6 +7,7 @@ from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 from .._checks.arguments import brief, one_of
+from .bounds import extreme_axis, require_orbit
 from .criteria import REFERENCES, no_flip, tilt_below
 from .scene import Scene
 from .start import Start, body_axis
@@ -17,8 +18,11 @@ __all__ = [
     "drift",
     "flips",
     "largest_tilt",
+    "libration_amplitude",
     "make_measures",
     "mean_rate",
+    "obliquity",
+    "spin_orbit_ratio",
     "time_to_leave",
 ]
 
@@ -27,11 +31,21 @@ MEASURES: Mapping[str, tuple[str, str]] = {
     "flips": ("1", "sign changes of the rate"),
     "largest_tilt": ("rad", "largest tilt"),
     "mean_rate": ("rad/s", "mean rate"),
+    "libration_amplitude": ("rad", "largest angle from the line to the planet"),
+    "obliquity": ("rad", "largest angle from the normal of the orbit"),
+    "spin_orbit_ratio": ("1", "mean rate over the mean motion of the orbit"),
     "drift": ("1", "largest drift of an invariant"),
 }
 """All measures by their name, with unit and meaning; a function of this name makes each."""
 
 MOST_MEASURES = 16
+
+ON_ORBIT = {
+    "libration_amplitude": "angle_from_radial",
+    "obliquity": "angle_from_normal",
+    "spin_orbit_ratio": "mean_rate_over_motion",
+}
+"""The measures in the frame of an orbit, and their names in the core."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,6 +81,11 @@ class Measure:
             assert self.axis is not None
             tilt = tilt_below(1.0, axis=self.axis, reference=self.reference)
             return replace(self, reference=tilt.resolved(scene, start).reference)
+        if self.name in ON_ORBIT:
+            require_orbit(self.name, scene)
+            if self.axis is None:
+                is_long = self.name == "libration_amplitude"
+                return replace(self, axis=extreme_axis(scene, long=is_long))
         return self
 
     @property
@@ -82,7 +101,7 @@ class Measure:
     def core(self) -> tuple[str, int]:
         """Name and axis as the core takes them."""
         name = f"tilt_from_{self.reference}" if self.name == "largest_tilt" else self.name
-        return name, self.axis or 0
+        return ON_ORBIT.get(name, name), self.axis or 0
 
     @property
     def unit(self) -> str:
@@ -231,6 +250,92 @@ def mean_rate(axis: int) -> Measure:
     'mean_rate(1)'
     """
     return Measure("mean_rate", axis)
+
+
+def libration_amplitude(axis: int | None = None) -> Measure:
+    """Largest angle (rad) of an axis from the line to the planet, until the horizon.
+
+    Parameters
+    ----------
+    axis : {1, 2, 3}, optional
+        The body axis, by default the long one: that of the smallest moment of the scene. The end
+        counts that is nearer to the direction from the planet at the start: a body that turns round
+        has about pi.
+
+    Returns
+    -------
+    Measure
+
+    Raises
+    ------
+    ValueError
+        If the axis is unknown. A map of a scene without an orbit refuses the measure.
+
+    Notes
+    -----
+    The angle is that of :func:`pointing_within`, at four places of each step and at its largest
+    between them.
+
+    Examples
+    --------
+    >>> import rigid
+    >>> str(rigid.libration_amplitude(1))
+    'libration_amplitude(1)'
+    """
+    return Measure("libration_amplitude", axis)
+
+
+def obliquity(axis: int | None = None) -> Measure:
+    """Largest angle (rad) of an axis from the normal of the orbit, until the horizon.
+
+    Parameters
+    ----------
+    axis : {1, 2, 3, -1, -2, -3}, optional
+        The body axis, by default that of the largest moment of the scene; negative for its opposite
+        direction.
+
+    Returns
+    -------
+    Measure
+
+    Raises
+    ------
+    ValueError
+        If the axis is unknown. A map of a scene without an orbit refuses the measure.
+
+    Examples
+    --------
+    >>> import rigid
+    >>> str(rigid.obliquity(3))
+    'obliquity(3)'
+    """
+    return Measure("obliquity", axis)
+
+
+def spin_orbit_ratio(axis: int | None = None) -> Measure:
+    """Mean rate about a body axis over the mean motion of the orbit, until the horizon.
+
+    Parameters
+    ----------
+    axis : {1, 2, 3, -1, -2, -3}, optional
+        The body axis, by default that of the largest moment of the scene.
+
+    Returns
+    -------
+    Measure
+
+    Raises
+    ------
+    ValueError
+        If the axis is unknown. A map of a scene without an orbit refuses the measure.
+
+    Examples
+    --------
+    >>> import rigid
+    >>> str(rigid.spin_orbit_ratio(3))
+    'spin_orbit_ratio(3)'
+    """
+    return Measure("spin_orbit_ratio", axis)
 
 
 def drift() -> Measure:

@@ -341,7 +341,8 @@ class Scene(HasForces, ABC):
             parts.append(self.torque.words())
         if self.damping is not None:
             parts.append(damping_words(self.damping))
-        parts += [force.words(value) for force, value in self.further()]
+        for force, value in self.further():
+            parts.append(f"{force.name} varied" if force.name in varied else force.words(value))
         return ", ".join(parts)
 
 

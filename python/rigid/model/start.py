@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import brief, finite_float, first_place, numbers, one_of, vector
+from .._checks.arrays import attitudes
 
 __all__ = [
     "Noise",
@@ -448,6 +449,10 @@ class Start:
         The body axis that the start is about.
     tilt : float
         Angle between ``axis`` and the rates (free body) or the vertical (top), rad, in [-pi, pi].
+    attitude : array_like, shape (4,), or scipy Rotation, optional
+        The nominal attitude, instead of ``tilt``: a quaternion (w, x, y, z) that takes components
+        in the body to those in space. It is divided by its length. A start with ``spin`` then has
+        ``omega = spin e``.
     noise : Noise or Samples, optional
         Perturbation of the rates; samples, and a covariance of shape (6, 6), perturb the attitude
         too.
@@ -457,7 +462,8 @@ class Start:
     Raises
     ------
     ValueError
-        If neither or both of ``omega`` and ``spin`` are given, or a value is out of range.
+        If neither or both of ``omega`` and ``spin`` are given, ``tilt`` and ``attitude`` are both
+        given, or a value is out of range.
 
     Examples
     --------
@@ -466,12 +472,15 @@ class Start:
     'spin 10 rad/s about axis 2, rates + normal(0.001)'
     >>> rigid.Start(omega=[1e-10, 1.0, 1e-10]).omega
     (1e-10, 1.0, 1e-10)
+    >>> rigid.Start(spin=2.0, attitude=[0.8, 0.6, 0.0, 0.0]).describe()
+    'spin 2 rad/s about axis 3, attitude (0.8, 0.6, 0, 0)'
     """
 
     omega: tuple[float, float, float] | None = None
     spin: float | None = None
     axis: int = 3
     tilt: float = 0.0
+    attitude: tuple[float, float, float, float] | None = None
     noise: Noise | Samples | None = None
     attitude_noise: Noise | None = None
 
@@ -486,6 +495,10 @@ class Start:
         object.__setattr__(self, "tilt", finite_float("tilt", self.tilt))
         if abs(self.tilt) > pi:
             raise ValueError(f"tilt = {self.tilt}: must lie in [-pi, pi] (rad)")
+        if self.attitude is not None:
+            object.__setattr__(self, "attitude", _attitude(self.attitude))
+            if self.tilt != 0.0:
+                raise ValueError(f"tilt = {self.tilt:g}: the attitude is given; leave out the tilt")
         for name in ("noise", "attitude_noise"):
             noise = getattr(self, name)
             given = name == "noise" and isinstance(noise, Samples)
@@ -522,6 +535,8 @@ class Start:
             "spin": self.spin,
             "axis": self.axis,
             "tilt": self.tilt,
+            # Starts without one have the bytes that they had before there was any.
+            **({} if self.attitude is None else {"attitude": list(self.attitude)}),
             "noise": None if self.noise is None else self.noise.to_dict(),
             "attitude_noise": (
                 None if self.attitude_noise is None else self.attitude_noise.to_dict()
@@ -554,6 +569,8 @@ class Start:
             parts = [f"spin {number('spin', self.spin)} rad/s about axis {self.axis}"]
         if self.tilt != 0.0 or "tilt" in varied:
             parts.append(f"tilt {number('tilt', self.tilt)} rad")
+        if self.attitude is not None:
+            parts.append(f"attitude ({', '.join(f'{part:g}' for part in self.attitude)})")
         for label, name, noise in (
             ("rates", "noise", self.noise),
             ("attitude", "attitude_noise", self.attitude_noise),
@@ -564,6 +581,15 @@ class Start:
                     of_size = name.replace("noise", "kappa")
                 parts.append(f"{label} + {noise.describe(varied=of_size in varied)}")
         return ", ".join(parts)
+
+
+def _attitude(value: Any) -> tuple[float, float, float, float]:
+    """A unit quaternion from what the attitude arguments of functions take."""
+    unit = attitudes(value)
+    if unit.shape != (4,):
+        raise ValueError(f"attitude: expected shape (4,), got {unit.shape}")
+    w, x, y, z = unit.tolist()
+    return w, x, y, z
 
 
 def body_axis(value: object, *, signed: bool = False) -> int:

@@ -16,6 +16,8 @@ from .._checks.arguments import one_of
 from .._files import published
 from ..drawing.figure import html_with_picture, shown_figure
 from ..model.events import COMPONENTS
+from ..model.orbit import Orbit
+from ..rotations import quaternion_to_matrix
 from ..solve.dataset import as_dataset
 from ..solve.plan import Plan
 from ..solve.status import Status
@@ -33,6 +35,7 @@ Floats = NDArray[np.float64]
 LABELS = {
     **{f"omega{i}": rf"$\omega_{i}$ (rad/s)" for i in (1, 2, 3)},
     **{f"gamma{i}": rf"$\gamma_{i}$" for i in (1, 2, 3)},
+    **{f"angle{i}": rf"$\theta_{i}$ (rad)" for i in (1, 2, 3)},
     "t": "$t$ (s)",
 }
 
@@ -85,7 +88,7 @@ class Crossings:
         1 where the motion rises through the surface, -1 where it falls, 0 where it touches it.
     slope : ndarray, shape (p,)
         Rate of what is zero on the surface; of ``"height"`` the second derivative of the height of
-        the centre of mass (1/s²), in units of its distance from the fixed point.
+        the centre of mass (1/s²), in units of its distance from the fixed point. 1 at equal times.
     body : ndarray of int, shape (p,)
         Index of the body, in the flat order of all.
     grazing : ndarray of bool, shape (p,)
@@ -93,7 +96,8 @@ class Crossings:
         rates, that rounding may decide whether it crosses. They are kept whatever their direction.
     error : ndarray, shape (p,)
         Estimated error of ``t`` (s): three times what a second run, with a method of another order,
-        makes of the surface, the largest until then, and rounding, over the slope. NaN without that
+        makes of the surface, the largest until then, and rounding, over the slope. Of states at
+        equal times their error as in :attr:`Run.error`, the largest of the body. NaN without that
         run.
     complete : ndarray of bool, shape (n,)
         Whether every crossing until ``end`` is among the points and no other: the body was run, no
@@ -113,9 +117,11 @@ class Crossings:
     steps : ndarray of uint64, shape (n,)
         Steps taken.
     section : Section
-        The surface.
+        The surface, or the equal times.
     plan : Plan
         The method and the reasons.
+    orbit : Orbit or None
+        The orbit of the bodies, if there is one.
     spec : dict
         Scene, method, tolerance, section, end and count, as a dict.
     """
@@ -138,6 +144,7 @@ class Crossings:
     steps: NDArray[np.uint64]
     section: Section
     plan: Plan
+    orbit: Orbit | None
     spec: dict[str, Any]
 
     def __len__(self) -> int:
@@ -153,14 +160,43 @@ class Crossings:
         return html_with_picture(lambda ax: self.plot(ax=ax), repr(self))
 
     def component(self, name: str) -> Floats:
-        """A column by its name: ``"omega1"`` to ``"gamma3"``, or ``"t"``; shape (p,)."""
+        """A column by its name; shape (p,).
+
+        Parameters
+        ----------
+        name : str
+            ``"omega1"`` to ``"omega3"``, ``"gamma1"`` to ``"gamma3"``, ``"t"``; or ``"angle1"`` to
+            ``"angle3"``: the angle (rad, from -pi to pi) of a body axis about the normal of the
+            orbit from the direction away from the planet, which is its libration. Without an orbit
+            the angle about z of space from x.
+
+        Examples
+        --------
+        >>> import rigid
+        >>> moon = rigid.FreeBody(rigid.Body((1.0, 1.2, 1.4)), orbit=rigid.Orbit(1.0, 0.05))
+        >>> each = rigid.poincare(moon, [0.0, 0.0, 1.01], every=moon.orbit.period, t_end=20.0)
+        >>> each.component("angle1").round(3).tolist()
+        [-0.088, 0.109, -0.048]
+        """
         one_of("name", name, LABELS)
         if name == "t":
             return self.t
+        if name.startswith("angle"):
+            return self._angle(int(name[-1]) - 1)
         column: Floats = (self.omega, self.gamma)[COMPONENTS.index(name) // 3][
             :, COMPONENTS.index(name) % 3
         ]
         return column
+
+    def _angle(self, axis: int) -> Floats:
+        pointing = quaternion_to_matrix(self.attitude)[..., axis]
+        frame = np.broadcast_to(np.eye(3), (len(self), 3, 3))
+        if self.orbit is not None:
+            numbers = np.broadcast_to(self.orbit.numbers, (*np.shape(self.complete), 9))
+            each = Orbit.of_numbers(numbers.reshape(-1, 9)[self.body])
+            frame = each.frame(self.t[:, np.newaxis])[:, 0]
+        x, y = (np.sum(pointing * frame[..., k], axis=-1) for k in (0, 1))
+        return np.asarray(np.arctan2(y, x))
 
     def reasons(self) -> tuple[Any, ...]:
         """How complete the points of each body are, in a sentence each.

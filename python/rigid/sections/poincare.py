@@ -1,8 +1,9 @@
-"""The points at which motions cross a surface, all of them."""
+"""The points at which motions cross a surface, all of them, and their states at equal times."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+import math
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -11,18 +12,22 @@ from .._checks.arguments import brief, finite_float, positive_int, resolve_threa
 from .._checks.progress import ProgressOption
 from ..model.body import Body
 from ..model.scene import Scene, check_scene
+from ..rotations.apply import to_body
 from ..solve.choose_method import choose_method
 from ..solve.methods import EXACT, known_method, series_methods
 from ..solve.problem import Problem
+from ..solve.simulate import simulate
 from ..solve.starts import bodies_of
 from ..solve.status import Status
 from ..solve.surfaces import METHOD, TOLERANCE, Search, Surfaces
 from .crossings import Crossings
-from .surface import Section
+from .surface import Section, at_equal_times
 from .surface import section as make_section
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
+
+    from ..solve.run import Run
 
 __all__ = ["poincare"]
 
@@ -35,6 +40,7 @@ def poincare(
     attitude: ArrayLike | Rotation | None = None,
     section: Section | str | None = None,
     *,
+    every: float | None = None,
     t_end: float,
     count: int | None = None,
     method: str | None = None,
@@ -44,7 +50,7 @@ def poincare(
     threads: int | None = None,
     progress: ProgressOption = False,
 ) -> Crossings:
-    """The points at which bodies cross a surface of section: all of them, and no other.
+    """The points at which bodies cross a surface of section, all of them; or states at equal times.
 
     A Taylor method knows the motion inside each step as a polynomial, and with it what is zero on
     the surface. Its zeros are isolated by Descartes' rule of signs, so that two crossings in one
@@ -60,6 +66,9 @@ def poincare(
         Attitude at ``t = 0``. Default: body and space axes coincide.
     section : Section or str, optional
         The surface, made by :func:`section`, or its name. Default: ``"height"``.
+    every : float, optional
+        Instead of a surface: the points are the states at the multiples of this time (s), such as
+        the period of an orbit. Such a section is called stroboscopic.
     t_end : float
         Time at which the motions end (s).
     count : int, optional
@@ -86,13 +95,18 @@ def poincare(
     ------
     ValueError
         Naming the argument, its value and the rule: as :func:`simulate`; a method that is no
-        series, a ``t_end`` that is not positive, ``"height"`` of a body without weight.
+        series, a ``t_end`` that is not positive, ``"height"`` of a body without weight; an
+        ``every`` that is not positive or above ``t_end``, or beside a section.
     MemoryError
         As soon as the points do not fit into the memory of the machine: ask for a ``count``, or
         for fewer bodies at once.
 
     Notes
     -----
+    States at equal times are those of :func:`simulate` with the same method: no surface is crossed,
+    and ``error`` is that of the states. J. Wisdom, S. J. Peale, F. Mignard, Icarus 58 (1984) 137,
+    fig. 2.
+
     Points do not depend on the other bodies of a call, nor on threads and instruction set. A start
     on the surface is no point.
 
@@ -112,14 +126,37 @@ def poincare(
     <Crossings: 25 points of 1 body, centre of mass highest; complete>
     >>> points.gamma[0].round(3).tolist()
     [0.643, 0.763, 0.066]
+    >>> rigid.poincare(top, [0.5, 0.25, 1.5], every=2.0, t_end=100.0)
+    <Crossings: 50 points of 1 body, every 2 s; complete>
     """
     scene = check_scene(scene, many=True)
-    surface = _checked_section(section)
     end = finite_float("t_end", t_end, positive=True)
     most = None if count is None else positive_int("count", count)
     tolerance = finite_float("tolerance", tolerance, positive=True)
     chosen = METHOD if method is None else one_of_series(method)
+    max_steps = positive_int("max_steps", max_steps)
     threads = resolve_threads(threads)
+    if every is not None:
+        if section is not None:
+            raise ValueError(f"section = {brief(section)}: leave it out beside every")
+        period = finite_float("every", every, positive=True)
+        if period > end:
+            raise ValueError(f"every = {period:g}: must not be above t_end = {end:g}")
+        known = math.floor(end / period * (1.0 + 1e-12))
+        times = period * np.arange(1.0, min(known, most or known) + 1.0)
+        run = simulate(
+            scene,
+            omega,
+            attitude,
+            t=times,
+            method=chosen,
+            tolerance=tolerance,
+            check=check,
+            max_steps=max_steps,
+            threads=threads,
+        )
+        return _at_times(run, scene, at_equal_times(period), {"t_end": end, "count": count})
+    surface = _checked_section(section)
     bodies = bodies_of(scene, omega, attitude)
     weight = np.broadcast_to(bodies.weight, (len(bodies), 3))
     normals = surface.normals(scene, weight)
@@ -148,7 +185,7 @@ def poincare(
         method=chosen,
         closed=False,
         tolerance=tolerance,
-        max_steps=positive_int("max_steps", max_steps),
+        max_steps=max_steps,
         threads=threads,
     )
     found = search.points(progress)
@@ -179,6 +216,7 @@ def poincare(
         steps=bodies.in_axes(found["steps"]),
         section=surface,
         plan=plan(),
+        orbit=scene.orbit,
         spec={
             "scene": scene.to_dict(),
             "method": chosen,
@@ -186,6 +224,46 @@ def poincare(
             "section": surface.to_dict(),
             "t_end": end,
             "count": count,
+        },
+    )
+
+
+def _at_times(run: Run, scene: Scene, section: Section, asked: dict[str, Any]) -> Crossings:
+    """The states of a run as the points of a section of equal times."""
+    shape = np.shape(run.status)
+    omega = np.reshape(run.omega, (run.status.size, len(run.t), 3))
+    # Those that a body did not reach are no points.
+    reached = np.asarray(np.isfinite(omega).all(axis=2))
+    whole = np.asarray(reached.all(axis=1))
+    body, at = np.nonzero(reached)
+    attitude = np.reshape(np.asarray(run.attitude), (*reached.shape, 4))[reached]
+    attitude = np.where(attitude[:, :1] < 0.0, -attitude, attitude)
+    attitude /= np.linalg.norm(attitude, axis=1, keepdims=True)
+    ends = np.where(reached, run.t, 0.0).max(axis=1)
+    return Crossings(
+        t=run.t[at],
+        omega=omega[reached],
+        gamma=to_body(attitude, np.array([0.0, 0.0, 1.0])),
+        attitude=attitude,
+        direction=np.ones(len(at), dtype=np.int8),
+        slope=np.ones(len(at)),
+        body=body,
+        grazing=np.zeros(len(at), dtype=np.bool_),
+        error=np.ravel(run.error)[body],
+        complete=whole.reshape(shape),
+        end=ends.reshape(shape),
+        lost_from=run.lost_from,
+        energy_drift=run.energy_drift,
+        status=run.status,
+        stays=np.zeros(shape, dtype=np.bool_),
+        steps=run.steps,
+        section=section,
+        plan=run.plan,
+        orbit=scene.orbit,
+        spec={
+            **{name: run.spec[name] for name in ("scene", "method", "tolerance")},
+            "section": section.to_dict(),
+            **asked,
         },
     )
 

@@ -12,12 +12,15 @@ from .._checks.arguments import brief, finite_float, one_of, vector
 from ..model.events import COMPONENTS
 from ..model.scene import HeavyTop, Scene
 
-__all__ = ["HEIGHT", "Section", "section"]
+__all__ = ["EQUAL_TIMES", "HEIGHT", "Section", "at_equal_times", "section"]
 
 Floats = NDArray[np.float64]
 
 HEIGHT = "height"
 """The section where the height of the centre of mass turns."""
+
+EQUAL_TIMES = "every"
+"""The section of equal times, which has no surface."""
 
 _WORDS = {1: "rising", -1: "falling", 0: "both ways"}
 
@@ -29,11 +32,12 @@ class Section:
     Attributes
     ----------
     name : str
-        ``"height"``, a component, or ``"plane"`` for one of vectors.
+        ``"height"``, a component, ``"plane"`` for one of vectors, or ``"every"`` for equal times.
     omega, gamma : tuple of float
         Its normal: ``omega·w + gamma·n - value`` is zero on it, for the rates ``w`` and the
         vertical ``n`` in the body. Both zero for ``"height"``.
     value : float
+        Of equal times the time between two of them (s).
     direction : int
         1 for rising crossings, -1 for falling ones, 0 for both.
     """
@@ -54,6 +58,8 @@ class Section:
         if self.is_height:
             turn = {-1: "highest", 1: "lowest", 0: "highest or lowest"}[self.direction]
             return f"centre of mass {turn}"
+        if self.name == EQUAL_TIMES:
+            return f"every {self.value:.6g} s"
         if self.name in COMPONENTS:
             return f"{self.name} = {self.value:g}, {_WORDS[self.direction]}"
         return f"{self.omega}·omega + {self.gamma}·gamma = {self.value:g}, {_WORDS[self.direction]}"
@@ -89,6 +95,11 @@ class Section:
             "value": self.value,
             "direction": self.direction,
         }
+
+
+def at_equal_times(every: float) -> Section:
+    """The section of the times that are multiples of ``every`` (s)."""
+    return Section(EQUAL_TIMES, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), every, 1)
 
 
 def section(

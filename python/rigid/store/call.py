@@ -64,7 +64,8 @@ def stability_map(
         A class means its example: ``FreeBody(Body((1.0, 1.5, 2.0)))`` or
         ``HeavyTop(Body((1.0, 1.0, 0.5)), mgl=1.0)``. A function makes the scene from its own
         parameters: its arguments are axes of the map, arrays with a number for each pixel, and it
-        returns a scene of as many bodies. A specification, such as ``result.spec`` of an
+        returns a scene of as many bodies, or a tuple of the scene, the rates of the starts, shape
+        (n, 3), and perhaps their attitudes, (n, 4). A specification, such as ``result.spec`` of an
         older map, says everything but ``threads``, ``progress`` and ``partial``;
         :meth:`MapSpec.replace` changes it.
     axes : dict of str to array_like, shape (n,)
@@ -73,14 +74,17 @@ def stability_map(
         as ``I2/I1`` (which sets ``I2``); sides ``a``, ``b``, ``c`` and ``mass`` of a box; ``mgl``
         of a top, ``com1``, ``com2``, ``com3``: components towards its centre of mass, of which the
         direction counts, or ``com_tilt``, ``com_turn``: angle of the centre of mass from axis 3,
-        and its azimuth; ``spin``, ``tilt``, ``omega1``, ``omega2``, ``omega3``; ``noise``,
+        and its azimuth; ``a/b``, ``b/c``: ratios of the semi-axes of an ellipsoid; ``energy``,
+        ``l_gamma`` of the start without noise; ``spin``,
+        ``tilt``, ``omega1``, ``omega2``, ``omega3``; ``noise``,
         ``attitude_noise``: the size of the perturbation that the start names, or of one component:
         ``noise1``, ``noise2``, ``noise3``, ``attitude_noise1``, ``attitude_noise2``,
         ``attitude_noise3``; ``damping1``, ``damping2``, ``damping3`` (N m s): damping of the rates
         about the axes; ``kappa``, ``attitude_kappa``: concentration of the directions of
         :func:`von_mises_fisher`; ``torque1``, ``torque2``, ``torque3`` (N m): constant torque about
-        them; ``limit``: the angle of the criterion; ``t_end``: the horizon. All horizons and limits
-        see the same bodies, each by a run of its own.
+        them; ``rotor1``, ``rotor2``, ``rotor3`` and ``dissipation``; ``eccentricity``, ``anomaly``
+        of the orbit; ``limit``: the angle of the criterion; ``t_end``: the horizon. All horizons
+        and limits see the same bodies, each by a run of its own.
     samples : int
         Bodies per pixel; or give ``half_width``. One of them is required, as ``axes``, ``t_end``
         and ``stable`` are, unless ``scene`` is a specification.
@@ -88,8 +92,9 @@ def stability_map(
         Horizon in s: *stable* means stable until then. By default that of :func:`judged`.
     stable : Criterion
         The criterion: :func:`no_flip`, :func:`tilt_below`, :func:`tilt_between`,
-        :func:`rate_within`, :func:`near_start`, :func:`returns`, :func:`spin_above`, joined by
-        ``&``, ``|`` and ``~`` or alone, or :func:`regular`; or :func:`judged` by a function.
+        :func:`rate_within`, :func:`near_start`, :func:`returns`, :func:`spin_above`,
+        :func:`pointing_within`, :func:`librates`, joined by ``&``, ``|`` and ``~`` or alone, or
+        :func:`regular`; or :func:`judged` by a function.
     start : Start or Mixture, optional
         By default a free body spins at 1 rad/s about the axis of its middle moment with
         ``noise=normal(1e-3)``, and a top at 5 rad/s about axis 3 with
@@ -131,7 +136,8 @@ def stability_map(
         For plots and files.
     measure : Measure or sequence of Measure, optional
         Numbers to collect of each body besides its class: :func:`time_to_leave`, :func:`flips`,
-        :func:`largest_tilt`, :func:`mean_rate`, :func:`drift`. ``result.measures`` has them.
+        :func:`largest_tilt`, :func:`mean_rate`, :func:`drift`, :func:`libration_amplitude`,
+        :func:`obliquity`, :func:`spin_orbit_ratio`. ``result.measures`` has them.
     partial : bool
         Return the map of what is done after Ctrl-C, instead of raising :class:`Interrupted`:
         the program goes on. ``result.ended`` tells whether all was done.
