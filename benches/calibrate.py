@@ -28,6 +28,7 @@ import numpy as np
 from timing import QUICK, moved, parser, positive, sized
 
 from rigid import _core, build_info, methods
+from rigid.model.orbit import Orbit
 from rigid.solve.bodies import Bodies
 from rigid.solve.error_estimate import distances
 from rigid.solve.methods import EXACT
@@ -35,7 +36,7 @@ from rigid.solve.request import Request
 from rigid.solve.work import LANES, reference_nanoseconds
 
 TARGET = Path(__file__).parents[1] / "python" / "rigid" / "calibration.json"
-KINDS = ("free", "lagrange", "top", "forced")
+KINDS = ("free", "lagrange", "top", "forced", "further")
 MEASURED = sized(KINDS, ("lagrange",))
 METHODS = sized(None, 3)
 """So many of the methods; None for all."""
@@ -64,7 +65,7 @@ OTHER_DATA = np.ones(2**20)
 
 def bodies(kind: str, count: int, spin: float = 1.0) -> Bodies:
     """Random bodies that turn by about a radian in a unit of time, or so many times as far."""
-    # A forced body is a top under damping.
+    # A forced body is a top under damping; further forces are those of satellites.
     rng = np.random.default_rng([2026, min(KINDS.index(kind), 2)])
     parts = rng.uniform(0.2, 1.2, (count, 3))
     moments = parts.sum(axis=1, keepdims=True) - parts
@@ -80,15 +81,20 @@ def bodies(kind: str, count: int, spin: float = 1.0) -> Bodies:
     attitude = rng.normal(size=(count, 4))
     attitude /= np.linalg.norm(attitude, axis=1, keepdims=True)
     none, damping = np.empty((0, 3)), np.array([[0.1, 0.1, 0.1, 0.0, 0.0, 0.0]])
-    damped = _core.Forces(times=np.array([]), body=none, space=none, damping=damping)
+    table = {"times": np.array([]), "body": none, "space": none}
+    orbit = Orbit(spin * rng.uniform(0.1, 1.0, count), rng.uniform(0.0, 0.5, count), 1.0)
+    acting = {
+        "forced": {"damping": damping},
+        "further": {"damping": np.zeros((1, 6)), "further": {"orbit": orbit.numbers}},
+    }
     return Bodies(
-        kind="free" if kind == "free" else "top",
+        kind="free" if kind in ("free", "further") else "top",
         shape=(count,),
         moments=moments,
         weight=weight,
         omega=spin * rng.normal(size=(count, 3)),
         attitude=attitude,
-        forces=damped if kind == "forced" else None,
+        forces=_core.Forces(**table, **acting[kind]) if kind in acting else None,
     )
 
 
@@ -233,7 +239,8 @@ def calibrated_errors(kind: str) -> tuple[dict[str, dict[str, Any]], list[float]
     truths = [(Truth(kind, BODIES, s), Truth(kind, BODIES_OF_MARGINS, s)) for s in spins]
     found: dict[str, dict[str, Any]] = {}
     for method in methods()[:METHODS]:
-        if kind == "forced" and not method.forces:
+        needed = {"forced": "damping", "further": "orbit"}
+        if kind in needed and needed[kind] not in method.forces:
             continue
         for truth, many in truths:
             limits = errors(method.name, method.order, truth)

@@ -15,6 +15,7 @@ from ..solve.cost_model import (
     Estimate,
     Motions,
     calibration_class_of_any,
+    calibration_class_of_forces,
     closed_form_estimate,
     joined,
     steps_estimate,
@@ -72,7 +73,8 @@ def _estimate(spec: MapSpec, method: str, forms: Codes, batches: list[Bodies]) -
         rates = [batch.fastest_rates(span) for batch in batches]
         every = np.concatenate([np.zeros(0), *rates])
         return closed_form_estimate(spec.stable, forms, 0, every, spec.t_end)
-    kind = "forced" if spec.forces else calibration_class_of_any(spec.scene)
+    scene = spec.scene
+    kind = calibration_class_of_forces(scene) if spec.forces else calibration_class_of_any(scene)
     motions = [_motions(spec, batch) for batch in batches]
     return steps_estimate(spec.stable, spec.scheme, kind, joined(motions))
 

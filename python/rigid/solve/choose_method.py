@@ -25,7 +25,14 @@ from .closed_form import (
     weight_rows,
     why_not,
 )
-from .cost_model import calibrated, cheapest, check_attainable, some_of, steps_for
+from .cost_model import (
+    calibrated,
+    calibration_class_of_forces,
+    cheapest,
+    check_attainable,
+    some_of,
+    steps_for,
+)
 from .foresight import why_unforeseen
 from .methods import EXACT, FALLBACK, STIFF, methods_under, plain_methods, series_methods
 from .plan import LazyPlan, Plan
@@ -263,7 +270,8 @@ def _accurate(
     classes = problem.classes()
     # Of bodies of several classes the most decide about the method, each class about its steps.
     kinds, counts = np.unique(classes, return_counts=True)
-    kind = "forced" if problem.scene.forces else str(kinds[counts.argmax()])
+    scene = problem.scene
+    kind = calibration_class_of_forces(scene) if scene.forces else str(kinds[counts.argmax()])
     ratios = problem.bodies.weight_ratios(turning)
     if problem.method is None:
         if problem.scene.forces:

@@ -29,6 +29,7 @@ __all__ = [
     "Motions",
     "calibrated",
     "calibration_class_of_any",
+    "calibration_class_of_forces",
     "calibration_classes",
     "cheapest",
     "check_attainable",
@@ -133,7 +134,8 @@ def calibration_classes(
 
     Of one element if all bodies are alike; the rows of a column may serve all.
     """
-    known = np.array([calibration_class_of_any(scene), "lagrange", "forced"])
+    forces = calibration_class_of_forces(scene)
+    known = np.array([calibration_class_of_any(scene), "lagrange", forces])
     # By numbers, which are compared faster than names.
     classes = np.where(forced, 2, (lagrange_axes(moments, weight) > 0).astype(np.intp))
     if not len(classes):
@@ -148,6 +150,14 @@ def calibration_class_of_any(scene: Scene) -> str:
     Nothing is applied. What a step costs depends on whether a direction is carried for the torque.
     """
     return "top" if scene.directions else "free"
+
+
+def calibration_class_of_forces(scene: Scene) -> str:
+    """The class of the bodies of this scene on which forces act.
+
+    A step under further forces computes all of them.
+    """
+    return "further" if scene.has_further else "forced"
 
 
 @np.errstate(all="ignore")
