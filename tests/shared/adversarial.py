@@ -72,7 +72,7 @@ KINDS: Kinds = {
     "driven": (6.0, forced.driven),
     "satellite": (4.0, forced.satellite),
     "drag": (5.0, forced.drag),
-    "gravity gradient": (4.0, forced.gravity_gradient),
+    "orbit": (4.0, forced.on_orbit),
     "rotor": (4.0, forced.rotor),
     "energy sink": (4.0, forced.energy_sink),
     "function": (3.0, forced.function),

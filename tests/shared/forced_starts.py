@@ -171,7 +171,7 @@ def orbit(rng: np.random.Generator, rate: float, e: float = 0.0) -> rigid.Orbit:
     return rigid.Orbit(rate, e, anomaly, normal, periapsis)
 
 
-def gravity_gradient(rng: np.random.Generator) -> Start:
+def on_orbit(rng: np.random.Generator) -> Start:
     """An orbit: tumbling, slow, or near a relative equilibrium of a circle, stable or not."""
     body, speed = rigid.Body(moments(rng)), decades(rng, -1.0, 1.0)
     if rng.random() < 0.5:
