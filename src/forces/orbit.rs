@@ -445,9 +445,9 @@ impl<R: Real> Force<R> for Orbit<R> {
 }
 
 impl Orbit<f64> {
-    /// Rounds the rate otherwise, by a unit in the last place.
+    /// Rounds the rate otherwise, by more than the rates of a body: one that turns with its orbit does so no longer.
     pub fn round_otherwise(&mut self) {
-        self.0[0] *= 1.0 + f64::EPSILON;
+        self.0[0] *= 1.0 + 3.0 * f64::EPSILON;
     }
 
     /// Makes a change of an orbit that of the same orbit whose time begins then: its mean anomaly grows with the time.
