@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -11,8 +12,9 @@ from scipy.spatial.transform import Rotation
 
 import rigid
 from planar_moons import MOMENTS, planar
+from processes import python_process
 from rigid.rotations import quaternion_to_matrix
-from small_maps import small_map
+from small_maps import saved_bytes, small_map
 
 
 def in_plane(
@@ -122,6 +124,40 @@ def test_pointing_is_that_of_a_fine_motion(of: str, axis: int, either: bool) -> 
             begin, end = t[max(left[0] - 1, 0)], t[left[0]]
             assert begin - 1e-9 <= outcomes.left[0, k] <= end + 1e-9
     assert result.stable[0] == 12
+
+
+def pointing_bytes(folder: Path, **options: Any) -> bytes:
+    """The file of a small map of pointing; another process calls this too."""
+    scene = rigid.FreeBody(
+        rigid.Body(MOMENTS), orbit=rigid.Orbit(0.7, 0.2, 1.1, normal=(0.0, 0.6, 0.8))
+    )
+    start = rigid.Start(omega=(0.1, 0.2, 0.7), attitude_noise=rigid.uniform_attitude())
+    result = small_map(
+        scene,
+        axes={"eccentricity": [0.0, 0.1, 0.4], "rotor2": [0.0, 0.1]},
+        start=start,
+        stable=rigid.pointing_within(1.4, 1, "along", either=True),
+        measure=[rigid.libration_amplitude(), rigid.obliquity(), rigid.spin_orbit_ratio()],
+        samples=12,
+        t_end=3.0,
+        method="auto",
+        **options,
+    )
+    assert result.stable.sum() > 5
+    assert result.unstable.sum() > 5
+    return saved_bytes(result, folder)
+
+
+def test_pointing_has_the_same_bits_on_every_machine(tmp_path: Path) -> None:
+    expected = pointing_bytes(tmp_path)
+    assert pointing_bytes(tmp_path, threads=3) == expected
+    code = (
+        "import sys; from pathlib import Path; import test_frame_of_the_orbit as t; "
+        "t.pointing_bytes(Path(sys.argv[1]))"
+    )
+    for isa in rigid.build_info()["isa_available"]:
+        python_process(code, str(tmp_path), RIGID_ISA=isa)
+        assert (tmp_path / "map.npz").read_bytes() == expected
 
 
 def test_the_vertical_of_a_satellite_is_the_normal_of_its_orbit() -> None:
