@@ -176,7 +176,7 @@ MAP_RUN: Mapping[str, Key] = {
 
 MEASURE: Mapping[str, Key] = {
     "name": Key("text", ", ".join(f"`{name}`" for name in MEASURES)),
-    "axis": Key("1, 2, 3, ...", "body axis of `flips`, `largest_tilt` and `mean_rate`"),
+    "axis": Key("1, 2, 3, ...", "body axis of a measure that has one"),
     "reference": Key("text", "of `largest_tilt`: `vertical` or `start`"),
 }
 

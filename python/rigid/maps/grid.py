@@ -71,6 +71,7 @@ class NominalStarts:
     damping : (P, 3, 3), or None if nothing damps
     torque : (P, 3) constant torque in the body, or None if the axes set none
     further : the numbers of the further forces that the axes set, such as ``rotor``, (P, 3) each
+    acting : the names of the forces of the scene that act in some pixel of the whole map
     """
 
     scene: Scene
@@ -85,6 +86,7 @@ class NominalStarts:
     damping: Floats | None
     torque: Floats | None
     further: Mapping[str, Floats]
+    acting: tuple[str, ...]
     made: Scene | None = None
 
     def __post_init__(self) -> None:
@@ -99,7 +101,7 @@ class NominalStarts:
         scene = self.scene
         if self.made is not None:
             return self._forces_of_each(self.made)
-        if not (scene.forces or self.further) and self.damping is None and self.torque is None:
+        if not (self.acting or self.further) and self.damping is None and self.torque is None:
             return None
         count = len(self.moments)
         damping = np.zeros((count, 3, 3)) if self.damping is None else self.damping
@@ -108,7 +110,7 @@ class NominalStarts:
         # Pixels of a row mostly share theirs.
         known, of_pixel = np.unique(rows, axis=0, return_inverse=True)
         # Under a torque of zero, bodies without damping are integrated like their neighbours.
-        none = Torque.body((0.0, 0.0, 0.0))
+        none = None if self._has_orbits_alone else Torque.body((0.0, 0.0, 0.0))
         alike = scene.further_numbers()
         ends = np.cumsum([12, *(each.shape[1] for each in self.further.values())])
 
@@ -134,11 +136,28 @@ class NominalStarts:
 
     def _forces_of_each(self, made: Scene) -> list[_core.Forces] | None:
         """Applied torque and damping of each pixel, where all of these may differ."""
-        if not (made.forces or self.further) and self.damping is None and self.torque is None:
+        if not (self.acting or self.further) and self.damping is None and self.torque is None:
             return None
-        none = forces_of(Torque.body((0.0, 0.0, 0.0)), None)
+        zero = Torque.body((0.0, 0.0, 0.0))
+        none = forces_of(zero, None)
         assert none is not None
-        return [self.scene_of(pixel).acting() or none for pixel in range(len(self.moments))]
+        forces = []
+        for pixel in range(len(self.moments)):
+            scene = self.scene_of(pixel)
+            acting = scene.acting() or none
+            if scene.forces == ("orbit",) and not self._has_orbits_alone:
+                acting = forces_of(zero, None, further=scene.further_numbers()) or none
+            forces.append(acting)
+        return forces
+
+    @property
+    def _has_orbits_alone(self) -> bool:
+        """Whether the gravity gradient of an orbit acts on all bodies, and nothing else on any.
+
+        They are integrated without a balance then, whichever pixels the core is given together.
+        """
+        varied = self.damping is not None or self.torque is not None or {*self.further} - {"orbit"}
+        return self.acting == ("orbit",) and not varied
 
     def _torque(self, in_body: Floats) -> Torque | None:
         """The torque of a pixel whose axes set this part of it."""
@@ -232,6 +251,7 @@ def nominal_starts(
     shape = grid_shape(axes)
     flat = np.arange(prod(shape)) if index is None else index
     count = len(flat)
+    acting = (scene if made is None else made.scene).forces
     if made is not None and index is not None:
         made = made.of_pixels(index)
     base = scene if made is None else made.scene
@@ -272,6 +292,7 @@ def nominal_starts(
         damping=pixels.damping if "damping" in kinds or base.damping is not None else None,
         torque=pixels.torque if "torque" in kinds else None,
         further={name: pixels.further[name] for name in FORCES if name in forces},
+        acting=acting,
         made=None if made is None else made.scene,
     )
 

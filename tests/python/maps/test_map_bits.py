@@ -58,20 +58,6 @@ CASES: dict[str, dict[str, Any]] = {
         "stable": rigid.tilt_below(0.8, axis=-3, reference="start"),
         "samples": 30,
     },
-    "satellite, pointing, taylor12": {
-        "scene": rigid.FreeBody(
-            rigid.Body((1.0, 1.3, 1.6)),
-            orbit=rigid.Orbit(0.7, 0.2, 1.1, normal=(0.0, 0.6, 0.8)),
-            rotor=(0.01, 0.0, 0.02),
-        ),
-        "axes": {"eccentricity": [0.0, 0.1, 0.4], "omega3": [0.5, 1.0]},
-        "start": rigid.Start(
-            omega=(0.1, 0.2, 0.7), noise=rigid.normal(0.1), attitude_noise=rigid.uniform_attitude()
-        ),
-        "stable": rigid.pointing_within(1.2, 1, "along", either=True),
-        "method": "taylor12",
-        "samples": 30,
-    },
 }
 EVERY = pytest.mark.parametrize("case", CASES)
 
