@@ -94,6 +94,13 @@ class TorqueFunction:
         data = entries["data"]
         return cls(0, None if data is None else frozen(np.array(data)), entries["fastest"])
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """The function in another process, which has other addresses: it cannot be called there."""
+        return type(self), (0, self.data, self.fastest)
+
+    def __deepcopy__(self, memo: object) -> Self:
+        return self  # nothing of it changes
+
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, TorqueFunction):
             return NotImplemented
