@@ -130,28 +130,10 @@ impl TorqueCall {
     /// The torque in the body, in the unit of the moments, from the time since the begin, the rates, and the third and the
     /// first row of the rotation matrix.
     ///
-    /// The rows of a stage are no unit vectors. The attitude is that of the nearest third row and of the part of the first
-    /// row across it: it depends smoothly on them, so that no method loses its order.
-    ///
-    /// Inside a kernel its fused products are instructions; outside of one each would be a call.
+    /// It is part of a kernel, which makes one call: outside of a kernel each fused product would be a call too.
     #[inline(always)]
-    pub fn torque(&self, time: f64, omega: [f64; 3], mut third: [f64; 3], mut first: [f64; 3]) -> [f64; 3] {
-        let (squared, along) = (dot(&third, &third), dot(&first, &third));
-        // The squared length of the part of the first row across the third, times that of the third.
-        let area = squared.fms(dot(&first, &first), along * along);
-        // Two roots and two quotients that do not wait for each other.
-        let (over_third, over_first) = (1.0 / squared.sqrt(), squared / (squared * area).sqrt());
-        let share = along * over_third * over_third;
-        for k in 0..3 {
-            first[k] = share.fnma(third[k], first[k]) * over_first;
-            third[k] = third[k] * over_third;
-        }
-        let mut attitude = attitude_of_rows(&first, &third);
-        if attitude[0] < 0.0 {
-            for part in &mut attitude {
-                *part = -*part;
-            }
-        }
+    pub fn torque(&self, time: f64, omega: [f64; 3], third: [f64; 3], first: [f64; 3]) -> [f64; 3] {
+        let attitude = smooth_attitude(third, first);
         // What the function does not write is no number.
         let mut torque = [f64::NAN; 3];
         let address = std::ptr::with_exposed_provenance::<()>(self.address);
@@ -163,6 +145,29 @@ impl TorqueCall {
         }
         [torque[0] * self.unit, torque[1] * self.unit, torque[2] * self.unit]
     }
+}
+
+/// The attitude, its scalar not negative, of rows of a stage, which are no unit vectors: that of the nearest third row and
+/// of the part of the first row across it. It depends smoothly on them, so that no method loses its order.
+#[inline(always)]
+fn smooth_attitude(mut third: [f64; 3], mut first: [f64; 3]) -> [f64; 4] {
+    let (squared, along) = (dot(&third, &third), dot(&first, &third));
+    // The squared length of the part of the first row across the third, times that of the third.
+    let area = squared.fms(dot(&first, &first), along * along);
+    // Two roots and two quotients that do not wait for each other.
+    let (over_third, over_first) = (1.0 / squared.sqrt(), squared / (squared * area).sqrt());
+    let share = along * over_third * over_third;
+    for k in 0..3 {
+        first[k] = share.fnma(third[k], first[k]) * over_first;
+        third[k] = third[k] * over_third;
+    }
+    let mut attitude = attitude_of_rows(&first, &third);
+    if attitude[0] < 0.0 {
+        for part in &mut attitude {
+            *part = -*part;
+        }
+    }
+    attitude
 }
 
 #[cfg(test)]

@@ -76,8 +76,8 @@ impl MethodChoice {
     }
 }
 
-/// Steps of the default method under the torque of a function, over those for states: 0.4 rad.
-const FUNCTION_STEPS: f64 = 4.0;
+/// Steps of the default method under the torque of a function, over those for states: 0.6 rad, with an error as above.
+const FUNCTION_STEPS: f64 = 6.0;
 
 /// Steps of the default method for the growth of deviation vectors, over those for states: 1.25 rad.
 const GROWTH_STEPS: f64 = 12.5;

@@ -314,6 +314,10 @@ class MapSpec:
         """Raise ValueError if a function must be given again."""
         for name, source in self._sources.items():
             source.call(name)
+        self.require_torque()
+
+    def require_torque(self) -> None:
+        """Raise ValueError if the torque of the scene is a function that is not known."""
         if self._torque is not None and not self._torque.address:
             raise ValueError(
                 "scene: its torque is a function, which no file has; give the scene again, as "

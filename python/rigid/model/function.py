@@ -117,8 +117,12 @@ class TorqueFunction:
 
 
 def _address(function: object) -> int:
-    """The address of a function of numba or ctypes, or the one given."""
+    """The address of a function of numba, ctypes or cffi, or the one given."""
     found = getattr(function, "address", function)
+    if type(found).__module__ == "_cffi_backend":
+        import cffi
+
+        found = int(cffi.FFI().cast("intptr_t", found))
     if callable(found):
         try:
             found = ctypes.cast(found, ctypes.c_void_p).value  # type: ignore[arg-type]

@@ -441,6 +441,7 @@ def _replayed(
         end=time_span(times),
         method=method,
         step=step,
+        tolerance=tolerance,
     )
     _, steps, plan = choose_method(problem)
     states = Request(
