@@ -40,10 +40,8 @@ ALLOWED = {
     "two kernels with one code share it": KERNEL,
     "a look inside a step and the series of forced bodies are compiled once": SHARED,
 }
-# A function of the user is called, by these kernels only, which are those of one body at a time.
-OF_THE_USER = re.compile(
-    r"\brigid::forces::function::TorqueCall::torque\b|<rigid::forces::function::TorqueCall>::torque\b"
-)
+# A function of the user is called by its address, by these kernels only: those of one body at a time.
+OF_THE_USER = re.compile(r"^call\s+\*")
 MAY_CALL_IT = re.compile(r"::kernels_of::.*::FunctionFrame\b")
 # The plain path is for processors without FMA: it rounds products as FMA does with the C library.
 WITHOUT_FMA = re.compile(r"^(fma|rint|roundeven)$")
@@ -53,7 +51,7 @@ COPIES = re.compile(r"^(memcpy|memset|memmove)$")
 MAY_COPY = {
     "the plain path is not for speed": re.compile(r"::scalar::"),
     "a state of 15 components is in memory, not in registers": re.compile(
-        r"::(ForcedFrame|FurtherFrame)\b"
+        r"::(ForcedFrame|FurtherFrame|FunctionFrame)\b"
     ),
     "the set-up of a pack copies the tables of its drift": re.compile(r"::KickMoserVeselov\b"),
     "the set-up of a pack copies the functions of its damping": re.compile(r"::Exponential<"),

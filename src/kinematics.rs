@@ -124,6 +124,7 @@ pub fn put<R: Copy, const D: usize, const N: usize>(y: &mut [R; D], at: usize, p
 
 /// The quaternion, up to its sign, of the rotation matrix with this first and third row (Shepperd 1978: the largest
 /// component is computed from a square root, the others from differences over the largest).
+#[inline(always)]
 pub fn attitude_of_rows(first: &[f64; 3], third: &[f64; 3]) -> [f64; 4] {
     let second = cross(third, first);
     let [r0, r1, r2] = [first, &second, third];
@@ -135,13 +136,16 @@ pub fn attitude_of_rows(first: &[f64; 3], third: &[f64; 3]) -> [f64; 4] {
     ];
     let [wx, wy, wz] = [r2[1] - r1[2], r0[2] - r2[0], r1[0] - r0[1]];
     let [yz, zx, xy] = [r2[1] + r1[2], r0[2] + r2[0], r1[0] + r0[1]];
-    let largest = (1..4).fold(0, |best, k| if squares[k] > squares[best] { k } else { best });
-    let q = match largest {
+    let mut largest = 0;
+    for k in 1..4 {
+        largest = if squares[k] > squares[largest] { k } else { largest };
+    }
+    let [w, x, y, z] = match largest {
         0 => [squares[0], wx, wy, wz],
         1 => [wx, squares[1], xy, zx],
         2 => [wy, xy, squares[2], yz],
         _ => [wz, zx, yz, squares[3]],
     };
     let scale = 0.5 / squares[largest].sqrt();
-    q.map(|x| x * scale)
+    [w * scale, x * scale, y * scale, z * scale]
 }

@@ -339,8 +339,7 @@ impl BodyForces<'_> {
     /// Whether the gravity gradient of an orbit acts, and nothing else: not even a torque that is zero, under which a body
     /// is integrated like its neighbours.
     pub fn orbit_alone(&self) -> bool {
-        let has_others =
-            !self.damping.is_none() || self.function.is_some() || !self.table.values.is_empty();
+        let has_others = !self.damping.is_none() || self.function.is_some() || !self.table.values.is_empty();
         !has_others && self.further.is_orbit_alone()
     }
 

@@ -3,6 +3,7 @@
 use crate::error::Error;
 use crate::kinematics::{attitude_of_rows, dot};
 use crate::memory;
+use crate::real::Real;
 
 /// `void torque(double t, const double *omega, const double *attitude, const double *data, double *torque)`: from the
 /// time, the rates in the body and the unit quaternion, scalar first, body to space, w >= 0, the torque in the body.
@@ -129,16 +130,10 @@ impl TorqueCall {
     /// The torque in the body, in the unit of the moments, from the time since the begin, the rates, and the third and the
     /// first row of the rotation matrix.
     ///
-    /// The rows of a stage are no unit vectors. The attitude is that of the nearest third row and of the part of the first
-    /// row across it: it depends smoothly on them, so that no method loses its order.
-    #[inline(never)]
+    /// It is part of a kernel, which makes one call: outside of a kernel each fused product would be a call too.
+    #[inline(always)]
     pub fn torque(&self, time: f64, omega: [f64; 3], third: [f64; 3], first: [f64; 3]) -> [f64; 3] {
-        let unit = |v: [f64; 3]| v.map(|x| x / dot(&v, &v).sqrt());
-        let third = unit(third);
-        let along = dot(&first, &third);
-        let first = unit([0, 1, 2].map(|k| first[k] - along * third[k]));
-        let attitude = attitude_of_rows(&first, &third);
-        let attitude = if attitude[0] < 0.0 { attitude.map(|x| -x) } else { attitude };
+        let attitude = smooth_attitude(third, first);
         // What the function does not write is no number.
         let mut torque = [f64::NAN; 3];
         let address = std::ptr::with_exposed_provenance::<()>(self.address);
@@ -148,8 +143,31 @@ impl TorqueCall {
             let function = std::mem::transmute::<*const (), Function>(address);
             function(self.begin + time, omega.as_ptr(), attitude.as_ptr(), data, torque.as_mut_ptr());
         }
-        torque.map(|x| x * self.unit)
+        [torque[0] * self.unit, torque[1] * self.unit, torque[2] * self.unit]
     }
+}
+
+/// The attitude, its scalar not negative, of rows of a stage, which are no unit vectors: that of the nearest third row and
+/// of the part of the first row across it. It depends smoothly on them, so that no method loses its order.
+#[inline(always)]
+fn smooth_attitude(mut third: [f64; 3], mut first: [f64; 3]) -> [f64; 4] {
+    let (squared, along) = (dot(&third, &third), dot(&first, &third));
+    // The squared length of the part of the first row across the third, times that of the third.
+    let area = squared.fms(dot(&first, &first), along * along);
+    // Two roots and two quotients that do not wait for each other.
+    let (over_third, over_first) = (1.0 / squared.sqrt(), squared / (squared * area).sqrt());
+    let share = along * over_third * over_third;
+    for k in 0..3 {
+        first[k] = share.fnma(third[k], first[k]) * over_first;
+        third[k] = third[k] * over_third;
+    }
+    let mut attitude = attitude_of_rows(&first, &third);
+    if attitude[0] < 0.0 {
+        for part in &mut attitude {
+            *part = -*part;
+        }
+    }
+    attitude
 }
 
 #[cfg(test)]

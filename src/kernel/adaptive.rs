@@ -30,7 +30,9 @@ pub struct AdaptiveSteps {
     pub direction: Row,
     /// One over the scale of the rates.
     pub inverse_rate: Row,
-    /// Size of the last terms of a step.
+    /// The step that a Runge-Kutta method tries next, with its sign.
+    pub trial: Row,
+    /// Size of the last terms of a step of a series, or of the error of a Runge-Kutta step.
     pub tolerance: f64,
 }
 
@@ -47,6 +49,7 @@ impl AdaptiveSteps {
             end: Row([f64::INFINITY; LANES]),
             direction: Row([1.0; LANES]),
             inverse_rate: nothing,
+            trial: nothing,
             tolerance,
         })
     }

@@ -22,7 +22,7 @@ impl Compiled {
         assert!(isa.is_available(), "{} is not available on this CPU", isa.name());
         let Kernel { system, step, observed } = kernel;
         assert!(system.can_observe(observed), "{observed:?} cannot be observed on {system:?}");
-        assert!(observed != Observed::Bounds || step.sees_limits(), "{step:?} observes no limit");
+        assert!(observed != Observed::Bounds || system.sees_limits_by(step), "{step:?} observes no limit");
         assert!(system.is_moved_by(step), "{step:?} does not integrate {system:?}");
         let code = code(system, step.engine, isa).expect("checked in the line before");
         Compiled { code, kernel }
@@ -67,7 +67,7 @@ impl Compiled {
     }
 
     /// Advances every lane by at most `most` adaptive steps, until one lane reaches its `next` time; only for Taylor
-    /// series.
+    /// series, and Runge-Kutta steps that are known inside.
     pub fn advance_adaptive(
         self,
         group: &mut Group,

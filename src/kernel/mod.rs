@@ -9,6 +9,7 @@ mod group;
 mod load;
 mod registry;
 mod step;
+mod trial;
 
 pub use adaptive::AdaptiveSteps;
 pub use compiled::Compiled;

@@ -4,6 +4,7 @@ use super::adaptive::{AdaptiveSteps, adaptive_block, dense_output};
 use super::alone::adaptive_alone;
 use super::group::{ForcesRows, Group, MAX_STATE};
 use super::step::{invariants, prepared, process, step_block};
+use super::trial::trial_block;
 use crate::forces::ForceSet;
 use crate::method::*;
 use crate::observe::Observed;
@@ -118,6 +119,21 @@ macro_rules! entry_points {
             }
 
             $($feature)*
+            fn trial<M, L, const D: usize>(
+                g: &mut Group,
+                forces: &ForcesRows,
+                l: &mut AdaptiveSteps,
+                most: usize,
+                _numbers: &'static Numbers,
+            ) -> usize
+            where
+                M: Model<f64>,
+                L: Layout,
+            {
+                trial_block::<M, L, Dop853Tableau, D>(g, forces, l, most)
+            }
+
+            $($feature)*
             #[allow(dead_code)] // Plain code has no such registers.
             fn alone<R, M, L, const D: usize>(
                 g: &mut Group,
@@ -193,7 +209,11 @@ macro_rules! entry_points {
                     invariants: invariants_of::<T, N, L, D>,
                     shares_motion: S::SHARES_MOTION,
                     // Only maps, whose steps are equal, need nothing but the motion on an orbit.
-                    adaptive: if S::IS_SERIES && !L::ORBIT { Some(adaptive::<P, M, L, D, PACKS>) } else { None },
+                    adaptive: match S::IS_SERIES && !L::ORBIT {
+                        true if L::FUNCTION => Some(trial::<N, L, D>),
+                        true => Some(adaptive::<P, M, L, D, PACKS>),
+                        false => None,
+                    },
                     alone: if S::IS_SERIES { alone } else { None },
                     dense: if S::IS_SERIES && !L::ORBIT { Some(dense::<D>) } else { None },
                 })
@@ -485,6 +505,11 @@ impl System {
     #[inline]
     pub fn quaternion_at(self) -> Option<usize> {
         self.traits().quaternion_at
+    }
+
+    /// Whether limits are observed inside the step.
+    pub fn sees_limits_by(self, step: Step) -> bool {
+        step.sees_limits(self.traits().is_function)
     }
 
     /// Whether the step integrates the system. A system without weight is integrated by the torque-free part of a step.

@@ -125,6 +125,10 @@ pub(super) fn step_block<P, const PACKS: usize, M, L, S, const D: usize>(
             }
             let before = y;
             let (p, engine) = &bodies[b];
+            if const { L::FUNCTION } && !P::any(P::splat(0.0).lt(p.step.abs())) {
+                // Nobody is in the lane: the function would be called for nothing.
+                continue;
+            }
             let mut compensation = y;
             let mut dense = Coefficients::new();
             if S::COMPENSATES {
@@ -132,7 +136,11 @@ pub(super) fn step_block<P, const PACKS: usize, M, L, S, const D: usize>(
                     compensation[d] = P::load(&g.compensation[d].0[at..]);
                 }
             }
-            engine.step(p, &mut y, &mut compensation, &mut dense);
+            if const { L::FUNCTION } && observed != Observed::Nothing {
+                engine.step_inside(p, &mut y, &mut compensation, &mut dense);
+            } else {
+                engine.step(p, &mut y, &mut compensation, &mut dense);
+            }
             if S::COMPENSATES {
                 for d in 0..D {
                     compensation[d].store(&mut g.compensation[d].0[at..]);

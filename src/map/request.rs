@@ -53,11 +53,11 @@ impl MethodChoice {
 
     /// The method of the samples that have no closed form. A series by default: what is watched is computed inside its
     /// steps, so that these may be long. The growth of a deviation vector is a sum over the steps, which Runge-Kutta
-    /// makes faster.
-    pub fn by_steps(self, of_growth: bool) -> &'static Method {
+    /// makes faster; and no series knows the torque of a function.
+    pub fn by_steps(self, [of_growth, of_function]: [bool; 2]) -> &'static Method {
         match self {
             MethodChoice::Only(AnyMethod::Steps(method)) => method,
-            _ if of_growth => &method::DOP853,
+            _ if of_growth || of_function => &method::DOP853,
             _ => &method::TAYLOR12,
         }
     }
@@ -65,15 +65,19 @@ impl MethodChoice {
     /// The longest step at a rate. Of the default method it is three times as long as where a trajectory is asked for
     /// to rounding: its error is about 1e-8 rad per radian turned, and the check knows it. Whether a motion is chaotic
     /// does not depend on its digits: its steps are a radian and a quarter of the bound of its rates.
-    pub fn default_step(self, of_growth: bool, rate: f64) -> f64 {
+    pub fn default_step(self, [of_growth, of_function]: [bool; 2], rate: f64) -> f64 {
         let longer = match self {
             MethodChoice::Only(_) => 1.0,
             _ if of_growth => GROWTH_STEPS,
+            _ if of_function => FUNCTION_STEPS,
             _ => 3.0,
         };
-        longer * default_step(self.by_steps(of_growth), rate)
+        longer * default_step(self.by_steps([of_growth, of_function]), rate)
     }
 }
+
+/// Steps of the default method under the torque of a function, over those for states: 0.6 rad, with an error as above.
+const FUNCTION_STEPS: f64 = 6.0;
 
 /// Steps of the default method for the growth of deviation vectors, over those for states: 1.25 rad.
 const GROWTH_STEPS: f64 = 12.5;
@@ -168,7 +172,7 @@ impl Map {
             let method = watched.first_method();
             method.check(self.scene, true)?;
             if watched.criterion.bound().is_some() {
-                method.check_limits()?;
+                method.check_limits(self.forces())?;
             }
             if watched.criterion.rule().is_some() {
                 method.check_tangent(self.is_forced())?;
@@ -187,7 +191,7 @@ impl Map {
         let of_measures = self.measures.iter().filter_map(|measure| measure.watched());
         for criterion in of_measures.filter(|criterion| criterion.bound().is_some()) {
             let watched = Watched { map: &self, criterion, axis: 0, is_stopped: false };
-            watched.first_method().check_limits()?;
+            watched.first_method().check_limits(self.forces())?;
         }
         if self.is_forced() {
             self.check_forced()?;
@@ -206,13 +210,19 @@ impl Map {
 
     /// The method of the first run of samples that have no closed form.
     pub fn first_method(&self) -> &'static Method {
-        self.method.by_steps(self.conditions.iter().any(|condition| condition.criterion.rule().is_some()))
+        let of_growth = self.conditions.iter().any(|condition| condition.criterion.rule().is_some());
+        self.method.by_steps([of_growth, self.calls_functions()])
     }
 
     /// Whether torque or damping is applied.
     #[inline]
     pub(super) fn is_forced(&self) -> bool {
         !self.forces.is_empty()
+    }
+
+    /// Whether functions of the user act on the samples: on all or none.
+    pub fn calls_functions(&self) -> bool {
+        self.forces.first().is_some_and(|forces| forces.of(0).function.is_some())
     }
 
     /// The forces on any of the samples.
@@ -235,10 +245,6 @@ impl Map {
             return refuse("method", format!("'{}'", AnyMethod::EXACT), rule);
         }
         method.forced_limit()?;
-        if self.forces().function {
-            let rule = "cannot act in a map, whose samples a Taylor series classifies again";
-            return refuse("torque", "a function".to_string(), rule);
-        }
         method.check_forces(self.forces())?;
         let is_from_start =
             self.conditions.iter().any(|one| matches!(one.criterion, Criterion::TiltFromStart(_)))
@@ -263,7 +269,7 @@ impl Map {
 impl Watched<'_> {
     /// The method of the first run of samples that have no closed form.
     pub(super) fn first_method(&self) -> &'static Method {
-        self.method.by_steps(self.criterion.rule().is_some())
+        self.method.by_steps([self.criterion.rule().is_some(), self.calls_functions()])
     }
 }
 

@@ -72,8 +72,15 @@ pub(super) struct EngineFacts {
     pub(super) flows: Option<&'static [Flow]>,
     /// Whether it integrates the further forces.
     pub(super) moves_further: bool,
-    /// Whether it integrates the torque of a function.
-    pub(super) moves_function: bool,
+    /// What it can do under the torque of a function.
+    pub(super) of_function: FactsOfFunction,
+}
+
+/// What an engine can do under the torque of a function.
+pub(super) struct FactsOfFunction {
+    pub(super) moves: bool,
+    pub(super) is_series: bool,
+    pub(super) sees_limits: bool,
 }
 
 impl EngineFacts {
@@ -90,7 +97,11 @@ impl EngineFacts {
             has_tangent: <S as Engine<f64, Top<f64>, AxisTangent, { AxisTangent::LEN }>>::HAS_TANGENT,
             flows: <S as Engine<f64, Top<f64>, AxisTangent, { AxisTangent::LEN }>>::FLOWS,
             moves_further: <S as Engine<f64, Top<f64>, FurtherFrame, { FurtherFrame::LEN }>>::MOVES,
-            moves_function: <S as Engine<f64, Top<f64>, FunctionFrame, { FunctionFrame::LEN }>>::MOVES,
+            of_function: FactsOfFunction {
+                moves: <S as Engine<f64, Top<f64>, FunctionFrame, { FunctionFrame::LEN }>>::MOVES,
+                is_series: <S as Engine<f64, Top<f64>, FunctionFrame, { FunctionFrame::LEN }>>::IS_SERIES,
+                sees_limits: <S as Engine<f64, Top<f64>, FunctionFrame, { FunctionFrame::LEN }>>::SEES_LIMITS,
+            },
         }
     }
 }

@@ -26,7 +26,7 @@ pub(crate) use exponential::phi;
 pub use exponential::{AffineSplitting, Exponential};
 pub use midpoint::ImplicitMidpoint;
 pub use moser_veselov::MoserVeselov;
-pub use runge_kutta::{Dop853Tableau, Rk4Tableau, RungeKutta, Tableau};
+pub use runge_kutta::{Dop853Tableau, Rk4Tableau, RungeKutta, Slopes, Tableau};
 pub use splitting::{
     ComposedPlanar, Composition, Drift, ExactRotor, Flow, KickMoserVeselov, KickRotor, Planar, Processor,
     Round, Splitting,
@@ -188,7 +188,7 @@ impl Variables {
 /// The numbers of a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Numbers {
-    /// Order of a Taylor series.
+    /// Order of a Taylor series, or of the polynomial inside a Runge-Kutta step.
     pub order: usize,
     /// Whether the rounding of a step of a series is added to the next.
     pub is_compensated: bool,
@@ -257,8 +257,9 @@ impl Step {
     }
 
     /// Whether limits are observed inside the step; see [`Engine::SEES_LIMITS`].
-    pub const fn sees_limits(self) -> bool {
-        self.engine.facts().sees_limits
+    pub const fn sees_limits(self, of_function: bool) -> bool {
+        let facts = self.engine.facts();
+        if of_function { facts.of_function.sees_limits } else { facts.sees_limits }
     }
 
     /// Whether the step uses other variables than the state, so that nothing can be observed between steps.
@@ -329,6 +330,12 @@ impl Method {
     /// Whether the method is a series, whose steps are adaptive if a tolerance is given.
     pub const fn is_series(&self) -> bool {
         self.any.is_series()
+    }
+
+    /// Whether the steps are adaptive under these forces if a tolerance is given, and the motion inside them is known.
+    pub fn is_known_inside(&self, forces: ForceSet) -> bool {
+        let of_function = |forced: ForcedStep| forced.step.engine.facts().of_function.is_series;
+        if forces.function { self.forced.is_some_and(of_function) } else { self.is_series() }
     }
 
     /// Whether the steps use other variables than the state, so that nothing can be observed between steps.
@@ -403,7 +410,7 @@ impl Method {
         let Some(forced) = self.forced else { return Vec::new() };
         let facts = forced.step.engine.facts();
         let further = Further::NAMES.iter().map(|(name, _)| *name).filter(|_| facts.moves_further);
-        let function = facts.moves_function.then_some("function");
+        let function = facts.of_function.moves.then_some("function");
         ["torque", "damping"].into_iter().chain(further).chain(function).collect()
     }
 
@@ -419,7 +426,7 @@ impl Method {
         let facts = forced.step.engine.facts();
         let rule = if forces.further && !facts.moves_further {
             NO_FURTHER
-        } else if forces.function && !facts.moves_function {
+        } else if forces.function && !facts.of_function.moves {
             "cannot integrate the torque of a function; use 'rk4', 'dop853' or 'midpoint'"
         } else {
             return Ok(());
@@ -454,12 +461,11 @@ impl Method {
     ///
     /// # Errors
     /// Naming the method and the rule.
-    pub fn check_limits(&self) -> Result<(), Error> {
-        if self.steps().into_iter().all(Step::sees_limits) {
+    pub fn check_limits(&self, forces: ForceSet) -> Result<(), Error> {
+        if self.steps().into_iter().all(|step| step.sees_limits(forces.function)) {
             return Ok(());
         }
-        let rule =
-            "observes no limit inside its steps, which is needed here: all other methods of maps do";
+        let rule = "observes no limit inside its steps, which is needed here: all other methods of maps do";
         Err(Error::Value { argument: "method", value: format!("'{}'", self.facts.name), rule })
     }
 
@@ -587,6 +593,17 @@ pub trait Engine<R: Real, M: Model<R>, L: Layout, const D: usize>: Copy {
         compensation: &mut [R; D],
         dense: &mut Coefficients<R, D>,
     );
+    /// The same, with the coefficients of the motion inside the step where the engine knows them.
+    #[inline(always)]
+    fn step_inside(
+        &self,
+        p: &Parameters<R>,
+        y: &mut [R; D],
+        compensation: &mut [R; D],
+        dense: &mut Coefficients<R, D>,
+    ) {
+        self.step(p, y, compensation, dense);
+    }
     /// Moves a further deviation vector by the last step, whose coefficients of the motion are known; those of the
     /// deviation vector are replaced.
     #[inline(always)]

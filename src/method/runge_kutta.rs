@@ -30,7 +30,40 @@ pub trait Tableau: Copy {
     const DIVISOR: f64;
     /// Number of stages.
     const STAGES: usize = Self::WEIGHTS.len();
+    /// The motion inside a step and the error of a step, of a method with [`MAX_STAGES`] stages.
+    const INSIDE: &'static Inside = &Inside::UNKNOWN;
 }
+
+/// The motion inside a step, by its value and slope at both ends and by further stages, and two estimates of the error of
+/// the step.
+pub struct Inside {
+    is_known: bool,
+    /// Rows of the matrix a of the further stages; the stage before the first is the slope at the end.
+    stages: [&'static [f64]; FURTHER_STAGES],
+    /// The last four coefficients of the polynomial, from all slopes.
+    polynomial: [[f64; ALL_STAGES]; 4],
+    /// The estimates of order 5 and of order 3, from the slopes of the stages.
+    errors: [[f64; MAX_STAGES]; 2],
+}
+
+impl Inside {
+    /// The motion inside a step is not known.
+    const UNKNOWN: Inside = Inside {
+        is_known: false,
+        stages: [&[]; FURTHER_STAGES],
+        polynomial: [[0.0; ALL_STAGES]; 4],
+        errors: [[0.0; MAX_STAGES]; 2],
+    };
+}
+
+/// Stages for the motion inside a step.
+const FURTHER_STAGES: usize = 3;
+
+/// Stages of a step, its end, and the further stages.
+const ALL_STAGES: usize = MAX_STAGES + 1 + FURTHER_STAGES;
+
+/// The slopes of a step: of its stages, at its end, and of the further stages.
+pub type Slopes<R, const D: usize> = [[R; D]; ALL_STAGES];
 
 /// Classical Runge-Kutta of order 4.
 pub const RK4: Method = Method::direct(
@@ -69,9 +102,12 @@ pub const DOP853: Method = Method::direct(
                    formulae, J. Comput. Appl. Math. 7 (1981) 67-75",
         doi: "10.1007/978-3-540-78862-1",
     },
-    Step::plain(EngineName::Dop853),
+    Step { engine: EngineName::Dop853, numbers: &INSIDE_DOP853 },
     6.39,
 );
+
+/// The motion inside a step of [`DOP853`] is a polynomial of this order.
+const INSIDE_DOP853: Numbers = Numbers { order: 7, ..Numbers::NONE };
 
 /// The tableau of [`RK4`].
 #[derive(Clone, Copy)]
@@ -174,6 +210,163 @@ impl Tableau for Dop853Tableau {
         0.04471061572777259,
     ];
     const DIVISOR: f64 = 1.0;
+    const INSIDE: &'static Inside = &Inside {
+        is_known: true,
+        stages: [
+            &[
+                0.056167502283047954,
+                0.0,
+                0.0,
+                0.0,
+                0.0,
+                0.0,
+                0.25350021021662483,
+                -0.2462390374708025,
+                -0.12419142326381637,
+                0.15329179827876568,
+                0.00820105229563469,
+                0.007567897660545699,
+                -0.008298,
+            ],
+            &[
+                0.03183464816350214,
+                0.0,
+                0.0,
+                0.0,
+                0.0,
+                0.028300909672366776,
+                0.053541988307438566,
+                -0.05492374857139099,
+                0.0,
+                0.0,
+                -0.00010834732869724932,
+                0.0003825710908356584,
+                -0.00034046500868740456,
+                0.1413124436746325,
+            ],
+            &[
+                -0.42889630158379194,
+                0.0,
+                0.0,
+                0.0,
+                0.0,
+                -4.697621415361164,
+                7.683421196062599,
+                4.06898981839711,
+                0.3567271874552811,
+                0.0,
+                0.0,
+                0.0,
+                -0.0013990241651590145,
+                2.9475147891527724,
+                -9.15095847217987,
+            ],
+        ],
+        polynomial: [
+            [
+                -8.428938276109013,
+                0.0,
+                0.0,
+                0.0,
+                0.0,
+                0.5667149535193777,
+                -3.0689499459498917,
+                2.38466765651207,
+                2.117034582445028,
+                -0.871391583777973,
+                2.2404374302607883,
+                0.6315787787694688,
+                -0.08899033645133331,
+                18.148505520854727,
+                -9.194632392478356,
+                -4.436036387594894,
+            ],
+            [
+                10.427508642579134,
+                0.0,
+                0.0,
+                0.0,
+                0.0,
+                242.28349177525817,
+                165.20045171727028,
+                -374.5467547226902,
+                -22.113666853125306,
+                7.733432668472264,
+                -30.674084731089398,
+                -9.332130526430229,
+                15.697238121770845,
+                -31.139403219565178,
+                -9.35292435884448,
+                35.81684148639408,
+            ],
+            [
+                19.985053242002433,
+                0.0,
+                0.0,
+                0.0,
+                0.0,
+                -387.0373087493518,
+                -189.17813819516758,
+                527.8081592054236,
+                -11.57390253995963,
+                6.8812326946963,
+                -1.0006050966910838,
+                0.7777137798053443,
+                -2.778205752353508,
+                -60.19669523126412,
+                84.32040550667716,
+                11.99229113618279,
+            ],
+            [
+                -25.69393346270375,
+                0.0,
+                0.0,
+                0.0,
+                0.0,
+                -154.18974869023643,
+                -231.5293791760455,
+                357.6391179106141,
+                93.40532418362432,
+                -37.45832313645163,
+                104.0996495089623,
+                29.8402934266605,
+                -43.53345659001114,
+                96.32455395918828,
+                -39.17726167561544,
+                -149.72683625798564,
+            ],
+        ],
+        errors: [
+            [
+                0.01312004499419488,
+                0.0,
+                0.0,
+                0.0,
+                0.0,
+                -1.2251564463762044,
+                -0.4957589496572502,
+                1.6643771824549864,
+                -0.35032884874997366,
+                0.3341791187130175,
+                0.08192320648511571,
+                -0.022355307863886294,
+            ],
+            [
+                -0.18980075407240762,
+                0.0,
+                0.0,
+                0.0,
+                0.0,
+                4.450312892752409,
+                1.8915178993145003,
+                -5.801203960010585,
+                -0.4226823213237919,
+                -0.1521609496625161,
+                0.20136540080403034,
+                0.02265179219836082,
+            ],
+        ],
+    };
 }
 
 /// Checks the quadrature conditions of the stated order, and all order conditions up to 4 (Hairer, Nørsett, Wanner,
@@ -368,6 +561,33 @@ fn add_times<R: Real>(sum: R, number: f64, slope: R) -> R {
     }
 }
 
+/// The slopes and the weighted sum of the slopes of all stages, unrolled, so that each number of the table is a literal,
+/// and zeros and ones cost nothing.
+macro_rules! stages {
+    ($engine:ident, $y:ident, $k:ident, $sum:ident: $($i:literal)*) => {
+        let model = if const { in_units::<T, R, M, L>() } { &$engine.in_units } else { &$engine.model };
+        $(
+            if const { $i < T::STAGES } {
+                let at = if const { $i == 0 } {
+                    *$y
+                } else {
+                    stage_state::<T, M, L, $i, R, D>(&$engine.slopes, $y, &$k)
+                };
+                $k[$i] = rate::<T, R, M, L, D>(model, &$engine.applied, &at);
+                if const { weight::<T>($i) != 0.0 } {
+                    for d in 0..D {
+                        $sum[d] = if const { $i == 0 } {
+                            times(const { weight::<T>($i) }, $k[$i][d])
+                        } else {
+                            add_times($sum[d], const { weight::<T>($i) }, $k[$i][d])
+                        };
+                    }
+                }
+            }
+        )*
+    };
+}
+
 /// y + u sum_j a_ij k_j.
 #[inline(always)]
 fn stage_state<T: Tableau, M: Model<R>, L: Layout, const I: usize, R: Real, const D: usize>(
@@ -462,13 +682,117 @@ fn further_rate<R: Real, M: Model<R>, L: Layout, const D: usize>(
     dy
 }
 
+impl<T: Tableau, R: Real, M: Model<R>> RungeKutta<T, R, M> {
+    /// The slopes of the stages of a step, and their weighted sum.
+    #[inline(always)]
+    fn weighted<L: Layout, const D: usize>(&self, y: &[R; D], slopes: &mut Slopes<R, D>) -> [R; D] {
+        let mut k = [*y; MAX_STAGES];
+        let mut sum = *y;
+        stages!(self, y, k, sum: 0 1 2 3 4 5 6 7 8 9 10 11);
+        for i in 0..MAX_STAGES {
+            slopes[i] = k[i];
+        }
+        sum
+    }
+
+    /// The change of a state by a step, and the slopes of its stages.
+    #[inline(always)]
+    pub fn change<L: Layout, const D: usize>(&self, y: &[R; D], slopes: &mut Slopes<R, D>) -> [R; D] {
+        let sum = self.weighted::<L, D>(y, slopes);
+        self.sums.add::<T, M, L, D>(&sum, const { 1.0 / T::DIVISOR }, &[R::splat(0.0); D])
+    }
+
+    /// Two estimates of the error of a step, from the slopes of its stages.
+    #[inline(always)]
+    pub fn errors<const D: usize>(&self, slopes: &Slopes<R, D>) -> [[R; D]; 2] {
+        let mut errors = [[R::splat(0.0); D]; 2];
+        for (error, weights) in errors.iter_mut().zip(&T::INSIDE.errors) {
+            for i in 0..MAX_STAGES {
+                for d in 0..D {
+                    error[d] = R::splat(weights[i]).fma(slopes[i][d], error[d]);
+                }
+            }
+            for d in 0..D {
+                error[d] = error[d] * self.slopes.others;
+            }
+        }
+        errors
+    }
+
+    /// The motion inside a step that has led from one state to another, in powers of the fraction of the step: the
+    /// polynomial of order 7 of Hairer, Nørsett and Wanner, section II.6, `y + s (F_0 + (1 - s) (F_1 + s (F_2 + …)))`.
+    #[inline(always)]
+    pub fn expand_step<L: Layout, const D: usize>(
+        &self,
+        y: &[R; D],
+        after: &[R; D],
+        slopes: &mut Slopes<R, D>,
+        dense: &mut Coefficients<R, D>,
+    ) {
+        let unit = self.slopes.others;
+        slopes[MAX_STAGES] = rate::<T, R, M, L, D>(&self.model, &self.applied, after);
+        for (stage, row) in T::INSIDE.stages.iter().enumerate() {
+            let mut sum = [R::splat(0.0); D];
+            for (i, &number) in row.iter().enumerate() {
+                for d in 0..D {
+                    sum[d] = R::splat(number).fma(slopes[i][d], sum[d]);
+                }
+            }
+            let mut at = *y;
+            for d in 0..D {
+                at[d] = unit.fma(sum[d], y[d]);
+            }
+            slopes[MAX_STAGES + 1 + stage] = rate::<T, R, M, L, D>(&self.model, &self.applied, &at);
+        }
+        let mut parts = [[R::splat(0.0); D]; 7];
+        for d in 0..D {
+            let change = after[d] - y[d];
+            parts[0][d] = change;
+            parts[1][d] = unit.fma(slopes[0][d], -change);
+            parts[2][d] = (change + change) - unit * (slopes[0][d] + slopes[MAX_STAGES][d]);
+        }
+        for (part, weights) in parts[3..].iter_mut().zip(&T::INSIDE.polynomial) {
+            for i in 0..ALL_STAGES {
+                for d in 0..D {
+                    part[d] = R::splat(weights[i]).fma(slopes[i][d], part[d]);
+                }
+            }
+            for d in 0..D {
+                part[d] = part[d] * unit;
+            }
+        }
+        // The powers, from the last part on: times s or times 1 - s, plus the part before.
+        let mut powers = [[R::splat(0.0); D]; 8];
+        powers[0] = parts[6];
+        for i in (0..7).rev() {
+            for k in (1..8 - i).rev() {
+                for d in 0..D {
+                    let before = powers[k - 1][d];
+                    powers[k][d] = if i % 2 == 0 { before } else { powers[k][d] - before };
+                }
+            }
+            let part = if i == 0 { y } else { &parts[i - 1] };
+            for d in 0..D {
+                powers[0][d] = if i % 2 == 0 { part[d] } else { powers[0][d] + part[d] };
+            }
+        }
+        dense.clear();
+        for row in powers {
+            dense.push(row);
+        }
+    }
+}
+
 impl<T: Tableau, R: Real, M: Model<R>, L: Layout, const D: usize> Engine<R, M, L, D> for RungeKutta<T, R, M> {
     const VARIABLES: Variables = Variables::Rates;
     const MOVES: bool = !(T::ROWS_ONLY && M::HEAVY && L::QUATERNION);
     const HAS_TANGENT: bool = true;
     const IS_SHORT: bool = T::STAGES <= 4 && D <= 6 && !L::BALANCE;
-    /// With twelve stages and the search inside a step, the compiler copies the set-up of a pack by calls.
-    const SEES_LIMITS: bool = T::STAGES < 12;
+    /// With twelve stages and the search inside a step, the compiler copies the set-up of a pack by calls. Under the
+    /// torque of a function, which is called, nothing is lost by that.
+    const SEES_LIMITS: bool = T::STAGES < 12 || L::FUNCTION;
+    /// Only there: the further stages of other bodies would take more time than shorter steps.
+    const IS_SERIES: bool = L::FUNCTION && T::INSIDE.is_known;
 
     #[inline(always)]
     fn new(p: &Parameters<R>, forces: &ForcesInterval<R>, _numbers: &'static Numbers) -> Self {
@@ -496,33 +820,29 @@ impl<T: Tableau, R: Real, M: Model<R>, L: Layout, const D: usize> Engine<R, M, L
         _compensation: &mut [R; D],
         _dense: &mut Coefficients<R, D>,
     ) {
-        let model = if const { in_units::<T, R, M, L>() } { &self.in_units } else { &self.model };
         let mut k = [*y; MAX_STAGES];
         let mut sum = *y;
-        // Unrolled, so that each number of the table is a literal, and zeros and ones cost nothing.
-        macro_rules! stages {
-            ($($i:literal)*) => {$(
-                if const { $i < T::STAGES } {
-                    let at = if const { $i == 0 } {
-                        *y
-                    } else {
-                        stage_state::<T, M, L, $i, R, D>(&self.slopes, y, &k)
-                    };
-                    k[$i] = rate::<T, R, M, L, D>(model, &self.applied, &at);
-                    if const { weight::<T>($i) != 0.0 } {
-                        for d in 0..D {
-                            sum[d] = if const { $i == 0 } {
-                                times(const { weight::<T>($i) }, k[$i][d])
-                            } else {
-                                add_times(sum[d], const { weight::<T>($i) }, k[$i][d])
-                            };
-                        }
-                    }
-                }
-            )*};
-        }
-        stages!(0 1 2 3 4 5 6 7 8 9 10 11);
+        stages!(self, y, k, sum: 0 1 2 3 4 5 6 7 8 9 10 11);
         *y = self.sums.add::<T, M, L, D>(&sum, const { 1.0 / T::DIVISOR }, y);
+    }
+
+    #[inline(always)]
+    fn step_inside(
+        &self,
+        p: &Parameters<R>,
+        y: &mut [R; D],
+        compensation: &mut [R; D],
+        dense: &mut Coefficients<R, D>,
+    ) {
+        if const { !T::INSIDE.is_known } {
+            Engine::<R, M, L, D>::step(self, p, y, compensation, dense);
+            return;
+        }
+        let before = *y;
+        let mut slopes = [before; ALL_STAGES];
+        let sum = self.weighted::<L, D>(&before, &mut slopes);
+        *y = self.sums.add::<T, M, L, D>(&sum, const { 1.0 / T::DIVISOR }, &before);
+        self.expand_step::<L, D>(&before, y, &mut slopes, dense);
     }
 
     #[inline(always)]

@@ -395,8 +395,8 @@ impl Observable for Bounds {
 }
 
 impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Bounds {
-    /// True for the rates alone, and for rates with a vertical or a frame. A map refuses functions of the user.
-    const FITS: bool = !L::QUATERNION && !L::TANGENT && !L::FUNCTION && (L::VECTORS != 1 || M::HEAVY);
+    /// True for the rates alone, and for rates with a vertical or a frame.
+    const FITS: bool = !L::QUATERNION && !L::TANGENT && (L::VECTORS != 1 || M::HEAVY);
 
     #[expect(clippy::manual_memcpy, reason = "a copied slice has an address: its state would stay in memory")]
     #[inline(always)]

@@ -4,9 +4,9 @@ use super::dense::{Bracket, Part, hermite_root, interpolate, newton, turning_poi
 use super::{EXIT_TIME, Observable, Rows, Segment, Start, Update, along, first_time, three};
 use crate::forces::{BodyForces, ForcesInterval};
 use crate::kinematics::to_body_frame;
-use crate::method::{Coefficients, Engine, Numbers, Taylor};
+use crate::method::{Coefficients, Engine, Numbers, Rk4Tableau, RungeKutta, Taylor};
 use crate::real::{Apart, Real};
-use crate::scene::{FurtherFrame, Layout, Model, Parameters, Top};
+use crate::scene::{FunctionFrame, FurtherFrame, Layout, Model, Parameters, Top};
 #[cfg(all(target_arch = "x86_64", plain))]
 use crate::simd::Isa;
 #[cfg(target_arch = "x86_64")]
@@ -66,7 +66,8 @@ impl Flips {
 }
 
 /// The rates of a body after a short time, in which it turns by 1e-3 rad at the rate `rate`. They follow from a Taylor
-/// series, because the first derivatives may vanish too (a top released at rest).
+/// series, because the first derivatives may vanish too (a top released at rest); of the torque of a function from a
+/// Runge-Kutta step.
 struct AfterStart<'a> {
     body: &'a Body,
     interval: &'a ForcesInterval<f64>,
@@ -80,12 +81,17 @@ impl Apart for AfterStart<'_> {
         const NUMBERS: &Numbers = &Numbers { order: 6, ..Numbers::NONE };
         let AfterStart { body, interval, rate, rates } = self;
         let p = Parameters { moments: body.moments, weight: body.weight, step: 1e-3 / rate };
-        let series = <Taylor<f64, Top<f64>> as Engine<_, _, FurtherFrame, LEN>>::new(&p, interval, NUMBERS);
-        let mut y = [0.0; LEN];
-        y[..3].copy_from_slice(&body.omega);
-        for (v, axis) in [VERTICAL, [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]].iter().enumerate() {
-            y[3 + 3 * v..][..3].copy_from_slice(&to_body_frame(&body.attitude, axis));
+        if interval.function.is_some() {
+            // Nobody knows the derivatives of the torque of a function: a step of the fourth order is made.
+            let engine = <Called as Engine<_, _, FunctionFrame, CALLED>>::new(&p, interval, NUMBERS);
+            let (mut y, mut unused) = (start::<CALLED>(body), [0.0; CALLED]);
+            let dense = &mut Coefficients::new();
+            Engine::<_, _, FunctionFrame, CALLED>::step(&engine, &p, &mut y, &mut unused, dense);
+            rates.copy_from_slice(&y[..3]);
+            return;
         }
+        let series = <Taylor<f64, Top<f64>> as Engine<_, _, FurtherFrame, LEN>>::new(&p, interval, NUMBERS);
+        let mut y = start::<LEN>(body);
         y[FurtherFrame::OWN_AT..].copy_from_slice(&interval.further.start(0.0));
         let mut terms = Coefficients::new();
         series.coefficients::<FurtherFrame, LEN>(p.step, &y, &mut terms);
@@ -98,6 +104,18 @@ impl Apart for AfterStart<'_> {
 }
 
 const LEN: usize = FurtherFrame::LEN;
+const CALLED: usize = FunctionFrame::LEN;
+type Called = RungeKutta<Rk4Tableau, f64, Top<f64>>;
+
+/// The state of a body at its start in a layout with all space axes: the rates, and the axes 3, 1 and 2.
+fn start<const D: usize>(body: &Body) -> [f64; D] {
+    let mut y = [0.0; D];
+    y[..3].copy_from_slice(&body.omega);
+    for (v, axis) in [VERTICAL, [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]].iter().enumerate() {
+        y[3 + 3 * v..][..3].copy_from_slice(&to_body_frame(&body.attitude, axis));
+    }
+    y
+}
 
 fn rates_after_start(body: &Body, interval: &ForcesInterval<f64>, rate: f64) -> [f64; 3] {
     let mut rates = [0.0; 3];

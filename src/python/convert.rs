@@ -4,7 +4,7 @@ use crate::error::Error;
 use crate::float_environment::FloatEnvironment;
 use crate::forces::ParameterChange;
 use crate::memory;
-use crate::parallel::{Interrupt, caught};
+use crate::parallel::{Interrupt, apart, caught};
 use crate::start::Body;
 use crate::trajectory::Record;
 use numpy::npyffi::{NPY_ARRAY_ALIGNED, NPY_ARRAY_WRITEABLE};
@@ -132,6 +132,16 @@ pub fn interruptible<T: Send>(
     memory::grow_stack()?;
     let result = py.detach(|| caught(|| work(&Interrupt::when(&ask))));
     raised.into_inner().expect("nothing panics there").map_or(Ok(result), Err)
+}
+
+/// The same; work that may call functions of Python is done in another thread, see [`apart`].
+pub fn interruptible_calls<T: Send>(
+    py: Python<'_>,
+    interrupted: Option<&Bound<'_, PyAny>>,
+    calls: bool,
+    work: impl FnOnce(&Interrupt) -> Result<T, Error> + Send,
+) -> PyResult<Result<T, Error>> {
+    interruptible(py, interrupted, |stop| if calls { apart(stop, || work(stop)) } else { work(stop) })
 }
 
 /// Runs `work` of some microseconds with the lock of the interpreter: to give it up and to take it would add to them.

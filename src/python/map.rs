@@ -1,6 +1,6 @@
 //! Stability maps.
 
-use super::convert::{self, bodies, interruptible, rows, rows_of, same_length};
+use super::convert::{self, bodies, interruptible, interruptible_calls, rows, rows_of, same_length};
 use super::forces::PyForces;
 use crate::body::MomentStatus;
 use crate::error::Error;
@@ -518,7 +518,8 @@ impl MapJob {
             let rule = "must be a range of the samples of the map";
             return Err(Error::Value { argument: "start, stop", value, rule }.into());
         }
-        let result = interruptible(py, interrupted, |interrupt| {
+        let calls = self.map.calls_functions();
+        let result = interruptible_calls(py, interrupted, calls, |interrupt| {
             self.map.run(start, stop, threads.max(1), self.isa, interrupt)
         })?;
         let (first, statistics, sketches) = match result {
@@ -564,7 +565,7 @@ impl MapJob {
         threads: usize,
     ) -> PyResult<ValuesAndSteps<'py>> {
         let flat = self.ascending(&samples)?;
-        let (values, steps) = interruptible(py, None, |interrupt| {
+        let (values, steps) = interruptible_calls(py, None, self.map.calls_functions(), |interrupt| {
             self.map.values_at(&flat, &[], threads.max(1), self.isa, interrupt)
         })??;
         let values = values.into_pyarray(py).reshape([flat.len(), self.map.measures.len()])?;
@@ -581,7 +582,8 @@ impl MapJob {
         threads: usize,
     ) -> PyResult<Bound<'py, PyDict>> {
         let flat = self.ascending(&samples)?;
-        let ((all, parts), (values, _)) = interruptible(py, None, |interrupt| {
+        let calls = self.map.calls_functions();
+        let ((all, parts), (values, _)) = interruptible_calls(py, None, calls, |interrupt| {
             let known = self.map.samples_at(&flat, threads.max(1), self.isa, interrupt)?;
             let values = self.map.values_at(&flat, &known.0, threads.max(1), self.isa, interrupt)?;
             Ok::<_, Error>((known, values))

@@ -163,13 +163,14 @@ fn methods(py: Python<'_>) -> PyResult<Vec<Bound<'_, PyDict>>> {
 }
 
 /// The names of the methods that are chosen by default: without a closed form, for the samples of a map, for the growth
-/// of deviation vectors in a map, to cross-check samples and such growth, and under strong damping.
+/// of deviation vectors in a map, for samples under the torque of a function, to cross-check samples and such growth, and under strong damping.
 #[pyfunction]
 fn chosen_methods(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
     let names = PyDict::new(py);
     names.set_item("default", method::DEFAULT.facts.name)?;
-    names.set_item("map", MethodChoice::Auto.by_steps(false).facts.name)?;
-    names.set_item("growth", MethodChoice::Auto.by_steps(true).facts.name)?;
+    names.set_item("map", MethodChoice::Auto.by_steps([false, false]).facts.name)?;
+    names.set_item("growth", MethodChoice::Auto.by_steps([true, false]).facts.name)?;
+    names.set_item("function", MethodChoice::Auto.by_steps([false, true]).facts.name)?;
     names.set_item("second", method::SECOND.facts.name)?;
     names.set_item("second_growth", SECOND_OF_GROWTH.facts.name)?;
     names.set_item("stiff", method::STIFF.facts.name)?;

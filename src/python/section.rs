@@ -1,6 +1,6 @@
 //! Poincaré sections and events.
 
-use super::convert::{BodyColumns, copied, interruptible, rows, same_length};
+use super::convert::{BodyColumns, copied, interruptible_calls, rows, same_length};
 use super::forces::PyForces;
 use super::simulate::forces_of;
 use crate::error::Error;
@@ -79,7 +79,8 @@ pub fn section<'py>(
     };
     let section = Section { kinds, surfaces, count, ends: &ends, closed };
     let run = |stop: &Interrupt| trajectory::section(&request, method, &section, threads, isa, stop);
-    to_dict(py, &interruptible(py, None, run)??)
+    let calls = forces.of(0).function.is_some();
+    to_dict(py, &interruptible_calls(py, None, calls, run)??)
 }
 
 fn to_dict<'py>(py: Python<'py>, all: &[Crossings]) -> PyResult<Bound<'py, PyDict>> {

@@ -2,7 +2,7 @@
 
 use super::bodies::Bodies;
 use super::convert::{
-    BodyColumns, at_once, column, copied, copied_numbers, evaluated, interruptible, parse_record, rows,
+    BodyColumns, at_once, column, copied, copied_numbers, evaluated, interruptible_calls, parse_record, rows,
     same_length,
 };
 use super::forces::PyForces;
@@ -14,7 +14,7 @@ use crate::forces::{Forces, ParameterChange};
 use crate::map::MethodChoice;
 use crate::memory;
 use crate::method::{AnyMethod, Method, default_step};
-use crate::parallel::{self, Interrupt};
+use crate::parallel::Interrupt;
 use crate::scene::Scene;
 use crate::simd::Isa;
 use crate::start::Body;
@@ -157,12 +157,10 @@ pub fn simulate<'py>(
         for target in &mut targets {
             states.give(target.name, target.part(part.clone())?);
         }
-        let run = |stop: &Interrupt| {
-            let simulate = || trajectory::simulate_into(request, states, threads, isa, stop);
-            if forces.of(0).function.is_some() { parallel::apart(stop, simulate) } else { simulate() }
-        };
-        let is_brief = request.is_brief() && forces.of(0).function.is_none();
-        let effort = if is_brief { at_once(run) } else { interruptible(py, None, run)? };
+        let run = |stop: &Interrupt| trajectory::simulate_into(request, states, threads, isa, stop);
+        let calls = forces.of(0).function.is_some();
+        let is_brief = request.is_brief() && !calls;
+        let effort = if is_brief { at_once(run) } else { interruptible_calls(py, None, calls, run)? };
         nanoseconds += effort.map_err(|error| error.of_part(part.start))?.nanoseconds;
         for target in &mut targets {
             target.finish(part.clone())?;
@@ -233,20 +231,21 @@ pub fn fastest_rates<'py>(
     Ok(of_bodies(py, rates))
 }
 
-/// The default steps of a method at these rates, or those of a map that chooses its method, for its samples or for the
-/// growth of their deviation vectors; infinite for a rate of zero.
+/// The default steps of a method at these rates, or those of a map that chooses its method, for its samples, for the
+/// growth of their deviation vectors or under the torque of a function; infinite for a rate of zero.
 #[pyfunction]
-#[pyo3(signature = (method, rates, of_growth=false))]
+#[pyo3(signature = (method, rates, of_growth=false, of_function=false))]
 pub fn default_steps<'py>(
     py: Python<'py>,
     method: &str,
     rates: PyReadonlyArray1<'py, f64>,
     of_growth: bool,
+    of_function: bool,
 ) -> PyResult<Bound<'py, PyArray1<f64>>> {
     let _standard = FloatEnvironment::standard();
     let choice = MethodChoice::parse(method)?;
     let rates = copied("rates", &rates)?;
-    column(py, &rates, |&rate| choice.default_step(of_growth, rate))
+    column(py, &rates, |&rate| choice.default_step([of_growth, of_function], rate))
 }
 
 /// Names of the status codes of a run, in the order of the codes.

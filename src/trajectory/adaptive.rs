@@ -1,4 +1,4 @@
-//! States by Taylor series with adaptive steps: states at given times are evaluated from the polynomial of a step, and
+//! States by adaptive steps, of a Taylor series or by trial: states at given times are evaluated from the polynomial of a step, and
 //! a lane whose body is finished gets the next body.
 
 use super::adaptive_lanes::AdaptiveLanes;
@@ -40,8 +40,8 @@ pub fn simulate(
     }
     let tolerance = request.tolerance.filter(|t| (f64::MIN_POSITIVE..1.0).contains(t));
     let tolerance = tolerance.ok_or_else(|| refused("must be positive and below one"))?;
-    if !method.is_series() {
-        return Err(refused("only the Taylor methods choose their steps"));
+    if !method.is_known_inside(request.forces.of(0).into()) {
+        return Err(refused("only the Taylor methods choose their steps, and 'dop853' under a function"));
     }
     let blocks = neighbours(request.bodies.len(), BLOCK, |_| ())?;
     over_blocks_of(request, &blocks, states, threads, stop, |block, mut states| {

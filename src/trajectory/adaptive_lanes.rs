@@ -57,6 +57,7 @@ impl<'a> AdaptiveLanes<'a> {
         let entry = Entry { deviation, own, ..Entry::unobserved(body, forced_rate, direction * first) };
         load(&mut self.group, lane, self.kernel, assignment, &entry);
         self.steps.direction.0[lane] = direction;
+        self.steps.trial.0[lane] = direction * first;
         self.steps.inverse_rate.0[lane] = if rate > 0.0 { 1.0 / rate } else { 0.0 };
         for row in self.steps.begin.iter_mut().chain(&mut self.steps.now) {
             row.0[lane] = 0.0;

@@ -125,9 +125,11 @@ def to_core(
     Raises
     ------
     ValueError
-        If the map is one of an earlier version, whose method is gone.
+        If the map is one of an earlier version, whose method is gone; or if its torque is a
+        function that is not known.
     """
     known_method("method", spec.method, map_methods())
+    spec.require_torque()
     count = spec.samples if count is None else count
     if len(spec.parts) == 1 and spec.parts[0].spec is spec:
         return _one(spec, pixels, count, first)

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from .. import _core
 from ..model.judged import Custom, States
 from ..solve.closed_form import NO_FORM, closed_forms
-from ..solve.methods import AUTO, EXACT, SECOND
+from ..solve.methods import AUTO, EXACT, SECOND, adaptive_methods
 from ..solve.request import Request
 from ..solve.status import Status
 from .core_request import CoreRequest
@@ -30,7 +30,7 @@ ROWS = 2**16
 """Most states of a block of bodies: those of a thread stay near its cache."""
 
 TOLERANCE = 1e-7
-"""Of adaptive steps by series, whose states inside steps cost little: an error as by the steps of
+"""Of adaptive steps, by series, whose states inside steps cost little: an error as by the steps of
 other maps, 1e-8 rad for each radian. That of the second method is a hundredth of it."""
 
 _AGREED = np.array(_core.agreed_classes(), dtype=np.uint8)
@@ -46,7 +46,8 @@ _OF_BOTH_RUNS = ("checked", "steps_of_both")
 def is_adaptive(spec: MapSpec, method: str) -> bool:
     """Whether the bodies of a map by a custom criterion take steps of their own by this method."""
     is_second = method == SECOND and method != spec.scheme
-    return spec.step is None and method.startswith("taylor") and (spec.method == AUTO or is_second)
+    known = method in adaptive_methods(spec.forces)
+    return spec.step is None and known and (spec.method == AUTO or is_second)
 
 
 class CustomJob:
@@ -158,7 +159,7 @@ class CustomJob:
             if not len(mine):
                 continue
             method = EXACT if closed else spec.scheme
-            first = self._judge(method, mine, pixel, starts, threads)
+            first = self._judge(method, mine, pixel, starts, threads, is_second=False)
             for name, values in first.items():
                 found[name][mine] = values
             found["steps_of_both"][mine] = first["steps"]
@@ -170,7 +171,7 @@ class CustomJob:
             again = mine if checked is None else mine[number[mine] < checked]
             if not len(again):
                 continue
-            second = self._judge(SECOND, again, pixel, starts, threads)
+            second = self._judge(spec.second, again, pixel, starts, threads, is_second=True)
             was_run = second["status"] != Status.STEP_LIMIT
             before = found["class"][again]
             both = _AGREED[before, second["class"]]
@@ -199,6 +200,8 @@ class CustomJob:
         pixel: NDArray[np.int64],
         starts: tuple[Floats, Floats],
         threads: int,
+        *,
+        is_second: bool,
     ) -> dict[str, NDArray[Any]]:
         """Classes, statuses, drifts and steps of some bodies by one method."""
         times, count = np.array(self._stable.times), len(mine)
@@ -211,7 +214,7 @@ class CustomJob:
         omega, attitude = (values[mine] for values in starts)
         for some, batch in self._spec.grid.batches_by_forces(pixel[mine], omega, attitude):
             rows = np.array(some)
-            tolerance, steps = self._steps(method, batch, times[-1])
+            tolerance, steps = self._steps(method, batch, times[-1], is_second=is_second)
             part = Request(
                 bodies=batch,
                 times=times,
@@ -254,17 +257,18 @@ class CustomJob:
             out["class"][rows[kept]] = np.where(np.isnan(verdict), UNDECIDED, known)
         return out
 
-    def _steps(self, method: str, batch: Any, t_end: float) -> tuple[float | None, Floats | None]:
+    def _steps(
+        self, method: str, batch: Any, t_end: float, *, is_second: bool
+    ) -> tuple[float | None, Floats | None]:
         """Tolerance, or steps (s), of a batch by a method."""
         spec = self._spec
         if method == EXACT:
             return None, None
         if is_adaptive(spec, method):
-            return (0.01 * TOLERANCE if method == SECOND else TOLERANCE), None
-        is_second = method == SECOND
+            return (0.01 * TOLERANCE if is_second else TOLERANCE), None
         own = _core.default_steps(method, batch.fastest_rates((0.0, t_end), method), False)
         if spec.step is None:
-            return None, 0.5 * own if is_second and spec.method == SECOND else own
+            return None, 0.5 * own if is_second and method == spec.scheme else own
         return None, np.minimum(own, 0.5 * spec.step) if is_second else np.full_like(own, spec.step)
 
     def _parameters(self, pixel: NDArray[np.int64]) -> dict[str, Floats]:

@@ -48,6 +48,8 @@ def map_plan(spec: MapSpec) -> Plan:
         span = (0.0, spec.t_end)
         looks = (why_unforeseen(batch, span, by_steps=method != EXACT) for batch in batches)
         unknown = next((words for words in looks if words is not None), None)
+    if spec.is_called and error is not None:
+        unknown = "the torque is that of a function"
     if unknown is not None:
         error = None
         reasons.append(UNKNOWN.format(unknown))
@@ -83,7 +85,8 @@ def _motions(spec: MapSpec, batch: Bodies) -> Motions:
     span = (0.0, spec.t_end)
     rates = batch.fastest_rates(span, spec.scheme)
     if spec.step is None:
-        steps = _core.default_steps(spec.method, rates, spec.stable.has_deviation)
+        asked = spec.stable.has_deviation, spec.is_called
+        steps = _core.default_steps(spec.method, rates, *asked)
     else:
         steps = np.full(len(rates), spec.step)
     return motions_of(batch, spec.scheme, span, spec.t_end, steps, states=1)

@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import brief, positive_int, resolve_threads
 from ..drawing.figure import html_with_picture
+from ..model.scene import Scene
 from ..solve.plan import Plan
 from ..solve.tidy import write_table
 from .counts import counted
@@ -616,7 +617,7 @@ class StabilityMap(MapData):
 def load_map(
     path: str | os.PathLike[str],
     *,
-    scene: Callable[..., Any] | None = None,
+    scene: Callable[..., Any] | Scene | None = None,
     stable: Callable[..., Any] | None = None,
 ) -> StabilityMap:
     """Read a map that :meth:`StabilityMap.save` wrote.
@@ -626,8 +627,9 @@ def load_map(
     path : path-like
         The file.
     scene : callable, optional
-        The function that made the scenes, if one did: the file has digests of it alone. Without it
-        the map can be read and drawn, but not computed again.
+        The function that made the scenes, if one did: the file has digests of it alone. Or the
+        scene, if its torque is a function: the file does not have it. Without them the map can be
+        read and drawn, but not computed again.
     stable : callable, optional
         The function of :func:`judged`, for the same.
 

@@ -19,6 +19,7 @@ from .._moments import possible
 from ..model.bounds import RateWithin
 from ..model.criteria import Criterion, check_criterion, criterion_from_dict
 from ..model.forces import FORCES
+from ..model.function import TorqueFunction
 from ..model.judged import Custom
 from ..model.measures import Measure, check_distinct, make_measures
 from ..model.mixture import Mixture, start_from_dict
@@ -26,10 +27,12 @@ from ..model.scene import Scene, scene_from_dict
 from ..model.seed import checked_seed
 from ..model.sourced import Sourced
 from ..model.start import Start
+from ..solve.choose_method import NO_BOUND
 from ..solve.closed_form import FORCED_RULE, NO_FORM, closed_forms, question_words, rule
 from ..solve.methods import (
     AUTO,
     EXACT,
+    FUNCTION,
     GROWTH_FALLBACK,
     GROWTH_SECOND,
     MAP_FALLBACK,
@@ -215,18 +218,16 @@ class MapSpec:
                 one.check_forced()
         if self.scene.torque is not None and self.scene.torque.times:
             raise ValueError("torque: maps accept constant torques only, not a table")
-        if "function" in self.scene.forces:
-            raise ValueError(
-                "torque: a function cannot act in a map, whose samples a Taylor series classifies "
-                "again"
-            )
+        chosen = self.step is not None or (isinstance(self.stable, Custom) and self.method == AUTO)
+        if not (chosen or (self.made or self.scene).bounds_rates):
+            raise ValueError(NO_BOUND)
         check_method(
             self.method,
             self.scene.kind,
             watched=True,
             forces=self.forces,
         )
-        if self.stable.has_deviation and self.method != AUTO:
+        if self.stable.has_deviation and (self.method != AUTO or self.is_called):
             check_tangent(self.method, forces=self.forces)
         if self.method == EXACT and not self.misses_functions:
             self._require_closed_forms()
@@ -275,6 +276,11 @@ class MapSpec:
         return (*scene.forces, *varied, *(name for name in FORCES if name in further))
 
     @property
+    def is_called(self) -> bool:
+        """Whether the torque of a function acts."""
+        return "function" in self.forces
+
+    @cached_property
     def made(self) -> Scene | None:
         """The scene of all pixels, if a function makes it and is known."""
         return None if self._made is None else self._made.scene
@@ -303,20 +309,37 @@ class MapSpec:
         return {**found, "stable": self.stable.source} if isinstance(self.stable, Custom) else found
 
     @property
-    def functions(self) -> dict[str, Callable[..., Any]]:
+    def functions(self) -> dict[str, Callable[..., Any] | Scene]:
         """The functions that are known, as :meth:`with_functions` takes them."""
         known = {name: source.function for name, source in self._sources.items()}
-        return {name: function for name, function in known.items() if function is not None}
+        found = {name: function for name, function in known.items() if function is not None}
+        torque = self._torque
+        return found if torque is None or not torque.address else {**found, "scene": self.scene}
+
+    @property
+    def _torque(self) -> TorqueFunction | None:
+        """The function of the torque of the scene, which no file has; None if another makes it."""
+        torque = None if self.own is not None else self.scene.torque
+        return None if torque is None else torque.function
 
     @property
     def misses_functions(self) -> bool:
         """Whether the map cannot be computed until its functions are given again."""
-        return len(self.functions) < len(self._sources)
+        return len(self.functions) < len(self._sources) + (self._torque is not None)
 
     def require_functions(self) -> None:
         """Raise ValueError if a function must be given again."""
         for name, source in self._sources.items():
             source.call(name)
+        self.require_torque()
+
+    def require_torque(self) -> None:
+        """Raise ValueError if the torque of the scene is a function that is not known."""
+        if self._torque is not None and not self._torque.address:
+            raise ValueError(
+                "scene: its torque is a function, which no file has; give the scene again, as "
+                "scene= of load_map or open_store"
+            )
 
     def renewed(self) -> MapSpec:
         """The specification with its functions as they are now, if they are known."""
@@ -349,7 +372,7 @@ class MapSpec:
     def with_functions(
         self,
         *,
-        scene: Callable[..., Any] | None = None,
+        scene: Callable[..., Any] | Scene | None = None,
         stable: Callable[..., Any] | None = None,
         carried: bool = False,
     ) -> MapSpec:
@@ -357,8 +380,8 @@ class MapSpec:
 
         Parameters
         ----------
-        scene : callable, optional
-            The function that makes the scenes.
+        scene : callable or Scene, optional
+            The function that makes the scenes; or the scene, whose torque is a function.
         stable : callable, optional
             The function of a custom criterion.
         carried : bool
@@ -373,7 +396,7 @@ class MapSpec:
         ------
         ValueError
             If the map has no such function, or one of another source, or one that takes other
-            values from outside.
+            values from outside; or if the scene is another one.
 
         Warns
         -----
@@ -381,6 +404,12 @@ class MapSpec:
             If the file is of a version that knew the source alone, and the function takes values
             from outside.
         """
+        if isinstance(scene, Scene):
+            if self._torque is None or scene.to_dict() != self.scene.to_dict():
+                raise ValueError("scene: is not that of the map, whose torque is a function")
+            return dataclasses.replace(self, scene=scene).with_functions(
+                stable=stable, carried=carried
+            )
         known = self._sources
         if stable is not None and "stable" not in known:
             raise ValueError("stable: this map has no custom criterion")
@@ -523,12 +552,16 @@ class MapSpec:
         """The method of the bodies without a closed form."""
         if self.method not in (AUTO, EXACT):
             return self.method
-        return GROWTH_FALLBACK if self.stable.has_deviation else MAP_FALLBACK
+        if self.stable.has_deviation:
+            return GROWTH_FALLBACK
+        return FUNCTION if self.is_called else MAP_FALLBACK
 
     @property
     def second(self) -> str:
-        """The method that classifies these bodies again."""
-        return GROWTH_SECOND if self.stable.has_deviation else SECOND
+        """The method that classifies these bodies again: of a function the same, in half steps."""
+        if self.stable.has_deviation:
+            return GROWTH_SECOND
+        return self.scheme if self.is_called else SECOND
 
     def _require_closed_forms(self) -> None:
         """Raise ValueError, naming the first, if a possible body has no closed form."""

@@ -61,6 +61,7 @@ def _samples(data: MapData) -> str:
         checked = {0: "none", integrated: "all"}.get(repeated, f"{repeated:,}")
         which = "" if integrated == done else " of those integrated"
         text += f", {checked}{which} cross-checked by {data.spec.second}"
+        text += " in half the steps" if data.spec.is_called else ""
         audited, differ = data.audited.sum(), data.audited_undecided.sum()
         if 0 < audited < repeated:
             text += f", {audited:,} of these as an audit: {differ:,} differ"

@@ -2,7 +2,8 @@
 
 That are its default arguments, closures, what a ``functools.partial`` or an object holds, and the
 globals that its code names; of functions and classes of the user that it uses likewise. Modules,
-functions and classes of installed packages are told by their names.
+functions and classes of installed packages are told by their names. Of machine code, behind a
+function of ctypes or cffi, nothing is told.
 """
 
 from __future__ import annotations
@@ -25,6 +26,7 @@ from .code import (
     digest,
     imports,
     is_installed,
+    is_machine_code,
     is_special,
     is_wrapper,
     name_of,
@@ -277,6 +279,8 @@ class _Walk:
         # That of np.random.rand, which distributions of SciPy hold: its state is no value.
         if value is getattr(sys.modules.get("numpy.random.mtrand"), "_rand", None):
             return digest("random")
+        if is_machine_code(value):
+            return digest("machine code")
         if isinstance(value, enum.Enum):
             return digest("enum", self._value(kind, path), value.name.encode())
         head, state, items = self._reduced(value, path)

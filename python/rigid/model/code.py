@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import dis
 import functools
 import inspect
@@ -18,6 +19,7 @@ __all__ = [
     "digest",
     "imports",
     "is_installed",
+    "is_machine_code",
     "is_special",
     "is_wrapper",
     "name_of",
@@ -30,6 +32,9 @@ __all__ = [
 
 _LOADS = ("LOAD_GLOBAL", "LOAD_NAME", "LOAD_FROM_DICT_OR_GLOBALS")
 """Instructions that take a global."""
+
+_OF_CTYPES: Any = ctypes.CFUNCTYPE(None).__base__
+"""The class of functions of ctypes."""
 
 _LIBRARY = Path(os.__file__).parent
 """Where the modules of Python are."""
@@ -140,6 +145,11 @@ def is_wrapper(value: Any) -> bool:
     kind = type(value)
     wrapped = not isinstance(value, FunctionType | type) and is_installed(kind.__module__)
     return wrapped and isinstance(getattr(value, "__wrapped__", None), FunctionType)
+
+
+def is_machine_code(value: Any) -> bool:
+    """Whether it is a function of ctypes or cffi, behind which is machine code."""
+    return isinstance(value, _OF_CTYPES) or type(value).__module__ == "_cffi_backend"
 
 
 def is_special(name: str) -> bool:

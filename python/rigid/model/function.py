@@ -94,6 +94,13 @@ class TorqueFunction:
         data = entries["data"]
         return cls(0, None if data is None else frozen(np.array(data)), entries["fastest"])
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """The function in another process, which has other addresses: it cannot be called there."""
+        return type(self), (0, self.data, self.fastest)
+
+    def __deepcopy__(self, memo: object) -> Self:
+        return self  # nothing of it changes
+
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, TorqueFunction):
             return NotImplemented
@@ -110,8 +117,12 @@ class TorqueFunction:
 
 
 def _address(function: object) -> int:
-    """The address of a function of numba or ctypes, or the one given."""
+    """The address of a function of numba, ctypes or cffi, or the one given."""
     found = getattr(function, "address", function)
+    if type(found).__module__ == "_cffi_backend":
+        import cffi
+
+        found = int(cffi.FFI().cast("intptr_t", found))
     if callable(found):
         try:
             found = ctypes.cast(found, ctypes.c_void_p).value  # type: ignore[arg-type]

@@ -236,6 +236,12 @@ class Scene(HasForces, ABC):
         return bool(self._further)
 
     @property
+    def bounds_rates(self) -> bool:
+        """Whether a bound of the rates is known: under the torque of a function if it is given."""
+        function = None if self.torque is None else self.torque.function
+        return function is None or function.fastest is not None
+
+    @property
     def may_stop(self) -> bool:
         """Whether a torque or weight may stop a body whose force has a corner there."""
         has_corner = any(force.has_corner for force, _ in self.further())

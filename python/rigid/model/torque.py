@@ -150,7 +150,7 @@ class Torque:
 
         Parameters
         ----------
-        address : int, numba.cfunc, or ctypes function
+        address : int, numba.cfunc, or function of ctypes or cffi
             The function, or its address. A function is kept alive as long as the torque; of an
             address you keep it. A wrong address ends the process.
         data : array_like, shape (k,) or (..., k), optional

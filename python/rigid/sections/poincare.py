@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Collection
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,12 +15,12 @@ from ..model.body import Body
 from ..model.scene import Scene, check_scene
 from ..rotations.apply import to_body
 from ..solve.choose_method import choose_method
-from ..solve.methods import EXACT, known_method, series_methods
+from ..solve.methods import EXACT, adaptive_methods, known_method
 from ..solve.problem import Problem
 from ..solve.simulate import simulate
 from ..solve.starts import bodies_of
 from ..solve.status import Status
-from ..solve.surfaces import METHOD, TOLERANCE, Search, Surfaces
+from ..solve.surfaces import Search, Surfaces, default_method, default_tolerance
 from .crossings import Crossings
 from .surface import Section, at_equal_times
 from .surface import section as make_section
@@ -44,7 +45,7 @@ def poincare(
     t_end: float,
     count: int | None = None,
     method: str | None = None,
-    tolerance: float = TOLERANCE,
+    tolerance: float | None = None,
     check: bool = True,
     max_steps: int = 10**9,
     threads: int | None = None,
@@ -74,9 +75,10 @@ def poincare(
     count : int, optional
         Points of a body after which it ends earlier.
     method : str, optional
-        A Taylor method. Default: ``"taylor20"``.
-    tolerance : float
-        Size of the last terms of a step, relative to the motion. Default: below rounding.
+        A Taylor method. Default: ``"taylor20"``; under :meth:`Torque.call` ``"dop853"`` alone.
+    tolerance : float, optional
+        Size of the last terms of a step, relative to the motion. Default: below rounding. Of
+        ``"dop853"`` the error of a step; default: 1e-12.
     check : bool
         Whether a second run, by a method of another order, estimates the errors of the points.
     max_steps : int
@@ -132,8 +134,11 @@ def poincare(
     scene = check_scene(scene, many=True)
     end = finite_float("t_end", t_end, positive=True)
     most = None if count is None else positive_int("count", count)
-    tolerance = finite_float("tolerance", tolerance, positive=True)
-    chosen = METHOD if method is None else one_of_series(method)
+    chosen = default_method(scene.forces)
+    if method is not None:
+        chosen = one_of_series(method, scene.forces)
+    given = default_tolerance(scene.forces) if tolerance is None else tolerance
+    tolerance = finite_float("tolerance", given, positive=True)
     max_steps = positive_int("max_steps", max_steps)
     threads = resolve_threads(threads)
     if every is not None:
@@ -167,7 +172,7 @@ def poincare(
             bodies=bodies,
             end=end,
             method=chosen,
-            step=None,
+            tolerance=tolerance,
             states=0,
         )
     )[2]
@@ -278,12 +283,13 @@ def _checked_section(section: Section | str | None) -> Section:
     return section
 
 
-def one_of_series(method: str) -> str:
-    """``method`` if it is a Taylor method."""
-    names = series_methods()
+def one_of_series(method: str, forces: Collection[str]) -> str:
+    """``method`` if it is a Taylor method, or the one that a function has in its place."""
+    names = adaptive_methods(forces)
     if method == EXACT or method not in names:
+        who = "a Taylor method" if len(names) > 1 else f"{names[0]!r} under a function"
         raise ValueError(
-            f"method = {brief(method)}: only a Taylor method is a polynomial inside its steps, of "
+            f"method = {brief(method)}: only {who} is a polynomial inside its steps, of "
             f"which no crossing is missed; take one of {', '.join(map(repr, names))}"
         )
     return known_method("method", method, names)

@@ -34,7 +34,7 @@ from .cost_model import (
     steps_for,
 )
 from .foresight import why_unforeseen
-from .methods import EXACT, FALLBACK, STIFF, methods_under, plain_methods, series_methods
+from .methods import EXACT, FALLBACK, FUNCTION, STIFF, methods_under, plain_methods, series_methods
 from .plan import LazyPlan, Plan
 from .planned import UNKNOWN, damping_rate, plan_of, stepped_record
 from .problem import Problem
@@ -43,7 +43,7 @@ from .starts import bodies_of
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
 
-__all__ = ["choose_method", "has_closed_form", "plan_states"]
+__all__ = ["NO_BOUND", "choose_method", "has_closed_form", "plan_states"]
 
 Floats = NDArray[np.float64]
 
@@ -56,6 +56,11 @@ the true ones are not known."""
 
 LOST_ANGLE = 1e15
 """A body that turns by more (rad) has lost all digits of its phase."""
+
+NO_BOUND = (
+    "step: is needed, because nothing bounds the rates under the torque of a function; or give "
+    "Torque.call their bound, fastest"
+)
 
 STIFFNESS = 10.0
 """Damping is strong if it slows a body this many times faster than the body turns."""
@@ -128,15 +133,9 @@ def choose_method(problem: Problem) -> tuple[str, Floats | None, LazyPlan]:
 
 def _check_rates_are_known(problem: Problem) -> None:
     """Raise ValueError if steps should follow from rates that nothing bounds."""
-    torque = problem.scene.torque
-    function = None if torque is None else torque.function
-    if function is None or function.fastest is not None or problem.step is not None:
-        return
-    if problem.bodies is not None:
-        raise ValueError(
-            "step: is needed, because nothing bounds the rates under the torque of a function; or "
-            "give Torque.call their bound, fastest"
-        )
+    follows = problem.step is None and problem.tolerance is None and problem.bodies is not None
+    if follows and not problem.scene.bounds_rates:
+        raise ValueError(f"{NO_BOUND}, or run by method='{FUNCTION}' with a tolerance")
 
 
 def has_closed_form(scene: Scene) -> bool:

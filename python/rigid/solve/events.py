@@ -15,9 +15,9 @@ from ..model.frame import turned
 from ..model.scene import Scene
 from .arrays import in_rows
 from .bodies import Bodies
-from .methods import EXACT, series_methods
+from .methods import EXACT, adaptive_methods
 from .status import Status
-from .surfaces import METHOD, TOLERANCE, Search, Surfaces
+from .surfaces import METHOD, Search, Surfaces, default_tolerance
 
 __all__ = ["COLUMNS", "Events", "check_event_method", "find_events"]
 
@@ -181,15 +181,17 @@ class FoundEvents:
 
 def check_event_method(method: str | None, scene: Scene) -> None:
     """Raise ValueError for a motion that is no polynomial between two steps."""
-    if "function" in scene.forces:
-        raise ValueError(
-            "events: no method knows the motion under the torque of a function between two steps"
+    known = adaptive_methods(scene.forces)
+    who = f"a function is known inside the steps of {known[0]!r} alone"
+    if "function" not in scene.forces:
+        known = [EXACT, *known]
+        who = (
+            "only a closed form and a Taylor series know the motion between two steps, so that "
+            "none is missed"
         )
-    known = (EXACT, *series_methods())
     if method is not None and method not in known:
         raise ValueError(
-            f"method = {brief(method)}: has no events, because only a closed form and a Taylor "
-            "series know the motion between two steps, so that none is missed; take one of "
+            f"method = {brief(method)}: has no events, because {who}; take one of "
             f"{', '.join(map(repr, known))}, or none"
         )
 
@@ -224,7 +226,7 @@ def find_events(
         count=count,
         method=METHOD if method == EXACT else method,
         closed=method == EXACT and bodies.forces is None,
-        tolerance=TOLERANCE if tolerance is None else tolerance,
+        tolerance=default_tolerance(scene.forces) if tolerance is None else tolerance,
         max_steps=max_steps,
         threads=threads,
     )

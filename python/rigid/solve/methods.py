@@ -14,6 +14,7 @@ __all__ = [
     "AUTO",
     "EXACT",
     "FALLBACK",
+    "FUNCTION",
     "GROWTH_FALLBACK",
     "GROWTH_SECOND",
     "MAP_FALLBACK",
@@ -21,6 +22,7 @@ __all__ = [
     "SECOND",
     "STIFF",
     "Method",
+    "adaptive_methods",
     "angle_per_step",
     "check_method",
     "is_compensated",
@@ -64,6 +66,9 @@ GROWTH_FALLBACK = _CHOSEN["growth"]
 
 SECOND = _CHOSEN["second"]
 """The method that classifies the samples of a map again."""
+
+FUNCTION = _CHOSEN["function"]
+"""That of a map under the torque of a function: the one that is known inside its steps there."""
 
 GROWTH_SECOND = _CHOSEN["second_growth"]
 """That of a map that measures the growth of deviation vectors."""
@@ -230,6 +235,11 @@ def run_methods() -> tuple[str, ...]:
 def series_methods() -> list[str]:
     """The names of the Taylor methods, which may choose their steps by a tolerance."""
     return [method.name for method in methods() if method.series]
+
+
+def adaptive_methods(forces: Collection[str]) -> list[str]:
+    """The names of the methods that may choose their steps, and are known inside them."""
+    return [FUNCTION] if "function" in forces else series_methods()
 
 
 @cache

@@ -39,6 +39,8 @@ class Problem:
         Largest error at the end; longest step (s). Only one of the two can be given.
     method : str or None
         The requested method.
+    tolerance : float or None
+        That of adaptive steps, which need no bound of the rates.
     states : int
         Number of requested states of a body.
     number : int or None
@@ -59,6 +61,7 @@ class Problem:
     accuracy: float | None = None
     method: str | None = None
     step: float | None = None
+    tolerance: float | None = None
     states: int = 1
     number: int | None = None
 

@@ -94,7 +94,8 @@ def common_rounding(
     floor += _loss_of_turns(bodies, method, taken, angle)
     if method == LIE and bodies.forces is not None:
         floor += TURN * taken
-    if method not in series_methods():  # whose second run carries the rounding of a step on
+    # The second run of a series carries the rounding of a step on, as steps by a tolerance do.
+    if method not in series_methods() and request.tolerance is None:
         differs, angles = _differences(request, states, step=span / taken, angle=angle)
         floor += _steady_loss(differs, taken, span, angles)
     # Of the rates of a top that hangs all but still, what rounding of its torque adds at random, in

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from .. import _core
 from .arrays import time_ranges, time_span
 from .bodies import Bodies
-from .methods import angle_per_step, is_compensated, is_stiff, order_of, series_methods
+from .methods import FUNCTION, angle_per_step, is_compensated, is_stiff, order_of, series_methods
 from .request import Request
 
 __all__ = [
@@ -80,7 +80,9 @@ def second_run(
         last, other = series_methods()[-1:-3:-1]
         method = other if request.method == last else last
         tighter = TIGHTER
-        if request.bodies.forces is not None:
+        if request.method == FUNCTION:
+            method = request.method  # the only one under the torque of a function
+        elif request.bodies.forces is not None:
             # The tolerance is that of the rates. Their square, the power, has twice their damping:
             # the last terms of its series are so many times as large.
             tighter *= 2.0 ** order_of(method)

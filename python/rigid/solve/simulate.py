@@ -33,14 +33,14 @@ from .events import check_event_method, find_events
 from .integrate import compute_states
 from .lazy import Lazy
 from .made_run import end_records, made_steps, to_run
-from .methods import EXACT, series_methods
+from .methods import EXACT, FUNCTION, adaptive_methods, series_methods
 from .parameters import check_parameters, parameter_changes
 from .plan import LazyPlan, Plan
 from .problem import Problem
 from .request import Request
 from .run import Run
 from .starts import bodies_of
-from .surfaces import METHOD
+from .surfaces import default_method
 from .tangent import check_tangent, tangent_of
 from .target import PLAIN, Target
 
@@ -50,6 +50,9 @@ if TYPE_CHECKING:
 __all__ = [
     "simulate",
 ]
+
+LEAST_TOLERANCE = 1e-14
+"""The least tolerance of Runge-Kutta steps: the second run of the estimate has a smaller one."""
 
 
 @in_standard_floats
@@ -117,7 +120,8 @@ def simulate(
     tolerance : float, optional
         For a Taylor method, instead of a step: each body takes steps of its own, as long as the
         last terms of its series stay below this share of the largest rate and of a unit vector.
-        Given times between two steps need no extra step.
+        Given times between two steps need no extra step. Under :meth:`Torque.call` for
+        ``"dop853"``, whose estimated error of each step stays below this share; at least 1e-14.
     record : {"attitude", "axis", "rates"}
         Recorded states: rates and attitude; rates and the vertical in body components; or rates
         only. A smaller record is faster and changes no bit of the rates.
@@ -239,7 +243,7 @@ def simulate(
         target = Target.of(dtype, out, (*bodies.shape, times.shape[-1]), _recorded(scene, record))
         target.check(bodies, time_ranges(times), accuracy)
     if tolerance is not None:
-        tolerance = _checked_tolerance(tolerance, method, step, accuracy)
+        tolerance = _checked_tolerance(tolerance, method, step, accuracy, scene)
     plan: LazyPlan | None = None
     plain = step is None and accuracy is None and tolerance is None and given.ndim == 1
     if plain and method in (None, EXACT) and has_closed_form(scene):
@@ -255,14 +259,18 @@ def simulate(
             accuracy=accuracy,
             method=method,
             step=step,
+            tolerance=tolerance,
             states=times.shape[-1],
         )
         chosen, steps, plan = choose_method(problem)
-        if watched and chosen != EXACT and chosen not in series_methods():
-            chosen, steps, plan = choose_method(replace(problem, method=METHOD))
-            plan.amend(why=("a Taylor series knows the events inside its steps",))
+        if watched and chosen != EXACT and chosen not in adaptive_methods(scene.forces):
+            finder = default_method(scene.forces)
+            chosen, steps, plan = choose_method(replace(problem, method=finder))
+            series = "a Taylor series" if finder in series_methods() else finder
+            plan.amend(why=(f"{series} knows the events inside its steps",))
         if tolerance is not None:
-            own = f"each body takes its own steps, last terms below {tolerance:g}"
+            what = "last terms" if chosen in series_methods() else "the error of each"
+            own = f"each body takes its own steps, {what} below {tolerance:g}"
             plan.amend(own, step=None, steps=None, work=None, error=None)
     request = Request(
         bodies=bodies,
@@ -433,6 +441,7 @@ def _replayed(
         end=time_span(times),
         method=method,
         step=step,
+        tolerance=tolerance,
     )
     _, steps, plan = choose_method(problem)
     states = Request(
@@ -451,7 +460,11 @@ def _replayed(
 
 
 def _checked_tolerance(
-    tolerance: float, method: str | None, step: float | None, accuracy: float | None
+    tolerance: float,
+    method: str | None,
+    step: float | None,
+    accuracy: float | None,
+    scene: Scene,
 ) -> float:
     """The tolerance, if it is one and if the method chooses its steps by it."""
     tolerance = finite_float("tolerance", tolerance, positive=True)
@@ -463,9 +476,17 @@ def _checked_tolerance(
                 f"tolerance = {tolerance:g}, {name} = {value:g}: exclude each other, "
                 "because the steps follow from the tolerance"
             )
-    if method not in series_methods():
+    known = adaptive_methods(scene.forces)
+    if method not in known:
+        where = " under the torque of a function" if "function" in scene.forces else ""
+        choose = "choose their" if len(known) > 1 else "chooses its"
         raise ValueError(
             f"tolerance = {tolerance:g}, method = {method!r}: only "
-            f"{', '.join(map(repr, series_methods()))} choose their steps by a tolerance"
+            f"{', '.join(map(repr, known))} {choose} steps by a tolerance{where}"
+        )
+    if method == FUNCTION and tolerance < LEAST_TOLERANCE:
+        raise ValueError(
+            f"tolerance = {tolerance:g}: must be at least {LEAST_TOLERANCE:g}, because the error "
+            f"of a step of {method!r} is rounding below it"
         )
     return tolerance

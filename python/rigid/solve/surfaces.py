@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, Self
 
@@ -14,9 +14,18 @@ from .. import _core
 from .._checks.progress import Progress, ProgressOption, reporting
 from .bodies import Bodies
 from .error_estimate import closed_form_error, distances
+from .methods import FUNCTION
 from .request import Request
 
-__all__ = ["LOST", "METHOD", "TOLERANCE", "Search", "Surfaces"]
+__all__ = [
+    "LOST",
+    "METHOD",
+    "TOLERANCE",
+    "Search",
+    "Surfaces",
+    "default_method",
+    "default_tolerance",
+]
 
 Floats = NDArray[np.float64]
 
@@ -25,6 +34,11 @@ METHOD, ANOTHER = "taylor20", "taylor16"
 
 TOLERANCE = 2.0**-57
 """Size of the last terms of a step: a sixteenth of rounding, which alone is left then."""
+
+FUNCTION_TOLERANCE = 1e-12
+"""The same under the torque of a function: the error of a Runge-Kutta step, and of its polynomial.
+
+The second run needs a smaller one that is not rounding."""
 
 LOST = 1e-3
 """Points whose error, in the scale of what is zero on the surface, is larger are lost."""
@@ -37,6 +51,16 @@ ROUNDINGS = 4.0
 
 TOGETHER = 16
 """Bodies a thread between two reports of progress."""
+
+
+def default_method(forces: Collection[str]) -> str:
+    """The method that finds points under these forces."""
+    return FUNCTION if "function" in forces else METHOD
+
+
+def default_tolerance(forces: Collection[str]) -> float:
+    """Its tolerance."""
+    return FUNCTION_TOLERANCE if "function" in forces else TOLERANCE
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -179,6 +203,13 @@ class Search:
         np.minimum.at(lost_from, body[lost], t[lost])
         return late, lost_from
 
+    @property
+    def _other_method(self) -> str:
+        """The method of the second run."""
+        if self.method == FUNCTION:
+            return self.method  # no other is known inside its steps under a function
+        return ANOTHER if self.method != ANOTHER else METHOD
+
     def _second_run(self, found: dict[str, NDArray[Any]], counts: NDArray[np.intp]) -> Floats:
         """What a second run makes of the surface at each point, the largest until then, (p,)."""
         off = np.full(len(found["t"]), np.nan)
@@ -191,7 +222,7 @@ class Search:
             states = Request(
                 bodies=bodies,
                 times=found["t"][places],
-                method=ANOTHER if self.method != ANOTHER else METHOD,
+                method=self._other_method,
                 record="attitude" if uses_momentum else "axis",
                 max_steps=self.max_steps,
                 threads=self.threads,

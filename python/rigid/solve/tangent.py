@@ -33,6 +33,11 @@ def check_tangent(
     method: str | None, *, forces: tuple[str, ...], by_parameters: bool = False
 ) -> None:
     """Raise ValueError for a method without a tangent; a closed form has an integrated one."""
+    if "function" in forces:
+        raise ValueError(
+            "torque: the derivative of a function is not known, so no deviation vectors are "
+            "integrated; take starts that differ by 1e-6 and compare their runs"
+        )
     known = tangent_methods(forced=bool(forces) or by_parameters)
     if method in (None, EXACT, *known):
         return

@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 from .. import _core
 from .._checks.arguments import brief, one_line
 from ..maps.spec import MapSpec
+from ..model.scene import Scene
 from .canary import check_canaries
 from .compute import compute
 from .head import StoreError
@@ -81,7 +82,7 @@ class Task:
     threads: int
     canaries: Block
     build: tuple[str, str | None] | None
-    functions: Mapping[str, Callable[..., Any]] | bytes
+    functions: Mapping[str, Callable[..., Any] | Scene] | bytes
     segment: int | None = None
     whole: MapSpec | None = None
 
@@ -104,7 +105,12 @@ class Task:
         """
         if isinstance(executor, ThreadPoolExecutor):
             return cls(spec.to_json(), threads, canaries, build, {}, segment, spec)
-        functions: Mapping[str, Callable[..., Any]] | bytes = spec.functions
+        functions: Mapping[str, Callable[..., Any] | Scene] | bytes = spec.functions
+        if isinstance(spec.functions.get("scene"), Scene):
+            raise ValueError(
+                "scene: its torque is a function, which other processes cannot call; let a "
+                "function of an axis make the scene, or compute by threads of this process"
+            )
         if functions and not hasattr(executor, "get_executor"):  # Dask passes any function on
             for name, function in spec.functions.items():
                 try:

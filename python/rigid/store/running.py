@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from .. import _core
 from ..maps.identity import canonical
 from ..maps.spec import MapSpec
+from ..model.scene import Scene
 from .disk import DISK, Disk
 from .head import Head, StoreError, divided_in_memory, moment_status
 from .log import LOG_NAME, Found, Log, read_log
@@ -166,7 +167,7 @@ class Folder:
     def give(
         self,
         *,
-        scene: Callable[..., Any] | None = None,
+        scene: Callable[..., Any] | Scene | None = None,
         stable: Callable[..., Any] | None = None,
     ) -> None:
         """Take the functions of the map, of which a folder has digests alone."""

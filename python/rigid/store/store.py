@@ -13,6 +13,7 @@ from .._checks.progress import Interrupted, ProgressOption, interruptible
 from ..maps.result import StabilityMap
 from ..maps.spec import MapSpec
 from ..maps.zarr_product import write_zarr_url
+from ..model.scene import Scene
 from .diff import Difference, read_any
 from .diff import diff as diff_maps
 from .merge import merge_into
@@ -172,7 +173,7 @@ def pack(result: StabilityMap, path: str | os.PathLike[str]) -> Path | str:
 def open_store(
     path: str | os.PathLike[str],
     *,
-    scene: Callable[..., Any] | None = None,
+    scene: Callable[..., Any] | Scene | None = None,
     stable: Callable[..., Any] | None = None,
 ) -> Store:
     """Open a running map.
@@ -183,7 +184,8 @@ def open_store(
         The folder that ``stability_map(..., store=path)`` has made, or a copy of it.
     scene, stable : callable, optional
         The function that makes the scenes, and that of :func:`judged`, to compute what is missing:
-        a folder has digests of them alone, of their sources and of what they take from outside.
+        a folder has digests of them alone, of their sources and of what they take from outside. Or
+        the scene itself, if its torque is a function: a folder does not have it.
 
     Returns
     -------

@@ -1,5 +1,5 @@
 //! Poincaré sections and events: the points at which motions cross surfaces, all of them, by Taylor series with adaptive
-//! steps.
+//! steps, or under the torque of a function by Runge-Kutta steps whose polynomial is known.
 //!
 //! The series of a step is the motion inside it, and what is zero on a surface is a polynomial in the state, or the rate
 //! of such a quantity. So it is a polynomial inside each step, whose zeros can be counted. In most steps a sum of its
@@ -148,8 +148,13 @@ pub fn section(
         let rule = "a run watches 32 at most";
         return refused("events", section.kinds.len().to_string(), rule);
     }
-    if !method.is_series() {
-        let rule = "only a Taylor method is a polynomial inside its steps, of which no crossing is missed";
+    let forces = ForceSet::from(request.forces.of(0));
+    if !method.is_known_inside(forces) {
+        let rule = if forces.function {
+            "is not known inside its steps under the torque of a function; use 'dop853'"
+        } else {
+            "only a Taylor method is a polynomial inside its steps, of which no crossing is missed"
+        };
         return refused("method", format!("'{}'", method.facts.name), rule);
     }
     let given = request.tolerance.unwrap_or(f64::NAN);
@@ -283,7 +288,8 @@ impl<'a> SectionJob<'a> {
         let step = way.assignment.step;
         let kernel =
             Kernel { system: System::carrying(&TOP, step, needs), step, observed: Observed::Nothing };
-        let order = step.numbers.order;
+        // The polynomial of a Runge-Kutta step is no series cut at its order: a product of two has all their terms.
+        let order = step.numbers.order * if step.is_series() { 1 } else { 2 };
         let queue = members.iter().rev().copied();
         let system = kernel.system;
         let mut watches = memory::reserved("surfaces", section.kinds.len())?;

@@ -27,6 +27,7 @@ pub struct Watch {
     quaternion: Option<usize>,
     /// Whether the state has space axis 2.
     has_second_axis: bool,
+    /// The order of products of two polynomials.
     order: usize,
     /// The sides of the surface at the end of the last step; `None` at the start.
     side: [Option<Side>; LANES],
@@ -117,8 +118,12 @@ impl Watch {
         for k in 0..self.terms() {
             let of_state = k + usize::from(of_rate);
             let mut sum = of_momentum.as_ref().map_or([0.0; LANES], |powers| powers[of_state].0);
-            for d in (0..6).filter(|&d| self.used[d]) {
-                let (normal, power) = (&self.normal[d].0, &adaptive.powers[of_state][d].0);
+            let known = adaptive.powers.get(of_state);
+            for (d, rows) in known.into_iter().flat_map(|rows| rows.iter().enumerate()).take(6) {
+                if !self.used[d] {
+                    continue;
+                }
+                let (normal, power) = (&self.normal[d].0, &rows.0);
                 for lane in 0..LANES {
                     sum[lane] += normal[lane] * power[lane];
                 }
@@ -144,7 +149,8 @@ impl Watch {
 
     /// The powers of `momentum . L` in the units of time of the step.
     ///
-    /// The product of two series, cut at their order, is the series of the product.
+    /// The product of two series, cut at their order, is the series of the product; of two other polynomials none of
+    /// their terms is cut.
     fn along_momentum(&self, group: &Group, adaptive: &AdaptiveSteps) -> [Row; TERMS] {
         let mut sum = [Row::ZERO; TERMS];
         for lane in 0..LANES {
@@ -154,8 +160,8 @@ impl Watch {
             }
             let of = |d: usize| {
                 let mut powers = [0.0; TERMS];
-                for k in 0..=self.order {
-                    powers[k] = adaptive.powers[k][d].0[lane];
+                for (power, rows) in powers.iter_mut().zip(&adaptive.powers) {
+                    *power = rows[d].0[lane];
                 }
                 powers
             };

@@ -47,6 +47,14 @@ def test_a_call_to_an_address_that_is_computed_is_refused() -> None:
     assert refused("call   *%rax") == [("call   *%rax", "not inlined")]
 
 
+def test_kernels_under_the_torque_of_a_function_call_its_address() -> None:
+    called = (
+        "rigid::kernel::registry::kernels_of::Rk4::avx2::advance::<rigid::scene::FunctionFrame>"
+    )
+    assert not refused("call   *0x28(%rax)", name=called)
+    assert refused("call   200 <rigid::method::only>", name=called)
+
+
 def test_a_call_of_a_register_is_one_of_what_is_loaded_there() -> None:
     fma = "mov    0x8f08(%rip),%rbx        # 9008 <_GLOBAL_OFFSET_TABLE_+0x8>"
     other = "mov    0x8f10(%rip),%r12        # 9010 <_GLOBAL_OFFSET_TABLE_+0x10>"

@@ -1,0 +1,269 @@
+"""Maps under the torque of a function: against their built-in twins, again, and in words.
+
+Damping and a torque in space have built-in twins, which a Taylor series classifies.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import signal
+from concurrent.futures import ProcessPoolExecutor
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import rigid
+from interrupts import sigint
+from rigid.model.scene import Scene
+
+BODY = rigid.Body((1.0, 1.5, 2.0))
+DOUBLES = ctypes.POINTER(ctypes.c_double)
+SIGNATURE: Any = ctypes.CFUNCTYPE(None, ctypes.c_double, DOUBLES, DOUBLES, DOUBLES, DOUBLES)
+FASTEST = 3.0
+
+
+@SIGNATURE  # type: ignore[untyped-decorator]
+def damping(t: float, omega: Any, attitude: Any, data: Any, torque: Any) -> None:
+    for k in range(3):
+        torque[k] = -data[0] * omega[k]
+
+
+@SIGNATURE  # type: ignore[untyped-decorator]
+def in_space(t: float, omega: Any, attitude: Any, data: Any, torque: Any) -> None:
+    """The torque (size, 0, size) in space, in body components."""
+    w, x, y, z = attitude[:4]
+    torque[0] = data[0] * (1 - 2 * (y * y + z * z) + 2 * (x * z - w * y))
+    torque[1] = data[0] * (2 * (x * y - w * z) + 2 * (y * z + w * x))
+    torque[2] = data[0] * (2 * (x * z + w * y) + 1 - 2 * (x * x + y * y))
+
+
+def damped(gain: Any) -> Scene:
+    return rigid.FreeBody(BODY, damping=gain[:, np.newaxis] * np.ones(3))
+
+
+def damped_by_a_function(gain: Any) -> Scene:
+    torque = rigid.Torque.call(damping, gain[:, np.newaxis], fastest=FASTEST)
+    return rigid.FreeBody(BODY, torque=torque)
+
+
+def damped_without_a_bound(gain: Any) -> Scene:
+    return rigid.FreeBody(BODY, torque=rigid.Torque.call(damping, gain[:, np.newaxis]))
+
+
+def pushed(gain: Any) -> Scene:
+    torque = rigid.Torque.space(gain[:, np.newaxis] * np.array([1.0, 0.0, 1.0]))
+    return rigid.HeavyTop(BODY, mgl=0.5, com=(0.0, 0.6, 0.8), torque=torque)
+
+
+def pushed_by_a_function(gain: Any) -> Scene:
+    torque = rigid.Torque.call(in_space, gain[:, np.newaxis], fastest=FASTEST)
+    return rigid.HeavyTop(BODY, mgl=0.5, com=(0.0, 0.6, 0.8), torque=torque)
+
+
+ASKED: dict[str, Any] = {
+    "axes": {"gain": [0.05, 0.2], "spin": [0.4, 1.5]},
+    "start": rigid.Start(spin=1.0, axis=3, noise=rigid.normal(0.2)),
+    "t_end": 8.0,
+    "samples": 6,
+    "rng": 5,
+    "threads": 2,
+}
+CLASSES = ("stable", "unstable", "undecided", "failed")
+
+
+def counts(result: rigid.StabilityMap) -> Any:
+    return np.array([getattr(result, name) for name in CLASSES])
+
+
+@pytest.mark.parametrize(
+    "stable",
+    [
+        ~rigid.spin_above(0.3),
+        rigid.spin_above(0.2, axis=3),
+        rigid.no_flip(axis=1),
+        rigid.rate_within(0.4),
+        rigid.near_start(2.0),
+        rigid.returns(1.0, after=3.0),
+    ],
+    ids=str,
+)
+def test_a_map_under_a_function_is_that_of_its_twin(stable: Any) -> None:
+    asked = {**ASKED, "stable": stable, "measure": [rigid.flips(1), rigid.mean_rate(3)]}
+    known = rigid.stability_map(damped, **asked)
+    called = rigid.stability_map(damped_by_a_function, **asked)
+    assert np.array_equal(counts(called), counts(known))
+    assert 0 < known.stable.sum() < known.samples.sum()
+    # What is watched inside steps of 0.6 rad is known to 1e-6 of a turn; a time of leaving so far
+    # as the margin of the criterion changes by no less than a hundredth of that.
+    left = np.isfinite(known.earliest)
+    assert np.array_equal(left, np.isfinite(called.earliest))
+    assert np.allclose(called.earliest[left], known.earliest[left], rtol=0.0, atol=1e-4)
+    for name, mine in called.measures.items():
+        assert np.allclose(mine.mean, known.measures[name].mean, rtol=0.0, atol=1e-6)
+    assert (called.checked == called.samples).all()
+    assert called.plan.method == "dop853"
+    assert called.plan.error is None
+    assert "cross-checked by dop853 in half the steps" in called.summary()
+
+
+@pytest.mark.parametrize("stable", [rigid.tilt_below(0.8), rigid.tilt_between(0.0, 1.2)], ids=str)
+def test_a_function_of_the_attitude_tilts_a_top_as_its_twin_does(stable: Any) -> None:
+    asked = {**ASKED, "stable": stable, "axes": {"gain": [0.02, 0.3], "tilt": [0.1, 0.7]}}
+    asked["start"] = rigid.Start(spin=1.5, axis=3, noise=rigid.normal(0.2))
+    known = rigid.stability_map(pushed, **asked)
+    called = rigid.stability_map(pushed_by_a_function, **asked)
+    assert np.array_equal(counts(called), counts(known))
+    assert 0 < known.stable.sum() < known.samples.sum()
+
+
+@pytest.mark.parametrize("method", ["rk4", "dop853", "midpoint"])
+def test_each_method_of_functions_makes_a_map(method: str) -> None:
+    asked = {**ASKED, "stable": rigid.no_flip(axis=1)}
+    known = rigid.stability_map(damped, **asked)
+    called = rigid.stability_map(damped_by_a_function, **asked, method=method)
+    assert np.array_equal(called.stable + called.undecided >= known.stable, [[True] * 2] * 2)
+    assert np.array_equal(called.unstable + called.undecided >= known.unstable, [[True] * 2] * 2)
+
+
+def slow_at_the_end(states: Any) -> Any:
+    return np.linalg.norm(states.omega[:, -1], axis=-1) < 0.3
+
+
+def test_a_custom_criterion_needs_no_bound_of_the_rates() -> None:
+    asked = {**ASKED, "stable": rigid.judged(slow_at_the_end, t=[4.0, 8.0])}
+    del asked["t_end"]
+    known = rigid.stability_map(damped, **asked)
+    called = rigid.stability_map(damped_without_a_bound, **asked)
+    assert np.array_equal(counts(called), counts(known))
+    assert 0 < known.stable.sum() < known.samples.sum()
+    assert called.checked.sum() == called.samples.sum()
+    replay = called.replay((1, 1), 2)
+    assert replay.run.spec["tolerance"] is not None
+    by_steps = rigid.stability_map(damped_without_a_bound, **asked, step=0.2)
+    assert np.array_equal(counts(by_steps), counts(known))
+
+
+def test_a_body_of_the_map_is_replayed_with_its_bits() -> None:
+    result = rigid.stability_map(damped_by_a_function, **ASKED, stable=~rigid.spin_above(0.3))
+    replay = result.replay((0, 1), 3)
+    assert replay.outcome in CLASSES
+    last = np.linalg.norm(replay.run.omega[-1])
+    assert (last < 0.3) == (replay.outcome == "stable")
+
+
+def test_a_body_that_begins_without_the_watched_rate_gets_its_sign_from_the_function() -> None:
+    # Nothing turns at first: the torque, which points along -1, decides about the sign of omega1.
+    def negative(gain: Any) -> Scene:
+        torque = rigid.Torque.call(in_space, -gain[:, np.newaxis], fastest=FASTEST)
+        return rigid.FreeBody(BODY, torque=torque)
+
+    result = rigid.stability_map(
+        negative,
+        axes={"gain": [0.1, 0.2]},
+        start=rigid.Start(omega=(0.0, 0.0, 0.0)),
+        stable=rigid.no_flip(axis=1),
+        t_end=0.5,
+        samples=2,
+        rng=1,
+    )
+    assert result.stable.tolist() == [2, 2]
+
+
+def test_the_numbers_of_a_map_do_not_depend_on_threads_or_blocks() -> None:
+    asked = {**ASKED, "stable": rigid.no_flip(axis=1)}
+    one = rigid.stability_map(damped_by_a_function, **{**asked, "threads": 1})
+    assert rigid.diff(one, rigid.stability_map(damped_by_a_function, **asked)).same
+
+
+def test_ctrl_c_within_a_function_of_python_ends_a_map() -> None:
+    calls = 0
+
+    @SIGNATURE  # type: ignore[untyped-decorator]
+    def interrupted(t: float, omega: Any, attitude: Any, data: Any, torque: Any) -> None:
+        nonlocal calls
+        calls += 1
+        if calls == 100:
+            signal.raise_signal(signal.SIGINT)
+        torque[0] = torque[1] = torque[2] = 0.0
+
+    scene = rigid.FreeBody(BODY, torque=rigid.Torque.call(interrupted))
+    asked: dict[str, Any] = {"axes": {"spin": [1.0]}, "samples": 1, "t_end": 1e3, "rng": 1}
+    with sigint(signal.default_int_handler), pytest.raises(KeyboardInterrupt):
+        rigid.stability_map(
+            scene, **asked, stable=rigid.no_flip(axis=1), method="rk4", step=1e-6, check=0.0
+        )
+    assert calls < 10**8
+
+
+# One scene for all pixels, which a file does not have
+
+
+def one_scene(gain: float = 0.1, function: Any = damping) -> rigid.FreeBody:
+    return rigid.FreeBody(BODY, torque=rigid.Torque.call(function, [gain], fastest=FASTEST))
+
+
+OF_ONE: dict[str, Any] = {
+    **ASKED,
+    "axes": {"spin": [0.4, 1.5]},
+    "stable": ~rigid.spin_above(0.3),
+}
+
+
+def test_a_saved_map_asks_for_its_scene_in_words(tmp_path: Path) -> None:
+    result = rigid.stability_map(one_scene(), **OF_ONE)
+    path = result.save(tmp_path / "map.npz")
+    read = rigid.load_map(path)
+    assert np.array_equal(read.stable, result.stable)
+    with pytest.raises(ValueError, match="its torque is a function, which no file has"):
+        read.replay((1,), 0)
+    again = rigid.load_map(path, scene=one_scene())
+    assert np.array_equal(again.replay((1,), 0).run.omega, result.replay((1,), 0).run.omega)
+    with pytest.raises(ValueError, match="is not that of the map"):
+        rigid.load_map(path, scene=one_scene(0.2))
+
+
+def test_a_stored_map_goes_on_with_its_scene_and_not_without(tmp_path: Path) -> None:
+    whole = rigid.stability_map(one_scene(), **OF_ONE)
+    for part in ("1/2", "2/2"):
+        stored = rigid.stability_map(one_scene(), **OF_ONE, store=tmp_path / "run", part=part)
+        if part == "1/2":
+            with pytest.raises(ValueError, match="its torque is a function, which no file has"):
+                rigid.open_store(tmp_path / "run").resume()
+    assert np.array_equal(stored.stable, whole.stable)
+    rigid.open_store(tmp_path / "run", scene=one_scene()).resume()
+
+
+def test_a_store_notices_another_function(tmp_path: Path) -> None:
+    @SIGNATURE  # type: ignore[untyped-decorator]
+    def another(t: float, omega: Any, attitude: Any, data: Any, torque: Any) -> None:
+        for k in range(3):
+            torque[k] = -2.0 * data[0] * omega[k]
+
+    rigid.stability_map(one_scene(), **OF_ONE, store=tmp_path / "run", part="1/2")
+    with pytest.raises(ValueError):
+        rigid.stability_map(one_scene(function=another), **OF_ONE, store=tmp_path / "run")
+
+
+def test_other_processes_cannot_call_the_function() -> None:
+    with ProcessPoolExecutor(1) as executor:
+        with pytest.raises(ValueError, match="which other processes cannot call"):
+            rigid.stability_map(one_scene(), **{**OF_ONE, "threads": None}, executor=executor)
+
+
+@pytest.mark.parametrize(
+    ("stable", "changed", "words"),
+    [
+        (rigid.no_flip(), {"scene": damped_without_a_bound}, "step: is needed, because nothing"),
+        (rigid.regular(), {}, "the derivative of a function is not known"),
+        (rigid.no_flip(), {"method": "taylor16"}, "does not integrate function"),
+    ],
+    ids=["no bound", "growth", "series"],
+)
+def test_what_a_map_under_a_function_cannot_do_is_refused(
+    stable: Any, changed: Any, words: str
+) -> None:
+    asked = {"scene": damped_by_a_function, **ASKED, "stable": stable, **changed}
+    with pytest.raises(ValueError, match=words):
+        rigid.stability_map(asked.pop("scene"), **asked)
