@@ -17,7 +17,7 @@ pub use mean_rate::MeanRate;
 pub use tilt::{Tilt, largest_tilt};
 
 use crate::forces::ForcesInterval;
-use crate::method::{Coefficients, Engine};
+use crate::method::{Coefficients, Engine, in_halves};
 use crate::real::{Pack, Real};
 use crate::scene::{Layout, Model, Parameters};
 use crate::simd::Row;
@@ -190,9 +190,8 @@ pub const UNOBSERVED: Rows<f64> = {
 
 #[inline(always)]
 fn load<P: Pack, O: Observable>(rows: &[Row; MAX_ROWS], at: usize, values: &mut Rows<P>) {
-    for r in 0..O::ROWS {
-        values[r] = P::load(&rows[r].0[at..]);
-    }
+    let length = const { O::ROWS };
+    in_halves!(r in length { values[r] = P::load(&rows[r].0[at..]); });
 }
 
 #[inline(always)]
