@@ -219,7 +219,7 @@ class MapSpec:
         if self.scene.torque is not None and self.scene.torque.times:
             raise ValueError("torque: maps accept constant torques only, not a table")
         chosen = self.step is not None or (isinstance(self.stable, Custom) and self.method == AUTO)
-        if not (chosen or (self.made or self.scene).bounds_rates):
+        if not (chosen or self._of_all.bounds_rates):
             raise ValueError(NO_BOUND)
         check_method(
             self.method,
@@ -272,8 +272,7 @@ class MapSpec:
         described = [axis.parameter.describes for axis in self.axes]
         varied = [name for name in ("torque", "damping") if name in described]
         further = {axis.parameter.force for axis in self.axes}
-        scene = self.scene if self.made is None else self.made
-        return (*scene.forces, *varied, *(name for name in FORCES if name in further))
+        return (*self._of_all.forces, *varied, *(name for name in FORCES if name in further))
 
     @property
     def is_called(self) -> bool:
@@ -284,6 +283,11 @@ class MapSpec:
     def made(self) -> Scene | None:
         """The scene of all pixels, if a function makes it and is known."""
         return None if self._made is None else self._made.scene
+
+    @property
+    def _of_all(self) -> Scene:
+        """The scene of all pixels as far as it is known, without what the axes set."""
+        return self.scene if self.made is None else self.made
 
     @cached_property
     def _made(self) -> Made | None:
