@@ -27,9 +27,17 @@ const BODY: Body = Body {
     attitude: [0.9, 0.3, 0.2, 0.245],
 };
 const DEVIATION: [f64; 6] = [0.5, -0.25, 0.375, 0.3125, 0.4375, -0.5];
-/// A change of moments, weight, damping and torque.
-const CHANGE: [f64; ParameterChange::LEN] =
-    [0.3, -0.2, 0.25, 0.4, -0.3, 0.1, 0.2, 0.1, -0.15, 0.05, 0.02, -0.04, 0.1, 0.3, -0.2];
+/// A change of moments, weight, damping and torque, and of no further force.
+const CHANGE: [f64; ParameterChange::LEN] = {
+    let known = [0.3, -0.2, 0.25, 0.4, -0.3, 0.1, 0.2, 0.1, -0.15, 0.05, 0.02, -0.04, 0.1, 0.3, -0.2];
+    let mut change = [0.0; ParameterChange::LEN];
+    let mut k = 0;
+    while k < known.len() {
+        change[k] = known[k];
+        k += 1;
+    }
+    change
+};
 
 fn methods() -> impl Iterator<Item = &'static Method> {
     method::ALL.iter().copied().filter(|method| method.has_tangent())
