@@ -325,7 +325,8 @@ mod tests {
     fn sample(class: Class, left: f64, energy_drift: f64) -> Outcome {
         let momentum_drift = 0.5 * energy_drift;
         let run = Outcome { class, status: Status::Finished, left, steps: 16, ..Outcome::REFUSED };
-        Outcome { energy_drift, momentum_drift, exponent: 3.0 * energy_drift, mean_megno: 2.0, ..run }
+        let known = Outcome { energy_drift, momentum_drift, unit_drift: momentum_drift, ..run };
+        Outcome { exponent: 3.0 * energy_drift, mean_megno: 2.0, ..known }
     }
 
     #[test]
