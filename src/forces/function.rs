@@ -51,7 +51,10 @@ impl TorqueFunction {
         fastest: f64,
     ) -> Result<TorqueFunction, Error> {
         if address == 0 {
-            let (value, rule) = ("a function".to_string(), "its address is not known here: no file has it");
+            let (value, rule) = (
+                "a function".to_string(),
+                "its address is not known here, because no file has it; give the scene again",
+            );
             return Err(Error::Value { argument: "torque", value, rule });
         }
         let made = TorqueFunction { address, data, width, units, fastest };
