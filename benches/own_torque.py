@@ -23,7 +23,7 @@ GAIN = 1e-3
 MOMENTS = np.array([1.0, 1.5, 2.0])
 BODY = rigid.Body(MOMENTS)
 OMEGA = np.random.default_rng(1).normal(size=(BODIES, 3))
-FASTEST = 6.0
+FASTEST = 2.5
 
 
 def damping(t: float, omega: Any, attitude: Any, data: Any, torque: Any) -> None:

@@ -292,7 +292,7 @@ class MapSpec:
         return {**found, "stable": self.stable.source} if isinstance(self.stable, Custom) else found
 
     @property
-    def functions(self) -> dict[str, Callable[..., Any] | Scene]:
+    def functions(self) -> dict[str, Any]:
         """The functions that are known, as :meth:`with_functions` takes them."""
         known = {name: source.function for name, source in self._sources.items()}
         found = {name: function for name, function in known.items() if function is not None}
@@ -390,7 +390,9 @@ class MapSpec:
         if isinstance(scene, Scene):
             if self._torque is None or scene.to_dict() != self.scene.to_dict():
                 raise ValueError("scene: is not that of the map, whose torque is a function")
-            return dataclasses.replace(self, scene=scene).with_functions(stable=stable, carried=carried)
+            return dataclasses.replace(self, scene=scene).with_functions(
+                stable=stable, carried=carried
+            )
         known = self._sources
         if stable is not None and "stable" not in known:
             raise ValueError("stable: this map has no custom criterion")

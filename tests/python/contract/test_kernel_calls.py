@@ -48,7 +48,9 @@ def test_a_call_to_an_address_that_is_computed_is_refused() -> None:
 
 
 def test_kernels_under_the_torque_of_a_function_call_its_address() -> None:
-    called = "rigid::kernel::registry::kernels_of::Rk4::avx2::advance::<rigid::scene::FunctionFrame>"
+    called = (
+        "rigid::kernel::registry::kernels_of::Rk4::avx2::advance::<rigid::scene::FunctionFrame>"
+    )
     assert not refused("call   *0x28(%rax)", name=called)
     assert refused("call   200 <rigid::method::only>", name=called)
 

@@ -165,7 +165,13 @@ def test_a_function_of_cffi() -> None:
             torque[k] = -data[k] * omega[k]
 
     runs = [
-        states(top(torque=rigid.Torque.call(one, (0.1, 0.2, 0.3))), OMEGA, t=[2.0], method="rk4", step=0.1)
+        states(
+            top(torque=rigid.Torque.call(one, (0.1, 0.2, 0.3))),
+            OMEGA,
+            t=[2.0],
+            method="rk4",
+            step=0.1,
+        )
         for one in (called, damping)
     ]
     assert runs[0].omega.tobytes() == runs[1].omega.tobytes()

@@ -64,9 +64,7 @@ NAMES = [name for name, *_ in PAIRS]
 
 def turn(one: Any, other: Any) -> Any:
     """The angle between attitudes (rad)."""
-    apart = np.minimum(
-        np.linalg.norm(one - other, axis=-1), np.linalg.norm(one + other, axis=-1)
-    )
+    apart = np.minimum(np.linalg.norm(one - other, axis=-1), np.linalg.norm(one + other, axis=-1))
     return 2.0 * apart
 
 
@@ -76,9 +74,7 @@ def test_a_tolerance_tells_the_error_that_the_run_states(called: Any, twin: Any)
     fastest = np.linalg.norm(truth.omega, axis=-1).max()
     steps = []
     for tolerance in (1e-4, 1e-7, 1e-10, 1e-13):
-        run = rigid.simulate(
-            called, OMEGA, TILTED, t=TIMES, method="dop853", tolerance=tolerance
-        )
+        run = rigid.simulate(called, OMEGA, TILTED, t=TIMES, method="dop853", tolerance=tolerance)
         off = max(
             np.linalg.norm(run.omega - truth.omega, axis=-1).max() / fastest,
             turn(run.attitude, truth.attitude).max(),
@@ -110,9 +106,11 @@ def test_a_tolerance_finds_the_corners_of_a_saturated_torque() -> None:
 
 @pytest.mark.parametrize(("called", "twin"), [pair[1:] for pair in PAIRS], ids=NAMES)
 def test_events_are_those_of_the_twin_within_their_stated_errors(called: Any, twin: Any) -> None:
-    watched = [rigid.crosses("omega1"), rigid.crosses("L3", value=1.0), rigid.turns("gamma3")]
+    passed = 2.0 if twin.damping is None else 0.0
+    watched = [rigid.crosses("omega1"), rigid.crosses("L2", passed), rigid.turns("gamma3")]
     known = rigid.simulate(twin, OMEGA, TILTED, t=[12.0], events=watched).events
-    for asked in ({"tolerance": 1e-6}, {"tolerance": 1e-10}, {"step": 0.05}):
+    ways: list[dict[str, Any]] = [{"tolerance": 1e-6}, {"tolerance": 1e-10}, {"step": 0.05}]
+    for asked in ways:
         run = rigid.simulate(
             called, OMEGA, TILTED, t=[12.0], method="dop853", events=watched, **asked
         )
