@@ -162,7 +162,7 @@ fn smooth_attitude(mut third: [f64; 3], mut first: [f64; 3]) -> [f64; 4] {
     let share = along * over_third * over_third;
     for k in 0..3 {
         first[k] = share.fnma(third[k], first[k]) * over_first;
-        third[k] = third[k] * over_third;
+        third[k] *= over_third;
     }
     let mut attitude = attitude_of_rows(&first, &third);
     if attitude[0] < 0.0 {

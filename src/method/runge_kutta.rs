@@ -679,9 +679,7 @@ impl<T: Tableau, R: Real, M: Model<R>> RungeKutta<T, R, M> {
         let mut k = [*y; MAX_STAGES];
         let mut sum = *y;
         stages!(self, y, k, sum: 0 1 2 3 4 5 6 7 8 9 10 11);
-        for i in 0..MAX_STAGES {
-            slopes[i] = k[i];
-        }
+        slopes[..MAX_STAGES].copy_from_slice(&k);
         sum
     }
 
