@@ -679,7 +679,10 @@ impl<T: Tableau, R: Real, M: Model<R>> RungeKutta<T, R, M> {
         let mut k = [*y; MAX_STAGES];
         let mut sum = *y;
         stages!(self, y, k, sum: 0 1 2 3 4 5 6 7 8 9 10 11);
-        slopes[..MAX_STAGES].copy_from_slice(&k);
+        #[expect(clippy::manual_memcpy, reason = "a copy of slices is a call")]
+        for i in 0..MAX_STAGES {
+            slopes[i] = k[i];
+        }
         sum
     }
 
@@ -739,14 +742,15 @@ impl<T: Tableau, R: Real, M: Model<R>> RungeKutta<T, R, M> {
             parts[1][d] = unit.fma(slopes[0][d], -change);
             parts[2][d] = (change + change) - unit * (slopes[0][d] + slopes[MAX_STAGES][d]);
         }
-        for (part, weights) in parts[3..].iter_mut().zip(&T::INSIDE.polynomial) {
+        for k in 0..4 {
+            let weights = &T::INSIDE.polynomial[k];
             for i in 0..ALL_STAGES {
                 for d in 0..D {
-                    part[d] = R::splat(weights[i]).fma(slopes[i][d], part[d]);
+                    parts[3 + k][d] = R::splat(weights[i]).fma(slopes[i][d], parts[3 + k][d]);
                 }
             }
             for d in 0..D {
-                part[d] = part[d] * unit;
+                parts[3 + k][d] = parts[3 + k][d] * unit;
             }
         }
         // The powers, from the last part on: times s or times 1 - s, plus the part before.
