@@ -23,7 +23,7 @@ from pathlib import Path
 
 # The entry points of kernels, by their paths.
 KERNEL = re.compile(
-    r"\brigid::kernel::registry::kernels_of::\w+::(avx512|avx2|scalar)::(advance|processed|adaptive|alone|dense|invariants_of)\b"
+    r"\brigid::kernel::registry::kernels_of::\w+::(avx512|avx2|scalar)::(advance|processed|adaptive|trial|alone|dense|invariants_of)\b"
     r"|\brigid::exact::evaluate::(avx512|avx2|scalar)::(states_of|exits_of)\b"
 )
 
@@ -40,7 +40,7 @@ ALLOWED = {
     "two kernels with one code share it": KERNEL,
     "a look inside a step and the series of forced bodies are compiled once": SHARED,
 }
-# A function of the user is called by its address, by these kernels only: those of one body at a time.
+# A function of the user is called by its address, by these kernels only, one body at a time.
 OF_THE_USER = re.compile(r"^call\s+\*")
 MAY_CALL_IT = re.compile(r"::kernels_of::.*::FunctionFrame\b")
 # The plain path is for processors without FMA: it rounds products as FMA does with the C library.

@@ -51,7 +51,10 @@ impl TorqueFunction {
         fastest: f64,
     ) -> Result<TorqueFunction, Error> {
         if address == 0 {
-            let (value, rule) = ("a function".to_string(), "its address is not known here: no file has it");
+            let (value, rule) = (
+                "a function".to_string(),
+                "its address is not known here, because no file has it; give the scene again",
+            );
             return Err(Error::Value { argument: "torque", value, rule });
         }
         let made = TorqueFunction { address, data, width, units, fastest };
@@ -159,7 +162,7 @@ fn smooth_attitude(mut third: [f64; 3], mut first: [f64; 3]) -> [f64; 4] {
     let share = along * over_third * over_third;
     for k in 0..3 {
         first[k] = share.fnma(third[k], first[k]) * over_first;
-        third[k] = third[k] * over_third;
+        third[k] *= over_third;
     }
     let mut attitude = attitude_of_rows(&first, &third);
     if attitude[0] < 0.0 {

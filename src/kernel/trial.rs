@@ -91,10 +91,10 @@ fn step<M: Model<f64>, L: Layout, T: Tableau, const D: usize>(
             y[d] = before[d] + change[d];
         }
         let error = error::<L, D>(&before, &y, &engine.errors(&slopes), [known_rate, l.tolerance]);
-        // The error falls as the eighth power of the step. Of an error of zero the quotient is infinite.
+        // The error falls as the eighth power of the step. Of an error of zero the quotient is infinite; an error that
+        // is no number is too large.
         let factor = SAFETY / error.sqrt().sqrt().sqrt();
-        // Of a NaN `max` returns its second argument.
-        let factor = factor.min(largest_factor).max(LEAST_FACTOR);
+        let factor = if error.is_nan() { LEAST_FACTOR } else { factor.min(largest_factor).max(LEAST_FACTOR) };
         let is_shortest = step.abs() <= 4.0 * f64::EPSILON * now.abs() + f64::MIN_POSITIVE;
         if error <= 1.0 || is_shortest || zero_or_nan(&slopes[0]).is_nan() {
             for d in 0..D {

@@ -313,7 +313,7 @@ class MapSpec:
         return {**found, "stable": self.stable.source} if isinstance(self.stable, Custom) else found
 
     @property
-    def functions(self) -> dict[str, Callable[..., Any] | Scene]:
+    def functions(self) -> dict[str, Any]:
         """The functions that are known, as :meth:`with_functions` takes them."""
         known = {name: source.function for name, source in self._sources.items()}
         found = {name: function for name, function in known.items() if function is not None}

@@ -141,12 +141,14 @@ class Torque:
         It is given the time (s), the rates (3, rad/s, in the body), the attitude (4, unit
         quaternion, scalar first and not negative, body to space) and ``data``, and writes the
         torque (3, N m, along the principal axes). A number that it does not write is NaN, which
-        ends the body with the status ``NOT_FINITE``. It must be smooth, must not depend on earlier
-        calls, and must be safe to call from several threads at once: a ``numba.cfunc`` is. A
-        callback of ctypes runs with the lock of the interpreter, one call at a time.
+        ends the body with the status ``NOT_FINITE``. It must not depend on earlier calls, and must
+        be safe to call from several threads at once: a ``numba.cfunc`` is. A callback of ctypes
+        runs with the lock of the interpreter, one call at a time. At corners of the torque equal
+        steps lose their order, and steps by a ``tolerance`` become short.
 
         Runge-Kutta methods and ``midpoint`` integrate it, one body after the other: a step takes
-        several times as long as under another torque. Its bits are those of the function.
+        several times as long as under another torque. ``"dop853"`` alone takes a ``tolerance`` and
+        finds events and sections; in maps it is the default. Its bits are those of the function.
 
         Parameters
         ----------
@@ -157,7 +159,7 @@ class Torque:
             Numbers for the function, copied; leading axes give each body numbers of its own.
         fastest : float, optional
             A bound of ``|omega|`` under this torque (rad/s), and of the rate at which the torque
-            varies: the steps follow from it. Without it a run needs a ``step``.
+            varies: the steps follow from it. Without it a run needs a ``step``, or a ``tolerance``.
 
         Raises
         ------

@@ -87,6 +87,7 @@ SUBJECTS = (
     "satellites",
     "quadratic drag",
     "any torque",
+    "steps, events and maps under any torque",
     "libration on an orbit",
     "steps one by one",
     "tops from mass and centre of mass",

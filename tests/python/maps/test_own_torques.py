@@ -247,9 +247,10 @@ def test_a_store_notices_another_function(tmp_path: Path) -> None:
 
 
 def test_other_processes_cannot_call_the_function() -> None:
-    with ProcessPoolExecutor(1) as executor:
-        with pytest.raises(ValueError, match="which other processes cannot call"):
-            rigid.stability_map(one_scene(), **{**OF_ONE, "threads": None}, executor=executor)
+    asked = {**OF_ONE, "threads": None}
+    refused = pytest.raises(ValueError, match="which other processes cannot call")
+    with ProcessPoolExecutor(1) as executor, refused:
+        rigid.stability_map(one_scene(), **asked, executor=executor)
 
 
 @pytest.mark.parametrize(

@@ -59,7 +59,7 @@ fn assignment(kernel: Kernel, body: &Body) -> Option<KernelAssignment> {
 fn kernels() -> Vec<Kernel> {
     let of_system = |(system, observables): (System, &'static [Observed])| {
         let of_observable = move |&observed| {
-            let fits = move |step: Step| observed != Observed::Bounds || step.sees_limits();
+            let fits = move |step: Step| observed != Observed::Bounds || system.sees_limits_by(step);
             let moving =
                 method::steps().into_iter().filter(move |&step| system.is_moved_by(step) && fits(step));
             let kernels = moving.map(move |step| Kernel { system, step, observed });
