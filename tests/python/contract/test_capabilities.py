@@ -85,6 +85,7 @@ SUBJECTS = (
     "geometric integration",
     "heavy tops of any shape",
     "satellites",
+    "moons",
     "quadratic drag",
     "any torque",
     "libration on an orbit",
