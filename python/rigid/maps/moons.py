@@ -7,7 +7,7 @@ Moon that keeps one side to its planet, on an eccentric orbit
     oscillations are a libration in longitude and two modes of roll and yaw, with the frequencies
     of :func:`rigid.free.libration`. The eccentricity swings the moon with the mean motion ``n``,
     and this swing pumps the other oscillations where twice their frequency is a multiple of ``n``
-    (Agrusa et al., *Icarus* 370 (2021) 114624; Tan, Wang, Hou, *Icarus* 374 (2022) 115289). Drawn
+    (Agrusa et al., *Icarus* 370 (2021) 114624; Tan, Wang, Hou, *Icarus* (2022) 115289). Drawn
     are the lines of libration at ``n/2`` and ``n``, of the slow mode at ``n/2`` and of the fast
     mode at ``3n/2``.
 
