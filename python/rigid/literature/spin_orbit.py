@@ -263,7 +263,8 @@ ENTRIES = (
     ),
     Entry(
         name="mercury-formula",
-        quantity="the same beside the torque averaged over the orbit",
+        quantity="a rigid Mercury: period of the free libration in longitude, measured from a "
+        "motion, and by the torque averaged over the orbit",
         printed="n √(3 (B − A)/C (7e/2 − 123e³/16))",
         value=formula_of_mercury(),
         within=0.02,
