@@ -175,3 +175,20 @@ def test_lines_are_those_of_a_moon_that_faces_its_planet_on_an_ellipse() -> None
     edges = {"omega3": [0.5, 1.0, 1.5, 2.0, 2.5], "eccentricity": [0.1, 0.2]}
     assert lines_of(axes=edges) == ["edges of 1:1", "edges of 3:2", "edges of 2:1"]
     assert lines_of(axes=edges, anomaly=np.pi) == []
+
+
+def test_a_picture_has_all_lines_and_a_title_that_fits() -> None:
+    result = run_map(some_of("dimorphos", COARSE["dimorphos"], 1), progress=False)
+    ax: Any = result.plot()
+    legend = ax.get_legend()
+    texts = [text.get_text() for text in legend.get_texts()]
+    assert [text for text in texts if text.startswith("theory")] == [
+        f"theory: {line}" for line in LINES["dimorphos"]
+    ]
+    # Each line has dashes of its own.
+    styles = {str(handle.get_linestyle()) for handle in legend.get_lines()}
+    assert len(styles) == 4
+    ax.figure.canvas.draw()
+    assert ax._left_title.get_window_extent().x1 < ax.figure.bbox.x1
+    words = ax.get_title(loc="left")
+    assert "until t = 6.048e+06 s; 1 body per pixel" in words.replace("\n", " ")
