@@ -68,16 +68,16 @@ assert growth.verdict.tolist() == ["chaotic", "regular"]
 assert 1.0 < time < 2.0
 
 # %%
-# But Hyperion does not stay in the plane. A tilt of a millionth of a radian grows from both starts,
-# also from the island: after twenty to forty orbits the moon tumbles.
-t = np.linspace(0.0, 50.0, 2501)
+# But Hyperion does not stay in the plane. A tilt of a thousandth of a radian grows from both
+# starts, also from the island: within thirty orbits, which are 21 months, the moon tumbles.
+t = np.linspace(0.0, 40.0, 2001)
 figure, ax = plt.subplots()
 for start, colour, name in ((sea, "#d55e00", "sea"), (island, "#0072b2", "island")):
-    tilted = rigid.rotations.euler_to_quaternion([0.0, 1e-6, 0.0])
-    run = rigid.simulate(hyperion, start, tilted, t=t, check=False)
+    tilted = rigid.rotations.euler_to_quaternion([0.0, 1e-3, 0.0])
+    run = rigid.simulate(hyperion, start, tilted, t=t, method="taylor20", check=False)
     pole = run.rotation().apply([0.0, 0.0, 1.0])
     obliquity = np.degrees(np.arctan2(np.hypot(pole[:, 0], pole[:, 1]), pole[:, 2]))
-    assert obliquity[t < 5.0].max() < 0.1
+    assert obliquity[t < 5.0].max() < 1.0
     assert obliquity.max() > 90.0
     ax.semilogy(t, obliquity, color=colour, label=f"from the {name}")
 ax.set(
