@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import brief, shaped
 from .._checks.arrays import attitudes, vectors
+from .._libration import frequencies
 from ..model.body_like import BodyLike, moments_of
 from ..model.orbit import Orbit
 from ..model.scene import Scene, check_scene
@@ -80,18 +81,10 @@ def libration(body: BodyLike, rate: ArrayLike) -> Libration:
     moments = moments_of(body)
     n = shaped("rate", rate, positive=True)
     roll, pitch, yaw = np.moveaxis(np.asarray(moments, dtype=np.float64), -1, 0)
-    k1, k3 = (pitch - yaw) / roll, (pitch - roll) / yaw
-    squares = 3.0 * (roll - yaw) / pitch
-    half = 0.5 * (1.0 + 3.0 * k1 + k1 * k3)
-    product = 4.0 * k1 * k3
-    with np.errstate(invalid="ignore"):
-        swing = np.where(squares > 0.0, np.sqrt(squares), np.nan)
-        larger = half + np.sqrt(half * half - product)
-        both = np.stack([larger, product / larger], axis=-1)
-        is_real = (product > 0.0) & (half > 0.0) & (half * half > product)
-        coupled = np.where(is_real[..., np.newaxis], np.sqrt(both), np.nan)
-    stable = is_real & (squares > 0.0)
-    region = np.where(stable, np.where(k3 > 0.0, "Lagrange", "DeBra-Delp"), "")
+    swing, fast, slow = frequencies(roll, pitch, yaw)
+    coupled = np.stack([fast, slow], axis=-1)
+    stable = np.isfinite(swing) & np.isfinite(fast)
+    region = np.where(stable, np.where(pitch > roll, "Lagrange", "DeBra-Delp"), "")
     return Libration(n * swing, n[..., np.newaxis] * coupled, stable, region)
 
 

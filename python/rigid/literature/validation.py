@@ -10,7 +10,7 @@ from typing import Any
 from .._checks.arguments import one_of
 from .._checks.progress import Progress, ProgressOption, reporting
 from ..drawing.figure import html_table
-from . import asteroids, earth, free_bodies, heavy_tops, moons
+from . import asteroids, earth, free_bodies, heavy_tops, moons, spin_orbit
 from .entry import Entry
 
 __all__ = ["Compared", "Validation", "entries", "validation"]
@@ -20,7 +20,7 @@ HEADER = ("name", "published", "here", "difference", "interval", "unit", "verdic
 
 def entries() -> tuple[Entry, ...]:
     """All entries, subject by subject."""
-    subjects = (asteroids, moons, earth, free_bodies, heavy_tops)
+    subjects = (asteroids, moons, spin_orbit, earth, free_bodies, heavy_tops)
     return tuple(entry for subject in subjects for entry in subject.ENTRIES)
 
 

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 import re
+import textwrap
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,6 +38,9 @@ FINER = 4
 FINEST = 2**19
 """Most cells of that grid, unless the map has more pixels: their prediction takes 200 MB."""
 
+LONGEST = 100
+"""Most letters of a line of the title: as many as fit above a picture and its bar of colours."""
+
 UNDECIDED = 0.05
 """Cells with more than this share of undecided (or of failed) bodies are hatched."""
 
@@ -48,7 +52,8 @@ _HATCHED: tuple[tuple[str, dict[str, Any]], ...] = (
     ("failed > 5 %", {"facecolor": "none", "edgecolor": "#cc3311", "hatch": "oo"}),
     ("undecided > 5 %", {"facecolor": "none", "edgecolor": "#d55e00", "hatch": "////"}),
 )
-_DASHES: tuple[Literal["solid", "dashed"], ...] = ("solid", "dashed")
+_Dashes: TypeAlias = Literal["solid", "dashed", "dashdot", "dotted"]
+_DASHES: tuple[_Dashes, ...] = ("solid", "dashed", "dashdot", "dotted")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -384,9 +389,7 @@ def _finer(axis: Axis, steps: int) -> tuple[float, ...]:
     return tuple(values[~axis.parameter.rejects(values)].tolist())
 
 
-def _draw_curve(
-    axes: tuple[Axis, ...], ax: Axes, curve: Curve, dashes: Literal["solid", "dashed"]
-) -> list[Any]:
+def _draw_curve(axes: tuple[Axis, ...], ax: Axes, curve: Curve, dashes: _Dashes) -> list[Any]:
     from matplotlib.lines import Line2D
     from matplotlib.patheffects import Normal, Stroke
 
@@ -499,4 +502,4 @@ def _title(data: MapData, at: Mapping[int, int]) -> str:
     if at:
         detail += f"; {_values(data, at)}"
     what = "Regular motions" if isinstance(spec.stable, Regular) else "Stability"
-    return f"{spec.title or f'{what} of a {spec.scene.title}'}\n{detail}"
+    return f"{spec.title or f'{what} of a {spec.scene.title}'}\n{textwrap.fill(detail, LONGEST)}"

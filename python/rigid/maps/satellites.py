@@ -27,6 +27,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from .._libration import squares
 from .._moments import possible
 from ..model.criteria import NoFlip, TiltBelow
 from ..model.orbit import Orbit
@@ -214,7 +215,7 @@ def on_orbit(spec: MapSpec) -> Predicted | None:
     size = grid.omega_size.max(axis=1) / orbit.rate
     still = NORMAL_REACH * size * spread < 0.5 * stable.angle
     left = np.exp(growth) * 1e-3 * size / spread > 4.0 * stable.angle
-    half, product = 0.5 * (1.0 + 3.0 * k1 + k1 * k3), 4.0 * k1 * k3
+    _, half, product = squares(roll, pitch, yaw)
     swings = np.minimum(product, np.where(half > 0.0, half * half - product, -1.0))
     share = np.select([(swings > 0.0) & still, (swings < 0.0) & left], [1.0, 0.0], np.nan)
     share = np.where(at_rest & (roll > yaw), share, np.nan)

@@ -147,7 +147,10 @@ def _theory(data: MapData) -> str:
     if found is None:
         return "none is known for this map"
     compared, disagree = found.compared, found.disagree
-    text = f"{found.label}: {disagree:,} of {compared:,} pixels outside their 95 % interval"
-    if compared:
-        text += f" ({disagree / compared:.1%}; up to 5 % by chance)"
+    if not compared:
+        return f"{found.label}: lines, no shares"
+    text = (
+        f"{found.label}: {disagree:,} of {compared:,} pixels outside their 95 % interval "
+        f"({disagree / compared:.1%}; up to 5 % by chance)"
+    )
     return f"{text}; no prediction for {found.unknown:,} pixels" if found.unknown else text

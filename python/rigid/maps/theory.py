@@ -39,7 +39,7 @@ Symmetric heavy top, damped only about its symmetry axis
 
 Landau and Lifshitz, *Mechanics*, §§ 35, 37; Goldstein, *Classical Mechanics*, §§ 5.6, 5.7.
 
-Satellites are predicted in :mod:`.satellites`.
+Satellites are predicted in :mod:`.satellites`, and lines of moons are in :mod:`.moons`.
 """
 
 from __future__ import annotations
@@ -57,6 +57,7 @@ from ..model.criteria import NoFlip, TiltBelow
 from ..model.scene import FreeBody, HeavyTop
 from ..model.start import Noise, Start
 from .data import MapData
+from .moons import attitude_resonances, spin_orbit_resonances
 from .satellites import NORMAL_REACH, RAYLEIGH_HALF, flat_spin, on_orbit
 from .spec import MapSpec
 
@@ -101,6 +102,11 @@ class Theory:
     share: Floats
     curves: tuple[Curve, ...]
 
+    @property
+    def is_empty(self) -> bool:
+        """Whether it predicts no share and has no line."""
+        return not self.curves and bool(np.isnan(self.share).all())
+
 
 def predict(spec: MapSpec) -> Theory | None:
     """The prediction for a map, or None where none is known.
@@ -119,13 +125,13 @@ def predict(spec: MapSpec) -> Theory | None:
     if len(spec.parts) > 1:
         return _of_parts(spec)
     with np.errstate(all="ignore"):  # impossible and degenerate pixels end as NaN
-        predictors = [_free_no_flip, _symmetric_top, _falling_top, _satellite]
+        predictors = [_free_no_flip, _symmetric_top, _falling_top, _satellite, _moon]
         if spec.own is not None or spec.grid.torque is not None or spec.grid.further:
-            # The others read the scene of all pixels.
-            predictors = [_free_no_flip]
+            # Satellites and tops read the scene of all pixels.
+            predictors = [_free_no_flip, *([_moon] if spec.own is None else [])]
         known = (predictor(spec) for predictor in predictors)
         theory = next((theory for theory in known if theory is not None), None)
-    return None if theory is None or np.isnan(theory.share).all() else theory
+    return None if theory is None or theory.is_empty else theory
 
 
 def _of_parts(spec: MapSpec) -> Theory | None:
@@ -472,3 +478,12 @@ def _horizon_bound(
 def _satellite(spec: MapSpec) -> Theory | None:
     found = flat_spin(spec) or on_orbit(spec)
     return None if found is None else _theory(spec, *found)
+
+
+def _moon(spec: MapSpec) -> Theory | None:
+    for lines in (attitude_resonances, spin_orbit_resonances):
+        found = lines(spec)
+        theory = None if found is None else _theory(spec, *found)
+        if theory is not None and theory.curves:
+            return theory
+    return None

@@ -182,15 +182,18 @@ def test_built_in_maps_are_listed(capsys: pytest.CaptureFixture[str]) -> None:
     assert [line.split()[0] for line in lines] == [
         "chaotic-com",
         "chaotic-top",
+        "dimorphos",
         "falling-top",
         "gravity-gradient",
+        "hyperion",
         "inertia-triangle",
         "separatrix-web",
         "sleeping-top",
+        "spin-orbit",
         "thrown-box",
         "tumbling-debris",
     ]
-    assert lines[7].endswith("A thrown box, spinning about its middle axis (b x noise)")
+    assert lines[10].endswith("A thrown box, spinning about its middle axis (b x noise)")
 
 
 def test_info_describes_the_build(capsys: pytest.CaptureFixture[str]) -> None:
@@ -238,8 +241,9 @@ def test_help_is_on_stdout(capsys: pytest.CaptureFixture[str]) -> None:
             ["map", "nonsense"],
             [
                 "'nonsense'",
-                "chaotic-com, chaotic-top, falling-top, gravity-gradient, inertia-triangle, "
-                "separatrix-web, sleeping-top, thrown-box, tumbling-debris",
+                "chaotic-com, chaotic-top, dimorphos, falling-top, gravity-gradient, hyperion, "
+                "inertia-triangle, separatrix-web, sleeping-top, spin-orbit, thrown-box, "
+                "tumbling-debris",
             ],
         ),
         (["map", "smal.toml"], ["smal.toml: cannot be read: No such file or directory"]),

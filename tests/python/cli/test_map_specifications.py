@@ -466,15 +466,18 @@ def built_in(request: pytest.FixtureRequest) -> tuple[str, rigid.StabilityMap]:
     return request.param, run_map(spec, progress=False)
 
 
-def test_there_are_three_built_in_maps() -> None:
+def test_built_in_maps_have_their_names() -> None:
     assert builtin_names() == [
         "chaotic-com",
         "chaotic-top",
+        "dimorphos",
         "falling-top",
         "gravity-gradient",
+        "hyperion",
         "inertia-triangle",
         "separatrix-web",
         "sleeping-top",
+        "spin-orbit",
         "thrown-box",
         "tumbling-debris",
     ]

@@ -5,13 +5,16 @@ from __future__ import annotations
 import json
 from dataclasses import replace
 
+import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 import rigid
 from rigid.cli import main
 from rigid.literature import asteroids
 from rigid.literature.entry import Entry
 from rigid.literature.heavy_tops import goryachev_chaplygin_change, kovalevskaya_change
+from rigid.literature.spin_orbit import HYPERION, about_normal, growing_states, in_orbits
 from rigid.literature.validation import Compared, entries
 
 ENTRIES = {entry.name: entry for entry in entries()}
@@ -51,6 +54,37 @@ def test_neighbours_of_integrable_tops_keep_no_fourth_integral() -> None:
     assert goryachev_chaplygin_change() < 1e-9
     assert goryachev_chaplygin_change((4.0, 4.2, 1.0)) > 0.1
     assert goryachev_chaplygin_change(l_gamma=0.5) > 0.1
+
+
+def test_a_moon_that_is_nearly_round_keeps_its_plane() -> None:
+    """Where Hyperion leaves it."""
+    assert growing_states((0.97, 0.99, 1.0)) == 0.0
+    assert growing_states() == 2.0
+
+
+def test_deviations_of_hyperion_in_the_plane_grow_by_the_equation_in_the_plane() -> None:
+    """``theta'' = -3/2 (B - A)/C (a/r)³ sin 2(theta - f)`` and its linear equation, by SciPy."""
+    turn, e, rate = 2.0 * np.pi, 0.1, 2.0 * np.pi * 1.5
+    strength = 1.5 * (HYPERION[1] - HYPERION[0]) * turn**2
+
+    def change(_t: float, y: np.ndarray) -> list[float]:
+        theta, omega, anomaly, angle, swing = y
+        near = 1.0 / (1.0 - e * np.cos(anomaly))
+        f = np.arctan2(np.sqrt(1.0 - e * e) * np.sin(anomaly), np.cos(anomaly) - e)
+        torque = -strength * near**3
+        sine, cosine = np.sin(2.0 * (theta - f)), np.cos(2.0 * (theta - f))
+        return [omega, torque * sine, turn * near, swing, 2.0 * torque * cosine * angle]
+
+    t = np.array([2.0, 4.0, 6.0])
+    start = [0.0, rate, 0.0, 0.0, 1.0]
+    found = solve_ivp(change, (0.0, 6.0), start, "DOP853", t, rtol=1e-12, atol=1e-12)
+    size = np.hypot(found.y[3], found.y[4] / rate) * rate
+    growth = rigid.lyapunov(
+        in_orbits(HYPERION, e), about_normal(1.5), t=t, start=[[0.0, 0.0, 1.0, 0.0, 0.0, 0.0]]
+    )
+    assert size[-1] > 30.0
+    # Both lose 30 to 100 times their error of 1e-11.
+    np.testing.assert_allclose(growth.log_growth, np.log(size), rtol=0.0, atol=1e-8)
 
 
 def test_what_differs_without_a_reason_is_found(

@@ -1,0 +1,339 @@
+"""Moons and planets on eccentric orbits: resonances, librations and chaos of their rotation."""
+
+from __future__ import annotations
+
+from functools import cache
+from math import degrees, pi, sqrt
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..model.body import Body
+from ..model.bounds import librates, pointing_within
+from ..model.measures import spin_orbit_ratio
+from ..model.orbit import Orbit
+from ..model.scene import FreeBody
+from ..model.start import Start, normal
+from ..solve.frequencies import frequencies
+from ..solve.lyapunov import lyapunov
+from ..solve.simulate import simulate
+from ..store.call import stability_map
+from .entry import Entry
+
+__all__ = ["ENTRIES"]
+
+Floats = NDArray[np.float64]
+
+WISDOM = (
+    "J. Wisdom, S. J. Peale, F. Mignard, The chaotic rotation of Hyperion, Icarus 58 (1984) "
+    "137-152, doi 10.1016/0019-1035(84)90032-0"
+)
+RAMBAUX = (
+    "N. Rambaux, E. Bois, Theory of the Mercury's spin-orbit motion and analysis of its main "
+    "librations, Astron. Astrophys. 413 (2004) 381-393, doi 10.1051/0004-6361:20031446"
+)
+GOLDREICH = (
+    "P. Goldreich, S. J. Peale, Spin-orbit coupling in the solar system, Astron. J. 71 (1966) "
+    "425-438; C. D. Murray, S. F. Dermott, Solar System Dynamics (1999), § 5.4"
+)
+FORMULA = "formula of the textbook, from memory; a test compares its series with the exact mean"
+WILLNER = (
+    "K. Willner, X. Shi, J. Oberst, Phobos' shape and topography models, Planet. Space Sci. 102 "
+    "(2014) 51-59"
+)
+WANG = (
+    "H.-S. Wang, X.-Y. Hou, Breakup of the synchronous state of binary asteroid systems, "
+    "arXiv:2106.15039 (2021)"
+)
+TAN = (
+    "P. Tan, H.-S. Wang, X.-Y. Hou, Attitude instability of the secondary in the synchronous "
+    "binary asteroid, Icarus (2022) 115289, doi 10.1016/j.icarus.2022.115289"
+)
+
+HYPERION = (0.5956, 0.8594, 1.0)
+"""Moments of a homogeneous ellipsoid of 190 km x 145 km x 114 km, as in 1984."""
+
+MERCURY = 4.0 * 1.0e-5 / 0.34
+"""``(B - A)/C`` of Mercury: ``4 C22 M R² / C``."""
+
+E_MERCURY = 0.2056
+YEAR_OF_MERCURY = 87.969 / 365.25
+"""Eccentricity, and period in years."""
+
+E_WIDTH = 0.2
+"""Eccentricity of the resonance whose width is measured."""
+
+
+def in_orbits(moments: ArrayLike, eccentricity: float = 0.0) -> FreeBody:
+    """Moons on an orbit that takes the time 1, from the periapsis."""
+    return FreeBody(Body(moments), orbit=Orbit(2.0 * pi, eccentricity))
+
+
+def about_normal(turns: ArrayLike) -> Floats:
+    """Rates of spins about axis 3, in turns an orbit."""
+    rate = 2.0 * pi * np.asarray(turns, dtype=np.float64)
+    return np.stack([0.0 * rate, 0.0 * rate, rate], axis=-1)
+
+
+def ellipsoid(ab: ArrayLike, bc: float) -> Floats:
+    """Moments over the largest of homogeneous ellipsoids with these ratios of the semi-axes."""
+    long, short = np.asarray(ab) ** 2, 1.0 / bc**2
+    return np.stack(
+        [(1.0 + short) / (1.0 + long), (long + short) / (1.0 + long), 1.0 + 0.0 * long], -1
+    )
+
+
+def angles(attitude: Floats) -> Floats:
+    """Angle of axis 1 from the periapsis of bodies that turn about axis 3."""
+    return np.asarray(2.0 * np.arctan2(attitude[..., 3], attitude[..., 0]))
+
+
+def wrapped(angle: Floats) -> Floats:
+    """Angles from -pi to pi."""
+    return np.asarray(angle - 2.0 * pi * np.round(angle / (2.0 * pi)))
+
+
+def chaotic_time() -> float:
+    """Time of growth by a factor e in the plane (orbits), the median of 13 spins."""
+    scene, starts = in_orbits(HYPERION, 0.1), about_normal(np.linspace(1.0, 2.2, 13))
+    in_plane = [[0.0, 0.0, 1.0, 0.0, 0.0, 0.0]]
+    growth = lyapunov(scene, starts, t=[300.0], start=in_plane, check=False)
+    return float(1.0 / np.median(growth.exponent[:, -1]))
+
+
+def growing_states(moments: tuple[float, float, float] = HYPERION) -> float:
+    """How many of the spins 1/2 and 1 an orbit leave the plane, on an orbit of e = 0.1.
+
+    A state that is the same after an orbit has by symmetry half of its turn at the apoapsis; the
+    long axis points to the planet at the periapsis for 1, and across it for 1/2. It grows if a
+    multiplier of the four deviations out of the plane exceeds 1.
+    """
+    scene, growing = in_orbits(moments, 0.1), 0
+    swing = 3.0 * (moments[1] - moments[0]) / moments[2]
+    out = np.ix_([0, 1, 3, 4], [0, 1, 3, 4])
+    for turns, first, guess in ((1.0, 0.0, 1.0 - 0.5 * swing), (0.5, 0.5 * pi, 0.5)):
+        attitude = [np.cos(0.5 * first), 0.0, 0.0, np.sin(0.5 * first)]
+        rate = about_normal(guess)
+        for _ in range(10):  # by Newton
+            run = simulate(scene, rate, attitude, t=[0.5], tangent=True, check=False)
+            assert run.attitude is not None
+            assert run.tangent is not None
+            off = wrapped(angles(run.attitude[-1]) - first - pi * turns)
+            rate = rate - np.array([0.0, 0.0, off / run.tangent[-1, 5, 2]])
+        run = simulate(scene, rate, attitude, t=[1.0], tangent=True, check=False)
+        assert run.tangent is not None
+        growing += bool(np.abs(np.linalg.eigvals(run.tangent[-1][out])).max() > 1.01)
+    return float(growing)
+
+
+@cache
+def period_of_mercury() -> float:
+    """Period (years) of the free libration in longitude of a rigid Mercury."""
+    scene = in_orbits((1.0 - MERCURY, 1.0, 1.0 + 0.5 * MERCURY), E_MERCURY)
+    orbits = np.arange(1.0, 1025.0)  # sixteen periods
+    run = simulate(scene, about_normal(1.5 + 1e-5), t=orbits, method="taylor20", check=False)
+    assert run.attitude is not None
+    found = frequencies(orbits, wrapped(angles(run.attitude) - 3.0 * pi * orbits))
+    return float(YEAR_OF_MERCURY * 2.0 * pi / found.frequency[0])
+
+
+def formula_of_mercury() -> float:
+    """The same by the series of the torque averaged over the orbit."""
+    strength = 3.0 * MERCURY * (3.5 * E_MERCURY - 123.0 / 16.0 * E_MERCURY**3)
+    return YEAR_OF_MERCURY / sqrt(strength)
+
+
+def width(eccentricity: float, strength: float) -> float:
+    """Half of the width of 3:2 (turns an orbit) by the series of the averaged torque."""
+    return sqrt(strength * (3.5 * eccentricity - 123.0 / 16.0 * eccentricity**3))
+
+
+def measured_width() -> float:
+    """The same over that of the series, from the spins of a map that keep 3/2 on average."""
+    strength = 3e-4
+    half = width(E_WIDTH, strength)
+    places = np.linspace(0.9, 1.1, 21)
+    share = np.concatenate([-places[::-1], places])
+    scene = in_orbits((1.0 - strength / 3.0, 1.0, 1.0 + strength / 6.0), E_WIDTH)
+    time = 20.0 / half  # orbits: twenty periods of the libration
+    result = stability_map(
+        scene,
+        axes={"spin": 2.0 * pi * (1.5 + half * share)},
+        start=Start(spin=0.0),
+        stable=librates(),
+        measure=spin_orbit_ratio(3),
+        samples=1,
+        t_end=time,
+        check=0.0,
+        rng=1,
+        progress=False,
+    )
+    # A libration ends within half a turn of where the mean spin would bring it.
+    inside = np.abs(result.measures["spin_orbit_ratio(3)"].mean - 1.5) < 0.5 / time
+    spacing = places[1] - places[0]
+    return float((share[inside].max() - share[inside].min() + spacing) / 2.0)
+
+
+def forced_libration(moments: ArrayLike, eccentricity: float) -> float:
+    """Amplitude (rad) of the swing with the orbit of a synchronous moon."""
+    t = np.linspace(0.0, 40.0, 1601)
+    run = simulate(
+        in_orbits(moments, eccentricity), about_normal(1.0), t=t, method="taylor20", check=False
+    )
+    assert run.attitude is not None
+    found = frequencies(t, wrapped(angles(run.attitude) - 2.0 * pi * t), count=4)
+    nearest = np.argmin(np.abs(np.abs(found.frequency) - 2.0 * pi))
+    return float(np.abs(found.amplitude[nearest]))
+
+
+def formula_of_libration() -> float:
+    """Amplitude over the eccentricity of a moon with a/b = 1.2, by the linear equation."""
+    first, second, _ = ellipsoid(1.2, 1.2)
+    return float(2.0 / (1.0 / (3.0 * (second - first)) - 1.0))
+
+
+def resonant_elongation() -> float:
+    """``a/b`` at which the libration has the period of the orbit, from motions on a circle."""
+    ab = np.linspace(1.38, 1.44, 7)
+    t = np.linspace(0.0, 40.0, 801)
+    run = simulate(in_orbits(ellipsoid(ab, 1.2)), about_normal(1.001), t=t, check=False)
+    assert run.attitude is not None
+    found = frequencies(t, wrapped(angles(run.attitude) - 2.0 * pi * t))
+    return float(np.interp(2.0 * pi, found.frequency[:, 0], ab))
+
+
+def missing_elongation() -> float:
+    """``a/b`` of moons on a slightly eccentric orbit whose pole leaves the normal."""
+    ab = np.linspace(1.03, 1.15, 13)
+    result = stability_map(
+        in_orbits((1.0, 1.0, 1.0), 0.02),
+        axes={"a/b": ab, "b/c": [1.1, 1.15]},
+        start=Start(omega=(0.0, 0.0, 2.0 * pi), attitude_noise=normal(0.01)),
+        stable=pointing_within(0.5, axis=3, of="normal"),
+        samples=8,
+        t_end=150.0,
+        rng=2026,
+        progress=False,
+    )
+    leaving = 1.0 - result.share.mean(axis=0)
+    return float(np.sum(ab * leaving) / leaving.sum())
+
+
+ENTRIES = (
+    Entry(
+        name="hyperion-chaos",
+        quantity="Hyperion in the plane of its orbit, e = 0.1: time in which a deviation grows by "
+        "a factor e, over the orbit period; median of 13 chaotic motions",
+        printed="10",
+        value=10.0,
+        within=3.0,
+        interval="the source says *about*",
+        source=WISDOM,
+        seen="as M. Tarnopolski, Astron. Astrophys. 606 (2017) A43, cites it, in its introduction; "
+        "the paper itself was not found",
+        compute=chaotic_time,
+        reason="the exponent is 0.12 with the time in units of 1/n: in this unit the time is 8, "
+        "about ten, and in orbit periods it is 1.3. Its growth is that of the equation in the "
+        "plane by SciPy",
+    ),
+    Entry(
+        name="hyperion-attitude",
+        quantity="Hyperion, e = 0.1: how many of the spins of 1/2 and 1 turn an orbit grow out of "
+        "the plane",
+        printed="both",
+        value=2.0,
+        within=0.0,
+        interval="whole number",
+        source=WISDOM,
+        seen="from memory of the abstract",
+        compute=growing_states,
+    ),
+    Entry(
+        name="mercury-libration",
+        quantity="a rigid Mercury of C22 = 1.0e-5 and C = 0.34 M R²: period of the free libration "
+        "in longitude about 3:2",
+        printed="15.847",
+        value=15.847,
+        within=2e-3,
+        interval="rounding, and that of the eccentricity 0.2056",
+        unit="a",
+        source=RAMBAUX,
+        seen="period: the abstract; C22 and C: from memory",
+        compute=period_of_mercury,
+    ),
+    Entry(
+        name="mercury-formula",
+        quantity="a rigid Mercury: period of the free libration in longitude, measured from a "
+        "motion, and by the torque averaged over the orbit",
+        printed="n √(3 (B − A)/C (7e/2 − 123e³/16))",
+        value=formula_of_mercury(),
+        within=0.02,
+        interval="the next term of the series, 489e⁵/128, and (B − A)/C = 1e-4 of it",
+        unit="a",
+        source=GOLDREICH,
+        seen=FORMULA,
+        compute=period_of_mercury,
+    ),
+    Entry(
+        name="resonance-width",
+        quantity="3:2 resonance at e = 0.2: the half width that motions have, over the formula "
+        "ω0 √(7e/2 − 123e³/16)",
+        printed="1",
+        value=1.0,
+        within=0.02,
+        interval="distance of the spins 0.01, ω0 = 0.02 n",
+        source=GOLDREICH,
+        seen=FORMULA,
+        compute=measured_width,
+    ),
+    Entry(
+        name="forced-libration",
+        quantity="synchronous moon with a/b = b/c = 1.2: amplitude of its swing with the orbit, "
+        "over the eccentricity; measured at e = 1e-4",
+        printed="2/(1 − (n/ω0)²)",
+        value=formula_of_libration(),
+        within=2e-6,
+        interval="terms of e², about 100 e²",
+        source=GOLDREICH.replace("§ 5.4", "§ 5.3"),
+        seen="formula of the textbook, from memory",
+        compute=lambda: forced_libration(ellipsoid(1.2, 1.2), 1e-4) / 1e-4,
+    ),
+    Entry(
+        name="phobos-libration",
+        quantity="Phobos as a homogeneous ellipsoid of 13.0 km x 11.4 km x 9.1 km, e = 0.0151: "
+        "amplitude of its swing with the orbit",
+        printed="1.14",
+        value=1.14,
+        within=0.06,
+        interval="rounding of the semi-axes",
+        unit="degrees",
+        source=WILLNER,
+        seen="amplitude: Astron. Astrophys. 636 (2020) A27, introduction; semi-axes and "
+        "eccentricity: from memory",
+        compute=lambda: degrees(forced_libration(ellipsoid(13.0 / 11.4, 11.4 / 9.1), 0.0151)),
+    ),
+    Entry(
+        name="libration-at-n",
+        quantity="elongation a/b of an ellipsoid whose libration has the period of its orbit: "
+        "beyond it hardly any synchronous motion is stable; measured from motions",
+        printed="√2",
+        value=sqrt(2.0),
+        within=1e-4,
+        interval="libration of 1e-3 rad",
+        source=WANG,
+        seen="the abstract",
+        compute=resonant_elongation,
+    ),
+    Entry(
+        name="missing-elongation",
+        quantity="elongation a/b below 1.15 at which no synchronous moons are expected: the pole "
+        "leaves the normal, in a map at e = 0.02 and b/c = 1.1 and 1.15",
+        printed="1.1",
+        value=1.1,
+        within=0.05,
+        interval="rounding",
+        source=TAN,
+        seen="the abstract",
+        compute=missing_elongation,
+    ),
+)
