@@ -118,9 +118,9 @@ fn step<M: Model<f64>, L: Layout, T: Tableau, const D: usize>(
     if reached || is_last {
         let mut inside = Coefficients::new();
         engine.expand_step::<L, D>(&before, &y, &mut slopes, &mut inside);
-        for (rows, powers) in l.powers.iter_mut().zip(inside.all()) {
+        for k in 0..=inside.highest() {
             for d in 0..D {
-                rows[d].0[lane] = powers[d];
+                l.powers[k][d].0[lane] = inside.order(k)[d];
             }
         }
     }
@@ -139,11 +139,11 @@ fn error<L: Layout, const D: usize>(
 ) -> f64 {
     let rate = known_rate.max(speed(before)).max(speed(after)).max(f64::MIN_POSITIVE);
     let mut largest = [0.0_f64; 2];
-    for (largest, estimate) in largest.iter_mut().zip(estimates) {
+    for i in 0..2 {
         for d in 0..L::BALANCE_AT {
-            let off = estimate[d].abs() / if d < 3 { rate } else { 1.0 };
+            let off = estimates[i][d].abs() / if d < 3 { rate } else { 1.0 };
             // A NaN remains.
-            *largest = if off > *largest || off.is_nan() { off } else { *largest };
+            largest[i] = if off > largest[i] || off.is_nan() { off } else { largest[i] };
         }
     }
     let [fifth, third] = largest;

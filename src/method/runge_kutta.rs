@@ -707,14 +707,14 @@ impl<T: Tableau, R: Real, M: Model<R>> RungeKutta<T, R, M> {
     #[inline(always)]
     pub fn errors<const D: usize>(&self, slopes: &Slopes<R, D>) -> [[R; D]; 2] {
         let mut errors = [[R::splat(0.0); D]; 2];
-        for (error, weights) in errors.iter_mut().zip(&T::INSIDE.errors) {
+        for e in 0..2 {
             for i in 0..MAX_STAGES {
                 for d in 0..D {
-                    error[d] = R::splat(weights[i]).fma(slopes[i][d], error[d]);
+                    errors[e][d] = R::splat(T::INSIDE.errors[e][i]).fma(slopes[i][d], errors[e][d]);
                 }
             }
             for d in 0..D {
-                error[d] = error[d] * self.slopes.others;
+                errors[e][d] = errors[e][d] * self.slopes.others;
             }
         }
         errors

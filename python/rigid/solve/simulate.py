@@ -139,7 +139,9 @@ def simulate(
         were free, or ``"com"`` for the three; ``"damping1"`` to ``"damping3"``, the diagonal of the
         damping matrix (N m s), or ``"damping"``, one coefficient added to all of it; ``"torque1"``
         to ``"torque3"``, a constant torque about a body axis, added to what acts (N m). None of
-        them need act on the body.
+        them need act on the body. Of what acts also ``"rotor1"`` to ``"rotor3"``; ``"drag"`` and
+        ``"dissipation"``, one coefficient added to all, or one of each axis with its number; of an
+        orbit ``"rate"``, ``"eccentricity"`` and ``"anomaly"``.
     events : Event or sequence of Event, optional
         What to watch, made by :func:`crosses` and :func:`turns`: :attr:`Run.events` tells when it
         happens, from 0 to the last time, and the states then. Events are found by the closed form
