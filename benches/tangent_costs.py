@@ -55,7 +55,11 @@ def run(what: str, method: str, moments: tuple[float, float, float]) -> Moved:
     own, start, end = {
         "rates": ({}, omega, "omega"),
         "tangent": ({"deviations": deviations}, deviations, "tangent"),
-        "sensitivity": ({"changes": rng.normal(size=(BODIES, 15))}, 0.0, "tangent"),
+        "sensitivity": (
+            {"changes": rng.normal(size=(BODIES, _core.change_places()[1]))},
+            0.0,
+            "tangent",
+        ),
     }[what]
     done = Request(
         bodies=bodies,

@@ -256,7 +256,7 @@ def test_the_work_of_strong_damping_converges_more_slowly_than_the_rates() -> No
 
 FORCES = (
     "drag",
-    "gravity gradient",
+    "orbit",
     "rotor",
     "energy sink",
     "function",

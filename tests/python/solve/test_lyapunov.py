@@ -234,13 +234,18 @@ def test_growth_under_a_torque_in_space(of: str, torque: list[float]) -> None:
 def test_the_size_of_the_rates_is_refused_where_turns_about_the_vertical_change_them() -> None:
     """The logarithm of growth was off by up to 4, and by up to 550 times what was stated."""
     pushed = rigid.FreeBody(BOX.body, torque=rigid.Torque.space([0.1, 0.0, 0.15]))
-    words = "of = 'rates': the rates do not see turns about the vertical, with which a torque"
+    words = "of = 'rates': the rates do not see turns about the vertical, with which"
     with pytest.raises(ValueError, match=words):
-        rigid.lyapunov(pushed, CHAOTIC, t=[1.0])
+        rigid.lyapunov(pushed, CHAOTIC, t=[1.0], of="rates")
+    assert rigid.lyapunov(pushed, CHAOTIC, t=[1.0]).spec["of"] == "attitude"
     options: dict[str, Any] = {"axes": {"spin": [1.0]}, "samples": 2, "t_end": 1.0, "rng": 1}
     with pytest.raises(ValueError, match=words):
-        rigid.stability_map(pushed, stable=rigid.regular(), **options)
-    rigid.stability_map(pushed, stable=rigid.regular("attitude"), **options)
+        rigid.stability_map(pushed, stable=rigid.regular("rates"), **options)
+    named, usual = (
+        rigid.stability_map(pushed, stable=rigid.regular(of), **options)
+        for of in ("attitude", None)
+    )
+    assert str(named.spec.stable) == str(usual.spec.stable)
 
 
 def test_it_is_the_growth_of_a_column_of_the_tangent() -> None:
