@@ -13,6 +13,7 @@ mod midpoint;
 mod moser_veselov;
 mod runge_kutta;
 mod splitting;
+mod tableau;
 mod tangent;
 mod taylor;
 
@@ -26,11 +27,12 @@ pub(crate) use exponential::phi;
 pub use exponential::{AffineSplitting, Exponential};
 pub use midpoint::ImplicitMidpoint;
 pub use moser_veselov::MoserVeselov;
-pub use runge_kutta::{Dop853Tableau, Rk4Tableau, RungeKutta, Slopes, Tableau};
+pub use runge_kutta::RungeKutta;
 pub use splitting::{
     ComposedPlanar, Composition, Drift, ExactRotor, Flow, KickMoserVeselov, KickRotor, Planar, Processor,
     Round, Splitting,
 };
+pub use tableau::{Dop853Tableau, Rk4Tableau, Slopes, Tableau};
 pub use taylor::Taylor;
 pub(crate) use taylor::{in_halves, two_sum};
 
