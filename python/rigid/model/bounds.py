@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from math import pi
 from typing import ClassVar, Self
@@ -33,7 +34,11 @@ __all__ = [
 
 VECTORS = {"omega": "omega", "L": "momentum"}
 FRAMES = ("space", "body")
-DIRECTIONS = ("radial", "along", "normal")
+DIRECTIONS: Mapping[str, str] = {
+    "radial": "the radial direction",
+    "along": "the direction along the orbit",
+    "normal": "the normal of the orbit",
+}
 
 
 def _angle(name: str, value: float) -> float:
@@ -212,7 +217,7 @@ class PointingWithin(_Bounded):
     def __str__(self) -> str:
         axis = "long axis" if self.axis is None else f"axis {self.axis}"
         either = ", or of its opposite" if self.either else ""
-        return f"{axis} within {self.angle:g} rad of *{self.of}*{either}"
+        return f"{axis} within {self.angle:g} rad of {DIRECTIONS[self.of]}{either}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -409,7 +414,7 @@ def pointing_within(
     --------
     >>> import rigid
     >>> str(rigid.pointing_within(0.5, axis=3, of="normal"))
-    'axis 3 within 0.5 rad of *normal*'
+    'axis 3 within 0.5 rad of the normal of the orbit'
     """
     return PointingWithin(angle, axis, of, either)
 
@@ -439,7 +444,7 @@ def librates(axis: int | None = None) -> PointingWithin:
     --------
     >>> import rigid
     >>> str(rigid.librates(1))
-    'axis 1 within 1.5708 rad of *radial*, or of its opposite'
+    'axis 1 within 1.5708 rad of the radial direction, or of its opposite'
     """
     return PointingWithin(0.5 * pi, axis, either=True)
 
