@@ -89,24 +89,22 @@ def module_table() -> str:
 
 
 def validation_table() -> str:
-    """The table of ``validation.md``: each published number beside the one computed now."""
-    header = "| number | published | here | difference | interval | source | command |"
-    lines = [header, "|---|---|---|---|---|---|---|"]
+    """The tables of ``validation.md``: published numbers beside those computed now, and sources."""
+    lines = ["| number | published | here | difference |", "|---|---|---|---|"]
+    sources = []
     for row in rigid.validation(progress=False).rows:
         entry, cells = row.entry, row.cells()
         unit = f" {entry.unit}" if entry.unit else ""
         reason = f" The model differs: {entry.reason}." if entry.reason else ""
         facts = [
-            f"{entry.quantity}.{reason}",
+            f"`{entry.name}`: {entry.quantity}.{reason}",
             f"{entry.printed}{unit}" if entry.digits else f"{entry.printed}: {cells[1]}{unit}",
             cells[2],
-            cells[3],
-            f"{cells[4]}: {entry.interval}",
-            f"{entry.source}. Looked up: {entry.seen}.",
-            f"`{row.command}`",
+            f"{cells[3]}; interval {cells[4]}, {entry.interval}",
         ]
         lines.append("| " + " | ".join(fact.replace("|", "\\|") for fact in facts) + " |")
-    return "\n".join(lines) + "\n"
+        sources.append(f"* `{entry.name}`: {entry.source}. Looked up: {entry.seen}.")
+    return "\n".join([*lines, "", "## Sources", "", *sources]) + "\n"
 
 
 def _first_sentence(name: str) -> str:
