@@ -12,6 +12,7 @@ from .._checks.arguments import finite_float
 from ..model.body import Body
 from ..model.criteria import CRITERIA, Criterion
 from ..model.forces import FORCES
+from ..model.measures import asks_for_an_axis
 from ..model.mixture import Mixture, mixture
 from ..model.orbit import Orbit
 from ..model.scene import SCENES, FreeBody, Scene
@@ -56,7 +57,11 @@ def _made(table: Table, name: str) -> Any:
     if name == "orbit":
         orbit = table.table(name)
         orbit.only(*ORBIT)
-        given = {key: orbit.take(key, as_is) for key in ORBIT if key == "rate" or key in orbit}
+        given = {
+            key: orbit.take(key, three if key in ("normal", "periapsis") else finite_float)
+            for key in ORBIT
+            if key == "rate" or key in orbit
+        }
         return orbit.build(lambda: Orbit(**given))
     data = table.take(name, as_is)
     return table.build(lambda: FORCES[name].of_data(data))
@@ -150,7 +155,9 @@ def _noise(table: Table, on_axis: bool, kappa_on_axis: bool) -> Noise:
 def read_criterion(table: Table, scene: Scene, start: Start) -> Criterion:
     """The criterion of a table ``[stable]``, with its defaults resolved."""
     criterion = _criterion(table)
-    return table.build(lambda: criterion.resolved(scene, start))
+    table.build(lambda: criterion.resolved(scene, start))
+    # The map knows the bodies of all pixels, of which a default axis follows.
+    return criterion if asks_for_an_axis(criterion) else criterion.resolved(scene, start)
 
 
 def _joined(join: Callable[[Criterion, Criterion], Criterion], parts: list[Criterion]) -> Criterion:

@@ -16,14 +16,16 @@ from numpy.typing import NDArray
 from .. import _core
 from .._checks.arguments import brief, finite_float, nearest, positive_int
 from .._moments import possible
+from ..model.body import Body
 from ..model.bounds import RateWithin
 from ..model.criteria import Criterion, check_criterion, criterion_from_dict
 from ..model.forces import FORCES
 from ..model.function import TorqueFunction
 from ..model.judged import Custom
-from ..model.measures import Measure, check_distinct, make_measures
+from ..model.measures import Measure, asks_for_an_axis, check_distinct, make_measures
 from ..model.mixture import Mixture, start_from_dict
-from ..model.scene import Scene, scene_from_dict
+from ..model.orbit import Orbit
+from ..model.scene import FreeBody, Scene, scene_from_dict
 from ..model.seed import checked_seed
 from ..model.sourced import Sourced
 from ..model.start import Start
@@ -167,9 +169,9 @@ class MapSpec:
         check_criterion("stable", self.stable)
         for start in self.start.starts:
             check_applicable(self.scene, start, self.axes)
-        put("stable", self._resolved("stable", self.stable))
-        measures = make_measures(self.measure)
-        put("measure", tuple(self._resolved("measure", one) for one in measures))
+        asked, measures = self.stable, make_measures(self.measure)
+        put("stable", self._resolved("stable", asked, self.scene))
+        put("measure", tuple(self._resolved("measure", one, self.scene) for one in measures))
         check_distinct(self.measure)
         for axis in self.axes:
             if axis.name == "t_end":
@@ -231,6 +233,15 @@ class MapSpec:
             check_tangent(self.method, forces=self.forces)
         if self.method == EXACT and not self.misses_functions:
             self._require_closed_forms()
+        if asks_for_an_axis(asked) or any(asks_for_an_axis(one) for one in measures):
+            # The default axis is that of the bodies of all pixels.
+            moments = self.grid.moments
+            rows = np.unique(moments[possible(moments)], axis=0)
+            if len(rows):
+                every = FreeBody(Body(rows), orbit=Orbit(1.0))
+                put("stable", self._resolved("stable", asked, every))
+                own = [self._resolved("measure", one, every) for one in measures]
+                put("measure", tuple(own))
         put("seed", checked_seed("seed", self.seed))
         if self.title is not None and not isinstance(self.title, str):
             raise TypeError(f"title = {brief(self.title)}: must be a string")
@@ -241,9 +252,9 @@ class MapSpec:
         if not isinstance(self.version, str):
             raise TypeError(f"version = {brief(self.version)}: must be a string")
 
-    def _resolved(self, name: str, asked: Resolvable) -> Resolvable:
+    def _resolved(self, name: str, asked: Resolvable, scene: Scene) -> Resolvable:
         """A criterion or a measure with the defaults of the start, in which a mixture agrees."""
-        first, *others = (asked.resolved(self.scene, start) for start in self.start.starts)
+        first, *others = (asked.resolved(scene, start) for start in self.start.starts)
         if any(other != first for other in others):
             raise ValueError(f"{name}: the starts of the mixture turn about other axes; say which")
         return first

@@ -460,8 +460,14 @@ def require_orbit(name: str, scene: Scene) -> None:
 
 def extreme_axis(scene: Scene, *, long: bool) -> int:
     """The long axis of the body of a scene, of its smallest moment; else that of the largest."""
-    moments = np.asarray(scene.body.moments).reshape(-1, 3)[0]
-    return int(np.argmin(moments) if long else np.argmax(moments)) + 1
+    moments = np.asarray(scene.body.moments).reshape(-1, 3)
+    extreme = moments.min(axis=1) if long else moments.max(axis=1)
+    share = moments / extreme[:, np.newaxis]
+    of_all = np.all(np.abs(share - 1.0) <= 1e-12, axis=0)
+    if not of_all.any():
+        which = "long axis" if long else "axis of the largest moment"
+        raise ValueError(f"axis: is needed, because the {which} of the bodies is not the same")
+    return int(np.argmax(of_all)) + 1
 
 
 def returns(angle: float, after: float) -> ReturnsNear:

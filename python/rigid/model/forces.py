@@ -319,7 +319,16 @@ class GravityGradient(Force[Orbit]):
 
     def of(self, value: Orbit, shape: Shape, index: Index) -> Orbit | None:
         """The orbits of some of the bodies."""
-        return self.made(taken(value.numbers, 1, shape, index)) if value.shape else value
+        if not value.shape:
+            return value
+        parts = ("rate", "eccentricity", "anomaly"), ("normal", "periapsis")
+        return Orbit(
+            **{
+                name: taken(getattr(value, name), width, shape, index)
+                for width, names in enumerate(parts)
+                for name in names
+            }
+        )
 
     def to_data(self, value: Orbit) -> Any:
         """The orbit as a dict."""

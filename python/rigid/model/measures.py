@@ -7,7 +7,7 @@ from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 from .._checks.arguments import brief, one_of
-from .bounds import extreme_axis, require_orbit
+from .bounds import PointingWithin, extreme_axis, require_orbit
 from .criteria import REFERENCES, no_flip, tilt_below
 from .scene import Scene
 from .start import Start, body_axis
@@ -15,6 +15,7 @@ from .start import Start, body_axis
 __all__ = [
     "MEASURES",
     "Measure",
+    "asks_for_an_axis",
     "drift",
     "flips",
     "largest_tilt",
@@ -136,6 +137,14 @@ def make_measures(measure: Measure | Iterable[Measure]) -> tuple[Measure, ...]:
     if len(measures) > MOST_MEASURES:
         raise ValueError(f"measure: {len(measures)} are asked for, at most {MOST_MEASURES} may be")
     return measures
+
+
+def asks_for_an_axis(asked: object) -> bool:
+    """Whether the default axis of a criterion or a measure on an orbit is that of the bodies."""
+    if isinstance(asked, Measure):
+        return asked.name in ON_ORBIT and asked.axis is None
+    leaves = getattr(asked, "leaves", ())
+    return any(isinstance(leaf, PointingWithin) and leaf.axis is None for leaf in leaves)
 
 
 def check_distinct(measures: tuple[Measure, ...]) -> None:

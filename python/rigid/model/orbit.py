@@ -21,6 +21,15 @@ Vector: TypeAlias = tuple[float, float, float]
 
 _MOST_ECCENTRIC = 0.95
 
+_LARGEST_ANOMALY = 1e3
+"""Radians; the rounding of a larger anomaly is more than what steps leave."""
+
+_LARGEST_ANGLE = 1e15
+"""Radians; the place on the orbit is lost in the rounding of a larger angle."""
+
+_ROUNDED = 4.0 * np.finfo(np.float64).eps
+"""Product of two unit vectors at right angles, at most."""
+
 
 @dataclass(frozen=True, slots=True, init=False, eq=False, repr=False)
 class Orbit:
@@ -60,8 +69,8 @@ class Orbit:
     ------
     ValueError
         If the rate is not positive, the eccentricity is not from 0 to 0.95, a direction is no unit
-        vector, the two are not at right angles, both anomalies are given, or the shapes do not
-        broadcast.
+        vector, the two are not at right angles, an anomaly is above 1000 rad, both anomalies are
+        given, or the shapes do not broadcast.
 
     References
     ----------
@@ -118,8 +127,16 @@ class Orbit:
                 f"periapsis{place} = {given}: must be at right angles to normal, their product is "
                 f"{along[index][0]:g}"
             )
-        begin = begin - along * axis
-        begin = begin / np.linalg.norm(begin, axis=-1, keepdims=True)
+        # What is at right angles to rounding stays: a file gives back the same orbit.
+        turned = begin - along * axis
+        turned = turned / np.linalg.norm(turned, axis=-1, keepdims=True)
+        begin = np.where(np.abs(along) > _ROUNDED, turned, begin)
+        if np.any(np.abs(mean) > _LARGEST_ANOMALY):
+            index, place = first_place(np.abs(mean) > _LARGEST_ANOMALY)
+            raise ValueError(
+                f"anomaly{place} = {mean[index]:g}: must be within {_LARGEST_ANOMALY:g} rad; leave "
+                "out whole revolutions of 2π"
+            )
         set_field = object.__setattr__  # the dataclass is frozen
         for name, array in (("rate", rates), ("eccentricity", e), ("anomaly", mean)):
             set_field(self, name, frozen(array) if array.ndim else float(array))
@@ -163,6 +180,13 @@ class Orbit:
         numbers = self.numbers[..., np.newaxis, :]
         bodies = np.broadcast_shapes(self.shape, times.shape[:-1])
         each = np.broadcast_to(numbers, (*bodies, times.shape[-1], 9))
+        lost = np.abs(each[..., 0] * times) > _LARGEST_ANGLE
+        if lost.any():
+            when = np.broadcast_to(times, lost.shape)[lost][0]
+            raise ValueError(
+                f"t = {when:g}: the orbit turns by more than {_LARGEST_ANGLE:g} rad until then; "
+                "doubles do not tell where the body is"
+            )
         found = _core.orbit_anomalies(
             np.ascontiguousarray(each.reshape(-1, 9)),
             np.ascontiguousarray(np.broadcast_to(times, each.shape[:-1]).reshape(-1)),

@@ -34,6 +34,9 @@ __all__ = ["poincare"]
 
 Floats = NDArray[np.float64]
 
+MOST_POINTS = 1e8
+"""Points of a body at equal times, at most."""
+
 
 def poincare(
     scene: Scene | Body,
@@ -147,6 +150,10 @@ def poincare(
         period = finite_float("every", every, positive=True)
         if period > end:
             raise ValueError(f"every = {period:g}: must not be above t_end = {end:g}")
+        if end / period > MOST_POINTS:
+            raise ValueError(
+                f"every = {period:g}: gives more than {MOST_POINTS:g} points until t_end = {end:g}"
+            )
         known = math.floor(end / period * (1.0 + 1e-12))
         times = period * np.arange(1.0, min(known, most or known) + 1.0)
         run = simulate(

@@ -315,3 +315,25 @@ def test_the_criterion_goes_through_files_and_toml() -> None:
     assert str(rigid.librates()) == (
         "long axis within 1.5708 rad of the radial direction, or of its opposite"
     )
+
+
+def test_a_default_axis_is_that_of_the_bodies_of_all_pixels() -> None:
+    # The scene alone has its least moment about axis 3; every pixel has it about axis 1.
+    scene = rigid.FreeBody(rigid.Body((2.0, 1.4, 1.0)), orbit=rigid.Orbit(1.0, 0.1))
+    asked: dict[str, Any] = {
+        "start": rigid.Start(omega=(0.01, 0.02, 1.0)), "samples": 1, "t_end": 3.0, "rng": 1,
+        "progress": False, "stable": rigid.librates(), "measure": rigid.obliquity(),
+    }  # fmt: skip
+    shapes = rigid.stability_map(scene, axes={"a/b": [1.2, 1.3], "b/c": [1.1]}, **asked)
+    assert "axis 1 within" in str(shapes.spec.stable)
+    assert shapes.spec.measure[0].axis == 3
+    with pytest.raises(ValueError, match="axis: is needed, because the long axis of the bodies"):
+        rigid.stability_map(scene, axes={"I3": [1.0, 1.9]}, **asked)
+
+    def long_or_short(k: Floats) -> rigid.FreeBody:
+        moments = np.stack([1.4 * k, np.full_like(k, 1.4), np.full_like(k, 2.0)], axis=-1)
+        return rigid.FreeBody(rigid.Body(moments), orbit=rigid.Orbit(1.0))
+
+    for order in ([0.8, 1.2], [1.2, 0.8]):
+        with pytest.raises(ValueError, match="axis: is needed"):
+            rigid.stability_map(long_or_short, axes={"k": order}, **asked)

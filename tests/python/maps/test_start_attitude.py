@@ -123,3 +123,10 @@ def test_a_start_has_one_attitude() -> None:
     start = rigid.Start(spin=1.0, attitude=(1.0, 0.0, 0.0, 0.0))
     with pytest.raises(ValueError, match=r"'tilt' does not apply: the attitude of the start is"):
         small_map(rigid.HeavyTop, start=start, axes={"tilt": [0.1]}, stable=rigid.tilt_below(1.0))
+
+
+def test_a_file_gives_back_the_same_start_to_the_bit() -> None:
+    rng = np.random.default_rng(4)
+    for attitude in rng.normal(size=(300, 4)):
+        start = rigid.Start(omega=(0.0, 0.1, 1.0), attitude=attitude)
+        assert rigid.Start.from_dict(start.to_dict()) == start

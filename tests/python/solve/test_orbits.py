@@ -127,6 +127,19 @@ def test_frames_of_many_orbits() -> None:
     np.testing.assert_array_equal(orbit.period, 2.0 * np.pi / rates)
 
 
+def test_a_file_gives_back_the_same_orbit_to_the_bit() -> None:
+    rng = np.random.default_rng(7)
+    for _ in range(300):
+        normal, other = rng.normal(size=(2, 3))
+        normal /= np.linalg.norm(normal)
+        begin = np.cross(normal, other) / np.linalg.norm(np.cross(normal, other))
+        orbit = rigid.Orbit(1.0, 0.3, 2.0, normal, begin)
+        assert rigid.Orbit.from_dict(json.loads(json.dumps(orbit.to_dict()))) == orbit
+        two = rigid.Orbit(1.0, [0.3, 0.3], 2.0, normal, begin)
+        scene = rigid.FreeBody(rigid.Body((1.0, 1.4, 1.9)), orbit=two)
+        assert scene[1].orbit == orbit
+
+
 def test_each_body_has_its_orbit() -> None:
     orbit = rigid.Orbit([0.5, 1.0], [0.0, 0.6], true_anomaly=[0.0, 3.0])
     scene = rigid.FreeBody(rigid.Body((1.0, 1.4, 1.9)), orbit=orbit, rotor=(0.0, 0.1, 0.0))
@@ -300,6 +313,14 @@ BAD: list[tuple[Any, str]] = [
     (
         lambda: rigid.Orbit(1.0, periapsis=(0.6, 0.0, 0.8)),
         r"periapsis = \[0.6, 0.0, 0.8\]: must be at right angles to normal",
+    ),
+    (lambda: rigid.Orbit(1.0, 0.3, 1.1e3), "anomaly = 1100: must be within 1000 rad; leave out"),
+    (lambda: rigid.Orbit(1.0, 0.3).position([1.0, 1e17]), r"t = 1e\+17: the orbit turns by more"),
+    (
+        lambda: rigid.poincare(
+            rigid.FreeBody(rigid.Body(MOMENTS), **FORCES["orbit"]), OMEGA, every=1e-12, t_end=10.0
+        ),
+        "every = 1e-12: gives more than 1e\\+08 points",
     ),
     (lambda: rigid.Orbit([1.0, 2.0], [0.1, 0.2, 0.3]), "the axes of the bodies do not broadcast"),
     (
