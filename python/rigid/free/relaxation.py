@@ -279,7 +279,16 @@ def damping_time(
             ("shape", shape, "1"),
         )
     )
-    return mu * q / (rho * k * size**2 * turning**3)
+    with np.errstate(all="ignore"):
+        time = float(
+            np.float64(mu) * q / (rho * k * np.float64(size) ** 2 * np.float64(turning) ** 3)
+        )
+    if not 0.0 < time < np.inf:
+        raise ValueError(
+            f"radius = {size:g}, rate = {turning:g}: the time, {time:g} s, leaves the range of "
+            "doubles; count in other units"
+        )
+    return time
 
 
 def sink_of_damping(body: BodyLike, rate: float, time: float) -> EnergySink:
@@ -332,5 +341,14 @@ def sink_of_damping(body: BodyLike, rate: float, time: float) -> EnergySink:
         )
     # The energy of the nutation falls by P nu² I3 (1/(I1 (I3 - I1)) + 1/(I2 (I3 - I2))), with
     # nu² = (I3 - I1)(I3 - I2) omega² / (I1 I2), and the angle half as fast.
-    fall = turning**2 * i3 * (i2 * (i3 - i2) + i1 * (i3 - i1)) / (i1 * i2) ** 2
-    return EnergySink(2.0 / (fall * decay))
+    with np.errstate(all="ignore"):
+        # In units of the largest moment.
+        a, b = np.float64(i1) / i3, np.float64(i2) / i3
+        fall = np.float64(turning) ** 2 * (b * (1.0 - b) + a * (1.0 - a)) / (a * b) ** 2
+        coefficient = float(2.0 / (fall * decay) * i3)
+    if not 0.0 < coefficient < np.inf:
+        raise ValueError(
+            f"rate = {turning:g}, time = {decay:g}: the coefficient, {coefficient:g}, leaves the "
+            "range of doubles; count in other units"
+        )
+    return EnergySink(coefficient)

@@ -124,11 +124,11 @@ def spin_periods(body: BodyLike, omega: ArrayLike) -> SpinState:
 
 
 def _energy(moments: Floats, rates: Floats) -> Floats:
-    """``2 E I_s / L²``; a sum of squares over a sum of squares."""
-    momentum = moments * rates
-    ratio: Floats = (
-        moments.max(axis=-1) * (momentum * rates).sum(axis=-1) / (momentum * momentum).sum(axis=-1)
-    )
+    """``2 E I_s / L²``; a sum of squares over a sum of squares, in units of the largest numbers."""
+    inertia = moments / moments.max(axis=-1, keepdims=True)
+    turning = rates / np.abs(rates).max(axis=-1, keepdims=True)
+    momentum = inertia * turning
+    ratio: Floats = (momentum * turning).sum(axis=-1) / (momentum * momentum).sum(axis=-1)
     return ratio
 
 

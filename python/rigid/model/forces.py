@@ -132,7 +132,14 @@ class EnergySink:
         a = finite_float("radius", radius, positive=True)
         rho = finite_float("density", density, positive=True)
         nu = finite_float("viscosity", viscosity, positive=True)
-        return cls(8.0 * np.pi * rho * a**7 / (525.0 * nu))
+        with np.errstate(all="ignore"):
+            coefficient = float(8.0 * np.pi * rho * np.float64(a) ** 7 / (525.0 * nu))
+        if not 0.0 < coefficient < np.inf:
+            raise ValueError(
+                f"radius = {a:g}: the coefficient, {coefficient:g}, leaves the range of doubles; "
+                "count in other units"
+            )
+        return cls(coefficient)
 
     @property
     def shape(self) -> Shape:

@@ -149,3 +149,25 @@ def test_arguments_of_damping_are_checked() -> None:
         free.sink_of_damping([(1.0, 2.0, 2.5)], 1.0, 1.0)
     with pytest.raises(ValueError, match=r"quality = 0.0: must be positive"):
         free.damping_time(1.0, 1.0, density=1.0, rigidity=1.0, quality=0.0)
+
+
+def test_numbers_beyond_the_range_of_doubles_are_refused() -> None:
+    words = "leaves the range of doubles; count in other units"
+    with pytest.raises(ValueError, match=f"radius = 1e-200, rate = 1: the time, inf s, {words}"):
+        free.damping_time(1e-200, 1.0, density=1.0, rigidity=1.0, quality=1.0)
+    with pytest.raises(ValueError, match=f"rate = 1e-170, time = 1: the coefficient, inf, {words}"):
+        free.sink_of_damping((1.0, 2.0, 2.5), 1e-170, 1.0)
+    with pytest.raises(ValueError, match=f"radius = 1e-60: the coefficient, 0, {words}"):
+        rigid.EnergySink.viscous_sphere(1e-60, density=1.0, viscosity=1.0)
+    # The sink is in proportion to the moments, however small.
+    one, small = (
+        free.sink_of_damping(np.array((1.0, 2.0, 2.5)) * u, 1.0, 1e3) for u in (1, 2e-150)
+    )
+    np.testing.assert_allclose(small.coefficient, np.array(one.coefficient) * 2e-150, rtol=1e-14)
+    energies = [
+        float(
+            free.spin_periods(np.array((1.0, 4.0, 4.2)) * u, np.array([2.0, 0.5, 0.1]) * v).energy
+        )
+        for u, v in ((1.0, 1.0), (1e-200, 1.0), (1.0, 1e-170))
+    ]
+    np.testing.assert_allclose(energies, energies[0], rtol=1e-14)
