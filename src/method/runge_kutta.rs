@@ -455,6 +455,7 @@ impl<T: Tableau, R: Real, M: Model<R>, L: Layout, const D: usize> Engine<R, M, L
 
 #[cfg(test)]
 mod tests {
+    use super::super::Dop853Tableau;
     use super::*;
     use crate::scene::{FunctionFrame, Top};
 
