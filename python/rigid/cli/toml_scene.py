@@ -155,9 +155,9 @@ def _noise(table: Table, on_axis: bool, kappa_on_axis: bool) -> Noise:
 def read_criterion(table: Table, scene: Scene, start: Start) -> Criterion:
     """The criterion of a table ``[stable]``, with its defaults resolved."""
     criterion = _criterion(table)
-    table.build(lambda: criterion.resolved(scene, start))
+    resolved = table.build(lambda: criterion.resolved(scene, start))
     # The map knows the bodies of all pixels, of which a default axis follows.
-    return criterion if asks_for_an_axis(criterion) else criterion.resolved(scene, start)
+    return criterion if asks_for_an_axis(criterion) else resolved
 
 
 def _joined(join: Callable[[Criterion, Criterion], Criterion], parts: list[Criterion]) -> Criterion:

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import brief, nearest, numbers
 from .._moments import box_moments
-from ..model.orbit import Orbit
+from ..model.orbit import MOST_ECCENTRIC, Orbit
 from ..model.scene import Scene
 from ..model.start import Noise, Start, cos_sin
 
@@ -567,7 +567,7 @@ PARAMETERS: Mapping[str, Parameter] = {
         _needs_orbit,
         force="orbit",
         lowest=0.0,
-        highest=0.95,
+        highest=MOST_ECCENTRIC,
     ),
     "anomaly": Parameter(
         "$M_0$",

@@ -388,7 +388,7 @@ def pointing_within(
         Limit in rad, in (0, pi].
     axis : {1, 2, 3, -1, -2, -3}, optional
         The body axis; negative for its opposite direction. By default the long axis: that of the
-        smallest moment of the scene.
+        smallest moment, if that is the same in all pixels.
     of : {"radial", "along", "normal"}
         The direction: away from the planet; across it in the plane of the orbit, towards the
         motion; or the normal of the orbit.
@@ -429,7 +429,7 @@ def librates(axis: int | None = None) -> PointingWithin:
     Parameters
     ----------
     axis : {1, 2, 3}, optional
-        The body axis; by default that of the smallest moment of the scene.
+        The body axis; by default that of the smallest moment, if that is the same in all pixels.
 
     Returns
     -------

@@ -267,9 +267,9 @@ def libration_amplitude(axis: int | None = None) -> Measure:
     Parameters
     ----------
     axis : {1, 2, 3}, optional
-        The body axis, by default the long one: that of the smallest moment of the scene. The end
-        counts that is nearer to the direction from the planet at the start: a body that turns round
-        has about pi.
+        The body axis, by default the long one: that of the smallest moment, if that is the same in
+        all pixels. The end counts that is nearer to the direction from the planet at the start: a
+        body that turns round has about pi.
 
     Returns
     -------
@@ -300,8 +300,8 @@ def obliquity(axis: int | None = None) -> Measure:
     Parameters
     ----------
     axis : {1, 2, 3, -1, -2, -3}, optional
-        The body axis, by default that of the largest moment of the scene; negative for its opposite
-        direction.
+        The body axis, by default that of the largest moment, if that is the same in all pixels;
+        negative for its opposite direction.
 
     Returns
     -------
@@ -327,7 +327,7 @@ def spin_orbit_ratio(axis: int | None = None) -> Measure:
     Parameters
     ----------
     axis : {1, 2, 3, -1, -2, -3}, optional
-        The body axis, by default that of the largest moment of the scene.
+        The body axis, by default that of the largest moment, if that is the same in all pixels.
 
     Returns
     -------

@@ -14,12 +14,12 @@ from .._checks.arguments import first_place, shaped
 from .._checks.arrays import unit_vectors
 from .leading import Shape, frozen, leading_shape, same
 
-__all__ = ["Orbit"]
+__all__ = ["MOST_ECCENTRIC", "Orbit"]
 
 Floats = NDArray[np.float64]
 Vector: TypeAlias = tuple[float, float, float]
 
-_MOST_ECCENTRIC = 0.95
+MOST_ECCENTRIC = 0.95
 
 _LARGEST_ANOMALY = 1e3
 """Radians; the rounding of a larger anomaly is more than what steps leave."""
@@ -106,10 +106,10 @@ class Orbit:
     ) -> None:
         rates = shaped("rate", rate, positive=True, unit="rad/s")
         e = shaped("eccentricity", eccentricity, nonnegative=True)
-        if np.any(e > _MOST_ECCENTRIC):
-            index, place = first_place(e > _MOST_ECCENTRIC)
+        if np.any(e > MOST_ECCENTRIC):
+            index, place = first_place(e > MOST_ECCENTRIC)
             raise ValueError(
-                f"eccentricity{place} = {e[index]:g}: must be at most {_MOST_ECCENTRIC}; near a "
+                f"eccentricity{place} = {e[index]:g}: must be at most {MOST_ECCENTRIC}; near a "
                 "parabola (1) the steps at the periapsis would be too short"
             )
         mean = shaped("anomaly", 0.0 if anomaly is None else anomaly, unit="rad")

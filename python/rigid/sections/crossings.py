@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import os
 from dataclasses import dataclass
-from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,11 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._checks.arguments import one_of
-from .._files import published
 from ..drawing.figure import html_with_picture, shown_figure
 from ..model.events import COMPONENTS
 from ..model.orbit import Orbit
 from ..rotations import quaternion_to_matrix
+from ..solve.archive import write_arrays
 from ..solve.dataset import as_dataset
 from ..solve.plan import Plan
 from ..solve.status import Status
@@ -308,11 +307,7 @@ class Crossings:
             for name in self.__slots__
             if isinstance(getattr(self, name), (np.ndarray, np.generic))
         }
-        content = BytesIO()
-        np.savez(content, allow_pickle=False, spec=np.array(json.dumps(self.spec)), **arrays)
-        with published(path) as file:
-            file.write(content.getbuffer())
-        return Path(path)
+        return write_arrays(path, {"spec": np.array(json.dumps(self.spec)), **arrays})
 
     def to_xarray(self) -> xarray.Dataset:
         """The points as an xarray ``Dataset`` with names and units.

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from .._files import published
 
-__all__ = ["read_archive", "write_archive"]
+__all__ = ["read_archive", "write_archive", "write_arrays"]
 
 _FORMAT = "rigid run 1"
 
@@ -24,9 +24,14 @@ def write_archive(
     path: str | os.PathLike[str], arrays: Mapping[str, NDArray[Any]], header: Mapping[str, Any]
 ) -> Path:
     """Write arrays and what JSON can hold; the file appears whole or not at all."""
-    content = BytesIO()
     text = json.dumps({"format": _FORMAT, **header})
-    np.savez(content, allow_pickle=False, header=np.array(text), **arrays)
+    return write_arrays(path, {"header": np.array(text), **arrays})
+
+
+def write_arrays(path: str | os.PathLike[str], arrays: Mapping[str, NDArray[Any]]) -> Path:
+    """Write arrays by their names; the file appears whole or not at all."""
+    content = BytesIO()
+    np.savez(content, allow_pickle=False, **arrays)
     with published(path) as file:
         file.write(content.getbuffer())
     return Path(path)

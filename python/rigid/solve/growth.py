@@ -6,7 +6,6 @@ import json
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass
-from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,10 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._checks.arguments import one_of
-from .._files import published
 from ..drawing.figure import html_with_picture, shown_figure
 from ..model.criteria import Regular
 from ..model.scene import scene_from_dict
+from .archive import write_arrays
 from .dataset import as_dataset
 from .plan import Plan
 from .status import Status, sentences
@@ -253,18 +252,9 @@ class Growth:
         OSError
             Naming the path, if the file cannot be written.
         """
-        content = BytesIO()
-        np.savez(
-            content,
-            allow_pickle=False,
-            t=self.t,
-            spec=np.array(json.dumps(self.spec)),
-            plan=np.array(self.plan.to_json()),
-            **self._arrays(),
-        )
-        with published(path) as file:
-            file.write(content.getbuffer())
-        return Path(path)
+        texts = {"spec": json.dumps(self.spec), "plan": self.plan.to_json()}
+        words = {name: np.array(text) for name, text in texts.items()}
+        return write_arrays(path, {"t": self.t, **words, **self._arrays()})
 
     def to_xarray(self) -> xarray.Dataset:
         """The indicators as an xarray ``Dataset`` with names, units, and times as a coordinate.
