@@ -27,7 +27,6 @@ from numpy.typing import NDArray
 from .._libration import frequencies
 from .._moments import possible
 from ..model.orbit import Orbit
-from ..model.scene import FreeBody
 from ..rotations import quaternion_to_matrix
 from .satellites import Predicted
 from .spec import MapSpec
@@ -91,19 +90,8 @@ def averaged_torque(p: float, eccentricity: Floats) -> Floats:
 
 def _orbit_alone(spec: MapSpec) -> Orbit | None:
     """The orbit of a free body on which nothing else acts."""
-    scene, grid = spec.scene, spec.grid
-    if (
-        not isinstance(scene, FreeBody)
-        or scene.orbit is None
-        or scene.orbit.shape
-        or scene.rotor is not None
-        or scene.dissipation is not None
-        or scene.torque is not None
-        or grid.damping is not None
-        or set(grid.further) - {"orbit"}
-    ):
-        return None
-    return scene.orbit
+    orbit = spec.scene.orbit
+    return None if orbit is None or orbit.shape or {*spec.forces} != {"orbit"} else orbit
 
 
 def _faces_planet(spec: MapSpec, orbit: Orbit) -> bool:

@@ -31,7 +31,6 @@ from .._libration import squares
 from .._moments import possible
 from ..model.criteria import NoFlip, TiltBelow
 from ..model.orbit import Orbit
-from ..model.scene import FreeBody
 from ..rotations import quaternion_to_matrix
 from ..solve.energy_loss import mean_loss
 from .spec import MapSpec
@@ -60,12 +59,9 @@ def flat_spin(spec: MapSpec) -> Predicted | None:
     scene, stable, start, grid = spec.scene, spec.stable, spec.start.starts[0], spec.grid
     sink, noise = scene.dissipation, start.noise
     if (
-        not isinstance(scene, FreeBody)
-        or not isinstance(stable, NoFlip)
+        not isinstance(stable, NoFlip)
         or sink is None
-        or scene.torque is not None
-        or scene.rotor is not None
-        or grid.damping is not None
+        or {*spec.forces} != {"dissipation"}
         or noise is None
         or not noise.is_plain_normal
     ):
@@ -179,11 +175,7 @@ def on_orbit(spec: MapSpec) -> Predicted | None:
     if (
         orbit is None
         or not isinstance(stable, TiltBelow)
-        or not isinstance(scene, FreeBody)
-        or scene.rotor is not None
-        or scene.dissipation is not None
-        or grid.damping is not None
-        or scene.torque is not None
+        or {*spec.forces} != {"orbit"}
         or orbit.shape
         or orbit.eccentricity != 0.0
         or stable.reference != "vertical"

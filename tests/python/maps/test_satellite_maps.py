@@ -241,3 +241,23 @@ def test_an_orbit_alone_moves_bodies_to_the_bit_as_beside_another_force(method: 
     # On an ellipse nothing is constant that is integrated alone.
     assert np.isnan(alone.energy_drift).all()
     assert (beside.energy_drift < 1e-4).all()
+
+
+def test_lines_of_a_flat_spin_are_not_those_of_a_body_on_an_orbit() -> None:
+    def predicted(**others: Any) -> object:
+        return rigid.stability_map(
+            rigid.FreeBody(
+                rigid.Body((1.0, 2.0, 2.2)), dissipation=rigid.EnergySink(0.05), **others
+            ),
+            axes={"spin": [1.0, 2.0]},
+            start=rigid.Start(spin=1.0, axis=1, noise=rigid.normal(1e-3)),
+            stable=rigid.no_flip(1),
+            samples=2,
+            t_end=50.0,
+            rng=1,
+            progress=False,
+        ).theory()
+
+    assert predicted() is not None
+    assert predicted(orbit=rigid.Orbit(0.5)) is None
+    assert predicted(drag=0.01) is None
