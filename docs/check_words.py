@@ -1,0 +1,148 @@
+"""Are the pages in plain English? ``python docs/check_words.py`` lists each sentence that is not.
+
+A sentence of a guide has at most 30 words. Guides, docstrings and messages say the noun instead of
+"that of", and use the words of the field. Code and formulas count as one word. A line of code has
+at most 80 columns, so that no page cuts it.
+"""
+
+import ast
+import re
+import sys
+import tokenize
+from collections.abc import Iterator
+from pathlib import Path
+
+ROOT = Path(__file__).parent.parent
+LONGEST = 30
+COLUMNS = 80
+
+PHRASES = {
+    r"\b(that|those) of\b": "name the noun",
+    r"\bof (its|their) own\b": "name the noun",
+    r"\bwanted times?\b": "say: output times",
+    r"\bto the (last )?bit\b": "say: bit for bit",
+    r"\b(?<!['’]s )(?<!power )(?<!control )(?<!feedback )(?<!conservation )laws?\b"
+    r"(?! of (motion|cosines|sines|nature))": "say: distribution",
+    r"\bsilently wrong\b": "say: undetected",
+    r"\bjudged (samples|maps?|by)\b": "say: custom criterion",
+}
+
+Passage = tuple[str, int, str]
+"""Where a passage begins (file, line), and its words without markup."""
+
+
+def main() -> int:
+    guides = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+    sources = [
+        *sorted((ROOT / "python" / "rigid").rglob("*.py*")),
+        *sorted((ROOT / "docs" / "gallery").rglob("*.py")),
+        *sorted((ROOT / "docs" / "tutorials").rglob("*.py")),
+    ]
+    sources = [path for path in sources if path.suffix in (".py", ".pyi")]
+    only = sys.argv[1:]  # patterns of paths: nothing else is checked
+    faults: list[str] = []
+    sentences = longest = 0
+    for path in guides:
+        if only and not any(path.match(pattern) for pattern in only):
+            continue
+        faults.extend(wide_code(path))
+        for where, line, sentence in guide_sentences(path):
+            count = len(sentence.split())
+            sentences, longest = sentences + 1, max(longest, count)
+            if count > LONGEST:
+                faults.append(f"{where}:{line}: {count} words: {sentence}")
+            faults.extend(wrong_phrases(where, line, sentence))
+    for path in sources:
+        if only and not any(path.match(pattern) for pattern in only):
+            continue
+        for where, line, text in source_texts(path):
+            faults.extend(wrong_phrases(where, line, text))
+    faults = list(dict.fromkeys(faults))  # a part of an f-string is met twice
+    for fault in faults:
+        print(fault)
+    print(
+        f"{sentences} sentences of guides, the longest has {longest} words; {len(sources)} sources;"
+        f" {len(faults)} faults"
+    )
+    return bool(faults) or (not only and sentences < 1000)
+
+
+def wrong_phrases(where: str, line: int, text: str) -> Iterator[str]:
+    """Each phrase of the list in a text, with its place and what to say instead."""
+    for pattern, instead in PHRASES.items():
+        for found in re.finditer(pattern, text, re.IGNORECASE):
+            around = text[max(0, found.start() - 40) : found.end() + 40]
+            yield f"{where}:{line}: '{found[0]}' ({instead}): ...{around}..."
+
+
+def guide_sentences(path: Path) -> Iterator[Passage]:
+    """The sentences of a page: of its paragraphs, headings, items and cells."""
+    where = path.relative_to(ROOT).as_posix()
+    for line, block in blocks(path.read_text(encoding="utf-8").splitlines()):
+        for sentence in re.split(
+            r"(?<=[.!?:;])[\"'”*_)]*\s+(?=[\"'“*_(\[]*[A-Z0-9`])", plain(block)
+        ):
+            if sentence.strip():
+                yield where, line, sentence.strip()
+
+
+def wide_code(path: Path) -> Iterator[str]:
+    """Each line of a code block that is too wide."""
+    fenced = False
+    for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1):
+        if re.match(r"\s*```", line):
+            fenced = not fenced and "{" not in line
+        elif fenced and len(line) > COLUMNS:
+            yield f"{path.relative_to(ROOT).as_posix()}:{number}: {len(line)} columns: {line}"
+
+
+def blocks(lines: list[str]) -> Iterator[tuple[int, str]]:
+    """Paragraphs, items, headings and cells, with the line at which each begins."""
+    fence, start, block = "", 0, []
+    for number, line in enumerate(lines, 1):
+        mark = re.match(r"\s*(`{3,}|~{3,}|\${2})", line)
+        if fence:
+            fence = "" if line.strip().startswith(fence) else fence
+            continue
+        ends = not line.strip() or mark or re.match(r"\s*(#|\||>|[*-] |\d+\. |<)", line)
+        if ends and block:
+            yield start, " ".join(block)
+            block = []
+        if mark:
+            closed = mark[1] == "$$" and line.strip().count("$$") > 1
+            fence = "" if closed else mark[1]
+        elif line.lstrip().startswith("|"):
+            for cell in line.strip().strip("|").split(" | "):
+                yield number, cell.strip()
+        elif line.strip():
+            start = start if block else number
+            block.append(re.sub(r"^\s*(#+|>|[*-]|\d+\.)\s+", "", line).strip())
+    if block:
+        yield start, " ".join(block)
+
+
+def plain(text: str) -> str:
+    """A passage without markup."""
+    text = re.sub(r"!?\[([^\]]*)\]\([^)]*\)", r"\1", text)
+    text = re.sub(r"`[^`]*`|\$[^$]*\$", "`code`", text)
+    return re.sub(r"<[^>]*>|\*\*?", "", text)
+
+
+def source_texts(path: Path) -> Iterator[Passage]:
+    """Each string of a module: docstrings and messages; and each comment."""
+    where = path.relative_to(ROOT).as_posix()
+    text = path.read_text(encoding="utf-8")
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.JoinedStr):
+            parts = [p.value if isinstance(p, ast.Constant) else "x" for p in node.values]
+            yield where, node.lineno, " ".join("".join(map(str, parts)).split())
+        elif isinstance(node, ast.Constant) and isinstance(node.value, str):
+            yield where, node.lineno, " ".join(node.value.split())
+    with tokenize.open(path) as file:
+        for token in tokenize.generate_tokens(file.readline):
+            if token.type == tokenize.COMMENT:
+                yield where, token.start[0], token.string
+
+
+if __name__ == "__main__":
+    sys.exit(main())
