@@ -21,8 +21,9 @@ PHRASES = {
     r"\bof (its|their) own\b": "name the noun",
     r"\bwanted times?\b": "say: output times",
     r"\bto the (last )?bit\b": "say: bit for bit",
-    r"\b(?<!['’]s )(?<!power )(?<!control )(?<!feedback )(?<!conservation )laws?\b"
-    r"(?! of (motion|cosines|sines|nature))": "say: distribution",
+    r"\b(normal|random|drawn|perturbation) laws?\b": "say: distribution",
+    r"\blaws? of (the |a |their |this )*(random|perturb|noise|sampl|start|direction|map)": "say:"
+    " distribution",
     r"\bsilently wrong\b": "say: undetected",
     r"\bjudged (samples|maps?|by)\b": "say: custom criterion",
 }
