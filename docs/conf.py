@@ -1,6 +1,7 @@
 """The pages of rigid: ``sphinx-build -W -b html docs out``."""
 
 import sys
+import tomllib
 from pathlib import Path
 
 import rigid
@@ -39,6 +40,12 @@ html_css_files = ["pictures.css"]
 
 myst_enable_extensions = ["dollarmath"]
 myst_heading_anchors = 3
+# Pages link to places of the repository by `repository:releases`.
+_project = tomllib.loads((Path(__file__).parents[1] / "pyproject.toml").read_text())["project"]
+myst_url_schemes = {
+    **dict.fromkeys(("http", "https", "mailto")),
+    "repository": _project["urls"]["Repository"] + "/{{path}}",
+}
 
 autodoc_member_order = "bysource"
 autodoc_typehints = "signature"

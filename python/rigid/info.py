@@ -6,12 +6,16 @@ from typing import Any
 
 from . import _core
 from ._checks.arguments import resolve_threads
+from ._checks.extras import DISTRIBUTION
 
 __all__ = ["build_info"]
 
 
 def build_info() -> dict[str, Any]:
-    """Version, commit if known, build profile, instruction set in use, those available, threads.
+    """Names and version of this library, its build, and the processor features that it uses.
+
+    ``distribution`` is the name to install, ``import`` the name in a program. ``commit`` is None
+    if it is not known. ``isa`` is the instruction set in use, ``isa_available`` lists all.
 
     The environment variable ``RIGID_ISA`` (``avx512``, ``avx2``, ``scalar``) forces an instruction
     set; all give the same bits. On x86-64 ``scalar`` is compiled by the Cargo feature ``plain``
@@ -26,6 +30,7 @@ def build_info() -> dict[str, Any]:
     --------
     >>> import rigid
     >>> sorted(rigid.build_info())
-    ['commit', 'isa', 'isa_available', 'profile', 'threads', 'version']
+    ['commit', 'distribution', 'import', 'isa', 'isa_available', 'profile', 'threads', 'version']
     """
-    return {**_core.build_info(), "threads": resolve_threads(None)}
+    names = {"distribution": DISTRIBUTION, "import": __package__}
+    return {**names, **_core.build_info(), "threads": resolve_threads(None)}

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ._checks.arguments import finite_float, first_place, one_line, one_of, shaped
+from ._checks.extras import install_extra
 from ._checks.overflow import refuses_overflow
 from .inertia.mass_properties import MassProperties, tensor_of_squares
 
@@ -167,7 +168,7 @@ def read_mesh(
     try:
         import trimesh
     except ImportError:
-        raise ImportError("meshes of files need trimesh: pip install 'rigid[mesh]'") from None
+        raise ImportError(install_extra("meshes of files need trimesh", "mesh")) from None
     with open(file, "rb") as stream:
         try:
             mesh = trimesh.load_mesh(stream, file_type=kind, process=False)

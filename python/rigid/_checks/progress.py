@@ -13,6 +13,7 @@ from types import FrameType
 from typing import Any, TypeAlias
 
 from .arguments import brief
+from .extras import install_extra
 from .notebook import in_notebook
 
 __all__ = [
@@ -102,7 +103,7 @@ def reporting(
                 from tqdm.auto import tqdm
         except ImportError:
             if option:
-                raise ImportError("a progress bar needs tqdm: pip install 'rigid[maps]'") from None
+                raise ImportError(install_extra("a progress bar needs tqdm", "maps")) from None
         else:
             with tqdm(total=total, unit=unit, unit_scale=True, file=sys.stderr) as bar:
 

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._checks.arguments import resolve_threads
+from .._checks.extras import install_extra
 from ..maps.result import StabilityMap
 from ..store.call import stability_map
 from .explorer import (
@@ -29,7 +30,7 @@ try:
     import anywidget
     import traitlets
 except ImportError:
-    raise ImportError("a widget needs anywidget: pip install 'rigid[notebook]'") from None
+    raise ImportError(install_extra("a widget needs anywidget", "notebook")) from None
 
 if TYPE_CHECKING:
     from .._checks.progress import Progress

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from .._checks.arguments import resolve_threads
+from .._checks.extras import install_extra
 from .._checks.progress import Interrupted, terminated
 from ..maps.result import StabilityMap
 from ..maps.spec import MapSpec
@@ -190,7 +191,7 @@ def _executor(address: str | None) -> Iterator[Any]:
     try:
         from distributed import Client
     except ImportError:
-        raise ValueError("--dask needs Dask: pip install 'rigid[dask]'") from None
+        raise ValueError(install_extra("--dask needs Dask", "dask")) from None
     with Client(address) as client:  # type: ignore[no-untyped-call]
         yield client
 

@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from io import BytesIO
 from typing import TYPE_CHECKING, Any
 
+from .._checks.extras import install_extra
 from .._checks.notebook import in_notebook
 
 if TYPE_CHECKING:
@@ -34,7 +35,7 @@ def _figure_class() -> type[Figure]:
     try:
         from matplotlib.figure import Figure
     except ImportError:
-        raise ImportError("plotting needs matplotlib: pip install 'rigid[maps]'") from None
+        raise ImportError(install_extra("plotting needs matplotlib", "maps")) from None
     return Figure
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from typing import TYPE_CHECKING, Any
 
+from .._checks.extras import install_extra
 from .data import MapData
 from .dataset import map_dataset
 
@@ -45,7 +46,7 @@ def write_zarr_url(data: MapData, url: str) -> None:
     try:
         from zarr.codecs import Crc32cCodec
     except ImportError:
-        raise ImportError("a .zarr needs zarr: pip install 'rigid[store]'") from None
+        raise ImportError(install_extra("a .zarr needs zarr", "store")) from None
     dataset = map_dataset(data).drop_vars("nanoseconds")  # a measurement of the machine
     encoding: dict[Any, Any] = {
         name: {

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .._checks.extras import install_extra
 from ..model.forces import FORCES
 from ..model.leading import Shape
 
@@ -69,7 +70,7 @@ def as_dataset(
     try:
         import xarray
     except ImportError:
-        raise ImportError("to_xarray() needs xarray: pip install 'rigid[maps]'") from None
+        raise ImportError(install_extra("to_xarray() needs xarray", "maps")) from None
     return xarray.Dataset(arrays, coordinates, attributes)
 
 

@@ -96,7 +96,7 @@ def test_a_page_is_written_without_matplotlib(tmp_path: Path) -> None:
         "    print(error)\n"
     )
     said = python_process(code).stdout.strip()
-    assert said == "plotting needs matplotlib: pip install 'rigid[maps]'"
+    assert said == "plotting needs matplotlib: pip install 'rigid-rotation[maps]'"
 
 
 TURNED = """

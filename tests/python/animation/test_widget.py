@@ -212,7 +212,7 @@ def test_without_anywidget_an_error_says_what_to_install() -> None:
     code = "import sys; sys.modules['anywidget'] = None; import rigid.animation.widget"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
     assert done.stderr.strip().endswith(
-        "ImportError: a widget needs anywidget: pip install 'rigid[notebook]'"
+        "ImportError: a widget needs anywidget: pip install 'rigid-rotation[notebook]'"
     )
 
 

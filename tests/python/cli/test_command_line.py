@@ -536,7 +536,7 @@ def test_without_matplotlib_the_data_is_written_and_the_rest_told(folder: Path) 
         code="import sys; sys.modules['matplotlib'] = sys.modules['matplotlib.figure'] = None\n",
     )
     assert done.returncode == 0, done.stderr
-    assert "none: plotting needs matplotlib: pip install 'rigid[maps]'" in done.stdout
+    assert "none: plotting needs matplotlib: pip install 'rigid-rotation[maps]'" in done.stdout
     assert made(folder) == {"small.npz"}
 
 

@@ -447,4 +447,4 @@ def test_without_matplotlib_it_is_said_what_is_missing() -> None:
         "    print(error)\n"
     )
     said = python_process(code).stdout.strip()
-    assert said == "plotting needs matplotlib: pip install 'rigid[maps]'"
+    assert said == "plotting needs matplotlib: pip install 'rigid-rotation[maps]'"

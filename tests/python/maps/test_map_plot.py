@@ -351,8 +351,8 @@ def test_without_matplotlib_it_is_said_what_is_missing() -> None:
         "        print(error)\n"
     )
     assert python_process(code).stdout.splitlines() == [
-        "plotting needs matplotlib: pip install 'rigid[maps]'",
-        "to_xarray() needs xarray: pip install 'rigid[maps]'",
+        "plotting needs matplotlib: pip install 'rigid-rotation[maps]'",
+        "to_xarray() needs xarray: pip install 'rigid-rotation[maps]'",
     ]
 
 

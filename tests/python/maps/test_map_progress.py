@@ -69,7 +69,7 @@ def test_without_tqdm_none_is_silent_and_true_says_what_is_missing() -> None:
         assert process.wait(PATIENCE) == 0
     ask = "try:\n    " + SHORT.strip().replace("\n", "\n    ") + "progress=True)\n"
     done = run(blocked + ask + "except ImportError as error:\n    print(error)")
-    assert done.stdout.strip() == "a progress bar needs tqdm: pip install 'rigid[maps]'"
+    assert done.stdout.strip() == "a progress bar needs tqdm: pip install 'rigid-rotation[maps]'"
 
 
 @pytest.mark.parametrize("units", [1, 3, 100])

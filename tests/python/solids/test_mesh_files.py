@@ -157,5 +157,5 @@ def test_what_is_no_mesh_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     with pytest.raises(ValueError, match=r"inf\.obj': a corner is not finite"):
         meshes.read_mesh(infinite)
     monkeypatch.setitem(sys.modules, "trimesh", None)
-    with pytest.raises(ImportError, match=r"need trimesh: pip install 'rigid\[mesh\]'"):
+    with pytest.raises(ImportError, match=r"need trimesh: pip install 'rigid-rotation\[mesh\]'"):
         rigid.Body.from_stl(tmp_path / "bad.stl")
