@@ -375,7 +375,8 @@ def _symmetric_top(spec: MapSpec) -> Theory | None:
     axial = grid.moments[:, axis - 1]
     spin = grid.omega[:, axis - 1]
     about_axis = np.abs(grid.omega).sum(axis=1) == np.abs(spin)
-    known = possible(grid.moments) & about_axis & (cross == grid.moments[:, axis - 3])
+    symmetric = possible(grid.moments) & (cross == grid.moments[:, axis - 3])
+    known = symmetric & about_axis
     size = grid.attitude_size[:, 0]
     known &= (grid.attitude_size == size[:, np.newaxis]).all(axis=1)
     known &= (grid.tilt == 0.0) | (size == 0.0)
@@ -390,7 +391,7 @@ def _symmetric_top(spec: MapSpec) -> Theory | None:
     chance = -np.expm1(-0.5 * (critical / size) ** 2)
     share = np.where(size > 0.0, chance, np.abs(grid.tilt) < critical)
     share = np.where(known, share, np.nan)
-    sleeping = np.abs(axial * spin) / np.sqrt(bound) - 1.0
+    sleeping = np.where(symmetric, np.abs(axial * spin) / np.sqrt(bound) - 1.0, np.nan)
     curves = {"sleeping-top bound $\\omega_3 = 2\\sqrt{mgl\\,I_1}/I_3$": sleeping}
     released = np.where(size > 0.0, RAYLEIGH_HALF * size, np.abs(grid.tilt))
     verb = "passes" if noise is None else "half pass"
@@ -436,6 +437,7 @@ def _falling_top(spec: MapSpec) -> Theory | None:
     share = np.where(known & (6.0 * size < stable.angle), share, np.nan)
     half = falling_lag(mgl, cross, axial, c, stable.angle / (RAYLEIGH_HALF * size))
     until = f"t = {spec.t_end:g} s"
+    bound = np.where(known, bound, np.nan)  # the lines too are of symmetric tops
     curves = {
         "onset of the fall $\\omega_3(t) = 2\\sqrt{mgl\\,I_1}/I_3$": bound / spec.t_end - 1.0,
         f"about half pass {stable.angle:g} rad by {until}": (bound + half) / spec.t_end - 1.0,

@@ -201,7 +201,7 @@ def test_every_parameter_is_documented() -> None:
     text = (rigid.stability_map.__doc__ or "").partition("Names:")[2].partition("samples : int")[0]
     assert set(re.findall(r"``([^` ]+)``", text)) == expected
     # The table of the page is made from PARAMETERS when the site is built.
-    page = Path(__file__).parents[3] / "docs" / "maps.md"
+    page = Path(__file__).parents[3] / "docs" / "maps_reference.md"
     assert "```{include} map_parameters.txt" in page.read_text()
 
 

@@ -289,6 +289,24 @@ def test_a_top_sleeps_above_the_bound() -> None:
     np.testing.assert_array_equal(curve(theory, "sleeping-top bound") > 0.0, abs(spin) > bound)
 
 
+@pytest.mark.parametrize("damping", [None, (0.0, 0.0, 1e-5)])
+def test_an_asymmetric_top_has_no_line_of_symmetric_tops(damping: Any) -> None:
+    # 2 sqrt(mgl I) / I3 would be 4.000 or 4.733 rad/s. By the linear equations of the first two
+    # rates and of the first two components of the vertical neither is the bound.
+    def growth(spin: float) -> float:
+        rates = [
+            [0.0, (1.4 - 0.5) * spin, 0.0, 1.0],
+            [(0.5 - 1.0) * spin / 1.4, 0.0, -1 / 1.4, 0.0],
+        ]
+        vertical = [[0.0, -1.0, 0.0, spin], [1.0, 0.0, -spin, 0.0]]
+        return float(np.linalg.eigvals(np.array(rates + vertical)).real.max())
+
+    assert growth(4.1) > 0.1
+    assert growth(4.5) < 1e-6
+    scene = rigid.HeavyTop(rigid.Body((1.0, 1.4, 0.5)), mgl=1.0, damping=damping)
+    assert predict(spec_of(**top(scene=scene))) is None
+
+
 def largest_tilt(spin: float, tilt: float) -> float:
     """Where the nutation of that top turns round, from the conserved quantities alone.
 
