@@ -92,8 +92,8 @@ def wide_code(path: Path) -> Iterator[str]:
     fence = ""
     for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1):
         if re.match(r"\s*```", line):
-            fence = "" if fence else line
-        elif fence and ("{" not in fence or "{code-block}" in fence) and len(line) > COLUMNS:
+            fence = "" if fence else line.strip()
+        elif fence and "{" not in fence and len(line) > COLUMNS:
             yield f"{path.relative_to(ROOT).as_posix()}:{number}: {len(line)} columns: {line}"
 
 
