@@ -41,16 +41,20 @@ def write_generated_pages(docs: Path) -> None:
             _write(folder / f"toml_{name.lower()}.txt", key_table(table))
     _write(folder / "toml_criteria.txt", criterion_table())
     _write(folder / "validation.txt", validation_table())
-    write_film(docs / "_static" / "thrown-box.html")
+    write_films(docs / "_static")
     for name in modules():
         _write(docs / "api" / f"{name}.rst", module_page(name))
 
 
-def write_film(path: Path) -> None:
-    """The film of the first page: a box thrown about its middle axis."""
-    path.parent.mkdir(exist_ok=True)
+def write_films(folder: Path) -> None:
+    """The films of the first pages: a box thrown about its middle axis, and two such throws."""
+    folder.mkdir(exist_ok=True)
     box = rigid.FreeBody(rigid.Body.box(0.25, 0.08, 0.01, mass=0.3))
-    rigid.simulate(box, [0.01, 10.0, 0.01], t=np.linspace(0.0, 6.0, 361)).animate(path)
+    one = rigid.simulate(box, [0.01, 10.0, 0.01], t=np.linspace(0.0, 6.0, 361))
+    one.animate(folder / "thrown-box.html")
+    throws = [[0.01, 10.0, 0.0], [1e-6, 10.0, 0.0]]
+    two = rigid.simulate(box, throws, t=np.linspace(0.0, 1.8, 181))
+    two.animate(folder / "two-throws.html", speed=0.3)
 
 
 def _write(path: Path, text: str) -> None:

@@ -5,18 +5,22 @@ The package uses :mod:`rigid.free`, ``drawing`` and runs. :meth:`rigid.Run.anima
 
 from __future__ import annotations
 
-import html
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, overload
+
+import numpy as np
+from numpy.typing import ArrayLike
 
 from .._checks.arguments import brief, finite_float, positive_int
 from .._checks.progress import ProgressOption
 from .._files import published
-from .film import film_of
+from .film import film_of, side_by_side
 from .picture import SUFFIXES, moving_picture
-from .web import film_page
+from .states import pair_of, scene_of, states_of
+from .story import story_of_two
+from .web import Page, film_page
 
 if TYPE_CHECKING:
     from os import PathLike
@@ -26,8 +30,7 @@ if TYPE_CHECKING:
 __all__ = ["Animation", "animate"]
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Animation:
+class Animation(Page):
     """A page with a film, which a notebook shows.
 
     Attributes
@@ -36,18 +39,10 @@ class Animation:
         The page as HTML; it needs no network.
     """
 
-    page: str
+    __slots__ = ()
 
-    def __repr__(self) -> str:
-        """Size of the page."""
-        return f"Animation(page of {len(self.page) / 1000:.0f} kB)"
-
-    def _repr_html_(self) -> str:
-        """The page in a frame of its own, for notebooks."""
-        return (
-            f'<iframe srcdoc="{html.escape(self.page)}" width="100%" height="560" '
-            'style="border: 0" allow="fullscreen" title="film of a motion"></iframe>'
-        )
+    title = "film of a motion"
+    height = 560
 
 
 @overload
@@ -59,6 +54,8 @@ def animate(
     speed: float = 1.0,
     body: int | Sequence[int] | None = None,
     trail: float | None = None,
+    shape: tuple[ArrayLike, ArrayLike] | None = None,
+    caption: str | None = None,
 ) -> Animation: ...
 
 
@@ -71,6 +68,8 @@ def animate(
     speed: float = 1.0,
     body: int | Sequence[int] | None = None,
     trail: float | None = None,
+    shape: tuple[ArrayLike, ArrayLike] | None = None,
+    caption: str | None = None,
     fps: float = 25.0,
     size: int = 480,
     progress: ProgressOption = None,
@@ -85,6 +84,8 @@ def animate(
     speed: float = 1.0,
     body: int | Sequence[int] | None = None,
     trail: float | None = None,
+    shape: tuple[ArrayLike, ArrayLike] | None = None,
+    caption: str | None = None,
     fps: float = 25.0,
     size: int = 480,
     progress: ProgressOption = None,
@@ -111,10 +112,18 @@ def animate(
         Factor by which the animation is faster than the motion.
     body : int or two int, optional
         Index of the body to show, if the run has many bodies; two indices show two bodies side by
-        side.
+        side, with one scale. Default: both bodies of a run of two.
     trail : float, optional
         Length of trails in seconds of the run, ``math.inf`` for trails without end. Default: a
         quarter of the run, and without end in the view ``"poinsot"``.
+    shape : tuple (vertices, faces), optional
+        The surface of the body, to be shown instead of a box or a top: corners of shape (v, 3), and
+        for each polygon the indices of its corners, shape (f, 3), as :func:`rigid.meshes.read_mesh`
+        returns them. The origin of the corners is the centre of mass, or the fixed point of a heavy
+        top. The axes of the corners are those of the run: the principal axes, or ``frame``, if the
+        run has one.
+    caption : str, optional
+        The sentence above the film. Default: what happens in the motion.
     fps : float
         Most frames in a second of a moving picture: closer frames are omitted. At most 50, which
         is what browsers show of a GIF.
@@ -149,6 +158,16 @@ def animate(
     >>> run = rigid.simulate(top, [0.0, 0.0, 5.0], tilted, t=np.linspace(0.0, 10.0, 301))
     >>> animate(run, "top.html").name
     'top.html'
+
+    A body from a mesh: the corners move to the centre of mass.
+
+    >>> corners = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1.5]])
+    >>> faces = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]
+    >>> solid = rigid.meshes.mesh_properties(corners, faces, mass=1.0)
+    >>> body, axes = rigid.Body.from_properties(solid)
+    >>> run = rigid.simulate(body, [0.1, 5.0, 0.1], t=np.linspace(0.0, 4.0, 201), frame=axes)
+    >>> animate(run, "mesh.html", shape=(corners - solid.centre, faces)).name
+    'mesh.html'
     """
     target = None if path is None else Path(path)
     suffix = ".html" if target is None else target.suffix.lower()
@@ -166,8 +185,19 @@ def animate(
             raise ValueError(f"body = {brief(body)}: must be one index or two")
         indices = body
     else:
-        indices = (body,)
-    films = [film_of(run, view=view, speed=speed, body=one, trail=trail) for one in indices]
+        indices = pair_of(run) if body is None else (body,)
+    films = [
+        film_of(run, view=view, speed=speed, body=one, trail=trail, shape=shape) for one in indices
+    ]
+    if len(films) == 2:
+        films = side_by_side(films)
+        states = [states_of(run, one) for one in indices]
+        omega, attitude = (np.stack(arrays) for arrays in zip(*states, strict=True))
+        left, right = (scene_of(run, one) for one in indices)
+        story = story_of_two((left, right), run.t, omega, attitude)
+        films = [replace(film, story=story) for film in films]
+    if caption is not None:
+        films = [replace(film, story=caption) for film in films]
     if suffix == ".html":
         page = film_page(films)
         if target is None:

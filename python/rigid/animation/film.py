@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from .. import free
 from .._checks.arguments import finite_float, one_of
@@ -16,12 +17,14 @@ from ..drawing.shapes import STEM, box_faces, cone_faces, ellipsoid_faces, plane
 from ..model.body import Moments
 from ..model.scene import FreeBody, HeavyTop, Scene, check_heavy_top
 from ..rotations.apply import to_space
+from .mesh import faces_of
 from .states import require_unforced, scene_of, states_of
+from .story import story_of, tilt_of
 
 if TYPE_CHECKING:
     from ..solve.run import Run
 
-__all__ = ["VIEWS", "Film", "Part", "film_of"]
+__all__ = ["VIEWS", "Film", "Part", "film_of", "side_by_side"]
 
 Floats = NDArray[np.float64]
 
@@ -56,6 +59,8 @@ class Part:
         Whether the points are fixed in the body instead of in space.
     label : str
         Text at the tip of an arrow.
+    meaning : str
+        What it shows, for the legend.
     """
 
     kind: str
@@ -64,6 +69,7 @@ class Part:
     opacity: float = 1.0
     carried: bool = False
     label: str = ""
+    meaning: str = ""
 
     def placed(self, attitude: Floats, frame: int, since: int = 0) -> Floats:
         """The points in space in a frame, from its attitude; trails from ``since``."""
@@ -121,6 +127,10 @@ class Film:
         One of :data:`VIEWS`.
     title : str
         The scene in words.
+    story : str
+        The motion in a sentence.
+    name : str
+        The rates at the first time, which tell the film from the one beside it.
     t : ndarray, shape (frames,)
         Times of the run (s).
     shown : ndarray, shape (frames,)
@@ -141,10 +151,14 @@ class Film:
         Rates of a free body, tilt of a top.
     polhode : Polhode or None
         Of a free body without torque and damping.
+    grounded : bool
+        Whether there is a ground under the origin: the body never reaches below it.
     """
 
     view: str
     title: str
+    story: str
+    name: str
     t: Floats
     shown: Floats
     attitude: Floats
@@ -155,6 +169,7 @@ class Film:
     trail: float
     chart: Chart
     polhode: Polhode | None
+    grounded: bool
 
     def trail_begin(self, frame: int) -> int:
         """Index of the oldest point of a trail that a frame shows."""
@@ -178,6 +193,7 @@ def film_of(
     speed: float = 1.0,
     body: int | None = None,
     trail: float | None = None,
+    shape: tuple[ArrayLike, ArrayLike] | None = None,
 ) -> Film:
     """The frames of an animation of a run; the arguments are those of :meth:`rigid.Run.animate`.
 
@@ -198,19 +214,23 @@ def film_of(
     if len(run.t) < 2:
         raise ValueError(f"t of shape {run.t.shape}: an animation needs two times or more")
     scene = scene_of(run, body)
-    view = _chosen(scene, view)
+    view = _chosen(scene, view, shape is not None)
+    solid = None if shape is None else faces_of(*shape, frame=run.frame)
     momentum = to_space(attitude, np.array(scene.body.moments) * omega)
     size = float(np.linalg.norm(momentum[0]))
     if view == "top":
-        parts, up = _top(check_heavy_top(scene), attitude), UP
+        parts, up = _top(check_heavy_top(scene), attitude, solid), UP
     elif scene.forces:
-        parts, up = _box(scene, omega, attitude, momentum), UP
+        parts, up = _box(scene, omega, attitude, momentum, solid), UP
     else:
         if size == 0.0:
             raise ValueError("omega = [0, 0, 0]: a free body at rest does not move")
         up = momentum[0] / size
-        show = {"box": _box, "cones": _cones, "poinsot": _poinsot}[view]
-        parts = show(scene, omega, attitude, momentum[:1])
+        if view == "box":
+            parts = _box(scene, omega, attitude, momentum[:1], solid)
+        else:
+            show = {"cones": _cones, "poinsot": _poinsot}[view]
+            parts = show(scene, omega, attitude, momentum[:1])
     steps = np.diff(run.t)
     if trail is None:
         trail = np.inf if view == "poinsot" else 0.25 * float(run.t[-1] - run.t[0])
@@ -219,6 +239,8 @@ def film_of(
     return Film(
         view=view,
         title=scene.words(),
+        story=story_of(scene, view, run.t, omega, attitude),
+        name=f"ω = ({', '.join(f'{rate:.3g}' for rate in omega[0])}) rad/s",
         t=run.t,
         shown=np.append(steps, steps[-1]) / speed,
         attitude=attitude,
@@ -229,7 +251,19 @@ def film_of(
         trail=float(trail),
         chart=_rates(omega) if is_free else _tilt(check_heavy_top(scene), attitude),
         polhode=_polhode(scene.body.moments, omega) if is_free and not scene.forces else None,
+        grounded=not is_free and _lowest(parts[0], attitude) > -0.02,
     )
+
+
+def side_by_side(films: Sequence[Film]) -> list[Film]:
+    """The films with one scale, one centre, and a ground if all have it."""
+    heights = [float(film.centre @ film.up) for film in films]
+    height = 0.5 * (min(heights) + max(heights))
+    reach = max(abs(at - height) + film.reach for at, film in zip(heights, films, strict=True))
+    grounded = all(film.grounded for film in films)
+    return [
+        replace(film, centre=height * film.up, reach=reach, grounded=grounded) for film in films
+    ]
 
 
 def _rates(omega: Floats) -> Chart:
@@ -238,8 +272,7 @@ def _rates(omega: Floats) -> Chart:
 
 def _tilt(scene: HeavyTop, attitude: Floats) -> Chart:
     """Angle between the vertical and the direction to the centre of mass."""
-    axis = to_space(attitudes(attitude), np.array(scene.com))
-    tilt = np.rad2deg(np.arctan2(np.hypot(axis[:, 0], axis[:, 1]), axis[:, 2]))
+    tilt = tilt_of(scene, attitude)
     return Chart(label="tilt (°)", names=(), colours=(AXES[2],), values=tilt[np.newaxis])
 
 
@@ -265,43 +298,59 @@ def _polhode(moments: Moments, omega: Floats) -> Polhode:
 
 def _room(parts: tuple[Part, ...], attitude: Floats, up: Floats) -> tuple[Floats, float]:
     """Centre and radius of a sphere around all parts, from at most 64 frames."""
-    frames = np.unique(np.linspace(0, len(attitude) - 1, 64).astype(int))
     cloud = np.concatenate(
-        [part.placed(attitude[k], k).reshape(-1, 3) for k in frames for part in parts]
+        [
+            part.placed(attitude[k], k).reshape(-1, 3)
+            for k in _some_frames(attitude)
+            for part in parts
+        ]
     )
     heights = cloud @ up
     centre = 0.5 * (heights.min() + heights.max()) * up
     return centre, float(np.linalg.norm(cloud - centre, axis=1).max())
 
 
-def _chosen(scene: Scene, view: str | None) -> str:
+def _lowest(part: Part, attitude: Floats) -> float:
+    """The least height of a part that the body carries, from at most 64 frames."""
+    return min(float(part.placed(attitude[k], k)[..., 2].min()) for k in _some_frames(attitude))
+
+
+def _some_frames(attitude: Floats) -> NDArray[np.int64]:
+    return np.unique(np.linspace(0, len(attitude) - 1, 64).astype(int))
+
+
+def _chosen(scene: Scene, view: str | None, has_shape: bool) -> str:
     """The requested view, or the default view of the scene."""
     if view is not None:
         one_of("view", view, VIEWS[scene.kind])
         if view in ("cones", "poinsot"):
             require_unforced(scene, f"view = {view!r}")
+            if has_shape:
+                raise ValueError(f"view = {view!r}: does not show the shape; omit one of them")
         return view
     if len(VIEWS[scene.kind]) == 1:
         return VIEWS[scene.kind][0]
-    if scene.body.sides is not None or scene.forces:
+    if scene.body.sides is not None or scene.forces or has_shape:
         return "box"
     return "cones" if len(set(scene.body.moments)) == 2 else "poinsot"
 
 
-def _box(scene: Scene, omega: Floats, attitude: Floats, momentum: Floats) -> tuple[Part, ...]:
-    """A thrown box with its axes, omega and L, relative to the centre of mass."""
-    sides = scene.body.sides
-    if sides is None:
-        # The homogeneous box with these moments: squared sides are proportional to second moments.
-        sides = tuple(np.sqrt(np.maximum(_spread(scene.body.moments), 0.0)))
-    half = np.maximum(np.array(sides) / max(sides), 0.02)
+def _box(
+    scene: Scene, omega: Floats, attitude: Floats, momentum: Floats, solid: Floats | None
+) -> tuple[Part, ...]:
+    """A thrown box, or a solid, with its axes, omega and L, relative to the centre of mass."""
+    if solid is None:
+        sides = scene.body.sides
+        if sides is None:
+            # The homogeneous box with these moments: squared sides are proportional to second
+            # moments.
+            sides = tuple(np.sqrt(np.maximum(_spread(scene.body.moments), 0.0)))
+        half = np.maximum(np.array(sides) / max(sides), 0.02)
+        solid, inks = box_faces(half), tuple(colour for colour in AXES for _ in range(2))
+    else:
+        half, inks = np.abs(solid).max(axis=(0, 1)), (BODY,)
     return (
-        Part(
-            kind="faces",
-            points=box_faces(half),
-            colours=tuple(colour for colour in AXES for _ in range(2)),
-            carried=True,
-        ),
+        Part(kind="faces", points=solid, colours=inks, carried=True),
         *(
             Part(
                 kind="arrow",
@@ -309,6 +358,7 @@ def _box(scene: Scene, omega: Floats, attitude: Floats, momentum: Floats) -> tup
                 colours=(AXES[axis],),
                 carried=True,
                 label=str(axis + 1),
+                meaning="principal axes",
             )
             for axis in range(3)
         ),
@@ -328,12 +378,14 @@ def _cones(scene: Scene, omega: Floats, attitude: Floats, momentum: Floats) -> t
             colours=(BODY, PALE),
             opacity=0.55,
             carried=True,
+            meaning="cone of ω in the body",
         ),
         Part(
             kind="faces",
             points=cone_faces(momentum[0], float(rolled.space_cone)),
             colours=("#888888", colours.FAINT),
             opacity=0.75,
+            meaning="cone of ω in space",
         ),
         Part(
             kind="arrow",
@@ -341,6 +393,7 @@ def _cones(scene: Scene, omega: Floats, attitude: Floats, momentum: Floats) -> t
             colours=(DARK,),
             carried=True,
             label="axis",
+            meaning="symmetry axis",
         ),
     ]
     return (*parts, *_vectors(omega, attitude, momentum, length=1.3))
@@ -362,37 +415,49 @@ def _poinsot(scene: Scene, omega: Floats, attitude: Floats, momentum: Floats) ->
             colours=(BODY,) * 7 + (PALE,) * 7,
             opacity=0.7,
             carried=True,
+            meaning="inertia ellipsoid",
         ),
         Part(
             kind="faces",
             points=plane_face(foot, rolled.normal, width),
             colours=(SPACE,),
             opacity=0.25,
+            meaning="plane at rest",
         ),
-        Part(kind="line", points=rolled.polhode / unit, colours=(DARK,), carried=True),
-        Part(kind="trail", points=contact, colours=(TRAIL,)),
+        Part(
+            kind="line",
+            points=rolled.polhode / unit,
+            colours=(DARK,),
+            carried=True,
+            meaning="polhode",
+        ),
+        Part(kind="trail", points=contact, colours=(TRAIL,), meaning="herpolhode"),
         Part(kind="dot", points=contact, colours=(colours.OMEGA.colour,)),
-        Part(kind="arrow", points=contact, colours=(colours.OMEGA.colour,), label="ω"),
-        Part(kind="arrow", points=1.35 * foot[np.newaxis], colours=(colours.L.colour,), label="L"),
+        _omega(contact),
+        _momentum(1.35 * foot[np.newaxis]),
     )
 
 
-def _top(scene: HeavyTop, attitude: Floats) -> tuple[Part, ...]:
+def _top(scene: HeavyTop, attitude: Floats, solid: Floats | None) -> tuple[Part, ...]:
     """A top on its fixed point, and the path of the tip of its stem on a sphere."""
     direction = np.array(scene.com)
+    inks: tuple[str, ...] = (BODY,)
+    tip = 1.0
+    if solid is None:
+        solid, inks = (
+            top_faces(direction, _spread(scene.body.moments)),
+            (BODY,) * 4 + (AXES[0],) * 4,
+        )
+        tip = STEM
     turn = np.linspace(0.0, 2.0 * np.pi, 49)
     ring = np.stack([np.cos(turn), np.sin(turn), 0.0 * turn], axis=1)  # marks the fixed point
     return (
-        Part(
-            kind="faces",
-            points=top_faces(direction, _spread(scene.body.moments)),
-            colours=(BODY,) * 4 + (AXES[0],) * 4,
-            carried=True,
-        ),
+        Part(kind="faces", points=solid, colours=inks, carried=True),
         Part(
             kind="trail",
-            points=STEM * to_space(attitudes(attitude), direction),
+            points=tip * to_space(attitudes(attitude), direction),
             colours=(AXES[2],),
+            meaning="path of the axis through the centre of mass",
         ),
         Part(
             kind="arrow",
@@ -400,7 +465,7 @@ def _top(scene: HeavyTop, attitude: Floats) -> tuple[Part, ...]:
             colours=(colours.VERTICAL.colour,),
             label="vertical",
         ),
-        Part(kind="line", points=0.12 * ring, colours=(SPACE,)),
+        Part(kind="line", points=0.12 * ring, colours=(SPACE,), meaning="fixed point"),
     )
 
 
@@ -412,10 +477,20 @@ def _vectors(
     rates = 0.8 * length / np.linalg.norm(rates, axis=-1).max() * rates
     arrow = length / np.linalg.norm(momentum, axis=-1).max() * momentum
     return (
-        Part(kind="trail", points=rates, colours=(TRAIL,)),
-        Part(kind="arrow", points=rates, colours=(colours.OMEGA.colour,), label="ω"),
-        Part(kind="arrow", points=arrow, colours=(colours.L.colour,), label="L"),
+        Part(kind="trail", points=rates, colours=(TRAIL,), meaning="path of ω"),
+        _omega(rates),
+        _momentum(arrow),
     )
+
+
+def _omega(points: Floats) -> Part:
+    ink = colours.OMEGA.colour
+    return Part(kind="arrow", points=points, colours=(ink,), label="ω", meaning="angular velocity")
+
+
+def _momentum(points: Floats) -> Part:
+    ink = colours.L.colour
+    return Part(kind="arrow", points=points, colours=(ink,), label="L", meaning="angular momentum")
 
 
 def _spread(moments: Moments) -> Floats:

@@ -9,6 +9,7 @@ import time
 from collections.abc import Sequence
 from io import BytesIO
 from pathlib import Path
+from textwrap import fill
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -111,7 +112,7 @@ def _images(
                         stroke_fill="white",
                     )
             pen = ImageDraw.Draw(image)
-            pen.text((8, 6), films[0].title, "#555555", small)
+            pen.text((8, 6), fill(films[0].story, 72 * len(films)), "#555555", small)
             clock = f"t = {films[0].t[k]:.{films[0].digits}f} s"
             pen.text((8, size - 8), clock, "#333333", small, "ls")
             images.append(image)

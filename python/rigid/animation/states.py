@@ -9,7 +9,7 @@ from .._checks.arguments import brief
 from ..model.scene import Scene, scene_from_dict
 from ..solve.run import Run
 
-__all__ = ["rates_of", "require_unforced", "scene_of", "states_of"]
+__all__ = ["pair_of", "rates_of", "require_unforced", "scene_of", "states_of"]
 
 Floats = NDArray[np.float64]
 
@@ -37,6 +37,13 @@ def states_of(run: Run, body: int | None = None) -> tuple[Floats, Floats]:
     if not (np.isfinite(omega).all() and np.isfinite(attitude).all()):
         raise ValueError("status: states that are not finite cannot be shown")
     return omega, attitude
+
+
+def pair_of(run: object) -> tuple[int | None, ...]:
+    """The bodies that a film shows if none is asked for: both of two, else the only one."""
+    if isinstance(run, Run) and run.omega.ndim == 3 and len(run.omega) == 2:
+        return (0, 1)
+    return (None,)
 
 
 def rates_of(run: Run, body: int | None = None) -> Floats:

@@ -2,26 +2,55 @@
 
 from __future__ import annotations
 
+import html
 import json
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 from importlib import resources
-from typing import Any
+from typing import Any, ClassVar
 
 from ..drawing import colours
 from ..drawing.shapes import across
 from .film import Film
 from .raster import AZIMUTH, ELEVATION
 
-__all__ = ["as_json", "assembled", "film_page", "plain", "template"]
+__all__ = ["Page", "as_json", "assembled", "film_page", "plain", "template"]
 
 SHADERS = ("surface.vert", "surface.frag", "line.vert", "line.frag")
 
 
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Page:
+    """A page that a notebook shows.
+
+    Attributes
+    ----------
+    page : str
+        The page as HTML; it needs no network.
+    """
+
+    title: ClassVar[str]
+    height: ClassVar[int]
+    page: str
+
+    def __repr__(self) -> str:
+        """Size of the page."""
+        return f"{type(self).__name__}(page of {len(self.page) / 1000:.0f} kB)"
+
+    def _repr_html_(self) -> str:
+        """The page in a frame of its own, for notebooks."""
+        return (
+            f'<iframe srcdoc="{html.escape(self.page)}" width="100%" height="{self.height}" '
+            f'style="border: 0" allow="fullscreen; clipboard-write" title="{self.title}"></iframe>'
+        )
+
+
 def film_page(films: Sequence[Film]) -> str:
     """A page with the films side by side and the player that draws them."""
-    content = {"title": films[0].title, "films": [plain(film) for film in films]}
-    scripts = ("vectors.js", "stage.js", "charts.js", "player.js", "film.js")
+    content: dict[str, Any] = {"title": films[0].title, "story": films[0].story}
+    content["films"] = [plain(film) for film in films]
+    scripts = ("vectors.js", "stage.js", "charts.js", "save.js", "player.js", "film.js")
     return assembled("film.html", ("film.css",), scripts, film=content)
 
 
@@ -59,6 +88,7 @@ def plain(film: Film) -> dict[str, Any]:
     return {
         "view": film.view,
         "title": film.title,
+        "name": film.name,
         "t": film.t.tolist(),
         "digits": film.digits,
         "shown": film.shown.tolist(),
@@ -67,6 +97,7 @@ def plain(film: Film) -> dict[str, Any]:
         "frame": [axis.tolist() for axis in across(film.up)],
         "centre": film.centre.tolist(),
         "reach": film.reach,
+        "grounded": film.grounded,
         "camera": [AZIMUTH, ELEVATION],
         "parts": [
             {
@@ -76,6 +107,7 @@ def plain(film: Film) -> dict[str, Any]:
                 "opacity": part.opacity,
                 "carried": part.carried,
                 "label": part.label,
+                "meaning": part.meaning,
             }
             for part in film.parts
         ],

@@ -21,8 +21,9 @@ import rigid
 from processes import PATIENCE, python_process
 from rigid import top
 from rigid.animation import Animation
-from rigid.animation.film import Film, Part, film_of
+from rigid.animation.film import Film, Part, film_of, side_by_side
 from rigid.animation.raster import Buffer, Camera
+from rigid.animation.story import turned_over
 from rigid.animation.web import film_page
 from rigid.drawing.shapes import STEM
 
@@ -79,7 +80,7 @@ def test_a_page_holds_the_states_of_the_run_to_the_bit(
 def test_a_page_needs_nothing_from_elsewhere(tmp_path: Path) -> None:
     page = run_of(TOP).animate(tmp_path / "top.html").read_text(encoding="utf-8")
     assert page.startswith("<!doctype html>")
-    for word in ("http", "src=", "href", "url(", "@import", "import(", "fetch", "{{"):
+    for word in ("http", "src=", "href=", "url(", "@import", "import(", "fetch", "{{"):
         assert word not in page, word
     assert page.count("</script>") == 2
 
@@ -160,14 +161,173 @@ def test_two_bodies_are_side_by_side(tmp_path: Path) -> None:
     films = json.loads(found[1])["films"]
     for k in range(2):
         np.testing.assert_array_equal(films[k]["attitude"], twins.attitude[k])
-    both = twins.animate(tmp_path / "both.gif", body=[0, 1], size=100)
-    one = twins.animate(tmp_path / "one.gif", body=1, size=100)
+    assert twins.animate().page == page  # both bodies of two need no asking
+    both = twins.animate(tmp_path / "both.gif", body=[0, 0], size=100)
+    one = twins.animate(tmp_path / "one.gif", body=0, size=100)
     with Image.open(both) as image, Image.open(one) as right:
         assert image.size == (200, 100)
         seen = np.asarray(image.convert("RGB"), dtype=int)[20:85, 100:]
         np.testing.assert_allclose(
             seen, np.asarray(right.convert("RGB"), dtype=int)[20:85], atol=60
         )
+
+
+def test_films_side_by_side_have_one_scale() -> None:
+    # The second top falls below the horizon: it needs more room, and no ground is under it.
+    leaning = [np.cos(0.3), np.sin(0.3), 0.0, 0.0]
+    twins = run_of(TOP, [[0.0, 0.0, 9.0], [0.0, 0.1, 0.5]], leaning, t=np.linspace(0.0, 6.0, 61))
+    alone = [film_of(twins, body=k) for k in (0, 1)]
+    assert [film.grounded for film in alone] == [True, False]
+    assert alone[0].reach < 0.9 * alone[1].reach
+    films = side_by_side(alone)
+    assert films[0].reach == films[1].reach
+    np.testing.assert_array_equal(films[0].centre, films[1].centre)
+    for film in films:
+        assert not film.grounded
+        for k in range(0, 61, 3):
+            for one in film.parts:
+                far = np.linalg.norm(one.placed(film.attitude[k], k) - film.centre, axis=-1)
+                assert far.max() < 1.05 * film.reach
+
+
+# The story
+
+
+def said(page: str) -> str:
+    found = re.search(r'"story":"(.*?)"', page)
+    assert found
+    return json.loads(f'"{found[1]}"')  # type: ignore[no-any-return]
+
+
+def test_the_story_of_a_throw_counts_its_flips() -> None:
+    throw = [0.01, 10.0, 0.01]
+    scene = rigid.FreeBody(rigid.Body.box(0.25, 0.08, 0.01, mass=0.3))
+    flips = rigid.exact.flip_times(scene, throw, count=4)
+    for t_end, words in [
+        (0.5 * flips[0], "does not turn over"),
+        (0.5 * (flips[0] + flips[1]), "turns over once"),
+        (0.5 * (flips[2] + flips[3]), "turns over 3 times"),
+    ]:
+        run = run_of(scene, throw, t=np.linspace(0.0, t_end, 301))
+        story = film_of(run).story
+        assert story.startswith("A box spins at 10 rad/s about its middle axis, and ")
+        assert words in story
+        # Between frames the rate is nearly straight: its second derivative is at most about 9²
+        # times 10 rad/s, so the line errs by 81 10 h² / 8 and the time by that over a slope of 40.
+        h = t_end / 300
+        times = turned_over(run.t, run.omega)
+        np.testing.assert_allclose(times, flips[: len(times)], atol=81 * 10 * h**2 / 8 / 40)
+
+
+@pytest.mark.parametrize(
+    ("scene", "omega", "attitude", "words"),
+    [
+        (OBLATE, (0.1, 0.0, 5.0), None, "A symmetric body turns freely: its cone rolls"),
+        (ASYMMETRIC, (0.9, 0.1, 1.3), None, "its inertia ellipsoid rolls on a plane"),
+        (BOX, (0.9, 0.1, 1.3), None, "A box turns freely for 2 s: L is at rest in space"),
+        (BOX, (5.0, 0.01, 0.0), None, "about its longest axis, and does not turn over in 2 s."),
+        (TOP, (0.0, 0.0, 5.0), [1.0, 0, 0, 0], "turns about the vertical at a tilt of 0° for 2 s."),
+        (TOP, (0.0, 0.0, 5.0), TILTED, "A heavy top starts at a tilt of 60°, and stays between 60"),
+        (
+            rigid.FreeBody(BOX.body, torque=rigid.Torque.body((0, 0, 1e-3)), damping=1e-4),
+            (0.9, 0.1, 1.3),
+            None,
+            "A box turns under torque and damping for 2 s.",
+        ),
+    ],
+)
+def test_the_story_is_that_of_the_motion(scene: Any, omega: Any, attitude: Any, words: str) -> None:
+    assert words in film_of(run_of(scene, omega, attitude)).story
+
+
+def test_the_story_of_two_throws_tells_them_apart() -> None:
+    scene = rigid.FreeBody(rigid.Body.box(0.25, 0.08, 0.01, mass=0.3))
+    near, far = [0.01, 10.0, 0.0], [1e-6, 10.0, 0.0]
+    first, second = (rigid.exact.flip_times(scene, one, count=1)[0] for one in (near, far))
+    for throws, t_end, words in [
+        ([near, far], 1.8, f"the left box turns over at {first:.2g} s, the right box does not."),
+        ([far, near], 1.8, f"the right box turns over at {first:.2g} s, the left box does not."),
+        ([near, far], 2.2, f"turns over at {first:.2g} s, the right box at {second:.2g} s."),
+        ([near, far], 0.8, "neither box turns over in 0.8 s."),
+    ]:
+        story = said(run_of(scene, throws, t=np.linspace(0.0, t_end, 101)).animate().page)
+        assert story.startswith("Two throws that differ by 0.01 rad/s: ")
+        assert story.endswith(words)
+    tops = run_of(TOP, [[0.0, 0.0, 5.0], [0.0, 0.1, 0.5]], TILTED, t=np.linspace(0.0, 6.0, 301))
+    tilt = np.rad2deg(np.arccos(tops.gamma[..., 2])).max(axis=1)
+    story = said(tops.animate().page)
+    assert story.startswith("Two starts that differ by 4.5 rad/s: ")
+    assert story.endswith(
+        f"left top tilts up to {tilt[0]:.0f}°, the right top up to {tilt[1]:.0f}°."
+    )
+    bodies = run_of(rigid.FreeBody(OBLATE.body), [[1.0, 1.0, 1.0], [0.9, 1.0, 1.0]])
+    assert said(bodies.animate().page) == "Two starts that differ by 0.1 rad/s."
+    given = "One word, then <another>."
+    assert said(bodies.animate(caption=given).page) == given
+
+
+# A surface of the user
+
+
+def test_a_mesh_is_shown_where_the_body_is() -> None:
+    # An L of two boxes, whose principal axes are not those in which it is described.
+    corners, faces = l_shape()
+    solid = rigid.meshes.mesh_properties(corners, faces, mass=2.0)
+    body, axes = rigid.Body.from_properties(solid)
+    own = corners - solid.centre
+    run = run_of(rigid.FreeBody(body), (0.1, 0.2, 3.0)).in_frame(axes)
+    film = film_of(run, shape=(own, faces))
+    assert film.view == "box"
+    shown = part(film, "faces", carried=True)
+    space = shown.placed(film.attitude[13], 13)
+    # In space the corners are where the attitude of the axes of the mesh brings them.
+    meant = run.rotation()[13].apply(own)[np.array(faces)]
+    np.testing.assert_allclose(space, meant / np.linalg.norm(own, axis=1).max(), atol=1e-12)
+    # The same in principal axes.
+    plain = film_of(run.in_frame(None), shape=(own @ axes, faces))
+    np.testing.assert_allclose(part(plain, "faces", carried=True).points, shown.points, atol=1e-12)
+    # Their second moments are those of the body, up to the square of the scale.
+    again = rigid.meshes.mesh_properties(*welded(shown.points), mass=2.0)
+    scale = np.linalg.norm(own, axis=1).max()
+    np.testing.assert_allclose(again.tensor * scale**2, np.diag(body.moments), atol=1e-12)
+    top_film = film_of(run_of(TOP, (0.0, 0.0, 5.0), TILTED), shape=(own, faces))
+    assert top_film.view == "top"
+    assert part(top_film, "faces", carried=True).points.shape == (len(faces), 3, 3)
+
+
+def l_shape() -> tuple[Any, list[list[int]]]:
+    outline = np.array([[0, 0], [3, 0], [3, 1], [1, 1], [1, 2], [0, 2]], dtype=float)
+    low, high = np.insert(outline, 2, 0.0, axis=1), np.insert(outline, 2, 0.5, axis=1)
+    cap = [[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 5]]
+    sides = [[k, (k + 1) % 6, 6 + (k + 1) % 6] for k in range(6)]
+    sides += [[k, 6 + (k + 1) % 6, 6 + k] for k in range(6)]
+    faces = [[a, c, b] for a, b, c in cap] + [[a + 6, b + 6, c + 6] for a, b, c in cap] + sides
+    return np.concatenate([low, high]), faces
+
+
+def welded(polygons: Any) -> tuple[Any, Any]:
+    corners, index = np.unique(polygons.reshape(-1, 3).round(12), axis=0, return_inverse=True)
+    return corners, index.reshape(-1, 3)
+
+
+@pytest.mark.parametrize(
+    ("shape", "message"),
+    [
+        (([[[0, 0, 0]]], [[0, 0, 0]]), r"shape\[0\]: the corners need the shape \(v, 3\)"),
+        (([[0, 0, 1]], [[0.0, 0.0, 0.0]]), r"shape\[1\]: the faces need whole numbers of shape"),
+        (([[0, 0, 1]], [[0, 0, 1]]), r"shape\[1\]: no corner 1 among 1 corners"),
+        (([[0, 0, 1]], [[0, 0, -1]]), r"shape\[1\]: no corner -1 among 1 corners"),
+        (([[0, 0, 0]], [[0, 0, 0]]), r"shape\[0\]: all corners of the faces are at the origin"),
+    ],
+)
+def test_a_surface_that_is_none_is_refused(shape: Any, message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        run_of(BOX).animate(shape=shape)
+    with pytest.raises(ValueError, match="view = 'poinsot': does not show the shape; omit one"):
+        run_of(BOX).animate(view="poinsot", shape=shape)
+
+
+# The chart
 
 
 def test_the_chart_beside_a_top_is_its_tilt() -> None:
@@ -447,7 +607,7 @@ def test_what_cannot_be_shown_is_refused(given: dict[str, Any], message: str) ->
         ),
         ({"scene": ASYMMETRIC, "t": [1.0]}, r"t of shape \(1,\): an animation needs two times"),
         ({"scene": ASYMMETRIC, "omega": [0, 0, 0]}, r"omega = \[0, 0, 0\]: a free body at rest"),
-        ({"scene": TOP, "omega": [[1, 0, 0], [1, 2, 3]]}, r"body = None: the run has 2 bodies"),
+        ({"scene": TOP, "omega": [[1, 0, 0]] * 3}, r"body = None: the run has 3 bodies"),
         (
             {"scene": TOP, "method": "rk4", "step": 1e-9, "max_steps": 5},
             r"states that are not finite",

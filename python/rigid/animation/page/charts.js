@@ -34,7 +34,9 @@ class Chart {
   }
 
   draw(frame) {
-    const {canvas, background} = this, [pen, width, height] = sharp(canvas), look = [width, height, canvas.width, dark()].join();
+    const {canvas, background} = this, [pen, width, height] = sharp(canvas);
+    if (!canvas.width || !canvas.height) return;  // hidden
+    const look = [width, height, canvas.width, dark()].join();
     if (look !== this.look) {
       this.look = look;
       [background.width, background.height] = [canvas.width, canvas.height];
@@ -149,7 +151,9 @@ class StripChart extends Chart {
 // circles through the middle axis, the separatrix, divide the curves round the first and the third axis.
 class Sphere extends Chart {
   constructor(canvas, film) {
-    super(canvas, film, "direction of the angular momentum in the body, and the separatrix");
+    super(canvas, film, "Directions of the angular momentum L in the body: its path, and the separatrix (grey), " +
+      "which divides motions about the axes of the least and of the largest moment");
+    canvas.title = canvas.getAttribute("aria-label");
     const start = film.polhode.points[0], eye = unit(start.map((x, i) => x + (x < 0 ? -1 : 1) * [0.75, 0.55, 0.9][i]));
     const [right, up] = across(eye);
     this.axes = [scaled(right, -1), up, eye];
@@ -195,6 +199,10 @@ class Sphere extends Chart {
     pen.textAlign = "left";
     pen.textBaseline = "top";
     pen.fillText("L in the body", 4, 4);
+    if (!polhode.separatrix.length) return;
+    pen.textBaseline = "bottom";
+    pen.fillStyle = css("#777777");
+    pen.fillText("— separatrix", 4, height - 2);
   }
 
   moving(pen, frame) {

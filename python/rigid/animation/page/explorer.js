@@ -45,7 +45,7 @@ class Explorer extends MapOnCanvas {
       if (event.key === "n" || event.key === "p") this.next(event.key === "n" ? 1 : -1);
     });
     new ResizeObserver(() => this.draw()).observe(this.canvas);
-    window.matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.draw());
+    followTheme(() => this.draw());
   }
 
   // Shows the map of a text in JSON, with the view of an address. A later call overtakes an earlier one.

@@ -2,4 +2,5 @@
 const page = JSON.parse(document.getElementById("film").textContent);
 document.title = page.title;
 const player = new Player(document.getElementById("player"));
-player.show(page.films, page.title);
+followTheme(() => {});  // a player looks at each frame whether its paper is dark
+player.show(page.films, page.story);

@@ -1,6 +1,7 @@
 // The player: a clock, the controls, the keys; it shows films of equal times side by side.
 const HELP = [["space", "play, pause"], ["← →", "frame by frame"], ["+ −", "faster, slower"],
-  ["Home End", "first, last frame"], ["r", "reset the view"], ["f", "full screen"], ["h", "this help"],
+  ["Home End", "first, last frame"], ["r", "reset the view"], ["f", "full screen"],
+  ["s", "save a picture (PNG)"], ["v", "save a video: from the first frame to the last"], ["h", "this help"],
   ["drag, pinch", "turn, come closer"]];
 const CORNERS = `<svg width="14" height="14" viewBox="0 0 14 14" aria-hidden="true">
   <path d="M1 5V1h4M9 1h4v4M13 9v4H9M5 13H1V9" fill="none" stroke="currentColor" stroke-width="1.6"/></svg>`;
@@ -15,11 +16,13 @@ class Player {
     this.last = null;
     this.playing = false;
     root.classList.add("player");
-    root.innerHTML = `<h1></h1><div class="stages"></div><div class="charts"></div>
+    root.innerHTML = `<h1 class="written"></h1><p class="meanings written"></p><div class="stages"></div><div class="charts"></div>
       <footer><button type="button" class="play" aria-pressed="false"></button>
       <input type="range" min="0" value="0" step="1" aria-label="time"><output></output>
-      <label>speed <select aria-label="speed">${SPEEDS.map(x => `<option value="${x}">× ${x}</option>`).join("")}</select></label>
+      <label><span>speed</span> <select aria-label="speed">${SPEEDS.map(x => `<option value="${x}">× ${x}</option>`).join("")}</select></label>
       <button type="button" class="reset" title="reset the view (r)">reset view</button>
+      <button type="button" class="picture" title="save a picture (s)">PNG</button>
+      <button type="button" class="video" title="save a video (v)" aria-pressed="false">video</button>
       <button type="button" class="full" title="full screen (f)" aria-label="full screen">${CORNERS}</button>
       <button type="button" class="help" aria-expanded="false" aria-label="keys" title="keys (h)">?</button></footer>
       <dl class="keys" hidden>${[...HELP, ...more].map(([key, what]) => `<dt>${key}</dt><dd>${what}</dd>`).join("")}</dl>`;
@@ -30,6 +33,9 @@ class Player {
     this.chosen.value = "1";
     this.chosen.onchange = () => { this.speed = Number(this.chosen.value); };
     find(".reset").onclick = () => this.camera.reset();
+    find(".picture").onclick = () => savePicture(this);
+    find(".video").onclick = () => this.record();
+    find(".video").hidden = !window.MediaRecorder;
     find(".full").onclick = () => this.fill();
     find(".help").onclick = () => this.help();
     document.addEventListener("keydown", event => this.key(event));
@@ -38,10 +44,13 @@ class Player {
     requestAnimationFrame(now => this.tick(now));
   }
 
-  show(films, title) {
-    this.stages.forEach(stage => stage.remove());
+  show(films, story) {
+    this.recorder?.stop();
     const find = name => this.root.querySelector(name), first = films[0];
-    find("h1").textContent = title;
+    this.stages.forEach(stage => stage.remove());
+    find(".stages").replaceChildren();
+    find("h1").textContent = story;
+    this.explain(films);
     this.films = films;
     this.due = first.shown.reduce((times, shown) => [...times, times[times.length - 1] + shown], [0]);
     this.slider.max = first.t.length - 1;
@@ -50,13 +59,33 @@ class Player {
       const holder = document.createElement("div");
       holder.className = "holder";
       find(".stages").append(holder);
+      if (films.length > 1) holder.innerHTML = `<p class="which written"></p>`, holder.firstChild.textContent = film.name;
       return new Stage(holder, film, this.camera, `${film.title}: film of the motion; drag to turn it`);
     });
     if (!this.stages.every(stage => stage.painter.name === "WebGL2")) find("h1").textContent += "; without WebGL2, so drawn without depth and light";
-    [...find(".stages").children].forEach(holder => { if (!holder.children.length) holder.remove(); });
     this.chart();
     this.seek(0);
     this.play(!window.matchMedia("(prefers-reduced-motion: reduce)").matches);
+  }
+
+  // The words for what is drawn, each meaning once with all its labels.
+  explain([film]) {
+    const words = [film.title];
+    film.parts.filter(part => part.meaning).forEach((part, k, all) => {
+      const mark = document.createElement("b");
+      mark.textContent = part.label || {faces: "■", line: "○", trail: "—"}[part.kind];
+      mark.dataset.ink = part.colours[0];
+      words.push(k && all[k - 1].meaning === part.meaning ? ", " : "; ", mark);
+      if (all[k + 1]?.meaning !== part.meaning) words.push(` ${part.meaning}`);
+    });
+    this.root.querySelector(".meanings").replaceChildren(...words);
+  }
+
+  record() {
+    if (this.recorder) return this.recorder.stop();
+    const button = this.root.querySelector(".video"), mark = recording => button.setAttribute("aria-pressed", String(recording));
+    this.recorder = new Recorder(this, () => { this.recorder = null; mark(false); });
+    mark(true);
   }
 
   chart() {  // what stands beside the stages
@@ -97,7 +126,7 @@ class Player {
     };
     const actions = {" ": () => this.play(!this.playing), ArrowLeft: () => step(-1), ArrowRight: () => step(1),
       "+": () => pace(1), "=": () => pace(1), "-": () => pace(-1), Home: () => step(-Infinity), End: () => step(Infinity),
-      r: () => this.camera.reset(), f: () => this.fill(), h: () => this.help()};
+      r: () => this.camera.reset(), f: () => this.fill(), s: () => savePicture(this), v: () => this.record(), h: () => this.help()};
     const action = actions[event.key];
     if (!action || (onControl && event.key === " " && event.target !== this.slider)) return;
     event.preventDefault();
@@ -133,7 +162,9 @@ class Player {
     this.slider.value = frame;
     this.clock.textContent = `t = ${film.t[frame].toFixed(film.digits)} s`;
     this.slider.setAttribute("aria-valuetext", this.clock.textContent);
+    this.root.querySelectorAll(".meanings b").forEach(mark => { mark.style.color = css(mark.dataset.ink); });
     this.stages.forEach(stage => stage.draw(frame));
     this.charts.forEach(chart => chart.draw(frame));
+    this.recorder?.draw();
   }
 }

@@ -67,13 +67,13 @@ function filmOf(map, numbers, strip, times, {omega, attitude}, speed) {
   const momentum = omega.map((w, k) => turned(attitude[k], w.map((x, i) => x * moments[i])));
   const rates = omega.map((w, k) => turned(attitude[k], w));
   const longest = vectors => vectors.reduce((most, v) => Math.max(most, size(v)), 0) || 1;
-  const part = (kind, points, colours, more = {}) => ({kind, points, colours, opacity: 1, carried: false, label: "", ...more});
+  const part = (kind, points, colours, more = {}) => ({kind, points, colours, opacity: 1, carried: false, label: "", meaning: "", ...more});
   const unitVectors = [[1, 0, 0], [0, 1, 0], [0, 0, 1]], up = !isFree ? [0, 0, 1] : unit(momentum[0]);
   let parts, reach, centre = [0, 0, 0];
   if (isTop) {
     const direction = unit(weight);
     parts = [part("faces", topOf(moments, direction), [...Array(4).fill(inks.body), ...Array(4).fill(inks.axes[0])], {carried: true}),
-      part("trail", attitude.map(q => scaled(turned(q, direction), 1.45)), [inks.axes[2]]),
+      part("trail", attitude.map(q => scaled(turned(q, direction), 1.45)), [inks.axes[2]], {meaning: "path of the axis through the centre of mass"}),
       part("arrow", [[0, 0, 1.6]], [inks.vertical], {label: "vertical"})];
     const tips = parts[1].points, lowest = tips.reduce((least, tip) => Math.min(least, tip[2]), 0);
     centre = [0, 0, 0.5 * (1.6 + lowest)];
@@ -82,14 +82,16 @@ function filmOf(map, numbers, strip, times, {omega, attitude}, speed) {
     const [faces, half] = boxOf(moments), most = longest(rates), spun = longest(momentum);
     const tips = rates.map(w => scaled(w, 1.2 / most));
     parts = [part("faces", faces, inks.axes.flatMap(ink => [ink, ink]), {carried: true}),
-      ...unitVectors.map((e, i) => part("arrow", [scaled(e, half[i] + 0.35)], [inks.axes[i]], {carried: true, label: String(i + 1)})),
-      part("trail", tips, ["#444444"]),
-      part("arrow", tips, [inks.omega], {label: "ω"}),
-      part("arrow", momentum.map(v => scaled(v, 1.5 / spun)), [inks.L], {label: "L"})];
+      ...unitVectors.map((e, i) => part("arrow", [scaled(e, half[i] + 0.35)], [inks.axes[i]], {carried: true, label: String(i + 1), meaning: "principal axes"})),
+      part("trail", tips, ["#444444"], {meaning: "path of ω"}),
+      part("arrow", tips, [inks.omega], {label: "ω", meaning: "angular velocity"}),
+      part("arrow", momentum.map(v => scaled(v, 1.5 / spun)), [inks.L], {label: "L", meaning: "angular momentum"})];
     reach = 1.75;
   }
+  const some = Array.from({length: 64}, (_, k) => attitude[Math.floor(k * (attitude.length - 1) / 63)]);
+  const grounded = isTop && parts[0].points.flat().every(p => some.every(q => turned(q, p)[2] > -0.02));
   const step = t.length > 1 ? t[1] - t[0] : 1, digits = Math.max(0, Math.ceil(-Math.log10(step) - 1e-9));
-  return {view: isTop ? "top" : "box", title: map.scene, t, digits, shown: t.map(() => step / speed),
+  return {view: isTop ? "top" : "box", title: map.scene, grounded, t, digits, shown: t.map(() => step / speed),
     trail: 0.25 * t[t.length - 1], attitude, frame: across(up), centre, reach, camera: map.camera, parts, chart: strip,
     polhode: isFree && isFinite(momentum[0][0]) && size(momentum[0]) > 0 ? {
       points: omega.map(w => unit(w.map((x, i) => x * moments[i]))), separatrix: separatrixOf(moments)} : null};

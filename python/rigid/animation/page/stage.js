@@ -57,7 +57,7 @@ function steer(element, camera) {
   element.addEventListener("dblclick", () => camera.reset());
 }
 
-// Triangles of polygons, with normals averaged where neighbouring faces meet at less than 35 degrees.
+// Triangles of polygons, with normals averaged where neighbouring faces meet at less than 45 degrees.
 function trianglesOf(faces, colours) {
   const normals = faces.map(p => p.length < 4
     ? cross(sum(p[1], p[0], -1), sum(p[2], p[0], -1))
@@ -68,7 +68,7 @@ function trianglesOf(faces, colours) {
     if (!meeting.has(k)) meeting.set(k, new Set());
     meeting.get(k).add(i);
   }));
-  const vertices = [], least = Math.cos(35 * Math.PI / 180);
+  const vertices = [], least = Math.cos(45 * Math.PI / 180);
   faces.forEach((face, i) => {
     if (size(normals[i]) < 1e-12) return;
     const own = unit(normals[i]), ink = colours[i % colours.length];
@@ -183,39 +183,63 @@ class Stage {
     const look = {frame, ratio, width, height, right, upward, eye, at, project,
       sides: [scale * least / width, scale * least / height], near: 2 * film.reach, far: 8 * film.reach};
     this.painter.draw(film, look);
-    for (const {part, name} of this.names) this.place(name, part, look);
+    this.label(look);
   }
 
-  place(name, part, look) {
-    const {film} = this, tip = placed(film, part, look.frame)[0];
-    const [x, y] = look.project(tip), [x0, y0] = look.project([0, 0, 0]);
-    const away = Math.hypot(x - x0, y - y0) || 1, gap = 13;
-    const left = clamp(x + gap * (x - x0) / away, 10, look.width - 10 - name.offsetWidth / 2);
-    const top = clamp(y + gap * (y - y0) / away, 10, look.height - 10);
-    name.style.transform = `translate(${left}px, ${top}px) translate(-50%, -50%)`;
-    name.style.color = css(part.colours[0]);
-    name.style.opacity = this.isHidden(tip, look) ? 0.3 : 1;
+  // Each label stands beyond the tip of its arrow, or beside it: where it lies on the fewest labels and arrows.
+  label(look) {
+    const {film, names} = this, [x0, y0] = look.project([0, 0, 0]), taken = [];
+    const tips = names.map(({part}) => placed(film, part, look.frame)[0]), ends = tips.map(look.project);
+    names.forEach((one, k) => {
+      const {part, name} = one, [x, y] = ends[k], away = Math.atan2(y - y0, x - x0);
+      const [wide, high] = [name.offsetWidth / 2 + 1, name.offsetHeight / 2 - 1];
+      const places = TURNS.map(turn => {
+        const gap = 8 + Math.abs(Math.cos(away + turn)) * wide + Math.abs(Math.sin(away + turn)) * 4;
+        const left = clamp(x + gap * Math.cos(away + turn), wide, look.width - wide);
+        const top = clamp(y + gap * Math.sin(away + turn), high, look.height - high);
+        const onLabel = taken.filter(other => Math.abs(left - other.left) < wide + other.wide && Math.abs(top - other.top) < high + other.high);
+        const onArrow = ends.filter(([x1, y1], j) => j !== k && fromSegment([left, top], [x0, y0], [x1, y1]) < 9);
+        return {left, top, wide, high, turn, cost: 4 * onLabel.length + onArrow.length + (turn === one.turn ? 0 : 0.4) + 0.1 * Math.abs(turn)};
+      });
+      const best = places.reduce((a, b) => b.cost < a.cost ? b : a);
+      taken.push(best);
+      Object.assign(one, best);  // a label leaves its side for a better one only
+      name.style.transform = `translate(${best.left}px, ${best.top}px) translate(-50%, -50%)`;
+      name.style.color = css(part.colours[0]);
+      name.style.opacity = this.isHidden(tips[k], look) ? 0.45 : 1;
+    });
   }
 
   isHidden(tip, look) {  // whether an opaque surface lies between the eye and the point
-    const {film} = this, ray = sum(look.at, tip, -1);
-    return film.parts.some(part => part.kind === "faces" && part.opacity === 1 &&
-      placed(film, part, look.frame).some(face => {
+    const {film} = this;
+    return film.parts.some(part => {
+      if (part.kind !== "faces" || part.opacity < 1) return false;
+      const [w, x, y, z] = carriedBy(film, part, look.frame), back = v => turned([w, -x, -y, -z], v);
+      const from = back(tip), ray = sum(back(look.at), from, -1);  // in the axes of the part
+      return part.points.some(face => {
         for (let c = 1; c + 1 < face.length; c++) {  // Möller and Trumbore 1997
           const u = sum(face[c], face[0], -1), v = sum(face[c + 1], face[0], -1);
           const p = cross(ray, v), det = dot(u, p);
           if (Math.abs(det) < 1e-12) continue;
-          const s = sum(tip, face[0], -1), a = dot(s, p) / det, q = cross(s, u);
+          const s = sum(from, face[0], -1), a = dot(s, p) / det, q = cross(s, u);
           const b = dot(ray, q) / det, t = dot(v, q) / det;
           if (a >= 0 && b >= 0 && a + b <= 1 && t > 1e-3) return true;
         }
         return false;
-      }));
+      });
+    });
   }
 }
 
+const TURNS = [0, 0.9, -0.9, 1.6, -1.6];  // of a label round the tip of its arrow
+
+function fromSegment([x, y], [x0, y0], [x1, y1]) {  // the distance of a point
+  const [dx, dy] = [x1 - x0, y1 - y0], share = clamp(((x - x0) * dx + (y - y0) * dy) / (dx * dx + dy * dy || 1), 0, 1);
+  return Math.hypot(x - x0 - share * dx, y - y0 - share * dy);
+}
+
 function glPainter(canvas) {
-  const gl = canvas.getContext("webgl2", {antialias: true, alpha: true, preserveDrawingBuffer: true});
+  const gl = canvas.getContext("webgl2", {antialias: true, alpha: true, stencil: true, preserveDrawingBuffer: true});
   if (!gl) return null;
   const program = (vertex, fragment) => {
     const made = gl.createProgram();
@@ -247,6 +271,8 @@ function glPainter(canvas) {
     return buffer;
   };
   const corners = stored(new Float32Array([0, -1, 0, 1, 1, -1, 1, 1]), gl.STATIC_DRAW);
+  const round = Array.from({length: 48}, (_, k) => [Math.cos(Math.PI * k / 24), Math.sin(Math.PI * k / 24), 0]);
+  const disc = stored(trianglesOf([round], [[0, 0, 0]]), gl.STATIC_DRAW);
   const isVector = part => part.kind === "arrow" || part.kind === "dot";
   let meshes = new Map(), colours = null;
 
@@ -261,7 +287,10 @@ function glPainter(canvas) {
     }));
   }
 
-  function triangles(buffer, count) {
+  const turnTo = (uniform, attitude) =>
+    gl.uniformMatrix3fv(uniform.turn, false, [[1, 0, 0], [0, 1, 0], [0, 0, 1]].flatMap(e => turned(attitude, e)));
+
+  function triangles(buffer, count, more = () => {}) {
     gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
     ["position", "normal", "colour"].forEach((name, i) => {
       const place = surface.place[name];
@@ -269,6 +298,7 @@ function glPainter(canvas) {
       gl.vertexAttribDivisor(place, 0);
       gl.vertexAttribPointer(place, 3, gl.FLOAT, false, 36, 12 * i);
     });
+    more();
     gl.drawArrays(gl.TRIANGLES, 0, count);
   }
 
@@ -286,8 +316,8 @@ function glPainter(canvas) {
   }
 
   function solid(film, part, look, opacity = part.opacity) {
-    const {uniform} = surface, attitude = carriedBy(film, part, look.frame);
-    gl.uniformMatrix3fv(uniform.turn, false, [[1, 0, 0], [0, 1, 0], [0, 0, 1]].flatMap(e => turned(attitude, e)));
+    const {uniform} = surface;
+    turnTo(uniform, carriedBy(film, part, look.frame));
     gl.uniform1f(uniform.opacity, opacity);
     gl.uniform1f(uniform.gloss, part.kind === "faces" ? 0.22 : 0.1);
     const {buffer, count} = isVector(part) ? vectorMesh(film, part, pointsAt(film, part, look.frame)[0]) : meshes.get(part);
@@ -300,12 +330,49 @@ function glPainter(canvas) {
     return gl.disable(gl.CULL_FACE);
   }
 
+  // A ground that fades outward, and on it the shadow in the light of a wide lamp: the mean of the shadows of its points.
+  function ground(film, view, frame) {
+    const {uniform, place} = surface, {reach} = film, points = 12;
+    const plain = (opacity, ink) => {
+      gl.uniform1f(uniform.opacity, opacity);
+      gl.disableVertexAttribArray(place.colour);
+      gl.vertexAttrib3f(place.colour, ...ink);
+    };
+    gl.uniform1f(uniform.gloss, 0);
+    gl.depthMask(false);
+    for (let k = 1; k <= 25; k++) {
+      const turn = [0, 1, 2].flatMap(i => scaled([0, 1, 2].map(j => i === j ? 1 : 0), 1.2 * reach * k / 25));
+      gl.uniformMatrix3fv(uniform.turn, false, turn);
+      triangles(disc, 46 * 3, () => plain(0.009, inked("#777777")));
+    }
+    gl.disable(gl.DEPTH_TEST);
+    gl.enable(gl.STENCIL_TEST);
+    gl.stencilOp(gl.KEEP, gl.KEEP, gl.REPLACE);
+    for (let k = 0; k < points; k++) {
+      const out = 0.35 * Math.sqrt((k + 0.5) / points), angle = 2.4 * k;
+      const [x, y] = [0.25 + out * Math.cos(angle), -0.2 + out * Math.sin(angle)];  // slopes of a ray from above
+      const shadow = [1, 0, 0, 0, 0, 1, 0, 0, x, y, 0, 0, 0, 0, 0, 1];
+      const flat = [0, 1, 2, 3].flatMap(j => [0, 1, 2, 3].map(i => [0, 1, 2, 3].reduce((s, m) => s + view[4 * m + i] * shadow[4 * j + m], 0)));
+      gl.uniformMatrix4fv(uniform.view, false, flat);
+      gl.stencilFunc(gl.NOTEQUAL, k + 1, 255);  // each dot is darkened once
+      film.parts.filter(part => part.kind === "faces" && part.carried).forEach(part => {
+        const {buffer, count} = meshes.get(part);
+        turnTo(uniform, carriedBy(film, part, frame));
+        triangles(buffer, count, () => plain(0.5 / points, [0, 0, 0]));
+      });
+    }
+    gl.disable(gl.STENCIL_TEST);
+    gl.enable(gl.DEPTH_TEST);
+    gl.depthMask(true);
+    gl.uniformMatrix4fv(uniform.view, false, view);
+  }
+
   function curve(film, part, look) {
     const first = part.kind === "trail" ? trailBegin(film, look.frame) : 0;
     const last = part.kind === "trail" ? look.frame : part.points.length - 1;
     if (last <= first) return;
-    const {uniform} = ribbon, attitude = carriedBy(film, part, look.frame);
-    gl.uniformMatrix3fv(uniform.turn, false, [[1, 0, 0], [0, 1, 0], [0, 0, 1]].flatMap(e => turned(attitude, e)));
+    const {uniform} = ribbon;
+    turnTo(uniform, carriedBy(film, part, look.frame));
     gl.uniform3fv(uniform.ink, inked(part.colours[0]));
     gl.uniform1f(uniform.pieces, last - first);
     gl.uniform1f(uniform.oldest, part.kind === "trail" && film.trail !== null ? 0 : 1);
@@ -333,7 +400,7 @@ function glPainter(canvas) {
     const view = [0, 1, 2].flatMap(i => rows.map(row => row[i])).concat(shift);
     gl.viewport(0, 0, canvas.width, canvas.height);
     gl.clearColor(0, 0, 0, 0);
-    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT | gl.STENCIL_BUFFER_BIT);
     gl.enable(gl.DEPTH_TEST);
     gl.enable(gl.BLEND);
     gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
@@ -352,6 +419,7 @@ function glPainter(canvas) {
       film.parts.filter(part => part.kind === "line" || part.kind === "trail").forEach(part => curve(film, part, look));
     };
     surfaces();
+    if (film.grounded) ground(film, view, look.frame);
     film.parts.filter(part => part.kind === "faces" && part.opacity === 1).forEach(part => solid(film, part, look));
     film.parts.filter(isVector).forEach(part => solid(film, part, look));
     curves();

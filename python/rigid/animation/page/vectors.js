@@ -21,7 +21,18 @@ function across(direction) {  // a right-handed triad with the direction as its 
   return [first, cross(along, first), along];
 }
 
-const dark = () => window.matchMedia("(prefers-color-scheme: dark)").matches;
+// The theme is that of the page around, once it has sent one, else that of the system.
+let theme = null;
+const dark = () => theme ? theme === "dark" : window.matchMedia("(prefers-color-scheme: dark)").matches;
+
+function followTheme(changed) {
+  window.addEventListener("message", ({data}) => {
+    if (data?.rigidTheme !== "light" && data?.rigidTheme !== "dark") return;
+    document.documentElement.dataset.theme = theme = data.rigidTheme;
+    changed();
+  });
+  window.matchMedia("(prefers-color-scheme: dark)").addEventListener("change", changed);
+}
 
 // The colour on the paper of the page: on dark paper greys are turned round and deep colours are raised.
 function inked(colour) {
