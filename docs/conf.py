@@ -20,8 +20,9 @@ extensions = [
     "sphinx.ext.autodoc",
     "sphinx.ext.autosummary",
     "sphinx.ext.viewcode",
-    "sphinx.ext.mathjax",
     "sphinx_gallery.gen_gallery",
+    "formulas",
+    "page_hooks",
 ]
 exclude_patterns = [
     "gallery/*",
@@ -35,7 +36,8 @@ templates_path = ["_templates"]
 html_theme = "furo"
 html_title = f"rigid {release}"
 html_static_path = ["_static", "style"]
-html_css_files = ["pictures.css"]
+html_css_files = ["site.css"]
+html_js_files = [("films.js", {"defer": "defer"})]
 
 myst_enable_extensions = ["dollarmath"]
 myst_heading_anchors = 3
