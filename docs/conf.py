@@ -50,10 +50,14 @@ python_maximum_signature_line_length = 88
 autosummary_generate = True
 numpydoc_show_class_members = False  # members are described where they are
 
+# The subjects of the gallery, in the order of its page.
+SUBJECTS = ["throws", "free_rotation", "heavy_top", "chaos", "methods", "rotations", "forces"]
+
 sphinx_gallery_conf = {
     "examples_dirs": ["gallery", "tutorials"],
     "gallery_dirs": ["figures", "tutorial_pages"],
     "filename_pattern": r"/plot_",
+    "subsection_order": [f"gallery/{subject}" for subject in SUBJECTS],
     "within_subsection_order": "FileNameSortKey",
     "abort_on_example_error": True,
     "download_all_examples": False,
