@@ -21,8 +21,9 @@ extensions = [
     "sphinx.ext.autodoc",
     "sphinx.ext.autosummary",
     "sphinx.ext.viewcode",
-    "sphinx.ext.mathjax",
     "sphinx_gallery.gen_gallery",
+    "formulas",
+    "page_hooks",
 ]
 exclude_patterns = [
     "gallery/*",
@@ -36,7 +37,8 @@ templates_path = ["_templates"]
 html_theme = "furo"
 html_title = f"rigid {release}"
 html_static_path = ["_static", "style"]
-html_css_files = ["pictures.css"]
+html_css_files = ["site.css"]
+html_js_files = [("films.js", {"defer": "defer"})]
 
 myst_enable_extensions = ["dollarmath"]
 myst_heading_anchors = 3
@@ -55,10 +57,14 @@ python_maximum_signature_line_length = 88
 autosummary_generate = True
 numpydoc_show_class_members = False  # members are described where they are
 
+# The subjects of the gallery, in the order of its page.
+SUBJECTS = ["throws", "free_rotation", "heavy_top", "chaos", "methods", "rotations", "forces"]
+
 sphinx_gallery_conf = {
     "examples_dirs": ["gallery", "tutorials"],
     "gallery_dirs": ["figures", "tutorial_pages"],
     "filename_pattern": r"/plot_",
+    "subsection_order": [f"gallery/{subject}" for subject in SUBJECTS],
     "within_subsection_order": "FileNameSortKey",
     "abort_on_example_error": True,
     "download_all_examples": False,

@@ -69,12 +69,19 @@ def modules() -> list[str]:
 
 
 def map_parameters() -> str:
-    """The table of ``maps_reference.md``: a row for the parameters of one meaning."""
+    """The table of ``maps_reference.md``: parameters that differ only in their axis share a row."""
+
+    def cells(name: str) -> tuple[str, str]:
+        parameter, last = PARAMETERS[name], name[-1]
+        meaning = parameter.meaning
+        if last.isdigit():
+            meaning = meaning.replace(last, "1, 2 or 3")
+        return "" if parameter.unit == "1" else parameter.unit, meaning
+
     lines = ["| names | unit | meaning |", "|---|---|---|"]
-    words = {name: (p.unit, p.meaning.rstrip(" 123")) for name, p in PARAMETERS.items()}
-    for (unit, meaning), names in groupby(words, key=words.__getitem__):
+    for (unit, meaning), names in groupby(PARAMETERS, key=cells):
         listed = ", ".join(f"`{name}`" for name in names)
-        lines.append(f"| {listed} | {'' if unit == '1' else unit} | {meaning} |")
+        lines.append(f"| {listed} | {unit} | {meaning} |")
     return "\n".join(lines) + "\n"
 
 

@@ -23,7 +23,9 @@ moments = np.array(body.moments) / max(body.moments)
 orbit = rigid.Orbit(2.0 * np.pi, eccentricity=0.1236)
 hyperion = rigid.FreeBody(rigid.Body(tuple(moments)), orbit=orbit)
 print("moments over the largest:", moments.round(3))
+# sphinx_gallery_start_ignore
 assert np.allclose(moments, [0.563, 0.857, 1.0], atol=1e-3)
+# sphinx_gallery_end_ignore
 
 # %%
 # In the plane of the orbit the rotation has one angle. Two numbers tell how round the moon is: the
@@ -32,7 +34,9 @@ assert np.allclose(moments, [0.563, 0.857, 1.0], atol=1e-3)
 ratio = np.sqrt(3.0 * (moments[1] - moments[0]) / moments[2])
 overlap = 1.0 / (2.0 + np.sqrt(14.0 * orbit.eccentricity))
 print(f"omega_0 = {ratio:.2f} n; resonances overlap above {overlap:.2f} n")
+# sphinx_gallery_start_ignore
 assert ratio > 2.0 * overlap
+# sphinx_gallery_end_ignore
 
 # %%
 # At each periapsis mark the angle of the long axis from the direction away from Saturn, and the
@@ -64,8 +68,10 @@ growth = rigid.lyapunov(
 )
 time = 1.0 / growth.exponent[0, -1]
 print(f"{growth.verdict}; a factor e in {time:.1f} orbits, {21.28 * time:.0f} days")
+# sphinx_gallery_start_ignore
 assert growth.verdict.tolist() == ["chaotic", "regular"]
 assert 1.0 < time < 2.0
+# sphinx_gallery_end_ignore
 
 # %%
 # But Hyperion does not stay in the plane. A tilt of a thousandth of a radian grows from both
@@ -77,8 +83,10 @@ for start, colour, name in ((sea, "#d55e00", "sea"), (island, "#0072b2", "island
     run = rigid.simulate(hyperion, start, tilted, t=t, method="taylor20", check=False)
     pole = run.rotation().apply([0.0, 0.0, 1.0])
     obliquity = np.degrees(np.arctan2(np.hypot(pole[:, 0], pole[:, 1]), pole[:, 2]))
+    # sphinx_gallery_start_ignore
     assert obliquity[t < 5.0].max() < 1.0
     assert obliquity.max() > 90.0
+    # sphinx_gallery_end_ignore
     ax.semilogy(t, obliquity, color=colour, label=f"from the {name}")
 ax.set(
     xlabel="orbits", ylabel="obliquity (degrees)", title="Hyperion leaves the plane of its orbit"
@@ -99,10 +107,12 @@ result = rigid.stability_map(
     rng=2026,
     progress=False,
 )
+# sphinx_gallery_start_ignore
 slow = np.array(result.spec.axes[0].values) < 2.0 * np.pi * 2.5
 upright = np.array(result.spec.axes[1].values) < 1.5
 assert (result.stable[np.ix_(upright, slow)] == 0).all()  # prograde and slow: none is regular
 assert (result.stable[-1, 2:] == 1).mean() > 0.9  # retrograde: nearly all are
+# sphinx_gallery_end_ignore
 ax = result.plot()
 ax.set(xlabel="spin (rad an orbit; 6.28 is synchronous)", ylabel="obliquity (rad)")
 plt.show()
@@ -126,9 +136,11 @@ seen = rigid.lyapunov(hyperion, 2.0 * np.pi * 4.35 * axes, attitudes, t=[100.0, 
 verdicts = {name: int((seen.verdict == name).sum()) for name in ("regular", "chaotic", "undecided")}
 median = np.median(seen.exponent[:, -1])
 print(verdicts, f"median exponent {median:.2f} an orbit, {growth.exponent[0, -1]:.2f} in the sea")
+# sphinx_gallery_start_ignore
 assert verdicts["regular"] > 5
 assert verdicts["chaotic"] > 5
 assert median < 0.25 * growth.exponent[0, -1]
+# sphinx_gallery_end_ignore
 
 # %%
 # So the attitude decides. Many of these rotations are regular over 200 orbits, which are twelve

@@ -391,7 +391,7 @@ def test_gallery(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     plt.switch_backend("Agg")
     shown: list[int] = []
     monkeypatch.setattr(plt, "show", lambda: shown.extend(plt.get_fignums()))
-    page = GALLERY / f"plot_{name}.py"
+    (page,) = GALLERY.rglob(f"plot_{name}.py")
     names = runpy.run_path(str(page))
     for number in shown:
         plt.figure(number).savefig(BytesIO(), format="png", dpi=40)

@@ -42,7 +42,8 @@ def test_gallery(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     plt.switch_backend("Agg")
     shown: list[int] = []
     monkeypatch.setattr(plt, "show", lambda: shown.extend(plt.get_fignums()))
-    names = runpy.run_path(str(GALLERY / f"plot_{name}.py"))
+    (page,) = GALLERY.rglob(f"plot_{name}.py")
+    names = runpy.run_path(str(page))
     for number in set(shown):
         plt.figure(number).savefig(BytesIO(), format="png", dpi=40)
     plt.close("all")

@@ -1,0 +1,80 @@
+"""What Sphinx does to the pages of rigid besides its own work."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Any
+
+from docutils import nodes
+from numpydoc.docscrape import ClassDoc
+from sphinx.application import Sphinx
+from sphinx.ext.autosummary import autosummary_toc
+
+WIDE = 4
+"""Tables with so many columns become lists on a phone."""
+
+
+def show_dark_pictures(app: Sphinx, doctree: nodes.document) -> None:
+    """Beside NAME.png show NAME-dark.png, if there is one, in the dark theme."""
+    folder = Path(app.env.doc2path(app.env.docname)).parent
+    for light in list(doctree.findall(nodes.image)):
+        name = Path(light["uri"])
+        twin = name.with_name(f"{name.stem}-dark{name.suffix}")
+        if not (folder / twin).is_file():
+            continue
+        dark = light.deepcopy()
+        dark["uri"] = twin.as_posix()
+        light["classes"].append("only-light")
+        dark["classes"].append("only-dark")
+        light.parent.insert(light.parent.index(light) + 1, dark)
+
+
+def name_cells(app: Sphinx, doctree: nodes.document) -> None:
+    """Give each cell of a wide table the head of its column: a phone shows it above the cell."""
+    for table in doctree.findall(nodes.tgroup):
+        if table["cols"] < WIDE:
+            continue
+        table.parent["classes"].append("wide")
+        heads = [entry.astext() for entry in next(table.findall(nodes.thead))[0]]
+        for row in next(table.findall(nodes.tbody)):
+            for head, cell in zip(heads, row, strict=True):
+                if head and cell.astext():
+                    cell.insert(0, nodes.container("", nodes.Text(head), classes=["head"]))
+
+
+def tidy_signature(
+    app: Sphinx, what: str, name: str, value: Any, options: object, args: str | None, result: str
+) -> tuple[str, str] | None:
+    """Write types and defaults as a user does; a class that users do not make has no arguments.
+
+    The docstring of such a class names no parameters.
+    """
+    if what == "class" and not ClassDoc(value)["Parameters"]:
+        return "", ""
+    return None if args is None else (_as_written(args), _as_written(result or ""))
+
+
+def _as_written(signature: str) -> str:
+    for shown, written in (
+        (r"<class '([\w.]+)'>", r"\1"),
+        (r"TypeAliasForwardRef\('(\w+)'\)", r"\1"),
+        (r"ndarray\[tuple\[Any, \.\.\.\], dtype\[(\w+)\]\]", r"NDArray[\1]"),
+    ):
+        signature = re.sub(shown, written, signature)
+    return signature
+
+
+def list_on_one_page(app: Sphinx, doctree: nodes.document) -> None:
+    """Leave the functions of a module to the table of its page: they make every sidebar long."""
+    for table in list(doctree.findall(autosummary_toc)):
+        table.parent.remove(table)
+
+
+def setup(app: Sphinx) -> dict[str, bool]:
+    """Before Sphinx collects the pictures of a page, and before numpydoc."""
+    app.connect("doctree-read", show_dark_pictures, priority=400)
+    app.connect("doctree-read", name_cells)
+    app.connect("doctree-read", list_on_one_page, priority=400)
+    app.connect("autodoc-process-signature", tidy_signature, priority=400)
+    return {"parallel_read_safe": True, "parallel_write_safe": True}
