@@ -179,7 +179,7 @@ def film_of(
     body: int | None = None,
     trail: float | None = None,
 ) -> Film:
-    """The frames of an animation of a run; the arguments are those of :meth:`rigid.Run.animate`.
+    """The frames of an animation of a run, with the arguments of :meth:`rigid.Run.animate`.
 
     Examples
     --------
