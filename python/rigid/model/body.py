@@ -1,4 +1,4 @@
-"""Bodies: principal moments of inertia, however they are known."""
+"""Bodies by their principal moments of inertia, from moments, solids, meshes, tensors or points."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ __all__ = [
 Floats = NDArray[np.float64]
 
 Moments: TypeAlias = tuple[float, float, float] | Floats
-"""Principal moments of one body, or those of many, shape (..., 3)."""
+"""Principal moments of one body, or of many bodies with shape (..., 3)."""
 
 
 @dataclass(frozen=True, slots=True, init=False, eq=False, repr=False)
@@ -50,9 +50,8 @@ class Body:
     Body axes are the principal axes, through the fixed point if there is one, else through the
     centre of mass. The moments keep your order; nothing is sorted.
 
-    Moments of shape ``(n, 3)`` are those of ``n`` bodies. ``len(body)`` is their number,
-    ``body[i]`` is one of them, and a slice or an array of indices takes some; any leading axes will
-    do.
+    Moments of shape ``(n, 3)`` describe ``n`` bodies. ``len(body)`` is their number, ``body[i]`` is
+    one of them, and a slice or an array of indices takes some; any leading axes will do.
 
     Parameters
     ----------
@@ -188,7 +187,7 @@ class Body:
 
     @classmethod
     def from_tensor(cls, tensor: ArrayLike) -> tuple[Body, NDArray[np.float64]]:
-        """The body of a tensor of inertia, and its principal axes.
+        """The body with a tensor of inertia, and its principal axes.
 
         Parameters
         ----------
@@ -348,7 +347,7 @@ class Body:
     def from_points(
         cls, masses: ArrayLike, points: ArrayLike, *, about: ArrayLike | None = None
     ) -> tuple[Body, NDArray[np.float64]]:
-        """The body of mass points, and its principal axes.
+        """The rigid body that consists of mass points, and its principal axes.
 
         Parameters
         ----------
@@ -466,7 +465,7 @@ class Body:
     ) -> tuple[Body, NDArray[np.float64]]:
         """The homogeneous body in an OBJ file, and its principal axes.
 
-        Parameters, results and errors are those of :meth:`from_stl`; polygons become triangles.
+        Parameters, results and errors are as for :meth:`from_stl`; polygons become triangles.
         """
         from ..meshes import file_properties
 
@@ -480,7 +479,7 @@ class Body:
         return cls(moments, mass=properties.mass)._marked("centre")
 
     def _marked(self, about: str | None) -> Body:
-        """The body itself, just made, which from now on knows the point of its moments."""
+        """The body itself, just made, with the point of its moments recorded."""
         object.__setattr__(self, "about", about)  # the dataclass is frozen
         return self
 
@@ -496,7 +495,7 @@ class Body:
 
     @property
     def symmetry_axis(self) -> int | None:
-        """The axis 1, 2 or 3 about which two moments are equal to the bit, or None.
+        """The axis 1, 2 or 3 about which two moments are exactly equal, or None.
 
         Raises
         ------
@@ -512,7 +511,7 @@ class Body:
         return 1 if i2 == i3 else None
 
     def to_dict(self) -> dict[str, Any]:
-        """The body as a dict of numbers."""
+        """The body as a dict of numbers, for JSON; :meth:`from_dict` reads it."""
         moments = self.moments
         return {
             "moments": moments.tolist() if isinstance(moments, np.ndarray) else list(moments),
@@ -522,7 +521,7 @@ class Body:
 
     @classmethod
     def from_dict(cls, data: Mapping[str, Any]) -> Body:
-        """The body of :meth:`to_dict`."""
+        """The body that :meth:`to_dict` described."""
         return cls(data["moments"], mass=data.get("mass"), sides=data.get("sides"))
 
 
@@ -557,7 +556,7 @@ def require_one(value: Any) -> None:
 
 
 def _checked_moments(value: ArrayLike) -> Moments:
-    """The moments; the core checks that they are finite and names the broken rule."""
+    """The moments; the core checks them and names the broken rule."""
     array = numbers("moments", value)
     if not array.ndim or array.shape[-1] != 3:
         raise ValueError(f"moments: expected shape (3,) or (..., 3), got {array.shape}")
