@@ -31,8 +31,8 @@ _ROUNDING = 1e-15
 """Rounding error of a sum of volumes, relative to its terms."""
 
 _SAME_CORNER = 4.0 * float(np.finfo(np.float32).eps)
-"""Corners are one if they differ by less than this share of the largest coordinate: files of
-meshes hold single precision, and each triangle its own copy of its corners."""
+"""Corners are one if they differ by less than this share of the largest coordinate. Files of meshes
+hold single precision, and each triangle has a copy of its corners."""
 
 _READ_FORMATS = ("obj", "off", "ply", "stl")
 
@@ -361,7 +361,7 @@ def _bluntest_first(r: Floats, triangles: Indices) -> tuple[Floats, Floats, Floa
 
 
 def _volumes(a: Floats, b: Floats, c: Floats) -> Floats:
-    """``a·b×c``: products of sides keep the digits that those of far corners lose."""
+    """``a·b×c``: products of sides keep the digits that products of far corners lose."""
     volumes: Floats = np.vecdot(a, np.cross(b - a, c - a))
     return volumes
 

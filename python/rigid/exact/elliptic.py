@@ -1,4 +1,4 @@
-"""Elliptic integrals and functions of which the closed forms are made.
+"""Elliptic integrals and functions that the closed forms use.
 
 Carlson's symmetric integrals by his duplication algorithms (B. C. Carlson, *Numerical Algorithms*
 10 (1995) 13), Jacobi's functions from the complementary parameter.
@@ -17,11 +17,13 @@ __all__ = ["agm", "carlson_rc", "carlson_rd", "carlson_rf", "carlson_rj", "jacob
 Floats = NDArray[np.float64]
 
 LARGEST = 1e200
-"""Largest argument of R_D and R_J: their duplication multiplies three square roots."""
+"""Largest argument of R_D and R_J, whose duplication multiplies three square roots."""
 
 
 def carlson_rf(x: ArrayLike, y: ArrayLike, z: ArrayLike) -> Floats:
-    """Carlson's integral of the first kind: half that of ``1 / sqrt((t+x)(t+y)(t+z))`` over t > 0.
+    """Carlson's integral R_F of the first kind, for arguments that are not negative.
+
+    It is half the integral of ``1 / sqrt((t + x)(t + y)(t + z))`` over t > 0.
 
     DLMF 19.16.1. The arguments broadcast; they are not negative, and at most one is zero.
 

@@ -337,7 +337,7 @@ def rotate_tensor(turn: ArrayLike, tensor: ArrayLike, *, order: int = 2) -> Floa
 
 
 def symmetric_tensor(name: str, value: ArrayLike) -> Floats:
-    """``value`` as finite symmetric matrices ``(..., 3, 3)``, made symmetric to the bit."""
+    """``value`` as finite symmetric matrices ``(..., 3, 3)``, made exactly symmetric."""
     t = shaped(name, value, 3, 3)
     apart = t - np.swapaxes(t, -1, -2)
     scale = np.abs(t).max(axis=(-2, -1), keepdims=True)

@@ -47,7 +47,7 @@ def growth_by_formula() -> float:
 
 
 def growth_by_motion() -> float:
-    """The same from a disturbance of 1e-10, between the times at which exp(k t) is e⁸ and e¹⁴."""
+    """Growth rate of a disturbance of 1e-10, between the times with exp(k t) = e⁸ and e¹⁴."""
     times = np.array([8.0, 14.0]) / growth_by_formula()
     run = simulate(FreeBody(Body(RACKET)), [1e-10, 1.0, 0.0], t=times, record="rates")
     first, last = np.abs(run.omega[:, 0])

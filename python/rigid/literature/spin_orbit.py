@@ -138,7 +138,7 @@ def period_of_mercury() -> float:
 
 
 def formula_of_mercury() -> float:
-    """The same by the series of the torque averaged over the orbit."""
+    """Period (years) of the free libration by the series of the torque averaged over the orbit."""
     strength = 3.0 * MERCURY * (3.5 * E_MERCURY - 123.0 / 16.0 * E_MERCURY**3)
     return YEAR_OF_MERCURY / sqrt(strength)
 
@@ -149,7 +149,7 @@ def width(eccentricity: float, strength: float) -> float:
 
 
 def measured_width() -> float:
-    """The same over that of the series, from the spins of a map that keep 3/2 on average."""
+    """Width of 3:2 over its width by the series, from spins that keep 3/2 on average."""
     strength = 3e-4
     half = width(E_WIDTH, strength)
     places = np.linspace(0.9, 1.1, 21)
