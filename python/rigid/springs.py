@@ -185,7 +185,7 @@ def pair_system(
     rest: ArrayLike | None = None,
     law: Law | None = None,
 ) -> PairSystem:
-    """Create particles joined by springs, or by another potential of their distances.
+    """Particles joined by springs, or by another potential of their distances.
 
     ``V = Σ k (d - d0)²/2``, or the sum of the given law over the pairs (lecture notes, § 5.1).
 
@@ -245,7 +245,7 @@ def pair_system(
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class SpringPath:
-    """The motion of a body of springs, and that of the rigid body.
+    """The motion of a body of springs, and of the rigid body that it approximates.
 
     Attributes
     ----------

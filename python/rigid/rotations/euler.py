@@ -48,7 +48,7 @@ class EulerRates:
     rates : ndarray, shape (..., 3)
         ``phi', theta', psi'`` (rad/s).
     singular : ndarray of bool, shape (...)
-        Whether body axis 3 is vertical, so that the rates are those of least norm.
+        Whether body axis 3 is vertical, so that the rates of least norm are returned.
     residual : ndarray, shape (...)
         The part of the angular velocity that no Euler rates produce (rad/s): zero unless singular,
         then the component along the horizontal direction perpendicular to the node line.
@@ -123,7 +123,7 @@ def rotation_z(angle: ArrayLike, *, passive: bool = False) -> Floats:
 
 
 def euler_to_matrix(angles: ArrayLike, *, passive: bool = False) -> Floats:
-    """The rotation matrix of Euler angles.
+    """The rotation matrix of Euler angles ``(phi, theta, psi)``.
 
     Goldstein, § 4.4; Ercan 2016, § 3 (``A = BCD``, the passive matrix). In the lecture notes the
     matrix of eqs. (5.2), (5.3) is the passive one as well, although eq. (5.1) uses the same letter
@@ -159,7 +159,7 @@ def euler_to_matrix(angles: ArrayLike, *, passive: bool = False) -> Floats:
 
 
 def matrix_to_euler(matrix: ArrayLike, *, passive: bool = False) -> Floats:
-    """The Euler angles of a rotation matrix.
+    """The Euler angles ``(phi, theta, psi)`` of a rotation matrix.
 
     ``theta`` is between 0 and pi, ``phi`` and ``psi`` are in (-pi, pi]. If ``sin(theta)`` is zero
     to rounding, ``psi = 0`` and ``theta`` is 0 or pi. The matrix of the angles is always the given
