@@ -52,7 +52,7 @@ __all__ = [
 ]
 
 LEAST_TOLERANCE = 1e-14
-"""The least tolerance of Runge-Kutta steps: the second run of the estimate has a smaller one."""
+"""The least tolerance of Runge-Kutta steps: the second run has a smaller tolerance."""
 
 
 @in_standard_floats
@@ -361,7 +361,7 @@ def _spec(
     tolerance: float | None,
     record: str,
 ) -> dict[str, Any]:
-    """What a run was asked for, as a file has it."""
+    """The request of a run in the form of a file."""
     return {
         "scene": scene.to_dict(),
         "method": method,
@@ -375,7 +375,7 @@ def _spec(
 def _plan_of_any_start(
     scene: Scene, record: str, method: str | None, number: int, states: int, error: float | None
 ) -> Plan:
-    """The plan of a scene all of whose motions have a closed form."""
+    """The plan of a scene whose motions all have a closed form."""
     problem = Problem(scene=scene, record=record, method=method, number=number, states=states)
     return replace(choose_method(problem)[2](), error=error)
 
@@ -396,7 +396,7 @@ def _check_forward(times: NDArray[np.float64]) -> None:
 
 
 def _recorded(scene: Scene, record: str) -> tuple[str, ...]:
-    """Names of the arrays of a run with an axis of times."""
+    """Names of the arrays of a run that have an axis of times."""
     names = ["omega"]
     if record == "axis" or (record == "attitude" and scene.directions):
         names.append("gamma")
@@ -444,7 +444,7 @@ def _replayed(
     tolerance: float | None = None,
     strides: Sequence[int] | None = None,
 ) -> Run:
-    """A body from the very start of a map: an attitude given by a user would be normalised."""
+    """A body from the start of a map bit for bit: an attitude of a user would be normalised."""
     bodies = Bodies.of_scene(scene, omega, attitude, (), NO_EXPONENT)
     problem = Problem(
         scene=scene,
@@ -478,7 +478,7 @@ def _checked_tolerance(
     accuracy: float | None,
     scene: Scene,
 ) -> float:
-    """The tolerance, if it is one and if the method chooses its steps by it."""
+    """The tolerance, if it is valid and the method takes adaptive steps."""
     tolerance = finite_float("tolerance", tolerance, positive=True)
     if tolerance >= 1.0:
         raise ValueError(f"tolerance = {tolerance:g}: must be below one")
