@@ -63,7 +63,7 @@ def carlson_rc(x: ArrayLike, y: ArrayLike) -> Floats:
 def carlson_rd(x: ArrayLike, y: ArrayLike, z: ArrayLike) -> Floats:
     """Carlson's integral of the second kind, ``R_J(x, y, z, z)``, for ``z > 0``.
 
-    DLMF 19.16.5. Arguments and errors are those of :func:`carlson_rf`; no argument is above 1e200.
+    DLMF 19.16.5. Arguments and errors are as for :func:`carlson_rf`; no argument is above 1e200.
 
     Examples
     --------
@@ -77,7 +77,7 @@ def carlson_rd(x: ArrayLike, y: ArrayLike, z: ArrayLike) -> Floats:
 def carlson_rj(x: ArrayLike, y: ArrayLike, z: ArrayLike, p: ArrayLike) -> Floats:
     """Carlson's integral of the third kind, for ``p > 0``.
 
-    DLMF 19.16.2. Arguments and errors are those of :func:`carlson_rf`; no argument is above 1e200.
+    DLMF 19.16.2. Arguments and errors are as for :func:`carlson_rf`; no argument is above 1e200.
 
     Examples
     --------

@@ -145,7 +145,7 @@ def gamma_residual(factors: ArrayLike) -> Floats:
     Parameters
     ----------
     factors : array_like, shape (..., 3)
-        Factors of Euler's equations, such as those of :func:`gammas`.
+        Factors of Euler's equations, such as the result of :func:`gammas`.
 
     Returns
     -------

@@ -21,7 +21,7 @@ __all__ = ["ENTRIES"]
 RACKET = (0.00121, 0.01638, 0.01748)
 """Moments of a tennis racket (kg m²)."""
 RACKET_SEEN = (
-    "formula of the textbook, from memory; moments of the racket: those of Ashbaugh, Chicone and "
+    "formula of the textbook, from memory; moments of the racket by Ashbaugh, Chicone and "
     "Cushman, J. Dyn. Differ. Equ. 3 (1991) 67, as a thread of physics.stackexchange.com has them"
 )
 LANDAU = "L. D. Landau, E. M. Lifshitz, Mechanics, 3rd edition (1976), section 37"

@@ -233,7 +233,7 @@ ENTRIES = (
         "the paper itself was not found",
         compute=chaotic_time,
         reason="the exponent is 0.12 with the time in units of 1/n: in this unit the time is 8, "
-        "about ten, and in orbit periods it is 1.3. Its growth is that of the equation in the "
+        "about ten, and in orbit periods it is 1.3. It grows as by the equation in the "
         "plane by SciPy",
     ),
     Entry(
@@ -255,7 +255,7 @@ ENTRIES = (
         printed="15.847",
         value=15.847,
         within=2e-3,
-        interval="rounding, and that of the eccentricity 0.2056",
+        interval="rounding, also of the eccentricity 0.2056",
         unit="a",
         source=RAMBAUX,
         seen="period: the abstract; C22 and C: from memory",

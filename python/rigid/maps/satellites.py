@@ -100,7 +100,7 @@ def median_across(moments: Floats, size: Floats) -> Floats:
     Parameters
     ----------
     moments : ndarray, shape (n, 3)
-        Moments (kg m²); that of axis 1 is the smallest.
+        Moments (kg m²); the moment of axis 1 is the smallest.
     size : ndarray, shape (n, 2)
         Standard deviations of the rates about axes 2 and 3 (rad/s).
 
@@ -131,7 +131,7 @@ def time_to_separatrix(moments: Floats, sink: Floats, spin: Floats, across: Floa
     Parameters
     ----------
     moments : ndarray, shape (n, 3)
-        Moments (kg m²); that of axis 1 is the smallest.
+        Moments (kg m²); the moment of axis 1 is the smallest.
     sink : ndarray, shape (3,)
         Coefficients of the energy sink (kg m² s).
     spin : ndarray, shape (n,)

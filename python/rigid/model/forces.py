@@ -365,8 +365,8 @@ class Rotor(Force[Vector | Floats]):
     parameter = """\
     rotor : array_like, shape (3,) or (..., 3), optional
         Angular momentum ``h`` (kg m²/s) of a rotor relative to the body, constant in the body: a
-        gyrostat (Zhukovsky 1885, Volterra 1899). The whole momentum is ``I omega + h``; energies
-        are those of ``omega``, without that of the rotor's own spin."""
+        gyrostat (Zhukovsky 1885, Volterra 1899). The whole momentum is ``I omega + h``. Energies
+        are energies of ``omega``, without the spin energy of the rotor."""
 
 
 class Drag(Force[Vector | Floats]):

@@ -113,8 +113,7 @@ class Bodies:
         return len(self.omega)
 
     def in_axes(self, values: NDArray[Any]) -> Any:
-        """Values of the bodies, shape (n, ...), in the axes of the bodies; of one body its value.
-        """
+        """Values of the bodies, (n, ...), in the axes of the bodies; of a single body its value."""
         return values.reshape(*self.shape, *values.shape[1:]) if self.shape else values[0]
 
     def columns(self) -> dict[str, Any]:

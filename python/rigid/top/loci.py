@@ -178,7 +178,7 @@ def locus(
         Any heavy top, or many; the axis of a top is the direction to its centre of mass.
     omega, attitude : array_like, shapes (..., 3) and (..., 4)
         State at ``t = 0``; by default body and space axes coincide. The leading axes broadcast with
-        each other and with those of the tops.
+        each other and with the axes of the tops.
     t : array_like, shape (m,) or (..., m)
         Times (s), ascending; the same for all tops, or for each.
 
