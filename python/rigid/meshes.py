@@ -211,6 +211,17 @@ def file_properties(
     ------
     ValueError, OSError, ImportError
         As :func:`read_mesh` and :func:`mesh_properties`, naming the path.
+
+    Examples
+    --------
+    >>> import os, tempfile, trimesh
+    >>> from rigid import meshes
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = os.path.join(folder, "box.stl")
+    ...     _ = trimesh.creation.box((250.0, 80.0, 10.0)).export(path)
+    ...     properties = meshes.file_properties(path, mass=0.3, unit=0.001)
+    >>> (properties.tensor.diagonal() * 1e6).round(6)
+    array([ 162.5, 1565. , 1722.5])
     """
     vertices, faces = read_mesh(path, unit=unit, kind=kind)
     try:

@@ -27,6 +27,16 @@ def carlson_rf(x: ArrayLike, y: ArrayLike, z: ArrayLike) -> Floats:
 
     DLMF 19.16.1. The arguments broadcast; they are not negative, and at most one is zero.
 
+    Parameters
+    ----------
+    x, y, z : array_like
+        Arguments, not negative; at most one is zero.
+
+    Returns
+    -------
+    ndarray
+        The integral, in the shape of the broadcast arguments.
+
     Raises
     ------
     ValueError
@@ -47,6 +57,21 @@ def carlson_rc(x: ArrayLike, y: ArrayLike) -> Floats:
     DLMF 19.16.17, 19.2.20. ``x`` is not negative, ``y`` not zero, and ``x`` is positive where ``y``
     is negative; the arguments broadcast.
 
+    Parameters
+    ----------
+    x, y : array_like
+        Arguments: ``x`` not negative, ``y`` not zero.
+
+    Returns
+    -------
+    ndarray
+        The integral, in the shape of the broadcast arguments.
+
+    Raises
+    ------
+    ValueError
+        Naming the argument, its value and the rule.
+
     Examples
     --------
     >>> import rigid
@@ -65,6 +90,21 @@ def carlson_rd(x: ArrayLike, y: ArrayLike, z: ArrayLike) -> Floats:
 
     DLMF 19.16.5. Arguments and errors are as for :func:`carlson_rf`; no argument is above 1e200.
 
+    Parameters
+    ----------
+    x, y, z : array_like
+        Arguments, not negative, at most 1e200; ``z`` is positive, and at most one is zero.
+
+    Returns
+    -------
+    ndarray
+        The integral, in the shape of the broadcast arguments.
+
+    Raises
+    ------
+    ValueError
+        Naming the argument, its value and the rule.
+
     Examples
     --------
     >>> import rigid
@@ -79,6 +119,21 @@ def carlson_rj(x: ArrayLike, y: ArrayLike, z: ArrayLike, p: ArrayLike) -> Floats
 
     DLMF 19.16.2. Arguments and errors are as for :func:`carlson_rf`; no argument is above 1e200.
 
+    Parameters
+    ----------
+    x, y, z, p : array_like
+        Arguments, not negative, at most 1e200; ``p`` is positive, and at most one is zero.
+
+    Returns
+    -------
+    ndarray
+        The integral, in the shape of the broadcast arguments.
+
+    Raises
+    ------
+    ValueError
+        Naming the argument, its value and the rule.
+
     Examples
     --------
     >>> import rigid
@@ -92,6 +147,16 @@ def agm(a: ArrayLike, b: ArrayLike) -> Floats:
     """Arithmetic-geometric mean of numbers that are not negative; the arguments broadcast.
 
     DLMF 19.8. ``K = pi / (2 agm(1, sqrt(1 - m)))``.
+
+    Parameters
+    ----------
+    a, b : array_like
+        Numbers, not negative.
+
+    Returns
+    -------
+    ndarray
+        The mean, in the shape of the broadcast arguments.
 
     Raises
     ------

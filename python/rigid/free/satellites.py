@@ -66,6 +66,10 @@ def libration(body: BodyLike, rate: ArrayLike) -> Libration:
     rate : array_like, shape (...)
         Rate of the orbit (rad/s), positive.
 
+    Returns
+    -------
+    Libration
+
     Raises
     ------
     ValueError
@@ -107,6 +111,11 @@ def jacobi_integral(
         Attitudes.
     t : array_like, shape (...)
         Times (s) of the states.
+
+    Returns
+    -------
+    ndarray, shape (...)
+        Energy (J).
 
     Raises
     ------

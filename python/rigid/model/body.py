@@ -168,6 +168,24 @@ class Body:
         ``I = mass/12 (b² + c², a² + c², a² + b²)``. Sizes and masses of the solids may be arrays,
         which broadcast: then there are many bodies.
 
+        Parameters
+        ----------
+        a, b, c : array_like, shape (...)
+            Sides (m), positive.
+        mass : array_like, shape (...)
+            Mass (kg), positive.
+
+        Returns
+        -------
+        Body
+            Many bodies if a size or the mass is an array.
+
+        Raises
+        ------
+        ValueError
+            If a side or a mass is not positive or not finite, the arguments do not broadcast, or no
+            body has such moments.
+
         Examples
         --------
         >>> import rigid
@@ -225,6 +243,26 @@ class Body:
     def ellipsoid(cls, a: ArrayLike, b: ArrayLike, c: ArrayLike, *, mass: ArrayLike = 1.0) -> Body:
         """A homogeneous ellipsoid with semi-axes ``a``, ``b``, ``c`` (m) along the body axes.
 
+        ``I = mass/5 (b² + c², a² + c², a² + b²)``. Sizes and masses may be arrays, as for
+        :meth:`box`.
+
+        Parameters
+        ----------
+        a, b, c : array_like, shape (...)
+            Semi-axes (m), positive.
+        mass : array_like, shape (...)
+            Mass (kg), positive.
+
+        Returns
+        -------
+        Body
+            Many bodies if a size or the mass is an array.
+
+        Raises
+        ------
+        ValueError
+            As for :meth:`box`.
+
         Examples
         --------
         >>> import rigid
@@ -240,6 +278,25 @@ class Body:
     @classmethod
     def sphere(cls, radius: ArrayLike, *, inner: ArrayLike = 0.0, mass: ArrayLike = 1.0) -> Body:
         """A homogeneous ball, hollow up to the radius ``inner`` (m): :func:`rigid.solids.sphere`.
+
+        Parameters
+        ----------
+        radius : array_like, shape (...)
+            Outer radius (m), positive.
+        inner : array_like, shape (...)
+            Inner radius (m), from zero to the outer radius.
+        mass : array_like, shape (...)
+            Mass (kg), positive.
+
+        Returns
+        -------
+        Body
+            Many bodies if a size or the mass is an array.
+
+        Raises
+        ------
+        ValueError
+            As for :meth:`box`, or if the inner radius exceeds the outer.
 
         Examples
         --------
@@ -267,6 +324,25 @@ class Body:
 
         Without height it is a disk, and with ``inner = radius`` a ring or a pipe.
 
+        Parameters
+        ----------
+        radius, height : array_like, shape (...)
+            Outer radius (m), positive, and height (m), not negative.
+        inner : array_like, shape (...)
+            Inner radius (m), from zero to the outer radius.
+        mass : array_like, shape (...)
+            Mass (kg), positive.
+
+        Returns
+        -------
+        Body
+            Many bodies if a size or the mass is an array.
+
+        Raises
+        ------
+        ValueError
+            As for :meth:`box`, or if the inner radius exceeds the outer.
+
         Examples
         --------
         >>> import rigid
@@ -286,6 +362,23 @@ class Body:
         """A homogeneous cone (m) about body axis 3, moments about its centre of mass.
 
         A top standing on its tip is ``HeavyTop.from_mass(cone, com=(0, 0, 3 / 4 * height))``.
+
+        Parameters
+        ----------
+        radius, height : array_like, shape (...)
+            Radius of the base and height (m), positive.
+        mass : array_like, shape (...)
+            Mass (kg), positive.
+
+        Returns
+        -------
+        Body
+            Many bodies if a size or the mass is an array.
+
+        Raises
+        ------
+        ValueError
+            As for :meth:`box`.
 
         Examples
         --------
@@ -358,6 +451,19 @@ class Body:
         about
             As for :meth:`from_properties`, whose results these are.
 
+        Returns
+        -------
+        body : Body
+            Moments ascending, and the mass.
+        axes : ndarray, shape (3, 3)
+            Column k is body axis k + 1 in the frame of the points; right-handed.
+
+        Raises
+        ------
+        ValueError
+            If the shapes do not fit, a number is not finite, a mass is negative, or all points lie
+            on one line.
+
         Examples
         --------
         >>> import rigid
@@ -387,6 +493,18 @@ class Body:
             As for :func:`rigid.meshes.mesh_properties`.
         about
             As for :meth:`from_properties`, whose results these are.
+
+        Returns
+        -------
+        body : Body
+            Moments ascending, and the mass.
+        axes : ndarray, shape (3, 3)
+            Column k is body axis k + 1 in the frame of the mesh; right-handed.
+
+        Raises
+        ------
+        ValueError
+            As for :func:`rigid.meshes.mesh_properties`, such as for an open mesh.
 
         Examples
         --------
@@ -428,6 +546,13 @@ class Body:
         about
             As for :meth:`from_properties`, whose results these are, in the axes of the file.
 
+        Returns
+        -------
+        body : Body
+            Moments ascending, and the mass.
+        axes : ndarray, shape (3, 3)
+            Column k is body axis k + 1 in the frame of the file; right-handed.
+
         Raises
         ------
         ValueError
@@ -466,6 +591,35 @@ class Body:
         """The homogeneous body in an OBJ file, and its principal axes.
 
         Parameters, results and errors are as for :meth:`from_stl`; polygons become triangles.
+
+        Polygons of the file become triangles.
+
+        Parameters
+        ----------
+        path, density, mass, unit, about
+            As for :meth:`from_stl`.
+
+        Returns
+        -------
+        body : Body
+            Moments ascending, and the mass.
+        axes : ndarray, shape (3, 3)
+            Column k is body axis k + 1 in the frame of the file; right-handed.
+
+        Raises
+        ------
+        ValueError, OSError, ImportError
+            As for :meth:`from_stl`.
+
+        Examples
+        --------
+        >>> import os, tempfile, rigid, trimesh
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     path = os.path.join(folder, "box.obj")
+        ...     _ = trimesh.creation.box((250.0, 80.0, 10.0)).export(path)
+        ...     body, axes = rigid.Body.from_obj(path, mass=0.3, unit=0.001)
+        >>> [round(moment, 9) for moment in body.moments]
+        [0.0001625, 0.001565, 0.0017225]
         """
         from ..meshes import file_properties
 

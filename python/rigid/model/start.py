@@ -210,6 +210,27 @@ def uniform(size: float | ArrayLike) -> Noise:
     """Independent uniform perturbations ``size * U(-1, 1)`` of each body component.
 
     The size is as in :func:`normal`.
+
+    Parameters
+    ----------
+    size : float or array_like, shape (3,)
+        Largest deviation: rad/s for rates; rad for an attitude, where the deviates are the
+        components of a rotation vector applied on the body side.
+
+    Returns
+    -------
+    Noise
+
+    Raises
+    ------
+    ValueError
+        If a size is negative or not finite.
+
+    Examples
+    --------
+    >>> import rigid
+    >>> rigid.Start(spin=1.0, noise=rigid.uniform([0.1, 0.0, 0.1])).noise.size
+    (0.1, 0.0, 0.1)
     """
     return Noise("uniform", size)  # type: ignore[arg-type]
 
@@ -376,12 +397,50 @@ def direction(size: float | ArrayLike) -> Noise:
     """A perturbation of fixed length ``size`` in a random direction, uniform on the sphere.
 
     The size is as in :func:`normal`.
+
+    Parameters
+    ----------
+    size : float or array_like, shape (3,)
+        Length of the perturbation: rad/s for rates; rad for an attitude, as the angle of a rotation
+        applied on the body side.
+
+    Returns
+    -------
+    Noise
+
+    Raises
+    ------
+    ValueError
+        If a size is negative or not finite.
+
+    Examples
+    --------
+    >>> import numpy as np, rigid
+    >>> result = rigid.stability_map(
+    ...     rigid.FreeBody, axes={"spin": [1.0]}, samples=100, t_end=1.0, rng=1,
+    ...     start=rigid.Start(spin=1.0, axis=3, noise=rigid.direction(0.2)), stable=rigid.no_flip(),
+    ... )
+    >>> lengths = np.linalg.norm(result.starts(range(3)).omega[0] - [0.0, 0.0, 1.0], axis=1)
+    >>> lengths.round(12).tolist()
+    [0.2, 0.2, 0.2]
     """
     return Noise("direction", size)  # type: ignore[arg-type]
 
 
 def uniform_attitude() -> Noise:
-    """A random attitude, uniform over all rotations (for ``attitude_noise`` only)."""
+    """A random attitude, uniform over all rotations (for ``attitude_noise`` only).
+
+    Returns
+    -------
+    Noise
+
+    Examples
+    --------
+    >>> import rigid
+    >>> start = rigid.Start(spin=1.0, axis=3, attitude_noise=rigid.uniform_attitude())
+    >>> start.attitude_noise.kind
+    'uniform_attitude'
+    """
     return Noise("uniform_attitude")
 
 

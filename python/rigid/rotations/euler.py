@@ -96,6 +96,22 @@ def rotation_x(angle: ArrayLike, *, passive: bool = False) -> Floats:
 def rotation_y(angle: ArrayLike, *, passive: bool = False) -> Floats:
     """The elementary rotation about axis 2; arguments and conventions as in :func:`rotation_x`.
 
+    Parameters
+    ----------
+    angle : array_like, shape (...)
+        Angle (rad).
+    passive : bool
+        Whether the axes turn instead of the vector.
+
+    Returns
+    -------
+    ndarray, shape (..., 3, 3)
+
+    Raises
+    ------
+    ValueError
+        If an angle is not finite.
+
     Examples
     --------
     >>> import numpy as np
@@ -111,6 +127,22 @@ def rotation_z(angle: ArrayLike, *, passive: bool = False) -> Floats:
 
     The passive matrix is ``D`` for ``phi`` and ``B`` for ``psi`` of Goldstein, § 4.4,
     and of Ercan 2016, eqs. (3), (7).
+
+    Parameters
+    ----------
+    angle : array_like, shape (...)
+        Angle (rad).
+    passive : bool
+        Whether the axes turn instead of the vector.
+
+    Returns
+    -------
+    ndarray, shape (..., 3, 3)
+
+    Raises
+    ------
+    ValueError
+        If an angle is not finite.
 
     Examples
     --------
@@ -221,6 +253,11 @@ def euler_to_quaternion(angles: ArrayLike) -> Floats:
     -------
     ndarray, shape (..., 4)
         Quaternions, scalar first.
+
+    Raises
+    ------
+    ValueError
+        If an angle is not finite or has another shape.
 
     Examples
     --------

@@ -90,6 +90,11 @@ def vee(matrix: ArrayLike) -> Floats:
     -------
     ndarray, shape (..., 3)
 
+    Raises
+    ------
+    ValueError
+        If a matrix is not finite or has another shape.
+
     Examples
     --------
     >>> from rigid import rotations
@@ -190,6 +195,11 @@ def rotate(x: ArrayLike, axis: ArrayLike, angle: ArrayLike, *, passive: bool = F
     -------
     ndarray, shape (..., 3)
 
+    Raises
+    ------
+    ValueError
+        If a number is not finite, an axis is zero, or the axes do not broadcast.
+
     Examples
     --------
     >>> import numpy as np
@@ -216,6 +226,11 @@ def orthogonality_error(matrix: ArrayLike) -> Orthogonality:
     Returns
     -------
     Orthogonality
+
+    Raises
+    ------
+    ValueError
+        If a matrix is not finite or has another shape.
 
     Examples
     --------

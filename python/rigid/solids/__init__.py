@@ -86,6 +86,22 @@ def ellipsoid(a: ArrayLike, b: ArrayLike, c: ArrayLike, *, mass: ArrayLike = 1.0
 
     Parameters and errors are as for :func:`box`.
 
+    Parameters
+    ----------
+    a, b, c : array_like, shape (...)
+        Semi-axes (m) along axes 1, 2, 3; zero for a plate or a rod.
+    mass : array_like, shape (...)
+        Mass (kg).
+
+    Returns
+    -------
+    MassProperties
+
+    Raises
+    ------
+    ValueError
+        As :func:`box`.
+
     Examples
     --------
     >>> from rigid import solids
@@ -150,6 +166,11 @@ def ring(radius: ArrayLike, *, mass: ArrayLike = 1.0) -> MassProperties:
     -------
     MassProperties
 
+    Raises
+    ------
+    ValueError
+        As :func:`box`.
+
     Examples
     --------
     >>> from rigid import solids
@@ -163,6 +184,22 @@ def disk(radius: ArrayLike, *, inner: ArrayLike = 0.0, mass: ArrayLike = 1.0) ->
     """A flat disk with a hole up to the radius ``inner``: moments ``M (R² + r²) (¼, ¼, ½)``.
 
     Parameters and errors are as for :func:`sphere`.
+
+    Parameters
+    ----------
+    radius, inner : array_like, shape (...)
+        Outer and inner radius (m).
+    mass : array_like, shape (...)
+        Mass (kg).
+
+    Returns
+    -------
+    MassProperties
+
+    Raises
+    ------
+    ValueError
+        As :func:`sphere`.
 
     Examples
     --------
@@ -189,6 +226,11 @@ def rod(length: ArrayLike, *, mass: ArrayLike = 1.0) -> MassProperties:
     Returns
     -------
     MassProperties
+
+    Raises
+    ------
+    ValueError
+        As :func:`box`.
 
     Examples
     --------
@@ -255,6 +297,11 @@ def cone(radius: ArrayLike, height: ArrayLike, *, mass: ArrayLike = 1.0) -> Mass
     Returns
     -------
     MassProperties
+
+    Raises
+    ------
+    ValueError
+        As :func:`box`.
 
     Examples
     --------

@@ -736,6 +736,15 @@ def load_run(path: str | PathLike[str]) -> Run:
         Naming the path, if the file is damaged or no run.
     OSError
         If the file cannot be read.
+
+    Examples
+    --------
+    >>> import os, tempfile, rigid
+    >>> run = rigid.simulate(rigid.Body((1.0, 2.0, 3.0)), [0.1, 1.0, 0.1], t=[0.0, 5.0])
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     again = rigid.load_run(run.save(os.path.join(folder, "run.npz")))
+    >>> bool((again.omega == run.omega).all())
+    True
     """
     arrays, header = read_archive(path)
     try:

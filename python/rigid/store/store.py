@@ -234,6 +234,17 @@ def merge(paths: Sequence[str | os.PathLike[str]], into: str | os.PathLike[str])
     ValueError
         If a folder holds another map, with what differs; or if two rows of one unit differ, with
         the unit and the numbers. Then nothing is written.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile, rigid
+    >>> ask = dict(axes={"spin": [1.0, 2.0]}, samples=64, t_end=50.0, stable=rigid.no_flip(), rng=1)
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     parts = [pathlib.Path(folder, name) for name in ("one", "two")]
+    ...     for k, path in enumerate(parts, 1):
+    ...         _ = rigid.stability_map(rigid.FreeBody, store=path, part=(k, 2), **ask)
+    ...     rigid.merge(parts, pathlib.Path(folder, "whole")).status().complete
+    True
     """
     if isinstance(paths, (str, bytes)):
         raise TypeError(f"paths = {brief(paths)}: must be a sequence of folders")
@@ -257,6 +268,13 @@ def diff(
     -------
     Difference
         ``same``, ``specification``, ``numbers``; ``str()`` tells them.
+
+    Raises
+    ------
+    ValueError
+        If a path holds neither a map nor a running map, or the content is damaged.
+    OSError
+        If a file cannot be read.
 
     Examples
     --------
