@@ -2,8 +2,8 @@ r"""
 The thrown box
 ==============
 
-A box is thrown about each of its axes: about two of them it lands as it was thrown, about the
-middle one it turns over. Theory, the throw, the times of the flips, and a map.
+A box is thrown about each of its axes. About two axes it lands as it was thrown; about the middle
+one it turns over. This page has the theory, the throw, the times of the flips, and a map.
 """
 
 import matplotlib.pyplot as plt
@@ -49,13 +49,13 @@ assert abs(2.0 * np.diff(flips)[0] - 22.4739532603) < 1e-7  # the period
 # sphinx_gallery_end_ignore
 
 # %%
-# The rates: long stays about axis 2 with short flips between them.
+# The rates show long stays about axis 2 with short flips between.
 ax = run.plot()
 ax.set_title("A box thrown about its middle axis")
 
 # %%
-# How small must the error of the hand be? A map throws 32 boxes for each side b and each error,
-# with a spin of 10 rad/s, and asks which still turn the same way after a second.
+# How steady must the hand be? A map throws 32 boxes for each side b and each error, with a spin
+# of 10 rad/s. Its colour is the share of boxes that still turn the same way after a second.
 result = rigid.stability_map(
     scene,
     axes={"b": np.linspace(0.02, 0.24, 45), "noise": np.geomspace(1e-4, 1.0, 40)},

@@ -2,8 +2,8 @@ r"""
 Free rotation
 =============
 
-From the moments of inertia to the cones of a symmetric body, and to the polhode of one with three
-different moments.
+From the moments of inertia to the cones of a symmetric body, and to the polhode of a body with
+three different moments.
 """
 
 import matplotlib.pyplot as plt
@@ -30,7 +30,8 @@ assert abs(precession - 3.7884561499) < 1e-9
 print(f"rate in the body {k:.3f} rad/s, precession {precession:.4f} rad/s, angle {angle:.4f} rad")
 
 # %%
-# The same in the motion: after one period in the body, the rates are those of the start.
+# The motion shows the same: after one period in the body, the rates are again the rates of the
+# start.
 period = 2.0 * np.pi / k
 run = rigid.simulate(disk, omega, t=np.linspace(0.0, period, 201))
 # sphinx_gallery_start_ignore
@@ -49,7 +50,7 @@ print(state)
 
 # %%
 # Poinsot: the ellipsoid of inertia rolls on a plane across :math:`L`. The component of
-# :math:`\omega` along :math:`L` is the distance of this plane, :math:`2E/L`, and it stays.
+# :math:`\omega` along :math:`L` is the distance of this plane, :math:`2E/L`, and stays constant.
 body = rigid.FreeBody(rigid.Body((1.0, 2.0, 2.5)))
 omega = np.array([1.1, 0.3, 0.4])
 rolling = rigid.simulate(body, omega, t=np.linspace(0.0, 20.0, 801))

@@ -14,7 +14,7 @@ import rigid
 top = rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0)
 
 # %%
-# Released at rest with a spin of 5 rad/s about its axis, the axis falls, is carried on, and comes
+# The axis is released at rest with a spin of 5 rad/s about it. The axis falls, precesses, and comes
 # to rest again: a cusp. :math:`u = \cos\theta` runs between the roots of a cubic.
 tilt = np.radians(60.0)
 attitude = rigid.rotations.euler_to_quaternion([0.0, tilt, 0.0])
@@ -54,7 +54,7 @@ assert spin == 4.0
 print(f"steady precession at {roots} rad/s; upright it sleeps above {spin} rad/s")
 
 # %%
-# What sleeps? A map over the spin and over the first push.
+# Which tops sleep? A map over the spin and over the first push.
 result = rigid.stability_map(
     top,
     axes={"spin": np.linspace(2.0, 6.0, 40), "attitude_noise": np.geomspace(1e-3, 0.3, 30)},

@@ -28,9 +28,9 @@ assert np.allclose(moments, [0.563, 0.857, 1.0], atol=1e-3)
 # sphinx_gallery_end_ignore
 
 # %%
-# In the plane of the orbit the rotation has one angle. Two numbers tell how round the moon is: the
-# period of small librations, and by the width of its resonances whether they overlap, which they do
-# for :math:`\omega_0 > 1/(2 + \sqrt{14 e})`.
+# In the plane of the orbit the rotation has one angle. The frequency of small librations,
+# :math:`\omega_0`, says how elongated the moon is. The resonances are so wide that they overlap for
+# :math:`\omega_0 > 1/(2 + \sqrt{14 e})`, in units of the mean motion.
 ratio = np.sqrt(3.0 * (moments[1] - moments[0]) / moments[2])
 overlap = 1.0 / (2.0 + np.sqrt(14.0 * orbit.eccentricity))
 print(f"omega_0 = {ratio:.2f} n; resonances overlap above {overlap:.2f} n")
@@ -41,7 +41,7 @@ assert ratio > 2.0 * overlap
 # %%
 # At each periapsis mark the angle of the long axis from the direction away from Saturn, and the
 # rate: a section. Regular motions lie on curves. The others fill one sea, up to 2.7 turns an orbit.
-# The island in it is the synchronous rotation; those of 3/2 and 2 turns an orbit are gone.
+# The island in it is the synchronous rotation; the islands of 3/2 and 2 turns an orbit are gone.
 rates = np.array([0.3, 0.42, 0.55, 0.7, 1.0, 1.5, 2.39, 2.45, 2.78, 3.0, 3.2, 3.4])
 starts = 2.0 * np.pi * np.stack([0.0 * rates, 0.0 * rates, rates], axis=-1)
 points = rigid.poincare(hyperion, starts, every=orbit.period, t_end=400.0)
@@ -59,8 +59,8 @@ ax.set(
 plt.show()
 
 # %%
-# How fast do motions part? In the sea a deviation in the plane grows by :math:`e` in little more
-# than an orbit. In the island of the synchronous rotation it does not grow.
+# How fast do neighbouring motions separate? In the sea a deviation in the plane grows by :math:`e`
+# in little more than an orbit. In the island of the synchronous rotation it does not grow.
 in_plane = [[0.0, 0.0, 1.0, 0.0, 0.0, 0.0]]
 sea, island = (2.0 * np.pi * np.array([0.0, 0.0, rate]) for rate in (1.5, 0.42))
 growth = rigid.lyapunov(
@@ -95,8 +95,8 @@ ax.legend()
 plt.show()
 
 # %%
-# A map asks the same of every spin and of every obliquity: yellow rotations are regular, dark ones
-# chaotic, hatched ones undecided over fifty orbits. ``rigid map hyperion`` draws it finer.
+# A map answers the question for every spin and every obliquity: yellow rotations are regular, dark
+# ones chaotic, hatched ones undecided over fifty orbits. ``rigid map hyperion`` draws it finer.
 result = rigid.stability_map(
     hyperion,
     axes={"spin": 2.0 * np.pi * np.linspace(0.25, 5.75, 23), "tilt": np.linspace(0.0, np.pi, 17)},
@@ -145,4 +145,4 @@ assert median < 0.25 * growth.exponent[0, -1]
 # %%
 # So the attitude decides. Many of these rotations are regular over 200 orbits, which are twelve
 # years, and the chaos of the others is some ten times slower than in the sea. Slow rotations of
-# Hyperion are chaotic; whether the one of today is, only its attitude tells.
+# Hyperion are chaotic; whether its rotation of today is chaotic depends on its attitude.

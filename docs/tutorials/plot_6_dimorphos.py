@@ -23,7 +23,7 @@ orbit = rigid.Orbit(2.0 * np.pi * 24.0 / 11.367, eccentricity=0.028, anomaly=np.
 spin = 2.0 * np.pi * 24.0 / 11.92
 
 # %%
-# The turning of the orbit tells the shape: a/b is about 1.3 and a/c about 1.6 (Naidu and others
+# The precession of the orbit shows the shape: a/b is about 1.3 and a/c about 1.6 (Naidu and others
 # 2024). Before the impact the moon was nearly oblate. Axis 1 (roll) lies along the motion, axis 2
 # (pitch) along the normal of the orbit; axis 3 (yaw) is the long one and points away from Didymos.
 # Small oscillations have these periods:
@@ -48,7 +48,7 @@ assert abs(1.5 * periods[1.3][1] / 11.367 - 1.0) < 0.01
 # %%
 # The eccentric orbit swings the moon in pitch. This swing pumps roll and yaw where twice their
 # frequency is a multiple of the rate of the orbit. Of two shapes, the first keeps its attitude. The
-# second, near that of today, rolls and tumbles. Both begin one degree off.
+# second, near the shape of today, rolls and tumbles. Both begin one degree off.
 toward = rigid.rotations.matrix_to_quaternion(orbit.frame(0.0)[:, [1, 2, 0]])
 off = rigid.rotations.exp_quaternion([0.0, 0.0, np.radians(1.0)])
 start = rigid.rotations.quaternion_product(toward, off)
@@ -75,8 +75,8 @@ assert largest[1.3][0] > 60.0
 plt.show()
 
 # %%
-# A map asks this of many shapes: which keep one side to Didymos for 35 days, with their pole within
-# a radian of the normal? In a map the long axis is axis 1 and the pole axis 3. The lines are the
+# A map tries many shapes: which keep one side to Didymos for 35 days, with their pole within a
+# radian of the normal? In a map the long axis is axis 1 and the pole axis 3. The lines are the
 # shapes whose oscillations are in resonance with the orbit. ``rigid map dimorphos`` draws it finer,
 # for seventy days.
 scene = rigid.FreeBody(rigid.Body((1.0, 1.0, 1.0)), orbit=orbit)
@@ -112,7 +112,7 @@ assert share[beyond].mean() < 0.1
 
 # %%
 # What can Hera see? Of a moon that keeps its attitude, the angle by which it swings. Its size and
-# its period tell how long the moon is. The impact left it with a free libration, and the eccentric
+# its period show how long the moon is. The impact left it with a free libration, and the eccentric
 # orbit forces another one. Both grow towards a/b = 1.41, where the libration has the period of the
 # orbit. At a/b = 1.1 the libration takes two orbits, and roll and yaw are pumped.
 row = int(np.argmin(np.abs(bc - 1.1)))
@@ -134,9 +134,9 @@ right.set_ylabel("period of the free libration, dashed (h)", color="#d55e00")
 plt.show()
 
 # %%
-# Of a moon that has left its attitude Hera sees other sides of it. When it rolls, the long axis
-# stays near the line to Didymos and the light curve hardly tells: the pole must be watched. Such a
-# film is written by ``run.animate("dimorphos.html")``.
+# If the moon has left its attitude, Hera sees its other sides. When it rolls, the long axis stays
+# near the line to Didymos and the light curve hardly changes: the pole must be watched.
+# ``run.animate("dimorphos.html")`` writes a film of such a motion.
 #
 # The model is a rigid ellipsoid on a given orbit. The orbit of the real moon feels the rotation,
 # and Didymos is flat: these change the frequencies by some percent (Agrusa and others, section 5).

@@ -56,15 +56,15 @@ def require_replaceable(path: str | os.PathLike[str]) -> int | None:
 def published(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
     """A new file, open to write bytes; it gets its name when it is whole and on the disk.
 
-    The bytes go to a scratch file with a name of its own in the same folder. At the end the scratch
-    file is synchronised and renamed. After any failure the scratch file is removed, and an older
-    file at ``path`` is as it was. A new file obeys the umask; an older one hands on its mode. A
-    process that is killed leaves its scratch file; the next writer in the folder removes it.
+    The bytes go to a scratch file with another name in the same folder. At the end the scratch file
+    is synchronised and renamed. After any failure the scratch file is removed, and an older file at
+    ``path`` is as it was. A new file obeys the umask; an older one hands on its mode. A process
+    that is killed leaves its scratch file; the next writer in the folder removes it.
 
     Parameters
     ----------
     path : path-like
-        The file: a new name, or that of a regular file.
+        The file: a new name, or the name of a regular file.
 
     Raises
     ------

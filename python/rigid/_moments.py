@@ -1,4 +1,4 @@
-"""Principal moments: those of boxes, and those that a body can have."""
+"""Principal moments of boxes, and the rule which moments a body can have."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def box_moments(a: ArrayLike, b: ArrayLike, c: ArrayLike, mass: ArrayLike) -> ND
 
 
 def possible(moments: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Whether a rigid body has these moments, shape (..., 3), by the rules of the core."""
+    """Whether a rigid body can have these moments, shape (..., 3), by the rules of the core."""
     rows = np.ascontiguousarray(moments, dtype=np.float64).reshape(-1, 3)
     bodies: NDArray[np.bool_] = _core.moment_status(rows) == 0
     return bodies.reshape(moments.shape[:-1])

@@ -1,4 +1,4 @@
-"""References of the software and of the methods behind a result."""
+"""References of the software and of the methods that produced a result."""
 
 from __future__ import annotations
 
@@ -123,7 +123,7 @@ Used: TypeAlias = (
 
 
 def cite(used: Used) -> str:
-    """BibTeX entries of this software and of the methods behind a result.
+    """BibTeX entries of this software and of the methods that produced a result.
 
     Parameters
     ----------
@@ -174,7 +174,7 @@ def _has_deviation(used: object) -> bool:
 
 
 def _is_of_lines(used: object) -> bool:
-    """Whether frequencies were found, by a method that knows no motion."""
+    """Whether the result holds frequencies, which no method of motion produced."""
     return hasattr(used, "frequency") or hasattr(used, "drift")
 
 

@@ -67,7 +67,7 @@ def rotation_rate(day: ArrayLike = SIDEREAL_DAY) -> Floats:
 
 @refuses_overflow
 def ellipsoid_moments(polar_radius: float, equatorial_radius: float, mass: float = 1.0) -> Floats:
-    """Moments of a homogeneous ellipsoid of revolution: ``m (Rp² + Re²)/5`` and ``2 m Re²/5``.
+    """Moments of a homogeneous ellipsoid of revolution, ``m (Rp² + Re²)/5`` and ``2 m Re²/5``.
 
     Parameters
     ----------

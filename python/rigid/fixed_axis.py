@@ -30,7 +30,7 @@ __all__ = [
 Floats = NDArray[np.float64]
 
 BALANCE = 1e-9
-"""An imbalance below this fraction of the moments, or of the gyration radius, counts as none."""
+"""Relative size, to the moments or the gyration radius, below which an imbalance counts as none."""
 
 _E3 = (0.0, 0.0, 1.0)
 
@@ -82,7 +82,7 @@ class Balance:
 
     @property
     def balanced(self) -> NDArray[np.bool_]:
-        """Whether the body is balanced both ways, so that the bearings carry the weight only."""
+        """Whether the balance is static and dynamic: the bearings carry only the weight."""
         return self.static & self.dynamic
 
 
@@ -246,7 +246,7 @@ def bearing_reactions(
     """Forces of two bearings on a body that turns about a fixed axis, without weight.
 
     The two forces perpendicular to the axis have the sum of :func:`bearing_forces`, and their
-    torque about the origin is that of :func:`bearing_torques` perpendicular to the axis.
+    torque about the origin is the part of :func:`bearing_torques` perpendicular to the axis.
 
     Parameters
     ----------
@@ -289,7 +289,7 @@ def bearing_reactions(
 def two_plane_balance(
     tensor: ArrayLike, mass: ArrayLike, com: ArrayLike, *, at: ArrayLike, axis: ArrayLike = _E3
 ) -> Floats:
-    """Unbalances to be added in two planes, so that a body turns without load of its bearings.
+    """Unbalances to add in two planes, so that a body turns without load on its bearings.
 
     A mass ``m`` at the distance ``r`` from the axis is the unbalance ``m r`` in its direction, so
     ``|u| / r`` is the mass that a workshop adds at the radius ``r``, or takes away opposite to it.

@@ -2,7 +2,7 @@
 
 The origin of a frame is at ``R`` and moves with the velocity ``V`` and the acceleration ``A``; the
 frame turns with the angular velocity ``omega``. The functions do not turn components: all vectors
-of a call must have components along the same axes, either those of space or the momentary axes of
+of a call must have components along the same axes, either the space axes or the momentary axes of
 the frame.
 """
 
@@ -114,7 +114,7 @@ def translating_frame(
     origin_acceleration: ArrayLike = _ZERO,
     back: bool = False,
 ) -> PointMotion:
-    """A motion relative to a frame that does not turn.
+    """Position, velocity and acceleration relative to a frame that does not turn.
 
     ``r' = r - R``, ``v' = v - V``, ``a' = a - A``; in the frame Newton's law has the additional
     force ``-m A`` (Landau and Lifshitz, *Mechanics*, § 39; Ercan 2016, eqs. (8)–(11)).
@@ -171,7 +171,7 @@ def rotating_frame(
     origin_acceleration: ArrayLike = _ZERO,
     back: bool = False,
 ) -> PointMotion:
-    """A motion relative to a frame that turns and whose origin moves.
+    """Position, velocity and acceleration relative to a frame that turns and whose origin moves.
 
     ``v = V + v' + omega × r'`` and
     ``a = A + a' + 2 omega × v' + omega' × r' + omega × (omega × r')`` with the arm ``r' = r - R``
@@ -271,7 +271,7 @@ def fictitious_forces(
     omega_dot: ArrayLike = _ZERO,
     acceleration: ArrayLike = _ZERO,
 ) -> FictitiousForces:
-    """The fictitious forces of a moving frame.
+    """The fictitious forces (N) on a particle in a moving frame: Coriolis, centrifugal and others.
 
     Landau and Lifshitz, *Mechanics*, § 39; Goldstein, *Classical Mechanics*, § 4.10. The force of
     the accelerated origin is eq. (11) of Ercan 2016.

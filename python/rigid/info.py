@@ -21,6 +21,13 @@ def build_info() -> dict[str, Any]:
     set; all give the same bits. On x86-64 ``scalar`` is compiled by the Cargo feature ``plain``
     only; other processors have it alone.
 
+    Returns
+    -------
+    dict
+        ``version``; ``commit``, None if unknown; ``profile`` of the build; ``isa``, the instruction
+        set in use; ``isa_available``, all instruction sets of this processor and build;
+        ``threads``, the default number of threads.
+
     Raises
     ------
     RuntimeError

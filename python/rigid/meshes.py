@@ -32,8 +32,8 @@ _ROUNDING = 1e-15
 """Rounding error of a sum of volumes, relative to its terms."""
 
 _SAME_CORNER = 4.0 * float(np.finfo(np.float32).eps)
-"""Corners are one if they differ by less than this share of the largest coordinate: files of
-meshes hold single precision, and each triangle its own copy of its corners."""
+"""Corners are one if they differ by less than this share of the largest coordinate. Files of meshes
+hold single precision, and each triangle has a copy of its corners."""
 
 _READ_FORMATS = ("obj", "off", "ply", "stl")
 
@@ -212,6 +212,17 @@ def file_properties(
     ------
     ValueError, OSError, ImportError
         As :func:`read_mesh` and :func:`mesh_properties`, naming the path.
+
+    Examples
+    --------
+    >>> import os, tempfile, trimesh
+    >>> from rigid import meshes
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = os.path.join(folder, "box.stl")
+    ...     _ = trimesh.creation.box((250.0, 80.0, 10.0)).export(path)
+    ...     properties = meshes.file_properties(path, mass=0.3, unit=0.001)
+    >>> (properties.tensor.diagonal() * 1e6).round(6)
+    array([ 162.5, 1565. , 1722.5])
     """
     vertices, faces = read_mesh(path, unit=unit, kind=kind)
     try:
@@ -362,7 +373,7 @@ def _bluntest_first(r: Floats, triangles: Indices) -> tuple[Floats, Floats, Floa
 
 
 def _volumes(a: Floats, b: Floats, c: Floats) -> Floats:
-    """``a·b×c``: products of sides keep the digits that those of far corners lose."""
+    """``a·b×c``: products of sides keep the digits that products of far corners lose."""
     volumes: Floats = np.vecdot(a, np.cross(b - a, c - a))
     return volumes
 

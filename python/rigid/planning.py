@@ -1,4 +1,4 @@
-"""The plan of a question, without a computation: of states by ``solve``, of a class by ``maps``."""
+"""The plan of a question before its computation: of states by ``solve``, of a class by ``maps``."""
 
 from __future__ import annotations
 
@@ -39,11 +39,11 @@ def plan(
     bodies: int | None = None,
     times: int | None = None,
 ) -> Plan:
-    """Plan the computation of :func:`simulate`, or of a pixel of :func:`stability_map`.
+    """Plan a call of :func:`simulate` or a pixel of :func:`stability_map`: method, steps and cost.
 
     A question in words asks for states at given times, as :func:`simulate` gives them. A criterion
-    asks for a class: its plan is that of the map with the same scene, criterion, start, horizon,
-    method and step, in a pixel that no axis changes.
+    asks for a class: its plan is the plan of the map with the same scene, criterion, start,
+    horizon, method and step, in a pixel that no axis changes.
 
     Parameters
     ----------
@@ -60,7 +60,7 @@ def plan(
         Initial attitudes of states, as in :func:`simulate`: they show whether a top swings as a
         pendulum.
     start : Start or Mixture, optional
-        The start of a criterion, by default that of :func:`stability_map`.
+        The start of a criterion, by default the start of :func:`stability_map`.
     t_end : float, optional
         Horizon (s). A criterion needs one, unless it is :func:`judged`, which has times.
     accuracy : float, optional
@@ -69,13 +69,13 @@ def plan(
         without a method and a step: 1e-8. A criterion has none: a map classifies bodies again
         whose class an error could change.
     method : str, optional
-        ``"exact"`` or one of :func:`rigid.methods`; by default that of :func:`simulate` or of
+        ``"exact"`` or one of :func:`rigid.methods`; by default the method of :func:`simulate` or of
         :func:`stability_map`.
     step : float, optional
         Longest step (s).
     bodies : int, optional
-        Number of bodies of the call, which the cost of one depends on. Default: those of ``omega``,
-        many without them. Of a criterion many bodies share a call.
+        Number of bodies of the call, which the cost of one depends on. Default: the number of
+        ``omega``; without ``omega`` many. Of a criterion many bodies share a call.
     times : int, optional
         Number of output times, which cost and memory depend on. Default: 1. A criterion has none.
 

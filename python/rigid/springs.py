@@ -97,12 +97,58 @@ class PairSystem:
     law: Law
 
     def energy(self, positions: ArrayLike | None = None) -> Floats:
-        """Potential energy (J), shape (...), of positions (..., N, 3) or of the reference."""
+        """Potential energy (J), shape (...), of positions (..., N, 3) or of the reference.
+
+        Parameters
+        ----------
+        positions : array_like, shape (..., N, 3), optional
+            Positions (m); by default the reference configuration.
+
+        Returns
+        -------
+        ndarray, shape (...)
+            Energy (J).
+
+        Raises
+        ------
+        ValueError
+            If the positions are not finite, or two particles of a pair coincide.
+
+        Examples
+        --------
+        >>> from rigid import springs
+        >>> system = springs.pair_system([1.0, 1.0], [[0, 0, 0], [1, 0, 0]], stiffness=50.0)
+        >>> float(system.energy([[0, 0, 0], [1.2, 0, 0]]).round(12))
+        1.0
+        """
         total: Floats = self._pulls(positions).energy.sum(axis=-1)
         return total
 
     def forces(self, positions: ArrayLike | None = None) -> Floats:
-        """Forces (N) on the particles, ``-∂V/∂r``, shape (..., N, 3)."""
+        """Forces (N) on the particles, ``-∂V/∂r``, shape (..., N, 3).
+
+        Parameters
+        ----------
+        positions : array_like, shape (..., N, 3), optional
+            Positions (m); by default the reference configuration.
+
+        Returns
+        -------
+        ndarray, shape (..., N, 3)
+            Forces (N).
+
+        Raises
+        ------
+        ValueError
+            If the positions are not finite, or two particles of a pair coincide.
+
+        Examples
+        --------
+        >>> from rigid import springs
+        >>> system = springs.pair_system([1.0, 1.0], [[0, 0, 0], [1, 0, 0]], stiffness=50.0)
+        >>> system.forces([[0, 0, 0], [1.2, 0, 0]])[:, 0].round(12).tolist()
+        [10.0, -10.0]
+        """
         pulls = self._pulls(positions)
         forces: Floats = -(self._incidence().T @ (pulls.tension[..., np.newaxis] * pulls.direction))
         return forces
@@ -111,6 +157,28 @@ class PairSystem:
         """Second derivatives ``∂²V/∂r∂r`` (N/m), shape (..., 3 N, 3 N).
 
         Each pair has the stiffness ``V''`` along its line and ``V'/d`` perpendicular to it.
+
+        Parameters
+        ----------
+        positions : array_like, shape (..., N, 3), optional
+            Positions (m); by default the reference configuration.
+
+        Returns
+        -------
+        ndarray, shape (..., 3 N, 3 N)
+            Second derivatives (N/m).
+
+        Raises
+        ------
+        ValueError
+            If the positions are not finite, or two particles of a pair coincide.
+
+        Examples
+        --------
+        >>> from rigid import springs
+        >>> system = springs.pair_system([1.0, 1.0], [[0, 0, 0], [1, 0, 0]], stiffness=50.0)
+        >>> float(system.hessian()[0, 3])
+        -50.0
         """
         pulls = self._pulls(positions)
         across = (pulls.tension / pulls.distance)[..., np.newaxis, np.newaxis]
@@ -130,10 +198,27 @@ class PairSystem:
         § 5.1, print the eigenvalues of the second derivatives, which are no frequencies
         (erratum G-02); six of these eigenvalues are zero, not positive (erratum G-01).
 
+        Parameters
+        ----------
+        positions : array_like, shape (..., N, 3), optional
+            Positions (m); by default the reference configuration.
+
+        Returns
+        -------
+        Modes
+
         Raises
         ------
         ValueError
             If the forces do not vanish.
+
+        Examples
+        --------
+        >>> from rigid import springs
+        >>> system = springs.pair_system([1.0, 1.0], [[0, 0, 0], [1, 0, 0]], stiffness=50.0)
+        >>> modes = system.modes()
+        >>> int(modes.zero), float(modes.omega_squared[-1].round(9))
+        (5, 100.0)
         """
         pulls = self._pulls(positions)
         scale = np.abs(pulls.tension) + np.abs(pulls.stiffness) * pulls.distance
@@ -185,7 +270,7 @@ def pair_system(
     rest: ArrayLike | None = None,
     law: Law | None = None,
 ) -> PairSystem:
-    """Create particles joined by springs, or by another potential of their distances.
+    """Particles joined by springs, or by another potential of their distances.
 
     ``V = Σ k (d - d0)²/2``, or the sum of the given law over the pairs (lecture notes, § 5.1).
 
@@ -245,7 +330,7 @@ def pair_system(
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class SpringPath:
-    """The motion of a body of springs, and that of the rigid body.
+    """The motion of a body of springs, and of the rigid body that it approximates.
 
     Attributes
     ----------

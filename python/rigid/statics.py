@@ -147,7 +147,7 @@ def equilibrium(
     about: ArrayLike = (0.0, 0.0, 0.0),
     rtol: float = BALANCE,
 ) -> Equilibrium:
-    """Sum of forces, sum of torques, and whether both are zero.
+    """Sum of forces and sum of torques, and whether both are zero.
 
     In equilibrium ``Σ F_i = 0`` and ``Σ r_i × F_i = 0``, each force with its own arm (lecture
     notes, § 5.2, where the index is missing, erratum G-04). About another point

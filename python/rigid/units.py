@@ -1,4 +1,4 @@
-"""Units of the workshop as numbers: ``omega = 300 * units.rpm``, ``run.omega / units.degree``.
+"""Workshop units as numbers: ``omega = 300 * units.rpm``, ``run.omega / units.degree``.
 
 All numbers of :mod:`rigid` are in SI units. Quantities of `Pint <https://pint.readthedocs.io>`_
 are taken wherever a length, a mass, a moment of inertia, a time, an angle, a rate, a torque or a

@@ -2,13 +2,14 @@ r"""How deviation vectors grow
 ==========================
 
 Above: the logarithm :math:`\Lambda(t)` of the size of a small deviation vector for five motions,
-and three laws (dotted). On a sphere, with a deviation along its spin, it is
-:math:`\frac12\ln(1+|\omega|^2t^2)`, and that of a regular top stays near a logarithm. Beside the
-separatrix of a free body it grows like :math:`\lambda t` until the body has turned over, and then
-shrinks again, turn after turn. That of a chaotic top grows for ever, and so does that of a top
-upright at rest, by :math:`\lambda = \sqrt{mgl/\min(I_1, I_2)}`, although nothing is chaotic there.
+and three formulas (dotted). On a sphere, with a deviation along its spin, :math:`\Lambda` is
+:math:`\frac12\ln(1+|\omega|^2t^2)`. For a regular top :math:`\Lambda` stays near a logarithm.
+Beside the separatrix of a free body it grows like :math:`\lambda t` until the body has turned over,
+and then shrinks again, turn after turn. For a chaotic top :math:`\Lambda` grows for ever. It does
+so too for a top upright at rest, by :math:`\lambda = \sqrt{mgl/\min(I_1, I_2)}`, although nothing
+is chaotic there.
 
-Below: MEGNO of a regular top oscillates about 2 for ever; its mean settles. So the verdict takes
+Below: MEGNO of a regular top oscillates about 2 for ever, but its mean settles. The verdict uses
 the mean.
 
 How to: :doc:`measure how motions part </chaos>`.

@@ -1,10 +1,10 @@
 """Which method conserves energy and momentum
 ==========================================
 
-Energy and angular momentum of a tumbling body over a hundred turns, by two methods of order 4 with
-the same step. The Runge-Kutta method loses a little of each in every step. The symplectic splitting
-preserves the angular momentum in the body and in space to rounding, and the error of its energy
-does not grow.
+Two methods of order 4 compute a tumbling body over a hundred turns with the same step; the drift of
+energy and angular momentum is drawn. The Runge-Kutta method loses a little of each in every step.
+The symplectic splitting preserves the angular momentum in the body and in space to rounding, and
+the error of its energy does not grow.
 
 How to: :doc:`choose a method </methods>`.
 """
@@ -22,7 +22,7 @@ for ax, method in zip(axes, ("rk4", "splitting4"), strict=True):
         body, [1.0, 1.0, 1.0], t=np.linspace(0.0, 500.0, 1001), method=method, step=0.05
     )
     figures.invariants(run, ax=ax)
-axes[0].get_legend().remove()  # that of the second panel names both
+axes[0].get_legend().remove()  # the legend of the second panel names both
 axes[1].set(ylabel="", ylim=(1e-17, 1e-4))
 
 plt.show()

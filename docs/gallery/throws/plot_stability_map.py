@@ -1,7 +1,7 @@
 """Which rotations of a free body are stable
 =========================================
 
-Free bodies with ``I1 = 1`` and ``I3 = 2``, spun about axis 2 or at an angle to it. Each pixel is an
+Free bodies with ``I1 = 1`` and ``I3 = 2`` spin about axis 2 or at an angle to it. Each pixel is an
 ensemble of bodies; its colour is the share of bodies that never flip. If I2 is the middle moment,
 all bodies flip. If I2 is the largest moment, the rotation is stable up to a tilt. The white line is
 the theoretical border, the separatrix ``2 E I2 = L²``.

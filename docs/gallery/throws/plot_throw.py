@@ -1,7 +1,7 @@
 """A box thrown about each of its axes
 ===================================
 
-A box of 1 cm by 8 cm by 25 cm, rotating at 1 rad/s. Exactly about a principal axis the rotation
+A box of 1 cm by 8 cm by 25 cm rotates at 1 rad/s. Exactly about a principal axis the rotation
 continues for ever. With noise of 0.05 rad/s on every component, the rotation about the middle axis
 flips again and again. The dots are the growth rate of a disturbance if the rates were constant.
 They describe the beginning of the motion only; later they are positive on stable motions too.

@@ -42,11 +42,11 @@ _DOUBLE = np.dtype(np.float64)
 MOST_THREADS = 1024
 
 MESSAGE = 800
-"""Most characters of a message about the content of a file."""
+"""Most characters of a message that quotes the content of a file."""
 
 
 def nearest(name: object, known: Iterable[str]) -> str:
-    """A hint such as ``"; did you mean 'spin'?"``, or nothing if no known name is close."""
+    """A hint such as ``"; did you mean 'spin'?"``, or an empty text if no known name is close."""
     if not isinstance(name, str):
         return ""
     spelt = {candidate.lower(): candidate for candidate in known}
@@ -55,7 +55,7 @@ def nearest(name: object, known: Iterable[str]) -> str:
 
 
 def brief(value: object) -> str:
-    """``value`` on one line of moderate length."""
+    """``value`` as text on one line of moderate length."""
     try:
         text = " ".join(repr(value).split())
     except ValueError:  # Python writes no whole numbers of more than 4300 digits
@@ -64,7 +64,7 @@ def brief(value: object) -> str:
 
 
 def one_line(message: Exception | str) -> str:
-    """What is said about a file, on one line: files may hold long names and raw bytes."""
+    """A message about a file on one line: a file may hold long names and raw bytes."""
     text = " ".join(str(message).split()) or type(message).__name__
     return text if len(text) <= MESSAGE else f"{text[: MESSAGE - 3]}..."
 
@@ -90,7 +90,7 @@ def finite_float(
 ) -> float:
     """``value`` as a finite float; positive or not negative if required.
 
-    A quantity is taken in ``unit``, by default that of :data:`.quantities.UNITS`.
+    A quantity is taken in ``unit``, by default the unit of :data:`.quantities.UNITS`.
     """
     if type(value) is not float:
         value = without_unit(name, value, unit)
@@ -127,7 +127,7 @@ def positive_int(name: str, value: object, *, minimum: int = 1) -> int:
 def numbers(name: str, value: ArrayLike, unit: str | None = None) -> NDArray[np.float64]:
     """``value`` as contiguous and aligned floats; those beyond 1.8e308 become infinite.
 
-    A quantity is taken in ``unit``, by default that of :data:`.quantities.UNITS`.
+    A quantity is taken in ``unit``, by default the unit of :data:`.quantities.UNITS`.
     """
     value = plain(name, value, unit)
     try:
@@ -164,7 +164,7 @@ def vector(name: str, value: ArrayLike, length: int) -> NDArray[np.float64]:
 
 
 def first_place(bad: NDArray[np.bool_]) -> tuple[tuple[int, ...], str]:
-    """The index of the first that is bad, and as a message writes it: nothing for a single one."""
+    """The index of the first bad element, and its text in a message: empty for a single one."""
     index = tuple(int(i) for i in np.argwhere(bad)[0])
     return index, str(list(index)) if index else ""
 
@@ -177,7 +177,7 @@ def shaped(
     nonnegative: bool = False,
     unit: str | None = None,
 ) -> NDArray[np.float64]:
-    """``value`` as a finite array whose last axes have that shape; the leading ones are free.
+    """``value`` as a finite array whose last axes have the given shape; leading axes are free.
 
     None means any length. A quantity is taken in ``unit``, as :func:`numbers` does.
     """
@@ -193,7 +193,7 @@ def of_shape(
     positive: bool = False,
     nonnegative: bool = False,
 ) -> NDArray[np.float64]:
-    """The array, if it is as :func:`shaped` returns it."""
+    """The array, if the array is as :func:`shaped` returns it."""
     last = array.shape[max(array.ndim - len(shape), 0) :]
     if last != shape and (
         len(last) < len(shape)
@@ -238,9 +238,9 @@ def vectors(**arguments: ArrayLike) -> tuple[NDArray[np.float64], ...]:
 
 
 def unit_vector(name: str, value: ArrayLike, length: int) -> NDArray[np.float64]:
-    """``value`` as a vector of length one, which it must be to 1e-9; normalised to rounding.
+    """``value`` as a vector of length one: it must have this length to 1e-9, and is normalised.
 
-    A vector whose length is 1 to rounding stays as it is: what was saved is read back to the bit.
+    A vector whose length is 1 to rounding stays as it is: a saved vector is read back bit for bit.
     """
     array = vector(name, value, length)
     norm = math.hypot(*array.tolist())
@@ -250,7 +250,7 @@ def unit_vector(name: str, value: ArrayLike, length: int) -> NDArray[np.float64]
 
 
 def sorted_times(name: str, value: ArrayLike) -> NDArray[np.float64]:
-    """``value`` as finite ascending times, shape ``(m,)``; a single time becomes one of one."""
+    """``value`` as finite ascending times, shape ``(m,)``; a single time counts as one."""
     array = np.atleast_1d(numbers(name, value))
     if array.ndim != 1:
         raise ValueError(f"{name}: expected shape (m,), got {array.shape}")
@@ -276,7 +276,7 @@ def times_of_each(name: str, value: ArrayLike) -> NDArray[np.float64]:
 
 
 def resolve_threads(threads: int | None, bodies: int | None = None) -> int:
-    """Number of threads: the argument, else ``RIGID_NUM_THREADS``, else the cores we may use.
+    """Number of threads: the argument, else ``RIGID_NUM_THREADS``, else the usable cores.
 
     These are the cores that the affinity of the process and its control group allow. One body, if
     the number of ``bodies`` is given, needs no second core.

@@ -28,7 +28,7 @@ __all__ = [
 Floats = NDArray[np.float64]
 
 IDENTITY = np.array([1.0, 0.0, 0.0, 0.0])
-"""The attitude of a body whose axes are those of space."""
+"""The attitude of a body whose axes coincide with the space axes."""
 IDENTITY.flags.writeable = False
 
 

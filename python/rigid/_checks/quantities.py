@@ -32,7 +32,8 @@ UNITS: Mapping[str, tuple[str, ...]] = {
     "tensor": ("kg m²",),
     "torque": ("N m",),
 }
-"""SI units of arguments that mean the same wherever they occur; more than one where two do."""
+"""SI units of arguments by name, for names that mean the same everywhere; some names have two
+units."""
 
 
 def plain(name: str, value: Any, unit: str | None = None) -> Any:
@@ -50,8 +51,8 @@ def plain(name: str, value: Any, unit: str | None = None) -> Any:
 def without_unit(name: str, value: Any, unit: str | None = None) -> Any:
     """``value`` as a number or an array in SI units, if it is a quantity of Pint.
 
-    Lists and tuples may hold quantities; plain numbers among them are in SI units. ``unit`` is that
-    of the argument; None stands for those of :data:`UNITS`.
+    Lists and tuples may hold quantities; plain numbers among them are in SI units. ``unit`` is the
+    unit of the argument; None takes the units of :data:`UNITS`.
 
     Raises
     ------

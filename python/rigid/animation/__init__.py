@@ -1,4 +1,4 @@
-"""Animations of runs: a page with a player in it, or a moving picture, of the frames of a film.
+"""Animations of runs, as a page with a player or as a moving picture (GIF, WebP, MP4).
 
 The package uses :mod:`rigid.free`, ``drawing`` and runs. :meth:`rigid.Run.animate` calls it.
 """
@@ -31,7 +31,7 @@ __all__ = ["Animation", "animate"]
 
 
 class Animation(Page):
-    """A page with a film, which a notebook shows.
+    """A film of a run as a page with a player; a notebook shows the page.
 
     Attributes
     ----------
@@ -142,7 +142,7 @@ def animate(
     ImportError
         If what a moving picture needs is not installed.
     OSError
-        If the file cannot be written, or its name is that of something else than a file, or
+        If the file cannot be written, or the path names something other than a file, or
         ffmpeg fails. An older file stays as it was.
     TypeError, ValueError
         Naming the argument, its value and the rule: an unknown suffix or view, a run without

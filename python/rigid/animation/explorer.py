@@ -1,4 +1,4 @@
-"""The map explorer: one page with a map, the bodies of its pixels, and their motions as films.
+"""The map explorer: one page with a map, the bodies of its pixels, and films of their motions.
 
 The page has the verdicts of some bodies of each pixel. It draws their starts as the core does
 (``page/draw.js``), and computes their motions by a Taylor series (``page/motion.js``).
@@ -51,13 +51,13 @@ OUTCOMES = {
     "undecided": "#b04a00",
     "failed": "#444444",
 }
-"""Colours of the bodies by outcome, which the colour-blind tell apart too."""
+"""Colours of the bodies by outcome; colour-blind readers can tell these colours apart."""
 
 MOST_BYTES = 500_000
-"""Room for the bodies in a page, compressed, unless a number of bodies is asked for."""
+"""Most compressed bytes of the bodies in a page, unless a number of bodies is given."""
 
 MOST_SAMPLES = 64
-"""Most bodies of each pixel, unless a number is asked for."""
+"""Most bodies of each pixel in a page, unless a number is given."""
 
 SCRIPTS = (
     *("vectors.js", "stage.js", "charts.js", "player.js"),
@@ -78,12 +78,12 @@ def explore(
     theory. A click on a pixel lists bodies of it by their outcome, and shows the motion of one body
     as a film.
 
-    The page draws the starts of the bodies as the map has drawn them, to the bit. It holds those of
-    mixtures, given samples, covariances and von Mises-Fisher directions. It computes the motions by
-    a Taylor series of order 24 with a relative error of about 1e-14 a step. The outcomes are those
-    of the map. A chaotic motion may therefore differ from that which the map has seen;
-    ``result.replay`` gives the latter. Motions under torques that act in space or change in time,
-    and of satellites, are not computed in the page.
+    The page draws the starts of the bodies as the map has drawn them, bit for bit. It holds the
+    starts of mixtures, given samples, covariances and von Mises-Fisher directions. It computes the
+    motions by a Taylor series of order 24 with a relative error of about 1e-14 a step. The outcomes
+    come from the map. A chaotic motion may therefore differ from the motion that the map has
+    classified; ``result.replay`` gives this motion. Motions under torques that act in space or
+    change in time, and of satellites, are not computed in the page.
 
     Parameters
     ----------
@@ -106,7 +106,7 @@ def explore(
     Raises
     ------
     OSError
-        If the file cannot be written, or its name is that of something else than a file.
+        If the file cannot be written, or the path names something other than a file.
     TypeError, ValueError
         Naming the argument, its value and the rule: a name that does not end in ``.html``, more
         samples than the map has.
@@ -155,7 +155,7 @@ def content_of_starts(start: Starts) -> dict[str, Any]:
 
 
 def content_of_outcomes(seen: Outcomes) -> dict[str, Any]:
-    """What became of bodies as plain data."""
+    """The outcomes of bodies as plain data."""
     outcome = np.full(seen.outcome.shape, len(CLASSES), dtype=np.uint8)
     for code, name in enumerate(CLASSES):
         outcome[seen.outcome == name] = code
@@ -232,7 +232,7 @@ def content_of_map(
 
 
 def _affordable(result: StabilityMap) -> int:
-    """The number of bodies a pixel that take the room which a page has for them."""
+    """The number of bodies per pixel that fit into a page."""
     # Times of leaving are hardly compressed, and a class takes two bits at most.
     done = max(int(result.samples.sum()), 1)
     size = result.status.size * (4.0 * int(result.unstable.sum()) / done + 0.25)
@@ -243,7 +243,7 @@ def _affordable(result: StabilityMap) -> int:
 
 
 def _draw(spec: MapSpec) -> dict[str, Any] | None:
-    """What ``page/draw.js`` draws the starts from; None if it has not the laws of this map."""
+    """What ``page/draw.js`` draws the starts from; None if it lacks a distribution of this map."""
     start = spec.start
     if isinstance(start, Mixture) or isinstance(start.noise, Samples) or start.joint:
         return None
@@ -283,7 +283,7 @@ def drawn_edges(axis: Axis, geometric: bool) -> NDArray[np.float64]:
 
 
 def _layers(result: StabilityMap) -> list[dict[str, Any]]:
-    """What can be drawn, with the range of its colours; a layer without numbers is omitted."""
+    """The quantities to draw, with the ranges of their colours; empty ones are omitted."""
     done = np.where(result.samples > 0, result.samples, np.nan).astype(np.float64)
     shares: dict[str, ArrayLike] = {
         "share": result.filled,
@@ -334,7 +334,7 @@ def _layers(result: StabilityMap) -> list[dict[str, Any]]:
 
 
 def _motion(spec: MapSpec) -> dict[str, Any] | None:
-    """The numbers of the equations of motion of each pixel; None if the page has not these."""
+    """The numbers of the equations of motion of each pixel; None if the page cannot solve them."""
     grid, scene = spec.grid, spec.scene
     if scene.torque is not None or scene.has_further or grid.further:
         return None

@@ -69,7 +69,7 @@ class Buffer:
         self._triangles(corners[:, fan].reshape(-1, 3, 3), inks.repeat(len(fan), axis=0), opacity)
 
     def _light(self, faces: Floats) -> Floats:
-        """The light on each polygon: that of surface.frag without its gloss."""
+        """The light on each polygon, as surface.frag computes it, without the gloss."""
         normals = np.cross(faces[:, 2] - faces[:, 0], faces[:, -1] - faces[:, 1])
         towards = self.camera.at - faces.mean(axis=1)
         normals *= np.sign((normals * towards).sum(axis=1))[:, np.newaxis]

@@ -27,7 +27,7 @@ SUBSCRIPTS = "₁₂₃"
 
 
 def watched(spec: MapSpec) -> list[tuple[dict[str, Any], list[NDArray[np.float64]]]]:
-    """Each quantity with its limits in each pixel, those of the criterion first.
+    """Each quantity with its limits in each pixel; the quantities of the criterion come first.
 
     Angles are in degrees. Joined criteria that watch the same quantity share a chart. The rates are
     always there, and for a heavy top the tilt of its centre of mass.
@@ -57,7 +57,7 @@ def watched(spec: MapSpec) -> list[tuple[dict[str, Any], list[NDArray[np.float64
 
 
 def _of(leaf: Criterion) -> tuple[dict[str, Any], Callable[[Any], tuple[float, ...]]] | None:
-    """What a criterion watches, and how its limits are read; None if it has no limit."""
+    """What a criterion watches, and how its limits are read; None if it has no limits."""
     match leaf:
         case NoFlip():
             return RATES, lambda _: (0.0,)

@@ -1,7 +1,7 @@
 """The map explorer as a widget of Jupyter: where the reader zooms, a finer map is computed.
 
 ``page/widget.js`` shows the page of :mod:`rigid.animation.explorer` in a frame. Python answers its
-zooms with maps of their own, and its clicks with the bodies of a pixel.
+zooms with new maps, and its clicks with the bodies of a pixel.
 """
 
 from __future__ import annotations
@@ -78,9 +78,9 @@ class MapWidget(anywidget.AnyWidget):
     _content = traitlets.Unicode().tag(sync=True)
     """The map that is shown, as JSON."""
     _region = traitlets.Dict(None, allow_none=True).tag(sync=True)
-    """What the reader wants to see, set by the view: None is the whole map."""
+    """The region that the reader asks to see, set by the view; None is the whole map."""
     _said = traitlets.Unicode().tag(sync=True)
-    """What the view tells the reader of a computation."""
+    """What the view shows the reader about a computation."""
 
     def __init__(self, result: StabilityMap, *, threads: int | None = None) -> None:
         result.spec.require_functions()
@@ -103,7 +103,7 @@ class MapWidget(anywidget.AnyWidget):
             threading.Thread(target=self._compute, args=(number, change.new), daemon=True).start()
 
     def _compute(self, number: int, region: dict[str, Any]) -> None:
-        """Compute the finer map of a region. Whatever goes wrong is told in the view."""
+        """Compute the finer map of a region. The view shows any error."""
 
         def tell(progress: Progress) -> None:
             if number != self._zooms:
@@ -175,7 +175,7 @@ def zoomed(spec: MapSpec, view: list[float], at: list[int]) -> MapSpec:
     Parameters
     ----------
     spec : MapSpec
-        That of the whole map.
+        The specification of the whole map.
     view : list of float
         Least and largest x, then y, between the borders of cells; logarithms on an axis whose
         values form a geometric progression.
@@ -186,8 +186,8 @@ def zoomed(spec: MapSpec, view: list[float], at: list[int]) -> MapSpec:
     -------
     MapSpec
         Its values lie between the least and the largest value of the whole map. Seed and samples
-        are those of the whole map. Random numbers follow from the number of a pixel, so the bodies
-        are others.
+        are taken from the whole map. Random numbers follow from the number of a pixel, so the
+        bodies are others.
 
     Raises
     ------

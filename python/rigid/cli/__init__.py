@@ -51,17 +51,18 @@ __all__ = ["main"]
 
 UNDETECTED_ERROR = DIFFERENT = 1
 WRITE_ERROR = 74
-"""Exit codes besides that of ``parser``; an interrupted command ends with 128 and the signal."""
+"""Exit codes besides the code of ``parser``; an interrupted command ends with 128 plus the
+signal."""
 
 POINT_SIZE = 140
-"""About the bytes of a point of a section in a file."""
+"""Approximate bytes of a point of a section in a file."""
 
 REPORT_SIZE = 2**20
 """More bytes than the file of a report has."""
 
 _FOLDERS = {"map": MAPS, "section": SECTIONS, "report": REPORTS}
 _COPIED = {"map": "thrown-box", "section": "kovalevskaya", "report": "lagrange-top"}
-"""Where built-in specifications are, and which ``rigid new`` copies."""
+"""The folders of built-in specifications that ``rigid new`` copies from."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -77,7 +78,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     Parameters
     ----------
     arguments : sequence of str, optional
-        By default those of the process.
+        By default the arguments of the process.
     """
     if isinstance(sys.stdout, TextIOWrapper):
         sys.stdout.reconfigure(errors="backslashreplace")  # as stderr: a terminal may be ASCII
@@ -152,7 +153,7 @@ def _map(options: argparse.Namespace) -> int:
 def _finished_map(
     result: StabilityMap | int, target: Target, name: str, options: argparse.Namespace
 ) -> int:
-    """Write a map, and return the exit code; or return the one of a map without a result."""
+    """Write a map and return the exit code; a map without a result has its own exit code."""
     if isinstance(result, int):
         return result
     return finished(
@@ -188,7 +189,7 @@ def _resume(options: argparse.Namespace) -> int:
 
 
 def _map_facts(name: str, result: StabilityMap) -> dict[str, Any]:
-    """What ``--json`` tells of a map."""
+    """The numbers of a map that ``--json`` prints."""
     theory = result.theory()
     return {
         "name": name,
@@ -209,7 +210,7 @@ def _map_facts(name: str, result: StabilityMap) -> dict[str, Any]:
 
 
 def _named_map(source: str, changes: Any) -> NamedSpec:
-    """The map to compute: built in, in a TOML file, or that of an older result."""
+    """The map to compute: a built-in map, a map in a TOML file, or the map of an older result."""
     path = Path(source)
     if path.suffix != ".npz":
         return read_spec(source, changes)
@@ -267,7 +268,7 @@ def _section(options: argparse.Namespace) -> int:
 
 
 def _section_facts(points: Crossings, spec: SectionSpec) -> dict[str, Any]:
-    """What ``--json`` tells of a section."""
+    """The numbers of a section that ``--json`` prints."""
     return {
         "name": spec.name,
         "section": points.section.to_dict(),

@@ -33,11 +33,11 @@ SECONDS_BETWEEN_LINES = 10.0
 
 
 class Result(Protocol):
-    """What a command computes."""
+    """The result of a command."""
 
     @property
     def complete(self) -> bool:
-        """Whether it was not interrupted."""
+        """Whether the computation ran to its end, without an interruption."""
 
     def save(self, path: Path) -> Path:
         """Write the data."""
@@ -64,12 +64,12 @@ class Target:
 def target_of(out: str | None, name: str, data: str, *, force: bool) -> Target:
     """The files of ``--out``, checked before the computation starts.
 
-    A suffix of :data:`PICTURES` is that of the picture; ``data`` is that of the data.
+    A suffix of :data:`PICTURES` belongs to the picture; ``data`` is the suffix of the data.
 
     Raises
     ------
     ValueError
-        If a name is that of a directory or a folder is missing; if a file exists already, without
+        If a name belongs to a directory or a folder is missing; if a file exists already, without
         ``force``.
     """
     stem, picture = Path(out or name), ".png"
@@ -95,7 +95,7 @@ def target_of(out: str | None, name: str, data: str, *, force: bool) -> Target:
 
 
 def say(text: str) -> None:
-    """Print a text. If nobody reads it any more, as in ``rigid maps | head -1``, go on silently."""
+    """Print a text; go on without it if no reader is left, as in ``rigid maps | head -1``."""
     try:
         print(text, flush=True)
     except BrokenPipeError:
@@ -131,7 +131,7 @@ def _json(facts: Mapping[str, Any]) -> str:
 
 
 def progress_shown(wanted: bool, who: str = "") -> ProgressOption:
-    """A bar in a terminal, a line every 10 s elsewhere that names who works, or nothing."""
+    """Show a bar in a terminal, elsewhere a line every 10 s that names the worker, or nothing."""
     if not wanted:
         return False
     in_terminal = sys.stderr is not None and sys.stderr.isatty()
@@ -200,7 +200,7 @@ def finished(
 
 
 def _saved(result: Result | LongRun, data: Path, what: str) -> Path:
-    """Save the data, or raise OSError that tells where the data is instead."""
+    """Save the data, or raise OSError with the place where the data is instead."""
     try:
         return result.save(data)
     except OSError as error:
@@ -215,7 +215,7 @@ def _saved(result: Result | LongRun, data: Path, what: str) -> Path:
 
 
 def _drawn(result: Result | LongRun, suffix: str, shown: str) -> bytes:
-    """The picture in the format of a suffix."""
+    """The bytes of the picture in the format of a suffix."""
     if isinstance(result, LongRun):
         figure = result.plot()[0, 0].figure
     elif isinstance(result, StabilityMap) and len(result.spec.axes) > 2:

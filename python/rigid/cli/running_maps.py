@@ -94,7 +94,7 @@ def run(options: Namespace) -> int:
 
 
 def _pack(options: Namespace) -> int:
-    """Write the map of a store, if nothing is missing or a partial one is asked for."""
+    """Write the map of a store, if the map is complete or a partial map is requested."""
     from ..store.store import open_store, pack
 
     result = open_store(options.store).result()

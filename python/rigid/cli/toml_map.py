@@ -33,12 +33,12 @@ MAPS = BUILTIN
 """The folder of the built-in maps."""
 
 MOST_VALUES = 100_000
-"""Most values that an axis is divided into."""
+"""Most values of an axis that is given by its ends and a number."""
 
 
 @dataclass(frozen=True, slots=True)
 class NamedSpec:
-    """A specification with its name: that of the built-in map, or the stem of the file.
+    """A specification with its name: the name of the built-in map, or the stem of the file.
 
     Attributes
     ----------

@@ -44,7 +44,7 @@ def parse_report(
     *,
     methods: Sequence[str] | None = None,
 ) -> ReportSpec:
-    """The report that a TOML text describes; ``methods`` replaces those of the text."""
+    """The report that a TOML text describes; ``methods`` replaces the methods of the text."""
     document = parsed(content, file, changes)
     document.only(*REPORT)
     scene = read_scene(document.table("scene"))

@@ -24,10 +24,10 @@ from .toml_table import Table, as_is, three
 __all__ = ["read_criterion", "read_scene", "read_start", "read_starts"]
 
 MOST_DEPTH = 16
-"""Most levels of criteria that are joined: more than eight criteria never are."""
+"""Most levels of joined criteria: at most eight criteria can be joined."""
 
 _JOINS: Mapping[str, Callable[[Criterion, Criterion], Criterion]] = {"all": and_, "any": or_}
-"""What joins the criteria of a list."""
+"""The operation that joins the criteria of a list."""
 
 _KINDS = {scene.title.replace(" ", "-"): scene for scene in SCENES.values()}
 
@@ -104,7 +104,7 @@ def read_starts(document: Table, axes: list[str]) -> Start | Mixture:
 
 
 def read_start(table: Table, axes: list[str], *more: str) -> Start:
-    """The start of one table, which may have more keys."""
+    """The start of one table, which may have further keys."""
     table.only(*(key for key in START if key != "weight"), *more)
     omega = table.take("omega", three, default=None)
     spin = table.take("spin", finite_float, default=0.0 if "spin" in axes else None)
@@ -165,7 +165,7 @@ def _joined(join: Callable[[Criterion, Criterion], Criterion], parts: list[Crite
 
 
 def _criterion(table: Table, depth: int = 1) -> Criterion:
-    """One criterion, or those under ``all``, ``any`` or ``not``, joined."""
+    """One criterion, or the joined criteria under ``all``, ``any`` or ``not``."""
     if depth > MOST_DEPTH:
         raise table.error(f"criteria are joined more than {MOST_DEPTH} deep")
     for key, join in _JOINS.items():

@@ -48,7 +48,7 @@ _REQUIRED: Any = object()
 
 
 class SpecError(ValueError):
-    """A specification cannot be used; the message is one line that names the table and key."""
+    """A specification cannot be used; the message is one line that names the table and the key."""
 
 
 def names_in(folder: Traversable) -> list[str]:
@@ -157,17 +157,17 @@ class Table:
         return Table(self._file, f"{self._name}.{key}" if self._name else key, values)
 
     def is_list(self, key: str) -> bool:
-        """Whether a key has a list."""
+        """Whether the value of a key is a list."""
         return isinstance(self._values.get(key), list)
 
     def tables(self, key: str) -> list[Table]:
-        """The tables of the list under a key."""
+        """The tables in the list under a key."""
         values: list[Mapping[str, Any]] = self.take(key, _mappings)
         name = f"{self._name}.{key}" if self._name else key
         return [Table(self._file, f"{name}[{i}]", part) for i, part in enumerate(values)]
 
     def build(self, make: Callable[[], _T]) -> _T:
-        """``make()``; an error that it raises gets the location of the table."""
+        """The result of ``make()``; an error of this call gets the location of the table."""
         try:
             return make()
         except SpecError:

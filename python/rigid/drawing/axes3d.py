@@ -50,19 +50,19 @@ FILLED = 0.88
 
 
 def in_space(ax: Any | None) -> Any:
-    """Three-dimensional axes, ``ax`` or new ones, without frame and in orthographic projection."""
+    """Three-dimensional axes, ``ax`` or new ones, without frame, in orthographic projection."""
     return panels(None if ax is None else [ax], ["space"])[0]
 
 
 def in_plane(ax: Any | None) -> Any:
-    """Two-dimensional axes, ``ax`` or new ones."""
+    """Two-dimensional axes, the given or new ones."""
     return panels(None if ax is None else [ax], ["plane"])[0]
 
 
 def panels(
     axes: Sequence[Any] | None, kinds: Sequence[Kind], *, columns: int | None = None
 ) -> list[Any]:
-    """One axes for each kind: the given axes, or those of a new figure."""
+    """One axes for each kind: the given axes, or the axes of a new figure."""
     if axes is None:
         across = len(kinds) if columns is None else columns
         down = ceil(len(kinds) / across)
@@ -185,7 +185,7 @@ def triad(
 
 
 def label(ax: Any, place: Floats, text: str, colour: str = "black", **style: Any) -> Any:
-    """Text centred at a point in space or in the plane, legible over lines."""
+    """Text that is centred at a point in space or in the plane, and legible over lines."""
     return ax.text(*place, text, **(_text(colour) | style))
 
 

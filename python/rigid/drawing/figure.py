@@ -1,4 +1,4 @@
-"""New figures, shown where there is somebody to look, and the HTML that notebooks show."""
+"""New figures, shown where a display or a notebook shows them, and HTML for notebooks."""
 
 from __future__ import annotations
 
@@ -42,8 +42,8 @@ def _figure_class() -> type[Figure]:
 def shown_figure() -> Figure:
     """A figure that a notebook or ``plt.show()`` shows.
 
-    pyplot manages it if the program has imported pyplot, or if this is a notebook. Otherwise the
-    figure is that of :func:`new_figure`: it needs no display, and is forgotten with its last name.
+    pyplot manages it if the program has imported pyplot, or if this is a notebook. Otherwise
+    :func:`new_figure` makes the figure, which needs no display and is deleted with its last name.
     """
     _figure_class()
     if in_notebook():
@@ -70,12 +70,12 @@ def html_with_picture(draw: Callable[[Any], object], text: str, *, height: float
 
 
 def html_text(text: str) -> str:
-    """A text with its lines as they are."""
+    """A text as HTML that keeps its lines."""
     return f'<pre style="white-space: pre-wrap">{html.escape(text)}</pre>'
 
 
 def html_table(rows: Iterable[Sequence[object]], header: Sequence[str] = ()) -> str:
-    """A table, its cells aligned to the left."""
+    """An HTML table with cells aligned to the left."""
 
     def line(cells: Iterable[object], tag: str) -> str:
         content = "".join(

@@ -1,8 +1,8 @@
 """Closed forms of the free body and the Lagrange top, and the elliptic functions in them.
 
 The functions give periods, flip times, precession and nutation without integration. The formulas
-are those of Whittaker, *Analytical Dynamics*, §§ 69, 71; Landau and Lifshitz, *Mechanics*, §§ 35,
-37; and Goldstein, *Classical Mechanics*, §§ 5.6, 5.7; written with the symmetric integrals of B. C.
+come from Whittaker, *Analytical Dynamics*, §§ 69, 71; Landau and Lifshitz, *Mechanics*, §§ 35, 37;
+and Goldstein, *Classical Mechanics*, §§ 5.6, 5.7; written with the symmetric integrals of B. C.
 Carlson, *Numerical Algorithms* 10 (1995) 13, and arranged so that no digits cancel near a
 separatrix, a pole, or a symmetric or spherical body.
 

@@ -17,7 +17,7 @@ def require_unforced(scene: Scene) -> None:
 
 
 def in_shape(values: dict[str, Any], shape: Shape) -> dict[str, Any]:
-    """Arrays with a row for each body, with the axes of the bodies instead."""
+    """Arrays with a row for each body, reshaped to the axes of the bodies."""
     if not shape:
         return {name: array[0] for name, array in values.items()}
     return {name: array.reshape((*shape, *array.shape[1:])) for name, array in values.items()}

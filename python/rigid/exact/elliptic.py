@@ -1,4 +1,4 @@
-"""Elliptic integrals and functions of which the closed forms are made.
+"""Elliptic integrals and functions that the closed forms use.
 
 Carlson's symmetric integrals by his duplication algorithms (B. C. Carlson, *Numerical Algorithms*
 10 (1995) 13), Jacobi's functions from the complementary parameter.
@@ -17,13 +17,25 @@ __all__ = ["agm", "carlson_rc", "carlson_rd", "carlson_rf", "carlson_rj", "jacob
 Floats = NDArray[np.float64]
 
 LARGEST = 1e200
-"""Largest argument of R_D and R_J: their duplication multiplies three square roots."""
+"""Largest argument of R_D and R_J, whose duplication multiplies three square roots."""
 
 
 def carlson_rf(x: ArrayLike, y: ArrayLike, z: ArrayLike) -> Floats:
-    """Carlson's integral of the first kind: half that of ``1 / sqrt((t+x)(t+y)(t+z))`` over t > 0.
+    """Carlson's integral R_F of the first kind, for arguments that are not negative.
+
+    It is half the integral of ``1 / sqrt((t + x)(t + y)(t + z))`` over t > 0.
 
     DLMF 19.16.1. The arguments broadcast; they are not negative, and at most one is zero.
+
+    Parameters
+    ----------
+    x, y, z : array_like
+        Arguments, not negative; at most one is zero.
+
+    Returns
+    -------
+    ndarray
+        The integral, in the shape of the broadcast arguments.
 
     Raises
     ------
@@ -45,6 +57,21 @@ def carlson_rc(x: ArrayLike, y: ArrayLike) -> Floats:
     DLMF 19.16.17, 19.2.20. ``x`` is not negative, ``y`` not zero, and ``x`` is positive where ``y``
     is negative; the arguments broadcast.
 
+    Parameters
+    ----------
+    x, y : array_like
+        Arguments: ``x`` not negative, ``y`` not zero.
+
+    Returns
+    -------
+    ndarray
+        The integral, in the shape of the broadcast arguments.
+
+    Raises
+    ------
+    ValueError
+        Naming the argument, its value and the rule.
+
     Examples
     --------
     >>> import rigid
@@ -61,7 +88,22 @@ def carlson_rc(x: ArrayLike, y: ArrayLike) -> Floats:
 def carlson_rd(x: ArrayLike, y: ArrayLike, z: ArrayLike) -> Floats:
     """Carlson's integral of the second kind, ``R_J(x, y, z, z)``, for ``z > 0``.
 
-    DLMF 19.16.5. Arguments and errors are those of :func:`carlson_rf`; no argument is above 1e200.
+    DLMF 19.16.5. Arguments and errors are as for :func:`carlson_rf`; no argument is above 1e200.
+
+    Parameters
+    ----------
+    x, y, z : array_like
+        Arguments, not negative, at most 1e200; ``z`` is positive, and at most one is zero.
+
+    Returns
+    -------
+    ndarray
+        The integral, in the shape of the broadcast arguments.
+
+    Raises
+    ------
+    ValueError
+        Naming the argument, its value and the rule.
 
     Examples
     --------
@@ -75,7 +117,22 @@ def carlson_rd(x: ArrayLike, y: ArrayLike, z: ArrayLike) -> Floats:
 def carlson_rj(x: ArrayLike, y: ArrayLike, z: ArrayLike, p: ArrayLike) -> Floats:
     """Carlson's integral of the third kind, for ``p > 0``.
 
-    DLMF 19.16.2. Arguments and errors are those of :func:`carlson_rf`; no argument is above 1e200.
+    DLMF 19.16.2. Arguments and errors are as for :func:`carlson_rf`; no argument is above 1e200.
+
+    Parameters
+    ----------
+    x, y, z, p : array_like
+        Arguments, not negative, at most 1e200; ``p`` is positive, and at most one is zero.
+
+    Returns
+    -------
+    ndarray
+        The integral, in the shape of the broadcast arguments.
+
+    Raises
+    ------
+    ValueError
+        Naming the argument, its value and the rule.
 
     Examples
     --------
@@ -90,6 +147,16 @@ def agm(a: ArrayLike, b: ArrayLike) -> Floats:
     """Arithmetic-geometric mean of numbers that are not negative; the arguments broadcast.
 
     DLMF 19.8. ``K = pi / (2 agm(1, sqrt(1 - m)))``.
+
+    Parameters
+    ----------
+    a, b : array_like
+        Numbers, not negative.
+
+    Returns
+    -------
+    ndarray
+        The mean, in the shape of the broadcast arguments.
 
     Raises
     ------

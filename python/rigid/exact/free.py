@@ -25,7 +25,9 @@ Floats = NDArray[np.float64]
 @short_repr
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class FreeMotion:
-    """The motion of free bodies. Arrays of a single body lack the leading axis ``n``.
+    """Period, flip time, amplitudes and precession of free bodies in closed form.
+
+    Arrays of a single body lack the leading axis ``n``.
 
     Bodies and rates of other leading axes give these axes in the place of ``n``.
 

@@ -1,4 +1,4 @@
-"""Symmetry axes of heavy tops, one top or many, and what is said of the first without one."""
+"""Symmetry axes of heavy tops, one top or many, and the refusal of a top without such an axis."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Symmetry:
-    """Symmetry axes that contain the centres of mass, and the moments; arrays of the tops' shape.
+    """Symmetry axes through the centres of mass, and the moments, in the shape of the tops.
 
     Numbers of a top without symmetry are NaN.
     """
@@ -32,7 +32,7 @@ class Symmetry:
 
 
 def symmetry_of(scene: HeavyTop, line: Floats | None = None) -> Symmetry:
-    """The symmetry of heavy tops about a line, by default that of ``com``."""
+    """The symmetry of heavy tops about a line, by default the line through ``com``."""
     shape = scene.shape
     moments, com = np.asarray(scene.body.moments), np.asarray(scene.com)
     axes = lagrange_axes(in_rows(moments, shape), in_rows(com if line is None else line, shape))

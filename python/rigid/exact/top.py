@@ -42,7 +42,9 @@ Floats = NDArray[np.float64]
 @short_repr
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class TopMotion:
-    """The motion of Lagrange tops. Arrays of a single top lack the leading axis ``n``.
+    """Nutation, precession and periods of Lagrange tops in closed form.
+
+    Arrays of a single top lack the leading axis ``n``.
 
     Scenes and starts of other leading axes give these axes in the place of ``n``.
 
@@ -84,14 +86,14 @@ class TopMotion:
 def lagrange_top(
     scene: HeavyTop, omega: ArrayLike, attitude: ArrayLike | Rotation | None = None
 ) -> TopMotion:
-    """Nutation and precession of a symmetric top with its centre of mass on its axis.
+    """Nutation and precession of a symmetric top whose centre of mass lies on its axis.
 
     Whittaker, *Analytical Dynamics*, § 71; Goldstein, *Classical Mechanics*, § 5.7.
 
     Parameters
     ----------
     scene : HeavyTop
-        Two moments equal to the bit, the centre of mass exactly on the third axis, on either side.
+        Two moments exactly equal, the centre of mass exactly on the third axis, on either side.
     omega, attitude : array_like
         Initial states of the tops, as in :func:`rigid.simulate`.
 
@@ -168,7 +170,7 @@ def tilt_time(
 @short_repr
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class SteadyPrecession:
-    """The slow and the fast steady precession at a tilt: ``slow, fast = found`` unpacks the rates.
+    """The slow and the fast rate of steady precession at a tilt: ``slow, fast = found``.
 
     Attributes
     ----------
@@ -273,7 +275,7 @@ def steady_precession(scene: HeavyTop, tilt: ArrayLike, spin: ArrayLike) -> Stea
 
 @refuses_overflow
 def sleeping_spin(scene: HeavyTop) -> float | Floats:
-    """The least spin (rad/s) at which an upright Lagrange top sleeps: ``2 sqrt(mgl I1) / I3``.
+    """The least spin (rad/s) at which an upright Lagrange top sleeps, ``2 sqrt(mgl I1) / I3``.
 
     Goldstein, *Classical Mechanics*, § 5.7.
 

@@ -1,4 +1,4 @@
-"""Figures of the textbook, each with one call.
+"""Figures of the textbook, each drawn by one call.
 
 Every figure has two functions. ``x_data`` (or a function of the physics modules) computes the data,
 a frozen dataclass of arrays. ``x`` draws these data on your Matplotlib axes, or on new axes, and
@@ -6,7 +6,7 @@ returns the artists by name, so that you can test, restyle or animate them.
 
 Drawing needs Matplotlib, the extra ``maps``; importing the package does not. A notebook
 and ``plt.show()`` show new figures; ``artists.ax.figure.savefig(...)`` saves them. All colours and
-labels are those of :mod:`rigid.figures.colours`.
+labels come from :mod:`rigid.figures.colours`.
 
 The package uses all physics modules and ``drawing``. No other module uses it.
 """

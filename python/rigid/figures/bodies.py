@@ -35,7 +35,7 @@ Floats = NDArray[np.float64]
 _UP = np.array([0.0, 0.0, 1.0])
 
 _OUTER_EDGES = np.array([[0.0, 1.0, -1.0], [1.0, 0.0, -1.0], [-1.0, 1.0, 0.0]])
-"""For each axis, direction of its parallel edge at the outline of the visible faces +x, +y, +z."""
+"""For each axis, the direction of its parallel edge at the outline of the visible faces."""
 
 _AWAY = np.array([[0.0, 0.0, -1.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
 """For each axis, direction from that edge to its dimension line, in the plane of a visible face."""
@@ -145,7 +145,7 @@ def box(body: Body, *, ax: Any | None = None) -> BoxArtists:
     body : Body
         As in :func:`box_data`.
     ax : Axes3D, optional
-        Axes to draw on; by default those of a new figure.
+        Axes to draw on; by default the axes of a new figure.
 
     Returns
     -------
@@ -319,7 +319,7 @@ def heavy_top(
     scene, angles, length
         As in :func:`heavy_top_data`.
     ax : Axes3D, optional
-        Axes to draw on; by default those of a new figure.
+        Axes to draw on; by default the axes of a new figure.
 
     Returns
     -------

@@ -89,7 +89,7 @@ def cones_data(
     Parameters
     ----------
     body : Body, FreeBody or array_like, shape (3,)
-        The body, or principal moments (kg m²), two of them equal to the bit.
+        The body, or principal moments (kg m²), two of them exactly equal.
     omega : array_like, shape (3,)
         Angular velocity in the body at time 0 (rad/s).
     t : float
@@ -155,7 +155,7 @@ def cones(
     body, omega, t
         As in :func:`cones_data`.
     ax : Axes3D, optional
-        Axes to draw on; by default those of a new figure.
+        Axes to draw on; by default the axes of a new figure.
 
     Returns
     -------

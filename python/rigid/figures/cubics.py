@@ -165,7 +165,7 @@ def cubic(
     scene, omega, attitude
         As in :func:`cubic_data`.
     ax : Axes, optional
-        Axes to draw on; by default those of a new figure.
+        Axes to draw on; by default the axes of a new figure.
 
     Returns
     -------
@@ -360,7 +360,7 @@ def upright_cubic(
     scene, spins
         As in :func:`upright_cubic_data`.
     axes : sequence of 3 Axes, optional
-        Axes to draw on; by default those of a new figure.
+        Axes to draw on; by default the axes of a new figure.
 
     Returns
     -------

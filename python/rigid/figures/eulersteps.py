@@ -136,7 +136,7 @@ def euler_steps(
     angles, point
         As in :func:`euler_steps_data`.
     axes : sequence of 3 Axes3D and Axes, optional
-        Axes to draw on; by default those of a new figure.
+        Axes to draw on; by default the axes of a new figure.
 
     Returns
     -------
@@ -219,7 +219,7 @@ def _draw_turned_plane(ax: Any, data: EulerSteps) -> Any:
     corners = np.vstack([np.zeros((1, 2)), longest * data.axes[:2, :2, :2].reshape(-1, 2)])
     low, high = corners.min(axis=0), corners.max(axis=0)
     margin = 0.14 * longest
-    ax.set_aspect("equal", anchor="N")  # its title as high as those of the other panels
+    ax.set_aspect("equal", anchor="N")  # its title as high as the titles of the other panels
     ax.set(
         xlim=(low[0] - margin, high[0] + margin),
         ylim=(low[1] - margin, high[1] + margin),

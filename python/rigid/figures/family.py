@@ -190,7 +190,7 @@ def polhodes(body: BodyLike | Run, *, count: int = 5, ax: Any | None = None) -> 
     body, count
         As in :func:`polhodes_data`.
     ax : Axes3D, optional
-        Axes to draw on; by default those of a new figure.
+        Axes to draw on; by default the axes of a new figure.
 
     Returns
     -------

@@ -164,7 +164,7 @@ def spring_modes(
     masses, positions, omega, stiffness, t_end
         As in :func:`spring_modes_data`.
     axes : sequence of 2 Axes, optional
-        Axes to draw on; by default those of a new figure.
+        Axes to draw on; by default the axes of a new figure.
 
     Returns
     -------
@@ -356,7 +356,7 @@ def bearing_torque(
     tensor, omega, omega_dot
         As in :func:`bearing_torque_data`.
     axes : sequence of 2 Axes, optional
-        Axes to draw on; by default those of a new figure.
+        Axes to draw on; by default the axes of a new figure.
 
     Returns
     -------

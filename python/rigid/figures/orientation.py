@@ -139,7 +139,7 @@ def frames(
     angles, origin, point
         As in :func:`frames_data`.
     ax : Axes3D, optional
-        Axes to draw on; by default those of a new figure.
+        Axes to draw on; by default the axes of a new figure.
 
     Returns
     -------
@@ -291,7 +291,7 @@ def node_frame(angles: ArrayLike, *, ax: Any | None = None) -> NodeFrameArtists:
     angles
         As in :func:`node_frame_data`.
     ax : Axes3D, optional
-        Axes to draw on; by default those of a new figure.
+        Axes to draw on; by default the axes of a new figure.
 
     Returns
     -------

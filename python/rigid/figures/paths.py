@@ -213,7 +213,7 @@ def locus(
         Elevation of the viewer (degrees). From as many degrees as the lower circle is tilted, the
         whole path is on the visible side.
     ax : Axes3D, optional
-        Axes to draw on; by default those of a new figure.
+        Axes to draw on; by default the axes of a new figure.
 
     Returns
     -------
@@ -306,7 +306,7 @@ def loci(
     attitude : array_like, shape (4,) or (n, 4), or scipy Rotation, optional
         Attitudes at ``t = 0``; by default body and space axes coincide.
     axes : sequence of n Axes3D, optional
-        Axes to draw on; by default those of a new figure with two columns.
+        Axes to draw on; by default the axes of a new figure with two columns.
 
     Returns
     -------

@@ -92,7 +92,7 @@ def effective_potential_data(
     Parameters
     ----------
     scene : HeavyTop
-        Two moments equal to the bit, the centre of mass exactly on the third axis.
+        Two moments exactly equal, the centre of mass exactly on the third axis.
     omega : array_like, shape (3,)
         Angular velocity in the body at any time (rad/s).
     attitude : array_like, shape (4,), or scipy Rotation, optional
@@ -153,7 +153,7 @@ def effective_potential(
     scene, omega, attitude
         As in :func:`effective_potential_data`.
     ax : Axes, optional
-        Axes to draw on; by default those of a new figure.
+        Axes to draw on; by default the axes of a new figure.
 
     Returns
     -------

@@ -165,7 +165,7 @@ def poinsot(run: Run, *, frame: int = 0, ax: Any | None = None) -> PoinsotArtist
     run, frame
         As in :func:`poinsot_data`.
     ax : Axes3D, optional
-        Axes to draw on; by default those of a new figure.
+        Axes to draw on; by default the axes of a new figure.
 
     Returns
     -------
@@ -224,7 +224,8 @@ def poinsot(run: Run, *, frame: int = 0, ax: Any | None = None) -> PoinsotArtist
         colours.OMEGA.label,
         colours.OMEGA.colour,
     )
-    # The names stand outside the curves, that of the herpolhode on the side without the contact.
+    # The names stand outside the curves, the name of the herpolhode on the side without the
+    # contact.
     side = float(np.sign(near[np.nanargmax(np.abs(near @ right))] @ right))
     for path, towards_name, name, colour, sign in (
         (near, side * right, "polhode", POLHODE, side),

@@ -149,7 +149,7 @@ def rotating_body(
     positions, omega, sides
         As in :func:`rotating_body_data`.
     ax : Axes3D, optional
-        Axes to draw on; by default those of a new figure.
+        Axes to draw on; by default the axes of a new figure.
 
     Returns
     -------

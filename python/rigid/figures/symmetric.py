@@ -101,7 +101,7 @@ def free_top_omega_data(
     Parameters
     ----------
     body : Body, FreeBody or array_like, shape (3,)
-        The body, or principal moments (kg m²), two of them equal to the bit.
+        The body, or principal moments (kg m²), two of them exactly equal.
     omega : array_like, shape (3,)
         Angular velocity in the body at time 0 (rad/s), not zero.
     t : float
@@ -157,7 +157,7 @@ def free_top_omega(
     body, omega, t
         As in :func:`free_top_omega_data`.
     ax : Axes3D, optional
-        Axes to draw on; by default those of a new figure.
+        Axes to draw on; by default the axes of a new figure.
 
     Returns
     -------
@@ -266,7 +266,7 @@ def coplanar_vectors_data(body: BodyLike, omega: ArrayLike) -> CoplanarVectors:
     Parameters
     ----------
     body : Body, FreeBody or array_like, shape (3,)
-        The body, or principal moments (kg m²), two of them equal to the bit.
+        The body, or principal moments (kg m²), two of them exactly equal.
     omega : array_like, shape (3,)
         Angular velocity in the body (rad/s), not zero.
 
@@ -316,7 +316,7 @@ def coplanar_vectors(
     omega : array_like, shape (3,)
         Angular velocity in the body (rad/s), used for all bodies.
     axes : sequence of Axes, optional
-        Axes to draw on; by default those of a new figure.
+        Axes to draw on; by default the axes of a new figure.
 
     Returns
     -------

@@ -68,7 +68,7 @@ def throw(experiment: free.ThrowExperiment, *, axes: Sequence[Any] | None = None
     experiment : ThrowExperiment
         Result of :func:`rigid.free.throw_experiment`.
     axes : sequence of 6 Axes, optional
-        Axes to draw on; by default those of a new figure.
+        Axes to draw on; by default the axes of a new figure.
 
     Returns
     -------
@@ -256,7 +256,7 @@ def invariants(run: Run, *, ax: Any | None = None) -> DriftArtists:
     run
         As in :func:`invariants_data`.
     ax : Axes, optional
-        Axes to draw on; by default those of a new figure.
+        Axes to draw on; by default the axes of a new figure.
 
     Returns
     -------

@@ -148,7 +148,7 @@ def active_passive(
     angle, vector
         As in :func:`active_passive_data`.
     axes : sequence of 2 Axes, optional
-        Axes to draw on; by default those of a new figure.
+        Axes to draw on; by default the axes of a new figure.
 
     Returns
     -------
@@ -314,7 +314,7 @@ def unit_vector_change(
     angle, unit, about
         As in :func:`unit_vector_change_data`.
     ax : Axes3D, optional
-        Axes to draw on; by default those of a new figure.
+        Axes to draw on; by default the axes of a new figure.
 
     Returns
     -------

@@ -182,7 +182,7 @@ def cycloids(
     scene, tilt, spin, pushes, periods
         As in :func:`cycloids_data`.
     axes : sequence of k Axes, optional
-        Axes to draw on; by default those of a new figure, one above the other.
+        Axes to draw on; by default the axes of a new figure, one above the other.
 
     Returns
     -------

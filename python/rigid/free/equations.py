@@ -91,7 +91,7 @@ def _body_torque(torque: ArrayLike, attitude: ArrayLike | Rotation | None, frame
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Invariants:
-    """Energies and angular momenta of states; the last of the leading axes counts times.
+    """Energy and angular momentum of states; the last of the leading axes counts times.
 
     Attributes
     ----------
@@ -168,8 +168,8 @@ def invariants(
         A run of :func:`rigid.simulate`, or the scene to which the states belong; of one body or
         many.
     omega : array_like, shape (..., 3)
-        Angular velocity in the body (rad/s); its leading axes broadcast with those of the attitudes
-        and of the bodies.
+        Angular velocity in the body (rad/s); its leading axes broadcast with the attitudes and the
+        bodies.
     attitude : array_like, shape (..., 4), or scipy Rotation, optional
         Attitudes; required for a top.
 
@@ -182,8 +182,8 @@ def invariants(
     TypeError
         If ``motion`` is neither a run nor a scene.
     ValueError
-        If states are missing or not finite, their axes and those of the bodies do not broadcast, or
-        if you pass states together with a run.
+        If states are missing or not finite, if their axes do not broadcast with the axes of the
+        bodies, or if you pass states together with a run.
 
     Examples
     --------
@@ -273,10 +273,10 @@ def power_balance(
     ----------
     motion, omega, attitude
         As in :func:`invariants`; the rates have shape (..., m, 3), and the axes before m broadcast
-        with those of the bodies.
+        with the axes of the bodies.
     t : array_like, shape (m,) or (..., m)
-        Times of the states (s), at least three; those of all bodies, or of each. A run has its own
-        times.
+        Times of the states (s), at least three; the same for all bodies, or for each. Omit them for
+        a run.
     torque : array_like, shape (..., m, 3), optional
         Additional torque (N m).
     frame : {"body", "space"}
@@ -392,18 +392,18 @@ def _time_derivative(values: Floats, times: Floats) -> Floats:
 
 
 def _at_times(vectors: ArrayLike) -> Floats:
-    """Vectors of the bodies, beside states with an axis for the times."""
+    """Vectors of the bodies, shaped to broadcast with states that have an axis for the times."""
     return np.asarray(vectors)[..., np.newaxis, :]
 
 
 def _of_each(vectors: ArrayLike, motion: Run | Scene) -> Floats:
-    """Vectors of the bodies; beside the states of a run with an axis for the times."""
+    """Vectors of the bodies, shaped to broadcast with the states of a run."""
     array = np.asarray(vectors)
     return _at_times(array) if isinstance(motion, Run) and array.ndim > 1 else array
 
 
 def _along(vectors: Floats, of_bodies: Floats) -> Floats:
-    """Products of vectors with that of all bodies, or with those of each."""
+    """Products of vectors with the vector of all bodies, or with the vector of each body."""
     if of_bodies.ndim == 1:
         product: Floats = vectors @ of_bodies
     else:

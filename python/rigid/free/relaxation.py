@@ -21,8 +21,8 @@ __all__ = ["Relaxation", "damping_time", "relaxation", "sink_of_damping"]
 Floats = NDArray[np.float64]
 
 SEPARATRIX, END = 36.0, -80.0
-"""Values of ``ln(x / (1 - x))`` at which, to rounding, a motion is on the separatrix, and rotates
-about an axis; ``x`` is the share of the way from the energy of the axis to the separatrix."""
+"""Values of ``ln(x / (1 - x))`` that mean, to rounding, the separatrix and rotation about an axis;
+``x`` is the share of the way from the energy of the axis to the separatrix."""
 
 PANEL = 0.5
 """Width of the panels of the quadrature over ``ln(x / (1 - x))``."""
@@ -56,7 +56,7 @@ class Relaxation:
 
 @refuses_overflow
 def relaxation(body: BodyLike, omega: ArrayLike, t: ArrayLike, sink: EnergySink) -> Relaxation:
-    """Spin states of a free body with an energy sink over any time, averaged over its fast motion.
+    """Spin states of a free body with an energy sink at any times, averaged over its fast motion.
 
     The energy falls by ``dE/dt = -omega'·P omega'`` at constant L. The mean over a period of the
     rates is a closed form of elliptic integrals, and the time is an integral over the energy. So a
@@ -190,7 +190,7 @@ class _Leg:
         self.end = float(self.times[-1])
 
     def places(self, since: Floats) -> Floats:
-        """Places at times since the begin of the leg; the last one after its end."""
+        """Places at times since the start of the leg; the last place lies after its end."""
         panel = np.clip(np.searchsorted(self.times, since, side="right") - 1, 0, None)
         panel = np.minimum(panel, max(len(self.times) - 2, 0))
         begin, after = self.borders[panel], np.minimum(since, self.end) - self.times[panel]

@@ -50,14 +50,14 @@ class Libration:
 
 
 def libration(body: BodyLike, rate: ArrayLike) -> Libration:
-    """Libration of a satellite whose axes lie along the orbit: roll, pitch and yaw.
+    """Frequencies of roll, pitch and yaw of a satellite whose axes lie along its circular orbit.
 
     At rest axis 1 (roll) lies along the motion, axis 2 (pitch) along the normal of the orbit, axis
     3 (yaw) along the line from the planet, as in :func:`roll_pitch_yaw`. With
     ``k1 = (I2 - I3)/I1`` and ``k3 = (I2 - I1)/I3`` the squares of the frequencies of roll and yaw,
-    over that of the orbit, are the roots of
-    ``x² - (1 + 3 k1 + k1 k3) x + 4 k1 k3`` (Hughes, *Spacecraft Attitude Dynamics*, 1986, § 9.2;
-    DeBra and Delp, *J. Astronaut. Sci.* 8 (1961) 14-17).
+    over the square of the orbital rate, are the roots of ``x² - (1 + 3 k1 + k1 k3) x + 4 k1 k3``
+    (Hughes, *Spacecraft Attitude Dynamics*, 1986, § 9.2; DeBra and Delp, *J. Astronaut. Sci.* 8
+    (1961) 14-17).
 
     Parameters
     ----------
@@ -65,6 +65,10 @@ def libration(body: BodyLike, rate: ArrayLike) -> Libration:
         The body, or its moments (kg m²) of roll, pitch and yaw.
     rate : array_like, shape (...)
         Rate of the orbit (rad/s), positive.
+
+    Returns
+    -------
+    Libration
 
     Raises
     ------
@@ -91,11 +95,11 @@ def libration(body: BodyLike, rate: ArrayLike) -> Libration:
 def jacobi_integral(
     scene: Scene, omega: ArrayLike, attitude: ArrayLike | Rotation, t: ArrayLike
 ) -> Floats:
-    """Energy of a satellite in the frame of its circular orbit (J), constant if nothing else acts.
+    """Energy of a satellite in the frame of its circular orbit (J); constant without other forces.
 
     ``omega·I omega / 2 + 3 n² o·I o / 2 - n N·L``, with the direction ``o`` from the planet, the
-    normal ``N`` and the rate ``n`` of the orbit, and the angular momentum ``L``, that of a rotor
-    included (Hughes, *Spacecraft Attitude Dynamics*, 1986, § 9.2). It falls by dissipation.
+    normal ``N`` and the rate ``n`` of the orbit, and the angular momentum ``L``, with the part of a
+    rotor (Hughes, *Spacecraft Attitude Dynamics*, 1986, § 9.2). It falls by dissipation.
 
     Parameters
     ----------
@@ -107,6 +111,11 @@ def jacobi_integral(
         Attitudes.
     t : array_like, shape (...)
         Times (s) of the states.
+
+    Returns
+    -------
+    ndarray, shape (...)
+        Energy (J).
 
     Raises
     ------
@@ -144,7 +153,7 @@ def jacobi_integral(
 def roll_pitch_yaw(orbit: Orbit, attitude: ArrayLike | Rotation, t: ArrayLike) -> Floats:
     """Roll, pitch and yaw of a body on an orbit (rad), shape (..., 3).
 
-    The attitude is that of the directions *along*, *normal* and *radial* of :meth:`Orbit.frame`,
+    The attitude follows from the directions *along*, *normal* and *radial* of :meth:`Orbit.frame`,
     turned by yaw about *radial*, then by pitch about the new axis 2, then by roll about the new
     axis 1: a 3-2-1 sequence. They are zero if body axes 1, 2, 3 lie along these directions.
 
@@ -192,5 +201,5 @@ def roll_pitch_yaw(orbit: Orbit, attitude: ArrayLike | Rotation, t: ArrayLike) -
 
 
 def radial(orbit: Orbit, attitude: Floats, t: Floats) -> Floats:
-    """The direction from the planet, in the body at times ``t``, shape (..., 3)."""
+    """The unit vector from the planet to the body, in body axes at times ``t``, shape (..., 3)."""
     return to_body(attitude, orbit.frame(t)[..., 0])

@@ -145,7 +145,7 @@ def gamma_residual(factors: ArrayLike) -> Floats:
     Parameters
     ----------
     factors : array_like, shape (..., 3)
-        Factors of Euler's equations, such as those of :func:`gammas`.
+        Factors of Euler's equations, such as the result of :func:`gammas`.
 
     Returns
     -------
@@ -176,9 +176,8 @@ def jacobian(factors: ArrayLike, omega: ArrayLike) -> Floats:
     Parameters
     ----------
     factors : array_like, shape (..., 3)
-        Factors of Euler's equations, such as those of :func:`gammas`.
-    omega : array_like, shape (..., 3)
-        Angular velocity in the body (rad/s).
+        Factors of Euler's equations, such as the result of :func:`gammas`. omega : array_like,
+        shape (..., 3) Angular velocity in the body (rad/s).
 
     Returns
     -------
@@ -266,7 +265,7 @@ class Circulation:
 
 @refuses_overflow
 def circulation(body: BodyLike, omega: ArrayLike) -> Circulation:
-    """The axis about which the angular velocity of a free body circulates, without integration.
+    """The axis about which the angular velocity of a free body circulates, without an integration.
 
     Landau and Lifshitz, *Mechanics*, § 37. The result does not depend on the rate about the middle
     axis; the criterion of Buller and Wernstål 2011, § 3.2, is wrong (erratum S-12).

@@ -54,7 +54,7 @@ def throw_experiment(
     t_end: float = 30.0,
     samples: int = 601,
 ) -> ThrowExperiment:
-    """The experiment of a lab report: a body thrown at 1 rad/s about each axis, by closed form.
+    """Closed-form motion of a body thrown at 1 rad/s about each axis, with and without noise.
 
     Buller and Wernstål 2011, appendix and Fig. 3. The report does not give the seed of its noise
     (S-18), so pass the noise as an argument.

@@ -41,7 +41,7 @@ Floats = NDArray[np.float64]
 @short_repr
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class SymmetricTop:
-    """Three different rates and the constant angles of a free symmetric top.
+    """The rates and the constant angles of a free symmetric top, and its motion.
 
     ``I3`` is the moment about the axis of symmetry, ``I`` the moment about a perpendicular axis,
     ``omega3`` the rate about the axis of symmetry.
@@ -112,7 +112,7 @@ def symmetric_free_top(
     Parameters
     ----------
     body : Body, FreeBody or array_like, shape (..., 3)
-        The body, or principal moments (kg m²), two of them equal to the bit.
+        The body, or principal moments (kg m²), two of them exactly equal.
     omega : array_like, shape (..., 3)
         Angular velocity in the body at ``t = 0`` (rad/s).
     attitude : array_like, shape (..., 4), or scipy Rotation, optional
@@ -194,7 +194,7 @@ def _symmetry_axes(moments: Floats) -> NDArray[np.intp]:
 @short_repr
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class AsymmetricTop(FreeMotion):
-    """The quantities of :class:`rigid.exact.FreeMotion` for any free body, and its motion.
+    """Period, amplitudes and precession of any free body, and its motion in closed form.
 
     With the argument ``frequency t + phase`` the rate about the encircled axis is ``amplitude dn``,
     about the middle axis ``amplitude sn``, about the third axis ``amplitude cn``; ``period =
@@ -287,7 +287,7 @@ def _frequency(moments: Floats, rates: Floats) -> Floats:
 def _states(
     moments: Floats, rates: Floats, attitude: ArrayLike | Rotation | None, t: ArrayLike
 ) -> tuple[Floats, Floats]:
-    """Angular velocities and attitudes at the times by closed form; each body has own moments."""
+    """Angular velocities and attitudes at the times in closed form; each body has its moments."""
     start = attitudes(attitude)
     shape = np.broadcast_shapes(rates.shape[:-1], start.shape[:-1])
     times = sorted_times("t", t)
@@ -354,7 +354,7 @@ def steady_axis_frame(body: BodyLike, spin: ArrayLike, tilt: ArrayLike = 0.0) ->
 
 
 def steady_axis_spin(body: BodyLike, frame_rate: ArrayLike) -> Floats:
-    """The spin ``nu = Omega3 (I - I3) / I3`` from the angular velocity of the frame.
+    """The spin ``nu = Omega3 (I - I3) / I3`` that follows from the angular velocity of the frame.
 
     The inverse of :func:`steady_axis_frame`; the spin is ``-k`` of :func:`symmetric_free_top`.
 

@@ -1,4 +1,4 @@
-"""Tumbling bodies by the two periods that observers publish: state from periods, and back."""
+"""Tumbling bodies by the two periods that observers publish: the state from periods, and back."""
 
 from __future__ import annotations
 
@@ -23,18 +23,18 @@ MODES = ("SAM", "LAM")
 """Short-axis mode and long-axis mode: which axis the angular velocity encircles in the body."""
 
 FIRST, LAST = -20.0, 300.0
-"""Where states are looked for: logarithms of the tangent of the angle of L from the encircled axis,
-as L passes the plane of this axis and the middle one. Before the first, periods change by less than
-rounding; after the last, squares of rates are too small."""
+"""Range in which states are looked for: logarithms of the tangent of the angle of L from the
+encircled axis, as L passes the plane of this axis and the middle one. Before the first, periods
+change by less than rounding. After the last, squares of rates are too small."""
 
 HALVINGS = 70
-"""Halvings of this interval: as many as leave it below the spacing of doubles."""
+"""Halvings of this interval that leave it below the spacing of doubles."""
 
 
 @short_repr
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class SpinState:
-    """The spin state of free bodies as observers of asteroids and comets describe it.
+    """The spin state of free bodies in the terms of observers of asteroids and comets.
 
     The long axis is the axis of the smallest moment, the short axis the axis of the largest. The
     Euler angles phi, theta, psi are the angles of the long axis about the angular momentum L:
@@ -68,7 +68,7 @@ class SpinState:
 
 @refuses_overflow
 def spin_periods(body: BodyLike, omega: ArrayLike) -> SpinState:
-    """Mode, both periods and energy of a tumbling body, in closed form.
+    """Mode, both periods and energy of a tumbling body in closed form.
 
     :class:`rigid.exact.FreeMotion` has the mean precession of the *encircled* axis. The encircled
     axis is the long axis in the long-axis mode. In the short-axis mode the long axis goes about L
@@ -136,7 +136,7 @@ def _energy(moments: Floats, rates: Floats) -> Floats:
 def spin_state(
     body: BodyLike, *, precession: ArrayLike, rotation: ArrayLike, mode: str
 ) -> SpinState:
-    """The state of a tumbling body from its two periods.
+    """Angular velocity and energy of a tumbling body from its two periods.
 
     The ratio of the periods tells the ratio of energy and squared momentum, and the periods then
     tell the momentum. The state is the one at which L lies in the plane of the encircled axis and

@@ -1,4 +1,4 @@
-"""Tensors of inertia: of mass points, of parts, about other points, in other and in principal axes.
+"""Tensors of inertia of mass points and of parts, about any point and in any axes.
 
 Products of inertia have minus signs, ``I_12 = -sum m x y``. A tensor of inertia belongs to a point
 and to axes: add tensors only if they have the same point and the same axes.
@@ -130,7 +130,7 @@ def principal_axes(tensor: ArrayLike) -> PrincipalAxes:
     Parameters
     ----------
     tensor : array_like, shape (..., 3, 3)
-        Tensors of inertia (kg m²); those of rods and points are allowed.
+        Tensors of inertia (kg m²); tensors of rods and points are allowed.
 
     Returns
     -------

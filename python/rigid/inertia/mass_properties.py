@@ -81,6 +81,22 @@ class MassProperties:
         ----------
         point : array_like, shape (..., 3)
             The point (m), such as a pivot, in the coordinates of ``centre``.
+
+        Returns
+        -------
+        ndarray, shape (..., 3, 3)
+            Tensor (kg m²).
+
+        Raises
+        ------
+        ValueError
+            If the point is not finite or has another shape.
+
+        Examples
+        --------
+        >>> from rigid import solids
+        >>> solids.rod(2.0, mass=3.0).about([0.0, 0.0, -1.0]).diagonal()
+        array([4., 4., 0.])
         """
         return steiner(self.tensor, self.mass, shaped("point", point, 3) - self.centre)
 
@@ -95,6 +111,15 @@ class MassProperties:
             Shift (m).
         turn : array_like, shape (..., 3, 3), optional
             Active rotation.
+
+        Returns
+        -------
+        MassProperties
+
+        Raises
+        ------
+        ValueError
+            If the shift is not finite, or the turn is no rotation matrix.
 
         Examples
         --------
@@ -337,7 +362,7 @@ def rotate_tensor(turn: ArrayLike, tensor: ArrayLike, *, order: int = 2) -> Floa
 
 
 def symmetric_tensor(name: str, value: ArrayLike) -> Floats:
-    """``value`` as finite symmetric matrices ``(..., 3, 3)``, made symmetric to the bit."""
+    """``value`` as finite symmetric matrices ``(..., 3, 3)``, made exactly symmetric."""
     t = shaped(name, value, 3, 3)
     apart = t - np.swapaxes(t, -1, -2)
     scale = np.abs(t).max(axis=(-2, -1), keepdims=True)

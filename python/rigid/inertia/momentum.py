@@ -96,6 +96,11 @@ def kinetic_energy(
     ndarray, shape (...)
         Energy (J).
 
+    Raises
+    ------
+    ValueError
+        As for :func:`rotational_energy`, or if a mass is negative.
+
     Examples
     --------
     >>> from rigid import inertia

@@ -59,7 +59,7 @@ class Symmetry:
 def symmetry_check(
     points: ArrayLike, masses: ArrayLike | None = None, *, tolerance: float = 1e-9
 ) -> Symmetry:
-    """All rotations and reflections that map mass points onto themselves.
+    """Mirror planes and symmetry axes of a system of mass points.
 
     A symmetry maps a pair of points to a pair with the same masses and distances; the function
     tries all such pairs. Many points at one distance from the centre take long: a ring of a
@@ -162,7 +162,7 @@ def _orthogonal(
 
 
 def _kept(group: Floats, r: Floats, kinds: NDArray[np.intp], tolerance: float) -> NDArray[np.bool_]:
-    """Which of the matrices take every point to one of its kind."""
+    """Which of the matrices take every point to a point of the same kind."""
     from scipy.spatial import cKDTree
 
     # The kind is a fourth coordinate, so that an image only matches points of the same kind.

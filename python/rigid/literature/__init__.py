@@ -1,4 +1,4 @@
-"""Numbers that the literature states, computed by the library: :func:`rigid.validation`.
+"""Numbers of the literature, each computed again by the library: :func:`rigid.validation`.
 
 ``entry`` says what an entry is; ``asteroids``, ``moons``, ``spin_orbit``, ``earth``,
 ``free_bodies`` and ``heavy_tops`` hold the entries, each with its source and the function that

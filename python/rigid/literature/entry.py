@@ -54,6 +54,6 @@ class Entry:
 
     @property
     def digits(self) -> str | None:
-        """The number as it is printed, without its error; None of a formula and of words."""
+        """The number as text, without its error; None for a formula or words."""
         found = re.fullmatch(r"([\d.]+)( ± [\d.]+)?", self.printed)
         return None if found is None else found[1]

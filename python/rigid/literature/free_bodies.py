@@ -21,7 +21,7 @@ __all__ = ["ENTRIES"]
 RACKET = (0.00121, 0.01638, 0.01748)
 """Moments of a tennis racket (kg m²)."""
 RACKET_SEEN = (
-    "formula of the textbook, from memory; moments of the racket: those of Ashbaugh, Chicone and "
+    "formula of the textbook, from memory; moments of the racket by Ashbaugh, Chicone and "
     "Cushman, J. Dyn. Differ. Equ. 3 (1991) 67, as a thread of physics.stackexchange.com has them"
 )
 LANDAU = "L. D. Landau, E. M. Lifshitz, Mechanics, 3rd edition (1976), section 37"
@@ -47,7 +47,7 @@ def growth_by_formula() -> float:
 
 
 def growth_by_motion() -> float:
-    """The same from a disturbance of 1e-10, between the times at which exp(k t) is e⁸ and e¹⁴."""
+    """Growth rate of a disturbance of 1e-10, between the times with exp(k t) = e⁸ and e¹⁴."""
     times = np.array([8.0, 14.0]) / growth_by_formula()
     run = simulate(FreeBody(Body(RACKET)), [1e-10, 1.0, 0.0], t=times, record="rates")
     first, last = np.abs(run.omega[:, 0])

@@ -154,7 +154,7 @@ ENTRIES = (
         source="L. Galgani, A. Giorgilli, J.-M. Strelcyn, Chaotic motions and transition to "
         "stochasticity in the classical problem of the heavy rigid body with a fixed point, Nuovo "
         "Cimento B 61 (1981) 1-20",
-        seen="not looked up: the statement is from memory, the top is that of `rigid section "
+        seen="not looked up: the statement is from memory, the top is the top of `rigid section "
         "chaotic`",
         compute=chaotic_share,
     ),

@@ -138,7 +138,7 @@ def period_of_mercury() -> float:
 
 
 def formula_of_mercury() -> float:
-    """The same by the series of the torque averaged over the orbit."""
+    """Period (years) of the free libration by the series of the torque averaged over the orbit."""
     strength = 3.0 * MERCURY * (3.5 * E_MERCURY - 123.0 / 16.0 * E_MERCURY**3)
     return YEAR_OF_MERCURY / sqrt(strength)
 
@@ -149,7 +149,7 @@ def width(eccentricity: float, strength: float) -> float:
 
 
 def measured_width() -> float:
-    """The same over that of the series, from the spins of a map that keep 3/2 on average."""
+    """Width of 3:2 over its width by the series, from spins that keep 3/2 on average."""
     strength = 3e-4
     half = width(E_WIDTH, strength)
     places = np.linspace(0.9, 1.1, 21)
@@ -233,7 +233,7 @@ ENTRIES = (
         "the paper itself was not found",
         compute=chaotic_time,
         reason="the exponent is 0.12 with the time in units of 1/n: in this unit the time is 8, "
-        "about ten, and in orbit periods it is 1.3. Its growth is that of the equation in the "
+        "about ten, and in orbit periods it is 1.3. It grows as by the equation in the "
         "plane by SciPy",
     ),
     Entry(
@@ -255,7 +255,7 @@ ENTRIES = (
         printed="15.847",
         value=15.847,
         within=2e-3,
-        interval="rounding, and that of the eccentricity 0.2056",
+        interval="rounding, also of the eccentricity 0.2056",
         unit="a",
         source=RAMBAUX,
         seen="period: the abstract; C22 and C: from memory",

@@ -63,7 +63,7 @@ class Compared:
         return f"rigid validation {self.entry.name}"
 
     def to_dict(self) -> dict[str, Any]:
-        """All of it as plain Python values."""
+        """All attributes as plain Python values."""
         entry = {name: getattr(self.entry, name) for name in Entry.__slots__ if name != "compute"}
         return {
             **entry,
@@ -127,7 +127,7 @@ class Validation:
 def validation(
     names: str | Iterable[str] | None = None, *, progress: ProgressOption = None
 ) -> Validation:
-    """Compute numbers that the literature states, and compare.
+    """Compute numbers that the literature states, and compare them with the published ones.
 
     Parameters
     ----------

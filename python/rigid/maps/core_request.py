@@ -1,4 +1,4 @@
-"""What the core is asked of a map: the one list of its inputs, which it reads by their names."""
+"""The request of a map to the core: the one list of its inputs, which the core reads by name."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class CoreStarts:
-    """Nominal starts of pixels and the laws of their perturbations.
+    """Nominal starts of pixels and the distributions of their perturbations.
 
     Attributes
     ----------
@@ -58,7 +58,7 @@ class CoreRequest:
     moments, weight : ndarray, shape (P, 3)
         Principal moments (kg m²); ``mgl * com`` (N m).
     starts : sequence of CoreStarts
-        One, or those of a mixture.
+        One start, or the starts of a mixture.
     shares : sequence of float
         The share of the samples that begin so or as a start before; the last is 1.
     conditions : sequence of (str, int, sequence of float)
@@ -75,7 +75,8 @@ class CoreRequest:
     forces : sequence of Forces, optional
         Those on each pixel.
     numbers, first : ndarray of uint64, shape (P,), optional
-        The number of each pixel in the whole map, and that of its first sample, a multiple of 64.
+        The number of each pixel in the whole map, and the number of its first sample, a multiple of
+        64.
     """
 
     scene: str

@@ -1,4 +1,4 @@
-"""The arrays of a map from counts, and which counts no computation gives."""
+"""The arrays of a map from its counts, and a check that a computation can give these counts."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ def _column(name: str, values: ArrayLike, shape: tuple[int, ...]) -> NDArray[Any
 def check_counts(
     spec: MapSpec, arrays: Mapping[str, NDArray[Any]], refuse: Callable[[str], None]
 ) -> None:
-    """Call ``refuse(message)``, which raises, for numbers that no computation gives."""
+    """Call ``refuse(message)``, which raises, for numbers that no computation can give."""
 
     def refuse_where(bad: NDArray[np.bool_], name: str, rule: str) -> None:
         if bad.any():

@@ -1,7 +1,7 @@
 """The arrays of a stability map: what is counted in each pixel, and the shares with intervals.
 
-The columns are those of the core: a new output of a map is one row there, and appears here, in
-saved files and in datasets with its name, type, unit and meaning.
+The core defines the columns: a new output of a map is one row there, and appears here, in saved
+files and in datasets with its name, type, unit and meaning.
 """
 
 from __future__ import annotations
@@ -76,7 +76,7 @@ STORED: Mapping[str, np.dtype[Any]] = {
 """The arrays of a saved map that all others follow from, with their types."""
 
 CONFIDENCE = 0.95
-"""Chance with which the interval of a pixel holds its true share, or more."""
+"""Least probability with which the interval of a pixel contains its true share."""
 
 
 def interval(
@@ -150,7 +150,7 @@ class MapData:
         threads: int = 0,
         writers: tuple[Mapping[str, Any], ...] = (),
     ) -> Self:
-        """The result that follows from the counted arrays, those named in :data:`STORED`.
+        """The result that follows from the counted arrays, whose names :data:`STORED` lists.
 
         ``bins`` are the histograms of the measures, (n, 9) each, as the core gives them; by
         default of no values.
@@ -189,22 +189,22 @@ class MapData:
 
     @property
     def chaotic_share(self) -> NDArray[np.float64]:
-        """Share of the bodies that do not meet the criterion, as the chaotic: ``1 - share``."""
+        """Share of the bodies that miss the criterion, such as the chaotic: ``1 - share``."""
         share: NDArray[np.float64] = 1.0 - self.share
         return share
 
     @property
     def resolution(self) -> float:
-        """The smallest exponent (1/s) that the horizon can show; NaN if none is measured.
+        """The smallest exponent (1/s) that the horizon can show; NaN if no exponent is measured.
 
-        Where the horizon is an axis, that of the longest one.
+        Where the horizon is an axis, the exponent of the longest horizon.
         """
         stable = self.spec.stable
         return stable.resolution(self.spec.t_end) if isinstance(stable, Regular) else math.nan
 
     @property
     def exponent(self) -> NDArray[np.float64]:
-        """Mean exponent (1/s) of the bodies that were integrated, NaN if none was.
+        """Mean exponent (1/s) of the integrated bodies; NaN if no body was integrated.
 
         The exponent of a body is the logarithm of the growth of its deviation vector over the time
         that it ran.
@@ -217,7 +217,7 @@ class MapData:
         return self._mean("megno")
 
     def _mean(self, name: str) -> NDArray[np.float64]:
-        """The mean over the integrated bodies of what a column is the sum of, in fixed point."""
+        """The mean over the integrated bodies, from the fixed-point sum in a column."""
         measured = isinstance(self.spec.stable, Regular) * (self.samples - self.failed - self.exact)
         mean = np.full(self.spec.shape, np.nan)
         sums = np.asarray(self.columns[name], dtype=np.float64) / _core.FIXED_POINT
@@ -226,19 +226,19 @@ class MapData:
 
     @property
     def complete(self) -> bool:
-        """Whether every body that was asked for was computed, and no budget left pixels out."""
+        """Whether all requested bodies are computed, and no budget omitted pixels."""
         return self.ended and not self.cut
 
     @property
     def ended(self) -> bool:
-        """Whether nothing more is to be computed: the map is complete, or its budget is spent."""
+        """Whether the computation is over: the map is complete, or its budget is spent."""
         if refined(self.spec):
             return not len(self._stages.wanted)
         return bool(self.finished[self.status == 0].all())
 
     @property
     def cut(self) -> int:
-        """Number of pixels that the budget omitted; with ``refine`` of the stage where it ended.
+        """Number of pixels that the budget omitted; with ``refine`` in its last stage.
 
         A pixel is omitted if the most bodies that it may need do not fit.
         """
@@ -246,7 +246,7 @@ class MapData:
 
     @property
     def finished(self) -> NDArray[np.bool_]:
-        """Pixels with all their bodies; with ``half_width`` those that have enough."""
+        """Pixels whose bodies are all computed; with ``half_width`` pixels with enough bodies."""
         looks = self.spec.looks
         if looks is None:
             finished: NDArray[np.bool_] = self.samples == self.spec.samples
@@ -260,7 +260,7 @@ class MapData:
 
     @property
     def stage(self) -> NDArray[np.uint8]:
-        """The stage of refinement that computes each pixel, 0 without; 255: omitted."""
+        """The stage of refinement that computes each pixel; 0 without it, 255 if omitted."""
         if not refined(self.spec):
             return np.zeros(self.spec.shape, dtype=np.uint8)
         return self._stages.stage
@@ -274,7 +274,7 @@ class MapData:
 
     @property
     def filled(self) -> NDArray[np.float64]:
-        """The share, and between the pixels of a refined map what is interpolated, bilinearly.
+        """The share; between the computed pixels of a refined map the bilinear interpolation.
 
         What is interpolated is for pictures. It is never counted.
         """

@@ -35,9 +35,9 @@ __all__ = ["file_size", "read_map", "write_map"]
 FORMAT = "rigid stability map"
 FORMAT_VERSION = 6
 MEASURED_VERSION = 7
-"""The format of a map with measures; without them its files are those of version 6."""
+"""The format of a map with measures; a map without measures is written in version 6."""
 CAPTURED_VERSION = 8
-"""The format of a map with a function, whose digests tell what it takes from outside."""
+"""The format of a map with a function, with digests of the values that the function uses."""
 _AUDIT = frozenset({"audited", "audited_undecided"})
 MISSING_IN: Mapping[int, frozenset[str]] = {
     3: _AUDIT | GROWTH | {"unit_drift"},
@@ -47,7 +47,7 @@ MISSING_IN: Mapping[int, frozenset[str]] = {
     7: frozenset(),
     8: frozenset(),
 }
-"""The formats that are read, and the arrays of :data:`STORED` that their files do not have."""
+"""The formats that can be read, and the arrays of :data:`STORED` that their files lack."""
 
 _EPOCH = (1980, 1, 1, 0, 0, 0)
 _SPEC = "spec.json"
@@ -66,7 +66,7 @@ _ENTRY = 1024
 """More bytes than the headers and the entry of an array in the directory take."""
 
 MOST_BINS = 2**18
-"""Most bins of a pixel: those of all numbers."""
+"""Most bins of a pixel: the number of bins of all numbers."""
 
 Bins: TypeAlias = NDArray[np.int64]
 
@@ -132,7 +132,7 @@ def file_size(spec: MapSpec) -> int:
     axes = [len(axis.values) for axis in spec.axes]
     pixel = sum(dtype.itemsize for dtype in STORED.values()) + 8 * len(_DERIVED)
     arrays = pixel * math.prod(axes) + 8 * sum(axes)
-    # As many bins as values, at most: those of one pixel mostly share some.
+    # As many bins as values, at most: the values of one pixel mostly share some.
     bins = len(spec.measure) * math.prod(axes) * min(spec.samples, MOST_BINS) * 8 * BIN
     entries = 1 + len(axes) + len(STORED) + len(_DERIVED) + len(spec.measure)
     return len(_header(spec)) + arrays + bins + _ENTRY * entries
@@ -166,7 +166,7 @@ def read_map(path: str | os.PathLike[str]) -> tuple[MapSpec, dict[str, NDArray[A
 
 
 class _FileError(Exception):
-    """Why a file is refused; the name of the file precedes the message."""
+    """The reason why a file is refused; the name of the file precedes the message."""
 
 
 def _read(file: BinaryIO) -> tuple[MapSpec, dict[str, NDArray[Any]], list[Bins]]:
@@ -286,7 +286,7 @@ def _read_array(
 
 
 def _check_bins(name: str, rows: Bins, done: NDArray[np.int64]) -> None:
-    """Refuse a histogram that no computation gives, of pixels with so many bodies."""
+    """Refuse a histogram that no computation can give for pixels with so many bodies."""
     pixel, key, count, least, largest, low, high, _, square_high = rows.T
     steps = np.diff(pixel), np.diff(key)
     magnitude = np.where(key < 0, -1 - key, key)

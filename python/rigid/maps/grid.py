@@ -29,7 +29,7 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Made:
-    """What a function of the user makes of all P pixels.
+    """The values that a function of the user makes for all P pixels.
 
     Attributes
     ----------
@@ -44,7 +44,7 @@ class Made:
     attitude: Floats | None = None
 
     def of_pixels(self, pixels: NDArray[np.int64]) -> Made:
-        """What it makes of some pixels."""
+        """The values of some pixels."""
         omega, attitude = (
             None if part is None else part[pixels] for part in (self.omega, self.attitude)
         )
@@ -115,7 +115,7 @@ class NominalStarts:
         ends = np.cumsum([12, *(each.shape[1] for each in self.further.values())])
 
         def varied(row: Floats) -> dict[str, Floats]:
-            """The further numbers of a row, as the scene of a pixel has them."""
+            """The numbers of the further forces in one row, in the form of a scene."""
             parts = zip(self.further, np.split(row, ends)[1:-1], strict=True)
             made = {name: (part, FORCES[name].made(part)) for name, part in parts}
             return {
@@ -152,7 +152,7 @@ class NominalStarts:
 
     @property
     def _has_orbits_alone(self) -> bool:
-        """Whether the gravity gradient of an orbit acts on all bodies, and nothing else on any.
+        """Whether all bodies move under the gravity gradient of an orbit and under nothing else.
 
         They are integrated without a balance then, whichever pixels the core is given together.
         """
@@ -160,7 +160,7 @@ class NominalStarts:
         return self.acting == ("orbit",) and not varied
 
     def _torque(self, in_body: Floats) -> Torque | None:
-        """The torque of a pixel whose axes set this part of it."""
+        """The torque of a pixel whose axes set the part of the given name."""
         given = self.scene.torque
         if self.torque is None:
             return given
@@ -214,7 +214,7 @@ class NominalStarts:
         return replace(self, own=own, made=made, further=further, **some)
 
     def scene_of(self, pixel: int) -> Scene:
-        """The scene of one pixel, with the numbers that the axes set."""
+        """The scene of one pixel, with the values of the axes there."""
         i1, i2, i3 = self.moments[pixel].tolist()
         damping = None if self.damping is None else self.damping[pixel]
         own: dict[str, Any] = {
@@ -306,7 +306,7 @@ def _without_axes(scene: Scene, start: Start, count: int) -> PixelValues:
         attitude_noise = 1.0
 
     def each(value: ArrayLike, width: int = 0) -> Floats:
-        """A number of all bodies, or of each; ``width`` axes are those of one."""
+        """A number of all bodies, or of each; ``width`` counts the axes of one body."""
         array = np.asarray(value, dtype=np.float64)
         shape = array.shape[array.ndim - width :]
         return np.broadcast_to(array, (count, *shape)).copy()
@@ -342,7 +342,7 @@ def _without_axes(scene: Scene, start: Start, count: int) -> PixelValues:
 
 
 def _on_surface(pixels: PixelValues, weight: Floats, omega: Floats, attitude: Floats) -> Floats:
-    """The rates with the energies and the vertical momenta that the axes set.
+    """The rates with the energies and the vertical momenta that the axes give.
 
     With the momentum the rates are ``l gamma / (gamma·I gamma) + s u``, ``u`` what is left of them
     without their vertical momentum: both parts are at right angles in the kinetic energy. A pixel

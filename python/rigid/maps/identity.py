@@ -1,4 +1,4 @@
-"""What identifies a map: its key, which follows from the specification, and its fingerprint."""
+"""The identity of a map: its key, which follows from the specification, and its fingerprint."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ __all__ = ["canonical", "differences", "fingerprint", "head_of", "key_of", "rece
 
 FORMAT = "rigid running map"
 FORMAT_VERSIONS = (1, 2, 3)
-"""Version 2 is that of maps that measure something: their logs have bins beside the rows. Version 3
-is that of maps with a function, whose digests tell what it takes from outside."""
+"""Version 2 is written for maps with measures, whose logs have bins beside the rows. Version 3 is
+written for maps with a function, whose digests include the values that the function uses."""
 
 SEGMENT = 2**20
-"""Most samples of a unit of work, as the key of a map has it, whatever the division of its work."""
+"""Most samples of a unit of work in the key of a map, whatever the division of its work."""
 
 
 def canonical(value: Any) -> bytes:
@@ -30,7 +30,7 @@ def canonical(value: Any) -> bytes:
 
 
 def segment_of(spec: MapSpec) -> int:
-    """Most samples of a unit of work; the looks of a pixel depend on those before: all of them."""
+    """Most samples of a unit of work: all of them for a sequential map."""
     return SEGMENT if spec.looks is None else max(SEGMENT, spec.samples)
 
 
@@ -56,7 +56,7 @@ def head_of(spec: MapSpec, segment: int | None = None) -> dict[str, Any]:
 
 
 def key_of(head: Mapping[str, Any]) -> bytes:
-    """BLAKE2b-128 of all that the numbers depend on: who made it and its title are omitted."""
+    """BLAKE2b-128 of everything that the numbers depend on; title and author are not part of it."""
     from hashlib import blake2b  # here and below: takes longer to import than this module
 
     of_numbers = {name: value for name, value in head.items() if name not in ("version", "commit")}
@@ -86,7 +86,7 @@ def fingerprint(data: MapData) -> str:
 
 
 def receipt(data: MapData) -> dict[str, Any]:
-    """What identifies a map; see :meth:`rigid.StabilityMap.receipt`."""
+    """Versions, key and fingerprint of a map; see :meth:`rigid.StabilityMap.receipt`."""
     return {
         "spec": data.spec.to_dict(),
         "key": key_of(head_of(data.spec)).hex(),

@@ -96,7 +96,7 @@ class Jobs:
 
 
 def of_pixels(bins: NDArray[np.int64], pixels: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Bins of some pixels, numbered from 0, as those of the pixels with these numbers."""
+    """Bins of some pixels, numbered from 0, renumbered to these numbers of pixels."""
     return np.concatenate([pixels[bins[:, :1]], bins[:, 1:]], axis=1)
 
 
@@ -151,7 +151,7 @@ def _one(
     first: int | Ints,
     fixed: Mapping[str, float] | None = None,
 ) -> _core.MapJob | CustomJob:
-    """The request of a map of one horizon and one limit, which are known by their axes."""
+    """The request of a map with one horizon and one limit."""
     grids = [spec.starting(start, pixels) for start in spec.start.starts]
     grid = grids[0]
     begins = np.broadcast_to(first, len(grid.moments))
@@ -205,7 +205,7 @@ def _attitude_law(start: Start) -> str:
 
 
 def _law(start: Start, noise: Noise) -> str:
-    """The name that the core has for a law; that of a direction names the body axis too."""
+    """The name of a distribution in the core, for a direction with the number of its body axis."""
     return f"{noise.kind}{start.axis}" if noise.is_direction else noise.kind
 
 
@@ -220,7 +220,7 @@ def _given(samples: Samples) -> dict[str, Any]:
 
 
 def _mix(start: Start) -> dict[str, Any]:
-    """The factor of the covariance of rates and attitude, and which of them it makes."""
+    """The factor of the covariance of rates and attitude, and which of the two it perturbs."""
     factor, mixed = np.zeros((6, 6)), [False, start.joint]
     for k, noise in enumerate((start.noise, start.attitude_noise)):
         if isinstance(noise, Noise) and noise.cov is not None:

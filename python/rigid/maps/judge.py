@@ -1,4 +1,4 @@
-"""Maps whose criterion is a function of the user: the interface of ``_core.MapJob``.
+"""Maps with a custom criterion, a function of the user: the interface of ``_core.MapJob``.
 
 The core draws the starts and computes the states of a block of bodies; the custom criterion
 classifies them.
@@ -27,14 +27,15 @@ __all__ = ["TOLERANCE", "CustomJob", "is_adaptive"]
 Floats = NDArray[np.float64]
 
 ROWS = 2**16
-"""Most states of a block of bodies: those of a thread stay near its cache."""
+"""Most states of a block of bodies: the states of a thread stay near its cache."""
 
 TOLERANCE = 1e-7
-"""Of adaptive steps, by series, whose states inside steps cost little: an error as by the steps of
-other maps, 1e-8 rad for each radian. That of the second method is a hundredth of it."""
+"""Tolerance of adaptive steps by series, which compute states inside steps cheaply. The error is
+1e-8 rad per radian, as by the steps of other maps. The tolerance of the second method is a
+hundredth of it."""
 
 _AGREED = np.array(_core.agreed_classes(), dtype=np.uint8)
-"""The class of a body from those of its two runs."""
+"""The class of a body from the classes of its two runs."""
 
 CLASSES = _core.class_names()
 STABLE, UNSTABLE, UNDECIDED, FAILED = range(len(CLASSES))
@@ -44,14 +45,14 @@ _OF_BOTH_RUNS = ("checked", "steps_of_both")
 
 
 def is_adaptive(spec: MapSpec, method: str) -> bool:
-    """Whether the bodies of a map by a custom criterion take steps of their own by this method."""
+    """Whether the bodies of a map with a custom criterion take adaptive steps by this method."""
     is_second = method == SECOND and method != spec.scheme
     known = method in adaptive_methods(spec.forces)
     return spec.step is None and known and (spec.method == AUTO or is_second)
 
 
 class CustomJob:
-    """The request of a map by a custom criterion.
+    """The request of a map with a custom criterion.
 
     Parameters
     ----------
@@ -85,7 +86,7 @@ class CustomJob:
 
     @property
     def _block(self) -> int:
-        """Bodies that the function gets together."""
+        """Number of bodies that the function gets in one call."""
         return max(1, ROWS // len(self._stable.times))
 
     def run(
@@ -139,7 +140,7 @@ class CustomJob:
         }
 
     def _outcomes(self, flat: NDArray[np.int64], threads: int) -> dict[str, NDArray[Any]]:
-        """What became of bodies by their numbers, as arrays of a number each."""
+        """The outcomes of bodies by their numbers, as arrays with one number for each body."""
         count, spec = len(flat), self._spec
         row, within = np.divmod(flat, self._request.samples)
         pixel = self._pixels[row]
@@ -185,7 +186,7 @@ class CustomJob:
     def _measure(
         self, flat: NDArray[np.int64], found: dict[str, NDArray[Any]], threads: int
     ) -> None:
-        """The values of the measures of bodies; those that need runs of their own have them."""
+        """The values of the measures of bodies, with extra runs for the measures that need them."""
         found["measures"], steps = self._drawing.measured(flat.astype(np.uint64), threads)
         found["steps_of_both"] += steps.astype(np.int64)
         for place, one in enumerate(self._spec.measure):

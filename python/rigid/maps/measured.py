@@ -23,8 +23,8 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 BIN = 9
-"""Numbers of a bin: pixel, key, count, least and largest offset, sum and sum of squares of the
-offsets, each of the sums as two halves of 64 bits."""
+"""Numbers of a bin: pixel, key, count, least and largest offset, and the sums of the offsets and of
+their squares. Each sum is stored as two halves of 64 bits."""
 
 _REST = 46
 """Bits of the mantissa that are offsets in a bin."""
@@ -111,7 +111,7 @@ class Measured:
         return bodies, mean, float(np.nanmin(self.least)), float(np.nanmax(self.largest))
 
     def quantile(self, q: ArrayLike) -> Floats:
-        """Value that a share ``q`` of the bodies does not exceed: the least such one of the bodies.
+        """The least value that a share ``q`` of the bodies does not exceed.
 
         Parameters
         ----------
@@ -162,7 +162,7 @@ class Measured:
 
 
 class Measures(Mapping[str, Measured]):
-    """The measures of a map by name: ``"flips(2)"``, or ``"flips"`` if there is but one.
+    """The measures of a map by name: ``"flips(2)"``, or ``"flips"`` if this name occurs once.
 
     Without bins no body has a value.
     """
@@ -220,7 +220,7 @@ def _wide(half: Ints) -> Floats:
 def _moments_of(bins: Ints) -> tuple[float, float]:
     """Mean and standard deviation of the values of bins, from sums in whole numbers.
 
-    The unit of the sum is 2^-1074, that of the squares 2^-2148.
+    The unit of the sum is 2^-1074, the unit of the squares 2^-2148.
     """
     count = total = squares = 0
     for _, key, number, _, _, low, high, square_low, square_high in bins.tolist():

@@ -12,8 +12,8 @@ Moon that keeps one side to its planet, on an eccentric orbit
     mode at ``3n/2``.
 
 Moon that spins about the normal of its orbit, with axis 1 along the line of apsides
-    The angle ``theta - p M``, with the mean anomaly ``M`` and ``p = 1``, ``3/2`` or ``2``, is that
-    of a pendulum if the torque is averaged over the orbit. It librates while
+    The angle ``theta - p M``, with the mean anomaly ``M`` and ``p = 1``, ``3/2`` or ``2``, moves
+    like a pendulum if the torque is averaged over the orbit. It librates while
     ``|omega/n - p| < sqrt(3 (I2 - I1)/I3 H(p, e))`` at the start, where ``H`` is the mean of
     ``(a/r)³ cos 2(f - p M)``, with the true anomaly ``f`` (Goldreich, Peale, *Astron. J.* 71 (1966)
     425; Murray, Dermott, *Solar System Dynamics*, § 5.4).

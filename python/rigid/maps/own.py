@@ -23,7 +23,7 @@ __all__ = ["OwnScene", "own_scene"]
 Floats = NDArray[np.float64]
 
 GIVEN = ("omega", "attitude")
-"""What a function may give of the starts."""
+"""The parts of a start that a function may return."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,7 +63,7 @@ class OwnScene:
         return cls(names, source)
 
     def made(self, values: Mapping[str, Floats]) -> Made:
-        """What it makes of all pixels, from the numbers of its axes there."""
+        """The values that the function makes for all pixels, from the values of its axes there."""
         found = self.source.call("scene")(**{name: values[name] for name in self.names})
         count = len(next(iter(values.values())))
         scene, *starts = found if isinstance(found, tuple) and found else (found,)
@@ -92,11 +92,11 @@ class OwnScene:
         return Made(scene, *(np.broadcast_to(one, (count, one.shape[-1])) for one in checked))
 
     def giving(self, made: Made) -> OwnScene:
-        """The function, of which is known what it gives."""
+        """The function, with the names of the parts of the start that it returns."""
         return replace(self, gives=tuple(n for n in GIVEN if getattr(made, n) is not None))
 
     def check_start(self, start: Start, axes: Iterable[str]) -> None:
-        """Raise ValueError if a start, or an axis, says what the function gives.
+        """Raise ValueError if a start or an axis sets a part that the function returns.
 
         Its noise is another matter: it perturbs what the function gives.
         """
@@ -112,7 +112,7 @@ class OwnScene:
             )
 
     def default_start(self, scene: Scene) -> Start:
-        """The start of a map that is given none."""
+        """The default start of a map."""
         return Start(omega=(0.0, 0.0, 0.0)) if self.gives else scene.default_start()
 
     def words(self, title: str) -> str:
@@ -121,7 +121,7 @@ class OwnScene:
         return f"{title}{starts} by {self.source.name}({', '.join(self.names)})"
 
     def to_dict(self) -> dict[str, Any]:
-        """Names, and name and digests of the function."""
+        """The names of the arguments, and name and digests of the function."""
         given = {"gives": list(self.gives)} if self.gives else {}
         return {"names": list(self.names), "function": self.source.to_dict(), **given}
 
@@ -139,7 +139,7 @@ def _rates(omega: ArrayLike) -> Floats:
 def own_scene(
     function: Callable[..., Any], given: Mapping[str, ArrayLike]
 ) -> tuple[Scene, OwnScene, tuple[Axis, ...]]:
-    """The scene of the first pixel, the function that makes those of all, and the axes."""
+    """The scene of the first pixel, the function for the scenes of all pixels, and the axes."""
     if not isinstance(given, Mapping):
         make_axes(given)
     own = OwnScene.of(function, given)

@@ -1,4 +1,4 @@
-"""The parameters that an axis of a map may vary: unit, range, and what each sets in a pixel.
+"""The parameters that an axis of a map may vary: unit, range, and the effect on a pixel.
 
 A new parameter is one row of :data:`PARAMETERS`.
 """
@@ -95,7 +95,7 @@ Apply: TypeAlias = Callable[[PixelValues, Floats], None]
 """Write one value for each pixel into the values of all pixels."""
 
 WhyNot: TypeAlias = Callable[[Scene, Start], str]
-"""The reason why a parameter has no meaning for a scene and start; empty if it has one."""
+"""The reason why a parameter has no meaning for a scene and start; empty if it has a meaning."""
 
 
 def _anywhere(_scene: Scene, _start: Start) -> str:
@@ -181,7 +181,7 @@ def _component(name: str, *index: int) -> Apply:
 
 
 def _own(name: str) -> Apply:
-    """Replace a number of the scene's own."""
+    """Replace a number that only this kind of scene has."""
 
     def apply(pixels: PixelValues, values: Floats) -> None:
         pixels.own[name] = values
@@ -280,7 +280,7 @@ def _every_component(name: str) -> Apply:
 
 
 def _nothing(_pixels: PixelValues, _values: Floats) -> None:
-    """Set nothing in the pixels: the parameter is one of the whole request."""
+    """Set nothing in the pixels: the parameter belongs to the whole request."""
 
 
 # Where each parameter applies
@@ -688,7 +688,7 @@ PARAMETERS: Mapping[str, Parameter] = {
 """The parameters by name, in the order of messages and of the documentation."""
 
 MOST_AXES = 32
-"""As many as all versions of NumPy allow."""
+"""Most axes of a map: all versions of NumPy allow as many."""
 
 EXCLUSIVE = (
     ("box", "moments", "the moments of a box follow from its sides"),
@@ -708,7 +708,7 @@ class Axis:
     name: str
     values: tuple[float, ...]
     own: bool = False
-    """Whether it is an argument of the function that makes the scene."""
+    """Whether the axis is an argument of the function that makes the scene."""
 
     @property
     def parameter(self) -> Parameter:
@@ -728,7 +728,7 @@ class Axis:
 
     @property
     def geometric(self) -> bool:
-        """Whether the values form a geometric progression, to be drawn on a logarithmic axis."""
+        """Whether the values form a geometric progression, which is drawn on a logarithmic axis."""
         values = np.array(self.values)
         if values.size < 3 or values.min() <= 0.0:
             return False
@@ -790,7 +790,7 @@ def _axis(name: str, values: ArrayLike, own: bool) -> Axis:
 
 
 def check_applicable(scene: Scene, start: Start, axes: Iterable[Axis]) -> None:
-    """Raise ValueError, saying why, if an axis or a part of the start has no meaning here."""
+    """Raise ValueError, with the reason, if an axis or a part of the start has no meaning here."""
     if not scene.rates_need_attitude and start.attitude_noise is not None:
         raise ValueError(f"attitude_noise = {start.attitude_noise.describe()}: {_ATTITUDE_UNFELT}")
     if not scene.rates_need_attitude and start.noise is not None and start.joint:
@@ -813,7 +813,7 @@ def check_applicable(scene: Scene, start: Start, axes: Iterable[Axis]) -> None:
 
 
 def _check_moments(axes: Sequence[Axis]) -> None:
-    """Raise ValueError if axes set one moment twice, or say a ratio of moments twice."""
+    """Raise ValueError if axes set one moment twice or give a ratio of moments twice."""
     setters: dict[str, Axis] = {}
     for axis in axes:
         moment = axis.parameter.sets
@@ -833,7 +833,7 @@ def _check_moments(axes: Sequence[Axis]) -> None:
 
 
 def in_order(axes: Iterable[Axis]) -> list[int]:
-    """Places of axes in an order in which each moment is set before it is read."""
+    """Positions of axes in an order in which each moment is set before it is read."""
     every = list(axes)
     setters = {axis.parameter.sets: axis for axis in every}
 

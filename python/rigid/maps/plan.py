@@ -32,7 +32,7 @@ Floats = NDArray[np.float64]
 
 
 def map_plan(spec: MapSpec) -> Plan:
-    """The plan of a map; its numbers are those of the costliest nominal start, run once."""
+    """The plan of a map, with the cost of its costliest nominal start."""
     real = possible(spec.grid.moments)
     moments, weight = spec.grid.moments[real], spec.grid.weight[real]
     forms = closed_forms(spec.stable, moments, weight)
@@ -93,7 +93,7 @@ def _motions(spec: MapSpec, batch: Bodies) -> Motions:
 
 
 def _choice(spec: MapSpec, moments: Floats, weight: Floats, forms: Codes) -> tuple[str, str]:
-    """The method of the possible pixels and the reason; ``"auto"`` where two are needed."""
+    """The method of the possible pixels and the reason; ``"auto"`` if two methods are needed."""
     if spec.method not in (AUTO, EXACT):
         return spec.method, f"method = {spec.method!r} was asked for"
     closed = forms != NO_FORM
@@ -109,7 +109,7 @@ def _choice(spec: MapSpec, moments: Floats, weight: Floats, forms: Codes) -> tup
 
 
 def _batches(spec: MapSpec, pixels: NDArray[np.intp]) -> Iterator[Bodies]:
-    """The nominal starts of these pixels, those under the same forces together."""
+    """The nominal starts of these pixels, in batches under the same forces."""
     for start in spec.start.starts:
         grid = spec.starting(start)
         starts = grid.omega[pixels], grid.attitude[pixels]

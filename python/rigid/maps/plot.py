@@ -36,7 +36,7 @@ FINER = 4
 """Most steps in each cell of the grid on which lines of theory are drawn."""
 
 FINEST = 2**19
-"""Most cells of that grid, unless the map has more pixels: their prediction takes 200 MB."""
+"""Most cells of that grid, unless the map has more pixels: the prediction takes 200 MB for them."""
 
 LONGEST = 100
 """Most letters of a line of the title: as many as fit above a picture and its bar of colours."""
@@ -58,7 +58,7 @@ _DASHES: tuple[_Dashes, ...] = ("solid", "dashed", "dashdot", "dotted")
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class _View:
-    """What is drawn of a map: all of it, or a slice along one or two of its axes."""
+    """The drawn part of a map: the whole map, or a slice along one or two of its axes."""
 
     data: MapData
     index: tuple[int | slice, ...]
@@ -106,20 +106,20 @@ def plot_map(
     what: str = SHARE,
     at: Mapping[str, float] | None = None,
 ) -> Axes | NDArray[np.object_]:
-    """Draw a stability map: colour for the share of stable bodies, hatches where it is misleading.
+    """Draw a stability map: colour for the share of stable bodies, hatches where it misleads.
 
     Cells are centred on the values of the axes, in the scale that is drawn: logarithmic where the
     values are geometric. Lines are the predictions of theory. A map with one axis is drawn as the
     share with its 95 % interval. A map with three or four axes is drawn as small pictures of its
-    first two, side by side for the values of the third and one below the other for those of the
-    fourth.
+    first two, side by side for the values of the third and one below the other for the values of
+    the fourth.
 
     Parameters
     ----------
     data : MapData
         The map to draw.
     ax : matplotlib Axes, optional
-        Axes to draw on; by default those of a new figure.
+        Axes to draw on; by default the axes of a new figure.
     cells : bool
         Draw the borders of the cells of a refined map.
     what : str, optional
@@ -244,7 +244,7 @@ def _values(data: MapData, at: Mapping[int, int]) -> str:
 
 
 def check_what(spec: MapSpec, what: str) -> None:
-    """Raise ValueError if the picture of a map cannot show this."""
+    """Raise ValueError if the picture of a map cannot show this quantity."""
     if what != SHARE and len(spec.axes) > 2:
         raise ValueError(f"what = {brief(what)}: a picture of more than two axes shows the share")
     if what not in (SHARE, COST):
@@ -252,7 +252,7 @@ def check_what(spec: MapSpec, what: str) -> None:
 
 
 def _field(data: MapData, what: object) -> tuple[Floats | None, str]:
-    """What is drawn instead of the share, and its label."""
+    """The drawn quantity if it is not the share, and its label."""
     if what == SHARE:
         return None, ""
     if what == COST:

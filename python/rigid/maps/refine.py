@@ -1,4 +1,4 @@
-"""Refinement: pixels of the given grid that tell nothing new are omitted, coarse to fine.
+"""Refinement from coarse to fine: pixels without new information are omitted.
 
 The first stage is every k-th row and column, and the last ones. Then each cell between computed
 corners is split if its corners differ for certain: the intervals of two of them do not meet, or
@@ -25,7 +25,7 @@ LEFT_OUT = 255
 """The stage of a pixel that is not computed."""
 
 COARSEST = 16
-"""The widest lattice of pixels that is computed first."""
+"""Spacing of the widest lattice of pixels, which is computed first."""
 
 Grid = NDArray[Any]
 Cells = NDArray[np.int64]
@@ -34,7 +34,7 @@ Cells = NDArray[np.int64]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Stages:
-    """What of a refined map is computed, and what is next.
+    """The pixels of a refined map that are computed, and the next ones.
 
     Attributes
     ----------
@@ -145,7 +145,7 @@ def _corners(array: Grid, cells: Cells) -> Grid:
 def _split(
     cells: Cells, possible: Grid, kinds: Grid, lower: Grid, upper: Grid
 ) -> tuple[NDArray[np.bool_], NDArray[np.float64]]:
-    """Which cells are split, and by how much the intervals of their corners fail to meet."""
+    """Which cells are split, and the gaps between the intervals of their corners."""
     there = _corners(possible, cells)
     highest = np.where(there, _corners(lower, cells), -1.0)
     lowest = np.where(there, _corners(upper, cells), 2.0)
@@ -199,7 +199,7 @@ def _halved(
 def _two_parts(
     begin: NDArray[np.int64], middle: NDArray[np.int64], end: NDArray[np.int64]
 ) -> list[tuple[NDArray[np.int64], NDArray[np.int64]]]:
-    """The halves of sides; a side of one step or none is whole, and has no first half: -1."""
+    """The halves of sides; a side of at most one step stays whole, and its first half is -1."""
     return [(np.where(middle > begin, begin, -1), middle), (middle, end)]
 
 

@@ -38,7 +38,7 @@ MOST_STEPS = 10_000_000
 """Most steps of a pixel that is computed again before a replay: some tenths of a second."""
 
 PARTS = 64
-"""The times of a growth, unless others are asked for: a whole number of steps lies between two."""
+"""Number of times of a growth by default; a whole number of steps lies between two times."""
 
 STEPS_OF_A_BODY = 100
 """The closed form of a body takes about as long as these steps."""
@@ -55,7 +55,7 @@ class Part:
         ``"stable"``, ``"unstable"``, ``"undecided"`` or ``"failed"``, by this criterion alone.
     left : float
         Time in s at which the first run passed a limit of the criterion; NaN for never. With
-        :func:`rigid.returns` that of the return.
+        :func:`rigid.returns` the time of the return.
     """
 
     criterion: Criterion
@@ -65,7 +65,7 @@ class Part:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Replay:
-    """One body of a map, computed again: bit for bit the motion that the map classified.
+    """One body of a map, computed again: bit for bit the motion that the map has classified.
 
     Attributes
     ----------
@@ -228,7 +228,7 @@ def replay(
 
 
 def named_outcomes(spec: MapSpec, found: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
-    """What the core tells of bodies, by the names that users know; of each measure by its own."""
+    """The outcomes of bodies from the core, by the names that users know."""
     kept = {name: found[name] for name in found if not name.startswith("part_")}
     return {
         "outcome": np.array(CLASSES)[kept.pop("class")],
@@ -239,7 +239,7 @@ def named_outcomes(spec: MapSpec, found: Mapping[str, NDArray[Any]]) -> dict[str
 
 
 def _parts(stable: Criterion, conditions: Iterable[tuple[str, float]]) -> tuple[Part, ...]:
-    """The criteria that are joined, from classes and times of leaving of their conditions."""
+    """The joined criteria of a body, from classes and times of leaving of their conditions."""
     parts = []
     rest = iter(conditions)
     for leaf in stable.leaves:
@@ -286,7 +286,7 @@ def _growth(
 
 
 def _require_same_bits(data: MapData, flat: int, sample: int) -> None:
-    """Raise ValueError if this build computes other numbers for a pixel than the map has.
+    """Raise ValueError if this build computes other numbers for a pixel than the map holds.
 
     All bodies of the pixel are computed again if they took few steps; otherwise the numbers of one
     body must be possible in this pixel.
@@ -323,7 +323,7 @@ def _require_same_bits(data: MapData, flat: int, sample: int) -> None:
 
 
 def _cause(spec: MapSpec) -> str:
-    """Why other numbers come out than a map has."""
+    """The reason why this build computes other numbers than a map holds."""
     return spec.doubt or (
         f"this build of rigid {_core.__version__} does not give the bits of rigid {spec.version}, "
         "which made the map; replay it there, or compute it again"

@@ -22,7 +22,7 @@ __all__ = ["as_it_is", "of_one_pixel", "spec_of"]
 
 
 def as_it_is(spec: MapSpec, given: Mapping[str, Any]) -> MapSpec:
-    """A specification that is run again, by this version of rigid."""
+    """A specification that this version of rigid runs again."""
     if given:
         name, value = next(iter(given.items()))
         field = "seed" if name == "rng" else name

@@ -1,4 +1,4 @@
-"""The result of a stability map: named arrays, and what can be done with them.
+"""The result of a stability map: named arrays, with pictures, files, replays and theory.
 
 This module combines the data of a map with its pictures, files, theory and replays.
 """
@@ -83,8 +83,8 @@ class StabilityMap(MapData):
         alone: of 1000 intervals, up to 50 miss on average.
     exponent, mean_megno, largest_exponent : ndarray
         With :func:`rigid.regular`: means over the integrated bodies of their exponent (1/s) and of
-        their mean MEGNO, and the largest exponent. Those of a body are its numbers when its run
-        ended: runs that are clearly chaotic end at a quarter or at half of the horizon. NaN where
+        their mean MEGNO, and the largest exponent. The numbers of a body are taken at the end of
+        its run: runs that are clearly chaotic end at a quarter or at half of the horizon. NaN where
         no body was integrated.
     growth, megno : ndarray of int64
         The sums of exponent times horizon and of mean MEGNO in units of ``2**-20``: they do not
@@ -149,7 +149,7 @@ class StabilityMap(MapData):
 
     @property
     def plan(self) -> Plan:
-        """The plan of this map: methods, omissions and reasons."""
+        """The plan of this map: methods, omitted computations and reasons."""
         return map_plan(self.spec)
 
     def theory(self) -> Theory | None:
@@ -157,7 +157,7 @@ class StabilityMap(MapData):
         return predict(self.spec)
 
     def disagreement(self, theory: Theory | None = None) -> NDArray[np.bool_]:
-        """Pixels whose predicted share lies outside [lower, upper].
+        """Pixels whose predicted share lies outside the interval [lower, upper].
 
         Each interval misses a true prediction with a chance of up to 5 %, each pixel's own: so up
         to one pixel of twenty disagrees by chance. True shares of 0 and 1 are never missed.
@@ -165,7 +165,7 @@ class StabilityMap(MapData):
         Parameters
         ----------
         theory : Theory, optional
-            By default that of :meth:`theory`; without one no pixel disagrees.
+            By default the result of :meth:`theory`; without a theory no pixel disagrees.
 
         Returns
         -------
@@ -179,7 +179,7 @@ class StabilityMap(MapData):
         """Compute one body of the map again, with its trajectory.
 
         First the bodies of the pixel are classified again, or this body alone if the pixel took
-        many steps, and so are those that left stability first. Their numbers must be those of the
+        many steps, and so are the bodies that left stability first. The numbers must agree with the
         map, which another version of rigid may have computed.
 
         Parameters
@@ -189,7 +189,7 @@ class StabilityMap(MapData):
         sample : int
             Number of the body in its pixel, from 0.
         t : array_like, optional
-            Times of the trajectory in s, reached by steps no longer than those of the map. By
+            Times of the trajectory in s, reached by steps no longer than the steps of the map. By
             default about 500 ends of the very steps that were taken, until ``t_end``, or 501 times
             by closed form. A body that was not run, for example because of ``max_steps``, has its
             start only.
@@ -224,7 +224,7 @@ class StabilityMap(MapData):
     def starts(
         self, sample: ArrayLike = 0, *, pixel: int | tuple[int, ...] | None = None
     ) -> Starts:
-        """Starts of some bodies of every pixel, or of one pixel, with the bits of the map.
+        """Starts of some bodies of every pixel, or of one pixel, bit for bit as the map drew them.
 
         Parameters
         ----------
@@ -265,7 +265,7 @@ class StabilityMap(MapData):
         pixel: int | tuple[int, ...] | None = None,
         threads: int | None = None,
     ) -> Outcomes:
-        """What became of some bodies of every pixel, or of one pixel: they are classified again.
+        """Outcomes of some bodies of every pixel, or of one pixel; the bodies are classified again.
 
         Where a criterion audits groups of 64 bodies, the whole group of a body is classified.
 
@@ -311,14 +311,14 @@ class StabilityMap(MapData):
         undecided: ArrayLike = 0,
         **columns: ArrayLike,
     ) -> StabilityMap:
-        """A map from counts that were made elsewhere: with intervals, picture, file and theory.
+        """A map from counts that another program made, with intervals, picture, file and theory.
 
         Parameters
         ----------
         spec : MapSpec
             What was asked. ``spec.samples`` is at least the number of bodies of each pixel.
         stable, unstable, undecided : array_like of int, grid shape
-            Bodies of each class; a number is that of every pixel.
+            Bodies of each class; a single number holds for every pixel.
         **columns : array_like, grid shape
             Other arrays of the map by their names in :data:`rigid.maps.data.STORED`. Failed bodies
             are given by their reasons ``step_limit``, ``not_finite`` and ``drifted``. What is not
@@ -334,7 +334,7 @@ class StabilityMap(MapData):
         TypeError
             If counts are not whole numbers, or a column is unknown.
         ValueError
-            If a shape is not that of the grid, or no computation gives such counts.
+            If a shape differs from the grid, or no computation can give such counts.
 
         Examples
         --------
@@ -403,7 +403,7 @@ class StabilityMap(MapData):
         Parameters
         ----------
         ax : matplotlib Axes, optional
-            Axes to draw on; by default those of a new figure.
+            Axes to draw on; by default the axes of a new figure.
         cells : bool
             Draw the borders of the cells of a refined map.
         what : str, optional
@@ -437,12 +437,13 @@ class StabilityMap(MapData):
         samples: int | None = None,
         threads: int | None = None,
     ) -> Path:
-        """Write a page that shows the map, the bodies of its pixels, and their motions as films.
+        """Write a page that shows the map, the bodies of its pixels, and films of their motions.
 
         A browser opens the page without a network. The page computes the motions from the exact
-        starts, by a Taylor series of order 24; the outcomes are those of the map. A chaotic motion
-        may differ from that which the map has seen: :meth:`replay` gives the latter. Motions under
-        torques that act in space or change in time, and of satellites, are not in the page.
+        starts, by a Taylor series of order 24; the outcomes come from the map. A chaotic motion may
+        differ from the motion that the map has classified: :meth:`replay` gives this motion.
+        Motions under torques that act in space or change in time, and of satellites, are not in the
+        page.
 
         Parameters
         ----------
@@ -462,7 +463,7 @@ class StabilityMap(MapData):
         Raises
         ------
         OSError
-            If the file cannot be written, or its name is that of something else than a file.
+            If the file cannot be written, or the path names something other than a file.
         ValueError
             If the name does not end in ``.html``, or the map has not so many samples.
         """
@@ -474,10 +475,10 @@ class StabilityMap(MapData):
         """The view of :meth:`explore` in a notebook, where zooming computes a finer map.
 
         Half a second after a zoom the map of what is in view is computed, with as many pixels,
-        samples and the seed of this map: a map of its own, by ``spec.replace(axes=...)``. Its
-        values lie between the least and the largest value of this map; of axes after the second it
-        has the values that are chosen. A further zoom replaces a computation that has not ended.
-        *whole map* shows this map again. The view lists up to 64 bodies of a pixel.
+        samples and the seed of this map: a new map, by ``spec.replace(axes=...)``. Its values lie
+        between the least and the largest value of this map; of axes after the second it has the
+        values that are chosen. A further zoom replaces a computation that has not ended. *whole
+        map* shows this map again. The view lists up to 64 bodies of a pixel.
 
         Parameters
         ----------
@@ -576,7 +577,7 @@ class StabilityMap(MapData):
         Raises
         ------
         FileExistsError
-            If the name is that of something else than a file: a directory, a symbolic link, a pipe
+            If the path names something other than a file: a directory, a symbolic link, a pipe
             or a device.
         OSError
             If the file cannot be written, for example because the disk is full. An older file stays
@@ -586,7 +587,7 @@ class StabilityMap(MapData):
         return write(self, path)
 
     def receipt(self) -> dict[str, Any]:
-        """What identifies these numbers.
+        """Versions, key and fingerprint that identify the numbers of this map.
 
         Returns
         -------

@@ -1,4 +1,4 @@
-"""Many bodies of a map again: their starts, and what became of each."""
+"""Many bodies of a map again: their starts and their outcomes."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ Floats = NDArray[np.float64]
 @short_repr
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Starts:
-    """Starts of bodies of a map, as it drew them; NaN where no body is possible.
+    """Starts of bodies of a map, as the map drew them; NaN where no body is possible.
 
     Attributes
     ----------
@@ -41,9 +41,9 @@ class Starts:
 @short_repr
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Outcomes:
-    """What became of bodies of a map, each as the map classified it.
+    """Outcomes of bodies of a map, each as the map classified it.
 
-    All arrays have the shape ``(*grid, *sample)``, or that of the samples of one pixel.
+    All arrays have the shape ``(*grid, *sample)``, or ``sample`` for one pixel.
 
     Attributes
     ----------
@@ -110,7 +110,7 @@ def outcomes(
     pixel: int | tuple[int, ...] | None,
     threads: int,
 ) -> Outcomes:
-    """What became of bodies; see :meth:`rigid.StabilityMap.outcomes`."""
+    """Outcomes of bodies; see :meth:`rigid.StabilityMap.outcomes`."""
     spec = data.spec
     numbers = _samples(sample, spec.samples)
     flat, possible = _flat(data, numbers, pixel)
@@ -145,7 +145,7 @@ def _samples(sample: ArrayLike, count: int) -> NDArray[np.int64]:
 def _flat(
     data: MapData, numbers: NDArray[np.int64], pixel: int | tuple[int, ...] | None = None
 ) -> tuple[NDArray[np.uint64], NDArray[np.bool_]]:
-    """Numbers among all samples of the map, and which of those asked for are possible bodies."""
+    """Numbers among all samples of the map, and which of the requested bodies are possible."""
     spec = data.spec
     pixels = np.arange(math.prod(spec.shape))
     if pixel is not None:

@@ -55,7 +55,7 @@ RAYLEIGH_HALF = math.sqrt(2.0 * math.log(2.0))
 
 
 def flat_spin(spec: MapSpec) -> Predicted | None:
-    """The loss of energy of a spin about the axis of the smallest moment, None if it is none."""
+    """The prediction for a spin about the long axis that loses energy; None for other maps."""
     scene, stable, start, grid = spec.scene, spec.stable, spec.start.starts[0], spec.grid
     sink, noise = scene.dissipation, start.noise
     if (
@@ -93,14 +93,14 @@ def flat_spin(spec: MapSpec) -> Predicted | None:
 def median_across(moments: Floats, size: Floats) -> Floats:
     """Median of the nutation of normal rates, as a rate about the axis of the largest moment.
 
-    Near axis 1 the energy of the nutation is that of ``I2 (I2 - I1) w2² + I3 (I3 - I1) w3²``. With
+    Near axis 1 the energy of the nutation depends on ``I2 (I2 - I1) w2² + I3 (I3 - I1) w3²``. With
     the rates in polar form its distribution is a mean over their angle (Hoyt, *Bell Syst. Tech. J.*
     26 (1947) 318), whose median Newton's method finds.
 
     Parameters
     ----------
     moments : ndarray, shape (n, 3)
-        Moments (kg m²); that of axis 1 is the smallest.
+        Moments (kg m²); the moment of axis 1 is the smallest.
     size : ndarray, shape (n, 2)
         Standard deviations of the rates about axes 2 and 3 (rad/s).
 
@@ -125,13 +125,13 @@ def median_across(moments: Floats, size: Floats) -> Floats:
 def time_to_separatrix(moments: Floats, sink: Floats, spin: Floats, across: Floats) -> Floats:
     """Time until a spin about axis 1, of the smallest moment, has fallen to the separatrix.
 
-    ``I3`` is the largest moment. Here ``x`` is the share of the energy between that of the axis and
-    that of the separatrix, from ``x0`` by the rates ``across`` at the start to 1.
+    ``I3`` is the largest moment. Here ``x`` is the share of the way from the energy of the axis to
+    the energy of the separatrix, from ``x0`` by the rates ``across`` at the start to 1.
 
     Parameters
     ----------
     moments : ndarray, shape (n, 3)
-        Moments (kg m²); that of axis 1 is the smallest.
+        Moments (kg m²); the moment of axis 1 is the smallest.
     sink : ndarray, shape (3,)
         Coefficients of the energy sink (kg m² s).
     spin : ndarray, shape (n,)
@@ -168,7 +168,7 @@ def at_rest_on(orbit: Orbit) -> Floats:
 
 
 def on_orbit(spec: MapSpec) -> Predicted | None:
-    """Roll and yaw of a satellite at rest on its orbit, None if it is none."""
+    """The prediction for roll and yaw of a satellite at rest on its orbit, or None."""
     scene, stable, start, grid = spec.scene, spec.stable, spec.start.starts[0], spec.grid
     orbit = scene.orbit
     noise = start.noise

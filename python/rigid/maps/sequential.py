@@ -28,8 +28,9 @@ LOOK = 64
 """Samples between two looks; a multiple of the samples with common audits."""
 
 CONFIDENCE = 0.97
-"""Of the interval at a look. That of the reported interval is at least 0.95: with 0.965 it falls to
-0.9475 next to shares of twice the half width, where each of the first looks may stop too early."""
+"""Confidence of the interval at a look. The confidence of the reported interval is at least 0.95.
+With 0.965 it falls to 0.9475 next to shares of twice the half width, where each of the first looks
+may stop too early."""
 
 NARROWEST, WIDEST = 0.002, 0.25
 """Bounds of the half width: 0.002 takes up to 294,848 samples."""
@@ -59,13 +60,13 @@ class Looks:
         return int(self.samples[-1])
 
     def smaller(self, stable: Counts, unknown: Counts, samples: Counts) -> Counts:
-        """The smaller count, if the unknown samples were so as to make it largest."""
+        """The smaller count, with the unknown samples counted so that it is largest."""
         most = np.minimum(stable + unknown, samples - stable)
         smaller: Counts = np.minimum(most, samples // 2)
         return smaller
 
     def stops(self, stable: Counts, unknown: Counts, samples: Counts) -> NDArray[np.bool_]:
-        """Which pixels have enough samples; the numbers of samples are those of looks, or 0."""
+        """Which pixels have enough samples; the numbers of samples are numbers of looks, or 0."""
         most = np.concatenate([[-1], self.most])[samples // LOOK]
         enough = self.smaller(stable, unknown, samples) <= most
         stops: NDArray[np.bool_] = enough & (samples % LOOK == 0)
@@ -107,7 +108,7 @@ def stop_table(half_width: float) -> Looks:
     >>> dict(zip(looks.samples.tolist(), looks.most.tolist(), strict=True))
     {64: 1, 128: 7, 192: 19, 256: 37, 320: 64, 384: 101, 448: 158, 512: 256}
     """
-    # Of the widest interval, at s = n / 2: a normal law, and more than its correction.
+    # Of the widest interval, at s = n / 2: a normal distribution, and more than its correction.
     bound = 1.2 * (2.18 / (2.0 * half_width)) ** 2 + 4.0 / half_width + 4 * LOOK
     samples = np.arange(LOOK, bound, LOOK, dtype=np.int64)
     low, high = np.full(len(samples), -1), samples // 2  # the largest that stops, by bisection

@@ -55,7 +55,7 @@ __all__ = ["MapPart", "MapSpec"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MapPart:
-    """The pixels of a map under one horizon and one limit, as a map of their own.
+    """The pixels of a map with one horizon and one limit, as a separate map.
 
     Attributes
     ----------
@@ -80,7 +80,7 @@ MOST_TITLE = 1000
 
 @dataclass(frozen=True, kw_only=True)
 class MapSpec:
-    """Everything that the numbers of a map depend on; round-trips through JSON.
+    """Everything that the numbers of a map depend on; can be written as JSON and read back.
 
     Attributes
     ----------
@@ -121,7 +121,7 @@ class MapSpec:
         At most 1000 characters.
     own : OwnScene or None
         The function that makes the scenes of the pixels from its arguments, the axes; ``scene`` is
-        that of the first pixel then.
+        then the scene of the first pixel.
     measure : tuple of Measure
         What is measured of each body besides its class, with no default left open.
     version : str
@@ -234,7 +234,7 @@ class MapSpec:
         if self.method == EXACT and not self.misses_functions:
             self._require_closed_forms()
         if asks_for_an_axis(asked) or any(asks_for_an_axis(one) for one in measures):
-            # The default axis is that of the bodies of all pixels.
+            # The default axis follows from the bodies of all pixels.
             moments = self.grid.moments
             rows = np.unique(moments[possible(moments)], axis=0)
             if len(rows):
@@ -253,14 +253,14 @@ class MapSpec:
             raise TypeError(f"version = {brief(self.version)}: must be a string")
 
     def _resolved(self, name: str, asked: Resolvable, scene: Scene) -> Resolvable:
-        """A criterion or a measure with the defaults of the start, in which a mixture agrees."""
+        """A criterion or a measure with the defaults of the start, equal for all of a mixture."""
         first, *others = (asked.resolved(scene, start) for start in self.start.starts)
         if any(other != first for other in others):
             raise ValueError(f"{name}: the starts of the mixture turn about other axes; say which")
         return first
 
     def _check_custom(self, stable: Custom) -> None:
-        """Refuse what a function of states at given times does not serve."""
+        """Refuse a request that a function of states at given times cannot serve."""
         for axis in self.axes:
             if axis.name != "t_end":
                 continue
@@ -287,22 +287,22 @@ class MapSpec:
 
     @property
     def is_called(self) -> bool:
-        """Whether the torque of a function acts."""
+        """Whether a callback gives the torque."""
         return "function" in self.forces
 
     @cached_property
     def made(self) -> Scene | None:
-        """The scene of all pixels, if a function makes it and is known."""
+        """The scene of all pixels, if a function that is known makes it."""
         return None if self._made is None else self._made.scene
 
     @property
     def _of_all(self) -> Scene:
-        """The scene of all pixels as far as it is known, without what the axes set."""
+        """The scene of all pixels as far as it is known, without the values of the axes."""
         return self.scene if self.made is None else self.made
 
     @cached_property
     def _made(self) -> Made | None:
-        """What a function makes of all pixels, if there is one and it is known."""
+        """The values that a function makes for all pixels, if there is a known function."""
         if self.own is None or self.own.source.function is None:
             return None
         places = np.unravel_index(np.arange(math.prod(self.shape)), self.shape)
@@ -333,7 +333,7 @@ class MapSpec:
 
     @property
     def _torque(self) -> TorqueFunction | None:
-        """The function of the torque of the scene, which no file has; None if another makes it."""
+        """The function of the torque of the scene, which no file has; None if there is none."""
         torque = None if self.own is not None else self.scene.torque
         return None if torque is None else torque.function
 
@@ -365,16 +365,16 @@ class MapSpec:
 
     @property
     def tells_captured(self) -> bool:
-        """Whether it has digests of what functions take, which older versions do not compare."""
+        """Whether there are digests of captured values, which older versions do not compare."""
         return any(one.captured is not None for one in self._sources.values())
 
     @property
     def doubt(self) -> str:
-        """Why a function may give other numbers than it gave, in words; empty if none may."""
+        """Why a function may give other numbers than before, in words; empty without a reason."""
         return "; ".join(filter(None, (one.doubt(name) for name, one in self._sources.items())))
 
     def in_form_of(self, other: MapSpec) -> MapSpec:
-        """The specification without the digests that another, of an older version, has not."""
+        """The specification without the digests that a specification of an older version lacks."""
         kept = other._sources
         return self._with_sources(
             {
@@ -459,9 +459,9 @@ class MapSpec:
 
     @cached_property
     def parts(self) -> tuple[MapPart, ...]:
-        """The maps that this one consists of: one for each horizon and each limit on its axes.
+        """The maps of one horizon and one limit that this map consists of.
 
-        They draw by the numbers of their own pixels: the bodies of all parts are the same.
+        Each part draws by the numbers of its pixels: the bodies of all parts are the same.
         """
         runs = [place for place, axis in enumerate(self.axes) if axis.parameter.of_run]
         count = math.prod(self.shape)
@@ -506,14 +506,14 @@ class MapSpec:
 
     @cached_property
     def grid(self) -> NominalStarts:
-        """The nominal start of every pixel, computed once; of a mixture that of the first start."""
+        """The nominal start of every pixel, computed once; for a mixture its first start."""
         return self._nominal(self.start.starts[0])
 
     def starting(self, start: Start, pixels: NDArray[np.int64] | None = None) -> NominalStarts:
         """The nominal start of every pixel, or of some, by one of the starts of a mixture."""
         if start is self.start.starts[0] and (pixels is None or "grid" in self.__dict__):
             return self.grid if pixels is None else self.grid.of_pixels(pixels)
-        # Not those of other pixels, of which there may be millions.
+        # Not the starts of other pixels, of which there may be millions.
         return self._nominal(start, pixels)
 
     def _nominal(self, start: Start, pixels: NDArray[np.int64] | None = None) -> NominalStarts:
@@ -521,7 +521,7 @@ class MapSpec:
         return nominal_starts(self.scene, start, self.axes, pixels, self._made)
 
     def __getstate__(self) -> dict[str, Any]:
-        """The fields without what follows from them."""
+        """The fields without the values that follow from them."""
         return {name: getattr(self, name) for name in self.__dataclass_fields__}
 
     @property
@@ -531,17 +531,17 @@ class MapSpec:
 
     @property
     def varied(self) -> tuple[str, ...]:
-        """The numbers of the scene and start that the axes set; a ratio sets its numerator."""
+        """The numbers of the scene and the start that the axes set; a ratio sets its numerator."""
         names = [axis.parameter.sets or axis.name for axis in self.axes]
         if any(axis.parameter.describes == "semi-axes" for axis in self.axes):
             names += ["I1", "I2"]
         return tuple(names)
 
     def checked_before(self, count: int, first: NDArray[np.int64]) -> int | None:
-        """The number in a pixel below which bodies are classified by the second method, too.
+        """Bodies of a pixel with a smaller number are classified by the second method, too.
 
-        None if it depends on the margins of the bodies. Of a sequential map it is a share of these
-        samples, which are those of one look.
+        None if it depends on the margins of the bodies. Of a sequential map it is a share of the
+        samples of one look.
         """
         if self.check is None:
             return None
@@ -552,7 +552,7 @@ class MapSpec:
 
     @property
     def looks(self) -> Looks | None:
-        """When the pixels of a sequential map stop; None for a given number of samples."""
+        """The rule that stops the pixels of a sequential map; None if ``samples`` is given."""
         return None if self.half_width is None else stop_table(self.half_width)
 
     @property
@@ -573,13 +573,13 @@ class MapSpec:
 
     @property
     def second(self) -> str:
-        """The method that classifies these bodies again: of a function the same, in half steps."""
+        """The method that classifies these bodies again; for a callback the same in half steps."""
         if self.stable.has_deviation:
             return GROWTH_SECOND
         return self.scheme if self.is_called else SECOND
 
     def _require_closed_forms(self) -> None:
-        """Raise ValueError, naming the first, if a possible body has no closed form."""
+        """Raise ValueError for the first possible body without a closed form."""
         if self.forces:
             raise ValueError(f"method = {EXACT!r}: {FORCED_RULE}")
         for one in self.measure:
@@ -598,7 +598,7 @@ class MapSpec:
             )
 
     def replace(self, **changes: Any) -> MapSpec:
-        """The specification with other fields; :func:`rigid.stability_map` runs it.
+        """The specification with changed fields; :func:`rigid.stability_map` runs it.
 
         Parameters
         ----------
@@ -638,7 +638,7 @@ class MapSpec:
         return MapSpec(**{**kept, **changes})
 
     def to_dict(self) -> dict[str, Any]:
-        """The specification as a JSON-able dictionary; :meth:`from_dict` is its inverse."""
+        """The specification as a JSON-able dictionary; :meth:`from_dict` reads it."""
         measured = {"measure": [one.to_dict() for one in self.measure]} if self.measure else {}
         return {
             **measured,

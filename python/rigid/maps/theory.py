@@ -67,10 +67,10 @@ Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
 SMALL = 0.05
-"""Largest perturbation for the law of the middle axis, as a share of the separatrix."""
+"""Largest perturbation for the formula of the middle axis, as a share of the separatrix."""
 
 BAND = 2**16
-"""Most pixels that are predicted at once where only counts are wanted, unless a row has more."""
+"""Most pixels that are predicted at once for counts alone, unless a row has more."""
 
 # Median of |N(0, 1)|, in standard deviations.
 _NORMAL_HALF = 0.6744897501960817
@@ -104,7 +104,7 @@ class Theory:
 
     @property
     def is_empty(self) -> bool:
-        """Whether it predicts no share and has no line."""
+        """Whether the theory predicts no share and has no line."""
         return not self.curves and bool(np.isnan(self.share).all())
 
 
@@ -173,7 +173,7 @@ class Agreement:
     compared : int
         Pixels with a prediction and samples.
     disagree : int
-        Those of them whose predicted share lies outside [lower, upper].
+        Pixels among these whose predicted share lies outside [lower, upper].
     unknown : int
         Pixels with samples for which nothing is predicted.
     """
@@ -229,7 +229,7 @@ def _theory(spec: MapSpec, label: str, share: Floats, curves: dict[str, Floats])
 
 
 def _first(spec: MapSpec) -> Start:
-    """The start, which is no mixture here."""
+    """The only start of the map."""
     return spec.start.starts[0]
 
 

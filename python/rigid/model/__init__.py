@@ -1,4 +1,4 @@
-"""The physical model: body, torque and damping, scene, start, criterion and random key.
+"""The physical model: body, forces, scene, start, criterion, measure and random key.
 
 Uses ``_checks``, ``inertia`` and the core, but neither methods nor maps; ``solve`` and all
 above it use it.

@@ -1,4 +1,4 @@
-"""Bodies: principal moments of inertia, however they are known."""
+"""Bodies by their principal moments of inertia, from moments, solids, meshes, tensors or points."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ __all__ = [
 Floats = NDArray[np.float64]
 
 Moments: TypeAlias = tuple[float, float, float] | Floats
-"""Principal moments of one body, or those of many, shape (..., 3)."""
+"""Principal moments of one body, or of many bodies with shape (..., 3)."""
 
 
 @dataclass(frozen=True, slots=True, init=False, eq=False, repr=False)
@@ -50,9 +50,8 @@ class Body:
     Body axes are the principal axes, through the fixed point if there is one, else through the
     centre of mass. The moments keep your order; nothing is sorted.
 
-    Moments of shape ``(n, 3)`` are those of ``n`` bodies. ``len(body)`` is their number,
-    ``body[i]`` is one of them, and a slice or an array of indices takes some; any leading axes will
-    do.
+    Moments of shape ``(n, 3)`` describe ``n`` bodies. ``len(body)`` is their number, ``body[i]`` is
+    one of them, and a slice or an array of indices takes some; any leading axes will do.
 
     Parameters
     ----------
@@ -169,6 +168,24 @@ class Body:
         ``I = mass/12 (b² + c², a² + c², a² + b²)``. Sizes and masses of the solids may be arrays,
         which broadcast: then there are many bodies.
 
+        Parameters
+        ----------
+        a, b, c : array_like, shape (...)
+            Sides (m), positive.
+        mass : array_like, shape (...)
+            Mass (kg), positive.
+
+        Returns
+        -------
+        Body
+            Many bodies if a size or the mass is an array.
+
+        Raises
+        ------
+        ValueError
+            If a side or a mass is not positive or not finite, the arguments do not broadcast, or no
+            body has such moments.
+
         Examples
         --------
         >>> import rigid
@@ -188,7 +205,7 @@ class Body:
 
     @classmethod
     def from_tensor(cls, tensor: ArrayLike) -> tuple[Body, NDArray[np.float64]]:
-        """The body of a tensor of inertia, and its principal axes.
+        """The body with a tensor of inertia, and its principal axes.
 
         Parameters
         ----------
@@ -226,6 +243,26 @@ class Body:
     def ellipsoid(cls, a: ArrayLike, b: ArrayLike, c: ArrayLike, *, mass: ArrayLike = 1.0) -> Body:
         """A homogeneous ellipsoid with semi-axes ``a``, ``b``, ``c`` (m) along the body axes.
 
+        ``I = mass/5 (b² + c², a² + c², a² + b²)``. Sizes and masses may be arrays, as for
+        :meth:`box`.
+
+        Parameters
+        ----------
+        a, b, c : array_like, shape (...)
+            Semi-axes (m), positive.
+        mass : array_like, shape (...)
+            Mass (kg), positive.
+
+        Returns
+        -------
+        Body
+            Many bodies if a size or the mass is an array.
+
+        Raises
+        ------
+        ValueError
+            As for :meth:`box`.
+
         Examples
         --------
         >>> import rigid
@@ -241,6 +278,25 @@ class Body:
     @classmethod
     def sphere(cls, radius: ArrayLike, *, inner: ArrayLike = 0.0, mass: ArrayLike = 1.0) -> Body:
         """A homogeneous ball, hollow up to the radius ``inner`` (m): :func:`rigid.solids.sphere`.
+
+        Parameters
+        ----------
+        radius : array_like, shape (...)
+            Outer radius (m), positive.
+        inner : array_like, shape (...)
+            Inner radius (m), from zero to the outer radius.
+        mass : array_like, shape (...)
+            Mass (kg), positive.
+
+        Returns
+        -------
+        Body
+            Many bodies if a size or the mass is an array.
+
+        Raises
+        ------
+        ValueError
+            As for :meth:`box`, or if the inner radius exceeds the outer.
 
         Examples
         --------
@@ -268,6 +324,25 @@ class Body:
 
         Without height it is a disk, and with ``inner = radius`` a ring or a pipe.
 
+        Parameters
+        ----------
+        radius, height : array_like, shape (...)
+            Outer radius (m), positive, and height (m), not negative.
+        inner : array_like, shape (...)
+            Inner radius (m), from zero to the outer radius.
+        mass : array_like, shape (...)
+            Mass (kg), positive.
+
+        Returns
+        -------
+        Body
+            Many bodies if a size or the mass is an array.
+
+        Raises
+        ------
+        ValueError
+            As for :meth:`box`, or if the inner radius exceeds the outer.
+
         Examples
         --------
         >>> import rigid
@@ -287,6 +362,23 @@ class Body:
         """A homogeneous cone (m) about body axis 3, moments about its centre of mass.
 
         A top standing on its tip is ``HeavyTop.from_mass(cone, com=(0, 0, 3 / 4 * height))``.
+
+        Parameters
+        ----------
+        radius, height : array_like, shape (...)
+            Radius of the base and height (m), positive.
+        mass : array_like, shape (...)
+            Mass (kg), positive.
+
+        Returns
+        -------
+        Body
+            Many bodies if a size or the mass is an array.
+
+        Raises
+        ------
+        ValueError
+            As for :meth:`box`.
 
         Examples
         --------
@@ -348,7 +440,7 @@ class Body:
     def from_points(
         cls, masses: ArrayLike, points: ArrayLike, *, about: ArrayLike | None = None
     ) -> tuple[Body, NDArray[np.float64]]:
-        """The body of mass points, and its principal axes.
+        """The rigid body that consists of mass points, and its principal axes.
 
         Parameters
         ----------
@@ -358,6 +450,19 @@ class Body:
             Positions of the masses (m), not all on one line.
         about
             As for :meth:`from_properties`, whose results these are.
+
+        Returns
+        -------
+        body : Body
+            Moments ascending, and the mass.
+        axes : ndarray, shape (3, 3)
+            Column k is body axis k + 1 in the frame of the points; right-handed.
+
+        Raises
+        ------
+        ValueError
+            If the shapes do not fit, a number is not finite, a mass is negative, or all points lie
+            on one line.
 
         Examples
         --------
@@ -388,6 +493,18 @@ class Body:
             As for :func:`rigid.meshes.mesh_properties`.
         about
             As for :meth:`from_properties`, whose results these are.
+
+        Returns
+        -------
+        body : Body
+            Moments ascending, and the mass.
+        axes : ndarray, shape (3, 3)
+            Column k is body axis k + 1 in the frame of the mesh; right-handed.
+
+        Raises
+        ------
+        ValueError
+            As for :func:`rigid.meshes.mesh_properties`, such as for an open mesh.
 
         Examples
         --------
@@ -429,6 +546,13 @@ class Body:
         about
             As for :meth:`from_properties`, whose results these are, in the axes of the file.
 
+        Returns
+        -------
+        body : Body
+            Moments ascending, and the mass.
+        axes : ndarray, shape (3, 3)
+            Column k is body axis k + 1 in the frame of the file; right-handed.
+
         Raises
         ------
         ValueError
@@ -466,7 +590,36 @@ class Body:
     ) -> tuple[Body, NDArray[np.float64]]:
         """The homogeneous body in an OBJ file, and its principal axes.
 
-        Parameters, results and errors are those of :meth:`from_stl`; polygons become triangles.
+        Parameters, results and errors are as for :meth:`from_stl`; polygons become triangles.
+
+        Polygons of the file become triangles.
+
+        Parameters
+        ----------
+        path, density, mass, unit, about
+            As for :meth:`from_stl`.
+
+        Returns
+        -------
+        body : Body
+            Moments ascending, and the mass.
+        axes : ndarray, shape (3, 3)
+            Column k is body axis k + 1 in the frame of the file; right-handed.
+
+        Raises
+        ------
+        ValueError, OSError, ImportError
+            As for :meth:`from_stl`.
+
+        Examples
+        --------
+        >>> import os, tempfile, rigid, trimesh
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     path = os.path.join(folder, "box.obj")
+        ...     _ = trimesh.creation.box((250.0, 80.0, 10.0)).export(path)
+        ...     body, axes = rigid.Body.from_obj(path, mass=0.3, unit=0.001)
+        >>> [round(moment, 9) for moment in body.moments]
+        [0.0001625, 0.001565, 0.0017225]
         """
         from ..meshes import file_properties
 
@@ -480,7 +633,7 @@ class Body:
         return cls(moments, mass=properties.mass)._marked("centre")
 
     def _marked(self, about: str | None) -> Body:
-        """The body itself, just made, which from now on knows the point of its moments."""
+        """The body itself, just made, with the point of its moments recorded."""
         object.__setattr__(self, "about", about)  # the dataclass is frozen
         return self
 
@@ -496,7 +649,7 @@ class Body:
 
     @property
     def symmetry_axis(self) -> int | None:
-        """The axis 1, 2 or 3 about which two moments are equal to the bit, or None.
+        """The axis 1, 2 or 3 about which two moments are exactly equal, or None.
 
         Raises
         ------
@@ -512,7 +665,7 @@ class Body:
         return 1 if i2 == i3 else None
 
     def to_dict(self) -> dict[str, Any]:
-        """The body as a dict of numbers."""
+        """The body as a dict of numbers, for JSON; :meth:`from_dict` reads it."""
         moments = self.moments
         return {
             "moments": moments.tolist() if isinstance(moments, np.ndarray) else list(moments),
@@ -522,7 +675,7 @@ class Body:
 
     @classmethod
     def from_dict(cls, data: Mapping[str, Any]) -> Body:
-        """The body of :meth:`to_dict`."""
+        """The body that :meth:`to_dict` described."""
         return cls(data["moments"], mass=data.get("mass"), sides=data.get("sides"))
 
 
@@ -557,7 +710,7 @@ def require_one(value: Any) -> None:
 
 
 def _checked_moments(value: ArrayLike) -> Moments:
-    """The moments; the core checks that they are finite and names the broken rule."""
+    """The moments; the core checks them and names the broken rule."""
     array = numbers("moments", value)
     if not array.ndim or array.shape[-1] != 3:
         raise ValueError(f"moments: expected shape (3,) or (..., 3), got {array.shape}")

@@ -1,4 +1,4 @@
-"""Criteria that keep one number of a motion within a limit: tilts, turns and rates."""
+"""Criteria that keep one number of a motion within a limit: a tilt, a turn or a rate."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def _angle(name: str, value: float) -> float:
 
 @dataclass(frozen=True, slots=True)
 class TiltBetween(Criterion):
-    """Stable while the tilt from the vertical lies between; made by :func:`tilt_between`."""
+    """Stable while the tilt from the vertical is within two limits; see :func:`tilt_between`."""
 
     name: ClassVar[str] = "tilt_between"
     record: ClassVar[str] = "axis"
@@ -68,7 +68,7 @@ class TiltBetween(Criterion):
         object.__setattr__(self, "axis", body_axis(self.axis, signed=True))
 
     def watched(self, step: float) -> float:
-        """Each limit is watched in a run of its own."""
+        """Each limit is watched in a separate run."""
         return 2.0 * (step + 0.09)
 
     def resolved(self, scene: Scene, start: Start) -> Self:
@@ -114,11 +114,11 @@ class _Bounded(Criterion):
         return 1.3 * step + 0.4
 
     def resolved(self, scene: Scene, start: Start) -> Self:
-        """The criterion, which leaves nothing open."""
+        """The criterion itself, which has no defaults."""
         return self
 
     def closed_form_question(self) -> tuple[str, int | None] | None:
-        """None is known for the time of leaving."""
+        """No closed form is known for the time at which the number passes its limit."""
         return None
 
     def check_forced(self) -> None:
@@ -236,11 +236,11 @@ class ReturnsNear(_Bounded):
         object.__setattr__(self, "after", finite_float("after", self.after, nonnegative=True))
 
     def core(self) -> Condition:
-        """That it stays away: name, no axis, the limit (rad) and the time from which it counts."""
+        """Condition that the attitude stays away: name, limit (rad), time from which it counts."""
         return "away_from_start", 0, (self.angle, self.after)
 
     def logic(self) -> tuple[int | str, ...]:
-        """The body does not stay away."""
+        """Stable is the opposite: the body does not stay away."""
         return 0, "~"
 
     def __str__(self) -> str:
@@ -295,7 +295,7 @@ def tilt_between(low: float, high: float, *, axis: int = 3) -> TiltBetween:
 
     Notes
     -----
-    The upper limit is that of ``tilt_below(high, axis=axis)``, the lower one that of
+    The upper limit is the limit of ``tilt_below(high, axis=axis)``, the lower one the limit of
     ``tilt_below(pi - low, axis=-axis)``: the tilts of opposite directions add up to pi. Lagrange
     tops are classified in closed form.
 
@@ -347,7 +347,7 @@ def rate_within(angle: float, of: str = "omega", frame: str = "space") -> RateWi
 
 
 def near_start(angle: float) -> NearStart:
-    """Stable: the attitude stays within a rotation angle of the attitude at the start.
+    """Stable: the attitude stays within a rotation angle of its start.
 
     Parameters
     ----------
@@ -380,15 +380,15 @@ def near_start(angle: float) -> NearStart:
 def pointing_within(
     angle: float, axis: int | None = None, of: str = "radial", *, either: bool = False
 ) -> PointingWithin:
-    """Stable: a body axis stays within an angle of a direction that goes round with the orbit.
+    """Stable: a body axis stays within an angle of a direction that moves with the orbit.
 
     Parameters
     ----------
     angle : float
         Limit in rad, in (0, pi].
     axis : {1, 2, 3, -1, -2, -3}, optional
-        The body axis; negative for its opposite direction. By default the long axis: that of the
-        smallest moment, if that is the same in all pixels.
+        The body axis; negative for its opposite direction. By default the long axis, about which
+        the moment is smallest, if this axis is the same in all pixels.
     of : {"radial", "along", "normal"}
         The direction: away from the planet; across it in the plane of the orbit, towards the
         motion; or the normal of the orbit.
@@ -420,7 +420,7 @@ def pointing_within(
 
 
 def librates(axis: int | None = None) -> PointingWithin:
-    """Stable: the long axis never faces backwards, so the body keeps one side to the planet.
+    """Stable: the long axis never turns away from the planet, so that one side keeps facing it.
 
     The end of the axis that is nearer to the line from the planet at the start stays within 90
     degrees of it: ``pointing_within(pi/2, axis, either=True)``. In the plane of the orbit this is
@@ -429,7 +429,7 @@ def librates(axis: int | None = None) -> PointingWithin:
     Parameters
     ----------
     axis : {1, 2, 3}, optional
-        The body axis; by default that of the smallest moment, if that is the same in all pixels.
+        The body axis; by default the axis of the smallest moment, if it is the same in all pixels.
 
     Returns
     -------
@@ -459,7 +459,7 @@ def require_orbit(name: str, scene: Scene) -> None:
 
 
 def extreme_axis(scene: Scene, *, long: bool) -> int:
-    """The long axis of the body of a scene, of its smallest moment; else that of the largest."""
+    """The axis of the smallest moment of the body of a scene (the long one), or of the largest."""
     moments = np.asarray(scene.body.moments).reshape(-1, 3)
     extreme = moments.min(axis=1) if long else moments.max(axis=1)
     share = moments / extreme[:, np.newaxis]
@@ -471,7 +471,7 @@ def extreme_axis(scene: Scene, *, long: bool) -> int:
 
 
 def returns(angle: float, after: float) -> ReturnsNear:
-    """Stable: the attitude comes back within a rotation angle of the attitude at the start.
+    """Stable: the attitude comes back to within a rotation angle of its start.
 
     Parameters
     ----------
@@ -504,7 +504,7 @@ def returns(angle: float, after: float) -> ReturnsNear:
 
 
 def spin_above(rate: float, axis: int | None = None) -> SpinAbove:
-    """Stable: the rate about a body axis, or the length of the rates, stays above a limit.
+    """Stable: the rate about a body axis, or the length of ``omega``, stays above a limit.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What a function of the user takes from outside, told by digests that are equal where it is equal.
+"""The values that a function of the user takes from outside, as digests that compare these values.
 
 That are its default arguments, closures, what a ``functools.partial`` or an object holds, and the
 globals that its code names; of functions and classes of the user that it uses likewise. Modules,
@@ -40,27 +40,28 @@ from .code import (
 __all__ = ["captured"]
 
 MOST_TEXT = 2**13
-"""Most characters of all names and digests; what is more shares one: that of a file is bounded."""
+"""Most characters of all names and digests. Further values share one digest, so that a file stays
+small."""
 
 DIGITS = 16
 """Hexadecimal digits of a digest of a value."""
 
 _SCALARS = frozenset({type(None), bool, int, float, complex, str, bytes, type(...)})
-"""Types whose ``repr`` tells all; that of many is made at once."""
+"""Types whose ``repr`` shows the whole value; tuples of such values are shown at once."""
 
 _SHOWN = frozenset({type(None), bool, int, float})
 _MOST_SHOWN = 32
-"""Types whose values are told as they are, and the most characters of one."""
+"""Most characters of a value that is stored as text, for the types listed before."""
 
 _FOR_PEOPLE = ("__repr__", "__str__")
-"""Methods that no verdict depends on; those that are made for a class hold what is no value."""
+"""Methods that no verdict depends on; generated ones hold objects that are no values."""
 
 _MISSING = "nothing"
-"""What stands for a name that is not bound yet."""
+"""The mark of a name that is not bound yet."""
 
 
 def captured(function: Callable[..., Any]) -> dict[str, str]:
-    """What a function takes from outside, by the names that its code has for it.
+    """The values that a function takes from outside, by the names in its code.
 
     Small numbers are told as they are, all else by digests.
 
@@ -93,7 +94,7 @@ def _short(token: bytes) -> str:
 
 
 class _Walk:
-    """One walk through all that a function takes.
+    """One walk through all values that a function takes.
 
     Attributes
     ----------
@@ -107,7 +108,7 @@ class _Walk:
         self._known: dict[int, tuple[object, bytes]] = {}
 
     def root(self, function: Any) -> None:
-        """Take the function itself, whose source is told elsewhere."""
+        """Take the function itself; its source is compared elsewhere."""
         if isinstance(function, functools.partial):
             self.root(function.func)
             for place, value in enumerate(function.args):
@@ -131,7 +132,7 @@ class _Walk:
             self._own_state(function)
 
     def _own_state(self, value: Any) -> None:
-        """What ``self`` is: each attribute of an object."""
+        """The value of ``self``: each attribute of an object."""
         if isinstance(value, type | ModuleType):
             self._variable("self", value)
             return
@@ -147,19 +148,19 @@ class _Walk:
             self._variable("self", rest)
 
     def _is_own(self, module: str | None) -> bool:
-        """Whether functions of a module are read, and not only named."""
+        """Whether the functions of a module are read, not only named."""
         same = self._package not in ("", "rigid") and package_of(module) == self._package
         return same or not is_installed(module)
 
     def _variable(self, path: str, value: Any) -> bytes:
-        """The digest of a variable, which is told under its path."""
+        """The digest of a variable, with an entry under its path."""
         token = self._value(value, path)
         if isinstance(value, ModuleType):
             text = f"module {value.__name__}"
         elif (name := self._named(value)) is not None:
             text = name
         elif isinstance(value, FunctionType | type):
-            text = _short(_source(value))  # what it takes is told under paths of its own
+            text = _short(_source(value))  # what it takes has its own entries
         elif type(value) in _SHOWN and len(shown := repr(value)) <= _MOST_SHOWN:
             text = shown
         elif isinstance(value, np.generic) and value.dtype.kind in "bif" and value.itemsize <= 8:
@@ -183,7 +184,7 @@ class _Walk:
         """Digests of all that a function takes from outside."""
         code = function.__code__
         own = self._is_own(function.__globals__.get("__name__"))
-        space = function.__globals__ if own else {}  # not those of an installed decorator
+        space = function.__globals__ if own else {}  # not the globals of an installed decorator
         given = function.__defaults__ or ()
         names = code.co_varnames[: code.co_argcount]
         values: dict[str, Any] = dict(zip(names[len(names) - len(given) :], given, strict=True))
@@ -232,7 +233,7 @@ class _Walk:
         values[name] = value
 
     def _value(self, value: Any, path: str) -> bytes:
-        """The digest of a value; of one that holds itself its depth stands there."""
+        """The digest of a value; a value that contains itself is replaced by its depth."""
         if type(value) in _SCALARS:
             return digest(type(value).__name__, repr(value).encode())
         known = self._known.get(id(value))
@@ -276,7 +277,7 @@ class _Walk:
             return self._class(value, path)
         if is_wrapper(value):
             return digest("wrapper", qualified(kind).encode(), self._value(value.__wrapped__, path))
-        # That of np.random.rand, which distributions of SciPy hold: its state is no value.
+        # The state of np.random.rand, which distributions of SciPy hold, is no value.
         if value is getattr(sys.modules.get("numpy.random.mtrand"), "_rand", None):
             return digest("random")
         if is_machine_code(value):
@@ -289,7 +290,7 @@ class _Walk:
         return digest("object", b"".join(own), *rest)
 
     def _items(self, values: Mapping[Any, Any], path: str, place: str = "[{!r}]") -> list[bytes]:
-        """Digests of pairs, in an order that does not depend on theirs."""
+        """Digests of pairs, in an order that does not depend on the order of the pairs."""
         keys = sorted(((self._untold(key, path), key) for key in values), key=lambda pair: pair[0])
         return [
             token + self._value(values[key], path + place.format(key))
@@ -299,14 +300,14 @@ class _Walk:
         ]
 
     def _untold(self, value: Any, path: str) -> bytes:
-        """The digest of a value that has no name of its own."""
+        """The digest of a value that has no entry under a name."""
         before, self._silent = self._silent, True
         token = self._value(value, path)
         self._silent = before
         return token
 
     def _reduced(self, value: Any, path: str) -> tuple[list[Any], dict[str, Any], list[Any]]:
-        """What makes an object again, as for a copy: how, its attributes, and what it contains."""
+        """The parts from which Python would copy an object: function, attributes and content."""
         kind = type(value)
         try:
             reduce = copyreg.dispatch_table.get(kind)
@@ -337,11 +338,11 @@ class _Walk:
         return [make, *arguments], kept, [one for one in items if one]
 
     def _function(self, function: FunctionType, path: str) -> bytes:
-        """The digest of a function; what it takes is told under its path."""
+        """The digest of a function; the values that it takes have entries under its path."""
         return digest("function", _source(function), *self._variables(function, f"{path}."))
 
     def _class(self, kind: type, path: str) -> bytes:
-        """The digest of the source and of the values of a class and of those of its bases."""
+        """The digest of the source and of the values of a class, and of its base classes."""
         if not self._is_own(kind.__module__):  # made by a function of an installed package
             return digest("class", qualified(kind).encode())
         parts = [self._value(base, f"{path}.{base.__name__}") for base in kind.__bases__]
@@ -362,7 +363,7 @@ class _Walk:
 
 
 def _source(value: FunctionType | type) -> bytes:
-    """The digest of a source, or of what stands for it."""
+    """The digest of a source, or of its substitute."""
     source = source_of(value)
     if source is not None:
         return digest("source", source.encode())
@@ -380,7 +381,7 @@ def _functions(member: Any) -> list[FunctionType]:
 
 
 def _is_value(name: str, member: Any) -> bool:
-    """Whether a member of a class is neither a function nor what Python keeps there."""
+    """Whether a member of a class is neither a function nor an internal of Python."""
     if is_special(name) or name in ("_abc_impl", "_is_protocol"):
         return False
     described = isinstance(member, MemberDescriptorType) or hasattr(type(member), "__get__")

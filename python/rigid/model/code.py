@@ -1,4 +1,4 @@
-"""What the code of a function of the user is, what it names, and whose it is."""
+"""The code of a function of the user: its source, the names in it, and its package."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ _OF_CTYPES: Any = ctypes.CFUNCTYPE(None).__base__
 """The class of functions of ctypes."""
 
 _LIBRARY = Path(os.__file__).parent
-"""Where the modules of Python are."""
+"""The folders of the modules of Python."""
 
 
 def digest(kind: str, *parts: bytes) -> bytes:
@@ -50,7 +50,7 @@ def digest(kind: str, *parts: bytes) -> bytes:
 
 
 def plain(function: Any) -> FunctionType | type | None:
-    """The function whose code runs, or the class that is made; None if it is not of Python."""
+    """The function whose code runs, or the class; None for objects without Python code."""
     while not isinstance(function, FunctionType | type):
         if isinstance(function, functools.partial):
             function = function.func
@@ -66,7 +66,7 @@ def plain(function: Any) -> FunctionType | type | None:
 
 
 def source_of(function: FunctionType | type) -> str | None:
-    """The source of a function without that of what it wraps, or of a class; None if unknown.
+    """The source of a class, or of a function without its wrapped function; None if unknown.
 
     It is read once: its file may change later, what runs does not.
     """
@@ -85,7 +85,7 @@ _sources: dict[int, tuple[object, str | None]] = {}
 
 
 def byte_code(code: CodeType) -> bytes:
-    """What a function without a source does, and those inside of it; other Pythons have another."""
+    """The instructions of a function without a source, which depend on the version of Python."""
     constants = [
         byte_code(one).hex()
         if isinstance(one, CodeType)
@@ -107,12 +107,12 @@ def qualified(value: Any) -> str:
 
 
 def package_of(module: str | None) -> str:
-    """The package that a module is of; empty if there is none."""
+    """The package of a module; empty if there is none."""
     return (module or "").partition(".")[0]
 
 
 def is_installed(module: str | None) -> bool:
-    """Whether a module is of Python, of rigid or of an installed package."""
+    """Whether a module belongs to Python, to rigid or to an installed package."""
     package = package_of(module)
     if package in ("", "rigid", "__main__"):
         return package != "__main__"
@@ -133,7 +133,7 @@ def is_installed(module: str | None) -> bool:
 
 
 def name_of(value: Any) -> str | None:
-    """The name by which anyone can import a function or class; None if there is none."""
+    """The name by which a function or class can be imported; None if there is none."""
     found: Any = sys.modules.get(str(getattr(value, "__module__", None)))
     for part in str(getattr(value, "__qualname__", "?")).split("."):
         found = getattr(found, part, None)
@@ -141,14 +141,14 @@ def name_of(value: Any) -> str | None:
 
 
 def is_wrapper(value: Any) -> bool:
-    """Whether an installed package wrapped a function in an object, as ``functools.lru_cache``."""
+    """Whether an installed package wrapped a function in an object, as ``lru_cache`` does."""
     kind = type(value)
     wrapped = not isinstance(value, FunctionType | type) and is_installed(kind.__module__)
     return wrapped and isinstance(getattr(value, "__wrapped__", None), FunctionType)
 
 
 def is_machine_code(value: Any) -> bool:
-    """Whether it is a function of ctypes or cffi, behind which is machine code."""
+    """Whether the function is one of ctypes or cffi and calls machine code."""
     return isinstance(value, _OF_CTYPES) or type(value).__module__ == "_cffi_backend"
 
 
@@ -158,7 +158,7 @@ def is_special(name: str) -> bool:
 
 
 def named_globals(code: CodeType) -> Iterator[tuple[str, tuple[str, ...]]]:
-    """Globals that a code and those inside of it name, with the attributes that follow each."""
+    """Globals that a code and its inner codes name, with the attributes that follow each."""
     chain: list[str] = []
     for step in dis.get_instructions(code):
         if chain and step.opname in ("LOAD_ATTR", "LOAD_METHOD"):
@@ -174,7 +174,7 @@ def named_globals(code: CodeType) -> Iterator[tuple[str, tuple[str, ...]]]:
 
 
 def imports(code: CodeType) -> Iterator[str]:
-    """Modules that a code imports when it runs; a relative one begins with a dot."""
+    """Modules that a code imports when it runs; the name of a relative one begins with a dot."""
     level = 0
     for step in dis.get_instructions(code):
         if step.opname == "IMPORT_NAME":

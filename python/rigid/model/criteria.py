@@ -1,4 +1,4 @@
-"""What *stable* means: the criteria of a map, each with its horizon stated elsewhere.
+"""The criteria of a map: definitions of *stable*; the horizon is stated elsewhere.
 
 A new criterion is one more class here or in ``bounds.py``, and its entry in :data:`CRITERIA`; the
 core selects the observable by the name that :meth:`Criterion.core` gives.
@@ -38,7 +38,8 @@ __all__ = [
 REFERENCES = ("start", "vertical")
 
 NORMS = ("rates", "attitude")
-"""What the growth of a deviation vector is that of: rates and vertical, or rates and attitude."""
+"""The parts of a deviation vector whose growth is measured: rates and vertical, or rates and
+attitude."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -182,7 +183,7 @@ class Regular(Criterion):
         return 2.0 * self.high / t_end
 
     def watched(self, step: float) -> float:
-        """More than twice the step: that of the deviation vector, and its growth."""
+        """More than twice the step: the deviation vector and its growth are computed too."""
         return 2.3 * step
 
     def resolved(self, scene: Scene, start: Start) -> Self:
@@ -263,8 +264,9 @@ def tilt_below(angle: float, *, axis: int = 3, reference: str | None = None) -> 
     axis : {1, 2, 3, -1, -2, -3}
         The body axis; negative for its opposite direction.
     reference : {"start", "vertical"}, optional
-        The direction: that of the axis at the start, or the upward vertical. By default the
-        vertical for a heavy top and the start for a free body, whose equations contain no vertical.
+        The direction: the direction of the axis at the start, or the upward vertical. By default
+        the vertical for a heavy top and the start for a free body, whose equations contain no
+        vertical.
 
     Returns
     -------
@@ -324,9 +326,9 @@ def regular(
     -----
     *Regular* always means: no growth like ``exp(k t)`` with ``k`` above ``2 high / T`` until the
     horizon ``T``; growth that ends before may have been faster. Free bodies and symmetric tops with
-    their centre of mass on the axis are regular by theorem and not run; on a separatrix, to the
-    last bit, they are undecided. Other motions on a separatrix may be called chaotic although they
-    are not; a little noise of the start leads off it.
+    their centre of mass on the axis are regular by theorem and not run; exactly on a separatrix
+    they are undecided. Other motions on a separatrix may be called chaotic although they are not; a
+    little noise of the start leads off it.
 
     References
     ----------
@@ -342,7 +344,7 @@ def regular(
 
 
 def norm_of(of: str | None, scene: Scene) -> str:
-    """The norm of deviation vectors of a scene: that of the rates where they see all that grows.
+    """The norm of deviation vectors of a scene: the norm of the rates if it shows all growth.
 
     Raises
     ------
@@ -363,14 +365,14 @@ def norm_of(of: str | None, scene: Scene) -> str:
 
 
 def check_criterion(name: str, criterion: object) -> Criterion:
-    """``criterion`` if it is one."""
+    """``criterion``, if it is a criterion."""
     if isinstance(criterion, Criterion):
         return criterion
     raise TypeError(f"{name} = {brief(criterion)}: must be a criterion, {known_criteria()}")
 
 
 def known_criteria() -> str:
-    """The functions that make criteria, with what each must be given, in words."""
+    """The functions that make criteria, with their required arguments, in words."""
     calls = []
     for known in CRITERIA.values():
         needed = [own.name for own in fields(known) if own.default is MISSING]  # type: ignore[arg-type]
@@ -379,7 +381,7 @@ def known_criteria() -> str:
 
 
 def criterion_from_dict(data: Mapping[str, Any]) -> Criterion:
-    """The criterion of :meth:`Criterion.to_dict`."""
+    """The criterion that :meth:`Criterion.to_dict` described."""
     values = dict(data)
     name = values.pop("criterion")
     if name == Custom.name:

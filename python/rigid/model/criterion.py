@@ -56,7 +56,7 @@ class Criterion(ABC):
 
     @abstractmethod
     def watched(self, step: float) -> float:
-        """Work of a step of 32 bodies with the observation, from that of the step alone."""
+        """Work of a step of 32 bodies with the observation; ``step`` is the work without it."""
 
     @abstractmethod
     def resolved(self, scene: Scene, start: Start) -> Self:
@@ -67,7 +67,7 @@ class Criterion(ABC):
         """Name, axis and limits as the core takes them."""
 
     def conditions(self) -> tuple[Condition, ...]:
-        """What the core watches, each with its axis and limits."""
+        """The conditions that the core watches, each with its axis and limits."""
         return (self.core(),)
 
     def logic(self) -> tuple[int | str, ...]:
@@ -81,7 +81,7 @@ class Criterion(ABC):
 
     @abstractmethod
     def closed_form_question(self) -> tuple[str, int | None] | None:
-        """Name and axis in the core's list of closed forms, None if the criterion has none."""
+        """Name and axis in the list of closed forms of the core; None without a closed form."""
 
     @abstractmethod
     def check_forced(self) -> None:
@@ -185,7 +185,7 @@ class Joined(Criterion):
         return (*words, SIGNS[self.operation])
 
     def closed_form_question(self) -> None:
-        """Each criterion has its own."""
+        """None: each joined criterion has its closed form."""
         return
 
     def check_forced(self) -> None:

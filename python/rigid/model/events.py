@@ -26,7 +26,7 @@ MOMENTA = ("L1", "L2", "L3")
 """Angular momentum in space (kg m²/s)."""
 
 QUANTITIES = (*COMPONENTS, *TILTS, *MOMENTA)
-"""Names of what can cross a value."""
+"""Names of the quantities that can cross a value."""
 
 UNITS = {"omega": "rad/s", "tilt": "rad", "L": "kg m²/s"}
 """Units of quantities that have one, by their names without the axis."""
@@ -87,16 +87,16 @@ class Event:
 
     @property
     def level(self) -> float:
-        """The value of what is linear in the state."""
+        """The value of the function that is linear in the state."""
         return -math.cos(self.value) if self.name in TILTS and not self.turns else self.value
 
     @property
     def slope_scale(self) -> float:
-        """The slope of what is linear in the state over that of the quantity."""
+        """Ratio of two slopes: of the function that is linear in the state, and of the quantity."""
         return math.sin(self.value) if self.name in TILTS and not self.turns else 1.0
 
     def to_dict(self) -> dict[str, Any]:
-        """All attributes."""
+        """All attributes as plain Python values."""
         return {
             "name": self.name,
             "omega": list(self.omega),
@@ -109,7 +109,7 @@ class Event:
 
     @classmethod
     def from_dict(cls, entries: dict[str, Any]) -> Event:
-        """The event of :meth:`to_dict`."""
+        """The event that :meth:`to_dict` described."""
         vectors = {name: _three(np.array(entries[name])) for name in ("omega", "gamma", "momentum")}
         return cls(**{**entries, **vectors})
 
@@ -184,7 +184,7 @@ def turns(
     gamma: ArrayLike | None = None,
     momentum: ArrayLike | None = None,
 ) -> Event:
-    """The event that a quantity is largest or least for a while, for :func:`simulate`.
+    """The event that a quantity has a maximum or a minimum, for :func:`simulate`.
 
     Parameters
     ----------
@@ -255,10 +255,10 @@ def _quantity(
 
 
 def checked_events(events: object, until: object) -> tuple[tuple[Event, ...], tuple[bool, ...]]:
-    """The events that a run watches, and which of them it counts.
+    """The events that a run watches, and which of these it counts.
 
-    Those of ``until`` are counted, all if there are none. An event of ``until`` that is not among
-    the others is watched after them.
+    The events of ``until`` are counted; without ``until`` all events are. An event of ``until``
+    that is not among the others is watched after them.
     """
     watched, ends = (_listed(name, given) for name, given in (("events", events), ("until", until)))
     every = (*watched, *(event for event in dict.fromkeys(ends) if event not in watched))

@@ -1,4 +1,4 @@
-"""The further forces of a scene: all but the torque and linear damping.
+"""The further forces of a scene, besides applied torque and linear damping.
 
 A new force is one class in this file, its line in :class:`HasForces`, and its keyword in
 :class:`FreeForces` or :class:`TopForces`. Scenes, TOML files, datasets and the core know it by its
@@ -39,7 +39,7 @@ Class = TypeVar("Class", bound=type)
 
 @dataclass(frozen=True, slots=True, init=False, eq=False, repr=False)
 class EnergySink:
-    """Internal dissipation: it drains energy and keeps the angular momentum in space.
+    """Internal dissipation, which drains energy and keeps the angular momentum in space.
 
     Inside the body something lags behind: a viscous fluid, or a damper. To first order its momentum
     relative to the body is ``-P omega'``, where ``omega'`` is the rate of change without the sink
@@ -51,7 +51,8 @@ class EnergySink:
 
     ``L`` is constant in space to rounding, whatever ``P``: the law is a double bracket (Bloch,
     Krishnaprasad, Marsden, Ratiu 1996). Every body ends in a rotation about its axis of the largest
-    moment, in flat spin if it began about that of the smallest. Backward in time the energy grows.
+    moment, in flat spin if it began about the axis of the smallest moment. Backward in time the
+    energy grows.
 
     Physics asks that ``P |omega| / I`` is small; then ``e`` is too.
 
@@ -59,7 +60,7 @@ class EnergySink:
     ----------
     coefficient : float or array_like, shape (3,) or (..., 3)
         The diagonal of ``P`` in the axes of the body (kg m² s), one number if all three are equal;
-        leading axes give each body a sink of its own.
+        leading axes give each body its sink.
 
     Attributes
     ----------
@@ -103,7 +104,7 @@ class EnergySink:
 
     @classmethod
     def viscous_sphere(cls, radius: float, *, density: float, viscosity: float) -> Self:
-        """The sink of a spherical cavity that is full of a very viscous fluid.
+        """The energy sink of a spherical cavity filled with a very viscous fluid.
 
         ``P = 8 pi rho a⁷ / (525 nu)``, of a cavity anywhere in the body (Chernousko 1965).
 
@@ -209,7 +210,7 @@ class Force(Generic[Value]):
         return self if scene is None else scene._further.get(self.name)
 
     def checked(self, given: Any) -> Value | None:
-        """What was given as a value of one body or of each; None if it is zero.
+        """The given value, as a value of one body or of each; None if it is zero.
 
         Raises
         ------
@@ -236,11 +237,11 @@ class Force(Generic[Value]):
         return self.checked(numbers)
 
     def to_data(self, value: Value) -> Any:
-        """The value as files have it."""
+        """The value in the form that files hold."""
         return np.asarray(self.numbers(value)).tolist()
 
     def of_data(self, data: Any) -> Value | None:
-        """The value of :meth:`to_data`, or of a key of a TOML file."""
+        """The value from the form of :meth:`to_data`, or from a key of a TOML file."""
         return self.made(data)
 
     def of(self, value: Value, shape: Shape, index: Index) -> Value | None:
@@ -364,8 +365,8 @@ class Rotor(Force[Vector | Floats]):
     parameter = """\
     rotor : array_like, shape (3,) or (..., 3), optional
         Angular momentum ``h`` (kg m²/s) of a rotor relative to the body, constant in the body: a
-        gyrostat (Zhukovsky 1885, Volterra 1899). The whole momentum is ``I omega + h``; energies
-        are those of ``omega``, without that of the rotor's own spin."""
+        gyrostat (Zhukovsky 1885, Volterra 1899). The whole momentum is ``I omega + h``. Energies
+        are energies of ``omega``, without the spin energy of the rotor."""
 
 
 class Drag(Force[Vector | Floats]):
@@ -410,7 +411,7 @@ class TopForces(TypedDict, total=False):
 
 
 class FreeForces(TopForces, total=False):
-    """Those of free bodies."""
+    """The keywords of free bodies for further forces."""
 
     orbit: Orbit | None
     dissipation: EnergySink | None
@@ -480,5 +481,5 @@ def _tuple(values: ArrayLike) -> Vector:
 
 
 def _vector(array: Floats) -> Vector | Floats:
-    """The vector of one body as a tuple, those of many as an array."""
+    """The vector of one body as a tuple, the vectors of many bodies as an array."""
     return _tuple(array) if array.ndim == 1 else frozen(array)

@@ -56,19 +56,19 @@ def turned(axes: Floats, vectors: Floats) -> Floats:
 
 
 def turned_matrix(axes: Floats, matrices: Floats) -> Floats:
-    """``axes @ M @ axes.T`` of symmetric matrices (..., 3, 3), symmetric to the bit."""
+    """``axes @ M @ axes.T`` of symmetric matrices (..., 3, 3), exactly symmetric."""
     left = turned(axes, np.swapaxes(matrices, -1, -2))
     both = turned(axes, np.swapaxes(left, -1, -2))
     return 0.5 * (both + np.swapaxes(both, -1, -2))
 
 
 def attitudes_in_principal_axes(axes: Floats, attitude: Floats) -> Floats:
-    """Attitudes of the principal axes, of those of the axes of the drawing."""
+    """Attitudes of the principal axes, from the attitudes of the axes of the drawing."""
     frame = matrix_to_quaternion(axes)
     return product_of_checked(attitude, frame).astype(attitude.dtype, copy=False)
 
 
 def attitudes_in_frame(axes: Floats, attitude: Floats) -> Floats:
-    """Attitudes of the axes of the drawing, of those of the principal axes."""
+    """Attitudes of the axes of the drawing, from the attitudes of the principal axes."""
     back = matrix_to_quaternion(axes) * [1.0, -1.0, -1.0, -1.0]
     return product_of_checked(attitude, back).astype(attitude.dtype, copy=False)

@@ -1,4 +1,4 @@
-"""A torque that a compiled function returns, known by its address."""
+"""A callback: a compiled function that returns a torque, known by its address."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class TorqueFunction:
-    """A function that returns a torque; made by :meth:`Torque.call`.
+    """A callback that returns a torque; made by :meth:`Torque.call`.
 
     Attributes
     ----------
@@ -84,18 +84,18 @@ class TorqueFunction:
         return self.address, rows, np.ldexp(1.0, -exponents), self.fastest or 0.0
 
     def to_dict(self) -> dict[str, Any]:
-        """What of the function a file may have: all but its address."""
+        """The parts of the callback that a file may hold: all but its address."""
         data = None if self.data is None else self.data.tolist()
         return {"data": data, "fastest": self.fastest}
 
     @classmethod
     def from_dict(cls, entries: Mapping[str, Any]) -> Self:
-        """The function of :meth:`to_dict`, which cannot be called."""
+        """The callback that :meth:`to_dict` described; it cannot be called."""
         data = entries["data"]
         return cls(0, None if data is None else frozen(np.array(data)), entries["fastest"])
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """The function in another process, which has other addresses: it cannot be called there."""
+        """The callback for another process, with other addresses: it cannot be called there."""
         return type(self), (0, self.data, self.fastest)
 
     def __deepcopy__(self, memo: object) -> Self:

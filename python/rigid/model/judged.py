@@ -1,4 +1,4 @@
-"""The criterion that a function of the user decides."""
+"""The custom criterion, which a function of the user decides."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ RECORDS = ("attitude", "axis", "rates")
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class States:
-    """States of some bodies of a map, as a function of :func:`judged` gets them.
+    """States of some bodies of a map, the argument of the function of :func:`judged`.
 
     Attributes
     ----------
@@ -49,7 +49,7 @@ class States:
 
 @dataclass(frozen=True, slots=True)
 class Custom(Criterion):
-    """Stable if a function of the states says so; made by :func:`judged`."""
+    """Stable if a function of the states returns true for a body; made by :func:`judged`."""
 
     name: ClassVar[str] = "judged"
     alone: ClassVar[str | None] = "has a function, which can join conditions itself"
@@ -76,7 +76,7 @@ class Custom(Criterion):
         return self
 
     def core(self) -> Condition:
-        """The condition of a request that draws the starts; it is not observed."""
+        """The condition of a request that draws the starts; the core does not watch it."""
         return "no_flip", 1, ()
 
     def closed_form_question(self) -> tuple[str, None]:
@@ -87,7 +87,7 @@ class Custom(Criterion):
         """Do nothing: states are computed under torque and damping too."""
 
     def verdicts(self, states: States) -> Floats:
-        """What the function says of the bodies: positive for stable, NaN for undecided."""
+        """The answers of the function: positive for stable, NaN for undecided."""
         found = np.asarray(self.source.call("stable")(states))
         count = len(states.omega)
         if found.shape != (count,) or found.dtype.kind not in "bif":
@@ -98,7 +98,7 @@ class Custom(Criterion):
         return found.astype(np.float64)
 
     def to_dict(self) -> dict[str, Any]:
-        """Name and digests of the function, its times, and what it sees."""
+        """Name and digests of the function, its times, and the states it gets."""
         return {
             "criterion": self.name,
             "function": self.source.to_dict(),
@@ -108,7 +108,7 @@ class Custom(Criterion):
 
     @classmethod
     def from_dict(cls, data: Mapping[str, Any]) -> Custom:
-        """The criterion of :meth:`to_dict`, whose function must be given again."""
+        """The criterion that :meth:`to_dict` described; its function must be given again."""
         of = one_of("of", data["of"], RECORDS)
         return cls(Sourced.from_dict(data["function"]), _times(data["times"]), of)
 
@@ -119,12 +119,12 @@ class Custom(Criterion):
 def judged(
     function: Callable[[States], ArrayLike], t: ArrayLike, *, of: str = "attitude"
 ) -> Custom:
-    """Stable: a function of the states of a body at some times says so.
+    """Stable by a custom criterion: a function of the states of a body at given times decides.
 
-    The bodies are drawn, integrated, counted and checked as those of any criterion. Each integrated
-    body is integrated by a second method too: if the function says otherwise of these states, the
-    body is undecided. Bodies whose motion has a closed form are not integrated. What happens
-    between the times is not seen.
+    The bodies are drawn, integrated, counted and checked as for any criterion. Each integrated body
+    is integrated by a second method too: if the function says otherwise of these states, the body
+    is undecided. Bodies whose motion has a closed form are not integrated. What happens between the
+    times is not seen.
 
     Parameters
     ----------
@@ -137,7 +137,7 @@ def judged(
         (n, m, 4), quaternions; ``states.parameters``: the values of the axes of the map by their
         names, (n,), among them ``limit``, which the function may take as it likes. Saved maps hold
         digests of its source and of what it takes from outside: default arguments, closures,
-        globals that its code names, attributes of ``self``, and those of the functions it calls.
+        globals that its code names, attributes of ``self``, and the same of the functions it calls.
     t : array_like, shape (m,)
         Times, s, ascending. The last one is the horizon of the map. With an axis ``t_end`` of the
         map, whose values are among the times, the function sees those up to the horizon.

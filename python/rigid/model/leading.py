@@ -1,7 +1,7 @@
 """Values of one body, or of many bodies in one object: with leading axes.
 
-The value of one body is a number or a tuple, those of many are a read-only array with the axes of
-the bodies first.
+The value of one body is a number or a tuple. The values of many bodies are a read-only array with
+the axes of the bodies first.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ Index: TypeAlias = Any
 
 
 def frozen(array: NDArray[np.float64]) -> NDArray[np.float64]:
-    """A copy of the array that nobody can write to."""
+    """A read-only copy of the array."""
     copy = np.array(array)
     copy.flags.writeable = False
     return copy
@@ -44,7 +44,7 @@ def holds(shape: Shape) -> int:
 
 
 def axes_of(value: Any, width: int) -> Shape:
-    """The axes of the bodies of a part: of an array those before the last ``width`` axes.
+    """The axes of the bodies of a part; of an array all axes before the last ``width`` ones.
 
     The part of one body is a number or a tuple.
     """
@@ -82,9 +82,9 @@ def index_of_bodies(shape: Shape, index: Index) -> Shape:
 
 
 def taken(value: Any, width: int, shape: Shape, index: Index) -> Any:
-    """The value of some bodies, which has ``width`` axes after those of the bodies.
+    """The value of some bodies, which has ``width`` axes after the axes of the bodies.
 
-    ``shape`` has the axes of all bodies; a value of one body is that of all.
+    ``shape`` has the axes of all bodies; a value of one body holds for all bodies.
     """
     array = np.asarray(value)
     tail = array.shape[array.ndim - width :]

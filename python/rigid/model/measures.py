@@ -1,4 +1,4 @@
-"""What a map measures of each body, besides its class."""
+"""The measures of a map: numbers of each body besides its class."""
 
 from __future__ import annotations
 
@@ -75,7 +75,7 @@ class Measure:
             one_of("reference", self.reference, REFERENCES)
 
     def resolved(self, scene: Scene, start: Start) -> Measure:
-        """The measure with the defaults of the criterion that watches the same."""
+        """The measure with the defaults of a criterion that watches the same quantity."""
         if self.name == "flips":
             return replace(self, axis=no_flip(self.axis).resolved(scene, start).axis)
         if self.name == "largest_tilt":
@@ -91,11 +91,11 @@ class Measure:
 
     @property
     def runs(self) -> bool:
-        """Whether bodies are integrated until the horizon for this measure alone."""
+        """Whether this measure alone needs bodies to be integrated until the horizon."""
         return self.name not in ("time_to_leave", "drift")
 
     def check_forced(self) -> None:
-        """Raise ValueError if a map cannot measure it under torque and damping."""
+        """Raise ValueError if a map cannot record the measure under torque and damping."""
         if self.name == "largest_tilt":
             tilt_below(1.0, reference=self.reference).check_forced()
 
@@ -140,7 +140,7 @@ def make_measures(measure: Measure | Iterable[Measure]) -> tuple[Measure, ...]:
 
 
 def asks_for_an_axis(asked: object) -> bool:
-    """Whether the default axis of a criterion or a measure on an orbit is that of the bodies."""
+    """Whether the default axis of a criterion or a measure on an orbit follows from the bodies."""
     if isinstance(asked, Measure):
         return asked.name in ON_ORBIT and asked.axis is None
     leaves = getattr(asked, "leaves", ())
@@ -156,7 +156,7 @@ def check_distinct(measures: tuple[Measure, ...]) -> None:
 
 
 def time_to_leave() -> Measure:
-    """Time (s) at which a body leaves stability, of the bodies that are unstable.
+    """Time (s) at which a body leaves stability; only unstable bodies have one.
 
     Returns
     -------
@@ -164,8 +164,9 @@ def time_to_leave() -> Measure:
 
     Notes
     -----
-    The time is that of the first run. For joined criteria it is the last time at which their logic,
-    of what was kept until then, turned from true to false; bodies without such a time do not count.
+    The time is taken from the first run. For joined criteria it is the last time at which their
+    logic, applied to the conditions kept until then, turned from true to false; bodies without such
+    a time do not count.
 
     Examples
     --------
@@ -182,7 +183,7 @@ def flips(axis: int | None = None) -> Measure:
     Parameters
     ----------
     axis : {1, 2, 3}, optional
-        The body axis; by default that of :func:`no_flip`.
+        The body axis; by default the axis of :func:`no_flip`.
 
     Returns
     -------
@@ -267,9 +268,9 @@ def libration_amplitude(axis: int | None = None) -> Measure:
     Parameters
     ----------
     axis : {1, 2, 3}, optional
-        The body axis, by default the long one: that of the smallest moment, if that is the same in
-        all pixels. The end counts that is nearer to the direction from the planet at the start: a
-        body that turns round has about pi.
+        The body axis, by default the long one, about which the moment is smallest, if this axis is
+        the same in all pixels. The end counts that is nearer to the direction from the planet at
+        the start: a body that turns round has about pi.
 
     Returns
     -------
@@ -282,8 +283,8 @@ def libration_amplitude(axis: int | None = None) -> Measure:
 
     Notes
     -----
-    The angle is that of :func:`pointing_within`, at four places of each step and at its largest
-    between them.
+    The angle is the angle of :func:`pointing_within`, at four places of each step and at its
+    largest between them.
 
     Examples
     --------
@@ -300,7 +301,7 @@ def obliquity(axis: int | None = None) -> Measure:
     Parameters
     ----------
     axis : {1, 2, 3, -1, -2, -3}, optional
-        The body axis, by default that of the largest moment, if that is the same in all pixels;
+        The body axis, by default the axis of the largest moment, if it is the same in all pixels;
         negative for its opposite direction.
 
     Returns
@@ -327,7 +328,7 @@ def spin_orbit_ratio(axis: int | None = None) -> Measure:
     Parameters
     ----------
     axis : {1, 2, 3, -1, -2, -3}, optional
-        The body axis, by default that of the largest moment, if that is the same in all pixels.
+        The body axis, by default the axis of the largest moment, if it is the same in all pixels.
 
     Returns
     -------
@@ -348,7 +349,7 @@ def spin_orbit_ratio(axis: int | None = None) -> Measure:
 
 
 def drift() -> Measure:
-    """Largest relative drift of energy, momentum and unit lengths, of the integrated bodies.
+    """Largest relative drift of energy, momentum and unit lengths of a body that is integrated.
 
     Returns
     -------

@@ -19,7 +19,7 @@ MOST_STARTS = 16
 
 @dataclass(frozen=True, slots=True)
 class Mixture:
-    """Starts of which each body takes one; made by :func:`mixture`.
+    """Several starts, of which each body takes one at random; made by :func:`mixture`.
 
     Attributes
     ----------
@@ -50,20 +50,20 @@ class Mixture:
         object.__setattr__(self, "weights", tuple(weights.tolist()))
 
     def shares(self) -> NDArray[np.float64]:
-        """The chance of the starts up to and with each, the last 1."""
+        """Cumulative chances of the starts, the last 1."""
         sums = np.cumsum(np.array(self.weights) / max(self.weights))
         shares: NDArray[np.float64] = sums / sums[-1]
         return shares
 
     def to_dict(self) -> dict[str, Any]:
-        """The mixture as a JSON-able dictionary; :func:`start_from_dict` is its inverse."""
+        """The mixture as a JSON-able dictionary; :func:`start_from_dict` reads it."""
         return {
             "mixture": [start.to_dict() for start in self.starts],
             "weights": list(self.weights),
         }
 
     def describe(self, varied: Container[str] = ()) -> str:
-        """The starts in words; ``varied`` names what the axes of a map set."""
+        """The starts in words; ``varied`` names the parts that the axes of a map set."""
         total = sum(self.weights)
         return "; or ".join(
             f"{weight / total:.3g} of the bodies: {start.describe(varied)}"
@@ -72,7 +72,7 @@ class Mixture:
 
 
 def mixture(starts: Iterable[Start], weights: ArrayLike | None = None) -> Mixture:
-    """A mixture of starts: each body of a map takes one of them, with its perturbations.
+    """A mixture of starts: each body of a map takes one start at random, with its perturbations.
 
     Which one is a pure function of seed, pixel and sample. What a start draws does not depend on
     the other starts: a body that takes it begins as in a map of this start alone. An axis of the

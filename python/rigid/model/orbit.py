@@ -22,13 +22,13 @@ Vector: TypeAlias = tuple[float, float, float]
 MOST_ECCENTRIC = 0.95
 
 _LARGEST_ANOMALY = 1e3
-"""Radians; the rounding of a larger anomaly is more than what steps leave."""
+"""Largest anomaly (rad); the rounding of a larger one exceeds the error of steps."""
 
 _LARGEST_ANGLE = 1e15
-"""Radians; the place on the orbit is lost in the rounding of a larger angle."""
+"""Largest angle (rad); the place on the orbit is lost in the rounding of a larger one."""
 
 _ROUNDED = 4.0 * np.finfo(np.float64).eps
-"""Product of two unit vectors at right angles, at most."""
+"""Largest product of two unit vectors that count as perpendicular."""
 
 
 @dataclass(frozen=True, slots=True, init=False, eq=False, repr=False)
@@ -58,7 +58,7 @@ class Orbit:
     true_anomaly : float or array_like, shape (...), optional
         Angle from the periapsis at ``t = 0`` (rad), instead of ``anomaly``.
 
-    Leading axes give each body an orbit of its own.
+    Leading axes give each body its orbit.
 
     Attributes
     ----------
@@ -158,7 +158,7 @@ class Orbit:
         return 2.0 * np.pi / self.rate
 
     def position(self, t: ArrayLike) -> Floats:
-        """From the planet to the body in space, over the semi-major axis.
+        """Vector from the planet to the body in space, divided by the semi-major axis.
 
         Parameters
         ----------
@@ -248,12 +248,12 @@ class Orbit:
         return cls(rate, e, mean, normal, every[..., 3:6])
 
     def to_dict(self) -> dict[str, Any]:
-        """The orbit as a dict of numbers."""
+        """The orbit as a dict of numbers; :meth:`from_dict` reads it."""
         return {name: np.asarray(getattr(self, name)).tolist() for name in self.__slots__}
 
     @classmethod
     def from_dict(cls, data: Mapping[str, Any]) -> Self:
-        """The orbit of :meth:`to_dict`."""
+        """The orbit that :meth:`to_dict` described."""
         if "towards" in data:  # Of versions that knew circles only.
             towards, ahead = np.array(data["towards"]), np.array(data["ahead"])
             return cls(data["rate"], normal=np.cross(towards, ahead), periapsis=-towards)
@@ -292,7 +292,7 @@ _USUAL: Mapping[str, Any] = {
     "normal": (0.0, 0.0, 1.0),
     "periapsis": (1.0, 0.0, 0.0),
 }
-"""What `repr` leaves out."""
+"""Default values, which ``repr`` omits."""
 
 
 def _mean_anomaly(true: Floats, e: Floats) -> Floats:

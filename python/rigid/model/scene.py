@@ -1,4 +1,4 @@
-"""Scenes: a body with its weight, applied torque and damping.
+"""Scenes: a body with its weight and the other forces on it.
 
 A new scene is one more class in this file: its facts, its numbers as :class:`Field`, its weight,
 and its entry in :data:`SCENES`. The packages above use this interface and name no class.
@@ -96,8 +96,8 @@ class Scene(HasForces, ABC):
     """A body with its weight, applied torque and damping: the interface of all scenes.
 
     A scene holds many bodies if one of its parts does: ``len(scene)`` is their number, ``scene[i]``
-    is the scene of one, and a slice or an array of indices takes some. A part of one body is that
-    of all.
+    is the scene of one, and a slice or an array of indices takes some. A part of one body holds for
+    all bodies.
 
     Attributes
     ----------
@@ -149,7 +149,7 @@ class Scene(HasForces, ABC):
         """``mgl com`` (J), zero without weight; shape (3,), or (..., 3) if many bodies differ."""
 
     def once(self, make: Callable[[Scene], Made]) -> Made:
-        """What the function ``make`` of a module returns for this scene; it is called once.
+        """The value of ``make(self)``, which is called once for this scene.
 
         A scene does not change, but its constructors change it: they do not call this method.
         """
@@ -201,7 +201,7 @@ class Scene(HasForces, ABC):
         torque = None if self.torque is None else self.torque.of(shape, index)
         some = type(self)(body, **own, torque=torque)  # type: ignore[call-arg]
         if self.damping is not None:
-            # Not through the constructor: a damping of all would be read as that of each.
+            # Not through the constructor: one damping of all would be read as one of each body.
             damping = taken(self.damping, 2, shape, index)
             known = matrices_of(damping) if np.any(damping) else None
             object.__setattr__(some, "damping", known)
@@ -232,18 +232,18 @@ class Scene(HasForces, ABC):
 
     @property
     def has_further(self) -> bool:
-        """Whether other forces act than a torque, damping and a function."""
+        """Whether forces act besides an applied torque, damping and a callback."""
         return bool(self._further)
 
     @property
     def bounds_rates(self) -> bool:
-        """Whether a bound of the rates is known: under the torque of a function if it is given."""
+        """Whether a bound of the rates is known; under a callback only if its bound is given."""
         function = None if self.torque is None else self.torque.function
         return function is None or function.fastest is not None
 
     @property
     def may_stop(self) -> bool:
-        """Whether a torque or weight may stop a body whose force has a corner there."""
+        """Whether torque or weight may stop a body whose force has a corner at rest."""
         has_corner = any(force.has_corner for force, _ in self.further())
         return has_corner and (self.torque is not None or bool(np.any(self.weight)))
 
@@ -266,7 +266,7 @@ class Scene(HasForces, ABC):
     def replaced(
         self, body: Body, damping: ArrayLike | None, **own: float | tuple[float, ...]
     ) -> Self:
-        """The scene with another body, damping and other numbers of its own."""
+        """The scene with another body, damping and values of its further fields."""
         kept = {name: getattr(self, name) for name in self.fields}
         kept.update(self._further)
         return type(self)(body, **{**kept, **own}, torque=self.torque, damping=damping)  # type: ignore[call-arg]
@@ -284,7 +284,7 @@ class Scene(HasForces, ABC):
         if self.damping is not None:
             given = np.asarray(self.damping)
             alike = given == given[..., :1, :1] * np.eye(3)
-            if not alike.all():  # the same in all directions stays so to the bit
+            if not alike.all():  # the same in all directions stays exactly so
                 set_field(self, "damping", matrices_of(turned_matrix(back, given)))
         self._set_further(
             {force.name: force.turned(value, back) for force, value in self.further()}
@@ -302,7 +302,7 @@ class Scene(HasForces, ABC):
         if self.damping is not None:
             damping = np.asarray(self.damping)
             if damping.ndim == 2:
-                # Not read as that of each body when it is read back.
+                # Not read as one damping of each body when it is read back.
                 damping = damping.reshape(*(1,) * len(self.shape), 3, 3)
             data["damping"] = damping.tolist()
         for force, value in self.further():
@@ -380,7 +380,7 @@ def _body_words(body: Body, varied: Container[str]) -> str:
 
 
 def _numbers(values: Iterable[tuple[str, float]], varied: Container[str]) -> str:
-    """Numbers in words; those that differ do not look equal."""
+    """Numbers in words, with so many digits that different ones differ."""
     pairs = list(values)
     short = len({f"{value:g}" for _, value in pairs}) == len({value for _, value in pairs})
     return ", ".join(
@@ -413,7 +413,7 @@ def _check_body(body: object) -> None:
 @with_forces(FreeForces)
 @dataclass(frozen=True, slots=True, init=False, repr=False, eq=False)
 class FreeBody(Scene):
-    """A body without weight, turning about its centre of mass.
+    """A body without weight that turns about its centre of mass.
 
     Euler's equations ``I omega' = (I omega + h) × omega + torque - D omega - |omega| C omega`` in
     the principal axes of the body, ``h`` being the momentum of a rotor.
@@ -428,8 +428,8 @@ class FreeBody(Scene):
     damping : float or array_like, shape (3,) or (3, 3), optional
         Linear damping ``D`` (N m s): one coefficient, one for each body axis, or a symmetric
         positive semi-definite matrix in body axes. Use ``(0, 0, c)`` to damp only the spin. Axes
-        before these are those of the bodies: ``(n,)``, ``(n, 3)``, ``(n, 3, 3)``. A shape that can
-        be read in two ways, such as ``(3,)`` for three bodies, is refused.
+        before these count the bodies: ``(n,)``, ``(n, 3)``, ``(n, 3, 3)``. A shape that can be read
+        in two ways, such as ``(3,)`` for three bodies, is refused.
     **further
     frame : array_like, shape (3, 3), optional
         The axes in which torques in the body, damping and rotor are given, if they are not the
@@ -439,7 +439,7 @@ class FreeBody(Scene):
     Attributes
     ----------
     damping : 3 tuples of 3 floats, ndarray of shape (..., 3, 3), or None
-        The matrix, or those of many bodies.
+        The matrix, or the matrices of many bodies.
 
     Raises
     ------
@@ -495,7 +495,7 @@ class FreeBody(Scene):
 
     @classmethod
     def example(cls) -> Self:
-        """Moments (1, 1.5, 2): a body with three different moments."""
+        """A scene to try: a body with the moments (1, 1.5, 2) kg m²."""
         return cls(Body((1.0, 1.5, 2.0)))
 
     def default_start(self) -> Start:
@@ -504,19 +504,19 @@ class FreeBody(Scene):
         return Start(spin=1.0, axis=middle, noise=normal(1e-3))
 
     def weights(self, columns: Mapping[str, Floats], count: int) -> Floats:
-        """Zero; shape (count, 3)."""
+        """Zero weight of the bodies of a map; shape (count, 3)."""
         return np.zeros((count, 3))
 
     @property
     def weight(self) -> Floats:
-        """Zero; shape (3,)."""
+        """Zero weight; shape (3,)."""
         return np.zeros(3)
 
 
 @with_forces(TopForces)
 @dataclass(frozen=True, slots=True, init=False, repr=False, eq=False)
 class HeavyTop(Scene):
-    """A body turning about a fixed point under its weight.
+    """A body that turns about a fixed point under its weight.
 
     ``I omega' = (I omega) × omega - mgl com × gamma + torque - D omega`` and
     ``gamma' = gamma × omega`` in the principal axes at the fixed point; ``gamma`` is the upward
@@ -540,7 +540,7 @@ class HeavyTop(Scene):
     ValueError
         If ``mgl`` is negative or not finite, ``com`` is not a unit vector, or the damping is not
         symmetric, not finite, or would add energy; if the body is known by its moments about its
-        centre of mass, as that of :meth:`Body.cone`, and ``mgl`` is not zero.
+        centre of mass, as after :meth:`Body.cone`, and ``mgl`` is not zero.
 
     Examples
     --------
@@ -608,7 +608,7 @@ class HeavyTop(Scene):
         mass: float | None = None,
         g: float = 9.81,
     ) -> tuple[Self, Floats]:
-        """The top of a body that is fixed at another point than its centre of mass, and its axes.
+        """The heavy top of a body fixed at a point other than its centre of mass, and its axes.
 
         Parameters
         ----------
@@ -617,7 +617,7 @@ class HeavyTop(Scene):
         com : array_like, shape (3,)
             Centre of mass, from the fixed point, along the axes of ``body`` (m).
         mass : float, optional
-            Mass (kg); that of the body if it has one.
+            Mass (kg); by default the mass of the body, if it is known.
         g : float
             Acceleration of gravity (m/s²).
 
@@ -633,8 +633,8 @@ class HeavyTop(Scene):
         Raises
         ------
         ValueError
-            If there is no mass, a mass that is not that of the body, or moments that are already
-            those about another point.
+            If there is no mass, a mass other than the known mass of the body, or moments that
+            already refer to another point.
 
         Examples
         --------
@@ -669,7 +669,7 @@ class HeavyTop(Scene):
         pivot: ArrayLike,
         g: float = 9.81,
     ) -> tuple[Self, Floats]:
-        """The top with these mass properties, fixed at a pivot, and its axes.
+        """The heavy top of a body with these mass properties, fixed at a pivot, and its axes.
 
         Parameters
         ----------
@@ -703,7 +703,7 @@ class HeavyTop(Scene):
 
     @classmethod
     def example(cls) -> Self:
-        """Moments (1, 1, 0.5) and mgl = 1: a symmetric top."""
+        """A scene to try: a symmetric top with the moments (1, 1, 0.5) kg m² and mgl = 1 J."""
         return cls(Body((1.0, 1.0, 0.5)), mgl=1.0)
 
     def default_start(self) -> Start:
@@ -711,14 +711,14 @@ class HeavyTop(Scene):
         return Start(spin=5.0, attitude_noise=normal(1e-3))
 
     def weights(self, columns: Mapping[str, Floats], count: int) -> Floats:
-        """``mgl com`` (J); shape (count, 3)."""
+        """Weight ``mgl com`` (J) of the tops of a map; shape (count, 3)."""
         mgl = columns.get("mgl", np.full(count, self.mgl))
         weights: Floats = mgl[:, np.newaxis] * columns.get("com", np.array(self.com))
         return weights
 
     @property
     def weight(self) -> Floats:
-        """``mgl com`` (J), shape (3,), or (..., 3) if those of many tops differ."""
+        """Weight ``mgl com`` (J), shape (3,), or (..., 3) if many tops differ."""
         weight: Floats = np.asarray(self.mgl)[..., np.newaxis] * np.array(self.com)
         return weight
 

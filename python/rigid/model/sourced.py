@@ -1,4 +1,4 @@
-"""Functions of the user that numbers depend on: told apart by source and by what they take."""
+"""Functions of the user, compared by their source and by the values that they take from outside."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ __all__ = ["Sourced"]
 
 @dataclass(frozen=True, slots=True)
 class Sourced:
-    """A function with digests of its source and of what it takes from outside; files keep these.
+    """A function with digests of its source and of its captured values, which files hold.
 
     Attributes
     ----------
@@ -68,7 +68,7 @@ class Sourced:
         return cls(name, _digest(known), taken, function)
 
     def given(self, argument: str, function: object, *, carried: bool = False) -> Self:
-        """The same function, given again.
+        """The same function, given again after a file was read.
 
         A function that was carried to another process may have left its source behind.
 
@@ -96,7 +96,7 @@ class Sourced:
         return whole
 
     def _compare_source(self, argument: str, function: Callable[..., Any]) -> None:
-        """Refuse another source, as the versions told it that knew the source alone."""
+        """Refuse another source, as versions did that compared the source alone."""
         try:
             source = textwrap.dedent(inspect.getsource(function)).encode()
         except (OSError, TypeError):
@@ -111,7 +111,7 @@ class Sourced:
         return self if self.function is None else type(self).of(argument, self.function)
 
     def doubt(self, argument: str) -> str:
-        """Why the function may give other numbers than it gave, in words; empty if it may not."""
+        """Why the function may give other numbers than before, in words; empty without a reason."""
         if self.function is None:
             return ""
         try:
@@ -132,7 +132,7 @@ class Sourced:
         )
 
     def _changes(self, other: Sourced) -> str:
-        """What another function has otherwise, in words; empty if nothing."""
+        """The differences of another function, in words; empty if there are none."""
         if other.sha256 != self.sha256:
             return self._other_source(other.sha256)
         old, new = dict(self.captured or ()), dict(other.captured or ())
@@ -161,7 +161,7 @@ class Sourced:
 
     @classmethod
     def from_dict(cls, data: Mapping[str, Any]) -> Self:
-        """The function that :meth:`to_dict` described, which must be given again."""
+        """The function that :meth:`to_dict` described; it must be given again."""
         taken = data.get("captured")
         pairs = None if taken is None else sorted((str(k), str(v)) for k, v in taken.items())
         return cls(str(data["name"]), str(data["sha256"]), None if pairs is None else tuple(pairs))

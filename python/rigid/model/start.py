@@ -37,7 +37,7 @@ _EVEN_PERMUTATION = {1: (0.5, -0.5, -0.5, -0.5), 2: (0.5, 0.5, 0.5, 0.5), 3: (1.
 
 @dataclass(frozen=True, slots=True)
 class Noise:
-    """The law of a random perturbation, made by :func:`normal` and its siblings.
+    """The distribution of a random perturbation, made by :func:`normal` and its siblings.
 
     Attributes
     ----------
@@ -69,12 +69,12 @@ class Noise:
 
     @property
     def is_plain_normal(self) -> bool:
-        """Whether it is normal with independent components."""
+        """Whether the distribution is normal with independent components."""
         return self.kind == "normal" and self.cov is None
 
     @property
     def is_direction(self) -> bool:
-        """Whether it is the law of a direction, whose size is a concentration."""
+        """Whether it is a distribution of directions, whose size is a concentration."""
         return self.kind == "von_mises_fisher"
 
     def factor(self) -> NDArray[np.float64]:
@@ -140,10 +140,10 @@ _RANK = 1e-13
 
 
 def _lower_factor(cov: tuple[tuple[float, ...], ...]) -> NDArray[np.float64]:
-    """Cholesky's factor of a positive semi-definite matrix; ValueError if it is none.
+    """Cholesky's factor of a positive semi-definite matrix; ValueError for other matrices.
 
-    Of scalars in a fixed order, so that its bits are the same on every machine: those of LAPACK are
-    not.
+    It uses scalars in a fixed order, so that its bits are the same on every machine; the bits of
+    LAPACK are not.
     """
     n = len(cov)
     factor = np.zeros((n, n))
@@ -167,7 +167,7 @@ def _lower_factor(cov: tuple[tuple[float, ...], ...]) -> NDArray[np.float64]:
 
 
 def normal(size: float | ArrayLike | None = None, *, cov: ArrayLike | None = None) -> Noise:
-    """Normal deviates: independent, ``size * N(0, 1)`` for each body component, or ``N(0, cov)``.
+    """Normal perturbations, ``size * N(0, 1)`` of each body component, or ``N(0, cov)``.
 
     Parameters
     ----------
@@ -207,9 +207,30 @@ def normal(size: float | ArrayLike | None = None, *, cov: ArrayLike | None = Non
 
 
 def uniform(size: float | ArrayLike) -> Noise:
-    """Independent uniform deviates: ``size * U(-1, 1)`` for each body component.
+    """Independent uniform perturbations ``size * U(-1, 1)`` of each body component.
 
     The size is as in :func:`normal`.
+
+    Parameters
+    ----------
+    size : float or array_like, shape (3,)
+        Largest deviation: rad/s for rates; rad for an attitude, where the deviates are the
+        components of a rotation vector applied on the body side.
+
+    Returns
+    -------
+    Noise
+
+    Raises
+    ------
+    ValueError
+        If a size is negative or not finite.
+
+    Examples
+    --------
+    >>> import rigid
+    >>> rigid.Start(spin=1.0, noise=rigid.uniform([0.1, 0.0, 0.1])).noise.size
+    (0.1, 0.0, 0.1)
     """
     return Noise("uniform", size)  # type: ignore[arg-type]
 
@@ -265,16 +286,16 @@ class Samples:
 
     @property
     def is_plain_normal(self) -> bool:
-        """No: nothing is known of their law."""
+        """No: nothing is known of the distribution of the samples."""
         return False
 
     @property
     def turns(self) -> bool:
-        """Whether it perturbs the attitude."""
+        """Whether the samples perturb the attitude."""
         return self.attitude is not None
 
     def shares(self) -> NDArray[np.float64] | None:
-        """The chance of the entries up to and with each, the last 1; None if used in order."""
+        """Cumulative chances of the entries, the last 1; None if they are used in order."""
         if self.in_order:
             return None
         weights = np.ones(len(self.omega)) if self.weights is None else np.array(self.weights)
@@ -293,7 +314,7 @@ class Samples:
         }
 
     def describe(self, *, varied: bool = False) -> str:
-        """The samples in words; no axis varies them."""
+        """The samples in words; no axis of a map varies them."""
         del varied
         how = ", in order" if self.in_order else "" if self.weights is None else ", weighted"
         return f"{len(self.omega)} given samples{' with attitudes' * self.turns}{how}"
@@ -321,10 +342,11 @@ def samples(
     *,
     in_order: bool = False,
 ) -> Samples:
-    """Perturbations that are given one by one, as the ``noise`` of a start.
+    """Perturbations from a list, as the ``noise`` of a start.
 
-    Each body takes one: its rates are those of the start plus ``omega``, its attitude that of the
-    start times ``attitude``. With a start of rates 0 and no tilt they are the starts themselves.
+    Each body takes one entry: its rates are the rates of the start plus ``omega``, its attitude is
+    the attitude of the start times ``attitude``. With a start of rates 0 and no tilt they are the
+    starts themselves.
 
     Parameters
     ----------
@@ -372,20 +394,58 @@ def samples(
 
 
 def direction(size: float | ArrayLike) -> Noise:
-    """A fixed length in a random direction: ``size`` times an isotropic unit vector.
+    """A perturbation of fixed length ``size`` in a random direction, uniform on the sphere.
 
     The size is as in :func:`normal`.
+
+    Parameters
+    ----------
+    size : float or array_like, shape (3,)
+        Length of the perturbation: rad/s for rates; rad for an attitude, as the angle of a rotation
+        applied on the body side.
+
+    Returns
+    -------
+    Noise
+
+    Raises
+    ------
+    ValueError
+        If a size is negative or not finite.
+
+    Examples
+    --------
+    >>> import numpy as np, rigid
+    >>> result = rigid.stability_map(
+    ...     rigid.FreeBody, axes={"spin": [1.0]}, samples=100, t_end=1.0, rng=1,
+    ...     start=rigid.Start(spin=1.0, axis=3, noise=rigid.direction(0.2)), stable=rigid.no_flip(),
+    ... )
+    >>> lengths = np.linalg.norm(result.starts(range(3)).omega[0] - [0.0, 0.0, 1.0], axis=1)
+    >>> lengths.round(12).tolist()
+    [0.2, 0.2, 0.2]
     """
     return Noise("direction", size)  # type: ignore[arg-type]
 
 
 def uniform_attitude() -> Noise:
-    """Any attitude, uniformly over all rotations (for ``attitude_noise`` only)."""
+    """A random attitude, uniform over all rotations (for ``attitude_noise`` only).
+
+    Returns
+    -------
+    Noise
+
+    Examples
+    --------
+    >>> import rigid
+    >>> start = rigid.Start(spin=1.0, axis=3, attitude_noise=rigid.uniform_attitude())
+    >>> start.attitude_noise.kind
+    'uniform_attitude'
+    """
     return Noise("uniform_attitude")
 
 
 def von_mises_fisher(kappa: float) -> Noise:
-    """A direction about its nominal one with the density ``exp(kappa cos(angle))`` on the sphere.
+    """A random direction about its nominal one, with the density ``exp(kappa cos(angle))``.
 
     As ``attitude_noise`` the direction in space of the axis of the start: the body is turned from
     its nominal attitude about an axis across, without a twist. As ``noise`` the direction of the
@@ -395,7 +455,7 @@ def von_mises_fisher(kappa: float) -> Noise:
     ----------
     kappa : float
         Concentration, not negative. At 0 all directions are alike; if it is large, the angle is
-        about that of two normal components of standard deviation ``1 / sqrt(kappa)``.
+        about the length of two normal components of standard deviation ``1 / sqrt(kappa)``.
 
     Returns
     -------
@@ -430,7 +490,7 @@ def von_mises_fisher(kappa: float) -> Noise:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Start:
-    """The start of a body: nominal rates and attitude, and their perturbation.
+    """The start of a body: nominal rates and attitude, and the distribution of perturbations.
 
     Give either ``omega`` or ``spin``. With ``e`` the body axis ``axis`` and ``e_before`` the one
     before it in cyclic order (for axis 3: axis 2):
@@ -518,18 +578,18 @@ class Start:
 
     @property
     def starts(self) -> tuple[Start, ...]:
-        """The start: of a :class:`Mixture` they are several."""
+        """The start as a tuple of one; a :class:`Mixture` has several."""
         return (self,)
 
     @property
     def joint(self) -> bool:
-        """Whether the noise is that of rates and attitude together."""
+        """Whether the noise perturbs rates and attitude together."""
         if isinstance(self.noise, Samples):
             return self.noise.turns
         return self.noise is not None and self.noise.cov is not None and len(self.noise.cov) == 6
 
     def to_dict(self) -> dict[str, Any]:
-        """The start as a JSON-able dictionary; :meth:`from_dict` is its inverse."""
+        """The start as a JSON-able dictionary; :meth:`from_dict` reads it."""
         return {
             "omega": None if self.omega is None else list(self.omega),
             "spin": self.spin,
@@ -557,7 +617,7 @@ class Start:
         return cls(**values)
 
     def describe(self, varied: Container[str] = ()) -> str:
-        """The start in words; ``varied`` names what the axes of a map set."""
+        """The start in words; ``varied`` names the parts that the axes of a map set."""
 
         def number(name: str, value: float | None) -> str:
             return "varied" if name in varied else f"{value:g}"
@@ -584,7 +644,7 @@ class Start:
 
 
 def _attitude(value: Any) -> tuple[float, float, float, float]:
-    """A unit quaternion from what the attitude arguments of functions take."""
+    """A unit quaternion from any form that attitude arguments may have."""
     unit = attitudes(value)
     if unit.shape != (4,):
         raise ValueError(f"attitude: expected shape (4,), got {unit.shape}")

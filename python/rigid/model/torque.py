@@ -1,4 +1,4 @@
-"""Torques and damping of a body, without its weight, and all forces as the core reads them."""
+"""Applied torque and damping of a body, and all forces as the core reads them."""
 
 from __future__ import annotations
 
@@ -31,14 +31,14 @@ __all__ = [
 Floats = NDArray[np.float64]
 Vector: TypeAlias = tuple[float, float, float]
 Damping: TypeAlias = tuple[Vector, Vector, Vector] | Floats
-"""The matrix of one body, or those of many, shape (..., 3, 3)."""
+"""The damping matrix of one body, or of many with shape (..., 3, 3)."""
 
 NO_EXPONENT: NDArray[np.intc] = np.zeros(1, dtype=np.intc)
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Torque:
-    """A torque in the body or in space, constant or a table over time, of one body or of each.
+    """An applied torque in the body or in space, constant or a table over time, of each body.
 
     Made by :meth:`body`, :meth:`space` and :meth:`call`; torques add.
     Between the times of a table the torque is linear. Two values at one time are a jump. The torque
@@ -50,8 +50,8 @@ class Torque:
     times : tuple of float
         Times (s) of the table, ascending; empty if the torque is constant.
     in_body, in_space : tuple of (float, float, float), or ndarray of shape (..., m, 3)
-        Torque (N m) in the body and in space at these times, or always, m being 1; the arrays hold
-        those of many bodies and are read-only.
+        Torque (N m) in the body and in space at these times, or always, m being 1; the torques of
+        many bodies are read-only arrays.
     function : TorqueFunction or None
         The function that returns a further torque.
 
@@ -105,12 +105,12 @@ class Torque:
 
     @classmethod
     def body(cls, values: ArrayLike, *, times: ArrayLike | None = None) -> Torque:
-        """A torque with these components along the axes of the body.
+        """A torque with these components along the body axes.
 
         Parameters
         ----------
         values : array_like, shape (..., 3), or (..., m, 3) with ``times``
-            Torque (N m); leading axes give each body a torque of its own.
+            Torque (N m); leading axes give each body its torque.
         times : array_like, shape (m,), optional
             Times (s) of the table, ascending, at least two; equal neighbours are a jump. The tables
             of many bodies have the same times.
@@ -124,14 +124,14 @@ class Torque:
 
     @classmethod
     def space(cls, values: ArrayLike, *, times: ArrayLike | None = None) -> Torque:
-        """A torque with these components along the axes of space; arguments as in :meth:`body`."""
+        """A torque with these components along the space axes; arguments as in :meth:`body`."""
         return cls._made(values, times, 1)
 
     @classmethod
     def call(
         cls, address: object, data: ArrayLike | None = None, *, fastest: float | None = None
     ) -> Torque:
-        """The torque in the body that a compiled function returns.
+        """A callback: the torque in the body that a compiled function returns.
 
         The function has the signature ::
 
@@ -148,7 +148,7 @@ class Torque:
 
         Runge-Kutta methods and ``midpoint`` integrate it, one body after the other: a step takes
         several times as long as under another torque. ``"dop853"`` alone takes a ``tolerance`` and
-        finds events and sections; in maps it is the default. Its bits are those of the function.
+        finds events and sections; in maps it is the default. Its bits depend on the function.
 
         Parameters
         ----------
@@ -156,7 +156,7 @@ class Torque:
             The function, or its address. A function is kept alive as long as the torque; of an
             address you keep it. A wrong address ends the process.
         data : array_like, shape (k,) or (..., k), optional
-            Numbers for the function, copied; leading axes give each body numbers of its own.
+            Numbers for the function, copied; leading axes give each body its numbers.
         fastest : float, optional
             A bound of ``|omega|`` under this torque (rad/s), and of the rate at which the torque
             varies: the steps follow from it. Without it a run needs a ``step``, or a ``tolerance``.
@@ -237,7 +237,7 @@ class Torque:
 
     @property
     def acts_in_space(self) -> bool:
-        """Whether a part of it depends on the attitude: then so do the rates."""
+        """Whether the torque may depend on the attitude: a part acts in space, or a callback."""
         return self.function is not None or bool(np.any(self.in_space))
 
     def at(self, t: ArrayLike) -> tuple[Floats, Floats]:
@@ -288,7 +288,7 @@ class Torque:
         )
 
     def to_dict(self) -> dict[str, Any]:
-        """The torque as a dict of numbers."""
+        """The torque as a dict of numbers; :meth:`from_dict` reads it."""
         return {
             "times": list(self.times),
             "in_body": np.asarray(self.in_body).tolist(),
@@ -298,7 +298,7 @@ class Torque:
 
     @classmethod
     def from_dict(cls, data: Mapping[str, Any]) -> Torque:
-        """The torque of :meth:`to_dict`; a function has no address then and cannot be called."""
+        """The torque that :meth:`to_dict` described; a callback in it cannot be called."""
         times = data["times"] or None
         parts = []
         for make, values in ((cls.body, data["in_body"]), (cls.space, data["in_space"])):
@@ -317,7 +317,7 @@ def _refuse_function(torque: object) -> None:
 
 
 def checked_torque(torque: object) -> Torque | None:
-    """``torque`` if it is one; None if there is none."""
+    """``torque``, if it is a torque; None if there is none."""
     if torque is None or isinstance(torque, Torque):
         return torque
     _refuse_function(torque)
@@ -365,7 +365,7 @@ def checked_damping(damping: ArrayLike | None, shape: Shape = ()) -> Damping | N
 
 
 def matrices_of(matrices: ArrayLike) -> Damping:
-    """A damping matrix as tuples, those of many bodies as an array."""
+    """A damping matrix as tuples, the matrices of many bodies as an array."""
     array = np.asarray(matrices)
     if array.ndim > 2:
         return frozen(array)
@@ -493,7 +493,7 @@ def _rows(array: Floats) -> tuple[Vector, ...]:
 
 
 def _vectors(array: Floats) -> tuple[Vector, ...] | Floats:
-    """The vectors of one body as tuples, those of many as an array."""
+    """The vectors of one body as tuples, the vectors of many bodies as an array."""
     return _rows(array) if array.ndim == 2 else frozen(array)
 
 

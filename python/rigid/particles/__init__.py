@@ -57,7 +57,7 @@ RANK = 1e-9
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Totals:
-    """Totals of a system of particles; the leading axes are those of the arguments.
+    """Totals of a system of particles; the leading axes are the axes of the arguments.
 
     Attributes
     ----------
@@ -205,7 +205,7 @@ def split_com(
     *,
     about: ArrayLike = (0.0, 0.0, 0.0),
 ) -> Split:
-    """Angular momentum and kinetic energy of, and about, the centre of mass.
+    """König's theorem: angular momentum and kinetic energy of the centre of mass, and about it.
 
     König's theorem, ``L = M (R - c) × V + Σ m r' × v'`` and ``T = M V²/2 + Σ m v'²/2`` (Goldstein,
     *Classical Mechanics*, § 1.2; Ercan 2016, § 5). The function computes both parts as sums, so no

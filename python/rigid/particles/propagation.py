@@ -28,7 +28,9 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class BodyPath:
-    """Position and rotation of bodies. Arrays of a single body lack the leading axis ``n``.
+    """Position, velocity and rotation of thrown bodies over time.
+
+    Arrays of a single body lack the leading axis ``n``.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""Error against run time: the request."""
+"""Error against run time: the call of a report."""
 
 from __future__ import annotations
 
@@ -33,7 +33,8 @@ SEARCH = 0.15
 """Share of the time that the search for a reference may take."""
 
 SWEEP = 0.2
-"""Share of the time for one run of all steps. The rest times them again, several times."""
+"""Share of the time for one run of all steps. In the rest all steps are timed again, several
+times."""
 
 
 def report(
@@ -52,7 +53,7 @@ def report(
     title: str | None = None,
     partial: bool = False,
 ) -> Report:
-    """Error against run time of all methods that can move a body from this start.
+    """Measure error against run time of all methods that can move a body from this start.
 
     Each method is run with shorter and shorter steps, from about a radian a step, until its error
     is below the smallest requested error, the rounding error or the error of the reference, or the
@@ -83,8 +84,8 @@ def report(
     methods : sequence of str, optional
         ``"exact"`` and names of :func:`rigid.methods`; by default all. A method that does not
         accept the scene is listed in ``refused`` with its reason. Methods that make the same steps,
-        to the bit, are measured once, under the name of the highest order; ``same`` lists the other
-        names.
+        bit for bit, are measured once, under the name of the highest order; ``same`` lists the
+        other names.
     bodies : int
         Bodies in the ensemble; a multiple of 32 fills all registers.
     errors : array_like, shape (m,)
@@ -153,7 +154,7 @@ def run_report(
     progress: ProgressOption = None,
     partial: bool = False,
 ) -> Report:
-    """The report of a specification; the options are those of :func:`rigid.report`."""
+    """The report of a specification, with the options of :func:`rigid.report`."""
     seconds = finite_float("seconds", seconds, positive=True)
     begun = time.perf_counter()
 

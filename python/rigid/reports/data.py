@@ -18,10 +18,10 @@ from .stored import Stored, names_from
 __all__ = ["REPEATS", "ReportData"]
 
 REPEATS = 3
-"""Fewer repeats do not tell by how much they differ."""
+"""Fewest repeats that show by how much times differ."""
 
 APART = 2.0
-"""Two costs are told apart if they differ by more than so many distances of quartiles of both.
+"""Two costs differ if they are further apart than so many interquartile distances of both.
 
 Of two equal methods one then seems cheaper in 15 of 1000 reports of three repeats, in 5 of four or
 five, and in none of nine."""
@@ -46,7 +46,7 @@ class ReportData(Stored):
 
     @property
     def methods(self) -> tuple[str, ...]:
-        """The methods that were measured, each under one of its names."""
+        """The measured methods, each under one of its names."""
         return tuple(dict.fromkeys(row.method for row in self.rows))
 
     def of(self, method: str) -> tuple[Row, ...]:
@@ -56,7 +56,7 @@ class ReportData(Stored):
 
     @property
     def front(self) -> tuple[Row, ...]:
-        """The Pareto front, from fast to exact: no other row is both faster and better.
+        """The Pareto front from fast to exact: no other row is both faster and more accurate.
 
         Rows with an error of 1 or more do not compete.
         """
@@ -64,7 +64,7 @@ class ReportData(Stored):
 
     @property
     def scheme_front(self) -> tuple[Row, ...]:
-        """The Pareto front of the methods without the closed form, which is often the fastest."""
+        """The Pareto front without the closed form, which is often the fastest."""
         return pareto([row for row in self.rows if row.method != EXACT], _error)
 
     def cost(self, method: str, error: float) -> float | None:
@@ -90,7 +90,7 @@ class ReportData(Stored):
         return None
 
     def cheapest(self, error: float, *, schemes: bool = False) -> tuple[str, ...]:
-        """The methods that reach a given error in the shortest time, as far as that is known.
+        """The methods that reach a given error in the shortest time, within the scatter of times.
 
         Two costs are told apart if they differ by more than twice the distances of the quartiles of
         their repeats, of which there must be three at least. All are returned that are not told
@@ -120,7 +120,7 @@ class ReportData(Stored):
         return tuple(name for name in ordered if not is_apart(*reached[name]))
 
     def order(self, method: str) -> float | None:
-        """The measured order: that of the shortest steps well above rounding."""
+        """The measured order, from the shortest steps whose error is well above rounding."""
         orders = [row.order for row in self.of(method) if row.order is not None]
         return orders[-1] if orders else None
 

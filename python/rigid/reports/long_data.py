@@ -1,4 +1,4 @@
-"""The numbers of a long run: rows, fronts, what a given time buys, and their JSON text."""
+"""The numbers of a long run: rows, fronts, the errors in a given time, and their JSON text."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ ERRORS = ("energy", "momentum", "phase")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LongRow:
-    """One method with one step, over ever more revolutions.
+    """One method with one step: its errors over more and more revolutions.
 
     Each error is a tuple with an entry for each number of revolutions that was reached. It is the
     largest of all bodies; infinite if it is unknown.
@@ -34,7 +34,7 @@ class LongRow:
     angle : float
         Angle turned in a step at the rate of the start (rad).
     nanoseconds : float
-        Processor time per body and revolution (ns), that of the longest run.
+        Processor time per body and revolution (ns), in the longest run.
     energy : tuple of float
         Largest error of the energy, minus the work, as in :attr:`rigid.Run.energy_drift`.
     momentum : tuple of float
@@ -54,7 +54,7 @@ class LongRow:
     phase: tuple[float, ...]
 
     def error(self, name: str, horizon: int) -> float:
-        """One of the errors over the revolutions of that index; infinite if not reached."""
+        """The error of a name over the revolutions of an index; infinite if not reached."""
         errors: tuple[float, ...] = getattr(self, name)
         return errors[horizon] if horizon < len(errors) else math.inf
 
@@ -77,7 +77,7 @@ class LongRunData(Stored):
 
     @property
     def methods(self) -> tuple[str, ...]:
-        """The methods that were measured, each under one of its names."""
+        """The measured methods, each under one of its names."""
         return tuple(dict.fromkeys(row.method for row in self.rows))
 
     def of(self, method: str) -> tuple[LongRow, ...]:
@@ -93,13 +93,13 @@ class LongRunData(Stored):
 
     @property
     def errors(self) -> tuple[str, ...]:
-        """The errors that are known: that of the phase is not where the motion is chaotic."""
+        """The known errors; the error of the phase is unknown where the motion is chaotic."""
         return ERRORS if any(math.isfinite(row.phase[0]) for row in self.rows) else ERRORS[:2]
 
     def front(self, error: str, horizon: int | None = None) -> tuple[LongRow, ...]:
         """The Pareto front of ``"energy"``, ``"momentum"`` or ``"phase"``, from fast to exact.
 
-        Over the revolutions of that index, by default those of :attr:`horizon`.
+        Over the revolutions of that index, by default the index :attr:`horizon`.
         """
         at = self.horizon if horizon is None else horizon
         return pareto(self.rows, lambda row: row.error(error, at))
@@ -110,7 +110,7 @@ class LongRunData(Stored):
         return common_time(self.rows)
 
     def at_common_time(self) -> tuple[LongRow, ...]:
-        """Of each method the row with the shortest step that takes at most the common time.
+        """For each method the row with the shortest step that takes at most the common time.
 
         Of the rows that were run over the most revolutions.
         """
@@ -159,7 +159,7 @@ def at_common_time(rows: Sequence[LongRow]) -> tuple[LongRow, ...]:
 
 
 def in_short(count: float) -> str:
-    """A number of revolutions: 1e6."""
+    """A number of revolutions as text, such as 1e6."""
     power = round(math.log10(count))
     return f"1e{power}" if count == 10.0**power and power > 2 else f"{count:g}"
 

@@ -1,4 +1,4 @@
-"""The long run: what methods keep of energy, momentum and phase over many revolutions."""
+"""The long run: how well methods keep energy, momentum and phase over many revolutions."""
 
 from __future__ import annotations
 
@@ -39,13 +39,14 @@ Floats = NDArray[np.float64]
 REVOLUTIONS = (1e3, 1e4, 1e5, 1e6)
 
 BODIES = 32
-"""Bodies of the ensemble: those of one group of lanes, which takes no longer than one body."""
+"""Bodies of the ensemble: they fill one group of lanes, which takes no longer than one body."""
 
 OUTPUT_TIMES = 256
-"""Times of a run at which its errors are looked at."""
+"""Number of times of a run at which its errors are measured."""
 
 GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
-"""Multiples of it, modulo 1, move the output times: they keep step with no period of the motion."""
+"""Its multiples, modulo 1, shift the output times, so that these keep step with no period of the
+motion."""
 
 ANGLES = tuple(2.0**-k for k in range(-4, 5))
 """Angles (rad) turned in a step, from long steps to short ones."""
@@ -54,10 +55,10 @@ LOST_ENERGY = 1e-3
 """A row with a larger error of the energy after the first revolutions is omitted."""
 
 LOST = 1.0
-"""Larger errors, and larger angles (rad) between two attitudes, are infinite."""
+"""Errors, and angles (rad) between two attitudes, above this limit count as infinite."""
 
 ROUNDING = 1e-13
-"""Smaller errors of energy and momentum are rounding, in which shorter steps change nothing."""
+"""Errors of energy and momentum below this limit are rounding; shorter steps do not reduce them."""
 
 REFERENCE_ANGLE = 0.125
 """Angle (rad) turned in a step of a reference without a closed form."""
@@ -70,7 +71,7 @@ SEARCH, GROWTH = 0.15, 0.6
 are run."""
 
 MOST_REVOLUTIONS = 1e9
-"""Of more, a phase in float64 keeps no digits that could be compared."""
+"""Most revolutions; after more, a phase in float64 has no digits left to compare."""
 
 
 def long_run(
@@ -87,7 +88,7 @@ def long_run(
     title: str | None = None,
     partial: bool = False,
 ) -> LongRun:
-    """What the methods keep of energy, momentum and phase over very many revolutions.
+    """Measure errors of energy, momentum and phase of the methods over very many revolutions.
 
     :func:`rigid.report` measures the error after a short time; here it is seen how errors grow.
     Each method is run with steps in which the body turns by 16 rad, 8 rad and so on, down to
@@ -109,7 +110,7 @@ def long_run(
     revolutions : array_like, shape (m,)
         Lengths of the runs, from short to long.
     methods : sequence of str, optional
-        Names of :func:`rigid.methods`; by default all. Methods that make the same steps, to the
+        Names of :func:`rigid.methods`; by default all. Methods that make the same steps, bit for
         bit, are measured once, as in :func:`rigid.report`.
     seconds : float
         About how long it may take, but for the first runs.
@@ -172,9 +173,9 @@ def run_long(
     progress: ProgressOption = None,
     partial: bool = False,
 ) -> LongRun:
-    """The long run of a scene and start; the options are those of :func:`rigid.long_run`.
+    """The long run of a scene and start, with the options of :func:`rigid.long_run`.
 
-    Horizon, bodies and errors of the specification are those of a report, and are not used.
+    Horizon, bodies and errors of the specification belong to a report, and are not used.
     """
     seconds = finite_float("seconds", seconds, positive=True)
     lengths = _checked_revolutions(revolutions)
@@ -265,14 +266,14 @@ def _checked_revolutions(revolutions: ArrayLike) -> tuple[float, ...]:
 
 
 class Leg(NamedTuple):
-    """A number of revolutions, and the true motion over them as far as it is known."""
+    """A number of revolutions, and the true motion over these as far as it is known."""
 
     ensemble: Ensemble
     revolutions: float
     reference: Reference | None = None
     truth: Run | None = None
     seconds: float = 0.0
-    """What it took to find the truth."""
+    """Time that the search for the true motion took."""
 
 
 @dataclass(slots=True)
@@ -298,7 +299,7 @@ class Track:
         return 1e-9 * BODIES * self.nanoseconds
 
     def run(self, leg: Leg) -> None:
-        """Run it over the revolutions of a leg; nothing more can be lost than everything."""
+        """Run the method over the revolutions of a leg, unless all is lost already."""
         energy, momentum, _ = self.errors[-1] if self.errors else (0.0, 0.0, 0.0)
         if not energy < LOST:
             self.errors.append((math.inf, math.inf, math.inf))

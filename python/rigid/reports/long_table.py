@@ -12,7 +12,7 @@ __all__ = ["long_text"]
 
 
 def long_text(report: LongRunData) -> str:
-    """Lines on the measurement, what each method keeps in the same time, and the Pareto fronts."""
+    """Lines on the measurement, the errors of each method in equal time, and the Pareto fronts."""
     parts = [_head(report)]
     if report.rows:
         parts += [
@@ -47,7 +47,7 @@ def _momentum(report: LongRunData) -> str:
 
 
 def _references(report: LongRunData) -> str:
-    """How far the truth may be off over each number of revolutions, and from where it is lost."""
+    """The uncertainty of the truth over each number of revolutions, and where it is lost."""
     known = [one for one in report.references if one.worst < 1.0]
     words = [
         f"{one.worst:.0e} over {in_short(count)}"
@@ -67,7 +67,7 @@ def _references(report: LongRunData) -> str:
 
 
 def _at_common_time(report: LongRunData) -> list[str]:
-    """Of each method the shortest step within the common time: how its errors grow."""
+    """For each method the shortest step within the common time, and the growth of its errors."""
     counts = [in_short(count) for count in report.revolutions]
     head = ["method", "rad/step", "time"]
     for error in report.errors:
@@ -100,7 +100,7 @@ def _front(report: LongRunData, error: str) -> list[str]:
 
 
 def _error(report: LongRunData, row: LongRow, name: str, horizon: int) -> str:
-    """An error; ``lost`` where the phase is, ``-`` where it is unknown or was not run."""
+    """An error as text: ``lost`` where the phase is lost, ``-`` where it is unknown or not run."""
     error = row.error(name, horizon)
     if math.isfinite(error):
         known = name == "phase" and error <= report.references[horizon].worst

@@ -87,7 +87,7 @@ def plot_report(report: ReportData, *, ax: Axes | None = None) -> Axes:
     report : ReportData
         The report to draw.
     ax : matplotlib Axes, optional
-        Axes to draw on; by default those of a new figure.
+        Axes to draw on; by default the axes of a new figure.
 
     Returns
     -------

@@ -22,12 +22,12 @@ FIRST_ANGLE = 0.5
 """Angle (rad) turned in a step of the first run of a search for a reference."""
 
 CONVERGED = 1e-6
-"""Two runs that are further apart have not converged, whether or not the next is any closer."""
+"""Largest distance of two runs that have converged, whether or not the next run is closer."""
 
 
 @dataclass(frozen=True, slots=True)
 class Reference:
-    """The solution that errors are measured against.
+    """The solution against which errors are measured.
 
     Attributes
     ----------

@@ -57,7 +57,7 @@ class Report(ReportData):
         Parameters
         ----------
         ax : matplotlib Axes, optional
-            Axes to draw on; by default those of a new figure; a notebook and
+            Axes to draw on; by default the axes of a new figure; a notebook and
             ``plt.show()`` show it.
 
         Raises

@@ -32,9 +32,9 @@ class Row:
     total : float
         Time until ``t_end``.
     error, worst : float
-        Error of the state at ``t_end``: that of the rates relative to ``|omega|``, or the angle to
-        the true attitude (rad), whichever is larger. Median of the ensemble, and its worst body.
-        Infinite for a body that did not arrive.
+        Error of the state at ``t_end``: the error of the rates relative to ``|omega|``, or the
+        angle to the true attitude (rad), whichever is larger. Median of the ensemble, and its worst
+        body. Infinite for a body that did not arrive.
     rates_error, attitude_error : float
         Medians of the two.
     energy_drift, momentum_drift : float
@@ -66,7 +66,7 @@ class Row:
 
 
 class Timed(Protocol):
-    """What has a time."""
+    """A row with a time."""
 
     @property
     def nanoseconds(self) -> float:
@@ -77,7 +77,7 @@ Line = TypeVar("Line", bound=Timed)
 
 
 def pareto(rows: Iterable[Line], error: Callable[[Line], float]) -> tuple[Line, ...]:
-    """The Pareto front, from fast to exact: no other row is both faster and better.
+    """The Pareto front from fast to exact: no other row is both faster and more accurate.
 
     Rows with an error of 1 or more do not compete.
     """

@@ -1,4 +1,4 @@
-"""Which names are one method on the bodies of a report: they make the same steps, to the bit."""
+"""Which names are one method on the bodies of a report: they make the same steps, bit for bit."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from .ensemble import Ensemble
 __all__ = ["same_steps"]
 
 ANGLES = tuple(2.0**k for k in range(-2, 5))
-"""Radians that the bodies turn in a step. Series of high orders agree to the bit in short steps;
-in long ones not every method arrives."""
+"""Angles (rad) by which the bodies turn in a step. Series of high orders agree bit for bit in short
+steps; in long ones not every method arrives."""
 
 STEPS = 4
-"""Steps of each length: the rounding of the first may hide a difference."""
+"""Steps of each length; the rounding of the first step may hide a difference."""
 
 
 def same_steps(ensemble: Ensemble, names: Sequence[str]) -> Mapping[str, tuple[str, ...]]:

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 __all__ = ["ReportSpec", "make_spec"]
 
 MOST_BODIES = 4096
-"""More would measure the memory and not the method."""
+"""Most bodies; with more, the memory would be measured and not the method."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -67,7 +67,7 @@ class ReportSpec:
     version: str = _core.__version__
 
     def to_dict(self) -> dict[str, Any]:
-        """The specification as a JSON-able dictionary; :meth:`from_dict` is its inverse."""
+        """The specification as a JSON-able dictionary; :meth:`from_dict` reads it."""
         return {
             "scene": self.scene.to_dict(),
             "omega": list(self.omega),
@@ -109,7 +109,7 @@ def make_spec(
     unit: str = ReportSpec.unit,
     title: str | None = None,
 ) -> ReportSpec:
-    """The checked specification of a report; the arguments are those of :func:`rigid.report`."""
+    """The checked specification of a report, from the arguments of :func:`rigid.report`."""
     scene = check_scene(scene)
     w1, w2, w3 = vector("omega", omega, 3).tolist()
     first = bodies_of(scene, [w1, w2, w3], attitude)

@@ -25,7 +25,7 @@ class Stored(ABC):
     __slots__ = ()
 
     FORMAT: ClassVar[str]
-    """What a text says that it is."""
+    """The name of the format, which a text begins with."""
 
     @abstractmethod
     def _facts(self) -> dict[str, Any]:
@@ -34,10 +34,10 @@ class Stored(ABC):
     @classmethod
     @abstractmethod
     def _from_facts(cls, data: dict[str, Any]) -> Self:
-        """The result that :meth:`to_dict` described, of a text that may hold anything."""
+        """The result that :meth:`to_dict` described, from a text with any content."""
 
     def to_dict(self) -> dict[str, Any]:
-        """The result as a JSON-able dictionary; what is infinite or unknown is None."""
+        """The result as a JSON-able dictionary; infinite or unknown numbers become None."""
         return {"format": self.FORMAT, "format_version": FORMAT_VERSION, **self._facts()}
 
     def to_json(self) -> str:
@@ -72,7 +72,7 @@ class Stored(ABC):
         Raises
         ------
         OSError
-            If the file cannot be written, or its name is that of something else than a file.
+            If the file cannot be written, or the path names something other than a file.
         """
         from pathlib import Path
 

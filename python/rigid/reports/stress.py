@@ -28,13 +28,13 @@ __all__ = ["Cell", "Extremes", "extremes"]
 Floats = NDArray[np.float64]
 
 ACCURACY = 1e-8
-"""The accuracy requested of each run, and the largest error of a right result."""
+"""The requested accuracy of each run, which is also the largest error of a right result."""
 
 MAX_STEPS = 50_000
 """Largest number of steps of a run, so that the suite ends within a minute."""
 
 UNDETECTED_ERROR = "undetected error"
-"""The class of a result with too large an error and without a flag."""
+"""The class of a result with too large an error and without a flag: an undetected failure."""
 
 UNIT_ROUNDOFF = 2.0**-53
 
@@ -80,7 +80,7 @@ class Extremes:
 
     @property
     def wrong(self) -> tuple[Cell, ...]:
-        """Results with too large an error and without a flag."""
+        """Undetected failures: results with too large an error and without a flag."""
         return tuple(cell for cell in self.cells if cell.verdict == UNDETECTED_ERROR)
 
     def __repr__(self) -> str:
@@ -137,7 +137,7 @@ def _row(cells: list[Cell]) -> tuple[str, ...]:
 def extremes(
     family: str | None = None, *, method: str | None = None, progress: ProgressOption = None
 ) -> Extremes:
-    """Run every extreme case by every method that integrates its scene.
+    """Run every extreme case by every method that integrates its scene, and check the results.
 
     The requested accuracy of each run is 1e-8. The reference of bodies with a closed form was
     computed with 1000 bits; the reference of damped cubes is a formula, and all other references
@@ -212,7 +212,7 @@ def _simulated(case: Case, **how: Any) -> Run:
 
 @dataclass(frozen=True, slots=True)
 class _Truth:
-    """A state, and how much the motion magnifies relative changes of its start."""
+    """A state, and the factor by which the motion magnifies relative changes of its start."""
 
     omega: Floats
     attitude: Floats

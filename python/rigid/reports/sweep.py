@@ -33,7 +33,7 @@ WORK = 4e6
 CLOSED_FORM_BODIES = 1024
 
 LEAST = 1.0
-"""Nothing is done for a body in less (ns)."""
+"""Least processor time (ns) of a body; a shorter time is an error of the measurement."""
 
 MOST_ROUNDS = 9
 
@@ -43,7 +43,7 @@ PLATEAU_ANGLE = 0.1
 """A method that stagnates with steps longer than this (rad) may still converge."""
 
 PLATEAU_ERROR = 1e-8
-"""Or not, if its error is as small as this."""
+"""A method that stagnates with an error below this limit counts as converged."""
 
 
 @dataclass(slots=True)
@@ -70,7 +70,7 @@ class Sweep:
         return sum(not math.isfinite(run.error) for run in self.runs.values())
 
     def next_steps(self, ensemble: Ensemble, reference: Reference) -> int | None:
-        """The steps of the next run, None if nothing more is to be learnt."""
+        """The steps of the next run; None if a further run would show nothing new."""
         errors = ensemble.spec.errors
         if not self.runs:
             return 0 if self.method == EXACT else max(1, math.ceil(ensemble.angle))
@@ -116,7 +116,7 @@ class Sweep:
 
 @dataclass(slots=True)
 class Measured:
-    """One method with one step: its errors at the end, and the times it took so far.
+    """One method with one step: its errors at the end, and the times measured so far.
 
     Attributes
     ----------
@@ -262,7 +262,7 @@ def time_sweeps(
 
 
 def _time_steps(ensemble: Ensemble, method: str, steps: int, work: float) -> float:
-    """Processor time of a body until ``t_end`` (ns); ``work`` is about that of the ensemble."""
+    """Processor time of a body until ``t_end`` (ns); ``work`` is about the time of the ensemble."""
     times = max(1, math.ceil(WORK / max(work, 1.0)))
     times = min(times, max(1, MOST_STEPS // steps))
     run = ensemble.run(method, steps, times=times)

@@ -39,7 +39,7 @@ def _head(report: ReportData) -> list[str]:
 def heading(
     report: ReportData | LongRunData, what: str, untitled: str, lines: Mapping[str, str]
 ) -> list[str]:
-    """What was measured, these lines on how, and what is not in the tables."""
+    """The measured scene, the given lines on the measurement, and the methods without a row."""
     spec, machine = report.spec, report.machine
     attitude = f"({_listed(spec.attitude)})"
     told = [
@@ -61,7 +61,7 @@ def _repeats(rounds: int) -> str:
 
 
 def _costs(report: ReportData) -> list[str]:
-    """Per method its order, the time for each error, and its other names.
+    """For each method its order, the time for each error, and its other names.
 
     The cheapest method, and the cheapest one without the closed form, have stars, and what is not
     told apart from them.
@@ -124,7 +124,7 @@ def _brief(method: str, why: str) -> str:
 
 
 def aligned(table: Sequence[Sequence[str]]) -> list[str]:
-    """Columns side by side: the first to the left, numbers to the right, the marks as they come."""
+    """Columns side by side: the first to the left, numbers to the right, marks unchanged."""
     widths = [max(map(len, column)) for column in zip(*table, strict=True)]
     lines = []
     for cells in table:

@@ -19,5 +19,5 @@ def to_space(attitude: Floats, vector: Floats) -> Floats:
 
 
 def to_body(attitude: Floats, vector: Floats) -> Floats:
-    """``R.T v``."""
+    """``R.T v`` of unit quaternions: components in the body of vectors in space."""
     return to_space(attitude * np.array([1.0, -1.0, -1.0, -1.0]), vector)

@@ -48,7 +48,7 @@ class EulerRates:
     rates : ndarray, shape (..., 3)
         ``phi', theta', psi'`` (rad/s).
     singular : ndarray of bool, shape (...)
-        Whether body axis 3 is vertical, so that the rates are those of least norm.
+        Whether body axis 3 is vertical, so that the rates of least norm are returned.
     residual : ndarray, shape (...)
         The part of the angular velocity that no Euler rates produce (rad/s): zero unless singular,
         then the component along the horizontal direction perpendicular to the node line.
@@ -96,6 +96,22 @@ def rotation_x(angle: ArrayLike, *, passive: bool = False) -> Floats:
 def rotation_y(angle: ArrayLike, *, passive: bool = False) -> Floats:
     """The elementary rotation about axis 2; arguments and conventions as in :func:`rotation_x`.
 
+    Parameters
+    ----------
+    angle : array_like, shape (...)
+        Angle (rad).
+    passive : bool
+        Whether the axes turn instead of the vector.
+
+    Returns
+    -------
+    ndarray, shape (..., 3, 3)
+
+    Raises
+    ------
+    ValueError
+        If an angle is not finite.
+
     Examples
     --------
     >>> import numpy as np
@@ -112,6 +128,22 @@ def rotation_z(angle: ArrayLike, *, passive: bool = False) -> Floats:
     The passive matrix is ``D`` for ``phi`` and ``B`` for ``psi`` of Goldstein, § 4.4,
     and of Ercan 2016, eqs. (3), (7).
 
+    Parameters
+    ----------
+    angle : array_like, shape (...)
+        Angle (rad).
+    passive : bool
+        Whether the axes turn instead of the vector.
+
+    Returns
+    -------
+    ndarray, shape (..., 3, 3)
+
+    Raises
+    ------
+    ValueError
+        If an angle is not finite.
+
     Examples
     --------
     >>> import numpy as np
@@ -123,7 +155,7 @@ def rotation_z(angle: ArrayLike, *, passive: bool = False) -> Floats:
 
 
 def euler_to_matrix(angles: ArrayLike, *, passive: bool = False) -> Floats:
-    """The rotation matrix of Euler angles.
+    """The rotation matrix of Euler angles ``(phi, theta, psi)``.
 
     Goldstein, § 4.4; Ercan 2016, § 3 (``A = BCD``, the passive matrix). In the lecture notes the
     matrix of eqs. (5.2), (5.3) is the passive one as well, although eq. (5.1) uses the same letter
@@ -159,7 +191,7 @@ def euler_to_matrix(angles: ArrayLike, *, passive: bool = False) -> Floats:
 
 
 def matrix_to_euler(matrix: ArrayLike, *, passive: bool = False) -> Floats:
-    """The Euler angles of a rotation matrix.
+    """The Euler angles ``(phi, theta, psi)`` of a rotation matrix.
 
     ``theta`` is between 0 and pi, ``phi`` and ``psi`` are in (-pi, pi]. If ``sin(theta)`` is zero
     to rounding, ``psi = 0`` and ``theta`` is 0 or pi. The matrix of the angles is always the given
@@ -221,6 +253,11 @@ def euler_to_quaternion(angles: ArrayLike) -> Floats:
     -------
     ndarray, shape (..., 4)
         Quaternions, scalar first.
+
+    Raises
+    ------
+    ValueError
+        If an angle is not finite or has another shape.
 
     Examples
     --------

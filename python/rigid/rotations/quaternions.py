@@ -44,6 +44,11 @@ def quaternion_product(left: ArrayLike, right: ArrayLike) -> Floats:
     -------
     ndarray, shape (..., 4)
 
+    Raises
+    ------
+    ValueError
+        If a quaternion is not finite or has another shape, or the axes do not broadcast.
+
     Examples
     --------
     >>> from rigid import rotations
@@ -188,6 +193,12 @@ def exp_quaternion(vector: ArrayLike) -> Floats:
     -------
     ndarray, shape (..., 4)
         Quaternions, scalar first.
+
+    Raises
+    ------
+    ValueError
+        If a rotation vector is not finite or has another shape, or its length
+        overflows.
 
     Examples
     --------

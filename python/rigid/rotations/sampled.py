@@ -61,7 +61,7 @@ class AttitudePath:
 def omega_from_attitudes(
     attitude: ArrayLike | Rotation, t: ArrayLike, *, frame: str = "body"
 ) -> Floats:
-    """Angular velocity at sampled attitudes, by central differences of order 2.
+    """Angular velocity (rad/s) from sampled attitudes, by central differences of order 2.
 
     The constant rate from one attitude to the next approximates the rate in the middle of the
     interval, with an error of order 2 in the length of the interval. The function interpolates
@@ -91,8 +91,8 @@ def omega_from_attitudes(
     Raises
     ------
     ValueError
-        If the number of times differs from that of the attitudes, the times are not strictly
-        ascending, or an attitude is no rotation.
+        If the numbers of times and attitudes differ, the times are not strictly ascending, or an
+        attitude is no rotation.
 
     Notes
     -----
@@ -143,7 +143,7 @@ def attitude_from_omega(
     frame: str = "body",
     tolerance: float = 1e-10,
 ) -> AttitudePath:
-    """Attitudes that follow from a given angular velocity: ``R' = R hat(omega)``.
+    """Attitudes that follow from a given angular velocity (rad/s), by ``R' = R hat(omega)``.
 
     Each step applies the Magnus series of order 6 with three Gauss points (S. Blanes, F. Casas, J.
     Ros, *BIT* 40 (2000) 434), so the attitude stays a rotation, and a constant rate is integrated

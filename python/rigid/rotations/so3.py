@@ -90,6 +90,11 @@ def vee(matrix: ArrayLike) -> Floats:
     -------
     ndarray, shape (..., 3)
 
+    Raises
+    ------
+    ValueError
+        If a matrix is not finite or has another shape.
+
     Examples
     --------
     >>> from rigid import rotations
@@ -139,7 +144,7 @@ def exp_so3(vector: ArrayLike) -> Floats:
 
 
 def axis_angle_matrix(axis: ArrayLike, angle: ArrayLike, *, passive: bool = False) -> Floats:
-    """The rotation by an angle about an axis.
+    """The rotation matrix of a turn by an angle about an axis.
 
     Active: the vector turns, ``x cos a + n (n·x)(1 - cos a) + n × x sin a`` (Rodrigues; Goldstein,
     § 4.7, with the sign of an active turn). Passive: the axes turn and the vector stays, which
@@ -182,13 +187,18 @@ def rotate(x: ArrayLike, axis: ArrayLike, angle: ArrayLike, *, passive: bool = F
     Parameters
     ----------
     x : array_like, shape (..., 3)
-        Vectors; leading axes broadcast with those of ``axis`` and with ``angle``.
+        Vectors; leading axes broadcast with the axes of ``axis`` and with ``angle``.
     axis, angle, passive
         As for :func:`axis_angle_matrix`; the result is the product of that matrix and ``x``.
 
     Returns
     -------
     ndarray, shape (..., 3)
+
+    Raises
+    ------
+    ValueError
+        If a number is not finite, an axis is zero, or the axes do not broadcast.
 
     Examples
     --------
@@ -217,6 +227,11 @@ def orthogonality_error(matrix: ArrayLike) -> Orthogonality:
     -------
     Orthogonality
 
+    Raises
+    ------
+    ValueError
+        If a matrix is not finite or has another shape.
+
     Examples
     --------
     >>> import numpy as np
@@ -232,7 +247,7 @@ def orthogonality_error(matrix: ArrayLike) -> Orthogonality:
 
 
 def nearest_rotation(matrix: ArrayLike) -> Floats:
-    """The rotation with the least Frobenius distance: the orthogonal factor of the matrix.
+    """The rotation nearest to a matrix in the Frobenius norm: its orthogonal factor.
 
     The orthogonal factor is ``U V.T`` with the singular vectors ``U`` and ``V`` (K. Fan and A. J.
     Hoffman, *Proceedings of the American Mathematical Society* 6 (1955) 111).

@@ -49,7 +49,7 @@ _POINTS = {
     "grazing": ("", ()),
     "error": ("s", ()),
 }
-"""Unit and axes, after the axis ``point``, of what each point has."""
+"""Unit and axes, after the axis ``point``, of each array with a row for each point."""
 
 _BODIES = {
     "complete": "",
@@ -60,7 +60,7 @@ _BODIES = {
     "stays": "",
     "steps": "1",
 }
-"""Unit of what each body has."""
+"""Unit of each array with a row for each body."""
 
 _FAILED = {
     Status.STEP_LIMIT: "step limit: it needs more than max_steps steps",
@@ -71,7 +71,7 @@ _FAILED = {
 
 @dataclass(frozen=True, slots=True, repr=False, eq=False)
 class Crossings:
-    """The result of :func:`poincare`: ``p`` points, body after body, in the order of their times.
+    """The points of a Poincaré section, from :func:`poincare`: body after body, in order of time.
 
     With a single body the axis ``n`` of bodies is absent.
 
@@ -105,8 +105,8 @@ class Crossings:
         Time until which the points of each body are known (s): ``t_end``, or the time of its last
         point if it has as many as were asked for.
     lost_from : ndarray, shape (n,)
-        Time from which on the points are lost to rounding: those of a motion that is as good, but
-        not of this start. Infinite if there is none, NaN without a second run.
+        Time from which on the points are lost to rounding: they belong to a motion of another start
+        nearby. Infinite if there is none, NaN without a second run.
     energy_drift : ndarray, shape (n,)
         Largest relative error of the energy at the points and at the end.
     status : ndarray of uint8, shape (n,)
@@ -159,7 +159,7 @@ class Crossings:
         return html_with_picture(lambda ax: self.plot(ax=ax), repr(self))
 
     def component(self, name: str) -> Floats:
-        """A column by its name; shape (p,).
+        """A column of all points by its name, such as ``"omega1"``; shape (p,).
 
         Parameters
         ----------
@@ -198,7 +198,7 @@ class Crossings:
         return np.asarray(np.arctan2(y, x))
 
     def reasons(self) -> tuple[Any, ...]:
-        """How complete the points of each body are, in a sentence each.
+        """A sentence for each body that says how complete its points are.
 
         With several leading axes the sentences are tuples of tuples.
 
@@ -257,7 +257,7 @@ class Crossings:
         x, y : str
             Columns, as in :meth:`component`.
         ax : matplotlib Axes, optional
-            By default those of a new figure.
+            By default the axes of a new figure.
         size : float
             Area of a point (points²).
 

@@ -1,4 +1,4 @@
-"""The points at which motions cross a surface, all of them, and their states at equal times."""
+"""All points at which motions cross a surface, or states at equal times."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ __all__ = ["poincare"]
 Floats = NDArray[np.float64]
 
 MOST_POINTS = 1e8
-"""Points of a body at equal times, at most."""
+"""Most points of a body at equal times."""
 
 
 def poincare(
@@ -54,7 +54,7 @@ def poincare(
     threads: int | None = None,
     progress: ProgressOption = False,
 ) -> Crossings:
-    """The points at which bodies cross a surface of section, all of them; or states at equal times.
+    """Find all points at which bodies cross a surface of section, or states at equal times.
 
     A Taylor method knows the motion inside each step as a polynomial, and with it what is zero on
     the surface. Its zeros are isolated by Descartes' rule of signs, so that two crossings in one
@@ -108,9 +108,9 @@ def poincare(
 
     Notes
     -----
-    States at equal times are those of :func:`simulate` with the same method: no surface is crossed,
-    and ``error`` is that of the states. J. Wisdom, S. J. Peale, F. Mignard, Icarus 58 (1984) 137,
-    fig. 2.
+    States at equal times are the states of :func:`simulate` with the same method: no surface is
+    crossed, and ``error`` is the error of the states. J. Wisdom, S. J. Peale, F. Mignard, Icarus 58
+    (1984) 137, fig. 2.
 
     Points do not depend on the other bodies of a call, nor on threads and instruction set. A start
     on the surface is no point.
@@ -291,7 +291,7 @@ def _checked_section(section: Section | str | None) -> Section:
 
 
 def one_of_series(method: str, forces: Collection[str]) -> str:
-    """``method`` if it is a Taylor method, or the one that a function has in its place."""
+    """``method`` if it is a Taylor method, or the method that a callback has in its place."""
     names = adaptive_methods(forces)
     if method == EXACT or method not in names:
         who = "a Taylor method" if len(names) > 1 else f"{names[0]!r} under a function"

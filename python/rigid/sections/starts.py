@@ -22,7 +22,7 @@ ROUNDS = 500
 """Draws after which a surface counts as out of reach."""
 
 LATTICE = 4096
-"""Points of the sphere at which the least energy is looked for, to be refined."""
+"""Points of the sphere at which the least energy is first looked for."""
 
 
 def on_surface(
@@ -33,7 +33,7 @@ def on_surface(
     section: Section | str | None = None,
     rng: int | np.random.Generator | np.random.SeedSequence | None = None,
 ) -> tuple[Floats, Floats]:
-    """Random starts of one energy and one ``L·gamma``, on a surface of section.
+    """Draw random starts of one energy and one ``L·gamma`` on a surface of section.
 
     Both are constants of the motion, so a picture of a section shows motions that share them. The
     vertical is drawn evenly over the directions that the energy allows (on the circle of a section
@@ -179,7 +179,7 @@ class _Top:
         second: NDArray[np.bool_],
         angle: Floats,
     ) -> tuple[Floats, NDArray[np.bool_]]:
-        """Rates on the surface, and whether there are any; ``rest`` is the energy beside turning.
+        """Rates on the surface, and whether there are any; ``rest`` is the remaining energy.
 
         The rates are the turning about the vertical and a part without angular momentum about it,
         whose kinetic energy is ``rest``: an ellipse, which the surface cuts in two points.
@@ -211,7 +211,7 @@ class _Top:
         return turning + radius[:, np.newaxis] * rates, fits
 
     def _slope(self, omega: Floats, gamma: Floats, surface: Section, normal: Floats) -> Floats:
-        """The rate of what is zero on the surface."""
+        """The rate of change of the function that is zero on the surface."""
         torque = np.cross(self.moments * omega, omega) + np.cross(gamma, self.weight)
         change, turn = torque / self.moments, np.cross(gamma, omega)
         if surface.is_height:

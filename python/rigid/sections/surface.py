@@ -1,4 +1,4 @@
-"""Surfaces of section: what is zero on them, and the direction in which they are crossed."""
+"""Surfaces of section: the function that is zero on each, and the direction of the crossings."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ class Section:
         return f"{self.omega}·omega + {self.gamma}·gamma = {self.value:g}, {_WORDS[self.direction]}"
 
     def normals(self, scene: Scene, weight: Floats) -> Floats:
-        """The normals of bodies with these weights (n, 3); of ``"height"`` those of the height.
+        """The normals of the surface for bodies with these weights (n, 3).
 
         Raises
         ------
@@ -87,7 +87,7 @@ class Section:
         return np.concatenate([np.zeros_like(weight), weight / length], axis=1)
 
     def to_dict(self) -> dict[str, Any]:
-        """Name, normal, value and direction."""
+        """Name, normal, value and direction as plain Python values."""
         return {
             "name": self.name,
             "omega": list(self.omega),
@@ -110,7 +110,7 @@ def section(
     omega: ArrayLike | None = None,
     gamma: ArrayLike | None = None,
 ) -> Section:
-    """A surface for :func:`poincare`, by name or by vectors.
+    """A surface of section for :func:`poincare`, by name or by vectors.
 
     Parameters
     ----------

@@ -1,10 +1,10 @@
 """Homogeneous solids, shells and wires in closed form, and bodies of any density by quadrature.
 
 The symmetry axis of each solid is axis 3. The centre of mass is at the origin, except for the cone,
-whose tip is at the origin, as that of a top. Sizes broadcast: one call may describe many bodies. A
-size may be zero: a cylinder without height is a disk, a cylinder without radius is a rod.
+whose tip is at the origin, as for a top. Sizes broadcast: one call may describe many bodies. A size
+may be zero: a cylinder without height is a disk, a cylinder without radius is a rod.
 
-The formulas are those of Goldstein, ch. 5, exercises, and Landau and Lifshitz, *Mechanics*, § 32.
+The formulas come from Goldstein, ch. 5, exercises, and Landau and Lifshitz, *Mechanics*, § 32.
 
 The package uses :mod:`rigid.inertia` and ``_checks``. :class:`rigid.Body` uses it.
 """
@@ -52,7 +52,7 @@ Floats = NDArray[np.float64]
 
 @refuses_overflow
 def box(a: ArrayLike, b: ArrayLike, c: ArrayLike, *, mass: ArrayLike = 1.0) -> MassProperties:
-    """A box with sides ``a, b, c``: moments ``M/12 (b² + c², a² + c², a² + b²)``.
+    """A homogeneous box with sides ``a, b, c`` (m): ``M/12 (b² + c², a² + c², a² + b²)``.
 
     Parameters
     ----------
@@ -82,9 +82,25 @@ def box(a: ArrayLike, b: ArrayLike, c: ArrayLike, *, mass: ArrayLike = 1.0) -> M
 
 @refuses_overflow
 def ellipsoid(a: ArrayLike, b: ArrayLike, c: ArrayLike, *, mass: ArrayLike = 1.0) -> MassProperties:
-    """An ellipsoid with semi-axes ``a, b, c``: moments ``M/5 (b² + c², a² + c², a² + b²)``.
+    """A homogeneous ellipsoid with semi-axes ``a, b, c`` (m): ``M/5 (b² + c², a² + c², a² + b²)``.
 
-    Parameters and errors are those of :func:`box`.
+    Parameters and errors are as for :func:`box`.
+
+    Parameters
+    ----------
+    a, b, c : array_like, shape (...)
+        Semi-axes (m) along axes 1, 2, 3; zero for a plate or a rod.
+    mass : array_like, shape (...)
+        Mass (kg).
+
+    Returns
+    -------
+    MassProperties
+
+    Raises
+    ------
+    ValueError
+        As :func:`box`.
 
     Examples
     --------
@@ -150,6 +166,11 @@ def ring(radius: ArrayLike, *, mass: ArrayLike = 1.0) -> MassProperties:
     -------
     MassProperties
 
+    Raises
+    ------
+    ValueError
+        As :func:`box`.
+
     Examples
     --------
     >>> from rigid import solids
@@ -162,7 +183,23 @@ def ring(radius: ArrayLike, *, mass: ArrayLike = 1.0) -> MassProperties:
 def disk(radius: ArrayLike, *, inner: ArrayLike = 0.0, mass: ArrayLike = 1.0) -> MassProperties:
     """A flat disk with a hole up to the radius ``inner``: moments ``M (R² + r²) (¼, ¼, ½)``.
 
-    Parameters and errors are those of :func:`sphere`.
+    Parameters and errors are as for :func:`sphere`.
+
+    Parameters
+    ----------
+    radius, inner : array_like, shape (...)
+        Outer and inner radius (m).
+    mass : array_like, shape (...)
+        Mass (kg).
+
+    Returns
+    -------
+    MassProperties
+
+    Raises
+    ------
+    ValueError
+        As :func:`sphere`.
 
     Examples
     --------
@@ -189,6 +226,11 @@ def rod(length: ArrayLike, *, mass: ArrayLike = 1.0) -> MassProperties:
     Returns
     -------
     MassProperties
+
+    Raises
+    ------
+    ValueError
+        As :func:`box`.
 
     Examples
     --------
@@ -255,6 +297,11 @@ def cone(radius: ArrayLike, height: ArrayLike, *, mass: ArrayLike = 1.0) -> Mass
     Returns
     -------
     MassProperties
+
+    Raises
+    ------
+    ValueError
+        As :func:`box`.
 
     Examples
     --------

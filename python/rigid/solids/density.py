@@ -114,6 +114,11 @@ def box_region(lower: ArrayLike, upper: ArrayLike) -> Region:
 def ellipsoid_region(a: float, b: float, c: float) -> Region:
     """The ellipsoid with semi-axes ``a, b, c`` (m) about the origin, in spherical coordinates.
 
+    Parameters
+    ----------
+    a, b, c : float
+        Semi-axes (m), positive.
+
     Returns
     -------
     Region
@@ -144,6 +149,11 @@ def ellipsoid_region(a: float, b: float, c: float) -> Region:
 
 def cylinder_region(radius: float, height: float) -> Region:
     """The cylinder about axis 3 between ``-height/2`` and ``height/2`` (m).
+
+    Parameters
+    ----------
+    radius, height : float
+        Sizes (m), positive.
 
     Returns
     -------

@@ -23,13 +23,13 @@ _FORMAT = "rigid run 1"
 def write_archive(
     path: str | os.PathLike[str], arrays: Mapping[str, NDArray[Any]], header: Mapping[str, Any]
 ) -> Path:
-    """Write arrays and what JSON can hold; the file appears whole or not at all."""
+    """Write arrays and JSON data into one file, which appears whole or not at all."""
     text = json.dumps({"format": _FORMAT, **header})
     return write_arrays(path, {"header": np.array(text), **arrays})
 
 
 def write_arrays(path: str | os.PathLike[str], arrays: Mapping[str, NDArray[Any]]) -> Path:
-    """Write arrays by their names; the file appears whole or not at all."""
+    """Write arrays by their names into one file, which appears whole or not at all."""
     content = BytesIO()
     np.savez(content, allow_pickle=False, **arrays)
     with published(path) as file:
@@ -40,7 +40,7 @@ def write_arrays(path: str | os.PathLike[str], arrays: Mapping[str, NDArray[Any]
 def read_archive(
     path: str | os.PathLike[str],
 ) -> tuple[dict[str, NDArray[Any]], dict[str, Any]]:
-    """Arrays and header of :func:`write_archive`.
+    """The arrays and the JSON data of a file of :func:`write_archive`.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Fits on arcs that grow as far as the parameters predict the motion."""
+"""Fits on arcs that grow as long as the parameters predict the motion."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _CHANCE = 1e-6
 """Chance of a sum of squares of unit normal numbers that is called impossible."""
 
 _AHEAD = 2.0 * (1.0 - math.sin(1.0))
-"""Mean square of the misfit of an arc at whose end the phase is 1 rad off, over the variance.
+"""Mean square of the misfit of an arc, over the variance, whose phase at the end is 1 rad off.
 
 The misfit of two oscillations of variance s² is 2 s² (1 - cos δ); here δ grows as the time does.
 """
@@ -32,7 +32,7 @@ _GUESSES, _TRIED = 100, 4
 """Moments all over what a body can have; how many of the nearest are starts of a fit."""
 
 _UNEXPLAINED = 2
-"""Arcs whose chi² no start explains, after which the fit does not start again: it will fail."""
+"""Most arcs whose chi² no start explains; after these the fit ends without another start."""
 
 _GAIN_OF_PART, _GAIN = 1e-2, 1e-8
 """Where the iteration on an arc and on the whole ends: a tenth of a std, and 1e-4 of it."""
@@ -42,7 +42,7 @@ _EVALUATIONS = 50
 
 
 def largest_chi2(freedom: Any) -> Any:
-    """What chi² of so many degrees of freedom exceeds with a chance of at most one in a million.
+    """Value that chi² of so many degrees of freedom exceeds with a chance of one in a million.
 
     Laurent and Massart, *Ann. Statist.* 28 (2000) 1302, lemma 1.
     """
@@ -75,7 +75,7 @@ class Arcs:
 
     @np.errstate(over="ignore", invalid="ignore")  # a start whose residuals overflow is not taken
     def minimum(self) -> Minimum:
-        """The minimum of the whole, found on growing arcs."""
+        """The minimum for all measurements, found on growing arcs."""
         x, unexplained = self.unknowns.first, 0
         order = np.argsort(np.abs(self.t), kind="stable")
         least, most = 2 * len(x), len(order)
@@ -116,13 +116,13 @@ class Arcs:
         return len(order) if below.all() else int(np.argmin(below))
 
     def _nearest(self, part: NDArray[np.intp]) -> list[Floats]:
-        """Of guesses with other moments, those whose motion is nearest to the measured one."""
+        """The guess of other moments whose motion is nearest to the measured one."""
         guesses = self.unknowns.other_moments(_GUESSES)
         squares = [np.sum(np.square(self._residuals(guess, part))) for guess in guesses]
         return [guesses[k] for k in np.argsort(squares)[:_TRIED]]
 
     def _beside(self, x: Floats, part: NDArray[np.intp], whole: bool) -> Minimum:
-        """The minimum beside ``x``.
+        """The minimum near ``x``.
 
         A part of the measurements may be too short to tell all parameters. There each coordinate
         counts as measured too: the first guess, with its size for a standard deviation.

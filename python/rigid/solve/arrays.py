@@ -24,7 +24,7 @@ Floats = NDArray[np.float64]
 
 
 def largest(values: Floats) -> float:
-    """The largest of some numbers and 0; that of one number without a reduction, which is slow."""
+    """The largest of some numbers and 0, without a reduction, which is slow, for one number."""
     return max(float(values[0]), 0.0) if len(values) == 1 else float(values.max(initial=0.0))
 
 
@@ -35,7 +35,7 @@ def lengths(vectors: Floats) -> Floats:
 
 
 Range: TypeAlias = tuple[float, float] | tuple[Floats, Floats]
-"""First and last of some times and 0 (s), or those of each body, shape (n,)."""
+"""First and last of some times and 0 (s), or of the times of each body with shape (n,)."""
 
 
 def time_ranges(times: Floats) -> Range:
@@ -55,7 +55,7 @@ def time_range(times: Floats) -> tuple[float, float]:
 
 
 def time_span(times: Floats) -> float | Floats:
-    """Sum of the times covered from 0 backward and forward (s), or that of each body."""
+    """Sum of the times covered from 0 backward and forward (s), for all bodies or for each."""
     first, last = time_ranges(times)
     return last - first
 
@@ -79,14 +79,14 @@ def spread_indices(count: int, most: int) -> NDArray[np.intp]:
 
 
 def in_rows(array: Floats, shape: tuple[int, ...]) -> Floats:
-    """The rows (n, N) of bodies of this shape; one row if it is that of all."""
+    """The rows (n, N) of bodies of this shape; one row if it holds for all bodies."""
     if array.ndim == 1:
         return array[np.newaxis]
     return rows_of_each(array, shape)
 
 
 def rows_of_each(array: Floats, shape: tuple[int, ...]) -> Floats:
-    """The rows (n, N) of bodies of this shape, a row of each."""
+    """The rows (n, N) of bodies of this shape, one row for each body."""
     if array.ndim == 1 and not shape:
         return array[np.newaxis]
     width = array.shape[-1]

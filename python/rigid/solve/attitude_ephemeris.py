@@ -1,4 +1,4 @@
-"""Attitudes as a message that other programs of space flight read (CCSDS 504.0-B-1, AEM)."""
+"""Attitudes as a message for other space-flight programs (CCSDS 504.0-B-1, AEM)."""
 
 from __future__ import annotations
 

@@ -21,12 +21,12 @@ __all__ = ["Bodies"]
 Floats = NDArray[np.float64]
 
 SLOWEST = 1e-140
-"""Squares of slower rates, and their products, would underflow (rad/s)."""
+"""Least rate (rad/s) whose square, and products of rates, do not underflow."""
 
 
 @dataclass(slots=True, eq=False)
 class Bodies:
-    """Bodies of one kind with their starts: of a call, of a run again, or of pixels of a map.
+    """Bodies of one kind with their starts: of a call, of a second run, or of pixels of a map.
 
     Nothing here is checked again. :func:`.starts.bodies_of` checks what a user gives.
     As :class:`.request.Request` and :class:`.error_estimate.ErrorEstimate`, which a call makes too,
@@ -113,7 +113,7 @@ class Bodies:
         return len(self.omega)
 
     def in_axes(self, values: NDArray[Any]) -> Any:
-        """Values of the bodies, shape (n, ...), in their axes; of a single body its own."""
+        """Values of the bodies, (n, ...), in the axes of the bodies; of a single body its value."""
         return values.reshape(*self.shape, *values.shape[1:]) if self.shape else values[0]
 
     def columns(self) -> dict[str, Any]:
@@ -138,7 +138,7 @@ class Bodies:
         return self._taken(np.repeat(np.arange(len(self)), count))
 
     def _taken(self, bodies: NDArray[np.intp]) -> Self:
-        """The bodies of these indices; a row that serves all bodies stays."""
+        """The bodies of these indices; a row that holds for all bodies stays."""
         columns = {
             name: column[bodies] if len(column) > 1 else column
             for name in ("moments", "weight", "attitude", "scale_exponent")
@@ -162,7 +162,7 @@ class Bodies:
         Parameters
         ----------
         span : tuple of float, or of ndarray of shape (n,)
-            First and last time (s), around 0; those of all bodies or of each.
+            First and last time (s), around 0; the same for all bodies, or for each.
         method : str, optional
             Instead of bounds: the rates that the steps of this method follow. Without torque and
             damping the bounds hold for all times and are these rates.
@@ -192,7 +192,7 @@ class Bodies:
         return ratios
 
     def note_rates(self, rates: Floats) -> None:
-        """Keep the bounds that a run in closed form has returned."""
+        """Keep the bounds of the rates that a run in closed form has returned."""
         if self.forces is None:
             self._rates.setdefault(None, rates)
 
@@ -218,7 +218,7 @@ class Bodies:
     def check_ranges(self, scene: Scene) -> None:
         """Raise ValueError for a weight that overflows, or rates whose squares underflow.
 
-        The rates are those of the start and of the swings, in the unit of the moments.
+        The compared rates are the rates of the start and of the swings, in the unit of the moments.
         """
         known = scene.once(_inertia_of_one)
         swing = self._swings() if known is None else known[3]

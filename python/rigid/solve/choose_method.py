@@ -48,14 +48,14 @@ __all__ = ["NO_BOUND", "choose_method", "has_closed_form", "plan_states"]
 Floats = NDArray[np.float64]
 
 USUAL_ACCURACY = 1e-8
-"""The accuracy of states for which neither a method nor a step is asked."""
+"""The accuracy of states if neither a method nor a step is given."""
 
 USUAL_ANGLE, USUAL_RATIO = 100.0, 0.1
-"""Angle (rad) after which, and ratio of the weight at which, the cheapest method is compared where
-the true ones are not known."""
+"""Angle (rad) and ratio of the weight at which methods are compared if the true ones are
+unknown."""
 
 LOST_ANGLE = 1e15
-"""A body that turns by more (rad) has lost all digits of its phase."""
+"""A body that turns by a larger angle (rad) has lost all digits of its phase."""
 
 NO_BOUND = (
     "step: is needed, because nothing bounds the rates under the torque of a function; or give "
@@ -183,7 +183,7 @@ def _known_closed_forms(problem: Problem) -> Codes:
 
 
 def _preferred(problem: Problem, forms: Codes) -> tuple[str, list[str]]:
-    """The method unless an accuracy needs another method, and the reasons for it."""
+    """The method unless an accuracy needs another one, and the reasons."""
     scene = problem.scene
     if problem.method is not None:
         return problem.method, [f"method = {problem.method!r} was asked for"]
@@ -202,7 +202,7 @@ def _preferred(problem: Problem, forms: Codes) -> tuple[str, list[str]]:
 
 
 def _by_steps(problem: Problem, why: list[str]) -> tuple[str, list[str]]:
-    """The method of bodies without a closed form: the one for strong damping where it is needed."""
+    """The method of bodies without a closed form; for strong damping the method made for it."""
     slowing = damping_rate(problem.scene)
     if slowing == 0.0 or problem.scene.has_further or "function" in problem.scene.forces:
         return FALLBACK, why
@@ -220,14 +220,14 @@ def _by_steps(problem: Problem, why: list[str]) -> tuple[str, list[str]]:
 
 
 def _takes_usual_accuracy(problem: Problem, method: str) -> bool:
-    """Whether steps are needed, and nothing says how these should be made."""
+    """Whether steps are needed and neither method, step nor accuracy is given."""
     asked = problem.method is not None or problem.step is not None
     # Under strong damping the model of the error does not hold.
     return not asked and method not in (EXACT, STIFF)
 
 
 def _applicable(scene: Scene) -> list[str]:
-    """The methods among which the cheapest is taken."""
+    """The methods from which the cheapest is chosen."""
     if not scene.forces:
         return plain_methods()
     known = methods_under(scene.forces)
@@ -295,12 +295,12 @@ def _accurate(
 
 
 def _median(ratios: Floats) -> float:
-    """The median of the ratios of the weight, 0 of no bodies."""
+    """The median of the ratios of the weight; 0 for no bodies."""
     return float(np.median(ratios)) if len(ratios) else 0.0
 
 
 def _largest_angle(rates: Floats, span: float | Floats) -> float:
-    """The largest angle (rad) that a body turns, but for those that lose their phase."""
+    """The largest angle (rad) that a body turns, among bodies that keep their phase."""
     with np.errstate(invalid="ignore", over="ignore"):
         angles = rates * span
     return float(angles[angles < LOST_ANGLE].max(initial=0.0))

@@ -35,7 +35,7 @@ def simulate_chunks(
     chunk: int = 65_536,
     **options: Any,
 ) -> Iterator[Run]:
-    """The runs of parts of many bodies, for states that do not fit into memory.
+    """Yield the runs of parts of many bodies, for states that do not fit into memory.
 
     Only one part is computed at a time, when it is asked for. With a given method a body has the
     same bits as in one call of :func:`simulate`; without one, method and steps are chosen for each
@@ -102,7 +102,7 @@ def simulate_chunks(
 
 
 def _with_zeros(run: Run, whole: Scene) -> Run:
-    """A part with the zeros of what acts on other bodies only: all parts have the same arrays."""
+    """A part with zeros for forces on other bodies only: all parts have the same arrays."""
     count, known = len(run.status), run.spec["scene"]
     zeros = {
         name: np.zeros((count, 3, 3) if name == "damping" else (count, 3)).tolist()

@@ -1,4 +1,4 @@
-"""Which bodies have a closed form."""
+"""The rule which bodies have a closed form."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ RECORDS: Mapping[str, str] = {
     "axis": "rates and vertical at output times",
     "attitude": "rates and attitude at output times",
 }
-"""The questions that are answered by states, in words."""
+"""The states that a run can record, in words."""
 
 _STATES_RULE = (
     "closed forms are known of a free body, of a top with two moments equal to the bit and its "
@@ -90,14 +90,14 @@ def closed_forms(question: Question, moments: Floats, weight: Floats) -> Codes:
 def lagrange_axis_of(moments: ArrayLike, weight: ArrayLike) -> int:
     """The symmetry axis 1, 2 or 3 of a Lagrange top, 0 for any other body.
 
-    The moments about the other two axes are equal to the bit, the weight lies exactly on the axis.
+    The moments about the other two axes are exactly equal, the weight lies exactly on the axis.
     """
     rows = (np.array([values], dtype=np.float64) for values in (moments, weight))
     return int(_core.lagrange_axes(*rows)[0])
 
 
 def lagrange_axes(moments: Floats, weight: Floats) -> NDArray[np.int64]:
-    """The symmetry axis of each of many bodies, shape (n,); one row may serve all."""
+    """The symmetry axis of each of many bodies, shape (n,); one row may hold for all."""
     first, second = np.broadcast_arrays(moments, weight)
     return _core.lagrange_axes(np.ascontiguousarray(first), np.ascontiguousarray(second))
 
@@ -108,7 +108,7 @@ def question_words(question: Question) -> str:
 
 
 def rule(question: Question) -> str:
-    """Describe which bodies have a closed form that applies to the question."""
+    """The rule, in words, which bodies have a closed form for the question."""
     asked = "states" if isinstance(question, str) else (question.closed_form_question() or ("",))[0]
     return _STATES_RULE if asked == "states" else _CLASS_RULE
 
@@ -127,7 +127,7 @@ def all_have(forms: Codes) -> bool:
 
 
 def why_not(question: Question, moments: Floats, weight: Floats) -> str:
-    """Why this body has no closed form."""
+    """The reason why this body has no closed form."""
     axis = lagrange_axis_of(moments, weight)
     if axis or not weight.any():
         symmetry = f": the symmetry axis is {axis}" if axis else ""
@@ -141,9 +141,9 @@ def why_not(question: Question, moments: Floats, weight: Floats) -> str:
 
 
 def are_slowed_evenly(scene: Scene, forces: _core.Forces, moments: Floats) -> NDArray[np.bool_]:
-    """Whether nothing acts on each body but damping that is a multiple of its inertia.
+    """Whether nothing acts on a body but damping that is a multiple of its inertia.
 
-    The motion is then that of the free body, slowed. Shape (n,), or (1,) if all are alike.
+    The body then moves as without damping, but ever slower. Shape (n,), or (1,) if all are alike.
     """
     if scene.directions:
         return np.zeros(1, dtype=bool)
@@ -151,10 +151,10 @@ def are_slowed_evenly(scene: Scene, forces: _core.Forces, moments: Floats) -> ND
 
 
 def moment_rows(scene: Scene) -> Floats:
-    """The moments of the bodies, shape (n, 3), or (1, 3) if they have the same."""
+    """The moments of the bodies, shape (n, 3), or (1, 3) if they are equal."""
     return in_rows(np.asarray(scene.body.moments), scene.shape)
 
 
 def weight_rows(scene: Scene) -> Floats:
-    """``mgl com`` of the bodies, shape (n, 3), or (1, 3) if they have the same."""
+    """``mgl com`` of the bodies, shape (n, 3), or (1, 3) if it is the same for all."""
     return in_rows(scene.weight, scene.shape)

@@ -1,4 +1,4 @@
-"""The columns of a run: a row for each body, seen in the axes of the bodies when they are read."""
+"""The columns of a run: a row for each body, converted to the axes of the bodies when read."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from ..model.leading import Shape
 __all__ = ["Column", "Columns", "columns_of_arrays"]
 
 Columns: TypeAlias = Mapping[str, Any]
-"""Arrays of shape (n, ...) by their names in the core, None for what is not recorded; and the
-nanoseconds that they took."""
+"""Arrays of shape (n, ...) by their names in the core, None if not recorded; and the time taken
+(ns)."""
 
 Array = TypeVar("Array")
 
@@ -30,7 +30,7 @@ class HasColumns:
 
 
 class Column(Generic[Array]):
-    """An attribute: the row of the only body, or the rows of all bodies in their axes.
+    """An attribute of a run: the row of the only body, or the rows of all bodies in their axes.
 
     Few of the columns of a run are read, and a view takes as long as it takes to check the input.
     """
@@ -56,7 +56,7 @@ class Column(Generic[Array]):
 
 
 def columns_of_arrays(arrays: Mapping[str, Any], shape: Shape) -> dict[str, NDArray[Any] | None]:
-    """Columns of arrays that are in the axes of the bodies.
+    """Columns from arrays that have the axes of the bodies.
 
     Raises
     ------

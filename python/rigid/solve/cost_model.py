@@ -1,4 +1,4 @@
-"""Work and error of a plan: calibrated models."""
+"""Calibrated models of the work and the error of a plan."""
 
 from __future__ import annotations
 
@@ -45,16 +45,16 @@ __all__ = [
 Floats = NDArray[np.float64]
 
 ROUNDING = _core.ROUNDING
-"""Error of an attitude per radian turned that float64 leaves even to a closed form (rad)."""
+"""Rounding error of an attitude per radian turned (rad) in float64, even in closed form."""
 
 PROCESSOR = 1e-12
 """Rounding (rad) of the change of variables before and after the steps of a processed method."""
 
 ROUNDED = 1.01
-"""A step may turn a body so many times the largest angle of a model: roundings add to it."""
+"""Largest turn in a step, over the largest angle of a model; roundings add to its error."""
 
 LAYER = 0.1
-"""Steps longer than this share of the damping time do not resolve how damping forgets a start."""
+"""Longest step, over the damping time, that resolves how damping ends the motion of the start."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,8 +63,8 @@ class Constants:
 
     The error of a run is about ``factor theta**order`` per radian turned, ``theta`` being the angle
     that the body turns in a step, up to ``largest``. Of many bodies 95 % err by at most ``margin``
-    times as much. Those of tops are known at some :meth:`ratios <.Bodies.weight_ratios>` of their
-    weight, in ascending order; those of other bodies do not depend on it.
+    times as much. The constants of tops are known at some :meth:`ratios <.Bodies.weight_ratios>` of
+    their weight, in ascending order; the constants of other bodies do not depend on it.
     """
 
     order: int
@@ -79,11 +79,11 @@ class Constants:
         return self._at(ratios, self.factors)
 
     def margin(self, ratios: Floats) -> Floats:
-        """Their margins."""
+        """The margins for these ratios of the weight."""
         return self._at(ratios, self.margins)
 
     def largest(self, ratios: Floats) -> Floats:
-        """Their largest angles."""
+        """The largest angles for these ratios of the weight."""
         return self._at(ratios, self.largests)
 
     def _at(self, ratios: Floats, values: Floats) -> Floats:
@@ -92,7 +92,7 @@ class Constants:
 
 @cache
 def _calibration() -> dict[str, Any]:
-    """All that is measured; ``benches/calibrate.py`` wrote it."""
+    """All measured constants, which ``benches/calibrate.py`` wrote."""
     text = resources.files("rigid").joinpath("calibration.json").read_text(encoding="utf-8")
     calibration: dict[str, Any] = json.loads(text)
     return calibration
@@ -171,7 +171,7 @@ def cheapest(
     """The method that needs the least time for this error after these angles.
 
     Explicit steps follow the damping too: the angles include what damping takes away. The ratio is
-    that of the weight.
+    the ratio of the weight.
     """
     names = tuple(name for name, known in calibrated() if known == kind and name in angles)
     methods = _compared(names, kind, record)
@@ -266,7 +266,7 @@ def _turn(
 
 @dataclass(frozen=True, slots=True)
 class Estimate:
-    """Work and error of a plan, the error the largest of its bodies; None if unknown.
+    """Work and error of a plan; the error is the largest of its bodies, None if unknown.
 
     Attributes
     ----------
@@ -357,7 +357,7 @@ def phase_error(
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Motions:
-    """What steps, and the error that they leave, follow from: of n bodies.
+    """The quantities of n bodies from which steps and their error follow.
 
     Attributes
     ----------
@@ -380,7 +380,7 @@ class Motions:
         How many times slower a body starts than weight or torque can make it: they change its rates
         at once by a share of them, which in less than a radian errs by more than its attitude.
     rounding : ndarray, shape (n,), or float
-        Error from the rounding of steps, besides that of each radian turned.
+        Error from the rounding of steps, besides the error of each radian turned.
     """
 
     rates: Floats
@@ -406,7 +406,7 @@ class Motions:
         return taken
 
     def of(self, bodies: slice | NDArray[np.intp]) -> Motions:
-        """Those of some bodies."""
+        """The motions of some bodies."""
         return replace(self, **{name: some_of(getattr(self, name), bodies) for name in _OF_EACH})
 
 
@@ -414,7 +414,7 @@ _OF_EACH = ("rates", "ratios", "steps", "span", "damping", "nearness", "slowness
 
 
 def joined(parts: Sequence[Motions]) -> Motions:
-    """All motions of some parts, of which each covers a known time."""
+    """All motions of some parts, each of which covers a known time."""
 
     def every(name: str) -> Floats:
         each = (np.broadcast_to(getattr(part, name), len(part.rates)) for part in parts)
@@ -425,7 +425,7 @@ def joined(parts: Sequence[Motions]) -> Motions:
 
 
 def some_of(values: Any, mine: slice | NDArray[np.intp]) -> Any:
-    """The values of some bodies, or that of all."""
+    """The values of some bodies, or the value of all."""
     return values[mine] if isinstance(values, np.ndarray) and values.ndim else values
 
 
@@ -435,8 +435,8 @@ def steps_estimate(
 ) -> Estimate:
     """Work and error of a method.
 
-    The error is that of the model times its margin; that of longer steps than the model knows is
-    None.
+    The error is the error of the model times its margin; it is None for longer steps than the model
+    covers.
 
     Parameters
     ----------
@@ -490,7 +490,7 @@ up to {most:.3g} rad"
 
 
 def costliest(parts: Sequence[Estimate]) -> Estimate:
-    """The largest of some estimates, and the shortest step; unknown where one of them is."""
+    """The largest of some estimates, and the shortest step; unknown if one of these is unknown."""
 
     def of_all(name: str, choose: Callable[[list[Any]], Any]) -> Any:
         values = [getattr(part, name) for part in parts]
@@ -506,7 +506,7 @@ def costliest(parts: Sequence[Estimate]) -> Estimate:
 
 
 def _by_group(steps: Floats) -> float:
-    """The mean of the steps of groups: each takes as many as the body of it that needs most.
+    """The mean number of steps of groups, each of which takes the most steps of its bodies.
 
     Groups are formed by the numbers of steps.
     """
@@ -516,7 +516,7 @@ def _by_group(steps: Floats) -> float:
 
 
 def _ends(steps: Floats) -> float:
-    """The mean of how many unlike numbers of steps the bodies of a group make."""
+    """The mean number of different last steps of the bodies of a group."""
     if not len(steps) or steps.min() == steps.max():
         return 1.0
     groups = np.full((math.ceil(len(steps) / LANES), LANES), np.nan)
@@ -533,7 +533,7 @@ def _work(constants: Constants, question: str | Criterion) -> Work:
 
 
 def _worst(errors: Floats | None) -> float | None:
-    """The largest error, None if none is known."""
+    """The largest error; None if no error is known."""
     return None if errors is None else _finite(float(errors.max(initial=0.0)))
 
 

@@ -1,4 +1,4 @@
-"""A run as an xarray Dataset: its arrays, and the numbers of the scene that each body has alone."""
+"""A run as an xarray Dataset: its arrays, and the numbers of the scene that vary with the body."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ ARRAYS: Mapping[str, tuple[str, tuple[str, ...]]] = {
     "error": ("", _BODIES),
     "lost_from": ("s", _BODIES),
 }
-"""Unit and axes, after those of the bodies, of each array of a run."""
+"""Unit, and axes after the axes of the bodies, of each array of a run."""
 
 _TORQUE = ("torque_time", "axis")
 _OF_SCENE: Mapping[str, tuple[tuple[str, ...], str, tuple[str, ...], str]] = {
@@ -53,8 +53,8 @@ _OF_SCENE: Mapping[str, tuple[tuple[str, ...], str, tuple[str, ...], str]] = {
     "damping": (("damping",), "N m s", ("axis", "axis_of_rate"), "damping"),
     **{name: ((name,), force.unit, ("axis",), force.title) for name, force in FORCES.items()},
 }
-"""Place in the scene, unit, axes after those of the bodies, and meaning of its numbers, which are
-along principal axes."""
+"""Place in the scene, unit, axes after the axes of the bodies, and meaning of numbers along
+principal axes."""
 
 
 def as_dataset(
@@ -89,7 +89,7 @@ def run_dataset(run: Any) -> xarray.Dataset:
     if run.t.ndim == 1:
         coordinates["t"] = ("t", run.t, {"units": "s"})
     else:
-        # Bodies with times of their own: the times are no common coordinate.
+        # Each body has its times: these are no common coordinate.
         arrays["time"] = ((*bodies, "t"), np.broadcast_to(run.t, run.omega.shape[:-1]))
     spec = deepcopy(run.spec)
     times = (spec["scene"].get("torque") or {}).get("times")
@@ -106,7 +106,7 @@ def run_dataset(run: Any) -> xarray.Dataset:
 
 
 def _take_numbers(scene: dict[str, Any], shape: Shape) -> dict[str, NDArray[np.float64]]:
-    """The numbers of each body, in the axes of the bodies; the name of the variable replaces them.
+    """The numbers of each body, in the axes of the bodies; the name of the variable replaces these.
 
     What all bodies have in common stays in the scene.
     """

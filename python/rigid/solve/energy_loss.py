@@ -21,7 +21,7 @@ def mean_loss(
     x: Floats,
     rest: Floats,
 ) -> Floats:
-    """Mean of ``omega'·P omega'`` over a polhode.
+    """Mean of ``omega'·P omega'`` over a polhode: the mean power of an energy sink.
 
     The polhode encircles axis 1, the axis of the smallest or of the largest moment: ``w1 = a1 dn``,
     ``w2 = a2 sn``, ``w3 = a3 cn`` with the parameter m (Landau and Lifshitz, *Mechanics*, § 37).
@@ -60,7 +60,7 @@ def mean_loss(
 def mean_products(m: Floats, mc: Floats) -> tuple[Floats, Floats, Floats]:
     """Means of ``m sn² cn²``, ``sn² dn²`` and ``cn² dn²`` over a period; ``mc`` is ``1 - m``.
 
-    The mean of sn² is ``R_D(0, mc, 1) / (3 R_F(0, mc, 1))`` (DLMF 19.25.1); that of sn⁴ follows
+    The mean of sn² is ``R_D(0, mc, 1) / (3 R_F(0, mc, 1))`` (DLMF 19.25.1); the mean of sn⁴ follows
     from the derivative of ``sn cn dn``.
     """
     shape, complement = mc.shape, mc.ravel()

@@ -56,19 +56,20 @@ __all__ = [
 Floats = NDArray[np.float64]
 
 SAFETY = 3.0
-"""The difference of two runs times this is stated as the error."""
+"""Factor from the difference of two runs to the stated error."""
 
 SAFETY_OF_FINER = 2.0
-"""The same of the finer of two runs, if that errs by a quarter of the other."""
+"""Factor for the finer of two runs, if its error is a quarter of the error of the other."""
 
 RINGING = "midpoint"
-"""Under strong damping its rates change sign each step and hardly decay: it is not L-stable."""
+"""The method whose rates change sign at each step and hardly decay under strong damping: it is not
+L-stable."""
 
 PART_OF_A_TURN = 0.5
 """Phase (rad) by which two runs may part between two compared times; a whole turn would not show"""
 
 BETWEEN = 64
-"""Most times at which runs that may part by whole turns are compared besides output times."""
+"""Most times besides output times at which runs that may differ by whole turns are compared."""
 
 
 @dataclass(slots=True, eq=False)
@@ -91,7 +92,7 @@ class ErrorEstimate:
         return ErrorEstimate(self.error[bodies], self.lost_from[bodies])
 
     def write(self, bodies: NDArray[np.intp], other: ErrorEstimate) -> None:
-        """Write the estimate of some bodies over."""
+        """Replace the estimate of some bodies."""
         self.error[bodies], self.lost_from[bodies] = other.error, other.lost_from
 
 
@@ -102,7 +103,7 @@ def unknown_error(count: int) -> ErrorEstimate:
 
 @np.errstate(all="ignore")
 def closed_form_error(bodies: Bodies, times: Floats, omega: Floats) -> ErrorEstimate:
-    """The error of a closed form: 1e-15 for each radian turned, or what a saddle makes of 1e-15.
+    """The error of a closed form: 1e-15 for each radian turned, or its growth at a saddle.
 
     A top beside the separatrix of its nutation magnifies rounding by ``exp(exponent t)``, at each
     passage of the saddle at most by one over the relative distance from the separatrix. Rounding
@@ -133,7 +134,7 @@ def closed_form_error(bodies: Bodies, times: Floats, omega: Floats) -> ErrorEsti
 
 
 def safety_of_finer(halvings: float) -> float:
-    """The difference of two runs times this is stated as the error of the finer."""
+    """Factor from the difference of two runs to the stated error of the finer run."""
     return SAFETY_OF_FINER if halvings == HALVINGS else SAFETY
 
 
@@ -146,7 +147,8 @@ def checked_states(
 ) -> tuple[MutableMapping[str, Any], ErrorEstimate]:
     """The states of the second run, whose steps are shorter than these (s), and their errors.
 
-    Where the second run is another one than of shorter steps, the states are those of the first.
+    Where the second run differs in more than shorter steps, the states of the first run are
+    returned.
     """
     if not is_refined_alike(request.bodies, request.method):
         states = request.states(steps, refinement, out=out)
@@ -170,7 +172,7 @@ def estimate_error(
     """The error of states from a second run, which halves the truncation error so many times.
 
     The states were made with these longest steps (s) and this :meth:`refinement <Request.states>`;
-    or ``coarser`` was, and the states are those of the second run.
+    or ``coarser`` was, and the states belong to the second run.
     """
     bodies, times, method = request.bodies, request.times, request.method
     ended = states["status"] != Status.STEP_LIMIT
@@ -226,7 +228,7 @@ def _stated_distances(
     times: Floats,
     safety: float,
 ) -> Floats:
-    """What the distance of the states of two runs is stated as, their work included, (n, m)."""
+    """The errors stated for the distance of the states of two runs, with their work, (n, m)."""
     scale = _fastest_or_swing(bodies, rates)
     rest = REST * scale
     apart = safety * distances(states, again, rest, scale)
@@ -255,9 +257,9 @@ def _before_the_loss(
     scale: Floats,
     safety: float,
 ) -> Floats:
-    """Errors of lost bodies, those before the loss relative to the rates before it; shape (n, m).
+    """Errors of lost bodies, before the loss relative to the rates until then; shape (n, m).
 
-    Later rates are those of a wrong motion and may be larger than the true ones ever are.
+    Later rates belong to a wrong motion and may be larger than the true ones ever are.
     """
     # Each round but the last loses one time more, so there are at most as many rounds as times.
     while True:
@@ -272,14 +274,14 @@ def _before_the_loss(
 
 
 def _fastest_or_swing(bodies: Bodies, rates: Floats) -> Floats:
-    """The larger of the fastest rate that a body can reach and of the rate of its swing."""
+    """The larger of the fastest possible rate of a body and the rate of its swing."""
     swing = np.sqrt(lengths(bodies.weight) / bodies.moments.min(axis=1))
     larger: Floats = np.maximum(rates, swing)
     return larger
 
 
 def _ringing(bodies: Bodies, states: Mapping[str, Any], times: Floats) -> Floats:
-    """What is left of the rates of the start where damping should have ended them, shape (n, m).
+    """The remaining rates of the start after damping should have ended them, shape (n, m).
 
     After an even number of steps it has its first sign again: two runs may agree in it.
     """
@@ -298,7 +300,7 @@ def _ringing(bodies: Bodies, states: Mapping[str, Any], times: Floats) -> Floats
 
 
 def _count_turns(request: Request, taken: Floats, estimate: ErrorEstimate) -> None:
-    """Compare runs that may part by whole turns on the way too; writes larger errors over.
+    """Compare runs that may differ by whole turns at more times; replaces smaller errors.
 
     The steps of a run are equal between output times. So that no bit of its states depends on the
     estimate, a pair of further runs is compared.

@@ -30,12 +30,12 @@ COLUMNS = (
 """The arrays of :class:`Events`."""
 
 _POINTS = COLUMNS[:8]
-"""Those with a row for each time that the event happens."""
+"""The arrays with a row for each time of the event."""
 
 
 @dataclass(frozen=True, slots=True, repr=False, eq=False)
 class Events:
-    """When an event happens in a run, ``p`` times in all: body after body, in the order of times.
+    """The times of an event in a run, and the states then: body after body, in order of time.
 
     Attributes
     ----------
@@ -51,16 +51,17 @@ class Events:
         1 where the quantity rises through the value, -1 where it falls, 0 where it touches it. Of
         :func:`turns` 1 where it is least and -1 where it is largest.
     slope : ndarray, shape (p,)
-        Rate of the quantity; of :func:`turns` its second derivative, of a tilt that of minus its
-        cosine.
+        Rate of the quantity; of :func:`turns` its second derivative, of a tilt the rate of minus
+        its cosine.
     grazing : ndarray of bool, shape (p,)
         Where the quantity turns so near the value, within 1e-12 of its scale, or the error of a
         closed form, that rounding may decide whether it crosses. These are kept whatever their
         direction.
     error : ndarray, shape (p,)
-        Estimated error of ``t`` (s): the error of the quantity over its slope. That of the quantity
-        follows from the error of the closed form; else it is three times what a second run, by a
-        method of another order, makes of it, the largest until then. NaN without that run.
+        Estimated error of ``t`` (s): the error of the quantity over its slope. The error of the
+        quantity follows from the error of the closed form; else it is three times what a second
+        run, by a method of another order, makes of it, the largest until then. NaN without that
+        run.
     body : ndarray of int, shape (p,)
         Index of the body, in the flat order of all.
     complete : ndarray of bool, shape (n,)
@@ -68,8 +69,8 @@ class Events:
         was run, none grazes, and the quantity has not the value all along. With a single body the
         axis is absent.
     lost_from : ndarray, shape (n,)
-        Time from which on the events are lost to rounding: those of a motion that is as good, but
-        not of this start. Infinite if there is none, NaN without a second run.
+        Time from which on the events are lost to rounding: they belong to a motion of another start
+        nearby. Infinite if there is none, NaN without a second run.
     """
 
     event: Event
@@ -103,7 +104,7 @@ class Events:
 
     @property
     def offsets(self) -> NDArray[np.intp]:
-        """Where each body begins: its rows are ``offsets[i]`` to ``offsets[i + 1]``; (n + 1,)."""
+        """First row of each body: its rows are ``offsets[i]`` to ``offsets[i + 1]``; (n + 1,)."""
         offsets: NDArray[np.intp] = np.concatenate([[0], np.cumsum(np.ravel(self.count))])
         return offsets
 
@@ -139,7 +140,7 @@ class Events:
         return replace(self, **rows, **bodies, body=np.zeros(last - first, dtype=np.intp))
 
     def turned(self, axes: Floats, attitude: Floats) -> Self:
-        """The events with ``axes @ v`` for all vectors in the body, and these attitudes."""
+        """The events with vectors ``axes @ v`` in the body, and with the given attitudes."""
         return replace(
             self,
             omega=turned(axes, self.omega),
@@ -158,7 +159,7 @@ class Events:
 
 @dataclass(frozen=True, slots=True)
 class FoundEvents:
-    """What a search of events has found.
+    """The result of a search of events.
 
     Attributes
     ----------
@@ -180,7 +181,7 @@ class FoundEvents:
 
 
 def check_event_method(method: str | None, scene: Scene) -> None:
-    """Raise ValueError for a motion that is no polynomial between two steps."""
+    """Raise ValueError for a method without a polynomial between two steps."""
     known = adaptive_methods(scene.forces)
     who = f"a function is known inside the steps of {known[0]!r} alone"
     if "function" not in scene.forces:
@@ -211,7 +212,7 @@ def find_events(
     max_steps: int,
     threads: int,
 ) -> FoundEvents:
-    """The events of bodies until their ends (s), or until so many that are counted.
+    """The events of bodies until their ends (s), or until the given number of counted events.
 
     The states are in principal axes, whatever the frame of the events.
 
@@ -290,7 +291,7 @@ def _of_each(values: Any, n: int, *width: int) -> Floats:
 
 
 def columns_of(events: tuple[Events, ...]) -> Mapping[str, NDArray[Any]]:
-    """The arrays of all events under names of their own, for a file."""
+    """The arrays of all events with distinct names, for a file."""
     return {
         f"events{k}_{name}": np.asarray(getattr(one, name))
         for k, one in enumerate(events)

@@ -26,20 +26,20 @@ __all__ = ["Fit", "FitWarning", "fit"]
 Floats = NDArray[np.float64]
 
 _PART = 1e-3
-"""Smaller parts of a combination that is not determined are not named."""
+"""Least coefficient that is named in a combination that is not determined."""
 
 _REACHED = 0.01
-"""A minimum is reached if a whole step would lower chi² by less: a tenth of a std."""
+"""A minimum is reached if a whole step would lower chi² by less than this: a tenth of a std."""
 
 
 class FitWarning(UserWarning):
-    """A fit that failed."""
+    """The warning that a fit failed."""
 
 
 @short_repr
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Fit:
-    """Parameters of a motion from measured rates, made by :func:`fit`.
+    """Parameters of a motion with their covariance, fitted to measured rates by :func:`fit`.
 
     Attributes
     ----------
@@ -116,7 +116,7 @@ def fit(
     start: ArrayLike | None = None,
     attitude: ArrayLike | Rotation | None = None,
 ) -> Fit:
-    """Moments, damping, weight and start of a body, and a gyroscope's errors, from measured rates.
+    """Fit moments, damping, weight and start of a body, and gyroscope errors, to measured rates.
 
     Least squares by Levenberg and Marquardt's method with geodesic acceleration (Transtrum and
     Sethna, arXiv:1201.5885, 2012). The derivative is the tangent of the motion: see
@@ -280,7 +280,7 @@ def _covariance(
 
 
 def _combination(names: list[str], changes: Floats, values: Floats) -> str:
-    """Parameters that may change together, in words."""
+    """A combination of parameters that the data leaves undetermined, in words."""
     if len(names) == 1:
         return names[0]
     if values.all() and np.ptp(changes / values) < 1e-4 * np.abs(changes / values).max():

@@ -1,4 +1,4 @@
-"""What the error of steps follows from, and motions whose error no model foresees."""
+"""The quantities from which the error of steps follows, and motions outside the models."""
 
 from __future__ import annotations
 
@@ -20,19 +20,19 @@ __all__ = ["motions_of", "why_unforeseen"]
 Floats = NDArray[np.float64]
 
 SAMPLE = 32
-"""Bodies of a large call that are looked at."""
+"""Number of bodies of a large call that are examined."""
 
 SLOW = 10.0
-"""A body so many times slower than the rate that its steps follow is nearly at rest."""
+"""A body this many times slower than the rate for its steps is nearly at rest."""
 
 NEAR = 0.01
-"""Relative distance from a separatrix, or from the energy of rest upright, that is near."""
+"""Relative distance from a separatrix, or from the energy of rest upright, that counts as near."""
 
 APART = 50.0
-"""The models are made for bodies whose moments are less far apart."""
+"""Largest ratio of moments that the models cover."""
 
 POLE = 7.0
-"""Angle (rad) that bodies of the models turn in the time to the nearest pole of their motion."""
+"""Angle (rad) that bodies of the models turn until the nearest pole of their motion."""
 
 CHAOS = 200.0
 """Angle (rad) after which a top without closed form may be chaotic."""
@@ -48,7 +48,7 @@ def motions_of(
     *,
     states: int,
 ) -> Motions:
-    """What the error of steps of these longest lengths (s), shape (n,), follows from.
+    """The quantities that determine the error of steps of these longest lengths (s), shape (n,).
 
     Parameters
     ----------
@@ -83,7 +83,7 @@ def motions_of(
 
 
 def why_unforeseen(bodies: Bodies, times: Range, *, by_steps: bool) -> str | None:
-    """Why the error of the bodies is not foreseen, None if it is.
+    """The reason why no model foresees the error of the bodies; None if one does.
 
     Of bodies under torque or damping only a stop by drag is looked for.
     """
@@ -96,7 +96,7 @@ def why_unforeseen(bodies: Bodies, times: Range, *, by_steps: bool) -> str | Non
 
 
 def _why_unforeseen(bodies: Bodies, times: Range, *, by_steps: bool) -> str | None:
-    """Why the error of bodies that drag does not stop is not foreseen."""
+    """The reason why no model foresees the error of bodies that drag does not stop."""
     looked_at = np.flatnonzero(~bodies.under_forces())
     looked_at = looked_at[spread_indices(len(looked_at), SAMPLE)]
     if not len(looked_at):
@@ -127,9 +127,9 @@ def _why_unforeseen(bodies: Bodies, times: Range, *, by_steps: bool) -> str | No
 
 
 def _distances_in_energy(bodies: Bodies) -> tuple[Floats, Floats]:
-    """The fastest rate by the energy above hanging, and the distance from rest upright; (n,) each.
+    """Fastest rate by the energy above hanging, and distance from rest upright; (n,) each.
 
-    The distance is that of the energies, relative to ``mgl``. NaN for a body without weight.
+    The distance is a difference of energies, relative to ``mgl``. NaN for a body without weight.
     """
     size = lengths(bodies.weight)
     up = bodies.weight / size[:, None]
@@ -150,7 +150,7 @@ def _ascending(bodies: Bodies) -> tuple[Floats, Floats]:
 
 
 def _distance_from_separatrix(bodies: Bodies) -> Floats:
-    """Distance of free bodies from their separatrix, of that of the axis there; (n,).
+    """Distance of free bodies from their separatrix over its distance from the axis; (n,).
 
     It is 1 if two moments are equal.
     """
@@ -164,7 +164,7 @@ def _distance_from_separatrix(bodies: Bodies) -> Floats:
 
 
 def _nearness_of_poles(bodies: Bodies, rates: Floats) -> Floats:
-    """How many times shorter steps must be than those of the models for the same error; shape (n,).
+    """Factor by which steps must be shorter than in the models for the same error; shape (n,).
 
     The rates of a free body are elliptic functions of time, and ``K(1 - m)/s`` beside the real
     times they have poles (Landau & Lifshitz, *Mechanics*, § 37): that is where series end to

@@ -1,4 +1,4 @@
-"""The frequencies of a motion: lines of its spectrum, sharper than a Fourier transform."""
+"""The frequencies of a motion as spectral lines, sharper than by a Fourier transform."""
 
 from __future__ import annotations
 
@@ -25,13 +25,13 @@ UNEVEN = 1e-9
 """Largest deviation of a time from even spacing, in steps."""
 
 AS_STRONG = 0.9
-"""A line is as strong as another one if it has at least this share of its amplitude."""
+"""A line is as strong as another one if its amplitude is at least this share of the other."""
 
 SLIGHTEST = 1e-4
-"""Waves that are less than this beside the others have no amplitude."""
+"""Waves with a smaller share than this beside the others have no amplitude."""
 
 LEFT = 4.0
-"""Share of a line that an error of its frequency by the width of the window may leave of it."""
+"""Share of a line that remains if its frequency is wrong by the width of the window."""
 
 PASSES = 12
 """Most rounds in which each line is found again without the others."""
@@ -45,9 +45,9 @@ class Lines:
     Attributes
     ----------
     frequency : ndarray, shape (..., count)
-        Angular frequencies (rad/s) up to that of Nyquist, ``pi`` over the time between samples; of
-        real signals not negative. NaN where the signal has fewer lines than were asked for: what is
-        left of it is rounding.
+        Angular frequencies (rad/s) up to Nyquist's frequency, ``pi`` over the time between samples;
+        of real signals not negative. NaN where the signal has fewer lines than were asked for: what
+        is left of it is rounding.
     amplitude : ndarray of complex, shape (..., count)
         The signal is about the sum of ``amplitude * exp(i frequency t)``; a real signal is its real
         part. Zero where there is no line.
@@ -68,9 +68,9 @@ class FrequencyDrift:
     Attributes
     ----------
     first, second : Lines
-        The strongest line of each half. Of lines that are about as strong as each other, as those
-        of a swing in a plane at plus and minus its frequency, the second half has the one that is
-        nearest to that of the first.
+        The strongest line of each half. Of lines that are about equally strong, as for a swing in a
+        plane at plus and minus its frequency, the second half has the line nearest to the line of
+        the first half.
     drift : ndarray, shape (...)
         Change of the frequency between the halves (rad/s), in absolute value.
     error : ndarray, shape (...)
@@ -84,11 +84,11 @@ class FrequencyDrift:
 
 
 def frequencies(t: ArrayLike, z: ArrayLike, count: int = 1) -> Lines:
-    """The strongest lines of a signal, by Laskar's numerical analysis of fundamental frequencies.
+    """Find the strongest lines of a signal, by Laskar's analysis of fundamental frequencies.
 
     The frequency at which the product of the signal with ``exp(-i w t)``, under a Hann window, is
     largest is found by Newton's method from the highest point of a Fourier transform. Its error
-    falls like ``1 / T⁴`` with the length of the signal, that of a transform like ``1 / T``.
+    falls like ``1 / T⁴`` with the length of the signal, the error of a transform like ``1 / T``.
     Several lines are found one after another, then each again without the others.
 
     Parameters
@@ -144,7 +144,7 @@ def frequencies(t: ArrayLike, z: ArrayLike, count: int = 1) -> Lines:
 def _strongest(
     times: Floats, signals: NDArray[np.inexact], count: int, near: Floats | None = None
 ) -> Lines:
-    """The strongest lines; of those as strong as the first, the nearest to a frequency of each."""
+    """The strongest lines; among equally strong ones the nearest to a given frequency."""
     if len(times) < FEWEST:
         raise ValueError(f"t: {len(times)} times, but lines need at least {FEWEST}")
     if 8 * count > len(times):
@@ -179,7 +179,7 @@ def _strongest(
 
 
 def frequency_drift(run: Run, of: str = "omega") -> FrequencyDrift:
-    """The change of the main frequency of a motion between the two halves of a run.
+    """Measure the change of the main frequency between the two halves of a run.
 
     Regular motions keep their frequencies; in a chaotic motion they wander. The drift is a measure
     of this which, unlike an exponent, also shows slow diffusion.
@@ -306,7 +306,7 @@ class _Analysis:
         return frequency[order], amplitude[order]
 
     def errors(self, frequency: Floats, amplitude: Complex, apart: Floats) -> Floats:
-        """Errors of lines: what they are apart under another window, and what that does not see."""
+        """Errors of lines: the change under another window, and the part it does not show."""
         if not len(frequency):
             return np.empty(0)
         # The phases of a strong line round, and a weak line is found in what is left.
@@ -333,7 +333,7 @@ class _Analysis:
         return error
 
     def _noise(self, rest: NDArray[np.inexact]) -> float:
-        """Standard deviation of the frequency of a wave of amplitude one under the rest as noise.
+        """Standard deviation of the frequency of a wave of amplitude one, with the rest as noise.
 
         White noise n moves the maximum by the imaginary part of ``sum n t`` over ``sum t²``, both
         under the window. Its power in a transform has an exponential distribution, with a median of
@@ -344,12 +344,12 @@ class _Analysis:
         return float(np.sqrt(0.5 * power * spread) / (self.window * self.t**2).sum())
 
     def _rounding(self, frequency: Floats, amplitude: Complex) -> float:
-        """Size of what rounding leaves of a signal, most of it that of phases."""
+        """Size of the rounding errors in a signal, most of it from phases."""
         phase = float(np.abs(frequency * self.t[-1]).max(initial=0.0))
         return float(16.0 * np.finfo(float).eps * (1.0 + phase) * np.abs(amplitude).sum())
 
     def refined(self, frequency: Floats, amplitude: Complex) -> tuple[Floats, Complex]:
-        """Lines from values close to them."""
+        """Lines from nearby values."""
         frequency = frequency.copy()
         for _ in range(PASSES):
             before = frequency.copy()
@@ -388,11 +388,11 @@ class _Analysis:
         return waves.real if self.real else waves
 
     def _has_mirror(self, frequency: float, widths: float = 2.0) -> bool:
-        """Whether a real line is apart from its mirror images, at zero and at Nyquist's."""
+        """Whether a real line is separated from its images at zero and at Nyquist's frequency."""
         return bool(widths * self.width < abs(frequency) < self.nyquist - widths * self.width)
 
     def _highest(self, signal: NDArray[np.inexact], near: float) -> float:
-        """The frequency of the highest point of the transform, or the nearest about as high."""
+        """The frequency of the highest point of the transform, or of the nearest similar point."""
         size = 4 * len(signal)
         power = np.abs(np.fft.fft(signal * self.window, size))
         grid = 2.0 * np.pi * np.fft.fftfreq(size, self.step)
@@ -422,7 +422,7 @@ class _Analysis:
         return self._in_band(frequency)
 
     def _in_band(self, frequency: float) -> float:
-        """The frequency up to Nyquist's whose wave has the same samples."""
+        """The frequency up to Nyquist's frequency whose wave has the same samples."""
         if abs(frequency) <= self.nyquist:
             return frequency
         within = frequency - np.copysign(2.0 * self.nyquist, frequency)

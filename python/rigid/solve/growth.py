@@ -1,4 +1,4 @@
-"""Growth of small deviation vectors of motions, and what it says of chaos."""
+"""Growth of small deviation vectors along motions, and the verdict regular or chaotic."""
 
 from __future__ import annotations
 
@@ -60,7 +60,9 @@ LABELS: Mapping[str, str] = {
 
 @dataclass(frozen=True, slots=True, repr=False, eq=False)
 class Growth:
-    """The result of :func:`lyapunov`. With a single body the leading axis ``n`` is absent.
+    """Exponents and chaos indicators of motions over time, from :func:`lyapunov`.
+
+    With a single body the leading axis ``n`` is absent.
 
     Attributes
     ----------
@@ -89,8 +91,8 @@ class Growth:
         from a run with a method of another order in other steps, and rounding. NaN without that
         run.
     lost_from : ndarray, shape (n,)
-        Time from which on the motion itself is lost to rounding or truncation: exponents from there
-        on are those of a numerical motion. Infinite if there is none, NaN where it is not known.
+        Time from which on the motion itself is lost to rounding or truncation: later exponents
+        belong to a numerical motion. Infinite if there is none, NaN where it is not known.
     verdict : ndarray of str, shape (n,)
         At the last time: ``"regular"``, ``"chaotic"``, ``"undecided"``, or ``"failed"`` for a body
         that was not run to its end. A free body or a Lagrange top without torque and damping is
@@ -158,7 +160,7 @@ class Growth:
         return paired
 
     def reasons(self) -> tuple[Any, ...]:
-        """The verdict on each body, and what it means, in a sentence each.
+        """A sentence for each body: the verdict and its meaning.
 
         With several leading axes the sentences are tuples of tuples.
 
@@ -197,7 +199,7 @@ class Growth:
         what : {"exponent", "log_growth", "megno", "mean_megno", "fli", "sali"}
             The indicator; exponent and SALI on logarithmic axes.
         ax : matplotlib Axes, optional
-            By default those of a new figure.
+            By default the axes of a new figure.
 
         Returns
         -------

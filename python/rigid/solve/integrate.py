@@ -1,4 +1,4 @@
-"""States with their estimated errors, and by shorter steps until they are accurate."""
+"""States by steps with their estimated errors, repeated with shorter steps until accurate."""
 
 from __future__ import annotations
 
@@ -38,47 +38,49 @@ __all__ = ["compute_states", "integrate"]
 Floats = NDArray[np.float64]
 
 SAMPLE = 32
-"""Number of bodies of a large call that are integrated again: the lanes of a group."""
+"""Number of bodies of a large call that are integrated again: they fill the lanes of a group."""
 
 ATTEMPTS = 4
 """Largest number of times that the steps of a body are shortened to reach an accuracy."""
 
 MARGIN = 4.0
-"""Shorter steps should err by the accuracy over this. Another attempt costs more than they do."""
+"""Aim of shorter steps: the accuracy over this. Another attempt costs more than these steps."""
 
 LEAST, MOST = 1.2, 8.0
-"""The steps of an attempt are shorter by a factor between these."""
+"""Least and largest factor by which an attempt shortens the steps."""
 
 MUCH = 2.0
-"""Steps shorter by less may err more: errors of few steps do not fall evenly."""
+"""Steps shorter by a smaller factor may have larger errors: errors of few steps do not fall
+evenly."""
 
 MULTIPLIED = 5.0
-"""Errors that are so many times as large as those of the model are multiplied by the motion."""
+"""Errors this many times larger than in the model are multiplied by the motion."""
 
 PILOTED = 512
-"""From so many bodies on a few are integrated first, and tell the steps of all."""
+"""Number of bodies from which on a few are integrated first, to choose the steps of all."""
 
 SPARED = 1.2
-"""Steps are made for so much more than the error of those that are integrated first.
+"""Factor from the error of the bodies integrated first to the error that steps are made for.
 
 Others may err more, and the errors of longer steps do not fall evenly. Of 150 clouds of 512 alike
 tops a tenth of the bodies or more were integrated again in 38 at 1.05, in 18 at 1.1, in 5 at 1.2
 and in 3 at 1.35; 1.2 took the least time."""
 
 LONGEST = 1.5
-"""Steps are longer than those of the model by at most this, whatever the first bodies tell.
+"""Largest factor by which steps are longer than in the model, whatever the first bodies show.
 
-Those of methods that preserve the group are not: a step of Moser and Veselov has no solution beyond
-an angle."""
+The steps of methods that preserve the group are no longer: a step of Moser and Veselov has no
+solution beyond an angle."""
 
 LOST = 0.1
-"""Two runs that are so far apart tell no order: the motion is lost in one of them."""
+"""Distance of two runs that shows no order: the motion is lost in one of them."""
 
 AGAIN = 1.1
-"""Work of another attempt over that of the first with the same steps: 1 + 2**(4/8) over 1 + 1.2."""
+"""Work of another attempt over the work of the first with the same steps: 1 + 2**(4/8) over 1 +
+1.2."""
 
 DIVISION = 8.0
-"""Under strong damping each attempt divides all steps by this."""
+"""Factor by which each attempt divides all steps under strong damping."""
 
 
 def compute_states(
@@ -93,8 +95,8 @@ def compute_states(
 ) -> tuple[MutableMapping[str, Any], ErrorEstimate | _core.States]:
     """The states in closed form or by steps, their work (J), and their estimated errors.
 
-    The arguments are those of :func:`integrate`; ``target`` says where the states go. The states
-    are their own estimate where the core knows the errors, and that all bodies have arrived.
+    The arguments are as for :func:`integrate`; ``target`` holds the states. The states are their
+    own estimate where the core knows the errors, and that all bodies have arrived.
     """
     bodies = request.bodies
     states: MutableMapping[str, Any]
@@ -135,7 +137,7 @@ def integrate(
     check : bool
         Whether errors are estimated; an accuracy requires the estimate.
     every : bool
-        Whether those of all bodies are estimated, not those of a sample.
+        Whether the errors of all bodies are estimated, not only of a sample.
     pilot : bool
         Whether the steps of many bodies for an accuracy may follow from the errors of a few.
     out : mapping, optional
@@ -174,7 +176,7 @@ def _in_parts(
     every: bool,
     pilot: bool,
 ) -> tuple[MutableMapping[str, Any], ErrorEstimate]:
-    """Bodies under torque and damping, and those without: each part as if it were alone."""
+    """Bodies under torque and damping, and the other bodies: each part as if it were alone."""
     states: dict[str, Any] = {}
     estimate = unknown_error(len(forced))
     for mine in (np.flatnonzero(forced), np.flatnonzero(~forced)):
@@ -198,7 +200,7 @@ def _in_parts(
 def _sampled_estimate(
     request: Request, states: MutableMapping[str, Any], steps: Floats | None, most: int
 ) -> ErrorEstimate:
-    """The errors of all bodies, of a large call those of a sample unless one of them is lost."""
+    """The errors of all bodies; for a large call of a sample, unless a body of it is lost."""
     count = len(request.bodies)
     if count <= most:
         return estimate_error(request, states, steps)
@@ -220,7 +222,7 @@ def _refined(
     pilot: bool,
     out: Mapping[str, NDArray[Any]] | None,
 ) -> tuple[MutableMapping[str, Any], ErrorEstimate]:
-    """The states by about these steps, or shorter ones until they are accurate; their errors."""
+    """The states by about these steps, or by shorter ones until they are accurate; their errors."""
     order, halvings = order_of(request.method), HALVINGS
     if has_its_order(request.bodies, request.method):
         error = 1.0
@@ -262,7 +264,7 @@ def _refined(
 
 
 def _stated(request: Request, halvings: float) -> float:
-    """What is stated of the run that is returned, over the error of the first run."""
+    """Ratio of the error stated for the returned run to the error of the first run."""
     if not is_refined_alike(request.bodies, request.method):
         return SAFETY
     left: float = 2.0**-halvings
@@ -270,11 +272,12 @@ def _stated(request: Request, halvings: float) -> float:
 
 
 def _error_of_a_few(request: Request, steps: Floats, accuracy: float) -> float:
-    """The error of one of a few bodies, with these steps: the steps of all are best made for it.
+    """The error, among a few bodies with these steps, for which the steps of all are best made.
 
-    Steps with which one of the few is just accurate are compared: of those that err more another
-    attempt is made. The few are spread over the angles that the bodies turn. The error is that of
-    the model, the accuracy, where an eighth of them or more are lost: they tell of no others.
+    Steps with which one of the few is just accurate are compared: bodies with larger errors need
+    another attempt. The few are spread over the angles that the bodies turn. The error of the
+    model, the accuracy, is taken where an eighth of the few or more are lost: they show nothing
+    about others.
     """
     angles = request.bodies.fastest_rates(time_ranges(request.times)) * time_span(request.times)
     few = np.argsort(angles, kind="stable")[spread_indices(len(steps), SAMPLE)]
@@ -296,7 +299,7 @@ def _error_of_a_few(request: Request, steps: Floats, accuracy: float) -> float:
 
 def _step_reductions(errors: Floats, accuracy: float, order: int) -> Floats:
     """The factors by which steps must shrink for errors to fall well below the accuracy."""
-    # Powers of single floats: those of an array have other bits on other processors.
+    # Powers of single floats: powers of an array have other bits on other processors.
     factors = [(MARGIN * error / accuracy) ** (1.0 / order) for error in errors.tolist()]
     reductions: Floats = np.clip(np.array(factors), LEAST, MOST)
     return reductions
@@ -305,7 +308,7 @@ def _step_reductions(errors: Floats, accuracy: float, order: int) -> Floats:
 def _replace_states(
     states: MutableMapping[str, Any], bodies: NDArray[np.intp], others: Mapping[str, Any]
 ) -> None:
-    """Write the states of some bodies over."""
+    """Replace the states of some bodies."""
     for name, values in others.items():
         if values is not None:
             states[name][bodies] = values

@@ -1,4 +1,4 @@
-"""What is made when it is first read."""
+"""Objects that are made when they are first read."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ Made = TypeVar("Made")
 
 
 class Lazy(Generic[Made]):
-    """What is made when it is first read: many runs are made, and few of their parts are read.
+    """An object made when it is first read: many runs are made, few of their parts are read.
 
     What it is made of must not change meanwhile. Two threads that read it first make the same.
     """
@@ -24,11 +24,11 @@ class Lazy(Generic[Made]):
 
     @classmethod
     def of(cls, made: Made) -> Self:
-        """What is made already."""
+        """A wrapper of an object that is made already."""
         return cls(lambda: made)
 
     def __call__(self) -> Made:
-        """What is made."""
+        """The object."""
         making = self._making
         if making is not None:
             make, given = making

@@ -13,13 +13,13 @@ __all__ = ["UNTOLD", "Minimum", "minimum"]
 Floats = NDArray[np.float64]
 
 UNTOLD = 1.0
-"""A combination whose standard deviation is above this share of the sizes is not determined."""
+"""Standard deviation, as a share of the sizes, above which a combination is not determined."""
 
 _BEND = 0.75
-"""Largest bend of a step, as a share of its straight part: that of the paper."""
+"""Largest bend of a step, as a share of its straight part; value of the paper."""
 
 _PROBE = 0.1
-"""Share of the straight step at which the residuals tell the bend: that of the paper."""
+"""Share of the straight step at which the residuals show the bend; value of the paper."""
 
 _WIDEST = 1e12
 """Damping with which a step is no longer than rounding."""
@@ -27,7 +27,7 @@ _WIDEST = 1e12
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Minimum:
-    """Where the iteration ended.
+    """The result of the iteration.
 
     Attributes
     ----------
@@ -61,7 +61,7 @@ def minimum(
     gain: float,
     most: int,
 ) -> Minimum:
-    """The minimum of the sum of squares of residuals beside ``x``, inside the box.
+    """The minimum of the sum of squares of residuals near ``x``, inside the box.
 
     Where two numbers enter by their product, the valley of the sum of squares is narrow and curved,
     and a straight step is short. A step here is a piece of a parabola. Its bend is the second
@@ -130,7 +130,7 @@ def _step(
     free: NDArray[np.bool_],
     reach: tuple[Floats | float, Floats | float],
 ) -> tuple[Floats, NDArray[np.bool_]]:
-    """The damped step whose ``scaled`` is nearest to ``wanted``; what its reach leaves free.
+    """The damped step whose ``scaled`` is nearest to ``wanted``, and the coordinates left free.
 
     A coordinate that would go too far stays at the end of its reach, and the others adapt.
     """

@@ -35,8 +35,8 @@ __all__ = ["growth_of", "lyapunov"]
 Floats = NDArray[np.float64]
 
 GENERIC = _core.generic_deviations()
-"""Deviation vectors at the start: rates in the unit of the body, rotation vectors in rad. Each
-has a part along the direction that grows most."""
+"""Deviation vectors at the start: rates in the unit of the body, rotation vectors in rad. Each has
+a part along the direction of the fastest growth."""
 
 ANOTHER = "taylor20"
 """The method of the second run of :data:`SECOND`."""
@@ -48,13 +48,14 @@ CHECKPOINTS = tuple(1.0 / parts for parts in _core.CHECKPOINT_PARTS)
 """Shares of the horizon at which the mean MEGNO is read for the verdict."""
 
 ROUNDING = 4.0 * float(np.finfo(np.float64).eps)
-"""Error of a logarithm of two sizes, both a sum of six squares, that another run may share."""
+"""Error of a logarithm of two sizes, each a sum of six squares, that another run may share."""
 
 FEWEST = 64
 """Least number of steps until the first time and the first checkpoint: means need them."""
 
 FEWEST_AGAIN = 91
-"""That of the second run: series of two orders in the same steps round alike, bit by bit."""
+"""Least number of steps of the second run: series of two orders in the same steps round alike, bit
+by bit."""
 
 
 @in_standard_floats
@@ -73,7 +74,7 @@ def lyapunov(
     max_steps: int = 10**9,
     threads: int | None = None,
 ) -> Growth:
-    """How fast motions beside a motion part from it: exponents, MEGNO, FLI, SALI and GALI.
+    """Measure how fast neighbouring motions separate: exponents, MEGNO, FLI, SALI and GALI.
 
     A small deviation vector of the motion, a change of the rates and a rotation vector, is
     integrated with it by the linear equations of the tangent. Its size is divided by powers of two
@@ -103,7 +104,8 @@ def lyapunov(
     method : str, optional
         One of the :func:`rigid.methods` with a tangent. Default: ``"taylor16"``.
     step : float, optional
-        Largest step (s). Default: that of the method, and at least 64 steps until the first time.
+        Largest step (s). Default: the default step of the method, and at least 64 steps until the
+        first time.
     check : bool
         Whether a second run, by another method, estimates the error and confirms the verdict with
         another deviation vector.
@@ -130,7 +132,7 @@ def lyapunov(
     is no matter of chaos: at a resonance this change is quadratic in the time, and some tops are
     integrable at one value only. So both deviation vectors of a verdict keep it.
 
-    All integrals are those of ``Λ = ln |v|`` over the time. They are sums over the steps of a
+    All integrals are integrals of ``Λ = ln |v|`` over the time. They are sums over the steps of a
     Runge-Kutta method; a Taylor method knows ``Λ`` inside its steps too.
 
     References
@@ -305,17 +307,17 @@ class _Run:
 
 
 def _starts(bodies: Bodies) -> Floats:
-    """Deviation vectors of the two runs of a verdict on each body at its start, (n, 2, 6)."""
+    """Deviation vectors at the start of the two runs of a verdict, for each body, (n, 2, 6)."""
     columns = bodies.columns()
     del columns["scene"]
     return _core.deviation_starts(**columns)
 
 
 def _unscaled(vectors: Floats, scale: Floats) -> Floats:
-    """Deviation vectors (n, ..., 6) in rad/s and rad, from those in units of the bodies."""
+    """Deviation vectors (n, ..., 6) in rad/s and rad, from the units of the bodies."""
     unit = np.repeat(scale[:, np.newaxis], 3, axis=1)
     units = np.concatenate([unit, np.ones_like(unit)], axis=1)
-    # A scale that overflows is that of a body which is not run.
+    # A scale that overflows belongs to a body that is not run.
     with np.errstate(invalid="ignore", over="ignore"):
         scaled: Floats = vectors * (units[:, np.newaxis] if vectors.ndim == 3 else units)
     return scaled
@@ -357,7 +359,7 @@ def _measured(bodies: Bodies, vectors: Floats, scale: Floats, of: str) -> Floats
 def _lost_from(
     bodies: Bodies, times: Floats, method: str, steps: Floats | None, max_steps: int, threads: int
 ) -> Floats:
-    """Time from which on the rates of each body are lost, at a hundred times to look at."""
+    """Time from which on the rates of each body are lost, to a hundredth of the horizon."""
     request = Request(
         bodies=bodies,
         times=np.union1d(times, np.linspace(0.0, times[-1], LOOKS + 1)[1:]),

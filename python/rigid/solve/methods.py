@@ -48,12 +48,12 @@ AUTO = "auto"
 """In a map: the closed form for each body that has one, else :data:`MAP_FALLBACK`."""
 
 RETIRED = _core.retired_methods()
-"""The methods of earlier versions, each with the one that takes its place."""
+"""The methods of earlier versions, each with its successor."""
 
 _CHOSEN = _core.chosen_methods()
 
 STIFF = _CHOSEN["stiff"]
-"""The method for strong damping; without damping it is the fallback."""
+"""The default method for strong damping."""
 
 FALLBACK = _CHOSEN["default"]
 """The default method of bodies without a closed form."""
@@ -62,21 +62,21 @@ MAP_FALLBACK = _CHOSEN["map"]
 """The default method of the samples of a map without a closed form."""
 
 GROWTH_FALLBACK = _CHOSEN["growth"]
-"""That of a map that measures the growth of deviation vectors."""
+"""The default method of a map that measures the growth of deviation vectors."""
 
 SECOND = _CHOSEN["second"]
 """The method that classifies the samples of a map again."""
 
 FUNCTION = _CHOSEN["function"]
-"""That of a map under the torque of a function: the one that is known inside its steps there."""
+"""The default method of a map with a callback: the one that knows its motion inside steps there."""
 
 GROWTH_SECOND = _CHOSEN["second_growth"]
-"""That of a map that measures the growth of deviation vectors."""
+"""The second method of a map that measures the growth of deviation vectors."""
 
 
 @dataclass(frozen=True, slots=True)
 class Method:
-    """Properties of a method, and its source.
+    """Name, order, costs and properties of a method, and its source.
 
     Attributes
     ----------
@@ -96,8 +96,8 @@ class Method:
         What of a free body is constant up to rounding with any step: ``"momentum"``, in space, and
         ``"energy"``.
     tangent : bool
-        Integrates small deviation vectors with the motion; a symplectic method those of bodies
-        without torque and damping, and none by parameters.
+        Integrates small deviation vectors with the motion; a symplectic method only for bodies
+        without torque and damping, and not by parameters.
     forces : tuple of str
         The forces that it integrates: ``"torque"``, ``"damping"``, ``"function"`` and the names of
         the others; empty if none.
@@ -174,7 +174,7 @@ class Methods(tuple[Method, ...]):
 
 
 def methods() -> Methods:
-    """All methods that make steps; ``"exact"``, which makes none, is not among them.
+    """All methods that make steps, with their properties; ``"exact"`` is not among them.
 
     Examples
     --------
@@ -206,12 +206,12 @@ def is_processed(name: str) -> bool:
 
 
 def is_compensated(name: str) -> bool:
-    """Whether a method carries the rounding of a fixed step to the next one."""
+    """Whether a method carries the rounding error of a fixed step to the next step."""
     return _named(name).compensated
 
 
 def preserves_groups(name: str) -> bool:
-    """Whether a method turns momenta and directions, so that their lengths stay."""
+    """Whether a method turns momenta and directions, so that their lengths are preserved."""
     return _named(name).group_preserving
 
 
@@ -233,12 +233,12 @@ def run_methods() -> tuple[str, ...]:
 
 
 def series_methods() -> list[str]:
-    """The names of the Taylor methods, which may choose their steps by a tolerance."""
+    """The names of the Taylor methods, which can take adaptive steps."""
     return [method.name for method in methods() if method.series]
 
 
 def adaptive_methods(forces: Collection[str]) -> list[str]:
-    """The names of the methods that may choose their steps, and are known inside them."""
+    """The names of the methods with adaptive steps and a motion inside steps."""
     return [FUNCTION] if "function" in forces else series_methods()
 
 
@@ -250,7 +250,7 @@ def tangent_methods(*, forced: bool = False) -> tuple[str, ...]:
 
 
 def methods_under(forces: Collection[str]) -> list[str]:
-    """The names of the methods that integrate all of these forces, or some if there are none."""
+    """The names of the methods that integrate all of these forces; without forces all names."""
     wanted = set(forces) or {"torque"}
     return [method.name for method in methods() if wanted <= set(method.forces)]
 
@@ -261,12 +261,12 @@ def plain_methods() -> list[str]:
 
 
 def map_methods() -> list[str]:
-    """The names that a map accepts for some scene; :func:`check_method` rejects others."""
+    """The names that a map accepts for some scene; :func:`check_method` refuses others."""
     return [AUTO, *run_methods()]
 
 
 def known_method(argument: str, name: object, known: Iterable[str]) -> str:
-    """One of the names; raise ValueError for others, naming the successor of a retired one."""
+    """The name, if it is known; ValueError for others, with the successor of a retired one."""
     if isinstance(name, str) and name in RETIRED:
         raise ValueError(f"{argument} = {name!r}: is no longer a method; use {RETIRED[name]!r}")
     return one_of(argument, name, known)
@@ -279,7 +279,7 @@ def check_method(
     watched: bool,
     forces: Collection[str] = (),
 ) -> None:
-    """Raise ValueError if a method does not integrate the kind of scene, or cannot be observed."""
+    """Raise ValueError if a method does not integrate the scene, or cannot be observed."""
     if name in (AUTO, EXACT):
         return
     _core.check_method(name, kind, watched)
@@ -291,5 +291,5 @@ def check_method(
 
 
 def is_stiff(name: str) -> bool:
-    """Whether strong damping does not force a method to short steps."""
+    """Whether a method takes long steps under strong damping."""
     return _named(name).stiff

@@ -1,4 +1,4 @@
-"""One body or many, moved step by step."""
+"""One body or many in motion, step by step."""
 
 from __future__ import annotations
 
@@ -27,11 +27,11 @@ Floats = NDArray[np.float64]
 
 
 class Motion:
-    """One body or many in motion, for a torque that is only known from step to step.
+    """One body or many in motion, for a torque that is chosen from step to step.
 
     A controller reads the state, chooses a torque and makes a step; a step of one body takes some
-    microseconds. The steps are those of :func:`simulate` with the same method: the states have the
-    bits of a run that wants the state after each step, where the times of both are the same
+    microseconds. The steps are the steps of :func:`simulate` with the same method: the states have
+    the bits of a run with the end of each step as output time, where the times of both are the same
     numbers, as with steps of ``2**-k`` s. The error of a motion is not estimated: compare it with a
     motion of half the step.
 
@@ -135,23 +135,23 @@ class Motion:
 
     @property
     def attitude(self) -> Floats:
-        """Quaternion now, scalar first, body to space, shape (4,) or (n, 4). Not renormalised."""
+        """Quaternion now, scalar first, body to space, (4,) or (n, 4); not normalised again."""
         attitude = self._core.attitude()
         if self._frame is not None:
             attitude = attitudes_in_frame(self._frame, attitude)
         return attitude[0] if self._single else attitude
 
     def step(self, dt: float, torque: ArrayLike | None = None) -> None:
-        """Make one step of the method; where the scene's table of a torque has a knot, two.
+        """Make one step of the method; two steps if a knot of the table of a torque lies inside.
 
         Parameters
         ----------
         dt : float
             Length of the step (s); negative backward in time.
         torque : array_like, shape (3,) or (n, 3), optional
-            Torque in body axes during the step (N m), in addition to that of the scene. The first
-            torque changes a scene without torque and damping to the variables of forced bodies;
-            from there on its bits are those of a run that begins at this state.
+            Torque in body axes during the step (N m), in addition to the torque of the scene. The
+            first torque changes a scene without torque and damping to the variables of forced
+            bodies; from there on its bits agree with a run that begins at this state.
 
         Raises
         ------
@@ -172,7 +172,7 @@ class Motion:
         self._core.step(dt, torque)
 
     def copy(self) -> Motion:
-        """A motion of the same bodies from here on, with the same bits.
+        """A second motion of the same bodies from here on, with the same bits.
 
         ``copy.copy``, ``copy.deepcopy`` and ``pickle`` make one too.
         """
@@ -210,5 +210,5 @@ def _rebuilt(
 
 
 def _is_plain(torque: ArrayLike) -> bool:
-    """Whether the core reads the torque as it is: checks of arrays would take as long as a step."""
+    """Whether the core can read the torque without a check, which would take as long as a step."""
     return isinstance(torque, tuple) and all(isinstance(part, float) for part in torque)

@@ -1,4 +1,4 @@
-"""A run at other times: its motion again, by the same method."""
+"""A run at other output times: its motion is computed again, by the same method."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ __all__ = ["states_at"]
 
 
 def states_at(run: Run, t: ArrayLike) -> Run:
-    """The run at other times; see :meth:`Run.at`."""
+    """The run at other output times; see :meth:`Run.at`."""
     shape, given = run.status.shape, np.atleast_1d(finite_array("t", t))
     if given.ndim > 1 and given.shape[:-1] != shape:
         raise ValueError(
@@ -89,7 +89,7 @@ def _check_inside(times: NDArray[np.float64], reached: Range) -> None:
 
 
 def _in_order(run: Run, times: NDArray[np.float64], order: NDArray[np.intp]) -> Run:
-    """The states of ascending times in the order of the times that were asked for."""
+    """The states of ascending times, in the order of the requested times."""
     place = np.argsort(order, axis=-1)
 
     def moved(array: NDArray[Any] | None, width: int) -> NDArray[Any] | None:

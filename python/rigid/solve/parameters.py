@@ -19,8 +19,8 @@ __all__ = ["check_parameters", "parameter_changes"]
 Floats = NDArray[np.float64]
 
 _PLACES, _LEN = _core.change_places()
-"""Numbers of a change: moments, ``mgl com``, damping 11, 22, 33, 23, 31, 12, torque in the body,
-and those of the further forces, which begin at these places."""
+"""Numbers of a change: moments, ``mgl com``, damping 11, 22, 33, 23, 31, 12, and torque in the
+body. The numbers of the further forces begin at these places."""
 
 _OF_BODY: dict[str, tuple[int, ...]] = {
     **{f"I{k + 1}": (k,) for k in range(3)},
@@ -28,7 +28,7 @@ _OF_BODY: dict[str, tuple[int, ...]] = {
     **{f"damping{k + 1}": (6 + k,) for k in range(3)},
     **{f"torque{k + 1}": (12 + k,) for k in range(3)},
 }
-"""The numbers that a parameter of any scene adds one to."""
+"""The numbers to which a parameter of any scene adds one."""
 
 _OF_FORCE: Mapping[str, tuple[str, tuple[int, ...]]] = {
     f"{force}{axis or ''}": (force, (axis - 1,) if axis else (0, 1, 2))
@@ -36,7 +36,7 @@ _OF_FORCE: Mapping[str, tuple[str, tuple[int, ...]]] = {
     for axis in range(4)
     if axis or force != "rotor"
 } | {name: ("orbit", (k,)) for k, name in enumerate(("rate", "eccentricity", "anomaly"))}
-"""The force of a parameter that a scene has only with the force, and which of its numbers."""
+"""The force, and which of its numbers, of each parameter that a scene has only with the force."""
 
 _OF_WEIGHT = ("mgl", "com1", "com2", "com3")
 
@@ -44,7 +44,7 @@ _GROUPS = {"com": _OF_WEIGHT[1:]}
 
 
 def check_parameters(tangent: bool | str | Sequence[str], scene: Scene) -> tuple[str, ...] | None:
-    """The parameters of the argument ``tangent``: none of True; None if it is False.
+    """The parameters in the argument ``tangent``: none for True; None for False.
 
     Raises
     ------
@@ -84,7 +84,7 @@ def check_parameters(tangent: bool | str | Sequence[str], scene: Scene) -> tuple
 def parameter_changes(
     scene: Scene, bodies: Bodies, names: Sequence[str]
 ) -> tuple[Floats, NDArray[np.intc]]:
-    """A change of each parameter of each body, shape (n, k, m), and the power of two in its unit.
+    """The change of each parameter of each body, shape (n, k, m), and the power of two in its unit.
 
     A change of a parameter in SI units is that change times ``2**exponent``, shape (n, k): moments,
     weight, damping and torque are counted in the unit of the bodies.

@@ -1,8 +1,8 @@
-"""The plan of a question: the method, the integrated variables, the omissions, and reasons.
+"""The plan of a question: method, state variables, omitted computations, and reasons.
 
 A plan omits what a scene does not need: no attitude for rates, no steps for a closed form, no
-trajectory for a classification. Symmetry counts only if two moments are equal to the bit: a
-relative difference of 1e-16 changes a sleeping top by 1e-4, so nothing is symmetrised.
+trajectory for a classification. Symmetry counts only if two moments are exactly equal: a relative
+difference of 1e-16 changes a sleeping top by 1e-4, so nothing is symmetrised.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ __all__ = ["LazyPlan", "Plan", "carried", "left_out"]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Plan:
-    """The computation for a question about a scene, made by :func:`rigid.plan`.
+    """The computation for a question about a scene: method, steps, cost, error, reasons.
 
     Attributes
     ----------
@@ -51,8 +51,8 @@ class Plan:
         The reasons, and the parts that the scene or the question does not need.
     work : float or None
         Estimate of the work of a body, the costliest of many that differ, in units that hold on any
-        machine; of a call by steps that of one run with the steps of the model, without the second
-        run that estimates the error.
+        machine; of a call by steps the work of one run with the steps of the model, without the
+        second run that estimates the error.
     accuracy : float or None
         The error for which method and steps are made: that asked for, or the usual one of states
         for which neither a method nor a step is asked; None where there is none.
@@ -84,7 +84,7 @@ class Plan:
 
     @property
     def cost(self) -> float | None:
-        """Estimate of :attr:`Run.nanoseconds <rigid.Run.nanoseconds>` of a body (ns).
+        """Estimate of :attr:`Run.nanoseconds <rigid.Run.nanoseconds>`, the time of a body (ns).
 
         The speed of this machine is measured when a first cost is asked for, in half a
         millisecond.
@@ -92,7 +92,7 @@ class Plan:
         return None if self.work is None else self.work * unit_nanoseconds()
 
     def to_dict(self) -> dict[str, Any]:
-        """The plan as a JSON-able dictionary; :meth:`from_dict` is its inverse."""
+        """The plan as a JSON-able dictionary; :meth:`from_dict` reads it."""
         values = dataclasses.asdict(self)
         return {name: list(v) if isinstance(v, tuple) else v for name, v in values.items()}
 
@@ -157,7 +157,7 @@ class LazyPlan(Lazy[Plan]):
     __slots__ = ()
 
     def amend(self, reason: str | None = None, **fields: Any) -> None:
-        """Change fields of a plan that nobody has read yet, and add a reason."""
+        """Change fields of a plan that is not yet read, and add a reason."""
         assert self._making is not None
         make, given = self._making
 
@@ -177,7 +177,7 @@ def left_out(
     step: float | None,
     forms: Codes,
 ) -> tuple[str, ...]:
-    """The omitted parts of the computation, with reasons."""
+    """The omitted computations, with reasons."""
     left = []
     if method == EXACT:
         reasons = {
@@ -210,7 +210,7 @@ def left_out(
 
 
 def carried(scene: Scene, question: Question, method: str) -> tuple[str, ...]:
-    """The variables that are computed."""
+    """The state variables that are computed."""
     exact = method == EXACT
     watched = not isinstance(question, str)
     record = question if isinstance(question, str) else question.record
@@ -239,7 +239,7 @@ def carried(scene: Scene, question: Question, method: str) -> tuple[str, ...]:
 
 
 def memory_words(size: int) -> str:
-    """Some bytes, in the largest unit of which they are one."""
+    """A number of bytes in words, in a unit of suitable size."""
     for name, unit in (("GB", 10**9), ("MB", 10**6), ("kB", 10**3)):
         if size >= unit:
             return f"{size / unit:.3g} {name}"

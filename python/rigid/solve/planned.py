@@ -21,7 +21,7 @@ __all__ = ["UNKNOWN", "damping_rate", "plan_of", "stepped_record"]
 Floats = NDArray[np.float64]
 
 UNKNOWN = "error unknown: {}"
-"""How a plan says why its error is unknown."""
+"""The sentence of a plan whose error is unknown."""
 
 
 def plan_of(
@@ -32,7 +32,7 @@ def plan_of(
     accuracy: float | None,
     why: tuple[str, ...],
 ) -> Plan:
-    """The plan of a method: it takes longer than the choice, and no run needs it.
+    """The plan of a method, made only on demand: it takes longer than the choice of the method.
 
     Parameters
     ----------
@@ -146,7 +146,7 @@ def _memory(problem: Problem) -> int | None:
 
 
 def stepped_record(problem: Problem, method: str) -> str:
-    """A record whose steps have the same cost: forced rates may need a larger state."""
+    """A record whose steps have the same cost: forced rates may need more state variables."""
     scene, record = problem.scene, problem.record
     if not scene.forces:
         return record

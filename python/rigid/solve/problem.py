@@ -1,4 +1,4 @@
-"""States of a scene that are asked for: what a method is chosen for."""
+"""The problem of the choice of a method: states of a scene at output times."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Problem:
-    """States for which a method is to be chosen, and what is known of them.
+    """Requested states for which a method is to be chosen, and all that is known of them.
 
     Attributes
     ----------
@@ -40,7 +40,7 @@ class Problem:
     method : str or None
         The requested method.
     tolerance : float or None
-        That of adaptive steps, which need no bound of the rates.
+        Tolerance of adaptive steps, which need no bound of the rates.
     states : int
         Number of requested states of a body.
     number : int or None
@@ -95,24 +95,24 @@ class Problem:
 
     @property
     def span(self) -> float | Floats | None:
-        """Time that the run covers (s), None if it is not known."""
+        """Time that the run covers (s), None if unknown."""
         return None if self.end is None else self.end - self.begin
 
     def inertia(self) -> tuple[Floats, Floats]:
-        """Moments and weight of the bodies in rows, in any unit; one row may serve all."""
+        """Moments and weight of the bodies in rows, in any unit; one row may hold for all."""
         if self.bodies is not None:
             return self.bodies.moments, self.bodies.weight
         return moment_rows(self.scene), weight_rows(self.scene)
 
     def classes(self) -> NDArray[np.str_]:
-        """The class of bodies that each is calibrated as; shape (n,), or (1,) if all are alike."""
+        """The calibration class of each body; shape (n,), or (1,) if all are alike."""
         if self.bodies is not None:
             return calibration_classes(self.scene, *self.inertia(), self.bodies.under_forces())
         return calibration_classes(self.scene, *self.inertia(), np.array([bool(self.scene.forces)]))
 
     @property
     def count(self) -> int:
-        """Number of bodies that share a call; many if it is not known."""
+        """Number of bodies that share a call; many if unknown."""
         if self.number is not None:
             return self.number
         return MANY if self.bodies is None else max(len(self.bodies), 1)

@@ -21,7 +21,7 @@ Floats = NDArray[np.float64]
 
 @dataclass(slots=True, kw_only=True, eq=False)
 class Request:
-    """States of bodies at given times: a call of the core.
+    """A call of the core for states of bodies at output times.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""What rounding leaves in a run and in its check alike: their difference does not show it."""
+"""Rounding errors that a run and its check share, so that their difference does not show them."""
 
 from __future__ import annotations
 
@@ -20,50 +20,51 @@ __all__ = ["REST", "common_rounding", "planned_rounding", "rounding_of_damping"]
 Floats = NDArray[np.float64]
 
 REST = 1e-13
-"""Rates below this share of the fastest that a body can reach, and of the rate of its swing, are
-those of a body at rest."""
+"""Rates count as rest below this share of the fastest possible rate of a body and of the rate of
+its swing."""
 
 EQUAL_RUNS = 5e-16
-"""Error per radian turned (rad) that rounding may leave in two runs that agree to the bit."""
+"""Rounding error per radian turned (rad) that two runs which agree bit for bit may share."""
 
 ROTATION = 1.6e-17
-"""Error (rad) that rounding leaves in each rotation of a splitting.
+"""Rounding error (rad) of each rotation of a splitting.
 
 Equal rotations err in both runs alike, all in one direction."""
 
 LIE = "etd4"
-"""Each of its steps turns the body under damping by one rotation."""
+"""The method whose steps each turn a damped body by one rotation."""
 
 TURN = 1.3e-16
-"""Error (rad) that rounding leaves in such a rotation, of equal ones in one direction."""
+"""Rounding error (rad) of such a rotation, if all rotations are equal and about one direction."""
 
 DRIFT = 5.6e-17
-"""Relative change of the rates by which rounding may leave each of many equal steps.
+"""Relative rounding error of the rates in each of many equal steps.
 
 It is half a unit in the last place, always in one direction: a method of exact flows turns the
 rates of a symmetric free body by the same angle each step, and all but steady rates change by the
 same amount."""
 
 ALIKE = 1e-4
-"""Moments that are nearer to each other than by this share turn a body as equal ones do."""
+"""Relative difference of moments below which a body turns as with equal moments."""
 
 ROUNDED = 3.0
-"""Rounding leaves rates by at most so many :data:`DRIFT` in a step, besides that of rotations."""
+"""Most rounding of the rates in a step, in units of :data:`DRIFT`, besides the rounding of
+rotations."""
 
 UNIT = 2.0**-53
 """Half the distance from 1 to the next number."""
 
 FORGOTTEN = 30.0
-"""After so many times of its damping a rate is below :data:`REST` of what it was."""
+"""Number of damping times after which a rate has fallen below :data:`REST` of its first value."""
 
 LOOKS = 16
-"""States, at most, at which it is measured how fast torques change the rates."""
+"""Most states at which the change of the rates by torques is measured."""
 
 PART = 1024.0
-"""The time of this measurement is a step over this."""
+"""Number by which a step is divided to give the time of this measurement."""
 
 PROBE = "rk4"
-"""The method of this measurement: it integrates whatever acts."""
+"""The method of this measurement: it integrates all forces."""
 
 
 def common_rounding(
@@ -73,7 +74,7 @@ def common_rounding(
     scale: Floats,
     span: float | Floats,
 ) -> Floats:
-    """The error that rounding may leave in two runs alike, shape (n,).
+    """The rounding error that two runs may share, shape (n,).
 
     Parameters
     ----------
@@ -113,7 +114,7 @@ def common_rounding(
 def planned_rounding(
     bodies: Bodies, method: str, rates: Floats, taken: Floats, span: float | Floats
 ) -> Floats:
-    """The error that rounding leaves in so many steps, besides that of each radian turned; (n,).
+    """The rounding error after so many steps, besides the error of each radian turned; (n,).
 
     Known are the rates of the start alone, and these bounds of all (rad/s).
     """
@@ -138,13 +139,13 @@ def _loss_of_turns(bodies: Bodies, method: str, taken: Floats, angle: Floats) ->
 
 
 def rounding_of_damping(bodies: Bodies, omega: Floats, times: Floats) -> Floats:
-    """The error that rounding of the damping leaves in two runs alike, shape (n, m).
+    """The error from the rounding of the damping that two runs may share, shape (n, m).
 
     The damping of a slow direction is a difference of large products if other directions are fast
-    and the directions are not those of the axes. Each product is rounded, so the direction has a
-    damping rate that is off by a rounding of their sum, as long as its rates last: relative to
-    them the error grows with the time, and after the time of its damping it is that of the balance
-    of a torque with the damping.
+    and the directions are not along the axes. Each product is rounded, so the direction has a
+    damping rate that is off by a rounding of their sum, as long as its rates last: relative to them
+    the error grows with the time, and after the time of its damping it follows from the balance of
+    a torque with the damping.
 
     Parameters
     ----------
@@ -178,7 +179,7 @@ def _quadratic(matrices: Floats, vectors: Floats) -> Floats:
 
 
 def _rounded_share_of_torque(bodies: Bodies) -> Floats:
-    """How much of the largest torque of the weight its components are differences of, shape (n,).
+    """Size of the products whose differences are the torque of the weight, over its largest; (n,).
 
     Each component of ``com x gamma`` is one of two products of which both may be rounded.
     """
@@ -192,9 +193,9 @@ def _rounded_share_of_torque(bodies: Bodies) -> Floats:
 def _steady_loss(differs: Floats, taken: Floats, span: float | Floats, angle: Floats) -> Floats:
     """The error of bodies whose rates change by nearly the same amount each step, shape (n,).
 
-    Where the change of a step differs from that of the last one by a share of the rates that is
-    less than a rounding, it is rounded as the last one was: for as many steps as make up one. The
-    losses of groups of so many steps add at random.
+    Where the change of a step differs from the change of the last one by a share of the rates that
+    is less than a rounding, it is rounded as the last one was: for as many steps as make up one.
+    The losses of groups of so many steps add at random.
     """
     least = differs.min(axis=1, initial=np.inf) * (span / taken) ** 2
     equal = np.where(least >= 0.0, np.minimum(UNIT / least, taken), 1.0)

@@ -1,4 +1,4 @@
-"""States of bodies at given times."""
+"""The result of a simulation: states of bodies at output times."""
 
 from __future__ import annotations
 
@@ -62,7 +62,9 @@ _STATUS_WORDS: Mapping[Status, str] = {
 
 @dataclass(slots=True, eq=False)
 class Run(HasColumns):
-    """The result of :func:`simulate`. With a single body the leading axis ``n`` is absent.
+    """States of bodies at output times, with errors and statuses; made by :func:`simulate`.
+
+    With a single body the leading axis ``n`` is absent.
 
     Scenes, rates and attitudes of other leading axes give these axes in the place of ``n``. All
     attributes are read-only. It is not frozen: a frozen object takes twice as long to make.
@@ -88,8 +90,8 @@ class Run(HasColumns):
         change of the rates (rad/s) and the rotation vector in the body (rad) over the change of
         each parameter in its SI unit. Zero at ``t = 0``.
     end : ndarray, shape (n,), or None
-        Time at which the record of each body ends (s), if there are events: its last time, or that
-        of the event of ``until`` that it ended with. States at later times are NaN.
+        Time at which the record of each body ends (s), if there are events: its last time, or the
+        time of the event of ``until`` that ended it. States at later times are NaN.
     start_omega : ndarray, shape (n, 3)
         Angular velocity at ``t = 0`` along the principal axes, whatever the :attr:`frame` (rad/s).
     start_attitude : ndarray, shape (n, 4)
@@ -100,8 +102,8 @@ class Run(HasColumns):
         ``dE/dt = torque·omega - omega·D omega``: the error of the energy minus the ``work``,
         relative to the energy that the body can reach. ``"etd4"`` and ``"splitting"`` compute the
         work from the change of kinetic energy, so for a body without weight this residual is zero
-        by construction and is no measure of the error. The energy of a satellite is that of
-        ``omega``: the work is that of the gravity gradient and the energy sink too.
+        by construction and is no measure of the error. The energy of a satellite is the energy of
+        ``omega``: the work includes the work of the gravity gradient and of the energy sink.
     momentum_drift : ndarray, shape (n,)
         Largest error of the conserved angular momentum at a requested time. For a free body it is
         the error of ``|L|`` relative to ``|L|``; for a top, the error of ``L·gamma`` relative to
@@ -120,16 +122,16 @@ class Run(HasColumns):
         Estimated error, the largest at the requested times: of the rates relative to the fastest of
         the body at these times, of the vertical and the attitude in rad, of the work relative to
         the largest kinetic energy that the body can reach. Rates that are all below 1e-13 of the
-        fastest that the body can reach, or of ``sqrt(mgl / I_min)``, are those of a body at rest
-        and are compared with the larger of these two. For steps the error is three times the
-        difference from a second run, which takes at least one step more between any two times and
-        begins at a start that is rounded otherwise; with an ``accuracy`` the finer of both runs is
-        returned, and mostly twice their difference is stated. Beside an unstable equilibrium or a
-        separatrix the error includes the rounding of the start, magnified. For a closed form it is
-        ``1e-15`` per radian turned, or what the saddle of a top makes of ``1e-15``, relative to the
-        rates of a top that hangs all but still. NaN for a body that was not run, and for one that
-        was not checked: in a call with more than 32 bodies and a method or step, but no
-        ``accuracy``, only 32 of the bodies are run again.
+        fastest that the body can reach, or of ``sqrt(mgl / I_min)``, count as rest and are compared
+        with the larger of these two. For steps the error is three times the difference from a
+        second run, which takes at least one step more between any two times and begins at a start
+        that is rounded otherwise; with an ``accuracy`` the finer of both runs is returned, and
+        mostly twice their difference is stated. Beside an unstable equilibrium or a separatrix the
+        error includes the rounding of the start, magnified. For a closed form it is ``1e-15`` per
+        radian turned, or what the saddle of a top makes of ``1e-15``, relative to the rates of a
+        top that hangs all but still. NaN for a body that was not run, and for one that was not
+        checked: in a call with more than 32 bodies and a method or step, but no ``accuracy``, only
+        32 of the bodies are run again.
     lost_from : ndarray, shape (n,)
         Time from which on, away from 0, the error is 1 or more: do not use the states from there
         on. Negative if that is backward in time; infinite if there is none; NaN where the error is
@@ -195,7 +197,7 @@ class Run(HasColumns):
 
     @property
     def t(self) -> NDArray[np.float64]:
-        """Times (s), shape (m,), or (..., m) if bodies have times of their own."""
+        """Output times (s), shape (m,), or (..., m) if each body has its times."""
         return self._t
 
     @property
@@ -205,12 +207,12 @@ class Run(HasColumns):
 
     @property
     def events(self) -> tuple[Events, ...]:
-        """What happened in each of the given events, then in those of ``until``."""
+        """The found events: first of each of the given ``events``, then of ``until``."""
         return self._events
 
     @property
     def nanoseconds(self) -> int:
-        """Processor time of the states, of all threads together; not that of the other run.
+        """Processor time of the states (ns), of all threads together, without the second run.
 
         Of a run in closed form of some microseconds it is the time that passed.
         """
@@ -219,12 +221,12 @@ class Run(HasColumns):
 
     @property
     def spec(self) -> dict[str, Any]:
-        """Scene, method, step, accuracy, tolerance and record; the scene in principal axes."""
+        """The request: scene in principal axes, method, step, accuracy, tolerance and record."""
         return self._spec()
 
     @property
     def plan(self) -> Plan:
-        """The method, the omissions and the reasons."""
+        """The plan of the run: method, omitted computations and reasons."""
         return self._plan()
 
     @property
@@ -311,7 +313,7 @@ class Run(HasColumns):
 
     @property
     def flagged(self) -> NDArray[np.bool_]:
-        """Whether the error is above the requested accuracy, or 1 or more without an accuracy."""
+        """Whether the estimated error is above the requested accuracy, or 1 or more without one."""
         flagged: NDArray[np.bool_] = np.asarray(self.error) >= self._limit
         return flagged
 
@@ -320,7 +322,7 @@ class Run(HasColumns):
         return error_limit(self.spec["accuracy"])
 
     def reasons(self) -> tuple[Any, ...]:
-        """How each body ended, and what to do if it did not end well, in a sentence each.
+        """A sentence for each body: how its computation ended, and the remedy if it failed.
 
         With several leading axes the sentences are tuples of tuples.
 
@@ -340,7 +342,7 @@ an accuracy
         return sentences(self._words, self.status, self.error, self.lost_from)
 
     def _words(self, code: int, error: float, since: float) -> str:
-        """How a body ended, and what to do."""
+        """A sentence: how a body ended, and the remedy."""
         status = Status(code)
         if status not in (Status.FLAGGED, Status.COARSE):
             return _STATUS_WORDS[status]
@@ -357,7 +359,7 @@ an accuracy
         )
 
     def at(self, t: ArrayLike) -> Run:
-        """The run at other times, anywhere between its first and its last, with their error.
+        """The run at other output times between its first and its last, with the errors there.
 
         States are not interpolated. A closed form is evaluated at these times. With a
         ``tolerance`` the body takes the steps of the run again, and each state is a value of the
@@ -368,7 +370,7 @@ an accuracy
         Parameters
         ----------
         t : array_like, shape (k,) or (..., k)
-            Times (s), in any order. Leading axes give each body times of its own.
+            Times (s), in any order. Leading axes give each body its times.
 
         Returns
         -------
@@ -421,15 +423,15 @@ an accuracy
         return energy + _along(run.gamma, scene.weight)
 
     def momentum(self, frame: str = "body") -> NDArray[np.float64]:
-        """Angular momentum ``I omega``, plus that of a rotor (kg m²/s), shape (n, m, 3).
+        """Angular momentum ``I omega`` (kg m²/s), with a rotor, shape (n, m, 3).
 
         About the fixed point of a top, else about the centre of mass.
 
         Parameters
         ----------
         frame : {"body", "space"}
-            The axes of its components: those of the body, which are those of :attr:`frame`, or
-            those of space, in which the angular momentum of a free body is constant.
+            The axes of its components: the body axes, given by :attr:`frame`, or the space axes,
+            along which the angular momentum of a free body is constant.
 
         Raises
         ------
@@ -505,7 +507,7 @@ an accuracy
     def to_xarray(self) -> xarray.Dataset:
         """The run as an xarray ``Dataset`` with names, units, and times as a coordinate.
 
-        Bodies of their own moments, ``mgl``, ``com``, torque, damping and so on have these as
+        Moments, ``mgl``, ``com``, torque, damping and so on that differ between bodies are
         variables, along principal axes: Datasets of parts of :func:`simulate_chunks` can be
         appended along ``body``. What all bodies have in common is in the attribute ``spec``.
 
@@ -681,14 +683,14 @@ an accuracy
         return Rotation.from_quat(attitude, scalar_first=True)
 
     def animate(self, path: str | PathLike[str] | None = None, **options: Any) -> Any:
-        """Show the motion as a film, or write it: :func:`rigid.animation.animate`."""
+        """Show the motion as a film, or write the film: :func:`rigid.animation.animate`."""
         from ..animation import animate
 
         return animate(self, path, **options)
 
 
 def _along(vectors: NDArray[np.float64], of_bodies: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Products of vectors (..., m, 3) with that of all bodies, or with those of each (..., 3)."""
+    """Products of vectors (..., m, 3) with the vector of all bodies, or of each (..., 3)."""
     if of_bodies.ndim == 1:
         return vectors @ of_bodies
     product: NDArray[np.float64] = (vectors @ of_bodies[..., np.newaxis])[..., 0]
@@ -696,12 +698,12 @@ def _along(vectors: NDArray[np.float64], of_bodies: NDArray[np.float64]) -> NDAr
 
 
 def _of_each(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Vectors (3,) of all bodies, or (..., 3) of each, to go with an axis of times."""
+    """Vectors (3,) of all bodies, or (..., 3) of each, that broadcast with an axis of times."""
     return vectors if vectors.ndim == 1 else vectors[..., np.newaxis, :]
 
 
 def _turned_rows(axes: NDArray[np.float64], matrices: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The rows of rates and those of a rotation vector turned, of matrices (..., 6, k)."""
+    """The rows of rates and of a rotation vector in turned axes, from matrices (..., 6, k)."""
     rows = np.swapaxes(matrices, -1, -2)
     with np.errstate(invalid="ignore"):
         halves = [turned(axes, rows[..., :3]), turned(axes, rows[..., 3:])]
@@ -734,6 +736,15 @@ def load_run(path: str | PathLike[str]) -> Run:
         Naming the path, if the file is damaged or no run.
     OSError
         If the file cannot be read.
+
+    Examples
+    --------
+    >>> import os, tempfile, rigid
+    >>> run = rigid.simulate(rigid.Body((1.0, 2.0, 3.0)), [0.1, 1.0, 0.1], t=[0.0, 5.0])
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     again = rigid.load_run(run.save(os.path.join(folder, "run.npz")))
+    >>> bool((again.omega == run.omega).all())
+    True
     """
     arrays, header = read_archive(path)
     try:

@@ -1,4 +1,4 @@
-"""How far a saddle of a top magnifies the rounding of the start.
+"""The growth of the rounding of a start at a saddle of a top.
 
 No method can do better: the start itself is known to rounding only. Two runs from one start share
 its rounding, so their difference does not tell.
@@ -21,10 +21,10 @@ __all__ = ["RateSizes", "departure", "gammas", "homoclinic", "separatrices"]
 Floats = NDArray[np.float64]
 
 NEAR = 1e-4
-"""A start whose rates of change are below this share of its own rates is near an equilibrium."""
+"""A start is near an equilibrium if its rates of change are below this share of its rates."""
 
 SLOWEST = 1e-4
-"""Exponents below this share of the rates are those of neutral directions, rounded."""
+"""Exponents below this share of the rates are rounded zeros of neutral directions."""
 
 START = 6.7e-16
 """Rounding of a start: three units in the last place."""
@@ -32,14 +32,14 @@ START = 6.7e-16
 
 @dataclass(frozen=True, slots=True)
 class RateSizes:
-    """What the errors of rates are relative to; shape (n,) each.
+    """The sizes to which the errors of rates are relative; shape (n,) each.
 
     Attributes
     ----------
     fastest : ndarray
         The fastest rate of the record (rad/s).
     rest, scale : ndarray
-        Rates below the first are those of a body at rest; they are compared with the second.
+        Rates below the first count as rest; they are compared with the second.
     """
 
     fastest: Floats
@@ -49,7 +49,7 @@ class RateSizes:
     def with_rates(self, error: Floats, rate: Floats) -> Floats:
         """The larger of the errors of directions and of rates that move at this rate; (n, m)."""
         moved = rate[:, None] * error
-        # All rates may be those of the departure: those of the run, or those of the true motion.
+        # All rates may come from the departure, of the run or of the true motion.
         size = np.maximum(self.fastest, moved.max(axis=1, initial=0.0))
         size = np.where(size > self.rest, size, np.where(self.scale > 0.0, self.scale, 1.0))
         larger: Floats = np.maximum(error, moved / size[:, None])
@@ -70,7 +70,7 @@ def separatrices(bodies: Bodies) -> tuple[Floats, Floats]:
 
 @np.errstate(all="ignore")
 def homoclinic(bodies: Bodies, times: Floats, sizes: RateSizes, drift: Floats) -> Floats:
-    """Error that rounding becomes beside the separatrix of a top in closed form, shape (n, m).
+    """Growth of rounding errors beside the separatrix of a top in closed form, shape (n, m).
 
     Where it makes an error of one of the drift of the energy (n,) too, either side of the
     separatrix is as likely: two runs may take the same wrong one.
@@ -86,11 +86,11 @@ def homoclinic(bodies: Bodies, times: Floats, sizes: RateSizes, drift: Floats) -
 
 @np.errstate(all="ignore")
 def departure(bodies: Bodies, times: Floats, sizes: RateSizes) -> Floats:
-    """Error that the rounding of a start beside an unstable equilibrium becomes, shape (n, m).
+    """Error from the rounding of a start beside an unstable equilibrium, shape (n, m).
 
     Rounding grows with the largest exponent of the linearised motion until the body has left:
-    until its distance from the equilibrium, and that of its rounded neighbour, is of order one. A
-    start that is in equilibrium to the bit stays, as exact arithmetic has it.
+    until its distance from the equilibrium, and the distance of its rounded neighbour, is of order
+    one. A start that is exactly in equilibrium stays, as exact arithmetic has it.
     """
     error = np.zeros((len(bodies), times.shape[-1]))
     if not bodies.weight.any():
@@ -123,7 +123,7 @@ def departure(bodies: Bodies, times: Floats, sizes: RateSizes) -> Floats:
 
 
 def _is_upright_to_the_bit(bodies: Bodies) -> NDArray[np.bool_]:
-    """Whether the weight acts along a principal axis and this axis is vertical, exactly; (n,)."""
+    """Whether the weight acts exactly along a principal axis that is exactly vertical; (n,)."""
     w, x, y, z = np.abs(np.broadcast_to(bodies.attitude, (len(bodies), 4)).T)
     vertical = np.stack(
         [
@@ -158,7 +158,7 @@ def dampings(forces: _core.Forces | None, *, alone: bool) -> Floats:
 
 
 def _cross(a: Floats, b: Floats) -> Floats:
-    """The products ``a x b``, shape (n, 3); for a single body faster than that of NumPy."""
+    """The products ``a x b``, shape (n, 3); for a single body faster than by NumPy."""
     (a1, a2, a3), (b1, b2, b3) = a.T, b.T
     return np.stack([a2 * b3 - a3 * b2, a3 * b1 - a1 * b3, a1 * b2 - a2 * b1], axis=-1)
 

@@ -1,4 +1,4 @@
-"""The second run of bodies, with which the first is compared to estimate its error.
+"""The second run of bodies, which is compared with the first to estimate its error.
 
 It begins at a start that is rounded otherwise, and takes shorter steps.
 """
@@ -30,10 +30,10 @@ __all__ = [
 Floats = NDArray[np.float64]
 
 HALVINGS = 2.0
-"""The second run halves the truncation error so many times."""
+"""Number of halvings of the truncation error in the second run."""
 
 HALVINGS_AGAIN = 4.0
-"""Halvings by the second run where the motion multiplies errors, as of bodies integrated again.
+"""Halvings in the second run where the motion multiplies errors, as for bodies integrated again.
 
 Two runs of which one errs by a quarter of the other then err alike by chance in 5 of 100 cases, by
 a sixteenth in 1 or 2."""
@@ -44,7 +44,7 @@ TIGHTER = 1000.0
 Series of different order may err alike at tolerances that are alike."""
 
 FINER = 8.0
-"""The second run of a body that drag may stop has steps shorter by this.
+"""Factor by which the steps of the second run are shorter for a body that drag may stop.
 
 Steps of a quarter leave one error in a hundred above what is stated, by up to 20 times."""
 
@@ -52,10 +52,10 @@ RUNGE_KUTTA = "dop853"
 """The second run of a series of a body that drag may stop."""
 
 COMPENSATED = "taylor16"
-"""The second run of a series that does not carry its rounding on."""
+"""The second run of a series that does not carry its rounding errors on."""
 
 SUBDIVIDING = "midpoint"
-"""Where its equation has no solution it divides a step by 4, 16 or 64."""
+"""The method that divides a step by 4, 16 or 64 where its equation has no solution."""
 
 
 def second_run(
@@ -83,7 +83,7 @@ def second_run(
         if request.method == FUNCTION:
             method = request.method  # the only one under the torque of a function
         elif request.bodies.forces is not None:
-            # The tolerance is that of the rates. Their square, the power, has twice their damping:
+            # The tolerance refers to the rates. Their square, the power, has twice their damping:
             # the last terms of its series are so many times as large.
             tighter *= 2.0 ** order_of(method)
         tolerance = max(request.tolerance / tighter, np.finfo(np.float64).tiny)
@@ -97,7 +97,7 @@ def second_run(
 
 
 def step_ratio(bodies: Bodies, method: str, halvings: float = HALVINGS) -> float:
-    """How many times shorter the steps of the second run are, in steps of the same method."""
+    """Factor by which the steps of the second run are shorter, in steps of the same method."""
     # Of forced bodies the order falls where damping is as fast as the steps.
     ratio: float = max(2.0 ** (halvings / order_of(method)), 1.2 if bodies.forces is None else 1.3)
     if is_damped_stiffly(bodies, method):
@@ -129,7 +129,7 @@ def _longest(request: Request, method: str) -> Floats:
 def _past_stops(
     second: Request, steps: Floats | None, refinement: float, taken: Floats
 ) -> _core.States:
-    """The states of bodies that drag may stop, by a Runge-Kutta method in much shorter steps.
+    """The states of bodies that drag may stop, by a Runge-Kutta method in far shorter steps.
 
     Where the body stops the speed has a corner. The error of the step that passes the corner falls
     with its cube, whatever the order, and depends on where in the step the corner is: of two runs
@@ -143,12 +143,12 @@ def _past_stops(
 
 
 def rounded_start(bodies: Bodies) -> Bodies:
-    """The bodies with their starts, damping and orbits rounded otherwise.
+    """The bodies with differently rounded starts, damping and orbits.
 
     Two runs from one start would share what a saddle makes of its rounding, two runs with one
     matrix what rounding makes of its least rate, and two runs on one orbit what rounds alike in
-    each step. Zeros stay and equal sizes stay equal, so that a
-    start that is in equilibrium to the bit stays one.
+    each step. Zeros stay and equal sizes stay equal, so that a start exactly in equilibrium stays
+    one.
     """
     omega, attitude = _rounded_otherwise(bodies.omega), _rounded_otherwise(bodies.attitude)
     forces = None if bodies.forces is None else bodies.forces.rounded_otherwise()
@@ -156,7 +156,7 @@ def rounded_start(bodies: Bodies) -> Bodies:
 
 
 def _rounded_otherwise(rows: Floats) -> Floats:
-    """Rows a unit in the last place off: the smallest size of each larger, the next smaller, ..."""
+    """Rows changed in the last place: the smallest size of each larger, the next smaller, ..."""
     sizes = list(np.abs(rows).T)
     odd = np.zeros(rows.shape, dtype=bool)
     for number, size in enumerate(sizes):

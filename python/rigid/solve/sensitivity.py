@@ -44,8 +44,8 @@ def condition(
     exponentially on chaotic ones and near a separatrix.
 
     The derivative is the tangent of the motion (see :attr:`Run.tangent`), integrated by
-    ``taylor16``. Its own relative error is some ``1e-16 condition``, as is that of the motion: of a
-    factor above 1e16 only the size is known.
+    ``taylor16``. Its relative error is about ``1e-16 condition``, as for the motion: of a factor
+    above 1e16 only the size is known.
 
     Parameters
     ----------

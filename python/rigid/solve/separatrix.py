@@ -38,7 +38,7 @@ def circulation_terms(moments: Floats, omega: Floats) -> tuple[Floats, Floats]:
 def separatrix_error(
     bodies: Bodies, states: Mapping[str, Any], reached: Range
 ) -> tuple[Floats, Floats] | None:
-    """Phase error (rad) that drift causes near the separatrix, and the time it may be lost from.
+    """Phase error (rad) from drift near the separatrix, and the time from which it may be lost.
 
     ``2 T I2 - L²``, moments ascending, is negative on the polhodes about axis 3 and positive on
     those about axis 1 (Landau & Lifshitz, *Mechanics*, § 37). The time that a body stays at the

@@ -52,7 +52,7 @@ __all__ = [
 ]
 
 LEAST_TOLERANCE = 1e-14
-"""The least tolerance of Runge-Kutta steps: the second run of the estimate has a smaller one."""
+"""The least tolerance of Runge-Kutta steps: the second run has a smaller tolerance."""
 
 
 @in_standard_floats
@@ -78,97 +78,107 @@ def simulate(
     out: Mapping[str, NDArray[Any]] | None = None,
     frame: ArrayLike | None = None,
 ) -> Run:
-    """States of one body or many at the given times, by closed form if there is one.
+    """Compute the motion of one body or many: rates and attitudes at the given times.
 
-    A free body has a closed form, and so has a top with two equal moments and its centre of mass on
-    the third axis: the closed form is evaluated at each given time and takes no steps. All other
-    bodies are integrated, unless all tops of the call swing as pendulums about a principal axis.
-    Bodies under torque or damping are integrated too. With a given method the result of a body has
-    the same bits in any batch, on any processor and for any number of threads.
+    The closed form is used where there is one: for a free body, and for a top with two equal
+    moments and its centre of mass on the third axis. It is evaluated at each given time and takes
+    no steps. All other bodies are integrated, unless all tops of the call swing as pendulums about
+    a principal axis. Bodies under torque or damping are integrated too. With a given method the
+    result of a body has the same bits in any batch, on any processor and for any number of threads.
 
     Parameters
     ----------
     scene : FreeBody, HeavyTop or Body
-        The body, or many, with their weight, applied torque and damping.
+        One body or many, with weight, applied torque, damping and other forces.
     omega : array_like, shape (3,) or (..., 3)
         Angular velocity at ``t = 0`` in the body (rad/s). The leading axes of the scene, the rates
         and the attitudes broadcast.
     attitude : array_like, shape (4,) or (..., 4), or scipy Rotation, optional
-        Attitude at ``t = 0``: quaternion, scalar first, body to space; normalised here. Default:
-        body and space axes coincide.
+        Attitude at ``t = 0``: a quaternion, scalar first, that takes body components to space
+        components; it is normalised. Default: body and space axes coincide.
     t : array_like, shape (m,) or (..., m)
-        Times of the states (s), ascending; negative times are reached backward from 0. Leading axes
-        give each body times of its own.
+        Output times (s), ascending; negative times are reached backward from 0. Leading axes give
+        each body its times.
     method : str, optional
         ``"exact"``, the closed form, or one of :func:`rigid.methods`. Default: ``"exact"`` where
         all bodies have a closed form and no step is given, else the cheapest method for the
         accuracy; ``"rk4"`` if a step is given; ``"etd4"`` if damping is ten times as fast as the
-        turning of the fastest body. Steps are equal between given times and end exactly at these
+        turning of the fastest body. Steps are equal between output times and end exactly at these
         times and at the knots of a torque's table.
     step : float, optional
         Largest step (s). Default with a method: each body turns by at most the ``angle_per_step``
         of the method a step, from a bound of its rates.
     accuracy : float, optional
         Largest error of all states (see :attr:`Run.error`), instead of a step. Method and step
-        follow from a calibrated model of the error; the steps of 512 bodies or more, for which no
-        method is given, from the errors of a few of them. Each body is integrated again with
-        shorter steps, repeatedly, until its estimated error is below, and the last run is returned,
-        whose step is that of :attr:`Run.plan`. A body whose error stays above,
-        because of chaos or rounding, is :attr:`Run.flagged`. Without a method and a step the steps
-        are made for 1e-8: :attr:`Run.error` tells how well each body meets it, and no body is
-        integrated again.
+        follow from a calibrated model of the error. With 512 bodies or more and no method, the
+        steps follow from the errors of a few bodies. Each body is integrated again with shorter
+        steps until its estimated error is below the accuracy. The last run is returned, and
+        :attr:`Run.plan` has its step. A body whose error stays above, because of chaos or rounding,
+        is :attr:`Run.flagged`. Without a method and a step
+        the steps are made for 1e-8; then no body is integrated again, and :attr:`Run.error` says
+        how accurate each body is.
     tolerance : float, optional
-        For a Taylor method, instead of a step: each body takes steps of its own, as long as the
-        last terms of its series stay below this share of the largest rate and of a unit vector.
-        Given times between two steps need no extra step. Under :meth:`Torque.call` for
+        Adaptive steps of a Taylor method, instead of a step: the steps of each body are as long as
+        the last terms of its series stay below this share of the largest rate and of a unit vector.
+        Output times between two steps need no extra step. Under :meth:`Torque.call` for
         ``"dop853"``, whose estimated error of each step stays below this share; at least 1e-14.
     record : {"attitude", "axis", "rates"}
         Recorded states: rates and attitude; rates and the vertical in body components; or rates
         only. A smaller record is faster and changes no bit of the rates.
     check : bool
         Whether the error is estimated by a second run with shorter steps. Without the second run
-        the error is NaN and the status ``UNCHECKED``. An ``accuracy`` always takes it. With a
-        method or a step, of more than 32 bodies only 32 are checked.
+        the error is NaN and the status ``UNCHECKED``. An ``accuracy`` always needs the second run.
+        With a method or a step, of more than 32 bodies only 32 are checked.
     tangent : bool or sequence of str
-        Whether the derivative of the motion by its start is returned, as :attr:`Run.tangent`: by
-        the ``method`` in the same steps, with an ``accuracy`` in those of :func:`plan`, else by
-        ``"taylor16"`` in its own. It changes no bit of the states. With names of parameters also
-        the derivative by them, from the same start, as :attr:`Run.sensitivity`: ``"I1"``,
-        ``"I2"``, ``"I3"`` (kg m²); of a top ``"mgl"`` (J) and
-        ``"com1"``, ``"com2"``, ``"com3"``, the components of ``com`` with ``mgl`` fixed, as if each
-        were free, or ``"com"`` for the three; ``"damping1"`` to ``"damping3"``, the diagonal of the
-        damping matrix (N m s), or ``"damping"``, one coefficient added to all of it; ``"torque1"``
-        to ``"torque3"``, a constant torque about a body axis, added to what acts (N m). None of
-        them need act on the body. Of what acts also ``"rotor1"`` to ``"rotor3"``; ``"drag"`` and
-        ``"dissipation"``, one coefficient added to all, or one of each axis with its number; of an
-        orbit ``"rate"``, ``"eccentricity"`` and ``"anomaly"``.
+        Whether to return the derivative of the motion by its start, as :attr:`Run.tangent`. It is
+        integrated by the ``method`` in the same steps, with an ``accuracy`` in the steps of
+        :func:`plan`, else by ``"taylor16"`` in its default steps. It changes no bit of the states.
+
+        With names of parameters the derivative by these, from the same start, is returned as
+        :attr:`Run.sensitivity`. None of these parameters need act on the body:
+
+        * ``"I1"``, ``"I2"``, ``"I3"``: moments (kg m²);
+        * ``"mgl"`` (J) of a top, and ``"com1"``, ``"com2"``, ``"com3"``, the components of ``com``
+          with ``mgl`` fixed, as if each were free, or ``"com"`` for the three;
+        * ``"damping1"`` to ``"damping3"``, the diagonal of the damping matrix (N m s), or
+          ``"damping"``, one coefficient added to all of the diagonal;
+        * ``"torque1"`` to ``"torque3"``, a constant torque about a body axis, added to the torque
+          (N m).
+
+        Parameters of forces that act:
+
+        * ``"rotor1"`` to ``"rotor3"``;
+        * ``"drag"`` and ``"dissipation"``, one coefficient added to all, or with the number of an
+          axis the coefficient of this axis;
+        * ``"rate"``, ``"eccentricity"`` and ``"anomaly"`` of an orbit.
     events : Event or sequence of Event, optional
-        What to watch, made by :func:`crosses` and :func:`turns`: :attr:`Run.events` tells when it
-        happens, from 0 to the last time, and the states then. Events are found by the closed form
-        or by a Taylor method, in steps of its own; they change no bit of the states. Without a
-        ``method``, bodies that have no closed form are integrated by a Taylor method.
+        Events to find from 0 to the last time, made by :func:`crosses` and :func:`turns`.
+        :attr:`Run.events` has their times and the states then. Events are found by the closed form
+        or by a Taylor method in adaptive steps; they change no bit of the states. Without a
+        ``method``, bodies without a closed form are integrated by a Taylor method.
     until : Event or sequence of Event, optional
-        Events that end the record of a body: its later states are NaN, :attr:`Run.end` is the time
-        of its last event, and its status ``STOPPED`` unless its error is large. They are watched
-        too.
+        Events that end the record of a body. Its later states are NaN, :attr:`Run.end` is the time
+        of its last event, and its status is ``STOPPED`` unless its error is large. These events are
+        in :attr:`Run.events` too.
     count : int, optional
-        The number of events that end the record: of those of ``until`` together, by default the
-        first; without ``until`` of all events together, by default none.
+        The number of events that end the record: of the events of ``until`` together, by default
+        the first; without ``until`` of all events together, by default none.
     max_steps : int
-        A body that would need more has the status ``STEP_LIMIT``: it is not run, or it is stopped
-        there if there is a tolerance.
+        Most steps. A body that needs more has the status ``STEP_LIMIT``: it is not run, or with a
+        tolerance it is stopped there.
     threads : int, optional
-        Default: ``RIGID_NUM_THREADS``, else the cores that this process may use.
+        Number of threads. Default: ``RIGID_NUM_THREADS``, else the cores that this process may use.
     dtype : {numpy.float64, numpy.float32}
-        Type of ``omega``, ``gamma`` and ``attitude``. They are computed in float64; float32 takes
-        half the memory and rounds them, which :attr:`Run.error` includes.
+        Type of ``omega``, ``gamma`` and ``attitude``. The states are computed in float64; float32
+        takes half the memory and rounds the states, which :attr:`Run.error` includes.
     out : mapping of str to ndarray, optional
-        Arrays to be filled, by the names of the attributes of :class:`Run` with an axis of times:
-        C-contiguous, of the shape that the run has, float64 or float32. The run refers to them.
+        Arrays to fill, by the names of the attributes of :class:`Run` with an axis of times:
+        C-contiguous, of the shape that the run has, float64 or float32. The run refers to these
+        arrays.
     frame : array_like, shape (3, 3), optional
-        The body axes of ``omega`` and ``attitude`` and of all results, if they are not the
-        principal axes: ``axes`` as :meth:`Body.from_tensor` returns them. The scene has its own
-        ``frame=``. The start is rounded once when it is turned; see :meth:`Run.in_frame`.
+        The body axes of ``omega`` and ``attitude`` and of all results, if these axes are not the
+        principal axes: ``axes`` as :meth:`Body.from_tensor` returns. The scene has a ``frame=``
+        for its vectors. The start is rounded once when it is turned; see :meth:`Run.in_frame`.
 
     Returns
     -------
@@ -178,8 +188,8 @@ def simulate(
     Raises
     ------
     MemoryError
-        If the states do not fit into the memory of this machine or what the system grants: before
-        the start, with the number of bytes.
+        Before the start, with the number of bytes, if the states do not fit into the memory of this
+        machine or into the memory that the system grants.
     ValueError
         Naming the argument, its value and the rule: not finite, wrong shape, zero quaternion,
         unsorted times, unknown method or record, step, accuracy or tolerance not positive, a
@@ -351,7 +361,7 @@ def _spec(
     tolerance: float | None,
     record: str,
 ) -> dict[str, Any]:
-    """What a run was asked for, as a file has it."""
+    """The request of a run in the form of a file."""
     return {
         "scene": scene.to_dict(),
         "method": method,
@@ -365,7 +375,7 @@ def _spec(
 def _plan_of_any_start(
     scene: Scene, record: str, method: str | None, number: int, states: int, error: float | None
 ) -> Plan:
-    """The plan of a scene all of whose motions have a closed form."""
+    """The plan of a scene whose motions all have a closed form."""
     problem = Problem(scene=scene, record=record, method=method, number=number, states=states)
     return replace(choose_method(problem)[2](), error=error)
 
@@ -386,7 +396,7 @@ def _check_forward(times: NDArray[np.float64]) -> None:
 
 
 def _recorded(scene: Scene, record: str) -> tuple[str, ...]:
-    """Names of the arrays of a run with an axis of times."""
+    """Names of the arrays of a run that have an axis of times."""
     names = ["omega"]
     if record == "axis" or (record == "attitude" and scene.directions):
         names.append("gamma")
@@ -434,7 +444,7 @@ def _replayed(
     tolerance: float | None = None,
     strides: Sequence[int] | None = None,
 ) -> Run:
-    """A body from the very start of a map: an attitude given by a user would be normalised."""
+    """A body from the start of a map bit for bit: an attitude of a user would be normalised."""
     bodies = Bodies.of_scene(scene, omega, attitude, (), NO_EXPONENT)
     problem = Problem(
         scene=scene,
@@ -468,7 +478,7 @@ def _checked_tolerance(
     accuracy: float | None,
     scene: Scene,
 ) -> float:
-    """The tolerance, if it is one and if the method chooses its steps by it."""
+    """The tolerance, if it is valid and the method takes adaptive steps."""
     tolerance = finite_float("tolerance", tolerance, positive=True)
     if tolerance >= 1.0:
         raise ValueError(f"tolerance = {tolerance:g}: must be below one")

@@ -1,4 +1,4 @@
-"""The bodies of a call: rates and attitudes are checked here, once, for all that comes after."""
+"""The bodies of a call: rates and attitudes are checked here, once."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def bodies_of(
     frame: NDArray[np.float64] | None = None,
     times: Shape = (),
 ) -> Bodies:
-    """The bodies that a call describes.
+    """The bodies that the arguments of a call describe.
 
     Parameters
     ----------
@@ -39,7 +39,7 @@ def bodies_of(
     frame : ndarray, shape (3, 3), optional
         The checked axes of rates and attitude, if they are not the principal axes.
     times : tuple of int
-        The axes of the bodies that times of their own have.
+        The leading axes of the times.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""How a body ended, and whether its error is small."""
+"""The status of a body: how its computation ended, and whether its error is small."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 __all__ = ["ARRIVED", "Status", "error_limit", "is_accurate", "sentences", "status_by_error"]
 
 COARSE_ERROR = 1e-3
-"""Without a requested accuracy a larger error is called coarse."""
+"""Largest error of a body with status ``OK`` if no accuracy is requested."""
 
 
 class Status(IntEnum):
@@ -30,7 +30,7 @@ class Status(IntEnum):
 
 
 ARRIVED = (Status.OK, Status.FLAGGED, Status.UNCHECKED, Status.COARSE)
-"""The statuses of bodies at the last requested time, whatever their errors are."""
+"""The statuses of bodies that reached the last requested time, whatever their errors."""
 
 
 def error_limit(accuracy: float | None) -> float:
@@ -59,7 +59,7 @@ def status_by_error(
 
 
 def sentences(words: Callable[..., str], *columns: NDArray[Any]) -> tuple[Any, ...]:
-    """What ``words`` says of each body from its values in the columns.
+    """The sentence that ``words`` gives for each body from its values in the columns.
 
     With several leading axes the sentences are tuples of tuples; one body has one sentence.
     """

@@ -30,27 +30,27 @@ __all__ = [
 Floats = NDArray[np.float64]
 
 METHOD, ANOTHER = "taylor20", "taylor16"
-"""The default method, and that of the second run of all others."""
+"""The default method, and the method of the second run of all others."""
 
 TOLERANCE = 2.0**-57
 """Size of the last terms of a step: a sixteenth of rounding, which alone is left then."""
 
 FUNCTION_TOLERANCE = 1e-12
-"""The same under the torque of a function: the error of a Runge-Kutta step, and of its polynomial.
+"""The tolerance with a callback: the error of a Runge-Kutta step, and of its polynomial.
 
 The second run needs a smaller one that is not rounding."""
 
 LOST = 1e-3
-"""Points whose error, in the scale of what is zero on the surface, is larger are lost."""
+"""Largest error of a point, in the scale of the surface, before the point counts as lost."""
 
 SAFETY = 3.0
-"""The difference of two runs times this is stated as the error."""
+"""Factor from the difference of two runs to the stated error."""
 
 ROUNDINGS = 4.0
-"""Roundings of what is zero on the surface, in its scale, which two runs may have alike."""
+"""Roundings of the function that is zero on the surface, in its scale, that two runs may share."""
 
 TOGETHER = 16
-"""Bodies a thread between two reports of progress."""
+"""Number of bodies of a thread between two reports of progress."""
 
 
 def default_method(forces: Collection[str]) -> str:
@@ -59,7 +59,7 @@ def default_method(forces: Collection[str]) -> str:
 
 
 def default_tolerance(forces: Collection[str]) -> float:
-    """Its tolerance."""
+    """The tolerance of the method that finds points under these forces."""
     return FUNCTION_TOLERANCE if "function" in forces else TOLERANCE
 
 
@@ -87,16 +87,16 @@ class Surfaces:
     rotor: Floats
 
     def select(self, bodies: NDArray[np.intp]) -> Self:
-        """Those of some bodies."""
+        """The surfaces of some bodies."""
         names = ("normal", "momentum", "value", "rotor")
         return replace(self, **{name: getattr(self, name)[bodies] for name in names})
 
     def scales(self, bodies: Bodies, ends: Floats) -> Floats:
-        """The scale of what is zero on each surface, shape (n, kinds)."""
+        """The scale of the function that is zero on each surface, shape (n, kinds)."""
         rate = bodies.fastest_rates((np.zeros_like(ends), ends))[:, np.newaxis]
         of_omega, of_gamma = np.split(np.abs(self.normal), 2, axis=-1)
         size = np.linalg.norm
-        # A rate that overflows is that of a body which is not run.
+        # A rate that overflows belongs to a body that is not run.
         with np.errstate(invalid="ignore", over="ignore"):
             momentum = bodies.moments.max(axis=1)[:, np.newaxis] * rate
             momentum = momentum + size(self.rotor, axis=-1)[:, np.newaxis]
@@ -211,7 +211,7 @@ class Search:
         return ANOTHER if self.method != ANOTHER else METHOD
 
     def _second_run(self, found: dict[str, NDArray[Any]], counts: NDArray[np.intp]) -> Floats:
-        """What a second run makes of the surface at each point, the largest until then, (p,)."""
+        """The largest value on the surface in a second run until each point, (p,)."""
         off = np.full(len(found["t"]), np.nan)
         first = np.concatenate([[0], np.cumsum(counts)])
         uses_momentum = bool(self.surfaces.momentum.any())
@@ -241,7 +241,7 @@ class Search:
         states: Mapping[str, Any],
         known: dict[str, NDArray[Any]],
     ) -> Floats:
-        """What is zero on the surfaces, at states of bodies at points of these kinds, (n, m)."""
+        """Values of the surface functions at states of bodies at points of these kinds, (n, m)."""
         surfaces, kind = self.surfaces.select(some), known["kind"]
         rows = np.arange(len(some))[:, np.newaxis]
         normal = surfaces.normal[rows, kind]
@@ -303,7 +303,7 @@ def _space_axes(attitude: Floats) -> Floats:
 
 
 def _alike(counts: NDArray[np.intp]) -> Iterator[NDArray[np.intp]]:
-    """Bodies with points, in parts whose numbers of points differ by a factor of two at most."""
+    """Bodies with points, in parts whose numbers of points differ by a factor of at most two."""
     order = np.argsort(counts, kind="stable")
     order = order[counts[order] > 0]
     while len(order):

@@ -1,8 +1,8 @@
 """The tangent of a motion: the derivative of rates and attitude by the start and by parameters.
 
 A small deviation vector of a motion is a change of its rates and a rotation vector in the body. It
-obeys linear equations, which are integrated with the motion: one lane for each column. That of a
-parameter begins at zero, and the change of the parameter is a torque in its equations.
+obeys linear equations, which are integrated with the motion: one lane for each column. The vector
+of a parameter begins at zero, and the change of the parameter is a torque in its equations.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ __all__ = ["ROUNDING", "check_tangent", "rate_scale", "tangent_matrices", "tange
 Floats = NDArray[np.float64]
 
 ROUNDING = 2.0**-53
-"""Tolerance of a tangent whose method is not given."""
+"""Tolerance of a tangent for which no method is given."""
 
 
 def check_tangent(
@@ -62,10 +62,10 @@ def tangent_of(
     method: str | None,
     change: tuple[Floats, NDArray[np.intc]] | None,
 ) -> tuple[Floats, Floats | None, str]:
-    """The tangent of the bodies of a request, that of a change of parameters, and a sentence.
+    """The tangent of the bodies of a request, the derivative by parameters, and a sentence.
 
     A method that the user has named returns the tangent too, with the steps of the motion or the
-    same tolerance. Else it is integrated by ``taylor16``, whose errors are those of rounding.
+    same tolerance. Else it is integrated by ``taylor16``, whose errors are of the size of rounding.
     """
     words = f"tangent by {method} too"
     if method not in tangent_methods():
@@ -76,7 +76,7 @@ def tangent_of(
 
 
 def tangent_matrices(request: Request, steps: Floats | None) -> Floats:
-    """Derivatives of (rates, rotation vector) by those at the start, shape (n, m, 6, 6).
+    """Derivatives of (rates, rotation vector) by their values at the start, shape (n, m, 6, 6).
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The arrays in which a run is returned: their precision, and arrays that the user gives."""
+"""The arrays in which a run is returned: their precision, and arrays from the user."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ COLUMNS: Mapping[str, tuple[str, int]] = {
 """The name in the core, and the numbers in a row, of the arrays of a run with an axis of times."""
 
 SINGLE = 2.0**-23
-"""Angle (rad) by which single precision rounds an attitude; twice that of a vector."""
+"""Angle (rad) by which single precision rounds an attitude: twice as much as for a vector."""
 
 SLOWEST, FASTEST = 1e-30, 1e30
 """Rates between these are rounded to single precision relative to their size (rad/s)."""
@@ -35,7 +35,7 @@ SLOWEST, FASTEST = 1e-30, 1e30
 
 @dataclass(frozen=True, slots=True)
 class Target:
-    """Where the states of a run go.
+    """The arrays for the states of a run.
 
     Attributes
     ----------
@@ -87,7 +87,7 @@ class Target:
         return cls(np.dtype(dtype) == np.float32, given)
 
     def check(self, bodies: Bodies, reached: Range, accuracy: float | None) -> None:
-        """Raise ValueError for what single precision cannot hold."""
+        """Raise ValueError for numbers that single precision cannot hold."""
         if not self._rounds:
             return
         if accuracy is not None and accuracy <= SINGLE:
@@ -107,11 +107,11 @@ class Target:
 
     @property
     def exact(self) -> dict[str, NDArray[Any]]:
-        """The given arrays of double precision: steps are compared before they are rounded."""
+        """The given arrays of double precision, in which steps are compared before rounding."""
         return {name: array for name, array in self.given.items() if array.dtype == np.float64}
 
     def finish(self, states: MutableMapping[str, Any], error: Floats) -> Floats:
-        """Put all states where they go; return their errors with that of the rounding."""
+        """Store all states; return their errors with the rounding included."""
         for name, width in COLUMNS.values():
             array, given = states[name], self.given.get(name)
             if given is not None:

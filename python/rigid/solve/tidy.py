@@ -24,7 +24,7 @@ COMPONENTS: Mapping[str, tuple[str, ...]] = {
 """Names of the columns of vectors and quaternions."""
 
 ROWS = 65536
-"""Rows that are written at once."""
+"""Number of rows that are written at once."""
 
 
 def parts(name: str, array: NDArray[Any]) -> dict[str, NDArray[Any]]:

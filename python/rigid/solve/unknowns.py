@@ -1,4 +1,4 @@
-"""The free parameters of a fit: their numbers inside a box, and the rates that these predict."""
+"""The free parameters of a fit: their numbers inside a box, and the rates they predict."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ _EDGE = 1e-9
 """Share of the moments by which a body stays thicker than a rod or a plate."""
 
 _SENSOR = 0.1
-"""What a gyroscope adds to its rates, or by how much it scales them, as a share of the rates."""
+"""Bias that a gyroscope adds to the rates, or its scale, as a share of the rates."""
 
 
 class Unknowns:
@@ -119,9 +119,9 @@ class Unknowns:
         self.box, self.first, self.sizes = (low, high), first, sizes
 
     def other_moments(self, count: int) -> Floats:
-        """First guesses with moments all over what a body can have, shape (count, k).
+        """First guesses spread over the moments that a body can have, shape (count, k).
 
-        Those of the same fit are the same. None if no moment varies.
+        A repeated fit has the same guesses. None if no moment varies.
         """
         if not self._moving:
             return np.empty((0, len(self.first)))
@@ -145,7 +145,7 @@ class Unknowns:
         return dict(zip(self.numbers, (self.base + self.steer @ x).tolist(), strict=True))
 
     def at(self, x: Floats) -> tuple[Scene, Floats]:
-        """Scene and start of coordinates."""
+        """Scene and start that belong to coordinates."""
         values = self._values(x)
         own = {"mgl": values["mgl"]} if "mgl" in values else {}
         moments = _taken(values, MOMENTS, self.scene.body.moments)
@@ -156,7 +156,7 @@ class Unknowns:
         return varied, _taken(values, START, self.start)
 
     def rates(self, x: Floats, t: Floats) -> Floats:
-        """What a gyroscope would measure, shape (m, 3)."""
+        """The rates that a gyroscope would measure, shape (m, 3)."""
         scene, start = self.at(x)
         run = simulate(scene, start, self.attitude, t=t, record="rates", check=False)
         values = self._values(x)
@@ -198,7 +198,7 @@ class Unknowns:
         return values, slopes
 
     def edges(self, x: Floats) -> tuple[str, ...]:
-        """What lies at its bound, in words."""
+        """The parameters at their bounds, in words."""
         low, high = self.box
         near = (x - low < 1e-6 * self.sizes) | (high - x < 1e-6 * self.sizes)
         words = [
@@ -212,7 +212,7 @@ class Unknowns:
 
 
 def _taken(values: dict[str, float], names: Sequence[str], others: ArrayLike) -> Floats:
-    """The values of these names, and the others where there is none."""
+    """The values of these names, and default values for the others."""
     known = zip(names, np.asarray(others).tolist(), strict=True)
     return np.array([values.get(name, other) for name, other in known])
 

@@ -22,24 +22,24 @@ __all__ = ["LANES", "MANY", "Work", "reference_nanoseconds", "unit_nanoseconds"]
 Floats = NDArray[np.float64]
 
 LANES = 32
-"""Bodies that take a step side by side, in packs."""
+"""Number of bodies that take a step side by side, in packs."""
 
 PACK = 8
 """Bodies of a pack: a body alone takes as long as all of them."""
 
 MANY = 1024
-"""Number of bodies of a call where nothing else is known."""
+"""Number of bodies of a call if it is unknown."""
 
 STEPS = 512
 """Steps of the reference run."""
 
 PROBES = 4
-"""The fastest of so many reference runs counts: another program may interrupt some."""
+"""Number of reference runs; the fastest counts, because another program may interrupt some."""
 
 
 @dataclass(frozen=True, slots=True)
 class Work:
-    """Parts of the work of a call, in units.
+    """The work of a call by its parts, in units.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""Canaries: stored units that a process computes again before it adds rows of its own.
+"""Canaries: stored units that a process computes again before it adds rows.
 
 Another version, a faulty machine or a mixed cluster gives other bytes, and is refused.
 """
@@ -19,14 +19,14 @@ __all__ = ["canaries", "check_canaries"]
 
 MOST_UNITS = 16
 MOST_SECONDS = 0.5
-"""Bounds of what is computed again."""
+"""Most rows that are computed again, and most processor time (s) of these rows."""
 
 MOST_CANDIDATES = 4096
 """Units whose digests are compared: evenly spaced among those that are known."""
 
 
 def canaries(table: Table) -> Block:
-    """Up to 16 known rows, always the same of the same rows: those of the least digests.
+    """Up to 16 known rows with the least digests, which depend on the rows alone.
 
     Rows that took long are omitted; the first is kept.
     """

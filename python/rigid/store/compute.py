@@ -42,7 +42,7 @@ def compute(
     stop : callable, optional
         Asked twenty times a second; True ends the work.
     segment : int, optional
-        Most samples of a unit; by default those of a pixel.
+        Most samples of a unit; by default all samples of a pixel.
 
     Returns
     -------

@@ -19,7 +19,7 @@ __all__ = ["Difference", "diff", "read_any"]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Difference:
-    """How two maps differ; ``str()`` tells it.
+    """The differences of two maps; ``str()`` describes these in words.
 
     Attributes
     ----------
@@ -46,7 +46,7 @@ def read_any(path: str | os.PathLike[str]) -> StabilityMap:
 
 
 def diff(one: StabilityMap, other: StabilityMap) -> Difference:
-    """How two maps differ."""
+    """The differences of two maps."""
     specification = differences(one.spec.to_dict(), other.spec.to_dict())
     keys = [key_of(head_of(data.spec)) for data in (one, other)]
     if keys[0] == keys[1]:
@@ -60,7 +60,7 @@ def diff(one: StabilityMap, other: StabilityMap) -> Difference:
 
 
 def _bytes(one: MapData, other: MapData) -> list[str]:
-    """Of two maps of one specification: equal seeds give equal bits."""
+    """The differences of two maps of one specification: equal seeds give equal bits."""
     lines = []
     done = [data.samples > 0 for data in (one, other)]
     for mine, theirs, which in (*zip(done, done[::-1], ("first", "second"), strict=True),):
@@ -91,7 +91,7 @@ def _bytes(one: MapData, other: MapData) -> list[str]:
 
 
 def _intervals(one: MapData, other: MapData) -> list[str]:
-    """Of two maps of other samples: their intervals should meet."""
+    """The differences of two maps with other samples: their intervals should overlap."""
     known = ~(np.isnan(one.share) | np.isnan(other.share))
     apart = known & ((one.lower > other.upper) | (other.lower > one.upper))
     lines = [

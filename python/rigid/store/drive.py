@@ -40,7 +40,7 @@ APPENDS = 50.0
 """A block lasts at least so many times as long as the last append."""
 
 TRIES = 3
-"""A unit whose tasks have failed so often is given up, the last of them with this unit alone."""
+"""A unit is given up after so many failed tasks, the last one with this unit alone."""
 
 HOPELESS = 12
 """More failures than this without any success are raised."""
@@ -50,7 +50,7 @@ GROWTH = 8
 
 
 class Sink(Protocol):
-    """Where rows go."""
+    """The target of rows."""
 
     def append(self, rows: Rows, nanoseconds: NDArray[np.float32], bins: Bins) -> None:
         """Keep rows."""
@@ -58,7 +58,7 @@ class Sink(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Task:
-    """What a worker needs besides the units.
+    """The data that a worker needs besides the units.
 
     Attributes
     ----------
@@ -73,7 +73,7 @@ class Task:
     functions : dict of str to callable, or bytes
         The functions of the specification; as pickled, unless the executor pickles them itself.
     segment : int or None
-        Most samples of a unit; by default those of a pixel.
+        Most samples of a unit; by default all samples of a pixel.
     whole : MapSpec or None
         The specification itself, for threads of this process.
     """
@@ -169,7 +169,7 @@ def _title(function: Any) -> str:
 
 @dataclass(slots=True)
 class Poison:
-    """Units that were given up, and why."""
+    """Units that were given up, and the reasons."""
 
     units: list[int] = field(default_factory=list)
     errors: list[str] = field(default_factory=list)
@@ -204,7 +204,7 @@ def work(task: Task, units: Units) -> Block:
 
 
 class Intake:
-    """Keeps blocks, tells of them, and fits the number of units of the next.
+    """Keeps blocks, reports progress, and chooses the number of units of the next block.
 
     Costs differ between units by orders of magnitude, because a flip ends a body early. So a block
     also stays short in case it consists of the costliest units only.
@@ -263,7 +263,7 @@ def run_here(
 
 
 def executor_of(executor: Any) -> tuple[Any, int]:
-    """Something with ``submit``, and its number of workers.
+    """An object with the method ``submit``, and its number of workers.
 
     A Dask client is asked for its own executor.
 

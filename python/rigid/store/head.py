@@ -42,7 +42,7 @@ PIXELS_TOGETHER = 2**16
 
 
 class StoreError(ValueError):
-    """A running map is refused: it is none, it is another one, or rows contradict each other."""
+    """A running map is refused: it is damaged, it is another map, or rows contradict each other."""
 
 
 @dataclass(frozen=True)
@@ -94,7 +94,7 @@ class Head:
 
     @classmethod
     def of(cls, spec: MapSpec, segment: int | None = None) -> Head:
-        """The head of a new running map, by default divided as that of a folder."""
+        """The head of a new running map, by default divided as a folder."""
         return cls(spec, head_of(spec, divided(spec) if segment is None else segment))
 
     @classmethod
@@ -136,7 +136,7 @@ class Head:
         return cls(spec, content)
 
     def require_spec(self, spec: MapSpec, path: object) -> None:
-        """Refuse another specification than the stored one, with what differs.
+        """Refuse a specification that differs from the stored one, and name the difference.
 
         Raises
         ------

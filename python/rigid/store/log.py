@@ -2,7 +2,8 @@
 
 A record is a table in the npy format whose name holds its digest. The digest is keyed by the map,
 so that a record of another map is never taken for one of this. If the map measures something, the
-table of its bins follows; its digest holds that of the rows, which count for nothing without.
+table of its bins follows; its digest includes the digest of the rows, which count for nothing
+without it.
 
 A reader accepts a header only if it is to the byte the one that a writer makes, and searches on
 where one is damaged: what is read is right, whatever happened to the rest of the file.
@@ -151,7 +152,7 @@ class Log:
         self._synchronised = time.monotonic()
 
     def close(self, end: dict[str, Any] | None) -> None:
-        """End the log: with the reason, or without if it could not be written."""
+        """End the log with a reason; without a reason if it could not be written."""
         try:
             if end is not None:
                 self._append([*self._member(END, canonical(end)), bytes(2 * BLOCK)])
@@ -162,7 +163,7 @@ class Log:
 
 @dataclass
 class Found:
-    """What else a log holds than rows.
+    """The content of a log besides its rows.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""What is missing in a running map, and its computation."""
+"""The missing units of a running map, and their computation."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from .running import Folder, Memory
 __all__ = ["Outcome", "Part", "carry_on", "missing", "pixels_done", "result_of"]
 
 GOLDEN = np.uint64(0x9E3779B97F4A7C15)
-"""The golden ratio: the upper bits of its multiples are those of no pattern of a grid."""
+"""The golden ratio: the upper bits of its multiples follow no pattern of a grid."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,7 +63,7 @@ class Part:
             raise ValueError(f"part = {brief(part)}: must be k/n with 1 <= k <= n") from None
 
     def has(self, units: NDArray[np.int64], running: Folder | Memory) -> NDArray[np.bool_]:
-        """Which units are of this part.
+        """Which units belong to this part.
 
         Those with a possible body are dealt one after the other, a turn to all parts. Each turn
         begins with another part, lest columns of the grid become parts.
@@ -79,7 +79,7 @@ class Part:
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """How a sitting ended.
+    """How a sitting ended: complete, interrupted, terminated, waiting or with poisoned units.
 
     Attributes
     ----------
@@ -145,7 +145,7 @@ def carry_on(
     allow_mixed: bool = False,
     progress: ProgressOption = None,
 ) -> Outcome:
-    """Compute what is missing, or this part of it, until it is complete or ``stop()``.
+    """Compute the missing units, or a part of these, until the map is complete or ``stop()``.
 
     Raises
     ------
@@ -222,7 +222,7 @@ def carry_on(
 def result_of(
     running: Folder | Memory, *, elapsed: float = np.nan, threads: int = 0
 ) -> StabilityMap:
-    """The map of the rows that there are."""
+    """The map of the rows that are stored."""
     columns, bins = running.table.merged()
     return StabilityMap.from_arrays(
         running.head.spec,

@@ -57,7 +57,7 @@ BIN_ROW = np.dtype(
     ]
 )
 """The type of a bin of a measure: number of the unit, place of the measure in the specification,
-and the numbers of the bin; see :mod:`rigid.maps.measured`."""
+numbers of the bin; see :mod:`rigid.maps.measured`."""
 
 Rows = NDArray[np.void]
 Bins = NDArray[np.int64]
@@ -86,7 +86,7 @@ class Block(NamedTuple):
     bins: Bins
 
     def some(self, which: NDArray[np.bool_]) -> Block:
-        """Those of the rows."""
+        """The block of some of the rows."""
         mine = np.isin(self.bins[:, 0], self.rows["unit"][which])
         return Block(self.rows[which], self.nanoseconds[which], self.bins[mine])
 
@@ -111,7 +111,7 @@ def rows_of(units: NDArray[np.int64], columns: dict[str, NDArray[Any]]) -> Rows:
 
 
 def bins_of(units: NDArray[np.int64], measures: Sequence[Bins]) -> Bins:
-    """Bins of ascending units from those of each measure, numbered by the place of the unit."""
+    """Bins of ascending units from the bins of each measure, numbered by the place of the unit."""
     parts = [
         np.insert(of_pixels(bins, units), 1, number, axis=1) for number, bins in enumerate(measures)
     ]
@@ -125,7 +125,7 @@ def _sorted(bins: Bins) -> Bins:
 
 
 class Table:
-    """The rows that are known, by unit.
+    """The known rows by unit.
 
     Attributes
     ----------
@@ -183,7 +183,7 @@ class Table:
             self._bins.append(new.some(~again).bins if again.any() else new.bins)
 
     def block(self, units: NDArray[np.int64]) -> Block:
-        """What is known of units."""
+        """The known rows of units."""
         bins = NO_BINS
         if self._bins:
             self._bins = [np.concatenate(self._bins)]
@@ -192,7 +192,7 @@ class Table:
 
     @property
     def counted(self) -> NDArray[np.bool_]:
-        """Which units are of the map: of a pixel those before the first that is not known.
+        """Which units belong to the map: for a pixel all units before the first unknown one.
 
         So the bodies of a pixel are its first ones, and are computed again without the units.
         """

@@ -1,4 +1,4 @@
-"""The rows of a running map: those of a folder, with the log of this process, or of the memory."""
+"""The rows of a running map, in a folder with the log of this process, or in memory."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ __all__ = ["Folder", "Memory", "receipt"]
 
 
 def receipt(**facts: Any) -> dict[str, Any]:
-    """Who writes: build, machine and process."""
+    """The identity of a writer: build, machine and process."""
     build = _core.build_info()
     return {
         "version": build["version"],
@@ -55,7 +55,7 @@ def _seconds(nanoseconds: NDArray[np.float32] | None) -> float:
 
 
 class Memory:
-    """A running map that is kept nowhere else."""
+    """A running map in memory alone."""
 
     def __init__(self, spec: MapSpec) -> None:
         self.head = Head.of(spec, divided_in_memory(spec))
@@ -67,10 +67,10 @@ class Memory:
         return moment_status(self.head.spec)
 
     def read(self) -> None:
-        """Nobody else computes rows."""
+        """Do nothing: no other process computes rows."""
 
     def begin(self, **facts: Any) -> None:
-        """There is no log."""
+        """Do nothing: there is no log."""
 
     def append(
         self, rows: Rows, nanoseconds: NDArray[np.float32], bins: Bins | None = None
@@ -79,16 +79,16 @@ class Memory:
         self.table.add(rows, nanoseconds, bins, "this process")
 
     def end(self, reason: str) -> None:
-        """There is no log."""
+        """Do nothing: there is no log."""
 
     def writers(self) -> list[dict[str, Any]]:
-        """There is no log."""
+        """No writers: there is no log."""
         return []
 
 
 @dataclass(frozen=True, slots=True)
 class LogFacts:
-    """What a log tells besides its rows.
+    """The content of a log besides its rows.
 
     Attributes
     ----------
@@ -170,7 +170,7 @@ class Folder:
         scene: Callable[..., Any] | Scene | None = None,
         stable: Callable[..., Any] | None = None,
     ) -> None:
-        """Take the functions of the map, of which a folder has digests alone."""
+        """Take the functions of the map, of which a folder has only digests."""
         spec = self.head.spec.with_functions(scene=scene, stable=stable)
         self.head = replace(self.head, spec=spec)
 

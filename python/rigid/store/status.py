@@ -1,4 +1,4 @@
-"""What a running map has and lacks."""
+"""The stored and the missing parts of a running map."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ __all__ = ["Status", "status_of"]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Status:
-    """What a running map has and lacks; ``str()`` is a table for people.
+    """The stored and the missing parts of a running map; ``str()`` is a table.
 
     Attributes
     ----------
@@ -41,7 +41,7 @@ class Status:
         runs or was killed; then ``silent`` (s) tells when it last wrote, ``missing`` how many units
         its part lacks, and ``remaining`` (s) how long it takes at its pace, NaN if it has none yet.
     seconds, remaining : float
-        Processor time of the stored rows, and about that of the missing; NaN if it is not known.
+        Processor time of the stored rows, and an estimate for the missing rows; NaN if unknown.
     """
 
     key: str
@@ -59,11 +59,11 @@ class Status:
 
     @property
     def complete(self) -> bool:
-        """Whether nothing is missing that is to be computed, within the budget of the map."""
+        """Whether no unit is missing, within the budget of the map."""
         return self.missing == 0
 
     def _left(self) -> str:
-        """What is left, in words."""
+        """The missing parts in words."""
         if np.isnan(self.remaining):
             return "how much is left is not known yet"
         return f"about {self.remaining:.3g} s left"
@@ -90,7 +90,7 @@ class Status:
 
 
 def _how(writer: dict[str, Any]) -> str:
-    """Why a writer ended, or how far it is."""
+    """The reason why a writer ended, or its progress."""
     if writer.get("reason"):
         return str(writer["reason"])
     left = f"its part lacks {writer['missing']:,} units"
@@ -100,7 +100,7 @@ def _how(writer: dict[str, Any]) -> str:
 
 
 def _writers(folder: Folder, left: NDArray[np.int64]) -> list[dict[str, Any]]:
-    """The receipts of the logs; with what is left to do where a writer has not ended."""
+    """The receipts of the logs, with the remaining work of each writer that has not ended."""
     return [
         writer if log.found.end else {**writer, **_pace(folder, log, left)}
         for writer, log in zip(folder.writers(), folder.logs, strict=True)
@@ -108,7 +108,7 @@ def _writers(folder: Folder, left: NDArray[np.int64]) -> list[dict[str, Any]]:
 
 
 def _pace(folder: Folder, log: LogFacts, left: NDArray[np.int64]) -> dict[str, Any]:
-    """How long a writer has been silent, and what its part lacks."""
+    """How long a writer has been silent, and how many units its part lacks."""
     receipt = log.found.writer or {}
     try:
         lacks = int(Part.of(receipt.get("part")).has(left, folder).sum())
@@ -124,7 +124,7 @@ def _pace(folder: Folder, log: LogFacts, left: NDArray[np.int64]) -> dict[str, A
 
 
 def status_of(folder: Folder) -> Status:
-    """What a running map has and lacks."""
+    """The stored and the missing parts of a running map."""
     table, todo = folder.table, missing(folder)
     left = len(todo)
     rows = table.rows[table.known]

@@ -42,7 +42,7 @@ class PoisonedError(RuntimeError):
 
 
 class Store:
-    """A running map: a folder that any number of processes add rows to.
+    """A running map: a folder to which any number of processes add rows.
 
     Made by ``stability_map(..., store=path)``, opened by :func:`open_store`.
 
@@ -65,12 +65,12 @@ class Store:
 
     @property
     def path(self) -> Path:
-        """The folder."""
+        """The folder of the map."""
         return self._folder.path
 
     @property
     def spec(self) -> MapSpec:
-        """Everything the numbers depend on."""
+        """The specification: everything that the numbers depend on."""
         return self._folder.head.spec
 
     @property
@@ -79,12 +79,12 @@ class Store:
         return self._folder.head.key.hex()
 
     def status(self) -> Status:
-        """What is stored and what is missing, read from the disk now."""
+        """The stored and the missing parts of the map, read from the disk now."""
         self._folder.read()
         return status_of(self._folder)
 
     def result(self) -> StabilityMap:
-        """The map of the rows that are stored now; ``complete`` tells whether it is whole."""
+        """The map of the rows that are stored now; ``complete`` says whether rows are missing."""
         self._folder.read()
         return result_of(self._folder)
 
@@ -99,7 +99,7 @@ class Store:
         partial: bool = False,
         allow_mixed: bool = False,
     ) -> StabilityMap:
-        """Compute what is missing; the options are those of :func:`stability_map`.
+        """Compute the missing rows, with the options of :func:`stability_map`.
 
         Parameters
         ----------
@@ -130,7 +130,7 @@ class Store:
         )
 
     def verify(self, share: float = 0.01, *, seed: int = 0, threads: int = 1) -> Verification:
-        """Compute a random share of the stored units again, and compare the bytes.
+        """Compute a random share of the stored units again and compare them bit for bit.
 
         A share f finds one of n wrong units with the chance 1 - (1 - f)**n. All digests of the logs
         are compared as well.
@@ -151,7 +151,7 @@ class Store:
         Parameters
         ----------
         path : path-like
-            As of :meth:`StabilityMap.save`; or a URL that zarr knows, such as that of a bucket.
+            As of :meth:`StabilityMap.save`; or a URL that zarr knows, such as the URL of a bucket.
 
         Returns
         -------
@@ -176,16 +176,16 @@ def open_store(
     scene: Callable[..., Any] | Scene | None = None,
     stable: Callable[..., Any] | None = None,
 ) -> Store:
-    """Open a running map.
+    """Open the folder of a running map.
 
     Parameters
     ----------
     path : path-like
         The folder that ``stability_map(..., store=path)`` has made, or a copy of it.
     scene, stable : callable, optional
-        The function that makes the scenes, and that of :func:`judged`, to compute what is missing:
-        a folder has digests of them alone, of their sources and of what they take from outside. Or
-        the scene itself, if its torque is a function: a folder does not have it.
+        The function that makes the scenes, and the function of :func:`judged`, to compute what is
+        missing: a folder has digests of them alone, of their sources and of what they take from
+        outside. Or the scene itself, if its torque is a function: a folder does not have it.
 
     Returns
     -------
@@ -216,14 +216,14 @@ def open_store(
 
 
 def merge(paths: Sequence[str | os.PathLike[str]], into: str | os.PathLike[str]) -> Store:
-    """Merge running maps of one specification; their logs are copied into one folder.
+    """Merge running maps of one specification into one folder.
 
     Parameters
     ----------
     paths : sequence of path-like
         Folders of running maps.
     into : path-like
-        A new folder, or that of a running map of the same specification.
+        A new folder, or the folder of a running map of the same specification.
 
     Returns
     -------
@@ -234,6 +234,17 @@ def merge(paths: Sequence[str | os.PathLike[str]], into: str | os.PathLike[str])
     ValueError
         If a folder holds another map, with what differs; or if two rows of one unit differ, with
         the unit and the numbers. Then nothing is written.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile, rigid
+    >>> ask = dict(axes={"spin": [1.0, 2.0]}, samples=64, t_end=50.0, stable=rigid.no_flip(), rng=1)
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     parts = [pathlib.Path(folder, name) for name in ("one", "two")]
+    ...     for k, path in enumerate(parts, 1):
+    ...         _ = rigid.stability_map(rigid.FreeBody, store=path, part=(k, 2), **ask)
+    ...     rigid.merge(parts, pathlib.Path(folder, "whole")).status().complete
+    True
     """
     if isinstance(paths, (str, bytes)):
         raise TypeError(f"paths = {brief(paths)}: must be a sequence of folders")
@@ -243,7 +254,7 @@ def merge(paths: Sequence[str | os.PathLike[str]], into: str | os.PathLike[str])
 def diff(
     one: StabilityMap | str | os.PathLike[str], other: StabilityMap | str | os.PathLike[str]
 ) -> Difference:
-    """How two maps differ in specification and numbers.
+    """Compare two maps: their specifications and their numbers.
 
     Maps of one specification are compared bit by bit, in the pixels that both have. Maps with the
     same axes are compared by the intervals of their shares.
@@ -257,6 +268,13 @@ def diff(
     -------
     Difference
         ``same``, ``specification``, ``numbers``; ``str()`` tells them.
+
+    Raises
+    ------
+    ValueError
+        If a path holds neither a map nor a running map, or the content is damaged.
+    OSError
+        If a file cannot be read.
 
     Examples
     --------

@@ -19,12 +19,12 @@ from .running import Folder
 __all__ = ["Verification", "verify"]
 
 TOGETHER = 1024
-"""Units that are computed at a time."""
+"""Number of units that are computed at once."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Verification:
-    """What a verification has found; ``str()`` tells it.
+    """The result of a verification; ``str()`` describes it.
 
     Attributes
     ----------
@@ -43,7 +43,7 @@ class Verification:
 
     @property
     def ok(self) -> bool:
-        """Whether all numbers came out as they are stored, and all could be read."""
+        """Whether all numbers agree with the stored ones, and all rows could be read."""
         return not (self.wrong or self.damage)
 
     def __str__(self) -> str:

@@ -1,11 +1,11 @@
 """The heavy top: constants of its motion, potential, cubic, steady precession, and its locus.
 
-A symmetric top has two moments equal to the bit and its centre of mass exactly on the third axis,
-on either side of the fixed point. The tilt ``theta`` is the angle of the direction to the centre of
+A symmetric top has two moments exactly equal and its centre of mass exactly on the third axis, on
+either side of the fixed point. The tilt ``theta`` is the angle of the direction to the centre of
 mass from the upward vertical, ``phi`` the azimuth of the node line, ``psi`` the angle of spin about
 the direction to the centre of mass. For the motion use :func:`rigid.simulate` or
 :mod:`rigid.exact`; this package has the quantities of textbooks. A scene may hold many tops: its
-axes, those of states and those of other numbers broadcast as in NumPy.
+axes, the axes of states and the axes of other numbers broadcast as in NumPy.
 
 The package uses :mod:`rigid.exact`, :mod:`rigid.free`, runs and starts of sections; it imports
 neither maps nor the planner. :mod:`rigid.figures` uses it.

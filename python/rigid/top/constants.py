@@ -47,7 +47,7 @@ def symmetric(scene: HeavyTop) -> Symmetry:
 def over_tops(scene: HeavyTop, *, times: Shape = (), **arguments: Floats) -> tuple[Floats, ...]:
     """The arguments, broadcast to the axes of the tops and of each other.
 
-    ``times`` has the axes of the tops that times of their own have.
+    ``times`` has the axes of the tops that the times have.
     """
     shapes = {name: array.shape for name, array in arguments.items()}
     shape = leading_shape({"scene": scene.shape, **shapes, "t": times})
@@ -112,7 +112,7 @@ def heavy_constants(
         The top, or many. If the top is not symmetric, only the energy and the angular momentum
         about the vertical are constant.
     omega : array_like, shape (..., 3)
-        Angular velocity in the body (rad/s); its leading axes broadcast with those of the attitudes
+        Angular velocity in the body (rad/s); its leading axes broadcast with the attitudes
         and of the tops.
     attitude : array_like, shape (..., 4), or scipy Rotation
         Attitude.
@@ -176,7 +176,7 @@ def heavy_constants(
 def precession_spin_rates(
     scene: HeavyTop, tilt: ArrayLike, *, a: ArrayLike, b: ArrayLike
 ) -> tuple[Floats, Floats]:
-    """Precession phi' and spin psi' of a symmetric top at a tilt.
+    """Precession ``phi'`` and spin ``psi'`` (rad/s) of a symmetric top at a tilt.
 
     ``phi' = (a - b cos) / sin²`` and ``psi' = I1 b / I3 - phi' cos``: Goldstein, *Classical
     Mechanics*, § 5.7; Ercan 2016, eqs. (57), (58).
@@ -184,7 +184,7 @@ def precession_spin_rates(
     Parameters
     ----------
     scene : HeavyTop
-        Two moments equal to the bit, the centre of mass exactly on the third axis; one top or many.
+        Two moments exactly equal, the centre of mass exactly on the third axis; one top or many.
     tilt : array_like, shape (...)
         Angle of the centre of mass from the upward vertical (rad), in [0, pi].
     a, b : array_like, shape (...)
@@ -229,7 +229,7 @@ def precession_spin_rates(
 def gravity_torque(
     scene: HeavyTop, attitude: ArrayLike | Rotation, *, frame: str = "body"
 ) -> Floats:
-    """Torque of the weight about the fixed point, ``-mgl com × gamma``.
+    """Torque of the weight about the fixed point (N m), ``-mgl com × gamma``.
 
     The torque has the size ``mgl sin(tilt)`` and the direction of the node line, so it is
     perpendicular to the vertical and to the direction to the centre of mass (Ercan 2016, § 10).
@@ -239,7 +239,7 @@ def gravity_torque(
     scene : HeavyTop
         Any heavy top, or many.
     attitude : array_like, shape (..., 4), or scipy Rotation
-        Attitude; its leading axes broadcast with those of the tops.
+        Attitude; its leading axes broadcast with the axes of the tops.
     frame : {"body", "space"}
         Frame of the components of the torque.
 
@@ -253,8 +253,8 @@ def gravity_torque(
     TypeError
         If the scene is no heavy top.
     ValueError
-        If the attitude is not finite or is zero, its axes and those of the tops do not broadcast,
-        or the frame is unknown.
+        If the attitude is not finite or is zero, its axes do not broadcast with the axes of the
+        tops, or the frame is unknown.
 
     Examples
     --------

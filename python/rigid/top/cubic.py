@@ -22,12 +22,12 @@ __all__ = ["Roots", "f_roots", "f_u", "nutation_period", "time_of", "u_of"]
 Floats = NDArray[np.float64]
 
 SLACK = 1e-12
-"""Error of roots that the rounding of the constants may cause."""
+"""Largest error of roots that the rounding of the constants may cause."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Roots:
-    """The roots of f; the top nutates between the first two.
+    """The roots of the cubic f; the top nutates between the first two.
 
     Attributes
     ----------
@@ -46,7 +46,7 @@ class Roots:
 
 @refuses_overflow
 def f_u(u: ArrayLike, *, a: ArrayLike, b: ArrayLike, alpha: ArrayLike, beta: ArrayLike) -> Floats:
-    """``f(u) = (alpha - beta u)(1 - u²) - (a - b u)²``, the square of ``u' = -theta' sin(theta)``.
+    """The cubic ``f(u) = (alpha - beta u)(1 - u²) - (a - b u)²`` of the height, equal to ``u'²``.
 
     ``f(1) = -(a - b)²`` and ``f(-1) = -(a + b)²``.
 
@@ -81,7 +81,7 @@ def f_u(u: ArrayLike, *, a: ArrayLike, b: ArrayLike, alpha: ArrayLike, beta: Arr
 
 @refuses_overflow
 def f_roots(*, a: ArrayLike, b: ArrayLike, alpha: ArrayLike, beta: ArrayLike) -> Roots:
-    """The three roots of f, by Newton's method from above and a deflation without cancellation.
+    """The three roots of the cubic f, by Newton's method and a deflation without cancellation.
 
     The constants determine a double root (steady precession) to the square root of their rounding
     only. For all digits use :func:`rigid.exact.lagrange_top`, which takes a state.
@@ -275,7 +275,7 @@ def _depths(
     total = np.where(light, 2.0 * (eps - d * b) / square, total)
     product = np.where(light, d * d / square, product)
     half = 0.5 * total
-    # A top that passes the vertical, d = 0, has the root 0 besides those of w² - c2 w - c1.
+    # A top that passes the vertical, d = 0, has the root 0 besides the roots of w² - c2 w - c1.
     through = (d == 0.0) & ~light
     least, highest = _pair(0.5 * c2, -c1)
     least, middle, highest = np.sort(np.stack([least, np.zeros(d.shape), highest]), axis=0)

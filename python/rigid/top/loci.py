@@ -47,7 +47,7 @@ def classify_locus(
         A Lagrange top with weight, as in :func:`rigid.exact.lagrange_top`, or many.
     omega, attitude : array_like, shapes (..., 3) and (..., 4)
         State at any time of the motion; by default body and space axes coincide. The leading axes
-        broadcast with each other and with those of the tops.
+        broadcast with each other and with the axes of the tops.
 
     Returns
     -------
@@ -108,7 +108,7 @@ def advance(
 ) -> Advance:
     """Advance of precession and spin in a period of the nutation.
 
-    The mean precession of a top with loops never opposes the spin. The numbers are those of
+    The mean precession of a top with loops never opposes the spin. The numbers come from
     :func:`rigid.exact.lagrange_top`.
 
     Parameters
@@ -170,7 +170,7 @@ def locus(
     *,
     t: ArrayLike,
 ) -> Locus:
-    """The path of the axis of a top, by closed form if the top, or each of many, has one.
+    """The path of the axis of a top on the unit sphere, in closed form if there is one.
 
     Parameters
     ----------
@@ -178,9 +178,9 @@ def locus(
         Any heavy top, or many; the axis of a top is the direction to its centre of mass.
     omega, attitude : array_like, shapes (..., 3) and (..., 4)
         State at ``t = 0``; by default body and space axes coincide. The leading axes broadcast with
-        each other and with those of the tops.
+        each other and with the axes of the tops.
     t : array_like, shape (m,) or (..., m)
-        Times (s), ascending; those of all tops, or of each.
+        Times (s), ascending; the same for all tops, or for each.
 
     Returns
     -------
@@ -269,7 +269,7 @@ def fast_top_approx(
     Parameters
     ----------
     scene : HeavyTop
-        Two moments equal to the bit, the centre of mass exactly on the third axis; one top or many.
+        Two moments exactly equal, the centre of mass exactly on the third axis; one top or many.
     tilt : array_like, shape (...)
         Tilt at ``t = 0`` (rad), in [0, pi], a turning point: ``theta' = 0``.
     spin : array_like, shape (...)
@@ -278,7 +278,7 @@ def fast_top_approx(
         ``omega_0``, the rate of precession at ``t = 0`` (rad/s); 0 for a top released from rest.
         Tilt, spin and precession broadcast with each other and with the tops.
     t : array_like, shape (m,) or (..., m), optional
-        Times (s) of the motion; those of all tops, or of each.
+        Times (s) of the motion; the same for all tops, or for each.
 
     Returns
     -------

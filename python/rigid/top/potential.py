@@ -44,14 +44,14 @@ class EffectivePotential:
 def effective_potential(
     scene: HeavyTop, tilt: ArrayLike, *, a: ArrayLike, b: ArrayLike
 ) -> EffectivePotential:
-    """``V'(theta) = I1 (a - b cos)² / (2 sin²) + mgl cos``, with ``E' = ½ I1 theta'² + V'``.
+    """``V'(theta) = I1 (a - b cos)² / (2 sin²) + mgl cos``, the potential (J) of the nutation.
 
     Goldstein, *Classical Mechanics*, § 5.7; Ercan 2016, eq. (61).
 
     Parameters
     ----------
     scene : HeavyTop
-        Two moments equal to the bit, the centre of mass exactly on the third axis; one top or many.
+        Two moments exactly equal, the centre of mass exactly on the third axis; one top or many.
     tilt : array_like, shape (...)
         Angle of the centre of mass from the upward vertical (rad), in [0, pi].
     a, b : array_like, shape (...)
@@ -168,7 +168,7 @@ def effective_minimum(scene: HeavyTop, *, a: ArrayLike, b: ArrayLike) -> Floats:
 def turning_angles(
     scene: HeavyTop, *, a: ArrayLike, b: ArrayLike, E_prime: ArrayLike
 ) -> tuple[Floats, Floats]:
-    """The tilts with ``V' = E'``, between which a top with the energy E' nutates.
+    """The tilts (rad) with ``V' = E'``, between which a top with the energy E' nutates.
 
     Parameters
     ----------

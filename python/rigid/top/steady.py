@@ -187,7 +187,7 @@ class SpinDown:
 
 
 def spin_down(scene: HeavyTop, spin: ArrayLike, *, damping: ArrayLike) -> SpinDown:
-    """Time at which friction wakes a sleeping top.
+    """Time (s) at which friction wakes a sleeping top.
 
     While the top is upright ``I3 omega3' = -c omega3``, thus ``omega3 = spin exp(-c t / I3)``; the
     power of the torque is ``-c omega3²``. The motion after the onset is not steady; compute it by

@@ -74,7 +74,7 @@ SAID: list[tuple[object, str, tuple[float | str, ...]]] = [
             of_core("map/request.rs", "GROWTH_STEPS") * ANGLES[CHOSEN["growth"]],
         ),
     ),
-    (rigid.stability_map, "``{}`` does it in steps of its own", (CHOSEN["second"],)),
+    (rigid.stability_map, "``{}`` does it in its default steps", (CHOSEN["second"],)),
     (
         rigid.stability_map,
         "of each {} consecutive bodies of a pixel the first two and",
