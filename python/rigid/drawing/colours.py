@@ -7,12 +7,14 @@ from typing import Any
 
 __all__ = [
     "ABSENT",
+    "AMBER",
     "ANGLE",
     "AXES",
     "BAND",
     "BODY",
     "BODY_FACE",
     "CHAOS_MAP",
+    "CLASSES",
     "DARK",
     "DARK_STYLE",
     "FACE",
@@ -68,6 +70,9 @@ NEUTRAL = "#555555"
 FAINT = "#949494"
 """Help lines, circles of reference and hidden edges: the contrast of lines, 3, but no text."""
 
+AMBER = "#b87200"
+"""Yellow as dark as lines need on white; texts have :data:`HUES`."""
+
 FACE = "#56b4e9"
 """Faces of bodies, which no line and no text has."""
 
@@ -95,6 +100,7 @@ _ON_DARK = {
     HUES["purple"]: "#de8cbb",
     HUES["sky"]: "#7cc8f5",
     HUES["violet"]: "#a794e8",
+    AMBER: "#f0b429",
     NEUTRAL: "#b0b0b0",
     FAINT: "#707070",
     PALE: "#3f4246",
@@ -126,6 +132,14 @@ DARK_STYLE: dict[Any, Any] = {
     ),
 }
 """Settings of Matplotlib for dark pictures: ``matplotlib.rc_context(DARK_STYLE)``."""
+
+CLASSES = {
+    "chaotic": HUES["blue"],
+    "undecided": NEUTRAL,
+    "failed": HUES["black"],
+    "regular": AMBER,
+}
+"""Colours of points and lines of classes: as in maps, blue is chaotic and yellow is regular."""
 
 SHARE_MAP = "cividis"
 """Colour map of shares of stable or regular bodies: its bright end, yellow, is stable."""

@@ -26,7 +26,7 @@ SOURCES = Path(rigid.__file__).parent
 LINE, TEXT = 3.0, 4.5
 """Least contrasts of lines and of texts: WCAG 2.2, 1.4.11 and 1.4.3 (AA)."""
 
-LINES = [*colours.HUES.values(), colours.NEUTRAL, colours.FAINT]
+LINES = [*colours.HUES.values(), colours.NEUTRAL, colours.AMBER, colours.FAINT]
 TEXTS = [*colours.HUES.values(), colours.NEUTRAL]
 BACKGROUND = (colours.PALE, colours.GRID, colours.BAND)
 """What only stands behind the lines that matter."""
@@ -73,6 +73,7 @@ def test_every_ink_and_every_family_has_a_colour_of_the_table() -> None:
     inks = [one.colour for one in vars(colours).values() if isinstance(one, colours.Ink)]
     for colour in [*inks, *(family.colour for family in (*FAMILIES, OTHERS))]:
         assert colour in TEXTS
+    assert set(colours.CLASSES.values()) <= set(LINES)
 
 
 def test_no_module_of_plots_has_a_colour_of_its_own() -> None:
