@@ -533,4 +533,5 @@ def _title(data: MapData, at: Mapping[int, int]) -> str:
     if at:
         detail += f"; {_values(data, at)}"
     what = "Regular motions" if isinstance(spec.stable, Regular) else "Stability"
-    return f"{spec.title or f'{what} of a {spec.scene.title}'}\n{textwrap.fill(detail, LONGEST)}"
+    subject = "satellite" if "orbit" in spec.forces else spec.scene.title
+    return f"{spec.title or f'{what} of a {subject}'}\n{textwrap.fill(detail, LONGEST)}"

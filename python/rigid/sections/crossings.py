@@ -287,8 +287,8 @@ class Crossings:
         Examples
         --------
         >>> import rigid
-        >>> top = rigid.HeavyTop(rigid.Body((1.0, 1.6, 0.7)), mgl=1.2, com=(0.6, 0.0, 0.8))
-        >>> start = rigid.top.on_surface(top, 2.0, 0.4, count=8, rng=2026)
+        >>> top = rigid.HeavyTop(rigid.Body((4.0, 4.0, 1.0)), mgl=1.0, com=(1.0, 0.0, 0.0))
+        >>> start = rigid.top.on_surface(top, 1.5, 1.5, count=8, rng=2026)
         >>> points = rigid.poincare(top, *start, t_end=1e3, count=50)
         >>> verdict = rigid.lyapunov(top, *start, t=[500.0, 1000.0], check=False).verdict
         >>> ax = points.plot("gamma2", "omega3", by=verdict)

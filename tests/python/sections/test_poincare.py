@@ -427,9 +427,9 @@ def test_a_picture_has_one_colour_for_each_class() -> None:
     pytest.importorskip("matplotlib")
     from matplotlib.colors import to_hex
 
-    omega, attitude = rigid.top.on_surface(ASYMMETRIC, 2.0, 0.4, count=8, rng=2026)
-    points = rigid.poincare(ASYMMETRIC, omega, attitude, t_end=200.0, count=20)
-    verdict = rigid.lyapunov(ASYMMETRIC, omega, attitude, t=[500.0, 1e3], check=False).verdict
+    omega, attitude = rigid.top.on_surface(GORYACHEV, 1.5, 1.5, count=8, rng=2026)
+    points = rigid.poincare(GORYACHEV, omega, attitude, t_end=200.0, count=20)
+    verdict = rigid.lyapunov(GORYACHEV, omega, attitude, t=[500.0, 1e3], check=False).verdict
     assert set(verdict) == {"chaotic", "regular"}
     ax = points.plot("gamma2", "omega3", by=verdict)
     legend = ax.get_legend()
