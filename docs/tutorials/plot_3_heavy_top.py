@@ -10,6 +10,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import rigid
+from rigid.figures.colours import HUES
 
 top = rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0)
 
@@ -32,7 +33,7 @@ assert abs(turned - 1.14228871898) < 1e-8
 print(f"a nutation takes {period:.4f} s and carries the axis by {np.degrees(turned):.2f} degrees")
 
 figure, ax = plt.subplots()
-ax.plot(axis[:, 0], axis[:, 1], color="#0072b2", label="end of the axis")
+ax.plot(axis[:, 0], axis[:, 1], color=HUES["blue"], label="end of the axis")
 turn = np.linspace(0.0, 2.0 * np.pi, 181)
 for u, style in ((0.5, "k--"), (0.191767987534, "k:")):  # roots of the cubic
     sine = np.sqrt(1.0 - u * u)

@@ -15,6 +15,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import rigid
+from rigid.figures.colours import HUES
 
 # %%
 # Ratios of the moments and the rates of 9 November 1992, as Takahashi, Busch and Scheeres give
@@ -55,11 +56,24 @@ assert abs(found.precession - precession) < 0.01
 # sphinx_gallery_end_ignore
 
 # %%
-# The periods of 1995 differ by half a percent: the rates of a day are known to about a
-# degree a day. The tip of the long axis fills a band about the angular momentum and never comes
-# back.
-figure, ax = plt.subplots()
-height = np.degrees(np.arccos(np.abs(long_axis @ pole)))
-ax.plot(run.t[:1200], height[:1200], color="#0072b2")
-ax.set(xlabel="t (days)", ylabel="angle of the long axis from L (degrees)", title="Toutatis nods")
+# The periods differ from those of 1995 by half a percent: the rates of a day are known to about a
+# degree a day. In space the tip of the long axis goes round the angular momentum in a narrow band.
+# The tip of axis 1, which the rotation about the long axis carries, never comes back: here are the
+# paths of two months.
+days = run.t < 60.0
+side = attitude[days].apply([1.0, 0.0, 0.0])
+towards = np.array([across, np.cross(pole, across), pole])  # the angular momentum points up
+
+figure = plt.figure(figsize=(7, 7), layout="constrained")
+ax = figure.add_subplot(projection="3d", proj_type="ortho")
+ax.set_axis_off()
+ax.plot(*towards @ long_axis[days].T, color=HUES["vermilion"], label="tip of the long axis")
+ax.plot(*towards @ side.T, color=HUES["blue"], linewidth=0.6, label="tip of axis 1")
+ax.quiver(0.0, 0.0, 0.0, 0.0, 0.0, 1.35, color=HUES["black"], arrow_length_ratio=0.08)
+ax.text(0.0, 0.0, 1.42, "L", ha="center")
+ax.quiver(0.0, 0.0, 0.0, *towards @ long_axis[0], color=HUES["vermilion"], arrow_length_ratio=0.1)
+ax.view_init(elev=20.0, azim=-60.0)
+ax.set_box_aspect((1.0, 1.0, 1.0), zoom=1.3)
+ax.set(xlim=(-1.0, 1.0), ylim=(-1.0, 1.0), zlim=(-0.9, 1.1), title="Toutatis in two months")
+ax.legend(loc="lower right")
 plt.show()

@@ -14,6 +14,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import rigid
+from rigid.figures.colours import CLASSES
 
 # %%
 # Hyperion is about 360 km x 266 km x 205 km large and goes round Saturn in 21.28 days, on an orbit
@@ -40,17 +41,21 @@ assert ratio > 2.0 * overlap
 
 # %%
 # At each periapsis mark the angle of the long axis from the direction away from Saturn, and the
-# rate: a section. Regular motions lie on curves. The others fill one sea, up to 2.7 turns an orbit.
+# rate: a section. Regular motions (yellow) lie on curves. The others (blue) fill one sea, up to 2.7
+# turns an orbit.
 # The island in it is the synchronous rotation; the islands of 3/2 and 2 turns an orbit are gone.
 rates = np.array([0.3, 0.42, 0.55, 0.7, 1.0, 1.5, 2.39, 2.45, 2.78, 3.0, 3.2, 3.4])
 starts = 2.0 * np.pi * np.stack([0.0 * rates, 0.0 * rates, rates], axis=-1)
 points = rigid.poincare(hyperion, starts, every=orbit.period, t_end=400.0)
+in_plane = [[0.0, 0.0, 1.0, 0.0, 0.0, 0.0]]
+verdict = rigid.lyapunov(
+    hyperion, starts, t=[150.0, 300.0], start=in_plane, check=False
+).verdict.tolist()
+ink = np.array([CLASSES[word] for word in verdict])[points.body]
 turned = np.mod(points.component("angle1") + 0.5 * np.pi, np.pi) - 0.5 * np.pi
 
 figure, ax = plt.subplots()
-ax.scatter(
-    np.degrees(turned), points.omega[:, 2] / (2.0 * np.pi), c=points.body % 10, s=2.0, cmap="tab10"
-)
+ax.scatter(np.degrees(turned), points.omega[:, 2] / (2.0 * np.pi), c=ink, s=2.0)
 ax.set(
     xlabel="angle of the long axis (degrees)",
     ylabel="turns an orbit",
@@ -78,7 +83,10 @@ assert 1.0 < time < 2.0
 # starts, also from the island: within thirty orbits, which are 21 months, the moon tumbles.
 t = np.linspace(0.0, 40.0, 2001)
 figure, ax = plt.subplots()
-for start, colour, name in ((sea, "#d55e00", "sea"), (island, "#0072b2", "island")):
+for start, colour, name in (
+    (sea, CLASSES["chaotic"], "sea"),
+    (island, CLASSES["regular"], "island"),
+):
     tilted = rigid.rotations.euler_to_quaternion([0.0, 1e-3, 0.0])
     run = rigid.simulate(hyperion, start, tilted, t=t, method="taylor20", check=False)
     pole = run.rotation().apply([0.0, 0.0, 1.0])

@@ -14,6 +14,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import rigid
+from rigid.figures.colours import HUES
 
 # %%
 # After the impact an orbit takes 11.367 h and has an eccentricity of 0.028 ± 0.016 (Scheirich and
@@ -61,7 +62,10 @@ for ax, (ab, bc) in zip(both, ((1.2, 1.1), (1.3, 1.25)), strict=True):
     turned = np.degrees(rigid.free.roll_pitch_yaw(orbit, run.attitude, t))
     largest[ab] = np.abs(turned).max(axis=0)
     for angle, name, colour in zip(
-        turned.T, ("roll", "pitch", "yaw"), ("#0072b2", "#d55e00", "#009e73"), strict=True
+        turned.T,
+        ("roll", "pitch", "yaw"),
+        (HUES["blue"], HUES["vermilion"], HUES["green"]),
+        strict=True,
     ):
         ax.plot(t, angle, color=colour, label=name, linewidth=0.8)
     ax.set(ylabel="degrees", title=f"a/b = {ab}, b/c = {bc}")
@@ -125,12 +129,12 @@ assert swing[np.searchsorted(ab, 1.3)] > 1.5 * swing[np.searchsorted(ab, 1.1)]
 # sphinx_gallery_end_ignore
 
 figure, ax = plt.subplots()
-ax.plot(ab[kept], swing[kept], "o-", color="#0072b2")
+ax.plot(ab[kept], swing[kept], "o-", color=HUES["blue"])
 ax.set(xlabel="a/b", ylabel="largest angle of the long axis (degrees)", ylim=(0.0, None))
 ax.set_title("Swing of moons with b/c = 1.1 that keep their attitude")
 right = ax.twinx()
-right.plot(ab[kept], period[kept], "--", color="#d55e00")
-right.set_ylabel("period of the free libration, dashed (h)", color="#d55e00")
+right.plot(ab[kept], period[kept], "--", color=HUES["vermilion"])
+right.set_ylabel("period of the free libration, dashed (h)", color=HUES["vermilion"])
 plt.show()
 
 # %%

@@ -3,8 +3,8 @@
 
 A top with the moments 2, 2 and 1 whose centre of mass leaves the axis of symmetry. On the axis, at
 the left edge, it is Lagrange's top; across it, at the right edge, Kovalevskaya's: there every
-motion is regular, whatever the spin. Between them there is chaos. Below: the exponents; Lagrange's
-top has a closed form, and none is measured.
+motion is regular, whatever the spin. Between them there is chaos. Below: the exponents, bright
+where they are small; Lagrange's top has a closed form, and none is measured.
 
 How to: :doc:`ask whether a motion is chaotic </chaos>`.
 """
@@ -13,6 +13,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import rigid
+from rigid.figures.colours import CHAOS_MAP
 
 result = rigid.stability_map(
     rigid.HeavyTop(rigid.Body((2.0, 2.0, 1.0)), mgl=1.0),
@@ -28,7 +29,7 @@ figure, (above, below) = plt.subplots(2, 1, figsize=(8, 10), layout="constrained
 result.plot(ax=above)
 
 x, y = result.spec.axes
-mesh = below.pcolormesh(x.values, y.values, result.exponent, rasterized=True)
+mesh = below.pcolormesh(x.values, y.values, result.exponent, cmap=CHAOS_MAP, rasterized=True)
 below.set(xlabel=x.label, ylabel=y.label)
 figure.colorbar(mesh, ax=below, label="mean exponent (1/s)")
 

@@ -3,7 +3,7 @@
 
 An asymmetric top released with a spin about its third axis, which is tilted. Yellow motions are
 regular, dark ones are chaotic; hatched ones are undecided at this horizon. Below: the exponents,
-on the same grid.
+on the same grid, bright where they are small.
 
 How to: :doc:`ask whether a motion is chaotic </chaos>`.
 """
@@ -12,6 +12,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import rigid
+from rigid.figures.colours import CHAOS_MAP
 
 top = rigid.HeavyTop(
     rigid.Body((1.0, 1.6, 0.7)),
@@ -32,7 +33,7 @@ figure, (above, below) = plt.subplots(2, 1, figsize=(8, 10), layout="constrained
 result.plot(ax=above)
 
 x, y = result.spec.axes
-mesh = below.pcolormesh(x.values, y.values, result.exponent, rasterized=True)
+mesh = below.pcolormesh(x.values, y.values, result.exponent, cmap=CHAOS_MAP, rasterized=True)
 below.set(xlabel=x.label, ylabel=y.label)
 figure.colorbar(mesh, ax=below, label="mean exponent (1/s)")
 

@@ -38,7 +38,7 @@ motions = {
 }
 
 figure, (above, below) = plt.subplots(2, 1, figsize=(8, 9), layout="constrained")
-inks = ("sky", "blue", "green", "vermilion", "orange")
+inks = ("sky", "blue", "green", "vermilion", "purple")
 dashes = ("solid", "dashed", "dashdot", "solid", (0, (6, 1)))
 for (name, growth), ink, dash in zip(motions.items(), inks, dashes, strict=True):
     above.plot(t, growth.log_growth, color=HUES[ink], linestyle=dash, label=name)
@@ -51,7 +51,7 @@ above.legend(loc="upper right")
 
 late = np.linspace(0.1, 100.0, 2000)
 regular = rigid.lyapunov(TOP, [0.1, 0.0, 4.0], LEANING, t=late)
-below.plot(late, regular.megno, color=HUES["sky"], linewidth=0.8, label="MEGNO")
+below.plot(late, regular.megno, color=HUES["vermilion"], linewidth=0.8, label="MEGNO")
 below.plot(late, regular.mean_megno, color=HUES["blue"], linewidth=2.0, label="mean MEGNO")
 below.axhline(2.0, color="k", linestyle=":", linewidth=1.2, zorder=0)
 below.set(xlabel="$t$ (s)", ylabel="MEGNO of a regular top", ylim=(-1.5, 3.5))

@@ -4,8 +4,9 @@ r"""Poincaré sections of regular and of chaotic tops
 Poincaré sections of four tops at the energy 1.5 J: every point at which the centre of mass of a
 motion is highest, forty motions each. Lagrange's, Kovalevskaya's and Goryachev's and Chaplygin's
 top with :math:`\mathbf{L}\cdot\gamma = 0` are integrable, so the points of each motion lie on a
-curve. The last top is the third one with :math:`\mathbf{L}\cdot\gamma = 1.5` kg m²/s: most of its
-motions wander through one chaotic sea, around islands of regular motions.
+curve; the colours only tell the motions apart. The last top is the third one with
+:math:`\mathbf{L}\cdot\gamma = 1.5` kg m²/s: most of its motions wander through one chaotic sea
+(blue), around islands of regular motions (yellow).
 
 How to: :doc:`compute a section </chaos>`.
 """
@@ -35,7 +36,8 @@ figure, axes = plt.subplots(2, 2, figsize=(10, 9), layout="constrained")
 for ax, (title, top, momentum, x, y) in zip(axes.flat, PANELS, strict=True):
     omega, attitude = rigid.top.on_surface(top, 1.5, momentum, count=40, rng=2026)
     points = rigid.poincare(top, omega, attitude, t_end=1e5, count=400, check=False)
-    points.plot(x, y, ax=ax, size=0.6)
+    verdict = rigid.lyapunov(top, omega, attitude, t=[1000.0, 2000.0], check=False).verdict
+    points.plot(x, y, ax=ax, by=verdict if "chaotic" in verdict else None)
     ax.set_title(title)
 
 plt.show()

@@ -13,6 +13,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import rigid
+from rigid.figures.colours import CHAOS_MAP
 
 result = rigid.stability_map(
     rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0),
@@ -28,7 +29,8 @@ figure, (above, below) = plt.subplots(2, 1, figsize=(8, 10), layout="constrained
 result.plot(ax=above)
 
 x, y = result.spec.axes
-mesh = below.pcolormesh(x.values, y.values, np.minimum(result.mean_megno, 10.0), rasterized=True)
+megno = np.minimum(result.mean_megno, 10.0)
+mesh = below.pcolormesh(x.values, y.values, megno, cmap=CHAOS_MAP, rasterized=True)
 below.set(xlabel=x.label, ylabel=y.label)
 figure.colorbar(mesh, ax=below, label="mean MEGNO, at most 10")
 

@@ -1,10 +1,10 @@
 """Conventions in one picture
 ==========================
 
-Left: the axes of space (primed), the axes of the body, and the three rotations between them: phi
+Above: the axes of space (primed), the axes of the body, and the three rotations between them: phi
 about the vertical z', theta about the line of nodes ON, psi about the axis z of the body. The
 matrix ``R = Rz(phi) Rx(theta) Rz(psi)`` takes components in the body to components in space; the
-quaternion ``(w, x, y, z)`` describes the same rotation. Right: a top in the same attitude. The
+quaternion ``(w, x, y, z)`` describes the same rotation. Below: a top in the same attitude. The
 weight acts along -z'. The centre of mass lies in the direction ``com`` of the body, at a distance l
 from the fixed point.
 
@@ -29,10 +29,10 @@ assert abs(run.rotation().as_matrix() - R).max() < 1e-14
 assert abs(run.gamma - gamma).max() < 1e-14
 # sphinx_gallery_end_ignore
 
-figure = plt.figure(figsize=(11, 5.5), layout="constrained")
-frame = figures.node_frame(angles, ax=figure.add_subplot(1, 2, 1, projection="3d"))
+figure = plt.figure(figsize=(7.5, 13), layout="constrained")
+frame = figures.node_frame(angles, ax=figure.add_subplot(2, 1, 1, projection="3d"))
 frame.ax.set_title("axes of space, of the body, and of the line of nodes", y=-0.04)
-still = figures.heavy_top(top, angles, ax=figure.add_subplot(1, 2, 2, projection="3d"))
+still = figures.heavy_top(top, angles, ax=figure.add_subplot(2, 1, 2, projection="3d"))
 still.ax.set_title("a heavy top in this attitude", y=-0.04)
 
 plt.show()

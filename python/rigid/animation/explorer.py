@@ -221,7 +221,7 @@ def content_of_map(
         "inks": {
             "outcomes": OUTCOMES,
             "axes": [ink.colour for ink in colours.AXES],
-            "body": colours.BODY.colour,
+            "body": colours.FACE,
             "space": colours.SPACE.colour,
             "omega": colours.OMEGA.colour,
             "L": colours.L.colour,

@@ -34,7 +34,7 @@ VIEWS = {FreeBody.kind: ("box", "cones", "poinsot"), HeavyTop.kind: ("top",)}
 UP = np.array([0.0, 0.0, 1.0])
 
 AXES = tuple(ink.colour for ink in colours.AXES)
-BODY, SPACE = colours.BODY.colour, colours.SPACE.colour
+BODY, SPACE = colours.FACE, colours.SPACE.colour
 TRAIL = "#444444"
 PALE, DARK = "#a5d5f2", "#0b5a86"
 """Darker colour of the body, for stripes and curves on the body."""

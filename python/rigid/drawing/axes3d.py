@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from ..rotations.euler import rotation_y, rotation_z
 from ..rotations.so3 import rotate
 from . import colours
+from .colours import HUES, on_ground
 from .figure import shown_figure
 
 if TYPE_CHECKING:
@@ -138,7 +139,7 @@ def arrow(
     """An arrow in space with its name beyond the tip; invisible if the vector is zero."""
     from .arrows import SpaceArrow
 
-    one = SpaceArrow(np.zeros(3) if start is None else start, vector, **_arrow(colour, style))
+    one = SpaceArrow(np.zeros(3) if start is None else start, vector, **_arrow(ax, colour, style))
     one.set_in_layout(False)
     ax.add_artist(one)
     _finish(one, ax, text, colour)
@@ -157,21 +158,21 @@ def arrow_in_plane(
     """An arrow in the plane with its name beyond the tip; invisible if the vector is zero."""
     from .arrows import PlaneArrow
 
-    one = PlaneArrow(np.zeros(2) if start is None else start, vector, **_arrow(colour, style))
+    one = PlaneArrow(np.zeros(2) if start is None else start, vector, **_arrow(ax, colour, style))
     ax.add_patch(one)
     _finish(one, ax, text, colour)
     return one
 
 
-def _arrow(colour: str, style: dict[str, Any]) -> dict[str, Any]:
-    return {"color": colour, "linewidth": 2.0, "zorder": 5} | style
+def _arrow(ax: Any, colour: str, style: dict[str, Any]) -> dict[str, Any]:
+    return {"color": on_ground(ax, colour), "linewidth": 2.0, "zorder": 5} | style
 
 
 def _finish(one: PlaneArrow, ax: Any, text: str, colour: str) -> None:
     """Show and name an arrow, unless its vector is zero and has no direction."""
     one.set_visible(bool(one.vector.any()))
     if text and one.vector.any():
-        one.write(ax, text, **_text(colour))
+        one.write(ax, text, **_text(ax, colour))
 
 
 def triad(
@@ -184,14 +185,14 @@ def triad(
     )
 
 
-def label(ax: Any, place: Floats, text: str, colour: str = "black", **style: Any) -> Any:
+def label(ax: Any, place: Floats, text: str, colour: str = HUES["black"], **style: Any) -> Any:
     """Text that is centred at a point in space or in the plane, and legible over lines."""
-    return ax.text(*place, text, **(_text(colour) | style))
+    return ax.text(*place, text, **(_text(ax, colour) | style))
 
 
 def curve(ax: Any, points: Floats, colour: str, **style: Any) -> Any:
     """A line through points (m, 3) or (m, 2)."""
-    (line,) = ax.plot(*points.T, **({"color": colour, "linewidth": 1.3} | style))
+    (line,) = ax.plot(*points.T, **({"color": on_ground(ax, colour), "linewidth": 1.3} | style))
     return line
 
 
@@ -246,14 +247,14 @@ def arc_between(
     return arc(ax, axis, radius * a, angle, colour, text, **style)
 
 
-def _text(colour: str) -> dict[str, Any]:
+def _text(ax: Any, colour: str) -> dict[str, Any]:
     from matplotlib.patheffects import Normal, Stroke
 
     return {
-        "color": colour,
+        "color": on_ground(ax, colour),
         "ha": "center",
         "va": "center",
         "fontsize": "large",
         "zorder": 10,
-        "path_effects": [Stroke(linewidth=2.5, foreground="white"), Normal()],
+        "path_effects": [Stroke(linewidth=2.5, foreground=colours.ground(ax)), Normal()],
     }

@@ -7,6 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .colours import on_ground
+
 __all__ = ["eye", "sides", "surface"]
 
 Floats = NDArray[np.float64]
@@ -32,7 +34,7 @@ def surface(ax: Any, faces: Floats, colour: str, towards: Floats, **style: Any) 
     normal = np.cross(faces[:, 2] - faces[:, 0], faces[:, 3] - faces[:, 1])
     size = np.linalg.norm(normal, axis=1)
     light = 0.8 + 0.2 * np.abs(normal @ towards) / np.where(size > 0.0, size, 1.0)
-    shades = light[:, np.newaxis] * np.array(to_rgb(colour))
+    shades = light[:, np.newaxis] * np.array(to_rgb(on_ground(ax, colour)))
     given: dict[str, Any] = {"edgecolors": shades, "linewidths": 0.4, "zorder": 1}
     collection = Poly3DCollection(faces, facecolors=shades, **(given | style))
     ax.add_collection3d(collection)

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from .._checks.arguments import brief, finite_float
 from ..drawing import colours
 from ..drawing.axes3d import arc, arc_between, arrow, circle, curve, fit, in_space, label
+from ..drawing.colours import on_ground
 from ..free import permanent_rotation
 from ..model.body import Body
 from ..model.scene import HeavyTop, check_heavy_top
@@ -173,7 +174,7 @@ def box(body: Body, *, ax: Any | None = None) -> BoxArtists:
     behind = -0.5 * data.sides  # the corner that this direction hides
     faces = [_face(data.sides, axis, sign) for axis in range(3) for sign in (-1.0, 1.0)]
     ax.add_collection3d(
-        Poly3DCollection(faces, facecolor=colours.BODY.colour, alpha=0.12, linewidth=0.0, zorder=1)
+        Poly3DCollection(faces, facecolor=colours.FACE, alpha=0.12, linewidth=0.0, zorder=1)
     )
     edges = []
     for ends in data.corners[data.edges]:
@@ -349,7 +350,7 @@ def heavy_top(
     sheet = np.array([0.0, 1.0])[:, np.newaxis, np.newaxis] * data.rim
     top = ax.plot_surface(
         *np.moveaxis(sheet, -1, 0),
-        color=colours.BODY.colour,
+        color=on_ground(ax, colours.BODY.colour),
         alpha=0.3,
         linewidth=0.0,
         rcount=2,
@@ -383,8 +384,10 @@ def heavy_top(
         else arc(ax, _UP, frame.space[0], 0.0, black),
         arc(ax, axis, 0.65 * radius * node, psi, black, r"$\psi$", centre=centre, beyond=1.35),
     )
-    ax.plot(*np.zeros((3, 1)), "o", color="black", markersize=5.0, zorder=7)
-    ax.plot(*data.com, "o", color="black", markersize=6.0, zorder=7)
+    ax.plot(
+        *np.zeros((3, 1)), "o", color=on_ground(ax, colours.HUES["black"]), markersize=5.0, zorder=7
+    )
+    ax.plot(*data.com, "o", color=on_ground(ax, colours.HUES["black"]), markersize=6.0, zorder=7)
     label(ax, -0.15 * size * np.cross(_UP, node), "$O$")
     beside = 0.13 * size * frame.node[1]
     label(ax, 0.5 * data.com + beside, "$l$")

@@ -13,6 +13,7 @@ from .. import top
 from .._checks.arguments import vector
 from ..drawing import colours
 from ..drawing.axes3d import BELOW, KEY, in_plane, label, panels
+from ..drawing.colours import on_ground
 from ..model.scene import HeavyTop, check_heavy_top
 from .potential import constants_of
 
@@ -192,7 +193,7 @@ def cubic(
     red, black = colours.HUES["vermilion"], colours.HUES["black"]
     seen = data.roots[data.roots <= data.u[-1]]
     curve, roots = _with_roots(ax, data.u, data.f, seen)
-    ax.axvspan(-1.0, 1.0, color=colours.FAINT, alpha=0.2, linewidth=0.0, zorder=0)
+    ax.axvspan(-1.0, 1.0, color=on_ground(ax, colours.FAINT), alpha=0.2, linewidth=0.0, zorder=0)
     depth, highest = -data.f.min(), data.f_allowed.max()
     high = max(0.75 * depth, 1.4 * highest)
     ax.set(xlim=(data.u[0], data.u[-1]), ylim=(-1.08 * depth, high))
@@ -209,12 +210,16 @@ def cubic(
         close.set(xlim=(data.near[0], data.near[-1]), ylim=(-0.5 * unit, unit))
         close.tick_params(labelsize="small")
         close.locator_params(nbins=4)
-        ax.indicate_inset_zoom(close, edgecolor=colours.NEUTRAL)
-    (allowed,) = close.plot(data.allowed, data.f_allowed, color=red, linewidth=2.4)
+        ax.indicate_inset_zoom(close, edgecolor=on_ground(ax, colours.NEUTRAL))
+    (allowed,) = close.plot(
+        data.allowed, data.f_allowed, color=on_ground(close, red), linewidth=2.4
+    )
     handles, names = [allowed], ["the top moves from $u_1$ to $u_2$"]
     still = None
     if data.near[0] < data.still < data.near[-1]:
-        still = close.axvline(data.still, color=black, linewidth=1.0, linestyle="dashed", zorder=2)
+        still = close.axvline(
+            data.still, color=on_ground(close, black), linewidth=1.0, linestyle="dashed", zorder=2
+        )
         label(close, np.array([data.still, 0.85 * unit]), "$a/b$", black)
         handles.append(still)
         names.append(r"$u = a/b$: no precession; $a = p_\phi/I_1$, $b = p_\psi/I_1$")
@@ -242,11 +247,15 @@ def cubic(
 def _with_roots(ax: Any, u: Floats, f: Floats, roots: Floats) -> tuple[Any, Any]:
     """Draw f, its roots as dots, and the line f = 0."""
     dots: dict[str, Any] = {"marker": "o", "linestyle": "none", "markersize": 5}
-    (curve,) = ax.plot(u, f, color=colours.HUES["blue"], linewidth=1.6)
+    (curve,) = ax.plot(u, f, color=on_ground(ax, colours.HUES["blue"]), linewidth=1.6)
     (points,) = ax.plot(
-        roots, np.zeros_like(roots), zorder=4, color=colours.HUES["vermilion"], **dots
+        roots,
+        np.zeros_like(roots),
+        zorder=4,
+        color=on_ground(ax, colours.HUES["vermilion"]),
+        **dots,
     )
-    ax.axhline(0.0, color=colours.NEUTRAL, linewidth=0.8, zorder=1)
+    ax.axhline(0.0, color=on_ground(ax, colours.NEUTRAL), linewidth=0.8, zorder=1)
     return curve, points
 
 
@@ -388,13 +397,27 @@ def upright_cubic(
     exact, approximate = [], []
     for k, ax in enumerate(places):
         positive = np.maximum(data.exact[k], 0.0)
-        reached = ax.fill_between(data.u, positive, color=blue, alpha=0.2, linewidth=0.0)
-        ax.axhline(0.0, color=colours.NEUTRAL, linewidth=0.8, zorder=1)
-        approximate += ax.plot(
-            data.u, data.approximate[k], color=orange, linestyle="dashed", linewidth=1.6
+        reached = ax.fill_between(
+            data.u, positive, color=on_ground(ax, blue), alpha=0.2, linewidth=0.0
         )
-        exact += ax.plot(data.u, data.exact[k], color=blue, linewidth=1.8)
-        ax.plot(1.0, 0.0, "o", color=colours.HUES["black"], markersize=5, clip_on=False, zorder=5)
+        ax.axhline(0.0, color=on_ground(ax, colours.NEUTRAL), linewidth=0.8, zorder=1)
+        approximate += ax.plot(
+            data.u,
+            data.approximate[k],
+            color=on_ground(ax, orange),
+            linestyle="dashed",
+            linewidth=1.6,
+        )
+        exact += ax.plot(data.u, data.exact[k], color=on_ground(ax, blue), linewidth=1.8)
+        ax.plot(
+            1.0,
+            0.0,
+            "o",
+            color=on_ground(ax, colours.HUES["black"]),
+            markersize=5,
+            clip_on=False,
+            zorder=5,
+        )
         share = data.spin[k] / data.spin_min
         words = "sleeps" if data.stable[k] else "falls"
         ax.set_title(f"spin {share:.3g} × the least: {words}", fontsize="medium")

@@ -218,7 +218,7 @@ def polhodes(body: BodyLike | Run, *, count: int = 5, ax: Any | None = None) -> 
     elev = float(np.degrees(np.arcsin(towards[2])))
     azim = float(np.degrees(np.arctan2(towards[1], towards[0])))
     faces = ellipsoid_faces(data.semi_axes, rings=30, sectors=60)
-    ellipsoid = surface(ax, faces, "#f0f0f0", towards)
+    ellipsoid = surface(ax, faces, colours.SURFACE, towards)
     seen, hidden = [], []
     for points, axis in zip(data.curves, data.axis, strict=True):
         colour = colours.AXES[abs(int(axis)) - 1].colour
@@ -228,8 +228,8 @@ def polhodes(body: BodyLike | Run, *, count: int = 5, ax: Any | None = None) -> 
     separatrix = []
     for ellipse in data.separatrix:
         near, far = sides(ellipse, data.moments * ellipse, towards)
-        separatrix.append(curve(ax, near, "black", linewidth=2.0, zorder=5))
-        curve(ax, far, "black", linewidth=0.8, alpha=0.35, zorder=2)
+        separatrix.append(curve(ax, near, colours.HUES["black"], linewidth=2.0, zorder=5))
+        curve(ax, far, colours.HUES["black"], linewidth=0.8, alpha=0.35, zorder=2)
     path = None
     if data.path is not None:
         near, far = sides(data.path, data.moments * data.path, towards)

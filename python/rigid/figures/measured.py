@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from .._checks.arguments import finite_float, numbers
 from ..drawing import colours
 from ..drawing.axes3d import label, panels
+from ..drawing.colours import on_ground
 from ..fixed_axis import bearing_torques
 from ..springs import pair_system, spring_body
 
@@ -189,11 +190,19 @@ def spring_modes(
     spectrum, limit = panels(axes, ["plane", "plane"])
     number = np.arange(1, data.frequencies.size + 1)
     blue, vermilion = colours.HUES["blue"], colours.HUES["vermilion"]
-    stems = spectrum.vlines(number, 0.0, data.frequencies, color=blue, linewidth=1.2)
+    stems = spectrum.vlines(
+        number, 0.0, data.frequencies, color=on_ground(spectrum, blue), linewidth=1.2
+    )
     stems.set_zorder(1)
     held = slice(None, data.zero), slice(data.zero, None)
     rigid, elastic = (
-        spectrum.plot(number[part], data.frequencies[part], "o", color=colour, clip_on=False)[0]
+        spectrum.plot(
+            number[part],
+            data.frequencies[part],
+            "o",
+            color=on_ground(spectrum, colour),
+            clip_on=False,
+        )[0]
         for part, colour in zip(held, (vermilion, blue), strict=True)
     )
     highest = float(data.frequencies.max())
@@ -215,9 +224,11 @@ def spring_modes(
     )
     spectrum.set_xticks(number[:: max(1, number.size // 12)])
 
-    (distance,) = limit.plot(data.stiffness, data.distance, "o-", color=blue)
+    (distance,) = limit.plot(data.stiffness, data.distance, "o-", color=on_ground(limit, blue))
     law = data.distance[-1] * data.stiffness[-1] / data.stiffness
-    (slope,) = limit.plot(data.stiffness, 0.4 * law, "--", color=colours.NEUTRAL, linewidth=1.2)
+    (slope,) = limit.plot(
+        data.stiffness, 0.4 * law, "--", color=on_ground(limit, colours.NEUTRAL), linewidth=1.2
+    )
     limit.set(
         xscale="log",
         yscale="log",
@@ -232,10 +243,10 @@ def spring_modes(
         textcoords="offset points",
         ha="right",
         va="top",
-        color=colours.NEUTRAL,
+        color=on_ground(limit, colours.NEUTRAL),
     )
     for ax in (spectrum, limit):
-        ax.grid(visible=True, which="major", color="0.92", linewidth=0.8)
+        ax.grid(visible=True, which="major", color=on_ground(ax, colours.GRID), linewidth=0.8)
         ax.set_axisbelow(True)
     return SpringModesArtists(
         axes=(spectrum, limit),
@@ -381,7 +392,7 @@ def bearing_torque(
     degrees = np.degrees(data.angle)
     components = []
     for values, ink, name in zip(data.torque.T, colours.AXES, "xyz", strict=True):
-        (line,) = turning.plot(degrees, values, color=ink.colour, linewidth=1.8)
+        (line,) = turning.plot(degrees, values, color=on_ground(turning, ink.colour), linewidth=1.8)
         components.append(line)
         # Above a crest; a constant has none.
         place = int(values.argmax()) or len(values) * 9 // 10
@@ -390,7 +401,7 @@ def bearing_torque(
             (degrees[place], values[place]),
             (0.0, 4.0),
             textcoords="offset points",
-            color=ink.colour,
+            color=on_ground(turning, ink.colour),
             ha="center",
             va="bottom",
         )
@@ -401,7 +412,9 @@ def bearing_torque(
         xticks=np.arange(0.0, 361.0, 90.0),
     )
     turning.margins(y=0.12)
-    (size,) = rising.plot(data.omega, data.size, color=colours.TORQUE.colour, linewidth=1.8)
+    (size,) = rising.plot(
+        data.omega, data.size, color=on_ground(rising, colours.TORQUE.colour), linewidth=1.8
+    )
     rising.set(
         xlabel=r"rate $\omega$ (rad/s)",
         ylabel="torque of the bearings, across the axis (N m)",
@@ -409,7 +422,7 @@ def bearing_torque(
     )
     rising.set_ylim(bottom=0.0)
     for ax in (turning, rising):
-        ax.grid(visible=True, which="major", color="0.92", linewidth=0.8)
+        ax.grid(visible=True, which="major", color=on_ground(ax, colours.GRID), linewidth=0.8)
         ax.set_axisbelow(True)
     return BearingTorqueArtists(
         axes=(turning, rising), data=data, components=tuple(components), size=size

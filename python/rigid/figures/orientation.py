@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from .._checks.arguments import vector
 from ..drawing import colours
 from ..drawing.axes3d import arc, arrow, circle, curve, fit, in_space, label, triad
+from ..drawing.colours import on_ground
 from ..rotations.euler import euler_to_matrix
 from .eulersteps import TURNS, azimuth, euler_steps_data
 
@@ -185,7 +186,9 @@ def frames(
         colour = colours.BODY.colour
         relative = arrow(ax, data.relative, colour, start=data.origin, linewidth=1.6)
         position = arrow(ax, data.position, colours.POSITION.colour, linewidth=1.6)
-        ax.plot(*data.position, "o", color="black", markersize=5, zorder=6)
+        ax.plot(
+            *data.position, "o", color=on_ground(ax, colours.HUES["black"]), markersize=5, zorder=6
+        )
         label(ax, data.position + 0.12 * _Z, "$P$")
         label(ax, data.origin + 0.6 * data.relative + 0.1 * aside, r"$\mathbf{r}'$", colour)
         label(ax, 0.45 * data.position - 0.12 * aside, colours.POSITION.label)

@@ -14,6 +14,7 @@ from .._checks.arguments import finite_float, positive_int, rows, sorted_times, 
 from .._checks.arrays import attitudes
 from ..drawing import colours
 from ..drawing.axes3d import arrow, circle, curve, fit, in_space, label, panels
+from ..drawing.colours import on_ground
 from ..drawing.shapes import ellipsoid_faces
 from ..drawing.sides import eye, sides, surface
 from ..model.scene import HeavyTop, check_heavy_top
@@ -240,7 +241,7 @@ def locus(
     ax = in_space(ax)
     towards = eye(elevation, AZIM)
     faces = ellipsoid_faces(np.ones(3), rings=24, sectors=48)
-    sphere = surface(ax, faces, "#f2f2f2", towards)
+    sphere = surface(ax, faces, colours.SURFACE, towards)
     curve(ax, circle(np.zeros(3), towards, 1.0), colours.FAINT, linewidth=1.0, zorder=2)
     red, blue = colours.HUES["vermilion"], colours.HUES["blue"]
     circles = []
@@ -256,7 +257,7 @@ def locus(
     near, far = sides(data.point, data.point, towards)
     hidden = curve(ax, far, red, linewidth=0.8, alpha=0.45, zorder=2)
     seen = curve(ax, near, red, linewidth=1.8, zorder=4)
-    (start,) = ax.plot(*data.point[:1].T, "o", color=red, markersize=5, zorder=5)
+    (start,) = ax.plot(*data.point[:1].T, "o", color=on_ground(ax, red), markersize=5, zorder=5)
     arrow(ax, 0.35 * UP, colours.VERTICAL.colour, colours.VERTICAL.label, start=UP, linewidth=1.4)
     fit(ax, faces, 1.4 * UP, elev=elevation, azim=AZIM)
     return LocusArtists(

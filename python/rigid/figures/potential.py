@@ -13,6 +13,7 @@ from .._checks.arguments import vector
 from ..animation.states import require_unforced
 from ..drawing import colours
 from ..drawing.axes3d import BELOW, in_plane, label
+from ..drawing.colours import on_ground
 from ..model.scene import HeavyTop, check_heavy_top
 
 if TYPE_CHECKING:
@@ -178,12 +179,20 @@ def effective_potential(
     data = effective_potential_data(scene, omega, attitude)
     ax = in_plane(ax)
     blue, level_colour = colours.HUES["blue"], colours.HUES["vermilion"]
-    (curve,) = ax.plot(np.degrees(data.tilt), data.potential, color=blue, linewidth=1.8)
+    (curve,) = ax.plot(
+        np.degrees(data.tilt), data.potential, color=on_ground(ax, blue), linewidth=1.8
+    )
     ends = np.degrees([data.theta_upper, data.theta_lower])
-    (level,) = ax.plot(ends, [data.E_prime] * 2, color=level_colour, linewidth=1.8)
-    ax.axhline(data.E_prime, color=level_colour, linewidth=0.8, linestyle="dashed", zorder=1)
-    (turning,) = ax.plot(ends, [data.E_prime] * 2, "o", color=level_colour, markersize=6)
-    (steady,) = ax.plot(np.degrees(data.theta_steady), data.lowest, "o", color=blue, markersize=6)
+    (level,) = ax.plot(ends, [data.E_prime] * 2, color=on_ground(ax, level_colour), linewidth=1.8)
+    ax.axhline(
+        data.E_prime, color=on_ground(ax, level_colour), linewidth=0.8, linestyle="dashed", zorder=1
+    )
+    (turning,) = ax.plot(
+        ends, [data.E_prime] * 2, "o", color=on_ground(ax, level_colour), markersize=6
+    )
+    (steady,) = ax.plot(
+        np.degrees(data.theta_steady), data.lowest, "o", color=on_ground(ax, blue), markersize=6
+    )
 
     height = max(data.E_prime - data.lowest, 0.2 * scene.mgl, 0.05 * abs(data.lowest))
     low, high = data.lowest - 0.75 * height, data.E_prime + 1.6 * height
@@ -198,7 +207,13 @@ def effective_potential(
         marks.append((data.theta_lower, data.E_prime, r"$\theta_\mathrm{lower}$", 0.06))
     for theta, value, name, share in marks:
         place = np.degrees(theta)
-        ax.plot([place, place], [low, value], color=colours.FAINT, linewidth=0.9, zorder=1)
+        ax.plot(
+            [place, place],
+            [low, value],
+            color=on_ground(ax, colours.FAINT),
+            linewidth=0.9,
+            zorder=1,
+        )
         # Outside the well, but inside the axes.
         room = 0.12 * wide
         left = (first + room < place and theta < data.theta_steady) or place >= last - room

@@ -13,6 +13,7 @@ from .._checks.arguments import brief
 from ..animation.states import require_unforced, scene_of, states_of
 from ..drawing import colours
 from ..drawing.axes3d import arrow, curve, fit, in_space, label
+from ..drawing.colours import on_ground
 from ..drawing.shapes import across, ellipsoid_faces, plane_face
 from ..drawing.sides import eye, sides, surface
 from ..model.scene import FreeBody
@@ -191,7 +192,7 @@ def poinsot(run: Run, *, frame: int = 0, ax: Any | None = None) -> PoinsotArtist
     ax = in_space(ax)
     faces = ellipsoid_faces(data.semi_axes, rings=30, sectors=60) @ data.axes
     towards = eye(ELEV, AZIM)
-    ellipsoid = surface(ax, faces, "#b9ddf4", towards, alpha=0.7, linewidths=0.0)
+    ellipsoid = surface(ax, faces, colours.BODY_FACE, towards, alpha=0.7, linewidths=0.0)
     foot = data.distance * UP
     radius = float(np.linalg.norm(data.herpolhode - foot, axis=1).max())
     square = plane_face(foot, UP, 1.25 * max(radius, 0.3 * data.distance))
@@ -203,7 +204,7 @@ def poinsot(run: Run, *, frame: int = 0, ax: Any | None = None) -> PoinsotArtist
     drawn, later = np.split(data.herpolhode, [frame % len(run.t) + 1])
     curve(ax, np.concatenate([drawn[-1:], later]), HERPOLHODE, linewidth=0.9, alpha=0.6, zorder=4)
     herpolhode = curve(ax, drawn, HERPOLHODE, linewidth=1.6, zorder=4)
-    ax.plot(*data.herpolhode[:1].T, "o", color=HERPOLHODE, markersize=4, zorder=4)
+    ax.plot(*data.herpolhode[:1].T, "o", color=on_ground(ax, HERPOLHODE), markersize=4, zorder=4)
     # Inside the ellipsoid arrows are dashed: omega ends on it, L leaves it.
     inside: dict[str, Any] = {"linestyle": "dashed", "zorder": 3}
     omega = arrow(ax, data.contact, colours.OMEGA.colour, linewidth=1.6, **inside)
@@ -213,7 +214,11 @@ def poinsot(run: Run, *, frame: int = 0, ax: Any | None = None) -> PoinsotArtist
         ax, 1.4 * foot - leaves, colours.L.colour, colours.L.label, start=leaves, zorder=4
     )
     (contact,) = ax.plot(
-        *data.contact[:, np.newaxis], "o", color=colours.OMEGA.colour, markersize=6, zorder=6
+        *data.contact[:, np.newaxis],
+        "o",
+        color=on_ground(ax, colours.OMEGA.colour),
+        markersize=6,
+        zorder=6,
     )
     right = np.cross(UP, towards)
     right /= np.linalg.norm(right)

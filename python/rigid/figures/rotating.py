@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from .._checks.arguments import positive_int, shaped, vector
 from ..drawing import colours
 from ..drawing.axes3d import arrow, curve, fit, in_space
+from ..drawing.colours import on_ground
 from ..drawing.shapes import box_faces
 from ..drawing.sides import eye, surface
 from ..particles import velocity_field
@@ -22,7 +23,7 @@ __all__ = ["RotatingBody", "RotatingBodyArtists", "rotating_body", "rotating_bod
 Floats = NDArray[np.float64]
 
 ELEV, AZIM = 22.0, -60.0
-FACE = "#c9e5f7"
+FACE = colours.BODY_FACE
 """A light tint of the colour of the body."""
 
 
@@ -201,7 +202,9 @@ def rotating_body(
         start=reach[1] * direction,
         linewidth=2.6,
     )
-    (points,) = ax.plot(*data.positions.T, "o", color=colours.NEUTRAL, markersize=6.0, zorder=6)
+    (points,) = ax.plot(
+        *data.positions.T, "o", color=on_ground(ax, colours.NEUTRAL), markersize=6.0, zorder=6
+    )
     scale = 0.55 * size / speeds[farthest] if speeds[farthest] > 0.0 else 0.0
     velocities = tuple(
         arrow(
@@ -224,7 +227,15 @@ def rotating_body(
         linewidth=1.6,
         zorder=5,
     )
-    ax.plot([0.0], [0.0], [0.0], "o", color="black", markersize=4.0, zorder=6)
+    ax.plot(
+        [0.0],
+        [0.0],
+        [0.0],
+        "o",
+        color=on_ground(ax, colours.HUES["black"]),
+        markersize=4.0,
+        zorder=6,
+    )
     ends = data.positions + scale * data.velocities
     top = np.outer([reach[0], reach[1] + 0.55 * size], direction)
     fit(ax, *shown, ends, top, elev=ELEV, azim=AZIM)

@@ -14,6 +14,7 @@ from .._checks.arguments import brief
 from ..animation.states import scene_of
 from ..drawing import colours
 from ..drawing.axes3d import KEY, in_plane, panels
+from ..drawing.colours import on_ground
 from ..exact.symmetry import symmetry_of
 from ..model.scene import HeavyTop
 from ..solve.run import Run
@@ -104,12 +105,24 @@ def throw(experiment: free.ThrowExperiment, *, axes: Sequence[Any] | None = None
         rates = experiment.omega[k].T
         lines.append(
             tuple(
-                ax.plot(experiment.t, rate, color=ink.colour, linewidth=1.6, linestyle=dash)[0]
+                ax.plot(
+                    experiment.t,
+                    rate,
+                    color=on_ground(ax, ink.colour),
+                    linewidth=1.6,
+                    linestyle=dash,
+                )[0]
                 for rate, ink, dash in zip(rates, colours.AXES, DASHES, strict=True)
             )
         )
-        dots += ax.plot(experiment.dots_t, experiment.dots[k], "o", color="black", markersize=3)
-        ax.axhline(0.0, color=colours.FAINT, linewidth=0.7, zorder=1)
+        dots += ax.plot(
+            experiment.dots_t,
+            experiment.dots[k],
+            "o",
+            color=on_ground(ax, colours.HUES["black"]),
+            markersize=3,
+        )
+        ax.axhline(0.0, color=on_ground(ax, colours.FAINT), linewidth=0.7, zorder=1)
         ax.set(xlim=(0.0, experiment.t[-1]), ylim=(low - room, high + room))
         how = "exactly" if k < 3 else "with noise"
         ax.set_title(f"{how} about axis {k % 3 + 1}", fontsize="medium", loc="left")
@@ -282,13 +295,13 @@ def invariants(run: Run, *, ax: Any | None = None) -> DriftArtists:
     """
     data = invariants_data(run)
     ax = in_plane(ax)
-    rounding = ax.axhline(ROUNDING, color=colours.FAINT, linewidth=1.0, zorder=1)
+    rounding = ax.axhline(ROUNDING, color=on_ground(ax, colours.FAINT), linewidth=1.0, zorder=1)
     rounding.set_label("rounding")
     lines, floor = [], 0.02 * ROUNDING
     for name, values in zip(data.names, data.drift, strict=True):
         words, colour = NAMES[name]
         seen = np.maximum(values, floor)
-        lines += ax.plot(data.t, seen, color=colour, linewidth=1.2, label=words)
+        lines += ax.plot(data.t, seen, color=on_ground(ax, colour), linewidth=1.2, label=words)
     ax.set(yscale="log", xlim=(data.t[0], data.t[-1]), xlabel="$t$ (s)", ylabel="relative drift")
     ax.set_ylim(0.7 * floor, 10.0 * max(float(data.drift.max()), ROUNDING))
     method = run.spec["method"]

@@ -14,6 +14,7 @@ from .._checks.arguments import finite_float, positive_int, shaped
 from ..animation.states import require_unforced
 from ..drawing import colours
 from ..drawing.axes3d import panels
+from ..drawing.colours import on_ground
 from ..drawing.shapes import across
 from ..model.scene import HeavyTop, check_heavy_top
 from ..rotations.euler import rotation_x
@@ -213,16 +214,23 @@ def cycloids(
     approximate: list[Any] = []
     for k, ax in enumerate(places):
         for phi, theta, lines, style in (
-            (data.phi[k], data.theta[k], exact_lines, {"color": red, "linewidth": 1.8}),
+            (
+                data.phi[k],
+                data.theta[k],
+                exact_lines,
+                {"color": on_ground(ax, red), "linewidth": 1.8},
+            ),
             (
                 data.phi_approx[k],
                 data.theta_approx[k],
                 approximate,
-                {"color": black, "linewidth": 1.0, "linestyle": "dashed"},
+                {"color": on_ground(ax, black), "linewidth": 1.0, "linestyle": "dashed"},
             ),
         ):
             lines += ax.plot(np.degrees(scale * phi), np.degrees(theta), **style)
-        ax.axhline(np.degrees(data.tilt), color=colours.FAINT, linewidth=0.8, zorder=1)
+        ax.axhline(
+            np.degrees(data.tilt), color=on_ground(ax, colours.FAINT), linewidth=0.8, zorder=1
+        )
         ax.set_title(WORDS.get(str(data.kind[k]), str(data.kind[k])), fontsize="medium", loc="left")
         ax.set_aspect("equal", adjustable="datalim")
         ax.invert_yaxis()

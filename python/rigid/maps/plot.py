@@ -13,6 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._checks.arguments import brief, finite_float, nearest
+from ..drawing import colours
+from ..drawing.colours import on_ground
 from ..drawing.figure import shown_figure
 from ..model.criteria import Regular
 from ..solve.methods import AUTO
@@ -41,16 +43,15 @@ FINEST = 2**19
 LONGEST = 100
 """Most letters of a line of the title: as many as fit above a picture and its bar of colours."""
 
-UNDECIDED = 0.05
+UNDECIDED, MANY = 0.05, " > 5 %"
 """Cells with more than this share of undecided (or of failed) bodies are hatched."""
 
-# Only the strokes of failed and undecided cover the colour of the share. Red and vermilion contrast
-# with both ends of the colour scale, and the shapes tell them apart.
-_HATCHED: tuple[tuple[str, dict[str, Any]], ...] = (
-    ("impossible body", {"facecolor": "0.88", "edgecolor": "0.62", "hatch": "xx"}),
-    ("not computed", {"facecolor": "white", "edgecolor": "0.75", "hatch": "\\\\\\"}),
-    ("failed > 5 %", {"facecolor": "none", "edgecolor": "#cc3311", "hatch": "oo"}),
-    ("undecided > 5 %", {"facecolor": "none", "edgecolor": "#d55e00", "hatch": "////"}),
+# Only the strokes of failed and undecided cover the colour of the share; shapes tell them apart.
+_HATCHED = (
+    ("impossible body", *colours.IMPOSSIBLE, "xx"),
+    ("not computed", *colours.ABSENT, "\\\\\\"),
+    ("failed" + MANY, "none", colours.FAILED, "oo"),
+    ("undecided" + MANY, "none", colours.UNDECIDED, "////"),
 )
 _Dashes: TypeAlias = Literal["solid", "dashed", "dashdot", "dotted"]
 _DASHES: tuple[_Dashes, ...] = ("solid", "dashed", "dashdot", "dotted")
@@ -110,7 +111,8 @@ def plot_map(
 
     Cells are centred on the values of the axes, in the scale that is drawn: logarithmic where the
     values are geometric. Lines are the predictions of theory. A map with one axis is drawn as the
-    share with its 95 % interval. A map with three or four axes is drawn as small pictures of its
+    share with its 95 % interval. A map with one body in each pixel has two classes and no shares:
+    swatches name them. A map with three or four axes is drawn as small pictures of its
     first two, side by side for the values of the third and one below the other for the values of
     the fourth.
 
@@ -220,10 +222,12 @@ def _small_pictures(
     figure.supxlabel(data.spec.axes[free[0]].label)
     figure.supylabel(data.spec.axes[free[1]].label)
     figure.suptitle(_title(data, fixed), x=0.01, ha="left", fontsize="medium")
-    figure.colorbar(mesh, ax=panels, pad=0.02).set_label(_share_label(data))
-    if handles:
+    swatches = _classes(data)
+    if not swatches:
+        figure.colorbar(mesh, ax=panels, pad=0.02).set_label(_share_label(data))
+    if shown := swatches + list(handles.values()):
         figure.legend(
-            handles=list(handles.values()),
+            handles=shown,
             loc="outside lower left",
             handlelength=3.0,
             ncols=2,
@@ -309,19 +313,39 @@ def _draw(view: _View, ax: Axes, title: str, field: Floats | None, label: str) -
 def _draw_plane(view: _View, ax: Axes) -> list[Any]:
     mesh, handles = _plane(view, ax)
     ax.set_ylabel(view.axes[1].label)
+    if swatches := _classes(view.data):
+        return swatches + handles
     bar = ax.figure.colorbar(mesh, ax=ax, pad=0.02)
     bar.set_label(_share_label(view.data))
     return handles
 
 
+def _classes(data: MapData) -> list[Any]:
+    """A swatch for each of the two classes, where each pixel has one body and so no share."""
+    from matplotlib.patches import Patch
+
+    if data.spec.samples > 1:
+        return []
+    edge = colours.NEUTRAL
+    regular = isinstance(data.spec.stable, Regular)
+    names = ("regular", "chaotic") if regular else ("stable", "unstable")
+    return [
+        Patch(facecolor=face, edgecolor=edge, linewidth=0.8, label=name)
+        for face, name in zip((colours.STABLE, colours.UNSTABLE), names, strict=True)
+    ]
+
+
 def _plane(view: _View, ax: Axes) -> tuple[Any, list[Any]]:
     """The colours and the hatches of a plane, and the lines of theory."""
+    from matplotlib import colormaps
+
     x, y = view.axes
     edges = cell_edges(x), cell_edges(y)
     _set_scale(ax, "x", x)
     _set_scale(ax, "y", y)
+    shares = colormaps[colours.SHARE_MAP].with_extremes(bad=colours.SURFACE)
     mesh = ax.pcolormesh(
-        *edges, np.ma.masked_invalid(view.filled), cmap="cividis", vmin=0, vmax=1, rasterized=True
+        *edges, np.ma.masked_invalid(view.filled), cmap=shares, vmin=0, vmax=1, rasterized=True
     )
     handles = _hatch(view, ax, *edges)
     axes, curves = _fine_curves(view)
@@ -334,14 +358,16 @@ def _draw_field(view: _View, ax: Axes, field: Floats, label: str) -> list[Any]:
     """Numbers of the pixels; white where there are none."""
     x = view.axes[0]
     if len(view.axes) == 1:
-        ax.plot(np.array(x.values), field, color="#0072b2", marker=".")
+        ax.plot(np.array(x.values), field, color=on_ground(ax, colours.HUES["blue"]), marker=".")
         ax.set_ylabel(label)
         return _hatch(view, ax, cell_edges(x), np.array(ax.get_ylim()))
     y = view.axes[1]
     edges = cell_edges(x), cell_edges(y)
     _set_scale(ax, "y", y)
     ax.set_ylabel(y.label)
-    mesh = ax.pcolormesh(*edges, np.ma.masked_invalid(field), cmap="viridis", rasterized=True)
+    mesh = ax.pcolormesh(
+        *edges, np.ma.masked_invalid(field), cmap=colours.NUMBER_MAP, rasterized=True
+    )
     ax.figure.colorbar(mesh, ax=ax, pad=0.02).set_label(label)
     return _hatch(view, ax, *edges)
 
@@ -416,14 +442,13 @@ def _draw_line(view: _View, ax: Axes) -> list[Any]:
     (axis,) = view.axes
     values = np.array(axis.values)
     edges = cell_edges(axis)
-    band = ax.fill_between(
-        values, view.lower, view.upper, color="#0072b2", alpha=0.25, linewidth=0.0
-    )
+    blue, black = (on_ground(ax, colours.HUES[name]) for name in ("blue", "black"))
+    band = ax.fill_between(values, view.lower, view.upper, color=blue, alpha=0.25, linewidth=0.0)
     band.set_label("95 % interval")
-    (line,) = ax.plot(values, view.share, color="#0072b2", marker=".", label="share")
+    (line,) = ax.plot(values, view.share, color=blue, marker=".", label="share")
     handles: list[Any] = [line, band]
     if view.theory:
-        handles += ax.plot(values, view.theory.share, "--", color="black", lw=1.2, label="theory")
+        handles += ax.plot(values, view.theory.share, "--", color=black, lw=1.2, label="theory")
     handles += _hatch(view, ax, edges, np.array([-0.02, 1.02]))
     ax.set_ylim(-0.02, 1.02)
     ax.set_ylabel(_share_label(view.data))
@@ -443,10 +468,17 @@ def _hatch(view: _View, ax: Axes, x: NDArray[np.float64], y: NDArray[np.float64]
         view.undecided > UNDECIDED * view.samples,
     )
     handles = []
-    for (label, style), cells in zip(_HATCHED, marked, strict=True):
+    for (label, face, strokes, hatch), cells in zip(_HATCHED, marked, strict=True):
         if cells.any():
+            if view.data.spec.samples == 1:
+                label = label.removesuffix(MANY)
             # One path for all: hatching thousands of cells one by one takes seconds.
             path = Path.make_compound_path_from_polys(_rectangles(np.atleast_2d(cells), x, y))
+            style = {
+                "facecolor": on_ground(ax, face),
+                "edgecolor": on_ground(ax, strokes),
+                "hatch": hatch,
+            }
             handles.append(ax.add_patch(PathPatch(path, linewidth=0.0, label=label, **style)))
     return handles
 
@@ -502,4 +534,5 @@ def _title(data: MapData, at: Mapping[int, int]) -> str:
     if at:
         detail += f"; {_values(data, at)}"
     what = "Regular motions" if isinstance(spec.stable, Regular) else "Stability"
-    return f"{spec.title or f'{what} of a {spec.scene.title}'}\n{textwrap.fill(detail, LONGEST)}"
+    subject = "satellite" if "orbit" in spec.forces else spec.scene.title
+    return f"{spec.title or f'{what} of a {subject}'}\n{textwrap.fill(detail, LONGEST)}"

@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
 from .._checks.arguments import brief, sorted_times
+from ..drawing.colours import HUES, on_ground
 from ..drawing.figure import html_text, html_with_picture
 from ..model.criteria import Regular, norm_of
 from ..model.criterion import Criterion
@@ -147,7 +148,9 @@ class Replay:
         def draw(ax: Axes) -> None:
             self.run.plot(ax)
             if math.isfinite(self.left):
-                ax.axvline(self.left, color="black", linestyle="--", linewidth=1.0)
+                ax.axvline(
+                    self.left, color=on_ground(ax, HUES["black"]), linestyle="--", linewidth=1.0
+                )
                 ax.annotate(
                     "left",
                     (self.left, 1.0),

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 from numpy.typing import NDArray
 
+from ..model.start import Start
 from ..solve.methods import AUTO, EXACT
 from .data import CLASSES, FAILURES, MapData
 from .measured import Measured
 from .parameters import axis_letter
 from .refine import LEFT_OUT, refined
-from .theory import agreement
+from .spec import MapSpec
+from .theory import agreement, predict
 
 __all__ = ["summary"]
 
@@ -142,10 +146,21 @@ def _worst(drifts: NDArray[np.float64]) -> str:
     return f"{known.max():.1e}" if known.size else "unknown"
 
 
+def _why_none(spec: MapSpec) -> str:
+    """That theory knows the map without the noise of its attitude, if so."""
+    start = spec.start
+    if not isinstance(start, Start) or start.attitude_noise is None:
+        return ""
+    if any(axis.name.startswith("attitude_noise") for axis in spec.axes):
+        return ""
+    without = spec.replace(start=dataclasses.replace(start, attitude_noise=None))
+    return "" if predict(without) is None else ": one is without attitude_noise"
+
+
 def _theory(data: MapData) -> str:
     found = agreement(data)
     if found is None:
-        return "none is known for this map"
+        return f"none is known for this map{_why_none(data.spec)}"
     compared, disagree = found.compared, found.disagree
     if not compared:
         return f"{found.label}: lines, no shares"

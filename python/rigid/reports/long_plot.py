@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..drawing.colours import GRID, PALE, on_ground
 from ..drawing.figure import shown_figure
 from .long_data import LongRow, LongRunData, in_short
 from .plot import (
     FAMILIES,
     OTHERS,
-    PALE,
     TOP,
     Family,
     Points,
@@ -73,7 +73,7 @@ def plot_long_run(report: LongRunData, figure: Figure | None = None) -> NDArray[
 def _draw_growth(ax: Axes, report: LongRunData, name: str) -> None:
     """Draw an error against the revolutions, of each method in about the same time."""
     ax.set(xscale="log", yscale="log")
-    ax.grid(visible=True, which="major", color="0.94", linewidth=0.8)
+    ax.grid(visible=True, which="major", color=on_ground(ax, GRID), linewidth=0.8)
     ax.set_axisbelow(True)
     lines = {row: _growth(report, row, name) for row in report.at_common_time()}
     lines = {row: points for row, points in lines.items() if points}
@@ -84,7 +84,7 @@ def _draw_growth(ax: Axes, report: LongRunData, name: str) -> None:
     if not best:
         return
     for points in lines.values():
-        ax.plot(*np.transpose(points), color=PALE, linewidth=0.9, zorder=1.0)
+        ax.plot(*np.transpose(points), color=on_ground(ax, PALE), linewidth=0.9, zorder=1.0)
     errors = [error for points in lines.values() for _, error in points]
     ax.set_xlim(report.revolutions[0] / 1.5, report.revolutions[-1] * 1.5)
     ax.set_ylim(min(errors) / 3.0, min(3.0 * max(errors), TOP))

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from ..drawing.colours import BAND, GRID, HUES, NEUTRAL, PALE, SURFACE, ground, on_ground
 from ..drawing.figure import shown_figure
 from ..solve.methods import EXACT
 from .data import ReportData
@@ -47,22 +48,19 @@ class Family:
 
 
 FAMILIES = (
-    Family("closed form", "#000000", (EXACT,)),
-    Family("Runge–Kutta", "#b3430a", ("rk4", "dop853")),
-    Family("Taylor series", "#0067a5", ("taylor12", "taylor16", "taylor20", "taylor26")),
-    Family("splitting", "#00714f", ("splitting", "splitting4", "splitting8")),
-    Family("free motion and kicks", "#a0357a", ("chin4a", "pmlf4", "pmlf6")),
-    Family("Moser–Veselov", "#6b4fbb", ("dmv2", "dmv10")),
-    Family("exponential", "#7a5c00", ("etd4",)),
-    Family("midpoint rule", "#5a5a5a", ("midpoint",)),
+    Family("closed form", HUES["black"], (EXACT,)),
+    Family("Runge–Kutta", HUES["vermilion"], ("rk4", "dop853")),
+    Family("Taylor series", HUES["blue"], ("taylor12", "taylor16", "taylor20", "taylor26")),
+    Family("splitting", HUES["green"], ("splitting", "splitting4", "splitting8")),
+    Family("free motion and kicks", HUES["purple"], ("chin4a", "pmlf4", "pmlf6")),
+    Family("Moser–Veselov", HUES["violet"], ("dmv2", "dmv10")),
+    Family("exponential", HUES["orange"], ("etd4",)),
+    Family("midpoint rule", NEUTRAL, ("midpoint",)),
 )
-"""Colours have a contrast of at least 4.5 on white, as text needs; the hues are Okabe and Ito's."""
+"""The families of the methods."""
 
-OTHERS = Family("others", "#5a5a5a", ())
+OTHERS = Family("others", NEUTRAL, ())
 """Methods of another version, in a report that was read from a file."""
-
-PALE = "0.84"
-"""Lines of single methods."""
 
 TOP = 3.0
 """Upper limit of the axis of errors: a larger error of an attitude has no meaning."""
@@ -125,7 +123,7 @@ def draw_trade_off(
     largest; by default slow families do not stretch the axis.
     """
     ax.set(xscale="log", yscale="log")
-    ax.grid(visible=True, which="major", color="0.94", linewidth=0.8)
+    ax.grid(visible=True, which="major", color=on_ground(ax, GRID), linewidth=0.8)
     ax.set_axisbelow(True)
     known = {method: _drawable(points) for method, points in lines.items()}
     best = {
@@ -147,7 +145,7 @@ def draw_trade_off(
     if reference is not None:
         _hatch(ax, low, unknown, reference.method)
     for points in filter(None, known.values()):
-        ax.plot(*np.transpose(points), color=PALE, linewidth=0.9, zorder=1.0)
+        ax.plot(*np.transpose(points), color=on_ground(ax, PALE), linewidth=0.9, zorder=1.0)
     names = _draw_front(ax, front) if front else []
     draw_families(
         ax, {family: [point[:2] for point in line] for family, line in best.items()}, names
@@ -159,7 +157,7 @@ def _draw_front(ax: Axes, front: Sequence[tuple[float, float, str]]) -> list[Nam
     points = [point[:2] for point in front]
     ax.plot(
         *np.transpose(points),
-        color="0.72",
+        color=on_ground(ax, BAND),
         linewidth=8.0,
         solid_capstyle="round",
         solid_joinstyle="round",
@@ -172,7 +170,7 @@ def _draw_front(ax: Axes, front: Sequence[tuple[float, float, str]]) -> list[Nam
         half = _half(ax, method, 0.8 * NAME_SIZE)
         corner = place - half - [0.006, 0.008]  # nothing of the front is to the left and below
         if method != before and not _clashes(corner, half, names) and (corner > half).all():
-            _write(ax, method, corner, family_of(method).colour, 0.8 * NAME_SIZE)
+            _write(ax, method, corner, on_ground(ax, family_of(method).colour), 0.8 * NAME_SIZE)
             names.append((corner, half))
         before = method
     return names
@@ -186,7 +184,7 @@ def draw_families(ax: Axes, lines: Mapping[Family, Points], names: Sequence[Name
     for family, points in lines.items():
         ax.plot(
             *np.transpose(points),
-            color=family.colour,
+            color=on_ground(ax, family.colour),
             linewidth=1.8,
             marker="*" if EXACT in family.members else "o",
             markersize=10.0 if EXACT in family.members else 3.5,
@@ -200,7 +198,7 @@ def draw_families(ax: Axes, lines: Mapping[Family, Points], names: Sequence[Name
         others = [other for other in paths.values() if other is not path]
         place = _place(path, half, np.concatenate([*others, path[:0]]), names)
         if place is not None:
-            _write(ax, family.name, place, family.colour, NAME_SIZE)
+            _write(ax, family.name, place, on_ground(ax, family.colour), NAME_SIZE)
             names.append((place, half))
 
 
@@ -229,7 +227,10 @@ def _front(
 
 
 def _hatch(ax: Axes, low: float, unknown: float, reference: str) -> None:
-    ax.axhspan(low, unknown, facecolor="0.97", edgecolor="0.87", hatch="////", zorder=0.1)
+    face = on_ground(ax, SURFACE)
+    ax.axhspan(
+        low, unknown, facecolor=face, edgecolor=on_ground(ax, PALE), hatch="////", zorder=0.1
+    )
     ax.annotate(
         f"below the uncertainty of the reference ({reference})",
         (0.01, low),
@@ -237,8 +238,8 @@ def _hatch(ax: Axes, low: float, unknown: float, reference: str) -> None:
         xytext=(0.0, 4.0),
         textcoords="offset points",
         fontsize="x-small",
-        color="0.35",
-        bbox={"facecolor": "0.97", "edgecolor": "none", "pad": 1.0},
+        color=on_ground(ax, NEUTRAL),
+        bbox={"facecolor": face, "edgecolor": "none", "pad": 1.0},
     )
 
 
@@ -281,7 +282,7 @@ def _write(ax: Axes, text: str, place: Floats, colour: str, size: float) -> None
         ha="center",
         va="center",
         zorder=4.0,
-        bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.6, "alpha": 0.85},
+        bbox={"facecolor": ground(ax), "edgecolor": "none", "pad": 0.6, "alpha": 0.85},
     )
 
 

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import json
 import os
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import one_of
+from ..drawing.colours import CLASSES, HUES, on_ground
 from ..drawing.figure import html_with_picture, shown_figure
 from ..model.events import COMPONENTS
 from ..model.orbit import Orbit
@@ -248,9 +250,15 @@ class Crossings:
         return words
 
     def plot(
-        self, x: str = "gamma1", y: str = "omega2", *, ax: Axes | None = None, size: float = 1.0
+        self,
+        x: str = "gamma1",
+        y: str = "omega2",
+        *,
+        ax: Axes | None = None,
+        size: float = 1.5,
+        by: ArrayLike | None = None,
     ) -> Axes:
-        """Draw the points, each body in its colour.
+        """Draw the points, each body in a colour, or in the colour of its class.
 
         Parameters
         ----------
@@ -259,7 +267,11 @@ class Crossings:
         ax : matplotlib Axes, optional
             By default the axes of a new figure.
         size : float
-            Area of a point (points²).
+            Diameter of a point (points).
+        by : array_like of str, optional
+            A word for each body, such as the ``verdict`` of :func:`rigid.lyapunov`: bodies with the
+            same word have one colour, which a legend names. By default the colours only tell
+            neighbouring bodies apart.
 
         Returns
         -------
@@ -269,16 +281,40 @@ class Crossings:
         ------
         ImportError
             Without matplotlib.
+        ValueError
+            If ``by`` has not one word for each body.
+
+        Examples
+        --------
+        >>> import rigid
+        >>> top = rigid.HeavyTop(rigid.Body((4.0, 4.0, 1.0)), mgl=1.0, com=(1.0, 0.0, 0.0))
+        >>> start = rigid.top.on_surface(top, 1.5, 1.5, count=8, rng=2026)
+        >>> points = rigid.poincare(top, *start, t_end=1e3, count=50)
+        >>> verdict = rigid.lyapunov(top, *start, t=[500.0, 1000.0], check=False).verdict
+        >>> ax = points.plot("gamma2", "omega3", by=verdict)
+        >>> [text.get_text() for text in ax.get_legend().get_texts()]
+        ['chaotic', 'regular']
         """
         across, up = self.component(x), self.component(y)
+        bodies = np.size(self.complete)
+        words = None if by is None else np.ravel(np.asarray(by, dtype=np.str_)).tolist()
+        if words is not None and len(words) != bodies:
+            raise ValueError(f"by: needs a word for each of {bodies} bodies, got {len(words)}")
         if ax is None:
             ax = shown_figure().add_subplot()
-        bodies = np.size(self.complete)
-        # Neighbouring bodies differ in colour: the golden ratio spreads them over the scale.
-        hues = (0.5 * (np.sqrt(5.0) - 1.0) * np.arange(bodies)) % 1.0
-        ax.scatter(
-            across, up, s=size, c=hues[self.body], cmap="turbo", vmin=0.0, vmax=1.0, linewidths=0.0
-        )
+        if words is None:
+            cycle = [on_ground(ax, colour) for name, colour in HUES.items() if name != "black"]
+            of_body, order = [cycle[k % len(cycle)] for k in range(bodies)], slice(None)
+        else:
+            of_word = _class_colours(ax, words)
+            of_body, ranks = (
+                [of_word[word] for word in words],
+                {w: k for k, w in enumerate(of_word)},
+            )
+            order = np.argsort([ranks[words[k]] for k in self.body], kind="stable")
+            _name_classes(ax, of_word)
+        ink = np.array(of_body)[self.body]
+        ax.scatter(across[order], up[order], s=size**2, c=ink[order], linewidths=0.0)
         ax.set(xlabel=LABELS[x], ylabel=LABELS[y])
         return ax
 
@@ -361,3 +397,23 @@ class Crossings:
             values = getattr(self, name)
             columns |= parts(name, values) if axes else {name: values}
         return write_table(path, columns)
+
+
+def _class_colours(ax: Axes, words: Sequence[str]) -> dict[str, str]:
+    """The colour of each class on these axes, those first whose points others may cover."""
+    spare = [colour for colour in HUES.values() if colour not in CLASSES.values()]
+    known = [word for word in CLASSES if word in words]
+    others = sorted(set(words) - set(known))
+    inks = [CLASSES[word] for word in known]
+    inks += [spare[k % len(spare)] for k in range(len(others))]
+    return {word: on_ground(ax, ink) for word, ink in zip([*known, *others], inks, strict=True)}
+
+
+def _name_classes(ax: Axes, of_word: Mapping[str, str]) -> None:
+    from matplotlib.lines import Line2D
+
+    dots = [
+        Line2D([], [], color=colour, marker="o", linestyle="", markersize=5.0, label=word)
+        for word, colour in of_word.items()
+    ]
+    ax.legend(handles=dots, loc="upper right", framealpha=0.9)

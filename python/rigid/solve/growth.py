@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._checks.arguments import one_of
+from ..drawing.colours import HUES, on_ground
 from ..drawing.figure import html_with_picture, shown_figure
 from ..model.criteria import Regular
 from ..model.scene import scene_from_dict
@@ -228,7 +229,7 @@ class Growth:
         lines = np.reshape(values, (-1, len(self.t)))
         # One body has a colour; of many each line is faint, so that a crowd shows its density.
         alpha = 1.0 if len(lines) == 1 else max(0.1, len(lines) ** -0.5)
-        ax.plot(self.t, lines.T, color="#0072b2", alpha=alpha, linewidth=1.0)
+        ax.plot(self.t, lines.T, color=on_ground(ax, HUES["blue"]), alpha=alpha, linewidth=1.0)
         if what in ("exponent", "sali"):
             ax.set(xscale="log", yscale="log")
         ax.set(xlabel="t (s)", ylabel=LABELS[what])

@@ -589,13 +589,13 @@ an accuracy
             Without matplotlib.
         """
         times, omega = self._of_one(body, self.omega)
-        from ..drawing.colours import AXES
+        from ..drawing.colours import AXES, on_ground
         from ..drawing.figure import shown_figure
 
         if ax is None:
             ax = shown_figure().add_subplot()
         for k, ink in enumerate(AXES):
-            ax.plot(times, omega[:, k], color=ink.colour, label=f"$\\omega_{k + 1}$")
+            ax.plot(times, omega[:, k], color=on_ground(ax, ink.colour), label=f"$\\omega_{k + 1}$")
         ax.set(xlabel="t (s)", ylabel="rate in the body (rad/s)")
         ax.legend()
         return ax

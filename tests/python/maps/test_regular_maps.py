@@ -278,13 +278,30 @@ def test_all_arrays_are_saved() -> None:
 
 def test_the_picture_says_what_it_can_see() -> None:
     pytest.importorskip("matplotlib")
+    from matplotlib.colors import to_hex
+
     ax = regular_map().plot()
-    words = [axis.get_ylabel() for axis in ax.figure.axes]
-    assert "share regular down to 10/T = 0.05 1/s until T = 200 s" in words
+    assert "regular down to 10/T = 0.05 1/s until T = 200 s" in ax.get_title(loc="left")
+    assert len(ax.figure.axes) == 1  # no bar of shares: each pixel has one body
     legend = ax.get_legend()
     assert legend is not None
     texts = [text.get_text() for text in legend.get_texts()]
-    assert "undecided > 5 %" in texts
+    assert texts == ["regular", "chaotic", "undecided"]
+    colours = [to_hex(patch.get_facecolor()) for patch in legend.get_patches()[:2]]
+    (mesh,) = ax.collections
+    ends = mesh.get_cmap()([1.0, 0.0])
+    assert colours == [to_hex(end) for end in ends]
+    assert to_hex(mesh.get_cmap().get_bad()) not in colours
+
+
+def test_the_picture_of_many_bodies_has_a_bar() -> None:
+    pytest.importorskip("matplotlib")
+    ax = regular_map(samples=2).plot()
+    words = [axis.get_ylabel() for axis in ax.figure.axes]
+    assert "share regular down to 10/T = 0.05 1/s until T = 200 s" in words
+    assert ax.get_legend() is None or "regular" not in [
+        text.get_text() for text in ax.get_legend().get_texts()
+    ]
 
 
 def test_the_summary_and_the_plan() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from statistics import NormalDist
 from typing import Any
 
@@ -13,6 +14,7 @@ from rigid.cli.toml_map import read_spec
 from rigid.maps.satellites import median_across, time_to_separatrix
 from rigid.maps.spec import MapSpec
 from rigid.solve.energy_loss import mean_products
+from rigid.store.call import run_map
 
 
 def coarse(name: str, every: int, samples: int) -> rigid.StabilityMap:
@@ -261,3 +263,20 @@ def test_lines_of_a_flat_spin_are_not_those_of_a_body_on_an_orbit() -> None:
     assert predicted() is not None
     assert predicted(orbit=rigid.Orbit(0.5)) is None
     assert predicted(drag=0.01) is None
+
+
+def test_words_about_a_satellite_say_why_it_has_no_theory() -> None:
+    spec = read_spec("gravity-gradient").spec
+    values = {axis.name: np.array(axis.values)[::40] for axis in spec.axes}
+    noise = rigid.normal(1e-3)
+    turned = run_map(
+        spec.replace(
+            axes=values,
+            samples=1,
+            title=None,
+            start=dataclasses.replace(spec.start, attitude_noise=noise),
+        )
+    )
+    assert "none is known for this map: one is without attitude_noise" in turned.summary()
+    pytest.importorskip("matplotlib")
+    assert turned.plot().get_title(loc="left").startswith("Stability of a satellite")

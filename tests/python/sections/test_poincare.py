@@ -423,6 +423,32 @@ def test_a_picture_shows_every_point() -> None:
     assert (ax.get_xlabel(), ax.get_ylabel()) == (r"$\gamma_1$", r"$\omega_3$ (rad/s)")
 
 
+def test_a_picture_has_one_colour_for_each_class() -> None:
+    pytest.importorskip("matplotlib")
+    from matplotlib.colors import to_hex
+
+    omega, attitude = rigid.top.on_surface(GORYACHEV, 1.5, 1.5, count=8, rng=2026)
+    points = rigid.poincare(GORYACHEV, omega, attitude, t_end=200.0, count=20)
+    verdict = rigid.lyapunov(GORYACHEV, omega, attitude, t=[500.0, 1e3], check=False).verdict
+    assert set(verdict) == {"chaotic", "regular"}
+    ax = points.plot("gamma2", "omega3", by=verdict)
+    legend = ax.get_legend()
+    assert legend is not None
+    words = [text.get_text() for text in legend.get_texts()]
+    inks = [line.get_color() for line in legend.get_lines()]
+    assert words == ["chaotic", "regular"]  # islands of regular motions lie on the sea
+    (drawn,) = ax.collections
+    of_point = {
+        tuple(place): to_hex(colour)
+        for place, colour in zip(drawn.get_offsets(), drawn.get_facecolors(), strict=True)
+    }
+    places = np.stack([points.component("gamma2"), points.component("omega3")], axis=1)
+    for place, body in zip(places, points.body, strict=True):
+        assert of_point[tuple(place)] == inks[words.index(verdict[body])]
+    with pytest.raises(ValueError, match="by: needs a word for each of 8 bodies, got 2"):
+        points.plot(by=["chaotic", "regular"])
+
+
 def test_a_file_has_the_points(tmp_path: Path) -> None:
     points = rigid.poincare(ASYMMETRIC, [0.3, 0.4, 1.0], t_end=20.0)
     with np.load(points.save(tmp_path / "points.npz")) as file:
