@@ -65,7 +65,7 @@ def modules() -> list[str]:
 
 
 def map_parameters() -> str:
-    """The table of ``maps_reference.md``: a row for the parameters of one meaning."""
+    """The table of ``maps.md``: a row for the parameters of one meaning."""
     lines = ["| names | unit | meaning |", "|---|---|---|"]
     words = {name: (p.unit, p.meaning.rstrip(" 123")) for name, p in PARAMETERS.items()}
     for (unit, meaning), names in groupby(words, key=words.__getitem__):
