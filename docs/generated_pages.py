@@ -32,6 +32,7 @@ def write_generated_pages(docs: Path) -> None:
     """Write the pages of modules, and the tables and texts that other pages include."""
     folder = docs / "generated"
     folder.mkdir(exist_ok=True)
+    write_explorer(docs / "_static" / "explorer.html")
     _write(docs / "map_parameters.txt", map_parameters())
     _write(folder / "modules.txt", module_table())
     _write(folder / "commands.txt", command_help())
@@ -184,3 +185,20 @@ def command_help() -> str:
         title = f"rigid {name}".strip()
         parts.append(f"## {title}\n\n```text\n{command.format_help().rstrip()}\n```\n")
     return "\n".join(parts)
+
+
+def write_explorer(path: Path) -> None:
+    """The page of ``explorer.md`` to try: the sleeping top."""
+    path.parent.mkdir(exist_ok=True)
+    result = rigid.stability_map(
+        rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0),
+        axes={"spin": np.linspace(2.0, 6.0, 41), "attitude_noise": np.geomspace(1e-3, 0.3, 30)},
+        start=rigid.Start(spin=5.0, attitude_noise=rigid.normal(0.01)),
+        stable=rigid.tilt_below(0.5),
+        t_end=40.0,
+        samples=64,
+        rng=2026,
+        progress=False,
+        title="The sleeping top",
+    )
+    result.explore(path)
