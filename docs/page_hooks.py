@@ -31,16 +31,23 @@ def show_dark_pictures(app: Sphinx, doctree: nodes.document) -> None:
 
 
 def name_cells(app: Sphinx, doctree: nodes.document) -> None:
-    """Give each cell of a wide table the head of its column: a phone shows it above the cell."""
+    """Give cells of a wide table the head of their column: a phone shows it beside the cell.
+
+    Names of tests are folded: they are longer than all the rest.
+    """
     for table in doctree.findall(nodes.tgroup):
         if table["cols"] < WIDE:
             continue
         table.parent["classes"].append("wide")
         heads = [entry.astext() for entry in next(table.findall(nodes.thead))[0]]
         for row in next(table.findall(nodes.tbody)):
-            for head, cell in zip(heads, row, strict=True):
-                if head and cell.astext():
-                    cell.insert(0, nodes.container("", nodes.Text(head), classes=["head"]))
+            for head, cell in list(zip(heads, row, strict=True))[1:]:
+                if head in ("test", "tests"):
+                    opened = f"<details><summary>{head}</summary>"
+                    cell.insert(0, nodes.raw("", opened, format="html"))
+                    cell.append(nodes.raw("", "</details>", format="html"))
+                elif cell.astext():
+                    cell.insert(0, nodes.container("", nodes.Text(head), classes=["column"]))
 
 
 def tidy_signature(
