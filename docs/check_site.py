@@ -1,8 +1,9 @@
 """Check the built pages: ``python docs/check_site.py FOLDER``.
 
 No page asks another server for anything. In Chromium no page scrolls sideways on a phone, no table
-is wider than its page, no code of a guide is cut on a desk, and films show their view on a phone
-and have the theme of the page. A page with each of these faults is checked first.
+is wider than its page, no code of a guide is cut on a desk (what programs print may be), and films
+show their view on a phone and have the theme of the page. A page with each of these faults is
+checked first.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "shared"))
 from browsers import NoBrowserError, chromium
 
 PHONES, DESK = (320, 375), 1280
-NO_GUIDES = ("api/", "_modules/", "decisions/")
+NO_GUIDES = ("api/", "decisions/")
 LEAST_VIEW = 100
 """Pixels that the view of a film is high, at least."""
 
@@ -30,7 +31,7 @@ Fault = tuple[str, str]
 FAULTY = """<!doctype html><link rel="stylesheet" href="https://example.org/a.css">
 <div style="width: 2000px">wide</div>
 <div class="table-wrapper" style="width: 9px; overflow: auto"><table><td>wide</table></div>
-<div class="highlight"><pre style="width: 9px; overflow: auto">wide</pre></div>
+<div class="highlight-python"><pre style="width: 9px; overflow: auto">wide</pre></div>
 <div class="film"><iframe srcdoc="<canvas class=stage style='height: 9px'></canvas>"></iframe></div>
 """
 KINDS = {"other server", "request", "page", "table", "code", "view", "theme"}
@@ -39,8 +40,9 @@ KINDS = {"other server", "request", "page", "table", "code", "view", "theme"}
 OVERFLOWS = """() => {
     const wide = (query) => [...document.querySelectorAll(query)]
         .filter(one => one.scrollWidth > one.clientWidth + 1).map(one => one.textContent.trim());
+    const CODE = "[class*=highlight-]:not(.highlight-text, .highlight-none) pre";
     const excess = document.documentElement.scrollWidth - document.documentElement.clientWidth;
-    return { page: excess, table: wide(".table-wrapper"), code: wide(".highlight pre") };
+    return { page: excess, table: wide(".table-wrapper"), code: wide(CODE) };
 }"""
 
 
@@ -129,7 +131,7 @@ def films(page: Any, name: str) -> Iterator[Fault]:
 def check(folder: Path, browser: Any) -> tuple[int, list[Fault]]:
     """The number of pages below a folder, and their faults."""
     pages = sorted(folder.rglob("*.html"))
-    shown = [page for page in pages if "_static" not in page.parts]
+    shown = [page for page in pages if not {"_static", "_modules"} & set(page.parts)]
     faults = [fault for path in [*pages, *folder.rglob("*.css")] for fault in other_servers(path)]
     if browser is not None:
         faults += looks(browser, folder, shown)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from pathlib import Path
 from typing import Any
 
 from docutils import nodes
@@ -13,21 +12,6 @@ from sphinx.ext.autosummary import autosummary_toc
 
 WIDE = 4
 """Tables with so many columns become lists on a phone."""
-
-
-def show_dark_pictures(app: Sphinx, doctree: nodes.document) -> None:
-    """Beside NAME.png show NAME-dark.png, if there is one, in the dark theme."""
-    folder = Path(app.env.doc2path(app.env.docname)).parent
-    for light in list(doctree.findall(nodes.image)):
-        name = Path(light["uri"])
-        twin = name.with_name(f"{name.stem}-dark{name.suffix}")
-        if not (folder / twin).is_file():
-            continue
-        dark = light.deepcopy()
-        dark["uri"] = twin.as_posix()
-        light["classes"].append("only-light")
-        dark["classes"].append("only-dark")
-        light.parent.insert(light.parent.index(light) + 1, dark)
 
 
 def name_cells(app: Sphinx, doctree: nodes.document) -> None:
@@ -79,8 +63,7 @@ def list_on_one_page(app: Sphinx, doctree: nodes.document) -> None:
 
 
 def setup(app: Sphinx) -> dict[str, bool]:
-    """Before Sphinx collects the pictures of a page, and before numpydoc."""
-    app.connect("doctree-read", show_dark_pictures, priority=400)
+    """Before Sphinx collects the entries of tables of contents, and before numpydoc."""
     app.connect("doctree-read", name_cells)
     app.connect("doctree-read", list_on_one_page, priority=400)
     app.connect("autodoc-process-signature", tidy_signature, priority=400)
