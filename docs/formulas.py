@@ -13,12 +13,21 @@ from sphinx.util import logging
 _log = logging.getLogger(__name__)
 
 
+# What browsers space otherwise than TeX: bars and slashes, and a function before its argument.
+_SPACED = (
+    (r"<mo(?=[^>]*>(?:&#x0007C;|&#x0002F;)<)", '<mo lspace="0" rspace="0"'),
+    (r"(<mi>(?:cos|exp|ln|sin|tan)</mi>)(?=<mi>|<msub>)", r'\1<mspace width="0.167em"/>'),
+)
+
+
 def mathml(tex: str, display: str) -> str:
     """A formula for a page; ValueError for a command that the converter does not know."""
-    written = convert(tex, display=display)
-    unknown = re.search(r"\\\w+", written)
+    written = convert(tex.replace("{aligned}", "{split}"), display=display)
+    unknown = re.search(r"\\\w+|<mi>&</mi>", written)
     if unknown:
         raise ValueError(f"{unknown[0]} has no MathML")
+    for found, better in _SPACED:
+        written = re.sub(found, better, written)
     return written
 
 

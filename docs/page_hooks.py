@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from pathlib import Path
 from typing import Any
 
 from docutils import nodes
@@ -15,32 +14,24 @@ WIDE = 4
 """Tables with so many columns become lists on a phone."""
 
 
-def show_dark_pictures(app: Sphinx, doctree: nodes.document) -> None:
-    """Beside NAME.png show NAME-dark.png, if there is one, in the dark theme."""
-    folder = Path(app.env.doc2path(app.env.docname)).parent
-    for light in list(doctree.findall(nodes.image)):
-        name = Path(light["uri"])
-        twin = name.with_name(f"{name.stem}-dark{name.suffix}")
-        if not (folder / twin).is_file():
-            continue
-        dark = light.deepcopy()
-        dark["uri"] = twin.as_posix()
-        light["classes"].append("only-light")
-        dark["classes"].append("only-dark")
-        light.parent.insert(light.parent.index(light) + 1, dark)
-
-
 def name_cells(app: Sphinx, doctree: nodes.document) -> None:
-    """Give each cell of a wide table the head of its column: a phone shows it above the cell."""
+    """Give cells of a wide table the head of their column: a phone shows it beside the cell.
+
+    Names of tests are folded: they are longer than all the rest.
+    """
     for table in doctree.findall(nodes.tgroup):
         if table["cols"] < WIDE:
             continue
         table.parent["classes"].append("wide")
         heads = [entry.astext() for entry in next(table.findall(nodes.thead))[0]]
         for row in next(table.findall(nodes.tbody)):
-            for head, cell in zip(heads, row, strict=True):
-                if head and cell.astext():
-                    cell.insert(0, nodes.container("", nodes.Text(head), classes=["head"]))
+            for head, cell in list(zip(heads, row, strict=True))[1:]:
+                if head in ("test", "tests"):
+                    opened = f"<details><summary>{head}</summary>"
+                    cell.insert(0, nodes.raw("", opened, format="html"))
+                    cell.append(nodes.raw("", "</details>", format="html"))
+                elif cell.astext():
+                    cell.insert(0, nodes.container("", nodes.Text(head), classes=["column"]))
 
 
 def tidy_signature(
@@ -72,8 +63,7 @@ def list_on_one_page(app: Sphinx, doctree: nodes.document) -> None:
 
 
 def setup(app: Sphinx) -> dict[str, bool]:
-    """Before Sphinx collects the pictures of a page, and before numpydoc."""
-    app.connect("doctree-read", show_dark_pictures, priority=400)
+    """Before Sphinx collects the entries of tables of contents, and before numpydoc."""
     app.connect("doctree-read", name_cells)
     app.connect("doctree-read", list_on_one_page, priority=400)
     app.connect("autodoc-process-signature", tidy_signature, priority=400)
