@@ -115,16 +115,47 @@ class Torque:
             Times (s) of the table, ascending, at least two; equal neighbours are a jump. The tables
             of many bodies have the same times.
 
+        Returns
+        -------
+        Torque
+
         Raises
         ------
         ValueError
             If the shapes do not fit, a number is not finite, or the times are not ascending.
+
+        Examples
+        --------
+        >>> import rigid
+        >>> rigid.Torque.body((0.0, 0.0, 0.2)).words()
+        'torque (0, 0, 0.2) in the body'
         """
         return cls._made(values, times, 0)
 
     @classmethod
     def space(cls, values: ArrayLike, *, times: ArrayLike | None = None) -> Torque:
-        """A torque with these components along the space axes; arguments as in :meth:`body`."""
+        """A torque with these components along the space axes; arguments as in :meth:`body`.
+
+        Parameters
+        ----------
+        values, times
+            As in :meth:`body`.
+
+        Returns
+        -------
+        Torque
+
+        Raises
+        ------
+        ValueError
+            As for :meth:`body`.
+
+        Examples
+        --------
+        >>> import rigid
+        >>> rigid.Torque.space((0.0, 0.0, 0.2)).words()
+        'torque (0, 0, 0.2) in space'
+        """
         return cls._made(values, times, 1)
 
     @classmethod
@@ -160,6 +191,10 @@ class Torque:
         fastest : float, optional
             A bound of ``|omega|`` under this torque (rad/s), and of the rate at which the torque
             varies: the steps follow from it. Without it a run needs a ``step``, or a ``tolerance``.
+
+        Returns
+        -------
+        Torque
 
         Raises
         ------
@@ -241,14 +276,29 @@ class Torque:
         return self.function is not None or bool(np.any(self.in_space))
 
     def at(self, t: ArrayLike) -> tuple[Floats, Floats]:
-        """Torque in the body and in space at times ``t`` (m,), shapes (..., m, 3); after a jump.
+        """Torque (N m) in the body and in space at times ``t``, without a callback.
 
-        A function is not in them.
+        Parameters
+        ----------
+        t : array_like, shape (m,)
+            Times (s).
+
+        Returns
+        -------
+        in_body, in_space : ndarray, shape (..., m, 3)
+            Torque (N m), without a callback; at a jump the value after it.
 
         Raises
         ------
         ValueError
             If the table does not reach a time.
+
+        Examples
+        --------
+        >>> import rigid
+        >>> ramp = rigid.Torque.body([(0, 0, 0), (0, 0, 2)], times=[0.0, 4.0])
+        >>> ramp.at([1.0, 2.0])[0][:, 2].tolist()
+        [0.5, 1.0]
         """
         times = np.atleast_1d(shaped("t", t))
         if self.times:

@@ -162,6 +162,14 @@ class Motion:
             torque and damping: if the method does not integrate them, if it is unstable with the
             step, or if the table of the scene's torque does not reach the end. The motion is then
             as before.
+
+        Examples
+        --------
+        >>> import rigid
+        >>> motion = rigid.Motion(rigid.Body((1.0, 2.0, 3.0)), [0.0, 0.0, 0.0])
+        >>> motion.step(0.5, torque=(0.0, 0.0, 6.0))
+        >>> motion.omega.round(9).tolist()
+        [0.0, 0.0, 1.0]
         """
         if not isinstance(dt, float):
             dt = without_unit("dt", dt, "s")
@@ -175,6 +183,19 @@ class Motion:
         """A second motion of the same bodies from here on, with the same bits.
 
         ``copy.copy``, ``copy.deepcopy`` and ``pickle`` make one too.
+
+        Returns
+        -------
+        Motion
+
+        Examples
+        --------
+        >>> import rigid
+        >>> motion = rigid.Motion(rigid.Body((1.0, 2.0, 3.0)), [0.1, 1.0, 0.1])
+        >>> other = motion.copy()
+        >>> other.step(0.5)
+        >>> other.t, motion.t
+        (0.5, 0.0)
         """
         rebuild, state = self.__reduce__()
         return rebuild(*state)
