@@ -665,7 +665,12 @@ class Body:
         return 1 if i2 == i3 else None
 
     def to_dict(self) -> dict[str, Any]:
-        """The body as a dict of numbers, for JSON; :meth:`from_dict` reads it."""
+        """The body as a dict of numbers, for JSON; :meth:`from_dict` reads it.
+
+        Returns
+        -------
+        dict
+        """
         moments = self.moments
         return {
             "moments": moments.tolist() if isinstance(moments, np.ndarray) else list(moments),
@@ -675,7 +680,24 @@ class Body:
 
     @classmethod
     def from_dict(cls, data: Mapping[str, Any]) -> Body:
-        """The body that :meth:`to_dict` described."""
+        """The body that :meth:`to_dict` described.
+
+        Parameters
+        ----------
+        data : dict
+            The dictionary.
+
+        Returns
+        -------
+        Body
+
+        Examples
+        --------
+        >>> import rigid
+        >>> box = rigid.Body.box(0.25, 0.08, 0.01, mass=0.3)
+        >>> rigid.Body.from_dict(box.to_dict()) == box
+        True
+        """
         return cls(data["moments"], mass=data.get("mass"), sides=data.get("sides"))
 
 

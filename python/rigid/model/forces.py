@@ -118,6 +118,10 @@ class EnergySink:
             Kinematic viscosity ``nu`` (m²/s); the Reynolds number ``a² |omega| / nu`` must be
             small.
 
+        Returns
+        -------
+        EnergySink
+
         Raises
         ------
         ValueError

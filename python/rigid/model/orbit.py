@@ -169,6 +169,12 @@ class Orbit:
         -------
         ndarray, shape (..., m, 3) or (..., 3)
 
+        Raises
+        ------
+        ValueError
+            If a time is not finite, the shapes do not broadcast, or the orbit turns so far that its
+            place is lost to rounding.
+
         Examples
         --------
         >>> import numpy as np, rigid
@@ -198,8 +204,8 @@ class Orbit:
     def frame(self, t: ArrayLike) -> Floats:
         """The axes of the orbit in space: columns radial, along and normal.
 
-        The radial axis points from the planet to the body, the axis along is at right angles to it
-        in the plane of the orbit, on a circle in the direction of the motion.
+        The radial axis points from the planet to the body. The axis *along* is perpendicular to the
+        radial axis in the plane of the orbit: on a circle it has the direction of the motion.
 
         Parameters
         ----------
@@ -210,6 +216,11 @@ class Orbit:
         -------
         ndarray, shape (..., m, 3, 3) or (..., 3, 3)
             Rotation matrices.
+
+        Raises
+        ------
+        ValueError
+            As for :meth:`position`.
 
         Examples
         --------
@@ -248,12 +259,34 @@ class Orbit:
         return cls(rate, e, mean, normal, every[..., 3:6])
 
     def to_dict(self) -> dict[str, Any]:
-        """The orbit as a dict of numbers; :meth:`from_dict` reads it."""
+        """The orbit as a dict of numbers; :meth:`from_dict` reads it.
+
+        Returns
+        -------
+        dict
+        """
         return {name: np.asarray(getattr(self, name)).tolist() for name in self.__slots__}
 
     @classmethod
     def from_dict(cls, data: Mapping[str, Any]) -> Self:
-        """The orbit that :meth:`to_dict` described."""
+        """The orbit that :meth:`to_dict` described.
+
+        Parameters
+        ----------
+        data : dict
+            The dictionary.
+
+        Returns
+        -------
+        Orbit
+
+        Examples
+        --------
+        >>> import rigid
+        >>> orbit = rigid.Orbit(1e-3, eccentricity=0.1)
+        >>> rigid.Orbit.from_dict(orbit.to_dict()) == orbit
+        True
+        """
         if "towards" in data:  # Of versions that knew circles only.
             towards, ahead = np.array(data["towards"]), np.array(data["ahead"])
             return cls(data["rate"], normal=np.cross(towards, ahead), periapsis=-towards)

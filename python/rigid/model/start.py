@@ -589,7 +589,12 @@ class Start:
         return self.noise is not None and self.noise.cov is not None and len(self.noise.cov) == 6
 
     def to_dict(self) -> dict[str, Any]:
-        """The start as a JSON-able dictionary; :meth:`from_dict` reads it."""
+        """The start as a JSON-able dictionary; :meth:`from_dict` reads it.
+
+        Returns
+        -------
+        dict
+        """
         return {
             "omega": None if self.omega is None else list(self.omega),
             "spin": self.spin,
@@ -605,7 +610,24 @@ class Start:
 
     @classmethod
     def from_dict(cls, data: Mapping[str, Any]) -> Start:
-        """The start that :meth:`to_dict` described."""
+        """The start that :meth:`to_dict` described.
+
+        Parameters
+        ----------
+        data : dict
+            The dictionary.
+
+        Returns
+        -------
+        Start
+
+        Examples
+        --------
+        >>> import rigid
+        >>> start = rigid.Start(spin=5.0, tilt=0.1, noise=rigid.normal(1e-3))
+        >>> rigid.Start.from_dict(start.to_dict()) == start
+        True
+        """
         values = dict(data)
         for name in ("noise", "attitude_noise"):
             if values.get(name) is not None:
@@ -617,7 +639,23 @@ class Start:
         return cls(**values)
 
     def describe(self, varied: Container[str] = ()) -> str:
-        """The start in words; ``varied`` names the parts that the axes of a map set."""
+        """The start in words; ``varied`` names the parts that the axes of a map set.
+
+        Parameters
+        ----------
+        varied : container of str
+            Names of parameters that vary.
+
+        Returns
+        -------
+        str
+
+        Examples
+        --------
+        >>> import rigid
+        >>> rigid.Start(spin=5.0, axis=3, noise=rigid.normal(1e-3)).describe()
+        'spin 5 rad/s about axis 3, rates + normal(0.001)'
+        """
 
         def number(name: str, value: float | None) -> str:
             return "varied" if name in varied else f"{value:g}"

@@ -311,7 +311,12 @@ class Torque:
         return body, space
 
     def words(self) -> str:
-        """The torque in a few words."""
+        """The torque in a few words.
+
+        Returns
+        -------
+        str
+        """
         frames = [
             (name, values)
             for name, values in (("body", self.in_body), ("space", self.in_space))
@@ -338,7 +343,12 @@ class Torque:
         )
 
     def to_dict(self) -> dict[str, Any]:
-        """The torque as a dict of numbers; :meth:`from_dict` reads it."""
+        """The torque as a dict of numbers; :meth:`from_dict` reads it.
+
+        Returns
+        -------
+        dict
+        """
         return {
             "times": list(self.times),
             "in_body": np.asarray(self.in_body).tolist(),
@@ -348,7 +358,24 @@ class Torque:
 
     @classmethod
     def from_dict(cls, data: Mapping[str, Any]) -> Torque:
-        """The torque that :meth:`to_dict` described; a callback in it cannot be called."""
+        """The torque that :meth:`to_dict` described; a callback in it cannot be called.
+
+        Parameters
+        ----------
+        data : dict
+            The dictionary.
+
+        Returns
+        -------
+        Torque
+
+        Examples
+        --------
+        >>> import rigid
+        >>> torque = rigid.Torque.body((0.0, 0.0, 0.2))
+        >>> rigid.Torque.from_dict(torque.to_dict()) == torque
+        True
+        """
         times = data["times"] or None
         parts = []
         for make, values in ((cls.body, data["in_body"]), (cls.space, data["in_space"])):

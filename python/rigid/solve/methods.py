@@ -176,6 +176,11 @@ class Methods(tuple[Method, ...]):
 def methods() -> Methods:
     """All methods that make steps, with their properties; ``"exact"`` is not among them.
 
+    Returns
+    -------
+    tuple of Method
+        It prints as a table.
+
     Examples
     --------
     >>> import rigid
