@@ -128,9 +128,9 @@ def read_mesh(
     ----------
     path : path-like
     unit : float
-        One unit of the file in m: 0.001 for a file in mm. Files do not tell their unit.
+        One unit of the file in m: 0.001 for a file in mm. Files do not contain their unit.
     kind : {"stl", "obj", "ply", "off"}, optional
-        Format of the file, if the suffix does not tell it.
+        Format of the file, if the suffix does not name it.
 
     Returns
     -------

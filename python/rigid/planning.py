@@ -41,8 +41,8 @@ def plan(
 ) -> Plan:
     """Plan a call of :func:`simulate` or a pixel of :func:`stability_map`: method, steps and cost.
 
-    A question in words asks for states at given times, as :func:`simulate` gives them. A criterion
-    asks for a class: its plan is the plan of the map with the same scene, criterion, start,
+    A question in words requests states at output times, as :func:`simulate` returns. A criterion
+    requests a class: its plan is the plan of the map with the same scene, criterion, start,
     horizon, method and step, in a pixel that no axis changes.
 
     Parameters

@@ -138,8 +138,8 @@ def spin_state(
 ) -> SpinState:
     """Angular velocity and energy of a tumbling body from its two periods.
 
-    The ratio of the periods tells the ratio of energy and squared momentum, and the periods then
-    tell the momentum. The state is the one at which L lies in the plane of the encircled axis and
+    The ratio of the periods gives the ratio of energy and squared momentum, and the periods then
+    give the momentum. The state is the one at which L lies in the plane of the encircled axis and
     the axis of the middle moment, with positive components; a motion passes this state or its
     mirror image four times in ``rotation``.
 

@@ -351,7 +351,7 @@ class StabilityMap(MapData):
         Parameters
         ----------
         spec : MapSpec
-            What was asked. ``spec.samples`` is at least the number of bodies of each pixel.
+            The request. ``spec.samples`` is at least the number of bodies of each pixel.
         stable, unstable, undecided : array_like of int, grid shape
             Bodies of each class; a single number holds for every pixel.
         **columns : array_like, grid shape
@@ -530,7 +530,7 @@ class StabilityMap(MapData):
     def widget(self, *, threads: int | None = None) -> Any:
         """The view of :meth:`explore` in a notebook, where zooming computes a finer map.
 
-        Half a second after a zoom the map of what is in view is computed, with as many pixels,
+        Half a second after a zoom the map of the visible region is computed, with as many pixels,
         samples and the seed of this map: a new map, by ``spec.replace(axes=...)``. Its values lie
         between the least and the largest value of this map; of axes after the second it has the
         values that are chosen. A further zoom replaces a computation that has not ended. *whole
@@ -730,7 +730,7 @@ def load_map(
     Returns
     -------
     StabilityMap
-        Equal to the saved one, except for what was measured on the machine: ``nanoseconds`` and
+        Equal to the saved map, except for the measurements of the machine: ``nanoseconds`` and
         ``elapsed`` are NaN, ``threads`` is 0.
 
     Raises

@@ -123,7 +123,7 @@ class MapSpec:
         The function that makes the scenes of the pixels from its arguments, the axes; ``scene`` is
         then the scene of the first pixel.
     measure : tuple of Measure
-        What is measured of each body besides its class, with no default left open.
+        The measures of each body besides its class, with all defaults filled in.
     version : str
         Version of rigid.
     """

@@ -293,13 +293,13 @@ def regular(
     high: float = 5.0,
     ratio: float = 1.5,
 ) -> Regular:
-    """Stable: the motion is regular, as far as its horizon can tell; unstable: it is chaotic.
+    """Stable: the motion is regular, as far as its horizon can show; unstable: it is chaotic.
 
     A small deviation vector of the motion is integrated with it. It grows like a power of the time
     on regular motions, and exponentially on chaotic ones: the mean MEGNO stays, or doubles with the
-    time. What is neither yet is undecided. A map runs each body twice, by two methods and from two
-    deviation vectors, which keep ``L·gamma`` of a top without torque and damping. A body is regular
-    if both runs are; chaotic if one is and the other is not regular.
+    time. A motion that is neither yet is undecided. A map runs each body twice, by two methods and
+    from two deviation vectors, which keep ``L·gamma`` of a top without torque and damping. A body
+    is regular if both runs are; chaotic if one is and the other is not regular.
 
     Parameters
     ----------

@@ -38,9 +38,9 @@ class Orbit:
     The torque is ``3 n² (a/r)³ o × I o``, with the mean motion ``n``, the semi-major axis ``a``,
     the distance ``r``, and the direction ``o`` from the planet to the body (Hughes, *Spacecraft
     Attitude Dynamics*, 1986, § 8.1). The orbit is given: the rotation does not act on it. The
-    torque leaves out terms of the size of the body over ``r``, and the oblateness of the planet.
-    A large moon close to its planet changes its orbit and its libration (Agrusa et al., Icarus 370
-    (2021) 114624, § 5): take a code of the full two-body problem for one.
+    torque omits terms of the size of the body over ``r``, and the oblateness of the planet. A large
+    moon close to its planet changes its orbit and its libration (Agrusa et al., Icarus 370 (2021)
+    114624, § 5): take a code of the full two-body problem for one.
 
     Parameters
     ----------
@@ -127,7 +127,7 @@ class Orbit:
                 f"periapsis{place} = {given}: must be at right angles to normal, their product is "
                 f"{along[index][0]:g}"
             )
-        # What is at right angles to rounding stays: a file gives back the same orbit.
+        # Vectors perpendicular to rounding stay: a file gives back the same orbit.
         turned = begin - along * axis
         turned = turned / np.linalg.norm(turned, axis=-1, keepdims=True)
         begin = np.where(np.abs(along) > _ROUNDED, turned, begin)

@@ -45,7 +45,7 @@ class Noise:
         One of ``"normal"``, ``"uniform"``, ``"direction"``, ``"uniform_attitude"``,
         ``"von_mises_fisher"``.
     size : float or tuple of 3 floats
-        Factor of the law, one number or one for each body axis: rad/s for rates, rad for an
+        Size of the distribution, one number or one for each body axis: rad/s for rates, rad for an
         attitude; the concentration of ``"von_mises_fisher"``.
     cov : tuple of tuples of float, or None
         Covariance of normal deviates that hang together, 3 x 3, or 6 x 6 of the rates and then the
@@ -242,7 +242,7 @@ class Samples:
     Attributes
     ----------
     omega : tuple of tuples of 3 floats
-        What is added to the rates, rad/s.
+        Additions to the rates (rad/s).
     attitude : tuple of tuples of 4 floats, or None
         As many rotations, unit quaternions, applied on the body side.
     weights : tuple of floats, or None
@@ -351,7 +351,7 @@ def samples(
     Parameters
     ----------
     omega : array_like, shape (n, 3), optional
-        What is added to the rates (rad/s); default nothing.
+        Additions to the rates (rad/s); default zero.
     attitude : array_like, shape (n, 4), optional
         Rotations, as unit quaternions, applied on the body side.
     weights : array_like, shape (n,), optional
@@ -687,7 +687,7 @@ def _attitude(value: Any) -> tuple[float, float, float, float]:
     if unit.shape != (4,):
         raise ValueError(f"attitude: expected shape (4,), got {unit.shape}")
     given = np.asarray(value, dtype=np.float64) if not hasattr(value, "as_quat") else unit
-    # What is a unit quaternion to rounding stays: a file gives back the same start.
+    # A unit quaternion to rounding stays: a file gives back the same start.
     if abs(float(given @ given) - 1.0) <= 8.0 * np.finfo(np.float64).eps:
         unit = given
     w, x, y, z = unit.tolist()

@@ -93,7 +93,7 @@ class LongRun(LongRunData):
     same : dict of str to tuple of str
         The other names of a method, of methods that make the same steps on these bodies.
     references : tuple of Reference
-        What the phase is compared with, over each number of revolutions as far as it is known.
+        The reference of the phase, over each number of revolutions as far as it is known.
     refused : dict of str to str
         Methods that are not applicable, and why.
     machine : dict of str to str

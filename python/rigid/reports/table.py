@@ -63,8 +63,8 @@ def _repeats(rounds: int) -> str:
 def _costs(report: ReportData) -> list[str]:
     """For each method its order, the time for each error, and its other names.
 
-    The cheapest method, and the cheapest one without the closed form, have stars, and what is not
-    told apart from them.
+    The cheapest method, and the cheapest one without the closed form, have stars, and so do methods
+    whose costs are not distinct.
     """
     wanted = report.spec.errors
     orders = {method.name: method.order for method in methods()}

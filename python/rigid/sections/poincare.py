@@ -56,9 +56,9 @@ def poincare(
 ) -> Crossings:
     """Find all points at which bodies cross a surface of section, or states at equal times.
 
-    A Taylor method knows the motion inside each step as a polynomial, and with it what is zero on
-    the surface. Its zeros are isolated by Descartes' rule of signs, so that two crossings in one
-    step are not missed, and no grid of steps has to be fine enough.
+    A Taylor method knows the motion inside each step as a polynomial, and with it the function that
+    is zero on the surface. Its zeros are isolated by Descartes' rule of signs, so that two
+    crossings in one step are not missed, and no grid of steps has to be fine enough.
 
     Parameters
     ----------
@@ -89,7 +89,7 @@ def poincare(
     threads : int, optional
         Default: ``RIGID_NUM_THREADS``, else the cores that this process may use.
     progress : None, bool or callable
-        As in :func:`stability_map`; silent by default.
+        As in :func:`stability_map`; none by default.
 
     Returns
     -------
@@ -103,8 +103,8 @@ def poincare(
         series, a ``t_end`` that is not positive, ``"height"`` of a body without weight; an
         ``every`` that is not positive or above ``t_end``, or beside a section.
     MemoryError
-        As soon as the points do not fit into the memory of the machine: ask for a ``count``, or
-        for fewer bodies at once.
+        As soon as the points do not fit into the memory of the machine: give a ``count``, or for
+        fewer bodies at once.
 
     Notes
     -----

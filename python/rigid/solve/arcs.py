@@ -124,8 +124,8 @@ class Arcs:
     def _beside(self, x: Floats, part: NDArray[np.intp], whole: bool) -> Minimum:
         """The minimum near ``x``.
 
-        A part of the measurements may be too short to tell all parameters. There each coordinate
-        counts as measured too: the first guess, with its size for a standard deviation.
+        A part of the measurements may be too short to determine all parameters. There each
+        coordinate counts as measured too: the first guess, with its size for a standard deviation.
         """
         unknowns = self.unknowns
 

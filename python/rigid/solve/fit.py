@@ -122,7 +122,7 @@ def fit(
     Sethna, arXiv:1201.5885, 2012). The derivative is the tangent of the motion: see
     :attr:`Run.sensitivity`. Moments vary inside what a body can have, because the integrals of the
     squares of its coordinates, ``(I1 + I2 + I3) / 2 - Ik``, are bounded below by zero. A motion
-    without torque tells ratios of moments only.
+    without torque determines ratios of moments only.
 
     Over many turns the sum of squares has many minima, one beside each guess whose phase ends up a
     whole turn off. So the fit grows: each arc of the measurements reaches as far as the parameters

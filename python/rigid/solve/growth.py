@@ -151,7 +151,7 @@ class Growth:
     def pairing(self) -> Floats | None:
         """``|lambda_i + lambda_(k+1-i)|`` (1/s), which tends to zero, shape (n, m, k).
 
-        None if not all exponents were asked for, or under torque and damping.
+        None if not all exponents were requested, or under torque and damping.
         """
         complete = 6 if self.spec["of"] == "attitude" else 5
         if self.spectrum.shape[-1] != complete or scene_from_dict(self.spec["scene"]).forces:

@@ -73,7 +73,7 @@ class Motion:
     >>> round(motion.t, 9), round(float(motion.omega[2]), 2)
     (10.0, 1.99)
 
-    What would the next step do? A copy goes its own way, with the same bits:
+    A copy tries the next step and leaves the motion unchanged:
 
     >>> tried = motion.copy()
     >>> tried.step(0.1, torque=(0.0, 0.0, 1.0))

@@ -86,8 +86,7 @@ class Plan:
     def cost(self) -> float | None:
         """Estimate of :attr:`Run.nanoseconds <rigid.Run.nanoseconds>`, the time of a body (ns).
 
-        The speed of this machine is measured when a first cost is asked for, in half a
-        millisecond.
+        The speed of this machine is measured for the first cost, in half a millisecond.
         """
         return None if self.work is None else self.work * unit_nanoseconds()
 

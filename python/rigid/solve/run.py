@@ -380,7 +380,7 @@ an accuracy
         ``tolerance`` the body takes the steps of the run again, and each state is a value of the
         series of its step: both have the bits of a run whose output times had been these. Other
         runs are made again by the same method with steps of the same length, which end at these
-        times. So ask for many times at once.
+        times. So request many times at once.
 
         Parameters
         ----------

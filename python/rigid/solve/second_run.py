@@ -46,7 +46,7 @@ Series of different order may err alike at tolerances that are alike."""
 FINER = 8.0
 """Factor by which the steps of the second run are shorter for a body that drag may stop.
 
-Steps of a quarter leave one error in a hundred above what is stated, by up to 20 times."""
+Steps of a quarter leave one error in a hundred above the stated error, by up to 20 times."""
 
 RUNGE_KUTTA = "dop853"
 """The second run of a series of a body that drag may stop."""

@@ -229,7 +229,7 @@ def stability_map(
     }
     given = {name: value for name, value in asked.items() if value is not None}
     spec = as_it_is(scene, given) if isinstance(scene, MapSpec) else spec_of(scene, given)
-    spec = spec.renewed()  # what a function takes may have changed since it was told
+    spec = spec.renewed()  # values that a function takes may have changed since it was given
     if part is not None and store is None:
         raise ValueError(f"part = {brief(part)}: needs store, where the parts meet")
     return run_map(

@@ -170,7 +170,7 @@ class Store:
         Raises
         ------
         Interrupted
-            After Ctrl-C, unless ``partial`` is set. What was computed is stored.
+            After Ctrl-C, unless ``partial`` is set. Finished rows are stored.
         PoisonedError
             If tasks of some units failed three times.
         ValueError
@@ -376,7 +376,7 @@ def diff(
     Returns
     -------
     Difference
-        ``same``, ``specification``, ``numbers``; ``str()`` tells them.
+        ``same``, ``specification``, ``numbers``; ``str()`` describes them.
 
     Raises
     ------
@@ -412,7 +412,7 @@ def run_map(
     if not seeded and Folder.is_at(store):
         import dataclasses
 
-        # The seed was not asked for: the one that was drawn at the first call is kept.
+        # No seed was given: the seed drawn at the first call is kept.
         spec = dataclasses.replace(spec, seed=Folder(store).head.spec.seed)
     return _run(Folder.at(store, spec), **options)
 
