@@ -88,9 +88,9 @@ def plan(
     TypeError
         If a criterion lacks its horizon.
     ValueError
-        If ``"exact"`` is requested and a body has no closed form, if the accuracy is beyond
-        float64, if the rates or the horizon are missing from which the step follows, if an argument
-        belongs to the other kind of question, or as :func:`stability_map`.
+        As for :func:`stability_map`; if ``"exact"`` is requested and a body has no closed form; if
+        the accuracy is beyond float64; if the rates or the horizon are missing, from which the step
+        follows; if an argument belongs to the other kind of question.
 
     Examples
     --------

@@ -68,9 +68,9 @@ class Orbit:
     Raises
     ------
     ValueError
-        If the rate is not positive, the eccentricity is not from 0 to 0.95, a direction is no unit
-        vector, the two are not at right angles, an anomaly is above 1000 rad, both anomalies are
-        given, or the shapes do not broadcast.
+        If the rate is not positive; if the eccentricity is not from 0 to 0.95; if a direction is no
+        unit vector, or the two are not perpendicular; if an anomaly is above 1000 rad, or both
+        anomalies are given; if the shapes do not broadcast.
 
     References
     ----------

@@ -169,13 +169,13 @@ class Torque:
             void torque(double t, const double *omega, const double *attitude,
                         const double *data, double *torque)
 
-        It is given the time (s), the rates (3, rad/s, in the body), the attitude (4, unit
-        quaternion, scalar first and not negative, body to space) and ``data``, and writes the
-        torque (3, N m, along the principal axes). A number that it does not write is NaN, which
-        ends the body with the status ``NOT_FINITE``. It must not depend on earlier calls, and must
-        be safe to call from several threads at once: a ``numba.cfunc`` is. A callback of ctypes
-        runs with the lock of the interpreter, one call at a time. At corners of the torque equal
-        steps lose their order, and steps by a ``tolerance`` become short.
+        Its arguments are the time (s), the rates (3, rad/s, in the body), the attitude (4, unit
+        quaternion, scalar first and not negative, body to space) and ``data``. It writes the torque
+        (3, N m, along the principal axes). A number that it does not write is NaN, which ends the
+        body with the status ``NOT_FINITE``. It must not depend on earlier calls, and must be safe
+        to call from several threads at once: a ``numba.cfunc`` is. A callback of ctypes runs with
+        the lock of the interpreter, one call at a time. At corners of the torque equal steps lose
+        their order, and steps by a ``tolerance`` become short.
 
         Runge-Kutta methods and ``midpoint`` integrate it, one body after the other: a step takes
         several times as long as under another torque. ``"dop853"`` alone takes a ``tolerance`` and

@@ -55,15 +55,15 @@ def report(
 ) -> Report:
     """Measure error against run time of all methods that can move a body from this start.
 
-    Each method is run with shorter and shorter steps, from about a radian a step, until its error
-    is below the smallest requested error, the rounding error or the error of the reference, or the
-    time limit is reached. An ensemble of bodies fills the registers: the given start, and starts
-    whose rates differ by about 1e-3, relatively.
+    Each method is run with shorter and shorter steps, from about a radian a step. A method ends
+    when its error is below the smallest requested error, the rounding error or the error of the
+    reference, or at the time limit. An ensemble of bodies fills the registers: the given start, and
+    starts whose rates differ by about 1e-3, relatively.
 
-    The error of the state at ``t_end`` is measured against the closed form if the bodies have one,
-    else against the method with the highest order, with a step so short that half the step changes
-    the state only by rounding. The uncertainty of the reference is stated; smaller errors are not
-    reported.
+    The error of the state at ``t_end`` is measured against the closed form if the bodies have one.
+    Else the reference is the method with the highest order, with a step so short that half the step
+    changes the state only by rounding. The uncertainty of the reference is stated; smaller errors
+    are not reported.
 
     Time is processor time of the process around :func:`rigid.simulate` on one thread. The overhead
     of a call is some 0.2 ms. To make it small, the motion continues beyond ``t_end`` until a call

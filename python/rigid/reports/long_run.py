@@ -96,10 +96,10 @@ def long_run(
     the next one, the cheapest runs first, as far as the time goes. A step with an energy that is
     off by more than 1e-3 after the first revolutions is omitted.
 
-    An ensemble of 32 bodies is run, as in :func:`rigid.report`, and the largest error of all is
-    told: of energy and momentum the largest at 256 times of the run, of the phase that at its end.
-    The phase is compared with the closed form, else with the method of the highest order, as far
-    as that one is known to be right: not for long where the motion is chaotic.
+    An ensemble of 32 bodies is run, as in :func:`rigid.report`, and the largest error of all bodies
+    is reported: of energy and momentum the largest at 256 times of the run, of the phase the error
+    at its end. The phase is compared with the closed form, else with the method of the highest
+    order, as far as that one is known to be right: not for long where the motion is chaotic.
 
     Parameters
     ----------

@@ -113,10 +113,10 @@ def frequencies(t: ArrayLike, z: ArrayLike, count: int = 1) -> Lines:
 
     Notes
     -----
-    ``error`` is three times the difference from the frequencies under the square of the window,
-    whose error falls like ``1 / T⁶``, three standard deviations of what noise makes of it, and
-    rounding. The noise is taken to be white, of the median power in the transform of what the lines
-    leave. Two lines closer than ``8 pi / T`` are not separated, nor is a real line within
+    ``error`` is the sum of three parts: three times the difference from the frequencies under the
+    square of the window, whose error falls like ``1 / T⁶``; three standard deviations from noise;
+    and rounding. The noise is taken to be white, of the median power in the transform of what the
+    lines leave. Two lines closer than ``8 pi / T`` are not separated, nor is a real line within
     ``4 pi / T`` of zero or of the frequency of Nyquist from its mirror image: its error is as large
     as the rest of the signal makes it, or as that distance. What an error of such a line leaves of
     it may be found as weak lines closer than ``8 pi / T``: their errors reach to it. Of a chaotic

@@ -102,7 +102,7 @@ class Run(HasColumns):
         (plus ``mgl`` for a top). Under torque and damping it is the residual of the power balance
         ``dE/dt = torque·omega - omega·D omega``: the error of the energy minus the ``work``,
         relative to the energy that the body can reach. ``"etd4"`` and ``"splitting"`` compute the
-        work from the change of kinetic energy, so for a body without weight this residual is zero
+        work from the change of kinetic energy. For a body without weight this residual is then zero
         by construction and is no measure of the error. The energy of a satellite is the energy of
         ``omega``: the work includes the work of the gravity gradient and of the energy sink.
     momentum_drift : ndarray, shape (n,)

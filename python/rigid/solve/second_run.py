@@ -145,8 +145,8 @@ def _past_stops(
 def rounded_start(bodies: Bodies) -> Bodies:
     """The bodies with differently rounded starts, damping and orbits.
 
-    Two runs from one start would share what a saddle makes of its rounding, two runs with one
-    matrix what rounding makes of its least rate, and two runs on one orbit what rounds alike in
+    Two runs from one start would share its rounding, magnified at a saddle. Two runs with one
+    matrix would share the rounding of its least rate, and two runs on one orbit the rounding of
     each step. Zeros stay and equal sizes stay equal, so that a start exactly in equilibrium stays
     one.
     """
