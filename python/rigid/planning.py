@@ -48,7 +48,7 @@ def plan(
     Parameters
     ----------
     scene : FreeBody, HeavyTop or Body
-        The body, or for states many, with their weight, applied torque and damping.
+        One body, or for states many, with weight, applied torque and damping.
     question : {"rates", "axis", "attitude"} or Criterion
         The recorded states, or a criterion: :func:`no_flip`, :func:`tilt_below`, :func:`regular`
         and the others that :func:`stability_map` takes.
@@ -64,10 +64,10 @@ def plan(
     t_end : float, optional
         Horizon (s). A criterion needs one, unless it is :func:`judged`, which has times.
     accuracy : float, optional
-        Largest error of the last state relative to its size. A closed form reaches it; otherwise
-        the accuracy, the rates and the horizon determine the cheapest method and its step. Default
-        without a method and a step: 1e-8. A criterion has none: a map classifies bodies again
-        whose class an error could change.
+        Largest error of the last state relative to its size. A closed form reaches this accuracy;
+        otherwise the accuracy, the rates and the horizon determine the cheapest method and its
+        step. Default without a method and a step: 1e-8. A criterion has none: a map classifies
+        bodies again whose class an error could change.
     method : str, optional
         ``"exact"`` or one of :func:`rigid.methods`; by default the method of :func:`simulate` or of
         :func:`stability_map`.

@@ -58,7 +58,7 @@ class Body:
     moments : array_like, shape (3,) or (..., 3)
         Principal moments of inertia (kg m², or any consistent unit) about body axes 1, 2, 3.
     mass : float or array_like, shape (...), optional
-        Mass (kg). Only remembered; the rotation does not need it.
+        Mass (kg), kept for other functions; the rotation does not need it.
     sides : array_like, shape (3,), optional
         Sides (m) of a homogeneous box with this mass and these moments; :meth:`box` sets them. For
         one body only.
@@ -73,8 +73,8 @@ class Body:
         Sides along the axes 1, 2, 3 of a homogeneous box.
     about : {"centre", "point"} or None
         The point of the moments, where it is known: the centre of mass (:meth:`box`, :meth:`cone`
-        and the others that make a body from its shape), or another point that was given. Not
-        compared and not saved.
+        and the others that make a body from its shape), or another given point. It is neither
+        compared nor saved.
 
     Raises
     ------

@@ -421,7 +421,7 @@ class FreeBody(Scene):
     Parameters
     ----------
     body : Body
-        The body, or many.
+        One body or many.
     torque : Torque, optional
         Applied torque: :meth:`Torque.body`, :meth:`Torque.space`,
         :meth:`Torque.call`, or a sum of them.

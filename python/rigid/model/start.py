@@ -506,13 +506,13 @@ class Start:
     spin : float, optional
         Rate about ``axis``, rad/s.
     axis : {1, 2, 3}
-        The body axis that the start is about.
+        The body axis to which ``spin`` and ``tilt`` refer.
     tilt : float
         Angle between ``axis`` and the rates (free body) or the vertical (top), rad, in [-pi, pi].
     attitude : array_like, shape (4,), or scipy Rotation, optional
         The nominal attitude, instead of ``tilt``: a quaternion (w, x, y, z) that takes components
-        in the body to those in space. It is divided by its length. A start with ``spin`` then has
-        ``omega = spin e``.
+        in the body to components in space. It is divided by its length. A start with ``spin`` then
+        has ``omega = spin e``.
     noise : Noise or Samples, optional
         Perturbation of the rates; samples, and a covariance of shape (6, 6), perturb the attitude
         too.

@@ -89,14 +89,14 @@ def report(
     bodies : int
         Bodies in the ensemble; a multiple of 32 fills all registers.
     errors : array_like, shape (m,)
-        Errors for each of which the cheapest method is determined.
+        Errors, for each of which the cheapest method is found.
     seconds : float
-        About how long it may take.
+        Approximate time limit (s).
     progress : None, bool or callable
         As in :func:`rigid.stability_map`; a callable gets a :class:`Progress` in hundredths of the
         work, with the runs that failed.
     rng : int, numpy.random.Generator or SeedSequence, optional
-        The seed of the ensemble, or where to take it from.
+        The seed of the ensemble, or its source.
     unit : str
         Name of the unit of time.
     title : str, optional

@@ -92,9 +92,9 @@ def long_run(
 
     :func:`rigid.report` measures the error after a short time; a long run shows how errors grow.
     Each method is run with steps in which the body turns by 16 rad, 8 rad and so on, down to 1/16
-    rad, until shorter steps make no error smaller: over the first number of revolutions, then over
-    the next one, the cheapest runs first, as far as the time goes. A step with an energy that is
-    off by more than 1e-3 after the first revolutions is omitted.
+    rad, until shorter steps make no error smaller. All methods run over the first number of
+    revolutions, then over the next one, the cheapest first, as far as the time goes. A step with an
+    energy that is off by more than 1e-3 after the first revolutions is omitted.
 
     An ensemble of 32 bodies is run, as in :func:`rigid.report`, and the largest error of all bodies
     is reported: of energy and momentum the largest at 256 times of the run, of the phase the error
@@ -113,11 +113,11 @@ def long_run(
         Names of :func:`rigid.methods`; by default all. Methods that make the same steps, bit for
         bit, are measured once, as in :func:`rigid.report`.
     seconds : float
-        About how long it may take, but for the first runs.
+        Approximate time limit (s), without the first runs.
     progress : None, bool or callable
         As in :func:`rigid.report`.
     rng : int, numpy.random.Generator or SeedSequence, optional
-        The seed of the ensemble, or where to take it from.
+        The seed of the ensemble, or its source.
     unit : str
         Name of the unit of time.
     title : str, optional

@@ -38,7 +38,7 @@ class Motion:
     Parameters
     ----------
     scene : FreeBody, HeavyTop or Body
-        The body with its weight, applied torque and damping.
+        One body or many, with weight, applied torque and damping.
     omega : array_like, shape (3,) or (n, 3)
         Angular velocity at ``t0`` in the body (rad/s).
     attitude : array_like, shape (4,) or (n, 4), or scipy Rotation, optional
