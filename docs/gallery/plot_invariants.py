@@ -1,10 +1,10 @@
 """What a method keeps
 ===================
 
-Two methods of order 4 compute a tumbling body over a hundred turns with the same step; the drift of
-energy and angular momentum is drawn. The Runge-Kutta method loses a little of each in every step.
-The symplectic splitting preserves the angular momentum in the body and in space to rounding, and
-the error of its energy does not grow.
+Energy and angular momentum of a tumbling body over a hundred turns, by two methods of order 4 with
+the same step. The Runge-Kutta method loses a little of each in every step. The symplectic splitting
+preserves the angular momentum in the body and in space to rounding, and the error of its energy
+does not grow.
 """
 
 import matplotlib.pyplot as plt

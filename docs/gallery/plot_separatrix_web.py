@@ -1,10 +1,10 @@
 """The web of a separatrix
 =======================
 
-A Lagrange top gets slightly different moments. Its slow nutation near the upright position has a
-separatrix, which becomes a chaotic layer; thinner layers follow the resonances of nutation and
-spin. Below: the mean MEGNO, which tends to 2 on regular motions. The symmetric top at the left edge
-has a closed form; no MEGNO is measured there.
+The moments of a Lagrange top are made slightly different. Its slow nutation near the upright
+position has a separatrix, which becomes a chaotic layer; thinner layers follow the resonances of
+nutation and spin. Below: the mean MEGNO, which tends to 2 on regular motions; the symmetric top at
+the left edge has a closed form, and none is measured.
 """
 
 import matplotlib.pyplot as plt

@@ -1,11 +1,11 @@
 """Stiff springs become a rigid body
 =================================
 
-A spring joins each pair of five particles. Six of the fifteen modes have frequency zero: the three
-translations and the three rotations of a rigid body. The frequencies of the other modes grow with
-the square root of the stiffness, and the cost of the integration grows with them. The distance from
-the motion of the rigid body is inversely proportional to the stiffness. To compute a rotation, use
-the rigid body, not the springs.
+A spring joins each pair of five particles. Six of the fifteen modes have frequency zero: the
+three translations and the three rotations of a rigid body. The frequencies of the other modes grow
+with the square root of the stiffness, and the cost of the integration grows with them. The distance
+from the motion of the rigid body is inversely proportional to the stiffness. To compute a rotation,
+use the rigid body, not the springs.
 """
 
 import matplotlib.pyplot as plt

@@ -1,10 +1,10 @@
 """Error against run time
 ======================
 
-How long does a given error take? Each pale line is a method with shorter and shorter steps: the
-error against the closed form over the processor time of a body. The best of each family has a
-colour, and the broad line is the Pareto front. The star is the closed form. The times belong to the
-machine that built the page.
+The cost of an error: each pale line is a method with shorter and shorter steps; it shows the error
+against the closed form over the processor time of a body. The best of each family has a colour, and
+the broad line is the Pareto front. The star is the closed form. The times belong to the machine
+that built the page.
 """
 
 import matplotlib.pyplot as plt
