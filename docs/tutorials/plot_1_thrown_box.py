@@ -46,7 +46,7 @@ ax = run.plot()
 ax.set_title("A box thrown about its middle axis")
 
 # %%
-# How steady must the hand be? A map throws 32 boxes for each thickness and each error, with a spin
+# How steady must the hand be? A map throws 32 boxes for each side b and each error, with a spin
 # of 10 rad/s. Its colour is the share of boxes that still turn the same way after a second.
 result = rigid.stability_map(
     scene,

@@ -51,7 +51,7 @@ assert abs(found.rotation - rotation) < 0.01
 assert abs(found.precession - precession) < 0.01
 
 # %%
-# The periods of 1995 differ by half a percent: the rates of a day are known to about a
+# The periods differ from those of 1995 by half a percent: the rates of a day are known to about a
 # degree a day. The tip of the long axis fills a band about the angular momentum and never comes
 # back.
 figure, ax = plt.subplots()

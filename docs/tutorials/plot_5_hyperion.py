@@ -37,7 +37,7 @@ assert ratio > 2.0 * overlap
 # %%
 # At each periapsis mark the angle of the long axis from the direction away from Saturn, and the
 # rate: a section. Regular motions lie on curves. The others fill one sea, up to 2.7 turns an orbit.
-# The island in it is the synchronous rotation; the islands of 3/2 and 2 turns an orbit are gone.
+# The island in it is the synchronous rotation; those of 3/2 and 2 turns an orbit are gone.
 rates = np.array([0.3, 0.42, 0.55, 0.7, 1.0, 1.5, 2.39, 2.45, 2.78, 3.0, 3.2, 3.4])
 starts = 2.0 * np.pi * np.stack([0.0 * rates, 0.0 * rates, rates], axis=-1)
 points = rigid.poincare(hyperion, starts, every=orbit.period, t_end=400.0)
@@ -55,8 +55,8 @@ ax.set(
 plt.show()
 
 # %%
-# How fast do neighbouring motions separate? In the sea a deviation in the plane grows by :math:`e`
-# in little more than an orbit. In the island of the synchronous rotation it does not grow.
+# How fast do motions part? In the sea a deviation in the plane grows by :math:`e` in little more
+# than an orbit. In the island of the synchronous rotation it does not grow.
 in_plane = [[0.0, 0.0, 1.0, 0.0, 0.0, 0.0]]
 sea, island = (2.0 * np.pi * np.array([0.0, 0.0, rate]) for rate in (1.5, 0.42))
 growth = rigid.lyapunov(

@@ -11,7 +11,7 @@ __all__ = ["build_info"]
 
 
 def build_info() -> dict[str, Any]:
-    """Version, commit, build profile, instruction sets and threads of this installation.
+    """Version, commit if known, build profile, instruction set in use, those available, threads.
 
     The environment variable ``RIGID_ISA`` (``avx512``, ``avx2``, ``scalar``) forces an instruction
     set; all give the same bits. On x86-64 ``scalar`` is compiled by the Cargo feature ``plain``

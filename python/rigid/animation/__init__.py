@@ -28,7 +28,7 @@ __all__ = ["Animation", "animate"]
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Animation:
-    """A film of a run as a page with a player; a notebook shows the page.
+    """A page with a film, which a notebook shows.
 
     Attributes
     ----------
@@ -43,7 +43,7 @@ class Animation:
         return f"Animation(page of {len(self.page) / 1000:.0f} kB)"
 
     def _repr_html_(self) -> str:
-        """The page in a frame, for notebooks."""
+        """The page in a frame of its own, for notebooks."""
         return (
             f'<iframe srcdoc="{html.escape(self.page)}" width="100%" height="560" '
             'style="border: 0" allow="fullscreen" title="film of a motion"></iframe>'

@@ -185,7 +185,7 @@ def triad(
 
 
 def label(ax: Any, place: Floats, text: str, colour: str = "black", **style: Any) -> Any:
-    """Text that is centred at a point in space or in the plane, and legible over lines."""
+    """Text centred at a point in space or in the plane, legible over lines."""
     return ax.text(*place, text, **(_text(colour) | style))
 
 

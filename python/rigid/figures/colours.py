@@ -1,8 +1,8 @@
 """The one colour table of all figures, and the labels that go with it.
 
-The hues come from Okabe and Ito; colour-blind readers can distinguish them. The components and axes
-x, y, z are blue, green and vermilion. Every vector and frame has one colour and one name in all
-figures; a figure with other quantities has a key.
+The hues are those of Okabe and Ito, which colour-blind readers can distinguish. The components and
+axes x, y, z are blue, green and vermilion. Every vector and frame has one colour and one name in
+all figures; a figure with other quantities has a key.
 """
 
 from __future__ import annotations

@@ -111,8 +111,8 @@ def plot_map(
     Cells are centred on the values of the axes, in the scale that is drawn: logarithmic where the
     values are geometric. Lines are the predictions of theory. A map with one axis is drawn as the
     share with its 95 % interval. A map with three or four axes is drawn as small pictures of its
-    first two axes. The pictures stand side by side for the values of the third axis, and one below
-    the other for the values of the fourth.
+    first two, side by side for the values of the third and one below the other for those of the
+    fourth.
 
     Parameters
     ----------

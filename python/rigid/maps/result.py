@@ -482,7 +482,7 @@ class StabilityMap(MapData):
         samples: int | None = None,
         threads: int | None = None,
     ) -> Path:
-        """Write a page that shows the map, the bodies of its pixels, and films of their motions.
+        """Write a page that shows the map, the bodies of its pixels, and their motions as films.
 
         A browser opens the page without a network. The page computes the motions from the exact
         starts, by a Taylor series of order 24; the outcomes come from the map. A chaotic motion may
