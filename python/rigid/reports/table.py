@@ -39,7 +39,7 @@ def _head(report: ReportData) -> list[str]:
 def heading(
     report: ReportData | LongRunData, what: str, untitled: str, lines: Mapping[str, str]
 ) -> list[str]:
-    """The measured scene, the given lines on the measurement, and the methods without a row."""
+    """The measured scene, the given lines on the measurement, and the refused methods."""
     spec, machine = report.spec, report.machine
     attitude = f"({_listed(spec.attitude)})"
     told = [
