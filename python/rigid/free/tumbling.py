@@ -23,9 +23,9 @@ MODES = ("SAM", "LAM")
 """Short-axis mode and long-axis mode: which axis the angular velocity encircles in the body."""
 
 FIRST, LAST = -20.0, 300.0
-"""Range in which states are looked for: logarithms of the tangent of the angle of L from the
-encircled axis, as L passes the plane of this axis and the middle one. Before the first, periods
-change by less than rounding. After the last, squares of rates are too small."""
+"""Range in which states are looked for: logarithms of the tangent of an angle. It is the angle of L
+from the encircled axis, as L passes the plane of this axis and the middle one. Before the first,
+periods change by less than rounding. After the last, squares of rates are too small."""
 
 HALVINGS = 70
 """Halvings of this interval that leave it below the spacing of doubles."""
