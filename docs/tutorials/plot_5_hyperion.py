@@ -64,8 +64,8 @@ ax.set(
 plt.show()
 
 # %%
-# How fast do neighbouring motions separate? In the sea a deviation in the plane grows by :math:`e`
-# in little more than an orbit. In the island of the synchronous rotation it does not grow.
+# How fast do motions part? In the sea a deviation in the plane grows by :math:`e` in little more
+# than an orbit. In the island of the synchronous rotation it does not grow.
 in_plane = [[0.0, 0.0, 1.0, 0.0, 0.0, 0.0]]
 sea, island = (2.0 * np.pi * np.array([0.0, 0.0, rate]) for rate in (1.5, 0.42))
 growth = rigid.lyapunov(

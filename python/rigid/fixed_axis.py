@@ -291,7 +291,7 @@ def two_plane_balance(
 ) -> Floats:
     """Unbalances to add in two planes, so that a body turns without load on its bearings.
 
-    A mass ``m`` at the distance ``r`` from the axis is the unbalance ``m r`` in its direction, so
+    A mass ``m`` at the distance ``r`` from the axis is the unbalance ``m r`` in its direction. So
     ``|u| / r`` is the mass that a workshop adds at the radius ``r``, or takes away opposite to it.
     The two make the centre of mass lie on the axis and the axis a principal one (ISO 21940-11,
     balancing of rigid rotors in two planes).

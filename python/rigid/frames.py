@@ -1,4 +1,4 @@
-"""Moving frames: motion seen from a moving frame, and fictitious forces.
+"""Moving frames: motion as seen from a moving frame, and fictitious forces.
 
 The origin of a frame is at ``R`` and moves with the velocity ``V`` and the acceleration ``A``; the
 frame turns with the angular velocity ``omega``. The functions do not turn components: all vectors

@@ -4,7 +4,7 @@ By the divergence theorem the integrals over the volume are sums over signed tet
 each triangle with a common inner point (B. Mirtich, *Journal of Graphics Tools* 1 (2) (1996) 31).
 The second moments of a tetrahedron have a closed form (F. Tonon, *Journal of Mathematics and
 Statistics* 1 (2005) 8). The functions measure lengths from the middle of the mesh in units of its
-size, so that a mesh far from the origin, a tiny mesh and a huge mesh lose no digits.
+size. So a mesh far from the origin, a tiny mesh and a huge mesh lose no digits.
 """
 
 from __future__ import annotations
@@ -129,9 +129,9 @@ def read_mesh(
     ----------
     path : path-like
     unit : float
-        One unit of the file in m: 0.001 for a file in mm. Files do not tell their unit.
+        One unit of the file in m: 0.001 for a file in mm. Files do not contain their unit.
     kind : {"stl", "obj", "ply", "off"}, optional
-        Format of the file, if the suffix does not tell it.
+        Format of the file, if the suffix does not name it.
 
     Returns
     -------

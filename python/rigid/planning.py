@@ -41,14 +41,14 @@ def plan(
 ) -> Plan:
     """Plan a call of :func:`simulate` or a pixel of :func:`stability_map`: method, steps and cost.
 
-    A question in words asks for states at given times, as :func:`simulate` gives them. A criterion
-    asks for a class: its plan is the plan of the map with the same scene, criterion, start,
+    A question in words requests states at output times, as :func:`simulate` returns. A criterion
+    requests a class: its plan is the plan of the map with the same scene, criterion, start,
     horizon, method and step, in a pixel that no axis changes.
 
     Parameters
     ----------
     scene : FreeBody, HeavyTop or Body
-        The body, or for states many, with their weight, applied torque and damping.
+        One body, or for states many, with weight, applied torque and damping.
     question : {"rates", "axis", "attitude"} or Criterion
         The recorded states, or a criterion: :func:`no_flip`, :func:`tilt_below`, :func:`regular`
         and the others that :func:`stability_map` takes.
@@ -64,10 +64,10 @@ def plan(
     t_end : float, optional
         Horizon (s). A criterion needs one, unless it is :func:`judged`, which has times.
     accuracy : float, optional
-        Largest error of the last state relative to its size. A closed form reaches it; otherwise
-        the accuracy, the rates and the horizon determine the cheapest method and its step. Default
-        without a method and a step: 1e-8. A criterion has none: a map classifies bodies again
-        whose class an error could change.
+        Largest error of the last state relative to its size. A closed form reaches this accuracy;
+        otherwise the accuracy, the rates and the horizon determine the cheapest method and its
+        step. Default without a method and a step: 1e-8. A criterion has none: a map classifies
+        bodies again whose class an error could change.
     method : str, optional
         ``"exact"`` or one of :func:`rigid.methods`; by default the method of :func:`simulate` or of
         :func:`stability_map`.
@@ -88,9 +88,9 @@ def plan(
     TypeError
         If a criterion lacks its horizon.
     ValueError
-        If ``"exact"`` is requested and a body has no closed form, if the accuracy is beyond
-        float64, if the rates or the horizon are missing from which the step follows, if an argument
-        belongs to the other kind of question, or as :func:`stability_map`.
+        As for :func:`stability_map`; if ``"exact"`` is requested and a body has no closed form; if
+        the accuracy is beyond float64; if the rates or the horizon are missing, from which the step
+        follows; if an argument belongs to the other kind of question.
 
     Examples
     --------

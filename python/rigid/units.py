@@ -2,7 +2,7 @@
 
 All numbers of :mod:`rigid` are in SI units. Quantities of `Pint <https://pint.readthedocs.io>`_
 are taken wherever a length, a mass, a moment of inertia, a time, an angle, a rate, a torque or a
-damping is expected; they become numbers in SI units at the door, and one of another kind raises
+damping is expected; they become numbers in SI units when given, and one of another kind raises
 ValueError. Results are numbers.
 
 Examples

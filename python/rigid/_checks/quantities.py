@@ -58,7 +58,7 @@ def without_unit(name: str, value: Any, unit: str | None = None) -> Any:
     ------
     ValueError
         Naming the argument and both units, if the quantity is of another kind, is a frequency in
-        hertz where a rate in rad/s is wanted, or if the argument takes no unit.
+        hertz where a rate in rad/s is expected, or if the argument takes no unit.
     """
     pint = sys.modules.get("pint")  # there is no quantity before it is imported
     if pint is None:

@@ -192,7 +192,7 @@ def zoomed(spec: MapSpec, view: list[float], at: list[int]) -> MapSpec:
     Raises
     ------
     ValueError
-        If the values are too close to be told apart.
+        If the values are too close to each other.
 
     Examples
     --------

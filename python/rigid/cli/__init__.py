@@ -51,8 +51,7 @@ __all__ = ["main"]
 
 UNDETECTED_ERROR = DIFFERENT = 1
 WRITE_ERROR = 74
-"""Exit codes besides the code of ``parser``; an interrupted command ends with 128 plus the
-signal."""
+"""Exit codes besides that of ``parser``; an interrupted command ends with 128 and the signal."""
 
 POINT_SIZE = 140
 """Approximate bytes of a point of a section in a file."""
@@ -62,7 +61,7 @@ REPORT_SIZE = 2**20
 
 _FOLDERS = {"map": MAPS, "section": SECTIONS, "report": REPORTS}
 _COPIED = {"map": "thrown-box", "section": "kovalevskaya", "report": "lagrange-top"}
-"""The folders of built-in specifications that ``rigid new`` copies from."""
+"""Where built-in specifications are, and which ``rigid new`` copies."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -45,7 +45,7 @@ class NamedSpec:
     name : str
     spec : MapSpec
     seeded : bool
-        Whether the file tells the seed; otherwise it was drawn.
+        Whether the file has a seed; otherwise the seed was drawn.
     """
 
     name: str

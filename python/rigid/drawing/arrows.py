@@ -64,7 +64,7 @@ class SpaceArrow(PlaneArrow):
         self.start, self.vector = start, vector
 
     def write(self, ax: Any, text: str, **style: Any) -> None:
-        """Name the arrow; where its tip is on the page is known when it is drawn."""
+        """Name the arrow; the place of its tip on the page is known when the arrow is drawn."""
         self._name = ax.annotate(
             text,
             (0.0, 0.0),

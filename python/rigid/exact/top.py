@@ -284,6 +284,11 @@ def sleeping_spin(scene: HeavyTop) -> float | Floats:
     scene : HeavyTop
         As in :func:`lagrange_top`.
 
+    Returns
+    -------
+    ndarray, shape (...)
+        Spin (rad/s).
+
     Raises
     ------
     ValueError

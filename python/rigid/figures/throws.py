@@ -31,7 +31,7 @@ __all__ = [
 Floats = NDArray[np.float64]
 
 DASHES = ("solid", "dashed", "dotted")
-"""Line styles of the components 1, 2, 3: colour alone does not tell them apart for everyone."""
+"""Line styles of the components 1, 2, 3, for readers who cannot distinguish the colours."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -136,6 +136,14 @@ class Invariants:
         ------
         ValueError
             If the quantity is unknown or there are no times to compare.
+
+        Examples
+        --------
+        >>> import numpy as np, rigid
+        >>> body = rigid.FreeBody(rigid.Body((1.0, 2.0, 3.0)))
+        >>> run = rigid.simulate(body, [0.1, 1.0, 0.1], t=np.linspace(0.0, 50.0, 11))
+        >>> bool(rigid.free.invariants(run).drift("energy") < 1e-14)
+        True
         """
         values = getattr(self, one_of("name", name, self.__slots__))
         if values is None:

@@ -21,8 +21,8 @@ __all__ = ["Relaxation", "damping_time", "relaxation", "sink_of_damping"]
 Floats = NDArray[np.float64]
 
 SEPARATRIX, END = 36.0, -80.0
-"""Values of ``ln(x / (1 - x))`` that mean, to rounding, the separatrix and rotation about an axis;
-``x`` is the share of the way from the energy of the axis to the separatrix."""
+"""Values of ``ln(x / (1 - x))`` that mean, to rounding, the separatrix and rotation about an axis.
+Here ``x`` is the share of the way from the energy of the axis to the separatrix."""
 
 PANEL = 0.5
 """Width of the panels of the quadrature over ``ln(x / (1 - x))``."""

@@ -23,9 +23,9 @@ MODES = ("SAM", "LAM")
 """Short-axis mode and long-axis mode: which axis the angular velocity encircles in the body."""
 
 FIRST, LAST = -20.0, 300.0
-"""Range in which states are looked for: logarithms of the tangent of the angle of L from the
-encircled axis, as L passes the plane of this axis and the middle one. Before the first, periods
-change by less than rounding. After the last, squares of rates are too small."""
+"""Range in which states are looked for: logarithms of the tangent of an angle. It is the angle of L
+from the encircled axis, as L passes the plane of this axis and the middle one. Before the first,
+periods change by less than rounding. After the last, squares of rates are too small."""
 
 HALVINGS = 70
 """Halvings of this interval that leave it below the spacing of doubles."""
@@ -138,8 +138,8 @@ def spin_state(
 ) -> SpinState:
     """Angular velocity and energy of a tumbling body from its two periods.
 
-    The ratio of the periods tells the ratio of energy and squared momentum, and the periods then
-    tell the momentum. The state is the one at which L lies in the plane of the encircled axis and
+    The ratio of the periods gives the ratio of energy and squared momentum, and the periods then
+    give the momentum. The state is the one at which L lies in the plane of the encircled axis and
     the axis of the middle moment, with positive components; a motion passes this state or its
     mirror image four times in ``rotation``.
 

@@ -24,7 +24,7 @@ class CoreStarts:
     omega, attitude : ndarray, shapes (P, 3), (P, 4)
         Rates (rad/s); quaternions (w, x, y, z).
     omega_noise, attitude_noise : str
-        Names of the laws.
+        Names of the distributions.
     omega_size, attitude_size : ndarray, shape (P, 3)
         Sizes of the perturbations (rad/s; rad).
     mix : ndarray, shape (6, 6), optional

@@ -1,4 +1,4 @@
-"""The arrays of a stability map: what is counted in each pixel, and the shares with intervals.
+"""The arrays of a stability map: counts in each pixel, and shares with intervals.
 
 The core defines the columns: a new output of a map is one row there, and appears here, in saved
 files and in datasets with its name, type, unit and meaning.
@@ -276,7 +276,7 @@ class MapData:
     def filled(self) -> NDArray[np.float64]:
         """The share; between the computed pixels of a refined map the bilinear interpolation.
 
-        What is interpolated is for pictures. It is never counted.
+        Interpolated shares are for pictures. They are never counted.
         """
         if not refined(self.spec):
             return self.share

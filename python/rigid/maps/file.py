@@ -2,8 +2,8 @@
 
 The file is an ``.npz`` archive of arrays with the specification as JSON inside. Nothing is pickled,
 nothing is compressed, and dates are fixed: equal maps are equal bytes. The comment of the archive
-is a digest of all bytes before it: damage of any bit is seen. A reader knows the size of everything
-from the size of the file and the specification before it reads: see ``_read``.
+is a digest of all bytes before it: damage of any bit is found. A reader knows the size of
+everything from the size of the file and the specification before it reads: see ``_read``.
 """
 
 from __future__ import annotations

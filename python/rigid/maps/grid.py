@@ -344,7 +344,7 @@ def _without_axes(scene: Scene, start: Start, count: int) -> PixelValues:
 def _on_surface(pixels: PixelValues, weight: Floats, omega: Floats, attitude: Floats) -> Floats:
     """The rates with the energies and the vertical momenta that the axes give.
 
-    With the momentum the rates are ``l gamma / (gamma·I gamma) + s u``, ``u`` what is left of them
+    With the momentum the rates are ``l gamma / (gamma·I gamma) + s u``, ``u`` the rest of them
     without their vertical momentum: both parts are at right angles in the kinetic energy. A pixel
     without such a start gets moments that no body has.
     """

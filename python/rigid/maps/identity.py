@@ -56,7 +56,7 @@ def head_of(spec: MapSpec, segment: int | None = None) -> dict[str, Any]:
 
 
 def key_of(head: Mapping[str, Any]) -> bytes:
-    """BLAKE2b-128 of everything that the numbers depend on; title and author are not part of it."""
+    """BLAKE2b-128 of everything that the numbers depend on, without title, version and commit."""
     from hashlib import blake2b  # here and below: takes longer to import than this module
 
     of_numbers = {name: value for name, value in head.items() if name not in ("version", "commit")}

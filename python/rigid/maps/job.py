@@ -31,7 +31,7 @@ class Jobs:
     Parameters
     ----------
     jobs : list of (MapJob, ndarray of int64)
-        The request of each part, and which of all rows asked for are its own, ascending.
+        The request of each part, and which of all requested rows belong to it, ascending.
     samples : int
         Samples of each row.
     """

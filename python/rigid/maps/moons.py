@@ -5,11 +5,11 @@ Both predict no shares: a resonance says where motions change, and a map says wh
 Moon that keeps one side to its planet, on an eccentric orbit
     Axis 1 points along the line to the planet, axis 3 along the normal of the orbit. Its small
     oscillations are a libration in longitude and two modes of roll and yaw, with the frequencies
-    of :func:`rigid.free.libration`. The eccentricity swings the moon with the mean motion ``n``,
-    and this swing pumps the other oscillations where twice their frequency is a multiple of ``n``
-    (Agrusa et al., *Icarus* 370 (2021) 114624; Tan, Wang, Hou, *Icarus* (2022) 115289). Drawn
-    are the lines of libration at ``n/2`` and ``n``, of the slow mode at ``n/2`` and of the fast
-    mode at ``3n/2``.
+    of :func:`rigid.free.libration`. The eccentricity swings the moon with the mean motion ``n``.
+    This swing pumps the other oscillations where twice their frequency is a multiple of ``n``
+    (Agrusa et al., *Icarus* 370 (2021) 114624; Tan, Wang, Hou, *Icarus* (2022) 115289). Drawn are
+    the lines of libration at ``n/2`` and ``n``, of the slow mode at ``n/2`` and of the fast mode at
+    ``3n/2``.
 
 Moon that spins about the normal of its orbit, with axis 1 along the line of apsides
     The angle ``theta - p M``, with the mean anomaly ``M`` and ``p = 1``, ``3/2`` or ``2``, moves

@@ -98,7 +98,7 @@ class OwnScene:
     def check_start(self, start: Start, axes: Iterable[str]) -> None:
         """Raise ValueError if a start or an axis sets a part that the function returns.
 
-        Its noise is another matter: it perturbs what the function gives.
+        The noise of the start still perturbs the values that the function gives.
         """
         if "omega" in self.gives and start.omega != (0.0, 0.0, 0.0):
             raise ValueError(

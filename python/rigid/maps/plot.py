@@ -32,7 +32,7 @@ __all__ = ["SHARE", "cell_edges", "check_what", "plot_map"]
 Floats = NDArray[np.float64]
 
 SHARE, COST = "share", "cost"
-"""What is drawn by default, and the processor time."""
+"""The quantity drawn by default, and the processor time."""
 
 FINER = 4
 """Most steps in each cell of the grid on which lines of theory are drawn."""

@@ -3,7 +3,7 @@
 The first stage is every k-th row and column, and the last ones. Then each cell between computed
 corners is split if its corners differ for certain: the intervals of two of them do not meet, or
 their statuses differ. So is a cell that touches one that is split. A pixel that is computed has the
-bits that it has in the full map, and what is computed next follows from what is known.
+bits that it has in the full map, and the pixels to compute next follow from the known pixels.
 
 A budget of bodies ends the map: the pixels of a stage are taken in order, as long as the bodies of
 those before and the most that the next one may need fit. Pixels that stop early leave room.

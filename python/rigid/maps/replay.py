@@ -85,7 +85,7 @@ class Replay:
     status : str
         Status at the end of the integration.
     flips : int
-        Sign changes seen until it ended.
+        Sign changes until the run ended.
     left : float
         Time at which it left stability, s; NaN if it did not.
     tilt : float

@@ -50,26 +50,26 @@ class StabilityMap(MapData):
     Attributes
     ----------
     spec : MapSpec
-        Everything the numbers depend on.
+        Everything that the numbers depend on.
     status : ndarray of uint8
         0 possible body; 1 a moment is not finite; 2 not positive; 3 triangle inequality broken.
     stable, unstable, undecided, failed : ndarray of int64
-        Bodies of each class. Undecided: the second method disagrees; in closed form, the body
-        leaves stability within rounding of the horizon. With :func:`rigid.regular` the stable are
-        regular and the unstable chaotic; what is neither yet is undecided.
+        Bodies of each class. A body is undecided if the second method disagrees or, in closed form,
+        if the body leaves stability within rounding of the horizon. With :func:`rigid.regular`
+        stable bodies are regular, unstable ones chaotic, and undecided ones neither yet.
     step_limit, not_finite, drifted : ndarray of int64
-        Why bodies have failed: more than ``max_steps`` steps were needed; overflow; energy,
+        Failed bodies by reason: more than ``max_steps`` steps were needed; overflow; energy,
         momentum or unit lengths off by more than 0.1.
     checked : ndarray of int64
-        Bodies that the second method, ``taylor16``, or ``dop853`` with :func:`rigid.regular`, has
-        classified again.
+        Bodies that the second method has classified again: ``taylor16``, or ``dop853`` with
+        :func:`rigid.regular`.
     audited, audited_undecided : ndarray of int64
-        The checked whose check did not depend on their own outcome, and the undecided among them.
-        Loaded maps of format 3 or 4 count all checks as audits.
+        Bodies that were checked whatever their outcome, the audit, and undecided bodies among
+        these. Loaded maps of format 3 or 4 count all checks as audits.
     samples : ndarray of int64
         Bodies done, the sum of the four classes.
     measures : Measures
-        What was asked for by ``measure=``, by name: ``result.measures["time_to_leave"].mean``,
+        The requested measures by name: ``result.measures["time_to_leave"].mean``,
         ``.std``, ``.least``, ``.largest``, ``.count`` and ``.quantile(q)``; see
         :class:`rigid.maps.measured.Measured`.
     share : ndarray
@@ -78,9 +78,9 @@ class StabilityMap(MapData):
         ``1 - share``.
     lower, upper : ndarray
         95 % Clopper-Pearson interval of the share, widened by the undecided: they count as unstable
-        for ``lower`` and as stable for ``upper``. Whatever the true share of a pixel is, the
-        interval of this pixel holds it with a chance of 95 % or more. That is said of each pixel
-        alone: of 1000 intervals, up to 50 miss on average.
+        for ``lower`` and as stable for ``upper``. The interval of a pixel contains the true share
+        with a chance of 95 % or more. This holds for each pixel alone: of 1000 intervals, up to 50
+        miss on average.
     exponent, mean_megno, largest_exponent : ndarray
         With :func:`rigid.regular`: means over the integrated bodies of their exponent (1/s) and of
         their mean MEGNO, and the largest exponent. The numbers of a body are taken at the end of
@@ -94,24 +94,24 @@ class StabilityMap(MapData):
     energy_drift, momentum_drift, unit_drift : ndarray
         Worst relative drift of the energy and of the conserved momentum, and worst deviation of the
         length of a direction from one, in each pixel, failed bodies included; a drift above 0.1 is
-        why a body counts as ``drifted``. NaN where nothing was integrated, because closed forms do
-        not drift, and ``unit_drift`` in a loaded map of format 3, which has no such array.
+        the reason why a body counts as ``drifted``. NaN where no body was integrated, because
+        closed forms do not drift. ``unit_drift`` is NaN in a loaded map of format 3.
     earliest : ndarray
-        First time at which a body left stability, or was seen to be chaotic, s; inf if none did.
+        First time (s) at which a body left stability, or was found to be chaotic; inf for none.
     steps : ndarray of int64
         Time steps taken.
     exact : ndarray of int64
         Bodies classified in closed form; they take no steps and are not repeated.
     narrow : ndarray of bool
-        With ``half_width``, pixels whose interval is no wider than twice that.
+        With ``half_width``, pixels whose interval is no wider than twice this number.
     stage : ndarray of uint8
         With ``refine`` or ``budget``, the stage that computes a pixel; 255: omitted.
     complete : bool
-        Whether every body that was asked for was computed, and no budget left pixels out.
+        Whether all requested bodies are computed, and no budget omitted pixels.
     ended : bool
-        Whether nothing more is to be computed: the map is complete, or its ``budget`` is spent.
+        Whether the computation is over: the map is complete, or its ``budget`` is spent.
     cut : int
-        Number of pixels that the ``budget`` omitted; with ``refine`` of the stage where it ended.
+        Number of pixels that the ``budget`` omitted; with ``refine`` in its last stage.
     filled : ndarray
         The share, interpolated in the pixels that refinement has omitted.
     nanoseconds : ndarray
@@ -120,6 +120,16 @@ class StabilityMap(MapData):
         Wall time in s; NaN in a loaded map.
     threads : int
         Threads used; 0 in a loaded map.
+
+    Examples
+    --------
+    >>> import rigid
+    >>> result = rigid.stability_map(
+    ...     rigid.HeavyTop, axes={"spin": [1.0, 3.0, 5.0]}, samples=100, t_end=20.0,
+    ...     stable=rigid.tilt_below(0.5), rng=2026,
+    ... )
+    >>> result.share, result.upper.round(3)
+    (array([0., 0., 1.]), array([0.036, 0.036, 1.   ]))
     """
 
     __slots__ = ()
@@ -153,7 +163,22 @@ class StabilityMap(MapData):
         return map_plan(self.spec)
 
     def theory(self) -> Theory | None:
-        """The prediction for this map, or None where no theory is known."""
+        """The prediction for this map, or None where no theory is known.
+
+        Returns
+        -------
+        Theory or None
+
+        Examples
+        --------
+        >>> import rigid
+        >>> result = rigid.stability_map(
+        ...     rigid.HeavyTop, axes={"spin": [1.0, 3.0, 5.0]}, samples=100, t_end=20.0,
+        ...     stable=rigid.tilt_below(0.5), rng=2026,
+        ... )
+        >>> result.theory().label
+        'nutation of a symmetric top released at rest, until t = 20 s'
+        """
         return predict(self.spec)
 
     def disagreement(self, theory: Theory | None = None) -> NDArray[np.bool_]:
@@ -170,6 +195,16 @@ class StabilityMap(MapData):
         Returns
         -------
         ndarray of bool, grid shape
+
+        Examples
+        --------
+        >>> import rigid
+        >>> result = rigid.stability_map(
+        ...     rigid.HeavyTop, axes={"spin": [1.0, 3.0, 5.0]}, samples=100, t_end=20.0,
+        ...     stable=rigid.tilt_below(0.5), rng=2026,
+        ... )
+        >>> int(result.disagreement().sum())
+        0
         """
         return disagreement(self, theory or self.theory())
 
@@ -316,7 +351,7 @@ class StabilityMap(MapData):
         Parameters
         ----------
         spec : MapSpec
-            What was asked. ``spec.samples`` is at least the number of bodies of each pixel.
+            The request. ``spec.samples`` is at least the number of bodies of each pixel.
         stable, unstable, undecided : array_like of int, grid shape
             Bodies of each class; a single number holds for every pixel.
         **columns : array_like, grid shape
@@ -427,6 +462,16 @@ class StabilityMap(MapData):
             Without matplotlib.
         ValueError
             If the map has no such axis or value, or more axes are left than can be drawn.
+
+        Examples
+        --------
+        >>> import rigid
+        >>> result = rigid.stability_map(
+        ...     rigid.HeavyTop, axes={"spin": [1.0, 3.0, 5.0]}, samples=100, t_end=20.0,
+        ...     stable=rigid.tilt_below(0.5), rng=2026,
+        ... )
+        >>> result.plot().get_ylabel()
+        'share stable until t = 20 s'
         """
         return plot_map(self, ax=ax, cells=cells, what=what, at=at)
 
@@ -437,7 +482,7 @@ class StabilityMap(MapData):
         samples: int | None = None,
         threads: int | None = None,
     ) -> Path:
-        """Write a page that shows the map, the bodies of its pixels, and films of their motions.
+        """Write a page that shows the map, the bodies of its pixels, and their motions as films.
 
         A browser opens the page without a network. The page computes the motions from the exact
         starts, by a Taylor series of order 24; the outcomes come from the map. A chaotic motion may
@@ -466,6 +511,17 @@ class StabilityMap(MapData):
             If the file cannot be written, or the path names something other than a file.
         ValueError
             If the name does not end in ``.html``, or the map has not so many samples.
+
+        Examples
+        --------
+        >>> import os, tempfile, rigid
+        >>> result = rigid.stability_map(
+        ...     rigid.HeavyTop, axes={"spin": [1.0, 3.0, 5.0]}, samples=100, t_end=20.0,
+        ...     stable=rigid.tilt_below(0.5), rng=2026,
+        ... )
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     result.explore(os.path.join(folder, "map.html")).name
+        'map.html'
         """
         from ..animation.explorer import explore
 
@@ -474,7 +530,7 @@ class StabilityMap(MapData):
     def widget(self, *, threads: int | None = None) -> Any:
         """The view of :meth:`explore` in a notebook, where zooming computes a finer map.
 
-        Half a second after a zoom the map of what is in view is computed, with as many pixels,
+        Half a second after a zoom the map of the visible region is computed, with as many pixels,
         samples and the seed of this map: a new map, by ``spec.replace(axes=...)``. Its values lie
         between the least and the largest value of this map; of axes after the second it has the
         values that are chosen. A further zoom replaces a computation that has not ended. *whole
@@ -548,6 +604,16 @@ class StabilityMap(MapData):
         ------
         ImportError
             Without xarray.
+
+        Examples
+        --------
+        >>> import rigid
+        >>> result = rigid.stability_map(
+        ...     rigid.HeavyTop, axes={"spin": [1.0, 3.0, 5.0]}, samples=100, t_end=20.0,
+        ...     stable=rigid.tilt_below(0.5), rng=2026,
+        ... )
+        >>> result.to_xarray().share.dims
+        ('spin',)
         """
         return map_dataset(self)
 
@@ -582,6 +648,18 @@ class StabilityMap(MapData):
         OSError
             If the file cannot be written, for example because the disk is full. An older file stays
             as it was.
+
+        Examples
+        --------
+        >>> import os, tempfile, rigid
+        >>> result = rigid.stability_map(
+        ...     rigid.HeavyTop, axes={"spin": [1.0, 3.0, 5.0]}, samples=100, t_end=20.0,
+        ...     stable=rigid.tilt_below(0.5), rng=2026,
+        ... )
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     path = result.save(os.path.join(folder, "map.npz"))
+        ...     bool((rigid.load_map(path).stable == result.stable).all())
+        True
         """
         write = write_zarr if os.fspath(path).endswith(".zarr") else write_map
         return write(self, path)
@@ -611,7 +689,22 @@ class StabilityMap(MapData):
         return receipt(self)
 
     def summary(self) -> str:
-        """Summary of computation, largest drift, undecided samples and comparison with theory."""
+        """Summary of computation, largest drift, undecided samples and comparison with theory.
+
+        Returns
+        -------
+        str
+
+        Examples
+        --------
+        >>> import rigid
+        >>> result = rigid.stability_map(
+        ...     rigid.HeavyTop, axes={"spin": [1.0, 3.0, 5.0]}, samples=100, t_end=20.0,
+        ...     stable=rigid.tilt_below(0.5), rng=2026,
+        ... )
+        >>> result.summary().splitlines()[0]
+        'scene       heavy top, moments (1, 1, 0.5), mgl 1, com (0, 0, 1)'
+        """
         return summary(self)
 
 
@@ -637,7 +730,7 @@ def load_map(
     Returns
     -------
     StabilityMap
-        Equal to the saved one, except for what was measured on the machine: ``nanoseconds`` and
+        Equal to the saved map, except for the measurements of the machine: ``nanoseconds`` and
         ``elapsed`` are NaN, ``threads`` is 0.
 
     Raises

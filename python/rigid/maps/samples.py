@@ -57,7 +57,7 @@ class Outcomes:
     exponent, mean_megno : ndarray
         Exponent (1/s) and mean MEGNO at the end, NaN if no deviation vector was integrated.
     flips, steps : ndarray of int64
-        Sign changes seen, and time steps taken.
+        Sign changes, and time steps taken.
     status : ndarray of uint8
         Codes of :class:`rigid.Status` at the end of the integration.
     method : ndarray of str

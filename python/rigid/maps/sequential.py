@@ -1,11 +1,11 @@
 """Sequential stopping: a pixel gets samples until the interval of its share is narrow enough.
 
 Its counts are looked at after each 64 samples. It stops at the first look at which the
-Clopper-Pearson interval of confidence 97 % is no wider than twice the wanted half width, and this
-interval is reported. Looking again and again costs confidence: the least chance, over all shares,
-that the reported interval holds the true one was computed exactly, by summing over all ways through
-the looks, and is 95 % or more. See M. J. Frey, "Fixed-width sequential confidence intervals for a
-proportion", *The American Statistician* 64 (2010) 242.
+Clopper-Pearson interval of confidence 97 % is no wider than twice the requested half width, and
+this interval is reported. Looking again and again costs confidence: the least chance, over all
+shares, that the reported interval holds the true one was computed exactly, by summing over all ways
+through the looks, and is 95 % or more. See M. J. Frey, "Fixed-width sequential confidence intervals
+for a proportion", *The American Statistician* 64 (2010) 242.
 
 The width grows with ``min(s, n - s)`` for s stable samples of n, so the rule is a table of whole
 numbers: at look n a pixel stops if ``min(s, n - s)`` is at most ``m[n]``.

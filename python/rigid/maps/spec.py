@@ -123,7 +123,7 @@ class MapSpec:
         The function that makes the scenes of the pixels from its arguments, the axes; ``scene`` is
         then the scene of the first pixel.
     measure : tuple of Measure
-        What is measured of each body besides its class, with no default left open.
+        The measures of each body besides its class, with all defaults filled in.
     version : str
         Version of rigid.
     """
@@ -638,7 +638,12 @@ class MapSpec:
         return MapSpec(**{**kept, **changes})
 
     def to_dict(self) -> dict[str, Any]:
-        """The specification as a JSON-able dictionary; :meth:`from_dict` reads it."""
+        """The specification as a JSON-able dictionary; :meth:`from_dict` reads it.
+
+        Returns
+        -------
+        dict
+        """
         measured = {"measure": [one.to_dict() for one in self.measure]} if self.measure else {}
         return {
             **measured,
@@ -666,7 +671,17 @@ class MapSpec:
 
     @classmethod
     def from_dict(cls, data: Mapping[str, Any]) -> MapSpec:
-        """The specification that :meth:`to_dict` described."""
+        """The specification that :meth:`to_dict` described.
+
+        Parameters
+        ----------
+        data : dict
+            The dictionary.
+
+        Returns
+        -------
+        MapSpec
+        """
         values = dict(data)
         values["scene"] = scene_from_dict(values["scene"])
         values["start"] = start_from_dict(values["start"])
@@ -685,10 +700,35 @@ class MapSpec:
         return spec
 
     def to_json(self) -> str:
-        """The specification as JSON text; floats keep all their digits."""
+        """The specification as JSON text; floats keep all their digits.
+
+        Returns
+        -------
+        str
+        """
         return json.dumps(self.to_dict(), allow_nan=False)
 
     @classmethod
     def from_json(cls, text: str) -> MapSpec:
-        """The specification that :meth:`to_json` wrote."""
+        """The specification that :meth:`to_json` wrote.
+
+        Parameters
+        ----------
+        text : str
+            The JSON text.
+
+        Returns
+        -------
+        MapSpec
+
+        Examples
+        --------
+        >>> import rigid
+        >>> spec = rigid.MapSpec(
+        ...     scene=rigid.FreeBody(rigid.Body((1.0, 1.5, 2.0))), start=rigid.Start(spin=1.0),
+        ...     axes={"spin": [1.0, 2.0]}, stable=rigid.no_flip(), t_end=50.0, samples=100, seed=0,
+        ... )
+        >>> rigid.MapSpec.from_json(spec.to_json()) == spec
+        True
+        """
         return cls.from_dict(json.loads(text))

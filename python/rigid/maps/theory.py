@@ -21,10 +21,9 @@ Symmetric heavy top spinning about its own axis, criterion *tilt from the vertic
     a limit ``x`` if ``cos th < cos x + sin² x / a``: for vanishing tilt if ``a < 1 + cos x``, which
     for a vanishing limit is the bound of the sleeping top, ``w = 2 sqrt(mgl I1) / I3``. Below that
     bound the tilt ``x`` grows along the homoclinic orbit
-    ``1 - cos x = (2 I1 g² / mgl) sech²(g (t - t0))``, ``g = sqrt(4 mgl I1 - (I3 w)²) / (2 I1)``,
-    and a top released so near the vertical that it does not reach the limit within the horizon
-    counts as stable. With normal noise of the attitude the tilt at release has a Rayleigh
-    distribution.
+    ``1 - cos x = (2 I1 g² / mgl) sech²(g (t - t0))``, ``g = sqrt(4 mgl I1 - (I3 w)²) / (2 I1)``. A
+    top released so near the vertical that it does not reach the limit within the horizon counts as
+    stable. With normal noise of the attitude the tilt at release has a Rayleigh distribution.
 
 Symmetric heavy top, damped only about its symmetry axis
     The spin decays as ``w exp(-c t / I3)``, and the weight has no moment about the axis. As long as

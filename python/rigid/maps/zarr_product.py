@@ -41,7 +41,7 @@ def write_zarr(data: MapData, path: str | os.PathLike[str]) -> Path:
 def write_zarr_url(data: MapData, url: str) -> None:
     """Write a map as Zarr to a new place that zarr knows: a folder, or the URL of a bucket.
 
-    Each array, coordinates too, is one chunk with a CRC-32C: damage is seen.
+    Each array, coordinates too, is one chunk with a CRC-32C: damage is found.
     """
     try:
         from zarr.codecs import Crc32cCodec

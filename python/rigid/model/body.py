@@ -58,7 +58,7 @@ class Body:
     moments : array_like, shape (3,) or (..., 3)
         Principal moments of inertia (kg m², or any consistent unit) about body axes 1, 2, 3.
     mass : float or array_like, shape (...), optional
-        Mass (kg). Only remembered; the rotation does not need it.
+        Mass (kg), kept for other functions; the rotation does not need it.
     sides : array_like, shape (3,), optional
         Sides (m) of a homogeneous box with this mass and these moments; :meth:`box` sets them. For
         one body only.
@@ -73,8 +73,8 @@ class Body:
         Sides along the axes 1, 2, 3 of a homogeneous box.
     about : {"centre", "point"} or None
         The point of the moments, where it is known: the centre of mass (:meth:`box`, :meth:`cone`
-        and the others that make a body from its shape), or another point that was given. Not
-        compared and not saved.
+        and the others that make a body from its shape), or another given point. It is neither
+        compared nor saved.
 
     Raises
     ------
@@ -665,7 +665,12 @@ class Body:
         return 1 if i2 == i3 else None
 
     def to_dict(self) -> dict[str, Any]:
-        """The body as a dict of numbers, for JSON; :meth:`from_dict` reads it."""
+        """The body as a dict of numbers, for JSON; :meth:`from_dict` reads it.
+
+        Returns
+        -------
+        dict
+        """
         moments = self.moments
         return {
             "moments": moments.tolist() if isinstance(moments, np.ndarray) else list(moments),
@@ -675,7 +680,24 @@ class Body:
 
     @classmethod
     def from_dict(cls, data: Mapping[str, Any]) -> Body:
-        """The body that :meth:`to_dict` described."""
+        """The body that :meth:`to_dict` described.
+
+        Parameters
+        ----------
+        data : dict
+            The dictionary.
+
+        Returns
+        -------
+        Body
+
+        Examples
+        --------
+        >>> import rigid
+        >>> box = rigid.Body.box(0.25, 0.08, 0.01, mass=0.3)
+        >>> rigid.Body.from_dict(box.to_dict()) == box
+        True
+        """
         return cls(data["moments"], mass=data.get("mass"), sides=data.get("sides"))
 
 

@@ -2,8 +2,8 @@
 
 That are its default arguments, closures, what a ``functools.partial`` or an object holds, and the
 globals that its code names; of functions and classes of the user that it uses likewise. Modules,
-functions and classes of installed packages are told by their names. Of machine code, behind a
-function of ctypes or cffi, nothing is told.
+functions and classes of installed packages are recorded by their names. Of machine code, behind a
+function of ctypes or cffi, nothing is recorded.
 """
 
 from __future__ import annotations
@@ -63,7 +63,7 @@ _MISSING = "nothing"
 def captured(function: Callable[..., Any]) -> dict[str, str]:
     """The values that a function takes from outside, by the names in its code.
 
-    Small numbers are told as they are, all else by digests.
+    Small numbers are recorded as they are, all other values by digests.
 
     Raises
     ------

@@ -293,13 +293,13 @@ def regular(
     high: float = 5.0,
     ratio: float = 1.5,
 ) -> Regular:
-    """Stable: the motion is regular, as far as its horizon can tell; unstable: it is chaotic.
+    """Stable: the motion is regular, as far as its horizon can show; unstable: it is chaotic.
 
-    A small deviation vector of the motion is integrated with it. It grows like a power of the time
-    on regular motions, and exponentially on chaotic ones: the mean MEGNO stays, or doubles with the
-    time. What is neither yet is undecided. A map runs each body twice, by two methods and from two
-    deviation vectors, which keep ``L·gamma`` of a top without torque and damping. A body is regular
-    if both runs are; chaotic if one is and the other is not regular.
+    A small deviation vector is integrated with the motion. The vector grows like a power of the
+    time on regular motions, and exponentially on chaotic ones. The mean MEGNO then stays constant,
+    or doubles with the time. A motion that is neither yet is undecided. A map runs each body twice,
+    by two methods and from two deviation vectors, which keep ``L·gamma`` of a top without torque
+    and damping. A body is regular if both runs are; chaotic if one is and the other is not regular.
 
     Parameters
     ----------
@@ -307,11 +307,12 @@ def regular(
         The size of a deviation vector, and its default, as in :func:`rigid.lyapunov`.
     sure, low : float
         A run is regular if its mean MEGNO at the horizon is below ``sure``, or below ``low`` and
-        less than 1/2 above that at half of the horizon. The limit of regular motions is 2.
+        less than 1/2 above its value at half of the horizon. The limit of regular motions is 2.
     high, ratio : float
-        A run is chaotic if its mean MEGNO is above ``high`` and above ``ratio`` times that at half
-        of the time; at a quarter and at half of the horizon only if it is above twice ``high``: the
-        run then ends. Quadratic growth gives 4 and a ratio of 1, exponential growth a ratio of 2.
+        A run is chaotic if its mean MEGNO is above ``high`` and above ``ratio`` times its value at
+        half of the time. At a quarter and at half of the horizon the mean MEGNO must be above twice
+        ``high``; the run then ends. Quadratic growth gives 4 and a ratio of 1, exponential growth a
+        ratio of 2.
 
     Returns
     -------

@@ -53,7 +53,7 @@ class Event:
         The quantity is ``omega·w + gamma·n + momentum·L`` for the rates ``w`` and the vertical
         ``n`` in the body and the angular momentum ``L`` in space; of a tilt it is minus its cosine.
     value : float
-        What the quantity crosses; zero if it turns.
+        The value that the quantity crosses; zero if it turns.
     direction : int
         1 for rising crossings and least values, -1 for falling ones and largest values, 0 for both.
     turns : bool
@@ -70,6 +70,10 @@ class Event:
 
     def words(self) -> str:
         """The event in words.
+
+        Returns
+        -------
+        str
 
         Examples
         --------
@@ -96,7 +100,12 @@ class Event:
         return math.sin(self.value) if self.name in TILTS and not self.turns else 1.0
 
     def to_dict(self) -> dict[str, Any]:
-        """All attributes as plain Python values."""
+        """All attributes as plain Python values.
+
+        Returns
+        -------
+        dict
+        """
         return {
             "name": self.name,
             "omega": list(self.omega),
@@ -109,7 +118,24 @@ class Event:
 
     @classmethod
     def from_dict(cls, entries: dict[str, Any]) -> Event:
-        """The event that :meth:`to_dict` described."""
+        """The event that :meth:`to_dict` described.
+
+        Parameters
+        ----------
+        entries : dict
+            The attributes.
+
+        Returns
+        -------
+        Event
+
+        Examples
+        --------
+        >>> import rigid
+        >>> event = rigid.crosses("omega2")
+        >>> rigid.Event.from_dict(event.to_dict()) == event
+        True
+        """
         vectors = {name: _three(np.array(entries[name])) for name in ("omega", "gamma", "momentum")}
         return cls(**{**entries, **vectors})
 

@@ -49,10 +49,10 @@ class EnergySink:
 
         I omega' = … + L × e,    dE/dt = -omega'·P omega' + torque·(omega + e).
 
-    ``L`` is constant in space to rounding, whatever ``P``: the law is a double bracket (Bloch,
-    Krishnaprasad, Marsden, Ratiu 1996). Every body ends in a rotation about its axis of the largest
-    moment, in flat spin if it began about the axis of the smallest moment. Backward in time the
-    energy grows.
+    ``L`` is constant in space to rounding, whatever ``P``: the dissipation is a double bracket
+    (Bloch, Krishnaprasad, Marsden, Ratiu 1996). Every body ends in a rotation about its axis of the
+    largest moment, in flat spin if it began about the axis of the smallest moment. Backward in time
+    the energy grows.
 
     Physics asks that ``P |omega| / I`` is small; then ``e`` is too.
 
@@ -117,6 +117,10 @@ class EnergySink:
         viscosity : float
             Kinematic viscosity ``nu`` (m²/s); the Reynolds number ``a² |omega| / nu`` must be
             small.
+
+        Returns
+        -------
+        EnergySink
 
         Raises
         ------

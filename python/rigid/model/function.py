@@ -31,7 +31,7 @@ class TorqueFunction:
     fastest : float or None
         A bound of the rates under this torque (rad/s).
     kept : object
-        What was given as the function: it lives as long as this.
+        The given function, kept alive as long as this object.
     """
 
     address: int

@@ -123,8 +123,8 @@ def judged(
 
     The bodies are drawn, integrated, counted and checked as for any criterion. Each integrated body
     is integrated by a second method too: if the function says otherwise of these states, the body
-    is undecided. Bodies whose motion has a closed form are not integrated. What happens between the
-    times is not seen.
+    is undecided. Bodies whose motion has a closed form are not integrated. States between the times
+    are not checked.
 
     Parameters
     ----------
@@ -142,8 +142,8 @@ def judged(
         Times, s, ascending. The last one is the horizon of the map. With an axis ``t_end`` of the
         map, whose values are among the times, the function sees those up to the horizon.
     of : {"attitude", "axis", "rates"}
-        What is computed: all; rates, and the vertical of tops; or rates alone, which costs less.
-        What is not computed is None.
+        Recorded states: all; rates, and the vertical of tops; or rates alone, which costs less.
+        Omitted states are None.
 
     Returns
     -------

@@ -95,7 +95,7 @@ class Measure:
         return self.name not in ("time_to_leave", "drift")
 
     def check_forced(self) -> None:
-        """Raise ValueError if a map cannot record the measure under torque and damping."""
+        """Raise ValueError if a map cannot measure it under torque and damping."""
         if self.name == "largest_tilt":
             tilt_below(1.0, reference=self.reference).check_forced()
 

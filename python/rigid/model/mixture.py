@@ -56,14 +56,29 @@ class Mixture:
         return shares
 
     def to_dict(self) -> dict[str, Any]:
-        """The mixture as a JSON-able dictionary; :func:`start_from_dict` reads it."""
+        """The mixture as a JSON-able dictionary; :func:`start_from_dict` reads it.
+
+        Returns
+        -------
+        dict
+        """
         return {
             "mixture": [start.to_dict() for start in self.starts],
             "weights": list(self.weights),
         }
 
     def describe(self, varied: Container[str] = ()) -> str:
-        """The starts in words; ``varied`` names the parts that the axes of a map set."""
+        """The starts in words; ``varied`` names the parts that the axes of a map set.
+
+        Parameters
+        ----------
+        varied : container of str
+            Names of parameters that vary.
+
+        Returns
+        -------
+        str
+        """
         total = sum(self.weights)
         return "; or ".join(
             f"{weight / total:.3g} of the bodies: {start.describe(varied)}"

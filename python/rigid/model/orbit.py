@@ -38,9 +38,9 @@ class Orbit:
     The torque is ``3 n² (a/r)³ o × I o``, with the mean motion ``n``, the semi-major axis ``a``,
     the distance ``r``, and the direction ``o`` from the planet to the body (Hughes, *Spacecraft
     Attitude Dynamics*, 1986, § 8.1). The orbit is given: the rotation does not act on it. The
-    torque leaves out terms of the size of the body over ``r``, and the oblateness of the planet.
-    A large moon close to its planet changes its orbit and its libration (Agrusa et al., Icarus 370
-    (2021) 114624, § 5): take a code of the full two-body problem for one.
+    torque omits terms of the size of the body over ``r``, and the oblateness of the planet. A large
+    moon close to its planet changes its orbit and its libration (Agrusa et al., Icarus 370 (2021)
+    114624, § 5): take a code of the full two-body problem for one.
 
     Parameters
     ----------
@@ -68,9 +68,9 @@ class Orbit:
     Raises
     ------
     ValueError
-        If the rate is not positive, the eccentricity is not from 0 to 0.95, a direction is no unit
-        vector, the two are not at right angles, an anomaly is above 1000 rad, both anomalies are
-        given, or the shapes do not broadcast.
+        If the rate is not positive; if the eccentricity is not from 0 to 0.95; if a direction is no
+        unit vector, or the two are not perpendicular; if an anomaly is above 1000 rad, or both
+        anomalies are given; if the shapes do not broadcast.
 
     References
     ----------
@@ -127,7 +127,7 @@ class Orbit:
                 f"periapsis{place} = {given}: must be at right angles to normal, their product is "
                 f"{along[index][0]:g}"
             )
-        # What is at right angles to rounding stays: a file gives back the same orbit.
+        # Vectors perpendicular to rounding stay: a file gives back the same orbit.
         turned = begin - along * axis
         turned = turned / np.linalg.norm(turned, axis=-1, keepdims=True)
         begin = np.where(np.abs(along) > _ROUNDED, turned, begin)
@@ -169,6 +169,12 @@ class Orbit:
         -------
         ndarray, shape (..., m, 3) or (..., 3)
 
+        Raises
+        ------
+        ValueError
+            If a time is not finite, the shapes do not broadcast, or the orbit turns so far that its
+            place is lost to rounding.
+
         Examples
         --------
         >>> import numpy as np, rigid
@@ -198,8 +204,8 @@ class Orbit:
     def frame(self, t: ArrayLike) -> Floats:
         """The axes of the orbit in space: columns radial, along and normal.
 
-        The radial axis points from the planet to the body, the axis along is at right angles to it
-        in the plane of the orbit, on a circle in the direction of the motion.
+        The radial axis points from the planet to the body. The axis *along* is perpendicular to the
+        radial axis in the plane of the orbit: on a circle it has the direction of the motion.
 
         Parameters
         ----------
@@ -210,6 +216,11 @@ class Orbit:
         -------
         ndarray, shape (..., m, 3, 3) or (..., 3, 3)
             Rotation matrices.
+
+        Raises
+        ------
+        ValueError
+            As for :meth:`position`.
 
         Examples
         --------
@@ -248,12 +259,34 @@ class Orbit:
         return cls(rate, e, mean, normal, every[..., 3:6])
 
     def to_dict(self) -> dict[str, Any]:
-        """The orbit as a dict of numbers; :meth:`from_dict` reads it."""
+        """The orbit as a dict of numbers; :meth:`from_dict` reads it.
+
+        Returns
+        -------
+        dict
+        """
         return {name: np.asarray(getattr(self, name)).tolist() for name in self.__slots__}
 
     @classmethod
     def from_dict(cls, data: Mapping[str, Any]) -> Self:
-        """The orbit that :meth:`to_dict` described."""
+        """The orbit that :meth:`to_dict` described.
+
+        Parameters
+        ----------
+        data : dict
+            The dictionary.
+
+        Returns
+        -------
+        Orbit
+
+        Examples
+        --------
+        >>> import rigid
+        >>> orbit = rigid.Orbit(1e-3, eccentricity=0.1)
+        >>> rigid.Orbit.from_dict(orbit.to_dict()) == orbit
+        True
+        """
         if "towards" in data:  # Of versions that knew circles only.
             towards, ahead = np.array(data["towards"]), np.array(data["ahead"])
             return cls(data["rate"], normal=np.cross(towards, ahead), periapsis=-towards)

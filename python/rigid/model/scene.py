@@ -421,7 +421,7 @@ class FreeBody(Scene):
     Parameters
     ----------
     body : Body
-        The body, or many.
+        One body or many.
     torque : Torque, optional
         Applied torque: :meth:`Torque.body`, :meth:`Torque.space`,
         :meth:`Torque.call`, or a sum of them.
@@ -495,11 +495,33 @@ class FreeBody(Scene):
 
     @classmethod
     def example(cls) -> Self:
-        """A scene to try: a body with the moments (1, 1.5, 2) kg m²."""
+        """A scene to try: a body with the moments (1, 1.5, 2) kg m².
+
+        Returns
+        -------
+        FreeBody
+
+        Examples
+        --------
+        >>> import rigid
+        >>> rigid.FreeBody.example().body.moments
+        (1.0, 1.5, 2.0)
+        """
         return cls(Body((1.0, 1.5, 2.0)))
 
     def default_start(self) -> Start:
-        """Rotation about the middle axis at 1 rad/s, with normal noise of 1e-3 rad/s."""
+        """Rotation about the middle axis at 1 rad/s, with normal noise of 1e-3 rad/s.
+
+        Returns
+        -------
+        Start
+
+        Examples
+        --------
+        >>> import rigid
+        >>> rigid.FreeBody.example().default_start().spin
+        1.0
+        """
         middle = int(np.argsort(self.body.moments, kind="stable")[1]) + 1
         return Start(spin=1.0, axis=middle, noise=normal(1e-3))
 
@@ -688,6 +710,11 @@ class HeavyTop(Scene):
             Column k is body axis k + 1 in the coordinates of ``properties``; the identity if the
             tensor about the pivot is diagonal, else moments are ascending.
 
+        Raises
+        ------
+        ValueError
+            As for :meth:`from_mass`.
+
         Examples
         --------
         >>> import rigid
@@ -703,11 +730,33 @@ class HeavyTop(Scene):
 
     @classmethod
     def example(cls) -> Self:
-        """A scene to try: a symmetric top with the moments (1, 1, 0.5) kg m² and mgl = 1 J."""
+        """A scene to try: a symmetric top with the moments (1, 1, 0.5) kg m² and mgl = 1 J.
+
+        Returns
+        -------
+        HeavyTop
+
+        Examples
+        --------
+        >>> import rigid
+        >>> rigid.HeavyTop.example().mgl
+        1.0
+        """
         return cls(Body((1.0, 1.0, 0.5)), mgl=1.0)
 
     def default_start(self) -> Start:
-        """Upright with a spin of 5 rad/s, with normal noise of the attitude of 1e-3 rad."""
+        """Upright with a spin of 5 rad/s, with normal noise of the attitude of 1e-3 rad.
+
+        Returns
+        -------
+        Start
+
+        Examples
+        --------
+        >>> import rigid
+        >>> rigid.HeavyTop.example().default_start().spin
+        5.0
+        """
         return Start(spin=5.0, attitude_noise=normal(1e-3))
 
     def weights(self, columns: Mapping[str, Floats], count: int) -> Floats:

@@ -45,7 +45,7 @@ class Noise:
         One of ``"normal"``, ``"uniform"``, ``"direction"``, ``"uniform_attitude"``,
         ``"von_mises_fisher"``.
     size : float or tuple of 3 floats
-        Factor of the law, one number or one for each body axis: rad/s for rates, rad for an
+        Size of the distribution, one number or one for each body axis: rad/s for rates, rad for an
         attitude; the concentration of ``"von_mises_fisher"``.
     cov : tuple of tuples of float, or None
         Covariance of normal deviates that hang together, 3 x 3, or 6 x 6 of the rates and then the
@@ -242,7 +242,7 @@ class Samples:
     Attributes
     ----------
     omega : tuple of tuples of 3 floats
-        What is added to the rates, rad/s.
+        Additions to the rates (rad/s).
     attitude : tuple of tuples of 4 floats, or None
         As many rotations, unit quaternions, applied on the body side.
     weights : tuple of floats, or None
@@ -351,7 +351,7 @@ def samples(
     Parameters
     ----------
     omega : array_like, shape (n, 3), optional
-        What is added to the rates (rad/s); default nothing.
+        Additions to the rates (rad/s); default zero.
     attitude : array_like, shape (n, 4), optional
         Rotations, as unit quaternions, applied on the body side.
     weights : array_like, shape (n,), optional
@@ -506,13 +506,13 @@ class Start:
     spin : float, optional
         Rate about ``axis``, rad/s.
     axis : {1, 2, 3}
-        The body axis that the start is about.
+        The body axis to which ``spin`` and ``tilt`` refer.
     tilt : float
         Angle between ``axis`` and the rates (free body) or the vertical (top), rad, in [-pi, pi].
     attitude : array_like, shape (4,), or scipy Rotation, optional
         The nominal attitude, instead of ``tilt``: a quaternion (w, x, y, z) that takes components
-        in the body to those in space. It is divided by its length. A start with ``spin`` then has
-        ``omega = spin e``.
+        in the body to components in space. It is divided by its length. A start with ``spin`` then
+        has ``omega = spin e``.
     noise : Noise or Samples, optional
         Perturbation of the rates; samples, and a covariance of shape (6, 6), perturb the attitude
         too.
@@ -589,7 +589,12 @@ class Start:
         return self.noise is not None and self.noise.cov is not None and len(self.noise.cov) == 6
 
     def to_dict(self) -> dict[str, Any]:
-        """The start as a JSON-able dictionary; :meth:`from_dict` reads it."""
+        """The start as a JSON-able dictionary; :meth:`from_dict` reads it.
+
+        Returns
+        -------
+        dict
+        """
         return {
             "omega": None if self.omega is None else list(self.omega),
             "spin": self.spin,
@@ -605,7 +610,24 @@ class Start:
 
     @classmethod
     def from_dict(cls, data: Mapping[str, Any]) -> Start:
-        """The start that :meth:`to_dict` described."""
+        """The start that :meth:`to_dict` described.
+
+        Parameters
+        ----------
+        data : dict
+            The dictionary.
+
+        Returns
+        -------
+        Start
+
+        Examples
+        --------
+        >>> import rigid
+        >>> start = rigid.Start(spin=5.0, tilt=0.1, noise=rigid.normal(1e-3))
+        >>> rigid.Start.from_dict(start.to_dict()) == start
+        True
+        """
         values = dict(data)
         for name in ("noise", "attitude_noise"):
             if values.get(name) is not None:
@@ -617,7 +639,23 @@ class Start:
         return cls(**values)
 
     def describe(self, varied: Container[str] = ()) -> str:
-        """The start in words; ``varied`` names the parts that the axes of a map set."""
+        """The start in words; ``varied`` names the parts that the axes of a map set.
+
+        Parameters
+        ----------
+        varied : container of str
+            Names of parameters that vary.
+
+        Returns
+        -------
+        str
+
+        Examples
+        --------
+        >>> import rigid
+        >>> rigid.Start(spin=5.0, axis=3, noise=rigid.normal(1e-3)).describe()
+        'spin 5 rad/s about axis 3, rates + normal(0.001)'
+        """
 
         def number(name: str, value: float | None) -> str:
             return "varied" if name in varied else f"{value:g}"
@@ -649,7 +687,7 @@ def _attitude(value: Any) -> tuple[float, float, float, float]:
     if unit.shape != (4,):
         raise ValueError(f"attitude: expected shape (4,), got {unit.shape}")
     given = np.asarray(value, dtype=np.float64) if not hasattr(value, "as_quat") else unit
-    # What is a unit quaternion to rounding stays: a file gives back the same start.
+    # A unit quaternion to rounding stays: a file gives back the same start.
     if abs(float(given @ given) - 1.0) <= 8.0 * np.finfo(np.float64).eps:
         unit = given
     w, x, y, z = unit.tolist()

@@ -115,16 +115,47 @@ class Torque:
             Times (s) of the table, ascending, at least two; equal neighbours are a jump. The tables
             of many bodies have the same times.
 
+        Returns
+        -------
+        Torque
+
         Raises
         ------
         ValueError
             If the shapes do not fit, a number is not finite, or the times are not ascending.
+
+        Examples
+        --------
+        >>> import rigid
+        >>> rigid.Torque.body((0.0, 0.0, 0.2)).words()
+        'torque (0, 0, 0.2) in the body'
         """
         return cls._made(values, times, 0)
 
     @classmethod
     def space(cls, values: ArrayLike, *, times: ArrayLike | None = None) -> Torque:
-        """A torque with these components along the space axes; arguments as in :meth:`body`."""
+        """A torque with these components along the space axes; arguments as in :meth:`body`.
+
+        Parameters
+        ----------
+        values, times
+            As in :meth:`body`.
+
+        Returns
+        -------
+        Torque
+
+        Raises
+        ------
+        ValueError
+            As for :meth:`body`.
+
+        Examples
+        --------
+        >>> import rigid
+        >>> rigid.Torque.space((0.0, 0.0, 0.2)).words()
+        'torque (0, 0, 0.2) in space'
+        """
         return cls._made(values, times, 1)
 
     @classmethod
@@ -138,13 +169,13 @@ class Torque:
             void torque(double t, const double *omega, const double *attitude,
                         const double *data, double *torque)
 
-        It is given the time (s), the rates (3, rad/s, in the body), the attitude (4, unit
-        quaternion, scalar first and not negative, body to space) and ``data``, and writes the
-        torque (3, N m, along the principal axes). A number that it does not write is NaN, which
-        ends the body with the status ``NOT_FINITE``. It must not depend on earlier calls, and must
-        be safe to call from several threads at once: a ``numba.cfunc`` is. A callback of ctypes
-        runs with the lock of the interpreter, one call at a time. At corners of the torque equal
-        steps lose their order, and steps by a ``tolerance`` become short.
+        Its arguments are the time (s), the rates (3, rad/s, in the body), the attitude (4, unit
+        quaternion, scalar first and not negative, body to space) and ``data``. It writes the torque
+        (3, N m, along the principal axes). A number that it does not write is NaN, which ends the
+        body with the status ``NOT_FINITE``. It must not depend on earlier calls, and must be safe
+        to call from several threads at once: a ``numba.cfunc`` is. A callback of ctypes runs with
+        the lock of the interpreter, one call at a time. At corners of the torque equal steps lose
+        their order, and steps by a ``tolerance`` become short.
 
         Runge-Kutta methods and ``midpoint`` integrate it, one body after the other: a step takes
         several times as long as under another torque. ``"dop853"`` alone takes a ``tolerance`` and
@@ -160,6 +191,10 @@ class Torque:
         fastest : float, optional
             A bound of ``|omega|`` under this torque (rad/s), and of the rate at which the torque
             varies: the steps follow from it. Without it a run needs a ``step``, or a ``tolerance``.
+
+        Returns
+        -------
+        Torque
 
         Raises
         ------
@@ -241,14 +276,29 @@ class Torque:
         return self.function is not None or bool(np.any(self.in_space))
 
     def at(self, t: ArrayLike) -> tuple[Floats, Floats]:
-        """Torque in the body and in space at times ``t`` (m,), shapes (..., m, 3); after a jump.
+        """Torque (N m) in the body and in space at times ``t``, without a callback.
 
-        A function is not in them.
+        Parameters
+        ----------
+        t : array_like, shape (m,)
+            Times (s).
+
+        Returns
+        -------
+        in_body, in_space : ndarray, shape (..., m, 3)
+            Torque (N m), without a callback; at a jump the value after it.
 
         Raises
         ------
         ValueError
             If the table does not reach a time.
+
+        Examples
+        --------
+        >>> import rigid
+        >>> ramp = rigid.Torque.body([(0, 0, 0), (0, 0, 2)], times=[0.0, 4.0])
+        >>> ramp.at([1.0, 2.0])[0][:, 2].tolist()
+        [0.5, 1.0]
         """
         times = np.atleast_1d(shaped("t", t))
         if self.times:
@@ -261,7 +311,12 @@ class Torque:
         return body, space
 
     def words(self) -> str:
-        """The torque in a few words."""
+        """The torque in a few words.
+
+        Returns
+        -------
+        str
+        """
         frames = [
             (name, values)
             for name, values in (("body", self.in_body), ("space", self.in_space))
@@ -288,7 +343,12 @@ class Torque:
         )
 
     def to_dict(self) -> dict[str, Any]:
-        """The torque as a dict of numbers; :meth:`from_dict` reads it."""
+        """The torque as a dict of numbers; :meth:`from_dict` reads it.
+
+        Returns
+        -------
+        dict
+        """
         return {
             "times": list(self.times),
             "in_body": np.asarray(self.in_body).tolist(),
@@ -298,7 +358,24 @@ class Torque:
 
     @classmethod
     def from_dict(cls, data: Mapping[str, Any]) -> Torque:
-        """The torque that :meth:`to_dict` described; a callback in it cannot be called."""
+        """The torque that :meth:`to_dict` described; a callback in it cannot be called.
+
+        Parameters
+        ----------
+        data : dict
+            The dictionary.
+
+        Returns
+        -------
+        Torque
+
+        Examples
+        --------
+        >>> import rigid
+        >>> torque = rigid.Torque.body((0.0, 0.0, 0.2))
+        >>> rigid.Torque.from_dict(torque.to_dict()) == torque
+        True
+        """
         times = data["times"] or None
         parts = []
         for make, values in ((cls.body, data["in_body"]), (cls.space, data["in_space"])):

@@ -55,15 +55,15 @@ def report(
 ) -> Report:
     """Measure error against run time of all methods that can move a body from this start.
 
-    Each method is run with shorter and shorter steps, from about a radian a step, until its error
-    is below the smallest requested error, the rounding error or the error of the reference, or the
-    time limit is reached. An ensemble of bodies fills the registers: the given start, and starts
-    whose rates differ by about 1e-3, relatively.
+    Each method is run with shorter and shorter steps, from about a radian a step. A method ends
+    when its error is below the smallest requested error, the rounding error or the error of the
+    reference, or at the time limit. An ensemble of bodies fills the registers: the given start, and
+    starts whose rates differ by about 1e-3, relatively.
 
-    The error of the state at ``t_end`` is measured against the closed form if the bodies have one,
-    else against the method with the highest order, with a step so short that half the step changes
-    the state only by rounding. The uncertainty of the reference is stated; smaller errors are not
-    reported.
+    The error of the state at ``t_end`` is measured against the closed form if the bodies have one.
+    Else the reference is the method with the highest order, with a step so short that half the step
+    changes the state only by rounding. The uncertainty of the reference is stated; smaller errors
+    are not reported.
 
     Time is processor time of the process around :func:`rigid.simulate` on one thread. The overhead
     of a call is some 0.2 ms. To make it small, the motion continues beyond ``t_end`` until a call
@@ -89,14 +89,14 @@ def report(
     bodies : int
         Bodies in the ensemble; a multiple of 32 fills all registers.
     errors : array_like, shape (m,)
-        Errors for each of which the cheapest method is determined.
+        Errors, for each of which the cheapest method is found.
     seconds : float
-        About how long it may take.
+        Approximate time limit (s).
     progress : None, bool or callable
         As in :func:`rigid.stability_map`; a callable gets a :class:`Progress` in hundredths of the
         work, with the runs that failed.
     rng : int, numpy.random.Generator or SeedSequence, optional
-        The seed of the ensemble, or where to take it from.
+        The seed of the ensemble, or its source.
     unit : str
         Name of the unit of time.
     title : str, optional

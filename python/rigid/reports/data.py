@@ -92,10 +92,10 @@ class ReportData(Stored):
     def cheapest(self, error: float, *, schemes: bool = False) -> tuple[str, ...]:
         """The methods that reach a given error in the shortest time, within the scatter of times.
 
-        Two costs are told apart if they differ by more than twice the distances of the quartiles of
-        their repeats, of which there must be three at least. All are returned that are not told
-        apart from the lowest cost, the lowest first: none if the error is not reached, and none if
-        no cost is told apart from another.
+        Two costs are distinct if they differ by more than twice the distances of the quartiles of
+        their repeats, of which there must be three at least. All methods are returned whose cost is
+        not distinct from the lowest, the lowest first. None are returned if the error is not
+        reached, or if no two costs are distinct.
 
         Parameters
         ----------

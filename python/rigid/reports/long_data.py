@@ -54,7 +54,19 @@ class LongRow:
     phase: tuple[float, ...]
 
     def error(self, name: str, horizon: int) -> float:
-        """The error of a name over the revolutions of an index; infinite if not reached."""
+        """The error of a name over the revolutions of an index; infinite if not reached.
+
+        Parameters
+        ----------
+        name : str
+            ``"energy"``, ``"momentum"`` or ``"phase"``.
+        horizon : int
+            Index of the number of revolutions.
+
+        Returns
+        -------
+        float
+        """
         errors: tuple[float, ...] = getattr(self, name)
         return errors[horizon] if horizon < len(errors) else math.inf
 

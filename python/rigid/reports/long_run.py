@@ -90,16 +90,16 @@ def long_run(
 ) -> LongRun:
     """Measure errors of energy, momentum and phase of the methods over very many revolutions.
 
-    :func:`rigid.report` measures the error after a short time; here it is seen how errors grow.
-    Each method is run with steps in which the body turns by 16 rad, 8 rad and so on, down to
-    1/16 rad, until shorter steps make no error smaller: over the first number of revolutions, then
-    over the next one, the cheapest runs first, as far as the time goes. A step with an energy that
-    is off by more than 1e-3 after the first revolutions is omitted.
+    :func:`rigid.report` measures the error after a short time; a long run shows how errors grow.
+    Each method is run with steps in which the body turns by 16 rad, 8 rad and so on, down to 1/16
+    rad, until shorter steps make no error smaller. All methods run over the first number of
+    revolutions, then over the next one, the cheapest first, as far as the time goes. A step with an
+    energy that is off by more than 1e-3 after the first revolutions is omitted.
 
-    An ensemble of 32 bodies is run, as in :func:`rigid.report`, and the largest error of all is
-    told: of energy and momentum the largest at 256 times of the run, of the phase that at its end.
-    The phase is compared with the closed form, else with the method of the highest order, as far
-    as that one is known to be right: not for long where the motion is chaotic.
+    An ensemble of 32 bodies is run, as in :func:`rigid.report`, and the largest error of all bodies
+    is reported: of energy and momentum the largest at 256 times of the run, of the phase the error
+    at its end. The phase is compared with the closed form, else with the method of the highest
+    order, as far as that one is known to be right: not for long where the motion is chaotic.
 
     Parameters
     ----------
@@ -113,11 +113,11 @@ def long_run(
         Names of :func:`rigid.methods`; by default all. Methods that make the same steps, bit for
         bit, are measured once, as in :func:`rigid.report`.
     seconds : float
-        About how long it may take, but for the first runs.
+        Approximate time limit (s), without the first runs.
     progress : None, bool or callable
         As in :func:`rigid.report`.
     rng : int, numpy.random.Generator or SeedSequence, optional
-        The seed of the ensemble, or where to take it from.
+        The seed of the ensemble, or its source.
     unit : str
         Name of the unit of time.
     title : str, optional
@@ -190,7 +190,7 @@ def run_long(
     def of(t_end: float) -> Ensemble:
         return ensemble_of(dataclasses.replace(spec, t_end=t_end, bodies=BODIES))
 
-    # Only names, reasons and bits are asked for here, with steps that every method takes.
+    # Only names, reasons and bits are needed here, with steps that every method takes.
     short = of(ANGLES[-1] / rate)
     usable, refused = probe(short, dict.fromkeys([EXACT, *spec.methods, *run_methods()]))
     same = same_steps(short, [name for name in spec.methods if name in usable and name != EXACT])
@@ -210,7 +210,7 @@ def run_long(
             for count in (min(TRIAL, lengths[0]), *lengths):
                 legs.append(_leg(of(math.tau * count / rate), count, usable, legs, until(SEARCH)))
                 tell()
-            del legs[0]  # it told what a reference costs
+            del legs[0]  # it showed what a reference costs
             for method in same:
                 for track in _first_tracks(method, legs[0], until(1.0)):
                     tracks.append(track)
@@ -365,7 +365,7 @@ def _lengthen(
 
 
 def _run(leg: Leg, method: str, angle: float) -> Run:
-    """The ensemble over a leg in equal steps, seen at the ends of some of them."""
+    """The ensemble over a leg in equal steps, with states at the ends of some of them."""
     spec = leg.ensemble.spec
     steps = math.ceil(math.tau * leg.revolutions / angle)
     k = np.arange(OUTPUT_TIMES)

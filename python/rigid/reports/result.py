@@ -60,10 +60,24 @@ class Report(ReportData):
             Axes to draw on; by default the axes of a new figure; a notebook and
             ``plt.show()`` show it.
 
+        Returns
+        -------
+        matplotlib Axes
+
         Raises
         ------
         ImportError
             Without matplotlib.
+
+        Examples
+        --------
+        >>> import rigid
+        >>> book = rigid.FreeBody(rigid.Body.box(0.25, 0.08, 0.01, mass=0.3))
+        >>> result = rigid.report(
+        ...     book, [0.1, 10.0, 0.1], t_end=0.5, methods=["exact", "rk4"], errors=[1e-3], seconds=0.3
+        ... )
+        >>> result.plot().get_yscale()
+        'log'
         """
         return plot_report(self, ax=ax)
 
@@ -93,7 +107,7 @@ class LongRun(LongRunData):
     same : dict of str to tuple of str
         The other names of a method, of methods that make the same steps on these bodies.
     references : tuple of Reference
-        What the phase is compared with, over each number of revolutions as far as it is known.
+        The reference of the phase, over each number of revolutions as far as it is known.
     refused : dict of str to str
         Methods that are not applicable, and why.
     machine : dict of str to str
@@ -120,6 +134,15 @@ class LongRun(LongRunData):
         ------
         ImportError
             Without matplotlib.
+
+        Examples
+        --------
+        >>> import rigid
+        >>> result = rigid.long_run(
+        ...     rigid.Body((1.0, 1.5, 2.0)), [1.0, 0.2, 0.3], revolutions=[10, 100], methods=["rk4"]
+        ... )
+        >>> result.plot().shape
+        (2, 3)
         """
         return plot_long_run(self)
 

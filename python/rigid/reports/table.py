@@ -39,7 +39,7 @@ def _head(report: ReportData) -> list[str]:
 def heading(
     report: ReportData | LongRunData, what: str, untitled: str, lines: Mapping[str, str]
 ) -> list[str]:
-    """The measured scene, the given lines on the measurement, and the methods without a row."""
+    """The measured scene, the given lines on the measurement, and the refused methods."""
     spec, machine = report.spec, report.machine
     attitude = f"({_listed(spec.attitude)})"
     told = [
@@ -63,8 +63,8 @@ def _repeats(rounds: int) -> str:
 def _costs(report: ReportData) -> list[str]:
     """For each method its order, the time for each error, and its other names.
 
-    The cheapest method, and the cheapest one without the closed form, have stars, and what is not
-    told apart from them.
+    The cheapest method, and the cheapest one without the closed form, have stars, and so do methods
+    whose costs are not distinct.
     """
     wanted = report.spec.errors
     orders = {method.name: method.order for method in methods()}

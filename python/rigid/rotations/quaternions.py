@@ -1,7 +1,7 @@
 """Quaternions, to and from vectors and matrices, and the logarithm of a rotation through them.
 
 Angles come from ``atan2`` of the vector and the scalar part of a quaternion, so neither small turns
-nor those near pi lose digits (the angle from the trace of a matrix would lose half of them).
+nor turns near pi lose digits. The angle from the trace of a matrix would lose half of them.
 """
 
 from __future__ import annotations

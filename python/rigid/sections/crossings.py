@@ -88,24 +88,25 @@ class Crossings:
     direction : ndarray of int8, shape (p,)
         1 where the motion rises through the surface, -1 where it falls, 0 where it touches it.
     slope : ndarray, shape (p,)
-        Rate of what is zero on the surface; of ``"height"`` the second derivative of the height of
-        the centre of mass (1/s²), in units of its distance from the fixed point. 1 at equal times.
+        Rate of the function that is zero on the surface. For ``"height"`` it is the second
+        derivative of the height of the centre of mass (1/s²), in units of the distance of the
+        centre of mass from the fixed point. 1 at equal times.
     body : ndarray of int, shape (p,)
         Index of the body, in the flat order of all.
     grazing : ndarray of bool, shape (p,)
         Points at which the motion turns so near the surface, within 1e-12 of the scale of its
         rates, that rounding may decide whether it crosses. They are kept whatever their direction.
     error : ndarray, shape (p,)
-        Estimated error of ``t`` (s): three times what a second run, with a method of another order,
-        makes of the surface, the largest until then, and rounding, over the slope. Of states at
-        equal times their error as in :attr:`Run.error`, the largest of the body. NaN without that
-        run.
+        Estimated error of ``t`` (s). A second run, with a method of another order, gives another
+        value on the surface: three times the largest value until then, plus rounding, over the
+        slope. For states at equal times the error of the states as in :attr:`Run.error`, the
+        largest of the body. NaN without the second run.
     complete : ndarray of bool, shape (n,)
         Whether every crossing until ``end`` is among the points and no other: the body was run, no
         point grazes, and the motion is not on the surface all along.
     end : ndarray, shape (n,)
         Time until which the points of each body are known (s): ``t_end``, or the time of its last
-        point if it has as many as were asked for.
+        point if it has the requested number of points.
     lost_from : ndarray, shape (n,)
         Time from which on the points are lost to rounding: they belong to a motion of another start
         nearby. Infinite if there is none, NaN without a second run.
@@ -171,6 +172,15 @@ class Crossings:
             orbit from the direction away from the planet, which is its libration. Without an orbit
             the angle about z of space from x.
 
+        Returns
+        -------
+        ndarray, shape (p,)
+
+        Raises
+        ------
+        ValueError
+            If the name is unknown; the message has the known names.
+
         Examples
         --------
         >>> import rigid
@@ -203,6 +213,10 @@ class Crossings:
         """A sentence for each body that says how complete its points are.
 
         With several leading axes the sentences are tuples of tuples.
+
+        Returns
+        -------
+        tuple of str
 
         Examples
         --------
@@ -337,6 +351,16 @@ class Crossings:
         ------
         OSError
             Naming the path, if the file cannot be written.
+
+        Examples
+        --------
+        >>> import os, tempfile, numpy as np, rigid
+        >>> top = rigid.HeavyTop(rigid.Body((1.0, 1.6, 0.7)), mgl=1.2, com=(0.6, 0.0, 0.8))
+        >>> points = rigid.poincare(top, [0.3, 0.4, 1.0], [0.9, 0.3, 0.2, 0.1], t_end=30.0)
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     with np.load(points.save(os.path.join(folder, "points.npz"))) as file:
+        ...         file["omega"].shape
+        (8, 3)
         """
         arrays = {
             name: np.asarray(getattr(self, name))
@@ -348,8 +372,13 @@ class Crossings:
     def to_xarray(self) -> xarray.Dataset:
         """The points as an xarray ``Dataset`` with names and units.
 
-        The points have the axis ``point``, and ``body`` is the index of the body of each; what each
-        body has, such as ``complete``, has the axis ``motion``, in the flat order of all.
+        The points have the axis ``point``, and ``body`` is the index of the body of each point.
+        Arrays with a row for each body, such as ``complete``, have the axis ``motion``, in the flat
+        order of all bodies.
+
+        Returns
+        -------
+        xarray.Dataset
 
         Raises
         ------
@@ -391,6 +420,16 @@ class Crossings:
         ------
         OSError
             Naming the path, if the file cannot be written.
+
+        Examples
+        --------
+        >>> import os, tempfile, rigid
+        >>> top = rigid.HeavyTop(rigid.Body((1.0, 1.6, 0.7)), mgl=1.2, com=(0.6, 0.0, 0.8))
+        >>> points = rigid.poincare(top, [0.3, 0.4, 1.0], [0.9, 0.3, 0.2, 0.1], t_end=30.0)
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     path = points.to_csv(os.path.join(folder, "points.csv"))
+        ...     print(path.read_text().splitlines()[0].split(",")[:4])
+        ['body', 't', 'omega1', 'omega2']
         """
         columns: dict[str, NDArray[Any]] = {"body": self.body}
         for name, (_, axes) in _POINTS.items():

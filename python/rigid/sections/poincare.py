@@ -56,14 +56,14 @@ def poincare(
 ) -> Crossings:
     """Find all points at which bodies cross a surface of section, or states at equal times.
 
-    A Taylor method knows the motion inside each step as a polynomial, and with it what is zero on
-    the surface. Its zeros are isolated by Descartes' rule of signs, so that two crossings in one
-    step are not missed, and no grid of steps has to be fine enough.
+    A Taylor method knows the motion inside each step as a polynomial, and with it the function that
+    is zero on the surface. Its zeros are isolated by Descartes' rule of signs, so that two
+    crossings in one step are not missed, and no grid of steps has to be fine enough.
 
     Parameters
     ----------
     scene : FreeBody, HeavyTop or Body
-        The body, or many, with their weight, applied torque and damping.
+        One body or many, with weight, applied torque and damping.
     omega : array_like, shape (3,) or (..., 3)
         Angular velocity at ``t = 0`` in the body (rad/s).
     attitude : array_like, shape (4,) or (..., 4), or scipy Rotation, optional
@@ -76,20 +76,20 @@ def poincare(
     t_end : float
         Time at which the motions end (s).
     count : int, optional
-        Points of a body after which it ends earlier.
+        Number of points of a body after which its motion ends.
     method : str, optional
         A Taylor method. Default: ``"taylor20"``; under :meth:`Torque.call` ``"dop853"`` alone.
     tolerance : float, optional
-        Size of the last terms of a step, relative to the motion. Default: below rounding. Of
-        ``"dop853"`` the error of a step; default: 1e-12.
+        Size of the last terms of a step, relative to the motion; by default below rounding. For
+        ``"dop853"`` the error of a step; by default 1e-12.
     check : bool
         Whether a second run, by a method of another order, estimates the errors of the points.
     max_steps : int
-        A body that needs more is left there.
+        Most steps; a body that needs more ends there.
     threads : int, optional
         Default: ``RIGID_NUM_THREADS``, else the cores that this process may use.
     progress : None, bool or callable
-        As in :func:`stability_map`; silent by default.
+        As in :func:`stability_map`; none by default.
 
     Returns
     -------
@@ -103,8 +103,8 @@ def poincare(
         series, a ``t_end`` that is not positive, ``"height"`` of a body without weight; an
         ``every`` that is not positive or above ``t_end``, or beside a section.
     MemoryError
-        As soon as the points do not fit into the memory of the machine: ask for a ``count``, or
-        for fewer bodies at once.
+        As soon as the points do not fit into the memory of the machine: give a ``count``, or for
+        fewer bodies at once.
 
     Notes
     -----

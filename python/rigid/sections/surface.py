@@ -54,7 +54,18 @@ class Section:
         return self.name == HEIGHT
 
     def words(self) -> str:
-        """The surface in words."""
+        """The surface in words.
+
+        Returns
+        -------
+        str
+
+        Examples
+        --------
+        >>> import rigid
+        >>> rigid.section("omega2", direction=1).words()
+        'omega2 = 0, rising'
+        """
         if self.is_height:
             turn = {-1: "highest", 1: "lowest", 0: "highest or lowest"}[self.direction]
             return f"centre of mass {turn}"
@@ -87,7 +98,12 @@ class Section:
         return np.concatenate([np.zeros_like(weight), weight / length], axis=1)
 
     def to_dict(self) -> dict[str, Any]:
-        """Name, normal, value and direction as plain Python values."""
+        """Name, normal, value and direction as plain Python values.
+
+        Returns
+        -------
+        dict
+        """
         return {
             "name": self.name,
             "omega": list(self.omega),

@@ -116,7 +116,7 @@ class Arcs:
         return len(order) if below.all() else int(np.argmin(below))
 
     def _nearest(self, part: NDArray[np.intp]) -> list[Floats]:
-        """The guess of other moments whose motion is nearest to the measured one."""
+        """The guesses of other moments whose motions are nearest to the measured one."""
         guesses = self.unknowns.other_moments(_GUESSES)
         squares = [np.sum(np.square(self._residuals(guess, part))) for guess in guesses]
         return [guesses[k] for k in np.argsort(squares)[:_TRIED]]
@@ -124,8 +124,8 @@ class Arcs:
     def _beside(self, x: Floats, part: NDArray[np.intp], whole: bool) -> Minimum:
         """The minimum near ``x``.
 
-        A part of the measurements may be too short to tell all parameters. There each coordinate
-        counts as measured too: the first guess, with its size for a standard deviation.
+        A part of the measurements may be too short to determine all parameters. There each
+        coordinate counts as measured too: the first guess, with its size for a standard deviation.
         """
         unknowns = self.unknowns
 

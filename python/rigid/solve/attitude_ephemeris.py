@@ -29,10 +29,10 @@ def write_aem(
 ) -> Path:
     """Write one attitude ephemeris; see :meth:`rigid.Run.to_aem`.
 
-    The frame of space is frame A and the body is frame B. The message's matrix turns components
-    in A into those in B and is written with the same quaternion that turns the body from A to B
-    (CCSDS 504.0-B-1, § 3.3 and annex on conventions), so the parts of a quaternion stay as they
-    are, with the scalar last.
+    The frame of space is frame A and the body is frame B. The matrix of the message turns
+    components in A into components in B. It is written with the same quaternion that turns the body
+    from A to B (CCSDS 504.0-B-1, § 3.3 and annex on conventions). So the parts of a quaternion stay
+    as they are, with the scalar last.
     """
     begin = _epoch(epoch)
     words = {

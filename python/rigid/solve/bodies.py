@@ -185,7 +185,7 @@ class Bodies:
     def weight_ratios(self, rates: Floats) -> Floats:
         """``mgl / (I rate²)`` of each body, I its least moment, for bounds of its rates; (n,).
 
-        It tells how small a perturbation the weight is.
+        It shows how small a perturbation the weight is.
         """
         size = lengths(self.weight) / self.moments.min(axis=1)
         ratios: Floats = np.where(size > 0.0, size / rates / rates, 0.0)

@@ -113,7 +113,7 @@ def choose_method(problem: Problem) -> tuple[str, Floats | None, LazyPlan]:
     scene = problem.scene
     _check_rates_are_known(problem)
     asked = problem.method
-    # A method that was asked for does not depend on them.
+    # A requested method does not depend on them.
     forms = _known_closed_forms(problem) if asked in (None, EXACT) else np.empty(0, np.uint8)
     if scene.torque is not None and problem.span is not None:
         scene.torque.at(np.ravel(problem.times))  # ValueError outside the times of its table

@@ -37,10 +37,9 @@ def simulate_chunks(
 ) -> Iterator[Run]:
     """Yield the runs of parts of many bodies, for states that do not fit into memory.
 
-    Only one part is computed at a time, when it is asked for. With a given method a body has the
+    Only one part is computed at a time, when it is requested. With a given method a body has the
     same bits as in one call of :func:`simulate`; without one, method and steps are chosen for each
-    part.
-    All parts have the same arrays: their Datasets can be appended, as
+    part. All parts have the same arrays: their Datasets can be appended, as
     ``part.to_xarray().to_zarr(path, append_dim="body")``.
 
     Parameters

@@ -279,7 +279,7 @@ class Estimate:
     error : float or None
         Error of the attitude at the end (rad).
     unknown : str or None
-        Why the model does not tell the error.
+        Why the model does not know the error.
     """
 
     step: float | None

@@ -208,7 +208,7 @@ def estimate_error(
         error += rounding_of_damping(bodies, states["omega"], times)
         if method == RINGING:
             error += _ringing(bodies, states, times)
-    # What is not a number is not known.
+    # An error that is not a number is unknown.
     error = np.where(np.isfinite(error), error, np.inf)
     if is_damped_stiffly(bodies, method) and request.tolerance is None:
         # Damping can stop a body within a step: both runs lose the angle it turned meanwhile.

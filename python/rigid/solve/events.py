@@ -54,20 +54,20 @@ class Events:
         Rate of the quantity; of :func:`turns` its second derivative, of a tilt the rate of minus
         its cosine.
     grazing : ndarray of bool, shape (p,)
-        Where the quantity turns so near the value, within 1e-12 of its scale, or the error of a
-        closed form, that rounding may decide whether it crosses. These are kept whatever their
-        direction.
+        Events at which the quantity turns so near the value, within 1e-12 of its scale or within
+        the error of a closed form, that rounding may decide whether it crosses. They are kept
+        whatever their direction.
     error : ndarray, shape (p,)
         Estimated error of ``t`` (s): the error of the quantity over its slope. The error of the
-        quantity follows from the error of the closed form; else it is three times what a second
-        run, by a method of another order, makes of it, the largest until then. NaN without that
-        run.
+        quantity follows from the error of the closed form. Without a closed form it is three times
+        the largest difference until then from a second run by a method of another order. NaN
+        without the second run.
     body : ndarray of int, shape (p,)
         Index of the body, in the flat order of all.
     complete : ndarray of bool, shape (n,)
         Whether every event until the end of the record of the body is here and no other: the body
-        was run, none grazes, and the quantity has not the value all along. With a single body the
-        axis is absent.
+        was run, no event grazes, and the quantity does not have the value all along. With a single
+        body the axis is absent.
     lost_from : ndarray, shape (n,)
         Time from which on the events are lost to rounding: they belong to a motion of another start
         nearby. Infinite if there is none, NaN without a second run.
@@ -111,6 +111,15 @@ class Events:
     def of(self, body: int | tuple[int, ...]) -> Self:
         """The events of one body, by its index or, with several leading axes, its indices.
 
+        Parameters
+        ----------
+        body : int or tuple of int
+            Index, or with several leading axes the indices, of the body.
+
+        Returns
+        -------
+        Events
+
         Raises
         ------
         IndexError
@@ -149,7 +158,29 @@ class Events:
         )
 
     def tilt(self, axis: int = 3) -> Floats:
-        """Angle of a body axis from the upward vertical (rad), shape (p,)."""
+        """Angle of a body axis from the upward vertical (rad), shape (p,).
+
+        Parameters
+        ----------
+        axis : {1, 2, 3}
+            The body axis.
+
+        Returns
+        -------
+        ndarray, shape (p,)
+            Angles (rad), from 0 to pi.
+
+        Examples
+        --------
+        >>> import rigid
+        >>> top = rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0)
+        >>> tilted = rigid.rotations.euler_to_quaternion([0.0, 1.0, 0.0])
+        >>> run = rigid.simulate(
+        ...     top, [0.0, 0.0, 5.0], tilted, t=[0.0, 9.0], events=[rigid.turns("tilt3", 1)]
+        ... )
+        >>> run.events[0].tilt().round(6).tolist()
+        [1.0, 1.0, 1.0]
+        """
         others = [k for k in range(3) if k != axis - 1]
         tilt: Floats = np.arctan2(
             np.hypot(self.gamma[:, others[0]], self.gamma[:, others[1]]), self.gamma[:, axis - 1]

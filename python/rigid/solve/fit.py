@@ -47,7 +47,7 @@ class Fit:
         Whether a minimum was reached, and its ``chi2`` is possible: noise of the given ``sigma``
         has a larger one in less than one of a million fits.
     reason : str
-        Why, in words.
+        The reason for success or failure, in words.
     names : tuple of str
         The free parameters; ``"omega"`` gives ``"omega1"``, ``"omega2"``, ``"omega3"``, and so do
         ``"bias"`` and ``"scale"``.
@@ -61,8 +61,8 @@ class Fit:
     undetermined : tuple of str
         The combinations of parameters that the data do not determine, in words.
     at_bounds : tuple of str
-        What ended at the edge of the physical range, in words. Standard deviations do not hold
-        there.
+        The parameters that ended at the edge of the physical range, in words. Standard deviations
+        do not hold there.
     chi2 : float
         Sum of the squares of the residuals.
     chi2_per_dof : float
@@ -75,7 +75,7 @@ class Fit:
     omega : ndarray, shape (3,)
         The start with the best values (rad/s).
     evaluations : int
-        Runs with derivatives that it took.
+        Number of runs with derivatives.
     """
 
     success: bool
@@ -122,18 +122,18 @@ def fit(
     Sethna, arXiv:1201.5885, 2012). The derivative is the tangent of the motion: see
     :attr:`Run.sensitivity`. Moments vary inside what a body can have, because the integrals of the
     squares of its coordinates, ``(I1 + I2 + I3) / 2 - Ik``, are bounded below by zero. A motion
-    without torque tells ratios of moments only.
+    without torque determines ratios of moments only.
 
     Over many turns the sum of squares has many minima, one beside each guess whose phase ends up a
     whole turn off. So the fit grows: each arc of the measurements reaches as far as the parameters
-    of the arc before predict the motion to within 1 rad of phase. Where chi² says that the minimum
-    of an arc is wrong, the fit starts again with other moments, all over what a body can have. What
-    still failed says so: see :attr:`Fit.success`.
+    of the previous arc predict the motion to within 1 rad of phase. If chi² shows that the minimum
+    of an arc is wrong, the fit starts again with other moments, spread over all possible bodies.
+    :attr:`Fit.success` says whether the fit succeeded.
 
     Parameters
     ----------
     scene : FreeBody, HeavyTop or Body
-        One body, with the first guess of all parameters and the values of those that are not free.
+        One body, with the first guess of all free parameters and the values of the others.
     t : array_like, shape (m,)
         Ascending times of the measurements (s).
     omega : array_like, shape (m, 3)
@@ -164,10 +164,10 @@ def fit(
     Raises
     ------
     ValueError
-        Naming the argument and the rule: an unknown parameter or one named twice, shapes that do
-        not fit, a sigma that is not positive, no start, less measurements than parameters, ratios
-        that follow from each other, damping that is not diagonal, derivatives that overflow because
-        the motion is chaotic for long.
+        Naming the argument and the rule: an unknown or repeated parameter; shapes that do not fit;
+        a sigma that is not positive; no start; fewer measurements than parameters; ratios that
+        follow from each other; damping that is not diagonal; derivatives that overflow in a long
+        chaotic motion.
 
     Examples
     --------

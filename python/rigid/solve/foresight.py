@@ -113,7 +113,7 @@ def _why_unforeseen(bodies: Bodies, times: Range, *, by_steps: bool) -> str | No
         growth = np.exp(exponent * np.maximum(-first, last))
         if np.any(np.fmin(growth, 1.0 / distance) > 1.0 / NEAR):
             return "a body passes a saddle, which magnifies it"
-        # A top in closed form has told its saddle.
+        # A top in closed form has its saddle in its error.
         by_form = (exponent != 0.0) | ~weighs
         if by_steps and np.any(~by_form & (from_upright < NEAR)):
             return "a body has about the energy of its rest upright, a saddle that magnifies it"

@@ -46,8 +46,8 @@ class Lines:
     ----------
     frequency : ndarray, shape (..., count)
         Angular frequencies (rad/s) up to Nyquist's frequency, ``pi`` over the time between samples;
-        of real signals not negative. NaN where the signal has fewer lines than were asked for: what
-        is left of it is rounding.
+        of real signals not negative. NaN where the signal has fewer lines than requested: what is
+        left of it is rounding.
     amplitude : ndarray of complex, shape (..., count)
         The signal is about the sum of ``amplitude * exp(i frequency t)``; a real signal is its real
         part. Zero where there is no line.
@@ -96,8 +96,8 @@ def frequencies(t: ArrayLike, z: ArrayLike, count: int = 1) -> Lines:
     t : array_like, shape (m,)
         Times (s), ascending at equal distances; at least 16.
     z : array_like, shape (..., m)
-        Signals, real or complex. ``omega1 + i omega2`` and ``gamma1 + i gamma2`` tell senses of
-        rotation apart.
+        Signals, real or complex. ``omega1 + i omega2`` and ``gamma1 + i gamma2`` distinguish senses
+        of rotation apart.
     count : int
         Number of lines.
 
@@ -113,14 +113,14 @@ def frequencies(t: ArrayLike, z: ArrayLike, count: int = 1) -> Lines:
 
     Notes
     -----
-    ``error`` is three times the difference from the frequencies under the square of the window,
-    whose error falls like ``1 / T⁶``, three standard deviations of what noise makes of it, and
-    rounding. The noise is taken to be white, of the median power in the transform of what the lines
-    leave. Two lines closer than ``8 pi / T`` are not told apart, nor is a real line within
+    ``error`` is the sum of three parts: three times the difference from the frequencies under the
+    square of the window, whose error falls like ``1 / T⁶``; three standard deviations from noise;
+    and rounding. The noise is taken to be white, of the median power in the transform of what the
+    lines leave. Two lines closer than ``8 pi / T`` are not separated, nor is a real line within
     ``4 pi / T`` of zero or of the frequency of Nyquist from its mirror image: its error is as large
-    as the rest of the signal makes it, or as that distance. What an error of such a line leaves
-    of it may be found as weak lines closer than ``8 pi / T``: their errors reach to it. Of a
-    chaotic signal, which has no lines, error and drift are large.
+    as the rest of the signal makes it, or as that distance. What an error of such a line leaves of
+    it may be found as weak lines closer than ``8 pi / T``: their errors reach to it. Of a chaotic
+    signal, which has no lines, error and drift are large.
 
     References
     ----------
@@ -309,7 +309,7 @@ class _Analysis:
         """Errors of lines: the change under another window, and the part it does not show."""
         if not len(frequency):
             return np.empty(0)
-        # The phases of a strong line round, and a weak line is found in what is left.
+        # The phases of a strong line round, and a weak line is found in the rest.
         sizes, epsilon = np.abs(amplitude), np.finfo(float).eps
         span, most = self.t[-1] - self.t[0], np.abs(frequency).max()
         weak = sizes.max() / (sizes * np.sqrt(len(self.t)))

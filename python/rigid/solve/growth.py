@@ -74,15 +74,15 @@ class Growth:
     megno : ndarray, shape (n, m)
         ``2 (Λ - mean of Λ)``: near 2 on regular motions, ``lambda t`` on chaotic ones.
     mean_megno : ndarray, shape (n, m)
-        Its mean over the time: tends to 2 on regular motions, grows like ``lambda t / 2`` on
+        Mean of MEGNO over the time: tends to 2 on regular motions, grows like ``lambda t / 2`` on
         chaotic ones.
     fli : ndarray, shape (n, m)
         Fast Lyapunov indicator: the largest ``Λ`` until then.
     spectrum : ndarray, shape (n, m, k)
         The ``k`` largest exponents (1/s) over the time, in descending order as they are found.
     zeros : ndarray of int, shape (n,)
-        How many of all exponents are zero by theory, whatever the horizon: by symmetries and
-        conserved quantities. Six of a free body off the separatrix, four of a top.
+        Number of exponents that are zero by theory, whatever the horizon, by symmetries and
+        conserved quantities: six of a free body off the separatrix, four of a top.
     sali : ndarray, shape (n, m), or None
         Smaller alignment index of the first two deviation vectors; None with one exponent.
     gali : ndarray, shape (n, m, k - 1), or None
@@ -152,7 +152,7 @@ class Growth:
     def pairing(self) -> Floats | None:
         """``|lambda_i + lambda_(k+1-i)|`` (1/s), which tends to zero, shape (n, m, k).
 
-        None if not all exponents were asked for, or under torque and damping.
+        None if not all exponents were requested, or under torque and damping.
         """
         complete = 6 if self.spec["of"] == "attitude" else 5
         if self.spectrum.shape[-1] != complete or scene_from_dict(self.spec["scene"]).forces:
@@ -164,6 +164,10 @@ class Growth:
         """A sentence for each body: the verdict and its meaning.
 
         With several leading axes the sentences are tuples of tuples.
+
+        Returns
+        -------
+        tuple of str
 
         Examples
         --------
@@ -254,6 +258,16 @@ class Growth:
         ------
         OSError
             Naming the path, if the file cannot be written.
+
+        Examples
+        --------
+        >>> import os, tempfile, numpy as np, rigid
+        >>> box = rigid.FreeBody(rigid.Body((1.0, 2.0, 3.0)))
+        >>> growth = rigid.lyapunov(box, [1.0, 0.1, 0.1], t=[100.0, 200.0])
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     with np.load(growth.save(os.path.join(folder, "growth.npz"))) as file:
+        ...         str(file["verdict"])
+        'regular'
         """
         texts = {"spec": json.dumps(self.spec), "plan": self.plan.to_json()}
         words = {name: np.array(text) for name, text in texts.items()}
@@ -261,6 +275,10 @@ class Growth:
 
     def to_xarray(self) -> xarray.Dataset:
         """The indicators as an xarray ``Dataset`` with names, units, and times as a coordinate.
+
+        Returns
+        -------
+        xarray.Dataset
 
         Raises
         ------
@@ -302,6 +320,16 @@ class Growth:
         ------
         OSError
             Naming the path, if the file cannot be written.
+
+        Examples
+        --------
+        >>> import os, tempfile, rigid
+        >>> box = rigid.FreeBody(rigid.Body((1.0, 2.0, 3.0)))
+        >>> growth = rigid.lyapunov(box, [1.0, 0.1, 0.1], t=[100.0, 200.0])
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     path = growth.to_csv(os.path.join(folder, "growth.csv"))
+        ...     print(path.read_text().splitlines()[0].split(",")[:3])
+        ['t', 'log_growth', 'megno']
         """
         columns = {**body_columns(np.shape(self.status), 1), "t": self.t}
         for name, array in self._arrays().items():

@@ -78,7 +78,7 @@ def minimum(
         Bounds of ``x``.
     sizes : ndarray, shape (k,)
         Natural sizes of ``x``, by which steps are measured. A combination that the residuals do not
-        tell to within its size does not keep the iteration going.
+        determine to within its size does not keep the iteration going.
     gain : float
         The iteration ends where a whole straight step would lower the sum of squares by less, in
         units of the variance that the residuals have.

@@ -76,14 +76,14 @@ def lyapunov(
 ) -> Growth:
     """Measure how fast neighbouring motions separate: exponents, MEGNO, FLI, SALI and GALI.
 
-    A small deviation vector of the motion, a change of the rates and a rotation vector, is
-    integrated with it by the linear equations of the tangent. Its size is divided by powers of two
-    on the way, which changes no digit, so no horizon is too long.
+    A small deviation vector is integrated with the motion, by the linear equations of the tangent.
+    It is a change of the rates together with a rotation vector. Its size is divided by powers of
+    two on the way, which changes no digit; so no horizon is too long.
 
     Parameters
     ----------
     scene : FreeBody, HeavyTop or Body
-        The body, or many, with their weight, applied torque and damping.
+        One body or many, with weight, applied torque and damping.
     omega : array_like, shape (3,) or (..., 3)
         Angular velocity at ``t = 0`` in the body (rad/s).
     attitude : array_like, shape (4,) or (..., 4), or scipy Rotation, optional
@@ -110,7 +110,7 @@ def lyapunov(
         Whether a second run, by another method, estimates the error and confirms the verdict with
         another deviation vector.
     max_steps : int
-        A body that would need more is not run.
+        Most steps; a body that needs more is not run.
     threads : int, optional
         Default: ``RIGID_NUM_THREADS``, else the cores that this process may use.
 
@@ -123,14 +123,14 @@ def lyapunov(
     ------
     ValueError
         Naming the argument, its value and the rule: as :func:`simulate`; times that are not
-        positive, a method without a tangent, the size of the rates on an orbit or under a torque in
-        space that is not vertical, deviation vectors of no size or that depend on each other.
+        positive; a method without a tangent; the size of the rates on an orbit or under a torque in
+        space that is not vertical; deviation vectors of size zero or that depend on each other.
 
     Notes
     -----
-    ``L·gamma`` of a top without torque and damping is conserved, and how the motion changes with it
-    is no matter of chaos: at a resonance this change is quadratic in the time, and some tops are
-    integrable at one value only. So both deviation vectors of a verdict keep it.
+    ``L·gamma`` of a top without torque and damping is conserved. The change of the motion with
+    ``L·gamma`` says nothing about chaos: at a resonance it is quadratic in the time, and some tops
+    are integrable at one value only. So both deviation vectors of a verdict keep ``L·gamma``.
 
     All integrals are integrals of ``Λ = ln |v|`` over the time. They are sums over the steps of a
     Runge-Kutta method; a Taylor method knows ``Λ`` inside its steps too.

@@ -81,36 +81,37 @@ class Method:
     Attributes
     ----------
     name : str
-        The name that functions accept as ``method``.
+        The name for the argument ``method`` of functions.
     title : str
         One line.
     order : int
         The error of a run falls as ``step**order``.
     stages : int
-        Evaluations of the equations of motion, exact partial flows, orders of a series, or Newton's
-        steps, a step.
+        Number, in each step, of evaluations of the equations of motion, exact partial flows, orders
+        of a series, or Newton's steps.
     symplectic, reversible, group_preserving : bool
-        Preserves the Poisson structure; a step forward and one back is the identity; ``|L|`` of the
-        free body, ``|gamma|`` and ``|q|`` stay as they are, up to rounding.
+        Whether it preserves the Poisson structure; whether a step forward and a step back are the
+        identity; whether ``|L|`` of the free body, ``|gamma|`` and ``|q|`` stay constant to
+        rounding.
     conserves : tuple of str
-        What of a free body is constant up to rounding with any step: ``"momentum"``, in space, and
-        ``"energy"``.
+        The quantities of a free body that stay constant to rounding with any step: ``"momentum"``,
+        in space, and ``"energy"``.
     tangent : bool
-        Integrates small deviation vectors with the motion; a symplectic method only for bodies
-        without torque and damping, and not by parameters.
+        Whether it integrates small deviation vectors with the motion; a symplectic method only for
+        bodies without torque and damping, and not by parameters.
     forces : tuple of str
         The forces that it integrates: ``"torque"``, ``"damping"``, ``"function"`` and the names of
         the others; empty if none.
     stiff : bool
-        Is stable for damping of any strength.
+        Whether it is stable for damping of any strength.
     tops, maps : bool
-        Integrates bodies with weight, not only free ones; has a state after every step, which a
-        map needs, not only at given times.
+        Whether it integrates bodies with weight, not only free ones; whether it has a state after
+        every step, which a map needs.
     series : bool
-        Is a Taylor series, which may choose its steps by a tolerance.
+        Whether it is a Taylor series, which can take adaptive steps.
     compensated : bool
-        Carries the rounding of a fixed step to the next one, as a Taylor series with a tolerance
-        always does.
+        Whether it carries the rounding error of a fixed step to the next step, as a Taylor series
+        with a tolerance always does.
     damping_limit : float or None
         The largest product of step and damping rate with which it is stable, infinite if it is
         stiff; None if it integrates no forces.
@@ -175,6 +176,11 @@ class Methods(tuple[Method, ...]):
 
 def methods() -> Methods:
     """All methods that make steps, with their properties; ``"exact"`` is not among them.
+
+    Returns
+    -------
+    tuple of Method
+        It prints as a table.
 
     Examples
     --------

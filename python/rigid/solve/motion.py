@@ -31,14 +31,14 @@ class Motion:
 
     A controller reads the state, chooses a torque and makes a step; a step of one body takes some
     microseconds. The steps are the steps of :func:`simulate` with the same method: the states have
-    the bits of a run with the end of each step as output time, where the times of both are the same
+    the bits of a run with the end of each step as output time, if the times of both are the same
     numbers, as with steps of ``2**-k`` s. The error of a motion is not estimated: compare it with a
     motion of half the step.
 
     Parameters
     ----------
     scene : FreeBody, HeavyTop or Body
-        The body with its weight, applied torque and damping.
+        One body or many, with weight, applied torque and damping.
     omega : array_like, shape (3,) or (n, 3)
         Angular velocity at ``t0`` in the body (rad/s).
     attitude : array_like, shape (4,) or (n, 4), or scipy Rotation, optional
@@ -73,7 +73,7 @@ class Motion:
     >>> round(motion.t, 9), round(float(motion.omega[2]), 2)
     (10.0, 1.99)
 
-    What would the next step do? A copy goes its own way, with the same bits:
+    A copy tries the next step and leaves the motion unchanged:
 
     >>> tried = motion.copy()
     >>> tried.step(0.1, torque=(0.0, 0.0, 1.0))
@@ -162,6 +162,14 @@ class Motion:
             torque and damping: if the method does not integrate them, if it is unstable with the
             step, or if the table of the scene's torque does not reach the end. The motion is then
             as before.
+
+        Examples
+        --------
+        >>> import rigid
+        >>> motion = rigid.Motion(rigid.Body((1.0, 2.0, 3.0)), [0.0, 0.0, 0.0])
+        >>> motion.step(0.5, torque=(0.0, 0.0, 6.0))
+        >>> motion.omega.round(9).tolist()
+        [0.0, 0.0, 1.0]
         """
         if not isinstance(dt, float):
             dt = without_unit("dt", dt, "s")
@@ -175,6 +183,19 @@ class Motion:
         """A second motion of the same bodies from here on, with the same bits.
 
         ``copy.copy``, ``copy.deepcopy`` and ``pickle`` make one too.
+
+        Returns
+        -------
+        Motion
+
+        Examples
+        --------
+        >>> import rigid
+        >>> motion = rigid.Motion(rigid.Body((1.0, 2.0, 3.0)), [0.1, 1.0, 0.1])
+        >>> other = motion.copy()
+        >>> other.step(0.5)
+        >>> other.t, motion.t
+        (0.5, 0.0)
         """
         rebuild, state = self.__reduce__()
         return rebuild(*state)

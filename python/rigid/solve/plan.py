@@ -38,34 +38,34 @@ class Plan:
         ``"exact"``, the name of another method, or ``"auto"`` for a map where only some bodies have
         a closed form.
     carried : tuple of str
-        Variables computed: ``"omega"``, ``"gamma"`` (the vertical in the body), ``"attitude"``;
-        under torque and damping their ``"work"``; ``"deviation"`` of a nearby motion.
+        State variables: ``"omega"``, ``"gamma"`` (the vertical in the body), ``"attitude"``; under
+        torque and damping ``"work"``; ``"deviation"``, a deviation vector.
     step : float or None
         Longest step (s), the shortest of many bodies; None for a closed form and where the rates
-        are not known. Of a run to an accuracy the step that was made: the time covered over the
-        steps.
+        are not known. After a run to an accuracy the step that was made: the time covered over the
+        number of steps.
     steps : int or None
-        About how many steps the body takes, the most of many bodies; 0 for a closed form. Of a run
-        to an accuracy the steps that were made.
+        About how many steps the body takes, the most of many bodies; 0 for a closed form. After a
+        run to an accuracy the steps that were made.
     why, left_out : tuple of str
-        The reasons, and the parts that the scene or the question does not need.
+        The reasons, and the omitted computations, which the scene or the question does not need.
     work : float or None
         Estimate of the work of a body, the costliest of many that differ, in units that hold on any
         machine; of a call by steps the work of one run with the steps of the model, without the
         second run that estimates the error.
     accuracy : float or None
-        The error for which method and steps are made: that asked for, or the usual one of states
-        for which neither a method nor a step is asked; None where there is none.
+        The error for which method and steps are made: the requested error, or 1e-8 for states if
+        neither a method nor a step is given; else None.
     memory : int or None
         Bytes of the states of all bodies of the call at the output times, in double precision and
         without arrays of the user. None for a criterion, and if the number of bodies is not known.
     error : float or None
-        Estimate of the error of the attitude at the end, rad: ``1e-15`` per radian turned, and for
-        a method what 95 of 100 random bodies keep, at most a requested accuracy. None if it is not
-        known: the rates or the horizon are missing, or ``why`` says what the model does not hold
-        for: a step that turns a body too far, or is too long for its damping, rates that nearly
-        vanish, a saddle, chaos, or moments far apart. Of more than 32 bodies 32 are looked at for
-        the last four.
+        Estimate of the error of the attitude at the end (rad). For a closed form it is
+        ``1e-15`` per radian turned. For a method 95 of 100 random bodies have a smaller error, at
+        most a requested accuracy. None if unknown: the rates or the horizon are missing, or ``why``
+        names a reason. Reasons are a step that turns a body too far or is too long for its damping,
+        rates that nearly vanish, a saddle, chaos, or moments far apart.
+        Of more than 32 bodies 32 are looked at for the last four reasons.
     """
 
     scene: str
@@ -86,31 +86,68 @@ class Plan:
     def cost(self) -> float | None:
         """Estimate of :attr:`Run.nanoseconds <rigid.Run.nanoseconds>`, the time of a body (ns).
 
-        The speed of this machine is measured when a first cost is asked for, in half a
-        millisecond.
+        The speed of this machine is measured for the first cost, in half a millisecond.
         """
         return None if self.work is None else self.work * unit_nanoseconds()
 
     def to_dict(self) -> dict[str, Any]:
-        """The plan as a JSON-able dictionary; :meth:`from_dict` reads it."""
+        """The plan as a JSON-able dictionary; :meth:`from_dict` reads it.
+
+        Returns
+        -------
+        dict
+        """
         values = dataclasses.asdict(self)
         return {name: list(v) if isinstance(v, tuple) else v for name, v in values.items()}
 
     @classmethod
     def from_dict(cls, data: Mapping[str, Any]) -> Plan:
-        """The plan that :meth:`to_dict` described."""
+        """The plan that :meth:`to_dict` described.
+
+        Parameters
+        ----------
+        data : dict
+            The dictionary.
+
+        Returns
+        -------
+        Plan
+        """
         values = dict(data)
         for name in ("carried", "why", "left_out"):
             values[name] = tuple(values[name])
         return cls(**values)
 
     def to_json(self) -> str:
-        """The plan as JSON text; floats keep all their digits."""
+        """The plan as JSON text; floats keep all their digits.
+
+        Returns
+        -------
+        str
+        """
         return json.dumps(self.to_dict(), allow_nan=False)
 
     @classmethod
     def from_json(cls, text: str) -> Plan:
-        """The plan that :meth:`to_json` wrote."""
+        """The plan that :meth:`to_json` wrote.
+
+        Parameters
+        ----------
+        text : str
+            The JSON text.
+
+        Returns
+        -------
+        Plan
+
+        Examples
+        --------
+        >>> import rigid
+        >>> box = rigid.FreeBody(rigid.Body((1.0, 2.0, 3.0)))
+        >>> plan = rigid.plan(box, "rates", t_end=10.0)
+        >>> rigid.Plan.from_json(plan.to_json()) == plan
+        True
+        """
         return cls.from_dict(json.loads(text))
 
     def __repr__(self) -> str:
@@ -139,7 +176,19 @@ class Plan:
         return lines
 
     def method_words(self) -> str:
-        """Method, closed form and steps in a few words."""
+        """Method, closed form and steps in a few words.
+
+        Returns
+        -------
+        str
+
+        Examples
+        --------
+        >>> import rigid
+        >>> box = rigid.FreeBody(rigid.Body((1.0, 2.0, 3.0)))
+        >>> rigid.plan(box, "rates", t_end=10.0).method_words()
+        'exact, closed form: free asymmetric'
+        """
         if self.method == EXACT:
             return f"{EXACT}, closed form: {self.closed_form}" if self.closed_form else EXACT
         parts = [self.method]

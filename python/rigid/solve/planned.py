@@ -41,7 +41,7 @@ def plan_of(
     steps : ndarray, shape (n,), or None
         The longest step of each body (s); None if there are none or if they are left to the core.
     forms : ndarray of uint8
-        The closed forms of the bodies, by their codes; empty if a method was asked for.
+        The closed forms of the bodies, by their codes; empty if a method was requested.
     accuracy : float or None
         The error for which method and steps were chosen.
     why : tuple of str

@@ -63,7 +63,7 @@ class Request:
 
         Between two output times a body takes ``refinement`` times the steps, rounded up. Columns of
         ``out``, of shape (n, m, k), are written where they are; other columns of rows are new, in
-        single precision if asked for. Deviation vectors are recorded instead of the states if the
+        single precision if requested. Deviation vectors are recorded instead of the states if the
         record is ``"tangent"``, from those at the start, (n, 6), or ``"sensitivity"``, by changes
         of parameters, (n, 15).
         """

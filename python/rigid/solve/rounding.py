@@ -167,7 +167,7 @@ def rounding_of_damping(bodies: Bodies, omega: Floats, times: Floats) -> Floats:
     angle = size * time + started * np.minimum(time, lasts)
     of_rates = np.minimum(time, FORGOTTEN * lasts)
     error = UNIT * products / inertia * (of_rates + angle * np.minimum(time, lasts))
-    # What is at rest, or is not damped, has no such error.
+    # A body at rest, or without damping, has no such error.
     known: Floats = np.where(np.isfinite(error), error, 0.0)
     return known
 

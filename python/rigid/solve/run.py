@@ -60,6 +60,7 @@ _STATUS_WORDS: Mapping[Status, str] = {
 }
 
 
+# Not frozen: a frozen object takes twice as long to make.
 @dataclass(slots=True, eq=False)
 class Run(HasColumns):
     """States of bodies at output times, with errors and statuses; made by :func:`simulate`.
@@ -67,7 +68,7 @@ class Run(HasColumns):
     With a single body the leading axis ``n`` is absent.
 
     Scenes, rates and attitudes of other leading axes give these axes in the place of ``n``. All
-    attributes are read-only. It is not frozen: a frozen object takes twice as long to make.
+    attributes are read-only.
 
     Attributes
     ----------
@@ -76,17 +77,17 @@ class Run(HasColumns):
     gamma : ndarray, shape (n, m, 3), or None
         Upward vertical in body components, if it was recorded.
     attitude : ndarray, shape (n, m, 4), or None
-        Quaternion, scalar first, body to space, if it was recorded. Not renormalised.
+        Quaternion, scalar first, body to space, if it was recorded. It is not normalised again.
     work : ndarray, shape (n, m), or None
         Work done on the body by torque, damping and dissipation since ``t = 0`` (J), integrated
         with the motion; None for a scene without them.
     tangent : ndarray, shape (n, m, 6, 6), or None
-        Derivative of the motion by its start, if it was asked for. Rows and columns are a change of
-        the rates (rad/s) and a rotation vector in the body (rad), ``R -> R exp(x)``: column ``j``
-        is what component ``j`` of a small deviation vector at ``t = 0`` has become. Infinite beyond
-        the range of doubles.
+        Derivative of the motion by its start, if it was requested. Rows and columns are a change of
+        the rates (rad/s) and a rotation vector in the body (rad), ``R -> R exp(x)``. Column ``j``
+        is the later form of component ``j`` of a small deviation vector at ``t = 0``. Infinite
+        beyond the range of doubles.
     sensitivity : ndarray, shape (n, m, 6, k), or None
-        Derivative of the motion by k parameters, from the same start, if it was asked for: the
+        Derivative of the motion by k parameters, from the same start, if it was requested: the
         change of the rates (rad/s) and the rotation vector in the body (rad) over the change of
         each parameter in its SI unit. Zero at ``t = 0``.
     end : ndarray, shape (n,), or None
@@ -101,7 +102,7 @@ class Run(HasColumns):
         (plus ``mgl`` for a top). Under torque and damping it is the residual of the power balance
         ``dE/dt = torque·omega - omega·D omega``: the error of the energy minus the ``work``,
         relative to the energy that the body can reach. ``"etd4"`` and ``"splitting"`` compute the
-        work from the change of kinetic energy, so for a body without weight this residual is zero
+        work from the change of kinetic energy. For a body without weight this residual is then zero
         by construction and is no measure of the error. The energy of a satellite is the energy of
         ``omega``: the work includes the work of the gravity gradient and of the energy sink.
     momentum_drift : ndarray, shape (n,)
@@ -119,23 +120,37 @@ class Run(HasColumns):
     steps : ndarray of uint64, shape (n,)
         Steps taken; 0 by closed form.
     error : ndarray, shape (n,)
-        Estimated error, the largest at the requested times: of the rates relative to the fastest of
-        the body at these times, of the vertical and the attitude in rad, of the work relative to
-        the largest kinetic energy that the body can reach. Rates that are all below 1e-13 of the
-        fastest that the body can reach, or of ``sqrt(mgl / I_min)``, count as rest and are compared
-        with the larger of these two. For steps the error is three times the difference from a
-        second run, which takes at least one step more between any two times and begins at a start
-        that is rounded otherwise; with an ``accuracy`` the finer of both runs is returned, and
-        mostly twice their difference is stated. Beside an unstable equilibrium or a separatrix the
-        error includes the rounding of the start, magnified. For a closed form it is ``1e-15`` per
-        radian turned, or what the saddle of a top makes of ``1e-15``, relative to the rates of a
-        top that hangs all but still. NaN for a body that was not run, and for one that was not
-        checked: in a call with more than 32 bodies and a method or step, but no ``accuracy``, only
-        32 of the bodies are run again.
+        Estimated error, the largest at the output times. It is the largest of three errors: of the
+        rates, relative to the fastest rates of the body at these times; of the vertical and the
+        attitude (rad); of the work, relative to the largest kinetic energy that the body can reach.
+        Rates that are all below 1e-13 of the fastest that the body can reach, or of
+        ``sqrt(mgl / I_min)``, count as rest and are compared with the larger of these two.
+
+        For steps the error is three times the difference from a second run. The second run takes at
+        least one step more between any two times and begins at a differently rounded start. With an
+        ``accuracy`` the finer of both runs is returned, mostly with twice their difference. Beside
+        an unstable equilibrium or a separatrix the error includes the rounding of the start,
+        magnified by the motion.
+
+        For a closed form the error is ``1e-15`` per radian turned, or ``1e-15`` magnified by the
+        saddle of a top, relative to the rates of a top that hangs all but still.
+
+        The error is NaN for a body that was not run or not checked: in a call
+        with more than 32 bodies and a method or step, but no ``accuracy``,
+        only 32 of the bodies are run again.
     lost_from : ndarray, shape (n,)
-        Time from which on, away from 0, the error is 1 or more: do not use the states from there
-        on. Negative if that is backward in time; infinite if there is none; NaN where the error is
-        not known.
+        Time from which on, away from 0, the error is 1 or more (s): do not use later states.
+        Negative if the run goes backward in time; infinite if there is no such time; NaN if the
+        error is not known.
+
+    Examples
+    --------
+    >>> import rigid
+    >>> run = rigid.simulate(rigid.Body((1.0, 2.0, 3.0)), [0.1, 1.0, 0.2], t=[0.0, 5.0, 10.0])
+    >>> run
+    Run(one body at 3 times; exact; error 1.6e-14; ok)
+    >>> run.omega.shape, run.attitude.shape
+    ((3, 3), (3, 4))
     """
 
     _t: NDArray[np.float64]
@@ -365,7 +380,7 @@ an accuracy
         ``tolerance`` the body takes the steps of the run again, and each state is a value of the
         series of its step: both have the bits of a run whose output times had been these. Other
         runs are made again by the same method with steps of the same length, which end at these
-        times. So ask for many times at once.
+        times. So request many times at once.
 
         Parameters
         ----------
@@ -400,6 +415,11 @@ an accuracy
 
         Under torque and damping it changes by the :attr:`work`.
 
+        Returns
+        -------
+        ndarray, shape (n, m)
+            Energy (J).
+
         Raises
         ------
         ValueError
@@ -432,6 +452,11 @@ an accuracy
         frame : {"body", "space"}
             The axes of its components: the body axes, given by :attr:`frame`, or the space axes,
             along which the angular momentum of a free body is constant.
+
+        Returns
+        -------
+        ndarray, shape (n, m, 3)
+            Angular momentum (kg m²/s).
 
         Raises
         ------
@@ -587,6 +612,13 @@ an accuracy
             If there are many bodies and ``body`` names none.
         ImportError
             Without matplotlib.
+
+        Examples
+        --------
+        >>> import rigid
+        >>> run = rigid.simulate(rigid.Body((1.0, 2.0, 3.0)), [0.1, 1.0, 0.2], t=[0.0, 5.0, 10.0])
+        >>> run.plot().get_xlabel()
+        't (s)'
         """
         times, omega = self._of_one(body, self.omega)
         from ..drawing.colours import AXES, on_ground
@@ -640,6 +672,15 @@ an accuracy
             lines, two times share a microsecond, or there are many bodies and ``body`` names none.
         OSError
             Naming the path, if the file cannot be written.
+
+        Examples
+        --------
+        >>> import os, tempfile, rigid
+        >>> run = rigid.simulate(rigid.Body((1.0, 2.0, 3.0)), [0.1, 1.0, 0.2], t=[0.0, 5.0, 10.0])
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     path = run.to_aem(os.path.join(folder, "body.aem"), epoch="2026-01-31T12:00:00")
+        ...     print(path.read_text().splitlines()[0])
+        CCSDS_AEM_VERS = 1.0
         """
         times, attitudes = self._of_one(body, self._recorded_attitude())
         return write_aem(
@@ -672,10 +713,21 @@ an accuracy
     def rotation(self) -> Rotation:
         """The attitudes as a SciPy ``Rotation`` of shape ``(n, m)`` (active, body to space).
 
+        Returns
+        -------
+        scipy.spatial.transform.Rotation
+
         Raises
         ------
         ValueError
             If the attitude was not recorded.
+
+        Examples
+        --------
+        >>> import rigid
+        >>> run = rigid.simulate(rigid.Body((1.0, 2.0, 3.0)), [0.1, 1.0, 0.2], t=[0.0, 5.0, 10.0])
+        >>> run.rotation().apply([0.0, 0.0, 1.0]).shape  # body axis 3 in space
+        (3, 3)
         """
         attitude = self._recorded_attitude()
         from scipy.spatial.transform import Rotation
@@ -683,7 +735,34 @@ an accuracy
         return Rotation.from_quat(attitude, scalar_first=True)
 
     def animate(self, path: str | PathLike[str] | None = None, **options: Any) -> Any:
-        """Show the motion as a film, or write the film: :func:`rigid.animation.animate`."""
+        """Show the motion as a film, or write the film: :func:`rigid.animation.animate`.
+
+        Parameters
+        ----------
+        path : path-like, optional
+            File to write, such as ``"film.html"`` or ``"film.gif"``; without a path a notebook
+            shows the film.
+        **options
+            Options of :func:`rigid.animation.animate`.
+
+        Returns
+        -------
+        Animation or Path
+            The film, or the file.
+
+        Raises
+        ------
+        TypeError, ValueError, OSError
+            As for :func:`rigid.animation.animate`.
+
+        Examples
+        --------
+        >>> import numpy as np, rigid
+        >>> box = rigid.Body.box(0.25, 0.08, 0.01)
+        >>> run = rigid.simulate(box, [0.05, 6.0, 0.05], t=np.linspace(0.0, 3.0, 91))
+        >>> type(run.animate()).__name__
+        'Animation'
+        """
         from ..animation import animate
 
         return animate(self, path, **options)

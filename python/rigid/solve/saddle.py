@@ -1,7 +1,7 @@
 """The growth of the rounding of a start at a saddle of a top.
 
 No method can do better: the start itself is known to rounding only. Two runs from one start share
-its rounding, so their difference does not tell.
+its rounding, so their difference does not show it.
 """
 
 from __future__ import annotations
@@ -149,7 +149,7 @@ def gammas(bodies: Bodies) -> Floats:
 def dampings(forces: _core.Forces | None, *, alone: bool) -> Floats:
     """The damping matrices, shape (n, 3, 3), or (1, 3, 3) of all.
 
-    If they are wanted ``alone``, they are NaN where a torque acts too.
+    With ``alone`` they are NaN where a torque acts too.
     """
     if forces is None:
         return np.zeros((1, 3, 3))

@@ -46,7 +46,7 @@ Series of different order may err alike at tolerances that are alike."""
 FINER = 8.0
 """Factor by which the steps of the second run are shorter for a body that drag may stop.
 
-Steps of a quarter leave one error in a hundred above what is stated, by up to 20 times."""
+Steps of a quarter leave one error in a hundred above the stated error, by up to 20 times."""
 
 RUNGE_KUTTA = "dop853"
 """The second run of a series of a body that drag may stop."""
@@ -145,8 +145,8 @@ def _past_stops(
 def rounded_start(bodies: Bodies) -> Bodies:
     """The bodies with differently rounded starts, damping and orbits.
 
-    Two runs from one start would share what a saddle makes of its rounding, two runs with one
-    matrix what rounding makes of its least rate, and two runs on one orbit what rounds alike in
+    Two runs from one start would share its rounding, magnified at a saddle. Two runs with one
+    matrix would share the rounding of its least rate, and two runs on one orbit the rounding of
     each step. Zeros stay and equal sizes stay equal, so that a start exactly in equilibrium stays
     one.
     """

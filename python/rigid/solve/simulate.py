@@ -191,14 +191,18 @@ def simulate(
         Before the start, with the number of bytes, if the states do not fit into the memory of this
         machine or into the memory that the system grants.
     ValueError
-        Naming the argument, its value and the rule: not finite, wrong shape, zero quaternion,
-        unsorted times, unknown method or record, step, accuracy or tolerance not positive, a
-        tolerance for a method that is no Taylor method, ``"exact"`` for a body without a closed
-        form, a ``tangent`` of a method that has none, or by a parameter that the scene does not
-        have, a frame that is no rotation matrix, a frame together with ``out``, events of a method
-        that is neither the closed form nor a Taylor method, or of a run that goes backward. Under
-        torque and damping: a method that cannot integrate them, a step with which an explicit
-        method is unstable, a time that the table of the torque does not reach.
+        Naming the argument, its value and the rule:
+
+        * numbers that are not finite, wrong shapes, a zero quaternion, unsorted times;
+        * an unknown method or record; a step, accuracy or tolerance that is not positive;
+        * a tolerance for a method without adaptive steps;
+        * ``"exact"`` for a body without a closed form;
+        * a ``tangent`` of a method without one, or by a parameter that the scene does not have;
+        * a frame that is no rotation matrix, or a frame together with ``out``;
+        * events of a method that is neither the closed form nor a Taylor method, or of a run that
+          goes backward;
+        * under torque and damping a method that cannot integrate them, a step with which an
+          explicit method is unstable, or a time that the table of the torque does not reach.
 
     Examples
     --------

@@ -105,8 +105,8 @@ def stability_map(
         ``attitude_noise=normal(1e-3)``.
     method : str, optional
         ``"auto"``, the default, uses the closed form of each body if there is one for this
-        criterion, else ``"taylor12"`` in long steps, with an error of about 1e-8 rad for each
-        radian turned, or with :func:`regular` ``"dop853"`` in steps of 1.25 rad.
+        criterion, else ``"taylor12"`` in long steps. The error of these steps is about 1e-8 rad for
+        each radian turned. A map with :func:`regular` uses ``"dop853"`` in steps of 1.25 rad.
         ``"exact"`` uses closed forms only. Other names: :func:`rigid.methods`.
     step : float, optional
         Time step of the integrated bodies (s); by default chosen for each body from a bound of its
@@ -229,7 +229,7 @@ def stability_map(
     }
     given = {name: value for name, value in asked.items() if value is not None}
     spec = as_it_is(scene, given) if isinstance(scene, MapSpec) else spec_of(scene, given)
-    spec = spec.renewed()  # what a function takes may have changed since it was told
+    spec = spec.renewed()  # values that a function takes may have changed since it was given
     if part is not None and store is None:
         raise ValueError(f"part = {brief(part)}: needs store, where the parts meet")
     return run_map(

@@ -6,7 +6,7 @@ table of its bins follows; its digest includes the digest of the rows, which cou
 without it.
 
 A reader accepts a header only if it is to the byte the one that a writer makes, and searches on
-where one is damaged: what is read is right, whatever happened to the rest of the file.
+where one is damaged: the rows that are read are right, whatever happened to the rest of the file.
 """
 
 from __future__ import annotations

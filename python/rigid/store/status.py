@@ -38,8 +38,9 @@ class Status:
     writers : list of dict
         The receipt of each log: build, machine, process, part; with ``log``, ``units``, ``seconds``
         of processor time, ``blocks`` and ``reason``, why it ended. Without a reason the process
-        runs or was killed; then ``silent`` (s) tells when it last wrote, ``missing`` how many units
-        its part lacks, and ``remaining`` (s) how long it takes at its pace, NaN if it has none yet.
+        runs or was killed; then ``silent`` (s) is the time since it last wrote, ``missing`` how
+        many units its part lacks, and ``remaining`` (s) how long it takes at its pace, NaN if it
+        has none yet.
     seconds, remaining : float
         Processor time of the stored rows, and an estimate for the missing rows; NaN if unknown.
     """

@@ -51,9 +51,20 @@ class Store:
     path : Path
         The folder.
     spec : MapSpec
-        Everything the numbers depend on.
+        Everything that the numbers depend on.
     key : str
         BLAKE2b-128 of the specification, hexadecimal.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile, rigid
+    >>> ask = dict(axes={"spin": [1.0, 2.0]}, samples=64, t_end=50.0, stable=rigid.no_flip(), rng=1)
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = pathlib.Path(folder, "run.rigid")
+    ...     _ = rigid.stability_map(rigid.FreeBody, store=path, **ask)
+    ...     store = rigid.open_store(path)
+    ...     store.result().share.shape
+    (2,)
     """
 
     def __init__(self, folder: Folder) -> None:
@@ -79,12 +90,55 @@ class Store:
         return self._folder.head.key.hex()
 
     def status(self) -> Status:
-        """The stored and the missing parts of the map, read from the disk now."""
+        """The stored and the missing parts of the map, read from the disk now.
+
+        Returns
+        -------
+        Status
+            ``str()`` is a table of the writers and of the missing parts.
+
+        Raises
+        ------
+        ValueError
+            If rows contradict each other.
+
+        Examples
+        --------
+        >>> import pathlib, tempfile, rigid
+        >>> ask = dict(axes={"spin": [1, 2]}, samples=64, t_end=9, stable=rigid.no_flip(), rng=1)
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     path = pathlib.Path(folder, "run.rigid")
+        ...     _ = rigid.stability_map(rigid.FreeBody, store=path, part=(1, 2), **ask)
+        ...     store = rigid.open_store(path)
+        ...     store.status().complete
+        False
+        """
         self._folder.read()
         return status_of(self._folder)
 
     def result(self) -> StabilityMap:
-        """The map of the rows that are stored now; ``complete`` says whether rows are missing."""
+        """The map of the rows that are stored now; ``complete`` says whether rows are missing.
+
+        Returns
+        -------
+        StabilityMap
+
+        Raises
+        ------
+        ValueError
+            If rows contradict each other.
+
+        Examples
+        --------
+        >>> import pathlib, tempfile, rigid
+        >>> ask = dict(axes={"spin": [1, 2]}, samples=64, t_end=9, stable=rigid.no_flip(), rng=1)
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     path = pathlib.Path(folder, "run.rigid")
+        ...     _ = rigid.stability_map(rigid.FreeBody, store=path, part=(1, 2), **ask)
+        ...     store = rigid.open_store(path)
+        ...     store.result().samples.tolist()
+        [64, 0]
+        """
         self._folder.read()
         return result_of(self._folder)
 
@@ -103,20 +157,37 @@ class Store:
 
         Parameters
         ----------
+        executor, threads, threads_per_task, part, progress, partial
+            As for :func:`stability_map`.
         allow_mixed : bool
             Accept workers of another version or commit of rigid; each must still compute the stored
             numbers again before its first block.
 
+        Returns
+        -------
+        StabilityMap
+
         Raises
         ------
         Interrupted
-            After Ctrl-C, unless ``partial`` is set. What was computed is stored.
+            After Ctrl-C, unless ``partial`` is set. Finished rows are stored.
         PoisonedError
             If tasks of some units failed three times.
         ValueError
             If this machine or a worker does not compute the numbers that are stored.
         OSError
             If a row cannot be written.
+
+        Examples
+        --------
+        >>> import pathlib, tempfile, rigid
+        >>> ask = dict(axes={"spin": [1, 2]}, samples=64, t_end=9, stable=rigid.no_flip(), rng=1)
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     path = pathlib.Path(folder, "run.rigid")
+        ...     _ = rigid.stability_map(rigid.FreeBody, store=path, part=(1, 2), **ask)
+        ...     store = rigid.open_store(path)
+        ...     store.resume(progress=False).complete
+        True
         """
         return _run(
             self._folder,
@@ -140,8 +211,30 @@ class Store:
         share : float
             Share of the units, in (0, 1].
         seed : int
-            Of the choice of the units.
+            Seed of the choice of the units.
         threads : int
+            Number of threads.
+
+        Returns
+        -------
+        Verification
+            ``ok`` says whether all numbers agree; ``str()`` describes the result.
+
+        Raises
+        ------
+        ValueError
+            If the share is not in (0, 1].
+
+        Examples
+        --------
+        >>> import pathlib, tempfile, rigid
+        >>> ask = dict(axes={"spin": [1, 2]}, samples=64, t_end=9, stable=rigid.no_flip(), rng=1)
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     path = pathlib.Path(folder, "run.rigid")
+        ...     _ = rigid.stability_map(rigid.FreeBody, store=path, **ask)
+        ...     store = rigid.open_store(path)
+        ...     store.verify(share=1.0).ok
+        True
         """
         return verify(self._folder, share=share, seed=seed, threads=threads)
 
@@ -157,6 +250,22 @@ class Store:
         -------
         Path or str
             The file, or the URL.
+
+        Raises
+        ------
+        FileExistsError, OSError
+            As for :meth:`StabilityMap.save`.
+
+        Examples
+        --------
+        >>> import pathlib, tempfile, rigid
+        >>> ask = dict(axes={"spin": [1, 2]}, samples=64, t_end=9, stable=rigid.no_flip(), rng=1)
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     path = pathlib.Path(folder, "run.rigid")
+        ...     _ = rigid.stability_map(rigid.FreeBody, store=path, **ask)
+        ...     store = rigid.open_store(path)
+        ...     rigid.load_map(store.pack(path.with_suffix(".npz"))).complete
+        True
         """
         return pack(self.result(), path)
 
@@ -267,7 +376,7 @@ def diff(
     Returns
     -------
     Difference
-        ``same``, ``specification``, ``numbers``; ``str()`` tells them.
+        ``same``, ``specification``, ``numbers``; ``str()`` describes them.
 
     Raises
     ------
@@ -303,7 +412,7 @@ def run_map(
     if not seeded and Folder.is_at(store):
         import dataclasses
 
-        # The seed was not asked for: the one that was drawn at the first call is kept.
+        # No seed was given: the seed drawn at the first call is kept.
         spec = dataclasses.replace(spec, seed=Folder(store).head.spec.seed)
     return _run(Folder.at(store, spec), **options)
 

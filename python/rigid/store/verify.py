@@ -97,7 +97,7 @@ def verify(
 def _rows(
     stored: str | os.PathLike[str] | Folder,
 ) -> tuple[Block, MapSpec, int | None, list[str]]:
-    """The rows of complete units, the specification, samples of a unit, and what is damaged."""
+    """The rows of complete units, the specification, samples of a unit, and the damaged rows."""
     if isinstance(stored, Folder) or Path(stored).is_dir():
         folder = stored if isinstance(stored, Folder) else Folder(stored)
         folder.read()

@@ -231,7 +231,7 @@ def gravity_torque(
 ) -> Floats:
     """Torque of the weight about the fixed point (N m), ``-mgl com × gamma``.
 
-    The torque has the size ``mgl sin(tilt)`` and the direction of the node line, so it is
+    The torque has the size ``mgl sin(tilt)`` and the direction of the node line. So it is
     perpendicular to the vertical and to the direction to the centre of mass (Ercan 2016, § 10).
 
     Parameters

@@ -68,7 +68,7 @@ SAID: list[tuple[object, str, tuple[float | str, ...]]] = [
     ),
     (
         rigid.stability_map,
-        'with :func:`regular` ``"{}"`` in steps of {} rad',
+        'with :func:`regular` uses ``"{}"`` in steps of {} rad',
         (
             CHOSEN["growth"],
             of_core("map/request.rs", "GROWTH_STEPS") * ANGLES[CHOSEN["growth"]],
