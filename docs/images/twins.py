@@ -1,0 +1,24 @@
+"""Save a picture twice, for light and for dark pages: ``NAME.png`` and ``NAME-dark.png``."""
+
+from collections.abc import Callable
+from io import BytesIO
+from pathlib import Path
+
+from matplotlib import rc_context
+from matplotlib.figure import Figure
+from PIL import Image
+
+from rigid.figures.colours import DARK_STYLE
+
+FOLDER = Path(__file__).parent
+
+
+def save_twins(name: str, draw: Callable[[], Figure], folder: Path = FOLDER) -> None:
+    """Write the two pictures of a figure, which ``draw`` draws, with 256 colours."""
+    for suffix, style in (("", {}), ("-dark", DARK_STYLE)):
+        with rc_context(style):
+            content = BytesIO()
+            draw().savefig(content, format="png", dpi=150)
+        picture = Image.open(content).convert("RGB")
+        colours = picture.quantize(256, dither=Image.Dither.NONE)
+        colours.save(folder / f"{name}{suffix}.png", optimize=True)
