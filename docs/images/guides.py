@@ -77,7 +77,7 @@ def maps_steps() -> Figure:
     )
     words = f"share {stable / 64:.2f}\n95 %: {low / 64:.2f}\nto {high / 64:.2f}"
     share.text(-0.25, stable, words, ha="right", va="center")
-    share.set(xlim=(-1.4, 1.4), ylim=(0.0, 64.0), yticks=[0, 16, 32, 48, 64])
+    share.set(xlim=(-1.8, 1.5), ylim=(0.0, 64.0), yticks=[0, 16, 32, 48, 64])
     share.set_title("2  Their share", loc="left", fontsize="medium")
     result.plot(ax=picture)
     picture.set_title("3  The map", loc="left", fontsize="medium")
@@ -410,8 +410,8 @@ def methods() -> Figure:
             "nothing to choose:\nclosed form",
         ),
         ("Does a controller choose the torque\nfrom the state, step by step?", "rigid.Motion(...)"),
-        ("Is it a long run of a Lagrange top\nwhose phase counts?", 'method="pmlf6"'),
-        ("Is it a long run of any other body\nwhose phase counts?", 'method="taylor16"'),
+        ("Do only energy and momentum count,\nnot the phase?", 'method="midpoint"'),
+        ("Is it a long run whose phase counts?", 'method="taylor16"'),
         ("Everything else", "simulate(..., accuracy=1e-8)"),
     )
     blue, ground = on_ground(ax, HUES["blue"]), on_ground(ax, FAINT)
