@@ -1,12 +1,13 @@
 """Draw the pictures of the guides: ``python docs/images/guides.py [NAME ...]``.
 
 Each function draws the picture of its name from a short run of the library. Without names all are
-drawn, in about a minute.
+drawn, in some minutes.
 """
 
 import ctypes
 import sys
 from collections.abc import Callable
+from functools import cache
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -215,8 +216,9 @@ def torque_and_damping() -> Figure:
     return figure
 
 
-def detumbling() -> Figure:
-    """Which satellites are slow after ten minutes, over the gain and the first rate."""
+@cache
+def detumbled() -> rigid.StabilityMap:
+    """Satellites that a torque in Python brakes, which takes two minutes."""
     doubles = ctypes.POINTER(ctypes.c_double)
 
     @ctypes.CFUNCTYPE(None, ctypes.c_double, doubles, doubles, doubles, doubles)
@@ -229,9 +231,9 @@ def detumbling() -> Figure:
         torque = rigid.Torque.call(brake, data, fastest=0.5)
         return rigid.FreeBody(rigid.Body((1.0, 1.5, 2.0)), torque=torque)
 
-    result = rigid.stability_map(
+    return rigid.stability_map(
         scene,
-        axes={"gain": np.linspace(2e-3, 3e-2, 13), "spin": np.linspace(0.05, 0.45, 13)},
+        axes={"gain": np.linspace(2e-3, 3e-2, 12), "spin": np.linspace(0.05, 0.45, 12)},
         t_end=600.0,
         stable=~rigid.spin_above(0.01),
         start=rigid.Start(spin=0.2, axis=3),
@@ -239,8 +241,12 @@ def detumbling() -> Figure:
         rng=2026,
         progress=False,
     )
+
+
+def detumbling() -> Figure:
+    """Which satellites are slow after ten minutes, over the gain and the first rate."""
     figure, (ax,) = blank(4.6)
-    result.plot(ax=ax)
+    detumbled().plot(ax=ax)
     ax.set_title("Is the satellite slow after ten minutes?", loc="left", fontsize="medium")
     ax.set(xlabel="gain k (N m s)", ylabel="spin at the start (rad/s)")
     return figure
