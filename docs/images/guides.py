@@ -247,6 +247,14 @@ def detumbling() -> Figure:
     """Which satellites are slow after ten minutes, over the gain and the first rate."""
     figure, (ax,) = blank(4.6)
     detumbled().plot(ax=ax)
+    # About axis 3 the rate falls linearly to 2e-3 / k, and from there on as exp(-k t / I3).
+    gain = np.linspace(2e-3, 3e-2, 200)
+    knee = np.maximum(2e-3 / gain, 0.01)
+    rest = 600.0 - 2.0 / gain * np.log(knee / 0.01)
+    fastest = np.where(rest > 0.0, knee + 1e-3 * rest, 0.01 * np.exp(0.5 * gain * 600.0))
+    ax.plot(gain, fastest, color="black", linewidth=3.4)
+    ax.plot(gain, fastest, color="white", linewidth=1.6, label="by hand")
+    ax.set_ylim(0.032, 0.468)
     ax.set_title("Is the satellite slow after ten minutes?", loc="left", fontsize="medium")
     ax.set(xlabel="gain k (N m s)", ylabel="spin at the start (rad/s)")
     return figure
