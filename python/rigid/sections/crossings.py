@@ -316,19 +316,18 @@ class Crossings:
             raise ValueError(f"by: needs a word for each of {bodies} bodies, got {len(words)}")
         if ax is None:
             ax = shown_figure().add_subplot()
+        order = np.arange(len(self.body))
         if words is None:
             cycle = [on_ground(ax, colour) for name, colour in HUES.items() if name != "black"]
-            of_body, order = [cycle[k % len(cycle)] for k in range(bodies)], slice(None)
+            inks = [cycle[k % len(cycle)] for k in range(bodies)]
         else:
             of_word = _class_colours(ax, words)
-            of_body, ranks = (
-                [of_word[word] for word in words],
-                {w: k for k, w in enumerate(of_word)},
-            )
-            order = np.argsort([ranks[words[k]] for k in self.body], kind="stable")
+            inks = [of_word[word] for word in words]
+            rank = np.array([list(of_word).index(word) for word in words])
+            order = np.argsort(rank[self.body], kind="stable")
             _name_classes(ax, of_word)
-        ink = np.array(of_body)[self.body]
-        ax.scatter(across[order], up[order], s=size**2, c=ink[order], linewidths=0.0)
+        of_point = np.array(inks)[self.body[order]]
+        ax.scatter(across[order], up[order], s=size**2, c=of_point, linewidths=0.0)
         ax.set(xlabel=LABELS[x], ylabel=LABELS[y])
         return ax
 

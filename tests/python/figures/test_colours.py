@@ -96,6 +96,16 @@ def test_the_page_of_maps_has_the_colour_map_of_pictures() -> None:
     assert stops[-1] == colours.STABLE
 
 
+def test_the_pages_of_films_have_the_colours_of_dark_pictures() -> None:
+    script = (SOURCES / "animation" / "page" / "vectors.js").read_text(encoding="utf-8")
+    table = re.search(r"ON_DARK = \{(.*?)\}", script, re.DOTALL)
+    assert table is not None
+    found = dict(re.findall(r'"(#[0-9a-f]{6})": "(#[0-9a-f]{6})"', table.group(1)))
+    ax = Figure(facecolor=colours.DARK).add_subplot(facecolor=colours.DARK)
+    listed = [*colours.HUES.values(), colours.NEUTRAL, colours.FAINT]
+    assert found == {ink: on_ground(ax, ink) for ink in listed}
+
+
 TOP = rigid.HeavyTop(rigid.Body((1.0, 1.6, 0.7)), mgl=1.2, com=(0.6, 0.0, 0.8))
 LEANING = [0.9, 0.3, 0.2, 0.1]
 

@@ -269,6 +269,7 @@ def test_words_about_a_satellite_say_why_it_has_no_theory() -> None:
     spec = read_spec("gravity-gradient").spec
     values = {axis.name: np.array(axis.values)[::40] for axis in spec.axes}
     noise = rigid.normal(1e-3)
+    assert isinstance(spec.start, rigid.Start)
     turned = run_map(
         spec.replace(
             axes=values,

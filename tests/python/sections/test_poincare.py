@@ -438,9 +438,10 @@ def test_a_picture_has_one_colour_for_each_class() -> None:
     inks = [line.get_color() for line in legend.get_lines()]
     assert words == ["chaotic", "regular"]  # islands of regular motions lie on the sea
     (drawn,) = ax.collections
+    dots: Any = drawn
     of_point = {
         tuple(place): to_hex(colour)
-        for place, colour in zip(drawn.get_offsets(), drawn.get_facecolors(), strict=True)
+        for place, colour in zip(dots.get_offsets(), dots.get_facecolors(), strict=True)
     }
     places = np.stack([points.component("gamma2"), points.component("omega3")], axis=1)
     for place, body in zip(places, points.body, strict=True):

@@ -36,8 +36,9 @@ function followTheme(changed) {
 
 // The colour on the paper of the page: on dark paper greys are turned round and deep colours are raised.
 function inked(colour) {
-  let rgb = [1, 3, 5].map(i => parseInt(colour.slice(i, i + 2), 16) / 255);
-  if (!dark()) return rgb;
+  const shown = dark() && ON_DARK[colour] || colour;
+  const rgb = [1, 3, 5].map(i => parseInt(shown.slice(i, i + 2), 16) / 255);
+  if (!dark() || ON_DARK[colour]) return rgb;
   const light = 0.3 * rgb[0] + 0.59 * rgb[1] + 0.11 * rgb[2];
   if (Math.max(...rgb) - Math.min(...rgb) < 0.1) return rgb.map(x => 1 - 0.85 * x);
   return light < 0.35 ? rgb.map(x => x + (1 - x) * (0.35 - light) * 1.6) : rgb;
@@ -45,3 +46,10 @@ function inked(colour) {
 
 const css = (colour, alpha = 1) =>
   `rgba(${inked(colour).map(x => Math.round(255 * x)).join(",")},${alpha})`;
+
+// The table of pictures, rigid.drawing.colours, on dark ground.
+const ON_DARK = {
+  "#000000": "#ffffff", "#005a9c": "#4fa3e0", "#00714f": "#1fbf8f", "#b3430a": "#f0803c",
+  "#8a6200": "#e6a817", "#a0357a": "#de8cbb", "#1b7bb5": "#7cc8f5", "#6b4fbb": "#a794e8",
+  "#555555": "#b0b0b0", "#949494": "#707070",
+};

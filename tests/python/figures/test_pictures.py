@@ -1,0 +1,92 @@
+"""The scripts that draw the pictures of the guides."""
+
+import runpy
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+pytest.importorskip("matplotlib")
+
+from matplotlib import rc_context
+from matplotlib.figure import Figure
+
+from rigid.cli.toml_map import builtin_names, read_spec
+from rigid.figures.colours import DARK_STYLE
+from rigid.store.call import run_map
+
+IMAGES = Path(__file__).parents[3] / "docs" / "images"
+
+NAMES = (
+    *("maps-steps", "reliability", "satellites", "criteria", "torque-and-damping", "events"),
+    *("results", "measurements", "own-bodies", "chaos", "methods"),
+)
+"""All but `detumbling`, whose torque in Python takes a minute."""
+
+
+def script(name: str) -> dict[str, Any]:
+    """The names that a script defines."""
+    sys.path.insert(0, str(IMAGES))
+    try:
+        return runpy.run_path(str(IMAGES / f"{name}.py"))
+    finally:
+        sys.path.remove(str(IMAGES))
+
+
+@pytest.fixture(scope="module")
+def pictures() -> dict[str, Callable[[], Figure]]:
+    found: dict[str, Callable[[], Figure]] = script("guides")["PICTURES"]
+    return found
+
+
+def test_every_picture_has_its_two_files(pictures: dict[str, Any]) -> None:
+    maps = script("maps")
+    assert set(maps["MAPS"]) <= set(builtin_names())
+    assert {*NAMES, "detumbling"} == set(pictures)
+    for name in (*pictures, *maps["MAPS"]):
+        for suffix in ("", "-dark"):
+            assert (IMAGES / f"{name}{suffix}.png").stat().st_size < 150_000, name
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_picture_of_a_guide_is_drawn(
+    pictures: dict[str, Callable[[], Figure]], name: str
+) -> None:
+    with rc_context(DARK_STYLE):
+        figure = pictures[name]()
+        figure.draw_without_rendering()
+    assert figure.axes
+    for ax in figure.axes:
+        low, high = ax.get_ylim()
+        assert np.isfinite([low, high]).all()
+    if name == "reliability":
+        (ax,) = figure.axes
+        assert ax.get_title().startswith("none of 240")
+
+
+def test_twins_are_a_light_and_a_dark_picture(tmp_path: Path) -> None:
+    def draw() -> Figure:
+        return Figure(figsize=(1.0, 1.0))
+
+    script("twins")["save_twins"]("square", draw, tmp_path)
+    image = pytest.importorskip("PIL.Image")
+    light, dark = (
+        image.open(tmp_path / f"square{suffix}.png").convert("L").getpixel((10, 10))
+        for suffix in ("", "-dark")
+    )
+    assert light == 255
+    assert dark < 30
+
+
+def test_named_regions_of_satellites_are_what_they_are_named() -> None:
+    spec = read_spec("gravity-gradient").spec
+    regions = script("maps")["REGIONS"]["gravity-gradient"]
+    for words, x, y, _ in regions:
+        share = float(run_map(spec.replace(axes={"I3/I2": [x], "I1/I2": [y]})).share.item())
+        assert share == (0.0 if "unstable" in words else 1.0), words
+        largest, smallest = x < 1.0 and y < 1.0, x > 1.0 and y > 1.0
+        # Lagrange: pitch has the largest moment; DeBra and Delp: the least.
+        assert {"Lagrange": largest, "DeBra and Delp": smallest}.get(words, True), words
