@@ -432,11 +432,12 @@ class StabilityMap(MapData):
 
     def explore(
         self,
-        path: str | os.PathLike[str],
+        path: str | os.PathLike[str] | None = None,
         *,
         samples: int | None = None,
         threads: int | None = None,
-    ) -> Path:
+        saved_as: str | os.PathLike[str] | None = None,
+    ) -> Any:
         """Write a page that shows the map, the bodies of its pixels, and their motions as films.
 
         A browser opens the page without a network. The page computes the motions from the exact
@@ -446,18 +447,22 @@ class StabilityMap(MapData):
 
         Parameters
         ----------
-        path : path-like
-            The page; its name must end in ``.html``.
+        path : path-like, optional
+            The page; its name must end in ``.html``. Without a path the page is returned, and a
+            notebook shows it.
         samples : int, optional
             Bodies of each pixel that the page has, the first ones. By default as many as need
             0.7 MB, at least 1 and at most 64.
         threads : int, optional
             Default: ``RIGID_NUM_THREADS``, else the cores that this process may use.
+        saved_as : path-like, optional
+            The file to which :meth:`save` writes the map. The Python code that the page offers
+            reads this file. Default: the name of the page with the suffix ``.npz``.
 
         Returns
         -------
-        Path
-            The file.
+        Path or rigid.animation.explorer.Explorer
+            The file; without a path, the page.
 
         Raises
         ------
@@ -468,7 +473,7 @@ class StabilityMap(MapData):
         """
         from ..animation.explorer import explore
 
-        return explore(self, path, samples=samples, threads=threads)
+        return explore(self, path, samples=samples, threads=threads, saved_as=saved_as)
 
     def widget(self, *, threads: int | None = None) -> Any:
         """The view of :meth:`explore` in a notebook, where zooming computes a finer map.
