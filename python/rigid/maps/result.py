@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -37,6 +37,8 @@ if TYPE_CHECKING:
 
     import xarray
     from matplotlib.axes import Axes
+
+    from ..animation.explorer import Explorer
 
 __all__ = ["StabilityMap", "load_map"]
 
@@ -430,6 +432,26 @@ class StabilityMap(MapData):
         """
         return plot_map(self, ax=ax, cells=cells, what=what, at=at)
 
+    @overload
+    def explore(
+        self,
+        path: None = None,
+        *,
+        samples: int | None = None,
+        threads: int | None = None,
+        saved_as: str | os.PathLike[str] | None = None,
+    ) -> Explorer: ...
+
+    @overload
+    def explore(
+        self,
+        path: str | os.PathLike[str],
+        *,
+        samples: int | None = None,
+        threads: int | None = None,
+        saved_as: str | os.PathLike[str] | None = None,
+    ) -> Path: ...
+
     def explore(
         self,
         path: str | os.PathLike[str] | None = None,
@@ -437,7 +459,7 @@ class StabilityMap(MapData):
         samples: int | None = None,
         threads: int | None = None,
         saved_as: str | os.PathLike[str] | None = None,
-    ) -> Any:
+    ) -> Path | Explorer:
         """Write a page that shows the map, the bodies of its pixels, and their motions as films.
 
         A browser opens the page without a network. The page computes the motions from the exact
