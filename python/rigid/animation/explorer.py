@@ -9,9 +9,11 @@ from __future__ import annotations
 import base64
 import math
 import operator
+import os
+import re
 import zlib
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -28,7 +30,7 @@ from ..model.mixture import Mixture
 from ..model.start import Samples
 from .raster import AZIMUTH, ELEVATION
 from .watched import watched
-from .web import assembled
+from .web import Page, assembled
 
 if TYPE_CHECKING:
     from os import PathLike
@@ -37,6 +39,7 @@ if TYPE_CHECKING:
     from ..maps.spec import MapSpec
 
 __all__ = [
+    "Explorer",
     "content_of_map",
     "content_of_outcomes",
     "content_of_starts",
@@ -53,6 +56,14 @@ OUTCOMES = {
 }
 """Colours of the bodies by outcome; colour-blind readers can tell these colours apart."""
 
+CHAOS = {
+    "stable": "regular",
+    "unstable": "chaotic",
+    "undecided": "undecided",
+    "failed": "failed",
+}
+"""Words for the outcomes of :func:`rigid.regular`."""
+
 MOST_BYTES = 500_000
 """Most compressed bytes of the bodies in a page, unless a number of bodies is given."""
 
@@ -65,13 +76,51 @@ SCRIPTS = (
 )
 
 
+class Explorer(Page):
+    """The page of a map, which a notebook shows.
+
+    Attributes
+    ----------
+    page : str
+        The page as HTML; it needs no network.
+    """
+
+    __slots__ = ()
+
+    title = "map explorer"
+    height = 720
+
+
+@overload
+def explore(
+    result: StabilityMap,
+    path: None = None,
+    *,
+    samples: int | None = None,
+    threads: int | None = None,
+    saved_as: str | PathLike[str] | None = None,
+) -> Explorer: ...
+
+
+@overload
 def explore(
     result: StabilityMap,
     path: str | PathLike[str],
     *,
     samples: int | None = None,
     threads: int | None = None,
-) -> Path:
+    saved_as: str | PathLike[str] | None = None,
+) -> Path: ...
+
+
+def explore(
+    result: StabilityMap,
+    path: str | PathLike[str] | None = None,
+    *,
+    samples: int | None = None,
+    threads: int | None = None,
+    saved_as: str | PathLike[str] | None = None,
+) -> Path | Explorer:
     """Write a page to explore a map; see :meth:`rigid.StabilityMap.explore`, which calls this.
 
     The page is one file and needs no network. It shows the map with its layers and the lines of
@@ -89,19 +138,23 @@ def explore(
     ----------
     result : StabilityMap
         The map.
-    path : path-like
-        The page; its name must end in ``.html``.
+    path : path-like, optional
+        The page; its name must end in ``.html``. Without a path the page is returned, and a
+        notebook shows it.
     samples : int, optional
         Bodies of each pixel that the page has, the first ones. By default as many as need 0.7 MB,
         at least 1 and at most 64.
     threads : int, optional
         Threads that classify the bodies again. Default: ``RIGID_NUM_THREADS``, else the cores that
         this process may use.
+    saved_as : path-like, optional
+        The file to which :meth:`rigid.StabilityMap.save` writes the map. The Python code that the
+        page offers reads this file. Default: the name of the page with the suffix ``.npz``.
 
     Returns
     -------
-    pathlib.Path
-        Path of the new file.
+    pathlib.Path or Explorer
+        Path of the new file; without a path, the page.
 
     Raises
     ------
@@ -123,8 +176,8 @@ def explore(
     ...     explore(result, pathlib.Path(folder, "map.html")).name
     'map.html'
     """
-    target = Path(path)
-    if target.suffix.lower() != ".html":
+    target = None if path is None else Path(path)
+    if target is not None and target.suffix.lower() != ".html":
         raise ValueError(f"path = {str(target)!r}: must end in .html")
     most = result.spec.samples
     if samples is not None:
@@ -135,10 +188,20 @@ def explore(
     seen = result.outcomes(range(count), threads=resolve_threads(threads))
     draw = _draw(result.spec)
     starts = content_of_starts(result.starts(range(count))) if draw is None else {"draw": draw}
-    held = content_of_map(result, count) | starts | content_of_outcomes(seen)
+    if saved_as is None:
+        saved_as = "map.npz" if target is None else target.with_suffix(".npz").name
+    held = content_of_map(result, count, load=_load(os.fspath(saved_as)))
+    page = page_of(held | starts | content_of_outcomes(seen))
+    if target is None:
+        return Explorer(page)
     with published(target) as file:
-        file.write(page_of(held).encode())
+        file.write(page.encode())
     return target
+
+
+def _load(file: str) -> str:
+    """Python code that reads the map as ``result``."""
+    return f"import rigid\n\nresult = rigid.load_map({file!r})  # result.save({file!r}) wrote it\n"
 
 
 def page_of(content: dict[str, Any] | None) -> str:
@@ -166,7 +229,12 @@ def content_of_outcomes(seen: Outcomes) -> dict[str, Any]:
 
 
 def content_of_map(
-    result: StabilityMap, count: int, *, python: str = "result", whole: MapSpec | None = None
+    result: StabilityMap,
+    count: int,
+    *,
+    load: str = "",
+    python: str = "result",
+    whole: MapSpec | None = None,
 ) -> dict[str, Any]:
     """A map as plain data, without the bodies.
 
@@ -175,19 +243,23 @@ def content_of_map(
     result : StabilityMap
     count : int
         Bodies of each pixel that the page has.
+    load : str
+        Python code that makes the map, in front of the code of a body.
     python : str
-        The name of the map in the Python line of a body.
+        The name of the map in the Python code of a body.
     whole : MapSpec, optional
         The map that this one is a finer part of: its axes say which scales are logarithmic.
     """
     spec = result.spec
     theory = result.theory()
     shape = spec.shape if len(spec.shape) > 1 else (1, *spec.shape)
-    what = "Regular motions" if isinstance(spec.stable, Regular) else "Stability"
+    is_regular = isinstance(spec.stable, Regular)
+    what, asks = ("Regular motions", "criterion") if is_regular else ("Stability", "stable")
     return {
         "title": spec.title or f"{what} of a {spec.scene.title}",
+        "load": load,
         "python": python,
-        "detail": f"stable: {spec.criterion}; {spec.samples} bodies per pixel"
+        "detail": f"{asks}: {spec.criterion}; {spec.samples} bodies per pixel"
         + ("" if spec.half_width is None else " at most"),
         "complete": result.complete,
         "shape": shape,
@@ -211,6 +283,8 @@ def content_of_map(
         "samples": count,
         "of": spec.samples,
         "classes": CLASSES,
+        "words": CHAOS if is_regular else {name: name for name in CLASSES},
+        "leaves": not is_regular,
         "horizon": _packed(spec.horizons, np.float64),
         "motion": _motion(spec),
         "charts": [
@@ -267,8 +341,8 @@ def _draw(spec: MapSpec) -> dict[str, Any] | None:
 
 def _axis(axis: Axis, geometric: bool) -> dict[str, Any]:
     return {
-        "name": axis.name,
-        "label": axis.name if axis.unit == "1" else f"{axis.name} ({axis.unit})",
+        "name": _plain_words(axis.parameter.symbol),
+        "label": _plain_words(axis.label),
         "unit": "" if axis.unit == "1" else axis.unit,
         "values": list(axis.values),
         "edges": drawn_edges(axis, geometric).tolist(),
@@ -292,13 +366,15 @@ def _layers(result: StabilityMap) -> list[dict[str, Any]]:
         "undecided": result.undecided / done,
         "failed": result.failed / done,
     }
+    is_regular = isinstance(result.spec.stable, Regular)
+    first = "a body was found chaotic" if is_regular else "a body left"
     values: dict[str, tuple[str, ArrayLike, bool]] = {
-        "earliest": ("earliest time of leaving (s)", result.earliest, False),
+        "earliest": (f"earliest time at which {first} (s)", result.earliest, False),
         "energy_drift": ("worst drift of the energy", result.energy_drift, True),
         "momentum_drift": ("worst drift of the momentum", result.momentum_drift, True),
         "unit_drift": ("worst drift of unit lengths", result.unit_drift, True),
     }
-    if isinstance(result.spec.stable, Regular):
+    if is_regular:
         values["exponent"] = ("mean exponent (1/s)", result.exponent, False)
         values["largest_exponent"] = ("largest exponent (1/s)", result.largest_exponent, False)
         values["mean_megno"] = ("mean MEGNO", result.mean_megno, False)
@@ -308,7 +384,7 @@ def _layers(result: StabilityMap) -> list[dict[str, Any]]:
             label = f"{measured.measure.words}{unit}, {of} of the pixel"
             values[f"{name}.{of}"] = (label, getattr(measured, of), False)
     words = {
-        "share": "share stable",
+        "share": "share regular" if is_regular else "share stable",
         "lower": "lower end of the 95 % interval",
         "upper": "upper end of the 95 % interval",
         "undecided": "share undecided",
@@ -347,11 +423,25 @@ def _motion(spec: MapSpec) -> dict[str, Any] | None:
     return {"numbers": _packed(np.concatenate(columns, axis=1), np.float64)}
 
 
-_TEX = {r"\omega": "ω", r"\sqrt": "√", r"\,": " ", "{": "(", "}": ")", "_": "", "$": ""}
+_TEX = {
+    r"\omega": "ω",
+    r"\gamma": "γ",
+    r"\kappa": "κ",
+    r"\cdot": "·",
+    r"\sqrt": "√",
+    r"\,": " ",
+    "_{end}": "_end",
+    "{": "(",
+    "}": ")",
+    "$": "",
+}
+
+SUBSCRIPTS = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 
 
 def _plain_words(label: str) -> str:
     """A label without TeX."""
+    label = re.sub(r"_\{?(\d+)\}?", lambda found: found[1].translate(SUBSCRIPTS), label)
     for tex, plain in _TEX.items():
         label = label.replace(tex, plain)
     return label

@@ -411,8 +411,8 @@ def _poinsot(scene: Scene, omega: Floats, attitude: Floats, momentum: Floats) ->
     return (
         Part(
             kind="faces",
-            points=ellipsoid_faces(rolled.semi_axes / unit),
-            colours=(BODY,) * 7 + (PALE,) * 7,
+            points=ellipsoid_faces(rolled.semi_axes / unit, rings=18, sectors=36),
+            colours=(BODY,) * 9 + (PALE,) * 9,
             opacity=0.7,
             carried=True,
             meaning="inertia ellipsoid",
@@ -445,8 +445,8 @@ def _top(scene: HeavyTop, attitude: Floats, solid: Floats | None) -> tuple[Part,
     tip = 1.0
     if solid is None:
         solid, inks = (
-            top_faces(direction, _spread(scene.body.moments)),
-            (BODY,) * 4 + (AXES[0],) * 4,
+            top_faces(direction, _spread(scene.body.moments), sectors=48),
+            (BODY,) * 6 + (AXES[0],) * 6,
         )
         tip = STEM
     turn = np.linspace(0.0, 2.0 * np.pi, 49)

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 from numpy.typing import NDArray
 
 from ..drawing.shapes import across
+from ..rotations.apply import to_space
 from .film import Film, Part
 
 __all__ = ["AZIMUTH", "ELEVATION", "Camera", "frame_picture"]
@@ -56,29 +59,45 @@ class Buffer:
         self.colour = np.ones((camera.size, camera.size, 3), dtype=np.float32)
         self.near = np.zeros((camera.size, camera.size), dtype=np.float32)
 
-    def faces(self, faces: Floats, rgb: Floats, opacity: float = 1.0) -> None:
-        """Polygons of one colour each; transparent ones from the farthest to the nearest."""
+    def faces(
+        self, faces: Floats, rgb: Floats, opacity: float = 1.0, normals: Floats | None = None
+    ) -> None:
+        """Polygons of one colour each; transparent ones from the farthest to the nearest.
+
+        ``normals`` are those at the corners, (faces, corners, 3); by default polygons are flat.
+        """
         if not len(faces):
             return
         corners = self.camera.project(faces)
-        inks = (rgb * self._light(faces)[:, np.newaxis]).astype(np.float32)
+        light = self._light(faces, normals)
         if opacity < 1.0:
             order = np.argsort(-corners[..., 2].mean(axis=1))
-            corners, inks = corners[order], inks[order]
+            corners, rgb, light = corners[order], rgb[order], light[order]
         fan = [[0, c, c + 1] for c in range(1, faces.shape[1] - 1)]
-        self._triangles(corners[:, fan].reshape(-1, 3, 3), inks.repeat(len(fan), axis=0), opacity)
+        self._triangles(
+            corners[:, fan].reshape(-1, 3, 3),
+            rgb.astype(np.float32).repeat(len(fan), axis=0),
+            light[:, fan].reshape(-1, 3).astype(np.float32),
+            opacity,
+        )
 
-    def _light(self, faces: Floats) -> Floats:
-        """The light on each polygon, as surface.frag computes it, without the gloss."""
-        normals = np.cross(faces[:, 2] - faces[:, 0], faces[:, -1] - faces[:, 1])
-        towards = self.camera.at - faces.mean(axis=1)
-        normals *= np.sign((normals * towards).sum(axis=1))[:, np.newaxis]
-        normals /= np.maximum(np.linalg.norm(normals, axis=1), 1e-300)[:, np.newaxis]
+    def _light(self, faces: Floats, normals: Floats | None) -> Floats:
+        """The light at each corner, as surface.frag computes it, without the gloss."""
+        flat = _normals(faces)[:, np.newaxis]
+        towards = self.camera.at - faces.mean(axis=1, keepdims=True)
+        side = np.sign((flat * towards).sum(axis=-1, keepdims=True))
+        normals = side * np.broadcast_to(_unit(flat) if normals is None else normals, faces.shape)
         light: Floats = 0.52 + 0.12 * normals @ self.camera.up
         light += 0.48 * np.maximum(normals @ self.camera.lamp, 0.0)
         return light
 
-    def _triangles(self, corners: Floats, inks: NDArray[np.float32], opacity: float) -> None:
+    def _triangles(
+        self,
+        corners: Floats,
+        inks: NDArray[np.float32],
+        light: NDArray[np.float32],
+        opacity: float,
+    ) -> None:
         low = np.maximum(np.floor(corners[..., :2].min(axis=1)), 0).astype(int)
         high = np.minimum(np.ceil(corners[..., :2].max(axis=1)), self.camera.size).astype(int)
         (x0, y0), (x1, y1), (x2, y2) = np.moveaxis(corners[..., :2], 0, -1)
@@ -101,12 +120,14 @@ class Buffer:
             along_row = start + across_columns * dots[left:right]
             a, b, c, near = along_row + across_rows * dots[top:bottom, np.newaxis]
             inside = (np.minimum(np.minimum(a, b), c) >= 0.0) & (near > self.near[here])
+            p, q, r = light[k]
+            lit = (p * a[inside] + q * b[inside] + r * c[inside])[:, np.newaxis] * inks[k]
             if opacity == 1.0:
                 self.near[here][inside] = near[inside]
-                self.colour[here][inside] = inks[k]
+                self.colour[here][inside] = lit
             else:
                 behind = self.colour[here][inside]
-                self.colour[here][inside] = behind + np.float32(opacity) * (inks[k] - behind)
+                self.colour[here][inside] = behind + np.float32(opacity) * (lit - behind)
 
     def curve(self, points: Floats, rgb: Floats, strength: Floats) -> None:
         """A curve as round dots before the surfaces on which it lies."""
@@ -141,20 +162,23 @@ class Buffer:
 def frame_picture(
     film: Film, frame: int, size: int
 ) -> tuple[NDArray[np.uint8], list[tuple[Part, Floats]]]:
-    """The pixels of a frame, and where the labelled parts have their tips."""
+    """The pixels of a frame, and the places of the labels."""
     camera = Camera(film, DOTS * size)
     buffer = Buffer(camera)
-    names = []
+    labelled = []
     see_through = []
     for part in film.parts:
         points = part.placed(film.attitude[frame], frame, film.trail_begin(frame))
         rgb = np.array([rgb_of(ink) for ink in part.colours])
         if part.kind == "faces":
             inks = np.resize(rgb, (len(points), 3))
+            normals = corner_normals(part)
+            if part.carried:
+                normals = to_space(film.attitude[frame], normals)
             if part.opacity < 1.0:
-                see_through.append((points, inks, part.opacity))
+                see_through.append((points, inks, part.opacity, normals))
             else:
-                buffer.faces(points, inks)
+                buffer.faces(points, inks, normals=normals)
         elif part.kind == "arrow":
             solid = arrow_faces(points[0], film.reach)
             buffer.faces(solid, np.resize(rgb, (len(solid), 3)))
@@ -162,10 +186,7 @@ def frame_picture(
             solid = ball_faces(points[0], 0.03 * film.reach)
             buffer.faces(solid, np.resize(rgb, (len(solid), 3)))
         if part.label:
-            tip = camera.project(points[0])[:2]
-            away = tip - camera.project(np.zeros(3))[:2]
-            away /= max(float(np.linalg.norm(away)), 1e-9)
-            names.append((part, tip / DOTS + 13.0 * away))
+            labelled.append((part, camera.project(points[0])[:2] / DOTS))
     for part in film.parts:
         if part.kind in ("line", "trail"):
             points = part.placed(film.attitude[frame], frame, film.trail_begin(frame))
@@ -174,9 +195,88 @@ def frame_picture(
             ink = np.array(rgb_of(part.colours[0]))
             if len(points) > 1:
                 buffer.curve(points, ink, strength)
-    for faces, inks, opacity in see_through:
-        buffer.faces(faces, inks, opacity)
-    return buffer.picture(), names
+    for faces, inks, opacity, normals in see_through:
+        buffer.faces(faces, inks, opacity, normals)
+    parts = [part for part, _ in labelled]
+    origin = camera.project(np.zeros(3))[:2] / DOTS
+    places = label_places(origin, [tip for _, tip in labelled], [len(p.label) for p in parts])
+    return buffer.picture(), list(zip(parts, places, strict=True))
+
+
+TURNS = (0.0, 0.9, -0.9, 1.6, -1.6, 2.4, -2.4)
+"""Places of a label round the tip of its arrow (rad); the same as in stage.js."""
+
+
+def label_places(origin: Floats, tips: list[Floats], letters: list[int]) -> list[Floats]:
+    """The middles of labels, each beyond the tip of its arrow or beside it.
+
+    A label is where it lies on the fewest labels and arrows. ``letters`` are the numbers of letters
+    of the labels, of about 9 pixels each.
+    """
+    places: list[Floats] = []
+    halves = [np.array([4.5 * count + 1.0, 8.0]) for count in letters]
+    for k, tip in enumerate(tips):
+        x, y = tip - origin
+        options = []
+        for turn in TURNS:
+            angle = np.arctan2(y, x) + turn
+            towards = np.array([np.cos(angle), np.sin(angle)])
+            at = tip + (8.0 + np.abs(towards) @ (halves[k] * [1.0, 0.5])) * towards
+            on_labels = sum(
+                bool((np.abs(at - other) < halves[k] + half).all())
+                for other, half in zip(places, halves, strict=False)
+            )
+            on_arrows = sum(
+                _from_segment(at, origin, other) < 9.0 for j, other in enumerate(tips) if j != k
+            )
+            options.append((4.0 * on_labels + on_arrows + 0.1 * abs(turn), at))
+        places.append(min(options, key=lambda option: option[0])[1])
+    return places
+
+
+def _from_segment(point: Floats, begin: Floats, end: Floats) -> float:
+    along = end - begin
+    share = np.clip((point - begin) @ along / max(float(along @ along), 1e-9), 0.0, 1.0)
+    return float(np.linalg.norm(point - begin - share * along))
+
+
+@lru_cache(maxsize=32)
+def corner_normals(part: Part) -> Floats:
+    """Normals at the corners of polygons, averaged where faces meet at less than 45 degrees.
+
+    Returns
+    -------
+    ndarray, shape (faces, corners, 3)
+        Unit vectors on the side of the normal of the face, in the axes of the part.
+    """
+    count, corners = part.points.shape[:2]
+    normals = _normals(part.points)
+    units = _unit(normals)
+    rounded = np.rint(1e4 * part.points.reshape(-1, 3)).astype(np.int64)
+    label = np.unique(rounded, axis=0, return_inverse=True)[1].reshape(-1)
+    order = np.argsort(label, kind="stable")
+    many = np.bincount(label)[label]  # corners in the place of each corner
+    one = np.repeat(np.arange(count * corners), many)
+    within = np.arange(len(one)) - np.repeat(np.cumsum(many) - many, many)
+    other = order[np.searchsorted(label[order], label)[one] + within]
+    along = (units[one // corners] * units[other // corners]).sum(axis=1)
+    near = np.abs(along) > np.cos(0.25 * np.pi)
+    total = np.zeros((count * corners, 3))
+    np.add.at(
+        total, one[near], np.sign(along[near])[:, np.newaxis] * normals[other[near] // corners]
+    )
+    return _unit(total).reshape(count, corners, 3)
+
+
+def _normals(faces: Floats) -> Floats:
+    """Normals of polygons, of the length of twice their areas or so."""
+    normals: Floats = np.cross(faces[:, 2] - faces[:, 0], faces[:, -1] - faces[:, 1])
+    return normals
+
+
+def _unit(vectors: Floats) -> Floats:
+    units: Floats = vectors / np.maximum(np.linalg.norm(vectors, axis=-1, keepdims=True), 1e-300)
+    return units
 
 
 def rgb_of(colour: str) -> list[float]:

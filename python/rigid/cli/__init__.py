@@ -176,7 +176,9 @@ def _explore(options: argparse.Namespace) -> int:
         raise ValueError(
             f"--out: {str(target)!r} exists; take another name, or replace it with --force"
         )
-    page = load_map(source).explore(target, samples=options.samples, threads=options.threads)
+    page = load_map(source).explore(
+        target, samples=options.samples, threads=options.threads, saved_as=source
+    )
     say(f"{'page':<12}{page}")
     return 0
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -37,6 +37,8 @@ if TYPE_CHECKING:
 
     import xarray
     from matplotlib.axes import Axes
+
+    from ..animation.explorer import Explorer
 
 __all__ = ["StabilityMap", "load_map"]
 
@@ -475,13 +477,34 @@ class StabilityMap(MapData):
         """
         return plot_map(self, ax=ax, cells=cells, what=what, at=at)
 
+    @overload
+    def explore(
+        self,
+        path: None = None,
+        *,
+        samples: int | None = None,
+        threads: int | None = None,
+        saved_as: str | os.PathLike[str] | None = None,
+    ) -> Explorer: ...
+
+    @overload
     def explore(
         self,
         path: str | os.PathLike[str],
         *,
         samples: int | None = None,
         threads: int | None = None,
-    ) -> Path:
+        saved_as: str | os.PathLike[str] | None = None,
+    ) -> Path: ...
+
+    def explore(
+        self,
+        path: str | os.PathLike[str] | None = None,
+        *,
+        samples: int | None = None,
+        threads: int | None = None,
+        saved_as: str | os.PathLike[str] | None = None,
+    ) -> Path | Explorer:
         """Write a page that shows the map, the bodies of its pixels, and their motions as films.
 
         A browser opens the page without a network. The page computes the motions from the exact
@@ -492,18 +515,22 @@ class StabilityMap(MapData):
 
         Parameters
         ----------
-        path : path-like
-            The page; its name must end in ``.html``.
+        path : path-like, optional
+            The page; its name must end in ``.html``. Without a path the page is returned, and a
+            notebook shows it.
         samples : int, optional
             Bodies of each pixel that the page has, the first ones. By default as many as need
             0.7 MB, at least 1 and at most 64.
         threads : int, optional
             Default: ``RIGID_NUM_THREADS``, else the cores that this process may use.
+        saved_as : path-like, optional
+            The file to which :meth:`save` writes the map. The Python code that the page offers
+            reads this file. Default: the name of the page with the suffix ``.npz``.
 
         Returns
         -------
-        Path
-            The file.
+        Path or rigid.animation.explorer.Explorer
+            The file; without a path, the page.
 
         Raises
         ------
@@ -525,7 +552,7 @@ class StabilityMap(MapData):
         """
         from ..animation.explorer import explore
 
-        return explore(self, path, samples=samples, threads=threads)
+        return explore(self, path, samples=samples, threads=threads, saved_as=saved_as)
 
     def widget(self, *, threads: int | None = None) -> Any:
         """The view of :meth:`explore` in a notebook, where zooming computes a finer map.

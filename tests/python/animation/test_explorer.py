@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import html
 import itertools
+import json
 import re
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -65,6 +69,39 @@ def test_a_page_holds_nominal_starts_and_the_outcomes_of_the_map(page: Path) -> 
     layers = {layer["name"]: unpacked(layer["data"]) for layer in held["layers"]}
     np.testing.assert_array_equal(layers["share"], BOX.share.ravel().astype(np.float32))
     assert {"lower", "upper", "undecided", "failed", "earliest"} <= set(layers)
+
+
+def test_axes_are_called_as_in_the_picture(page: Path, tmp_path: Path) -> None:
+    assert [axis["label"] for axis in content(page)["axes"]] == [
+        "side b (m)",
+        "perturbation of the rates (rad/s)",
+    ]
+    result = tops(
+        axes={"I3/I1": [0.5, 0.6], "omega2": [0.1, 0.2], "damping1": [0.0, 0.1]},
+        start=rigid.Start(omega=(0.0, 0.0, 3.0)),
+    )
+    assert [axis["label"] for axis in content(result.explore(tmp_path / "a.html"))["axes"]] == [
+        "I₃/I₁",
+        "ω₂ (rad/s)",
+        "damping about axis 1, D₁₁ (N m s)",
+    ]
+
+
+def test_a_notebook_shows_a_map_without_a_file() -> None:
+    shown = BOX.explore(samples=2)
+    assert re.fullmatch(r"Explorer\(page of \d+ kB\)", repr(shown))
+    inside = re.search(r'<iframe srcdoc="([^"]*)"', shown._repr_html_())
+    assert inside
+    assert html.unescape(inside[1]) == shown.page
+
+
+def test_the_words_of_a_regular_map_are_regular_and_chaotic(tmp_path: Path) -> None:
+    result = tops(axes={"spin": [3.0]}, stable=rigid.regular(), samples=1, t_end=50.0)
+    held = content(result.explore(tmp_path / "a.html"))
+    assert [held["words"][name] for name in held["classes"][:2]] == ["regular", "chaotic"]
+    assert held["leaves"] is False
+    assert held["layers"][0]["label"] == "share regular"
+    assert "stable" not in "".join(layer["label"] for layer in held["layers"])
 
 
 def test_a_page_needs_nothing_from_elsewhere(page: Path) -> None:
@@ -392,16 +429,18 @@ def test_the_address_restores_the_view(browser: Any, page: Path) -> None:
 
 @pytest.mark.browser
 def test_the_keyboard_alone_explores_a_map(browser: Any, page: Path) -> None:
-    opened = Opened(browser, page)
+    opened = Opened(browser, page, address="#pixel=2,3")
     shown = opened.page
-    shown.wait_for_selector(".map[data-ready]")
+    shown.wait_for_selector("canvas.stage")
     shown.locator(".map").focus()
     opened.press("ArrowRight")
     opened.press("ArrowUp")
     assert shown.evaluate("explorer.index(explorer.pixel)") == [3, 4]
     said = shown.locator(".chosen")
     assert said.get_attribute("aria-live") == "polite"
-    assert said.text_content().startswith("b = 0.1667 m, noise = 1 rad/s — sample")
+    assert said.text_content().startswith(
+        "side b = 0.1667 m, perturbation of the rates = 1 rad/s — "
+    )
     whole = shown.evaluate("explorer.view")
     opened.press("+")
     near = shown.evaluate("explorer.view")
@@ -465,4 +504,122 @@ def test_films_are_drawn_without_webgl(browser: Any, page: Path) -> None:
     assert "without WebGL2" in opened.page.locator("#player h1").text_content()
     stage = opened.pixels("canvas.stage")
     assert len(np.unique(stage.reshape(-1, 3), axis=0)) > 50
+    opened.close()
+
+
+@pytest.mark.browser
+def test_a_page_opens_at_the_border_of_stability(browser: Any, page: Path) -> None:
+    opened = Opened(browser, page)
+    opened.page.wait_for_selector("canvas.stage")
+    j, i = opened.page.evaluate("explorer.index(explorer.pixel)")
+    share = BOX.share
+    near = [share[b, a] for b, a in ((j, i - 1), (j, i + 1), (j - 1, i), (j + 1, i))
+            if 0 <= b < 4 and 0 <= a < 7]  # fmt: skip
+    assert 0.2 < share[j, i] < 0.8 or max(abs(near - share[j, i])) > 0.5
+    assert opened.page.locator(".chosen").text_content().startswith("side b = ")
+    opened.close()
+
+
+@pytest.mark.browser
+@pytest.mark.parametrize("pixel", ["2,3", "0,6"])
+def test_the_copied_python_runs_as_it_is(
+    pixel: str, browser: Any, page: Path, tmp_path: Path
+) -> None:
+    keep = "navigator.clipboard.writeText = async text => { window.copied = text; }"
+    opened = Opened(browser, page, address=f"#pixel={pixel}&sample=4", before=keep)
+    opened.page.wait_for_selector("canvas.stage")
+    opened.page.locator(".copy").click()
+    opened.page.wait_for_function("window.copied")
+    code = opened.page.evaluate("window.copied")
+    start = opened.page.evaluate("explorer.bodies.start(4)")
+    opened.close()
+    BOX.save(tmp_path / page.with_suffix(".npz").name)
+    done = subprocess.run(
+        [
+            sys.executable,
+            "-c",
+            f"{code}import json; print(json.dumps([body.omega.tolist(), body.attitude.tolist()]))",
+        ],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert json.loads(done.stdout) == start
+    assert (tmp_path / "body.html").stat().st_size > 50_000
+
+
+@pytest.mark.browser
+def test_samples_are_one_stop_of_the_tabulator(browser: Any, page: Path) -> None:
+    opened = Opened(browser, page, address="#pixel=2,3&sample=3")
+    shown = opened.page
+    shown.wait_for_selector("canvas.stage")
+
+    def focused() -> str:
+        return str(shown.evaluate("document.activeElement.dataset.sample ?? ''"))
+
+    shown.locator(".map").focus()
+    stops = []
+    for _ in range(6):
+        opened.press("Tab")
+        stops.append(focused())
+    assert stops == ["3", "", "", "", "", ""]
+    shown.locator(".dots [tabindex='0']").focus()
+    order = [str(one) for one in shown.evaluate("explorer.order")]
+    at, frame = order.index("3"), shown.evaluate("explorer.player.frame")
+    for key, by in [("ArrowRight", 1), ("ArrowDown", 2), ("ArrowLeft", 1)]:
+        opened.press(key)
+        assert focused() == order[(at + by) % 6]
+        assert shown.evaluate("explorer.sample") == int(focused())
+        assert shown.evaluate("explorer.player.frame") == frame
+    opened.press("End")
+    assert focused() == order[-1]
+    opened.press("Home")
+    assert focused() == order[0]
+    assert shown.locator(".dots [tabindex='0']").count() == 1
+    opened.close()
+
+
+@pytest.mark.browser
+def test_on_a_phone_a_click_shows_the_film(browser: Any, page: Path) -> None:
+    opened = Opened(browser, page, width=375, height=720)
+    shown = opened.page
+    shown.wait_for_selector("canvas.stage")
+    assert shown.evaluate("scrollY") == 0  # the map is shown first
+    shown.locator(".map").click(position={"x": 200.0, "y": 120.0})
+    shown.wait_for_function("scrollY > 100")
+    stage = shown.locator("canvas.stage").bounding_box()
+    assert stage["y"] >= 0
+    assert stage["y"] + stage["height"] <= 720
+    opened.close()
+
+
+@pytest.mark.browser
+def test_regular_maps_speak_of_chaos(browser: Any, tmp_path: Path) -> None:
+    top = rigid.HeavyTop(rigid.Body((1.0, 1.6, 0.7)), mgl=1.2, com=(0.36, 0.48, 0.8))
+    result = tops(
+        scene=top, axes={"spin": [2.0, 4.0]}, stable=rigid.regular(), samples=3, t_end=300.0,
+        start=rigid.Start(spin=1.0, axis=3, tilt=1.0, noise=rigid.normal(0.3)),
+    )  # fmt: skip
+    assert result.unstable.sum() > 0
+    opened = Opened(browser, result.explore(tmp_path / "a.html"))
+    shown = opened.page
+    shown.wait_for_selector("canvas.stage")
+    words = shown.locator("#explorer").inner_text()
+    words += "".join(dot.get_attribute("title") for dot in shown.locator(".dots button").all())
+    assert "chaotic" in words
+    assert "left at" not in words
+    assert not re.search(r"\b(un)?stable\b", words)
+    assert "share regular" in shown.locator(".legend").inner_text()
+    shown.locator("select.layer").select_option("undecided")
+    assert "share undecided" in shown.locator(".legend").inner_text()
+    opened.close()
+
+
+@pytest.mark.browser
+def test_a_map_in_a_notebook_keeps_no_address(browser: Any, tmp_path: Path) -> None:
+    (tmp_path / "book.html").write_text(BOX.explore(samples=2)._repr_html_(), encoding="utf-8")
+    opened = Opened(browser, tmp_path / "book.html")
+    frame = opened.page.frames[1]
+    frame.wait_for_selector("canvas.stage")
     opened.close()

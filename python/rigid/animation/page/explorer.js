@@ -1,6 +1,7 @@
 // The map explorer: the map with its layers, the bodies of a pixel, and the film of one body.
 const FRAMES = 4000;
-const KEYS = [["n p", "next, previous sample"], ["arrows on the map", "choose a pixel"], ["+ − 0 on the map", "closer, farther, the whole map"]];
+const SIGNS = {stable: "", unstable: "↯", undecided: "?", failed: "×"};
+const KEYS = [["n p", "next, previous sample"], ["arrows on samples", "choose a sample"], ["arrows on the map", "choose a pixel"], ["+ − 0 on the map", "closer, farther, the whole map"]];
 const NEEDED = "Chromium 80, Firefox 113, Safari 16.4";
 const ARRAYS = {uint8: Uint8Array, int32: Int32Array, float32: Float32Array, float64: Float64Array};
 
@@ -40,6 +41,16 @@ class Explorer extends MapOnCanvas {
     find(".before").onclick = () => this.next(-1);
     find(".after").onclick = () => this.next(1);
     find(".copy").onclick = () => this.copy();
+    find(".dots").addEventListener("keydown", event => {
+      const by = {ArrowRight: 1, ArrowDown: 1, ArrowLeft: -1, ArrowUp: -1}[event.key];
+      const at = {Home: 0, End: this.order.length - 1}[event.key];
+      if (!by && at === undefined) return;
+      event.preventDefault();
+      event.stopPropagation();  // the film has the same keys elsewhere
+      if (by) this.next(by);
+      else this.pick(this.order[at]);
+      find(".dots [tabindex='0']").focus();
+    });
     document.addEventListener("keydown", event => {
       if (event.ctrlKey || event.altKey || event.metaKey || event.target instanceof HTMLSelectElement) return;
       if (event.key === "n" || event.key === "p") this.next(event.key === "n" ? 1 : -1);
@@ -108,6 +119,7 @@ class Explorer extends MapOnCanvas {
   empty(reason) {
     this.order = [];
     this.find(".dots").replaceChildren();
+    this.find(".kinds").replaceChildren();
     this.find(".chosen").textContent = reason;
     this.find(".python").textContent = "";
     this.rest();
@@ -166,6 +178,30 @@ class Explorer extends MapOnCanvas {
     this.find(".said").textContent = words;
   }
 
+  // Where the film lies below the map, to the film.
+  reveal() {
+    const film = this.find("#player"), isCalm = window.matchMedia("(prefers-reduced-motion: reduce)").matches;
+    if (window.matchMedia("(max-width: 800px)").matches)
+      (film.hidden || !this.player ? this.find(".of-pixel") : film).scrollIntoView({block: "nearest", behavior: isCalm ? "auto" : "smooth"});
+  }
+
+  // The pixel on the border of stability: its share is near a half, or far from a neighbour's; if many are, the middle one.
+  border() {
+    const {map, nx, ny} = this, share = map.layers.find(layer => layer.name === "share").data;
+    let best = null, least = Infinity;
+    for (let j = 0; j < ny; j++)
+      for (let i = 0; i < nx; i++) {
+        const pixel = j * nx + i;
+        if (map.status[pixel] || !map.counts.samples[pixel]) continue;
+        const near = [[i - 1, j], [i + 1, j], [i, j - 1], [i, j + 1]].filter(([a, b]) => a >= 0 && b >= 0 && a < nx && b < ny);
+        const jump = near.reduce((most, [a, b]) => Math.max(most, Math.abs(share[b * nx + a] - share[pixel]) || 0), 0);
+        const far = Math.hypot((i + 0.5) / nx - 0.5, (j + 0.5) / ny - 0.5);
+        const cost = Math.abs(share[pixel] - 0.5) - 0.5 * jump + 0.1 * far;
+        if (cost < least) [best, least] = [pixel, cost];
+      }
+    return best;
+  }
+
   steer() {
     const {canvas} = this;
     let drag = null;
@@ -187,7 +223,7 @@ class Explorer extends MapOnCanvas {
       const pixel = this.pixelAt(this.from(event)), moved = drag?.moved;
       drag = null;
       if (moved) this.kept();
-      else if (pixel !== null) this.choose(pixel, 0);
+      else if (pixel !== null) this.choose(pixel, 0).then(() => this.reveal());
     });
     canvas.addEventListener("pointercancel", () => { drag = null; });
     canvas.addEventListener("pointerleave", () => this.hover(null));
@@ -235,9 +271,9 @@ class Explorer extends MapOnCanvas {
     const place = map.axes.map((axis, k) => `${axis.name} = ${shown(axis.values[index[k]], this.digits[k])} ${axis.unit}`.trim()).join(", ");
     if (map.status[pixel]) return `${place}\nno such body is possible: ${map.statuses[map.status[pixel]]}`;
     const value = name => map.layers.find(layer => layer.name === name).data[pixel];
-    const of = ["stable", "unstable", "undecided", "failed"].map(name => `${counts[name][pixel]} ${name}`).join(", ");
+    const of = map.classes.map(name => `${counts[name][pixel]} ${map.words[name]}`).join(", ");
     const more = ["share", "lower", "upper"].includes(this.layer.name) ? "" : `; ${this.layer.label}: ${shown(this.layer.data[pixel])}`;
-    return `${place}\nshare ${shown(value("share"))} in [${shown(value("lower"))}, ${shown(value("upper"))}]${more}\n${of} of ${counts.samples[pixel]}`;
+    return `${place}\nshare ${map.words.stable} ${shown(value("share"))} in [${shown(value("lower"))}, ${shown(value("upper"))}]${more}\n${of} of ${counts.samples[pixel]}`;
   }
 
   hover(pixel) {
@@ -281,13 +317,19 @@ class Explorer extends MapOnCanvas {
       button.type = "button";
       button.className = of(k);
       button.style.background = map.inks.outcomes[of(k)];
-      button.textContent = {stable: "", unstable: "↯", undecided: "?", failed: "×"}[of(k)];
-      const when = Number.isFinite(left(k)) ? `, left at ${shown(left(k))} s` : "";
-      button.title = `sample ${k}: ${of(k)}${when}`;
+      button.textContent = SIGNS[of(k)];
+      const when = map.leaves && Number.isFinite(left(k)) ? `, left at ${shown(left(k))} s` : "";
+      button.title = `sample ${k}: ${map.words[of(k)]}${when}`;
       button.setAttribute("aria-label", button.title);
       button.dataset.sample = k;
       button.onclick = () => this.pick(k);
       return button;
+    }));
+    this.find(".kinds").replaceChildren(...map.classes.filter(name => this.order.some(k => of(k) === name)).map(name => {
+      const kind = document.createElement("span"), dot = document.createElement("i");
+      dot.style.background = map.inks.outcomes[name];
+      kind.append(dot, ` ${SIGNS[name]} ${map.words[name]}: ${this.order.filter(k => of(k) === name).length}`);
+      return kind;
     }));
     this.pick(this.order.includes(sample) ? sample : this.order[0] ?? 0);
   }
@@ -305,11 +347,13 @@ class Explorer extends MapOnCanvas {
     for (const button of this.find(".dots").children) {
       const isThis = Number(button.dataset.sample) === sample;
       button.setAttribute("aria-pressed", String(isThis));
+      button.tabIndex = isThis ? 0 : -1;  // one stop of the tabulator, and arrows
       if (isThis) picked = button.title;
     }
     this.find(".chosen").textContent = `${this.words(pixel).split("\n")[0]}${picked ? ` — ${picked}` : " — no body"}`;
-    const index = this.index(pixel);
-    this.find(".python").textContent = `${map.python}.replay(pixel=${index.length > 1 ? `(${index.join(", ")})` : index[0]}, sample=${sample})`;
+    const index = this.index(pixel), replay = `${map.python}.replay(pixel=${index.length > 1 ? `(${index.join(", ")})` : index[0]}, sample=${sample})`;
+    this.code = `${map.load}body = ${replay}\nbody.run.animate(${map.load && '"body.html"'})\n`;
+    this.find(".python").textContent = replay;
     this.kept();
     if (picked && map.motion) this.film(pixel, sample, picked);
     else {
@@ -354,9 +398,10 @@ class Explorer extends MapOnCanvas {
   async copy() {
     const line = this.find(".python"), button = this.find(".copy");
     try {
-      await navigator.clipboard.writeText(line.textContent);
+      await navigator.clipboard.writeText(this.code);
       button.textContent = "copied";
-    } catch {  // not allowed: the line is selected for the reader to copy
+    } catch {  // not allowed: the code is selected for the reader to copy
+      line.textContent = this.code;
       getSelection().selectAllChildren(line);
       button.textContent = "press Ctrl+C";
     }
@@ -381,10 +426,13 @@ function begin() {
   let address = location.hash;
   explorer.kept = () => {
     ({address} = explorer);
-    history.replaceState(null, "", address);
+    if (location.protocol !== "about:") history.replaceState(null, "", address);  // a notebook's frame has no address
   };
   window.addEventListener("hashchange", () => { if (location.hash !== address && explorer.map) explorer.restore(location.hash); });
-  explorer.load(text, address);
+  explorer.load(text, address).then(() => {
+    const border = explorer.pixel ?? explorer.border();
+    if (explorer.pixel === null && border !== null) explorer.choose(border, 0);
+  });
 }
 
 begin();

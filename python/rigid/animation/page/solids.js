@@ -18,7 +18,7 @@ function boxOf(moments) {  // faces of half the sides of the homogeneous box wit
 
 // A spinning top with the fixed point at the origin and the centre of mass at the distance 1.
 const PROFILE = [[0.02, 0], [0.06, 0.3], [1, 0.85], [1, 1.1], [0.08, 1.25], [0.06, 1.45], [0, 1.45]];
-const SECTORS = 32;
+const SECTORS = 48;
 
 function topOf(moments, direction) {
   const [first, second, along] = across(direction), [a, b, c] = moments;
@@ -72,7 +72,7 @@ function filmOf(map, numbers, strip, times, {omega, attitude}, speed) {
   let parts, reach, centre = [0, 0, 0];
   if (isTop) {
     const direction = unit(weight);
-    parts = [part("faces", topOf(moments, direction), [...Array(4).fill(inks.body), ...Array(4).fill(inks.axes[0])], {carried: true}),
+    parts = [part("faces", topOf(moments, direction), [...Array(6).fill(inks.body), ...Array(6).fill(inks.axes[0])], {carried: true}),
       part("trail", attitude.map(q => scaled(turned(q, direction), 1.45)), [inks.axes[2]], {meaning: "path of the axis through the centre of mass"}),
       part("arrow", [[0, 0, 1.6]], [inks.vertical], {label: "vertical"})];
     const tips = parts[1].points, lowest = tips.reduce((least, tip) => Math.min(least, tip[2]), 0);

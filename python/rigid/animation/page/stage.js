@@ -231,7 +231,7 @@ class Stage {
   }
 }
 
-const TURNS = [0, 0.9, -0.9, 1.6, -1.6];  // of a label round the tip of its arrow
+const TURNS = [0, 0.9, -0.9, 1.6, -1.6, 2.4, -2.4];  // of a label round the tip of its arrow
 
 function fromSegment([x, y], [x0, y0], [x1, y1]) {  // the distance of a point
   const [dx, dy] = [x1 - x0, y1 - y0], share = clamp(((x - x0) * dx + (y - y0) * dy) / (dx * dx + dy * dy || 1), 0, 1);
