@@ -9,6 +9,7 @@ import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from shutil import get_terminal_size
 from types import FrameType
 from typing import Any, TypeAlias
 
@@ -24,6 +25,12 @@ __all__ = [
     "reporting",
     "terminated",
 ]
+
+
+NARROW = 80
+"""Columns of a terminal below which a bar has no rate and no elapsed time."""
+
+NARROW_BAR = "{percentage:3.0f}%|{bar}| {n_fmt}/{total_fmt}, {remaining} left{postfix}"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -104,7 +111,12 @@ def reporting(
             if option:
                 raise ImportError("a progress bar needs tqdm: pip install 'rigid[maps]'") from None
         else:
-            with tqdm(total=total, unit=unit, unit_scale=True, file=sys.stderr) as bar:
+            # The bar itself keeps 10 cells in a narrow terminal: the rate is left out there.
+            narrow = in_terminal and get_terminal_size().columns < NARROW
+            shape = NARROW_BAR if narrow else None
+            with tqdm(
+                total=total, unit=unit, unit_scale=True, file=sys.stderr, bar_format=shape
+            ) as bar:
 
                 def show(progress: Progress) -> None:
                     if progress.failures:

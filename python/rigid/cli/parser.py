@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import argparse
 import re
+from textwrap import fill
 from typing import NoReturn
 
-from .._checks.arguments import nearest
+from .._checks.arguments import of_known
 from .._core import __version__
+from .exit_codes import EXIT_CODES, REFUSED
+from .output import complain
 from .running_maps import add_commands, add_options
 
-__all__ = ["LONG_SECONDS", "SECONDS", "USAGE_ERROR", "Parser", "make_parser"]
-
-USAGE_ERROR = 2
-"""Exit code of a command that was refused before any work."""
+__all__ = ["LONG_SECONDS", "SECONDS", "Parser", "make_parser"]
 
 SECONDS, LONG_SECONDS = 30.0, 120.0
 """Time limits (s) of ``rigid report`` and ``rigid report --long``."""
@@ -31,6 +31,7 @@ _EXAMPLES = {
   rigid map thrown-box --samples 256 --out fine.pdf        a picture for a paper
   rigid map thrown-box --set run.t_end=2 --out longer      change the specification
   rigid map --show thrown-box > my-map.toml                print the specification
+  rigid map my-map.toml --check                            plan and cost, no computation
   rigid map my-map.toml --json                             facts for other programs
 """,
     "explore": """\
@@ -77,9 +78,22 @@ class Parser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         """End with exit code 2 and one line."""
-        if choice := re.search(r"invalid choice: '(.*?)' \(choose from (.*)\)", message):
-            message += nearest(choice[1], re.findall(r"[\w-]+", choice[2]))
-        self.exit(USAGE_ERROR, f"{self.prog}: {message}\n")
+        choice = re.fullmatch(
+            r"argument (\w+): invalid choice: '(.*?)' \(choose from (.*)\)", message
+        )
+        if choice:
+            known = re.findall(r"[\w-]+", choice[3])
+            message = f"{choice[1]} = {choice[2]!r}: unknown{of_known(choice[2], known)}"
+        complain(message, self.prog)
+        self.exit(REFUSED)
+
+
+def _exit_codes() -> str:
+    """The table of exit codes, wrapped."""
+    return "\n".join(
+        fill(words, 78, initial_indent=f"  {code:<10}", subsequent_indent=" " * 12)
+        for code, words in EXIT_CODES.items()
+    )
 
 
 def make_parser() -> Parser:
@@ -87,7 +101,7 @@ def make_parser() -> Parser:
     parser = Parser(
         prog="rigid",
         description="How rigid bodies rotate, and which of these motions are stable.",
-        epilog=f"examples:\n{_EXAMPLES['']}",
+        epilog=f"examples:\n{_EXAMPLES['']}\nexit codes:\n{_exit_codes()}",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("--version", action="version", version=f"rigid {__version__}")
@@ -105,6 +119,11 @@ def make_parser() -> Parser:
 
     map_ = command("map", "compute a stability map, write a picture and the data")
     _source(map_, "map", "a built-in map or a specification")
+    map_.add_argument(
+        "--check",
+        action="store_true",
+        help="read the file, print the plan, the cost and the files, and compute nothing",
+    )
     map_.add_argument("--samples", type=int, metavar="N", help="bodies per pixel")
     _threads(map_)
     _files(map_, ".npz", "./NAME")

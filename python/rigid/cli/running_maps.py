@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from argparse import ArgumentParser, Namespace
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -10,17 +9,15 @@ from pathlib import Path
 from typing import Any
 
 from .._checks.arguments import resolve_threads
+from .._checks.inputs import require_readable
 from .._checks.progress import Interrupted, terminated
 from ..maps.result import StabilityMap
 from ..maps.spec import MapSpec
 from ..store.call import run_map
-from .output import progress_shown, say
+from .exit_codes import DONE, SAYS_NO, UNFINISHED
+from .output import complain, progress_shown, say
 
 __all__ = ["add_commands", "add_options", "compute_stored", "default_stem", "open_and_go_on", "run"]
-
-DIFFERENT = 1
-WAITING = 75
-"""Exit codes: numbers differ, are damaged or were given up; some are not computed yet."""
 
 
 def add_options(parser: ArgumentParser) -> None:
@@ -71,25 +68,33 @@ def run(options: Namespace) -> int:
     from ..store.store import diff, merge, open_store
     from ..store.verify import verify
 
-    code = 0
+    code = DONE
+    for path in _inputs(options):
+        require_readable(path)
     if options.command == "status":
         status = open_store(options.store).status()
         say(str(status))
-        code = DIFFERENT if status.damage else 0
+        code = SAYS_NO if status.damage else DONE
     elif options.command == "merge":
         say(str(merge(options.stores, options.into).status()))
     elif options.command == "diff":
         difference = diff(options.one, options.other)
         say(str(difference))
-        code = 0 if difference.same else DIFFERENT
+        code = DONE if difference.same else SAYS_NO
     elif options.command == "verify":
         threads = resolve_threads(options.threads)
         found = verify(options.map, share=options.share, seed=options.seed, threads=threads)
         say(str(found))
-        code = 0 if found.ok else DIFFERENT
+        code = DONE if found.ok else SAYS_NO
     else:
         code = _pack(options)
     return code
+
+
+def _inputs(options: Namespace) -> list[str]:
+    """The files and folders that a command reads."""
+    named = (getattr(options, name, None) for name in ("store", "map", "one", "other"))
+    return [path for path in named if path is not None] + getattr(options, "stores", [])
 
 
 def _pack(options: Namespace) -> int:
@@ -100,15 +105,14 @@ def _pack(options: Namespace) -> int:
     if not result.ended:
         words = _stored(options.store, result)
         if not options.partial:
-            print(
-                f"rigid: {words}, nothing is written; rigid resume {options.store} goes on, "
-                "--partial writes what there is",
-                file=sys.stderr,
+            complain(
+                f"{words}, nothing is written; rigid resume {options.store} goes on, "
+                "--partial writes what there is"
             )
-            return WAITING
-        print(f"rigid: {words}, the map written is partial", file=sys.stderr)
+            return UNFINISHED
+        complain(f"{words}, the map written is partial")
     say(str(pack(result, options.out)))
-    return 0
+    return DONE
 
 
 def compute_stored(spec: MapSpec, options: Namespace, *, seeded: bool) -> StabilityMap | int:
@@ -125,6 +129,7 @@ def open_and_go_on(options: Namespace) -> StabilityMap | int:
     """The whole map of a folder, or the exit code."""
     from ..store.store import open_store
 
+    require_readable(options.store)
     store = open_store(options.store)
     return _computed(options, store.resume)
 
@@ -151,17 +156,14 @@ def _computed(options: Namespace, compute: Any) -> StabilityMap | int:
         how = "terminated" if terminated() else "interrupted"
         raise KeyboardInterrupt(f"{how}; {str(stopped).partition(';')[0]}; {goes_on}") from None
     except PoisonedError as error:
-        print(f"rigid: {error}; {goes_on}", file=sys.stderr)
-        return DIFFERENT
+        complain(f"{error}; {goes_on}")
+        return SAYS_NO
     except OSError as error:
         raise OSError(f"{error}; {_stored_in(options.store)}{goes_on}") from None
     if result.ended:
         return result
-    print(
-        f"rigid: waits for other parts; {_stored(options.store, result)}; {goes_on}",
-        file=sys.stderr,
-    )
-    return WAITING
+    complain(f"waits for other parts; {_stored(options.store, result)}; {goes_on}")
+    return UNFINISHED
 
 
 def _stored(path: str, result: StabilityMap | None = None) -> str:

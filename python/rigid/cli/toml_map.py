@@ -84,8 +84,8 @@ def read_spec(source: str, changes: Sequence[str] = ()) -> NamedSpec:
     64
     """
     name, content, file = read_source(source, "map", MAPS)
-    seeded = "seed" in parsed(content, file, changes).table("run")
-    return NamedSpec(name, parse_spec(content, file, changes), seeded)
+    spec = parse_spec(content, file, changes)
+    return NamedSpec(name, spec, "seed" in parsed(content, file, changes).table("run"))
 
 
 def parse_spec(content: str, file: str, changes: Sequence[str] = ()) -> MapSpec:
@@ -188,7 +188,8 @@ def _axis(table: Table) -> Axis:
         table.only("name", "values")
         values = table.take("values", as_is)
     else:
-        first, last = table.take("from", finite_float), table.take("to", finite_float)
+        number = partial(finite_float, unit=PARAMETERS[name].unit)
+        first, last = table.take("from", number), table.take("to", number)
         count = table.take("count", _count)
         logarithmic = table.choice("scale", ("linear", "log"), default="linear") == "log"
         if logarithmic and not (first > 0.0 and last > 0.0):

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from functools import partial, reduce
 from inspect import Parameter, signature
+from itertools import chain
 from operator import and_, or_
 from typing import Any
 
@@ -34,6 +35,8 @@ _KINDS = {scene.title.replace(" ", "-"): scene for scene in SCENES.values()}
 
 def read_scene(table: Table) -> Scene:
     """The scene of a table ``[scene]``."""
+    if "kind" not in table:
+        table.only(*SCENE, *FREE_SCENE)
     scene = _KINDS[table.choice("kind", _KINDS)]
     others = {name for kind in SCENES.values() for name in kind.fields} - {*scene.fields}
     others |= set() if scene is FreeBody else {*FREE_SCENE}
@@ -129,6 +132,8 @@ def read_start(table: Table, axes: list[str], *more: str) -> Start:
 
 
 def _noise(table: Table, on_axis: bool, kappa_on_axis: bool) -> Noise:
+    if "kind" not in table:
+        table.only(*NOISE)
     kind = table.choice("kind", NOISE_KINDS)
     if kind == "uniform_attitude":
         table.only("kind")
@@ -179,6 +184,9 @@ def _criterion(table: Table, depth: int = 1) -> Criterion:
         table.only("not")
         part = _criterion(table.table("not"), depth + 1)
         return table.build(lambda: ~part)
+    if "criterion" not in table:
+        every = (signature(criterion).parameters for criterion in CRITERIA.values())
+        table.only(*dict.fromkeys(("criterion", *_JOINS, "not", *chain(*every))))
     criterion = CRITERIA[table.choice("criterion", CRITERIA)]
     parameters = signature(criterion).parameters
     table.only("criterion", *parameters)

@@ -13,7 +13,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._checks.arguments import brief, nearest, numbers
+from .._checks.arguments import brief, numbers, of_known
 from .._moments import box_moments
 from ..model.orbit import MOST_ECCENTRIC, Orbit
 from ..model.scene import Scene
@@ -27,6 +27,7 @@ __all__ = [
     "PixelValues",
     "axis_letter",
     "check_applicable",
+    "check_axis_name",
     "in_order",
     "make_axes",
 ]
@@ -766,12 +767,15 @@ def make_axes(axes: Mapping[str, ArrayLike], own: Container[str] = ()) -> tuple[
     return tuple(_axis(name, values, name in own) for name, values in axes.items())
 
 
+def check_axis_name(name: str) -> None:
+    """Raise ValueError if no parameter of a map has this name."""
+    if name not in PARAMETERS:
+        raise ValueError(f"axes: unknown parameter {brief(name)}{of_known(name, PARAMETERS)}")
+
+
 def _axis(name: str, values: ArrayLike, own: bool) -> Axis:
-    if not own and name not in PARAMETERS:
-        raise ValueError(
-            f"axes: unknown parameter {brief(name)}{nearest(name, PARAMETERS)}"
-            f" (known: {', '.join(PARAMETERS)})"
-        )
+    if not own:
+        check_axis_name(name)
     array = numbers(f"axes[{name!r}]", values, None if own else PARAMETERS[name].unit)
     if array.ndim != 1 or array.size == 0:
         raise ValueError(f"axes[{name!r}]: expected shape (n,) with n >= 1, got {array.shape}")

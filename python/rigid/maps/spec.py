@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
-from .._checks.arguments import brief, finite_float, nearest, positive_int
+from .._checks.arguments import brief, finite_float, of_known, positive_int
 from .._moments import possible
 from ..model.body import Body
 from ..model.bounds import RateWithin
@@ -215,9 +215,9 @@ class MapSpec:
                         "of = 'L': the momentum of the rotor is not watched; use 'omega'"
                     )
         if self.forces:
-            self.stable.check_forced()
+            self.stable.check_forced(self.scene, self.forces)
             for one in self.measure:
-                one.check_forced()
+                one.check_forced(self.scene, self.forces)
         if self.scene.torque is not None and self.scene.torque.times:
             raise ValueError("torque: maps accept constant torques only, not a table")
         chosen = self.step is not None or (isinstance(self.stable, Custom) and self.method == AUTO)
@@ -630,10 +630,7 @@ class MapSpec:
         known = [name for name in self.__dataclass_fields__ if name != "version"]
         for name in changes:
             if name not in known:
-                raise TypeError(
-                    f"{name}: is no field of a specification{nearest(name, known)} "
-                    f"(known: {', '.join(known)})"
-                )
+                raise TypeError(f"{name}: is no field of a specification{of_known(name, known)}")
         kept = {name: getattr(self, name) for name in known}
         return MapSpec(**{**kept, **changes})
 

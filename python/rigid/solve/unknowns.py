@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._checks.arguments import brief, nearest
+from .._checks.arguments import brief, of_known
 from ..model.body import Body
 from ..model.scene import Scene
 from .simulate import simulate
@@ -227,8 +227,7 @@ def _checked_names(scene: Scene, free: str | Sequence[str]) -> tuple[str, ...]:
     for name in given:
         if name not in known:
             raise ValueError(
-                f"free = {brief(name)}: is no parameter of a {scene.title}; known are "
-                f"{', '.join(map(repr, known))}{nearest(str(name), known)}"
+                f"free = {brief(name)}: is no parameter of a {scene.title}{of_known(name, known)}"
             )
         for own in _GROUPS.get(name, (name,)):
             if own in names:
