@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import signal
 import sys
 import threading
@@ -9,7 +10,6 @@ import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from shutil import get_terminal_size
 from types import FrameType
 from typing import Any, TypeAlias
 
@@ -23,14 +23,15 @@ __all__ = [
     "heeding_signals",
     "interruptible",
     "reporting",
+    "terminal_columns",
     "terminated",
 ]
 
 
 NARROW = 80
-"""Columns of a terminal below which a bar has no rate and no elapsed time."""
+"""Columns of a terminal below which a bar has neither numbers of bodies nor a rate."""
 
-NARROW_BAR = "{percentage:3.0f}%|{bar}| {n_fmt}/{total_fmt}, {remaining} left{postfix}"
+NARROW_BAR = "{percentage:3.0f}%|{bar}| {remaining} left{postfix}"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -67,6 +68,14 @@ class Progress:
         if self.done == self.total:
             return 0.0
         return (self.total - self.done) / self.rate if self.rate > 0.0 else float("inf")
+
+
+def terminal_columns() -> int:
+    """Columns of the terminal of standard error, 80 if it does not tell."""
+    try:
+        return os.get_terminal_size(sys.stderr.fileno()).columns or 80
+    except (AttributeError, OSError, ValueError):
+        return 80
 
 
 ProgressOption: TypeAlias = bool | Callable[[Progress], object] | None
@@ -111,8 +120,8 @@ def reporting(
             if option:
                 raise ImportError("a progress bar needs tqdm: pip install 'rigid[maps]'") from None
         else:
-            # The bar itself keeps 10 cells in a narrow terminal: the rate is left out there.
-            narrow = in_terminal and get_terminal_size().columns < NARROW
+            # The bar keeps at least 10 cells in a narrow terminal, which the numbers would take.
+            narrow = in_terminal and terminal_columns() < NARROW
             shape = NARROW_BAR if narrow else None
             with tqdm(
                 total=total, unit=unit, unit_scale=True, file=sys.stderr, bar_format=shape

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import math
 import os
-import shutil
 import sys
 from collections.abc import Callable, Mapping
 from io import BytesIO
@@ -15,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
-from .._checks.progress import Progress, ProgressOption, interruptible
+from .._checks.progress import Progress, ProgressOption, interruptible, terminal_columns
 from .._files import published, require_replaceable
 from ..drawing.figure import new_figure
 from ..maps.plot import SHARE
@@ -123,7 +122,7 @@ def complain(text: str, who: str = "rigid") -> None:
     """Print a message on stderr: wrapped in a terminal, one line elsewhere."""
     text = f"{who}: {text}"
     if sys.stderr is not None and sys.stderr.isatty():
-        width = max(40, shutil.get_terminal_size().columns)
+        width = max(40, terminal_columns())
         text = fill(
             text, width, subsequent_indent="  ", break_long_words=False, break_on_hyphens=False
         )

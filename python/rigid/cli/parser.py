@@ -7,7 +7,7 @@ import re
 from textwrap import fill
 from typing import NoReturn
 
-from .._checks.arguments import of_known
+from .._checks.arguments import nearest, of_known
 from .._core import __version__
 from .exit_codes import EXIT_CODES, REFUSED
 from .output import complain
@@ -76,14 +76,26 @@ class Parser(argparse.ArgumentParser):
             for name, parser in action.choices.items()
         }
 
+    def _options(self) -> list[str]:
+        """The long options of this parser and of its commands."""
+        own = [name for name in self._option_string_actions if name.startswith("--")]
+        parsers = self.commands().values()
+        return own + [name for parser in parsers for name in parser._option_string_actions]
+
     def error(self, message: str) -> NoReturn:
         """End with exit code 2 and one line."""
-        choice = re.fullmatch(
+        if found := re.fullmatch(
             r"argument (\w+): invalid choice: '(.*?)' \(choose from (.*)\)", message
-        )
-        if choice:
-            known = re.findall(r"[\w-]+", choice[3])
-            message = f"{choice[1]} = {choice[2]!r}: unknown{of_known(choice[2], known)}"
+        ):
+            known = re.findall(r"[\w-]+", found[3])
+            message = f"{found[1]} = {found[2]!r}: unknown{of_known(found[2], known)}"
+        elif found := re.fullmatch(r"argument (\S+): invalid (int|float) value: (.*)", message):
+            kind = "whole" if found[2] == "int" else "real"
+            message = f"{found[1]} = {found[3]}: must be a {kind} number"
+        elif found := re.fullmatch(r"unrecognized arguments: (-\S+).*", message):
+            message = f"{found[1]}: unknown option{nearest(found[1], self._options())}"
+        elif found := re.fullmatch(r"the following arguments are required: (.*)", message):
+            message = f"needs {found[1]}; {self.prog} --help has examples"
         complain(message, self.prog)
         self.exit(REFUSED)
 
@@ -232,8 +244,8 @@ def _files(parser: argparse.ArgumentParser, data: str, default: str) -> None:
     parser.add_argument(
         "--out",
         metavar="PATH",
-        help=f"writes PATH.png and PATH{data} (default: {default}); with the suffix .pdf, .svg or "
-        "that of another format the picture has this format",
+        help=f"writes PATH.png and PATH{data} (default: {default}); a suffix such as .pdf or .svg "
+        "is the format of the picture",
     )
     parser.add_argument("--force", action="store_true", help="replace existing files")
 

@@ -110,7 +110,7 @@ def parse_spec(content: str, file: str, changes: Sequence[str] = ()) -> MapSpec:
     run.only(*MAP_RUN)
     half_width = run.take("half_width", _half_width, default=None)
     if half_width is not None and "samples" in run:
-        raise run.error("samples and half_width exclude each other")
+        raise run.error("samples, half_width: give one of the two")
     # The longest horizon of an axis follows from its values.
     longest = {"default": 1.0} if "t_end" in (axis.name for axis in axes) else {}
     return run.build(
@@ -177,7 +177,7 @@ def _axes(tables: list[Table]) -> tuple[Axis, ...]:
         names = [axis.name for axis in axes]
         place = next(place for place, name in enumerate(names) if name in names[:place])
         first = axis_letter(names.index(names[place]))
-        raise tables[place].error(f"name = {names[place]!r}: is already that of [{first}]")
+        raise tables[place].error(f"name = {names[place]!r}: the axis [{first}] has this name")
     return axes
 
 

@@ -85,7 +85,7 @@ def _body(table: Table) -> Body:
         raise table.error("needs either 'moments' or 'box' (with 'mass')")
     if "moments" in table:
         if "mass" in table:
-            raise table.error("mass belongs to a box; the moments need none")
+            raise table.error("mass: belongs to a box; omit the mass beside moments")
         moments = table.take("moments", three)
         return table.build(lambda: Body(moments))
     a, b, c = table.take("box", three)
@@ -142,17 +142,17 @@ def _noise(table: Table, on_axis: bool, kappa_on_axis: bool) -> Noise:
         table.only("kind", "kappa")
         if kappa_on_axis:
             if "kappa" in table:
-                raise table.error("kappa is that of the axis; leave it out here")
+                raise table.error("kappa: an axis of the map sets kappa; omit the key here")
             return Noise(kind, 0.0)
         return table.build(lambda: von_mises_fisher(table.take("kappa", as_is)))
     table.only(*(key for key in NOISE if key != "kappa"))
     if "cov" in table:
         if "size" in table:
-            raise table.error("size and cov both say how large the noise is")
+            raise table.error("size, cov: give one of the two")
         return table.build(lambda: Noise(kind, cov=table.take("cov", as_is)))
     if on_axis:
         if "size" in table:
-            raise table.error("size is that of the axis; leave it out here")
+            raise table.error("size: an axis of the map sets the size; omit the key here")
         return Noise(kind, 0.0)
     return table.build(lambda: Noise(kind, table.take("size", as_is)))
 

@@ -102,13 +102,13 @@ class OwnScene:
         """
         if "omega" in self.gives and start.omega != (0.0, 0.0, 0.0):
             raise ValueError(
-                f"start: {self.source.name} gives the rates; leave them zero, as in "
+                f"start: {self.source.name} gives the rates; the start must have none, as in "
                 "Start(omega=(0, 0, 0), noise=...)"
             )
         is_given = start.tilt != 0.0 or start.attitude is not None or "tilt" in axes
         if "attitude" in self.gives and is_given:
             raise ValueError(
-                f"start: {self.source.name} gives the attitude; leave tilt and attitude out"
+                f"start: {self.source.name} gives the attitude; omit tilt and attitude"
             )
 
     def default_start(self, scene: Scene) -> Start:

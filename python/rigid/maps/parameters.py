@@ -352,9 +352,9 @@ def _needs_omega(_scene: Scene, start: Start) -> str:
 
 def _needs_size_of_noise(_scene: Scene, start: Start) -> str:
     if start.noise is None:
-        return "the start has no noise; say its kind, as in Start(noise=rigid.normal(0))"
+        return "the start has no noise; give a kind, as in Start(noise=rigid.normal(0))"
     if not isinstance(start.noise, Noise):
-        return "the noise of the start are given samples, which have no size"
+        return "the start has given samples, which have no size; use Start(noise=rigid.normal(0))"
     if start.noise.cov is not None:
         return "the noise of the start has a covariance; give it a size"
     if start.noise.is_direction:
@@ -401,7 +401,7 @@ def _needs_size_of_attitude_noise(scene: Scene, start: Start) -> str:
         return f"{_ATTITUDE_UNFELT}; use noise"
     if start.attitude_noise is None:
         return (
-            "the start has no attitude noise; say its kind, "
+            "the start has no attitude noise; give a kind, "
             "as in Start(attitude_noise=rigid.normal(0))"
         )
     if start.attitude_noise.cov is not None:
@@ -800,7 +800,7 @@ def check_applicable(scene: Scene, start: Start, axes: Iterable[Axis]) -> None:
     if not scene.rates_need_attitude and start.noise is not None and start.joint:
         raise ValueError(f"noise = {start.noise.describe()}: {_ATTITUDE_UNFELT}")
     if not scene.directions and start.omega is not None and start.tilt != 0.0:
-        raise ValueError("tilt has no effect on a free body started by omega; use Start(spin=...)")
+        raise ValueError("tilt: has no effect on a free body started by omega; use Start(spin=...)")
     axes = tuple(axes)
     for axis in axes:
         reason = axis.parameter.why_not(scene, start)

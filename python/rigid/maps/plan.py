@@ -50,7 +50,7 @@ def map_plan(spec: MapSpec) -> Plan:
         looks = (why_unforeseen(batch, span, by_steps=method != EXACT) for batch in batches)
         unknown = next((words for words in looks if words is not None), None)
     if spec.is_called and error is not None:
-        unknown = "the torque is that of a function"
+        unknown = "a function gives the torque"
     if unknown is not None:
         error = None
         reasons.append(UNKNOWN.format(unknown))

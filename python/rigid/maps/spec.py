@@ -195,7 +195,8 @@ class MapSpec:
             last = stop_table(self.half_width).last
             if self.samples != last:
                 raise ValueError(
-                    f"samples = {self.samples}: with half_width = {self.half_width} they are {last}"
+                    f"samples = {self.samples}: must be {last}, which half_width = "
+                    f"{self.half_width} needs"
                 )
         if self.refine is not None:
             put("refine", positive_int("refine", self.refine, minimum=2))
@@ -256,7 +257,9 @@ class MapSpec:
         """A criterion or a measure with the defaults of the start, in which a mixture agrees."""
         first, *others = (asked.resolved(scene, start) for start in self.start.starts)
         if any(other != first for other in others):
-            raise ValueError(f"{name}: the starts of the mixture turn about other axes; say which")
+            raise ValueError(
+                f"{name}: the starts of the mixture turn about different axes; give axis=..."
+            )
         return first
 
     def _check_custom(self, stable: Custom) -> None:
@@ -421,7 +424,9 @@ class MapSpec:
         """
         if isinstance(scene, Scene):
             if self._torque is None or scene.to_dict() != self.scene.to_dict():
-                raise ValueError("scene: is not that of the map, whose torque is a function")
+                raise ValueError(
+                    "scene: differs from the scene of the map, whose torque is a function"
+                )
             return dataclasses.replace(self, scene=scene).with_functions(
                 stable=stable, carried=carried
             )

@@ -122,7 +122,9 @@ class Body:
         set_field(self, "mass", None if mass is None else _checked_mass(mass, shape))
         if sides is not None:
             if shape or (mass is not None and np.ndim(mass)):
-                raise ValueError(f"sides: are those of one body, the moments are those of {shape}")
+                raise ValueError(
+                    f"sides: belong to one body, but the moments are of bodies {shape}"
+                )
             a, b, c = vector("sides", sides, 3).tolist()
             sides = (a, b, c)
             if min(sides) <= 0.0:

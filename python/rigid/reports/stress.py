@@ -122,7 +122,8 @@ class Extremes:
         wrong = counts.pop(UNDETECTED_ERROR, 0)
         others = ", ".join(f"{count} {verdict}" for verdict, count in counts.items())
         errors = f"{wrong or 'no'} undetected error{'s' if wrong > 1 else ''}"
-        return f"{errors} in {len(self.cells)} runs: {others or 'all of them'}"
+        runs = f"{len(self.cells)} run{'' if len(self.cells) == 1 else 's'}"
+        return f"{errors} in {runs}{f': {others}' if others else ''}"
 
 
 def _row(cells: list[Cell]) -> tuple[str, ...]:

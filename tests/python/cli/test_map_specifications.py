@@ -186,7 +186,7 @@ def test_measures_are_names_or_tables() -> None:
     [
         ("'flips'", "[run] measure = 'flips': must be a list of names or of tables"),
         ("[3]", "[run] measure[0] = 3: must be a name, or a table with a name"),
-        ("['flip']", "[run] measure[0].name = 'flip': must be one of"),
+        ("['flip']", "[run] measure[0].name = 'flip': did you mean 'flips'? must be one of"),
         ("[{name = 'drift', axis = 1}]", "[run] measure[0].axis: drift has no options"),
         ("[{name = 'flips', axes = 1}]", "[run] measure[0].axes: flips has axis"),
         ("['mean_rate']", "[run] measure[0]: mean_rate needs axis"),
@@ -270,11 +270,11 @@ def complaint(text: str, file: str = "box.toml") -> str:
         # unknown words
         ('"free-body"', '"freebody"', "[scene] kind = 'freebody': must be one of 'free-body', "
          "'heavy-top'; did you mean 'free-body'?"),
-        ('"no_flip"', '"noflip"', "[stable] criterion = 'noflip': must be one of"),
-        ('name = "noise"', 'name = "niose"', "[y] name = 'niose': must be one of"),
+        ('"no_flip"', '"noflip"', "[stable] criterion = 'noflip': did you mean 'no_flip'? must"),
+        ('name = "noise"', 'name = "niose"', "[y] name = 'niose': did you mean 'noise'? must"),
         ('kind = "normal"', 'kind = "norml"', "[start.noise] kind = 'norml': must be one of"),
         ('"log"', '"lgo"', "[y] scale = 'lgo': must be one of 'linear', 'log'; did you mean 'log'"),
-        ("samples = 64", 'samples = 64\nmethod = "rk5"', "[run] method = 'rk5': must be one of"),
+        ("samples = 64", 'samples = 64\nmethod = "rk5"', "method = 'rk5': did you mean 'rk4'?"),
         # wrong types
         ('"A box"', "3", "title = 3: must be a string"),
         ("[start]\n", "[start]\ntilt = [1.0]\n", "[start] tilt = [1.0]: must be a"),
@@ -324,7 +324,7 @@ def complaint(text: str, file: str = "box.toml") -> str:
             "moments = [1.0, 1.0, 3.0]",
             "[scene] moments = (1, 1, 3): no moment may exceed the sum of the other two",
         ),
-        ('name = "noise"', 'name = "b"', "[y] name = 'b': is already that of [x]"),
+        ('name = "noise"', 'name = "b"', "[y] name = 'b': the axis [x] has this name"),
         ('name = "b"', 'name = "mgl"', "axes: 'mgl' does not apply: a free body feels no weight"),
         ("count = 4", "count = 4\nvalues = [1.0]", "[x] unknown key 'from'"),
         (

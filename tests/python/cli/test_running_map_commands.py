@@ -221,7 +221,7 @@ def test_a_budget_that_is_spent_is_no_interruption(capsys: pytest.CaptureFixture
         ("", ["--dask", "tcp://x"], "--dask: needs --store"),
         ("", ["--store", "x", "--part", "3/2"], "part = '3/2': must be k/n with 1 <= k <= n"),
         ("", ["--half-width", "0.7"], "half_width = 0.7: must lie in [0.002, 0.25]"),
-        ("half_width = 0.1", [], "small.toml: [run] samples and half_width exclude each other"),
+        ("half_width = 0.1", [], "small.toml: [run] samples, half_width: give one of the two"),
         ("seed", ["--store", "x", "--part", "1/2"], "--part: the file must tell the seed, or"),
     ],
 )

@@ -375,7 +375,7 @@ def test_the_picture_of_cycloids_carries_both_curves() -> None:
         (
             lambda: figures.poinsot(rigid.simulate(TOP, [0, 0, 1], t=[0, 1])),
             TypeError,
-            "that of a rigid.FreeBody",
+            "must be a rigid.FreeBody, which Poinsot",
         ),
         (
             lambda: figures.poinsot(rigid.simulate(BODY, [0, 0, 1], t=[0, 1], record="rates")),

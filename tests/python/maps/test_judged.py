@@ -250,6 +250,29 @@ def test_bodies_that_fail_are_not_judged() -> None:
     assert (stopped.step_limit == 50).all()
 
 
+@pytest.mark.parametrize("of", ["attitude", "axis"])
+def test_a_free_body_has_a_vertical(of: Any) -> None:
+    """The body turns about its vertical axis 3, or about axis 1 at right angles to the vertical."""
+
+    def stays_upright(states: rigid.States) -> Verdicts:
+        assert states.gamma is not None
+        np.testing.assert_allclose(np.linalg.norm(states.gamma, axis=-1), 1.0, atol=1e-12)
+        upright: Verdicts = (states.gamma[..., 2] > 0.99).all(axis=1)
+        return upright
+
+    for axis, share in ((3, 1.0), (1, 0.0)):
+        result = rigid.stability_map(
+            rigid.FreeBody(rigid.Body((1.0, 1.5, 2.0))),
+            axes={"spin": [1.0, 2.0]},
+            start=rigid.Start(spin=1.0, axis=axis, attitude=(1.0, 0.0, 0.0, 0.0)),
+            stable=rigid.judged(stays_upright, [0.0, 1.0, 2.0], of=of),
+            samples=2,
+            rng=1,
+            progress=False,
+        )
+        assert (result.share == share).all()
+
+
 def test_under_torque_and_damping() -> None:
     """Bodies of one pixel are computed together, and brake alike."""
     body = rigid.Body((1.0, 1.5, 2.0))

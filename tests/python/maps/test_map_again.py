@@ -81,7 +81,7 @@ def test_the_command_runs_a_result_again(
         (lambda spec: rigid.stability_map(spec, rng=5), "spec.replace(seed=...)"),
         (
             lambda spec: rigid.stability_map(spec.scene, samples=5, t_end=1.0),
-            "stability_map() misses axes and stable",
+            "stability_map() needs axes and stable",
         ),
         (
             lambda spec: spec.replace(sample=5),

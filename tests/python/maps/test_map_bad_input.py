@@ -276,7 +276,7 @@ def test_axes_without_meaning_say_why(
         ({"t_end": 0.0}, ValueError, "t_end = 0.0: must be positive"),
         ({"t_end": -1}, ValueError, "t_end = -1.0: must be positive"),
         ({"t_end": np.inf}, ValueError, "t_end = inf: must be finite"),
-        ({"t_end": None}, TypeError, "stability_map() misses t_end"),
+        ({"t_end": None}, TypeError, "stability_map() needs t_end"),
         ({"step": 0.0}, ValueError, "step = 0.0: must be positive"),
         ({"step": np.nan}, ValueError, "step = nan: must be finite"),
         ({"max_steps": 0}, ValueError, "max_steps = 0: must be at least 1"),

@@ -202,7 +202,7 @@ def test_what_a_map_does_not_have_is_refused(options: dict[str, Any], message: s
 
 
 def test_a_criterion_needs_a_horizon() -> None:
-    with pytest.raises(TypeError, match=r"plan\(\) misses t_end"):
+    with pytest.raises(TypeError, match=r"plan\(\) needs t_end"):
         rigid.plan(HEAVY, rigid.no_flip(3))
 
 

@@ -229,7 +229,7 @@ def test_what_a_function_does_not_go_with_is_refused() -> None:
         ("data: expected shape", lambda: rigid.Torque.call(damping, 1.0)),
         ("data", lambda: rigid.Torque.call(damping, [np.nan])),
         (
-            "torque: that of a function",
+            "torque: the torque of a function is not known",
             lambda: rigid.free.power_balance(run),
         ),
         (
