@@ -106,7 +106,8 @@ def require_new(path: Path, argument: str, *, force: bool) -> None:
         raise ValueError(f"{argument}: {error}") from None
     if exists and not force:
         raise ValueError(
-            f"{argument}: {str(path)!r} exists; take another name, or replace the file with --force"
+            f"{argument} = {str(path)!r}: exists; take another name, or replace the file with "
+            "--force"
         )
 
 

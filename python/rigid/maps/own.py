@@ -15,6 +15,7 @@ from .._checks.arrays import attitudes, vectors
 from ..model.scene import SCENES, Scene
 from ..model.sourced import Sourced
 from ..model.start import Start
+from ..model.torque import require_constant
 from .grid import Made
 from .parameters import Axis, make_axes
 
@@ -78,8 +79,7 @@ class OwnScene:
                 f"scene = {self.source.name}: must return bodies of shape ({count},), one for each "
                 f"number it is given, got {scene.shape}"
             )
-        if scene.torque is not None and scene.torque.times:
-            raise ValueError("torque: maps accept constant torques only, not a table")
+        require_constant(scene.torque)
         checks: tuple[Callable[[Any], Floats], ...] = (_rates, attitudes)
         checked = [check(part) for check, part in zip(checks, starts, strict=False)]
         for name, part in zip(GIVEN, checked, strict=False):

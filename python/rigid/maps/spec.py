@@ -29,6 +29,7 @@ from ..model.scene import FreeBody, Scene, scene_from_dict
 from ..model.seed import checked_seed
 from ..model.sourced import Sourced
 from ..model.start import Start
+from ..model.torque import require_constant
 from ..solve.choose_method import NO_BOUND
 from ..solve.closed_form import FORCED_RULE, NO_FORM, closed_forms, question_words, rule
 from ..solve.methods import (
@@ -219,8 +220,7 @@ class MapSpec:
             self.stable.check_forced(self.scene, self.forces)
             for one in self.measure:
                 one.check_forced(self.scene, self.forces)
-        if self.scene.torque is not None and self.scene.torque.times:
-            raise ValueError("torque: maps accept constant torques only, not a table")
+        require_constant(self.scene.torque)
         chosen = self.step is not None or (isinstance(self.stable, Custom) and self.method == AUTO)
         if not (chosen or self._of_all.bounds_rates):
             raise ValueError(NO_BOUND)
@@ -274,8 +274,8 @@ class MapSpec:
                     )
         if "t_end" not in self.varied and self.t_end != stable.times[-1]:
             raise ValueError(
-                f"t_end = {self.t_end:g}: the last time of judged() is the horizon, "
-                f"t = {stable.times[-1]:g}"
+                f"t_end = {self.t_end:g}: must be {stable.times[-1]:g}, the last time of judged(), "
+                "or left out"
             )
         if any(one.name == "time_to_leave" for one in self.measure):
             raise ValueError("measure: a custom criterion tells no time_to_leave")

@@ -148,7 +148,9 @@ class Head:
         found = differences(kept, asked)
         if found:
             shown = "; ".join(found[:5]) + (f"; and {len(found) - 5} more" if found[5:] else "")
-            raise StoreError(f"{path} holds another map (it and the one asked for): {shown}")
+            raise StoreError(
+                f"{path} holds another map (there and asked for): {shown}; take another folder"
+            )
 
 
 def divided(spec: MapSpec) -> int:

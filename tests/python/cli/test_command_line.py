@@ -676,7 +676,7 @@ def test_a_map_is_checked_without_a_computation(
     assert facts["plan"] == result.plan.to_dict()
     assert f"plan        {result.plan.method_words()}" in capsys.readouterr().out
     assert shown["plan"].startswith(result.plan.method_words())
-    assert "'small.npz' exists" in fails(["map", "small.toml", "--check"], capsys)
+    assert "--out = 'small.npz': exists; take" in fails(["map", "small.toml", "--check"], capsys)
 
 
 def test_a_check_tells_what_a_map_costs_at_most(

@@ -249,14 +249,14 @@ def complaint(text: str, file: str = "box.toml") -> str:
         # unknown and missing names
         ("[start]", "[strat]", "unknown key 'strat'; did you mean 'start'? (known: title, scene,"),
         ("title =", "titel =", "unknown key 'titel'; did you mean 'title'?"),
-        ("kind = \"free", "kid = \"free", "[scene] needs the key 'kind'"),
+        ("kind = \"free", "kid = \"free", "[scene] unknown key 'kid'; did you mean 'kind'"),
         ("spin =", "spinn =", "[start] unknown key 'spinn'; did you mean 'spin'? (known: omega,"),
         ("seed =", "sed =", "[run] unknown key 'sed'; did you mean 'seed'?"),
         ("mass =", "mas =", "[scene] unknown key 'mas'; did you mean 'mass'?"),
         ("mass = 0.3", "mass = 0.3\nmgl = 1.0", "[scene] unknown key 'mgl'"),
         ("scale =", "scala =", "[y] unknown key 'scala'; did you mean 'scale'?"),
         ("axis = 2\n[run]", "axes = 2\n[run]", "[stable] unknown key 'axes'; did you mean 'axis'?"),
-        ("{ kind = \"normal\" }", "{ kin = \"normal\" }", "[start.noise] needs the key 'kind'"),
+        ("{ kind = \"normal\" }", "{ kin = \"normal\" }", "[start.noise] unknown key 'kin'; did"),
         (
             "{ kind = \"normal\" }",
             "{ kind = \"normal\", siez = 1.0 }",
@@ -317,7 +317,7 @@ def complaint(text: str, file: str = "box.toml") -> str:
         (
             "box = [0.25, 0.08, 0.01]",
             "moments = [1.0, 1.0, 1.0]",
-            "[scene] mass belongs to a box; the moments need none",
+            "[scene] mass: belongs to a box; omit the mass beside moments",
         ),
         (
             "box = [0.25, 0.08, 0.01]\nmass = 0.3",
@@ -330,7 +330,7 @@ def complaint(text: str, file: str = "box.toml") -> str:
         (
             '{ kind = "normal" }',
             '{ kind = "normal", size = 3.0 }',
-            "[start.noise] size is that of the axis; leave it out here",
+            "[start.noise] size: an axis of the map sets the size; omit",
         ),
         ("spin = 10.0", "", "[start] a start needs either omega or spin, and not both"),
         (

@@ -239,9 +239,11 @@ def test_another_map_in_the_folder_is_refused(capsys: pytest.CaptureFixture[str]
     capsys.readouterr()
     assert main(["map", "small.toml", "--store", "run.rigid", "--seed", "6", "--force", QUIET]) == 2
     told = capsys.readouterr().err
-    assert told.endswith("run.rigid holds another map (it and the one asked for): seed: 5 and 6\n")
+    assert told.endswith(
+        "run.rigid holds another map (there and asked for): seed: 5 and 6; take another folder\n"
+    )
     assert main(["resume", "elsewhere", QUIET]) == 2
-    assert "elsewhere is no running map" in capsys.readouterr().err
+    assert "elsewhere: there is no such file or folder" in capsys.readouterr().err
 
 
 def test_a_full_disk_is_resumed(

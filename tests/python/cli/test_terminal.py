@@ -107,7 +107,7 @@ def test_results_replace_no_file_unless_told(
 ) -> None:
     (folder / f"small{suffix}").write_bytes(b"mine")
     message = refused(["map", "small.toml", "--samples", "1"], capsys)
-    assert f"--out: 'small{suffix}' exists; take another name, or replace the file with" in message
+    assert f"--out = 'small{suffix}': exists; take another name, or replace the file" in message
     assert (folder / f"small{suffix}").read_bytes() == b"mine"
     assert main(["map", "small.toml", "--samples", "1", "--force"]) == 0
     assert (folder / f"small{suffix}").read_bytes() != b"mine"

@@ -324,9 +324,9 @@ def test_only_mass_properties_are_mass_properties() -> None:
         (lambda: inertia.principal_axes(LOPSIDED), r"tensor\[0, 1\] = 0.2, but its mirror"),
         (
             lambda: inertia.principal_axes(np.diag([1, 1, 3])),
-            r"\(1, 1, 3\) are no body has the principal moments",
+            r"moments \(1, 1, 3\); none may be negative",
         ),
-        (lambda: inertia.principal_axes([np.eye(3), -np.eye(3)]), r"tensor\[1\]: its principal"),
+        (lambda: inertia.principal_axes([np.eye(3), -np.eye(3)]), r"^tensor\[1\]: no body"),
         (lambda: inertia.classify_body([1, 2, NAN]), r"moments\[2\] = nan"),
         (lambda: inertia.classify_body([1, 2, 3], tolerance=-1), "must not be negative"),
         (lambda: inertia.symmetry_check([[1, 2, 3]]), "all mass is in one point"),

@@ -149,7 +149,7 @@ def test_functions_without_a_file_are_told_apart_too() -> None:
                 torque=rigid.Torque.body([(0, 0, 1), (0, 0, 2)], times=[0, 1]),
             ),
             ValueError,
-            "torque: maps accept constant torques only, not a table",
+            "torque: maps take a constant torque or a function, not a table",
         ),
     ],
 )
