@@ -160,9 +160,7 @@ def section(
         name = one_of("name", HEIGHT if name is None else name, (HEIGHT, *COMPONENTS))
         of_omega, of_gamma = np.zeros(3), np.zeros(3)
         if name == HEIGHT and value != 0.0:
-            raise ValueError(
-                f"value = {value}: must be left out with 'height', whose rate is zero there"
-            )
+            raise ValueError(f"value = {value}: omit the value of 'height', whose rate is zero")
         if name != HEIGHT:
             of_each = np.eye(6)[COMPONENTS.index(name)]
             of_omega, of_gamma = of_each[:3], of_each[3:]

@@ -78,7 +78,10 @@ def test_the_steps_of_tops_are_made_for_1e_8_and_all_tops_are_checked() -> None:
 
 def test_a_run_shows_itself_in_a_line() -> None:
     one = rigid.simulate(TOP, [0.2, 0.1, 3.0], t=[1.0, 2.0])
-    assert repr(one) == f"Run(one body at 2 times; {one.plan.method}; error {one.error:.1e}; ok)"
+    assert (
+        repr(one)
+        == f"Run(one body at 2 times; {one.plan.method}; error {one.error:.1e}; ok (error below 0.001))"
+    )
     omega = np.array([[0.2, 0.1, 30.0], [0.1, 0.3, 0.2]])
     some = rigid.simulate(TOP, omega, t=[1.0], method="rk4", max_steps=200, check=False)
     words = "error unknown; 1 step_limit, 1 unchecked)"
