@@ -130,11 +130,11 @@ def make_parser() -> Parser:
         )
 
     map_ = command("map", "compute a stability map, write a picture and the data")
-    _source(map_, "map", "a built-in map or a specification")
+    _source(map_, "map", "a built-in map, a TOML file, or a saved map (.npz) to compute again")
     map_.add_argument(
         "--check",
         action="store_true",
-        help="read the file, print the plan, the cost and the files, and compute nothing",
+        help="check the file, tell the plan, the cost and what would be written; compute nothing",
     )
     map_.add_argument("--samples", type=int, metavar="N", help="bodies per pixel")
     _threads(map_)
@@ -142,35 +142,43 @@ def make_parser() -> Parser:
     map_.add_argument("--seed", type=int, metavar="N", help="key of the random numbers")
     _shown(map_)
     map_.add_argument(
-        "--half-width", type=float, metavar="W", help="bodies until each share is known so well"
+        "--half-width",
+        type=float,
+        metavar="W",
+        help="instead of --samples: add bodies until each share is known to within W",
     )
     map_.add_argument(
-        "--refine", type=int, metavar="K", help="first every K-th pixel, then where shares differ"
+        "--refine",
+        type=int,
+        metavar="K",
+        help="compute every K-th pixel first, then the pixels between different shares",
     )
     map_.add_argument(
         "--what",
         metavar="TEXT",
         default="share",
-        help="what the picture shows: share, cost, or such as 'mean of flips'",
+        help="what the picture shows: share, cost, or a measure such as 'mean of flips'",
     )
     map_.add_argument("--budget", type=int, metavar="N", help="most bodies of the map")
     map_.add_argument(
-        "--store", metavar="DIR", help="keep what is computed in this folder, and go on from there"
+        "--store",
+        metavar="DIR",
+        help="keep the results in this folder; the same command goes on after an interruption",
     )
     add_options(map_)
     add_commands(commands)
     explore = command("explore", "write a page to explore a computed map in a browser")
-    explore.add_argument("map", metavar="FILE.npz", help="a map that was computed")
-    explore.add_argument("--out", metavar="FILE.html", help="default: FILE.html")
+    explore.add_argument("map", metavar="FILE.npz", help="a saved map, which rigid map writes")
+    explore.add_argument("--out", metavar="FILE.html", help="the page (default: FILE.html)")
     explore.add_argument(
-        "--samples", type=int, metavar="N", help="bodies of each pixel that the page has"
+        "--samples", type=int, metavar="N", help="how many bodies of each pixel the page shows"
     )
     _threads(explore)
     explore.add_argument("--force", action="store_true", help="replace an existing file")
     _json(command("maps", "list the built-in maps"))
 
     section = command("section", "compute a Poincaré section, write a picture and the data")
-    _source(section, "section", "a built-in section or a specification")
+    _source(section, "section", "a built-in section or a TOML file")
     section.add_argument("--bodies", type=int, metavar="N", help="number of motions")
     _threads(section)
     _files(section, ".npz", "./NAME")
@@ -181,7 +189,7 @@ def make_parser() -> Parser:
     report = command(
         "report", "measure error against run time of all methods, after a short or a long run"
     )
-    _source(report, "report", "a built-in scene or your own")
+    _source(report, "report", "a built-in report or a TOML file")
     report.add_argument(
         "--long",
         action="store_true",
@@ -191,18 +199,20 @@ def make_parser() -> Parser:
         "--seconds",
         type=float,
         metavar="S",
-        help=f"about how long to measure (default: {SECONDS:g}, with --long {LONG_SECONDS:g})",
+        help=f"seconds to measure (default: {SECONDS:g}, with --long {LONG_SECONDS:g})",
     )
     report.add_argument(
-        "--method", action="append", metavar="NAME", help="only this one; may be repeated"
+        "--method", action="append", metavar="NAME", help="only this method; may be repeated"
     )
     _files(report, ".json", "./report-NAME")
     _shown(report)
     _json(command("reports", "list the built-in reports"))
 
     worst = command("extremes", "run extreme and stiff bodies by every method")
-    worst.add_argument("family", nargs="?", metavar="FAMILY", help="only these, such as needle")
-    worst.add_argument("--method", metavar="NAME", help="only this one")
+    worst.add_argument(
+        "family", nargs="?", metavar="FAMILY", help="only this family, such as needle"
+    )
+    worst.add_argument("--method", metavar="NAME", help="only this method")
     _shown(worst)
 
     literature = command("validation", "compute numbers of the literature, and compare")
@@ -210,9 +220,9 @@ def make_parser() -> Parser:
     _shown(literature)
 
     new = command("new", "write a specification to change, as a commented TOML file")
-    new.add_argument("kind", choices=("map", "section", "report"), help="what it specifies")
+    new.add_argument("kind", choices=("map", "section", "report"), help="what the file specifies")
     new.add_argument("file", nargs="?", metavar="FILE.toml", help="default: my-map.toml, and so on")
-    new.add_argument("--like", metavar="NAME", help="the built-in one to copy")
+    new.add_argument("--like", metavar="NAME", help="the built-in specification to copy")
     new.add_argument("--force", action="store_true", help="replace an existing file")
 
     _json(command("info", "describe this build: version, instruction set, threads"))
@@ -236,7 +246,10 @@ def _source(parser: argparse.ArgumentParser, name: str, words: str) -> None:
 
 def _threads(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
-        "--threads", type=int, metavar="N", help="default: all this process may use"
+        "--threads",
+        type=int,
+        metavar="N",
+        help="number of threads (default: all that this process may use)",
     )
 
 

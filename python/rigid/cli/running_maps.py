@@ -20,17 +20,31 @@ from .output import complain, progress_shown, say
 __all__ = ["add_commands", "add_options", "compute_stored", "default_stem", "open_and_go_on", "run"]
 
 
+_FOLDER = "folder of a running map"
+_THREADS = "number of threads (default: all that this process may use)"
+
+
+def _command(commands: Any, name: str, words: str) -> ArgumentParser:
+    """A command that says the same in the list of all commands and in its own help."""
+    parser: ArgumentParser = commands.add_parser(
+        name, help=words, description=f"{words[0].upper()}{words[1:]}."
+    )
+    return parser
+
+
 def add_options(parser: ArgumentParser) -> None:
     """The options of a map that is stored."""
-    parser.add_argument("--part", metavar="K/N", help="only part K of N of the work")
-    parser.add_argument("--dask", metavar="ADDRESS", help="compute on this Dask cluster")
+    parser.add_argument("--part", metavar="K/N", help="compute only part K of N; needs --store")
+    parser.add_argument(
+        "--dask", metavar="ADDRESS", help="compute on this Dask cluster; needs --store"
+    )
 
 
 def add_commands(commands: Any) -> None:
     """The commands that work on stores."""
-    resume = commands.add_parser("resume", help="go on with a running map")
-    resume.add_argument("store", metavar="DIR", help="its folder")
-    resume.add_argument("--threads", type=int, metavar="N", help="default: all")
+    resume = _command(commands, "resume", "go on with a running map")
+    resume.add_argument("store", metavar="DIR", help=_FOLDER)
+    resume.add_argument("--threads", type=int, metavar="N", help=_THREADS)
     resume.add_argument("--out", metavar="PATH", help="writes PATH.png and PATH.npz")
     resume.add_argument("--force", action="store_true", help="replace existing files")
     resume.add_argument("--json", action="store_true", help="print JSON for other programs")
@@ -38,26 +52,32 @@ def add_commands(commands: Any) -> None:
         "--no-progress", dest="progress", action="store_false", help="no progress bar"
     )
     add_options(resume)
-    status = commands.add_parser("status", help="what a running map has and lacks")
-    status.add_argument("store", metavar="DIR", help="its folder")
-    merge = commands.add_parser("merge", help="merge running maps of one specification")
-    merge.add_argument("stores", metavar="DIR", nargs="+", help="their folders")
+    status = _command(commands, "status", "tell what a running map has and lacks")
+    status.add_argument("store", metavar="DIR", help=_FOLDER)
+    merge = _command(commands, "merge", "merge running maps of one specification")
+    merge.add_argument("stores", metavar="DIR", nargs="+", help="folders of running maps")
     merge.add_argument("--into", required=True, metavar="DIR", help="a new folder, or one of these")
-    diff = commands.add_parser("diff", help="how two maps differ")
+    diff = _command(commands, "diff", "tell how two maps differ")
     diff.add_argument("one", metavar="A", help="a folder of a running map, or a saved map")
-    diff.add_argument("other", metavar="B", help="another")
-    verify = commands.add_parser("verify", help="compute stored numbers again")
+    diff.add_argument("other", metavar="B", help="the map to compare with")
+    verify = _command(commands, "verify", "compute stored numbers again, and compare")
     verify.add_argument("map", metavar="X", help="a folder of a running map, or a saved map")
     share = verify.add_mutually_exclusive_group()
-    share.add_argument("--share", type=float, default=0.01, metavar="F", help="default: 0.01")
     share.add_argument(
-        "--all", dest="share", action="store_const", const=1.0, help="all that is stored"
+        "--share",
+        type=float,
+        default=0.01,
+        metavar="F",
+        help="share of the numbers, chosen at random (default: 0.01)",
     )
-    verify.add_argument("--seed", type=int, default=0, metavar="N", help="of the choice")
-    verify.add_argument("--threads", type=int, metavar="N", help="default: all")
-    pack = commands.add_parser("pack", help="write the map of a store as one file")
-    pack.add_argument("store", metavar="DIR", help="its folder")
-    pack.add_argument("out", metavar="OUT", help="a name in .npz or .zarr, or a URL")
+    share.add_argument(
+        "--all", dest="share", action="store_const", const=1.0, help="all numbers that are stored"
+    )
+    verify.add_argument("--seed", type=int, default=0, metavar="N", help="key of the random choice")
+    verify.add_argument("--threads", type=int, metavar="N", help=_THREADS)
+    pack = _command(commands, "pack", "write a running map as one file")
+    pack.add_argument("store", metavar="DIR", help=_FOLDER)
+    pack.add_argument("out", metavar="OUT", help="the file to write, in .npz or .zarr, or a URL")
     pack.add_argument(
         "--partial", action="store_true", help="also write a map that is not finished"
     )

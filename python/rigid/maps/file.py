@@ -154,7 +154,13 @@ def read_map(path: str | os.PathLike[str]) -> tuple[MapSpec, dict[str, NDArray[A
     from pathlib import Path
 
     source = Path(path)
-    if not stat.S_ISREG(source.stat().st_mode):
+    mode = source.stat().st_mode
+    if stat.S_ISDIR(mode):
+        raise ValueError(
+            f"{source} is a folder, not a saved map; `rigid pack {source} FILE.npz` saves the map "
+            "of a running map"
+        )
+    if not stat.S_ISREG(mode):
         raise ValueError(f"{source} is not a stability map: it is no regular file")
     with source.open("rb") as file:
         try:

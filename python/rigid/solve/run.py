@@ -166,22 +166,23 @@ class Run(HasColumns):
         times = f"{len(self.t.T):,} time{'' if len(self.t.T) == 1 else 's'}"
         known = np.atleast_1d(self.error)
         known = known[~np.isnan(known)]
-        error = f"error {known.max():.1e}" if len(known) else "error unknown"
+        worst = known.max(initial=0.0)
+        error = f"error {worst:.1e}" if len(known) else "error unknown"
         if self.status.ndim == 0:
-            how = self._named(int(self.status))
+            how = self._named(int(self.status), worst)
             return f"Run(one body at {times}; {self.spec['method']}; {error}; {how})"
         codes, counts = np.unique(self.status, return_counts=True)
         ends = [
-            f"{count:,} {self._named(code)}"
+            f"{count:,} {self._named(code, worst)}"
             for code, count in zip(codes.tolist(), counts.tolist(), strict=True)
         ]
         bodies = f"{self.status.size:,} bod{'y' if self.status.size == 1 else 'ies'}"
         parts = [f"{bodies} at {times}", self.spec["method"], error]
         return f"Run({'; '.join(parts)}; {', '.join(ends) or 'nothing'})"
 
-    def _named(self, code: int) -> str:
-        """The name of a status; of ``ok`` with the error that it allows, if none was asked for."""
-        if code == Status.OK and self._free_steps:
+    def _named(self, code: int, worst: float) -> str:
+        """The name of a status; of ``ok`` beside a large error with the error that it allows."""
+        if code == Status.OK and self._free_steps and worst > 1e-3 * COARSE_ERROR:
             return f"ok (error below {COARSE_ERROR:g})"
         return Status(code).name.lower()
 

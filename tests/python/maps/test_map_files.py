@@ -483,7 +483,7 @@ def test_a_large_directory_is_refused_before_it_is_read(tmp_path: Path) -> None:
 def test_a_pipe_is_refused_and_not_waited_for(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "pipe.npz")
     assert "it is no regular file" in refused(tmp_path / "pipe.npz")
-    assert "it is no regular file" in refused(tmp_path)
+    assert f"is a folder, not a saved map; `rigid pack {tmp_path} FILE.npz`" in refused(tmp_path)
 
 
 def test_a_long_name_in_an_archive_makes_no_long_message(tmp_path: Path) -> None:
