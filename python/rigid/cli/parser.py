@@ -11,7 +11,7 @@ from .._checks.arguments import nearest, of_known
 from .._core import __version__
 from .exit_codes import EXIT_CODES, REFUSED
 from .output import complain
-from .running_maps import add_commands, add_options
+from .running_maps import THREADS, add_commands, add_options
 
 __all__ = ["LONG_SECONDS", "SECONDS", "Parser", "make_parser"]
 
@@ -249,7 +249,7 @@ def _threads(parser: argparse.ArgumentParser) -> None:
         "--threads",
         type=int,
         metavar="N",
-        help="number of threads (default: all that this process may use)",
+        help=THREADS,
     )
 
 

@@ -17,15 +17,23 @@ from ..store.call import run_map
 from .exit_codes import DONE, SAYS_NO, UNFINISHED
 from .output import complain, progress_shown, say
 
-__all__ = ["add_commands", "add_options", "compute_stored", "default_stem", "open_and_go_on", "run"]
+__all__ = [
+    "THREADS",
+    "add_commands",
+    "add_options",
+    "compute_stored",
+    "default_stem",
+    "open_and_go_on",
+    "run",
+]
 
 
 _FOLDER = "folder of a running map"
-_THREADS = "number of threads (default: all that this process may use)"
+THREADS = "number of threads (default: all that this process may use)"
 
 
 def _command(commands: Any, name: str, words: str) -> ArgumentParser:
-    """A command that says the same in the list of all commands and in its own help."""
+    """A command with the same words in the list of commands and in its help."""
     parser: ArgumentParser = commands.add_parser(
         name, help=words, description=f"{words[0].upper()}{words[1:]}."
     )
@@ -44,7 +52,7 @@ def add_commands(commands: Any) -> None:
     """The commands that work on stores."""
     resume = _command(commands, "resume", "go on with a running map")
     resume.add_argument("store", metavar="DIR", help=_FOLDER)
-    resume.add_argument("--threads", type=int, metavar="N", help=_THREADS)
+    resume.add_argument("--threads", type=int, metavar="N", help=THREADS)
     resume.add_argument("--out", metavar="PATH", help="writes PATH.png and PATH.npz")
     resume.add_argument("--force", action="store_true", help="replace existing files")
     resume.add_argument("--json", action="store_true", help="print JSON for other programs")
@@ -74,7 +82,7 @@ def add_commands(commands: Any) -> None:
         "--all", dest="share", action="store_const", const=1.0, help="all numbers that are stored"
     )
     verify.add_argument("--seed", type=int, default=0, metavar="N", help="key of the random choice")
-    verify.add_argument("--threads", type=int, metavar="N", help=_THREADS)
+    verify.add_argument("--threads", type=int, metavar="N", help=THREADS)
     pack = _command(commands, "pack", "write a running map as one file")
     pack.add_argument("store", metavar="DIR", help=_FOLDER)
     pack.add_argument("out", metavar="OUT", help="the file to write, in .npz or .zarr, or a URL")
