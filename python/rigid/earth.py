@@ -247,7 +247,7 @@ def wobble(
     flat, speed, angle = np.broadcast_arrays(
         _ellipticity(ellipticity), _positive("rate", rate), finite_array("tilt", tilt)
     )
-    require("ellipticity", flat, flat <= 1.0, "must be at most 1, that of a flat body")
+    require("ellipticity", flat, flat <= 1.0, "must be at most 1, the value of a flat body")
     require("tilt", angle, (angle >= 0.0) & (angle <= 0.5 * pi), "must lie in [0, pi/2] (rad)")
     size = _positive("radius", radius)
     one = np.ones(flat.shape)

@@ -225,8 +225,8 @@ class PairSystem:
         largest = np.abs(self.forces(positions)).max(axis=(-2, -1))
         if (largest > SMALL * scale.max(axis=-1, initial=0.0)).any():
             raise ValueError(
-                f"positions: no equilibrium, the largest force is {float(largest.max()):g}; "
-                "oscillations are those about one"
+                f"positions: must be an equilibrium, where no force acts; the largest force is "
+                f"{float(largest.max()):g}"
             )
         root = np.repeat(np.sqrt(self.masses), 3)
         weighted = self.hessian(positions) / root / root[:, np.newaxis]

@@ -323,7 +323,7 @@ REFUSED: list[tuple[Callable[[], Any], str]] = [
     ),
     (
         lambda: LAWS["morse"].modes(),
-        "positions: no equilibrium, the largest force is",
+        "positions: must be an equilibrium, where no force acts; the largest force is",
     ),
     (
         lambda: springs.spring_body(np.ones(3), LINE, SPIN, stiffness=1.0, t=[1.0]),

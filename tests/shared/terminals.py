@@ -17,10 +17,12 @@ from processes import PATIENCE, environment, python_command
 
 
 @contextmanager
-def in_terminal(*arguments: str) -> Iterator[tuple[subprocess.Popen[bytes], int]]:
+def in_terminal(
+    *arguments: str, columns: int = 100
+) -> Iterator[tuple[subprocess.Popen[bytes], int]]:
     """This Python, its standard error being a terminal, and the end to read the terminal from."""
     reader, terminal = pty.openpty()
-    fcntl.ioctl(terminal, termios.TIOCSWINSZ, struct.pack("HHHH", 24, 100, 0, 0))
+    fcntl.ioctl(terminal, termios.TIOCSWINSZ, struct.pack("HHHH", 24, columns, 0, 0))
     process = subprocess.Popen(
         python_command(*arguments), stdout=subprocess.PIPE, stderr=terminal, env=environment()
     )

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
-from .quantities import plain, without_unit
+from .quantities import instead_of_a_text, plain, without_unit
 
 __all__ = [
     "brief",
@@ -21,6 +21,7 @@ __all__ = [
     "first_place",
     "nearest",
     "numbers",
+    "of_known",
     "of_shape",
     "one_line",
     "one_of",
@@ -41,6 +42,9 @@ _DOUBLE = np.dtype(np.float64)
 
 MOST_THREADS = 1024
 
+LONG_LIST = 120
+"""Characters of a list of names from which on a hint precedes the list."""
+
 MESSAGE = 800
 """Most characters of a message that quotes the content of a file."""
 
@@ -52,6 +56,12 @@ def nearest(name: object, known: Iterable[str]) -> str:
     spelt = {candidate.lower(): candidate for candidate in known}
     close = difflib.get_close_matches(name.lower(), spelt, n=1)
     return f"; did you mean {spelt[close[0]]!r}?" if close else ""
+
+
+def of_known(name: object, known: Iterable[str]) -> str:
+    """What follows a name that is not known: the hint, and then the names."""
+    names = list(known)
+    return f"{nearest(name, names)} (known: {', '.join(names)})"
 
 
 def brief(value: object) -> str:
@@ -74,10 +84,13 @@ def one_of(argument: str, value: object, known: Iterable[str]) -> str:
     names = known if hasattr(known, "__len__") else list(known)
     if isinstance(value, str) and value in names:
         return value
-    known_names = ", ".join(map(repr, names))
-    raise ValueError(
-        f"{argument} = {brief(value)}: must be one of {known_names}{nearest(value, names)}"
-    )
+    rule = f"must be one of {', '.join(map(repr, names))}"
+    hint = nearest(value, names).removeprefix("; ")
+    if hint and len(rule) > LONG_LIST:
+        rule = f"{hint} {rule}"  # nobody reads to the end of a long list
+    elif hint:
+        rule = f"{rule}; {hint}"
+    raise ValueError(f"{argument} = {brief(value)}: {rule}")
 
 
 def finite_float(
@@ -97,7 +110,10 @@ def finite_float(
         if isinstance(value, np.ndarray) and value.ndim == 0:
             value = value[()]
         if isinstance(value, bool) or not isinstance(value, Real):
-            raise TypeError(f"{name} = {brief(value)}: must be a real number")
+            raise TypeError(
+                f"{name} = {brief(value)}: must be a real number"
+                f"{instead_of_a_text(name, value, unit)}"
+            )
     try:
         number = float(value)
     except OverflowError:
@@ -138,7 +154,8 @@ def numbers(name: str, value: ArrayLike, unit: str | None = None) -> NDArray[np.
     if array.dtype == _DOUBLE and flags.c_contiguous and flags.aligned:
         return array
     if array.dtype.kind not in "iuf":
-        raise TypeError(f"{name} = {brief(value)}: must be real numbers, got {array.dtype}")
+        rule = instead_of_a_text(name, value, unit) or f", got {array.dtype}"
+        raise TypeError(f"{name} = {brief(value)}: must be real numbers{rule}")
     if array.dtype.itemsize > 8:
         with np.errstate(over="ignore"):
             array = array.astype(np.float64)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import signal
 import sys
 import threading
@@ -23,8 +24,15 @@ __all__ = [
     "heeding_signals",
     "interruptible",
     "reporting",
+    "terminal_columns",
     "terminated",
 ]
+
+
+NARROW = 80
+"""Columns of a terminal below which a bar has neither numbers of bodies nor a rate."""
+
+NARROW_BAR = "{percentage:3.0f}%|{bar}| {remaining} left{postfix}"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -61,6 +69,14 @@ class Progress:
         if self.done == self.total:
             return 0.0
         return (self.total - self.done) / self.rate if self.rate > 0.0 else float("inf")
+
+
+def terminal_columns() -> int:
+    """Columns of the terminal of standard error, 80 if it does not tell."""
+    try:
+        return os.get_terminal_size(sys.stderr.fileno()).columns or 80
+    except (AttributeError, OSError, ValueError):
+        return 80
 
 
 ProgressOption: TypeAlias = bool | Callable[[Progress], object] | None
@@ -105,7 +121,12 @@ def reporting(
             if option:
                 raise ImportError(install_extra("a progress bar needs tqdm", "maps")) from None
         else:
-            with tqdm(total=total, unit=unit, unit_scale=True, file=sys.stderr) as bar:
+            # The bar keeps at least 10 cells in a narrow terminal, which the numbers would take.
+            narrow = in_terminal and terminal_columns() < NARROW
+            shape = NARROW_BAR if narrow else None
+            with tqdm(
+                total=total, unit=unit, unit_scale=True, file=sys.stderr, bar_format=shape
+            ) as bar:
 
                 def show(progress: Progress) -> None:
                     if progress.failures:

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import re
 import sys
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
+from math import pi
 from typing import Any
 
-__all__ = ["UNITS", "plain", "without_unit"]
+__all__ = ["UNITS", "instead_of_a_text", "plain", "without_unit"]
 
 _LENGTHS = ("about", "com", "height", "inner", "pivot", "points", "positions", "radius", "vertices")
 _RATES = ("omega", "rates", "spin", "spins")
-_TIMES = ("step", "t", "t_end", "torque times")
-_ANGLES = ("angle", "angles", "tilt")
+_TIMES = ("dt", "every", "step", "t", "t0", "t_end", "torque times")
+_ANGLES = ("angle", "angles", "limit", "tilt")
 
 UNITS: Mapping[str, tuple[str, ...]] = {
     **dict.fromkeys(_LENGTHS, ("m",)),
@@ -34,6 +36,50 @@ UNITS: Mapping[str, tuple[str, ...]] = {
 }
 """SI units of arguments by name, for names that mean the same everywhere; some names have two
 units."""
+
+
+_MEASURE = re.compile(r"\s*([-+]?[\d.]+(?:[eE][-+]?\d+)?)\s*(\S.*?)?\s*")
+"""A number and its unit in a text, such as ``35 deg``."""
+
+_TURNING = {
+    **dict.fromkeys(("deg", "degree", "degrees", "°", "deg/s", "°/s"), ("degree", pi / 180.0)),
+    "rpm": ("rpm", pi / 30.0),
+}
+"""The constant of :mod:`rigid.units` for the names of a unit, and its size."""
+
+
+def instead_of_a_text(name: str, value: Any, unit: str | None = None) -> str:
+    """What to write instead of a text such as ``"35 deg"``; nothing if there is no text."""
+    texts = [value] if isinstance(value, str) else _texts(value)
+    if not texts:
+        return ""
+    units = [one for one in (UNITS.get(name, ()) if unit is None else (unit,)) if one != "1"]
+    rule = f" in {' or '.join(units)}" if units else ""
+    measure = _MEASURE.fullmatch(texts[0])
+    if measure is None:
+        return f"{rule}, not a text"
+    try:
+        number = float(measure[1])
+    except ValueError:
+        return f"{rule}, not a text"
+    if measure[2] is None:
+        return f"{rule}, not a text; leave out the quotation marks"
+    rule += ", written without the unit"
+    turning = _TURNING.get(measure[2])
+    if turning and (not units or {"rad", "rad/s"} & {*units}):
+        return f"{rule}; {measure[1]} * rigid.units.{turning[0]} is {number * turning[1]:.12g}"
+    return rule
+
+
+def _texts(value: Any) -> list[str]:
+    """The texts in a list or an array."""
+    if isinstance(value, str):
+        return [value]
+    if hasattr(value, "tolist"):
+        value = value.tolist()
+    if not isinstance(value, Iterable) or isinstance(value, (bytes, Mapping)):
+        return []
+    return [text for part in value for text in _texts(part)]
 
 
 def plain(name: str, value: Any, unit: str | None = None) -> Any:

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._checks.arguments import brief
+from ..model.forces import forces_in_words
 from ..model.scene import Scene, scene_from_dict
 from ..solve.run import Run
 
@@ -81,4 +82,4 @@ def _index_of(run: Run, body: int | None) -> tuple[int, ...]:
 def require_unforced(scene: Scene, what: str) -> None:
     """Raise ValueError under torque or damping, because the picture shows constants of motion."""
     if scene.forces:
-        raise ValueError(f"{what}: needs a scene without torque and damping")
+        raise ValueError(f"{what}: needs a scene without {forces_in_words(scene.forces)}")

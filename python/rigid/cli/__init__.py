@@ -11,19 +11,23 @@ from __future__ import annotations
 import argparse
 import dataclasses
 import sys
-from collections.abc import Callable, Sequence
+import warnings
+from collections.abc import Callable, Mapping, Sequence
 from io import TextIOWrapper
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from .._checks.arguments import positive_int, resolve_threads
+from .._checks.inputs import require_readable
 from .._checks.progress import heeding_signals
-from .._files import published, require_replaceable, require_room
+from .._files import published, require_room
 from ..info import build_info
 from ..maps.data import CLASSES, FAILURES
 from ..maps.file import file_size
+from ..maps.job import to_core
 from ..maps.plan import map_plan
 from ..maps.plot import SHARE, check_what
+from ..maps.refine import refined
 from ..maps.result import StabilityMap, load_map
 from ..maps.sequential import checked_half_width, stop_table
 from ..maps.spec import MapSpec
@@ -35,9 +39,20 @@ from ..reports.stress import extremes
 from ..sections.crossings import Crossings
 from ..sections.poincare import poincare
 from ..sections.starts import on_surface
+from ..solve.methods import EXACT
 from ..store.call import run_map
-from .output import Target, finished, print_list, progress_shown, say, target_of
-from .parser import LONG_SECONDS, SECONDS, USAGE_ERROR, make_parser
+from .exit_codes import DONE, REFUSED, SAYS_NO, WRITE_ERROR
+from .output import (
+    Target,
+    complain,
+    finished,
+    print_list,
+    progress_shown,
+    require_new,
+    say,
+    target_of,
+)
+from .parser import LONG_SECONDS, SECONDS, make_parser
 from .running_maps import compute_stored, default_stem, open_and_go_on, run
 from .toml_map import MAPS, NamedSpec, builtin_names, read_spec
 from .toml_report import REPORTS, read_report, report_names
@@ -49,10 +64,6 @@ if TYPE_CHECKING:
 
 __all__ = ["main"]
 
-UNDETECTED_ERROR = DIFFERENT = 1
-WRITE_ERROR = 74
-"""Exit codes besides that of ``parser``; an interrupted command ends with 128 and the signal."""
-
 POINT_SIZE = 140
 """Approximate bytes of a point of a section in a file."""
 
@@ -60,19 +71,17 @@ REPORT_SIZE = 2**20
 """More bytes than the file of a report has."""
 
 _FOLDERS = {"map": MAPS, "section": SECTIONS, "report": REPORTS}
+_READERS: Mapping[str, Callable[[str], object]] = {
+    "map": read_spec,
+    "section": read_section,
+    "report": read_report,
+}
 _COPIED = {"map": "thrown-box", "section": "kovalevskaya", "report": "lagrange-top"}
-"""Where built-in specifications are, and which ``rigid new`` copies."""
+"""Where built-in specifications are, who reads them, and which ``rigid new`` copies."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command line; returns the exit code.
-
-    0: done. 1: `rigid extremes` has found an undetected error, `rigid validation` a number that
-    differs from the published one without a reason, `rigid diff` a difference, `rigid verify` wrong
-    or damaged numbers, `rigid status` damage, or some units of a stored map were given up. 2:
-    refused before any work. 74: a file or the output could not be written. 75: other parts of a
-    stored map are not finished, and `rigid pack` has written nothing. 130, 143: ended by Ctrl-C or
-    SIGTERM.
+    """Run the command line; returns the exit code, one of :data:`.exit_codes.EXIT_CODES`.
 
     Parameters
     ----------
@@ -81,13 +90,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """
     if isinstance(sys.stdout, TextIOWrapper):
         sys.stdout.reconfigure(errors="backslashreplace")  # as stderr: a terminal may be ASCII
-    with heeding_signals() as interrupted:
+    with heeding_signals() as interrupted, warnings.catch_warnings():
+        warnings.showwarning = _show_warning
         try:
             parser = make_parser()
             options = parser.parse_args(arguments)
             if options.command is None:
                 say(parser.format_help().rstrip())
-                return 0
+                return DONE
             if getattr(options, "show", False):
                 return _show(options)
             command = {
@@ -107,19 +117,26 @@ def main(arguments: Sequence[str] | None = None) -> int:
             }[options.command]
             return command(options)
         except OSError as error:
-            print(f"rigid: {error}", file=sys.stderr)
+            complain(str(error))
             return WRITE_ERROR
         except (RuntimeError, ValueError) as error:
-            print(f"rigid: {error}", file=sys.stderr)
-            return USAGE_ERROR
+            complain(str(error))
+            return REFUSED
         except KeyboardInterrupt as stop:
-            print(f"rigid: {str(stop) or 'interrupted'}", file=sys.stderr)
+            complain(str(stop) or "interrupted")
             return interrupted()
+
+
+def _show_warning(message: Warning | str, *_where: object) -> None:
+    """A warning as a line of the command, without the place in the code of rigid."""
+    complain(f"warning: {message}")
 
 
 def _map(options: argparse.Namespace) -> int:
     named = _named_map(options.map, options.changes)
     spec = named.spec
+    if options.samples is not None and options.half_width is not None:
+        raise ValueError("--samples, --half-width: give one of the two")
     if options.samples is not None:
         spec = dataclasses.replace(spec, samples=options.samples, half_width=None)
     if options.half_width is not None:
@@ -136,6 +153,8 @@ def _map(options: argparse.Namespace) -> int:
     target = target_of(options.out, named.name, ".npz", force=options.force)
     threads = resolve_threads(options.threads)
     require_room(target.data, file_size(spec))
+    if options.check:
+        return _checked(spec, named.name, target, options)
     if not options.json:
         say(f"{'plan':<12}{_plan(spec)}")
     if options.store is not None:
@@ -147,6 +166,36 @@ def _map(options: argparse.Namespace) -> int:
             raise ValueError(f"--{name}: needs --store")
     result = run_map(spec, threads=threads, progress=progress_shown(options.progress), partial=True)
     return _finished_map(result, target, named.name, options)
+
+
+def _checked(spec: MapSpec, name: str, target: Target, options: argparse.Namespace) -> int:
+    """Tell the plan of a map, its cost and the files that it would write."""
+    made, threads = map_plan(spec), resolve_threads(options.threads)
+    pixels = int((to_core(spec).status == 0).sum())
+    bodies = pixels * spec.samples
+    seconds = None if made.cost is None else 1e-9 * made.cost * bodies / threads
+    if options.json:
+        facts = {"name": name, "plan": made.to_dict(), "pixels": pixels, "bodies": bodies}
+        files = {"data": str(target.data), "picture": str(target.picture)}
+        print_list({**facts, "seconds": seconds, **files}, as_json=True)
+        return DONE
+    most = "at most " if spec.half_width is not None or refined(spec) else ""
+    cost = "unknown"
+    if seconds is not None:
+        free = f"s on {threads} free thread{'s' if threads > 1 else ''}"
+        cost = f"{most or 'about '}{seconds:.2g} {free}"
+        if made.method != EXACT:
+            more = "cross-checks" + (" and deviation vectors" if spec.stable.has_deviation else "")
+            cost += f"; {more} may make the map several times as long"
+    lines = {
+        "map": spec.title or name,
+        "plan": _plan(spec),
+        "bodies": f"{most}{bodies:,} in {pixels:,} pixels",
+        "cost": cost,
+        "would write": f"{target.data}, {target.picture}",
+    }
+    say("\n".join(f"{name:<12}{text}" for name, text in lines.items()))
+    return DONE
 
 
 def _finished_map(
@@ -168,19 +217,15 @@ def _finished_map(
 def _explore(options: argparse.Namespace) -> int:
     source = Path(options.map)
     target = Path(options.out or source.with_suffix(".html"))
-    try:
-        exists = require_replaceable(target) is not None
-    except FileExistsError as error:
-        raise ValueError(f"--out: {error}") from None
-    if exists and not options.force:
-        raise ValueError(
-            f"--out: {str(target)!r} exists; take another name, or replace it with --force"
-        )
+    if not source.exists() and options.map in builtin_names():
+        raise ValueError(f"{source}: is no saved map; compute the map first: rigid map {source}")
+    require_readable(source)
+    require_new(target, "--out", force=options.force)
     page = load_map(source).explore(
         target, samples=options.samples, threads=options.threads, saved_as=source
     )
     say(f"{'page':<12}{page}")
-    return 0
+    return DONE
 
 
 def _resume(options: argparse.Namespace) -> int:
@@ -217,6 +262,7 @@ def _named_map(source: str, changes: Any) -> NamedSpec:
         return read_spec(source, changes)
     if changes:
         raise ValueError("--set: changes a TOML file; an older result has --samples and --seed")
+    require_readable(path)
     # Beside the older result, which stays as it is.
     return NamedSpec(f"{path.stem}-again", load_map(path).spec.replace(), seeded=True)
 
@@ -233,7 +279,7 @@ def _maps(options: argparse.Namespace) -> int:
         {name: f"{spec.title} ({axes[name]})" for name, spec in specs.items()},
         as_json=options.json,
     )
-    return 0
+    return DONE
 
 
 def _section(options: argparse.Namespace) -> int:
@@ -291,7 +337,7 @@ def _sections(options: argparse.Namespace) -> int:
         },
         as_json=options.json,
     )
-    return 0
+    return DONE
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
@@ -339,7 +385,7 @@ def _reports(options: argparse.Namespace) -> int:
         {name: f"{spec.title} (t = {spec.t_end:g} {spec.unit})" for name, spec in specs.items()},
         as_json=options.json,
     )
-    return 0
+    return DONE
 
 
 def _extremes(options: argparse.Namespace) -> int:
@@ -359,12 +405,11 @@ def _extremes(options: argparse.Namespace) -> int:
     else:
         say(str(found))
     for cell in found.wrong:
-        print(
-            f"rigid: {cell.case.family}, {cell.case.name}, {cell.method}: {cell.error:.1e}, not "
-            f"within {cell.bound:.1e}",
-            file=sys.stderr,
+        complain(
+            f"{cell.case.family}, {cell.case.name}, {cell.method}: the error {cell.error:.1e} is "
+            f"above {cell.bound:.1e}, and the status does not tell"
         )
-    return UNDETECTED_ERROR if found.wrong else 0
+    return SAYS_NO if found.wrong else DONE
 
 
 def _validation(options: argparse.Namespace) -> int:
@@ -376,22 +421,24 @@ def _validation(options: argparse.Namespace) -> int:
         print_list({"numbers": [row.to_dict() for row in found.rows]}, as_json=True)
     else:
         say(str(found))
-    return DIFFERENT if found.unexplained else 0
+    return SAYS_NO if found.unexplained else DONE
 
 
 def _info(options: argparse.Namespace) -> int:
     print_list(build_info(), as_json=options.json)
-    return 0
+    return DONE
 
 
 def _show(options: argparse.Namespace) -> int:
-    """Print the specification of a map, section or report."""
+    """Print the specification of a map, section or report, if it is valid."""
     kind = options.command
     if options.changes:
         raise ValueError("--show prints the file as it is: leave --set out")
-    _, content, _ = read_source(getattr(options, kind), kind, _FOLDERS[kind])
+    source = getattr(options, kind)
+    _, content, _ = read_source(source, kind, _FOLDERS[kind])
+    _READERS[kind](source)
     say(content.rstrip("\n"))
-    return 0
+    return DONE
 
 
 def _new(options: argparse.Namespace) -> int:
@@ -402,18 +449,11 @@ def _new(options: argparse.Namespace) -> int:
     if path.suffix != ".toml":
         raise ValueError(f"file = {str(path)!r}: must end in .toml")
     _, content, _ = read_source(name, kind, _FOLDERS[kind])
-    try:
-        exists = require_replaceable(path) is not None
-    except FileExistsError as error:
-        raise ValueError(str(error)) from None
-    if exists and not options.force:
-        raise ValueError(
-            f"file = {str(path)!r}: exists; take another name, or replace it with --force"
-        )
+    require_new(path, "file", force=options.force)
     with published(path) as file:
         file.write(content.encode())
     say(f"wrote {path}; change it, then: rigid {kind} {path}")
-    return 0
+    return DONE
 
 
 def _speed(result: StabilityMap) -> str:

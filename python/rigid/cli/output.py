@@ -9,11 +9,12 @@ import sys
 from collections.abc import Callable, Mapping
 from io import BytesIO
 from pathlib import Path
+from textwrap import fill
 from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
-from .._checks.progress import Progress, ProgressOption, interruptible
+from .._checks.progress import Progress, ProgressOption, interruptible, terminal_columns
 from .._files import published, require_replaceable
 from ..drawing.figure import new_figure
 from ..maps.plot import SHARE
@@ -23,7 +24,17 @@ from ..reports.result import LongRun
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["PICTURES", "Target", "finished", "print_list", "progress_shown", "say", "target_of"]
+__all__ = [
+    "PICTURES",
+    "Target",
+    "complain",
+    "finished",
+    "print_list",
+    "progress_shown",
+    "require_new",
+    "say",
+    "target_of",
+]
 
 PICTURES = (".png", ".pdf", ".svg", ".eps", ".jpg", ".jpeg", ".tif", ".tiff", ".webp")
 """Suffixes of pictures that Matplotlib can write."""
@@ -81,17 +92,23 @@ def target_of(out: str | None, name: str, data: str, *, force: bool) -> Target:
         raise ValueError(f"--out: {str(stem)!r} names a directory, not a file")
     target = Target(stem, data, picture)
     for path in (target.data, target.picture):
-        try:
-            exists = require_replaceable(path) is not None
-        except FileExistsError as error:
-            raise ValueError(f"--out: {error}") from None
-        if exists and not force:
-            raise ValueError(
-                f"--out: {str(path)!r} exists; take another name, or replace it with --force"
-            )
+        require_new(path, "--out", force=force)
     if not stem.parent.is_dir():
         raise ValueError(f"--out: there is no directory {str(stem.parent)!r}")
     return target
+
+
+def require_new(path: Path, argument: str, *, force: bool) -> None:
+    """Raise ValueError if a file exists already, without ``force``, or cannot be replaced."""
+    try:
+        exists = require_replaceable(path) is not None
+    except FileExistsError as error:
+        raise ValueError(f"{argument}: {error}") from None
+    if exists and not force:
+        raise ValueError(
+            f"{argument} = {str(path)!r}: exists; take another name, or replace the file with "
+            "--force"
+        )
 
 
 def say(text: str) -> None:
@@ -100,6 +117,17 @@ def say(text: str) -> None:
         print(text, flush=True)
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
+def complain(text: str, who: str = "rigid") -> None:
+    """Print a message on stderr: wrapped in a terminal, one line elsewhere."""
+    text = f"{who}: {text}"
+    if sys.stderr is not None and sys.stderr.isatty():
+        width = max(40, terminal_columns())
+        text = fill(
+            text, width, subsequent_indent="  ", break_long_words=False, break_on_hyphens=False
+        )
+    print(text, file=sys.stderr, flush=True)
 
 
 def print_list(lines: Mapping[str, Any], *, as_json: bool) -> None:

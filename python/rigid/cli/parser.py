@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import argparse
 import re
+from textwrap import fill
 from typing import NoReturn
 
-from .._checks.arguments import nearest
+from .._checks.arguments import nearest, of_known
 from .._core import __version__
-from .running_maps import add_commands, add_options
+from .exit_codes import EXIT_CODES, REFUSED
+from .output import complain
+from .running_maps import THREADS, add_commands, add_options
 
-__all__ = ["LONG_SECONDS", "SECONDS", "USAGE_ERROR", "Parser", "make_parser"]
-
-USAGE_ERROR = 2
-"""Exit code of a command that was refused before any work."""
+__all__ = ["LONG_SECONDS", "SECONDS", "Parser", "make_parser"]
 
 SECONDS, LONG_SECONDS = 30.0, 120.0
 """Time limits (s) of ``rigid report`` and ``rigid report --long``."""
@@ -31,6 +31,7 @@ _EXAMPLES = {
   rigid map thrown-box --samples 256 --out fine.pdf        a picture for a paper
   rigid map thrown-box --set run.t_end=2 --out longer      change the specification
   rigid map --show thrown-box > my-map.toml                print the specification
+  rigid map my-map.toml --check                            plan and cost, no computation
   rigid map my-map.toml --json                             facts for other programs
 """,
     "explore": """\
@@ -75,11 +76,36 @@ class Parser(argparse.ArgumentParser):
             for name, parser in action.choices.items()
         }
 
+    def _options(self) -> list[str]:
+        """The long options of this parser and of its commands."""
+        own = [name for name in self._option_string_actions if name.startswith("--")]
+        parsers = self.commands().values()
+        return own + [name for parser in parsers for name in parser._option_string_actions]
+
     def error(self, message: str) -> NoReturn:
         """End with exit code 2 and one line."""
-        if choice := re.search(r"invalid choice: '(.*?)' \(choose from (.*)\)", message):
-            message += nearest(choice[1], re.findall(r"[\w-]+", choice[2]))
-        self.exit(USAGE_ERROR, f"{self.prog}: {message}\n")
+        if found := re.fullmatch(
+            r"argument (\w+): invalid choice: '(.*?)' \(choose from (.*)\)", message
+        ):
+            known = re.findall(r"[\w-]+", found[3])
+            message = f"{found[1]} = {found[2]!r}: unknown{of_known(found[2], known)}"
+        elif found := re.fullmatch(r"argument (\S+): invalid (int|float) value: (.*)", message):
+            kind = "whole" if found[2] == "int" else "real"
+            message = f"{found[1]} = {found[3]}: must be a {kind} number"
+        elif found := re.fullmatch(r"unrecognized arguments: (-\S+).*", message):
+            message = f"{found[1]}: unknown option{nearest(found[1], self._options())}"
+        elif found := re.fullmatch(r"the following arguments are required: (.*)", message):
+            message = f"needs {found[1]}; {self.prog} --help has examples"
+        complain(message, self.prog)
+        self.exit(REFUSED)
+
+
+def _exit_codes() -> str:
+    """The table of exit codes, wrapped."""
+    return "\n".join(
+        fill(words, 78, initial_indent=f"  {code:<10}", subsequent_indent=" " * 12)
+        for code, words in EXIT_CODES.items()
+    )
 
 
 def make_parser() -> Parser:
@@ -87,7 +113,7 @@ def make_parser() -> Parser:
     parser = Parser(
         prog="rigid",
         description="How rigid bodies rotate, and which of these motions are stable.",
-        epilog=f"examples:\n{_EXAMPLES['']}",
+        epilog=f"examples:\n{_EXAMPLES['']}\nexit codes:\n{_exit_codes()}",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("--version", action="version", version=f"rigid {__version__}")
@@ -104,42 +130,55 @@ def make_parser() -> Parser:
         )
 
     map_ = command("map", "compute a stability map, write a picture and the data")
-    _source(map_, "map", "a built-in map or a specification")
+    _source(map_, "map", "a built-in map, a TOML file, or a saved map (.npz) to compute again")
+    map_.add_argument(
+        "--check",
+        action="store_true",
+        help="check the file, tell the plan, the cost and what would be written; compute nothing",
+    )
     map_.add_argument("--samples", type=int, metavar="N", help="bodies per pixel")
     _threads(map_)
     _files(map_, ".npz", "./NAME")
     map_.add_argument("--seed", type=int, metavar="N", help="key of the random numbers")
     _shown(map_)
     map_.add_argument(
-        "--half-width", type=float, metavar="W", help="bodies until each share is known so well"
+        "--half-width",
+        type=float,
+        metavar="W",
+        help="instead of --samples: add bodies until each share is known to within W",
     )
     map_.add_argument(
-        "--refine", type=int, metavar="K", help="first every K-th pixel, then where shares differ"
+        "--refine",
+        type=int,
+        metavar="K",
+        help="compute every K-th pixel first, then the pixels between different shares",
     )
     map_.add_argument(
         "--what",
         metavar="TEXT",
         default="share",
-        help="what the picture shows: share, cost, or such as 'mean of flips'",
+        help="what the picture shows: share, cost, or a measure such as 'mean of flips'",
     )
     map_.add_argument("--budget", type=int, metavar="N", help="most bodies of the map")
     map_.add_argument(
-        "--store", metavar="DIR", help="keep what is computed in this folder, and go on from there"
+        "--store",
+        metavar="DIR",
+        help="keep the results in this folder; the same command goes on after an interruption",
     )
     add_options(map_)
     add_commands(commands)
     explore = command("explore", "write a page to explore a computed map in a browser")
-    explore.add_argument("map", metavar="FILE.npz", help="a map that was computed")
-    explore.add_argument("--out", metavar="FILE.html", help="default: FILE.html")
+    explore.add_argument("map", metavar="FILE.npz", help="a saved map, which rigid map writes")
+    explore.add_argument("--out", metavar="FILE.html", help="the page (default: FILE.html)")
     explore.add_argument(
-        "--samples", type=int, metavar="N", help="bodies of each pixel that the page has"
+        "--samples", type=int, metavar="N", help="how many bodies of each pixel the page shows"
     )
     _threads(explore)
     explore.add_argument("--force", action="store_true", help="replace an existing file")
     _json(command("maps", "list the built-in maps"))
 
     section = command("section", "compute a Poincaré section, write a picture and the data")
-    _source(section, "section", "a built-in section or a specification")
+    _source(section, "section", "a built-in section or a TOML file")
     section.add_argument("--bodies", type=int, metavar="N", help="number of motions")
     _threads(section)
     _files(section, ".npz", "./NAME")
@@ -150,7 +189,7 @@ def make_parser() -> Parser:
     report = command(
         "report", "measure error against run time of all methods, after a short or a long run"
     )
-    _source(report, "report", "a built-in scene or your own")
+    _source(report, "report", "a built-in report or a TOML file")
     report.add_argument(
         "--long",
         action="store_true",
@@ -160,18 +199,20 @@ def make_parser() -> Parser:
         "--seconds",
         type=float,
         metavar="S",
-        help=f"about how long to measure (default: {SECONDS:g}, with --long {LONG_SECONDS:g})",
+        help=f"seconds to measure (default: {SECONDS:g}, with --long {LONG_SECONDS:g})",
     )
     report.add_argument(
-        "--method", action="append", metavar="NAME", help="only this one; may be repeated"
+        "--method", action="append", metavar="NAME", help="only this method; may be repeated"
     )
     _files(report, ".json", "./report-NAME")
     _shown(report)
     _json(command("reports", "list the built-in reports"))
 
     worst = command("extremes", "run extreme and stiff bodies by every method")
-    worst.add_argument("family", nargs="?", metavar="FAMILY", help="only these, such as needle")
-    worst.add_argument("--method", metavar="NAME", help="only this one")
+    worst.add_argument(
+        "family", nargs="?", metavar="FAMILY", help="only this family, such as needle"
+    )
+    worst.add_argument("--method", metavar="NAME", help="only this method")
     _shown(worst)
 
     literature = command("validation", "compute numbers of the literature, and compare")
@@ -179,9 +220,9 @@ def make_parser() -> Parser:
     _shown(literature)
 
     new = command("new", "write a specification to change, as a commented TOML file")
-    new.add_argument("kind", choices=("map", "section", "report"), help="what it specifies")
+    new.add_argument("kind", choices=("map", "section", "report"), help="what the file specifies")
     new.add_argument("file", nargs="?", metavar="FILE.toml", help="default: my-map.toml, and so on")
-    new.add_argument("--like", metavar="NAME", help="the built-in one to copy")
+    new.add_argument("--like", metavar="NAME", help="the built-in specification to copy")
     new.add_argument("--force", action="store_true", help="replace an existing file")
 
     _json(command("info", "describe this build: version, instruction set, threads"))
@@ -205,7 +246,10 @@ def _source(parser: argparse.ArgumentParser, name: str, words: str) -> None:
 
 def _threads(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
-        "--threads", type=int, metavar="N", help="default: all this process may use"
+        "--threads",
+        type=int,
+        metavar="N",
+        help=THREADS,
     )
 
 
@@ -213,8 +257,8 @@ def _files(parser: argparse.ArgumentParser, data: str, default: str) -> None:
     parser.add_argument(
         "--out",
         metavar="PATH",
-        help=f"writes PATH.png and PATH{data} (default: {default}); with the suffix .pdf, .svg or "
-        "that of another format the picture has this format",
+        help=f"writes PATH.png and PATH{data} (default: {default}); a suffix such as .pdf or .svg "
+        "is the format of the picture",
     )
     parser.add_argument("--force", action="store_true", help="replace existing files")
 

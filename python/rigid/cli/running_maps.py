@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from argparse import ArgumentParser, Namespace
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -11,30 +10,50 @@ from typing import Any
 
 from .._checks.arguments import resolve_threads
 from .._checks.extras import install_extra
+from .._checks.inputs import require_readable
 from .._checks.progress import Interrupted, terminated
 from ..maps.result import StabilityMap
 from ..maps.spec import MapSpec
 from ..store.call import run_map
-from .output import progress_shown, say
+from .exit_codes import DONE, SAYS_NO, UNFINISHED
+from .output import complain, progress_shown, say
 
-__all__ = ["add_commands", "add_options", "compute_stored", "default_stem", "open_and_go_on", "run"]
+__all__ = [
+    "THREADS",
+    "add_commands",
+    "add_options",
+    "compute_stored",
+    "default_stem",
+    "open_and_go_on",
+    "run",
+]
 
-DIFFERENT = 1
-WAITING = 75
-"""Exit codes: numbers differ, are damaged or were given up; some are not computed yet."""
+
+_FOLDER = "folder of a running map"
+THREADS = "number of threads (default: all that this process may use)"
+
+
+def _command(commands: Any, name: str, words: str) -> ArgumentParser:
+    """A command with the same words in the list of commands and in its help."""
+    parser: ArgumentParser = commands.add_parser(
+        name, help=words, description=f"{words[0].upper()}{words[1:]}."
+    )
+    return parser
 
 
 def add_options(parser: ArgumentParser) -> None:
     """The options of a map that is stored."""
-    parser.add_argument("--part", metavar="K/N", help="only part K of N of the work")
-    parser.add_argument("--dask", metavar="ADDRESS", help="compute on this Dask cluster")
+    parser.add_argument("--part", metavar="K/N", help="compute only part K of N; needs --store")
+    parser.add_argument(
+        "--dask", metavar="ADDRESS", help="compute on this Dask cluster; needs --store"
+    )
 
 
 def add_commands(commands: Any) -> None:
     """The commands that work on stores."""
-    resume = commands.add_parser("resume", help="go on with a running map")
-    resume.add_argument("store", metavar="DIR", help="its folder")
-    resume.add_argument("--threads", type=int, metavar="N", help="default: all")
+    resume = _command(commands, "resume", "go on with a running map")
+    resume.add_argument("store", metavar="DIR", help=_FOLDER)
+    resume.add_argument("--threads", type=int, metavar="N", help=THREADS)
     resume.add_argument("--out", metavar="PATH", help="writes PATH.png and PATH.npz")
     resume.add_argument("--force", action="store_true", help="replace existing files")
     resume.add_argument("--json", action="store_true", help="print JSON for other programs")
@@ -42,26 +61,32 @@ def add_commands(commands: Any) -> None:
         "--no-progress", dest="progress", action="store_false", help="no progress bar"
     )
     add_options(resume)
-    status = commands.add_parser("status", help="what a running map has and lacks")
-    status.add_argument("store", metavar="DIR", help="its folder")
-    merge = commands.add_parser("merge", help="merge running maps of one specification")
-    merge.add_argument("stores", metavar="DIR", nargs="+", help="their folders")
+    status = _command(commands, "status", "tell what a running map has and lacks")
+    status.add_argument("store", metavar="DIR", help=_FOLDER)
+    merge = _command(commands, "merge", "merge running maps of one specification")
+    merge.add_argument("stores", metavar="DIR", nargs="+", help="folders of running maps")
     merge.add_argument("--into", required=True, metavar="DIR", help="a new folder, or one of these")
-    diff = commands.add_parser("diff", help="how two maps differ")
+    diff = _command(commands, "diff", "tell how two maps differ")
     diff.add_argument("one", metavar="A", help="a folder of a running map, or a saved map")
-    diff.add_argument("other", metavar="B", help="another")
-    verify = commands.add_parser("verify", help="compute stored numbers again")
+    diff.add_argument("other", metavar="B", help="the map to compare with")
+    verify = _command(commands, "verify", "compute stored numbers again, and compare")
     verify.add_argument("map", metavar="X", help="a folder of a running map, or a saved map")
     share = verify.add_mutually_exclusive_group()
-    share.add_argument("--share", type=float, default=0.01, metavar="F", help="default: 0.01")
     share.add_argument(
-        "--all", dest="share", action="store_const", const=1.0, help="all that is stored"
+        "--share",
+        type=float,
+        default=0.01,
+        metavar="F",
+        help="share of the numbers, chosen at random (default: 0.01)",
     )
-    verify.add_argument("--seed", type=int, default=0, metavar="N", help="of the choice")
-    verify.add_argument("--threads", type=int, metavar="N", help="default: all")
-    pack = commands.add_parser("pack", help="write the map of a store as one file")
-    pack.add_argument("store", metavar="DIR", help="its folder")
-    pack.add_argument("out", metavar="OUT", help="a name in .npz or .zarr, or a URL")
+    share.add_argument(
+        "--all", dest="share", action="store_const", const=1.0, help="all numbers that are stored"
+    )
+    verify.add_argument("--seed", type=int, default=0, metavar="N", help="key of the random choice")
+    verify.add_argument("--threads", type=int, metavar="N", help=THREADS)
+    pack = _command(commands, "pack", "write a running map as one file")
+    pack.add_argument("store", metavar="DIR", help=_FOLDER)
+    pack.add_argument("out", metavar="OUT", help="the file to write, in .npz or .zarr, or a URL")
     pack.add_argument(
         "--partial", action="store_true", help="also write a map that is not finished"
     )
@@ -72,25 +97,33 @@ def run(options: Namespace) -> int:
     from ..store.store import diff, merge, open_store
     from ..store.verify import verify
 
-    code = 0
+    code = DONE
+    for path in _inputs(options):
+        require_readable(path)
     if options.command == "status":
         status = open_store(options.store).status()
         say(str(status))
-        code = DIFFERENT if status.damage else 0
+        code = SAYS_NO if status.damage else DONE
     elif options.command == "merge":
         say(str(merge(options.stores, options.into).status()))
     elif options.command == "diff":
         difference = diff(options.one, options.other)
         say(str(difference))
-        code = 0 if difference.same else DIFFERENT
+        code = DONE if difference.same else SAYS_NO
     elif options.command == "verify":
         threads = resolve_threads(options.threads)
         found = verify(options.map, share=options.share, seed=options.seed, threads=threads)
         say(str(found))
-        code = 0 if found.ok else DIFFERENT
+        code = DONE if found.ok else SAYS_NO
     else:
         code = _pack(options)
     return code
+
+
+def _inputs(options: Namespace) -> list[str]:
+    """The files and folders that a command reads."""
+    named = (getattr(options, name, None) for name in ("store", "map", "one", "other"))
+    return [path for path in named if path is not None] + getattr(options, "stores", [])
 
 
 def _pack(options: Namespace) -> int:
@@ -101,15 +134,14 @@ def _pack(options: Namespace) -> int:
     if not result.ended:
         words = _stored(options.store, result)
         if not options.partial:
-            print(
-                f"rigid: {words}, nothing is written; rigid resume {options.store} goes on, "
-                "--partial writes what there is",
-                file=sys.stderr,
+            complain(
+                f"{words}, nothing is written; rigid resume {options.store} goes on, "
+                "--partial writes what there is"
             )
-            return WAITING
-        print(f"rigid: {words}, the map written is partial", file=sys.stderr)
+            return UNFINISHED
+        complain(f"{words}, the map written is partial")
     say(str(pack(result, options.out)))
-    return 0
+    return DONE
 
 
 def compute_stored(spec: MapSpec, options: Namespace, *, seeded: bool) -> StabilityMap | int:
@@ -126,6 +158,7 @@ def open_and_go_on(options: Namespace) -> StabilityMap | int:
     """The whole map of a folder, or the exit code."""
     from ..store.store import open_store
 
+    require_readable(options.store)
     store = open_store(options.store)
     return _computed(options, store.resume)
 
@@ -152,17 +185,14 @@ def _computed(options: Namespace, compute: Any) -> StabilityMap | int:
         how = "terminated" if terminated() else "interrupted"
         raise KeyboardInterrupt(f"{how}; {str(stopped).partition(';')[0]}; {goes_on}") from None
     except PoisonedError as error:
-        print(f"rigid: {error}; {goes_on}", file=sys.stderr)
-        return DIFFERENT
+        complain(f"{error}; {goes_on}")
+        return SAYS_NO
     except OSError as error:
         raise OSError(f"{error}; {_stored_in(options.store)}{goes_on}") from None
     if result.ended:
         return result
-    print(
-        f"rigid: waits for other parts; {_stored(options.store, result)}; {goes_on}",
-        file=sys.stderr,
-    )
-    return WAITING
+    complain(f"waits for other parts; {_stored(options.store, result)}; {goes_on}")
+    return UNFINISHED
 
 
 def _stored(path: str, result: StabilityMap | None = None) -> str:

@@ -146,7 +146,7 @@ START: Mapping[str, Key] = {
     **_NOMINAL,
     "noise": Key("table", "random part of the rates", "", "none"),
     "attitude_noise": Key("table", "random rotation of the attitude", "", "none"),
-    "weight": Key("number", "of one of several `[[start]]`: how likely it is taken", "", "1"),
+    "weight": Key("number", "share of the bodies with this one of several `[[start]]`", "", "1"),
 }
 
 NOISE: Mapping[str, Key] = {
@@ -160,7 +160,9 @@ MAP_RUN: Mapping[str, Key] = {
     "t_end": Key("number", "horizon: *stable* means stable until then", "s"),
     "samples": Key("whole number", "bodies in each pixel"),
     "half_width": Key("number", "instead of `samples`: half the width of each interval"),
-    "refine": Key("whole number", "first every such pixel, then where shares differ", "", "1"),
+    "refine": Key(
+        "whole number", "every such pixel first, then the pixels between different shares", "", "1"
+    ),
     "budget": Key("whole number", "most bodies of the map", "", "no limit"),
     "method": Key("text", "`auto`, `exact` or a method", "", MapSpec.method),
     "step": Key("number", "time step", "s", "chosen for each body"),
@@ -168,7 +170,10 @@ MAP_RUN: Mapping[str, Key] = {
         "number", "share of the integrated bodies that a second method classifies", "", "by doubt"
     ),
     "max_steps": Key(
-        "whole number", "a body that needs more has failed", "", f"{MapSpec.max_steps:,}"
+        "whole number",
+        "a body that needs more steps counts as failed",
+        "",
+        f"{MapSpec.max_steps:,}",
     ),
     "seed": Key("whole number", "key of the random numbers", "", "a new one"),
     "measure": Key("texts or tables", "numbers to collect of each body, see below", "", "none"),
@@ -187,7 +192,10 @@ REPORT_RUN: Mapping[str, Key] = {
     "unit": Key("text", "name of the unit of time", "", ReportSpec.unit),
     "bodies": Key("whole number", "perturbed bodies that are measured", "", str(ReportSpec.bodies)),
     "errors": Key(
-        "numbers", "the errors whose cost is told", "rad", ", ".join(map(str, ReportSpec.errors))
+        "numbers",
+        "errors for which the table gives the cost",
+        "rad",
+        ", ".join(map(str, ReportSpec.errors)),
     ),
     "seed": Key("whole number", "key of the perturbations", "", str(ReportSpec.seed)),
     "methods": Key("texts", "the methods to measure", "", "all"),
@@ -197,7 +205,7 @@ SURFACE: Mapping[str, Key] = {
     "name": Key("text", "`height`, or a component such as `gamma1`"),
     "value": Key("number", "value of the component on the surface", "", "0"),
     "direction": Key("1, -1 or 0", "rising, falling, or both", "", "-1 for `height`, else 1"),
-    "omega": Key("3 numbers", "weights of the rates: a plane of your own"),
+    "omega": Key("3 numbers", "weights of the rates, for another plane"),
     "gamma": Key("3 numbers", "weights of the vertical"),
 }
 
@@ -214,6 +222,6 @@ SECTION_RUN: Mapping[str, Key] = {
 }
 
 PLOT: Mapping[str, Key] = {
-    "x": Key("text", "component along the axis across"),
-    "y": Key("text", "component along the axis upwards"),
+    "x": Key("text", "component along the horizontal axis"),
+    "y": Key("text", "component along the vertical axis"),
 }

@@ -84,8 +84,8 @@ def read_spec(source: str, changes: Sequence[str] = ()) -> NamedSpec:
     64
     """
     name, content, file = read_source(source, "map", MAPS)
-    seeded = "seed" in parsed(content, file, changes).table("run")
-    return NamedSpec(name, parse_spec(content, file, changes), seeded)
+    spec = parse_spec(content, file, changes)
+    return NamedSpec(name, spec, "seed" in parsed(content, file, changes).table("run"))
 
 
 def parse_spec(content: str, file: str, changes: Sequence[str] = ()) -> MapSpec:
@@ -110,7 +110,7 @@ def parse_spec(content: str, file: str, changes: Sequence[str] = ()) -> MapSpec:
     run.only(*MAP_RUN)
     half_width = run.take("half_width", _half_width, default=None)
     if half_width is not None and "samples" in run:
-        raise run.error("samples and half_width exclude each other")
+        raise run.error("samples, half_width: give one of the two")
     # The longest horizon of an axis follows from its values.
     longest = {"default": 1.0} if "t_end" in (axis.name for axis in axes) else {}
     return run.build(
@@ -177,7 +177,7 @@ def _axes(tables: list[Table]) -> tuple[Axis, ...]:
         names = [axis.name for axis in axes]
         place = next(place for place, name in enumerate(names) if name in names[:place])
         first = axis_letter(names.index(names[place]))
-        raise tables[place].error(f"name = {names[place]!r}: is already that of [{first}]")
+        raise tables[place].error(f"name = {names[place]!r}: the axis [{first}] has this name")
     return axes
 
 
@@ -188,7 +188,8 @@ def _axis(table: Table) -> Axis:
         table.only("name", "values")
         values = table.take("values", as_is)
     else:
-        first, last = table.take("from", finite_float), table.take("to", finite_float)
+        number = partial(finite_float, unit=PARAMETERS[name].unit)
+        first, last = table.take("from", number), table.take("to", number)
         count = table.take("count", _count)
         logarithmic = table.choice("scale", ("linear", "log"), default="linear") == "log"
         if logarithmic and not (first > 0.0 and last > 0.0):

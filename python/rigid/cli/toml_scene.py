@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from functools import partial, reduce
 from inspect import Parameter, signature
+from itertools import chain
 from operator import and_, or_
 from typing import Any
 
@@ -34,6 +35,8 @@ _KINDS = {scene.title.replace(" ", "-"): scene for scene in SCENES.values()}
 
 def read_scene(table: Table) -> Scene:
     """The scene of a table ``[scene]``."""
+    if "kind" not in table:
+        table.only(*SCENE, *FREE_SCENE)
     scene = _KINDS[table.choice("kind", _KINDS)]
     others = {name for kind in SCENES.values() for name in kind.fields} - {*scene.fields}
     others |= set() if scene is FreeBody else {*FREE_SCENE}
@@ -82,7 +85,7 @@ def _body(table: Table) -> Body:
         raise table.error("needs either 'moments' or 'box' (with 'mass')")
     if "moments" in table:
         if "mass" in table:
-            raise table.error("mass belongs to a box; the moments need none")
+            raise table.error("mass: belongs to a box; omit the mass beside moments")
         moments = table.take("moments", three)
         return table.build(lambda: Body(moments))
     a, b, c = table.take("box", three)
@@ -129,6 +132,8 @@ def read_start(table: Table, axes: list[str], *more: str) -> Start:
 
 
 def _noise(table: Table, on_axis: bool, kappa_on_axis: bool) -> Noise:
+    if "kind" not in table:
+        table.only(*NOISE)
     kind = table.choice("kind", NOISE_KINDS)
     if kind == "uniform_attitude":
         table.only("kind")
@@ -137,17 +142,17 @@ def _noise(table: Table, on_axis: bool, kappa_on_axis: bool) -> Noise:
         table.only("kind", "kappa")
         if kappa_on_axis:
             if "kappa" in table:
-                raise table.error("kappa is that of the axis; leave it out here")
+                raise table.error("kappa: an axis of the map sets kappa; omit the key here")
             return Noise(kind, 0.0)
         return table.build(lambda: von_mises_fisher(table.take("kappa", as_is)))
     table.only(*(key for key in NOISE if key != "kappa"))
     if "cov" in table:
         if "size" in table:
-            raise table.error("size and cov both say how large the noise is")
+            raise table.error("size, cov: give one of the two")
         return table.build(lambda: Noise(kind, cov=table.take("cov", as_is)))
     if on_axis:
         if "size" in table:
-            raise table.error("size is that of the axis; leave it out here")
+            raise table.error("size: an axis of the map sets the size; omit the key here")
         return Noise(kind, 0.0)
     return table.build(lambda: Noise(kind, table.take("size", as_is)))
 
@@ -179,6 +184,9 @@ def _criterion(table: Table, depth: int = 1) -> Criterion:
         table.only("not")
         part = _criterion(table.table("not"), depth + 1)
         return table.build(lambda: ~part)
+    if "criterion" not in table:
+        every = (signature(criterion).parameters for criterion in CRITERIA.values())
+        table.only(*dict.fromkeys(("criterion", *_JOINS, "not", *chain(*every))))
     criterion = CRITERIA[table.choice("criterion", CRITERIA)]
     parameters = signature(criterion).parameters
     table.only("criterion", *parameters)

@@ -74,8 +74,8 @@ def read_section(source: str, changes: Sequence[str] = ()) -> SectionSpec:
     scene = read_scene(document.table("scene"))
     if not isinstance(scene, HeavyTop):
         raise document.table("scene").error(
-            f"kind = {scene.title.replace(' ', '-')!r}: starts of one energy and one L·gamma are "
-            "those of a heavy-top"
+            f"kind = {scene.title.replace(' ', '-')!r}: must be 'heavy-top', "
+            "whose starts have one energy and one L·gamma"
         )
     start, run = document.table("start"), document.table("run")
     start.only(*SECTION_START)

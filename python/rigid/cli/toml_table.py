@@ -15,7 +15,8 @@ from typing import Any, TypeVar
 
 from numpy.typing import ArrayLike
 
-from .._checks.arguments import brief, finite_float, nearest, one_line, one_of, vector
+from .._checks.arguments import brief, finite_float, of_known, one_line, one_of, vector
+from .._checks.inputs import unreadable
 
 __all__ = [
     "BUILTIN",
@@ -64,8 +65,8 @@ def read_source(source: str, what: str, folder: Traversable) -> tuple[str, str, 
         names = names_in(folder)
         if source not in names:
             raise SpecError(
-                f"no built-in {what} is called {source!r}{nearest(source, names)} "
-                f"(known: {', '.join(names)}; a file ends in .toml)"
+                f"no built-in {what} is called {source!r}{of_known(source, names)}; the name of "
+                "a file ends in .toml"
             )
         return source, (folder / f"{source}.toml").read_text(encoding="utf-8"), f"{source}.toml"
     try:
@@ -75,7 +76,7 @@ def read_source(source: str, what: str, folder: Traversable) -> tuple[str, str, 
             raise SpecError(f"{source}: is longer than {MOST_TEXT} bytes")
         return path.stem, content.decode(), path.name
     except OSError as error:
-        raise SpecError(f"{source}: cannot be read: {error.strerror}") from None
+        raise SpecError(unreadable(source, error)) from None
     except UnicodeDecodeError:
         raise SpecError(f"{source}: is not UTF-8 text") from None
 
@@ -134,9 +135,7 @@ class Table:
         """Raise for a key that is not known."""
         for key in self._values:
             if key not in known:
-                raise self.error(
-                    f"unknown key {key!r}{nearest(key, known)} (known: {', '.join(known)})"
-                )
+                raise self.error(f"unknown key {key!r}{of_known(key, known)}")
 
     def take(self, key: str, convert: Callable[[str, Any], _T], *, default: Any = _REQUIRED) -> Any:
         """The value of a key as ``convert(key, value)``."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from ..model.forces import forces_in_words
 from ..model.leading import Shape
 from ..model.scene import Scene
 
@@ -13,7 +14,8 @@ __all__ = ["in_shape", "require_unforced"]
 def require_unforced(scene: Scene) -> None:
     """Raise ValueError if torque or damping acts on the scene."""
     if scene.forces:
-        raise ValueError(f"scene = {scene.words()}: no closed form under torque and damping")
+        acting = forces_in_words(scene.forces)
+        raise ValueError(f"scene = {scene.words()}: no closed form under {acting}")
 
 
 def in_shape(values: dict[str, Any], shape: Shape) -> dict[str, Any]:

@@ -168,7 +168,9 @@ def _path_of(run: Run) -> tuple[Floats, FreeBody]:
     """The rates of a run on the ellipsoid whose largest semi-axis is 1 rad/s, and its scene."""
     scene = scene_of(run)
     if not isinstance(scene, FreeBody):
-        raise TypeError(f"scene = {brief(scene)}: polhodes are those of a rigid.FreeBody")
+        raise TypeError(
+            f"scene = {brief(scene)}: must be a rigid.FreeBody, whose rates follow polhodes"
+        )
     require_unforced(scene, "a polhode")
     omega = rates_of(run)
     moments = np.array(scene.body.moments)

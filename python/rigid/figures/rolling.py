@@ -134,7 +134,9 @@ def poinsot_data(run: Run, *, frame: int = 0) -> PoinsotPicture:
     """
     scene = scene_of(run)
     if not isinstance(scene, FreeBody):
-        raise TypeError(f"scene = {brief(scene)}: Poinsot's picture is that of a rigid.FreeBody")
+        raise TypeError(
+            f"scene = {brief(scene)}: must be a rigid.FreeBody, which Poinsot's picture shows"
+        )
     require_unforced(scene, "Poinsot's picture")
     omega, attitude = states_of(run)
     k = _index("frame", frame, len(run.t))

@@ -335,7 +335,7 @@ def power_balance(
     for force, value in scene.further():
         acting = acting + force.torque(_at_times(force.numbers(value)), rates)
     if "function" in scene.forces:
-        raise ValueError("torque: that of a function is not known from the states")
+        raise ValueError("torque: the torque of a function is not known from the states")
     if "gamma" in scene.directions:
         if gamma is None:
             raise ValueError("attitude = None: the torque of the weight needs it")

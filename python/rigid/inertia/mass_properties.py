@@ -393,8 +393,8 @@ def check_possible(name: str, ascending: Floats) -> None:
         index, place = first_place(bad)
         moments = ", ".join(f"{moment:g}" for moment in ascending[index])
         raise ValueError(
-            f"{name}{place}: its principal moments ({moments}) are those of no body: none may be "
-            "negative or exceed the sum of the other two"
+            f"{name}{place}: no body has the principal moments ({moments}); none may be negative "
+            "or exceed the sum of the other two"
         )
 
 

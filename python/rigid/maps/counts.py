@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._checks.arguments import brief, first_place, nearest
+from .._checks.arguments import brief, first_place, of_known
 from .data import CLASSES, COLUMNS, FAILURES, STATUS, STORED
 from .job import to_core
 from .spec import MapSpec
@@ -35,9 +35,7 @@ def counted(spec: MapSpec, given: Mapping[str, ArrayLike]) -> dict[str, NDArray[
         if name == "failed":
             raise TypeError(f"failed: give its reasons {', '.join(FAILURES)}; their sum is failed")
         if name not in known:
-            raise TypeError(
-                f"{name}: is no column of a map{nearest(name, known)} (known: {', '.join(known)})"
-            )
+            raise TypeError(f"{name}: is no column of a map{of_known(name, known)}")
         arrays[name] = _column(name, values, spec.shape)
     for column in COLUMNS:
         if column.reproducible and column.name not in arrays:

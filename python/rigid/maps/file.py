@@ -154,7 +154,13 @@ def read_map(path: str | os.PathLike[str]) -> tuple[MapSpec, dict[str, NDArray[A
     from pathlib import Path
 
     source = Path(path)
-    if not stat.S_ISREG(source.stat().st_mode):
+    mode = source.stat().st_mode
+    if stat.S_ISDIR(mode):
+        raise ValueError(
+            f"{source} is a folder, not a saved map; `rigid pack {source} FILE.npz` saves the map "
+            "of a running map"
+        )
+    if not stat.S_ISREG(mode):
         raise ValueError(f"{source} is not a stability map: it is no regular file")
     with source.open("rb") as file:
         try:
@@ -184,7 +190,7 @@ def _read(file: BinaryIO) -> tuple[MapSpec, dict[str, NDArray[Any]], list[Bins]]
             raise _FileError("is not a stability map: its specification is longer than its arrays")
         header = json.loads(_read_array(archive, _SPEC, np.dtype(np.uint8)).tobytes().decode())
         if not isinstance(header, dict) or header.get("format") != FORMAT:
-            raise _FileError("is not a stability map: its header is not that of one")
+            raise _FileError("is not a stability map: its header is another one")
         version: Any = header.get("format_version")
         if version not in MISSING_IN:
             known = " and ".join(map(str, MISSING_IN))
@@ -227,7 +233,7 @@ def _archive_length(file: BinaryIO) -> int:
     if not found.startswith(_SEAL):
         return length
     if found != _seal(file, archive):
-        raise _FileError("is damaged: its digest is not that of its content")
+        raise _FileError("is damaged: digest and content differ")
     return archive
 
 

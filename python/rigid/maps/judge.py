@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from .. import _core
 from ..model.judged import Custom, States
+from ..rotations.apply import to_body
 from ..solve.closed_form import NO_FORM, closed_forms
 from ..solve.methods import AUTO, EXACT, SECOND, adaptive_methods
 from ..solve.request import Request
@@ -39,6 +40,9 @@ _AGREED = np.array(_core.agreed_classes(), dtype=np.uint8)
 
 CLASSES = _core.class_names()
 STABLE, UNSTABLE, UNDECIDED, FAILED = range(len(CLASSES))
+
+UPWARD = np.array([0.0, 0.0, 1.0])
+"""The vertical in space."""
 
 _DRIFTS = ("energy_drift", "momentum_drift", "unit_drift")
 _OF_BOTH_RUNS = ("checked", "steps_of_both")
@@ -245,6 +249,8 @@ class CustomJob:
                 None if part[name] is None else part[name][which]
                 for name in ("omega", "gamma", "attitude")
             ]
+            if of_kept[1] is None and of_kept[2] is not None:
+                of_kept[1] = to_body(of_kept[2], UPWARD)  # free bodies, whose motion needs none
             verdict = self._stable.verdicts(
                 States(
                     t=times,

@@ -15,6 +15,7 @@ from .._checks.arrays import attitudes, vectors
 from ..model.scene import SCENES, Scene
 from ..model.sourced import Sourced
 from ..model.start import Start
+from ..model.torque import require_constant
 from .grid import Made
 from .parameters import Axis, make_axes
 
@@ -78,8 +79,7 @@ class OwnScene:
                 f"scene = {self.source.name}: must return bodies of shape ({count},), one for each "
                 f"number it is given, got {scene.shape}"
             )
-        if scene.torque is not None and scene.torque.times:
-            raise ValueError("torque: maps accept constant torques only, not a table")
+        require_constant(scene.torque)
         checks: tuple[Callable[[Any], Floats], ...] = (_rates, attitudes)
         checked = [check(part) for check, part in zip(checks, starts, strict=False)]
         for name, part in zip(GIVEN, checked, strict=False):
@@ -102,13 +102,13 @@ class OwnScene:
         """
         if "omega" in self.gives and start.omega != (0.0, 0.0, 0.0):
             raise ValueError(
-                f"start: {self.source.name} gives the rates; leave them zero, as in "
+                f"start: {self.source.name} gives the rates; the start must have none, as in "
                 "Start(omega=(0, 0, 0), noise=...)"
             )
         is_given = start.tilt != 0.0 or start.attitude is not None or "tilt" in axes
         if "attitude" in self.gives and is_given:
             raise ValueError(
-                f"start: {self.source.name} gives the attitude; leave tilt and attitude out"
+                f"start: {self.source.name} gives the attitude; omit tilt and attitude"
             )
 
     def default_start(self, scene: Scene) -> Start:

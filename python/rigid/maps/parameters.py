@@ -13,7 +13,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._checks.arguments import brief, nearest, numbers
+from .._checks.arguments import brief, numbers, of_known
 from .._moments import box_moments
 from ..model.orbit import MOST_ECCENTRIC, Orbit
 from ..model.scene import Scene
@@ -27,6 +27,7 @@ __all__ = [
     "PixelValues",
     "axis_letter",
     "check_applicable",
+    "check_axis_name",
     "in_order",
     "make_axes",
 ]
@@ -351,9 +352,9 @@ def _needs_omega(_scene: Scene, start: Start) -> str:
 
 def _needs_size_of_noise(_scene: Scene, start: Start) -> str:
     if start.noise is None:
-        return "the start has no noise; say its kind, as in Start(noise=rigid.normal(0))"
+        return "the start has no noise; give a kind, as in Start(noise=rigid.normal(0))"
     if not isinstance(start.noise, Noise):
-        return "the noise of the start are given samples, which have no size"
+        return "the start has given samples, which have no size; use Start(noise=rigid.normal(0))"
     if start.noise.cov is not None:
         return "the noise of the start has a covariance; give it a size"
     if start.noise.is_direction:
@@ -400,7 +401,7 @@ def _needs_size_of_attitude_noise(scene: Scene, start: Start) -> str:
         return f"{_ATTITUDE_UNFELT}; use noise"
     if start.attitude_noise is None:
         return (
-            "the start has no attitude noise; say its kind, "
+            "the start has no attitude noise; give a kind, "
             "as in Start(attitude_noise=rigid.normal(0))"
         )
     if start.attitude_noise.cov is not None:
@@ -766,12 +767,15 @@ def make_axes(axes: Mapping[str, ArrayLike], own: Container[str] = ()) -> tuple[
     return tuple(_axis(name, values, name in own) for name, values in axes.items())
 
 
+def check_axis_name(name: str) -> None:
+    """Raise ValueError if no parameter of a map has this name."""
+    if name not in PARAMETERS:
+        raise ValueError(f"axes: unknown parameter {brief(name)}{of_known(name, PARAMETERS)}")
+
+
 def _axis(name: str, values: ArrayLike, own: bool) -> Axis:
-    if not own and name not in PARAMETERS:
-        raise ValueError(
-            f"axes: unknown parameter {brief(name)}{nearest(name, PARAMETERS)}"
-            f" (known: {', '.join(PARAMETERS)})"
-        )
+    if not own:
+        check_axis_name(name)
     array = numbers(f"axes[{name!r}]", values, None if own else PARAMETERS[name].unit)
     if array.ndim != 1 or array.size == 0:
         raise ValueError(f"axes[{name!r}]: expected shape (n,) with n >= 1, got {array.shape}")
@@ -796,7 +800,7 @@ def check_applicable(scene: Scene, start: Start, axes: Iterable[Axis]) -> None:
     if not scene.rates_need_attitude and start.noise is not None and start.joint:
         raise ValueError(f"noise = {start.noise.describe()}: {_ATTITUDE_UNFELT}")
     if not scene.directions and start.omega is not None and start.tilt != 0.0:
-        raise ValueError("tilt has no effect on a free body started by omega; use Start(spin=...)")
+        raise ValueError("tilt: has no effect on a free body started by omega; use Start(spin=...)")
     axes = tuple(axes)
     for axis in axes:
         reason = axis.parameter.why_not(scene, start)

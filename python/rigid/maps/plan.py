@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from .. import _core
 from .._moments import possible
+from ..model.forces import forces_in_words
 from ..solve.bodies import Bodies
 from ..solve.closed_form import NO_FORM, Codes, closed_forms, names, why_not
 from ..solve.cost_model import (
@@ -49,7 +50,7 @@ def map_plan(spec: MapSpec) -> Plan:
         looks = (why_unforeseen(batch, span, by_steps=method != EXACT) for batch in batches)
         unknown = next((words for words in looks if words is not None), None)
     if spec.is_called and error is not None:
-        unknown = "the torque is that of a function"
+        unknown = "a function gives the torque"
     if unknown is not None:
         error = None
         reasons.append(UNKNOWN.format(unknown))
@@ -104,7 +105,7 @@ def _choice(spec: MapSpec, moments: Floats, weight: Floats, forms: Codes) -> tup
     if closed.any():
         return AUTO, f"{closed.sum():,} of {closed.size:,} pixels have a closed form"
     if spec.forces:
-        return spec.scheme, "no closed form under torque and damping"
+        return spec.scheme, f"no closed form under {forces_in_words(spec.forces)}"
     return spec.scheme, why_not(spec.stable, moments[0], weight[0])
 
 

@@ -14,7 +14,7 @@ from ..model.scene import Scene, check_scene
 from ..model.seed import seed_from
 from ..model.start import Start
 from .own import own_scene
-from .parameters import make_axes
+from .parameters import check_axis_name, make_axes
 from .sequential import checked_half_width, stop_table
 from .spec import MapSpec
 
@@ -39,12 +39,16 @@ def spec_of(
     """The specification of a new map, from the arguments that were given."""
     if isinstance(given.get("axes"), Mapping) and "t_end" in given["axes"]:
         given.setdefault("t_end", 1.0)  # the longest one is taken from the values
+    own = not isinstance(scene, type | Scene | Body) and callable(scene)
+    if not own and isinstance(given.get("axes"), Mapping):
+        for name in given["axes"]:
+            check_axis_name(name)  # before what is missing, which would hide a wrong name
     _require("stability_map", given, "axes", "t_end", "stable")
     if ("samples" in given) == ("half_width" in given):
-        raise TypeError("samples, half_width: give one of them")
+        raise TypeError("samples, half_width: give one of the two")
     if "samples" not in given:
         given["samples"] = stop_table(checked_half_width(given["half_width"])).last
-    if not isinstance(scene, type | Scene | Body) and callable(scene):
+    if own:
         known, given["own"], given["axes"] = own_scene(scene, given["axes"])
     else:
         known = _scene(scene)
@@ -74,7 +78,7 @@ def _require(function: str, given: dict[str, Any], *names: str) -> None:
         given.setdefault("t_end", given["stable"].times[-1])
     missing = [name for name in names if name not in given]
     if missing:
-        raise TypeError(f"{function}() misses {' and '.join(missing)}")
+        raise TypeError(f"{function}() needs {' and '.join(missing)}")
 
 
 def _started(scene: Scene, seed: int, given: dict[str, Any]) -> MapSpec:

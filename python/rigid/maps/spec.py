@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
-from .._checks.arguments import brief, finite_float, nearest, positive_int
+from .._checks.arguments import brief, finite_float, of_known, positive_int
 from .._moments import possible
 from ..model.body import Body
 from ..model.bounds import RateWithin
@@ -29,6 +29,7 @@ from ..model.scene import FreeBody, Scene, scene_from_dict
 from ..model.seed import checked_seed
 from ..model.sourced import Sourced
 from ..model.start import Start
+from ..model.torque import require_constant
 from ..solve.choose_method import NO_BOUND
 from ..solve.closed_form import FORCED_RULE, NO_FORM, closed_forms, question_words, rule
 from ..solve.methods import (
@@ -195,7 +196,8 @@ class MapSpec:
             last = stop_table(self.half_width).last
             if self.samples != last:
                 raise ValueError(
-                    f"samples = {self.samples}: with half_width = {self.half_width} they are {last}"
+                    f"samples = {self.samples}: must be {last}, which half_width = "
+                    f"{self.half_width} needs"
                 )
         if self.refine is not None:
             put("refine", positive_int("refine", self.refine, minimum=2))
@@ -215,11 +217,10 @@ class MapSpec:
                         "of = 'L': the momentum of the rotor is not watched; use 'omega'"
                     )
         if self.forces:
-            self.stable.check_forced()
+            self.stable.check_forced(self.scene, self.forces)
             for one in self.measure:
-                one.check_forced()
-        if self.scene.torque is not None and self.scene.torque.times:
-            raise ValueError("torque: maps accept constant torques only, not a table")
+                one.check_forced(self.scene, self.forces)
+        require_constant(self.scene.torque)
         chosen = self.step is not None or (isinstance(self.stable, Custom) and self.method == AUTO)
         if not (chosen or self._of_all.bounds_rates):
             raise ValueError(NO_BOUND)
@@ -256,7 +257,9 @@ class MapSpec:
         """A criterion or a measure with the defaults of the start, equal for all of a mixture."""
         first, *others = (asked.resolved(scene, start) for start in self.start.starts)
         if any(other != first for other in others):
-            raise ValueError(f"{name}: the starts of the mixture turn about other axes; say which")
+            raise ValueError(
+                f"{name}: the starts of the mixture turn about different axes; give axis=..."
+            )
         return first
 
     def _check_custom(self, stable: Custom) -> None:
@@ -271,8 +274,8 @@ class MapSpec:
                     )
         if "t_end" not in self.varied and self.t_end != stable.times[-1]:
             raise ValueError(
-                f"t_end = {self.t_end:g}: the last time of judged() is the horizon, "
-                f"t = {stable.times[-1]:g}"
+                f"t_end = {self.t_end:g}: must be {stable.times[-1]:g}, the last time of judged(), "
+                "or left out"
             )
         if any(one.name == "time_to_leave" for one in self.measure):
             raise ValueError("measure: a custom criterion tells no time_to_leave")
@@ -421,7 +424,9 @@ class MapSpec:
         """
         if isinstance(scene, Scene):
             if self._torque is None or scene.to_dict() != self.scene.to_dict():
-                raise ValueError("scene: is not that of the map, whose torque is a function")
+                raise ValueError(
+                    "scene: differs from the scene of the map, whose torque is a function"
+                )
             return dataclasses.replace(self, scene=scene).with_functions(
                 stable=stable, carried=carried
             )
@@ -630,10 +635,7 @@ class MapSpec:
         known = [name for name in self.__dataclass_fields__ if name != "version"]
         for name in changes:
             if name not in known:
-                raise TypeError(
-                    f"{name}: is no field of a specification{nearest(name, known)} "
-                    f"(known: {', '.join(known)})"
-                )
+                raise TypeError(f"{name}: is no field of a specification{of_known(name, known)}")
         kept = {name: getattr(self, name) for name in known}
         return MapSpec(**{**kept, **changes})
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, TypeAlias
@@ -41,6 +42,10 @@ Floats = NDArray[np.float64]
 
 Moments: TypeAlias = tuple[float, float, float] | Floats
 """Principal moments of one body, or of many bodies with shape (..., 3)."""
+
+
+LARGE_SIDE, LEAST_DENSITY = 50.0, 0.1
+"""Above this side (m) a box below this density (kg/m³) has other units: aerogels have 0.16."""
 
 
 @dataclass(frozen=True, slots=True, init=False, eq=False, repr=False)
@@ -116,7 +121,9 @@ class Body:
         set_field(self, "mass", None if mass is None else _checked_mass(mass, shape))
         if sides is not None:
             if shape or (mass is not None and np.ndim(mass)):
-                raise ValueError(f"sides: are those of one body, the moments are those of {shape}")
+                raise ValueError(
+                    f"sides: belong to one body, but the moments are of bodies {shape}"
+                )
             a, b, c = vector("sides", sides, 3).tolist()
             sides = (a, b, c)
             if min(sides) <= 0.0:
@@ -186,6 +193,12 @@ class Body:
             If a side or a mass is not positive or not finite, the arguments do not broadcast, or no
             body has such moments.
 
+        Warns
+        -----
+        UserWarning
+            If a side is above 50 m and the box would be lighter than any solid, 0.1 kg/m³: the
+            sides are probably not in m. A mass of 1 stands for any mass, and is not compared.
+
         Examples
         --------
         >>> import rigid
@@ -198,6 +211,7 @@ class Body:
         sizes = _together(a=a, b=b, c=c, mass=mass)
         if sizes == ():
             sides = (float(a), float(b), float(c))
+            _warn_of_units(sides, float(mass))
             return cls(box_moments(a, b, c, mass), mass=mass, sides=sides)._marked("centre")
         from .. import solids
 
@@ -708,6 +722,18 @@ def _mass(value: ArrayLike) -> float | Floats:
     return finite_float("mass", value, positive=True)
 
 
+def _warn_of_units(sides: tuple[float, float, float], mass: float) -> None:
+    """Warn of a large box that is lighter than any solid."""
+    density = mass / sides[0] / sides[1] / sides[2]
+    if max(sides) > LARGE_SIDE and density < LEAST_DENSITY and mass != 1.0:
+        warnings.warn(
+            f"sides = ({', '.join(f'{side:g}' for side in sides)}), mass = {mass:g}: a box of "
+            f"{density:.2g} kg/m³ is lighter than any solid; lengths are in m, masses in kg",
+            UserWarning,
+            stacklevel=3,
+        )
+
+
 def _together(**sizes: float | Floats) -> Shape:
     """The axes of bodies with these sizes; ValueError if they do not broadcast."""
     return leading_shape({name: np.shape(size) for name, size in sizes.items()})
@@ -717,8 +743,8 @@ def _length(name: str, value: ArrayLike, *, zero: bool = False) -> float | Float
     """A size in m, or an array of sizes: positive, or not negative."""
     value = without_unit(name, value, "m")
     if np.ndim(value):
-        return shaped(name, value, positive=not zero, nonnegative=zero)
-    return finite_float(name, value, positive=not zero, nonnegative=zero)
+        return shaped(name, value, positive=not zero, nonnegative=zero, unit="m")
+    return finite_float(name, value, positive=not zero, nonnegative=zero, unit="m")
 
 
 def require_one(value: Any) -> None:

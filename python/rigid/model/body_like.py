@@ -39,7 +39,8 @@ def moments_of(body: object, *, rod: bool = False) -> Floats:
     if isinstance(body, Scene):
         if body.forces:
             raise ValueError(
-                f"scene = {body.words()}: torque and damping are not taken into account here"
+                f"scene = {body.words()}: here nothing may act on the body; give the body alone, "
+                "scene.body"
             )
         body = body.body
     if isinstance(body, Body):

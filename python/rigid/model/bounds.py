@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import pi
 from typing import ClassVar, Self
@@ -96,7 +96,7 @@ class TiltBetween(Criterion):
         """Lagrange tops have closed forms for the tilt of their axis."""
         return "tilt_from_vertical", abs(self.axis)
 
-    def check_forced(self) -> None:
+    def check_forced(self, scene: Scene, forces: Sequence[str]) -> None:
         """Do nothing: maps observe tilts from the vertical under torque and damping too."""
 
     def __str__(self) -> str:
@@ -121,7 +121,7 @@ class _Bounded(Criterion):
         """No closed form is known for the time at which the number passes its limit."""
         return None
 
-    def check_forced(self) -> None:
+    def check_forced(self, scene: Scene, forces: Sequence[str]) -> None:
         """Do nothing: the number is observed under torque and damping too."""
 
 

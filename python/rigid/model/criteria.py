@@ -6,7 +6,7 @@ core selects the observable by the name that :meth:`Criterion.core` gives.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import MISSING, dataclass, fields, replace
 from math import pi
 from typing import Any, ClassVar, Self
@@ -16,6 +16,7 @@ import numpy as np
 from .._checks.arguments import brief, finite_float, one_of
 from .bounds import NearStart, PointingWithin, RateWithin, ReturnsNear, SpinAbove, TiltBetween
 from .criterion import Criterion, Joined
+from .forces import forces_in_words
 from .judged import Custom
 from .scene import Scene
 from .start import Start, body_axis
@@ -73,7 +74,7 @@ class NoFlip(Criterion):
         """Free bodies have closed forms, and Lagrange tops about their symmetry axis."""
         return "no_flip", self.axis
 
-    def check_forced(self) -> None:
+    def check_forced(self, scene: Scene, forces: Sequence[str]) -> None:
         """Do nothing: maps observe flips under torque and damping too."""
 
     def __str__(self) -> str:
@@ -129,12 +130,15 @@ class TiltBelow(Criterion):
         """Lagrange tops have closed forms, for the tilt of their axis from the vertical."""
         return ("tilt_from_vertical", abs(self.axis)) if self.reference == "vertical" else None
 
-    def check_forced(self) -> None:
+    def check_forced(self, scene: Scene, forces: Sequence[str]) -> None:
         """Raise ValueError unless the tilt is one from the vertical."""
         if self.reference != "vertical":
+            remedy = "give reference='vertical'"
+            if not (scene.directions or scene.rates_need_attitude):
+                remedy = "take no_flip(), or judged() with a function of the attitudes"
             raise ValueError(
-                f"reference = {self.reference!r}: under torque and damping a map watches "
-                "tilts from the vertical only"
+                f"reference = {self.reference!r}: under {forces_in_words(forces)} a map watches "
+                f"tilts from the vertical only; {remedy}"
             )
 
     def __str__(self) -> str:
@@ -198,7 +202,7 @@ class Regular(Criterion):
         """Free bodies and Lagrange tops are regular by theorem."""
         return "regular", None
 
-    def check_forced(self) -> None:
+    def check_forced(self, scene: Scene, forces: Sequence[str]) -> None:
         """Do nothing: deviation vectors are integrated under torque and damping too."""
 
     def until(self, t_end: float) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any, ClassVar, Self, TypeAlias
 
@@ -84,7 +85,7 @@ class Criterion(ABC):
         """Name and axis in the list of closed forms of the core; None without a closed form."""
 
     @abstractmethod
-    def check_forced(self) -> None:
+    def check_forced(self, scene: Scene, forces: Sequence[str]) -> None:
         """Raise ValueError if a map cannot observe the criterion under torque and damping."""
 
     def until(self, t_end: float) -> str:
@@ -188,10 +189,10 @@ class Joined(Criterion):
         """None: each joined criterion has its closed form."""
         return
 
-    def check_forced(self) -> None:
+    def check_forced(self, scene: Scene, forces: Sequence[str]) -> None:
         """Raise ValueError if one of the criteria cannot be observed under torque and damping."""
         for leaf in self.leaves:
-            leaf.check_forced()
+            leaf.check_forced(scene, forces)
 
     def to_dict(self) -> dict[str, Any]:
         """The criteria as a JSON-able dictionary."""

@@ -12,7 +12,15 @@ from numpy.typing import ArrayLike, NDArray
 from .._checks.arguments import brief, finite_float, one_of, vector
 from .._checks.quantities import without_unit
 
-__all__ = ["COMPONENTS", "Event", "checked_events", "crosses", "turns"]
+__all__ = [
+    "COMPONENTS",
+    "Event",
+    "check_reached",
+    "checked_direction",
+    "checked_events",
+    "crosses",
+    "turns",
+]
 
 Floats = NDArray[np.float64]
 
@@ -191,15 +199,12 @@ def crosses(
     """
     made = _quantity(name, omega, gamma, momentum)
     value = finite_float("value", value, unit=UNITS.get(made["name"][:-1], "1"))
-    reach = float(np.linalg.norm(made["gamma"]))
     if name in TILTS:
         if not 0.0 < value < math.pi:
-            raise ValueError(f"value = {value}: never crossed: a tilt is between 0 and pi")
-    elif not any(made["omega"]) and not any(made["momentum"]) and abs(value) >= reach:
-        raise ValueError(
-            f"value = {value}: never crossed: the vertical has components up to {reach:g} there"
-        )
-    return Event(**made, value=value, direction=_checked(direction), turns=False)
+            raise ValueError(f"value = {value}: never crossed; a tilt lies between 0 and pi")
+    elif not any(made["omega"]) and not any(made["momentum"]):
+        check_reached(value, np.asarray(made["gamma"]), touching=False)
+    return Event(**made, value=value, direction=checked_direction(direction), turns=False)
 
 
 def turns(
@@ -246,7 +251,7 @@ def turns(
     return Event(
         **_quantity(name, omega, gamma, momentum),
         value=0.0,
-        direction=_checked(direction),
+        direction=checked_direction(direction),
         turns=True,
     )
 
@@ -310,7 +315,18 @@ def _rule(name: str, value: object) -> str:
     return f"{name} = {brief(value)}: must be made by rigid.crosses or rigid.turns, or a list"
 
 
-def _checked(direction: object) -> int:
+def check_reached(value: float, normal: Floats, *, touching: bool) -> None:
+    """Raise ValueError if the vertical has no component that crosses, or touches, the value."""
+    reach = float(np.linalg.norm(normal))
+    if abs(value) > reach or (abs(value) == reach and not touching):
+        raise ValueError(
+            f"value = {value}: never crossed; along this direction the vertical has components "
+            f"from -{reach:g} to {reach:g}"
+        )
+
+
+def checked_direction(direction: object) -> int:
+    """The direction of a crossing: 1, -1 or 0 for both."""
     if isinstance(direction, bool) or direction not in (-1, 0, 1):
         raise ValueError(f"direction = {brief(direction)}: must be 1, -1 or 0")
     return int(direction)

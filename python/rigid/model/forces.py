@@ -8,7 +8,7 @@ name.
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar, Generic, Self, TypeAlias, TypedDict, TypeVar, cast, overload
 
@@ -28,6 +28,7 @@ __all__ = [
     "HasForces",
     "TopForces",
     "checked_forces",
+    "forces_in_words",
     "with_forces",
 ]
 
@@ -487,3 +488,19 @@ def _tuple(values: ArrayLike) -> Vector:
 def _vector(array: Floats) -> Vector | Floats:
     """The vector of one body as a tuple, the vectors of many bodies as an array."""
     return _tuple(array) if array.ndim == 1 else frozen(array)
+
+
+_NAMED = {
+    "function": "the torque of a function",
+    "orbit": "the gravity gradient of an orbit",
+    "rotor": "a rotor",
+}
+
+
+def forces_in_words(names: Iterable[str]) -> str:
+    """What acts on a body, for messages: the names as in :attr:`rigid.Method.forces`."""
+    every = list(names)
+    words = [
+        _NAMED.get(name, name) for name in every if name != "torque" or "function" not in every
+    ]
+    return " and ".join(filter(None, (", ".join(words[:-1]), words[-1])))

@@ -64,7 +64,5 @@ def checked_properties(properties: object) -> tuple[Floats, float, Floats]:
     if not isinstance(properties, MassProperties):
         raise TypeError(f"properties = {brief(properties)}: must be a rigid.inertia.MassProperties")
     if properties.mass.ndim:
-        raise ValueError(
-            f"properties: expected those of one body, got shape {properties.mass.shape}"
-        )
+        raise ValueError(f"properties: expected one body, got shape {properties.mass.shape}")
     return properties.tensor, float(properties.mass), properties.centre

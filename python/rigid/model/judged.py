@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar, Self
 
@@ -33,7 +33,7 @@ class States:
     omega : ndarray, shape (n, m, 3)
         Rates in the body, rad/s.
     gamma : ndarray, shape (n, m, 3), or None
-        Upward vertical in the body; with ``of="attitude"``, and of tops with ``of="axis"``.
+        Upward vertical in the body; with ``of="attitude"`` or ``of="axis"``.
     attitude : ndarray, shape (n, m, 4), or None
         Quaternions (w, x, y, z); with ``of="attitude"``.
     parameters : dict of str to ndarray, shape (n,)
@@ -83,7 +83,7 @@ class Custom(Criterion):
         """Bodies whose states have a closed form are not integrated."""
         return "states", None
 
-    def check_forced(self) -> None:
+    def check_forced(self, scene: Scene, forces: Sequence[str]) -> None:
         """Do nothing: states are computed under torque and damping too."""
 
     def verdicts(self, states: States) -> Floats:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
@@ -94,10 +94,10 @@ class Measure:
         """Whether this measure alone needs bodies to be integrated until the horizon."""
         return self.name not in ("time_to_leave", "drift")
 
-    def check_forced(self) -> None:
+    def check_forced(self, scene: Scene, forces: Sequence[str]) -> None:
         """Raise ValueError if a map cannot measure it under torque and damping."""
         if self.name == "largest_tilt":
-            tilt_below(1.0, reference=self.reference).check_forced()
+            tilt_below(1.0, reference=self.reference).check_forced(scene, forces)
 
     def core(self) -> tuple[str, int]:
         """Name and axis as the core takes them."""

@@ -607,8 +607,8 @@ class HeavyTop(Scene):
         set_field(self, "mgl", _checked_mgl(mgl))
         if body.about == "centre" and np.any(self.mgl):
             raise ValueError(
-                f"body = {body!r}: these are the moments about its centre of mass, a top needs "
-                "those about its fixed point; use rigid.HeavyTop.from_mass(body, com=(x, y, z)), "
+                f"body = {body!r}: a top needs the moments about its fixed point, and these are "
+                "about the centre of mass; use rigid.HeavyTop.from_mass(body, com=(x, y, z)), "
                 "with com from the fixed point to the centre of mass in m"
             )
         set_field(self, "com", _checked_com(com))
@@ -670,16 +670,18 @@ class HeavyTop(Scene):
         require_one(body)
         if body.about == "point":
             raise ValueError(
-                f"body = {body!r}: these are the moments about another point; a body with those "
-                "about its centre of mass is needed"
+                f"body = {body!r}: must have the moments about its centre of mass, and has "
+                "moments about another point"
             )
         if mass is None:
             if body.mass is None:
-                raise ValueError("mass: is needed, because the body has none")
+                raise ValueError("mass: is needed, because the body has none; give mass=...")
             mass = float(body.mass)
         mass = finite_float("mass", mass, positive=True)
         if body.mass is not None and not np.isclose(mass, body.mass, rtol=1e-12, atol=0.0):
-            raise ValueError(f"mass = {mass:g}: that of the body is {body.mass:g}")
+            raise ValueError(
+                f"mass = {mass:g}: must be {body.mass:g}, the mass of the body; omit it here"
+            )
         moments, axes, mgl, direction = about_pivot(np.diag(body.moments), mass, com, g)
         return cls(Body(moments, mass=mass)._marked("point"), mgl=mgl, com=direction), axes
 

@@ -127,7 +127,7 @@ class Sourced:
 
     def _other_source(self, sha256: str) -> str:
         return (
-            f"its source is not that of {self.name!r}, which made the map "
+            f"its source differs from {self.name!r}, which made the map "
             f"(sha256 {sha256[:12]}..., not {self.sha256[:12]}...)"
         )
 

@@ -63,7 +63,7 @@ class Noise:
             raise ValueError("kappa: expected a single concentration, got 3 numbers")
         if self.cov is not None:
             if self.kind != "normal" or self.size != 1.0:
-                raise ValueError("cov: is that of normal noise, and says its size")
+                raise ValueError("cov: belongs to normal noise without a size; use normal(cov=...)")
             object.__setattr__(self, "cov", _covariance(self.cov))
             self.factor()
 
@@ -200,7 +200,7 @@ def normal(size: float | ArrayLike | None = None, *, cov: ArrayLike | None = Non
     'normal(cov 3 x 3)'
     """
     if (size is None) == (cov is None):
-        raise ValueError("normal() needs either a size or a covariance, and not both")
+        raise ValueError("size, cov: give one of the two to normal()")
     if size is None:
         return Noise("normal", cov=cov)  # type: ignore[arg-type]  # normalised in __post_init__
     return Noise("normal", size)  # type: ignore[arg-type]

@@ -26,6 +26,7 @@ __all__ = [
     "damping_words",
     "forces_of",
     "matrices_of",
+    "require_constant",
 ]
 
 Floats = NDArray[np.float64]
@@ -476,6 +477,12 @@ def _components(given: Shape, shape: Shape) -> int:
             f"coefficients and {(*(1,) * len(shape), 3, 3)} for a matrix of all"
         )
     return ways[0]
+
+
+def require_constant(torque: Torque | None) -> None:
+    """Raise ValueError if a torque is a table, which no map takes."""
+    if torque is not None and torque.times:
+        raise ValueError("torque: maps take a constant torque or a function, not a table")
 
 
 def _whose(array: Floats, good: NDArray[np.bool_], width: int) -> str:

@@ -32,7 +32,7 @@ def _head(report: LongRunData) -> list[str]:
         "momentum": f"largest error {_momentum(report)}, relative",
         "phase": "angle to the true attitude at the end, rad; < below the uncertainty of the truth",
         "reference": _references(report),
-        "time": "processor time, ns per body and revolution",
+        "time": "processor time, ns per body and revolution (ns/rev)",
     }
     return heading(report, "long run", "errors over many revolutions", lines)
 
@@ -69,7 +69,7 @@ def _references(report: LongRunData) -> str:
 def _at_common_time(report: LongRunData) -> list[str]:
     """For each method the shortest step within the common time, and the growth of its errors."""
     counts = [in_short(count) for count in report.revolutions]
-    head = ["method", "rad/step", "time"]
+    head = ["method", "rad/step", "ns/rev"]
     for error in report.errors:
         head += [f"{error} {counts[0]}", *counts[1:]]
     table = [[*head, ""]]
@@ -87,7 +87,7 @@ def _at_common_time(report: LongRunData) -> list[str]:
 def _front(report: LongRunData, error: str) -> list[str]:
     """The Pareto front of an error over the most revolutions."""
     at = report.horizon
-    table = [["front", "rad/step", "time", *report.errors, ""]]
+    table = [["front", "rad/step", "ns/rev", *report.errors, ""]]
     for row in report.front(error):
         cells = [_error(report, row, name, at) for name in report.errors]
         table.append([row.method, f"{row.angle:g}", time_text(row.nanoseconds), *cells, ""])

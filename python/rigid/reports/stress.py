@@ -84,8 +84,7 @@ class Extremes:
         return tuple(cell for cell in self.cells if cell.verdict == UNDETECTED_ERROR)
 
     def __repr__(self) -> str:
-        counts = ", ".join(f"{count} {verdict}" for verdict, count in self.counts().items())
-        return f"<Extremes: {len(self.cells)} cells: {counts}>"
+        return f"<Extremes: {self.conclusion()}>"
 
     def _repr_html_(self) -> str:
         return html_text(str(self))
@@ -115,8 +114,16 @@ class Extremes:
             ).rstrip()
             for row in rows
         ]
-        counts = ", ".join(f"{count} {verdict}" for verdict, count in self.counts().items())
-        return "\n".join([*lines, "", f"{len(self.cells)} cells: {counts}"])
+        return "\n".join([*lines, "", self.conclusion()])
+
+    def conclusion(self) -> str:
+        """The last line: how many undetected errors there are, and what the other runs say."""
+        counts = self.counts()
+        wrong = counts.pop(UNDETECTED_ERROR, 0)
+        others = ", ".join(f"{count} {verdict}" for verdict, count in counts.items())
+        errors = f"{wrong or 'no'} undetected error{'s' if wrong > 1 else ''}"
+        runs = f"{len(self.cells)} run{'' if len(self.cells) == 1 else 's'}"
+        return f"{errors} in {runs}{f': {others}' if others else ''}"
 
 
 def _row(cells: list[Cell]) -> tuple[str, ...]:

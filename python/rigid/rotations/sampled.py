@@ -189,7 +189,7 @@ def attitude_from_omega(
     """
     times = sorted_times("t", t)
     if len(times) == 0:
-        raise ValueError("t: at least one time is needed, that of the first attitude")
+        raise ValueError("t: expected at least one time, when the first attitude is given")
     one_of("frame", frame, ("body", "space"))
     tolerance = finite_float("tolerance", tolerance, positive=True)
     if tolerance < _SMALLEST_TOLERANCE:

@@ -260,7 +260,7 @@ class Crossings:
             return f"not complete: at {grazing} of {until} it grazes the surface"
         words = f"complete: {until}"
         if np.isfinite(lost):
-            words += f"; from t = {lost:.4g} s on those of a motion close to this one"
+            words += f"; from t = {lost:.4g} s on the points belong to a motion close by"
         return words
 
     def plot(

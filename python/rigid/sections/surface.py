@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import brief, finite_float, one_of, vector
-from ..model.events import COMPONENTS
+from ..model.events import COMPONENTS, check_reached, checked_direction
 from ..model.scene import HeavyTop, Scene
 
 __all__ = ["EQUAL_TIMES", "HEIGHT", "Section", "at_equal_times", "section"]
@@ -176,25 +176,21 @@ def section(
         name = one_of("name", HEIGHT if name is None else name, (HEIGHT, *COMPONENTS))
         of_omega, of_gamma = np.zeros(3), np.zeros(3)
         if name == HEIGHT and value != 0.0:
-            raise ValueError(f"value = {value}: 'height' takes none: there its rate is zero")
+            raise ValueError(f"value = {value}: omit the value of 'height', whose rate is zero")
         if name != HEIGHT:
             of_each = np.eye(6)[COMPONENTS.index(name)]
             of_omega, of_gamma = of_each[:3], of_each[3:]
     if direction is None:
         direction = -1 if name == HEIGHT else 1
-    if isinstance(direction, bool) or direction not in (-1, 0, 1):
-        raise ValueError(f"direction = {brief(direction)}: must be 1, -1 or 0")
-    reach = float(np.linalg.norm(of_gamma))
-    if name != HEIGHT and not of_omega.any() and abs(value) > reach:
-        raise ValueError(
-            f"value = {value}: never crossed: the vertical has components up to {reach:g} there"
-        )
+    towards = checked_direction(direction)
+    if name != HEIGHT and not of_omega.any():
+        check_reached(value, of_gamma, touching=True)
     return Section(
         name=name,
         omega=_three(of_omega),
         gamma=_three(of_gamma),
         value=value,
-        direction=int(direction),
+        direction=towards,
     )
 
 

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import finite_float, one_of, positive_int
 from ..model.body import Body
+from ..model.forces import forces_in_words
 from ..model.scene import Scene, check_scene
 from .closed_form import (
     FORCED_RULE,
@@ -194,7 +195,7 @@ def _preferred(problem: Problem, forms: Codes) -> tuple[str, list[str]]:
             return EXACT, ["there are no bodies: nothing is done"]
         return EXACT, ["every body has a closed form"]
     if scene.forces:
-        return _by_steps(problem, ["no closed form under torque and damping"])
+        return _by_steps(problem, [f"no closed form under {forces_in_words(scene.forces)}"])
     moments, weight = np.broadcast_arrays(*problem.inertia())
     # Of bodies that differ, the first without a closed form.
     body = int(np.flatnonzero(forms == NO_FORM)[0]) if len(moments) > 1 else 0

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._checks.arguments import numbers, positive_int, times_of_each
+from .._checks.arguments import brief, numbers, positive_int, times_of_each
 from ..model.body import Body
 from ..model.forces import FORCES
 from ..model.scene import Scene, check_scene
@@ -49,7 +49,8 @@ def simulate_chunks(
     chunk : int
         Bodies of a part; the last part may have fewer.
     **options
-        The other arguments of :func:`simulate`.
+        The other arguments of :func:`simulate`. Arrays of ``out`` have a row for each of all
+        bodies, and each part fills its rows: memory maps keep the states on the disk.
 
     Yields
     ------
@@ -84,6 +85,16 @@ def simulate_chunks(
         attitude = attitude.as_quat(scalar_first=True)
     turned = numbers("attitude", attitude)
     turned = np.broadcast_to(turned, (count, 4))
+    out = options.pop("out", None)
+    if out is not None:
+        if not isinstance(out, Mapping):
+            raise TypeError(f"out = {brief(out)}: must be a dict of arrays by their names")
+        for name, array in out.items():
+            if np.shape(array)[:1] != (count,):
+                raise ValueError(
+                    f"out[{name!r}]: expected a row for each of {count} bodies, got shape "
+                    f"{np.shape(array)}"
+                )
     parts = (slice(first, first + size) for first in range(0, count, size))
     return (
         _with_zeros(
@@ -92,6 +103,7 @@ def simulate_chunks(
                 rates[part],
                 turned[part],
                 t=times[part] if times.shape[:-1] == shape else times,
+                out=None if out is None else {name: array[part] for name, array in out.items()},
                 **options,
             ),
             scene,

@@ -458,7 +458,7 @@ def steps_estimate(
     turn = np.where(rates > 0.0, rates * motions.steps, 0.0)
     too_wide = turn > ROUNDED * largest
     if is_stiff(method) and np.any(motions.steps * motions.damping > LAYER):
-        unknown = f"the steps do not resolve the damping, as those of {LAYER:g} of its time do"
+        unknown = f"the steps are longer than {LAYER:g} of the time of the damping"
     elif np.any(too_wide):
         body = int(np.argmax(too_wide))
         most = np.broadcast_to(largest, turn.shape)[body]

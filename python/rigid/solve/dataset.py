@@ -83,9 +83,10 @@ def run_dataset(run: Any) -> xarray.Dataset:
         if array is not None and name != "t":
             arrays[name] = ((*bodies, *dimensions), array, {"units": unit})
     coordinates: dict[str, Any] = {"axis": [1, 2, 3]}
-    coordinates["part"] = list("wxyz")
+    # Texts as objects: Zarr has no specification of texts of a fixed length, and warns of them.
+    coordinates["part"] = np.array(list("wxyz"), dtype=object)
     if run.sensitivity is not None:
-        coordinates["parameter"] = list(run.parameters)
+        coordinates["parameter"] = np.array(run.parameters, dtype=object)
     if run.t.ndim == 1:
         coordinates["t"] = ("t", run.t, {"units": "s"})
     else:

@@ -215,7 +215,8 @@ def fit(
     span = float(np.ptp(np.append(times, 0.0)))
     covariance, words = _covariance(unknowns, values, by_value, span)
     freedom = measured.size - len(values)
-    success, reason = _verdict(found.squares, found.gain, freedom)
+    fixed = not any(name in START for name in unknowns.names)
+    success, reason = _verdict(found.squares, found.gain, freedom, fixed_start=fixed)
     if not success:
         warnings.warn(f"the fit failed: {reason}", FitWarning, stacklevel=2)
     varied, rates = unknowns.at(found.x)
@@ -237,13 +238,14 @@ def fit(
     )
 
 
-def _verdict(chi2: float, gain: float, freedom: int) -> tuple[bool, str]:
+def _verdict(chi2: float, gain: float, freedom: int, *, fixed_start: bool) -> tuple[bool, str]:
     """Whether a fit succeeded, and why, in words."""
     largest, per = largest_chi2(freedom), max(freedom, 1)
     if not chi2 <= largest:
         return False, (
             f"chi2 per degree of freedom = {chi2 / per:.4g}: must be below {largest / per:.4g}; "
             "the minimum is wrong, sigma is too small, or the motion has what no free parameter has"
+            + ("; the start is fixed: add 'omega' to free" if fixed_start else "")
         )
     if gain > _REACHED:
         return False, f"no minimum was reached: chi2 = {chi2:.6g} would fall by {gain:.2g} or more"

@@ -219,7 +219,7 @@ def frequency_drift(run: Run, of: str = "omega") -> FrequencyDrift:
     if states is None:
         raise ValueError(f"of = {of!r}: the run has no {of}")
     if run.t.ndim != 1:
-        raise ValueError("run: its bodies have times of their own; all must share them")
+        raise ValueError("run: all bodies must share their times; give t of shape (m,) to simulate")
     signal = states[..., 0] + 1j * states[..., 1]
     # A body that failed is omitted: as one at rest, it has no line.
     signal = np.where(np.isfinite(signal).all(axis=-1, keepdims=True), signal, 0.0)

@@ -9,6 +9,7 @@ from functools import cache
 from .. import _core
 from .._checks.arguments import one_of
 from ..drawing.figure import html_table
+from ..model.forces import forces_in_words
 
 __all__ = [
     "AUTO",
@@ -291,7 +292,7 @@ def check_method(
     _core.check_method(name, kind, watched)
     left_out = [force for force in forces if force not in _named(name).forces]
     if left_out:
-        words = " and ".join(force.replace("_", " ") for force in left_out)
+        words = forces_in_words(left_out)
         others = ", ".join(map(repr, methods_under(forces)))
         raise ValueError(f"method = {name!r}: does not integrate {words}; use one of {others}")
 

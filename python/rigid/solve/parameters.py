@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
-from .._checks.arguments import brief, nearest
+from .._checks.arguments import brief, of_known
 from ..model.forces import FORCES
 from ..model.scene import Scene
 from .arrays import in_rows
@@ -71,8 +71,7 @@ def check_parameters(tangent: bool | str | Sequence[str], scene: Scene) -> tuple
             if name in _OF_FORCE:
                 why = f": the scene has no {_OF_FORCE[name][0]}"
             raise ValueError(
-                f"tangent = {brief(name)}{why or ': is no parameter'}; known are "
-                f"{', '.join(map(repr, known))}{nearest(name, known)}"
+                f"tangent = {brief(name)}{why or ': is no parameter'}{of_known(name, known)}"
             )
         for own in _GROUPS.get(name, (name,)):
             if own in every:

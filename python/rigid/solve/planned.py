@@ -51,7 +51,7 @@ def plan_of(
     estimate = _estimate(problem, method, steps, forms, accuracy)
     error = estimate.error
     if "function" in scene.forces and error is not None:
-        error, why = None, (*why, UNKNOWN.format("the torque is that of a function"))
+        error, why = None, (*why, UNKNOWN.format("a function gives the torque"))
     if estimate.unknown is not None:
         why = (*why, UNKNOWN.format(estimate.unknown))
     if error is not None and problem.bodies is not None and method != EXACT:

@@ -22,7 +22,7 @@ from .events import Events, columns_of, from_columns
 from .lazy import Lazy
 from .methods import EXACT
 from .plan import LazyPlan, Plan
-from .status import Status, error_limit, sentences
+from .status import COARSE_ERROR, Status, error_limit, sentences
 from .tidy import COMPONENTS, body_columns, parts, write_table
 
 if TYPE_CHECKING:
@@ -183,18 +183,30 @@ class Run(HasColumns):
         times = f"{len(self.t.T):,} time{'' if len(self.t.T) == 1 else 's'}"
         known = np.atleast_1d(self.error)
         known = known[~np.isnan(known)]
-        error = f"error {known.max():.1e}" if len(known) else "error unknown"
+        worst = known.max(initial=0.0)
+        error = f"error {worst:.1e}" if len(known) else "error unknown"
         if self.status.ndim == 0:
-            how = Status(int(self.status)).name.lower()
+            how = self._named(int(self.status), worst)
             return f"Run(one body at {times}; {self.spec['method']}; {error}; {how})"
         codes, counts = np.unique(self.status, return_counts=True)
         ends = [
-            f"{count:,} {Status(code).name.lower()}"
+            f"{count:,} {self._named(code, worst)}"
             for code, count in zip(codes.tolist(), counts.tolist(), strict=True)
         ]
         bodies = f"{self.status.size:,} bod{'y' if self.status.size == 1 else 'ies'}"
         parts = [f"{bodies} at {times}", self.spec["method"], error]
         return f"Run({'; '.join(parts)}; {', '.join(ends) or 'nothing'})"
+
+    def _named(self, code: int, worst: float) -> str:
+        """The name of a status; of ``ok`` beside a large error with the error that it allows."""
+        if code == Status.OK and self._free_steps and worst > 1e-3 * COARSE_ERROR:
+            return f"ok (error below {COARSE_ERROR:g})"
+        return Status(code).name.lower()
+
+    @property
+    def _free_steps(self) -> bool:
+        """Whether an error was allowed by steps, and not by an accuracy that was asked for."""
+        return self.spec["accuracy"] is None and self.spec["method"] != EXACT
 
     def _repr_html_(self) -> str:
         """The rates over time, of the first body of many, and the line of the run."""
@@ -361,9 +373,8 @@ an accuracy
         status = Status(code)
         if status not in (Status.FLAGGED, Status.COARSE):
             return _STATUS_WORDS[status]
-        steps_help = self.spec["accuracy"] is None and self.spec["method"] != EXACT
         cure = "end the run earlier"
-        cure += " or ask for an accuracy" if steps_help else ": shorter steps do not help"
+        cure += " or ask for an accuracy" if self._free_steps else ": shorter steps do not help"
         if status == Status.COARSE:
             return f"coarse: the estimated error is {error:.1e}; {cure}"
         if np.isfinite(since):

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
+from ..model.forces import forces_in_words
 from .methods import EXACT, SECOND, known_method, run_methods, tangent_methods
 from .request import Request
 from .status import Status
@@ -42,7 +43,7 @@ def check_tangent(
     if method in (None, EXACT, *known):
         return
     known_method("method", method, run_methods())
-    where = "under torque and damping" if forces else "by parameters"
+    where = f"under {forces_in_words(forces)}" if forces else "by parameters"
     why = "has no tangent, because its steps are not differentiated"
     if method in tangent_methods():
         why = f"has no tangent {where}"

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._checks.arguments import brief, nearest
+from .._checks.arguments import brief, of_known
 from ..model.body import Body
 from ..model.scene import Scene
 from .simulate import simulate
@@ -65,7 +65,9 @@ class Unknowns:
         if any(name in _DAMPING for name in self.names) and np.any(
             matrix - np.diag(np.diagonal(matrix))
         ):
-            raise ValueError("free: damping is fitted along the axes; that of the scene is not")
+            raise ValueError(
+                "free: only damping along the axes is fitted; the scene has a full matrix"
+            )
         self._damping = matrix
         of_run = (*START, *BIAS, *SCALE)
         self._by_run = tuple(name for name in self.numbers if name not in of_run)
@@ -207,7 +209,7 @@ class Unknowns:
             if is_near and name not in MOMENTS
         ]
         if any(near[k] for k, name in enumerate(self.numbers) if name in MOMENTS):
-            words.append("the moments are those of a flat body, the edge of what a body can have")
+            words.append("the moments belong to a flat body, the edge of what a body can have")
         return tuple(words)
 
 
@@ -227,8 +229,7 @@ def _checked_names(scene: Scene, free: str | Sequence[str]) -> tuple[str, ...]:
     for name in given:
         if name not in known:
             raise ValueError(
-                f"free = {brief(name)}: is no parameter of a {scene.title}; known are "
-                f"{', '.join(map(repr, known))}{nearest(str(name), known)}"
+                f"free = {brief(name)}: is no parameter of a {scene.title}{of_known(name, known)}"
             )
         for own in _GROUPS.get(name, (name,)):
             if own in names:

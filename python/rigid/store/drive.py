@@ -117,8 +117,8 @@ class Task:
                     pickle.dumps(function)
                 except Exception as error:  # whatever refuses
                     raise ValueError(
-                        f"{name} = {_title(function)}: workers must import the function, so "
-                        f"it must be one of a module ({one_line(error)})"
+                        f"{name} = {_title(function)}: workers import the function by its "
+                        f"name; define the function in a module ({one_line(error)})"
                     ) from None
             functions = pickle.dumps(dict(spec.functions))
         return cls(spec.to_json(), threads, canaries, build, functions, segment)
@@ -275,7 +275,8 @@ def executor_of(executor: Any) -> tuple[Any, int]:
         return executor.get_executor(pure=False), max(1, len(executor.nthreads()))
     if not callable(getattr(executor, "submit", None)):
         raise TypeError(
-            f"executor = {executor!r}: must have the method submit, as those of concurrent.futures"
+            f"executor = {executor!r}: must have the method submit, as executors of "
+            "concurrent.futures"
         )
     return executor, int(getattr(executor, "_max_workers", 8))
 

@@ -113,7 +113,7 @@ class Head:
         except (ValueError, RecursionError) as error:
             raise StoreError(f"{path} is no running map: {one_line(error)}") from None
         if not isinstance(content, dict) or content.get("format") != FORMAT:
-            raise StoreError(f"{path} is no running map: its head is not that of one")
+            raise StoreError(f"{path} is no running map: its head.json has another format")
         version = content.get("format_version")
         if version not in FORMAT_VERSIONS:
             known = " and ".join(map(str, FORMAT_VERSIONS))
@@ -131,7 +131,7 @@ class Head:
             if content.get(name) != expected[name]:
                 made = content.get("version")
                 raise StoreError(
-                    f"{path}: {name} are not those of this version of rigid; version {made} made it"
+                    f"{path}: {name} differ from this version of rigid; version {made} made the map"
                 )
         return cls(spec, content)
 
@@ -148,7 +148,9 @@ class Head:
         found = differences(kept, asked)
         if found:
             shown = "; ".join(found[:5]) + (f"; and {len(found) - 5} more" if found[5:] else "")
-            raise StoreError(f"{path} holds another map (it and the one asked for): {shown}")
+            raise StoreError(
+                f"{path} holds another map (there and asked for): {shown}; take another folder"
+            )
 
 
 def divided(spec: MapSpec) -> int:

@@ -183,7 +183,7 @@ class Folder:
         try:
             return Head.read(self._disk.read(self.path / "head.json"), self.path)
         except (FileNotFoundError, NotADirectoryError):
-            raise StoreError(f"{self.path} is no running map: it has no head.json") from None
+            raise StoreError(f"{self.path} is no running map: there is no head.json") from None
 
     def read(self) -> None:
         """Read the rows of all logs.
@@ -194,7 +194,7 @@ class Folder:
             If two logs have other results for a unit.
         """
         if self._read_head().seal != self.head.seal:
-            raise StoreError(f"{self.path}: its head.json was replaced by that of another map")
+            raise StoreError(f"{self.path}: head.json was replaced and belongs to another map")
         self.table, self.logs = Table(self.head), []
         folder = self.path / "logs"
         for name in self._disk.names(folder):

@@ -152,7 +152,7 @@ def test_the_command_writes_a_page_and_replaces_none(
     written = tmp_path / "box.html"
     assert content(written)["samples"] == 1
     assert cli.main(["explore", str(data)]) == 2
-    assert "exists; take another name, or replace it with --force" in capsys.readouterr().err
+    assert "exists; take another name, or replace the file with --force" in capsys.readouterr().err
     assert content(written)["samples"] == 1
     assert cli.main(["explore", str(data), "--force"]) == 0
     assert content(written)["samples"] == 6

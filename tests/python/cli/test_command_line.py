@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import signal
 import subprocess
 from collections.abc import Callable
@@ -18,6 +19,14 @@ import rigid
 from interrupts import sigint
 from processes import environment, python_command, python_process, run_python
 from rigid.cli import main
+from rigid.cli.exit_codes import (
+    DONE,
+    EXIT_CODES,
+    REFUSED,
+    SAYS_NO,
+    UNFINISHED,
+    WRITE_ERROR,
+)
 from rigid.maps.data import MapData
 from rigid.maps.file import write_map
 from rigid.store.call import run_map
@@ -218,21 +227,24 @@ def test_help_is_on_stdout(capsys: pytest.CaptureFixture[str]) -> None:
 @pytest.mark.parametrize(
     ("arguments", "parts"),
     [
-        (["mapp"], ["COMMAND", "'mapp'", "map", "sections", "; did you mean 'map'?"]),
-        (["map"], ["rigid map: the following arguments are required: NAME|FILE.toml"]),
-        (["map", "small.toml", "--sampels", "3"], ["--sampels"]),
+        (["mapp"], ["COMMAND = 'mapp': unknown; did you mean 'map'? (known: map, ", "sections"]),
+        (["map"], ["rigid map: needs NAME|FILE.toml; rigid map --help has examples"]),
+        (
+            ["map", "small.toml", "--sampels", "3"],
+            ["--sampels: unknown option; did you mean '--samples'?"],
+        ),
         (["map", "small.toml", "--samples", "0"], ["samples = 0: must be at least 1"]),
         (["map", "small.toml", "--samples", "-4"], ["samples = -4: must be at least 1"]),
-        (["map", "small.toml", "--samples", "1.5"], ["--samples", "invalid int value: '1.5'"]),
+        (["map", "small.toml", "--samples", "1.5"], ["--samples = '1.5': must be a whole number"]),
         (
             ["map", "small.toml", "--samples", "9" * 19],
             ["samples = 9999999999999999999: must be below 2**63"],
         ),
         (["map", "small.toml", "--threads", "0"], ["threads = 0: must be at least 1"]),
-        (["map", "small.toml", "--threads", "two"], ["--threads", "invalid int value: 'two'"]),
+        (["map", "small.toml", "--threads", "two"], ["--threads = 'two': must be a whole number"]),
         (["map", "small.toml", "--seed", "-1"], ["-1: must lie in 0 .. 2**128 - 1"]),
         (["map", "small.toml", "--seed", str(2**128)], [f"{2**128}: must lie in 0 .. 2**128 - 1"]),
-        (["map", "small.toml", "--seed", "x"], ["--seed", "invalid int value: 'x'"]),
+        (["map", "small.toml", "--seed", "x"], ["--seed = 'x': must be a whole number"]),
         (["map", "small.toml", "--out", "no/where/b"], ["--out: there is no directory 'no/where'"]),
         (["map", "small.toml", "--out", "."], ["--out", "'.'"]),
         (["map", "small.toml", "--out", "/"], ["--out", "'/'"]),
@@ -246,8 +258,11 @@ def test_help_is_on_stdout(capsys: pytest.CaptureFixture[str]) -> None:
                 "tumbling-debris",
             ],
         ),
-        (["map", "smal.toml"], ["smal.toml: cannot be read: No such file or directory"]),
-        (["map", "./here"], ["./here: cannot be read: No such file or directory"]),
+        (
+            ["map", "smal.toml"],
+            ["smal.toml: there is no such file or folder; did you mean 'small.toml'?"],
+        ),
+        (["map", "./here"], ["./here: there is no such file or folder"]),
         (["map", "."], [".: cannot be read: Is a directory"]),
     ],
 )
@@ -581,3 +596,137 @@ def test_pictures_of_what_is_not_measured_are_refused(
     said = fails(["map", "deep.toml", "--what", "cost"], capsys)
     assert "what = 'cost': a picture of more than two axes shows the share" in said
     assert made(folder) == {"deep.toml"}
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["map", "smal.npz"],
+        ["map", "smal.toml"],
+        ["section", "smal.toml"],
+        ["report", "smal.toml"],
+        ["explore", "smal.npz"],
+        ["diff", "smal.npz", "small.toml"],
+        ["diff", "small.toml", "smal.npz"],
+        ["verify", "smal.npz"],
+        ["status", "smal.rigid"],
+        ["resume", "smal.rigid"],
+        ["pack", "smal.rigid", "small.npz"],
+        ["merge", "smal.rigid", "--into", "all.rigid"],
+    ],
+)
+def test_a_missing_file_is_told_alike_by_all_commands(
+    arguments: list[str], folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    said = fails(arguments, capsys)
+    missing = next(name for name in arguments if name.startswith("smal."))
+    assert said.startswith(f"rigid: {missing}: there is no such file or folder")
+    assert made(folder) == set()
+
+
+def test_a_map_that_is_not_computed_yet_is_computed_first(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    said = fails(["explore", "thrown-box"], capsys)
+    assert said.endswith("thrown-box: is no saved map; compute the map first: rigid map thrown-box")
+
+
+@pytest.mark.parametrize(
+    ("line", "instead", "told"),
+    [
+        ("[run]", "[runs]", "unknown key 'runs'; did you mean 'run'?"),
+        ('criterion = "no_flip"', 'both = "no_flip"', "[stable] unknown key 'both' (known: crit"),
+        ('kind = "free-body"', 'kin = "free-body"', "[scene] unknown key 'kin'; did you mean 'kin"),
+        ('{ kind = "normal" }', '{ kin = "normal" }', "[start.noise] unknown key 'kin'; did you"),
+    ],
+)
+def test_an_unknown_key_is_told_before_a_missing_one(
+    line: str, instead: str, told: str, folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (folder / "small.toml").write_text(SPEC.replace(line, instead, 1))
+    assert told in fails(["map", "small.toml"], capsys)
+
+
+def test_a_hint_precedes_a_long_list(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    said = fails(["map", "small.toml", "--set", "y.name=nosie"], capsys)
+    assert "[y] name = 'nosie': did you mean 'noise'? must be one of 'I1', 'I2', " in said
+
+
+def test_the_unit_of_an_axis_is_told(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    said = fails(["map", "small.toml", "--set", 'y.from="1 rpm"'], capsys)
+    assert "[y] from = '1 rpm': must be a real number in rad/s, written without the unit" in said
+    assert "1 * rigid.units.rpm is 0.104719755" in said
+
+
+def test_a_map_is_checked_without_a_computation(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The plan is the map's, the bodies are those of three possible pixels in four."""
+    assert main(["map", "small.toml", "--check"]) == 0
+    shown = dict(line.split(maxsplit=1) for line in capsys.readouterr().out.splitlines())
+    assert made(folder) == set()
+    assert shown["map"] == "A small map"
+    assert shown["bodies"] == "90 in 9 pixels"
+    assert shown["would"] == "write small.npz, small.png"
+    assert main(["map", "small.toml", "--check", "--json"]) == 0
+    facts = json.loads(capsys.readouterr().out)
+    assert main(["map", "small.toml", "--no-progress"]) == 0
+    result = rigid.load_map("small.npz")
+    assert facts["bodies"] == result.samples.sum()
+    assert facts["plan"] == result.plan.to_dict()
+    assert f"plan        {result.plan.method_words()}" in capsys.readouterr().out
+    assert shown["plan"].startswith(result.plan.method_words())
+    assert "--out = 'small.npz': exists; take" in fails(["map", "small.toml", "--check"], capsys)
+
+
+def test_a_check_tells_what_a_map_costs_at_most(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    method = ["--set", "run.method=rk4"]
+    assert main(["map", "small.toml", "--check", "--threads", "1", *method]) == 0
+    cost = re.search(r"cost +about (\S+) s on 1 free thread; cross-c", capsys.readouterr().out)
+    assert cost is not None
+    assert float(cost[1]) > 0.0
+    assert main(["map", "small.toml", "--check", "--half-width", "0.1", "--threads", "2"]) == 0
+    shown = capsys.readouterr().out
+    assert "bodies      at most 1,152 in 9 pixels" in shown
+    assert re.search(r"cost +at most \S+ s on 2 free threads", shown)
+
+
+def test_a_check_refuses_what_the_map_refuses(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    said = fails(["map", "small.toml", "--check", "--set", "run.t_end=-1"], capsys)
+    assert "[run] t_end = -1.0: must be positive" in said
+
+
+def test_samples_and_half_width_exclude_each_other(capsys: pytest.CaptureFixture[str]) -> None:
+    said = fails(["map", "small.toml", "--samples", "5", "--half-width", "0.1"], capsys)
+    assert said == "rigid: --samples, --half-width: give one of the two"
+
+
+@pytest.mark.parametrize("content", ["x=", SPEC.replace("[run]", "[runs]")])
+def test_an_invalid_file_is_not_shown(
+    content: str, folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (folder / "small.toml").write_text(content)
+    assert fails(["map", "--show", "small.toml"], capsys).startswith("rigid: small.toml: ")
+
+
+@pytest.mark.filterwarnings("default")
+def test_a_warning_is_a_line_of_the_command(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    box = SPEC.replace("moments = [1.0, 1.5, 2.0]", "box = [250, 80, 10]\nmass = 0.3")
+    (folder / "small.toml").write_text(box.replace('"I1"', '"b"'))
+    assert main(["map", "small.toml", "--check"]) == 0
+    assert capsys.readouterr().err.startswith("rigid: warning: sides = (250, 80, 10), mass = 0.3: ")
+
+
+def test_help_lists_every_exit_code(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        main(["--help"])
+    table = capsys.readouterr().out.partition("exit codes:\n")[2]
+    codes = re.findall(r"^  (\d+(?:, \d+)*)  ", table, re.MULTILINE)
+    assert codes == list(EXIT_CODES)
+    assert [int(code) for code in codes[:-1]] == [DONE, SAYS_NO, REFUSED, WRITE_ERROR, UNFINISHED]

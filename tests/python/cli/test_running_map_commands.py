@@ -221,7 +221,7 @@ def test_a_budget_that_is_spent_is_no_interruption(capsys: pytest.CaptureFixture
         ("", ["--dask", "tcp://x"], "--dask: needs --store"),
         ("", ["--store", "x", "--part", "3/2"], "part = '3/2': must be k/n with 1 <= k <= n"),
         ("", ["--half-width", "0.7"], "half_width = 0.7: must lie in [0.002, 0.25]"),
-        ("half_width = 0.1", [], "small.toml: [run] samples and half_width exclude each other"),
+        ("half_width = 0.1", [], "small.toml: [run] samples, half_width: give one of the two"),
         ("seed", ["--store", "x", "--part", "1/2"], "--part: the file must tell the seed, or"),
     ],
 )
@@ -239,9 +239,11 @@ def test_another_map_in_the_folder_is_refused(capsys: pytest.CaptureFixture[str]
     capsys.readouterr()
     assert main(["map", "small.toml", "--store", "run.rigid", "--seed", "6", "--force", QUIET]) == 2
     told = capsys.readouterr().err
-    assert told.endswith("run.rigid holds another map (it and the one asked for): seed: 5 and 6\n")
+    assert told.endswith(
+        "run.rigid holds another map (there and asked for): seed: 5 and 6; take another folder\n"
+    )
     assert main(["resume", "elsewhere", QUIET]) == 2
-    assert "elsewhere is no running map" in capsys.readouterr().err
+    assert "elsewhere: there is no such file or folder" in capsys.readouterr().err
 
 
 def test_a_full_disk_is_resumed(

@@ -94,7 +94,11 @@ def test_built_in_sections_are_listed(capsys: pytest.CaptureFixture[str]) -> Non
         ("bodies = 5", "bodies = 0", "[start] bodies = 0: must be at least 1"),
         ("points = 6", "point = 6", "[run] unknown key 'point'"),
         ('x = "gamma2"', 'x = "height"', "[plot] x = 'height'"),
-        ('"heavy-top"', '"free-body"', "are those of a heavy-top"),
+        (
+            '"heavy-top"',
+            '"free-body"',
+            "kind = 'free-body': must be 'heavy-top', whose starts have one energy",
+        ),
         ("t_end = 500.0", "t_end = 0.0", "[run] t_end = 0.0: must be positive"),
     ],
 )

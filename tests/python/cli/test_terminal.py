@@ -9,11 +9,13 @@ import pytest
 from test_command_line import SPEC
 
 import rigid
+from processes import PATIENCE
 from rigid.cli import main
 from rigid.cli.output import progress_shown
 from rigid.cli.toml_map import builtin_names
 from rigid.cli.toml_report import report_names
 from rigid.cli.toml_section import section_names
+from terminals import in_terminal, read
 
 
 @pytest.fixture(autouse=True)
@@ -85,7 +87,10 @@ def test_a_new_file_replaces_none_unless_told(
 ) -> None:
     before = (folder / "small.toml").read_text()
     message = refused(["new", "map", "small.toml"], capsys)
-    assert "file = 'small.toml': exists; take another name, or replace it with --force" in message
+    assert (
+        "file = 'small.toml': exists; take another name, or replace the file with --force"
+        in message
+    )
     assert (folder / "small.toml").read_text() == before
     assert main(["new", "map", "small.toml", "--force"]) == 0
     assert (folder / "small.toml").read_text() != before
@@ -102,7 +107,7 @@ def test_results_replace_no_file_unless_told(
 ) -> None:
     (folder / f"small{suffix}").write_bytes(b"mine")
     message = refused(["map", "small.toml", "--samples", "1"], capsys)
-    assert f"--out: 'small{suffix}' exists; take another name, or replace it with" in message
+    assert f"--out = 'small{suffix}': exists; take another name, or replace the file" in message
     assert (folder / f"small{suffix}").read_bytes() == b"mine"
     assert main(["map", "small.toml", "--samples", "1", "--force"]) == 0
     assert (folder / f"small{suffix}").read_bytes() != b"mine"
@@ -197,3 +202,16 @@ def test_without_a_terminal_a_line_tells_the_progress_every_ten_seconds(
         "rigid: 83% done after 30 s, about 6 s to go",
     ]
     assert progress_shown(False) is False
+
+
+def test_a_long_message_is_wrapped_in_a_terminal() -> None:
+    code = "import sys; from rigid.cli import main; sys.exit(main(['mapp']))"
+    with in_terminal("-c", code, columns=60) as (process, reader):
+        shown = read(reader).decode()
+        assert process.wait(PATIENCE) == 2
+    lines = shown.replace("\r", "").splitlines()
+    assert lines[0] == "rigid: COMMAND = 'mapp': unknown; did you mean 'map'?"
+    assert all(line.startswith("  ") for line in lines[1:])
+    assert len(lines) >= 2
+    assert max(map(len, lines)) <= 60
+    assert "validation" in shown

@@ -65,7 +65,7 @@ LINES = {
     "growth": r"<Growth: one body at 20 times; 1 \w+>",
     "report": r"<Report: heavy top, .*; \d+ runs by 1 methods>",
     "long": r"<LongRun: heavy top, .*; 3 revolutions by 1 methods>",
-    "extremes": r"<Extremes: \d+ cells: \d+ right.*>",
+    "extremes": r"<Extremes: no undetected error in \d+ runs: \d+ right.*>",
     "validation": r"<Validation: 1 numbers: 0 agree, 1 of models that differ, 0 unexplained>",
 }
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable
 from typing import Any
 
@@ -213,3 +214,65 @@ def test_periods_of_an_asteroid_in_hours_and_a_damping_time_in_years() -> None:
     sink = rigid.free.sink_of_damping(moments, Q(1.0, "rpm"), Q(2.0, "hour"))
     same_sink = rigid.free.sink_of_damping(moments, units.rpm, 7200.0)
     assert np.allclose(sink.coefficient, same_sink.coefficient, rtol=1e-13)
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (
+            lambda: rigid.Start(spin=1.0, tilt="35 deg"),  # type: ignore[arg-type]
+            "tilt = '35 deg': must be a real number in rad, written without the unit; "
+            "35 * rigid.units.degree is 0.610865238198",
+        ),
+        (
+            lambda: rigid.Start(spin="5 rpm"),  # type: ignore[arg-type]
+            "spin = '5 rpm': must be a real number in rad/s, written without the unit; "
+            "5 * rigid.units.rpm is 0.523598775598",
+        ),
+        (
+            lambda: rigid.Start(omega=("5 rpm", 0, 0)),  # type: ignore[arg-type]
+            "omega = ('5 rpm', 0, 0): must be real numbers in rad/s, written without the unit; "
+            "5 * rigid.units.rpm is",
+        ),
+        (
+            lambda: rigid.Body.box("25 cm", 1.0, 1.0),
+            "a = '25 cm': must be a real number in m, written without the unit",
+        ),
+        (
+            lambda: rigid.Body.box(1.0, 1.0, 1.0, mass="3"),
+            "mass = '3': must be a real number in kg, not a text; leave out the quotation marks",
+        ),
+        (
+            lambda: rigid.Body.box(1.0, 1.0, 1.0, mass="heavy"),
+            "mass = 'heavy': must be a real number in kg, not a text",
+        ),
+        (
+            lambda: rigid.Body.box(1.0, 1.0, 1.0, mass="1.2.3"),
+            "mass = '1.2.3': must be a real number in kg, not a text",
+        ),
+    ],
+)
+def test_a_text_with_a_unit_is_refused_with_the_number(
+    make: Callable[[], object], message: str
+) -> None:
+    with pytest.raises(TypeError) as caught:
+        make()
+    assert str(caught.value).startswith(message)
+
+
+def test_the_number_that_is_told_is_taken() -> None:
+    """35 degrees and 5 revolutions a minute, as the two messages above write them."""
+    start = rigid.Start(spin=5 * rigid.units.rpm, tilt=35 * rigid.units.degree)
+    assert start.spin == pytest.approx(0.523598775598, rel=1e-12)
+    assert start.tilt == pytest.approx(0.610865238198, rel=1e-12)
+
+
+def test_a_large_box_of_nothing_has_other_units() -> None:
+    """0.3 kg in 250 m x 80 m x 10 m have 1.5e-6 kg/m³; an asteroid and a unit mass are no fault."""
+    with pytest.warns(UserWarning, match=r"a box of 1.5e-06 kg/m³ is lighter than any solid; leng"):
+        rigid.Body.box(250.0, 80.0, 10.0, mass=0.3)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        rigid.Body.box(0.25, 0.08, 0.01, mass=0.3)
+        rigid.Body.box(505.0, 492.0, 457.0, mass=7.3e10)  # about Bennu
+        rigid.Body.box(250.0, 80.0, 10.0)

@@ -178,7 +178,7 @@ def test_directions_are_said_in_toml() -> None:
     (start,) = parse_spec(TOML, "top.toml").start.starts
     assert start.noise == rigid.von_mises_fisher(4.0)
     assert start.attitude_noise == rigid.von_mises_fisher(0.0)
-    with pytest.raises(SpecError, match="kappa is that of the axis; leave it out here"):
+    with pytest.raises(SpecError, match="kappa: an axis of the map sets kappa; omit the key here"):
         parse_spec(TOML.replace('fisher" }', 'fisher", kappa = 1.0 }', 1), "top.toml")
     with pytest.raises(SpecError, match="needs the key 'kappa'"):
         parse_spec(TOML.replace(", kappa = 4.0", ""), "top.toml")

@@ -172,7 +172,7 @@ def test_matrices_that_are_no_covariance(cov: Any, message: str) -> None:
     [
         (
             lambda: rigid.Noise("uniform", cov=((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))),
-            "cov: is that of normal noise",
+            "cov: belongs to normal noise",
         ),
         (lambda: rigid.normal(1.0, cov=np.eye(3)), "not both"),
         (

@@ -216,7 +216,7 @@ def test_files_have_the_digest_of_the_function(tmp_path: Path) -> None:
     assert bare.spec.misses_functions
     with pytest.raises(ValueError, match=r"stable: a file has no functions; give 'stays_low'"):
         bare.replay(0, 0)
-    with pytest.raises(ValueError, match=r"stable = keeps_its_sign: its source is not that"):
+    with pytest.raises(ValueError, match=r"stable = keeps_its_sign: its source differs from"):
         rigid.load_map(path, stable=keeps_its_sign)
     whole = rigid.load_map(path, stable=stays_low)
     assert whole.replay(1, 3).outcome == result.replay(1, 3).outcome
@@ -248,6 +248,29 @@ def test_bodies_that_fail_are_not_judged() -> None:
     assert (result.drifted + result.not_finite == result.failed).all()
     stopped = rigid.stability_map(TOP, stable=stable, max_steps=3, check=0.0, **TOPS)
     assert (stopped.step_limit == 50).all()
+
+
+@pytest.mark.parametrize("of", ["attitude", "axis"])
+def test_a_free_body_has_a_vertical(of: Any) -> None:
+    """The body turns about its vertical axis 3, or about axis 1 at right angles to the vertical."""
+
+    def stays_upright(states: rigid.States) -> Verdicts:
+        assert states.gamma is not None
+        np.testing.assert_allclose(np.linalg.norm(states.gamma, axis=-1), 1.0, atol=1e-12)
+        upright: Verdicts = (states.gamma[..., 2] > 0.99).all(axis=1)
+        return upright
+
+    for axis, share in ((3, 1.0), (1, 0.0)):
+        result = rigid.stability_map(
+            rigid.FreeBody(rigid.Body((1.0, 1.5, 2.0))),
+            axes={"spin": [1.0, 2.0]},
+            start=rigid.Start(spin=1.0, axis=axis, attitude=(1.0, 0.0, 0.0, 0.0)),
+            stable=rigid.judged(stays_upright, [0.0, 1.0, 2.0], of=of),
+            samples=2,
+            rng=1,
+            progress=False,
+        )
+        assert (result.share == share).all()
 
 
 def test_under_torque_and_damping() -> None:
@@ -296,7 +319,7 @@ def test_plans_and_closed_forms() -> None:
         (
             lambda: small_map(stable=rigid.judged(stays_low, T), t_end=10.0),
             ValueError,
-            r"t_end = 10: the last time of judged\(\) is the horizon, t = 20",
+            r"t_end = 10: must be 20, the last time of judged\(\), or left out",
         ),
         (
             lambda: rigid.stability_map(

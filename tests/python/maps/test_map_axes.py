@@ -294,7 +294,7 @@ samples = 3
     spec = parse_spec(text, "top.toml")
     assert [axis.name for axis in spec.axes] == ["spin", "limit", "t_end", "mgl"]
     assert (spec.shape, spec.t_end) == ((2, 2, 2, 2), 10.0)
-    with pytest.raises(SpecError, match=r"\[axis4\] name = 'spin': is already that of \[x\]"):
+    with pytest.raises(SpecError, match=r"\[axis4\] name = 'spin': the axis \[x\] has this name"):
         parse_spec(text.replace('name = "mgl"', 'name = "spin"'), "top.toml")
     with pytest.raises(SpecError, match="unknown key 'zz'; did you mean 'z'"):
         parse_spec(text.replace("[z]", "[zz]"), "top.toml")

@@ -49,6 +49,17 @@ def test_in_a_terminal_a_bar_shows_bodies_rate_time_and_failures() -> None:
     assert "failed=400" in shown
 
 
+def test_in_a_narrow_terminal_the_bar_keeps_ten_cells() -> None:
+    with in_terminal("-c", IMPORTS + SHORT + "progress=None)", columns=50) as (process, reader):
+        shown = read(reader).decode()
+        assert process.wait(PATIENCE) == 0
+    last = shown.rstrip().rpartition("\r")[2]
+    assert last.startswith("100%|")
+    assert len(last) <= 50
+    assert last.count("\u2588") >= 10
+    assert last.endswith("00:00 left, failed=400")
+
+
 def test_false_is_silent_in_a_terminal_too() -> None:
     with in_terminal("-c", IMPORTS + SHORT + "progress=False)") as (process, reader):
         assert read(reader) == b""

@@ -193,7 +193,7 @@ def test_a_mixture_is_said_in_toml() -> None:
                 axes={"spin": [1.0]},
             ),
             ValueError,
-            "stable: the starts of the mixture turn about other axes; say which",
+            "stable: the starts of the mixture turn about different axes; give axis=...",
         ),
         (lambda: of(3), TypeError, "start = 3: must be a rigid.Start, or a mixture"),
     ],

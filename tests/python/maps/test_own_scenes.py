@@ -110,7 +110,7 @@ def test_files_need_the_function_again(tmp_path: Path) -> None:
     whole = rigid.load_map(path, scene=pendulum)
     assert whole.replay((1, 2), 3).outcome == result.replay((1, 2), 3).outcome
     assert_same_map(rigid.stability_map(whole.spec, progress=False), result)
-    with pytest.raises(ValueError, match="scene = damped: its source is not that of 'pendulum'"):
+    with pytest.raises(ValueError, match="scene = damped: its source differs from 'pendulum'"):
         rigid.load_map(path, scene=damped)
     plain = small_map(samples=1).save(tmp_path / "plain.npz")
     with pytest.raises(ValueError, match="scene: no function makes the scenes of this map"):
@@ -126,7 +126,7 @@ def test_functions_without_a_file_are_told_apart_too() -> None:
         for name in ("one", "one", "two")
     ]
     assert specs[0] == specs[1] != specs[2]
-    with pytest.raises(ValueError, match="its source is not that of 'one'"):
+    with pytest.raises(ValueError, match="its source differs from 'one'"):
         specs[0].with_functions(scene=names["two"])
 
 
@@ -149,7 +149,7 @@ def test_functions_without_a_file_are_told_apart_too() -> None:
                 torque=rigid.Torque.body([(0, 0, 1), (0, 0, 2)], times=[0, 1]),
             ),
             ValueError,
-            "torque: maps accept constant torques only, not a table",
+            "torque: maps take a constant torque or a function, not a table",
         ),
     ],
 )

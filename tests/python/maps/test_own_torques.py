@@ -220,7 +220,7 @@ def test_a_saved_map_asks_for_its_scene_in_words(tmp_path: Path) -> None:
         read.replay((1,), 0)
     again = rigid.load_map(path, scene=one_scene())
     assert np.array_equal(again.replay((1,), 0).run.omega, result.replay((1,), 0).run.omega)
-    with pytest.raises(ValueError, match="is not that of the map"):
+    with pytest.raises(ValueError, match="differs from the scene of the map"):
         rigid.load_map(path, scene=one_scene(0.2))
 
 

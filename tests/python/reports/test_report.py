@@ -767,3 +767,14 @@ def test_mistakes_on_the_command_line_are_one_line(
     assert errors.startswith("rigid: ")
     assert part in errors
     assert errors.count("\n") == 1
+
+
+def test_the_columns_of_a_table_tell_their_units(box: rigid.Report) -> None:
+    report = timed(box, {"rk4": [100.0] * 3, "dop853": [300.0] * 3})
+    lines = str(report).splitlines()
+    costs = next(k for k, line in enumerate(lines) if line.startswith("* cheapest"))
+    assert lines[costs].split()[-2:] == ["ns/s", "at"]
+    assert lines[costs + 1].split() == ["order", "1e-03"]
+    front = next(k for k, line in enumerate(lines) if line.startswith("front"))
+    units = ["ns/s", "ns/s", "ns", "rad", "rad", "relative", "relative"]
+    assert lines[front + 1].split() == units

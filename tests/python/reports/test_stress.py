@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 
 import numpy as np
@@ -56,7 +57,12 @@ def test_every_scene_without_damping_has_a_method_that_is_right(found: rigid.Ext
 
 def test_the_table_counts_its_cells(found: rigid.Extremes) -> None:
     text = str(found)
-    assert text.splitlines()[-1].startswith(f"{len(found.cells)} cells: ")
+    last = text.splitlines()[-1]
+    assert last.startswith(f"no undetected error in {len(found.cells)} runs: ")
+    assert f"{found.counts()['right']} right" in last
+    wrong = dataclasses.replace(found.cells[0], verdict="undetected error")
+    assert str(rigid.Extremes((wrong, wrong))).endswith("2 undetected errors in 2 runs")
+    assert str(rigid.Extremes((wrong,))).endswith("1 undetected error in 1 run")
     assert sum(found.counts().values()) == len(found.cells)
     assert "omega = (1e-14, 1, 1e-14)" in text
 

@@ -27,11 +27,14 @@ REFUSED: dict[str, tuple[Call, str]] = {
         lambda: rigid.section("omega1", direction=2),
         "direction = 2: must be 1, -1 or 0",
     ),
-    "value of a height": (lambda: rigid.section(value=0.1), "value = 0.1: 'height' takes none"),
+    "value of a height": (
+        lambda: rigid.section(value=0.1),
+        "value = 0.1: omit the value of 'height'",
+    ),
     "out of reach": (lambda: rigid.section("gamma2", 1.5), "value = 1.5: never crossed"),
     "plane out of reach": (
         lambda: rigid.section(gamma=(0.3, 0.4, 0.0), value=0.6),
-        "value = 0.6: never crossed: the vertical has components up to 0.5",
+        "value = 0.6: never crossed; along this direction the vertical has components from -0.5",
     ),
     "not finite": (lambda: rigid.section("omega1", np.inf), "value = inf: must be finite"),
     "no weight": (

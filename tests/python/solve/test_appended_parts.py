@@ -75,7 +75,6 @@ PARTS: dict[str, tuple[rigid.FreeBody | rigid.HeavyTop, dict[str, Any]]] = {
 }
 
 
-@pytest.mark.filterwarnings("ignore:.*Zarr")
 @pytest.mark.parametrize("case", PARTS)
 def test_appended_parts_keep_the_numbers_of_their_bodies(case: str, tmp_path: Path) -> None:
     """Also where nothing acts on any body of a part, and where the last part is one body."""

@@ -219,7 +219,7 @@ def test_what_a_function_does_not_go_with_is_refused() -> None:
     for words, refused in (
         ("step: is needed", lambda: rigid.simulate(scene, OMEGA, t=[1.0])),
         (
-            "'taylor16': does not integrate function",
+            "'taylor16': does not integrate the torque of a function",
             lambda: rigid.simulate(scene, OMEGA, method="taylor16", **one),
         ),
         ("its address is not known", lambda: run.at([0.5])),
@@ -229,7 +229,7 @@ def test_what_a_function_does_not_go_with_is_refused() -> None:
         ("data: expected shape", lambda: rigid.Torque.call(damping, 1.0)),
         ("data", lambda: rigid.Torque.call(damping, [np.nan])),
         (
-            "torque: that of a function",
+            "torque: the torque of a function is not known",
             lambda: rigid.free.power_balance(run),
         ),
         (

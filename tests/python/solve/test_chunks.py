@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -63,3 +65,30 @@ def test_refused() -> None:
         rigid.simulate_chunks(FREE, [[0.0, np.nan, 0.0]], t=TIMES)
     with pytest.raises(ValueError, match=r"^t\[0\] = 2.0 > t\[1\] = 1.0: times must be ascending$"):
         next(rigid.simulate_chunks(FREE, OMEGA, t=[2.0, 1.0]))
+
+
+def test_parts_fill_one_memory_map(tmp_path: Path) -> None:
+    """Arrays for all bodies, also on the disk, get the states of each part in its rows."""
+    whole = rigid.simulate(FREE, OMEGA, ATTITUDE, t=TIMES)
+    rates = np.memmap(tmp_path / "omega", dtype="f8", mode="w+", shape=whole.omega.shape)
+    parts = list(
+        rigid.simulate_chunks(FREE, OMEGA, ATTITUDE, t=TIMES, chunk=32, out={"omega": rates})
+    )
+    assert all(np.shares_memory(part.omega, rates) for part in parts)
+    assert rates.tobytes() == whole.omega.tobytes()
+
+
+@pytest.mark.parametrize(
+    ("out", "kind", "message"),
+    [
+        (3, TypeError, "out = 3: must be a dict of arrays by their names"),
+        (
+            {"omega": np.zeros((32, 3, 3))},
+            ValueError,
+            "out['omega']: expected a row for each of 70 bodies, got shape (32, 3, 3)",
+        ),
+    ],
+)
+def test_arrays_that_parts_cannot_fill(out: Any, kind: type[Exception], message: str) -> None:
+    with pytest.raises(kind, match=re.escape(message)):
+        rigid.simulate_chunks(FREE, OMEGA, t=TIMES, chunk=32, out=out)

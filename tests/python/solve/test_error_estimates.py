@@ -79,6 +79,13 @@ def test_the_steps_of_tops_are_made_for_1e_8_and_all_tops_are_checked() -> None:
 def test_a_run_shows_itself_in_a_line() -> None:
     one = rigid.simulate(TOP, [0.2, 0.1, 3.0], t=[1.0, 2.0])
     assert repr(one) == f"Run(one body at 2 times; {one.plan.method}; error {one.error:.1e}; ok)"
+    # An error that may surprise beside the word: without an accuracy `ok` means below 1e-3.
+    rough = rigid.simulate(TOP, [0.2, 0.1, 3.0], t=[1.0, 2.0], method="rk4", step=0.05)
+    assert 1e-6 < rough.error < 1e-3
+    ok = f"error {rough.error:.1e}; ok (error below 0.001))"
+    assert repr(rough) == f"Run(one body at 2 times; rk4; {ok}"
+    asked = rigid.simulate(TOP, [0.2, 0.1, 3.0], t=[1.0, 2.0], method="rk4", accuracy=1e-3)
+    assert repr(asked) == f"Run(one body at 2 times; rk4; error {asked.error:.1e}; ok)"
     omega = np.array([[0.2, 0.1, 30.0], [0.1, 0.3, 0.2]])
     some = rigid.simulate(TOP, omega, t=[1.0], method="rk4", max_steps=200, check=False)
     words = "error unknown; 1 step_limit, 1 unchecked)"

@@ -136,6 +136,8 @@ def test_a_motion_with_damping_that_is_not_free_is_not_explained() -> None:
     assert explained.success
     assert is_right(explained, np.array([*TRUTH, 0.02, 0.02, 0.02]))
     assert not str(explained).startswith("FAILED")
+    with pytest.warns(rigid.FitWarning, match="; the start is fixed: add 'omega' to free"):
+        fitted(omega=measured, free=("I2/I1", "I3/I1"))
 
 
 def test_noise_above_sigma_is_told_and_the_minimum_found_all_the_same() -> None:

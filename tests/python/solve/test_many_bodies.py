@@ -375,7 +375,7 @@ REFUSED: list[tuple[Callable[[], Any], type[Exception], str]] = [
     (lambda: rigid.Body(MOMENTS, mass=[1.0, 2.0]), ValueError, "moments (37,), mass (2,): "),
     (lambda: rigid.Body((1, 1, 1), mass=[1.0]), ValueError, "mass: expected shape () or (), got"),
     (lambda: rigid.Body(MOMENTS, mass=-1.0), ValueError, "mass = -1.0: must be positive"),
-    (lambda: rigid.Body(MOMENTS[:1], sides=(1, 1, 1)), ValueError, "sides: are those of one body"),
+    (lambda: rigid.Body(MOMENTS[:1], sides=(1, 1, 1)), ValueError, "sides: belong to one body"),
     (lambda: rigid.HeavyTop(ONE, mgl=[1.0, -2.0]), ValueError, "mgl[1] = -2.0: must not be neg"),
     (
         lambda: rigid.HeavyTop(ONE, mgl=1.0, com=[[0, 0, 1], [0, 0, 2]]),

@@ -537,7 +537,7 @@ def test_an_exact_map_is_refused_for_the_pixel_without_a_closed_form() -> None:
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"method": "rk5"}, f"method = 'rk5': must be one of {LISTED}"),
+        ({"method": "rk5"}, f"method = 'rk5': did you mean 'rk4'? must be one of {LISTED}"),
         ({"method": "auto"}, f"method = 'auto': must be one of {LISTED}"),
         ({"step": 0.0}, "step = 0.0: must be positive"),
         ({"t_end": -1.0}, "t_end = -1.0: must be positive"),

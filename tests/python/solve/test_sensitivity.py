@@ -353,8 +353,8 @@ def test_a_body_that_rests_for_long_takes_few_steps() -> None:
 @pytest.mark.parametrize(
     ("scene", "names", "rule"),
     [
-        ("top", ("I1", "mgL"), r"tangent = 'mgL': is no parameter; known are .*did you mean 'mgl'"),
-        ("free", "mgl", r"tangent = 'mgl': a free body has no weight; known are 'I1', "),
+        ("top", ("I1", "mgL"), r"tangent = 'mgL': is no parameter; did you mean 'mgl'\? \(known: "),
+        ("free", "mgl", r"tangent = 'mgl': a free body has no weight \(known: I1, "),
         ("top", ("com2", "com"), r"tangent = \('com2', 'com'\): 'com2' is named twice"),
         ("top", {"I1"}, r"tangent = {'I1'}: must be True, False or names of parameters"),
         ("top", b"I1", r"tangent = b'I1': must be True, False or names of parameters"),
@@ -368,7 +368,7 @@ def test_bad_names_are_refused(scene: str, names: Any, rule: str) -> None:
 
 
 def test_an_unknown_method_has_no_tangent_to_miss() -> None:
-    with pytest.raises(ValueError, match="method = 'taylor15': must be one of 'exact', 'rk4'"):
+    with pytest.raises(ValueError, match=r"method = 'taylor15': did you mean 'taylor16'\? must"):
         rigid.simulate(made("top"), OMEGA, t=[1.0], tangent=True, method="taylor15")
 
 

@@ -108,14 +108,14 @@ def test_a_title_is_no_part_of_the_key(tmp_path: Path) -> None:
 
 HEAD: dict[str, tuple[Callable[[dict[str, object]], object], str]] = {
     "no JSON": (lambda head: "x", "is no running map: Expecting value"),
-    "other JSON": (lambda head: "[]", "is no running map: its head is not that of one"),
+    "other JSON": (lambda head: "[]", "is no running map: its head.json has another format"),
     "other format": (
         lambda head: json.dumps({**head, "format_version": 4}),
         "has format version 4, this version of rigid reads 1 and 2 and 3",
     ),
     "format of another kind": (
         lambda head: json.dumps({**head, "format_version": 2}),
-        "format_version are not those of this version of rigid",
+        "format_version differ from this version of rigid",
     ),
     "no specification": (
         lambda head: json.dumps({**head, "spec": {}}),
@@ -123,7 +123,7 @@ HEAD: dict[str, tuple[Callable[[dict[str, object]], object], str]] = {
     ),
     "other columns": (
         lambda head: json.dumps({**head, "columns": [], "version": "9.9.9"}),
-        "columns are not those of this version of rigid; version 9.9.9 made it",
+        "columns differ from this version of rigid; version 9.9.9 made the map",
     ),
 }
 
@@ -140,7 +140,7 @@ def test_heads_that_are_none_are_refused(tmp_path: Path, change: str) -> None:
 
 
 def test_a_folder_that_is_no_running_map_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(ValueError, match=r"is no running map: it has no head\.json"):
+    with pytest.raises(ValueError, match=r"is no running map: there is no head\.json"):
         rigid.open_store(tmp_path)
     (tmp_path / "thesis.tex").write_text("mine")
     with pytest.raises(ValueError, match="is no running map, and is not empty"):
@@ -155,7 +155,7 @@ def test_a_head_that_is_replaced_meanwhile_is_noticed(tmp_path: Path) -> None:
     head = json.loads((path / "head.json").read_text())
     head["spec"]["seed"] = 5
     (path / "head.json").write_text(json.dumps(head))
-    with pytest.raises(ValueError, match=r"its head.json was replaced by that of another map"):
+    with pytest.raises(ValueError, match=r"head.json was replaced and belongs to another map"):
         store.status()
 
 

@@ -56,7 +56,7 @@ def test_a_folder_needs_the_function_again(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="stable: a file has no functions; give 'keeps_its_sign'"):
         bare.resume(progress=False)
     assert rigid.open_store(path, stable=keeps_its_sign).resume(progress=False).complete
-    with pytest.raises(ValueError, match="stable = bodies: its source is not that of"):
+    with pytest.raises(ValueError, match="stable = bodies: its source differs from"):
         rigid.open_store(path, stable=bodies)
 
     def keeps_its_sign_otherwise(states: rigid.States) -> Any:
@@ -115,7 +115,7 @@ def test_a_worker_with_another_source_is_refused(
     path.write_text(textwrap.dedent(source.format(limit=0.5)))
     with (
         ProcessPoolExecutor(1, mp_context=get_context("spawn")) as fresh,
-        pytest.raises(ValueError, match="a worker: stable = judge: its source is not that of"),
+        pytest.raises(ValueError, match="a worker: stable = judge: its source differs from"),
     ):
         small_map(**{**ASKED, "stable": stable}, executor=fresh)
     path.unlink()
