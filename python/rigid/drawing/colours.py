@@ -144,8 +144,8 @@ CLASSES = {
 SHARE_MAP = "cividis"
 """Colour map of shares of stable or regular bodies: its bright end, yellow, is stable."""
 
-NUMBER_MAP = "viridis"
-"""Colour map of other numbers."""
+NUMBER_MAP = "magma"
+"""Colour map of other numbers, with other hues: its bright end is large, not stable."""
 
 CHAOS_MAP = "cividis_r"
 """Colour map of exponents and of MEGNO: its bright end, yellow, is regular too."""
