@@ -3,8 +3,8 @@
 
 A top with the moments 2, 2 and 1 whose centre of mass leaves the axis of symmetry. On the axis, at
 the left edge, it is Lagrange's top; across it, at the right edge, Kovalevskaya's: there every
-motion is regular, whatever the spin. Between them there is chaos. Below: the exponents, bright
-where they are small; Lagrange's top has a closed form, and none is measured.
+motion is regular, whatever the spin. Between them there is chaos. Below: the exponents; Lagrange's
+top has a closed form, and none is measured.
 """
 
 import matplotlib.pyplot as plt

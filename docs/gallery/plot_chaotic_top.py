@@ -3,7 +3,7 @@
 
 An asymmetric top released with a spin about its third axis, which is tilted. Yellow motions are
 regular, dark ones are chaotic; hatched ones are undecided at this horizon. Below: the exponents,
-on the same grid, bright where they are small.
+on the same grid.
 """
 
 import matplotlib.pyplot as plt

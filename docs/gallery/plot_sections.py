@@ -2,11 +2,12 @@ r"""Curves and a sea
 ================
 
 Poincaré sections of four tops at the energy 1.5 J: every point at which the centre of mass of a
-motion is highest, forty motions each. Lagrange's, Kovalevskaya's and Goryachev's and Chaplygin's
+motion is highest, forty motions each. Colours only tell motions apart. In the last picture they
+are verdicts of :func:`rigid.lyapunov`: blue is chaotic, yellow regular. Lagrange's,
+Kovalevskaya's and Goryachev's and Chaplygin's
 top with :math:`\mathbf{L}\cdot\gamma = 0` are integrable, so the points of each motion lie on a
-curve; the colours only tell the motions apart. The last top is the third one with
-:math:`\mathbf{L}\cdot\gamma = 1.5` kg m²/s: most of its motions wander through one chaotic sea
-(blue), around islands of regular motions (yellow).
+curve. The last top is the third one with :math:`\mathbf{L}\cdot\gamma = 1.5` kg m²/s: most of its
+motions wander through one chaotic sea, around islands of regular motions.
 """
 
 import matplotlib.pyplot as plt
