@@ -50,11 +50,11 @@ __all__ = [
 
 HUES = {
     "black": "#000000",
-    "blue": "#005a9c",
-    "green": "#00714f",
-    "vermilion": "#b3430a",
-    "orange": "#8a6200",
-    "purple": "#a0357a",
+    "blue": "#0062a3",
+    "green": "#00825e",
+    "vermilion": "#c25200",
+    "orange": "#946800",
+    "purple": "#ae3f86",
     "sky": "#1b7bb5",
     "violet": "#6b4fbb",
 }
