@@ -6,7 +6,7 @@ motion is highest, forty motions each. Lagrange's, Kovalevskaya's and Goryachev'
 top with :math:`\mathbf{L}\cdot\gamma = 0` are integrable, so the points of each motion lie on a
 curve; the colours only tell the motions apart. The last top is the third one with
 :math:`\mathbf{L}\cdot\gamma = 1.5` kg m²/s: most of its motions wander through one chaotic sea
-(blue), around islands of regular motions (yellow).
+(blue), around islands of regular motions (yellow), by the verdicts of :func:`rigid.lyapunov`.
 
 How to: :doc:`compute a section </chaos>`.
 """

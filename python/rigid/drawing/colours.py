@@ -50,11 +50,11 @@ __all__ = [
 
 HUES = {
     "black": "#000000",
-    "blue": "#005a9c",
-    "green": "#00714f",
-    "vermilion": "#b3430a",
-    "orange": "#8a6200",
-    "purple": "#a0357a",
+    "blue": "#0062a3",
+    "green": "#00825e",
+    "vermilion": "#c25200",
+    "orange": "#946800",
+    "purple": "#ae3f86",
     "sky": "#1b7bb5",
     "violet": "#6b4fbb",
 }
@@ -144,8 +144,8 @@ CLASSES = {
 SHARE_MAP = "cividis"
 """Colour map of shares of stable or regular bodies: its bright end, yellow, is stable."""
 
-NUMBER_MAP = "viridis"
-"""Colour map of other numbers."""
+NUMBER_MAP = "magma"
+"""Colour map of other numbers, with other hues: its bright end is large, not stable."""
 
 CHAOS_MAP = "cividis_r"
 """Colour map of exponents and of MEGNO: its bright end, yellow, is regular too."""

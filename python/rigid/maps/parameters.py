@@ -561,7 +561,7 @@ PARAMETERS: Mapping[str, Parameter] = {
         lowest=0.0,
     ),
     "eccentricity": Parameter(
-        "$e$",
+        "eccentricity $e$",
         "1",
         "eccentricity of the orbit",
         _orbit(1),

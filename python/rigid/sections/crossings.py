@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import one_of
+from ..drawing.classes import name_classes
 from ..drawing.colours import CLASSES, HUES, on_ground
 from ..drawing.figure import html_with_picture, shown_figure
 from ..model.events import COMPONENTS
@@ -325,7 +326,7 @@ class Crossings:
             inks = [of_word[word] for word in words]
             rank = np.array([list(of_word).index(word) for word in words])
             order = np.argsort(rank[self.body], kind="stable")
-            _name_classes(ax, of_word)
+            name_classes(ax, of_word)
         of_point = np.array(inks)[self.body[order]]
         ax.scatter(across[order], up[order], s=size**2, c=of_point, linewidths=0.0)
         ax.set(xlabel=LABELS[x], ylabel=LABELS[y])
@@ -445,13 +446,3 @@ def _class_colours(ax: Axes, words: Sequence[str]) -> dict[str, str]:
     inks = [CLASSES[word] for word in known]
     inks += [spare[k % len(spare)] for k in range(len(others))]
     return {word: on_ground(ax, ink) for word, ink in zip([*known, *others], inks, strict=True)}
-
-
-def _name_classes(ax: Axes, of_word: Mapping[str, str]) -> None:
-    from matplotlib.lines import Line2D
-
-    dots = [
-        Line2D([], [], color=colour, marker="o", linestyle="", markersize=5.0, label=word)
-        for word, colour in of_word.items()
-    ]
-    ax.legend(handles=dots, loc="upper right", framealpha=0.9)

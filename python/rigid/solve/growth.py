@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._checks.arguments import one_of
-from ..drawing.colours import HUES, on_ground
+from ..drawing.classes import name_classes
+from ..drawing.colours import CLASSES, on_ground
 from ..drawing.figure import html_with_picture, shown_figure
 from ..model.criteria import Regular
 from ..model.scene import scene_from_dict
@@ -197,7 +198,7 @@ class Growth:
         return words
 
     def plot(self, what: str = "exponent", *, ax: Axes | None = None) -> Axes:
-        """Draw an indicator over the time, a line for each body.
+        """Draw an indicator over the time, a line for each body in the colour of its verdict.
 
         Parameters
         ----------
@@ -231,9 +232,13 @@ class Growth:
         if ax is None:
             ax = shown_figure().add_subplot()
         lines = np.reshape(values, (-1, len(self.t)))
-        # One body has a colour; of many each line is faint, so that a crowd shows its density.
-        alpha = 1.0 if len(lines) == 1 else max(0.1, len(lines) ** -0.5)
-        ax.plot(self.t, lines.T, color=on_ground(ax, HUES["blue"]), alpha=alpha, linewidth=1.0)
+        verdicts = np.ravel(self.verdict).tolist()
+        inks = {word: on_ground(ax, ink) for word, ink in CLASSES.items() if word in verdicts}
+        # Of many bodies each line is faint, so that a crowd shows its density.
+        alpha = max(0.1, max(len(lines) - 1, 1) ** -0.5)
+        for line, word in zip(lines, verdicts, strict=True):
+            ax.plot(self.t, line, color=inks[word], alpha=alpha, linewidth=1.0)
+        name_classes(ax, inks)
         if what in ("exponent", "sali"):
             ax.set(xscale="log", yscale="log")
         ax.set(xlabel="t (s)", ylabel=LABELS[what])

@@ -120,6 +120,15 @@ def test_growth_is_drawn_over_the_time(growth: rigid.Growth) -> None:
     assert ax.get_ylabel() == "FLI"
     assert len(ax.lines) == 3
     np.testing.assert_array_equal(ax.lines[1].get_ydata(), growth.fli[1])
+    legend = ax.get_legend()
+    assert legend is not None
+    of_word = {
+        text.get_text(): line.get_color()
+        for text, line in zip(legend.get_texts(), legend.get_lines(), strict=True)
+    }
+    assert set(of_word) == set(growth.verdict.tolist())
+    for line, verdict in zip(ax.lines, growth.verdict.tolist(), strict=True):
+        assert line.get_color() == of_word[verdict]
     assert growth.plot().get_xscale() == "log"
     alone = rigid.lyapunov(TOP, STARTS[0], ATTITUDE, t=[10.0, 20.0], check=False)
     assert len(alone.plot("megno").lines) == 1

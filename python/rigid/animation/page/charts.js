@@ -182,7 +182,7 @@ class Sphere extends Chart {
       }
     };
     polhode.separatrix.forEach(points => curve(points, "#777777", 1.2));
-    curve(polhode.points, "#005a9c", 2);
+    curve(polhode.points, "#0062a3", 2);
     pen.font = "11px system-ui, sans-serif";
     pen.textAlign = "center";
     pen.textBaseline = "middle";
@@ -207,7 +207,7 @@ class Sphere extends Chart {
 
   moving(pen, frame) {
     const [x, y, depth] = this.see(this.film.polhode.points[frame]);
-    pen.fillStyle = css("#a0357a", depth < 0 ? 0.45 : 1);
+    pen.fillStyle = css("#ae3f86", depth < 0 ? 0.45 : 1);
     pen.beginPath();
     pen.arc(x, y, 5, 0, 7);
     pen.fill();

@@ -49,7 +49,7 @@ const css = (colour, alpha = 1) =>
 
 // The table of pictures, rigid.drawing.colours, on dark ground.
 const ON_DARK = {
-  "#000000": "#ffffff", "#005a9c": "#4fa3e0", "#00714f": "#1fbf8f", "#b3430a": "#f0803c",
-  "#8a6200": "#e6a817", "#a0357a": "#de8cbb", "#1b7bb5": "#7cc8f5", "#6b4fbb": "#a794e8",
+  "#000000": "#ffffff", "#0062a3": "#4fa3e0", "#00825e": "#1fbf8f", "#c25200": "#f0803c",
+  "#946800": "#e6a817", "#ae3f86": "#de8cbb", "#1b7bb5": "#7cc8f5", "#6b4fbb": "#a794e8",
   "#555555": "#b0b0b0", "#949494": "#707070",
 };
