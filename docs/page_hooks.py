@@ -10,7 +10,7 @@ from numpydoc.docscrape import ClassDoc
 from sphinx.application import Sphinx
 from sphinx.ext.autosummary import autosummary_toc
 
-WIDE = 4
+WIDE = 3
 """Tables with so many columns become lists on a phone."""
 
 
