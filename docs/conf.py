@@ -71,6 +71,8 @@ sphinx_gallery_conf = {
     "download_all_examples": False,
     "show_signature": False,
     "write_computation_times": False,
+    "min_reported_time": 3600,
+    "capture_repr": (),
     "remove_config_comments": True,
     "image_srcset": ["2x"],
     "backreferences_dir": "api/backreferences",

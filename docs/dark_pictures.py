@@ -2,33 +2,39 @@
 
 from __future__ import annotations
 
+from functools import reduce
 from pathlib import Path
 
-import numpy as np
 from docutils import nodes
-from numpy.typing import NDArray
-from PIL import Image
+from PIL import Image, ImageChops
 from sphinx.application import Sphinx
 from sphinx_gallery.directives import imgsgnode
 
-GROUND = np.array([0x13, 0x14, 0x16], dtype=np.float32) / 255
-"""The colour of dark pages."""
+GROUND, INK = (0x13, 0x14, 0x16), 0xEB
+"""The colour of dark pages, and how bright black becomes."""
 
-MAP, STRONG = 0.2, 0.3
-"""A picture is a map if such a share of it has a difference of its components above STRONG."""
+MAP, STRONG = 0.2, 77
+"""A picture is a map if such a share of it has a difference of its components from STRONG on."""
 
 
-def darkened(rgb: NDArray[np.float32]) -> NDArray[np.float32]:
+def darkened(picture: Image.Image) -> Image.Image:
     """The picture on dark ground: light and dark change places, hues and strong colours stay.
 
     The colours of a map have a meaning, so that only greys change there.
     """
-    most, least = rgb.max(-1, keepdims=True), rgb.min(-1, keepdims=True)
-    chroma = most - least
-    stays = 0.1 if (chroma > STRONG).mean() > MAP else 0.4
-    changed = np.clip(2.0 - 2.0 * chroma / stays, 0.0, 1.0)
-    turned = GROUND + (0.92 - GROUND) * (rgb + 1.0 - most - least)
-    return changed * turned + (1.0 - changed) * rgb
+    bands = picture.split()
+    most, least = (reduce(pick, bands) for pick in (ImageChops.lighter, ImageChops.darker))
+    chroma = ImageChops.subtract(most, least)
+    counts = chroma.histogram()
+    stays = 26 if sum(counts[STRONG:]) > MAP * sum(counts) else 102
+    changes = chroma.point([min(255, max(0, 510 - 510 * c // stays)) for c in range(256)])
+    turned = [
+        ImageChops.add(ImageChops.invert(most), ImageChops.subtract(band, least)).point(
+            [ground + (INK - ground) * c // 255 for c in range(256)]
+        )
+        for band, ground in zip(bands, GROUND, strict=True)
+    ]
+    return Image.composite(Image.merge("RGB", turned), picture, changes)
 
 
 def twin(docs: Path, picture: Path) -> str:
@@ -39,8 +45,7 @@ def twin(docs: Path, picture: Path) -> str:
         folder.mkdir(parents=True, exist_ok=True)
         drawn = folder / "-".join(picture.relative_to(docs).parts)
         if not drawn.is_file() or drawn.stat().st_mtime < picture.stat().st_mtime:
-            rgb = np.asarray(Image.open(picture).convert("RGB"), dtype=np.float32) / 255
-            Image.fromarray((255 * darkened(rgb)).round().astype(np.uint8)).save(drawn)
+            darkened(Image.open(picture).convert("RGB")).save(drawn)
     return f"/{drawn.relative_to(docs).as_posix()}"
 
 

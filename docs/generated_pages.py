@@ -135,7 +135,14 @@ def module_page(name: str) -> str:
             (own if _home(value) in (full, None) else others).append(public)
     lines = [full, "=" * len(full), "", f".. automodule:: {full}", "   :no-members:", ""]
     lines += [f".. currentmodule:: {full}", ""]
-    lines += [".. autosummary::", "   :toctree: generated", "", *(f"   {item}" for item in own), ""]
+    lines += [
+        ".. autosummary::",
+        "   :toctree: generated",
+        "   :nosignatures:",
+        "",
+        *(f"   {item}" for item in own),
+        "",
+    ]
     if others:
         elsewhere = ", ".join(f":obj:`~{_home(getattr(module, item))}.{item}`" for item in others)
         lines += [f"From other modules: {elsewhere}.", ""]

@@ -10,7 +10,7 @@ from numpydoc.docscrape import ClassDoc
 from sphinx.application import Sphinx
 from sphinx.ext.autosummary import autosummary_toc
 
-WIDE = 4
+WIDE = 3
 """Tables with so many columns become lists on a phone."""
 
 
@@ -62,9 +62,28 @@ def list_on_one_page(app: Sphinx, doctree: nodes.document) -> None:
         table.parent.remove(table)
 
 
+def share_sidebar(
+    app: Sphinx, page: str, template: str, context: dict[str, Any], doctree: object
+) -> None:
+    """Write the sidebar once for the pages of a folder that are not in it: it is the same."""
+    if page not in app.env.metadata or "orphan" in app.env.metadata[page]:
+        written, folder = context["toctree"], page.rpartition("/")[0]
+
+        def toctree(**options: Any) -> str:
+            if folder not in _SIDEBARS:
+                _SIDEBARS[folder] = written(**options)
+            return _SIDEBARS[folder]
+
+        context["toctree"] = toctree
+
+
+_SIDEBARS: dict[str, str] = {}
+
+
 def setup(app: Sphinx) -> dict[str, bool]:
     """Before Sphinx collects the entries of tables of contents, and before numpydoc."""
     app.connect("doctree-read", name_cells)
     app.connect("doctree-read", list_on_one_page, priority=400)
+    app.connect("html-page-context", share_sidebar, priority=400)
     app.connect("autodoc-process-signature", tidy_signature, priority=400)
     return {"parallel_read_safe": True, "parallel_write_safe": True}
