@@ -484,8 +484,8 @@ def test_a_ball_of_polygons_is_lit_as_a_ball() -> None:
         meant = 0.52 + 0.12 * normal @ camera.up + 0.48 * np.maximum(normal @ camera.lamp, 0.0)
         inside = under > 0.1 * under.max()  # polygons end before the edge of the ball
         worst[name] = np.abs(light - meant)[inside].max()
-    # Faces are h = 12.9 degrees wide. Between corners linear light errs by slope h / 4 at most where
-    # the lamp sets (slope 0.48), and by 0.6 h² / 8 elsewhere. Faces lie by h² / 8 inside the ball,
+    # Faces are h = 12.9 degrees wide. Between corners linear light errs by slope h / 4 where the
+    # lamp sets (slope 0.48), and by 0.6 h² / 8 elsewhere. Faces lie by h² / 8 inside the ball,
     # which moves the place that is seen by up to three times as much near the edge.
     h = np.radians(12.9)
     assert worst["smooth"] < 0.48 * h / 4 + 0.6 * h**2 / 8 + 0.6 * 3 * h**2 / 8
