@@ -232,7 +232,7 @@ def test_the_story_of_a_throw_counts_its_flips() -> None:
             rigid.FreeBody(BOX.body, torque=rigid.Torque.body((0, 0, 1e-3)), damping=1e-4),
             (0.9, 0.1, 1.3),
             None,
-            "A box turns under torque and damping for 2 s.",
+            "A box turns for 2 s under these influences: torque, damping.",
         ),
     ],
 )
@@ -325,6 +325,14 @@ def test_a_surface_that_is_none_is_refused(shape: Any, message: str) -> None:
         run_of(BOX).animate(shape=shape)
     with pytest.raises(ValueError, match="view = 'poinsot': does not show the shape; omit one"):
         run_of(BOX).animate(view="poinsot", shape=shape)
+
+
+def test_what_is_no_pair_and_no_text_is_refused() -> None:
+    for shape in (5, [[0, 0, 1], [0, 1, 0], [1, 0, 0]]):
+        with pytest.raises(TypeError, match=r"shape = .*: must be a pair, \(vertices, faces\)"):
+            run_of(BOX).animate(shape=shape)
+    with pytest.raises(TypeError, match="caption = 5: must be a text"):
+        run_of(BOX).animate(caption=5)
 
 
 # The chart
