@@ -22,7 +22,7 @@ from processes import PATIENCE, python_process
 from rigid import top
 from rigid.animation import Animation
 from rigid.animation.film import Film, Part, film_of, side_by_side
-from rigid.animation.raster import Buffer, Camera, corner_normals, label_places
+from rigid.animation.raster import Buffer, Camera, _from_segment, corner_normals, label_places
 from rigid.animation.story import turned_over
 from rigid.animation.web import film_page
 from rigid.drawing.shapes import STEM, ellipsoid_faces
@@ -506,6 +506,28 @@ def test_boxes_keep_their_edges() -> None:
     for axis in range(3):
         for face in (2 * axis, 2 * axis + 1):
             np.testing.assert_allclose(np.abs(normals[face]), np.eye(3)[[axis] * 4], atol=1e-15)
+
+
+def test_the_shadow_in_a_picture_lies_where_light_from_above_brings_it() -> None:
+    leaning = [np.cos(0.3), np.sin(0.3), 0.0, 0.0]
+    film = film_of(run_of(TOP, (0.0, 0.0, 9.0), leaning))
+    assert film.grounded
+    camera = Camera(film, 200)
+    corners = part(film, "faces", carried=True).placed(film.attitude[0], 0)
+    lit, bare = Buffer(camera), Buffer(camera)
+    lit.ground(corners)
+    bare.ground(np.zeros((0, 4, 3)))
+    shadow = 1.0 - lit.colour[..., 0] / bare.colour[..., 0]
+    assert 0.3 < shadow.max() < 0.4001
+    row, column = (shadow @ np.ones(200)) @ np.arange(200), np.ones(200) @ shadow @ np.arange(200)
+    seen = np.array([column, row]) / shadow.sum() + 0.5
+    # The axis from 0.3 to 1.25 carries the widths; light falls by (0.25, -0.2) a unit of height.
+    x, y, z = Rotation.from_quat(film.attitude[0], scalar_first=True).apply([0.0, 0.0, 1.0])
+    ends = [
+        camera.project(height * np.array([x + 0.25 * z, y - 0.2 * z, 0.0]))[:2]
+        for height in (0.3, 1.25)
+    ]
+    assert _from_segment(seen, *ends) < 6.0  # of 200: half the width of the shadow is about 40
 
 
 def test_labels_of_a_picture_avoid_labels_and_arrows() -> None:
