@@ -195,7 +195,7 @@ def film_of(
     trail: float | None = None,
     shape: tuple[ArrayLike, ArrayLike] | None = None,
 ) -> Film:
-    """The frames of an animation of a run; with the arguments of :meth:`rigid.Run.animate`.
+    """The frames of an animation of a run, with the arguments of :meth:`rigid.Run.animate`.
 
     Examples
     --------

@@ -82,7 +82,7 @@ class Buffer:
         )
 
     def _light(self, faces: Floats, normals: Floats | None) -> Floats:
-        """The light at each corner, as in surface.frag, without gloss."""
+        """The light at each corner, as surface.frag computes it, without the gloss."""
         flat = _normals(faces)[:, np.newaxis]
         towards = self.camera.at - faces.mean(axis=1, keepdims=True)
         side = np.sign((flat * towards).sum(axis=-1, keepdims=True))
