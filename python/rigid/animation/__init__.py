@@ -120,8 +120,8 @@ def animate(
         The surface of the body, to be shown instead of a box or a top: corners of shape (v, 3), and
         for each polygon the indices of its corners, shape (f, 3), as :func:`rigid.meshes.read_mesh`
         returns them. The origin of the corners is the centre of mass, or the fixed point of a heavy
-        top. The axes of the corners are those of the run: the principal axes, or ``frame``, if the
-        run has one.
+        top. The corners have the axes of the run: the principal axes, or ``frame``, if the run has
+        one.
     caption : str, optional
         The sentence above the film. Default: what happens in the motion.
     fps : float
@@ -147,7 +147,7 @@ def animate(
     TypeError, ValueError
         Naming the argument, its value and the rule: an unknown suffix or view, a run without
         attitudes, of one time or not finite, a body at rest, cones of an asymmetric body or one
-        under torque, frames too long for a picture.
+        under torque, a shape that is no mesh, frames too long for a picture.
 
     Examples
     --------
@@ -197,6 +197,8 @@ def animate(
         story = story_of_two((left, right), run.t, omega, attitude)
         films = [replace(film, story=story) for film in films]
     if caption is not None:
+        if not isinstance(caption, str):
+            raise TypeError(f"caption = {brief(caption)}: must be a text")
         films = [replace(film, story=caption) for film in films]
     if suffix == ".html":
         page = film_page(films)

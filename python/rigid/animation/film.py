@@ -215,7 +215,7 @@ def film_of(
         raise ValueError(f"t of shape {run.t.shape}: an animation needs two times or more")
     scene = scene_of(run, body)
     view = _chosen(scene, view, shape is not None)
-    solid = None if shape is None else faces_of(*shape, frame=run.frame)
+    solid = None if shape is None else faces_of(shape, frame=run.frame)
     momentum = to_space(attitude, np.array(scene.body.moments) * omega)
     size = float(np.linalg.norm(momentum[0]))
     if view == "top":

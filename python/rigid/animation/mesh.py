@@ -12,15 +12,14 @@ __all__ = ["faces_of"]
 Floats = NDArray[np.float64]
 
 
-def faces_of(vertices: ArrayLike, faces: ArrayLike, *, frame: Floats | None) -> Floats:
+def faces_of(shape: tuple[ArrayLike, ArrayLike], *, frame: Floats | None) -> Floats:
     """The polygons of a mesh along the principal axes, with its farthest corner at distance one.
 
     Parameters
     ----------
-    vertices : array_like, shape (v, 3)
-        Corners in any unit of length, from the origin of the body.
-    faces : array_like of int, shape (f, 3) or (f, n)
-        Indices of the corners of each polygon, from 0.
+    shape : tuple (vertices, faces)
+        Corners of shape (v, 3) in any unit of length, from the origin of the body, and the indices
+        of the corners of each polygon, from 0, whole numbers of shape (f, n).
     frame : ndarray, shape (3, 3), or None
         The axes of the corners, as :attr:`rigid.Run.frame`; None if they are principal axes.
 
@@ -30,19 +29,24 @@ def faces_of(vertices: ArrayLike, faces: ArrayLike, *, frame: Floats | None) -> 
 
     Raises
     ------
+    TypeError
+        If it is no pair.
     ValueError
-        If the shapes are others, a face names a corner that is not there, or all used corners are
-        at the origin.
+        If the arrays have other shapes, a face names a corner that is not there, or all used
+        corners are at the origin.
 
     Examples
     --------
     >>> from rigid.animation.mesh import faces_of
     >>> corners = [[0, 0, 0], [4, 0, 0], [0, 2, 0], [0, 0, 2]]
-    >>> faces_of(corners, [[0, 2, 1]], frame=None)[0]
+    >>> faces_of((corners, [[0, 2, 1]]), frame=None)[0]
     array([[0. , 0. , 0. ],
            [0. , 0.5, 0. ],
            [1. , 0. , 0. ]])
     """
+    if not isinstance(shape, (tuple, list)) or len(shape) != 2:
+        raise TypeError(f"shape = {brief(shape)}: must be a pair, (vertices, faces)")
+    vertices, faces = shape
     points = shaped("shape[0]", vertices, 3)
     if points.ndim != 2:
         raise ValueError(f"shape[0]: the corners need the shape (v, 3), not {points.shape}")

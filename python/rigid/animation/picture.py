@@ -56,12 +56,7 @@ def moving_picture(
     content = BytesIO()
     options = {"save_all": True, "duration": (10 * hundredths).tolist(), "loop": 0}
     if suffix == ".gif":
-        from PIL import Image
-
-        images = [
-            image.quantize(256, Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE)
-            for image in images
-        ]
+        images = [_few_colours(image) for image in images]
         images[0].save(content, "GIF", append_images=images[1:], **options)
     else:
         images[0].save(content, "WEBP", append_images=images[1:], quality=85, method=2, **options)
@@ -119,6 +114,18 @@ def _images(
             passed = time.monotonic() - started
             report(Progress(done=done, total=len(frames), elapsed=passed, failures=0))
     return images
+
+
+def _few_colours(image: Image) -> Image:
+    """The picture with 256 colours: white, 63 for all hues, 192 for the shades of large faces."""
+    import PIL.Image
+
+    none = PIL.Image.Dither.NONE
+    hues = image.quantize(63, PIL.Image.Quantize.FASTOCTREE, dither=none).getpalette() or []
+    shades = image.quantize(192, PIL.Image.Quantize.MEDIANCUT, dither=none).getpalette() or []
+    palette = PIL.Image.new("P", (1, 1))
+    palette.putpalette(([255] * 3 + hues + shades)[: 3 * 256])
+    return image.quantize(palette=palette, dither=none)
 
 
 def _encoder() -> str:

@@ -129,6 +129,36 @@ class Buffer:
                 behind = self.colour[here][inside]
                 self.colour[here][inside] = behind + np.float32(opacity) * (lit - behind)
 
+    def ground(self, faces: Floats) -> None:
+        """A ground at the height 0 that fades outward, with the shadow of these polygons.
+
+        The shadow is the mean of the shadows of the points of a wide lamp, as in stage.js.
+        """
+        from PIL import Image, ImageDraw, ImageFilter
+
+        camera, points = self.camera, 16
+        small = camera.size // DOTS
+        row = DOTS * (np.arange(small) + 0.5) - 0.5 * camera.size
+        ray = np.stack(np.broadcast_arrays(row, -row[:, np.newaxis], -camera.scale), axis=-1)
+        ray = ray @ camera.axes  # through each pixel
+        met = camera.at - ray * (camera.at[2] / np.minimum(ray[..., 2:], -1e-9))
+        out = np.linalg.norm(met, axis=-1) / (1.2 * camera.reach)
+        count = np.zeros((small, small))
+        for k in range(points):
+            far = 0.35 * np.sqrt((k + 0.5) / points)
+            slope = np.array([0.25 + far * np.cos(2.4 * k), -0.2 + far * np.sin(2.4 * k)])
+            flat = np.zeros_like(faces)
+            flat[..., :2] = faces[..., :2] + slope * faces[..., 2:]
+            mask = Image.new("1", (small, small))
+            pen = ImageDraw.Draw(mask)
+            for polygon in camera.project(flat)[..., :2] / DOTS:
+                pen.polygon(polygon.ravel().tolist(), fill=1)
+            count += np.asarray(mask)
+        steps = Image.fromarray((255.0 / points * count).astype(np.uint8))
+        shadow = np.asarray(steps.filter(ImageFilter.GaussianBlur(small / 100))) / 255.0
+        shade = (1.0 - 0.1 * np.clip(1.0 - out, 0.0, 1.0)) * (1.0 - 0.4 * shadow)
+        self.colour *= shade.astype(np.float32).repeat(DOTS, 0).repeat(DOTS, 1)[..., np.newaxis]
+
     def curve(self, points: Floats, rgb: Floats, strength: Floats) -> None:
         """A curve as round dots before the surfaces on which it lies."""
         seen = self.camera.project(points)
@@ -167,6 +197,9 @@ def frame_picture(
     buffer = Buffer(camera)
     labelled = []
     see_through = []
+    if film.grounded:
+        body = next(part for part in film.parts if part.kind == "faces")
+        buffer.ground(body.placed(film.attitude[frame], frame))
     for part in film.parts:
         points = part.placed(film.attitude[frame], frame, film.trail_begin(frame))
         rgb = np.array([rgb_of(ink) for ink in part.colours])

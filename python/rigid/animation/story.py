@@ -56,7 +56,7 @@ def story_of(scene: Scene, view: str, t: Floats, omega: Floats, attitude: Floats
         )
     what = "A body" if scene.body.sides is None else "A box"
     if scene.forces:
-        return f"{what} turns under {_listed(scene.forces)} for {span}."
+        return f"{what} turns for {span} under these influences: {_listed(scene.forces)}."
     axis = _axis_of_spin(omega)
     if axis is None:
         return f"{what} turns freely for {span}: L is at rest in space, and ω moves."
@@ -144,5 +144,4 @@ def _degrees(angle: float) -> str:
 
 
 def _listed(names: tuple[str, ...]) -> str:
-    words = [name.replace("_", " ") for name in names if name != "function"]
-    return words[0] if len(words) == 1 else f"{', '.join(words[:-1])} and {words[-1]}"
+    return ", ".join(name.replace("_", " ") for name in names if name != "function")

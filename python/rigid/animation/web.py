@@ -39,7 +39,7 @@ class Page:
         return f"{type(self).__name__}(page of {len(self.page) / 1000:.0f} kB)"
 
     def _repr_html_(self) -> str:
-        """The page in a frame of its own, for notebooks."""
+        """The page in a frame, for notebooks."""
         return (
             f'<iframe srcdoc="{html.escape(self.page)}" width="100%" height="{self.height}" '
             f'style="border: 0" allow="fullscreen; clipboard-write" title="{self.title}"></iframe>'

@@ -22,7 +22,7 @@ from processes import PATIENCE, python_process
 from rigid import top
 from rigid.animation import Animation
 from rigid.animation.film import Film, Part, film_of, side_by_side
-from rigid.animation.raster import Buffer, Camera, corner_normals, label_places
+from rigid.animation.raster import Buffer, Camera, _from_segment, corner_normals, label_places
 from rigid.animation.story import turned_over
 from rigid.animation.web import film_page
 from rigid.drawing.shapes import STEM, ellipsoid_faces
@@ -232,7 +232,7 @@ def test_the_story_of_a_throw_counts_its_flips() -> None:
             rigid.FreeBody(BOX.body, torque=rigid.Torque.body((0, 0, 1e-3)), damping=1e-4),
             (0.9, 0.1, 1.3),
             None,
-            "A box turns under torque and damping for 2 s.",
+            "A box turns for 2 s under these influences: torque, damping.",
         ),
     ],
 )
@@ -325,6 +325,14 @@ def test_a_surface_that_is_none_is_refused(shape: Any, message: str) -> None:
         run_of(BOX).animate(shape=shape)
     with pytest.raises(ValueError, match="view = 'poinsot': does not show the shape; omit one"):
         run_of(BOX).animate(view="poinsot", shape=shape)
+
+
+def test_what_is_no_pair_and_no_text_is_refused() -> None:
+    for shape in (5, [[0, 0, 1], [0, 1, 0], [1, 0, 0]]):
+        with pytest.raises(TypeError, match=r"shape = .*: must be a pair, \(vertices, faces\)"):
+            run_of(BOX).animate(shape=shape)
+    with pytest.raises(TypeError, match="caption = 5: must be a text"):
+        run_of(BOX).animate(caption=5)
 
 
 # The chart
@@ -484,8 +492,8 @@ def test_a_ball_of_polygons_is_lit_as_a_ball() -> None:
         meant = 0.52 + 0.12 * normal @ camera.up + 0.48 * np.maximum(normal @ camera.lamp, 0.0)
         inside = under > 0.1 * under.max()  # polygons end before the edge of the ball
         worst[name] = np.abs(light - meant)[inside].max()
-    # Faces are h = 12.9 degrees wide. Between corners linear light errs by slope h / 4 at most where
-    # the lamp sets (slope 0.48), and by 0.6 h² / 8 elsewhere. Faces lie by h² / 8 inside the ball,
+    # Faces are h = 12.9 degrees wide. Between corners linear light errs by slope h / 4 where the
+    # lamp sets (slope 0.48), and by 0.6 h² / 8 elsewhere. Faces lie by h² / 8 inside the ball,
     # which moves the place that is seen by up to three times as much near the edge.
     h = np.radians(12.9)
     assert worst["smooth"] < 0.48 * h / 4 + 0.6 * h**2 / 8 + 0.6 * 3 * h**2 / 8
@@ -498,6 +506,28 @@ def test_boxes_keep_their_edges() -> None:
     for axis in range(3):
         for face in (2 * axis, 2 * axis + 1):
             np.testing.assert_allclose(np.abs(normals[face]), np.eye(3)[[axis] * 4], atol=1e-15)
+
+
+def test_the_shadow_in_a_picture_lies_where_light_from_above_brings_it() -> None:
+    leaning = [np.cos(0.3), np.sin(0.3), 0.0, 0.0]
+    film = film_of(run_of(TOP, (0.0, 0.0, 9.0), leaning))
+    assert film.grounded
+    camera = Camera(film, 200)
+    corners = part(film, "faces", carried=True).placed(film.attitude[0], 0)
+    lit, bare = Buffer(camera), Buffer(camera)
+    lit.ground(corners)
+    bare.ground(np.zeros((0, 4, 3)))
+    shadow = 1.0 - lit.colour[..., 0] / bare.colour[..., 0]
+    assert 0.3 < shadow.max() < 0.4001
+    row, column = (shadow @ np.ones(200)) @ np.arange(200), np.ones(200) @ shadow @ np.arange(200)
+    seen = np.array([column, row]) / shadow.sum() + 0.5
+    # The axis from 0.3 to 1.25 carries the widths; light falls by (0.25, -0.2) a unit of height.
+    x, y, z = Rotation.from_quat(film.attitude[0], scalar_first=True).apply([0.0, 0.0, 1.0])
+    ends = [
+        camera.project(height * np.array([x + 0.25 * z, y - 0.2 * z, 0.0]))[:2]
+        for height in (0.3, 1.25)
+    ]
+    assert _from_segment(seen, *ends) < 6.0  # of 200: half the width of the shadow is about 40
 
 
 def test_labels_of_a_picture_avoid_labels_and_arrows() -> None:

@@ -617,6 +617,23 @@ def test_regular_maps_speak_of_chaos(browser: Any, tmp_path: Path) -> None:
 
 
 @pytest.mark.browser
+def test_an_explorer_follows_the_theme_of_its_page(browser: Any, page: Path) -> None:
+    # The page around sends its theme once the frame is loaded, perhaps before the map is unpacked.
+    early = "addEventListener('load', () => postMessage({rigidTheme: 'dark'}, '*'))"
+    opened = Opened(browser, page, before=early)
+    opened.page.wait_for_selector("canvas.stage")
+    opened.settle()
+    for selector in (".map", "canvas.stage", ".strip"):
+        assert opened.pixels(selector)[2, 2].mean() < 60
+    opened.page.evaluate("postMessage({rigidTheme: 'light'}, '*')")
+    opened.settle()
+    opened.settle()
+    for selector in (".map", "canvas.stage", ".strip"):
+        assert opened.pixels(selector)[2, 2].mean() > 200
+    opened.close()
+
+
+@pytest.mark.browser
 def test_a_map_in_a_notebook_keeps_no_address(browser: Any, tmp_path: Path) -> None:
     (tmp_path / "book.html").write_text(BOX.explore(samples=2)._repr_html_(), encoding="utf-8")
     opened = Opened(browser, tmp_path / "book.html")

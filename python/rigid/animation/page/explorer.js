@@ -56,7 +56,6 @@ class Explorer extends MapOnCanvas {
       if (event.key === "n" || event.key === "p") this.next(event.key === "n" ? 1 : -1);
     });
     new ResizeObserver(() => this.draw()).observe(this.canvas);
-    followTheme(() => this.draw());
   }
 
   // Shows the map of a text in JSON, with the view of an address. A later call overtakes an earlier one.
@@ -422,6 +421,7 @@ async function unpackAll(data) {
 function begin() {
   const text = document.getElementById("map").textContent, explorer = new Explorer();
   window.explorer = explorer;
+  followTheme(() => { if (explorer.map) explorer.draw(); });  // a page around may send its theme before there is a map
   if (text === "null") return;
   let address = location.hash;
   explorer.kept = () => {

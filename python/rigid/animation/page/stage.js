@@ -332,7 +332,7 @@ function glPainter(canvas) {
 
   // A ground that fades outward, and on it the shadow in the light of a wide lamp: the mean of the shadows of its points.
   function ground(film, view, frame) {
-    const {uniform, place} = surface, {reach} = film, points = 12;
+    const {uniform, place} = surface, {reach} = film, points = 24;
     const plain = (opacity, ink) => {
       gl.uniform1f(uniform.opacity, opacity);
       gl.disableVertexAttribArray(place.colour);
