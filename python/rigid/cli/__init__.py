@@ -127,7 +127,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             return interrupted()
 
 
-def _show_warning(message: Warning | str, *_where: object) -> None:
+def _show_warning(message: Warning | str, *_where: object, **_more: object) -> None:
     """A warning as a line of the command, without the place in the code of rigid."""
     complain(f"warning: {message}")
 

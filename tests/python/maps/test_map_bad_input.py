@@ -452,3 +452,9 @@ def test_the_core_checks_its_ranges() -> None:
     empty = job.run(1, 1, 1)
     assert empty is not None
     assert empty["stable"].sum() == 0
+
+
+def test_a_wrong_axis_is_told_before_what_is_missing() -> None:
+    incomplete: Any = {"axes": {"bb": [1.0, 2.0]}}
+    message = refusal(lambda: rigid.stability_map(FREE, **incomplete), ValueError)
+    assert message.startswith("axes: unknown parameter 'bb'; did you mean 'b'? (known: I1, ")
