@@ -56,10 +56,7 @@ _STATES_RULE = (
     "centre of mass on the third axis, and of a top that swings about a principal axis"
 )
 
-FORCED_RULE = (
-    "under torque and damping there is none, but of a free body whose damping is a multiple of its "
-    "inertia"
-)
+FORCED_RULE = "under forces one is known: of a free body whose damping is a multiple of its inertia"
 
 _CLASS_RULE = (
     "closed forms are known of no_flip and regular of a free body, and of tilt_below(axis=±k, "

@@ -298,6 +298,6 @@ def test_what_a_map_cannot_watch_names_the_force_and_what_can_be_watched(force: 
     with pytest.raises(ValueError, match=message):
         rigid.stability_map(scene, stable=rigid.tilt_below(0.5), t_end=1.0, **asked)
     for stable in remedies:
-        horizon = {} if stable.name == "judged" else {"t_end": 1.0}
+        horizon: dict[str, Any] = {} if stable.name == "judged" else {"t_end": 1.0}
         result = rigid.stability_map(scene, stable=stable, **horizon, **asked)
         assert (result.stable == 2).all()

@@ -331,7 +331,7 @@ def test_plans_and_closed_forms() -> None:
         (
             lambda: small_map(stable=rigid.judged(stays_low, T), measure=rigid.time_to_leave()),
             ValueError,
-            "measure: a custom criterion tells no time_to_leave",
+            r"measure: judged\(\) has no time_to_leave",
         ),
         (
             lambda: small_map(stable=rigid.judged(lambda states: states.omega, T)),
