@@ -128,7 +128,7 @@ def plan(
         ):
             if value is not None:
                 raise ValueError(
-                    f"{name} = {brief(value)}: must be left out with a criterion: {why}"
+                    f"{name} = {brief(value)}: has no place beside a criterion: {why}"
                 )
         if omega is not None:
             if start is not None:
