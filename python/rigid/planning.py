@@ -127,9 +127,7 @@ def plan(
             ("times", times, "a class is no state at output times"),
         ):
             if value is not None:
-                raise ValueError(
-                    f"{name} = {brief(value)}: has no place beside a criterion: {why}"
-                )
+                raise ValueError(f"{name} = {brief(value)}: has no place beside a criterion: {why}")
         if omega is not None:
             if start is not None:
                 raise ValueError("omega, start: exclude each other, because both are the start")

@@ -56,7 +56,10 @@ _STATES_RULE = (
     "centre of mass on the third axis, and of a top that swings about a principal axis"
 )
 
-FORCED_RULE = "under forces one is known: of a free body whose damping is a multiple of its inertia"
+FORCED_RULE = (
+    "under forces a closed form is known only of a free body whose damping is a multiple of its "
+    "inertia"
+)
 
 _CLASS_RULE = (
     "closed forms are known of no_flip and regular of a free body, and of tilt_below(axis=±k, "
