@@ -188,5 +188,5 @@ def test_options_are_checked(options: dict[str, Any], error: type[Exception], me
 
 
 def test_a_specification_has_the_samples_of_its_last_look() -> None:
-    with pytest.raises(ValueError, match=r"samples = 20: must be 512, which half_width = 0.05 needs"):
+    with pytest.raises(ValueError, match=r"samples = 20: must be 512, which half_width"):
         rigid.MapSpec.from_dict({**spec_of().to_dict(), "half_width": 0.05})
