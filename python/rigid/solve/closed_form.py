@@ -52,7 +52,7 @@ RECORDS: Mapping[str, str] = {
 """The questions that are answered by states, in words."""
 
 _STATES_RULE = (
-    "closed forms are known of a free body, of a top with two moments equal to the bit and its "
+    "closed forms are known of a free body, of a top with two exactly equal moments and its "
     "centre of mass on the third axis, and of a top that swings about a principal axis"
 )
 
@@ -63,7 +63,7 @@ FORCED_RULE = (
 
 _CLASS_RULE = (
     "closed forms are known of no_flip and regular of a free body, and of tilt_below(axis=±k, "
-    "reference='vertical'), no_flip(k) and regular of a top with two moments equal to the bit and "
+    "reference='vertical'), no_flip(k) and regular of a top with two exactly equal moments and "
     "its centre of mass on the third axis k"
 )
 
@@ -135,7 +135,7 @@ def why_not(question: Question, moments: Floats, weight: Floats) -> str:
     reasons = {
         1: "the centre of mass is on no principal axis",
         2: "the centre of mass is not on the symmetry axis",
-        3: "no two moments of the top are equal to the bit",
+        3: "no two moments of the top are exactly equal",
     }
     return f"no closed form: {reasons[len(set(moments.tolist()))]}"
 
