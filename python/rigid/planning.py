@@ -127,7 +127,7 @@ def plan(
             ("times", times, "a class is no state at output times"),
         ):
             if value is not None:
-                raise ValueError(f"{name} = {brief(value)}: is not asked with a criterion: {why}")
+                raise ValueError(f"{name} = {brief(value)}: has no place beside a criterion: {why}")
         if omega is not None:
             if start is not None:
                 raise ValueError("omega, start: exclude each other, because both are the start")
@@ -142,8 +142,7 @@ def plan(
         )
     if start is not None:
         raise ValueError(
-            f"start = {brief(start)}: is asked with a criterion; states start from omega and "
-            "attitude"
+            f"start = {brief(start)}: belongs to a criterion; states start from omega and attitude"
         )
     return plan_states(
         scene,

@@ -453,7 +453,7 @@ def judged_states(seed: int, count: int) -> Tally:
 
 def _agree(states: rigid.States, body: int, truths: Truths, scene: Scene, of: str) -> bool:
     """Whether the states of a body are its motion, and what is not computed is None."""
-    has_gamma = of == "axis" or (of == "attitude" and bool(scene.directions))
+    has_gamma = of in ("axis", "attitude")
     if (states.gamma is not None) != has_gamma:
         return False
     if (states.attitude is not None) != (of == "attitude"):

@@ -119,7 +119,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         except OSError as error:
             complain(str(error))
             return WRITE_ERROR
-        except (RuntimeError, ValueError) as error:
+        except (ImportError, RuntimeError, ValueError) as error:
             complain(str(error))
             return REFUSED
         except KeyboardInterrupt as stop:
@@ -127,7 +127,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             return interrupted()
 
 
-def _show_warning(message: Warning | str, *_where: object) -> None:
+def _show_warning(message: Warning | str, *_where: object, **_more: object) -> None:
     """A warning as a line of the command, without the place in the code of rigid."""
     complain(f"warning: {message}")
 
@@ -174,9 +174,9 @@ def _checked(spec: MapSpec, name: str, target: Target, options: argparse.Namespa
     pixels = int((to_core(spec).status == 0).sum())
     bodies = pixels * spec.samples
     seconds = None if made.cost is None else 1e-9 * made.cost * bodies / threads
+    files = {"data": str(target.data), "picture": str(target.picture)}
     if options.json:
         facts = {"name": name, "plan": made.to_dict(), "pixels": pixels, "bodies": bodies}
-        files = {"data": str(target.data), "picture": str(target.picture)}
         print_list({**facts, "seconds": seconds, **files}, as_json=True)
         return DONE
     most = "at most " if spec.half_width is not None or refined(spec) else ""
@@ -192,7 +192,7 @@ def _checked(spec: MapSpec, name: str, target: Target, options: argparse.Namespa
         "plan": _plan(spec),
         "bodies": f"{most}{bodies:,} in {pixels:,} pixels",
         "cost": cost,
-        "would write": f"{target.data}, {target.picture}",
+        "would write": ", ".join(map(str, filter(None, (*files.values(), options.store)))),
     }
     say("\n".join(f"{name:<12}{text}" for name, text in lines.items()))
     return DONE

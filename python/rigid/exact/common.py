@@ -15,7 +15,9 @@ def require_unforced(scene: Scene) -> None:
     """Raise ValueError if torque or damping acts on the scene."""
     if scene.forces:
         acting = forces_in_words(scene.forces)
-        raise ValueError(f"scene = {scene.words()}: no closed form under {acting}")
+        raise ValueError(
+            f"scene = {scene.words()}: no closed form under {acting}; rigid.simulate integrates"
+        )
 
 
 def in_shape(values: dict[str, Any], shape: Shape) -> dict[str, Any]:

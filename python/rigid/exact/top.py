@@ -365,7 +365,7 @@ def _lagrange(scene: HeavyTop) -> Symmetry:
     require_each(scene, np.any(scene.weight, axis=-1), rule, ("mgl",))
     symmetry = symmetry_of(scene, scene.weight)
     rule = (
-        "a Lagrange top has two moments equal to the bit and its centre of mass exactly on the "
+        "a Lagrange top has two exactly equal moments and its centre of mass exactly on the "
         "third axis"
     )
     require_each(scene, symmetry.axis != 0, rule, ("moments", "com"))

@@ -255,8 +255,8 @@ def constants_of(
     )
     if known.a is None:
         raise ValueError(
-            f"moments = {scene.body.moments}, com = {scene.com}: a symmetric top has two moments "
-            "equal to the bit and its centre of mass exactly on the third axis"
+            f"moments = {scene.body.moments}, com = {scene.com}: a symmetric top has two exactly "
+            "equal moments and its centre of mass exactly on the third axis"
         )
     if np.ndim(known.energy):
         raise ValueError(f"attitude: expected a single one, got the shape {np.shape(known.energy)}")

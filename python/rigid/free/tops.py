@@ -186,7 +186,7 @@ def _symmetry_axes(moments: Floats) -> NDArray[np.intp]:
     symmetric = pairs.any(axis=-1)
     if not symmetric.all():
         found = moments[~symmetric][0].tolist()
-        raise ValueError(f"moments = {found}: a symmetric top has two moments equal to the bit")
+        raise ValueError(f"moments = {found}: a symmetric top has two exactly equal moments")
     axes: NDArray[np.intp] = 3 - pairs.argmax(axis=-1)
     return axes
 

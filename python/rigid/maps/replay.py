@@ -173,7 +173,7 @@ def replay(
     if not 0 <= number < spec.samples:
         raise IndexError(f"sample = {brief(sample)}: must lie in 0 .. {spec.samples - 1}")
     if data.status[index]:
-        raise ValueError(f"pixel = {index}: no such body is possible: {STATUS[data.status[index]]}")
+        raise ValueError(f"pixel = {index}: no body exists there: {STATUS[data.status[index]]}")
     flat = int(np.ravel_multi_index(index, spec.shape))
     # The earliest loss of stability is a time, whose last bits tell more than any count does.
     for place, one in ((flat, number), (int(np.argmin(data.earliest)), 0)):

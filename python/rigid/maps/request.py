@@ -39,8 +39,7 @@ def spec_of(
     """The specification of a new map, from the arguments that were given."""
     if isinstance(given.get("axes"), Mapping) and "t_end" in given["axes"]:
         given.setdefault("t_end", 1.0)  # the longest one is taken from the values
-    own = not isinstance(scene, type | Scene | Body) and callable(scene)
-    if not own and isinstance(given.get("axes"), Mapping):
+    if isinstance(scene, type | Scene | Body) and isinstance(given.get("axes"), Mapping):
         for name in given["axes"]:
             check_axis_name(name)  # before what is missing, which would hide a wrong name
     _require("stability_map", given, "axes", "t_end", "stable")
@@ -48,7 +47,7 @@ def spec_of(
         raise TypeError("samples, half_width: give one of the two")
     if "samples" not in given:
         given["samples"] = stop_table(checked_half_width(given["half_width"])).last
-    if own:
+    if not isinstance(scene, type | Scene | Body) and callable(scene):
         known, given["own"], given["axes"] = own_scene(scene, given["axes"])
     else:
         known = _scene(scene)

@@ -278,7 +278,7 @@ class MapSpec:
                 "or left out"
             )
         if any(one.name == "time_to_leave" for one in self.measure):
-            raise ValueError("measure: a custom criterion tells no time_to_leave")
+            raise ValueError("measure: judged() has no time_to_leave; leave the measure out")
 
     @property
     def forces(self) -> tuple[str, ...]:

@@ -363,8 +363,8 @@ def norm_of(of: str | None, scene: Scene) -> str:
         return "attitude" if turns else "rates"
     if one_of("of", of, NORMS) == "rates" and turns:
         raise ValueError(
-            f"of = {of!r}: the rates do not see turns about the vertical, with which an orbit, and "
-            "a torque in space that is not vertical, change; use 'attitude'"
+            f"of = {of!r}: the rates do not see turns about the vertical, which matter on an orbit "
+            "and under a torque in space that is not vertical; use 'attitude'"
         )
     return of
 

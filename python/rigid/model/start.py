@@ -546,7 +546,7 @@ class Start:
 
     def __post_init__(self) -> None:
         if (self.omega is None) == (self.spin is None):
-            raise ValueError("a start needs either omega or spin, and not both")
+            raise ValueError("omega, spin: give one of the two to a start")
         if self.omega is not None:
             object.__setattr__(self, "omega", tuple(vector("omega", self.omega, 3).tolist()))
         if self.spin is not None:

@@ -168,7 +168,7 @@ def run_report(
     refused = {method: why for method, why in refused.items() if method in spec.methods}
     if not sweeps:
         reasons = "; ".join(f"{method}: {why}" for method, why in refused.items())
-        raise ValueError(f"methods = {list(spec.methods)}: none accepts the scene: {reasons}")
+        raise ValueError(f"methods = {list(spec.methods)}: none integrates the scene: {reasons}")
     complete = interrupted = False
     with hundredths(progress, begun, lambda: sum(one.failures for one in sweeps)) as told:
         reference, truth = find_reference(ensemble, usable, until(SEARCH))

@@ -181,7 +181,9 @@ def run_long(
     lengths = _checked_revolutions(revolutions)
     rate = math.hypot(*spec.omega)
     if rate == 0.0:
-        raise ValueError(f"omega = {list(spec.omega)}: must turn the body, which makes revolutions")
+        raise ValueError(
+            f"omega = {list(spec.omega)}: must not be zero; a long run counts revolutions"
+        )
     begun = time.perf_counter()
 
     def until(share: float) -> Callable[[float], bool]:
@@ -197,7 +199,9 @@ def run_long(
     refused = {name: why for name, why in refused.items() if name in spec.methods and name != EXACT}
     if not same:
         reasons = "".join(f"; {method}: {why}" for method, why in refused.items())
-        raise ValueError(f"methods = {list(spec.methods)}: none makes steps of the scene{reasons}")
+        raise ValueError(
+            f"methods = {list(spec.methods)}: none integrates the scene by steps{reasons}"
+        )
     legs: list[Leg] = []
     tracks: list[Track] = []
     complete = False

@@ -59,8 +59,8 @@ LOST_ANGLE = 1e15
 """A body that turns by a larger angle (rad) has lost all digits of its phase."""
 
 NO_BOUND = (
-    "step: is needed, because nothing bounds the rates under the torque of a function; or give "
-    "Torque.call their bound, fastest"
+    "step: is needed, because the rates have no known bound under the torque of a function; or "
+    "give fastest=..., their bound, to Torque.call"
 )
 
 STIFFNESS = 10.0

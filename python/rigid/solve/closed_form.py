@@ -52,18 +52,18 @@ RECORDS: Mapping[str, str] = {
 """The states that a run can record, in words."""
 
 _STATES_RULE = (
-    "closed forms are known of a free body, of a top with two moments equal to the bit and its "
+    "closed forms are known of a free body, of a top with two exactly equal moments and its "
     "centre of mass on the third axis, and of a top that swings about a principal axis"
 )
 
 FORCED_RULE = (
-    "under torque and damping there is none, but of a free body whose damping is a multiple of its "
+    "under forces a closed form is known only of a free body whose damping is a multiple of its "
     "inertia"
 )
 
 _CLASS_RULE = (
     "closed forms are known of no_flip and regular of a free body, and of tilt_below(axis=±k, "
-    "reference='vertical'), no_flip(k) and regular of a top with two moments equal to the bit and "
+    "reference='vertical'), no_flip(k) and regular of a top with two exactly equal moments and "
     "its centre of mass on the third axis k"
 )
 
@@ -135,7 +135,7 @@ def why_not(question: Question, moments: Floats, weight: Floats) -> str:
     reasons = {
         1: "the centre of mass is on no principal axis",
         2: "the centre of mass is not on the symmetry axis",
-        3: "no two moments of the top are equal to the bit",
+        3: "no two moments of the top are exactly equal",
     }
     return f"no closed form: {reasons[len(set(moments.tolist()))]}"
 

@@ -159,7 +159,8 @@ def fit(
     Warns
     -----
     FitWarning
-        If the fit failed: its chi² is impossible for ``sigma``, or no minimum was reached.
+        If the fit failed: its chi² is impossible for ``sigma``, or no minimum was reached. If the
+        first measured rates are the start, and ``"omega"`` is not free.
 
     Raises
     ------
@@ -192,11 +193,20 @@ def fit(
     if measured.shape != (len(times), 3):
         raise ValueError(f"omega: expected shape {(len(times), 3)}, got {measured.shape}")
     spread = np.broadcast_to(shaped("sigma", sigma, positive=True), measured.shape)
+    taken = False
     if start is None:
         if not len(times) or times[0] != 0.0:
             raise ValueError("start: is needed, because the first time is not 0")
-        start = measured[0]
+        start, taken = measured[0], True
     unknowns = Unknowns(scene, vector("start", start, 3), attitude, free)
+    fixed = not any(name in START for name in unknowns.names)
+    if taken and fixed:
+        warnings.warn(
+            "start: the first measured rates, with their noise, are taken for exact; give start, "
+            "or add 'omega' to free",
+            FitWarning,
+            stacklevel=2,
+        )
     if measured.size < len(unknowns.names):
         raise ValueError(
             f"free = {brief(free)}: {len(unknowns.names)} parameters, but {measured.size} measured "
@@ -215,7 +225,6 @@ def fit(
     span = float(np.ptp(np.append(times, 0.0)))
     covariance, words = _covariance(unknowns, values, by_value, span)
     freedom = measured.size - len(values)
-    fixed = not any(name in START for name in unknowns.names)
     success, reason = _verdict(found.squares, found.gain, freedom, fixed_start=fixed)
     if not success:
         warnings.warn(f"the fit failed: {reason}", FitWarning, stacklevel=2)

@@ -389,7 +389,7 @@ def _checked_count(count: int | None, watched: Sequence[Event], until: object) -
     if count is None:
         return None if until is None else 1
     if not watched:
-        raise ValueError(f"count = {brief(count)}: of which events? give events or until")
+        raise ValueError(f"count = {brief(count)}: needs events or until")
     return positive_int("count", count)
 
 

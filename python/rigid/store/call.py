@@ -231,7 +231,7 @@ def stability_map(
     spec = as_it_is(scene, given) if isinstance(scene, MapSpec) else spec_of(scene, given)
     spec = spec.renewed()  # values that a function takes may have changed since it was given
     if part is not None and store is None:
-        raise ValueError(f"part = {brief(part)}: needs store, where the parts meet")
+        raise ValueError(f"part = {brief(part)}: needs store=..., the folder of all parts")
     return run_map(
         spec,
         store=store,

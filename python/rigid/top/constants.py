@@ -37,7 +37,7 @@ def symmetric(scene: HeavyTop) -> Symmetry:
     """The symmetry of heavy tops, with or without weight; ValueError if a top has none."""
     symmetry = symmetry_of(check_heavy_top(scene, many=True))
     rule = (
-        "a symmetric top has two moments equal to the bit and its centre of mass exactly on the "
+        "a symmetric top has two exactly equal moments and its centre of mass exactly on the "
         "third axis"
     )
     require_each(scene, symmetry.axis != 0, rule, ("moments", "com"))

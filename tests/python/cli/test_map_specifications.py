@@ -332,11 +332,11 @@ def complaint(text: str, file: str = "box.toml") -> str:
             '{ kind = "normal", size = 3.0 }',
             "[start.noise] size: an axis of the map sets the size; omit",
         ),
-        ("spin = 10.0", "", "[start] a start needs either omega or spin, and not both"),
+        ("spin = 10.0", "", "[start] omega, spin: give one of the two to a start"),
         (
             "spin = 10.0",
             "spin = 10.0\nomega = [1.0, 2.0, 3.0]",
-            "[start] a start needs either omega or spin, and not both",
+            "[start] omega, spin: give one of the two to a start",
         ),
         (
             'noise = { kind = "normal" }',

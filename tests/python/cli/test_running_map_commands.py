@@ -7,6 +7,7 @@ import os
 import re
 import signal
 import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -332,3 +333,21 @@ def test_progress_is_told_line_by_line_where_there_is_no_terminal(
         assert lines
         for line in lines:
             assert re.fullmatch(rf"rigid: {who}\d+% done after \d+ s, about \d+ s to go", line)
+
+
+def test_a_package_that_is_missing_is_named_in_a_line(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    main(["map", "small.toml", "--store", "run.rigid", QUIET])
+    capsys.readouterr()
+    monkeypatch.setitem(sys.modules, "zarr", None)
+    monkeypatch.setitem(sys.modules, "zarr.codecs", None)
+    assert main(["pack", "run.rigid", "run.zarr"]) == 2
+    assert capsys.readouterr().err.startswith("rigid: a .zarr needs zarr: pip install ")
+    assert not Path("run.zarr").exists()
+
+
+def test_a_check_tells_the_folder_too(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["map", "small.toml", "--store", "run.rigid", "--check"]) == 0
+    assert capsys.readouterr().out.endswith("would write small.npz, small.png, run.rigid\n")
+    assert not Path("run.rigid").exists()

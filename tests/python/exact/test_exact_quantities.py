@@ -416,7 +416,7 @@ HEAVY = rigid.HeavyTop(rigid.Body((1.0, 1.4, 0.7)), mgl=1.0, com=(0.6, 0.0, 0.8)
 HEAVY_TOP: Any = TOP
 FREE: Any = STANDARD
 BODY: Any = STANDARD.body
-NO_LAGRANGE = "a Lagrange top has two moments equal to the bit and its centre of mass exactly"
+NO_LAGRANGE = "a Lagrange top has two exactly equal moments and its centre of mass exactly"
 
 
 @pytest.mark.parametrize(

@@ -152,7 +152,7 @@ def test_the_polhode_of_a_run_lies_on_the_ellipsoid_of_the_family() -> None:
 @pytest.mark.parametrize(
     ("scene", "omega", "message"),
     [
-        (rigid.FreeBody(rigid.Body((1.0, 2.0, 3.0)), damping=0.1), [0, 1, 0], "without torque"),
+        (rigid.FreeBody(rigid.Body((1.0, 2.0, 3.0)), damping=0.1), [0, 1, 0], "without damping"),
         (rigid.FreeBody(rigid.Body((1.0, 2.0, 3.0))), [0, 0, 0], "at rest has no polhode"),
         (rigid.FreeBody(rigid.Body((1.0, 2.0, 3.0))), np.eye(3), "the run has 3 bodies"),
     ],

@@ -323,7 +323,11 @@ def test_the_picture_of_cycloids_carries_both_curves() -> None:
 @pytest.mark.parametrize(
     ("call", "error", "message"),
     [
-        (lambda: figures.cubic(ASYMMETRIC, [0, 0, 1]), ValueError, "moments = .* two moments"),
+        (
+            lambda: figures.cubic(ASYMMETRIC, [0, 0, 1]),
+            ValueError,
+            "moments = .* two exactly equal moments",
+        ),
         (
             lambda: figures.effective_potential(DAMPED, [0, 0, 1]),
             ValueError,

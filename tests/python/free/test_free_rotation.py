@@ -193,7 +193,7 @@ NO_SCENE: Any = (1.0, 2.0, 3.0)
         (lambda: free.power_balance(RUN, t=[0.0, 1.0, 2.0]), ValueError, "t: a run has its own"),
         (lambda: free.power_balance(HEAVY, [[1, 2, 3]] * 3, t=[0, 1, 2]), ValueError, "the weight"),
         (lambda: free.power_balance(FREE, [[1, 2, 3]] * 3), ValueError, "t of shape (0,), omega"),
-        (lambda: free.symmetric_free_top((1, 2, 2.5), [1, 2, 3]), ValueError, "has two moments"),
+        (lambda: free.symmetric_free_top((1, 2, 2.5), [1, 2, 3]), ValueError, "two exactly equal"),
         (
             lambda: free.symmetric_free_top((1, 2, 2), [1, 2, 3], axis=3),
             ValueError,

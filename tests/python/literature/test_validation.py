@@ -136,5 +136,5 @@ def test_the_table_has_a_row_for_each_number_and_the_reasons_below() -> None:
 
 
 def test_an_unknown_number_is_refused() -> None:
-    with pytest.raises(ValueError, match="names = 'toutatis': must be one of 'toutatis-rotation'"):
+    with pytest.raises(ValueError, match=r"names = 'toutatis': did you mean 'toutatis-rotation'\?"):
         rigid.validation("toutatis")

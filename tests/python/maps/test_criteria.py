@@ -257,3 +257,47 @@ def test_joining_what_is_no_criterion() -> None:
         many = ~many
     with pytest.raises(ValueError, match="more than 64 terms"):
         assert ~many
+
+
+def _upright(states: rigid.States) -> Any:
+    """Whether axis 3 keeps its direction."""
+    return states.gamma[..., 2].min(axis=1) > 0.9  # type: ignore[index]
+
+
+FORCED: dict[str, Any] = {
+    "a rotor": (
+        rigid.FreeBody(rigid.Body((1.0, 1.5, 2.0)), rotor=(0.0, 0.0, 1.0)),
+        r"reference = 'start': under a rotor a map watches tilts from the vertical only; "
+        r"take no_flip\(\), or judged\(\) with a function of the attitudes",
+        [rigid.no_flip(3), rigid.judged(_upright, [0.0, 1.0])],
+    ),
+    "damping and drag": (
+        rigid.FreeBody(rigid.Body((1.0, 1.5, 2.0)), damping=0.1, drag=0.1),
+        r"under damping and drag a map watches .*; take no_flip\(\), or judged\(\)",
+        [rigid.no_flip(3), rigid.judged(_upright, [0.0, 1.0])],
+    ),
+    "an orbit": (
+        rigid.FreeBody(rigid.Body((1.0, 1.5, 2.0)), orbit=rigid.Orbit(0.1)),
+        r"under the gravity gradient of an orbit a map .*; give reference='vertical'",
+        [rigid.tilt_below(0.5, reference="vertical")],
+    ),
+}
+
+
+@pytest.mark.parametrize("force", FORCED)
+def test_what_a_map_cannot_watch_names_the_force_and_what_can_be_watched(force: str) -> None:
+    """Each criterion that the message names is computed; spin about a stable axis keeps it."""
+    scene, message, remedies = FORCED[force]
+    asked: dict[str, Any] = {
+        "axes": {"spin": [1.0, 2.0]},
+        "start": rigid.Start(spin=1.0, axis=3),
+        "samples": 2,
+        "rng": 1,
+        "progress": False,
+    }
+    with pytest.raises(ValueError, match=message):
+        rigid.stability_map(scene, stable=rigid.tilt_below(0.5), t_end=1.0, **asked)
+    for stable in remedies:
+        horizon: dict[str, Any] = {} if stable.name == "judged" else {"t_end": 1.0}
+        result = rigid.stability_map(scene, stable=stable, **horizon, **asked)
+        assert (result.stable == 2).all()

@@ -207,9 +207,12 @@ samples = 4
 @pytest.mark.parametrize(
     ("options", "part"),
     [
-        ({"method": "exact"}, "method = 'exact': under torque and damping there is none"),
+        ({"method": "exact"}, "method = 'exact': under forces a closed form is known only of"),
         ({"method": "chin4a"}, "method = 'chin4a': does not integrate "),
-        ({"stable": rigid.tilt_below(0.5, reference="start")}, "reference = 'start': under torque"),
+        (
+            {"stable": rigid.tilt_below(0.5, reference="start")},
+            "reference = 'start': under damping",
+        ),
         ({"axes": {"damping3": [1e3, 1e4]}, "step": 0.1}, "unstable under damping"),
         ({"axes": {"damping3": [-1.0, 1.0]}}, "must not be negative"),
     ],

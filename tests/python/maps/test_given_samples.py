@@ -179,7 +179,7 @@ def test_given_samples_are_saved_replayed_and_stored(tmp_path: Path) -> None:
                 axes={"noise": [1.0]},
                 start=rigid.Start(spin=1.0, noise=rigid.samples(listed()[0])),
             ),
-            "the noise of the start are given samples, which have no size",
+            "the start has given samples, which have no size",
         ),
     ],
 )

@@ -158,7 +158,7 @@ t_end = 1
         ([[1, 2, 0], [2, 1, 0], [0, 0, 1]], "cov: must be positive semi-definite"),
         ([[0, 1, 0], [1, 1, 0], [0, 0, 1]], "cov: must be positive semi-definite"),
         (-np.eye(3), "cov: must be positive semi-definite"),
-        (None, "normal() needs either a size or a covariance, and not both"),
+        (None, "size, cov: give one of the two to normal()"),
     ],
 )
 def test_matrices_that_are_no_covariance(cov: Any, message: str) -> None:
@@ -174,7 +174,7 @@ def test_matrices_that_are_no_covariance(cov: Any, message: str) -> None:
             lambda: rigid.Noise("uniform", cov=((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))),
             "cov: belongs to normal noise",
         ),
-        (lambda: rigid.normal(1.0, cov=np.eye(3)), "not both"),
+        (lambda: rigid.normal(1.0, cov=np.eye(3)), "size, cov: give one of the two"),
         (
             lambda: rigid.Start(spin=1.0, attitude_noise=rigid.normal(cov=np.eye(6))),
             "attitude_noise: a covariance of rates and attitude is a noise",
@@ -199,6 +199,6 @@ def test_matrices_that_are_no_covariance(cov: Any, message: str) -> None:
     ],
 )
 def test_covariances_that_do_not_fit(call: Any, message: str) -> None:
-    with pytest.raises(ValueError, match=r"cov|not both|already") as caught:
+    with pytest.raises(ValueError, match=r"cov|already") as caught:
         call()
     assert message in str(caught.value)

@@ -41,8 +41,8 @@ def refusal(call: Callable[[], object], kind: type[Exception]) -> str:
 @pytest.mark.parametrize(
     ("options", "kind", "message"),
     [
-        ({}, ValueError, "a start needs either omega or spin, and not both"),
-        ({"spin": 1.0, "omega": (1, 2, 3)}, ValueError, "either omega or spin, and not both"),
+        ({}, ValueError, "omega, spin: give one of the two to a start"),
+        ({"spin": 1.0, "omega": (1, 2, 3)}, ValueError, "omega, spin: give one of the two"),
         ({"spin": np.nan}, ValueError, "spin = nan: must be finite"),
         ({"spin": "fast"}, TypeError, "spin = 'fast': must be a"),
         ({"omega": [1.0, 2.0]}, ValueError, "omega: expected shape (3,), got (2,)"),
@@ -452,3 +452,9 @@ def test_the_core_checks_its_ranges() -> None:
     empty = job.run(1, 1, 1)
     assert empty is not None
     assert empty["stable"].sum() == 0
+
+
+def test_a_wrong_axis_is_told_before_what_is_missing() -> None:
+    incomplete: Any = {"axes": {"bb": [1.0, 2.0]}}
+    message = refusal(lambda: rigid.stability_map(FREE, **incomplete), ValueError)
+    assert message.startswith("axes: unknown parameter 'bb'; did you mean 'b'? (known: I1, ")

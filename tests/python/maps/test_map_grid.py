@@ -287,7 +287,7 @@ def test_impossible_bodies_have_a_status_and_nothing_else(
     for name in ("share", "lower", "upper"):
         np.testing.assert_array_equal(np.isnan(getattr(result, name)), bad)
     assert np.isnan(result.energy_drift[bad]).all()
-    with pytest.raises(ValueError, match=r"pixel = \(\d,\): no such body is possible: "):
+    with pytest.raises(ValueError, match=r"pixel = \(\d,\): no body exists there: "):
         result.replay(int(np.flatnonzero(bad)[0]), 0)
 
 

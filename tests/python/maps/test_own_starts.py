@@ -81,7 +81,7 @@ def test_rates_of_a_function_are_perturbed_and_seen_by_theory() -> None:
 
 def test_the_function_and_the_start_do_not_say_the_same() -> None:
     asked: dict[str, Any] = {"stable": rigid.no_flip(2), "axes": {"turns": [0.1]}}
-    with pytest.raises(ValueError, match="start: rolled gives the rates; leave them zero, as in"):
+    with pytest.raises(ValueError, match="start: rolled gives the rates; the start must"):
         small_map(rolled, start=rigid.Start(spin=1.0), **asked)
     with pytest.raises(ValueError, match="cannot tell the axis"):
         small_map(rolled, **{**asked, "stable": rigid.no_flip()})
@@ -89,7 +89,7 @@ def test_the_function_and_the_start_do_not_say_the_same() -> None:
         {"axes": {"energy": [2.0], "l_gamma": [0.1], "tilt": [0.1]}},
         {"start": rigid.Start(omega=(0, 0, 0), tilt=0.1)},
     ):
-        with pytest.raises(ValueError, match="on_surface gives the attitude; leave tilt and"):
+        with pytest.raises(ValueError, match="on_surface gives the attitude; omit tilt and"):
             surface_map(**more)
 
     def short(turns: Floats) -> Any:

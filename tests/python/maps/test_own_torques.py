@@ -256,9 +256,9 @@ def test_other_processes_cannot_call_the_function() -> None:
 @pytest.mark.parametrize(
     ("stable", "changed", "words"),
     [
-        (rigid.no_flip(), {"scene": damped_without_a_bound}, "step: is needed, because nothing"),
+        (rigid.no_flip(), {"scene": damped_without_a_bound}, "step: is needed, because the rates"),
         (rigid.regular(), {}, "the derivative of a function is not known"),
-        (rigid.no_flip(), {"method": "taylor16"}, "does not integrate function"),
+        (rigid.no_flip(), {"method": "taylor16"}, "does not integrate the torque of a function"),
     ],
     ids=["no bound", "growth", "series"],
 )

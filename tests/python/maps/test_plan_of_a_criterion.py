@@ -183,10 +183,19 @@ def test_an_error_that_no_model_foresees_is_unknown_in_a_map_too(words: str) -> 
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"accuracy": 1e-6}, "accuracy = 1e-06: is not asked with a criterion: a map classifies"),
-        ({"times": 3}, "times = 3: is not asked with a criterion: a class is no state at output"),
-        ({"bodies": 3}, "bodies = 3: is not asked with a criterion: many bodies of a map share"),
-        ({"attitude": [1, 0, 0, 0]}, "attitude = [1, 0, 0, 0]: is not asked with a criterion"),
+        (
+            {"accuracy": 1e-6},
+            "accuracy = 1e-06: has no place beside a criterion: a map classifies",
+        ),
+        (
+            {"times": 3},
+            "times = 3: has no place beside a criterion: a class is no state at output",
+        ),
+        (
+            {"bodies": 3},
+            "bodies = 3: has no place beside a criterion: many bodies of a map share",
+        ),
+        ({"attitude": [1, 0, 0, 0]}, "attitude = [1, 0, 0, 0]: has no place beside a criterion"),
         ({"omega": [0, 0, 1], "start": rigid.Start(spin=1.0)}, "omega, start: exclude each other"),
         ({"omega": [[0, 0, 1], [0, 0, 2]]}, "omega: expected shape (3,)"),
         ({"t_end": -1.0}, "t_end = -1.0: must be positive"),
@@ -207,5 +216,5 @@ def test_a_criterion_needs_a_horizon() -> None:
 
 
 def test_states_start_from_rates_and_attitudes() -> None:
-    with pytest.raises(ValueError, match=r"start = Start\(.*: is asked with a criterion; states"):
+    with pytest.raises(ValueError, match=r"start = Start\(.*: belongs to a criterion; states"):
         rigid.plan(HEAVY, "rates", start=rigid.Start(spin=1.0))

@@ -176,7 +176,7 @@ def test_a_satellite_map_is_replayed_to_the_bit() -> None:
 def test_methods_that_integrate_no_rotor_are_refused_in_maps() -> None:
     scene = rigid.FreeBody(rigid.Body((1.0, 1.6, 2.0)), rotor=(0.1, 0.0, 0.2))
     asked: Any = {"axes": {"spin": [0.5, 1.0]}, "samples": 2, "t_end": 10.0, "progress": False}
-    with pytest.raises(ValueError, match="method = 'etd4': does not integrate rotor"):
+    with pytest.raises(ValueError, match="method = 'etd4': does not integrate a rotor"):
         rigid.stability_map(scene, stable=rigid.no_flip(2), method="etd4", **asked)
 
 

@@ -174,8 +174,8 @@ def test_sequential_maps_are_saved_and_read(sequential: rigid.StabilityMap, tmp_
 @pytest.mark.parametrize(
     ("options", "error", "message"),
     [
-        ({"samples": 5, "half_width": 0.1}, TypeError, "samples, half_width: give one of them"),
-        ({"samples": None}, TypeError, "samples, half_width: give one of them"),
+        ({"samples": 5, "half_width": 0.1}, TypeError, "samples, half_width: give one of the two"),
+        ({"samples": None}, TypeError, "samples, half_width: give one of the two"),
         ({"samples": None, "half_width": 0.001}, ValueError, "half_width = 0.001: must lie in"),
         ({"samples": None, "half_width": 0.3}, ValueError, "half_width = 0.3: must lie in"),
         ({"refine": 1}, ValueError, "refine = 1: must be at least 2"),
@@ -188,5 +188,5 @@ def test_options_are_checked(options: dict[str, Any], error: type[Exception], me
 
 
 def test_a_specification_has_the_samples_of_its_last_look() -> None:
-    with pytest.raises(ValueError, match=r"samples = 20: with half_width = 0.05 they are 512"):
+    with pytest.raises(ValueError, match=r"samples = 20: must be 512, which half_width"):
         rigid.MapSpec.from_dict({**spec_of().to_dict(), "half_width": 0.05})

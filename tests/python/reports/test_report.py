@@ -627,7 +627,7 @@ def test_mistakes_name_argument_value_and_rule(change: dict[str, Any], parts: li
 
 
 def test_a_scene_that_no_method_accepts_is_refused_with_the_reasons() -> None:
-    with pytest.raises(ValueError, match=r"methods = \['exact'\]: none accepts .* no closed form"):
+    with pytest.raises(ValueError, match=r"methods = \['exact'\]: none .* no closed form"):
         rigid.report(
             rigid.HeavyTop(rigid.Body((1.0, 1.6, 0.7)), mgl=1.0, com=(0.6, 0.0, 0.8)),
             (0.0, 0.1, 1.0),

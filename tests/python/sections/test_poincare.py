@@ -393,7 +393,7 @@ def test_points_of_a_chaotic_motion_are_lost_at_last() -> None:
     assert 60.0 < float(points.lost_from) < 250.0
     assert points.status == rigid.Status.FLAGGED
     assert bool(points.complete)
-    assert "close to this one" in points.reasons()[0]
+    assert "the points belong to a motion close by" in points.reasons()[0]
 
 
 def test_too_many_steps_and_overflow_have_a_status() -> None:

@@ -583,7 +583,7 @@ REFUSED: dict[str, tuple[Callable[[], object], str]] = {
     "value": (lambda: rigid.crosses("omega1", np.nan), "value = nan: must be finite"),
     "out of reach": (lambda: rigid.crosses("gamma2", 1.0), "value = 1.0: never crossed; along"),
     "tilt": (lambda: rigid.crosses("tilt1", 3.2), "value = 3.2: never crossed; a tilt lies bet"),
-    "count without events": (simulated(count=2), "count = 2: of which events"),
+    "count without events": (simulated(count=2), "count = 2: needs events or until"),
     "count": (simulated(until=ZERO, count=0), "count = 0: must be at least"),
     "many events": (simulated(events=[ZERO] * 33), "events: 33 of them; a run watches 32 at most"),
     "backward": (simulated(events=ZERO, t=[-1.0, 1.0]), "t = -1: events are found forward"),

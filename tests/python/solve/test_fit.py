@@ -77,6 +77,7 @@ def test_a_rotation_about_one_axis_tells_no_moment() -> None:
         omega=np.tile([0.0, 0.0, 1.0], (T.size, 1)),
         sigma=0.01,
         free="I2/I1",
+        start=[0.0, 0.0, 1.0],
     )
     assert found.undetermined == ("not determined by the data: I2/I1",)
 
@@ -87,14 +88,15 @@ def test_weight_tells_the_moments_themselves() -> None:
     short = T[T < 5.0]
     rates = measured(top, 0.0, 0, accuracy=1e-12)[: short.size]
     guess = rigid.HeavyTop(rigid.Body((1.05, 1.5, 0.75)), mgl=1.2, com=(0.6, 0.0, 0.8))
-    found = rigid.fit(guess, short, omega=rates, sigma=1e-3, free=("I1", "I2", "I3"))
+    told: dict[str, Any] = {"omega": rates, "sigma": 1e-3, "start": rates[0]}
+    found = rigid.fit(guess, short, **told, free=("I1", "I2", "I3"))
     assert np.allclose(found.values, (1.0, 1.6, 0.7), rtol=1e-7)
     assert found.undetermined == ()
-    every = rigid.fit(guess, short, omega=rates, sigma=1e-3, free=("I1", "I2", "I3", "mgl"))
+    every = rigid.fit(guess, short, **told, free=("I1", "I2", "I3", "mgl"))
     assert every.undetermined == (
         "not determined by the data: equal relative changes of I1, I2, I3, mgl",
     )
-    weight = rigid.fit(top, short, omega=rates, sigma=1e-3, free="mgl")
+    weight = rigid.fit(top, short, **told, free="mgl")
     assert np.isclose(weight["mgl"], 1.2, rtol=1e-8)
 
 
@@ -184,7 +186,10 @@ def test_other_guesses_are_bodies_all_over_what_can_be(free: tuple[str, ...]) ->
         ({"free": ("I1/I2", "I2/I3", "I3/I1")}, "one of the ratios follows from the others"),
         ({"omega": np.zeros((3, 3))}, r"omega: expected shape \(150, 3\), got \(3, 3\)"),
         ({"sigma": 0.0}, "sigma = 0"),
-        ({"sigma": 1e-200}, "t, sigma: the derivatives of the motion over sigma overflow"),
+        (
+            {"sigma": 1e-200, "start": np.ones(3)},
+            "t, sigma: the derivatives of the motion over sigma overflow",
+        ),
         ({"t": T + 1.0}, "start: is needed, because the first time is not 0"),
         ({"start": [1.0, 2.0]}, "start"),
         ({"t": [0.0], "omega": np.ones((1, 3)), "free": ("I1", "omega")}, "4 parameters, but 3"),

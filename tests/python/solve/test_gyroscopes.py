@@ -137,7 +137,19 @@ def test_a_motion_with_damping_that_is_not_free_is_not_explained() -> None:
     assert is_right(explained, np.array([*TRUTH, 0.02, 0.02, 0.02]))
     assert not str(explained).startswith("FAILED")
     with pytest.warns(rigid.FitWarning, match="; the start is fixed: add 'omega' to free"):
-        fitted(omega=measured, free=("I2/I1", "I3/I1"))
+        fitted(omega=measured, free=("I2/I1", "I3/I1"), start=measured[0])
+
+
+@pytest.mark.filterwarnings("ignore:the fit failed")
+def test_a_noisy_start_that_is_taken_for_exact_is_told() -> None:
+    """Of nine fits most are wrong by more than 3 std although only the start has an error."""
+    wrong = 0
+    for seed in range(9):
+        measured = rates() + noise(seed)
+        with pytest.warns(rigid.FitWarning, match="start: the first measured rates, with their n"):
+            found = fitted(omega=measured, free=("I2/I1", "I3/I1"))
+        wrong += bool(np.any(np.abs(found.values - TRUTH[:2]) > 3.0 * found.std))
+    assert wrong >= 5
 
 
 def test_noise_above_sigma_is_told_and_the_minimum_found_all_the_same() -> None:

@@ -234,7 +234,7 @@ def test_growth_under_a_torque_in_space(of: str, torque: list[float]) -> None:
 def test_the_size_of_the_rates_is_refused_where_turns_about_the_vertical_change_them() -> None:
     """The logarithm of growth was off by up to 4, and by up to 550 times what was stated."""
     pushed = rigid.FreeBody(BOX.body, torque=rigid.Torque.space([0.1, 0.0, 0.15]))
-    words = "of = 'rates': the rates do not see turns about the vertical, with which"
+    words = "of = 'rates': the rates do not see turns about the vertical, which matter"
     with pytest.raises(ValueError, match=words):
         rigid.lyapunov(pushed, CHAOTIC, t=[1.0], of="rates")
     assert rigid.lyapunov(pushed, CHAOTIC, t=[1.0]).spec["of"] == "attitude"

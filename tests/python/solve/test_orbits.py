@@ -329,7 +329,7 @@ BAD: list[tuple[Any, str]] = [
     ),
     (
         lambda: run_of("orbit", method="midpoint"),
-        "method = 'midpoint': does not integrate orbit",
+        "method = 'midpoint': does not integrate the gravity gradient of an orbit",
     ),
     (lambda: run_of("rotor", tangent="rate"), "tangent = 'rate': the scene has no orbit"),
     (

@@ -289,8 +289,8 @@ UP, DOWN = np.nextafter(1.0, [2.0, 0.0])
 @pytest.mark.parametrize(
     ("moments", "com", "why"),
     [
-        ((1.0, UP, 0.5), (0.0, 0.0, 1.0), "no two moments of the top are equal to the bit"),
-        ((1.0, DOWN, 0.5), (0.0, 0.0, 1.0), "no two moments of the top are equal to the bit"),
+        ((1.0, UP, 0.5), (0.0, 0.0, 1.0), "no two moments of the top are exactly equal"),
+        ((1.0, DOWN, 0.5), (0.0, 0.0, 1.0), "no two moments of the top are exactly equal"),
         ((1.0, 1.0, 0.5), (1e-300, 0.0, 1.0), "the centre of mass is not on the symmetry axis"),
         ((1.0, 1.0, 0.5), (1.0, 0.0, 0.0), "the centre of mass is not on the symmetry axis"),
         ((1.0, 0.5, 1.0), (0.0, 0.0, 1.0), "the centre of mass is not on the symmetry axis"),
@@ -504,7 +504,7 @@ def refused(call: Callable[[], object], kind: type[Exception] = ValueError) -> s
     return str(error.value)
 
 
-STATES_RULE = "closed forms are known of a free body, of a top with two moments equal to the bit"
+STATES_RULE = "closed forms are known of a free body, of a top with two exactly equal moments"
 CLASS_RULE = (
     "closed forms are known of no_flip and regular of a free body, and of tilt_below(axis=±k"
 )

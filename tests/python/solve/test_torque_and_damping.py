@@ -423,7 +423,7 @@ REFUSED: list[tuple[Any, type[Exception], list[str]]] = [
     (
         run(STIFF, method="exact"),
         ValueError,
-        ["method = 'exact': no closed form", "under torque and damping there is none"],
+        ["method = 'exact': no closed form", "under forces a closed form is known only"],
     ),
     (
         run(STIFF, method="chin4a"),

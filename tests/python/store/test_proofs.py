@@ -162,7 +162,7 @@ def test_a_head_that_is_replaced_meanwhile_is_noticed(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("options", "error", "message"),
     [
-        ({"part": "1/2"}, ValueError, "part = '1/2': needs store, where the parts meet"),
+        ({"part": "1/2"}, ValueError, "part = '1/2': needs store=..., the folder of all parts"),
         ({"part": "3/2", "store": "x"}, ValueError, "part = '3/2': must be k/n with 1 <= k <= n"),
         ({"part": "a", "store": "x"}, ValueError, "part = 'a': must be k/n with 1 <= k <= n"),
         ({"part": 3, "store": "x"}, TypeError, "part = 3: must be 'k/n' or (k, n)"),

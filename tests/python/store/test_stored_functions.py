@@ -93,7 +93,7 @@ def test_a_function_that_no_worker_can_import_is_refused(
         return states.omega[:, 0, 0] > 0.0
 
     local = {**ASKED, "stable": rigid.judged(here, [1.0], of="rates"), "t_end": None}
-    with pytest.raises(ValueError, match=r"stable = .*here: workers must import the function, so"):
+    with pytest.raises(ValueError, match=r"stable = .*here: workers import the function by its"):
         small_map(**local, executor=pool)
     assert small_map(**local, store=tmp_path / "run").complete
 

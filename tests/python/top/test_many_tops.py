@@ -170,7 +170,7 @@ BAD = MOMENTS.copy()
 BAD[17] = (1.0, 1.2, 1.5)
 MIXED = rigid.HeavyTop(rigid.Body(BAD), mgl=MGL, com=COM)
 LIGHT = rigid.HeavyTop(TOPS.body, mgl=np.where(np.arange(COUNT) == 9, 0.0, MGL), com=COM)
-WHO = "moments[17] = (1.0, 1.2, 1.5), com[17] = (0.0, 0.0, -1.0): a symmetric top has two moments"
+WHO = "moments[17] = (1.0, 1.2, 1.5), com[17] = (0.0, 0.0, -1.0): a symmetric top has two exactly"
 WRONG_AXES = "scene (37,), omega (3,): the axes of the bodies do not broadcast"
 
 

@@ -424,7 +424,7 @@ def test_the_torque_of_the_weight() -> None:
 
 NO_TOP: Any = rigid.FreeBody(TOP.body)
 HEAVY = rigid.HeavyTop(rigid.Body((1.0, 1.4, 0.7)), mgl=1.0)
-NOT_SYMMETRIC = "a symmetric top has two moments equal to the bit"
+NOT_SYMMETRIC = "a symmetric top has two exactly equal moments"
 
 
 @pytest.mark.parametrize(
