@@ -25,7 +25,7 @@ PHRASES = {
     r"\blaws? of (the |a |their |this )*(random|perturb|noise|sampl|start|direction|map)": "say:"
     " distribution",
     r"\bsilently wrong\b": "say: undetected",
-    r"\bjudged (samples|maps?|by)\b": "say: custom criterion",
+    r"\bjudged (samples|maps?|bodies)\b": "say: custom criterion",
 }
 
 Passage = tuple[str, int, str]

@@ -60,7 +60,7 @@ HUES = {
 }
 """The hues of lines and texts on white. Their contrast is at least 4.5, as a text needs.
 
-The hues are those of Okabe and Ito without yellow, and violet; they are darker than in the
+The hues come from Okabe and Ito, without yellow and with violet; they are darker than in the
 original, whose orange and sky are lost on white.
 """
 
