@@ -32,9 +32,10 @@ FAULTY = """<!doctype html><link rel="stylesheet" href="https://example.org/a.cs
 <div style="width: 2000px">wide</div>
 <div class="table-wrapper" style="width: 9px; overflow: auto"><table><td>wide</table></div>
 <div class="highlight-python"><pre style="width: 9px; overflow: auto">wide</pre></div>
+<iframe></iframe>
 <div class="film"><iframe srcdoc="<canvas class=stage style='height: 9px'></canvas>"></iframe></div>
 """
-KINDS = {"other server", "request", "page", "table", "code", "view", "theme"}
+KINDS = {"other server", "request", "page", "table", "code", "bare film", "view", "theme"}
 """The faults of this page."""
 
 OVERFLOWS = """() => {
@@ -95,7 +96,9 @@ def looks(browser: Any, folder: Path, paths: list[Path]) -> Iterator[Fault]:
         if phone["page"] > 0:
             yield "page", f"{name}: {phone['page']} pixels too wide for a phone"
         yield from (("table", f"{name}, phone: {text[:60]}") for text in phone["table"])
-        if not page.locator(".film iframe").count():
+        if page.locator("iframe:not(.film > iframe)").count():
+            yield "bare film", f"{name}: a film is not in the class film"
+        if not page.locator(".film > iframe").count():
             page.set_viewport_size({"width": DESK, "height": 800})
         else:
             yield from films(page, name)
@@ -111,7 +114,7 @@ def looks(browser: Any, folder: Path, paths: list[Path]) -> Iterator[Fault]:
 
 def films(page: Any, name: str) -> Iterator[Fault]:
     """What is wrong with the films of a page, which is left as wide as a desk."""
-    for place in page.locator(".film iframe").all():
+    for place in page.locator(".film > iframe").all():
         place.scroll_into_view_if_needed()
         film = place.element_handle().content_frame()
         view = film.wait_for_selector("canvas.stage", state="attached")
