@@ -20,22 +20,22 @@ SECONDS, LONG_SECONDS = 30.0, 120.0
 
 _EXAMPLES = {
     "": """\
-  rigid map thrown-box                compute a built-in map: thrown-box.png, thrown-box.npz
-  rigid maps                          list the built-in maps
-  rigid new map my-map.toml           write a specification to change
-  rigid map my-map.toml               compute it
-  rigid map --help                    more examples
+  rigid map thrown-box          compute a built-in map: picture and data
+  rigid maps                    list the built-in maps
+  rigid new map my-map.toml     write a specification to change
+  rigid map my-map.toml         compute the map of this specification
+  rigid map --help              more examples
 """,
     "map": """\
   rigid map thrown-box
-  rigid map thrown-box --samples 256 --out fine.pdf        a picture for a paper
-  rigid map thrown-box --set run.t_end=2 --out longer      change the specification
-  rigid map --show thrown-box > my-map.toml                print the specification
-  rigid map my-map.toml --check                            plan and cost, no computation
-  rigid map my-map.toml --json                             facts for other programs
+  rigid map thrown-box --samples 256 --out fine.pdf     a picture for a paper
+  rigid map thrown-box --set run.t_end=2 --out longer   another horizon
+  rigid map --show thrown-box > my-map.toml             print the specification
+  rigid map my-map.toml --check                         plan and cost only
+  rigid map my-map.toml --json                          facts for programs
 """,
     "explore": """\
-  rigid map thrown-box && rigid explore thrown-box.npz     writes thrown-box.html
+  rigid map thrown-box && rigid explore thrown-box.npz
   rigid explore thrown-box.npz --samples 16 --out bodies.html
 """,
     "section": """\
@@ -46,7 +46,7 @@ _EXAMPLES = {
     "report": """\
   rigid report lagrange-top
   rigid report lagrange-top --method rk4 --method taylor16
-  rigid report lagrange-top --long                         over 1e3 to 1e6 revolutions
+  rigid report lagrange-top --long           over 1e3 to 1e6 revolutions
   rigid report --show lagrange-top > my-report.toml
 """,
     "extremes": """\
