@@ -12,7 +12,7 @@ from functools import cache
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.patches import FancyBboxPatch, Rectangle
+from matplotlib.patches import Rectangle
 from numpy.typing import NDArray
 from twins import save_twins
 
@@ -407,7 +407,7 @@ def chaos() -> Figure:
         ink = on_ground(left, CLASSES[verdict])
         left.plot(t, values, color=ink, label=verdict)
     left.set(xlabel="t (s)", ylabel=r"logarithm of the growth, $\Lambda$", ylim=(0.0, None))
-    left.set_title("of a small deviation", loc="left", fontsize="medium")
+    left.set_title("growth of a small deviation", loc="left", fontsize="medium")
     left.legend(loc="upper left")
     right.semilogy(close, apart, color=on_ground(right, CLASSES["chaotic"]))
     right.set(xlabel="t (s)", ylabel="distance of the rates (rad/s)")
@@ -415,48 +415,11 @@ def chaos() -> Figure:
     return figure
 
 
-def methods() -> Figure:
-    """Which method to take: questions on the left, answers on the right."""
-    figure, (ax,) = blank(4.6)
-    rows = (
-        (
-            "Is it a free body or a Lagrange top,\nwithout torque and damping?",
-            "nothing to choose:\nclosed form",
-        ),
-        ("Does a controller choose the torque\nfrom the state, step by step?", "rigid.Motion(...)"),
-        ("Do only energy and momentum count,\nnot the phase?", 'method="midpoint"'),
-        ("Is it a long run whose phase counts?", 'method="taylor16"'),
-        ("Everything else", "simulate(..., accuracy=1e-8)"),
-    )
-    blue, ground = on_ground(ax, HUES["blue"]), on_ground(ax, FAINT)
-    for k, (question, answer) in enumerate(rows):
-        y = -k
-        for x, wide, words, edge, family in (
-            (0.0, 4.4, question, ground, "sans-serif"),
-            (5.6, 4.4, answer, blue, "sans-serif" if k == 0 else "monospace"),
-        ):
-            ax.add_patch(
-                FancyBboxPatch(
-                    (x, y - 0.3), wide, 0.6, boxstyle="round,pad=0.04", fc="none", ec=edge, lw=1.4
-                )
-            )
-            ax.text(x + 0.5 * wide, y, words, ha="center", va="center", fontsize=10, family=family)
-        arrow = {"arrowstyle": "-|>", "color": blue, "lw": 1.4}
-        ax.annotate("", (5.5, y), (4.5, y), arrowprops=arrow)
-        if k + 1 < len(rows):
-            ax.text(5.0, y + 0.07, "yes", ha="center", va="bottom", fontsize=9)
-            ax.annotate("", (2.2, y - 0.64), (2.2, y - 0.36), arrowprops={**arrow, "color": ground})
-            ax.text(2.35, y - 0.5, "no", va="center", fontsize=9)
-    ax.set(xlim=(-0.2, 10.2), ylim=(-len(rows) + 0.5, 0.45))
-    ax.axis("off")
-    return figure
-
-
 PICTURES: dict[str, Callable[[], Figure]] = {
     draw.__name__.replace("_", "-"): draw
     for draw in (
         *(maps_steps, reliability, satellites, criteria, torque_and_damping, detumbling),
-        *(events, results, measurements, own_bodies, chaos, methods),
+        *(events, results, measurements, own_bodies, chaos),
     )
 }
 
