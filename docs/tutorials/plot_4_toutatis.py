@@ -56,7 +56,7 @@ assert abs(found.precession - precession) < 0.01
 # sphinx_gallery_end_ignore
 
 # %%
-# The periods differ from the periods of 1995 by half a percent: the rates of a day are known to about a
+# Observers found these periods half a percent different in 1995: the rates of a day are known to a
 # degree a day. In space the tip of the long axis goes round the angular momentum in a narrow band.
 # The tip of axis 1, which the rotation about the long axis carries, never comes back: here are the
 # paths of two months.

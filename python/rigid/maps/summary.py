@@ -151,7 +151,7 @@ def _why_none(spec: MapSpec) -> str:
     start = spec.start
     if not isinstance(start, Start) or start.attitude_noise is None:
         return ""
-    if any(axis.name.startswith("attitude_noise") for axis in spec.axes):
+    if any(axis.name.startswith("attitude_") for axis in spec.axes):
         return ""
     without = spec.replace(start=dataclasses.replace(start, attitude_noise=None))
     return "" if predict(without) is None else ": one is without attitude_noise"

@@ -332,7 +332,7 @@ def test_what_cannot_be_drawn_is_refused(call: Any, message: str) -> None:
 
 def test_without_matplotlib_it_is_said_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "matplotlib.figure", None)
-    with pytest.raises(ImportError, match=r"rigid\[maps\]"):
+    with pytest.raises(ImportError, match=r"rigid-rotation\[maps\]"):
         figures.frames(ANGLES)
 
 
