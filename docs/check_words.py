@@ -9,7 +9,7 @@ import ast
 import re
 import sys
 import tokenize
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 ROOT = Path(__file__).parent.parent
@@ -28,24 +28,25 @@ PHRASES = {
     r"\bjudged (samples|maps?|bodies)\b": "say: custom criterion",
 }
 
+SOURCES = ("python/rigid", "docs/gallery", "docs/tutorials")
+SUFFIXES = {".html", ".js", ".py", ".pyi", ".rst", ".toml"}
+
 Passage = tuple[str, int, str]
 """Where a passage begins (file, line), and its words without markup."""
 
 
 def main() -> int:
-    guides = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
-    sources = [
-        *sorted((ROOT / "python" / "rigid").rglob("*.py*")),
-        *sorted((ROOT / "docs" / "gallery").rglob("*.py")),
-        *sorted((ROOT / "docs" / "tutorials").rglob("*.py")),
-    ]
-    sources = [path for path in sources if path.suffix in (".py", ".pyi")]
     only = sys.argv[1:]  # patterns of paths: nothing else is checked
+
+    def chosen(paths: Iterable[Path]) -> list[Path]:
+        return [path for path in paths if not only or any(map(path.match, only))]
+
+    guides = chosen([ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))])
+    sources = chosen(path for folder in SOURCES for path in sorted((ROOT / folder).rglob("*.*")))
+    sources = [path for path in sources if path.suffix in SUFFIXES]
     faults: list[str] = []
     sentences = longest = 0
     for path in guides:
-        if only and not any(path.match(pattern) for pattern in only):
-            continue
         faults.extend(wide_code(path))
         for where, line, sentence in guide_sentences(path):
             count = len(sentence.split())
@@ -54,8 +55,6 @@ def main() -> int:
                 faults.append(f"{where}:{line}: {count} words: {sentence}")
             faults.extend(wrong_phrases(where, line, sentence))
     for path in sources:
-        if only and not any(path.match(pattern) for pattern in only):
-            continue
         for where, line, text in source_texts(path):
             faults.extend(wrong_phrases(where, line, text))
     faults = list(dict.fromkeys(faults))  # a part of an f-string is met twice
@@ -130,9 +129,15 @@ def plain(text: str) -> str:
 
 
 def source_texts(path: Path) -> Iterator[Passage]:
-    """Each string of a module: docstrings and messages; and each comment."""
+    """Each string of a module, its docstrings and messages among them, and each comment.
+
+    Of other files each line.
+    """
     where = path.relative_to(ROOT).as_posix()
     text = path.read_text(encoding="utf-8")
+    if path.suffix not in (".py", ".pyi"):
+        yield from ((where, number, line) for number, line in enumerate(text.splitlines(), 1))
+        return
     for node in ast.walk(ast.parse(text)):
         if isinstance(node, ast.JoinedStr):
             parts = [p.value if isinstance(p, ast.Constant) else "x" for p in node.values]

@@ -78,7 +78,7 @@ impl Inertia {
         self.0
     }
 
-    /// The axis (0, 1, 2) about which the body is dynamically symmetric: the other two moments are equal to the bit.
+    /// The axis (0, 1, 2) about which the body is dynamically symmetric: the other two moments are exactly equal.
     pub fn symmetry_axis(self) -> Option<usize> {
         (0..3).rev().find(|&k| self.0[(k + 1) % 3] == self.0[(k + 2) % 3])
     }

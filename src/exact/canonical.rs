@@ -40,16 +40,16 @@ pub enum Question {
 
 impl Question {
     /// A description of the bodies that have a closed form for their states.
-    pub const RULE_OF_STATES: &str = "closed forms are known of a free body, of a top with two moments equal to the \
-        bit and its centre of mass on the third axis, and of a top that swings about a principal axis";
+    pub const RULE_OF_STATES: &str = "closed forms are known of a free body, of a top with two exactly equal \
+        moments and its centre of mass on the third axis, and of a top that swings about a principal axis";
 
     /// A description of the bodies that have a closed form for their class.
     pub const RULE_OF_CLASSES: &str = "closed forms are known of no_flip and regular of a free body, and of \
-        tilt_below(axis=±k, reference='vertical'), no_flip(k) and regular of a top with two moments equal to the bit \
+        tilt_below(axis=±k, reference='vertical'), no_flip(k) and regular of a top with two exactly equal moments \
         and its centre of mass on the third axis k";
 }
 
-/// The symmetry axis (0 to 2) of a Lagrange top: the other two moments are equal to the bit, and the weight, which is
+/// The symmetry axis (0 to 2) of a Lagrange top: the other two moments are exactly equal, and the weight, which is
 /// not zero, lies exactly on the axis. `None` for any other body.
 pub fn lagrange_axis(moments: [f64; 3], weight: [f64; 3]) -> Option<usize> {
     (0..3).find(|&k| {

@@ -1,4 +1,4 @@
-// The starts of bodies, drawn as the core draws them (src/sample.rs), to the bit: Philox4x64-10 (Salmon, Moraes, Dror, Shaw,
+// The starts of bodies, drawn as the core draws them (src/sample.rs), bit for bit: Philox4x64-10 (Salmon, Moraes, Dror, Shaw,
 // SC'11, doi 10.1145/2063384.2063405), keyed by the seed, its counter (block of draws + 1, sample, pixel, 0).
 const MASK = (1n << 64n) - 1n;
 
@@ -103,7 +103,7 @@ function attitudeOf(law, size, q, u) {
   return [a * s1, a * c1, b * s2, b * c2];  // Shoemake, Graphics Gems III, 1992
 }
 
-// Rates and attitude of a body: the nominal ones of its pixel, perturbed by the laws of the map.
+// Rates and attitude of a body: the nominal ones of its pixel, perturbed by the distributions of the map.
 function startOf(draw, pixel, sample) {
   const row = (array, width) => Array.from(array.subarray(width * pixel, width * pixel + width)), key = draw.key.map(BigInt);
   const uniforms = block => uniformsOf(key, block, sample, draw.numbers[pixel]), [ofRates, ofAttitude] = draw.laws;

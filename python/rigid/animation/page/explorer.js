@@ -366,9 +366,9 @@ class Explorer extends MapOnCanvas {
     const {map} = this;
     this.find(".note").textContent = `Here are ${map.samples} of ${map.of} bodies of each pixel. ` + (!map.motion
       ? "The page does not compute motions under these torques: use the Python line."
-      : `The page computes their motions from their exact starts by a Taylor series; the outcomes are those of the map. ${Number.isFinite(doubtful)
-        ? `A change of this start by 1e-12 shows from t = ${shown(doubtful)} s on: from there this motion, that of the map and that of replay may differ.`
-        : "Chaotic motions may leave those of the map."}`);
+      : `The page computes their motions from their exact starts by a Taylor series; the outcomes come from the map. ${Number.isFinite(doubtful)
+        ? `A change of this start by 1e-12 shows from t = ${shown(doubtful)} s on: from there this motion may differ from the motions of the map and of replay.`
+        : "Chaotic motions may differ from the map."}`);
   }
 
   strip() {
@@ -417,7 +417,7 @@ async function unpackAll(data) {
   return data;
 }
 
-// A page of its own holds its map, and its address keeps the view. In a notebook widget.js gives the maps.
+// A saved page holds its map, and its address keeps the view. In a notebook widget.js gives the maps.
 function begin() {
   const text = document.getElementById("map").textContent, explorer = new Explorer();
   window.explorer = explorer;

@@ -21,7 +21,7 @@ function across(direction) {  // a right-handed triad with the direction as its 
   return [first, cross(along, first), along];
 }
 
-// The theme is that of the page around, once it has sent one, else that of the system.
+// The page around sends its theme; without one the theme of the system is used.
 let theme = null;
 const dark = () => theme ? theme === "dark" : window.matchMedia("(prefers-color-scheme: dark)").matches;
 
