@@ -28,6 +28,7 @@ PHRASES = {
     r"\bjudged (samples|maps?|bodies)\b": "say: custom criterion",
 }
 
+GUIDES = ("README.md", "CHANGELOG.md", "CONTRIBUTING.md")
 SOURCES = ("python/rigid", "docs/gallery", "docs/tutorials")
 SUFFIXES = {".html", ".js", ".py", ".pyi", ".rst", ".toml"}
 
@@ -41,7 +42,7 @@ def main() -> int:
     def chosen(paths: Iterable[Path]) -> list[Path]:
         return [path for path in paths if not only or any(map(path.match, only))]
 
-    guides = chosen([ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))])
+    guides = chosen([*map(ROOT.joinpath, GUIDES), *sorted((ROOT / "docs").glob("*.md"))])
     sources = chosen(path for folder in SOURCES for path in sorted((ROOT / folder).rglob("*.*")))
     sources = [path for path in sources if path.suffix in SUFFIXES]
     faults: list[str] = []
@@ -64,7 +65,10 @@ def main() -> int:
         f"{sentences} sentences of guides, the longest has {longest} words; {len(sources)} sources;"
         f" {len(faults)} faults"
     )
-    return bool(faults) or (not only and sentences < 1000)
+    if not guides and not sources:
+        print(f"no file matches {only}")
+        return 2
+    return int(bool(faults) or (not only and sentences < 1000))
 
 
 def wrong_phrases(where: str, line: int, text: str) -> Iterator[str]:

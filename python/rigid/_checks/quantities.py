@@ -42,10 +42,11 @@ _MEASURE = re.compile(r"\s*([-+]?[\d.]+(?:[eE][-+]?\d+)?)\s*(\S.*?)?\s*")
 """A number and its unit in a text, such as ``35 deg``."""
 
 _TURNING = {
-    **dict.fromkeys(("deg", "degree", "degrees", "°", "deg/s", "°/s"), ("degree", pi / 180.0)),
-    "rpm": ("rpm", pi / 30.0),
+    **dict.fromkeys(("deg", "degree", "degrees", "°"), ("rad", "degree", pi / 180.0)),
+    **dict.fromkeys(("deg/s", "°/s"), ("rad/s", "degree", pi / 180.0)),
+    "rpm": ("rad/s", "rpm", pi / 30.0),
 }
-"""The constant of :mod:`rigid.units` for the names of a unit, and its size."""
+"""The SI unit, the constant of :mod:`rigid.units` and its size for the names of a unit."""
 
 
 def instead_of_a_text(name: str, value: Any, unit: str | None = None) -> str:
@@ -65,9 +66,10 @@ def instead_of_a_text(name: str, value: Any, unit: str | None = None) -> str:
     if measure[2] is None:
         return f"{rule}, not a text; leave out the quotation marks"
     rule += ", written without the unit"
-    turning = _TURNING.get(measure[2])
-    if turning and (not units or {"rad", "rad/s"} & {*units}):
-        return f"{rule}; {measure[1]} * rigid.units.{turning[0]} is {number * turning[1]:.12g}"
+    if measure[2] in _TURNING:
+        unit, constant, size = _TURNING[measure[2]]
+        if not units or unit in units:
+            return f"{rule}; {measure[1]} * rigid.units.{constant} is {number * size:.12g}"
     return rule
 
 

@@ -53,7 +53,7 @@ from .output import (
     target_of,
 )
 from .parser import LONG_SECONDS, SECONDS, make_parser
-from .running_maps import compute_stored, default_stem, open_and_go_on, run
+from .running_maps import compute_stored, default_stem, open_and_go_on, require_shared, run
 from .toml_map import MAPS, NamedSpec, builtin_names, read_spec
 from .toml_report import REPORTS, read_report, report_names
 from .toml_section import SECTIONS, SectionSpec, read_section, section_names
@@ -150,6 +150,8 @@ def _map(options: argparse.Namespace) -> int:
     if options.seed is not None:
         spec = dataclasses.replace(spec, seed=seed_from(options.seed))
     check_what(spec, options.what)
+    seeded = named.seeded or options.seed is not None
+    require_shared(options, seeded=seeded)
     target = target_of(options.out, named.name, ".npz", force=options.force)
     threads = resolve_threads(options.threads)
     require_room(target.data, file_size(spec))
@@ -158,12 +160,8 @@ def _map(options: argparse.Namespace) -> int:
     if not options.json:
         say(f"{'plan':<12}{_plan(spec)}")
     if options.store is not None:
-        seeded = named.seeded or options.seed is not None
         stored = compute_stored(spec, options, seeded=seeded)
         return _finished_map(stored, target, named.name, options)
-    for name in ("part", "dask"):
-        if getattr(options, name) is not None:
-            raise ValueError(f"--{name}: needs --store")
     result = run_map(spec, threads=threads, progress=progress_shown(options.progress), partial=True)
     return _finished_map(result, target, named.name, options)
 
@@ -172,14 +170,15 @@ def _checked(spec: MapSpec, name: str, target: Target, options: argparse.Namespa
     """Tell the plan of a map, its cost and the files that it would write."""
     made, threads = map_plan(spec), resolve_threads(options.threads)
     pixels = int((to_core(spec).status == 0).sum())
-    bodies = pixels * spec.samples
+    bodies = min(pixels * spec.samples, spec.budget or pixels * spec.samples)
     seconds = None if made.cost is None else 1e-9 * made.cost * bodies / threads
-    files = {"data": str(target.data), "picture": str(target.picture)}
+    files = {"data": str(target.data), "picture": str(target.picture), "store": options.store}
+    at_most = spec.half_width is not None or refined(spec)
     if options.json:
         facts = {"name": name, "plan": made.to_dict(), "pixels": pixels, "bodies": bodies}
-        print_list({**facts, "seconds": seconds, **files}, as_json=True)
+        print_list({**facts, "at_most": at_most, "seconds": seconds, **files}, as_json=True)
         return DONE
-    most = "at most " if spec.half_width is not None or refined(spec) else ""
+    most = "at most " if at_most else ""
     cost = "unknown"
     if seconds is not None:
         free = f"s on {threads} free thread{'s' if threads > 1 else ''}"
@@ -192,7 +191,7 @@ def _checked(spec: MapSpec, name: str, target: Target, options: argparse.Namespa
         "plan": _plan(spec),
         "bodies": f"{most}{bodies:,} in {pixels:,} pixels",
         "cost": cost,
-        "would write": ", ".join(map(str, filter(None, (*files.values(), options.store)))),
+        "would write": ", ".join(map(str, filter(None, files.values()))),
     }
     say("\n".join(f"{name:<12}{text}" for name, text in lines.items()))
     return DONE

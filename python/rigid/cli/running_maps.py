@@ -25,6 +25,7 @@ __all__ = [
     "compute_stored",
     "default_stem",
     "open_and_go_on",
+    "require_shared",
     "run",
 ]
 
@@ -144,10 +145,17 @@ def _pack(options: Namespace) -> int:
     return DONE
 
 
-def compute_stored(spec: MapSpec, options: Namespace, *, seeded: bool) -> StabilityMap | int:
-    """The whole map of a specification in ``options.store``, or the exit code."""
+def require_shared(options: Namespace, *, seeded: bool) -> None:
+    """Raise ValueError if a part of a map, or a cluster, has no common folder or no common seed."""
+    for name in ("part", "dask"):
+        if getattr(options, name) is not None and options.store is None:
+            raise ValueError(f"--{name}: needs --store")
     if options.part is not None and not seeded:
         raise ValueError("--part: the file must tell the seed, or --seed: parts need the same one")
+
+
+def compute_stored(spec: MapSpec, options: Namespace, *, seeded: bool) -> StabilityMap | int:
+    """The whole map of a specification in ``options.store``, or the exit code."""
     return _computed(
         options,
         lambda **how: run_map(spec, store=options.store, seeded=seeded, **how),

@@ -146,7 +146,9 @@ START: Mapping[str, Key] = {
     **_NOMINAL,
     "noise": Key("table", "random part of the rates", "", "none"),
     "attitude_noise": Key("table", "random rotation of the attitude", "", "none"),
-    "weight": Key("number", "share of the bodies with this one of several `[[start]]`", "", "1"),
+    "weight": Key(
+        "number", "how likely this one of several `[[start]]` is, relative to the others", "", "1"
+    ),
 }
 
 NOISE: Mapping[str, Key] = {

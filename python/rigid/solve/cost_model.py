@@ -51,7 +51,7 @@ PROCESSOR = 1e-12
 """Rounding (rad) of the change of variables before and after the steps of a processed method."""
 
 ROUNDED = 1.01
-"""Largest turn in a step, over the largest angle of a model; roundings add to its error."""
+"""Largest turn in a step, over the largest angle of a model: a turn has roundings."""
 
 LAYER = 0.1
 """Longest step, over the damping time, that resolves how damping ends the motion of the start."""
@@ -516,7 +516,7 @@ def _by_group(steps: Floats) -> float:
 
 
 def _ends(steps: Floats) -> float:
-    """The mean number of different last steps of the bodies of a group."""
+    """The mean number of distinct numbers of steps of the bodies of a group."""
     if not len(steps) or steps.min() == steps.max():
         return 1.0
     groups = np.full((math.ceil(len(steps) / LANES), LANES), np.nan)

@@ -96,7 +96,7 @@ def frequencies(t: ArrayLike, z: ArrayLike, count: int = 1) -> Lines:
     t : array_like, shape (m,)
         Times (s), ascending at equal distances; at least 16.
     z : array_like, shape (..., m)
-        Signals, real or complex. ``omega1 + i omega2`` and ``gamma1 + i gamma2`` distinguish senses
+        Signals, real or complex. ``omega1 + i omega2`` and ``gamma1 + i gamma2`` tell the senses
         of rotation apart.
     count : int
         Number of lines.

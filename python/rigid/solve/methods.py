@@ -257,7 +257,7 @@ def tangent_methods(*, forced: bool = False) -> tuple[str, ...]:
 
 
 def methods_under(forces: Collection[str]) -> list[str]:
-    """The names of the methods that integrate all of these forces; without forces all names."""
+    """The names of the methods that integrate all of these forces, or a torque if none is given."""
     wanted = set(forces) or {"torque"}
     return [method.name for method in methods() if wanted <= set(method.forces)]
 

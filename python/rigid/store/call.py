@@ -187,7 +187,7 @@ def stability_map(
         If rows cannot be stored; earlier rows are kept.
     RuntimeError
         If the workers of an executor die. A Dask cluster goes on with other workers, and raises
-        ``rigid.store.store.PoisonedError`` at the end if some blocks killed every worker.
+        ``rigid.store.store.PoisonedError`` at the end if a unit of work failed three times.
     TypeError
         If a required argument is missing, or an argument contradicts a specification.
     ValueError

@@ -690,6 +690,8 @@ def test_a_check_tells_what_a_map_costs_at_most(
     assert main(["map", "small.toml", "--check", "--half-width", "0.1", "--threads", "2"]) == 0
     shown = capsys.readouterr().out
     assert "bodies      at most 1,152 in 9 pixels" in shown
+    assert main(["map", "small.toml", "--check", "--half-width", "0.1", "--budget", "50"]) == 0
+    assert "bodies      at most 50 in 9 pixels" in capsys.readouterr().out
     assert re.search(r"cost +at most \S+ s on 2 free threads", shown)
 
 
@@ -698,6 +700,8 @@ def test_a_check_refuses_what_the_map_refuses(
 ) -> None:
     said = fails(["map", "small.toml", "--check", "--set", "run.t_end=-1"], capsys)
     assert "[run] t_end = -1.0: must be positive" in said
+    said = fails(["map", "small.toml", "--check", "--part", "1/2"], capsys)
+    assert said == "rigid: --part: needs --store"
 
 
 def test_samples_and_half_width_exclude_each_other(capsys: pytest.CaptureFixture[str]) -> None:

@@ -16,7 +16,11 @@ ROOT = Path(__file__).parents[3]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
 EXTRAS = set(PROJECT["optional-dependencies"])
 SOURCES = sorted((ROOT / "python" / "rigid").rglob("*.py"))
-PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
+PAGES = [
+    *(ROOT / name for name in ("README.md", "CHANGELOG.md", "CONTRIBUTING.md")),
+    *sorted((ROOT / "docs").rglob("*.md")),
+    *sorted((ROOT / ".github").rglob("*.yml")),
+]
 
 
 def test_the_distribution_is_that_of_messages_and_of_the_build() -> None:
@@ -47,7 +51,7 @@ def test_every_message_names_an_extra_that_exists() -> None:
 def test_commands_install_this_distribution(file: Path) -> None:
     """The name ``rigid`` alone would fetch another project from the package index."""
     text = file.read_text(encoding="utf-8")
-    named = re.findall(r"pip install \S*?\b(rigid[\w-]*)(?:\[([\w,]+)\])?", text)
+    named = re.findall(r"pip install [^\n`]*?\b(rigid(?:-\w+)*)\b(?!_)(?:\[([\w,]+)\])?", text)
     assert {name for name, _ in named} <= {DISTRIBUTION}
     assert {extra for _, extras in named for extra in extras.split(",") if extra} <= EXTRAS
 

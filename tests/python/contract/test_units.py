@@ -230,6 +230,10 @@ def test_periods_of_an_asteroid_in_hours_and_a_damping_time_in_years() -> None:
             "5 * rigid.units.rpm is 0.523598775598",
         ),
         (
+            lambda: rigid.Start(spin="5 deg"),  # type: ignore[arg-type]
+            "spin = '5 deg': must be a real number in rad/s, written without the unit",
+        ),
+        (
             lambda: rigid.Start(omega=("5 rpm", 0, 0)),  # type: ignore[arg-type]
             "omega = ('5 rpm', 0, 0): must be real numbers in rad/s, written without the unit; "
             "5 * rigid.units.rpm is",
@@ -258,6 +262,7 @@ def test_a_text_with_a_unit_is_refused_with_the_number(
     with pytest.raises(TypeError) as caught:
         make()
     assert str(caught.value).startswith(message)
+    assert ("rigid.units" in str(caught.value)) == ("rigid.units" in message)
 
 
 def test_the_number_that_is_told_is_taken() -> None:
