@@ -13,6 +13,7 @@ use crate::parallel::{Interrupt, over_blocks};
 use crate::scene::Scene;
 use crate::simd::{Isa, LANES};
 use crate::start::Body;
+use crate::status::DRIFT_LIMIT;
 
 /// Numbers of a body in motion: of its steps with their rounding errors, its rates and its attitude.
 pub const NUMBERS: usize = 2 * MAX_STATE + 7;
@@ -46,6 +47,15 @@ struct MovingGroup {
 
 /// The torque of a step in body axes: none, one for all bodies, or one for each.
 pub type Torques<'a> = &'a [[f64; 3]];
+
+const LOST: &str = "the attitude is no rotation any more, because the steps are too long for the method, or the numbers \
+    for doubles; the motion is lost, begin it again with shorter steps";
+
+/// Whether the length of a quaternion has not drifted away from 1; NaN has.
+fn is_rotation(attitude: [f64; 4]) -> bool {
+    let squared: f64 = attitude.iter().map(|x| x * x).sum();
+    (squared.sqrt() - 1.0).abs() <= DRIFT_LIMIT
+}
 
 impl Motion {
     /// The bodies at their start, at a time.
@@ -136,7 +146,8 @@ impl Motion {
     /// # Errors
     /// If a number is not finite, if there is neither one torque nor one for each body, if the method does not move
     /// forced bodies or is unstable with the step, or if the table of the scene's torque does not reach its end. The
-    /// bodies are then as before.
+    /// bodies are then as before. If the step is so long that an attitude is no rotation any more: the bodies are then
+    /// lost.
     pub fn step(&mut self, dt: f64, torques: Torques, threads: usize) -> Result<(), Error> {
         let refused = |argument, value: String, rule| Err(Error::Value { argument, value, rule });
         let n = self.len();
@@ -174,6 +185,9 @@ impl Motion {
             Ok(())
         })?;
         self.time = end;
+        if self.bodies().any(|body| !is_rotation(body.attitude)) {
+            return refused("dt", dt.to_string(), LOST);
+        }
         Ok(())
     }
 

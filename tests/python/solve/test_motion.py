@@ -253,3 +253,12 @@ def test_a_motion_begins_at_its_time() -> None:
         # roundings of numbers of the order of one.
         np.testing.assert_allclose(rest.omega, whole.omega, rtol=0.0, atol=16 * 2.0**-52)
         np.testing.assert_allclose(rest.attitude, whole.attitude, rtol=0.0, atol=16 * 2.0**-52)
+
+
+@pytest.mark.parametrize("dt", [10.0, 1e200])
+def test_steps_too_long_for_a_rotation_are_refused(dt: float) -> None:
+    """A step of fifty radians: the quaternion of ``rk4`` would be thousands of units long."""
+    top = rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0)
+    motion = rigid.Motion(top, [[0.0, 0.0, 5.0], [0.0, 0.0, 0.0]])
+    with pytest.raises(ValueError, match="the attitude is no rotation any more"):
+        motion.step(dt)
