@@ -441,10 +441,14 @@ SUBSCRIPTS = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 
 def _plain_words(label: str) -> str:
     """A label without TeX."""
-    label = re.sub(r"_\{?(\d+)\}?", lambda found: found[1].translate(SUBSCRIPTS), label)
+    label = re.sub(r"_(?:\{(\d+)\}|(\d+))", _subscript, label)
     for tex, plain in _TEX.items():
         label = label.replace(tex, plain)
     return label
+
+
+def _subscript(found: re.Match[str]) -> str:
+    return (found[1] or found[2]).translate(SUBSCRIPTS)
 
 
 def _compressed(array: NDArray[Any]) -> bytes:

@@ -217,12 +217,13 @@ def _explore(options: argparse.Namespace) -> int:
     source = Path(options.map)
     target = Path(options.out or source.with_suffix(".html"))
     if not source.exists() and options.map in builtin_names():
-        raise ValueError(f"{source}: is no saved map; compute the map first: rigid map {source}")
+        saved = source.with_name(f"{source.name}.npz")
+        hint = f"did you mean {saved}?" if saved.exists() else f"compute it: rigid map {source}"
+        raise ValueError(f"{source}: is a built-in map and no file; {hint}")
     require_readable(source)
+    result = load_map(source)
     require_new(target, "--out", force=options.force)
-    page = load_map(source).explore(
-        target, samples=options.samples, threads=options.threads, saved_as=source
-    )
+    page = result.explore(target, samples=options.samples, threads=options.threads, saved_as=source)
     say(f"{'page':<12}{page}")
     return DONE
 

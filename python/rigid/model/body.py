@@ -44,7 +44,7 @@ Moments: TypeAlias = tuple[float, float, float] | Floats
 """Principal moments of one body, or of many bodies with shape (..., 3)."""
 
 
-LARGE_SIDE, LEAST_DENSITY = 50.0, 0.1
+LARGE_SIDE, LEAST_DENSITY = 5.0, 0.1
 """Above this side (m) a box below this density (kg/m³) has other units: aerogels have 0.16."""
 
 
@@ -196,7 +196,7 @@ class Body:
         Warns
         -----
         UserWarning
-            If a side is above 50 m and the box would be lighter than any solid, 0.1 kg/m³: the
+            If a side is above 5 m and the box would be lighter than any solid, 0.1 kg/m³: the
             sides are probably not in m. A mass of 1 stands for any mass, and is not compared.
 
         Examples
@@ -772,7 +772,10 @@ def _checked_moments(value: ArrayLike) -> Moments:
         try:
             _core.check_moments(array[index].tolist())
         except ValueError as error:
-            raise ValueError(str(error).replace("moments", f"moments{place}", 1)) from None
+            text = str(error).replace("moments", f"moments{place}", 1)
+            if array.shape == (3, 3) and (array == array.T).all():
+                text += "; rows are bodies: a tensor of inertia goes to Body.from_tensor"
+            raise ValueError(text) from None
     return frozen(array)
 
 

@@ -698,7 +698,9 @@ def body_axis(value: object, *, signed: bool = False) -> int:
     """The number of a body axis: 1, 2 or 3, with ``signed`` also -1, -2 or -3."""
     known = (1, 2, 3, -1, -2, -3) if signed else (1, 2, 3)
     if isinstance(value, bool) or not isinstance(value, (int, np.integer)):
-        raise TypeError(f"axis = {brief(value)}: must be a whole number")
+        raise TypeError(
+            f"axis = {brief(value)}: must be a whole number, one of {', '.join(map(str, known))}"
+        )
     if value not in known:
         raise ValueError(f"axis = {brief(value)}: must be one of {', '.join(map(str, known))}")
     return int(value)

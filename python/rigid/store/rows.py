@@ -140,7 +140,13 @@ class Table:
 
     def __init__(self, head: Head) -> None:
         self.head = head
-        self.rows: Rows = np.zeros(head.units, ROW)
+        try:
+            self.rows: Rows = np.zeros(head.units, ROW)
+        except MemoryError:
+            needed = head.units * ROW.itemsize / 2**30
+            raise MemoryError(
+                f"axes: the columns of {head.units:,} pixels need {needed:,.0f} GiB; take fewer values"
+            ) from None
         self.known = np.zeros(head.units, np.bool_)
         self.nanoseconds = np.full(head.units, np.nan, np.float32)
         self.twice = 0

@@ -628,7 +628,10 @@ def test_a_map_that_is_not_computed_yet_is_computed_first(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     said = fails(["explore", "thrown-box"], capsys)
-    assert said.endswith("thrown-box: is no saved map; compute the map first: rigid map thrown-box")
+    assert said.endswith("is a built-in map and no file; compute it: rigid map thrown-box")
+    (folder / "thrown-box.npz").touch()
+    said = fails(["explore", "thrown-box"], capsys)
+    assert said.endswith("is a built-in map and no file; did you mean thrown-box.npz?")
 
 
 @pytest.mark.parametrize(

@@ -276,6 +276,8 @@ def test_a_large_box_of_nothing_has_other_units() -> None:
     """0.3 kg in 250 m x 80 m x 10 m have 1.5e-6 kg/m³; an asteroid and a unit mass are no fault."""
     with pytest.warns(UserWarning, match=r"a box of 1.5e-06 kg/m³ is lighter than any solid; leng"):
         rigid.Body.box(250.0, 80.0, 10.0, mass=0.3)
+    with pytest.warns(UserWarning, match="lengths are in m"):
+        rigid.Body.box(25.0, 8.0, 1.0, mass=0.3)  # in cm
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         rigid.Body.box(0.25, 0.08, 0.01, mass=0.3)

@@ -49,7 +49,11 @@ def refusal(call: Callable[[], object], kind: type[Exception]) -> str:
         ({"omega": [1.0, np.inf, 0.0]}, ValueError, "omega[1] = inf: must be finite"),
         ({"spin": 1.0, "axis": 4}, ValueError, "axis = 4: must be one of 1, 2, 3"),
         ({"spin": 1.0, "axis": -1}, ValueError, "axis = -1: must be one of 1, 2, 3"),
-        ({"spin": 1.0, "axis": 1.5}, TypeError, "axis = 1.5: must be a whole number"),
+        (
+            {"spin": 1.0, "axis": 1.5},
+            TypeError,
+            "axis = 1.5: must be a whole number, one of 1, 2, 3",
+        ),
         ({"spin": 1.0, "axis": True}, TypeError, "axis = True: must be a whole number"),
         ({"spin": 1.0, "tilt": 4.0}, ValueError, "tilt = 4.0: must lie in [-pi, pi] (rad)"),
         ({"spin": 1.0, "tilt": np.inf}, ValueError, "tilt = inf: must be finite"),

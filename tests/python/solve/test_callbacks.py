@@ -233,7 +233,7 @@ def test_what_a_function_does_not_go_with_is_refused() -> None:
             lambda: rigid.free.power_balance(run),
         ),
         (
-            "acts with other torques",
+            "acts with other torques, damping and weight only, not with a rotor",
             lambda: rigid.simulate(
                 rigid.FreeBody(BODY, torque=torque, drag=0.1), OMEGA, method="rk4", **one
             ),

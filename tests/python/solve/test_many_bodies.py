@@ -367,6 +367,13 @@ BAD[17] = (1.0, 1.0, 2.5)
 REFUSED: list[tuple[Callable[[], Any], type[Exception], str]] = [
     (lambda: rigid.Body(BAD), ValueError, "moments[17] = (1, 1, 2.5): no moment may exceed"),
     (
+        lambda: rigid.Body([[2.0, 0.1, 0.1], [0.1, 3.0, 0.2], [0.1, 0.2, 4.0]]),
+        ValueError,
+        "moments[0] = (2, 0.1, 0.1): no moment may exceed the sum of the other two (triangle "
+        "inequality; equality is a flat body); rows are bodies: a tensor of inertia goes to "
+        "Body.from_tensor",
+    ),
+    (
         lambda: rigid.Body(BAD.reshape(1, COUNT, 3)),
         ValueError,
         "moments[0, 17] = (1, 1, 2.5): no moment may exceed",
