@@ -93,7 +93,9 @@ class Parser(argparse.ArgumentParser):
             kind = "whole" if found[2] == "int" else "real"
             message = f"{found[1]} = {found[3]}: must be a {kind} number"
         elif found := re.fullmatch(r"unrecognized arguments: (-\S+).*", message):
-            message = f"{found[1]}: unknown option{nearest(found[1], self._options())}"
+            options = self._options()
+            hint = "" if found[1] in options else nearest(found[1], options)
+            message = f"{found[1]}: this command has no such option{hint}"
         elif found := re.fullmatch(r"the following arguments are required: (.*)", message):
             message = f"needs {found[1]}; {self.prog} --help has examples"
         complain(message, self.prog)

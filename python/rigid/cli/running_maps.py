@@ -16,7 +16,7 @@ from ..maps.result import StabilityMap
 from ..maps.spec import MapSpec
 from ..store.call import run_map
 from .exit_codes import DONE, SAYS_NO, UNFINISHED
-from .output import complain, progress_shown, say
+from .output import complain, progress_shown, require_new, say
 
 __all__ = [
     "THREADS",
@@ -42,12 +42,10 @@ def _command(commands: Any, name: str, words: str) -> ArgumentParser:
     return parser
 
 
-def add_options(parser: ArgumentParser) -> None:
+def add_options(parser: ArgumentParser, needs: str = "; needs --store") -> None:
     """The options of a map that is stored."""
-    parser.add_argument("--part", metavar="K/N", help="compute only part K of N; needs --store")
-    parser.add_argument(
-        "--dask", metavar="ADDRESS", help="compute on this Dask cluster; needs --store"
-    )
+    parser.add_argument("--part", metavar="K/N", help=f"compute only part K of N{needs}")
+    parser.add_argument("--dask", metavar="ADDRESS", help=f"compute on this Dask cluster{needs}")
 
 
 def add_commands(commands: Any) -> None:
@@ -55,13 +53,17 @@ def add_commands(commands: Any) -> None:
     resume = _command(commands, "resume", "go on with a running map")
     resume.add_argument("store", metavar="DIR", help=_FOLDER)
     resume.add_argument("--threads", type=int, metavar="N", help=THREADS)
-    resume.add_argument("--out", metavar="PATH", help="writes PATH.png and PATH.npz")
+    resume.add_argument(
+        "--out",
+        metavar="PATH",
+        help="writes PATH.png and PATH.npz (default: DIR without its suffix)",
+    )
     resume.add_argument("--force", action="store_true", help="replace existing files")
     resume.add_argument("--json", action="store_true", help="print JSON for other programs")
     resume.add_argument(
         "--no-progress", dest="progress", action="store_false", help="no progress bar"
     )
-    add_options(resume)
+    add_options(resume, "")
     status = _command(commands, "status", "tell what a running map has and lacks")
     status.add_argument("store", metavar="DIR", help=_FOLDER)
     merge = _command(commands, "merge", "merge running maps of one specification")
@@ -91,6 +93,7 @@ def add_commands(commands: Any) -> None:
     pack.add_argument(
         "--partial", action="store_true", help="also write a map that is not finished"
     )
+    pack.add_argument("--force", action="store_true", help="replace an existing file")
 
 
 def run(options: Namespace) -> int:
@@ -131,6 +134,11 @@ def _pack(options: Namespace) -> int:
     """Write the map of a store, if the map is complete or a partial map is requested."""
     from ..store.store import open_store, pack
 
+    if "://" not in options.out:
+        target = Path(options.out)
+        if target.suffix not in (".npz", ".zarr"):
+            raise ValueError(f"OUT = {options.out!r}: the name of a map ends in .npz or .zarr")
+        require_new(target, "OUT", force=options.force)
     result = open_store(options.store).result()
     if not result.ended:
         words = _stored(options.store, result)
@@ -174,7 +182,8 @@ def open_and_go_on(options: Namespace) -> StabilityMap | int:
 def _computed(options: Namespace, compute: Any) -> StabilityMap | int:
     from ..store.store import PoisonedError
 
-    goes_on = f"rigid resume {options.store} goes on"
+    part = "" if options.part is None else f" --part {options.part}"
+    goes_on = f"rigid resume {options.store}{part} goes on"
     try:
         with _executor(options.dask) as executor:
             result: StabilityMap = compute(
@@ -199,7 +208,10 @@ def _computed(options: Namespace, compute: Any) -> StabilityMap | int:
         raise OSError(f"{error}; {_stored_in(options.store)}{goes_on}") from None
     if result.ended:
         return result
-    complain(f"waits for other parts; {_stored(options.store, result)}; {goes_on}")
+    complain(
+        f"waits for other parts; {_stored(options.store, result)}; "
+        f"rigid resume {options.store} computes them all"
+    )
     return UNFINISHED
 
 
@@ -230,7 +242,11 @@ def _executor(address: str | None) -> Iterator[Any]:
         from distributed import Client
     except ImportError:
         raise ValueError(install_extra("--dask needs Dask", "dask")) from None
-    with Client(address) as client:  # type: ignore[no-untyped-call]
+    try:
+        client = Client(address)  # type: ignore[no-untyped-call]
+    except OSError as error:
+        raise ValueError(f"--dask = {address!r}: no scheduler answers ({error})") from None
+    with client:
         yield client
 
 

@@ -49,7 +49,8 @@ class Motion:
         from ``t = 0``.
     method : str
         One of :func:`rigid.methods`; by default the cheapest step. ``"dop853"`` costs more and is
-        more accurate by orders of magnitude. Under forces one that integrates them: ``Method.forces``.
+        more accurate by orders of magnitude. Under forces one that integrates them:
+        ``Method.forces``.
     threads : int, optional
         Most threads of a step of many bodies. Default: ``RIGID_NUM_THREADS``, else the cores that
         this process may use. A thousand bodies and fewer are moved by the calling thread.
@@ -213,21 +214,24 @@ class Motion:
             "t0": self.t,
             "method": self.method,
             "threads": self._threads,
-            "frame": self._frame,
         }
-        return _rebuilt, (self.scene, self.omega, self.attitude, options, *self._core.numbers())
+        first = 0 if self._single else slice(None)
+        states = self._core.omega()[first], self._core.attitude()[first]
+        return _rebuilt, (self.scene, *states, self._frame, options, *self._core.numbers())
 
 
 def _rebuilt(
     scene: Scene,
     omega: Floats,
     attitude: Floats,
+    frame: Floats | None,
     options: dict[str, Any],
     numbers: Floats,
     forced: bool,
 ) -> Motion:
-    """A motion whose bodies have the numbers of another."""
+    """A motion whose bodies have the numbers of another; rates and attitude in principal axes."""
     motion = Motion(scene, omega, attitude, **options)
+    motion._frame = frame
     motion._core.restore(numbers, forced)
     return motion
 

@@ -145,7 +145,8 @@ class Table:
         except MemoryError:
             needed = head.units * ROW.itemsize / 2**30
             raise MemoryError(
-                f"axes: the columns of {head.units:,} pixels need {needed:,.0f} GiB; take fewer values"
+                f"axes: the columns of {head.units:,} pixels need {needed:,.0f} GiB; take fewer "
+                "values"
             ) from None
         self.known = np.zeros(head.units, np.bool_)
         self.nanoseconds = np.full(head.units, np.nan, np.float32)

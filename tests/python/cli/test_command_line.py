@@ -231,7 +231,7 @@ def test_help_is_on_stdout(capsys: pytest.CaptureFixture[str]) -> None:
         (["map"], ["rigid map: needs NAME|FILE.toml; rigid map --help has examples"]),
         (
             ["map", "small.toml", "--sampels", "3"],
-            ["--sampels: unknown option; did you mean '--samples'?"],
+            ["--sampels: this command has no such option; did you mean '--samples'?"],
         ),
         (["map", "small.toml", "--samples", "0"], ["samples = 0: must be at least 1"]),
         (["map", "small.toml", "--samples", "-4"], ["samples = -4: must be at least 1"]),

@@ -72,7 +72,7 @@ def test_parts_wait_for_each_other(capsys: pytest.CaptureFixture[str]) -> None:
     told = capsys.readouterr().err
     assert re.fullmatch(
         r"rigid: waits for other parts; \d+ of \d+ pixels are stored; "
-        r"rigid resume run.rigid goes on\n",
+        r"rigid resume run.rigid computes them all\n",
         told,
     )
     assert not Path("small.npz").exists()
@@ -96,6 +96,24 @@ def test_parts_are_merged(capsys: pytest.CaptureFixture[str]) -> None:
     assert " 0 are missing" in capsys.readouterr().out
     assert main(["pack", "all.rigid", "all.npz"]) == 0
     assert rigid.load_map("all.npz").complete
+
+
+def test_a_packed_map_replaces_no_file_by_chance(capsys: pytest.CaptureFixture[str]) -> None:
+    main(["map", "small.toml", "--store", "run.rigid", QUIET])
+    Path("notes.npz").write_text("precious")
+    assert main(["pack", "run.rigid", "notes.npz"]) == 2
+    assert "OUT = 'notes.npz': exists; take another name" in capsys.readouterr().err
+    assert Path("notes.npz").read_text() == "precious"
+    assert main(["pack", "run.rigid", "map.txt"]) == 2
+    assert "OUT = 'map.txt': the name of a map ends in .npz or .zarr" in capsys.readouterr().err
+    assert main(["pack", "run.rigid", "notes.npz", "--force"]) == 0
+    assert rigid.load_map("notes.npz").complete
+
+
+def test_an_option_of_another_command_is_no_hint(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        main(["status", "run.rigid", "--json"])
+    assert capsys.readouterr().err.endswith("--json: this command has no such option\n")
 
 
 def damage_rows(folder: str) -> None:

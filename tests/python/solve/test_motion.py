@@ -229,6 +229,7 @@ def test_a_copy_knows_that_a_torque_has_acted() -> None:
     motion.step(STEP)
     for other in copies(motion):
         assert other.omega.tobytes() == motion.omega.tobytes()
+        assert other.attitude.tobytes() == motion.attitude.tobytes()
         other.step(STEP)
         again = motion.copy()
         again.step(STEP)
