@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..solve.dataset import as_dataset
+from .counts import GROWTH
 from .data import COLUMNS, STATUS, MapData
 from .refine import refined
 from .spec import MapSpec
@@ -67,14 +68,18 @@ def map_table(data: MapData) -> dict[str, NDArray[Any]]:
 
 def _array_attributes(spec: MapSpec) -> dict[str, dict[str, Any]]:
     share = f"share {spec.criterion}"
+    growth = {
+        "exponent": {"long_name": "mean exponent", "units": "1/s"},
+        "mean_megno": {"long_name": "mean of the mean MEGNO", "units": "1"},
+    }
+    known = [column for column in COLUMNS if spec.stable.has_deviation or column.name not in GROWTH]
     return {
         "share": {"long_name": share, "units": "1"},
         "lower": {"long_name": f"lower end of the 95 % interval of the {share}", "units": "1"},
         "upper": {"long_name": f"upper end of the 95 % interval of the {share}", "units": "1"},
         "samples": {"long_name": "bodies done", "units": "1"},
-        "exponent": {"long_name": "mean exponent", "units": "1/s"},
-        "mean_megno": {"long_name": "mean of the mean MEGNO", "units": "1"},
-        **{column.name: {"long_name": column.words, "units": column.unit} for column in COLUMNS},
+        **(growth if spec.stable.has_deviation else {}),
+        **{column.name: {"long_name": column.words, "units": column.unit} for column in known},
         "status": {
             "long_name": "status of the body",
             "units": "1",
