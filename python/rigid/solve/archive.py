@@ -53,6 +53,8 @@ def read_archive(
     try:
         with open(name, "rb") as file, np.load(file, allow_pickle=False) as archive:
             arrays = {key: archive[key] for key in archive.files}
+        if "spec.json" in arrays:
+            raise ValueError("a map, which rigid.load_map reads")
         header = json.loads(str(arrays.pop("header")))
         known = header.pop("format")
     except (zipfile.BadZipFile, ValueError, KeyError, EOFError, AttributeError, TypeError) as error:

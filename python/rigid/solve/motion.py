@@ -38,7 +38,7 @@ class Motion:
     Parameters
     ----------
     scene : FreeBody, HeavyTop or Body
-        One body or many, with weight, applied torque and damping.
+        One body, with weight, applied torque and damping; many starts are many such bodies.
     omega : array_like, shape (3,) or (n, 3)
         Angular velocity at ``t0`` in the body (rad/s).
     attitude : array_like, shape (4,) or (n, 4), or scipy Rotation, optional
@@ -181,6 +181,11 @@ class Motion:
             if self._frame is not None:
                 torque = turned(self._frame.T, torque)
         self._core.step(dt, torque)
+
+    def __repr__(self) -> str:
+        """Number of bodies, present time and method."""
+        count = "one body" if self._single else f"{len(self.omega)} bodies"
+        return f"Motion({count} at t = {self.t:g} s; {self.method})"
 
     def copy(self) -> Motion:
         """A second motion of the same bodies from here on, with the same bits.

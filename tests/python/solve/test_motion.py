@@ -263,3 +263,10 @@ def test_steps_too_long_for_a_rotation_are_refused(dt: float) -> None:
     motion = rigid.Motion(top, [[0.0, 0.0, 5.0], [0.0, 0.0, 0.0]])
     with pytest.raises(ValueError, match="the attitude is no rotation any more"):
         motion.step(dt)
+
+
+def test_a_motion_tells_its_time_and_method() -> None:
+    motion = rigid.Motion(BODY, [START, START], method="dop853")
+    motion.step(0.5)
+    assert repr(motion) == "Motion(2 bodies at t = 0.5 s; dop853)"
+    assert repr(rigid.Motion(BODY, START)) == "Motion(one body at t = 0 s; rk4)"

@@ -84,6 +84,12 @@ def test_a_damaged_run_is_refused(tmp_path: Path) -> None:
         rigid.load_run(path)
     with pytest.raises(FileNotFoundError):
         rigid.load_run(tmp_path / "none.npz")
+    result = rigid.stability_map(
+        rigid.HeavyTop, axes={"spin": [1.0]}, stable=rigid.tilt_below(0.5), t_end=1.0, samples=1
+    )
+    result.save(path)
+    with pytest.raises(ValueError, match=r"a map, which rigid\.load_map reads"):
+        rigid.load_run(path)
 
 
 def test_the_angular_momentum_of_a_free_body_is_constant_in_space() -> None:
