@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import tracemalloc
+
 import numpy as np
 from scipy.spatial.transform import Rotation
 
@@ -65,6 +67,20 @@ def test_boxes_keep_their_edges() -> None:
     for axis in range(3):
         for face in (2 * axis, 2 * axis + 1):
             np.testing.assert_allclose(np.abs(normals[face]), np.eye(3)[[axis] * 4], atol=1e-15)
+
+
+def test_a_tip_of_thousands_of_faces_is_lit_in_memory_that_grows_with_them() -> None:
+    turn = np.linspace(0.0, 2.0 * np.pi, 3001)[:, np.newaxis]
+    rim = np.cos(turn) * [1.0, 0.0, 0.0] + np.sin(turn) * [0.0, 1.0, 0.0]
+    tip = np.tile([0.0, 0.0, 0.3], (3000, 1))
+    fan = Part(kind="faces", points=np.stack([tip, rim[:-1], rim[1:]], axis=1), colours=("#fff",))
+    tracemalloc.start()
+    normals = corner_normals(fan)
+    most = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert most < 3000 * 2000  # a number for each pair of faces would be 72 MB
+    # Faces of a flat cone are less than 45 degrees apart: at the tip their mean is the axis.
+    np.testing.assert_allclose(normals[:, 0], [[0.0, 0.0, 1.0]] * 3000, atol=1e-2)
 
 
 def test_the_shadow_in_a_picture_lies_where_light_from_above_brings_it() -> None:
