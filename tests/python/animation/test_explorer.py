@@ -19,7 +19,7 @@ import rigid
 from browsers import Opened
 from pages import NODE, content, under_node, unpacked
 from rigid import cli
-from rigid.animation import explorer
+from rigid.drawing import colours
 
 BOX = rigid.stability_map(
     rigid.FreeBody(rigid.Body.box(0.25, 0.08, 0.01, mass=0.3)),
@@ -202,7 +202,7 @@ def lab(colour: str, sight: NDArray[np.float64]) -> NDArray[np.float64]:
 
 @pytest.mark.parametrize("sight", SIGHT)
 def test_outcomes_are_told_apart_by_the_colour_blind(sight: str) -> None:
-    seen = [lab(colour, SIGHT[sight]) for colour in explorer.OUTCOMES.values()]
+    seen = [lab(colour, SIGHT[sight]) for colour in colours.OUTCOMES.values()]
     # A just noticeable difference is 2.3 (Mahy, van Eycken and Oosterlinck 1994).
     assert min(float(np.linalg.norm(a - b)) for a, b in itertools.combinations(seen, 2)) > 30.0
 
