@@ -54,8 +54,8 @@ def story_of(scene: Scene, view: str, t: Floats, omega: Floats, attitude: Floats
                 f"A heavy top turns about the vertical: in all frames of {span} its tilt is {most}."
             )
         return (
-            f"A heavy top starts at a tilt of {_degrees(tilt[0])}: in the frames of {span} its tilt "
-            f"is between {least} and {most}."
+            f"A heavy top starts at a tilt of {_degrees(tilt[0])}: in the frames of {span} its "
+            f"tilt is between {least} and {most}."
         )
     what = "A body" if scene.body.sides is None else "A box"
     if scene.forces:
