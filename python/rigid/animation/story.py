@@ -88,17 +88,17 @@ def story_of_two(scenes: tuple[Scene, Scene], t: Floats, omega: Floats, attitude
         return f"{both}."
     if both.startswith("Two starts"):
         both = both.replace("starts", "throws")
-    (first, left), (second, right) = (
+    (first, flips), (second, others) = (
         turns_over(scene, t, one) for scene, one in zip(scenes, omega, strict=True)
     )
     what = "body" if scenes[0].body.sides is None else "box"
-    if not left and not right:
+    if not flips and not others:
         return f"{both}: neither {what} turns over in {abs(t[-1] - t[0]):.3g} s."
-    if left and right:
+    if flips and others:
         times = f"at {first:.2g} s, the right {what} at {second:.2g} s"
         return f"{both}: the left {what} turns over {times}."
-    one, other = ("left", "right") if left else ("right", "left")
-    when = first if left else second
+    one, other = ("left", "right") if flips else ("right", "left")
+    when = first if flips else second
     return f"{both}: the {one} {what} turns over at {when:.2g} s, the {other} {what} does not."
 
 

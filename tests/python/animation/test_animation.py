@@ -145,7 +145,7 @@ def test_two_bodies_are_side_by_side(tmp_path: Path) -> None:
         np.testing.assert_array_equal(films[k]["attitude"], twins.attitude[k])
     assert twins.animate().page == page  # both bodies of two need no asking
     films_of_both = side_by_side([film_of(twins, body=k) for k in (0, 1)])
-    left, right = (np.int_(frame_picture(film, len(T) - 1, 100)[0]) for film in films_of_both)
+    left, right = (frame_picture(film, len(T) - 1, 100)[0].astype(int) for film in films_of_both)
     assert np.abs(left - right).max() > 150  # bodies that changed places would be seen
     with Image.open(twins.animate(tmp_path / "both.gif", body=[0, 1], size=100)) as image:
         assert image.size == (200, 100)
