@@ -175,7 +175,7 @@ def explore(
     starts = content_of_starts(result.starts(range(count))) if draw is None else {"draw": draw}
     if saved_as is None:
         saved_as = "map.npz" if target is None else target.with_suffix(".npz").name
-    held = content_of_map(result, count, load=_load(os.fspath(saved_as)))
+    held = content_of_map(result, count, load=_load(os.fspath(saved_as), result.spec))
     page = page_of(held | starts | content_of_outcomes(seen))
     if target is None:
         return Explorer(page)
@@ -184,9 +184,18 @@ def explore(
     return target
 
 
-def _load(file: str) -> str:
-    """Python code that reads the map as ``result``."""
-    return f"import rigid\n\nresult = rigid.load_map({file!r})  # result.save({file!r}) wrote it\n"
+def _load(file: str, spec: MapSpec) -> str:
+    """Python code that reads the map as ``result``, and says what must be defined before."""
+    names = {
+        argument: name if name.isidentifier() else argument
+        for argument, name in spec.left_out.items()
+    }
+    given = "".join(f", {argument}={name}" for argument, name in names.items())
+    note = f"# First define {' and '.join(names.values())} as for the map: no file has functions.\n"
+    return (
+        f"import rigid\n\n{note if names else ''}"
+        f"result = rigid.load_map({file!r}{given})  # result.save({file!r}) wrote it\n"
+    )
 
 
 def page_of(content: dict[str, Any] | None) -> str:
