@@ -10,31 +10,44 @@ from PIL import Image, ImageChops
 from sphinx.application import Sphinx
 from sphinx_gallery.directives import imgsgnode
 
-GROUND, INK = (0x13, 0x14, 0x16), 0xEB
-"""The colour of dark pages, and how bright black becomes."""
+from rigid.drawing.colours import DARK
 
-MAP, STRONG = 0.2, 77
-"""A picture is a map if such a share of it has a difference of its components from STRONG on."""
+GROUND, INK, LIFT = tuple(bytes.fromhex(DARK[1:])), 0xEB, 0.8
+"""The colour of dark pages, how bright black becomes, and a power below 1, which brightens."""
+
+MAP, STRONG, GREY = 0.2, 77, 4
+"""A picture is a map if such a share of it has a difference of its components from STRONG on.
+
+In a map only what has a smaller difference than GREY changes.
+"""
+
+MIDDLE = range(0x6A, 0x80)
+"""Greys that stay in a map: the colour map is grey in its middle, and these greys change little."""
 
 
 def darkened(picture: Image.Image) -> Image.Image:
-    """The picture on dark ground: light and dark change places, hues and strong colours stay.
+    """The picture on dark ground: light and dark change places, and hues stay.
 
     The colours of a map have a meaning, so that only greys change there.
     """
     bands = picture.split()
     most, least = (reduce(pick, bands) for pick in (ImageChops.lighter, ImageChops.darker))
+    turned = Image.merge(
+        "RGB",
+        [
+            ImageChops.add(ImageChops.invert(most), ImageChops.subtract(band, least)).point(
+                [ground + round((INK - ground) * (c / 255) ** LIFT) for c in range(256)]
+            )
+            for band, ground in zip(bands, GROUND, strict=True)
+        ],
+    )
     chroma = ImageChops.subtract(most, least)
     counts = chroma.histogram()
-    stays = 26 if sum(counts[STRONG:]) > MAP * sum(counts) else 102
-    changes = chroma.point([min(255, max(0, 510 - 510 * c // stays)) for c in range(256)])
-    turned = [
-        ImageChops.add(ImageChops.invert(most), ImageChops.subtract(band, least)).point(
-            [ground + (INK - ground) * c // 255 for c in range(256)]
-        )
-        for band, ground in zip(bands, GROUND, strict=True)
-    ]
-    return Image.composite(Image.merge("RGB", turned), picture, changes)
+    if sum(counts[STRONG:]) <= MAP * sum(counts):
+        return turned
+    changes = chroma.point([min(255, max(0, 510 - 510 * c // GREY)) for c in range(256)])
+    changes = ImageChops.darker(changes, most.point([255 * (c not in MIDDLE) for c in range(256)]))
+    return Image.composite(turned, picture, changes)
 
 
 def twin(docs: Path, picture: Path) -> str:

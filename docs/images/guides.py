@@ -6,8 +6,10 @@ drawn, in some minutes.
 
 import ctypes
 import sys
+import tempfile
 from collections.abc import Callable
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -17,7 +19,8 @@ from numpy.typing import NDArray
 from twins import save_twins
 
 import rigid
-from rigid.figures.colours import CLASSES, FAINT, HUES, NEUTRAL, on_ground
+from rigid.drawing.colours import FACE, SURFACE
+from rigid.figures.colours import CLASSES, FAINT, HUES, NEUTRAL, SHARE_MAP, on_ground
 
 RATES = tuple(HUES[name] for name in ("blue", "green", "vermilion"))
 TOP = rigid.HeavyTop(rigid.Body((1.0, 1.6, 0.7)), mgl=1.2, com=(0.6, 0.0, 0.8))
@@ -366,7 +369,7 @@ def own_bodies() -> Figure:
                 (x - 0.5 * a, z - 0.5 * c),
                 a,
                 c,
-                facecolor="#56b4e9",
+                facecolor=FACE,
                 alpha=0.5,
                 edgecolor=on_ground(ax, NEUTRAL),
             )
@@ -415,11 +418,68 @@ def chaos() -> Figure:
     return figure
 
 
+def stop_at(share: float) -> Callable[[rigid.Progress], None]:
+    """A progress callback that ends the call, as Ctrl-C does, once a share is done."""
+
+    def show(progress: rigid.Progress) -> None:
+        if progress.done >= share * progress.total:
+            raise KeyboardInterrupt
+
+    return show
+
+
+@cache
+def stopped_maps() -> list[rigid.StabilityMap]:
+    """A stored map that was stopped twice and went on, after each stop and at its end."""
+    with tempfile.TemporaryDirectory() as folder:
+        return [
+            rigid.stability_map(
+                rigid.Body.box(0.25, 0.08, 0.01, mass=0.3),
+                axes={"b": np.linspace(0.012, 0.248, 80), "noise": np.geomspace(1e-3, 1.0, 60)},
+                samples=256,
+                t_end=1.0,
+                stable=rigid.no_flip(),
+                start=rigid.Start(spin=10.0, axis=2, noise=rigid.normal(1e-3)),
+                method="rk4",
+                rng=2026,
+                threads=1,
+                store=Path(folder) / "run.rigid",
+                progress=stop_at(share),
+                partial=True,
+            )
+            for share in (0.06, 0.25, 2.0)
+        ]
+
+
+def running_maps() -> Figure:
+    """What a stored map shows after two stops and at its end."""
+    figure = Figure(figsize=(8.0, 2.9), layout="constrained")
+    panels = figure.subplots(1, 3, sharey=True)
+    for ax, state in zip(panels, stopped_maps(), strict=True):
+        width, noise = (axis.values for axis in state.spec.axes)
+        shown = ax.pcolormesh(
+            1e3 * np.array(width),
+            noise,
+            state.share,
+            vmin=0.0,
+            vmax=1.0,
+            cmap=SHARE_MAP,
+            shading="nearest",
+        )
+        # Light on dark pages too: dark blue is no colour of a dark ground.
+        ax.set(yscale="log", xlabel="side b (mm)", facecolor=SURFACE)
+        known = 100.0 * np.mean(~np.isnan(state.share))
+        ax.set_title(f"{known:.0f} % of the pixels", fontsize="medium")
+    panels[0].set_ylabel("disturbance (rad/s)")
+    figure.colorbar(shown, ax=panels, label="share without a flip", pad=0.01)
+    return figure
+
+
 PICTURES: dict[str, Callable[[], Figure]] = {
     draw.__name__.replace("_", "-"): draw
     for draw in (
         *(maps_steps, reliability, satellites, criteria, torque_and_damping, detumbling),
-        *(events, results, measurements, own_bodies, chaos),
+        *(events, results, measurements, own_bodies, chaos, running_maps),
     )
 }
 

@@ -1,7 +1,4 @@
-"""Draw the figure of ``docs/how_it_works.md``: ``python docs/images/how_it_works.py``.
-
-The dark twin for dark pages is beside it.
-"""
+"""Draw the figure of ``docs/how_it_works.md``: ``python docs/images/how_it_works.py``."""
 
 from pathlib import Path
 from typing import Any
@@ -11,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
-from rigid.figures.colours import DARK_STYLE, FAINT, HUES, NEUTRAL, on_ground
+from rigid.figures.colours import FAINT, HUES, NEUTRAL, on_ground
 
 THREADS = (HUES["blue"], HUES["vermilion"])
 
@@ -105,17 +102,16 @@ def steps(ax: Axes) -> None:
 
 
 def main() -> None:
-    """Write the two figures beside this file."""
-    for suffix, style in (("", {}), ("-dark", DARK_STYLE)):
-        with rc_context({"svg.hashsalt": "rigid", "font.size": 9, **style}):
-            figure = Figure(figsize=(9.2, 8.4))
-            axes = figure.subplots(3, 1, height_ratios=(1.0, 1.6, 1.5))
-            for draw, ax in zip((samples, group, steps), axes, strict=True):
-                draw(ax)
-                ax.axis("off")
-            figure.tight_layout()
-            target = Path(__file__).with_name(f"how_it_works{suffix}.svg")
-            figure.savefig(target, metadata={"Date": None})
+    """Write the figure beside this file; the style of the site inverts it on dark pages."""
+    with rc_context({"svg.hashsalt": "rigid", "font.size": 9}):
+        figure = Figure(figsize=(9.2, 8.4))
+        axes = figure.subplots(3, 1, height_ratios=(1.0, 1.6, 1.5))
+        for draw, ax in zip((samples, group, steps), axes, strict=True):
+            draw(ax)
+            ax.axis("off")
+        figure.tight_layout()
+        target = Path(__file__).with_name("how_it_works.svg")
+        figure.savefig(target, metadata={"Date": None})
 
 
 if __name__ == "__main__":

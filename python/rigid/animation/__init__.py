@@ -118,10 +118,10 @@ def animate(
         quarter of the run, and without end in the view ``"poinsot"``.
     shape : tuple (vertices, faces), optional
         The surface of the body, to be shown instead of a box or a top: corners of shape (v, 3), and
-        for each polygon the indices of its corners, shape (f, 3), as :func:`rigid.meshes.read_mesh`
-        returns them. The origin of the corners is the centre of mass, or the fixed point of a heavy
-        top. The corners have the axes of the run: the principal axes, or ``frame``, if the run has
-        one.
+        for each polygon the indices of its corners, shape (f, n) with n >= 3;
+        :func:`rigid.meshes.read_mesh` returns both. The origin of the corners is the centre of
+        mass, or the fixed point of a heavy top. The corners have the axes of the run: the principal
+        axes, or ``frame``, if the run has one.
     caption : str, optional
         The sentence above the film. Default: what happens in the motion.
     fps : float

@@ -25,6 +25,7 @@ from ..maps.data import CLASSES, STATUS
 from ..maps.plot import cell_edges
 from ..maps.result import StabilityMap
 from ..maps.samples import Outcomes, Starts
+from ..maps.words import class_words, default_title
 from ..model.criteria import Regular
 from ..model.mixture import Mixture
 from ..model.start import Samples
@@ -47,22 +48,6 @@ __all__ = [
     "explore",
     "page_of",
 ]
-
-OUTCOMES = {
-    "stable": "#e1cc55",
-    "unstable": "#5d7fb8",
-    "undecided": "#b04a00",
-    "failed": "#444444",
-}
-"""Colours of the bodies by outcome; colour-blind readers can tell these colours apart."""
-
-CHAOS = {
-    "stable": "regular",
-    "unstable": "chaotic",
-    "undecided": "undecided",
-    "failed": "failed",
-}
-"""Words for the outcomes of :func:`rigid.regular`."""
 
 MOST_BYTES = 500_000
 """Most compressed bytes of the bodies in a page, unless a number of bodies is given."""
@@ -190,7 +175,7 @@ def explore(
     starts = content_of_starts(result.starts(range(count))) if draw is None else {"draw": draw}
     if saved_as is None:
         saved_as = "map.npz" if target is None else target.with_suffix(".npz").name
-    held = content_of_map(result, count, load=_load(os.fspath(saved_as)))
+    held = content_of_map(result, count, load=_load(os.fspath(saved_as), result.spec))
     page = page_of(held | starts | content_of_outcomes(seen))
     if target is None:
         return Explorer(page)
@@ -199,9 +184,18 @@ def explore(
     return target
 
 
-def _load(file: str) -> str:
-    """Python code that reads the map as ``result``."""
-    return f"import rigid\n\nresult = rigid.load_map({file!r})  # result.save({file!r}) wrote it\n"
+def _load(file: str, spec: MapSpec) -> str:
+    """Python code that reads the map as ``result``, and says what must be defined before."""
+    names = {
+        argument: name if name.isidentifier() else argument
+        for argument, name in spec.left_out.items()
+    }
+    given = "".join(f", {argument}={name}" for argument, name in names.items())
+    note = f"# First define {' and '.join(names.values())} as for the map: no file has functions.\n"
+    return (
+        f"import rigid\n\n{note if names else ''}"
+        f"result = rigid.load_map({file!r}{given})  # result.save({file!r}) wrote it\n"
+    )
 
 
 def page_of(content: dict[str, Any] | None) -> str:
@@ -254,9 +248,9 @@ def content_of_map(
     theory = result.theory()
     shape = spec.shape if len(spec.shape) > 1 else (1, *spec.shape)
     is_regular = isinstance(spec.stable, Regular)
-    what, asks = ("Regular motions", "criterion") if is_regular else ("Stability", "stable")
+    asks = "criterion" if is_regular else "stable"
     return {
-        "title": spec.title or f"{what} of a {spec.scene.title}",
+        "title": spec.title or default_title(spec),
         "load": load,
         "python": python,
         "detail": f"{asks}: {spec.criterion}; {spec.samples} bodies per pixel"
@@ -283,7 +277,7 @@ def content_of_map(
         "samples": count,
         "of": spec.samples,
         "classes": CLASSES,
-        "words": CHAOS if is_regular else {name: name for name in CLASSES},
+        "words": class_words(spec),
         "leaves": not is_regular,
         "horizon": _packed(spec.horizons, np.float64),
         "motion": _motion(spec),
@@ -293,7 +287,7 @@ def content_of_map(
         ],
         "scene": spec.scene.title,
         "inks": {
-            "outcomes": OUTCOMES,
+            "outcomes": colours.OUTCOMES,
             "axes": [ink.colour for ink in colours.AXES],
             "body": colours.FACE,
             "space": colours.SPACE.colour,

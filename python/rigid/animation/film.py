@@ -35,9 +35,6 @@ UP = np.array([0.0, 0.0, 1.0])
 
 AXES = tuple(ink.colour for ink in colours.AXES)
 BODY, SPACE = colours.FACE, colours.SPACE.colour
-TRAIL = "#444444"
-PALE, DARK = "#a5d5f2", "#0b5a86"
-"""Darker colour of the body, for stripes and curves on the body."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -375,7 +372,7 @@ def _cones(scene: Scene, omega: Floats, attitude: Floats, momentum: Floats) -> t
         Part(
             kind="faces",
             points=cone_faces(axis, float(rolled.body_cone)),
-            colours=(BODY, PALE),
+            colours=(BODY, colours.FACE_STRIPE),
             opacity=0.55,
             carried=True,
             meaning="cone of ω in the body",
@@ -383,14 +380,14 @@ def _cones(scene: Scene, omega: Floats, attitude: Floats, momentum: Floats) -> t
         Part(
             kind="faces",
             points=cone_faces(momentum[0], float(rolled.space_cone)),
-            colours=("#888888", colours.FAINT),
+            colours=(colours.FAINT, colours.BAND),
             opacity=0.75,
             meaning="cone of ω in space",
         ),
         Part(
             kind="arrow",
             points=1.15 * axis[np.newaxis],
-            colours=(DARK,),
+            colours=(colours.ON_FACE,),
             carried=True,
             label="axis",
             meaning="symmetry axis",
@@ -412,7 +409,7 @@ def _poinsot(scene: Scene, omega: Floats, attitude: Floats, momentum: Floats) ->
         Part(
             kind="faces",
             points=ellipsoid_faces(rolled.semi_axes / unit, rings=18, sectors=36),
-            colours=(BODY,) * 9 + (PALE,) * 9,
+            colours=(BODY,) * 9 + (colours.FACE_STRIPE,) * 9,
             opacity=0.7,
             carried=True,
             meaning="inertia ellipsoid",
@@ -427,11 +424,11 @@ def _poinsot(scene: Scene, omega: Floats, attitude: Floats, momentum: Floats) ->
         Part(
             kind="line",
             points=rolled.polhode / unit,
-            colours=(DARK,),
+            colours=(colours.ON_FACE,),
             carried=True,
             meaning="polhode",
         ),
-        Part(kind="trail", points=contact, colours=(TRAIL,), meaning="herpolhode"),
+        Part(kind="trail", points=contact, colours=(SPACE,), meaning="herpolhode"),
         Part(kind="dot", points=contact, colours=(colours.OMEGA.colour,)),
         _omega(contact),
         _momentum(1.35 * foot[np.newaxis]),
@@ -477,7 +474,7 @@ def _vectors(
     rates = 0.8 * length / np.linalg.norm(rates, axis=-1).max() * rates
     arrow = length / np.linalg.norm(momentum, axis=-1).max() * momentum
     return (
-        Part(kind="trail", points=rates, colours=(TRAIL,), meaning="path of ω"),
+        Part(kind="trail", points=rates, colours=(SPACE,), meaning="path of ω"),
         _omega(rates),
         _momentum(arrow),
     )

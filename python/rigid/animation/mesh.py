@@ -19,7 +19,7 @@ def faces_of(shape: tuple[ArrayLike, ArrayLike], *, frame: Floats | None) -> Flo
     ----------
     shape : tuple (vertices, faces)
         Corners of shape (v, 3) in any unit of length, from the origin of the body, and the indices
-        of the corners of each polygon, from 0, whole numbers of shape (f, n).
+        of the corners of each polygon, from 0, whole numbers of shape (f, n) with n >= 3.
     frame : ndarray, shape (3, 3), or None
         The axes of the corners, as :attr:`rigid.Run.frame`; None if they are principal axes.
 
@@ -53,8 +53,8 @@ def faces_of(shape: tuple[ArrayLike, ArrayLike], *, frame: Floats | None) -> Flo
     index = np.asarray(faces)
     if index.ndim != 2 or index.dtype.kind not in "iu" or not len(index) or index.shape[1] < 3:
         raise ValueError(
-            f"shape[1]: the faces need whole numbers of shape (f, 3), not {index.dtype} of shape "
-            f"{index.shape}"
+            f"shape[1]: the faces need whole numbers of shape (f, n) with n >= 3, not "
+            f"{index.dtype} of shape {index.shape}"
         )
     if index.min() < 0 or index.max() >= len(points):
         bad = int(index.max() if index.max() >= len(points) else index.min())

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._checks.progress import Progress, ProgressOption, reporting
+from ..drawing.colours import NEUTRAL
 from ..drawing.figure import new_figure
 from .film import Film
 from .raster import frame_picture
@@ -107,9 +108,9 @@ def _images(
                         stroke_fill="white",
                     )
             pen = ImageDraw.Draw(image)
-            pen.text((8, 6), fill(films[0].story, 72 * len(films)), "#555555", small)
+            pen.text((8, 6), fill(films[0].story, 72 * len(films)), NEUTRAL, small)
             clock = f"t = {films[0].t[k]:.{films[0].digits}f} s"
-            pen.text((8, size - 8), clock, "#333333", small, "ls")
+            pen.text((8, size - 8), clock, NEUTRAL, small, "ls")
             images.append(image)
             passed = time.monotonic() - started
             report(Progress(done=done, total=len(frames), elapsed=passed, failures=0))

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -23,6 +21,9 @@ AWAY = 4.5
 
 DOTS = 2
 """Dots of the buffer along each side of a pixel."""
+
+MOST_MET = 64
+"""Most faces with which a face is compared at a corner; 64 at a round tip show its axis."""
 
 
 class Camera:
@@ -273,9 +274,10 @@ def _from_segment(point: Floats, begin: Floats, end: Floats) -> float:
     return float(np.linalg.norm(point - begin - share * along))
 
 
-@lru_cache(maxsize=32)
 def corner_normals(part: Part) -> Floats:
     """Normals at the corners of polygons, averaged where faces meet at less than 45 degrees.
+
+    Where more than :data:`MOST_MET` faces meet, so many of them are compared with each.
 
     Returns
     -------
@@ -287,17 +289,20 @@ def corner_normals(part: Part) -> Floats:
     units = _unit(normals)
     rounded = np.rint(1e4 * part.points.reshape(-1, 3)).astype(np.int64)
     label = np.unique(rounded, axis=0, return_inverse=True)[1].reshape(-1)
-    order = np.argsort(label, kind="stable")
-    many = np.bincount(label)[label]  # corners in the place of each corner
-    one = np.repeat(np.arange(count * corners), many)
-    within = np.arange(len(one)) - np.repeat(np.cumsum(many) - many, many)
-    other = order[np.searchsorted(label[order], label)[one] + within]
-    along = (units[one // corners] * units[other // corners]).sum(axis=1)
-    near = np.abs(along) > np.cos(0.25 * np.pi)
+    order = np.argsort(label, kind="stable")  # corners in one place follow one another
+    face = order // corners
+    many = np.bincount(label)
+    begin = np.repeat(np.cumsum(many) - many, many)
+    many = np.repeat(many, many)
+    compared = np.minimum(many, MOST_MET)
     total = np.zeros((count * corners, 3))
-    np.add.at(
-        total, one[near], np.sign(along[near])[:, np.newaxis] * normals[other[near] // corners]
-    )
+    for turn in range(compared.max(initial=0)):
+        (one,) = np.nonzero(turn < compared)
+        step = turn * many[one] // compared[one]
+        other = face[begin[one] + (one - begin[one] + step) % many[one]]
+        along = (units[face[one]] * units[other]).sum(axis=1)
+        side = np.where(np.abs(along) > np.cos(0.25 * np.pi), np.sign(along), 0.0)
+        total[order[one]] += side[:, np.newaxis] * normals[other]
     return _unit(total).reshape(count, corners, 3)
 
 

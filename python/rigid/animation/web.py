@@ -83,15 +83,15 @@ def template(name: str) -> str:
 
 
 def plain(film: Film) -> dict[str, Any]:
-    """The film as plain data: exact attitudes and times, coordinates rounded to visible digits."""
+    """The film as plain data: exact attitudes, other numbers rounded to visible digits."""
     chart, polhode = film.chart, film.polhode
     return {
         "view": film.view,
         "title": film.title,
         "name": film.name,
-        "t": film.t.tolist(),
+        "t": film.t.round(film.digits + 5).tolist(),
         "digits": film.digits,
-        "shown": film.shown.tolist(),
+        "shown": [float(f"{value:.7g}") for value in film.shown],
         "trail": film.trail if math.isfinite(film.trail) else None,
         "attitude": film.attitude.tolist(),
         "frame": [axis.tolist() for axis in across(film.up)],

@@ -18,6 +18,7 @@ __all__ = [
     "DARK",
     "DARK_STYLE",
     "FACE",
+    "FACE_STRIPE",
     "FAILED",
     "FAINT",
     "GRID",
@@ -27,6 +28,8 @@ __all__ = [
     "NODE",
     "NUMBER_MAP",
     "OMEGA",
+    "ON_FACE",
+    "OUTCOMES",
     "PALE",
     "POSITION",
     "SHARE_MAP",
@@ -75,6 +78,9 @@ AMBER = "#b87200"
 
 FACE = "#56b4e9"
 """Faces of bodies, which no line and no text has."""
+
+FACE_STRIPE, ON_FACE = "#a5d5f2", "#0b5a86"
+"""Paler faces beside the others, and lines on them, on light and on dark ground."""
 
 SURFACE, BODY_FACE = "#f2f2f2", "#c9e5f7"
 """Faces below curves: of surfaces of reference, and of bodies."""
@@ -140,6 +146,14 @@ CLASSES = {
     "regular": AMBER,
 }
 """Colours of points and lines of classes: as in maps, blue is chaotic and yellow is regular."""
+
+OUTCOMES = {
+    "stable": "#e1cc55",
+    "unstable": "#5d7fb8",
+    "undecided": "#b04a00",
+    "failed": "#444444",
+}
+"""Faces of bodies by outcome in the map explorer; colour-blind readers can tell them apart."""
 
 SHARE_MAP = "cividis"
 """Colour map of shares of stable or regular bodies: its bright end, yellow, is stable."""

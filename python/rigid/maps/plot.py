@@ -23,6 +23,7 @@ from .measured import Measures
 from .parameters import Axis
 from .spec import MapSpec
 from .theory import Curve, Theory, predict
+from .words import class_words, default_title
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -111,10 +112,10 @@ def plot_map(
 
     Cells are centred on the values of the axes, in the scale that is drawn: logarithmic where the
     values are geometric. Lines are the predictions of theory. A map with one axis is drawn as the
-    share with its 95 % interval. A map with one body in each pixel has two classes and no shares:
-    swatches name them. A map with three or four axes is drawn as small pictures of its
-    first two, side by side for the values of the third and one below the other for the values of
-    the fourth.
+    share with its 95 % interval. A map with one body in each pixel has two classes and no shares,
+    unless it is refined: swatches name them. A map with three or four axes is drawn as small
+    pictures of its first two, side by side for the values of the third and one below the other for
+    the values of the fourth.
 
     Parameters
     ----------
@@ -324,14 +325,13 @@ def _classes(data: MapData) -> list[Any]:
     """A swatch for each of the two classes, where each pixel has one body and so no share."""
     from matplotlib.patches import Patch
 
-    if data.spec.samples > 1:
+    # Between the corners of cells of a refined map, shares are interpolated.
+    if data.spec.samples > 1 or data.spec.refine is not None:
         return []
-    edge = colours.NEUTRAL
-    regular = isinstance(data.spec.stable, Regular)
-    names = ("regular", "chaotic") if regular else ("stable", "unstable")
+    words = class_words(data.spec)
     return [
-        Patch(facecolor=face, edgecolor=edge, linewidth=0.8, label=name)
-        for face, name in zip((colours.STABLE, colours.UNSTABLE), names, strict=True)
+        Patch(facecolor=face, edgecolor=colours.NEUTRAL, linewidth=0.8, label=words[name])
+        for name, face in (("stable", colours.STABLE), ("unstable", colours.UNSTABLE))
     ]
 
 
@@ -533,6 +533,4 @@ def _title(data: MapData, at: Mapping[int, int]) -> str:
         detail += f"; stopped after {data.samples.sum():,} bodies"
     if at:
         detail += f"; {_values(data, at)}"
-    what = "Regular motions" if isinstance(spec.stable, Regular) else "Stability"
-    subject = "satellite" if "orbit" in spec.forces else spec.scene.title
-    return f"{spec.title or f'{what} of a {subject}'}\n{textwrap.fill(detail, LONGEST)}"
+    return f"{spec.title or default_title(spec)}\n{textwrap.fill(detail, LONGEST)}"

@@ -341,9 +341,15 @@ class MapSpec:
         return None if torque is None else torque.function
 
     @property
+    def left_out(self) -> dict[str, str]:
+        """Names of what a file of the map leaves out, by the arguments of ``with_functions``."""
+        names = {argument: source.name for argument, source in self._sources.items()}
+        return names if self._torque is None else {**names, "scene": "scene"}
+
+    @property
     def misses_functions(self) -> bool:
         """Whether the map cannot be computed until its functions are given again."""
-        return len(self.functions) < len(self._sources) + (self._torque is not None)
+        return len(self.functions) < len(self.left_out)
 
     def require_functions(self) -> None:
         """Raise ValueError if a function must be given again."""

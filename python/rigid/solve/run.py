@@ -41,6 +41,9 @@ __all__ = ["Run", "load_run"]
 _ROUNDING_OF_TURN = 1e-15
 """Error of components that are turned into other axes: a sum of three products."""
 
+_SURPRISING_ERROR = 1e-6
+"""A run says what the word ``ok`` allows if an error of these bodies is larger."""
+
 _STATUS_WORDS: Mapping[Status, str] = {
     Status.OK: "ok",
     Status.STOPPED: "stopped with its last event",
@@ -181,26 +184,26 @@ class Run(HasColumns):
     def __repr__(self) -> str:
         """Size, method, largest known error, and how many bodies ended how."""
         times = f"{len(self.t.T):,} time{'' if len(self.t.T) == 1 else 's'}"
-        known = np.atleast_1d(self.error)
-        known = known[~np.isnan(known)]
-        worst = known.max(initial=0.0)
-        error = f"error {worst:.1e}" if len(known) else "error unknown"
+        worst = _largest(self.error)
+        error = "error unknown" if worst is None else f"error {worst:.1e}"
         if self.status.ndim == 0:
-            how = self._named(int(self.status), worst)
+            how = self._named(int(self.status))
             return f"Run(one body at {times}; {self.spec['method']}; {error}; {how})"
         codes, counts = np.unique(self.status, return_counts=True)
         ends = [
-            f"{count:,} {self._named(code, worst)}"
+            f"{count:,} {self._named(code)}"
             for code, count in zip(codes.tolist(), counts.tolist(), strict=True)
         ]
         bodies = f"{self.status.size:,} bod{'y' if self.status.size == 1 else 'ies'}"
         parts = [f"{bodies} at {times}", self.spec["method"], error]
         return f"Run({'; '.join(parts)}; {', '.join(ends) or 'nothing'})"
 
-    def _named(self, code: int, worst: float) -> str:
-        """The name of a status; of ``ok`` beside a large error with the error that it allows."""
-        if code == Status.OK and self._free_steps and worst > 1e-3 * COARSE_ERROR:
-            return f"ok (error below {COARSE_ERROR:g})"
+    def _named(self, code: int) -> str:
+        """The name of a status; of ``ok`` bodies with a surprising error with what it allows."""
+        if code == Status.OK and self._free_steps:
+            worst = _largest(np.where(self.status == Status.OK, self.error, np.nan))
+            if worst is not None and worst > _SURPRISING_ERROR:
+                return f"ok (error below {COARSE_ERROR:g})"
         return Status(code).name.lower()
 
     @property
@@ -777,6 +780,13 @@ an accuracy
         from ..animation import animate
 
         return animate(self, path, **options)
+
+
+def _largest(error: Floats) -> float | None:
+    """The largest error that is known, if any is."""
+    known = np.atleast_1d(error)
+    known = known[~np.isnan(known)]
+    return float(known.max()) if len(known) else None
 
 
 def _along(vectors: NDArray[np.float64], of_bodies: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+import ctypes
 import html
 import itertools
 import json
@@ -19,7 +21,7 @@ import rigid
 from browsers import Opened
 from pages import NODE, content, under_node, unpacked
 from rigid import cli
-from rigid.animation import explorer
+from rigid.drawing import colours
 
 BOX = rigid.stability_map(
     rigid.FreeBody(rigid.Body.box(0.25, 0.08, 0.01, mass=0.3)),
@@ -202,7 +204,7 @@ def lab(colour: str, sight: NDArray[np.float64]) -> NDArray[np.float64]:
 
 @pytest.mark.parametrize("sight", SIGHT)
 def test_outcomes_are_told_apart_by_the_colour_blind(sight: str) -> None:
-    seen = [lab(colour, SIGHT[sight]) for colour in explorer.OUTCOMES.values()]
+    seen = [lab(colour, SIGHT[sight]) for colour in colours.OUTCOMES.values()]
     # A just noticeable difference is 2.3 (Mahy, van Eycken and Oosterlinck 1994).
     assert min(float(np.linalg.norm(a - b)) for a, b in itertools.combinations(seen, 2)) > 30.0
 
@@ -518,6 +520,59 @@ def test_a_page_opens_at_the_border_of_stability(browser: Any, page: Path) -> No
     assert 0.2 < share[j, i] < 0.8 or max(abs(near - share[j, i])) > 0.5
     assert opened.page.locator(".chosen").text_content().startswith("side b = ")
     opened.close()
+
+
+DOUBLES = ctypes.POINTER(ctypes.c_double)
+
+
+@ctypes.CFUNCTYPE(None, ctypes.c_double, DOUBLES, DOUBLES, DOUBLES, DOUBLES)  # type: ignore[untyped-decorator]
+def braking(t: float, omega: Any, attitude: Any, data: Any, torque: Any) -> None:
+    for k in range(3):
+        torque[k] = -0.1 * omega[k]
+
+
+BRAKED = rigid.FreeBody(rigid.Body((1.0, 1.5, 2.0)), torque=rigid.Torque.call(braking, fastest=1.0))
+
+
+def longer(spin: Any) -> rigid.FreeBody:
+    return rigid.FreeBody(rigid.Body(np.stack([spin, 1.1 * spin, 1.5 * spin], axis=-1)))
+
+
+def forward(states: Any) -> Any:
+    return states.omega[:, -1, 0] > 0.0
+
+
+nameless = lambda states: states.omega[:, -1, 0] > 0.0  # noqa: E731
+
+
+@pytest.mark.parametrize(
+    ("given", "names"),
+    [
+        ({"scene": rigid.FreeBody, "stable": rigid.no_flip(), "t_end": 5.0}, {}),
+        ({"scene": BRAKED, "stable": rigid.no_flip(), "t_end": 5.0}, {"scene": BRAKED}),
+        (
+            {"scene": rigid.FreeBody, "stable": rigid.judged(forward, [0.0, 5.0])},
+            {"forward": forward},
+        ),
+        (
+            {"scene": longer, "stable": rigid.judged(nameless, [0.0, 5.0])},
+            {"longer": longer, "stable": nameless},
+        ),
+    ],
+)
+def test_the_copied_python_names_what_no_file_has(
+    given: dict[str, Any], names: dict[str, Any], tmp_path: Path
+) -> None:
+    result = rigid.stability_map(**given, axes={"spin": [1.0, 2.0]}, samples=2, rng=1)
+    result.save(tmp_path / "map.npz")
+    code = content(result.explore(tmp_path / "map.html"))["load"]
+    notes = [line for line in code.splitlines() if line.startswith("#")]
+    words = f"# First define {' and '.join(names)} as for the map: no file has functions."
+    assert notes == ([words] if names else [])
+    known = dict(names)
+    with contextlib.chdir(tmp_path):
+        exec(code, known)
+    assert not known["result"].spec.misses_functions
 
 
 @pytest.mark.browser

@@ -22,7 +22,7 @@ IMAGES = Path(__file__).parents[3] / "docs" / "images"
 
 NAMES = (
     *("maps-steps", "reliability", "satellites", "criteria", "torque-and-damping", "events"),
-    *("results", "measurements", "own-bodies", "chaos"),
+    *("results", "measurements", "own-bodies", "chaos", "running-maps"),
 )
 """All but `detumbling`, whose torque in Python takes a minute."""
 

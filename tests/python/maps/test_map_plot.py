@@ -16,6 +16,7 @@ from matplotlib.patches import PathPatch
 
 import rigid
 from processes import python_process
+from rigid.animation.explorer import content_of_map
 from rigid.maps.data import FAILURES
 from small_maps import Floats, small_map, spec_of
 
@@ -142,6 +143,28 @@ def test_maps_without_a_title_are_named_after_their_scene() -> None:
     title = top.plot().get_title(loc="left")
     assert title.splitlines()[0] == "Stability of a heavy top"
     assert "tilt of axis 3 from the vertical below 0.5 rad until t = 0.1 s" in title
+
+
+def test_the_page_of_a_map_has_the_title_of_its_picture() -> None:
+    moving = rigid.FreeBody(rigid.Body((0.7, 1.0, 1.2)), orbit=rigid.Orbit(1e-3))
+    for scene, name in ((moving, "a satellite"), (rigid.FreeBody(moving.body), "a free body")):
+        result = small_map(scene, axes={"noise": [1e-3, 1e-2]}, samples=1, t_end=0.1)
+        title = result.plot().get_title(loc="left").splitlines()[0]
+        assert title == f"Stability of {name}"
+        assert content_of_map(result, 1)["title"] == title
+
+
+def test_one_body_in_a_pixel_has_a_class_and_a_refined_map_has_shares_too() -> None:
+    swatches = ["stable", "unstable"]
+    ax = small_map(samples=1).plot()
+    assert len(ax.figure.axes) == 1
+    assert legend_of(ax)[:2] == swatches
+    refined = small_map(samples=1, refine=2)
+    ax = refined.plot()
+    drawn: Any = np.ma.asarray(mesh_of(ax).get_array())
+    assert ((drawn > 0.0) & (drawn < 1.0)).any()  # between the corners of cells
+    assert len(ax.figure.axes) == 2  # a bar of colours
+    assert not set(swatches) & set(legend_of(ax))
 
 
 def test_a_given_axes_is_used(result: rigid.StabilityMap) -> None:

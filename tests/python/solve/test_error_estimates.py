@@ -84,6 +84,13 @@ def test_a_run_shows_itself_in_a_line() -> None:
     assert 1e-6 < rough.error < 1e-3
     ok = f"error {rough.error:.1e}; ok (error below 0.001))"
     assert repr(rough) == f"Run(one body at 2 times; rk4; {ok}"
+    # The error of another body says nothing about a body that is ok.
+    pair = rigid.simulate(
+        TOP, [[0.0, 0.0, 0.1], [0.2, 0.1, 40.0]], t=[1.0], method="rk4", step=0.02
+    )
+    fine, coarse = pair.error
+    assert fine < 1e-6 < 1e-3 < coarse
+    assert repr(pair).endswith(f"error {coarse:.1e}; 1 ok, 1 coarse)")
     asked = rigid.simulate(TOP, [0.2, 0.1, 3.0], t=[1.0, 2.0], method="rk4", accuracy=1e-3)
     assert repr(asked) == f"Run(one body at 2 times; rk4; error {asked.error:.1e}; ok)"
     omega = np.array([[0.2, 0.1, 30.0], [0.1, 0.3, 0.2]])

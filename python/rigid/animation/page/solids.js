@@ -83,7 +83,7 @@ function filmOf(map, numbers, strip, times, {omega, attitude}, speed) {
     const tips = rates.map(w => scaled(w, 1.2 / most));
     parts = [part("faces", faces, inks.axes.flatMap(ink => [ink, ink]), {carried: true}),
       ...unitVectors.map((e, i) => part("arrow", [scaled(e, half[i] + 0.35)], [inks.axes[i]], {carried: true, label: String(i + 1), meaning: "principal axes"})),
-      part("trail", tips, ["#444444"], {meaning: "path of ω"}),
+      part("trail", tips, [inks.space], {meaning: "path of ω"}),
       part("arrow", tips, [inks.omega], {label: "ω", meaning: "angular velocity"}),
       part("arrow", momentum.map(v => scaled(v, 1.5 / spun)), [inks.L], {label: "L", meaning: "angular momentum"})];
     reach = 1.75;
