@@ -387,7 +387,7 @@ def _cones(scene: Scene, omega: Floats, attitude: Floats, momentum: Floats) -> t
         Part(
             kind="arrow",
             points=1.15 * axis[np.newaxis],
-            colours=(colours.ON_FACE,),
+            colours=(colours.HUES["black"],),
             carried=True,
             label="axis",
             meaning="symmetry axis",
