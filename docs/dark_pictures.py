@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from functools import reduce
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from docutils import nodes
 from PIL import Image, ImageChops
-from sphinx.application import Sphinx
-from sphinx_gallery.directives import imgsgnode
 
 from rigid.drawing.colours import DARK
+
+if TYPE_CHECKING:
+    from docutils import nodes
+    from sphinx.application import Sphinx
 
 GROUND, INK, LIFT = tuple(bytes.fromhex(DARK[1:])), 0xEB, 0.8
 """The colour of dark pages, how bright black becomes, and a power below 1, which brightens."""
@@ -64,6 +66,9 @@ def twin(docs: Path, picture: Path) -> str:
 
 def show_twins(app: Sphinx, doctree: nodes.document) -> None:
     """Show each picture in the light theme and its twin in the dark one."""
+    from docutils import nodes
+    from sphinx_gallery.directives import imgsgnode
+
     docs = Path(app.srcdir)
     page = Path(app.env.doc2path(app.env.docname)).parent
 

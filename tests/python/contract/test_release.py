@@ -51,7 +51,7 @@ def test_every_message_names_an_extra_that_exists() -> None:
 def test_commands_install_this_distribution(file: Path) -> None:
     """The name ``rigid`` alone would fetch another project from the package index."""
     text = file.read_text(encoding="utf-8")
-    named = re.findall(r"pip install [^\n`]*?\b(rigid(?:-\w+)*)\b(?!_)(?:\[([\w,]+)\])?", text)
+    named = re.findall(r"pip install [^\n`&]*?\b(rigid(?:-\w+)*)\b(?!_)(?:\[([\w,]+)\])?", text)
     assert {name for name, _ in named} <= {DISTRIBUTION}
     assert {extra for _, extras in named for extra in extras.split(",") if extra} <= EXTRAS
 

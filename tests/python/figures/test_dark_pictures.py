@@ -6,13 +6,9 @@ from typing import Any
 
 import matplotlib
 import numpy as np
-import pytest
 from PIL import Image
 
 from rigid.drawing.colours import DARK, FAINT, HUES, SHARE_MAP
-
-for needed in ("sphinx", "sphinx_gallery"):
-    pytest.importorskip(needed)
 
 SCRIPT = Path(__file__).parents[3] / "docs" / "dark_pictures.py"
 

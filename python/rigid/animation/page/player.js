@@ -54,6 +54,8 @@ class Player {
     this.films = films;
     this.due = first.shown.reduce((times, shown) => [...times, times[times.length - 1] + shown], [0]);
     this.slider.max = first.t.length - 1;
+    const rate = Math.abs(first.t.at(-1) - first.t[0]) / this.due.at(-1);  // of the film, over the motion
+    for (const option of this.chosen.options) option.textContent = `× ${Number((option.value * rate).toPrecision(2))}`;
     this.camera ??= new Camera(first.camera);
     this.stages = films.map(film => {
       const holder = document.createElement("div");
