@@ -194,7 +194,7 @@ def _load(file: str, spec: MapSpec) -> str:
     note = f"# First define {' and '.join(names.values())} as for the map: no file has functions.\n"
     return (
         f"import rigid\n\n{note if names else ''}"
-        f"result = rigid.load_map({file!r}{given})  # result.save({file!r}) wrote it\n"
+        f"result = rigid.load_map({file!r}{given})  # the file of result.save\n"
     )
 
 

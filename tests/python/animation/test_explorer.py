@@ -605,6 +605,22 @@ def test_the_copied_python_runs_as_it_is(
 
 
 @pytest.mark.browser
+def test_the_copied_python_of_a_map_of_chaos_draws_the_growth(browser: Any, tmp_path: Path) -> None:
+    result = tops(axes={"spin": [3.0]}, stable=rigid.regular(), samples=1, t_end=50.0)
+    keep = "navigator.clipboard.writeText = async text => { window.copied = text; }"
+    opened = Opened(browser, result.explore(tmp_path / "map.html"), before=keep)
+    opened.page.wait_for_selector("canvas.stage")
+    opened.page.locator(".copy").click()
+    opened.page.wait_for_function("window.copied")
+    code = opened.page.evaluate("window.copied")
+    opened.close()
+    result.save(tmp_path / "map.npz")
+    with contextlib.chdir(tmp_path):
+        exec(code, {})
+    assert (tmp_path / "body.png").stat().st_size > 5000
+
+
+@pytest.mark.browser
 def test_samples_are_one_stop_of_the_tabulator(browser: Any, page: Path) -> None:
     opened = Opened(browser, page, address="#pixel=2,3&sample=3")
     shown = opened.page

@@ -351,7 +351,8 @@ class Explorer extends MapOnCanvas {
     }
     this.find(".chosen").textContent = `${this.words(pixel).split("\n")[0]}${picked ? ` — ${picked}` : " — no body"}`;
     const index = this.index(pixel), replay = `${map.python}.replay(pixel=${index.length > 1 ? `(${index.join(", ")})` : index[0]}, sample=${sample})`;
-    this.code = `${map.load}body = ${replay}\nbody.run.animate(${map.load && '"body.html"'})\n`;
+    const drawn = map.leaves ? `animate(${map.load && '"body.html"'})` : `plot()${map.load && '.figure.savefig("body.png")'}`;
+    this.code = `${map.load}body = ${replay}\nbody.run.${drawn}\n`;
     this.find(".python").textContent = replay;
     this.kept();
     if (picked && map.motion) this.film(pixel, sample, picked);
