@@ -12,7 +12,6 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import rigid
-from rigid.figures.colours import CHAOS_MAP
 
 top = rigid.HeavyTop(
     rigid.Body((1.0, 1.6, 0.7)),
@@ -31,10 +30,5 @@ result = rigid.stability_map(
 )
 figure, (above, below) = plt.subplots(2, 1, figsize=(8, 10), layout="constrained")
 result.plot(ax=above)
-
-x, y = result.spec.axes
-mesh = below.pcolormesh(x.values, y.values, result.exponent, cmap=CHAOS_MAP, rasterized=True)
-below.set(xlabel=x.label, ylabel=y.label)
-figure.colorbar(mesh, ax=below, label="mean exponent (1/s)")
-
+result.plot(ax=below, what="exponent")
 plt.show()

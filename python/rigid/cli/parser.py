@@ -159,7 +159,8 @@ def make_parser() -> Parser:
         "--what",
         metavar="TEXT",
         default="share",
-        help="what the picture shows: share, cost, or a measure such as 'mean of flips'",
+        help="what the picture shows: share, cost, a measure such as 'mean of flips', or the "
+        "exponent of a map of chaos",
     )
     map_.add_argument("--budget", type=int, metavar="N", help="most bodies of the map")
     map_.add_argument(

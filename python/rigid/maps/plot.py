@@ -35,6 +35,13 @@ Floats = NDArray[np.float64]
 SHARE, COST = "share", "cost"
 """The quantity drawn by default, and the processor time."""
 
+GROWTH = {
+    "exponent": "mean exponent (1/s)",
+    "mean_megno": "mean of the mean MEGNO",
+    "largest_exponent": "largest exponent (1/s)",
+}
+"""Quantities of maps of :func:`rigid.regular`, with their labels."""
+
 FINER = 4
 """Most steps in each cell of the grid on which lines of theory are drawn."""
 
@@ -128,7 +135,9 @@ def plot_map(
     what : str, optional
         ``"share"``; ``"cost"``: the processor time of each pixel (s); or a number of a measure:
         ``"mean of flips"``; ``std``, ``least``, ``largest``, ``count`` or ``median`` in place of
-        ``mean``, or ``"quantile 0.9 of flips"``. Lines of theory belong to the share.
+        ``mean``, or ``"quantile 0.9 of flips"``; or of a map of :func:`rigid.regular`
+        ``"exponent"``, ``"mean_megno"`` or ``"largest_exponent"``. Lines of theory belong to the
+        share.
     at : dict of str to float, optional
         Values of axes, by their names: the slice of the map there is drawn.
 
@@ -252,7 +261,10 @@ def check_what(spec: MapSpec, what: str) -> None:
     """Raise ValueError if the picture of a map cannot show this quantity."""
     if what != SHARE and len(spec.axes) > 2:
         raise ValueError(f"what = {brief(what)}: a picture of more than two axes shows the share")
-    if what not in (SHARE, COST):
+    if what in GROWTH:
+        if not spec.stable.has_deviation:
+            raise ValueError(f"what = {what!r}: needs a map with the criterion rigid.regular()")
+    elif what not in (SHARE, COST):
         _measured(Measures(spec.measure, None, spec.shape), what)
 
 
@@ -263,6 +275,9 @@ def _field(data: MapData, what: object) -> tuple[Floats | None, str]:
     if what == COST:
         known = np.where(data.samples > 0, data.nanoseconds, np.nan)
         return 1e-9 * known, "processor time of a pixel (s)"
+    if isinstance(what, str) and what in GROWTH:
+        check_what(data.spec, what)
+        return np.asarray(getattr(data, what), dtype=np.float64), GROWTH[what]
     return _measured(data.measures, what)
 
 
@@ -271,8 +286,8 @@ def _measured(measures: Measures, what: object) -> tuple[Floats, str]:
     found = re.fullmatch(r"(mean|std|least|largest|count|median|quantile (\S+)) of (.+)", str(what))
     if found is None or not isinstance(what, str):
         raise ValueError(
-            f"what = {brief(what)}: must be one of 'share', 'cost', or such as 'mean of flips' or "
-            "'quantile 0.9 of flips'"
+            f"what = {brief(what)}: must be one of 'share', 'cost', 'exponent', 'mean_megno', "
+            "'largest_exponent', or such as 'mean of flips' or 'quantile 0.9 of flips'"
         )
     number, share, name = found.groups()
     try:
@@ -365,9 +380,8 @@ def _draw_field(view: _View, ax: Axes, field: Floats, label: str) -> list[Any]:
     edges = cell_edges(x), cell_edges(y)
     _set_scale(ax, "y", y)
     ax.set_ylabel(y.label)
-    mesh = ax.pcolormesh(
-        *edges, np.ma.masked_invalid(field), cmap=colours.NUMBER_MAP, rasterized=True
-    )
+    cmap = colours.CHAOS_MAP if label in GROWTH.values() else colours.NUMBER_MAP
+    mesh = ax.pcolormesh(*edges, np.ma.masked_invalid(field), cmap=cmap, rasterized=True)
     ax.figure.colorbar(mesh, ax=ax, pad=0.02).set_label(label)
     return _hatch(view, ax, *edges)
 

@@ -446,7 +446,8 @@ class StabilityMap(MapData):
         what : str, optional
             ``"share"``; ``"cost"``: the processor time of each pixel; or a number of a measure such
             as ``"mean of flips"``, ``"std of flips"``, ``"median of flips"`` or
-            ``"quantile 0.9 of flips"``.
+            ``"quantile 0.9 of flips"``; or of a map of :func:`rigid.regular` ``"exponent"``,
+            ``"mean_megno"`` or ``"largest_exponent"``.
         at : dict of str to float, optional
             Values of axes by their names, to draw the slice of the map there.
 

@@ -588,7 +588,7 @@ def test_pictures_of_what_is_not_measured_are_refused(
 ) -> None:
     for what, message in (
         ("mean of flips", "what = 'mean of flips': 'flips' is not measured once (measured: none)"),
-        ("flips", "what = 'flips': must be one of 'share', 'cost', or such as"),
+        ("flips", "what = 'flips': must be one of 'share', 'cost', 'exponent'"),
     ):
         assert message in fails(["map", "small.toml", "--what", what], capsys)
     third = '[z]\nname = "t_end"\nvalues = [1.0, 2.0]\n'

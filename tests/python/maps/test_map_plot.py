@@ -401,3 +401,28 @@ def test_a_plane_one_pixel_high_is_drawn_without_curves() -> None:
         progress=False,
     )
     assert len(result.plot().collections) == 1
+
+
+@pytest.mark.parametrize("what", ["exponent", "mean_megno", "largest_exponent"])
+def test_a_map_of_chaos_shows_the_growth_bright_where_it_is_small(what: str) -> None:
+    result = rigid.stability_map(
+        rigid.HeavyTop(rigid.Body((1.0, 1.6, 0.7)), mgl=1.0),
+        axes={"spin": [0.5, 6.0], "tilt": [0.4, 0.8]},
+        stable=rigid.regular(),
+        t_end=60.0,
+        samples=1,
+        rng=1,
+    )
+    mesh = result.plot(what=what).collections[0]
+    drawn = np.ma.getdata(mesh.get_array()).reshape(2, 2)
+    np.testing.assert_array_equal(drawn, getattr(result, what))
+    brightness = mesh.to_rgba(mesh.get_array().ravel())[:, :3].sum(axis=1)
+    assert np.argmax(brightness) == np.argmin(drawn)
+    with pytest.raises(ValueError, match=r"needs a map with the criterion rigid\.regular"):
+        rigid.stability_map(
+            rigid.HeavyTop,
+            axes={"spin": [1.0]},
+            stable=rigid.tilt_below(0.5),
+            t_end=1.0,
+            samples=1,
+        ).plot(what=what)

@@ -256,7 +256,7 @@ def test_pictures_show_any_number() -> None:
     bar = plane.plot(what="median of largest_tilt").figure.axes[1]
     assert bar.get_ylabel() == "median of largest_tilt (rad)"
     for what, message in (
-        ("shares", "must be one of 'share', 'cost', or such as 'mean of flips'"),
+        ("shares", "'largest_exponent', or such as 'mean of flips'"),
         ("mean of spin", "is not measured once"),
         ("mean of mean_rate", "is not measured once"),
         ("quantile 2 of flips", r"a quantile lies in \[0, 1\]"),
