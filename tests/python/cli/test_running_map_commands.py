@@ -369,3 +369,16 @@ def test_a_check_tells_the_folder_too(capsys: pytest.CaptureFixture[str]) -> Non
     assert main(["map", "small.toml", "--store", "run.rigid", "--check"]) == 0
     assert capsys.readouterr().out.endswith("would write small.npz, small.png, run.rigid\n")
     assert not Path("run.rigid").exists()
+
+
+def test_a_cluster_that_does_not_answer_is_a_wrong_call(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    distributed = pytest.importorskip("distributed")
+
+    def silent(address: str) -> None:
+        raise OSError("timed out")
+
+    monkeypatch.setattr(distributed, "Client", silent)
+    assert main(["map", "small.toml", "--store", "a.rigid", "--dask", "tcp://x:1", QUIET]) == 2
+    assert "--dask = 'tcp://x:1': no scheduler answers (timed out)" in capsys.readouterr().err

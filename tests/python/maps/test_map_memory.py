@@ -5,9 +5,13 @@ from __future__ import annotations
 import sys
 from typing import Any
 
+import numpy as np
 import pytest
 
 from processes import python_process
+from rigid.store.head import Head
+from rigid.store.rows import Table
+from small_maps import spec_of
 
 CODE = """
 import sys
@@ -46,3 +50,15 @@ def test_a_hundred_times_the_horizon_takes_no_more_memory() -> None:
     # A million steps of one body would be 24 MB of rates.
     short, long = peak(2, 8, 500.0), peak(2, 8, 50_000.0)
     assert long - short < 5.0
+
+
+def test_a_map_that_is_too_large_tells_its_size(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where no memory is left; a real request of this size might be granted, page by page."""
+    head = Head.of(spec_of(axes={"spin": np.linspace(1.0, 2.0, 100_000)}))
+
+    def refused(*_: object) -> None:
+        raise MemoryError
+
+    monkeypatch.setattr(np, "zeros", refused)
+    with pytest.raises(MemoryError, match=r"axes: the columns of 100,000 pixels need 0 GiB; take"):
+        Table(head)
