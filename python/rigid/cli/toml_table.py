@@ -135,7 +135,10 @@ class Table:
         """Raise for a key that is not known."""
         for key in self._values:
             if key not in known:
-                raise self.error(f"unknown key {key!r}{of_known(key, known)}")
+                tables = self._values.items()
+                below = [name for name, one in tables if isinstance(one, Mapping) and key in one]
+                hint = f"; did you mean '{below[0]}.{key}'?" if below else of_known(key, known)
+                raise self.error(f"unknown key {key!r}{hint}")
 
     def take(self, key: str, convert: Callable[[str, Any], _T], *, default: Any = _REQUIRED) -> Any:
         """The value of a key as ``convert(key, value)``."""

@@ -707,6 +707,11 @@ def test_a_check_refuses_what_the_map_refuses(
     assert said == "rigid: --part: needs --store"
 
 
+def test_a_key_without_its_table_is_a_hint(capsys: pytest.CaptureFixture[str]) -> None:
+    said = fails(["map", "thrown-box", "--set", "t_end=3", "--check"], capsys)
+    assert said.endswith("thrown-box.toml: unknown key 't_end'; did you mean 'run.t_end'?")
+
+
 def test_samples_and_half_width_exclude_each_other(capsys: pytest.CaptureFixture[str]) -> None:
     said = fails(["map", "small.toml", "--samples", "5", "--half-width", "0.1"], capsys)
     assert said == "rigid: --samples, --half-width: give one of the two"
