@@ -40,6 +40,7 @@ from ..sections.crossings import Crossings
 from ..sections.poincare import poincare
 from ..sections.starts import on_surface
 from ..solve.methods import EXACT
+from ..solve.plan import Plan
 from ..store.call import run_map
 from .exit_codes import DONE, REFUSED, SAYS_NO, WRITE_ERROR
 from .output import (
@@ -156,9 +157,9 @@ def _map(options: argparse.Namespace) -> int:
     threads = resolve_threads(options.threads)
     require_room(target.data, file_size(spec))
     if options.check:
-        return _checked(spec, named.name, target, options)
+        return _checked(spec, named.name, target, threads, options)
     if not options.json:
-        say(f"{'plan':<12}{_plan(spec)}")
+        say(f"{'plan':<12}{_words(map_plan(spec))}")
     if options.store is not None:
         stored = compute_stored(spec, options, seeded=seeded)
         return _finished_map(stored, target, named.name, options)
@@ -166,9 +167,11 @@ def _map(options: argparse.Namespace) -> int:
     return _finished_map(result, target, named.name, options)
 
 
-def _checked(spec: MapSpec, name: str, target: Target, options: argparse.Namespace) -> int:
+def _checked(
+    spec: MapSpec, name: str, target: Target, threads: int, options: argparse.Namespace
+) -> int:
     """Tell the plan of a map, its cost and the files that it would write."""
-    made, threads = map_plan(spec), resolve_threads(options.threads)
+    made = map_plan(spec)
     pixels = int((to_core(spec).status == 0).sum())
     bodies = min(pixels * spec.samples, spec.budget or pixels * spec.samples)
     seconds = None if made.cost is None else 1e-9 * made.cost * bodies / threads
@@ -188,7 +191,7 @@ def _checked(spec: MapSpec, name: str, target: Target, options: argparse.Namespa
             cost += f"; {more} may make the map several times as long"
     lines = {
         "map": spec.title or name,
-        "plan": _plan(spec),
+        "plan": _words(made),
         "bodies": f"{most}{bodies:,} in {pixels:,} pixels",
         "cost": cost,
         "would write": ", ".join(map(str, filter(None, files.values()))),
@@ -267,9 +270,8 @@ def _named_map(source: str, changes: Any) -> NamedSpec:
     return NamedSpec(f"{path.stem}-again", load_map(path).spec.replace(), seeded=True)
 
 
-def _plan(spec: MapSpec) -> str:
-    made = map_plan(spec)
-    return "; ".join([made.method_words(), *made.why])
+def _words(plan: Plan) -> str:
+    return "; ".join([plan.method_words(), *plan.why])
 
 
 def _maps(options: argparse.Namespace) -> int:
