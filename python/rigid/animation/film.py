@@ -15,10 +15,10 @@ from .._checks.arrays import attitudes
 from ..drawing import colours
 from ..drawing.shapes import STEM, box_faces, cone_faces, ellipsoid_faces, plane_face, top_faces
 from ..model.body import Moments
-from ..model.scene import FreeBody, HeavyTop, Scene, check_heavy_top
+from ..model.scene import FreeBody, HeavyTop, Scene, check_heavy_top, require_unforced
 from ..rotations.apply import to_space
 from .mesh import faces_of
-from .states import require_unforced, scene_of, states_of
+from .states import scene_of, states_of
 from .story import story_of, tilt_of
 
 if TYPE_CHECKING:

@@ -6,11 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._checks.arguments import brief
-from ..model.forces import forces_in_words
 from ..model.scene import Scene, scene_from_dict
 from ..solve.run import Run
 
-__all__ = ["pair_of", "rates_of", "require_unforced", "scene_of", "states_of"]
+__all__ = ["pair_of", "rates_of", "scene_of", "states_of"]
 
 Floats = NDArray[np.float64]
 
@@ -77,9 +76,3 @@ def _index_of(run: Run, body: int | None) -> tuple[int, ...]:
     if not -bodies <= index < bodies:
         raise ValueError(f"body = {brief(body)}: the run has {bodies} bodies")
     return (int(index),)
-
-
-def require_unforced(scene: Scene, what: str) -> None:
-    """Raise ValueError under torque or damping, because the picture shows constants of motion."""
-    if scene.forces:
-        raise ValueError(f"{what}: needs a scene without {forces_in_words(scene.forces)}")

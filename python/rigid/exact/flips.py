@@ -11,12 +11,11 @@ from .. import _core
 from .._checks.arguments import positive_int
 from ..model.body import Body
 from ..model.criteria import NoFlip
-from ..model.scene import Scene, check_scene
+from ..model.scene import Scene, check_scene, require_unforced
 from ..model.start import body_axis
 from ..solve.bodies import Bodies
 from ..solve.closed_form import closed_forms
 from ..solve.starts import bodies_of
-from .common import require_unforced
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
@@ -69,7 +68,7 @@ def flip_times(
     array([28.731424, 28.731424])
     """
     scene = check_scene(scene, many=True)
-    require_unforced(scene)
+    require_unforced(scene, "a closed form")
     number = positive_int("count", count)
     bodies = bodies_of(scene, omega, attitude)
     chosen = None if axis is None else body_axis(axis)

@@ -15,7 +15,7 @@ from ..model.body_like import body_of
 from ..model.leading import leading_shape
 from ..model.scene import FreeBody
 from ..solve.arrays import in_rows, rows_of_each
-from .common import in_shape, require_unforced
+from .common import in_shape
 
 __all__ = ["FreeMotion", "free_body"]
 
@@ -93,8 +93,6 @@ def free_body(body: Body | FreeBody, omega: ArrayLike) -> FreeMotion:
     >>> int(motion.axis), round(float(motion.flip_time), 6)
     (1, 52.660597)
     """
-    if isinstance(body, FreeBody):
-        require_unforced(body)
     rates, moments = vectors("omega", omega), vectors("moments", body_of(body).moments)
     shape = leading_shape({"body": moments.shape[:-1], "omega": rates.shape[:-1]})
     columns = in_rows(moments, shape), rows_of_each(rates, shape)

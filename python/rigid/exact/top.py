@@ -16,10 +16,10 @@ from .._checks.arrays import finite_array, require
 from .._checks.overflow import refuses_overflow
 from .._checks.shown import short_repr
 from ..model.leading import leading_shape
-from ..model.scene import HeavyTop, check_heavy_top
+from ..model.scene import HeavyTop, check_heavy_top, require_unforced
 from ..model.start import body_axis
 from ..solve.starts import bodies_of
-from .common import in_shape, require_unforced
+from .common import in_shape
 from .elliptic import agm
 from .symmetry import Symmetry, require_each, symmetry_of
 
@@ -338,7 +338,7 @@ def pendulum_period(scene: HeavyTop, amplitude: ArrayLike, *, axis: int) -> Floa
     >>> np.round(rigid.exact.pendulum_period(body, [0.0, np.pi / 2], axis=1), 6)
     array([3.141593, 3.708149])
     """
-    require_unforced(check_heavy_top(scene, many=True))
+    require_unforced(check_heavy_top(scene, many=True), "a closed form")
     about = body_axis(axis)
     mgl, com = np.asarray(scene.mgl), np.asarray(scene.com)
     require_each(
@@ -360,7 +360,7 @@ def pendulum_period(scene: HeavyTop, amplitude: ArrayLike, *, axis: int) -> Floa
 
 def _lagrange(scene: HeavyTop) -> Symmetry:
     """The symmetry of Lagrange tops with weight."""
-    require_unforced(check_heavy_top(scene, many=True))
+    require_unforced(check_heavy_top(scene, many=True), "a closed form")
     rule = "a top without weight is a free body; use exact.free_body"
     require_each(scene, np.any(scene.weight, axis=-1), rule, ("mgl",))
     symmetry = symmetry_of(scene, scene.weight)

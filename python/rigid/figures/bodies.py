@@ -14,7 +14,7 @@ from ..drawing import colours
 from ..drawing.axes3d import arc, arc_between, arrow, circle, curve, fit, in_space, label
 from ..drawing.colours import on_ground
 from ..free import permanent_rotation
-from ..model.body import Body
+from ..model.body import Body, check_body
 from ..model.scene import HeavyTop, check_heavy_top
 from ..rotations.euler import euler_to_quaternion
 from ..top import gravity_torque
@@ -113,9 +113,7 @@ def box_data(body: Body) -> BoxWithAxes:
     >>> figures.box_data(rigid.Body.box(0.01, 0.08, 0.25)).kinds
     ('stable', 'unstable', 'stable')
     """
-    if not isinstance(body, Body):
-        raise TypeError(f"body = {brief(body)}: must be a rigid.Body")
-    if body.sides is None:
+    if check_body(body).sides is None:
         raise ValueError(
             f"body = {brief(body)}: its sides are not known; create it by rigid.Body.box"
         )

@@ -10,13 +10,13 @@ from numpy.typing import NDArray
 
 from .. import exact, free
 from .._checks.arguments import brief, positive_int
-from ..animation.states import rates_of, require_unforced, scene_of
+from ..animation.states import rates_of, scene_of
 from ..drawing import colours
 from ..drawing.axes3d import arrow, curve, fit, in_space, label
 from ..drawing.shapes import ellipsoid_faces
 from ..drawing.sides import sides, surface
 from ..model.body_like import BodyLike, moments_of
-from ..model.scene import FreeBody
+from ..model.scene import FreeBody, require_unforced
 from ..solve.run import Run
 
 __all__ = ["Polhodes", "PolhodesArtists", "polhodes", "polhodes_data"]

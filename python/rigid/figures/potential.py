@@ -10,11 +10,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import top
 from .._checks.arguments import vector
-from ..animation.states import require_unforced
 from ..drawing import colours
 from ..drawing.axes3d import BELOW, in_plane, label
 from ..drawing.colours import on_ground
-from ..model.scene import HeavyTop, check_heavy_top
+from ..model.scene import HeavyTop, check_heavy_top, require_unforced
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
@@ -249,7 +248,7 @@ def constants_of(
     scene: HeavyTop, omega: ArrayLike, attitude: ArrayLike | Rotation | None
 ) -> dict[str, float]:
     """a, b, alpha, beta and E' of one symmetric top."""
-    require_unforced(check_heavy_top(scene), "energy and momenta of a top")
+    require_unforced(check_heavy_top(scene), "a picture with constants of motion")
     known = top.heavy_constants(
         scene, vector("omega", omega, 3), UPRIGHT if attitude is None else attitude
     )

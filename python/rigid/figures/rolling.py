@@ -10,13 +10,13 @@ from numpy.typing import NDArray
 
 from .. import free
 from .._checks.arguments import brief
-from ..animation.states import require_unforced, scene_of, states_of
+from ..animation.states import scene_of, states_of
 from ..drawing import colours
 from ..drawing.axes3d import arrow, curve, fit, in_space, label
 from ..drawing.colours import on_ground
 from ..drawing.shapes import across, ellipsoid_faces, plane_face
 from ..drawing.sides import eye, sides, surface
-from ..model.scene import FreeBody
+from ..model.scene import FreeBody, require_unforced
 from ..rotations.apply import to_space
 from ..solve.run import Run
 

@@ -11,12 +11,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import top
 from .._checks.arguments import finite_float, positive_int, shaped
-from ..animation.states import require_unforced
 from ..drawing import colours
 from ..drawing.axes3d import panels
 from ..drawing.colours import on_ground
 from ..drawing.shapes import across
-from ..model.scene import HeavyTop, check_heavy_top
+from ..model.scene import HeavyTop, check_heavy_top, require_unforced
 from ..rotations.euler import rotation_x
 from ..rotations.quaternions import matrix_to_quaternion
 from .paths import UP, WORDS
@@ -124,7 +123,7 @@ def cycloids_data(
     >>> figures.cycloids_data(scene, 1.0, 40.0).kind.tolist()
     ['curtate', 'cusp', 'prolate']
     """
-    require_unforced(check_heavy_top(scene), "cycloids")
+    require_unforced(check_heavy_top(scene), "a picture of cycloids")
     angle = finite_float("tilt", tilt)
     rate = finite_float("spin", spin)
     shares = shaped("pushes", pushes, None)

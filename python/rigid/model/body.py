@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
-from .._checks.arguments import finite_float, first_place, numbers, shaped, vector
+from .._checks.arguments import brief, finite_float, first_place, numbers, shaped, vector
 from .._checks.quantities import without_unit
-from .._moments import box_moments, possible
+from .._moments import box_moments, possible, refuse_tensor
 from .gravity import checked_properties
 from .leading import (
     Index,
@@ -35,6 +35,8 @@ if TYPE_CHECKING:
 __all__ = [
     "Body",
     "Moments",
+    "check_body",
+    "pair_hint",
     "require_one",
 ]
 
@@ -375,7 +377,8 @@ class Body:
     def cone(cls, radius: ArrayLike, height: ArrayLike, *, mass: ArrayLike = 1.0) -> Body:
         """A homogeneous cone (m) about body axis 3, moments about its centre of mass.
 
-        A top standing on its tip is ``HeavyTop.from_mass(cone, com=(0, 0, 3 / 4 * height))``.
+        A top standing on its tip is the first of a pair, the top and its axes:
+        ``top, axes = HeavyTop.from_mass(cone, com=(0, 0, 3 / 4 * height))``.
 
         Parameters
         ----------
@@ -747,6 +750,27 @@ def _length(name: str, value: ArrayLike, *, zero: bool = False) -> float | Float
     return finite_float(name, value, positive=not zero, nonnegative=zero, unit="m")
 
 
+def check_body(body: object) -> Body:
+    """``body`` if it is a body; TypeError says what is given instead."""
+    if isinstance(body, Body):
+        return body
+    raise TypeError(f"body = {brief(body)}: must be a rigid.Body{pair_hint(body)}")
+
+
+def pair_hint(value: object) -> str:
+    """What to write instead of the pair that ``from_mass`` and its like return, if it is one."""
+    if not (isinstance(value, tuple) and len(value) == 2):
+        return ""
+    first = value[0]
+    if not isinstance(getattr(first, "body", first), Body):
+        return ""
+    name = "body" if isinstance(first, Body) else "top"
+    return (
+        f"; this is a pair, the {name} and its axes: write {name}, axes = ..., and pass {name} "
+        "(frame=axes gives states along the axes of the drawing)"
+    )
+
+
 def require_one(value: Any) -> None:
     """Raise ValueError for a body or a scene that holds many bodies."""
     if value.shape:
@@ -766,16 +790,14 @@ def _checked_moments(value: ArrayLike) -> Moments:
         first, second, third = array.tolist()
         _core.check_moments((first, second, third))
         return first, second, third
+    refuse_tensor("moments", array)
     good = possible(array)
     if not good.all():
         index, place = first_place(~good)
         try:
             _core.check_moments(array[index].tolist())
         except ValueError as error:
-            text = str(error).replace("moments", f"moments{place}", 1)
-            if array.shape == (3, 3) and (array == array.T).all():
-                text += "; rows are bodies: a tensor of inertia goes to Body.from_tensor"
-            raise ValueError(text) from None
+            raise ValueError(str(error).replace("moments", f"moments{place}", 1)) from None
     return frozen(array)
 
 

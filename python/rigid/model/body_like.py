@@ -9,9 +9,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import brief
 from .._checks.arrays import vectors
-from .._moments import possible
-from .body import Body
-from .scene import FreeBody, Scene
+from .._moments import possible, refuse_tensor
+from .body import Body, pair_hint
+from .scene import FreeBody, Scene, require_unforced
 
 __all__ = ["BodyLike", "body_of", "moments_of"]
 
@@ -22,11 +22,14 @@ BodyLike: TypeAlias = Body | FreeBody | ArrayLike
 
 
 def body_of(body: object) -> Body:
-    """The body of a body or of the scene of a free body."""
+    """The body of a body, or of the scene of a free body on which nothing acts."""
     if isinstance(body, FreeBody):
+        require_unforced(body, "the free motion of scene.body")
         return body.body
     if not isinstance(body, Body):
-        raise TypeError(f"body = {brief(body)}: must be a rigid.Body or a rigid.FreeBody")
+        raise TypeError(
+            f"body = {brief(body)}: must be a rigid.Body or a rigid.FreeBody{pair_hint(body)}"
+        )
     return body
 
 
@@ -36,16 +39,10 @@ def moments_of(body: object, *, rod: bool = False) -> Floats:
     A thin rod, with no moment about its own axis, has no equation of motion; ``rod`` lets it pass
     where none is needed.
     """
-    if isinstance(body, Scene):
-        if body.forces:
-            raise ValueError(
-                f"scene = {body.words()}: here nothing may act on the body; give the body alone, "
-                "scene.body"
-            )
-        body = body.body
-    if isinstance(body, Body):
-        return np.array(body.moments)
+    if isinstance(body, (Body, Scene)) or pair_hint(body):
+        return np.array(body_of(body).moments)
     moments = vectors("moments", body)  # type: ignore[arg-type]  # ValueError if it is no array
+    refuse_tensor("moments", moments)
     flat = moments.reshape(-1, 3)
     good = possible(flat)
     if rod:

@@ -18,13 +18,14 @@ from numpy.typing import ArrayLike, NDArray
 from .. import _core
 from .._checks.arguments import brief, finite_float, numbers, one_of, shaped, unit_vector, vector
 from .._checks.arrays import unit_vectors
-from .body import Body, require_one
+from .body import Body, check_body, pair_hint, require_one
 from .forces import (
     FORCES,
     FreeForces,
     HasForces,
     TopForces,
     checked_forces,
+    forces_in_words,
     with_forces,
 )
 from .frame import checked_frame, turned, turned_matrix
@@ -63,6 +64,7 @@ __all__ = [
     "Scene",
     "check_heavy_top",
     "check_scene",
+    "require_unforced",
     "scene_from_dict",
 ]
 
@@ -405,11 +407,6 @@ def _unit(name: str, vectors: Floats) -> Vector | Floats:
     return first, second, third
 
 
-def _check_body(body: object) -> None:
-    if not isinstance(body, Body):
-        raise TypeError(f"body = {brief(body)}: must be a rigid.Body")
-
-
 @with_forces(FreeForces)
 @dataclass(frozen=True, slots=True, init=False, repr=False, eq=False)
 class FreeBody(Scene):
@@ -481,7 +478,7 @@ class FreeBody(Scene):
         frame: ArrayLike | None = None,
         **further: Unpack[FreeForces],
     ) -> None:
-        _check_body(body)
+        check_body(body)
         set_field = object.__setattr__  # the dataclass is frozen
         set_field(self, "body", body)
         set_field(self, "torque", checked_torque(torque))
@@ -601,7 +598,7 @@ class HeavyTop(Scene):
         frame: ArrayLike | None = None,
         **further: Unpack[TopForces],
     ) -> None:
-        _check_body(body)
+        check_body(body)
         set_field = object.__setattr__  # the dataclass is frozen
         set_field(self, "body", body)
         set_field(self, "mgl", _checked_mgl(mgl))
@@ -666,7 +663,7 @@ class HeavyTop(Scene):
         >>> round(top.mgl, 5), round(rigid.exact.sleeping_spin(top))
         (0.14715, 183)
         """
-        _check_body(body)
+        check_body(body)
         require_one(body)
         if body.about == "point":
             raise ValueError(
@@ -793,7 +790,10 @@ def check_scene(scene: object, *, many: bool = False) -> Scene:
             require_one(scene)
         return scene
     known = " or ".join(f"rigid.{known.__name__}" for known in SCENES.values())
-    raise TypeError(f"scene = {brief(scene)}: must be a {known}, or a rigid.Body without weight")
+    raise TypeError(
+        f"scene = {brief(scene)}: must be a {known}, or a rigid.Body without weight"
+        f"{pair_hint(scene)}"
+    )
 
 
 def check_heavy_top(scene: object, *, many: bool = False) -> HeavyTop:
@@ -802,7 +802,16 @@ def check_heavy_top(scene: object, *, many: bool = False) -> HeavyTop:
         if not many:
             require_one(scene)
         return scene
-    raise TypeError(f"scene = {brief(scene)}: must be a rigid.HeavyTop")
+    raise TypeError(f"scene = {brief(scene)}: must be a rigid.HeavyTop{pair_hint(scene)}")
+
+
+def require_unforced(scene: Scene, what: str) -> None:
+    """Raise ValueError under torque, damping or another force: ``what`` holds without them."""
+    if scene.forces:
+        raise ValueError(
+            f"scene = {scene.words()}: {what} needs a scene without "
+            f"{forces_in_words(scene.forces)}; rigid.simulate integrates the motion"
+        )
 
 
 def scene_from_dict(data: Mapping[str, Any]) -> Scene:

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._checks.arguments import brief, finite_float, positive_int
-from ..model.scene import HeavyTop, check_heavy_top
+from ..model.scene import HeavyTop, check_heavy_top, require_unforced
 from ..model.seed import seed_from
 from .surface import Section
 from .surface import section as make_section
@@ -79,9 +79,7 @@ def on_surface(
     >>> constants.p_phi.round(12).tolist() == [0.5] * 10
     True
     """
-    check_heavy_top(top)
-    if top.forces:
-        raise ValueError(f"top = {top.words()}: torque or damping changes its energy")
+    require_unforced(check_heavy_top(top), "a surface of one energy")
     level = finite_float("energy", energy)
     momentum = finite_float("l_gamma", l_gamma)
     count = positive_int("count", count)

@@ -14,7 +14,7 @@ from .._checks.overflow import refuses_overflow
 from ..exact.symmetry import Symmetry, require_each, symmetry_of
 from ..free import invariants
 from ..model.leading import Shape, leading_shape
-from ..model.scene import HeavyTop, check_heavy_top
+from ..model.scene import HeavyTop, check_heavy_top, require_unforced
 from ..rotations.apply import to_body, to_space
 
 if TYPE_CHECKING:
@@ -34,8 +34,9 @@ Floats = NDArray[np.float64]
 
 
 def symmetric(scene: HeavyTop) -> Symmetry:
-    """The symmetry of heavy tops, with or without weight; ValueError if a top has none."""
-    symmetry = symmetry_of(check_heavy_top(scene, many=True))
+    """The symmetry of tops on which nothing but weight acts; ValueError if a top has none."""
+    require_unforced(check_heavy_top(scene, many=True), "a formula with constants of motion")
+    symmetry = symmetry_of(scene)
     rule = (
         "a symmetric top has two exactly equal moments and its centre of mass exactly on the "
         "third axis"
@@ -102,9 +103,10 @@ def heavy_constants(
 ) -> HeavyConstants:
     """Energy and angular momenta of a heavy top, and the constants a, b, alpha, beta.
 
-    Goldstein, *Classical Mechanics*, § 5.7; Landau and Lifshitz, *Mechanics*, § 35. Ercan 2016,
-    eqs. (54)-(60), with the moment I1 in both terms of the energy (erratum D-32), and with a
-    instead of b on the right side before eq. (57) (D-31).
+    Under further forces they are the values of the given states, and change with time. Goldstein,
+    *Classical Mechanics*, § 5.7; Landau and Lifshitz, *Mechanics*, § 35. Ercan 2016, eqs.
+    (54)-(60), with the moment I1 in both terms of the energy (erratum D-32), and with a instead of
+    b on the right side before eq. (57) (D-31).
 
     Parameters
     ----------

@@ -388,7 +388,7 @@ def test_under_a_torque_the_angular_momentum_moves_along() -> None:
     np.testing.assert_allclose(arrow / np.linalg.norm(arrow, axis=1).max(), momentum / longest)
     for view in ("cones", "poinsot"):
         with pytest.raises(
-            ValueError, match=f"view = '{view}': needs a scene without torque and damping$"
+            ValueError, match=f"view = '{view}' needs a scene without torque and damping;"
         ):
             film_of(run, view=view)
 

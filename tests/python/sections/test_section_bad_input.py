@@ -74,7 +74,7 @@ REFUSED: dict[str, tuple[Call, str]] = {
         lambda: rigid.top.on_surface(
             rigid.HeavyTop(rigid.Body((1.0, 1.6, 0.7)), mgl=1.2, damping=0.1), 2.0, 0.1, 5
         ),
-        "torque or damping changes its energy",
+        "a surface of one energy needs a scene without damping",
     ),
     "surface beyond the energy": (
         lambda: rigid.top.on_surface(TOP, 2.0, 0.4, 5, section=rigid.section("omega3", 50.0)),

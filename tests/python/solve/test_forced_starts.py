@@ -162,7 +162,7 @@ def test_power_balance_of_a_driven_run_closes() -> None:
         ),
         (
             lambda: rigid.free.cones(rigid.FreeBody(BOX, damping=1.0), [0.1, 0.2, 2.0]),
-            "damping 1: here nothing may act on the body; give the body alone, scene.body",
+            "damping 1: the free motion of scene.body needs a scene without damping;",
         ),
     ],
 )

@@ -369,9 +369,8 @@ REFUSED: list[tuple[Callable[[], Any], type[Exception], str]] = [
     (
         lambda: rigid.Body([[2.0, 0.1, 0.1], [0.1, 3.0, 0.2], [0.1, 0.2, 4.0]]),
         ValueError,
-        "moments[0] = (2, 0.1, 0.1): no moment may exceed the sum of the other two (triangle "
-        "inequality; equality is a flat body); rows are bodies: a tensor of inertia goes to "
-        "Body.from_tensor",
+        "moments = [[2.0, 0.1, 0.1], [0.1, 3.0, 0.2], [0.1, 0.2, 4.0]]: a symmetric matrix is a "
+        "tensor of inertia, and here rows are bodies; take rigid.Body.from_tensor, or give three",
     ),
     (
         lambda: rigid.Body(BAD.reshape(1, COUNT, 3)),

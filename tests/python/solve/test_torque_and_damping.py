@@ -433,7 +433,7 @@ REFUSED: list[tuple[Any, type[Exception], list[str]]] = [
     (
         lambda: rigid.exact.free_body(STIFF, [1, 2, 3]),
         ValueError,
-        ["no closed form under damping"],
+        ["the free motion of scene.body needs a scene without damping; rigid.simulate"],
     ),
 ]
 
