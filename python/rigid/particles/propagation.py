@@ -13,7 +13,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import shaped, sorted_times, together
 from ..model.body import Body, require_one
-from ..model.body_like import body_of
 from ..model.scene import FreeBody
 from ..solve.run import Run
 from ..solve.simulate import simulate
@@ -60,16 +59,18 @@ def propagate_body(
 ) -> BodyPath:
     """Path of a thrown body: the centre of mass under a force through it, and the rotation.
 
-    The centre of mass obeys ``F = dP/dt``, the rotation obeys ``N = dL/dt`` with ``N = 0`` (Ercan
-    2016, § 2, eqs. (38)–(40)). Without torque the angular momentum is constant, but the angular
-    velocity in general is not (erratum D-02). The path is exact for a constant force. For sampled
-    forces the function integrates their cubic spline twice, which needs SciPy; the error falls with
-    the fourth power of the spacing. The rotation is the closed form of :func:`rigid.simulate`.
+    The centre of mass obeys ``F = dP/dt``, the rotation obeys ``N = dL/dt`` (Ercan 2016, § 2, eqs.
+    (38)–(40)). Without torque the angular momentum is constant, but the angular velocity in general
+    is not (erratum D-02). The path is exact for a constant force. For sampled forces the function
+    integrates their cubic spline twice, which needs SciPy; the error falls with the fourth power of
+    the spacing. :func:`rigid.simulate` gives the rotation.
 
     Parameters
     ----------
     body : Body or FreeBody
         The body, with moments about the centre of mass; it must have a mass if there is a force.
+        The torques of a :class:`rigid.FreeBody` turn the body. An orbit is refused, because it
+        moves the centre of mass in another way.
     position, velocity : array_like, shape (3,) or (n, 3)
         Centre of mass (m) and its velocity (m/s) at ``t = 0``.
     omega, attitude : array_like
@@ -88,8 +89,8 @@ def propagate_body(
     Raises
     ------
     ValueError
-        If there is a force but the body has no mass, or an argument is not finite or has the wrong
-        shape.
+        If there is a force but the body has no mass, the body is on an orbit, or an argument is not
+        finite or has the wrong shape.
 
     Examples
     --------
@@ -103,16 +104,22 @@ def propagate_body(
     >>> path.position[-1].round(9).tolist()
     [2.0, 0.0, 1.095]
     """
-    body = body_of(body)
+    scene = body if isinstance(body, FreeBody) else FreeBody(body)
     require_one(body)
+    if scene.orbit is not None:
+        raise ValueError(
+            f"body = {scene.words()}: position, velocity and force move its centre of mass; "
+            "rigid.simulate gives the rotation on an orbit"
+        )
+    mass = scene.body.mass
     times = sorted_times("t", t)
     r0, v0 = shaped("position", position, 3), shaped("velocity", velocity, 3)
     f = shaped("force", force, 3)
-    if body.mass is None and f.any():
+    if mass is None and f.any():
         raise ValueError("body: its mass is None; give the body a mass, or no force")
     impulse, shift = _impulse_and_shift(f, times)
-    run = simulate(FreeBody(body), omega, attitude, t=times)
-    mass = 1.0 if body.mass is None else body.mass
+    run = simulate(scene, omega, attitude, t=times)
+    mass = 1.0 if mass is None else mass
     r0, v0, impulse, shift, _ = together(
         position=r0[..., np.newaxis, :],
         velocity=v0[..., np.newaxis, :],
