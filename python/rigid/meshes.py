@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 from ._checks.arguments import finite_float, first_place, one_line, one_of, shaped
 from ._checks.extras import install_extra
 from ._checks.overflow import refuses_overflow
+from ._checks.quantities import plain
 from .inertia.mass_properties import MassProperties, tensor_of_squares
 
 __all__ = ["file_properties", "mesh_properties", "read_mesh"]
@@ -253,7 +254,7 @@ def _merged(corners: Floats, triangles: Indices) -> tuple[Floats, Indices]:
 
 
 def _triangles(faces: ArrayLike, count: int) -> Indices:
-    array = np.asarray(faces)
+    array = np.asarray(plain("faces", faces))
     if array.ndim != 2 or array.shape[1] != 3 or array.dtype.kind not in "iu" or not len(array):
         raise ValueError(
             f"faces: expected whole numbers of shape (f, 3), got {array.dtype} of shape "

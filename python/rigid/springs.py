@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ._checks.arguments import finite_float, numbers, shaped, sorted_times, vector
+from ._checks.quantities import plain
 from .model.body import Body
 from .model.scene import FreeBody
 from .particles import degrees_of_freedom, pairs_of, refuse_coincidence
@@ -252,7 +253,7 @@ class PairSystem:
         apart = r[..., first, :] - r[..., second, :]
         distance = np.linalg.norm(apart, axis=-1)
         refuse_coincidence(distance, first, second)
-        found = [np.asarray(values) for values in self.law(distance)]
+        found = [np.asarray(plain("law", values)) for values in self.law(distance)]
         if any(one.shape != distance.shape or not np.isfinite(one).all() for one in found):
             raise ValueError(
                 "law: must return energy, first and second derivative of each distance, all finite"

@@ -89,11 +89,17 @@ def plain(name: str, value: Any, unit: str | None = None) -> Any:
     if "pint" in sys.modules:
         value = without_unit(name, value, unit)
     masked = sys.modules.get("numpy.ma")  # there is no masked array before it is imported
-    if masked is None or not isinstance(value, masked.MaskedArray) or not masked.is_masked(value):
-        return value
-    raise ValueError(
-        f"{name}: {masked.count_masked(value)} elements are masked; fill them or leave them out"
-    )
+    if masked is not None and (count := _masked(value, masked)):
+        raise ValueError(f"{name}: {count} elements are masked; fill them or leave them out")
+    return value
+
+
+def _masked(value: Any, masked: Any) -> int:
+    """The number of masked elements of an array, or of the arrays in a list."""
+    if isinstance(value, (list, tuple)):
+        holds = _holds(value, masked.MaskedArray)
+        return sum(_masked(part, masked) for part in value) if holds else 0
+    return int(masked.count_masked(value)) if isinstance(value, masked.MaskedArray) else 0
 
 
 def without_unit(name: str, value: Any, unit: str | None = None) -> Any:

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import brief, shaped
+from .._checks.quantities import plain
 
 __all__ = ["faces_of"]
 
@@ -50,7 +51,7 @@ def faces_of(shape: tuple[ArrayLike, ArrayLike], *, frame: Floats | None) -> Flo
     points = shaped("shape[0]", vertices, 3)
     if points.ndim != 2:
         raise ValueError(f"shape[0]: the corners need the shape (v, 3), not {points.shape}")
-    index = np.asarray(faces)
+    index = np.asarray(plain("shape[1]", faces))
     if index.ndim != 2 or index.dtype.kind not in "iu" or not len(index) or index.shape[1] < 3:
         raise ValueError(
             f"shape[1]: the faces need whole numbers of shape (f, n) with n >= 3, not "

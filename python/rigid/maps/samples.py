@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import brief
+from .._checks.quantities import plain
 from .._checks.shown import short_repr
 from ..solve.status import Status
 from .data import MapData
@@ -132,7 +133,7 @@ def outcomes(
 
 def _samples(sample: ArrayLike, count: int) -> NDArray[np.int64]:
     """Numbers of samples, each of 0 .. count - 1."""
-    numbers = np.asarray(sample)
+    numbers = np.asarray(plain("sample", sample))
     if numbers.dtype.kind not in "iu":
         raise TypeError(f"sample = {brief(sample)}: must be a whole number, or an array of them")
     outside = (numbers < 0) | (numbers >= count)

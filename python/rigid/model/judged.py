@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import one_of, sorted_times
+from .._checks.quantities import plain
 from .criterion import Condition, Criterion
 from .scene import Scene
 from .sourced import Sourced
@@ -88,7 +89,7 @@ class Custom(Criterion):
 
     def verdicts(self, states: States) -> Floats:
         """The answers of the function: positive for stable, NaN for undecided."""
-        found = np.asarray(self.source.call("stable")(states))
+        found = np.asarray(plain("stable", self.source.call("stable")(states)))
         count = len(states.omega)
         if found.shape != (count,) or found.dtype.kind not in "bif":
             raise ValueError(

@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import finite_float, positive_int, shaped, together
+from .._checks.quantities import plain
 from .displacements import (
     Displacement,
     OmegaFit,
@@ -404,7 +405,7 @@ def pairs_of(pairs: ArrayLike | None, count: int) -> tuple[Counts, Counts]:
     """First and second points of the pairs."""
     if pairs is None:
         return np.triu_indices(count, 1)
-    array = np.asarray(pairs)
+    array = np.asarray(plain("pairs", pairs))
     if array.size == 0:
         return np.empty(0, dtype=np.intp), np.empty(0, dtype=np.intp)
     if array.ndim != 2 or array.shape[1] != 2 or array.dtype.kind not in "iu":

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import brief, one_of, positive_int, sorted_times
-from .._checks.quantities import without_unit
+from .._checks.quantities import plain
 from .._checks.shown import short_repr
 from .run import Run
 
@@ -235,7 +235,7 @@ def frequency_drift(run: Run, of: str = "omega") -> FrequencyDrift:
 
 
 def _signals(z: ArrayLike, length: int) -> NDArray[np.inexact]:
-    z = without_unit("z", z)
+    z = plain("z", z)
     try:
         array = np.asarray(z)
     except ValueError:
