@@ -26,6 +26,10 @@ APART = 2.0
 Of two equal methods one then seems cheaper in 15 of 1000 reports of three repeats, in 5 of four or
 five, and in none of nine."""
 
+DEARER = 2.0
+"""A cost above so many times the lowest is distinct from it, whatever the scatter: a busy machine
+scatters times by a factor of ten."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ReportData(Stored):
@@ -93,9 +97,9 @@ class ReportData(Stored):
         """The methods that reach a given error in the shortest time, within the scatter of times.
 
         Two costs are distinct if they differ by more than twice the distances of the quartiles of
-        their repeats, of which there must be three at least. All methods are returned whose cost is
-        not distinct from the lowest, the lowest first. None are returned if the error is not
-        reached, or if no two costs are distinct.
+        their repeats, of which there must be three at least, or if one is above twice the other.
+        All methods are returned whose cost is not distinct from the lowest, the lowest first. None
+        are returned if the error is not reached, or if the repeats are too few.
 
         Parameters
         ----------
@@ -115,7 +119,7 @@ class ReportData(Stored):
         low, spread = reached[ordered[0]]
 
         def is_apart(cost: float, of_cost: float) -> bool:
-            return cost - low > APART * (spread + of_cost)
+            return cost > DEARER * low or cost - low > APART * (spread + of_cost)
 
         return tuple(name for name in ordered if not is_apart(*reached[name]))
 

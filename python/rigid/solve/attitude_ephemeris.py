@@ -49,6 +49,10 @@ def write_aem(
             or not (value.isascii() and value.isprintable())
         ):
             raise ValueError(f"{name} = {brief(value)}: must be a line of ASCII, not empty")
+    known = int(np.isfinite(attitudes).all(axis=-1).cumprod().sum())
+    if not known:
+        raise ValueError(f"attitude: none of {len(times)} times has one, as t and status tell")
+    times, attitudes = times[:known], attitudes[:known]
     stamps = [_stamp(begin, float(t)) for t in times]
     for k in range(1, len(stamps)):
         if stamps[k] == stamps[k - 1]:

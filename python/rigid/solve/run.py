@@ -661,7 +661,8 @@ an accuracy
         """Write the attitudes as an attitude ephemeris message (AEM) of CCSDS 504.0-B-1.
 
         Quaternions are normalised, scalar last, from frame A (space) to frame B (the body), with
-        times in UTC to the microsecond.
+        times in UTC to the microsecond. The message ends where the body ends, such as with an event
+        of ``until``.
 
         Parameters
         ----------
@@ -682,8 +683,9 @@ an accuracy
         Raises
         ------
         ValueError
-            If the attitude was not recorded, the epoch is no time, an entry is empty or of several
-            lines, two times share a microsecond, or there are many bodies and ``body`` names none.
+            If the attitude was not recorded or is known at no time, the epoch is no time, an entry
+            is empty or of several lines, two times share a microsecond, or there are many bodies
+            and ``body`` names none.
         OSError
             Naming the path, if the file cannot be written.
 

@@ -165,6 +165,25 @@ def test_an_attitude_ephemeris_has_the_frame_rotation_of_the_standard(tmp_path: 
         assert np.allclose(first, turned.T[0], rtol=0, atol=1e-14)
 
 
+def test_an_attitude_ephemeris_ends_where_the_body_ends(tmp_path: Path) -> None:
+    t = np.linspace(0.0, 40.0, 81)
+    whole = rigid.simulate(rigid.Body((1.0, 2.0, 3.0)), [1e-3, 1.0, 0.0], t=t)
+    run = rigid.simulate(
+        rigid.Body((1.0, 2.0, 3.0)), [1e-3, 1.0, 0.0], t=t, until=rigid.crosses("omega2")
+    )
+    flip = float(rigid.exact.flip_times(rigid.Body((1.0, 2.0, 3.0)), [1e-3, 1.0, 0.0], axis=2)[0])
+    entries, epochs, numbers = read_aem(run.to_aem(tmp_path / "run.aem", epoch="2026-01-31"))
+    last = np.flatnonzero(t <= flip)[-1]
+    assert entries["STOP_TIME"] == epochs[-1] == f"2026-01-31T00:00:{t[last]:09.6f}"
+    _, _, full = read_aem(whole.to_aem(tmp_path / "whole.aem", epoch="2026-01-31"))
+    assert np.array_equal(numbers, full[: last + 1])
+    late = rigid.simulate(
+        rigid.Body((1.0, 2.0, 3.0)), [1e-3, 1.0, 0.0], t=t[60:], until=rigid.crosses("omega2")
+    )
+    with pytest.raises(ValueError, match="attitude: none of 21 times has one"):
+        late.to_aem(tmp_path / "none.aem", epoch="2026-01-31")
+
+
 def test_what_messages_and_pictures_refuse(tmp_path: Path) -> None:
     one, many, path = RUNS["one"], RUNS["many"], tmp_path / "a.aem"
     bad: list[tuple[str, rigid.Run, dict[str, Any]]] = [
