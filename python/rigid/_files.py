@@ -6,7 +6,7 @@ import errno
 import os
 import re
 import stat
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from typing import BinaryIO
 
@@ -15,7 +15,15 @@ try:
 except ImportError:  # on Windows nothing tells whether a writer lives
     fcntl = None  # type: ignore[assignment]
 
-__all__ = ["published", "require_replaceable", "require_room"]
+__all__ = [
+    "ARRAYS",
+    "MAP",
+    "TABLE",
+    "published",
+    "require_ending",
+    "require_replaceable",
+    "require_room",
+]
 
 SCRATCH = ".rigid-"
 """How the names of scratch files begin."""
@@ -52,8 +60,28 @@ def require_replaceable(path: str | os.PathLike[str]) -> int | None:
     return stat.S_IMODE(mode)
 
 
+ARRAYS, MAP, TABLE = (".npz",), (".npz", ".zarr"), (".csv", ".txt")
+"""Endings of the names of files of arrays, of maps, and of comma-separated texts."""
+
+_WRITERS = {
+    ".csv": "to_csv writes a table",
+    ".nc": "to_xarray().to_netcdf writes netCDF",
+}
+"""What else writes a result of arrays, to a file whose name ends like this."""
+
+
+def require_ending(
+    path: str | os.PathLike[str], endings: Sequence[str], name: str = "path"
+) -> None:
+    """Raise ValueError if a name promises another kind of file than the one that is written."""
+    ending = os.path.splitext(path)[1].lower()
+    if ending not in endings:
+        other = f"; {_WRITERS[ending]}" if ending in _WRITERS and ".npz" in endings else ""
+        raise ValueError(f"{name} = {os.fspath(path)!r}: must end in {' or '.join(endings)}{other}")
+
+
 @contextmanager
-def published(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
+def published(path: str | os.PathLike[str], endings: Sequence[str] = ()) -> Iterator[BinaryIO]:
     """A new file, open to write bytes; it gets its name when it is whole and on the disk.
 
     The bytes go to a scratch file with another name in the same folder. At the end the scratch file
@@ -65,14 +93,20 @@ def published(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
     ----------
     path : path-like
         The file: a new name, or the name of a regular file.
+    endings : sequence of str
+        With which of these the name must end; by default any.
 
     Raises
     ------
+    ValueError
+        If the name ends otherwise.
     FileExistsError
         If something else has this name: a directory, a symbolic link, a pipe or a device.
     OSError
         Naming ``path``, if the file cannot be written.
     """
+    if endings:
+        require_ending(path, endings)
     target = os.fspath(path)
     with _naming(target), _scratch(target) as (scratch, file):
         yield file

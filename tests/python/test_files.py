@@ -89,6 +89,37 @@ def test_a_new_file_obeys_the_umask_and_an_old_one_keeps_its_mode(
     assert names(tmp_path) == [path.name]
 
 
+ENDINGS = {
+    "map": ".npz or .zarr",
+    "report": ".json",
+    **dict.fromkeys(("section", "run", "growth"), ".npz"),
+    **dict.fromkeys((name for name in WRITERS if name.endswith("_table")), ".csv or .txt"),
+    "ephemeris": ".aem or .txt",
+    **dict.fromkeys(("page", "picture"), ".html, .gif, .webp or .mp4"),
+    "explorer": ".html",
+}
+
+
+@pytest.mark.parametrize("name", WRITERS)
+@pytest.mark.parametrize("ending", [".nc", ".csv", "", ".npz"])
+def test_a_name_that_promises_another_kind_of_file_is_refused(
+    name: str, ending: str, tmp_path: Path
+) -> None:
+    """Not an archive of NumPy that is called ``run.csv``."""
+    if ending and ending in ENDINGS[name]:
+        return
+    path = tmp_path / f"a{ending}"
+    with pytest.raises(ValueError, match=r"^path = ") as caught:
+        WRITERS[name][1](path)
+    hint = {
+        ".csv": "; to_csv writes a table",
+        ".nc": "; to_xarray().to_netcdf writes netCDF",
+    }.get(ending, "")
+    known = hint if ".npz" in ENDINGS[name] else ""
+    assert str(caught.value) == f"path = {str(path)!r}: must end in {ENDINGS[name]}{known}"
+    assert names(tmp_path) == []
+
+
 def make_link(path: Path) -> None:
     path.symlink_to(path.with_name("linked"))
 

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import brief, resolve_threads
-from .._files import published
+from .._files import published, require_ending
 from ..drawing import colours
 from ..maps.data import CLASSES, STATUS
 from ..maps.plot import cell_edges
@@ -162,8 +162,8 @@ def explore(
     'map.html'
     """
     target = None if path is None else Path(path)
-    if target is not None and target.suffix.lower() != ".html":
-        raise ValueError(f"path = {str(target)!r}: must end in .html")
+    if target is not None:
+        require_ending(target, [".html"])
     most = result.spec.samples
     if samples is not None:
         samples = operator.index(samples)

@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any
 from .._checks.arguments import positive_int, resolve_threads
 from .._checks.inputs import require_readable
 from .._checks.progress import heeding_signals
-from .._files import published, require_room
+from .._files import published, require_ending, require_room
 from ..info import build_info
 from ..maps.data import CLASSES, FAILURES
 from ..maps.file import file_size
@@ -254,6 +254,7 @@ def _map_facts(name: str, result: StabilityMap) -> dict[str, Any]:
         },
         "elapsed": result.elapsed,
         "threads": result.threads,
+        "computed": result.computed,
         "spec": result.spec.to_dict(),
     }
 
@@ -448,8 +449,7 @@ def _new(options: argparse.Namespace) -> int:
     kind = options.kind
     name = options.like or _COPIED[kind]
     path = Path(options.file or f"my-{kind}.toml")
-    if path.suffix != ".toml":
-        raise ValueError(f"file = {str(path)!r}: must end in .toml")
+    require_ending(path, [".toml"], "file")
     _, content, _ = read_source(name, kind, _FOLDERS[kind])
     require_new(path, "file", force=options.force)
     with published(path) as file:
@@ -459,7 +459,11 @@ def _new(options: argparse.Namespace) -> int:
 
 
 def _speed(result: StabilityMap) -> str:
-    done = int(result.samples.sum())
+    """What this command computed, in its own time: other rows of a store were there before."""
+    done, every = result.computed, int(result.samples.sum())
+    if not done:
+        return "nothing was computed: all rows were stored"
     rate = done / result.elapsed if result.elapsed > 0.0 else 0.0
     threads = f"{result.threads} thread{'s' if result.threads > 1 else ''}"
-    return f"{rate:,.0f} bodies per second, {result.elapsed:.2f} s on {threads}"
+    share = "" if done == every else f"{done:,} of {every:,} bodies in "
+    return f"{rate:,.0f} bodies per second, {share}{result.elapsed:.2f} s on {threads}"

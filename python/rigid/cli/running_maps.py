@@ -12,6 +12,7 @@ from .._checks.arguments import resolve_threads
 from .._checks.extras import install_extra
 from .._checks.inputs import require_readable
 from .._checks.progress import Interrupted, terminated
+from .._files import MAP, require_ending
 from ..maps.result import StabilityMap
 from ..maps.spec import MapSpec
 from ..store.call import run_map
@@ -136,8 +137,7 @@ def _pack(options: Namespace) -> int:
 
     if "://" not in options.out:
         target = Path(options.out)
-        if target.suffix not in (".npz", ".zarr"):
-            raise ValueError(f"OUT = {options.out!r}: the name of a map ends in .npz or .zarr")
+        require_ending(options.out, MAP, "OUT")
         require_new(target, "OUT", force=options.force)
     result = open_store(options.store).result()
     if not result.ended:
@@ -207,12 +207,21 @@ def _computed(options: Namespace, compute: Any) -> StabilityMap | int:
     except OSError as error:
         raise OSError(f"{error}; {_stored_in(options.store)}{goes_on}") from None
     if result.ended:
-        return result
+        if options.part is None or not result.computed or _claims(options.store):
+            return result
+        say(f"the map is complete, another part writes it; rigid resume {options.store} does too")
+        return DONE
     complain(
-        f"waits for other parts; {_stored(options.store, result)}; "
+        f"this part is done, others are missing; {_stored(options.store, result)}; "
         f"rigid resume {options.store} computes them all"
     )
     return UNFINISHED
+
+
+def _claims(path: str) -> bool:
+    from ..store.running import claims_result
+
+    return claims_result(path)
 
 
 def _stored(path: str, result: StabilityMap | None = None) -> str:

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._checks.arguments import one_line
-from .._files import published
+from .._files import ARRAYS, published
 from .counts import GROWTH, check_counts
 from .data import CLASSES, STORED, MapData
 from .measured import BIN
@@ -90,7 +90,7 @@ def write_map(data: MapData, path: str | os.PathLike[str]) -> Path:
         arrays[name] = getattr(data, name)
     for number, measured in enumerate(data.measures.values()):
         arrays[f"{_BINS}{number}"] = measured.bins
-    with published(target) as whole:
+    with published(target, ARRAYS) as whole:
         with zipfile.ZipFile(whole, "w", zipfile.ZIP_STORED) as archive:
             for name, array in arrays.items():
                 entry = zipfile.ZipInfo(f"{name}.npy", _EPOCH)

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import brief, positive_int, resolve_threads
+from .._files import MAP, require_ending
 from ..drawing.figure import html_with_picture
 from ..model.scene import Scene
 from ..solve.plan import Plan
@@ -122,6 +123,8 @@ class StabilityMap(MapData):
         Wall time in s; NaN in a loaded map.
     threads : int
         Threads used; 0 in a loaded map.
+    computed : int
+        Bodies that the call computed: fewer than all if rows were stored; 0 in a loaded map.
 
     Examples
     --------
@@ -601,6 +604,8 @@ class StabilityMap(MapData):
 
         Raises
         ------
+        ValueError
+            If the name does not end in ``.csv`` or ``.txt``.
         OSError
             Naming the path, if the file cannot be written.
 
@@ -661,7 +666,7 @@ class StabilityMap(MapData):
         Parameters
         ----------
         path : path-like
-            The file; no suffix is added.
+            The file.
 
         Returns
         -------
@@ -670,6 +675,8 @@ class StabilityMap(MapData):
 
         Raises
         ------
+        ValueError
+            If the name ends in neither ``.npz`` nor ``.zarr``.
         FileExistsError
             If the path names something other than a file: a directory, a symbolic link, a pipe
             or a device.
@@ -689,6 +696,7 @@ class StabilityMap(MapData):
         ...     bool((rigid.load_map(path).stable == result.stable).all())
         True
         """
+        require_ending(path, MAP)
         write = write_zarr if os.fspath(path).endswith(".zarr") else write_map
         return write(self, path)
 
@@ -759,7 +767,7 @@ def load_map(
     -------
     StabilityMap
         Equal to the saved map, except for the measurements of the machine: ``nanoseconds`` and
-        ``elapsed`` are NaN, ``threads`` is 0.
+        ``elapsed`` are NaN, ``threads`` and ``computed`` are 0.
 
     Raises
     ------

@@ -71,13 +71,15 @@ class Stored(ABC):
 
         Raises
         ------
+        ValueError
+            If the name does not end in ``.json``.
         OSError
             If the file cannot be written, or the path names something other than a file.
         """
         from pathlib import Path
 
         text = self.to_json() + "\n"
-        with published(path) as file:
+        with published(path, [".json"]) as file:
             file.write(text.encode())
         return Path(path)
 

@@ -349,6 +349,8 @@ class Crossings:
 
         Raises
         ------
+        ValueError
+            If the name does not end in ``.npz``.
         OSError
             Naming the path, if the file cannot be written.
 
@@ -418,6 +420,8 @@ class Crossings:
 
         Raises
         ------
+        ValueError
+            If the name does not end in ``.csv`` or ``.txt``.
         OSError
             Naming the path, if the file cannot be written.
 

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .._files import published
+from .._files import ARRAYS, published
 
 __all__ = ["read_archive", "write_archive", "write_arrays"]
 
@@ -32,7 +32,7 @@ def write_arrays(path: str | os.PathLike[str], arrays: Mapping[str, NDArray[Any]
     """Write arrays by their names into one file, which appears whole or not at all."""
     content = BytesIO()
     np.savez(content, allow_pickle=False, **arrays)
-    with published(path) as file:
+    with published(path, ARRAYS) as file:
         file.write(content.getbuffer())
     return Path(path)
 

@@ -87,7 +87,7 @@ def write_aem(
     for stamp, (w, x, y, z) in zip(stamps, (sign[:, np.newaxis] * unit).tolist(), strict=True):
         lines.append(f"{stamp} {x:.16e} {y:.16e} {z:.16e} {w:.16e}")
     lines.append("DATA_STOP")
-    with published(path) as file:
+    with published(path, (".aem", ".txt")) as file:
         file.write(("\n".join(lines) + "\n").encode("ascii"))
     return Path(path)
 

@@ -261,6 +261,8 @@ class Growth:
 
         Raises
         ------
+        ValueError
+            If the name does not end in ``.npz``.
         OSError
             Naming the path, if the file cannot be written.
 
@@ -323,6 +325,8 @@ class Growth:
 
         Raises
         ------
+        ValueError
+            If the name does not end in ``.csv`` or ``.txt``.
         OSError
             Naming the path, if the file cannot be written.
 

@@ -519,6 +519,8 @@ an accuracy
 
         Raises
         ------
+        ValueError
+            If the name does not end in ``.npz``.
         OSError
             Naming the path, if the file cannot be written.
 
@@ -586,6 +588,8 @@ an accuracy
 
         Raises
         ------
+        ValueError
+            If the name does not end in ``.csv`` or ``.txt``.
         OSError
             Naming the path, if the file cannot be written.
 
@@ -684,8 +688,8 @@ an accuracy
         ------
         ValueError
             If the attitude was not recorded or is known at no time, the epoch is no time, an entry
-            is empty or of several lines, two times share a microsecond, or there are many bodies
-            and ``body`` names none.
+            is empty or of several lines, two times share a microsecond, there are many bodies and
+            ``body`` names none, or the name ends in neither ``.aem`` nor ``.txt``.
         OSError
             Naming the path, if the file cannot be written.
 

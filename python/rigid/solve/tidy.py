@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .._files import published
+from .._files import TABLE, published
 
 __all__ = ["COMPONENTS", "body_columns", "parts", "write_table"]
 
@@ -53,7 +53,7 @@ def write_table(path: str | os.PathLike[str], columns: Mapping[str, NDArray[Any]
         csv.writer(text).writerows(rows)
         return text.getvalue().encode()
 
-    with published(path) as file:
+    with published(path, TABLE) as file:
         file.write(lines([columns]))
         for start in range(0, flat[0].size, ROWS):
             part = [column[start : start + ROWS].tolist() for column in flat]

@@ -157,10 +157,9 @@ def test_no_scratch_file_is_left(tmp_path: Path) -> None:
     result = small_map()
     result.save(tmp_path / "map.npz")
     result.save(tmp_path / "map.npz")  # over the old one
-    result.save(tmp_path / "no suffix")
     with pytest.raises(OSError, match="nowhere"):
         result.save(tmp_path / "nowhere" / "map.npz")
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["map.npz", "no suffix"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["map.npz"]
 
 
 def test_any_program_can_read_the_data(result: rigid.StabilityMap, tmp_path: Path) -> None:
