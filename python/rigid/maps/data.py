@@ -115,6 +115,8 @@ class MapData:
         Wall time in s; NaN in a loaded map.
     threads : int
         Threads used; 0 in a loaded map.
+    computed : int
+        Bodies that the call computed; 0 in a loaded map.
     writers : tuple of dict
         Receipts of the processes that computed a map of a store.
     """
@@ -129,6 +131,7 @@ class MapData:
     upper: NDArray[np.float64]
     elapsed: float
     threads: int
+    computed: int = 0
     writers: tuple[Mapping[str, Any], ...] = ()
 
     def __getattr__(self, name: str) -> NDArray[Any]:
@@ -148,6 +151,7 @@ class MapData:
         *,
         elapsed: float = math.nan,
         threads: int = 0,
+        computed: int = 0,
         writers: tuple[Mapping[str, Any], ...] = (),
     ) -> Self:
         """The result that follows from the counted arrays, whose names :data:`STORED` lists.
@@ -184,6 +188,7 @@ class MapData:
             upper=interval(stable + unknown, trials, confidence)[1],
             elapsed=elapsed,
             threads=threads,
+            computed=computed,
             writers=writers,
         )
 

@@ -10,9 +10,18 @@ import numpy as np
 
 from .. import _core
 from .data import COLUMNS, STORED, MapData
+from .parameters import Axis, axis_letter
 from .spec import MapSpec
 
-__all__ = ["canonical", "differences", "fingerprint", "head_of", "key_of", "receipt", "segment_of"]
+__all__ = [
+    "canonical",
+    "fingerprint",
+    "head_of",
+    "key_of",
+    "receipt",
+    "segment_of",
+    "spec_differences",
+]
 
 FORMAT = "rigid running map"
 FORMAT_VERSIONS = (1, 2, 3)
@@ -98,20 +107,44 @@ def receipt(data: MapData) -> dict[str, Any]:
     }
 
 
-def differences(one: Any, other: Any, path: str = "") -> list[str]:
+def spec_differences(one: MapSpec, other: MapSpec, *but: str) -> list[str]:
+    """Where two specifications differ, in the words of their files, except in some keys.
+
+    An axis differs in its ends and in the number of its values, before it differs in a value.
+    """
+    described = []
+    for spec, beside in ((one, other), (other, one)):
+        content = {key: value for key, value in spec.to_dict().items() if key not in but}
+        del content["axes"]
+        axes: dict[str, Any] = {}
+        for place, axis in enumerate(spec.axes):
+            twin = beside.axes[place : place + 1]
+            axes[axis_letter(place)] = _axis(axis)
+            if [_axis(theirs) for theirs in twin] == [_axis(axis)]:
+                axes[axis_letter(place)]["values"] = list(axis.values)
+        described.append({**axes, **content})
+    return _differences(*described)
+
+
+def _axis(axis: Axis) -> dict[str, Any]:
+    ends = {"from": axis.values[0], "to": axis.values[-1]}
+    return {"name": axis.name, **ends, "count": len(axis.values)}
+
+
+def _differences(one: Any, other: Any, path: str = "") -> list[str]:
     """The paths at which two JSON values differ, with both values, in the order of the first."""
     if isinstance(one, dict) and isinstance(other, dict):
         names = [*one, *(name for name in other if name not in one)]
         return [
             text
             for name in names
-            for text in differences(one.get(name), other.get(name), f"{path}.{name}".lstrip("."))
+            for text in _differences(one.get(name), other.get(name), f"{path}.{name}".lstrip("."))
         ]
     if isinstance(one, list) and isinstance(other, list) and len(one) == len(other):
         return [
             text
             for index, (first, second) in enumerate(zip(one, other, strict=True))
-            for text in differences(first, second, f"{path}[{index}]")
+            for text in _differences(first, second, f"{path}[{index}]")
         ]
     return [] if one == other else [f"{path}: {_short(one)} and {_short(other)}"]
 

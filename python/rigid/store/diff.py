@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from ..maps.data import COLUMNS, MapData
-from ..maps.identity import differences, head_of, key_of
+from ..maps.identity import head_of, key_of, spec_differences
 from ..maps.result import StabilityMap, load_map
 from .resume import result_of
 from .running import Folder
@@ -47,7 +47,7 @@ def read_any(path: str | os.PathLike[str]) -> StabilityMap:
 
 def diff(one: StabilityMap, other: StabilityMap) -> Difference:
     """The differences of two maps."""
-    specification = differences(one.spec.to_dict(), other.spec.to_dict())
+    specification = spec_differences(one.spec, other.spec)
     keys = [key_of(head_of(data.spec)) for data in (one, other)]
     if keys[0] == keys[1]:
         numbers = _bytes(one, other)

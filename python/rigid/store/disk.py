@@ -50,6 +50,13 @@ class Disk:
         else:
             _full_synchronise(descriptor)
 
+    def is_at(self, descriptor: int, path: Path) -> bool:
+        """Whether an open file still has this name: nobody removed or renamed it."""
+        try:
+            return os.path.samestat(os.fstat(descriptor), os.stat(path))
+        except FileNotFoundError:
+            return False
+
     def synchronise_folder(self, path: Path) -> None:
         """Write the names in a folder through to the disk, where the system can."""
         if os.name != "posix":

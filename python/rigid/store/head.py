@@ -15,10 +15,10 @@ from .._checks.arguments import one_line
 from ..maps.identity import (
     FORMAT,
     FORMAT_VERSIONS,
-    differences,
     head_of,
     key_of,
     segment_of,
+    spec_differences,
 )
 from ..maps.sequential import LOOK
 from ..maps.spec import MapSpec
@@ -142,10 +142,8 @@ class Head:
         ------
         StoreError
         """
-        kept, asked = self.spec.to_dict(), spec.in_form_of(self.spec).to_dict()
-        for described in (kept, asked):
-            del described["title"], described["version"]
-        found = differences(kept, asked)
+        asked = spec.in_form_of(self.spec)
+        found = spec_differences(self.spec, asked, "title", "version")
         if found:
             shown = "; ".join(found[:5]) + (f"; and {len(found) - 5} more" if found[5:] else "")
             raise StoreError(

@@ -11,6 +11,7 @@ where one is damaged: the rows that are read are right, whatever happened to the
 
 from __future__ import annotations
 
+import errno
 import io
 import os
 import re
@@ -29,7 +30,7 @@ from ..maps.identity import canonical
 from .disk import Buffer, Disk
 from .rows import BIN_ROW, NO_BINS, ROW, Bins, Rows
 
-__all__ = ["LOG_NAME", "Found", "Log", "read_log"]
+__all__ = ["LOG_NAME", "Found", "Log", "gone", "read_log"]
 
 BLOCK = 512
 """Bytes of a header, and what the length of content is rounded up to."""
@@ -78,6 +79,12 @@ def _digest(key: bytes, *content: Buffer) -> str:
     for part in content:
         digest.update(part)
     return digest.hexdigest()
+
+
+def gone(path: Path) -> FileNotFoundError:
+    """The error of a file of a running map that somebody has removed or renamed."""
+    words = "removed or renamed while the map was computed"
+    return FileNotFoundError(errno.ENOENT, words, str(path))
 
 
 class Log:
@@ -147,8 +154,16 @@ class Log:
             self.synchronise()
 
     def synchronise(self) -> None:
-        """Write all records through to the disk."""
+        """Write all records through to the disk.
+
+        Raises
+        ------
+        FileNotFoundError
+            If the log has been removed: the records are nowhere.
+        """
         self._disk.synchronise(self._file)
+        if not self._disk.is_at(self._file, self.path):
+            raise gone(self.path)
         self._synchronised = time.monotonic()
 
     def close(self, end: dict[str, Any] | None) -> None:

@@ -159,6 +159,7 @@ def carry_on(
     spec, part = running.head.spec, part or Part()
     spec.require_functions()
     known = canaries(running.table)
+    running.computed = 0
     checked = reread = False
     poison = Poison()
     segment = running.head.segment
@@ -188,7 +189,7 @@ def carry_on(
             )
             total = int(running.head.samples_of(mine).sum())
             with reporting(progress, total) as report:
-                note = _noting(report, total)
+                note = _noting(running, report, total)
                 intake = Intake(running, note, samples, each)
                 if pool is None:
                     if not checked:
@@ -230,6 +231,7 @@ def result_of(
         bins,
         elapsed=elapsed,
         threads=threads,
+        computed=running.computed,
         writers=tuple(running.writers()),
     )
 
@@ -244,13 +246,17 @@ def pixels_done(running: Folder | Memory, result: StabilityMap, how: str = "stor
     return f"{text} are {how}"
 
 
-def _noting(report: Callable[[Progress], object], total: int) -> Callable[[Rows], None]:
+def _noting(
+    running: Folder | Memory, report: Callable[[Progress], object], total: int
+) -> Callable[[Rows], None]:
     """A function that counts the bodies of rows."""
     begin, done, failures = time.perf_counter(), 0, 0
 
     def note(rows: Rows) -> None:
         nonlocal done, failures
-        done += sum(int(rows[name].sum()) for name in CLASSES)
+        bodies = sum(int(rows[name].sum()) for name in CLASSES)
+        done += bodies
+        running.computed += bodies
         failures += int(rows["failed"].sum())
         elapsed = time.perf_counter() - begin
         report(Progress(done=done, total=max(total, done), elapsed=elapsed, failures=failures))

@@ -22,10 +22,10 @@ from ..maps.spec import MapSpec
 from ..model.scene import Scene
 from .disk import DISK, Disk
 from .head import Head, StoreError, divided_in_memory, moment_status
-from .log import LOG_NAME, Found, Log, read_log
+from .log import LOG_NAME, Found, Log, gone, read_log
 from .rows import Bins, Rows, Table
 
-__all__ = ["Folder", "Memory", "receipt"]
+__all__ = ["Folder", "Memory", "claims_result", "receipt"]
 
 
 def receipt(**facts: Any) -> dict[str, Any]:
@@ -46,6 +46,15 @@ def receipt(**facts: Any) -> dict[str, Any]:
     }
 
 
+def claims_result(path: str | os.PathLike[str], disk: Disk = DISK) -> bool:
+    """Whether this process is the first to ask: of parts that end together one writes the map."""
+    try:
+        disk.close(disk.create(Path(path, "claimed")))
+    except FileExistsError:
+        return False
+    return True
+
+
 def _utc() -> str:
     return time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime())
 
@@ -58,6 +67,7 @@ class Memory:
     """A running map in memory alone."""
 
     def __init__(self, spec: MapSpec) -> None:
+        self.computed = 0
         self.head = Head.of(spec, divided_in_memory(spec))
         self.table = Table(self.head)
 
@@ -121,11 +131,14 @@ class Folder:
         The rows of all logs, as last read.
     logs : list of LogFacts
         What else they hold.
+    computed : int
+        Bodies that this process computed in its last sitting.
     """
 
     def __init__(self, path: str | os.PathLike[str], disk: Disk = DISK) -> None:
         self.path, self._disk = Path(path), disk
         self._log: Log | None = None
+        self.computed = 0
         self._receipt: dict[str, Any] = {}
         self._blocks, self._units, self._seconds = 0, 0, 0.0
         self.head = self._read_head()
@@ -255,3 +268,14 @@ class Folder:
             found = Found(writer=self._receipt, end=end, records=self._blocks)
             own = LogFacts(log.path.name, self._units, self._seconds, time.time(), found)
             self.logs = [log for log in self.logs if log.name != own.name] + [own]
+            if end is not None:
+                self._require_whole()
+
+    def _require_whole(self) -> None:
+        """Raise FileNotFoundError if a file whose rows are counted is not there any more."""
+        if "head.json" not in self._disk.names(self.path):
+            raise gone(self.path / "head.json")
+        logs = self._disk.names(self.path / "logs")
+        for log in self.logs:
+            if log.name not in logs:
+                raise gone(self.path / "logs" / log.name)

@@ -90,10 +90,14 @@ class Status:
         return "\n".join(f"{name:<12}{text}" for name, text in lines)
 
 
+_ENDS = {"waiting": "has done its part", "complete": "has done its part, the last one"}
+"""Why a writer ended, where the word in the log is for programs."""
+
+
 def _how(writer: dict[str, Any]) -> str:
     """The reason why a writer ended, or its progress."""
     if writer.get("reason"):
-        return str(writer["reason"])
+        return _ENDS.get(writer["reason"], str(writer["reason"]))
     left = f"its part lacks {writer['missing']:,} units"
     if writer["missing"] and writer["remaining"] < np.inf:
         left += f", about {writer['remaining']:.0f} s at its pace"

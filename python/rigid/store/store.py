@@ -189,6 +189,7 @@ class Store:
         ...     store.resume(progress=False).complete
         True
         """
+        self._folder.read()
         return _run(
             self._folder,
             executor=executor,

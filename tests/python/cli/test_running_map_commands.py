@@ -71,7 +71,7 @@ def test_parts_wait_for_each_other(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["map", "small.toml", "--store", "run.rigid", "--part", "1/2", QUIET]) == 75
     told = capsys.readouterr().err
     assert re.fullmatch(
-        r"rigid: waits for other parts; \d+ of \d+ pixels are stored; "
+        r"rigid: this part is done, others are missing; \d+ of \d+ pixels are stored; "
         r"rigid resume run.rigid computes them all\n",
         told,
     )
@@ -80,6 +80,41 @@ def test_parts_wait_for_each_other(capsys: pytest.CaptureFixture[str]) -> None:
     assert Path("run.npz").exists()
     assert main(["map", "small.toml", QUIET]) == 0
     assert main(["diff", "run.npz", "small.npz"]) == 0
+
+
+def test_of_parts_that_end_together_one_writes_the_map(capsys: pytest.CaptureFixture[str]) -> None:
+    """Both find that nothing is missing."""
+    for k in "12":
+        main(["map", "small.toml", "--store", "run.rigid", "--part", f"{k}/2", QUIET, "--out", k])
+    assert Path("2.npz").exists()
+    sorted(Path("run.rigid/logs").iterdir())[0].unlink()  # as if this part ended only now
+    capsys.readouterr()
+    again = ["map", "small.toml", "--store", "run.rigid", "--out", "3", QUIET]
+    for k in "12":
+        assert main([*again, "--part", f"{k}/2"]) == 0
+        told = capsys.readouterr().out
+        if "another part writes it; rigid resume run.rigid does too" in told:
+            break
+    else:
+        pytest.fail("both write the map")
+    assert not Path("3.npz").exists()
+    assert main(again) == 0
+
+
+def test_the_speed_is_that_of_what_this_command_computed(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    main(["map", "small.toml", "--store", "run.rigid", "--part", "1/4", QUIET])
+    capsys.readouterr()
+    assert main(["resume", "run.rigid", QUIET]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    speed = next(line for line in lines if line.startswith("speed"))
+    found = re.search(r"([\d,]+) of ([\d,]+) bodies in", speed)
+    assert found is not None
+    every = int(rigid.load_map("run.npz").samples.sum())
+    assert [int(number) for number in found.groups()] == [0.75 * every, every]
+    assert main(["resume", "run.rigid", "--out", "again", QUIET]) == 0
+    assert "speed       nothing was computed: all rows were stored" in capsys.readouterr().out
 
 
 def test_pieces_of_few_pixels_are_counted(capsys: pytest.CaptureFixture[str]) -> None:
@@ -105,7 +140,7 @@ def test_a_packed_map_replaces_no_file_by_chance(capsys: pytest.CaptureFixture[s
     assert "OUT = 'notes.npz': exists; take another name" in capsys.readouterr().err
     assert Path("notes.npz").read_text() == "precious"
     assert main(["pack", "run.rigid", "map.txt"]) == 2
-    assert "OUT = 'map.txt': the name of a map ends in .npz or .zarr" in capsys.readouterr().err
+    assert "OUT = 'map.txt': must end in .npz or .zarr" in capsys.readouterr().err
     assert main(["pack", "run.rigid", "notes.npz", "--force"]) == 0
     assert rigid.load_map("notes.npz").complete
 
@@ -175,7 +210,9 @@ def test_the_status_is_told(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["status", "run.rigid"]) == 0
     told = capsys.readouterr().out
     assert re.search(r"units +\d+ of \d+ are stored, \d+ are missing", told)
-    assert re.search(r"writer +\S+\.tar: part 1/2, \d+ units in .* rigid .*; waiting", told)
+    assert re.search(
+        r"writer +\S+\.tar: part 1/2, \d+ units in .* rigid .*; has done its part", told
+    )
 
 
 def test_numbers_are_verified(capsys: pytest.CaptureFixture[str]) -> None:
@@ -347,7 +384,11 @@ def test_progress_is_told_line_by_line_where_there_is_no_terminal(
     for part, code, who in (("1/2", 75, "part 1/2: "), (None, 0, "")):
         more = [] if part is None else ["--part", part]
         assert main(["map", "small.toml", "--store", "run.rigid", *more]) == code
-        lines = [line for line in capsys.readouterr().err.splitlines() if "waits" not in line]
+        lines = [
+            line
+            for line in capsys.readouterr().err.splitlines()
+            if "others are missing" not in line
+        ]
         assert lines
         for line in lines:
             assert re.fullmatch(rf"rigid: {who}\d+% done after \d+ s, about \d+ s to go", line)

@@ -6,6 +6,7 @@ import json
 import re
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -90,8 +91,28 @@ def test_another_map_is_refused_with_what_differs(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match=r"samples: 20 and 21; seed: 1 and 3"):
         rigid.stability_map(**request(store=path, rng=3, samples=21))
     go_on(tmp_path / "other", spec=spec_of())
-    with pytest.raises(ValueError, match=r"axes\[0\].values: .* and .*"):
+    with pytest.raises(ValueError, match=r"x.from: 1.01 and 0.5; x.to: .*; x.count: 7 and 20; "):
         rigid.merge([path, tmp_path / "other"], tmp_path / "merged")
+
+
+@pytest.mark.parametrize(
+    ("values", "difference"),
+    [
+        (np.linspace(0.5, 4.0, 20), "x.to: 3.5 and 4.0"),
+        (np.linspace(0.5, 3.5, 10), "x.count: 20 and 10"),
+        (np.geomspace(0.5, 3.5, 20), "x.values[1]: 0.65789"),
+        (None, 'x.name: "I2/I1" and "noise"; x.from: 0.5 and 0.001; '),
+    ],
+)
+def test_an_axis_differs_in_the_words_of_its_file(
+    values: np.ndarray[Any, Any] | None, difference: str, tmp_path: Path
+) -> None:
+    """Not in the second of its values: a changed end changes them all."""
+    axes = {axis.name: np.array(axis.values) for axis in SPEC.axes}
+    other = {"noise": axes["noise"]} if values is None else {**axes, "I2/I1": values}
+    go_on(tmp_path / "run")
+    with pytest.raises(ValueError, match=re.escape(f"(there and asked for): {difference}")):
+        rigid.stability_map(**request(store=tmp_path / "run", axes=other))
 
 
 def test_without_a_seed_the_one_of_the_folder_is_kept(tmp_path: Path) -> None:
