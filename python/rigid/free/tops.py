@@ -150,11 +150,15 @@ def symmetric_free_top(
     require("moments", across, across == other, "the two across the axis of symmetry must be equal")
     first, second, spin = np.moveaxis(np.take_along_axis(rates, order, axis=-1), -1, 0)
     transverse = np.hypot(first, second)
-    k = spin * (along - across) / across
+    k = spin * ((along - across) / across)
     alpha = np.arctan2(transverse, spin)
+    ratio = along / across
+    # Of size one, by a power of two, so that no square leaves the range of doubles.
+    power = -np.frexp(np.maximum(transverse, np.abs(spin)))[1]
+    tilting, turning = np.ldexp(transverse, power), np.ldexp(spin, power)
     # The angle of L and omega from products: alpha - theta loses all digits for the Earth.
-    momentum = np.hypot(across * transverse, along * spin)
-    twice_energy = across * transverse**2 + along * spin**2
+    sine = np.abs((along - across) / across * turning) * tilting
+    cosine = tilting**2 + ratio * turning**2
     states = None if t is None else _states(moments, rates, attitude, t)
     if states is None and attitude is not None:
         raise ValueError("attitude: without times t there is no motion to start from it")
@@ -166,12 +170,12 @@ def symmetric_free_top(
         k=k,
         period=period,
         frequency=np.abs(k) / (2.0 * pi),
-        precession=momentum / across,
+        precession=np.hypot(transverse, ratio * spin),
         spin=-k,
         alpha=alpha,
-        theta=np.arctan2(across * transverse, along * spin),
+        theta=np.arctan2(tilting, ratio * turning),
         body_cone=np.minimum(alpha, pi - alpha),
-        space_cone=np.arctan2(np.abs((along - across) * spin) * transverse, twice_energy),
+        space_cone=np.arctan2(sine, cosine),
         amplitude=transverse,
         phase=np.arctan2(second, first),
         omega=None if states is None else states[0],

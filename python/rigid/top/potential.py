@@ -137,29 +137,35 @@ def effective_minimum(scene: HeavyTop, *, a: ArrayLike, b: ArrayLike) -> Floats:
 
     across = symmetric(scene).across
     first, second = over_tops(scene, a=finite_array("a", a), b=finite_array("b", b))
-    weight = np.broadcast_to(scene.mgl / across, first.shape)
-    constant = (weight == 0.0) & (first == 0.0) & (second == 0.0)
+    swing = np.broadcast_to(np.sqrt(scene.mgl) / np.sqrt(across), first.shape)
+    constant = (swing == 0.0) & (first == 0.0) & (second == 0.0)
     if constant.any():
         _, place = first_place(constant)
         raise ValueError(
             f"mgl = 0, a{place} = 0, b{place} = 0: the effective potential is constant"
         )
 
-    def slope(tilt: Floats, a: Floats, b: Floats, weight: Floats) -> Floats:
-        """``dV'/dtheta sin³ / I1``, finite at both ends."""
+    def slope(tilt: Floats, a: Floats, b: Floats, swing: Floats) -> Floats:
+        """Zero with ``dV'/dtheta sin³ = I1 (a - b cos)(b - a cos) - mgl sin⁴``, and of its sign.
+
+        Without squares of a and b, which leave the range of doubles.
+        """
         depth = 2.0 * np.sin(0.5 * tilt) ** 2
-        value: Floats = (a - b + b * depth) * (b - a + a * depth) - weight * np.sin(tilt) ** 4
+        one, other = a - b + b * depth, b - a + a * depth
+        root = np.sqrt(np.abs(one)) * np.sqrt(np.abs(other))
+        sine = np.where(tilt == np.pi, 0.0, np.sin(tilt))
+        value: Floats = np.sign(one) * np.sign(other) * root - swing * sine**2
         return value
 
     upright, hanging = first == second, first == -second
     ordinary = ~(upright | hanging)
     # If the potential is finite at an end, its slope is zero there: use the closed forms.
     with np.errstate(divide="ignore", invalid="ignore"):
-        share = np.where(weight > 0.0, np.abs(second) / (2.0 * np.sqrt(weight)), np.inf)
+        share = np.where(swing > 0.0, np.abs(second) / (2.0 * swing), np.inf)
     fallen = 2.0 * np.arccos(np.sqrt(np.minimum(np.where(np.isnan(share), 1.0, share), 1.0)))
     tilt = np.where(hanging, np.pi, fallen)
     if ordinary.any():
-        arguments = first[ordinary], second[ordinary], weight[ordinary]
+        arguments = first[ordinary], second[ordinary], swing[ordinary]
         tilt[ordinary] = find_root(slope, (0.0, np.pi), args=arguments).x
     return tilt[()]
 

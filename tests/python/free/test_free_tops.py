@@ -114,6 +114,17 @@ def test_symmetric_limits() -> None:
 # The asymmetric free top
 
 
+@pytest.mark.parametrize("scale", [1e-300, 1e-162, 1e200])
+def test_the_cones_do_not_depend_on_the_unit_of_time(scale: float) -> None:
+    known = free.symmetric_free_top((1.0, 1.0, 1.6), [0.9, 0.0, 2.3])
+    found = free.symmetric_free_top((1.0, 1.0, 1.6), [0.9 * scale, 0.0, 2.3 * scale])
+    for name in ("alpha", "theta", "body_cone", "space_cone"):
+        assert getattr(found, name) == pytest.approx(getattr(known, name), rel=4 * ROUNDOFF)
+    for name in ("rate", "k", "precession", "spin", "amplitude", "frequency"):
+        value = scale * getattr(known, name)
+        assert getattr(found, name) == pytest.approx(value, rel=4 * ROUNDOFF, abs=0.0)
+
+
 def test_the_asymmetric_free_top_of_the_table() -> None:
     found = free.asymmetric_free_top((1.0, 2.0, 3.0), [0.3, 0.2, 1.2], t=[10.0])
     assert found.period == pytest.approx(5.25142979483806, rel=4e-15)

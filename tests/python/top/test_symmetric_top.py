@@ -245,6 +245,22 @@ def test_ends_of_the_potential() -> None:
     assert top.effective_minimum(OTHER, a=np.empty(0), b=2.0).shape == (0,)
 
 
+@pytest.mark.parametrize("size", [1e-300, 1e-160, 1e-100, 1e-20, 1e-8, 1e160])
+def test_the_minimum_of_slow_and_fast_tops(size: float) -> None:
+    """Slow: mgl sin⁴ = I1 (a + b)² near pi; fast or without weight: cos = a / b or b / a."""
+    a, b = size * np.array([1.0, 0.0, 1.0, 1.0]), size * np.array([0.0, 1.0, 2.0, 3.0])
+    weightless = rigid.HeavyTop(OTHER.body, mgl=0.0)
+    ratio = np.arccos([0.0, 0.0, 0.5, 1.0 / 3.0])
+    assert top.effective_minimum(weightless, a=a, b=b) == pytest.approx(ratio, rel=4 * ROUNDOFF)
+    lowest = top.effective_minimum(OTHER, a=a, b=b)
+    if size > 1.0:
+        assert lowest == pytest.approx(ratio, rel=4 * ROUNDOFF)
+    else:
+        # The next term is smaller by the square of the distance from pi.
+        apart = np.sqrt((a + b) / np.sqrt(MGL / I1))
+        np.testing.assert_allclose(np.pi - lowest, apart, rtol=2 * apart.max() ** 2, atol=5e-16)
+
+
 # Steady precession
 
 
