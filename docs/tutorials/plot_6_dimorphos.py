@@ -59,7 +59,7 @@ largest = {}
 for ax, (ab, bc) in zip(both, ((1.2, 1.1), (1.3, 1.25)), strict=True):
     scene = rigid.FreeBody(moon(ab, bc), orbit=orbit)
     run = rigid.simulate(scene, [0.0, spin, 0.0], start, t=t, check=False)
-    turned = np.degrees(rigid.free.roll_pitch_yaw(orbit, run.attitude, t))
+    turned = np.degrees(rigid.free.roll_pitch_yaw(scene, run.attitude, t))
     largest[ab] = np.abs(turned).max(axis=0)
     for angle, name, colour in zip(
         turned.T,

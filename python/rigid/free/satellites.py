@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import brief, shaped
 from .._checks.arrays import attitudes, vectors
-from .._libration import frequencies
+from .._libration import frequencies, squares
 from ..model.body_like import BodyLike, moments_of
 from ..model.orbit import Orbit
 from ..model.scene import Scene, check_scene
+from ..model.start import body_axis
 from ..rotations.apply import to_body
 
 if TYPE_CHECKING:
@@ -24,9 +25,13 @@ __all__ = ["Libration", "jacobi_integral", "libration", "radial", "roll_pitch_ya
 Floats = NDArray[np.float64]
 
 
+Axes: TypeAlias = tuple[int, int]
+"""The body axes along the line from the planet and along the normal; negative: against it."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Libration:
-    """Small oscillations of a satellite about rest on its orbit, in units of ``rate``.
+    """Small oscillations of a satellite or a moon about rest on its orbit.
 
     Attributes
     ----------
@@ -41,30 +46,40 @@ class Libration:
     region : ndarray of str, shape (...)
         ``"Lagrange"`` where rest has the least energy, so that dissipation leaves it stable;
         ``"DeBra-Delp"`` where it is stable without dissipation only; else ``""``.
+    reason : ndarray of str, shape (...)
+        What is unstable or neutral, where a frequency is NaN; ``""`` where none is.
+    axes : ndarray of int, shape (..., 2)
+        The body axes at rest along the line from the planet (yaw) and along the normal of the orbit
+        (pitch).
     """
 
     pitch: Floats
     roll_yaw: Floats
     stable: NDArray[np.bool_]
     region: NDArray[np.str_]
+    reason: NDArray[np.str_]
+    axes: NDArray[np.intp]
 
 
-def libration(body: BodyLike, rate: ArrayLike) -> Libration:
-    """Frequencies of roll, pitch and yaw of a satellite whose axes lie along its circular orbit.
+def libration(body: BodyLike, rate: ArrayLike, *, axes: Axes | None = None) -> Libration:
+    """Frequencies of roll, pitch and yaw of a body whose axes lie along its circular orbit.
 
-    At rest axis 1 (roll) lies along the motion, axis 2 (pitch) along the normal of the orbit, axis
-    3 (yaw) along the line from the planet, as in :func:`roll_pitch_yaw`. With
-    ``k1 = (I2 - I3)/I1`` and ``k3 = (I2 - I1)/I3`` the squares of the frequencies of roll and yaw,
-    over the square of the orbital rate, are the roots of ``x² - (1 + 3 k1 + k1 k3) x + 4 k1 k3``
+    At rest roll is about the axis along the motion, pitch about the axis along the normal of the
+    orbit, yaw about the axis along the line from the planet. With ``k1 = (I_pitch - I_yaw)/I_roll``
+    and ``k3 = (I_pitch - I_roll)/I_yaw`` the squares of the frequencies of roll and yaw, over the
+    square of the orbital rate, are the roots of ``x² - (1 + 3 k1 + k1 k3) x + 4 k1 k3``
     (Hughes, *Spacecraft Attitude Dynamics*, 1986, § 9.2; DeBra and Delp, *J. Astronaut. Sci.* 8
     (1961) 14-17).
 
     Parameters
     ----------
     body : Body, FreeBody or array_like, shape (..., 3)
-        The body, or its moments (kg m²) of roll, pitch and yaw.
+        The body, or principal moments (kg m²).
     rate : array_like, shape (...)
         Rate of the orbit (rad/s), positive.
+    axes : (int, int), optional
+        The body axes along the line from the planet and along the normal. By default the long axis,
+        of the smallest moment, and the axis of the largest moment: the rest of least energy.
 
     Returns
     -------
@@ -73,23 +88,57 @@ def libration(body: BodyLike, rate: ArrayLike) -> Libration:
     Raises
     ------
     ValueError
-        If the moments are impossible, or the rate is not positive.
+        If the moments are impossible, the rate is not positive, or the axes are no two axes.
 
     Examples
     --------
     >>> import rigid
     >>> found = rigid.free.libration((2.0, 2.1, 0.3), rate=1e-3)
-    >>> round(float(found.pitch), 6), found.roll_yaw.round(6).tolist(), str(found.region)
-    (0.001558, [0.001917, 0.000572], 'Lagrange')
+    >>> found.axes.tolist(), str(found.region)
+    ([3, 2], 'Lagrange')
+    >>> round(float(found.pitch), 6), found.roll_yaw.round(6).tolist()
+    (0.001558, [0.001917, 0.000572])
+    >>> str(rigid.free.libration((2.0, 2.1, 0.3), rate=1e-3, axes=(2, 3)).reason)
+    'pitch is unstable; roll and yaw are unstable'
     """
-    moments = moments_of(body)
+    moments = np.asarray(moments_of(body))
     n = shaped("rate", rate, positive=True)
-    roll, pitch, yaw = np.moveaxis(np.asarray(moments, dtype=np.float64), -1, 0)
+    if axes is None:
+        long = moments.argmin(axis=-1)
+        # Of a sphere any other axis.
+        others = np.where(np.arange(3) == long[..., np.newaxis], -np.inf, moments)
+        chosen = np.stack([long, others.argmax(axis=-1)], axis=-1) + 1
+    else:
+        chosen = np.broadcast_to(np.array(_checked_axes(axes)), (*moments.shape[:-1], 2))
+    places = np.abs(chosen) - 1
+    yaw, pitch = np.moveaxis(np.take_along_axis(moments, places, axis=-1), -1, 0)
+    roll = np.take_along_axis(moments, 3 - places.sum(axis=-1, keepdims=True), axis=-1)[..., 0]
     swing, fast, slow = frequencies(roll, pitch, yaw)
+    square, _, product = squares(roll, pitch, yaw)
     coupled = np.stack([fast, slow], axis=-1)
     stable = np.isfinite(swing) & np.isfinite(fast)
     region = np.where(stable, np.where(pitch > roll, "Lagrange", "DeBra-Delp"), "")
-    return Libration(n * swing, n[..., np.newaxis] * coupled, stable, region)
+    in_pitch = np.where(square == 0.0, "pitch is neutral", "pitch is unstable")
+    in_both = np.where(product == 0.0, "roll and yaw are neutral", "roll and yaw are unstable")
+    reason = np.select(
+        [stable, np.isfinite(fast), np.isfinite(swing)],
+        ["", in_pitch, in_both],
+        np.char.add(np.char.add(in_pitch, "; "), in_both),
+    )
+    return Libration(n * swing, n[..., np.newaxis] * coupled, stable, region, reason, chosen)
+
+
+def _checked_axes(axes: Axes) -> Axes:
+    """Two different body axes."""
+    if not isinstance(axes, (tuple, list)) or len(axes) != 2:
+        raise ValueError(
+            f"axes = {brief(axes)}: must be two body axes, such as (1, 3), along the line from the "
+            "planet and along the normal of the orbit"
+        )
+    radial, normal = (body_axis(one, signed=True) for one in axes)
+    if abs(radial) == abs(normal):
+        raise ValueError(f"axes = {brief(axes)}: must be two different axes")
+    return radial, normal
 
 
 def jacobi_integral(
@@ -133,9 +182,7 @@ def jacobi_integral(
     >>> bool(np.ptp(jacobi) < 1e-9 * run.energy()[0])
     True
     """
-    orbit = check_scene(scene).orbit
-    if orbit is None:
-        raise ValueError(f"scene = {brief(scene)}: has no orbit; give rigid.FreeBody one by orbit=")
+    orbit = _orbit_of(scene)
     if orbit.eccentricity:
         raise ValueError(
             f"orbit = {orbit}: the Jacobi integral is constant on a circle; take the orbit with "
@@ -150,21 +197,31 @@ def jacobi_integral(
     return energy
 
 
-def roll_pitch_yaw(orbit: Orbit, attitude: ArrayLike | Rotation, t: ArrayLike) -> Floats:
+def roll_pitch_yaw(
+    scene: Scene | Orbit,
+    attitude: ArrayLike | Rotation,
+    t: ArrayLike,
+    *,
+    axes: Axes | None = None,
+) -> Floats:
     """Roll, pitch and yaw of a body on an orbit (rad), shape (..., 3).
 
-    The attitude follows from the directions *along*, *normal* and *radial* of :meth:`Orbit.frame`,
-    turned by yaw about *radial*, then by pitch about the new axis 2, then by roll about the new
-    axis 1: a 3-2-1 sequence. They are zero if body axes 1, 2, 3 lie along these directions.
+    The attitude follows from rest by a 3-2-1 sequence: by yaw about the body axis along the line
+    from the planet, then by pitch about the one along the normal, then by roll about the one along
+    the motion. So they are zero of a body at rest on its orbit.
 
     Parameters
     ----------
-    orbit : Orbit
-        One orbit.
+    scene : FreeBody or Orbit
+        One body on an orbit, or an orbit alone.
     attitude : array_like, shape (..., 4), or scipy Rotation
         Attitudes.
     t : array_like, shape (...)
         Times (s) of the attitudes.
+    axes : (int, int), optional
+        As in :func:`libration`: the body axes at rest along the line from the planet and along the
+        normal. A negative axis has the opposite direction. An orbit alone needs them, and so does a
+        body with two equal smallest or largest moments.
 
     Returns
     -------
@@ -174,20 +231,30 @@ def roll_pitch_yaw(orbit: Orbit, attitude: ArrayLike | Rotation, t: ArrayLike) -
     Raises
     ------
     ValueError
-        If the shapes do not broadcast, or an attitude is zero.
+        If there is no orbit, the axes are needed or are no two axes, the shapes do not broadcast,
+        or an attitude is zero.
 
     Examples
     --------
+    A moon, its long axis along the line to the planet and its short one along the normal:
+
     >>> import rigid
-    >>> at_rest = [0.5, 0.5, 0.5, 0.5]  # axes 1, 2, 3 along y, z, x
-    >>> rigid.free.roll_pitch_yaw(rigid.Orbit(1.0), at_rest, 0.0).tolist()
+    >>> moon = rigid.FreeBody(rigid.Body.ellipsoid(1.3, 1.1, 1.0), orbit=rigid.Orbit(1.0))
+    >>> rigid.free.roll_pitch_yaw(moon, [1.0, 0.0, 0.0, 0.0], 0.0).tolist()
     [0.0, 0.0, 0.0]
-    >>> rigid.free.roll_pitch_yaw(rigid.Orbit(1.0), at_rest, 0.2).round(3).tolist()
+    >>> rigid.free.roll_pitch_yaw(moon, [1.0, 0.0, 0.0, 0.0], 0.2).round(3).tolist()
     [0.0, -0.2, 0.0]
+    >>> at_rest = [0.5, 0.5, 0.5, 0.5]  # axes 1, 2, 3 along y, z, x
+    >>> rigid.free.roll_pitch_yaw(rigid.Orbit(1.0), at_rest, 0.0, axes=(3, 2)).tolist()
+    [0.0, 0.0, 0.0]
     """
+    orbit = scene if isinstance(scene, Orbit) else _orbit_of(scene)
+    towards, across = _checked_axes(_known_axes(scene) if axes is None else axes)
     turned, times = attitudes(attitude), shaped("t", t)
+    yaw, pitch = (np.sign(one) * np.eye(3)[abs(one) - 1] for one in (towards, across))
+    directions = np.stack([np.cross(pitch, yaw), pitch, yaw], axis=-1)
     along, normal, radial = (
-        to_body(turned, orbit.frame(times)[..., column]) for column in (1, 2, 0)
+        to_body(turned, orbit.frame(times)[..., column]) @ directions for column in (1, 2, 0)
     )
     angles: Floats = np.stack(
         [
@@ -198,6 +265,25 @@ def roll_pitch_yaw(orbit: Orbit, attitude: ArrayLike | Rotation, t: ArrayLike) -
         axis=-1,
     )
     return angles + 0.0  # no negative zeros
+
+
+def _orbit_of(scene: Scene) -> Orbit:
+    orbit = check_scene(scene).orbit
+    if orbit is None:
+        raise ValueError(f"scene = {brief(scene)}: has no orbit; give rigid.FreeBody one by orbit=")
+    return orbit
+
+
+def _known_axes(scene: Scene | Orbit) -> Axes:
+    """The long axis and the axis of the largest moment."""
+    rule = "give the body axes along the line from the planet and along the normal"
+    if isinstance(scene, Orbit):
+        raise ValueError(f"axes: an orbit alone has no body; {rule}, such as (1, 3)")
+    moments = scene.body.moments
+    low, middle, high = np.argsort(moments).tolist()
+    if moments[low] == moments[middle] or moments[middle] == moments[high]:
+        raise ValueError(f"axes: two of the moments {moments} are equal; {rule}, such as (1, 3)")
+    return low + 1, high + 1
 
 
 def radial(orbit: Orbit, attitude: Floats, t: Floats) -> Floats:

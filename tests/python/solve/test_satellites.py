@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import itertools
 from collections.abc import Callable
 from itertools import pairwise
 
@@ -370,6 +371,46 @@ def test_librations_have_their_frequencies(moments: tuple[float, float, float]) 
             assert abs(off) < 1e-8 * frequency
 
 
+def test_moons_and_satellites_have_one_convention() -> None:
+    """The frequencies do not depend on the order of the axes, which the result names."""
+    moon = rigid.Body.ellipsoid(1.3, 1.1, 1.0)
+    known = rigid.free.libration(moon, rate=1.0)
+    assert known.axes.tolist() == [1, 3]
+    assert (str(known.region), str(known.reason)) == ("Lagrange", "")
+    # The swing in the plane of the orbit: 3 (B - A) / C of Murray and Dermott, § 5.4.
+    a, b, c = moon.moments
+    assert known.pitch == pytest.approx(np.sqrt(3.0 * (b - a) / c), rel=1e-14)
+    for order in itertools.permutations(range(3)):
+        turned = np.array(moon.moments)[list(order)]
+        axes = order.index(0) + 1, order.index(2) + 1
+        for found in (
+            rigid.free.libration(turned, rate=1.0),
+            rigid.free.libration(turned, rate=1.0, axes=axes),
+            rigid.free.libration(turned, rate=1.0, axes=(-axes[0], axes[1])),
+        ):
+            assert found.pitch == known.pitch
+            assert found.roll_yaw.tolist() == known.roll_yaw.tolist()
+            assert np.abs(found.axes).tolist() == list(axes)
+
+
+def test_a_rest_without_frequencies_says_why() -> None:
+    found = rigid.free.libration(
+        [[1.0, 1.0, 1.5], [2.0, 2.0, 1.0], [1.0, 1.0, 1.0], [1.0, 1.5, 2.0]], rate=1.0
+    )
+    assert found.reason.tolist() == [
+        "pitch is neutral",
+        "roll and yaw are neutral",
+        "pitch is neutral; roll and yaw are neutral",
+        "",
+    ]
+    across = rigid.free.libration((1.0, 1.5, 2.0), rate=1.0, axes=(3, 1))
+    assert str(across.reason) == "pitch is unstable; roll and yaw are unstable"
+    with pytest.raises(ValueError, match=r"axes = \(1, -1\): must be two different axes"):
+        rigid.free.libration((1.0, 1.5, 2.0), rate=1.0, axes=(1, -1))
+    with pytest.raises(ValueError, match=r"axes = 3: must be two body axes, such as \(1, 3\)"):
+        rigid.free.libration((1.0, 1.5, 2.0), rate=1.0, axes=3)  # type: ignore[arg-type]
+
+
 def test_rest_in_the_region_of_debra_and_delp_is_stable_and_its_complement_is_not() -> None:
     rng = np.random.default_rng(5)
     sums = 0
@@ -379,11 +420,13 @@ def test_rest_in_the_region_of_debra_and_delp_is_stable_and_its_complement_is_no
             continue
         # In the region of DeBra and Delp roll has the largest moment and pitch the least.
         moments = rng.permutation(moments) if rng.random() < 0.5 else moments[[2, 0, 1]]
-        found = rigid.free.libration(moments, rate=1.0)
+        found = rigid.free.libration(moments, rate=1.0, axes=(3, 2))
         # The linearised equations, from differences of the equations of motion.
         exponents = np.linalg.eigvals(linearised(moments))
         is_stable = bool(np.abs(exponents.real).max() < 1e-6)
         assert bool(found.stable) == is_stable, moments
+        unknown = bool(np.isnan([float(found.pitch), *found.roll_yaw]).any())
+        assert unknown == (found.reason != "") == (not is_stable)
         if is_stable:
             frequencies = np.sort([float(found.pitch), *found.roll_yaw])
             np.testing.assert_allclose(np.sort(exponents.imag)[3:], frequencies, rtol=1e-6)
