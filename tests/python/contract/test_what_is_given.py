@@ -73,6 +73,7 @@ OF_STATES = {
     "heavy_constants",
     "jacobi_integral",
     "locus",
+    "roll_pitch_yaw",
     "throw_experiment",
 }
 
