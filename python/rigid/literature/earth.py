@@ -92,6 +92,7 @@ ENTRIES = (
         seen="the abstract",
         compute=lambda: euler_days(FLATTENING / (1.0 - FLATTENING)),
         reason="the Earth is not rigid: mantle and oceans yield, and the core does not follow",
+        model=1.0 / FLATTENING - 1.0,
     ),
     Entry(
         name="earth-solar-precession",

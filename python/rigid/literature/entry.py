@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
+from math import nan
 
 __all__ = ["Entry"]
 
@@ -38,6 +39,8 @@ class Entry:
         Computes the number by the library.
     reason : str
         Why the number of a model lies outside the interval; empty where it must lie inside.
+    model : float
+        The number of that model by another way; NaN where there is no reason.
     """
 
     name: str
@@ -51,6 +54,7 @@ class Entry:
     seen: str
     compute: Callable[[], float]
     reason: str = ""
+    model: float = nan
 
     @property
     def digits(self) -> str | None:

@@ -1,4 +1,4 @@
-"""Heavy tops: sleeping, fast precession, integrable cases, chaos."""
+"""Heavy tops: sleeping, fast precession, integrable cases."""
 
 from __future__ import annotations
 
@@ -11,7 +11,6 @@ from ..exact import lagrange_top
 from ..model.body import Body
 from ..model.scene import HeavyTop
 from ..sections.starts import on_surface
-from ..solve.lyapunov import lyapunov
 from ..solve.run import Run
 from ..solve.simulate import simulate
 from .entry import Entry
@@ -83,14 +82,6 @@ def goryachev_chaplygin_change(
     return _change(r * (p**2 + q**2) - p * run.gamma[..., 2] / moments[2])
 
 
-def chaotic_share() -> float:
-    """Share of chaotic motions among sixteen of an asymmetric top."""
-    top = HeavyTop(Body((1.0, 1.6, 0.7)), mgl=1.2, com=(0.6, 0.0, 0.8))
-    omega, attitude = on_surface(top, energy=2.0, l_gamma=0.4, count=16, rng=1)
-    verdict = lyapunov(top, omega, attitude, t=[1000.0]).verdict
-    return float(np.mean(verdict == "chaotic"))
-
-
 ENTRIES = (
     Entry(
         name="sleeping-top",
@@ -143,19 +134,5 @@ ENTRIES = (
         "Obshch. Lyub. Estestv. 10 (1901) 31-34; A. V. Borisov, I. S. Mamaev, arXiv:nlin/0204005",
         seen="case: arXiv:nlin/0204005; integral: from memory",
         compute=goryachev_chaplygin_change,
-    ),
-    Entry(
-        name="asymmetric-top-chaos",
-        quantity="asymmetric top, energy 5/3 mgl: share of chaotic motions among sixteen starts",
-        printed="some motions are chaotic, some are not",
-        value=0.5,
-        within=0.499,
-        interval="more than none, fewer than all",
-        source="L. Galgani, A. Giorgilli, J.-M. Strelcyn, Chaotic motions and transition to "
-        "stochasticity in the classical problem of the heavy rigid body with a fixed point, Nuovo "
-        "Cimento B 61 (1981) 1-20",
-        seen="not looked up: the statement is from memory, the top is the top of `rigid section "
-        "chaotic`",
-        compute=chaotic_share,
     ),
 )

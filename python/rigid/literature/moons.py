@@ -30,6 +30,7 @@ YANG_SEEN = (
     "periods: the abstract; beta = 6.310e-4 and gamma = 2.277e-4 of the Moon: from memory of the "
     "constants of DE430, to four digits"
 )
+# The numbers of the model follow from n √(3 γ), and from the quartic of roll and yaw.
 MOON_REASON = (
     "the model is a circular orbit in the plane of the equator: of the missing percent, the "
     "eccentricity 0.055 (factor 1 - 5 e²/2 of the torque) and the inclination 6.7 degrees make 0.7"
@@ -151,6 +152,7 @@ ENTRIES = (
         seen=YANG_SEEN,
         compute=lambda: moon()[0],
         reason=MOON_REASON,
+        model=1045.358,
     ),
     Entry(
         name="moon-latitude",
@@ -166,6 +168,7 @@ ENTRIES = (
         compute=lambda: moon()[1],
         reason="the period is a beat of nearly a month with the draconic month; eccentricity and "
         "inclination of the orbit are missing, as in the libration in longitude",
+        model=8882.06,
     ),
     Entry(
         name="moon-wobble",
@@ -180,6 +183,7 @@ ENTRIES = (
         compute=lambda: moon()[2],
         reason="the model is a circular orbit in the plane of the equator; eccentricity and "
         "inclination of the orbit are missing, as in the libration in longitude",
+        model=27105.585,
     ),
     Entry(
         name="dumbbell-in-plane",

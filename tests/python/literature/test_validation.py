@@ -26,6 +26,18 @@ def test_numbers_are_those_of_the_literature(name: str) -> None:
     (row,) = rigid.validation(name, progress=False).rows
     assert row.entry is ENTRIES[name]
     assert row.agrees != bool(row.entry.reason), row.number
+    assert row.explained, row.number
+
+
+@pytest.mark.parametrize("entry", ENTRIES.values(), ids=list(ENTRIES))
+def test_every_number_can_disagree(entry: Entry) -> None:
+    """Its interval is small beside it; a reason explains the number of its model alone."""
+    assert entry.within <= max(0.3 * abs(entry.value), 1e-9)
+    assert (not entry.reason) == np.isnan(entry.model)
+    for wrong in (0.5 * entry.value - 0.1, 1.5 * entry.value + 0.1):
+        row = Compared(entry=entry, number=wrong, seconds=0.0)
+        assert not row.explained
+        assert row.cells()[-1] == "differs"
 
 
 @pytest.mark.parametrize("entry", ENTRIES.values(), ids=list(ENTRIES))
