@@ -1,4 +1,4 @@
-"""Files and folders that a command reads: one wording where they are missing or unreadable."""
+"""Files and folders that are read: one wording where they are missing, unreadable or foreign."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import stat
 
 from .arguments import nearest
 
-__all__ = ["require_readable", "unreadable"]
+__all__ = ["described", "require_readable", "unreadable"]
 
 
 def unreadable(path: str | os.PathLike[str], error: OSError) -> str:
@@ -21,6 +21,45 @@ def unreadable(path: str | os.PathLike[str], error: OSError) -> str:
     except OSError:
         beside = []
     return f"{name}: there is no such file or folder{nearest(last, beside)}"
+
+
+def described(path: str | os.PathLike[str]) -> str:
+    """What is at a path, as words after "it is"; a file of rigid names the function for it."""
+    import zipfile  # takes longer to import than all of rigid
+
+    if os.path.isdir(path):
+        for name, what in _FOLDERS.items():
+            if os.path.isfile(os.path.join(path, name)):
+                return f"a folder of {what}"
+        return "a folder"
+    if not os.path.isfile(path):
+        return "no regular file"
+    with open(path, "rb") as file:
+        begin = file.read(512)
+        if not begin:
+            return "empty"
+        if begin.startswith(b"\x93NUMPY"):
+            return "a single array of NumPy"
+        if not begin.startswith(b"PK"):
+            return "a text" if min(begin) > 8 else "no archive of arrays"
+        try:
+            with zipfile.ZipFile(file) as archive:
+                names = archive.namelist()
+        except Exception:  # a damaged archive may raise any exception
+            return "cut or damaged"
+    known = (what for name, what in _ARCHIVES.items() if name in names)
+    return next(known, "an archive of other arrays")
+
+
+_FOLDERS = {
+    "head.json": "a running map, which rigid.open_store reads",
+    "zarr.json": "Zarr, which xarray.open_zarr reads",
+}
+_ARCHIVES = {
+    "spec.json.npy": "a map, which rigid.load_map reads",
+    "header.npy": "a run, which rigid.load_run reads",
+    "spec.npy": "a section or indicators of chaos, which numpy.load reads",
+}
 
 
 def require_readable(path: str | os.PathLike[str]) -> None:

@@ -11,7 +11,6 @@ from __future__ import annotations
 import json
 import math
 import os
-import stat
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, BinaryIO, TypeAlias
 
@@ -19,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._checks.arguments import one_line
+from .._checks.inputs import described
 from .._files import ARRAYS, published
 from .counts import GROWTH, check_counts
 from .data import CLASSES, STORED, MapData
@@ -154,21 +154,18 @@ def read_map(path: str | os.PathLike[str]) -> tuple[MapSpec, dict[str, NDArray[A
     from pathlib import Path
 
     source = Path(path)
-    mode = source.stat().st_mode
-    if stat.S_ISDIR(mode):
-        raise ValueError(
-            f"{source} is a folder, not a saved map; `rigid pack {source} FILE.npz` saves the map "
-            "of a running map"
-        )
-    if not stat.S_ISREG(mode):
-        raise ValueError(f"{source} is not a stability map: it is no regular file")
+    source.stat()
+    if not source.is_file():
+        raise ValueError(f"{source} is not a stability map: it is {described(source)}")
     with source.open("rb") as file:
         try:
             return _read(file)
         except _FileError as error:
             raise ValueError(f"{source} {one_line(error)}") from None
         except Exception as error:  # a damaged archive may raise any exception
-            raise ValueError(f"{source} is not a stability map: {one_line(error)}") from None
+            what = described(source)
+            why = f"it is damaged: {one_line(error)}" if "load_map" in what else f"it is {what}"
+            raise ValueError(f"{source} is not a stability map: {why}") from None
 
 
 class _FileError(Exception):

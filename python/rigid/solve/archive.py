@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import zipfile
 from collections.abc import Mapping
 from io import BytesIO
 from pathlib import Path
@@ -13,6 +12,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .._checks.arguments import one_line
+from .._checks.inputs import described
 from .._files import ARRAYS, published
 
 __all__ = ["read_archive", "write_archive", "write_arrays"]
@@ -50,15 +51,19 @@ def read_archive(
         If the file cannot be read.
     """
     name = os.fspath(path)
+    os.stat(name)
+    what = described(name)
+    if "load_run" not in what:
+        raise ValueError(f"path = {name!r}: is no run that rigid has saved, it is {what}")
     try:
         with open(name, "rb") as file, np.load(file, allow_pickle=False) as archive:
             arrays = {key: archive[key] for key in archive.files}
-        if "spec.json" in arrays:
-            raise ValueError("a map, which rigid.load_map reads")
         header = json.loads(str(arrays.pop("header")))
         known = header.pop("format")
-    except (zipfile.BadZipFile, ValueError, KeyError, EOFError, AttributeError, TypeError) as error:
-        raise ValueError(f"path = {name!r}: is no run that rigid has saved ({error})") from None
+        if strange := [key for key, array in arrays.items() if array.dtype.kind not in "bfiu"]:
+            raise ValueError(f"{strange[0]} has no numbers")
+    except Exception as error:  # a damaged archive may raise any exception
+        raise ValueError(f"path = {name!r}: is a damaged run ({one_line(error)})") from None
     if known != _FORMAT:
         raise ValueError(f"path = {name!r}: has the format {known!r}, known is {_FORMAT!r}")
     return arrays, header

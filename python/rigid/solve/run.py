@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
-from .._checks.arguments import brief, one_of
+from .._checks.arguments import brief, one_line, one_of
 from ..model.frame import attitudes_in_frame, attitudes_in_principal_axes, checked_frame, turned
 from ..model.leading import Shape
 from ..model.scene import scene_from_dict
@@ -865,6 +865,13 @@ def load_run(path: str | PathLike[str]) -> Run:
         for name in ("t", "omega", "start_omega", "start_attitude", "status", "error"):
             if fields[name] is None:
                 raise ValueError(f"no array {name!r}")
+        sizes = {"t": fields["t"].shape[-1], "axis": 3, "part": 4}
+        for name, array in fields.items():
+            axes = ARRAYS[name][1] if name != "t" and array is not None else ()
+            own = np.shape(array)[np.ndim(array) - len(axes) :]
+            wanted = tuple(sizes.get(axis, size) for axis, size in zip(axes, own, strict=True))
+            if own != wanted:
+                raise ValueError(f"{name}: expected shape (..., {brief(wanted)[1:]}, got {own}")
         run = Run(
             _t=fields.pop("t"),
             _shape=fields["status"].shape,
@@ -874,8 +881,6 @@ def load_run(path: str | PathLike[str]) -> Run:
             _spec=Lazy.of(header["spec"]),
             _plan=LazyPlan.of(Plan.from_dict(header["plan"])),
         ).with_arrays(**fields)
-    except (KeyError, TypeError, ValueError) as error:
-        raise ValueError(
-            f"path = {str(path)!r}: is no run that rigid has saved ({error})"
-        ) from None
+    except Exception as error:  # the file may hold anything
+        raise ValueError(f"path = {str(path)!r}: is a damaged run ({one_line(error)})") from None
     return run

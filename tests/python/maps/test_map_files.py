@@ -211,7 +211,7 @@ def test_other_files_are_no_maps(content: bytes, tmp_path: Path) -> None:
 def test_other_arrays_are_no_maps(tmp_path: Path) -> None:
     np.savez(tmp_path / "a.npz", share=np.zeros(3))
     np.save(tmp_path / "b.npy", np.zeros(3))
-    assert "spec.json" in refused(tmp_path / "a.npz")
+    assert "it is an archive of other arrays" in refused(tmp_path / "a.npz")
     assert "is not a stability map" in refused(tmp_path / "b.npy")
 
 
@@ -482,7 +482,7 @@ def test_a_large_directory_is_refused_before_it_is_read(tmp_path: Path) -> None:
 def test_a_pipe_is_refused_and_not_waited_for(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "pipe.npz")
     assert "it is no regular file" in refused(tmp_path / "pipe.npz")
-    assert f"is a folder, not a saved map; `rigid pack {tmp_path} FILE.npz`" in refused(tmp_path)
+    assert "it is a folder" in refused(tmp_path)
 
 
 def test_a_long_name_in_an_archive_makes_no_long_message(tmp_path: Path) -> None:

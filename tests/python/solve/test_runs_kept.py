@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 import warnings
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -61,17 +63,17 @@ def test_a_damaged_run_is_refused(tmp_path: Path) -> None:
     whole = path.read_bytes()
     for damaged in (b"", whole[:100], whole[: len(whole) // 2], whole[:-1], b"x" * 500):
         path.write_bytes(damaged)
-        with pytest.raises(ValueError, match="is no run that rigid has saved"):
+        with pytest.raises(ValueError, match=r"is no run that rigid has saved, it is"):
             rigid.load_run(path)
     middle = len(whole) // 3
     path.write_bytes(whole[:middle] + bytes([whole[middle] ^ 1]) + whole[middle + 1 :])
-    with pytest.raises(ValueError, match="is no run that rigid has saved"):
+    with pytest.raises(ValueError, match="is a damaged run"):
         rigid.load_run(path)
     np.savez(path, header=np.array('{"format": "rigid run 9"}'))
     with pytest.raises(ValueError, match="has the format 'rigid run 9'"):
         rigid.load_run(path)
     np.savez(path, header=np.array('{"format": "rigid run 1"}'))
-    with pytest.raises(ValueError, match="is no run"):
+    with pytest.raises(ValueError, match="is a damaged run"):
         rigid.load_run(path)
     np.savez(path, header=np.array('{"format": "rigid run 1"}'), strange=np.zeros(2))
     with pytest.raises(ValueError, match=r"unknown arrays \['strange'\]"):
@@ -84,12 +86,69 @@ def test_a_damaged_run_is_refused(tmp_path: Path) -> None:
         rigid.load_run(path)
     with pytest.raises(FileNotFoundError):
         rigid.load_run(tmp_path / "none.npz")
+    for name, array in (
+        ("omega", np.zeros((2, 7, 3))),
+        ("t", np.array(["a"])),
+        ("t", np.arange(3)),
+    ):
+        np.savez(path, **{**arrays, name: array})
+        with pytest.raises(ValueError, match=r"is a damaged run \((omega: expected|t has no num)"):
+            rigid.load_run(path)
+
+
+def test_any_damage_of_a_run_is_a_value_error(tmp_path: Path) -> None:
+    """Flipped bits of flags and versions made ``zipfile`` raise all kinds of errors."""
+    rng = np.random.default_rng(1)
+    whole = np.frombuffer(RUNS["one"].save(tmp_path / "run.npz").read_bytes(), np.uint8)
+    path = tmp_path / "damaged.npz"
+    directory = len(whole) - 22 - int.from_bytes(whole[-10:-6].tobytes(), "little")
+    for place in (*range(directory, len(whole)), *rng.integers(0, directory, 100)):
+        damaged = whole.copy()
+        damaged[place] ^= rng.integers(1, 256, dtype=np.uint8)
+        path.write_bytes(damaged.tobytes())
+        with suppress(ValueError):
+            rigid.load_run(path)
+
+
+def test_what_is_no_run_or_no_map_is_named(tmp_path: Path) -> None:
     result = rigid.stability_map(
         rigid.HeavyTop, axes={"spin": [1.0]}, stable=rigid.tilt_below(0.5), t_end=1.0, samples=1
     )
-    result.save(path)
-    with pytest.raises(ValueError, match=r"a map, which rigid\.load_map reads"):
-        rigid.load_run(path)
+    result.save(tmp_path / "map.npz")
+    RUNS["one"].save(tmp_path / "run.npz")
+    growth = rigid.lyapunov(BODY, [0.1, 1.0, 0.2], t=[10.0, 20.0], check=False)
+    growth.save(tmp_path / "points.npz")
+    rigid.stability_map(result.spec, store=tmp_path / "run.rigid")
+    (tmp_path / "zarr").mkdir()
+    (tmp_path / "zarr" / "zarr.json").write_text("{}")
+    (tmp_path / "notes.npz").write_text("some notes\n")
+    (tmp_path / "none.npz").write_bytes(b"")
+    (tmp_path / "cut.npz").write_bytes((tmp_path / "run.npz").read_bytes()[:1000])
+    np.save(tmp_path / "array.npy", np.zeros(3))
+    np.savez(tmp_path / "arrays.npz", np.zeros(3))
+    kinds = {
+        "map.npz": "a map, which rigid.load_map reads",
+        "run.npz": "a run, which rigid.load_run reads",
+        "points.npz": "a section or indicators of chaos, which numpy.load reads",
+        "run.rigid": "a folder of a running map, which rigid.open_store reads",
+        "zarr": "a folder of Zarr, which xarray.open_zarr reads",
+        ".": "a folder",
+        "notes.npz": "a text",
+        "none.npz": "empty",
+        "cut.npz": "cut or damaged",
+        "array.npy": "a single array of NumPy",
+        "arrays.npz": "an archive of other arrays",
+    }
+    for name, kind in kinds.items():
+        path = tmp_path / name
+        if name != "run.npz":
+            with pytest.raises(ValueError, match=f"path = .* it is {re.escape(kind)}$"):
+                rigid.load_run(path)
+        if name != "map.npz":
+            with pytest.raises(
+                ValueError, match=f"{re.escape(str(path))} is .* {re.escape(kind)}$"
+            ):
+                rigid.load_map(path)
 
 
 def test_the_angular_momentum_of_a_free_body_is_constant_in_space() -> None:
