@@ -3,7 +3,7 @@
 
 The faster a top spins, the smaller and faster its nutation, and the closer the unrolled path of its
 axis comes to a cycloid. If the axis is released at rest, the path has cusps. If it is pushed half
-as fast as the steady precession, the path has waves; if it is pushed backward, the path has loops.
+as fast as the steady precession, it never turns back; if it is pushed backward, it makes loops.
 The first-order cycloid (dashed) has the right width, but gets ahead or behind over a long time,
 because the true frequency differs by twice the precession.
 

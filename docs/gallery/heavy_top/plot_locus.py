@@ -1,11 +1,11 @@
-"""Loops, cusps and waves of a heavy top
-=====================================
+"""Loops, cusps and monotone precession of a heavy top
+===================================================
 
 The axis of a symmetric top stays between two circles on the unit sphere. The shape of its path
 depends on where ``phi' = (a - b cos) / sin²`` changes sign. Between the circles: loops. On the
-upper circle, as for a top that is released at rest: cusps. Outside the circles: the precession
-never reverses; it has the sense of the spin or, if ``a/b`` is below both circles, the opposite
-sense. All four tops start at 60 degrees, pushed sideways at -0.3, 0, 0.2 and -4 rad/s.
+upper circle, as for a top that is released at rest: cusps. Outside the circles: the precession is
+monotone; it has the sense of the spin or, if ``a/b`` is below both circles, is retrograde. All four
+tops start at 60 degrees, pushed sideways at -0.3, 0, 0.2 and -4 rad/s.
 
 How to: :doc:`compute a heavy top, step by step </tutorial_pages/plot_3_heavy_top>`.
 """

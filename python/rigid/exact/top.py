@@ -54,9 +54,10 @@ class TopMotion:
     Attributes
     ----------
     kind : str, or tuple of str of length n (of tuples, with several leading axes)
-        ``"cusp"``, ``"loop"`` or ``"monotone"`` by the path of the axis, or ``"steady"``; without
-        spin ``"spherical pendulum"``, or ``"planar"`` if the top swings in a plane; on the vertical
-        ``"sleeping"``, ``"upright"`` (unstable) or ``"hanging"``.
+        By the path of the axis ``"loop"`` if ``phi'`` changes its sign, ``"cusp"`` if it is zero on
+        the upper circle, ``"monotone"``, or ``"steady"`` on one circle; without spin ``"spherical
+        pendulum"``, or ``"planar"`` if the top swings in a plane; on the vertical ``"sleeping"``,
+        ``"upright"`` (unstable) or ``"hanging"``.
     retrograde : ndarray of bool, shape (n,)
         Whether the mean precession is against the spin.
     tilt_min, tilt_max : ndarray, shape (n,)

@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
 
 __all__ = [
-    "WORDS",
     "Locus",
     "LocusArtists",
     "loci",
@@ -38,15 +37,6 @@ ELEV, AZIM = 24.0, -60.0
 UP = np.array([0.0, 0.0, 1.0])
 UPRIGHT = [1.0, 0.0, 0.0, 0.0]
 
-WORDS = {
-    "prolate": "loops",
-    "cusp": "cusps",
-    "curtate": "waves",
-    "retrograde": "against the spin",
-    "steady": "steady precession",
-}
-"""Titles of the kinds of paths."""
-
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Locus:
@@ -57,6 +47,8 @@ class Locus:
     kind : str
         Kind of path, as in :func:`rigid.top.classify_locus`; ``"general"`` for a top that is not
         symmetric or is under torque or damping.
+    retrograde : bool
+        Whether the mean precession is against the spin.
     t : ndarray, shape (m,)
         Times (s).
     point : ndarray, shape (m, 3)
@@ -68,6 +60,7 @@ class Locus:
     """
 
     kind: str
+    retrograde: bool
     t: Floats
     point: Floats
     theta: Floats
@@ -155,7 +148,7 @@ def locus_data(
     motion = _motion(scene, rates, attitude)
     kind, upper, lower = "general", None, None
     if motion is not None:
-        kind = str(top.classify_locus(scene, rates, attitude))
+        kind = str(motion.kind)
         upper, lower = float(motion.tilt_min), float(motion.tilt_max)
     if t is None:
         length = 0.0 if motion is None else _once_around(motion)
@@ -166,6 +159,7 @@ def locus_data(
     path = top.locus(scene, rates, attitude, t=times)
     return Locus(
         kind=kind,
+        retrograde=motion is not None and bool(motion.retrograde),
         t=times,
         point=path.point,
         theta=path.theta,
@@ -295,8 +289,8 @@ def loci(
 ) -> tuple[LocusArtists, ...]:
     """Draw the paths of several starts side by side, each with its kind.
 
-    The kinds are loops, cusps, waves and paths that always oppose the spin, which the
-    lecture notes lack (erratum G-18).
+    :func:`rigid.top.classify_locus` says the kind; ``retrograde`` is added if the mean precession
+    is against the spin.
 
     Parameters
     ----------
@@ -328,7 +322,7 @@ def loci(
     >>> tilted = [np.cos(np.pi / 6), np.sin(np.pi / 6), 0.0, 0.0]
     >>> drawn = figures.loci(scene, [[0.0, -0.26, 5.0], [0.0, 0.0, 5.0]], tilted)
     >>> [one.data.kind for one in drawn]
-    ['prolate', 'cusp']
+    ['loop', 'cusp']
     """
     rates, _ = rows("omega", omega, 3)
     start = attitudes(attitude)
@@ -339,5 +333,7 @@ def loci(
     drawn = []
     for ax, one, quaternion in zip(places, rates, starts, strict=True):
         drawn.append(locus(scene, one, quaternion, ax=ax))
-        ax.set_title(WORDS.get(drawn[-1].data.kind, drawn[-1].data.kind), fontsize="medium")
+        data = drawn[-1].data
+        title = f"{data.kind}, retrograde" if data.retrograde else data.kind
+        ax.set_title(title, fontsize="medium")
     return tuple(drawn)

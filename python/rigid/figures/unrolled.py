@@ -18,7 +18,7 @@ from ..drawing.shapes import across
 from ..model.scene import HeavyTop, check_heavy_top, require_unforced
 from ..rotations.euler import rotation_x
 from ..rotations.quaternions import matrix_to_quaternion
-from .paths import UP, WORDS
+from .paths import UP
 
 if TYPE_CHECKING:
     pass
@@ -121,7 +121,7 @@ def cycloids_data(
     >>> from rigid import figures
     >>> scene = rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0)
     >>> figures.cycloids_data(scene, 1.0, 40.0).kind.tolist()
-    ['curtate', 'cusp', 'prolate']
+    ['monotone', 'cusp', 'loop']
     """
     require_unforced(check_heavy_top(scene), "a picture of cycloids")
     angle = finite_float("tilt", tilt)
@@ -174,8 +174,8 @@ def cycloids(
 ) -> CycloidsArtists:
     """Draw the path of the axis of a fast top, unrolled, and the cycloid that approximates it.
 
-    Goldstein, *Classical Mechanics*, § 5.7; Ercan 2016, fig. 16 and eqs. (65)-(68): curtate, cusped
-    or prolate as ``|omega_P - omega_0|`` is below, at or above ``omega_P``.
+    Goldstein, *Classical Mechanics*, § 5.7; Ercan 2016, fig. 16 and eqs. (65)-(68): monotone, cusp
+    or loop as ``|omega_P - omega_0|`` is below, at or above ``omega_P``.
 
     Parameters
     ----------
@@ -230,7 +230,7 @@ def cycloids(
         ax.axhline(
             np.degrees(data.tilt), color=on_ground(ax, colours.FAINT), linewidth=0.8, zorder=1
         )
-        ax.set_title(WORDS.get(str(data.kind[k]), str(data.kind[k])), fontsize="medium", loc="left")
+        ax.set_title(str(data.kind[k]), fontsize="medium", loc="left")
         ax.set_aspect("equal", adjustable="datalim")
         ax.invert_yaxis()
         ax.set_ylabel(r"tilt $\theta$ (°)")

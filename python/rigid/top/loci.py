@@ -38,8 +38,9 @@ def classify_locus(
     """The kind of path of the axis of a Lagrange top.
 
     The kind follows from the sign of ``phi'`` between the roots u1 and u2 of the cubic, which is
-    the sign of ``a/b - u`` for positive spin: Landau and Lifshitz, *Mechanics*, § 35; Ercan 2016,
-    Fig. 16. The lecture notes lack the fourth kind, ``a/b < u1`` (erratum G-18).
+    the sign of ``a/b - u`` for positive spin: Goldstein, *Classical Mechanics*, § 5.7; Landau and
+    Lifshitz, *Mechanics*, § 35; Ercan 2016, Fig. 16. The lecture notes lack monotone precession
+    against the spin, ``a/b < u1`` (erratum G-18).
 
     Parameters
     ----------
@@ -52,10 +53,11 @@ def classify_locus(
     Returns
     -------
     str, or ndarray of str of shape (...)
-        ``"curtate"``: ``phi'`` always has the sign of the spin; ``"prolate"``: loops; ``"cusp"``:
-        the axis stops on the upper circle; ``"retrograde"``: ``phi'`` is always opposite to the
-        spin; ``"steady"``: on one circle. Without spin ``"spherical pendulum"``, or ``"planar"`` in
-        one plane; on the vertical ``"sleeping"``, ``"upright"`` (unstable) or ``"hanging"``.
+        ``"monotone"``: ``phi'`` keeps its sign; ``"loop"``: ``phi'`` changes its sign; ``"cusp"``:
+        the axis stops on the upper circle; ``"steady"``: on one circle. Without spin ``"spherical
+        pendulum"``, or ``"planar"`` in one plane; on the vertical ``"sleeping"``, ``"upright"``
+        (unstable) or ``"hanging"``. :func:`rigid.exact.lagrange_top` has the same words, and
+        ``retrograde``.
 
     Raises
     ------
@@ -70,16 +72,10 @@ def classify_locus(
     >>> pushed = np.array([0.0, -0.3, 0.2]) * np.sin(np.pi / 3)
     >>> states = np.stack([0.0 * pushed, pushed, 0.0 * pushed + 5.0], axis=-1)
     >>> rigid.top.classify_locus(scene, states, tilted).tolist()
-    ['cusp', 'prolate', 'curtate']
+    ['cusp', 'loop', 'monotone']
     """
     motion = exact.lagrange_top(scene, omega, attitude)
-    kind = np.array(motion.kind, dtype=np.str_).reshape(np.shape(motion.retrograde))
-    names = np.select(
-        [kind == "loop", (kind == "monotone") & motion.retrograde, kind == "monotone"],
-        ["prolate", "retrograde", "curtate"],
-        kind,
-    )
-    return names[()]
+    return np.array(motion.kind, dtype=np.str_).reshape(np.shape(motion.retrograde))[()]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -223,7 +219,7 @@ class FastTop:
     nutation : ndarray, shape (...)
         Frequency of the nutation, ``omega_l = I3 omega3 / I1`` (rad/s).
     kind : str, or ndarray of str of shape (...)
-        ``"curtate"``, ``"cusp"`` or ``"prolate"`` as ``|omega_P - precession| / |omega_P|`` is
+        ``"monotone"``, ``"cusp"`` or ``"loop"`` as ``|omega_P - precession| / |omega_P|`` is
         below, at or above 1; ``"steady"`` at 0.
     theta_start, theta_other : ndarray, shape (...)
         Tilts of the two circles (rad): the given tilt, and
@@ -316,8 +312,8 @@ def fast_top_approx(
     size = np.abs(excess)
     kind = np.select(
         [size == 0.0, size < np.abs(omega_p), size == np.abs(omega_p)],
-        ["steady", "curtate", "cusp"],
-        "prolate",
+        ["steady", "monotone", "cusp"],
+        "loop",
     )
     swing = np.sin(angle) * excess / omega_l
     phi_rate = phi = theta = error = None

@@ -55,7 +55,7 @@ def test_the_well_is_as_high_as_the_energy_at_the_circles(name: str) -> None:
 
 def test_the_path_moves_in_the_well() -> None:
     # E' - V'(theta) = ½ I1 theta'² along the motion; theta' from the rates across the axis.
-    omega = omega_of("prolate")
+    omega = omega_of("loop")
     data = figures.effective_potential_data(TOP, omega, TILTED, samples=20001)
     run = rigid.simulate(TOP, omega, TILTED, t=np.linspace(0.0, 6.0, 400), record="axis")
     assert run.gamma is not None
@@ -121,7 +121,7 @@ def test_roots_of_the_cubic(name: str) -> None:
 
 
 def test_the_height_of_a_path_obeys_the_cubic() -> None:
-    omega = omega_of("prolate")
+    omega = omega_of("loop")
     data = figures.cubic_data(TOP, omega, TILTED, samples=4001)
     run = rigid.simulate(TOP, omega, TILTED, t=np.linspace(0.0, 6.0, 300), record="axis")
     assert run.gamma is not None
@@ -135,7 +135,7 @@ def test_the_height_of_a_path_obeys_the_cubic() -> None:
 
 
 def test_the_picture_of_the_cubic_carries_its_numbers() -> None:
-    drawn = figures.cubic(TOP, omega_of("prolate"), TILTED)
+    drawn = figures.cubic(TOP, omega_of("loop"), TILTED)
     data = drawn.data
     np.testing.assert_array_equal(data_of(drawn.curve), np.stack([data.u, data.f], axis=1))
     allowed = np.stack([data.allowed, data.f_allowed], axis=1)
@@ -151,7 +151,7 @@ def test_the_picture_of_the_cubic_carries_its_numbers() -> None:
     defined = " ".join(keys(drawn.ax.get_legend()))
     assert all(name in defined for name in ("$u_3$", r"$a = p_\phi/I_1$", r"$b = p_\psi/I_1$"))
     # The wide interval of the fourth kind needs no closer look, and its u3 is out of sight.
-    wide = figures.cubic(TOP, omega_of("retrograde"), TILTED)
+    wide = figures.cubic(TOP, omega_of("monotone retrograde"), TILTED)
     assert wide.close is wide.ax
     assert len(data_of(wide.roots)) == 2
     assert {"$u_1$", "$u_2$"} <= set(texts(wide.ax))
@@ -214,10 +214,11 @@ def test_the_axis_stays_between_its_circles_and_touches_them(name: str) -> None:
     np.testing.assert_allclose(np.linalg.norm(data.point, axis=1), 1.0, rtol=1e-14)
     assert abs(np.ptp(data.phi)) > 0.95 * 2.0 * np.pi
     rate = np.diff(data.phi)
-    # Erratum G-18: of the fourth kind the axis goes against the spin all the time.
-    expected = {"curtate": (True, False), "retrograde": (False, True), "prolate": (True, True)}
-    if data.kind in expected:
-        assert (bool((rate > 0.0).any()), bool((rate < 0.0).any())) == expected[data.kind]
+    # Erratum G-18: the axis may go against the spin all the time.
+    assert data.retrograde == (name == "monotone retrograde")
+    if data.kind != "cusp":
+        forward, backward = bool((rate > 0.0).any()), bool((rate < 0.0).any())
+        assert (forward, backward) == (not data.retrograde, data.retrograde or data.kind == "loop")
 
 
 def test_the_picture_of_the_locus_carries_its_path() -> None:
@@ -250,11 +251,11 @@ def test_from_above_the_lower_circle_no_path_is_hidden() -> None:
 
 
 def test_panels_of_loci_are_named() -> None:
-    names = ["prolate", "cusp", "curtate", "retrograde"]
+    names = ["loop", "cusp", "monotone", "monotone retrograde"]
     drawn = figures.loci(TOP, [omega_of(name) for name in names], TILTED)
-    assert [one.data.kind for one in drawn] == names
+    assert [one.data.kind for one in drawn] == [name.split()[0] for name in names]
     titles = [one.ax.get_title() for one in drawn]
-    assert titles == ["loops", "cusps", "waves", "against the spin"]
+    assert titles == ["loop", "cusp", "monotone", "monotone, retrograde"]
 
 
 def test_tops_without_circles_are_drawn_for_given_times() -> None:
@@ -272,7 +273,7 @@ def test_tops_without_circles_are_drawn_for_given_times() -> None:
 
 def test_fast_tops_come_near_cycloids() -> None:
     coarse, fine = (figures.cycloids_data(TOP, 1.0, spin, periods=2.0) for spin in (20.0, 40.0))
-    assert coarse.kind.tolist() == ["curtate", "cusp", "prolate"]
+    assert coarse.kind.tolist() == ["monotone", "cusp", "loop"]
     np.testing.assert_allclose(coarse.precession, [0.05, 0.0, -0.1], rtol=1e-14)
     errors = []
     for data in (coarse, fine):

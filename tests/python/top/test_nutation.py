@@ -193,15 +193,16 @@ def test_kinds_by_the_ratio_of_the_constants() -> None:
     roots = top.f_roots(**constants)
     still = constants["a"] / constants["b"]
     kinds = np.array(top.classify_locus(OTHER, omega, attitude))
-    expected = np.select([still > roots.u2, still > roots.u1], ["curtate", "prolate"], "retrograde")
+    expected = np.where((roots.u1 < still) & (still <= roots.u2), "loop", "monotone")
     assert (kinds == expected).all()
-    # G-18: the fourth kind exists, always with a/b < -1.
-    fourth = kinds == "retrograde"
+    # G-18: monotone precession against the spin exists, always with a/b < -1.
+    fourth = (kinds == "monotone") & exact.lagrange_top(OTHER, omega, attitude).retrograde
+    assert (fourth == (still <= roots.u1)).all()
     assert 0.2 < fourth.mean() < 0.3
     assert still[fourth].max() < -1.0
     # A loop advances with the spin on the whole, if the upper circle is its own.
     mean = top.advance(OTHER, omega, attitude).mean_precession
-    assert (mean[kinds == "prolate"] > 0.0).all()
+    assert (mean[kinds == "loop"] > 0.0).all()
     assert (mean[fourth] < 0.0).all()
 
 
@@ -283,7 +284,7 @@ def test_the_fast_top_of_either_kind() -> None:
     found = top.fast_top_approx(TOP, 1.0, 5.0)
     assert (float(found.mean_precession), float(found.nutation)) == (0.4, 2.5)
     pushes = [0.2, 0.6, 0.0, 0.8, -0.2, 1.0, 0.4]
-    kinds = ["curtate", "curtate", "cusp", "cusp", "prolate", "prolate", "steady"]
+    kinds = ["monotone", "monotone", "cusp", "cusp", "loop", "loop", "steady"]
     found = top.fast_top_approx(TOP, 1.0, 5.0, precession=pushes, t=np.linspace(0, 5, 501))
     assert np.array(found.kind).tolist() == kinds
     np.testing.assert_allclose(present(found.phi_rate)[:, 0], pushes, atol=1e-15)
@@ -303,7 +304,7 @@ def test_the_fast_top_of_either_kind() -> None:
     mean = float(top.fast_top_approx(TOP, 1.0, quick).mean_precession)
     omega = [[0.0, share * mean * np.sin(1.0), quick] for share in (0.5, -0.5, 0.0, 1.5, 2.5)]
     exactly = np.array(top.classify_locus(TOP, omega, tilted(1.0))).tolist()
-    assert exactly == ["curtate", "prolate", "cusp", "curtate", "prolate"]
+    assert exactly == ["monotone", "loop", "cusp", "monotone", "loop"]
 
 
 def test_the_equation_of_precession() -> None:
