@@ -159,7 +159,7 @@ def _map(options: argparse.Namespace) -> int:
     if options.check:
         return _checked(spec, named.name, target, threads, options)
     if not options.json:
-        say(f"{'plan':<12}{_words(map_plan(spec))}")
+        say(_lines(_planned(map_plan(spec))))
     if options.store is not None:
         stored = compute_stored(spec, options, seeded=seeded)
         return _finished_map(stored, target, named.name, options)
@@ -191,12 +191,12 @@ def _checked(
             cost += f"; {more} may make the map several times as long"
     lines = {
         "map": spec.title or name,
-        "plan": _words(made),
+        **_planned(made),
         "bodies": f"{most}{bodies:,} in {pixels:,} pixels",
         "cost": cost,
         "would write": ", ".join(map(str, filter(None, files.values()))),
     }
-    say("\n".join(f"{name:<12}{text}" for name, text in lines.items()))
+    say(_lines(lines))
     return DONE
 
 
@@ -271,8 +271,16 @@ def _named_map(source: str, changes: Any) -> NamedSpec:
     return NamedSpec(f"{path.stem}-again", load_map(path).spec.replace(), seeded=True)
 
 
-def _words(plan: Plan) -> str:
-    return "; ".join([plan.method_words(), *plan.why])
+def _planned(plan: Plan) -> dict[str, str]:
+    """What is computed and why, and what is not."""
+    return {
+        "plan": "; ".join([plan.method_words(), *plan.why]),
+        "left out": "; ".join(plan.left_out) or "nothing",
+    }
+
+
+def _lines(facts: Mapping[str, str]) -> str:
+    return "\n".join(f"{name:<12}{text}" for name, text in facts.items())
 
 
 def _maps(options: argparse.Namespace) -> int:

@@ -23,7 +23,7 @@ from ..solve.cost_model import (
 )
 from ..solve.foresight import motions_of, why_unforeseen
 from ..solve.methods import AUTO, EXACT
-from ..solve.plan import Plan, carried, left_out
+from ..solve.plan import Plan, carried, left_out, not_left_out
 from ..solve.planned import UNKNOWN
 from .spec import MapSpec
 
@@ -54,14 +54,15 @@ def map_plan(spec: MapSpec) -> Plan:
     if unknown is not None:
         error = None
         reasons.append(UNKNOWN.format(unknown))
+    done = carried(spec.scene, spec.stable, method, spec.forces)
     return Plan(
         scene=spec.scene_words,
         question=spec.criterion,
         closed_form=", ".join(names(forms)) or None if method in (AUTO, EXACT) else None,
         method=method,
-        carried=carried(spec.scene, spec.stable, method),
-        why=tuple(reasons),
-        left_out=left_out(spec.scene, spec.stable, method, spec.step, forms),
+        carried=done,
+        why=(*reasons, *not_left_out(done, spec.forces)),
+        left_out=left_out(spec.scene, spec.stable, method, spec.step, forms, spec.forces),
         step=estimate.step,
         steps=estimate.steps,
         work=estimate.work,

@@ -5,7 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from textwrap import wrap
 
+import numpy as np
+
+from ..model.scene import Scene
 from ..solve.methods import EXACT, methods
+from ..solve.plan import carried, left_out, not_left_out
 from .data import REPEATS, ReportData
 from .long_data import LongRunData
 
@@ -45,6 +49,7 @@ def heading(
     told = [
         (what, spec.title or untitled),
         ("scene", spec.scene.words()),
+        *_carried(spec.scene),
         ("start", f"omega ({_listed(spec.omega)}) rad/{spec.unit}, attitude {attitude}"),
         *lines.items(),
         ("machine", ", ".join(machine[name] for name in ("cpu", "isa") if machine)),
@@ -53,6 +58,18 @@ def heading(
         told.append(("stopped", f"before its end: the {what.split()[-1]} is partial"))
     told += [("not for", f"{name}: {_brief(name, why)}") for name, why in report.refused.items()]
     return [f"{name:<12}{text}" for name, text in told]
+
+
+def _carried(scene: Scene) -> list[tuple[str, str]]:
+    """What every method carries, and what the scene does not need."""
+    question, method = "attitude", ""  # any but the closed form
+    done = carried(scene, question, method)
+    left = left_out(scene, question, method, None, np.zeros(0, np.uint8))
+    why = "; ".join(not_left_out(done, scene.forces))
+    return [
+        ("carried", ", ".join(done) + (f" ({why})" if why else "")),
+        ("left out", "; ".join(left) or "nothing"),
+    ]
 
 
 def _repeats(rounds: int) -> str:

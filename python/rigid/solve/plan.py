@@ -14,13 +14,14 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..drawing.figure import html_table
+from ..model.forces import FORCES, forces_in_words
 from ..model.scene import Scene
 from .closed_form import Codes, Question, names
 from .lazy import Lazy
 from .methods import EXACT
 from .work import unit_nanoseconds
 
-__all__ = ["LazyPlan", "Plan", "carried", "left_out"]
+__all__ = ["LazyPlan", "Plan", "carried", "left_out", "not_left_out"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -38,8 +39,10 @@ class Plan:
         ``"exact"``, the name of another method, or ``"auto"`` for a map where only some bodies have
         a closed form.
     carried : tuple of str
-        State variables: ``"omega"``, ``"gamma"`` (the vertical in the body), ``"attitude"``; under
-        torque and damping ``"work"``; ``"deviation"``, a deviation vector.
+        State variables: ``"omega"``, ``"gamma"`` (the vertical in the body), ``"attitude"`` (as a
+        quaternion, or as the axes of space in the body); under forces ``"work"``, with the impulse;
+        ``"deviation"``, a deviation vector; ``"orbit"``, the place on the orbit, which all further
+        forces share.
     step : float or None
         Longest step (s), the shortest of many bodies; None for a closed form and where the rates
         are not known. After a run to an accuracy the step that was made: the time covered over the
@@ -225,16 +228,19 @@ def left_out(
     method: str,
     step: float | None,
     forms: Codes,
+    forces: tuple[str, ...] | None = None,
 ) -> tuple[str, ...]:
-    """The omitted computations, with reasons."""
+    """The omitted computations, with reasons; by default under the forces of the scene."""
     left = []
+    forces = scene.forces if forces is None else forces
+    done = carried(scene, question, method, forces)
     if method == EXACT:
         reasons = {
             "free symmetric": "symmetric: no elliptic functions",
             "lagrange": "symmetric: closed form, no steps",
             "pendulum": "plane swing: closed form, no steps",
         }
-        if scene.forces:
+        if forces:
             left.append("damping a multiple of the inertia: the free motion, slowed; no steps")
         elif not scene.directions:
             left.append("no torque: no steps")
@@ -242,36 +248,57 @@ def left_out(
         if step is not None:
             left.append(f"closed form: step = {step:g} is not needed")
     if not isinstance(question, str):
+        attitude = "" if "attitude" in done else "no attitude, "
         left.append(
             "class only: no trajectory, no attitude"
             if method == EXACT
-            else "class only: no attitude, no trajectory kept"
+            else f"class only: {attitude}no trajectory kept"
         )
-    elif question != "attitude" and "attitude" not in carried(scene, question, method):
+        if forces == ("orbit",) and "work" not in done:
+            left.append("no force but the orbit: no work")
+    elif question != "attitude" and "attitude" not in done:
         left.append(f"{'rates' if question == 'rates' else 'vertical'} only: no attitude")
-    if (
-        not scene.directions
-        and question in ("rates", "attitude")
-        and "gamma" not in carried(scene, question, method)
-    ):
+    if not scene.directions and question in ("rates", "attitude") and "gamma" not in done:
         left.append("no weight: no vertical")
     return tuple(left)
 
 
-def carried(scene: Scene, question: Question, method: str) -> tuple[str, ...]:
-    """The state variables that are computed."""
+def not_left_out(done: tuple[str, ...], forces: tuple[str, ...]) -> tuple[str, ...]:
+    """Why a computation by steps is made although the scene does not need it."""
+    further = [name for name in FORCES if name in forces]
+    if not further or (forces == ("orbit",) and "work" not in done):
+        return ()
+    idle = [
+        name
+        for name, force in FORCES.items()
+        if name not in forces and ("attitude" in done or not force.in_space)
+    ]
+    words = forces_in_words(idle)
+    return (f"one kernel has all further forces: {words} are computed as zeros",) if idle else ()
+
+
+def carried(
+    scene: Scene, question: Question, method: str, forces: tuple[str, ...] | None = None
+) -> tuple[str, ...]:
+    """The state variables that are computed, by default under the forces of the scene."""
     exact = method == EXACT
     watched = not isinstance(question, str)
     record = question if isinstance(question, str) else question.record
-    if watched and exact and not scene.forces:
+    forces = scene.forces if forces is None else forces
+    if watched and exact and not forces:
         return ()
-    if not isinstance(question, str) and question.has_deviation:
-        attitude = ("attitude",) if scene.forces else ()
-        return ("omega", "gamma", *attitude, "deviation")
-    if scene.forces and (watched or not exact):
-        bare = record == "rates" and not scene.rates_need_attitude
+    has_deviation = not isinstance(question, str) and question.has_deviation
+    if has_deviation and not forces:
+        return ("omega", "gamma", "deviation")
+    if forces and (watched or not exact):
+        further = [FORCES[name] for name in FORCES if name in forces]
+        in_space = scene.rates_need_attitude or any(force.in_space for force in further)
+        bare = record == "rates" and not in_space and not has_deviation
         variables = ("omega",) if bare else ("omega", "gamma", "attitude")
-        return variables if watched else (*variables, "work")
+        # A class of a body on an orbit alone needs no balance of energy: nothing is constant.
+        balance = ("work",) if has_deviation or not watched or forces != ("orbit",) else ()
+        own = ("orbit",) if further and not bare else ()
+        return (*variables, *balance, *(("deviation",) if has_deviation else ()), *own)
     turns = bool(scene.directions)
     if exact:
         # The rates of a top and every vertical come from the attitude.

@@ -13,7 +13,7 @@ from .closed_form import Codes, moment_rows, names, question_words
 from .cost_model import Estimate, closed_form_estimate, costliest, steps_estimate
 from .foresight import motions_of, why_unforeseen
 from .methods import EXACT
-from .plan import Plan, carried, left_out
+from .plan import Plan, carried, left_out, not_left_out
 from .problem import Problem
 
 __all__ = ["UNKNOWN", "damping_rate", "plan_of", "stepped_record"]
@@ -61,13 +61,14 @@ def plan_of(
     if error is not None and problem.accuracy is not None:
         # The steps of the run are shortened until it is met.
         error = min(error, problem.accuracy)
+    done = carried(scene, record, method)
     return Plan(
         scene=scene.words(),
         question=question_words(record),
         closed_form=", ".join(names(forms)) or None if method == EXACT else None,
         method=method,
-        carried=carried(scene, record, method),
-        why=why,
+        carried=done,
+        why=(*why, *not_left_out(done, scene.forces)),
         left_out=left_out(scene, record, method, problem.step, forms),
         step=estimate.step,
         steps=estimate.steps,

@@ -679,6 +679,7 @@ def test_a_map_is_checked_without_a_computation(
     assert facts["plan"] == result.plan.to_dict()
     assert f"plan        {result.plan.method_words()}" in capsys.readouterr().out
     assert shown["plan"].startswith(result.plan.method_words())
+    assert shown["left"] == f"out    {'; '.join(result.plan.left_out)}"
     assert "--out = 'small.npz': exists; take" in fails(["map", "small.toml", "--check"], capsys)
 
 

@@ -95,6 +95,63 @@ def test_less_is_carried_where_less_is_asked() -> None:
     assert "class only: no trajectory, no attitude" in flips.left_out
 
 
+#: What acts, and what is carried for rates, for attitudes and for a class: the layouts of
+#: ``src/scene/layout.rs`` that ``System::carrying`` of ``src/kernel/registry.rs`` takes.
+CARRIED: dict[str, tuple[dict[str, Any], tuple[str, str, str]]] = {
+    "damping": ({"damping": (0.1, 0.2, 0.3)}, ("omega work", "frame work", "omega work")),
+    "torque in space": (
+        {"torque": rigid.Torque.space((0.1, 0.0, 0.0))},
+        ("frame work", "frame work", "frame work"),
+    ),
+    "rotor": ({"rotor": (0.0, 0.0, 0.3)}, ("omega work", "frame work orbit", "omega work")),
+    "orbit": (
+        {"orbit": rigid.Orbit(1.0)},
+        ("frame work orbit", "frame work orbit", "frame orbit"),
+    ),
+    "orbit and rotor": (
+        {"orbit": rigid.Orbit(1.0), "rotor": (0.0, 0.0, 0.3)},
+        ("frame work orbit", "frame work orbit", "frame work orbit"),
+    ),
+}
+
+
+@pytest.mark.parametrize("what", CARRIED)
+def test_a_plan_under_forces_tells_what_is_carried(what: str) -> None:
+    forces, expected = CARRIED[what]
+    scene = rigid.FreeBody(rigid.Body((1.0, 1.5, 2.0)), **forces)
+    for question, words in zip(("rates", "attitude", rigid.no_flip()), expected, strict=True):
+        plan = rigid.plan(scene, question, t_end=1.0, method="taylor12")
+        names = words.replace("frame", "omega gamma attitude").split()
+        assert set(plan.carried) == set(names), question
+        left = "; ".join(plan.left_out)
+        assert ("no attitude" in left) == ("attitude" not in names)
+        assert ("no work" in left) == ("work" not in names)
+
+
+def test_a_plan_tells_which_forces_are_computed_although_they_do_not_act() -> None:
+    """All further forces are in one kernel; without the attitude there is no orbit in it."""
+    spun = rigid.FreeBody(rigid.Body((1.0, 1.5, 2.0)), rotor=(0.0, 0.0, 0.3))
+    shared = "one kernel has all further forces: "
+    both = f"{shared}dissipation and drag are computed as zeros"
+    assert both in rigid.plan(spun, "rates").why
+    every = f"{shared}the gravity gradient of an orbit, dissipation and drag are computed as zeros"
+    assert every in rigid.plan(spun).why
+    on_orbit = rigid.FreeBody(rigid.Body((1.0, 1.5, 2.0)), orbit=rigid.Orbit(1.0))
+    assert (
+        f"{shared}dissipation, a rotor and drag are computed as zeros" in rigid.plan(on_orbit).why
+    )
+    for alone in (rigid.plan(FREE), rigid.plan(on_orbit, rigid.no_flip(), t_end=1.0)):
+        assert shared not in "; ".join(alone.why)
+
+
+def test_the_forces_of_axes_of_a_map_are_carried() -> None:
+    result = rigid.stability_map(
+        FREE, axes={"rotor3": [0.1, 0.2]}, samples=1, t_end=1.0, stable=rigid.no_flip()
+    )
+    assert result.plan.carried == ("omega", "work")
+    assert "one kernel has all further forces" in result.plan.why[-1]
+
+
 def test_costs_and_errors_grow_with_the_angle_turned() -> None:
     short, long = (rigid.plan(FREE, "rates", omega=RATES, t_end=t) for t in (10.0, 1000.0))
     assert short.cost == long.cost
