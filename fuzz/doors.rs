@@ -268,8 +268,7 @@ fn special_functions(numbers: &mut Bytes) {
 }
 
 fn forcing_and_axes(numbers: &mut Bytes) {
-    if let Some((inertia, axes)) = let_out(principal_axes([(); 3].map(|()| numbers.vector()))) {
-        assert!(Inertia::new(inertia.moments()).is_ok());
+    if let Some((_, axes)) = let_out(principal_axes([(); 3].map(|()| numbers.vector()))) {
         assert!(axes.iter().flatten().all(|x| x.abs() <= 1.0 + 1e-12));
     }
     let Some(all) = let_out(numbers.forcing()) else { return };

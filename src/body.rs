@@ -29,8 +29,8 @@ impl MomentStatus {
     pub const ALL: [MomentStatus; 4] =
         [MomentStatus::Possible, MomentStatus::NotFinite, MomentStatus::NotPositive, MomentStatus::Triangle];
 
-    /// The status of three moments.
-    pub fn of(moments: [f64; 3]) -> MomentStatus {
+    /// The status of three moments; those that are not `physical` may break the triangle inequality.
+    pub fn of(moments: [f64; 3], physical: bool) -> MomentStatus {
         let [a, b, c] = moments;
         // A difference, because the sum of two huge moments could overflow and the half of a subnormal moment rounds.
         let exceeds = |big: f64, x: f64, y: f64| big - x > y + FLATNESS * big;
@@ -38,7 +38,7 @@ impl MomentStatus {
             MomentStatus::NotFinite
         } else if moments.iter().any(|&m| m <= 0.0) {
             MomentStatus::NotPositive
-        } else if exceeds(a, b, c) || exceeds(b, c, a) || exceeds(c, a, b) {
+        } else if physical && (exceeds(a, b, c) || exceeds(b, c, a) || exceeds(c, a, b)) {
             MomentStatus::Triangle
         } else {
             MomentStatus::Possible
@@ -56,6 +56,41 @@ impl MomentStatus {
     }
 }
 
+/// By how much the largest moment exceeds the sum of the other two, as a share of the moment of largest size; not
+/// positive for possible moments.
+pub fn excess(moments: [f64; 3]) -> f64 {
+    let [small, middle, large] = ascending(moments).map(|k| moments[k]);
+    ((large - middle) - small) / large.abs().max(small.abs())
+}
+
+/// The possible moments whose distance to impossible ones, as points of space, is least: those of a flat body.
+///
+/// An excess e leaves the half-space c <= a + b along its normal (1, 1, -1): a + e/3, b + e/3, c - e/3, in which the
+/// order is kept. If the least moment is still negative, the nearest point is on the edge of two half-spaces, a rod:
+/// 0, m, m with the mean m of the other two.
+pub fn nearest_possible(moments: [f64; 3]) -> [f64; 3] {
+    let [small, middle, large] = ascending(moments);
+    let third = ((moments[large] - moments[middle]) - moments[small]) / 3.0;
+    let mut nearest = moments;
+    if moments[small] + third >= 0.0 {
+        nearest[small] += third;
+        nearest[middle] += third;
+        nearest[large] = nearest[small] + nearest[middle];
+    } else {
+        nearest[small] = 0.0;
+        nearest[middle] += 0.5 * (moments[large] - moments[middle]);
+        nearest[large] = nearest[middle];
+    }
+    nearest
+}
+
+/// The axes in the order of their moments; of equal moments the first is first.
+fn ascending(moments: [f64; 3]) -> [usize; 3] {
+    let mut order = [0, 1, 2];
+    order.sort_by(|&i, &j| moments[i].total_cmp(&moments[j]));
+    order
+}
+
 /// Principal moments about the body axes 1, 2, 3, in the user's order: finite, positive, none above the sum of the
 /// other two.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -65,11 +100,15 @@ impl Inertia {
     /// Checks that a distribution of mass with these moments exists.
     pub fn new(moments: [f64; 3]) -> Result<Self, Error> {
         let [a, b, c] = moments;
-        match MomentStatus::of(moments) {
+        match MomentStatus::of(moments, true) {
             MomentStatus::Possible => Ok(Inertia(moments)),
             MomentStatus::NotFinite => Err(Error::MomentNotFinite(a, b, c)),
             MomentStatus::NotPositive => Err(Error::MomentNotPositive(a, b, c)),
-            MomentStatus::Triangle => Err(Error::MomentTriangle(a, b, c)),
+            MomentStatus::Triangle => Err(Error::MomentTriangle {
+                moments,
+                nearest: nearest_possible(moments),
+                excess: excess(moments),
+            }),
         }
     }
 
@@ -77,17 +116,12 @@ impl Inertia {
     pub fn moments(self) -> [f64; 3] {
         self.0
     }
-
-    /// The axis (0, 1, 2) about which the body is dynamically symmetric: the other two moments are exactly equal.
-    pub fn symmetry_axis(self) -> Option<usize> {
-        (0..3).rev().find(|&k| self.0[(k + 1) % 3] == self.0[(k + 2) % 3])
-    }
 }
 
-/// Principal moments (ascending) and axes (columns, right-handed) of a tensor of inertia.
+/// Principal moments (ascending, possible or not) and axes (columns, right-handed) of a symmetric matrix.
 ///
 /// Each axis but the last has its largest component positive, so that equal tensors give equal axes.
-pub fn principal_axes(tensor: [[f64; 3]; 3]) -> Result<(Inertia, [[f64; 3]; 3]), Error> {
+pub fn principal_axes(tensor: [[f64; 3]; 3]) -> Result<([f64; 3], [[f64; 3]; 3]), Error> {
     let scale = tensor.iter().flatten().fold(0.0_f64, |m, x| m.max(x.abs()));
     for row in 0..3 {
         for column in 0..3 {
@@ -104,7 +138,6 @@ pub fn principal_axes(tensor: [[f64; 3]; 3]) -> Result<(Inertia, [[f64; 3]; 3]),
     let [a, b, c] = order.map(|k| eigen.eigenvalues[k]);
     // The eigenvalues of a flat body are rounded, so an excess of a few ulp counts as equality.
     let c = if c - b > a && c - b <= a + EIGENVALUE_ROUNDING * c { a + b } else { c };
-    let inertia = Inertia::new([a, b, c])?;
     let column = |k: usize| {
         let v = eigen.eigenvectors.column(order[k]).into_owned();
         if v[v.iamax()] < 0.0 { -v } else { v }
@@ -112,7 +145,7 @@ pub fn principal_axes(tensor: [[f64; 3]; 3]) -> Result<(Inertia, [[f64; 3]; 3]),
     let (first, second) = (column(0), column(1));
     let third = first.cross(&second);
     let axes = [0, 1, 2].map(|row| [first[row], second[row], third[row]]);
-    Ok((inertia, axes))
+    Ok(([a, b, c], axes))
 }
 
 #[cfg(test)]
@@ -131,7 +164,7 @@ mod tests {
             ([f64::MAX, f64::MAX, f64::MAX], MomentStatus::Possible),
         ];
         for (moments, status) in cases {
-            assert_eq!(MomentStatus::of(moments), status, "{moments:?}");
+            assert_eq!(MomentStatus::of(moments, true), status, "{moments:?}");
             assert_eq!(Inertia::new(moments).is_ok(), status == MomentStatus::Possible);
         }
         for (code, status) in MomentStatus::ALL.into_iter().enumerate() {

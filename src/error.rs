@@ -31,11 +31,20 @@ pub enum Error {
     MomentNotPositive(f64, f64, f64),
     /// No distribution of mass has these moments.
     #[error(
-        "moments = ({}, {}, {}): no moment may exceed the sum of the other two \
-         (triangle inequality; equality is a flat body)",
-        short(.0), short(.1), short(.2)
+        "moments = ({}, {}, {}): no moment may exceed the sum of the other two (triangle inequality; equality is a \
+         flat body); the excess is {:.2} % of the largest, the nearest possible moments are ({}, {}, {}); \
+         physical=False takes such moments as they are",
+        short(&moments[0]), short(&moments[1]), short(&moments[2]), 100.0 * excess,
+        short(&nearest[0]), short(&nearest[1]), short(&nearest[2])
     )]
-    MomentTriangle(f64, f64, f64),
+    MomentTriangle {
+        /// The moments.
+        moments: [f64; 3],
+        /// The possible moments that differ least.
+        nearest: [f64; 3],
+        /// The largest moment less the sum of the others, as a share of the largest.
+        excess: f64,
+    },
     /// The tensor is not symmetric or not finite.
     #[error(
         "tensor: a tensor of inertia must be finite and symmetric; entry ({row}, {column}) is {}, its mirror image {}",

@@ -60,6 +60,11 @@ impl Body {
         self.moments[(axis + 1) % 3] == self.moments[(axis + 2) % 3]
     }
 
+    /// The axis (0, 1, 2) about which the body is dynamically symmetric: the other two moments are exactly equal.
+    pub fn symmetry_axis(&self) -> Option<usize> {
+        (0..3).rev().find(|&axis| self.is_symmetric_about(axis))
+    }
+
     /// 1 - cos of the angle between the upward vertical and the centre of mass, which lies on this axis.
     pub fn depth(&self, axis: usize) -> f64 {
         let gamma = self.gamma()[axis];

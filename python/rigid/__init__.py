@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING
 from . import exact
 from ._checks.progress import Interrupted, Progress
 from ._core import __version__
+from ._moments import MomentsWarning
 from .citing import cite
 from .info import build_info
 from .maps.replay import Replay
@@ -130,6 +131,7 @@ __all__ = [
     "MapSpec",
     "Method",
     "Mixture",
+    "MomentsWarning",
     "Motion",
     "Noise",
     "Orbit",

@@ -1,35 +1,63 @@
-"""Principal moments of boxes, and the rule which moments a body can have."""
+"""Principal moments and tensors of inertia that a body can have, and the nearest of these."""
 
 from __future__ import annotations
+
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _core
+from ._checks.arguments import first_place, shaped
+from ._checks.warned import warn_caller
 
-__all__ = ["box_moments", "possible", "refuse_tensor"]
+__all__ = [
+    "MomentsWarning",
+    "box_moments",
+    "checked_moments",
+    "possible",
+    "possible_moments",
+    "possible_tensor",
+    "refuse_tensor",
+    "symmetric_tensor",
+]
 
-SYMMETRIC = 1e-5
-"""Products of inertia are equal to this share of the largest number: files have five digits."""
+Floats = NDArray[np.float64]
+
+MEASURED = 1e-2
+"""Largest excess of a moment over the sum of the others, as a share of it, that passes for the
+rounding of a flat body. Three digits give less: an error of 0.005 in two moments of 1.00."""
+
+ROUNDING = 1e-12
+"""An excess below this share comes from sums of doubles, and needs no warning."""
 
 
-def box_moments(a: ArrayLike, b: ArrayLike, c: ArrayLike, mass: ArrayLike) -> NDArray[np.float64]:
+SYMMETRY = 1e-5
+"""Share of its largest entry by which a tensor may differ from its transpose: five printed digits,
+or single precision. Turned tensors of floats of 24 bits differ by some 1e-7."""
+
+
+class MomentsWarning(UserWarning):
+    """No body has the measured moments; the moments of the nearest flat body are used."""
+
+
+def box_moments(a: ArrayLike, b: ArrayLike, c: ArrayLike, mass: ArrayLike) -> Floats:
     """Moments of homogeneous boxes, ``(..., 3)``; the arguments broadcast."""
     a, b, c, mass = np.broadcast_arrays(a, b, c, mass)
     with np.errstate(over="ignore"):  # the check of moments reports an overflow
         squares = np.stack([b * b + c * c, a * a + c * c, a * a + b * b], axis=-1)
-        moments: NDArray[np.float64] = np.asarray(mass)[..., None] / 12.0 * squares
+        moments: Floats = np.asarray(mass)[..., None] / 12.0 * squares
     return moments
 
 
-def possible(moments: NDArray[np.float64]) -> NDArray[np.bool_]:
+def possible(moments: Floats, physical: bool = True) -> NDArray[np.bool_]:
     """Whether a rigid body can have these moments, shape (..., 3), by the rules of the core."""
     rows = np.ascontiguousarray(moments, dtype=np.float64).reshape(-1, 3)
-    bodies: NDArray[np.bool_] = _core.moment_status(rows) == 0
+    bodies: NDArray[np.bool_] = _core.moment_status(rows, physical) == 0
     return bodies.reshape(moments.shape[:-1])
 
 
-def refuse_tensor(name: str, array: NDArray[np.float64]) -> None:
+def refuse_tensor(name: str, array: Floats) -> None:
     """Raise ValueError for a tensor of inertia, a matrix, where the rows are bodies.
 
     A tensor is symmetric and positive definite. Its rows are three bodies only if no body has the
@@ -39,7 +67,7 @@ def refuse_tensor(name: str, array: NDArray[np.float64]) -> None:
     if array.shape != (3, 3) or not np.isfinite(array).all():
         return
     largest = np.abs(array).max()
-    if largest == 0.0 or np.abs(array - array.T).max() > SYMMETRIC * largest:
+    if largest == 0.0 or np.abs(array - array.T).max() > SYMMETRY * largest:
         return
     (a, d, e), (_, b, f), (_, _, c) = (array / largest).tolist()
     minor = a * b - d * d
@@ -48,3 +76,113 @@ def refuse_tensor(name: str, array: NDArray[np.float64]) -> None:
             f"{name} = {array.tolist()}: a symmetric matrix is a tensor of inertia, and here rows "
             "are bodies; take rigid.Body.from_tensor, or give three bodies in another order"
         )
+
+
+def checked_moments(name: str, moments: Floats, physical: bool = True) -> Floats:
+    """The moments, shape (..., 3), if bodies can have them; else the moments of the nearest bodies.
+
+    Only an excess up to :data:`MEASURED` is mended, with a warning. Moments that are not
+    ``physical`` need only be finite and positive.
+
+    Raises
+    ------
+    ValueError
+        For the first other moments; the core says which rule they break.
+    """
+    good = possible(moments, physical)
+    if good.all():
+        return moments
+
+    def refused(index: tuple[int, ...], place: str) -> None:
+        try:
+            _core.check_moments(moments[index].tolist())
+        except ValueError as error:
+            raise ValueError(str(error).replace("moments", f"{name}{place}", 1)) from None
+
+    if not physical:
+        refused(*first_place(~good))
+    return _nearest_moments(name, moments, ~good, refused, possible)
+
+
+def _nearest_moments(
+    name: str,
+    moments: Floats,
+    bad: NDArray[np.bool_],
+    refused: Callable[[tuple[int, ...], str], None],
+    allowed: Callable[[Floats], NDArray[np.bool_]] | None = None,
+) -> Floats:
+    """The moments, the bad ones replaced by the nearest possible ones, with one warning.
+
+    Moments are possible if none exceeds the sum of the other two: a cone in the space of moments,
+    whose faces are the flat bodies. The nearest point of a face changes each moment by a third of
+    the excess, and so keeps their order. ``refused`` raises the error of moments with a larger
+    excess than :data:`MEASURED`, or whose nearest moments are not ``allowed``.
+    """
+    near, excess = _core.nearest_possible(np.ascontiguousarray(moments).reshape(-1, 3))
+    near, excess = near.reshape(moments.shape), excess.reshape(bad.shape)
+    lost = bad & ~(excess <= MEASURED)
+    if allowed is not None:
+        lost |= bad & ~allowed(near)
+    if lost.any():
+        refused(*first_place(lost))
+    change = np.where(bad, excess, 0.0)
+    many = int((change > ROUNDING).sum())
+    if many:
+        index, place = first_place(change == change.max())
+        before, after = (", ".join(f"{x:.6g}" for x in array[index]) for array in (moments, near))
+        others = f"; {many - 1} others are taken so, too" if many > 1 else ""
+        warn_caller(
+            f"{name}{place} = ({before}): the nearest possible moments, ({after}), are taken; the "
+            f"largest exceeds the sum of the others by {100.0 * change[index]:.2g} %{others}",
+            MomentsWarning,
+        )
+    nearest: Floats = np.where(bad[..., np.newaxis], near, moments)
+    return nearest
+
+
+def symmetric_tensor(name: str, value: ArrayLike) -> Floats:
+    """``value`` as finite symmetric matrices ``(..., 3, 3)``, made exactly symmetric."""
+    t = shaped(name, value, 3, 3)
+    apart = t - np.swapaxes(t, -1, -2)
+    scale = np.abs(t).max(axis=(-2, -1), keepdims=True)
+    bad = np.abs(apart) > SYMMETRY * scale
+    if np.any(bad):
+        index, place = first_place(bad)
+        mirror = t[(*index[:-2], index[-1], index[-2])]
+        raise ValueError(
+            f"{name}{place} = {t[index]}, but its mirror entry is {mirror}: a tensor of inertia is "
+            f"symmetric, to {SYMMETRY:g} of the largest entry"
+        )
+    return t - 0.5 * apart
+
+
+def possible_tensor(name: str, value: ArrayLike) -> Floats:
+    """``value`` as symmetric matrices that are tensors of inertia of bodies or rods."""
+    t = symmetric_tensor(name, value)
+    moments, axes = np.linalg.eigh(t)
+    change = possible_moments(name, moments) - moments
+    if not change.any():
+        return t
+    changed: Floats = t + axes @ (change[..., np.newaxis] * np.swapaxes(axes, -1, -2))
+    return changed
+
+
+def possible_moments(name: str, ascending: Floats) -> Floats:
+    """Ascending principal moments; a rounded tensor of a flat body gets possible ones.
+
+    Raises
+    ------
+    ValueError
+        For moments that are further from possible ones.
+    """
+    small, middle, large = np.moveaxis(ascending, -1, 0)
+    bad = large - middle - small > ROUNDING * np.abs(ascending).max(axis=-1)
+
+    def refused(index: tuple[int, ...], place: str) -> None:
+        moments = ", ".join(f"{moment:g}" for moment in ascending[index])
+        raise ValueError(
+            f"{name}{place}: no body has the principal moments ({moments}); none may be negative "
+            "or exceed the sum of the other two"
+        )
+
+    return _nearest_moments(name, ascending, bad, refused) if np.any(bad) else ascending

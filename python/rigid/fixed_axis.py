@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ._checks.arguments import finite_float, shaped, together, vector
 from ._checks.overflow import refuses_overflow
+from ._moments import possible_tensor
 
 __all__ = [
     "Analogy",
@@ -163,7 +164,7 @@ def bearing_torques(
     >>> fixed_axis.bearing_torques(tilted, omega=10.0, omega_dot=2.0).torque.tolist()
     [-1.0, -50.0, 3.0]
     """
-    inertia, n = _tensor(tensor), _direction(axis)
+    inertia, n = possible_tensor("tensor", tensor), _direction(axis)
     w, dw, turned = (
         shaped(name, value)[..., np.newaxis]
         for name, value in (("omega", omega), ("omega_dot", omega_dot), ("angle", angle))
@@ -322,7 +323,7 @@ def two_plane_balance(
     [[-0.05, 0.0, 0.0], [-0.05, 0.0, 0.0]]
     """
     first, second = _planes(at)
-    inertia, n = _tensor(tensor), _direction(axis)
+    inertia, n = possible_tensor("tensor", tensor), _direction(axis)
     m = shaped("mass", mass)[..., np.newaxis]
     if (m < 0.0).any():
         raise ValueError(f"mass = {m[m < 0.0][0]}: must not be negative")
@@ -381,7 +382,7 @@ def balance_test(
     >>> bool(wheel.static), bool(wheel.dynamic), float(wheel.product)
     (True, False, 0.1)
     """
-    inertia, n = _tensor(tensor), _direction(axis)
+    inertia, n = possible_tensor("tensor", tensor), _direction(axis)
     m, c = shaped("mass", mass), shaped("com", com, 3)
     if (m <= 0.0).any():
         raise ValueError(f"mass = {m[m <= 0.0][0]}: must be positive")
@@ -473,24 +474,6 @@ def _planes(at: ArrayLike) -> tuple[float, float]:
     if first == second:
         raise ValueError(f"at = {[first, second]}: must be two places along the axis")
     return first, second
-
-
-def _tensor(tensor: ArrayLike) -> Floats:
-    """Tensors (..., 3, 3) that bodies can have; a moment of a rod may be zero."""
-    inertia = shaped("tensor", tensor, 3, 3)
-    slack = 1e-12 * np.abs(inertia).max(axis=(-2, -1), initial=0.0)
-    unsymmetric = np.abs(inertia - np.swapaxes(inertia, -1, -2)).max(axis=(-2, -1), initial=0.0)
-    if (unsymmetric > slack).any():
-        raise ValueError(f"tensor: must be symmetric, is not by {unsymmetric.max():g}")
-    moments = np.linalg.eigvalsh(inertia)
-    small, rest = moments[..., 0], moments[..., 2] - moments[..., 1]
-    impossible = (small < -slack) | (rest > small + 4.0 * slack)
-    if impossible.any():
-        raise ValueError(
-            f"tensor: no body has the principal moments {moments[impossible][0].tolist()}; none "
-            "may be negative or exceed the sum of the other two"
-        )
-    return inertia
 
 
 def _turned(vectors: Floats, axis: Floats, angle: Floats) -> Floats:

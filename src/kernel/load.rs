@@ -2,7 +2,6 @@
 
 use super::group::{Group, MAX_STATE};
 use super::{Compiled, System};
-use crate::body::Inertia;
 use crate::forces::{BodyForces, ForcesInterval, Further};
 use crate::kinematics::{attitude_of_rows, dot, to_body_frame};
 use crate::method::{Method, Step, Variables};
@@ -44,7 +43,7 @@ impl KernelAssignment {
     /// smallest moment first than with the smallest moment in the middle. Steps that evaluate the equations of motion
     /// use the axes of the user.
     pub fn of(method: &Method, body: &Body, scene: &Scene) -> KernelAssignment {
-        let (step, shift) = match Inertia::new(body.moments).ok().and_then(Inertia::symmetry_axis) {
+        let (step, shift) = match body.symmetry_axis() {
             Some(axis) => (method.symmetric, (axis + 1) % 3),
             None => (method.any, body.smallest_moment()),
         };

@@ -264,6 +264,7 @@ struct MapRequest<'py> {
     scene: String,
     method: String,
     moments: PyReadonlyArray2<'py, f64>,
+    physical: bool,
     weight: PyReadonlyArray2<'py, f64>,
     starts: Vec<StartsRequest<'py>>,
     shares: Vec<f64>,
@@ -370,7 +371,7 @@ impl MapRequest<'_> {
     fn map(self) -> PyResult<(Map, Vec<u8>)> {
         let moments = rows::<3>("moments", &self.moments)?;
         let pixels = moments.len();
-        let status = moments.iter().map(|&m| MomentStatus::of(m) as u8);
+        let status = moments.iter().map(|&m| MomentStatus::of(m, self.physical) as u8);
         let status = memory::collected(PIXELS, pixels, status)?;
         let weight = rows::<3>("weight", &self.weight)?;
         same_length("shares", self.starts.len(), self.shares.len())?;

@@ -12,7 +12,7 @@ mod simulate;
 mod states;
 mod target;
 
-use crate::body::{Inertia, MomentStatus, principal_axes as axes_of};
+use crate::body::{Inertia, MomentStatus, excess, nearest_possible as nearest_of, principal_axes as axes_of};
 use crate::error::Error;
 use crate::float_environment::FloatEnvironment;
 use crate::map::{MethodChoice, SECOND_OF_GROWTH};
@@ -72,8 +72,8 @@ mod _core {
     #[pymodule_export]
     use super::{
         available_threads, build_info, check_method, check_moments, chosen_methods, in_standard_floats,
-        is_set, methods, moment_status, moment_status_names, principal_axes, retired_methods,
-        unit_quaternions,
+        is_set, methods, moment_status, moment_status_names, nearest_possible, principal_axes,
+        retired_methods, unit_quaternions,
     };
     /// Largest relative error of energy, momentum or unit lengths of a motion that has not drifted.
     #[pymodule_export]
@@ -213,9 +213,24 @@ fn check_moments(moments: [f64; 3]) -> PyResult<()> {
 fn moment_status<'py>(
     py: Python<'py>,
     moments: PyReadonlyArray2<'py, f64>,
+    physical: bool,
 ) -> PyResult<Bound<'py, PyArray1<u8>>> {
     let _standard = FloatEnvironment::standard();
-    column(py, rows::<3>("moments", &moments)?, |&moments| MomentStatus::of(moments) as u8)
+    column(py, rows::<3>("moments", &moments)?, |&moments| MomentStatus::of(moments, physical) as u8)
+}
+
+/// The nearest possible moments, and the excess of the largest moment as a share of it.
+#[pyfunction]
+#[allow(clippy::type_complexity)]
+fn nearest_possible<'py>(
+    py: Python<'py>,
+    moments: PyReadonlyArray2<'py, f64>,
+) -> PyResult<(Bound<'py, PyArray2<f64>>, Bound<'py, PyArray1<f64>>)> {
+    let _standard = FloatEnvironment::standard();
+    let moments = rows::<3>("moments", &moments)?;
+    let nearest = memory::collected("moments", moments.len(), moments.iter().map(|&m| nearest_of(m)))?;
+    let nearest = nearest.into_flattened().into_pyarray(py).reshape([moments.len(), 3])?;
+    Ok((nearest, column(py, moments, |&moments| excess(moments))?))
 }
 
 /// Descriptions of the codes of `moment_status`, in the order of the codes.
@@ -239,10 +254,9 @@ fn unit_quaternions<'py>(
     units.into_flattened().into_pyarray(py).reshape([quaternions.len(), 4])
 }
 
-/// Principal moments, ascending, and axes (columns) of a tensor of inertia.
+/// Principal moments, ascending, possible or not, and axes (columns) of a tensor of inertia.
 #[pyfunction]
 fn principal_axes(tensor: [[f64; 3]; 3]) -> PyResult<([f64; 3], [[f64; 3]; 3])> {
     let _standard = FloatEnvironment::standard();
-    let (inertia, axes) = axes_of(tensor)?;
-    Ok((inertia.moments(), axes))
+    Ok(axes_of(tensor)?)
 }

@@ -336,18 +336,21 @@ def _box(
     scene: Scene, omega: Floats, attitude: Floats, momentum: Floats, solid: Floats | None
 ) -> tuple[Part, ...]:
     """A thrown box, or a solid, with its axes, omega and L, relative to the centre of mass."""
+    meaning = ""
     if solid is None:
         sides = scene.body.sides
         if sides is None:
             # The homogeneous box with these moments: squared sides are proportional to second
             # moments.
-            sides = tuple(np.sqrt(np.maximum(_spread(scene.body.moments), 0.0)))
+            spread = _spread(scene.body.moments)
+            meaning = "" if (spread >= 0.0).all() else "flat box: no body has the moments"
+            sides = tuple(np.sqrt(np.maximum(spread, 0.0)))
         half = np.maximum(np.array(sides) / max(sides), 0.02)
         solid, inks = box_faces(half), tuple(colour for colour in AXES for _ in range(2))
     else:
         half, inks = np.abs(solid).max(axis=(0, 1)), (BODY,)
     return (
-        Part(kind="faces", points=solid, colours=inks, carried=True),
+        Part(kind="faces", points=solid, colours=inks, carried=True, meaning=meaning),
         *(
             Part(
                 kind="arrow",

@@ -101,6 +101,7 @@ def _further(keywords: type) -> dict[str, Key]:
 SCENE: Mapping[str, Key] = {
     "kind": Key("text", "`free-body` or `heavy-top`; a heavy top has the keys `mgl` and `com` too"),
     "moments": Key("3 numbers", "principal moments of inertia, instead of `box`", "kg m²"),
+    "physical": Key("true or false", "must a body be able to have the moments", "", "true"),
     "box": Key("3 numbers", "sides of a homogeneous box along axes 1, 2, 3", "m"),
     "mass": Key("number", "mass of the box", "kg", "1"),
     "mgl": Key("number", "weight × distance from fixed point to centre of mass", "J"),

@@ -87,7 +87,8 @@ def _body(table: Table) -> Body:
         if "mass" in table:
             raise table.error("mass: belongs to a box; omit the mass beside moments")
         moments = table.take("moments", three)
-        return table.build(lambda: Body(moments))
+        physical = table.take("physical", as_is, default=True)
+        return table.build(lambda: Body(moments, physical=physical))
     a, b, c = table.take("box", three)
     mass = table.take("mass", finite_float, default=1.0)
     return table.build(lambda: Body.box(a, b, c, mass=mass))

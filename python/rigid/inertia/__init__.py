@@ -26,15 +26,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import finite_float, shaped
+from .._moments import possible_moments, symmetric_tensor
 from .mass_properties import (
     MassProperties,
-    check_possible,
     compose,
     inertia_tensor,
     point_masses,
     rotate_tensor,
     steiner,
-    symmetric_tensor,
 )
 from .momentum import (
     angular_momentum,
@@ -154,8 +153,7 @@ def principal_axes(tensor: ArrayLike) -> PrincipalAxes:
     """
     t = symmetric_tensor("tensor", tensor)
     moments, axes = np.linalg.eigh(t)
-    check_possible("tensor", moments)
-    moments = np.maximum(moments, 0.0)
+    moments = np.maximum(possible_moments("tensor", moments), 0.0)
     width = _EQUAL * moments[..., 2]
     lower, upper = (moments[..., k + 1] - moments[..., k] <= width for k in (0, 1))
     first, second, third = np.moveaxis(axes, -1, 0)

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import brief, first_place, shaped
+from .._moments import possible_tensor, symmetric_tensor
 from ..rotations.so3 import rotation_matrices
 
 __all__ = [
@@ -21,12 +22,6 @@ __all__ = [
 ]
 
 Floats = NDArray[np.float64]
-
-SYMMETRY = 1e-12
-"""A tensor is symmetric if it differs from its transpose by this fraction of its largest entry."""
-
-POSSIBLE = 1e-12
-"""Fraction of the largest moment by which moments may violate the triangle inequality."""
 
 
 @dataclass(frozen=True, slots=True, init=False, eq=False)
@@ -48,8 +43,13 @@ class MassProperties:
     Raises
     ------
     ValueError
-        If a mass is not positive, the tensor is not symmetric, or its principal moments are
-        impossible: one is negative or above the sum of the other two.
+        If a mass is not positive, the tensor is not symmetric (to 1e-5 of its largest entry), or
+        its principal moments are impossible: one is negative or above the sum of the other two.
+
+    Warns
+    -----
+    MomentsWarning
+        As :class:`rigid.Body`: a moment that exceeds the sum by at most 1 % is mended.
 
     Examples
     --------
@@ -359,43 +359,6 @@ def rotate_tensor(turn: ArrayLike, tensor: ArrayLike, *, order: int = 2) -> Floa
         vector: Floats = np.matvec(r, t)
         return vector
     return np.broadcast_to(t, np.broadcast_shapes(t.shape, r.shape[:-2])).copy()
-
-
-def symmetric_tensor(name: str, value: ArrayLike) -> Floats:
-    """``value`` as finite symmetric matrices ``(..., 3, 3)``, made exactly symmetric."""
-    t = shaped(name, value, 3, 3)
-    apart = t - np.swapaxes(t, -1, -2)
-    scale = np.abs(t).max(axis=(-2, -1), keepdims=True)
-    bad = np.abs(apart) > SYMMETRY * scale
-    if np.any(bad):
-        index, place = first_place(bad)
-        mirror = t[(*index[:-2], index[-1], index[-2])]
-        raise ValueError(
-            f"{name}{place} = {t[index]}, but its mirror entry is {mirror}: "
-            "a tensor of inertia is symmetric"
-        )
-    return t - 0.5 * apart
-
-
-def possible_tensor(name: str, value: ArrayLike) -> Floats:
-    """``value`` as symmetric matrices that are tensors of inertia of bodies or rods."""
-    t = symmetric_tensor(name, value)
-    check_possible(name, np.linalg.eigh(t).eigenvalues)
-    return t
-
-
-def check_possible(name: str, ascending: Floats) -> None:
-    """Raise ValueError for ascending principal moments that are impossible beyond rounding."""
-    small, middle, large = np.moveaxis(ascending, -1, 0)
-    slack = POSSIBLE * np.abs(ascending).max(axis=-1)
-    bad = (small < -slack) | (large - middle > small + slack)
-    if np.any(bad):
-        index, place = first_place(bad)
-        moments = ", ".join(f"{moment:g}" for moment in ascending[index])
-        raise ValueError(
-            f"{name}{place}: no body has the principal moments ({moments}); none may be negative "
-            "or exceed the sum of the other two"
-        )
 
 
 def tensor_of_squares(squares: Floats) -> Floats:

@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import first_place, shaped
+from .._moments import possible_tensor
 from ..rotations.quaternions import quaternion_to_matrix, quaternions
-from .mass_properties import MassProperties, possible_tensor
+from .mass_properties import MassProperties
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation

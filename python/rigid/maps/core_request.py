@@ -57,6 +57,8 @@ class CoreRequest:
     scene, method : str
     moments, weight : ndarray, shape (P, 3)
         Principal moments (kg m²); ``mgl * com`` (N m).
+    physical : bool
+        Whether a body must be able to have the moments.
     starts : sequence of CoreStarts
         One start, or the starts of a mixture.
     shares : sequence of float
@@ -82,6 +84,7 @@ class CoreRequest:
     scene: str
     method: str
     moments: Floats
+    physical: bool = True
     weight: Floats
     starts: Sequence[CoreStarts]
     shares: Sequence[float] = (1.0,)

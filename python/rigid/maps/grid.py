@@ -95,6 +95,21 @@ class NominalStarts:
             if isinstance(array, np.ndarray):
                 array.flags.writeable = False
 
+    @property
+    def physical(self) -> bool:
+        """Whether a body must be able to have the moments."""
+        return (self.scene if self.made is None else self.made).body.physical
+
+    @cached_property
+    def status(self) -> NDArray[np.uint8]:
+        """The status of the moments of each pixel: 0 where they are taken, else the broken rule."""
+        return _core.moment_status(self.moments, self.physical)
+
+    @property
+    def possible(self) -> NDArray[np.bool_]:
+        """Where a body can have the moments."""
+        return self.status == 0
+
     @cached_property
     def forces(self) -> list[_core.Forces] | None:
         """Applied torque and damping of each pixel; None if no pixel has any."""
@@ -223,7 +238,8 @@ class NominalStarts:
         }
         own |= {name: FORCES[name].made(column[pixel]) for name, column in self.further.items()}
         base = self.scene if self.made is None or not self.made.shape else self.made[pixel]
-        scene = base.replaced(Body((i1, i2, i3)), damping, **own)
+        body = Body((i1, i2, i3), physical=self.physical)
+        scene = base.replaced(body, damping, **own)
         if self.torque is not None:
             object.__setattr__(scene, "torque", self._torque(self.torque[pixel]))
         return scene

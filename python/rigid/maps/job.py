@@ -161,6 +161,7 @@ def _one(
         # What draws for a function classifies nothing, and may have no closed form.
         method=AUTO if is_judged and spec.method == EXACT else spec.method,
         moments=grid.moments,
+        physical=grid.physical,
         weight=grid.weight,
         starts=[_starts(*one) for one in zip(spec.start.starts, grids, strict=True)],
         shares=spec.start.shares().tolist() if isinstance(spec.start, Mixture) else (1.0,),

@@ -25,7 +25,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._libration import frequencies
-from .._moments import possible
 from ..model.orbit import Orbit
 from ..rotations import quaternion_to_matrix
 from .satellites import Predicted
@@ -44,7 +43,7 @@ def attitude_resonances(spec: MapSpec) -> Predicted | None:
     orbit, grid = _orbit_alone(spec), spec.grid
     if orbit is None or orbit.eccentricity == 0.0 or not _faces_planet(spec, orbit):
         return None
-    known = possible(grid.moments) & np.all(grid.omega[:, :2] == 0.0, axis=1)
+    known = grid.possible & np.all(grid.omega[:, :2] == 0.0, axis=1)
     yaw, roll, pitch = np.where(known[:, np.newaxis], grid.moments, np.nan).T
     swing, fast, slow = frequencies(roll, pitch, yaw)
     curves = {
@@ -62,7 +61,7 @@ def spin_orbit_resonances(spec: MapSpec) -> Predicted | None:
     if orbit is None or orbit.anomaly != 0.0 or not _faces_planet(spec, orbit):
         return None
     first, second, third = grid.moments.T
-    about = np.all(grid.omega[:, :2] == 0.0, axis=1) & possible(grid.moments) & (first < second)
+    about = np.all(grid.omega[:, :2] == 0.0, axis=1) & grid.possible & (first < second)
     strength = 3.0 * (second - first) / third
     numbers = grid.further.get("orbit", np.tile(orbit.numbers, (len(first), 1)))
     e, of = np.unique(numbers[:, 1], return_inverse=True)

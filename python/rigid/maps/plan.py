@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
-from .._moments import possible
 from ..model.forces import forces_in_words
 from ..solve.bodies import Bodies
 from ..solve.closed_form import NO_FORM, Codes, closed_forms, names, why_not
@@ -34,7 +33,7 @@ Floats = NDArray[np.float64]
 
 def map_plan(spec: MapSpec) -> Plan:
     """The plan of a map, with the cost of its costliest nominal start."""
-    real = possible(spec.grid.moments)
+    real = spec.grid.possible
     moments, weight = spec.grid.moments[real], spec.grid.weight[real]
     forms = closed_forms(spec.stable, moments, weight)
     if spec.forces:

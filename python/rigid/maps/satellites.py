@@ -28,7 +28,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._libration import squares
-from .._moments import possible
 from ..model.criteria import NoFlip, TiltBelow
 from ..model.orbit import Orbit
 from ..rotations import quaternion_to_matrix
@@ -70,7 +69,7 @@ def flat_spin(spec: MapSpec) -> Predicted | None:
     moments, omega, size = grid.moments, grid.omega, grid.omega_size
     across = [(tested + 1) % 3, (tested + 2) % 3]
     spin = np.abs(omega[:, tested])
-    known = possible(moments) & (np.abs(omega).sum(axis=1) == spin) & (spin > 0.0)
+    known = grid.possible & (np.abs(omega).sum(axis=1) == spin) & (spin > 0.0)
     known &= (moments[:, across] > moments[:, [tested]]).all(axis=1)
     order = [tested, *across]
     sinks = np.array(sink.coefficient)[order]
@@ -187,7 +186,7 @@ def on_orbit(spec: MapSpec) -> Predicted | None:
         or not noise.is_plain_normal
     ):
         return None
-    at_rest = np.all(grid.omega == (0.0, orbit.rate, 0.0), axis=1) & possible(grid.moments)
+    at_rest = np.all(grid.omega == (0.0, orbit.rate, 0.0), axis=1) & grid.possible
     roll, pitch, yaw = grid.moments.T
     k1, k3 = (pitch - yaw) / roll, (pitch - roll) / yaw
     # Roll a and yaw c, the time in units of the orbit: a'' = -4 k1 a + (1 - k1) c' and

@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 
 from .. import _core
 from .._checks.arguments import brief, finite_float, of_known, positive_int
-from .._moments import possible
 from ..model.body import Body
 from ..model.bounds import RateWithin
 from ..model.criteria import Criterion, check_criterion, criterion_from_dict
@@ -236,10 +235,10 @@ class MapSpec:
             self._require_closed_forms()
         if asks_for_an_axis(asked) or any(asks_for_an_axis(one) for one in measures):
             # The default axis follows from the bodies of all pixels.
-            moments = self.grid.moments
-            rows = np.unique(moments[possible(moments)], axis=0)
+            grid = self.grid
+            rows = np.unique(grid.moments[grid.possible], axis=0)
             if len(rows):
-                every = FreeBody(Body(rows), orbit=Orbit(1.0))
+                every = FreeBody(Body(rows, physical=grid.physical), orbit=Orbit(1.0))
                 put("stable", self._resolved("stable", asked, every))
                 own = [self._resolved("measure", one, every) for one in measures]
                 put("measure", tuple(own))
@@ -597,7 +596,7 @@ class MapSpec:
             if one.runs:
                 raise ValueError(f"method = {EXACT!r}: {one} is measured along steps")
         moments, weight = self.grid.moments, self.grid.weight
-        missing = possible(moments) & (closed_forms(self.stable, moments, weight) == NO_FORM)
+        missing = self.grid.possible & (closed_forms(self.stable, moments, weight) == NO_FORM)
         if missing.any():
             flat = int(np.argmax(missing))
             pixel = tuple(int(i) for i in np.unravel_index(flat, self.shape))

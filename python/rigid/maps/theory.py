@@ -51,7 +51,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
-from .._moments import possible
 from ..model.criteria import NoFlip, TiltBelow
 from ..model.scene import FreeBody, HeavyTop
 from ..model.start import Noise, Start
@@ -248,7 +247,7 @@ def _free_no_flip(spec: MapSpec) -> Theory | None:
         np.take_along_axis(array, order, axis=1)
         for array in (grid.moments, grid.omega, grid.omega_size)
     )
-    moments[~possible(grid.moments)] = np.nan
+    moments[~grid.possible] = np.nan
     place = np.argmax(order == tested, axis=1)  # 0, 1, 2: smallest, middle, largest
     normal = noise is not None and noise.is_plain_normal
     reach = NORMAL_REACH * size if normal else size
@@ -374,7 +373,7 @@ def _symmetric_top(spec: MapSpec) -> Theory | None:
     axial = grid.moments[:, axis - 1]
     spin = grid.omega[:, axis - 1]
     about_axis = np.abs(grid.omega).sum(axis=1) == np.abs(spin)
-    symmetric = possible(grid.moments) & (cross == grid.moments[:, axis - 3])
+    symmetric = grid.possible & (cross == grid.moments[:, axis - 3])
     known = symmetric & about_axis
     size = grid.attitude_size[:, 0]
     known &= (grid.attitude_size == size[:, np.newaxis]).all(axis=1)
@@ -423,7 +422,7 @@ def _falling_top(spec: MapSpec) -> Theory | None:
     others = grid.damping.copy()
     others[:, k, k] = 0.0
     spin = grid.omega[:, k]
-    known = possible(grid.moments) & (cross == grid.moments[:, k - 2]) & (grid.tilt == 0.0)
+    known = grid.possible & (cross == grid.moments[:, k - 2]) & (grid.tilt == 0.0)
     known &= ~others.any(axis=(1, 2)) & (np.abs(grid.omega).sum(axis=1) == np.abs(spin))
     size = grid.attitude_size[:, 0]
     known &= (grid.attitude_size == size[:, np.newaxis]).all(axis=1)

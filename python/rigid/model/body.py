@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, TypeAlias
@@ -11,9 +10,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
-from .._checks.arguments import brief, finite_float, first_place, numbers, shaped, vector
+from .._checks.arguments import brief, finite_float, numbers, shaped, vector
 from .._checks.quantities import without_unit
-from .._moments import box_moments, possible, refuse_tensor
+from .._checks.warned import warn_caller
+from .._moments import box_moments, checked_moments, refuse_tensor, symmetric_tensor
 from .gravity import checked_properties
 from .leading import (
     Index,
@@ -69,6 +69,9 @@ class Body:
     sides : array_like, shape (3,), optional
         Sides (m) of a homogeneous box with this mass and these moments; :meth:`box` sets them. For
         one body only.
+    physical : bool
+        Whether a body must be able to have the moments. If False, any positive moments are taken,
+        and Euler's equations are solved with them as they stand.
 
     Attributes
     ----------
@@ -78,6 +81,8 @@ class Body:
         Mass.
     sides : tuple of float or None
         Sides along the axes 1, 2, 3 of a homogeneous box.
+    physical : bool
+        False if the moments may belong to no body.
     about : {"centre", "point"} or None
         The point of the moments, where it is known: the centre of mass (:meth:`box`, :meth:`cone`
         and the others that make a body from its shape), or another given point. It is neither
@@ -89,6 +94,13 @@ class Body:
         If no body has these moments: each must be finite and positive (a rod has no equation of
         motion about its own axis), none above the sum of the other two (a flat body has equality).
 
+    Warns
+    -----
+    MomentsWarning
+        If the largest moment exceeds the sum of the other two by at most 1 % of itself, as
+        measured or rounded moments of a flat body do. Then the nearest possible moments are taken:
+        an excess ``e`` changes each moment by ``e/3``.
+
     Examples
     --------
     >>> import rigid
@@ -98,7 +110,11 @@ class Body:
     Traceback (most recent call last):
         ...
     ValueError: moments = (1, 1, 2.5): no moment may exceed the sum of the other two \
-(triangle inequality; equality is a flat body)
+(triangle inequality; equality is a flat body); the excess is 20.00 % of the largest, the nearest \
+possible moments are (1.1666666666666667, 1.1666666666666667, 2.3333333333333335); physical=False \
+takes such moments as they are
+    >>> rigid.Body((1.0, 1.0, 2.5), physical=False).gammas
+    (-1.5, 1.5, 0.0)
     >>> bodies = rigid.Body([[1.0, 2.0, 2.5], [1.0, 1.0, 0.5]])
     >>> len(bodies), bodies[1].symmetry_axis
     (2, 3)
@@ -107,6 +123,7 @@ class Body:
     moments: Moments
     mass: float | Floats | None
     sides: tuple[float, float, float] | None
+    physical: bool
     about: str | None = field(init=False, default=None)
 
     def __init__(
@@ -115,8 +132,11 @@ class Body:
         *,
         mass: ArrayLike | None = None,
         sides: ArrayLike | None = None,
+        physical: bool = True,
     ) -> None:
-        checked = _checked_moments(moments)
+        if not isinstance(physical, bool):
+            raise TypeError(f"physical = {brief(physical)}: must be True or False")
+        checked = _checked_moments(moments, physical)
         shape = np.shape(checked)[:-1]
         set_field = object.__setattr__  # the dataclass is frozen
         set_field(self, "moments", checked)
@@ -135,6 +155,7 @@ class Body:
                     f"sides = {sides}: no box of this mass has the moments {checked}; use Body.box"
                 )
         set_field(self, "sides", sides)
+        set_field(self, "physical", physical)
         set_field(self, "about", None)
 
     @property
@@ -151,12 +172,13 @@ class Body:
     def __getitem__(self, index: Index) -> Body:
         index_of_bodies(self.shape, index)
         mass = None if self.mass is None else taken(self.mass, 0, self.shape, index)
-        return Body(taken(self.moments, 1, self.shape, index), mass=mass)._marked(self.about)
+        moments = taken(self.moments, 1, self.shape, index)
+        return Body(moments, mass=mass, physical=self.physical)._marked(self.about)
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Body):
             return NotImplemented
-        names = ("moments", "mass", "sides")
+        names = ("moments", "mass", "sides", "physical")
         return all(same(getattr(self, name), getattr(other, name)) for name in names)
 
     def __hash__(self) -> int:
@@ -166,9 +188,10 @@ class Body:
         return hash((moments, self.mass, self.sides))
 
     def __repr__(self) -> str:
+        physical = "" if self.physical else ", physical=False"
         if self.shape:
-            return f"Body(moments of shape {(*self.shape, 3)})"
-        return f"Body(moments={self.moments}, mass={self.mass}, sides={self.sides})"
+            return f"Body(moments of shape {(*self.shape, 3)}{physical})"
+        return f"Body(moments={self.moments}, mass={self.mass}, sides={self.sides}{physical})"
 
     @classmethod
     def box(cls, a: ArrayLike, b: ArrayLike, c: ArrayLike, *, mass: ArrayLike = 1.0) -> Body:
@@ -220,13 +243,18 @@ class Body:
         return cls._upright(solids.box(a, b, c, mass=mass))
 
     @classmethod
-    def from_tensor(cls, tensor: ArrayLike) -> tuple[Body, NDArray[np.float64]]:
+    def from_tensor(
+        cls, tensor: ArrayLike, *, physical: bool = True
+    ) -> tuple[Body, NDArray[np.float64]]:
         """The body with a tensor of inertia, and its principal axes.
 
         Parameters
         ----------
         tensor : array_like, shape (3, 3)
-            Symmetric tensor of inertia (kg m²), products with their minus signs.
+            Symmetric tensor of inertia (kg m²), products with their minus signs. Entries that
+            differ from their mirror entries by at most 1e-5 of the largest entry are averaged.
+        physical : bool
+            As for :class:`Body`.
 
         Returns
         -------
@@ -240,6 +268,11 @@ class Body:
         ValueError
             If the tensor is not finite and symmetric, or no body has its moments.
 
+        Warns
+        -----
+        MomentsWarning
+            As :class:`Body`.
+
         Examples
         --------
         >>> import numpy as np, rigid
@@ -252,8 +285,8 @@ class Body:
         array = numbers("tensor", tensor)
         if array.shape != (3, 3):
             raise ValueError(f"tensor: expected shape (3, 3), got {array.shape}")
-        moments, axes = _core.principal_axes(array.tolist())
-        return cls(moments), np.array(axes)
+        moments, axes = _core.principal_axes(symmetric_tensor("tensor", array).tolist())
+        return cls(moments, physical=physical), np.array(axes)
 
     @classmethod
     def ellipsoid(cls, a: ArrayLike, b: ArrayLike, c: ArrayLike, *, mass: ArrayLike = 1.0) -> Body:
@@ -689,11 +722,12 @@ class Body:
         dict
         """
         moments = self.moments
-        return {
+        data = {
             "moments": moments.tolist() if isinstance(moments, np.ndarray) else list(moments),
             "mass": self.mass.tolist() if isinstance(self.mass, np.ndarray) else self.mass,
             "sides": None if self.sides is None else list(self.sides),
         }
+        return data if self.physical else {**data, "physical": False}
 
     @classmethod
     def from_dict(cls, data: Mapping[str, Any]) -> Body:
@@ -715,7 +749,8 @@ class Body:
         >>> rigid.Body.from_dict(box.to_dict()) == box
         True
         """
-        return cls(data["moments"], mass=data.get("mass"), sides=data.get("sides"))
+        known = {key: data[key] for key in ("mass", "sides", "physical") if key in data}
+        return cls(data["moments"], **known)
 
 
 def _mass(value: ArrayLike) -> float | Floats:
@@ -729,11 +764,9 @@ def _warn_of_units(sides: tuple[float, float, float], mass: float) -> None:
     """Warn of a large box that is lighter than any solid."""
     density = mass / sides[0] / sides[1] / sides[2]
     if max(sides) > LARGE_SIDE and density < LEAST_DENSITY and mass != 1.0:
-        warnings.warn(
+        warn_caller(
             f"sides = ({', '.join(f'{side:g}' for side in sides)}), mass = {mass:g}: a box of "
-            f"{density:.2g} kg/m³ is lighter than any solid; lengths are in m, masses in kg",
-            UserWarning,
-            stacklevel=3,
+            f"{density:.2g} kg/m³ is lighter than any solid; lengths are in m, masses in kg"
         )
 
 
@@ -781,24 +814,17 @@ def require_one(value: Any) -> None:
         )
 
 
-def _checked_moments(value: ArrayLike) -> Moments:
+def _checked_moments(value: ArrayLike, physical: bool) -> Moments:
     """The moments; the core checks them and names the broken rule."""
     array = numbers("moments", value)
     if not array.ndim or array.shape[-1] != 3:
         raise ValueError(f"moments: expected shape (3,) or (..., 3), got {array.shape}")
-    if array.ndim == 1:
-        first, second, third = array.tolist()
-        _core.check_moments((first, second, third))
-        return first, second, third
     refuse_tensor("moments", array)
-    good = possible(array)
-    if not good.all():
-        index, place = first_place(~good)
-        try:
-            _core.check_moments(array[index].tolist())
-        except ValueError as error:
-            raise ValueError(str(error).replace("moments", f"moments{place}", 1)) from None
-    return frozen(array)
+    moments = checked_moments("moments", array, physical)
+    if array.ndim == 1:
+        first, second, third = moments.tolist()
+        return first, second, third
+    return frozen(moments)
 
 
 def _checked_mass(value: ArrayLike, shape: Shape) -> float | Floats:

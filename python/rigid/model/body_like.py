@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import brief
 from .._checks.arrays import vectors
-from .._moments import possible, refuse_tensor
+from .._moments import checked_moments, refuse_tensor
 from .body import Body, pair_hint
 from .scene import FreeBody, Scene, require_unforced
 
@@ -43,11 +43,8 @@ def moments_of(body: object, *, rod: bool = False) -> Floats:
         return np.array(body_of(body).moments)
     moments = vectors("moments", body)  # type: ignore[arg-type]  # ValueError if it is no array
     refuse_tensor("moments", moments)
-    flat = moments.reshape(-1, 3)
-    good = possible(flat)
-    if rod:
-        low, middle, high = np.sort(flat, axis=1).T
-        good |= (low == 0.0) & (middle == high) & (high > 0.0)
-    for impossible in flat[~good][:1]:
-        Body(impossible)  # raises the rule that the moments break
-    return moments
+    if not rod:
+        return checked_moments("moments", moments)
+    low, middle, high = np.moveaxis(np.sort(moments, axis=-1), -1, 0)
+    rods = ((low == 0.0) & (middle == high) & (high > 0.0))[..., np.newaxis]
+    return np.where(rods, moments, checked_moments("moments", np.where(rods, 1.0, moments)))

@@ -195,7 +195,8 @@ class Scene(HasForces, ABC):
         if body.shape:
             every = np.broadcast_to(body.moments, (*shape, 3))
             mass = None if body.mass is None else np.broadcast_to(body.mass, shape)
-            body = Body(taken(every, 1, shape, index), mass=taken(mass, 0, shape, index))
+            moments, mass = taken(every, 1, shape, index), taken(mass, 0, shape, index)
+            body = Body(moments, mass=mass, physical=body.physical)
         own = {
             name: taken(getattr(self, name), int(known.width > 1), shape, index)
             for name, known in self.fields.items()
@@ -375,7 +376,8 @@ def _body_words(body: Body, varied: Container[str]) -> str:
         return "moments of each"
     moments = list(zip(("I1", "I2", "I3"), body.moments, strict=True))
     if body.sides is None or any(name in varied for name, _ in moments):
-        return f"moments ({_numbers(moments, varied)})"
+        physical = "" if body.physical else ", physical=False"
+        return f"moments ({_numbers(moments, varied)}){physical}"
     sides = _numbers(zip("abc", body.sides, strict=True), varied)
     mass = _numbers([("mass", float(body.mass or 0.0))], varied)
     return f"box with sides ({sides}) m and mass {mass} kg"
@@ -680,7 +682,8 @@ class HeavyTop(Scene):
                 f"mass = {mass:g}: must be {body.mass:g}, the mass of the body; omit it here"
             )
         moments, axes, mgl, direction = about_pivot(np.diag(body.moments), mass, com, g)
-        return cls(Body(moments, mass=mass)._marked("point"), mgl=mgl, com=direction), axes
+        body = Body(moments, mass=mass, physical=body.physical)._marked("point")
+        return cls(body, mgl=mgl, com=direction), axes
 
     @classmethod
     def from_properties(

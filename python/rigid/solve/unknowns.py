@@ -56,6 +56,11 @@ class Unknowns:
         self._moving = sorted(MOMENTS.index(name[:2]) for name in moments)
         if len(set(self._moving)) < len(self._moving):
             raise ValueError(f"free = {brief(free)}: one moment varies by two of the parameters")
+        if moments and not scene.body.physical:
+            raise ValueError(
+                f"free = {brief(free)}: the search stays within moments that a body can have; "
+                "give the scene a body without physical=False"
+            )
         ratios = {name[:2]: name[3:] for name in moments if name in RATIOS}
         if len(ratios) == 3 or any(ratios.get(below) == above for above, below in ratios.items()):
             raise ValueError(f"free = {brief(free)}: one of the ratios follows from the others")
@@ -154,7 +159,8 @@ class Unknowns:
         damping = self.scene.damping
         if any(name in values for name in _DAMPING):
             damping = np.diag(_taken(values, _DAMPING, np.diagonal(self._damping)))
-        varied = self.scene.replaced(Body(moments), damping, **own)
+        body = Body(moments, physical=self.scene.body.physical)
+        varied = self.scene.replaced(body, damping, **own)
         return varied, _taken(values, START, self.start)
 
     def rates(self, x: Floats, t: Floats) -> Floats:

@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import _core
 from .._checks.arguments import one_line
 from ..maps.identity import (
     FORMAT,
@@ -180,10 +179,10 @@ def moment_status(spec: MapSpec) -> NDArray[np.uint8]:
     """The status of the moments of each pixel in C order: 0 where the body is possible."""
     pixels = int(np.prod(spec.shape))
     if pixels <= PIXELS_TOGETHER:
-        return _core.moment_status(spec.grid.moments)
+        return spec.grid.status
     status = np.empty(pixels, np.uint8)
     for begin in range(0, pixels, PIXELS_TOGETHER):
         index = np.arange(begin, min(begin + PIXELS_TOGETHER, pixels))
         starts = spec.starting(spec.start.starts[0], index)
-        status[index] = _core.moment_status(starts.moments)
+        status[index] = starts.status
     return status
