@@ -25,6 +25,7 @@ __all__ = [
     "of_shape",
     "one_line",
     "one_of",
+    "one_time",
     "positive_int",
     "resolve_threads",
     "rows",
@@ -290,6 +291,15 @@ def times_of_each(name: str, value: ArrayLike) -> NDArray[np.float64]:
             "times must be ascending"
         )
     return array
+
+
+def one_time(what: str, times: NDArray[np.float64]) -> ValueError:
+    """The error of what needs more times than a run has."""
+    end = float(times[-1]) if len(times) else 10.0
+    return ValueError(
+        f"t = {brief(times.tolist())}: {what} needs two times or more, such as "
+        f"t=np.linspace(0, {end:g}, 201)"
+    )
 
 
 def resolve_threads(threads: int | None, bodies: int | None = None) -> int:

@@ -5,18 +5,19 @@ The package uses :mod:`rigid.free`, ``drawing`` and runs. :meth:`rigid.Run.anima
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, overload
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import brief, finite_float, positive_int
 from .._checks.progress import ProgressOption
 from .._files import published
-from .film import film_of, side_by_side
+from .film import Film, film_of, side_by_side
 from .picture import SUFFIXES, moving_picture
 from .states import pair_of, scene_of, states_of
 from .story import story_of_two
@@ -28,6 +29,9 @@ if TYPE_CHECKING:
     from ..solve.run import Run
 
 __all__ = ["Animation", "animate"]
+
+REFRESH = 60.0
+"""Frames in a second that a page shows, the rate of most displays."""
 
 
 class Animation(Page):
@@ -51,7 +55,7 @@ def animate(
     path: None = None,
     *,
     view: str | None = None,
-    speed: float = 1.0,
+    speed: float | None = None,
     body: int | Sequence[int] | None = None,
     trail: float | None = None,
     shape: tuple[ArrayLike, ArrayLike] | None = None,
@@ -65,7 +69,7 @@ def animate(
     path: str | PathLike[str],
     *,
     view: str | None = None,
-    speed: float = 1.0,
+    speed: float | None = None,
     body: int | Sequence[int] | None = None,
     trail: float | None = None,
     shape: tuple[ArrayLike, ArrayLike] | None = None,
@@ -81,7 +85,7 @@ def animate(
     path: str | PathLike[str] | None = None,
     *,
     view: str | None = None,
-    speed: float = 1.0,
+    speed: float | None = None,
     body: int | Sequence[int] | None = None,
     trail: float | None = None,
     shape: tuple[ArrayLike, ArrayLike] | None = None,
@@ -108,8 +112,9 @@ def animate(
         the inertia ellipsoid rolling on the invariable plane. For a heavy top ``"top"``, with the
         path of its axis. Default for a free body: the box for a :meth:`rigid.Body.box` and for a
         body under torque or damping, else the cones if two moments are equal, else the ellipsoid.
-    speed : float
-        Factor by which the animation is faster than the motion.
+    speed : float, optional
+        Factor by which the film is faster than the motion. Default: 1, and for a motion of more
+        than 20 s so that the film lasts 20 s.
     body : int or two int, optional
         Index of the body to show, if the run has many bodies; two indices show two bodies side by
         side, with one scale. Default: both bodies of a run of two.
@@ -148,6 +153,12 @@ def animate(
         Naming the argument, its value and the rule: an unknown suffix or view, a run without
         attitudes, of one time or not finite, a body at rest, cones of an asymmetric body or one
         under torque, a shape that is no mesh, frames too long for a picture.
+
+    Warns
+    -----
+    UserWarning
+        If the body turns by more than half a turn from one frame to the next, as frames are seen:
+        the film shows another motion.
 
     Examples
     --------
@@ -189,13 +200,19 @@ def animate(
     films = [
         film_of(run, view=view, speed=speed, body=one, trail=trail, shape=shape) for one in indices
     ]
+    states = [states_of(run, one) for one in indices]
+    rates = [np.linalg.norm(omega, axis=1) for omega, _ in states]
+    _warn_of_aliases(films[0], rates, fps if suffix != ".html" else REFRESH)
     if len(films) == 2:
         films = side_by_side(films)
-        states = [states_of(run, one) for one in indices]
         omega, attitude = (np.stack(arrays) for arrays in zip(*states, strict=True))
         left, right = (scene_of(run, one) for one in indices)
         story = story_of_two((left, right), run.t, omega, attitude)
         films = [replace(film, story=story) for film in films]
+    speed = films[0].speed
+    if caption is None and speed != 1.0:
+        faster = f"The film plays {speed:.3g} times as fast as the motion."
+        films = [replace(film, story=f"{film.story} {faster}") for film in films]
     if caption is not None:
         if not isinstance(caption, str):
             raise TypeError(f"caption = {brief(caption)}: must be a text")
@@ -211,3 +228,24 @@ def animate(
     with published(target) as file:
         file.write(content)
     return target
+
+
+def _warn_of_aliases(film: Film, rates: Sequence[NDArray[np.float64]], fps: float) -> None:
+    """Warn if a body turns by more than half a turn between frames that are seen."""
+    rate = np.maximum.reduce(rates)
+    steps = np.abs(np.diff(film.t))
+    turns = np.maximum(rate[1:], rate[:-1]) * np.maximum(steps, film.speed / fps)
+    k = int(turns.argmax())
+    if turns[k] <= np.pi:
+        return
+    fastest = max(rate[k], rate[k + 1])
+    if steps[k] * fps > film.speed:
+        advice = f"give times at most {np.pi / fastest:.2g} s apart"
+    else:
+        advice = f"give speed={np.pi * fps / fastest:.2g} or less"
+    warnings.warn(
+        f"t, speed = {film.speed:.3g}: the body turns by up to {turns[k]:.3g} rad between frames, "
+        f"and the film shows another motion; {advice}",
+        UserWarning,
+        stacklevel=3,
+    )

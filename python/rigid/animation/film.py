@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import free
-from .._checks.arguments import finite_float, one_of
+from .._checks.arguments import finite_float, one_of, one_time
 from .._checks.arrays import attitudes
 from ..drawing import colours
 from ..drawing.shapes import STEM, box_faces, cone_faces, ellipsoid_faces, plane_face, top_faces
@@ -30,6 +30,9 @@ Floats = NDArray[np.float64]
 
 VIEWS = {FreeBody.kind: ("box", "cones", "poinsot"), HeavyTop.kind: ("top",)}
 """Views of each kind of scene."""
+
+LONGEST = 20.0
+"""Time (s) in which a longer motion is shown, if no speed is given; so does the explorer."""
 
 UP = np.array([0.0, 0.0, 1.0])
 
@@ -132,6 +135,8 @@ class Film:
         Times of the run (s).
     shown : ndarray, shape (frames,)
         Duration of each frame (s); the last two durations are equal.
+    speed : float
+        Factor by which the film is faster than the motion.
     attitude : ndarray, shape (frames, 4)
         Attitudes of the run.
     parts : tuple of Part
@@ -158,6 +163,7 @@ class Film:
     name: str
     t: Floats
     shown: Floats
+    speed: float
     attitude: Floats
     parts: tuple[Part, ...]
     up: Floats
@@ -187,7 +193,7 @@ def film_of(
     run: Run,
     *,
     view: str | None = None,
-    speed: float = 1.0,
+    speed: float | None = None,
     body: int | None = None,
     trail: float | None = None,
     shape: tuple[ArrayLike, ArrayLike] | None = None,
@@ -205,11 +211,14 @@ def film_of(
     ('box', 101, 5.05)
     """
     omega, attitude = states_of(run, body)
-    speed = finite_float("speed", speed, positive=True)
     if trail is not None and trail != np.inf:
         trail = finite_float("trail", trail, positive=True)
     if len(run.t) < 2:
-        raise ValueError(f"t of shape {run.t.shape}: an animation needs two times or more")
+        raise one_time("an animation", run.t)
+    span = abs(float(run.t[-1] - run.t[0]))
+    if speed is None:
+        speed = max(1.0, span / LONGEST)
+    speed = finite_float("speed", speed, positive=True)
     scene = scene_of(run, body)
     view = _chosen(scene, view, shape is not None)
     solid = None if shape is None else faces_of(shape, frame=run.frame)
@@ -230,7 +239,7 @@ def film_of(
             parts = show(scene, omega, attitude, momentum[:1])
     steps = np.diff(run.t)
     if trail is None:
-        trail = np.inf if view == "poinsot" else 0.25 * float(run.t[-1] - run.t[0])
+        trail = np.inf if view == "poinsot" else 0.25 * span
     is_free = view != "top"
     centre, reach = _room(parts, attitude, up)
     return Film(
@@ -240,6 +249,7 @@ def film_of(
         name=f"ω = ({', '.join(f'{rate:.3g}' for rate in omega[0])}) rad/s",
         t=run.t,
         shown=np.append(steps, steps[-1]) / speed,
+        speed=speed,
         attitude=attitude,
         parts=parts,
         up=up,

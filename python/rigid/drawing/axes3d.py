@@ -13,7 +13,7 @@ from ..rotations.euler import rotation_y, rotation_z
 from ..rotations.so3 import rotate
 from . import colours
 from .colours import HUES, on_ground
-from .figure import shown_figure
+from .figure import check_axes, shown_figure
 
 if TYPE_CHECKING:
     from .arrows import PlaneArrow, SpaceArrow
@@ -74,7 +74,7 @@ def panels(
             figure.add_subplot(down, across, place, projection=_PROJECTION[kind])
             for place, kind in enumerate(kinds, start=1)
         ]
-    found = list(np.ravel(np.asarray(axes, dtype=object)))
+    found = list(map(check_axes, np.ravel(np.asarray(axes, dtype=object))))
     if len(found) != len(kinds):
         raise ValueError(f"axes: this figure has {len(kinds)} panels, got {len(found)} axes")
     for ax, kind in zip(found, kinds, strict=True):

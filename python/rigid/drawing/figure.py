@@ -9,13 +9,22 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from io import BytesIO
 from typing import TYPE_CHECKING, Any
 
+from .._checks.arguments import brief
 from .._checks.extras import install_extra
 from .._checks.notebook import in_notebook
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["html_table", "html_text", "html_with_picture", "new_figure", "shown_figure"]
+__all__ = [
+    "axes_to_draw_on",
+    "check_axes",
+    "html_table",
+    "html_text",
+    "html_with_picture",
+    "new_figure",
+    "shown_figure",
+]
 
 _SIZE: Mapping[str, Any] = {"figsize": (8.0, 6.0), "dpi": 150, "layout": "constrained"}
 
@@ -50,6 +59,18 @@ def shown_figure() -> Figure:
         import matplotlib.pyplot  # noqa: F401
     pyplot: Any = sys.modules.get("matplotlib.pyplot")
     return new_figure() if pyplot is None else pyplot.figure(**_SIZE)
+
+
+def axes_to_draw_on(ax: Any | None) -> Any:
+    """The given axes, or the axes of a new figure."""
+    return shown_figure().add_subplot() if ax is None else check_axes(ax)
+
+
+def check_axes(ax: Any) -> Any:
+    """``ax`` if it is axes of Matplotlib."""
+    if not hasattr(ax, "add_line"):
+        raise TypeError(f"ax = {brief(ax)}: must be axes of Matplotlib, or left out")
+    return ax
 
 
 def html_with_picture(draw: Callable[[Any], object], text: str, *, height: float = 6.0) -> str:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from .._checks.arguments import brief, finite_float, nearest
 from ..drawing import colours
 from ..drawing.colours import on_ground
-from ..drawing.figure import shown_figure
+from ..drawing.figure import axes_to_draw_on, shown_figure
 from ..model.criteria import Regular
 from ..solve.methods import AUTO
 from .data import MapData
@@ -168,8 +168,7 @@ def plot_map(
     free = [k for k in range(len(data.spec.axes)) if k not in fixed]
     theory = predict(data.spec)
     if len(free) <= 2:
-        if ax is None:
-            ax = shown_figure().add_subplot()
+        ax = axes_to_draw_on(ax)
         view = _View.of(data, theory, fixed)
         shown = None if field is None else field[view.index]
         _draw(view, ax, _title(data, fixed), shown, label)

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..drawing.colours import BAND, GRID, HUES, NEUTRAL, PALE, SURFACE, ground, on_ground
-from ..drawing.figure import shown_figure
+from ..drawing.figure import axes_to_draw_on
 from ..solve.methods import EXACT
 from .data import ReportData
 from .reference import Reference
@@ -96,8 +96,7 @@ def plot_report(report: ReportData, *, ax: Axes | None = None) -> Axes:
     ImportError
         Without matplotlib.
     """
-    if ax is None:
-        ax = shown_figure().add_subplot()
+    ax = axes_to_draw_on(ax)
     spec = report.spec
     ax.set_xlabel(f"processor time per body and {spec.unit} of motion (ns)")
     ax.set_ylabel(f"error of the state at t = {spec.t_end:g} {spec.unit}")

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from .._checks.arguments import one_of
 from ..drawing.classes import name_classes
 from ..drawing.colours import CLASSES, HUES, on_ground
-from ..drawing.figure import html_with_picture, shown_figure
+from ..drawing.figure import axes_to_draw_on, html_with_picture
 from ..model.events import COMPONENTS
 from ..model.orbit import Orbit
 from ..rotations import quaternion_to_matrix
@@ -315,8 +315,7 @@ class Crossings:
         words = None if by is None else np.ravel(np.asarray(by, dtype=np.str_)).tolist()
         if words is not None and len(words) != bodies:
             raise ValueError(f"by: needs a word for each of {bodies} bodies, got {len(words)}")
-        if ax is None:
-            ax = shown_figure().add_subplot()
+        ax = axes_to_draw_on(ax)
         order = np.arange(len(self.body))
         if words is None:
             cycle = [on_ground(ax, colour) for name, colour in HUES.items() if name != "black"]

@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .._checks.arguments import one_of
+from .._checks.arguments import one_of, one_time
 from ..drawing.classes import name_classes
 from ..drawing.colours import CLASSES, on_ground
-from ..drawing.figure import html_with_picture, shown_figure
+from ..drawing.figure import axes_to_draw_on, html_with_picture
 from ..model.criteria import Regular
 from ..model.scene import scene_from_dict
 from .archive import write_arrays
@@ -216,7 +216,7 @@ class Growth:
         ImportError
             Without matplotlib.
         ValueError
-            If the indicator is unknown, or SALI was not computed.
+            If the indicator is unknown, SALI was not computed, or there is a single time.
 
         Examples
         --------
@@ -229,8 +229,9 @@ class Growth:
         values = getattr(self, one_of("what", what, LABELS))
         if values is None:
             raise ValueError("what = 'sali': needs two exponents; call lyapunov(..., exponents=2)")
-        if ax is None:
-            ax = shown_figure().add_subplot()
+        if len(self.t) < 2:
+            raise one_time("a plot", self.t)
+        ax = axes_to_draw_on(ax)
         lines = np.reshape(values, (-1, len(self.t)))
         verdicts = np.ravel(self.verdict).tolist()
         inks = {word: on_ground(ax, ink) for word, ink in CLASSES.items() if word in verdicts}

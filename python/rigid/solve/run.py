@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
-from .._checks.arguments import brief, one_line, one_of
+from .._checks.arguments import brief, one_line, one_of, one_time
 from ..model.frame import attitudes_in_frame, attitudes_in_principal_axes, checked_frame, turned
 from ..model.leading import Shape
 from ..model.scene import scene_from_dict
@@ -627,7 +627,7 @@ an accuracy
         Raises
         ------
         ValueError
-            If there are many bodies and ``body`` names none.
+            If there are many bodies and ``body`` names none, or there are fewer than two times.
         ImportError
             Without matplotlib.
 
@@ -639,11 +639,12 @@ an accuracy
         't (s)'
         """
         times, omega = self._of_one(body, self.omega)
+        if len(times) < 2:
+            raise one_time("a plot", times)
         from ..drawing.colours import AXES, on_ground
-        from ..drawing.figure import shown_figure
+        from ..drawing.figure import axes_to_draw_on
 
-        if ax is None:
-            ax = shown_figure().add_subplot()
+        ax = axes_to_draw_on(ax)
         for k, ink in enumerate(AXES):
             ax.plot(times, omega[:, k], color=on_ground(ax, ink.colour), label=f"$\\omega_{k + 1}$")
         ax.set(xlabel="t (s)", ylabel="rate in the body (rad/s)")

@@ -8,6 +8,7 @@ import re
 import shutil
 import subprocess
 import sys
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -73,7 +74,7 @@ def test_a_page_is_written_without_matplotlib(tmp_path: Path) -> None:
     code = (
         "import sys; sys.modules['matplotlib'] = sys.modules['matplotlib.figure'] = None\n"
         "import rigid\n"
-        "run = rigid.simulate(rigid.FreeBody(rigid.Body((1, 2, 2.5))), [1, 2, 3], t=[0, 1])\n"
+        "run = rigid.simulate(rigid.FreeBody(rigid.Body((1, 2, 2.5))), [1, 1, 1], t=[0, 1])\n"
         f"run.animate({str(tmp_path / 'x.html')!r})\n"
         "try:\n"
         f"    run.animate({str(tmp_path / 'x.gif')!r})\n"
@@ -212,6 +213,56 @@ def test_a_gif_has_the_frames_and_the_durations_of_the_run(tmp_path: Path) -> No
         assert image.info["loop"] == 0
         shown = [frame.info["duration"] for frame in ImageSequence.Iterator(image)]
     assert shown == [200, 50, 50, 400, 400]
+
+
+@pytest.mark.parametrize("suffix", [".gif", ".html"])
+def test_a_long_motion_plays_in_twenty_seconds(tmp_path: Path, suffix: str) -> None:
+    """Half an hour of a slow body; the film says how much faster it is, unless a caption does."""
+    t = np.linspace(0.0, 1800.0, 361)
+    run = run_of(BOX, (1e-3, 2e-3, 1e-2), t=t)
+    film = film_of(run)
+    assert film.speed == 90.0
+    assert film.shown[:-1].sum() == pytest.approx(20.0)
+    path = run.animate(tmp_path / f"box{suffix}", **({} if suffix == ".html" else {"size": 64}))
+    if suffix == ".html":
+        assert "The film plays 90 times as fast as the motion." in path.read_text()
+        assert "times as fast" not in run.animate(caption="A box.").page
+        return
+    with Image.open(path) as image:
+        shown = sum(frame.info["duration"] for frame in ImageSequence.Iterator(image))
+    assert shown == pytest.approx(20_000, abs=60)
+
+
+def test_a_short_motion_plays_at_its_own_speed() -> None:
+    film = film_of(run_of(BOX))
+    assert film.speed == 1.0
+    assert "times as fast" not in run_of(BOX).animate().page
+
+
+@pytest.mark.parametrize(
+    ("end", "count", "options", "turn", "advice"),
+    [
+        (10.0, 3, {}, 250.0, "give times at most 0.063 s apart"),
+        (10.0, 10001, {"speed": 30.0}, 25.0, "give speed=3.8 or less"),
+        (1800.0, 180001, {}, 75.0, "give speed=3.8 or less"),
+    ],
+)
+def test_a_film_that_shows_another_motion_says_so(
+    end: float, count: int, options: dict[str, float], turn: float, advice: str
+) -> None:
+    """At 50 rad/s, frames half a turn apart show the spokes of a wheel at rest."""
+    run = run_of(BOX, (0.0, 0.0, 50.0), t=np.linspace(0.0, end, count))
+    with pytest.warns(UserWarning, match=f"turns by up to {turn:g} rad between frames.*{advice}"):
+        run.animate(**options)
+    run_of(BOX, (0.0, 0.0, 50.0), t=np.linspace(0.0, 1.0, 101)).animate()  # no warning
+
+
+@pytest.mark.parametrize("call", [rigid.Run.plot, rigid.Run.animate])
+def test_one_time_is_no_motion(call: Callable[[rigid.Run], Any]) -> None:
+    with pytest.raises(
+        ValueError, match=r"two times or more, such as t=np\.linspace\(0, 10, 201\)"
+    ):
+        call(run_of(BOX, t=np.array(10.0)))
 
 
 def test_rounding_of_durations_does_not_add_up(tmp_path: Path) -> None:
@@ -440,7 +491,7 @@ def test_what_cannot_be_shown_is_refused(given: dict[str, Any], message: str) ->
             {"scene": ASYMMETRIC, "record": "rates"},
             r"record = 'rates': record = 'attitude' is needed",
         ),
-        ({"scene": ASYMMETRIC, "t": [1.0]}, r"t of shape \(1,\): an animation needs two times"),
+        ({"scene": ASYMMETRIC, "t": [1.0]}, r"t = \[1.0\]: an animation needs two times"),
         ({"scene": ASYMMETRIC, "omega": [0, 0, 0]}, r"omega = \[0, 0, 0\]: a free body at rest"),
         ({"scene": TOP, "omega": [[1, 0, 0]] * 3}, r"body = None: the run has 3 bodies"),
         (

@@ -163,6 +163,22 @@ def test_a_pair_of_numbers_is_no_body_with_axes() -> None:
         rigid.simulate((1, 2), RATES, t=[1.0])  # type: ignore[arg-type]
 
 
+# What is no axes of Matplotlib
+
+
+@pytest.mark.parametrize(
+    "draw",
+    [
+        lambda ax: rigid.simulate(BODY, RATES, t=[0.0, 1.0]).plot(ax),
+        lambda ax: rigid.lyapunov(BODY, RATES, t=[1.0, 2.0], check=False).plot(ax=ax),
+        lambda ax: figures.polhodes((1.0, 2.0, 2.5), ax=ax),
+    ],
+)
+def test_axes_are_those_of_matplotlib(draw: Callable[[Any], Any]) -> None:
+    with pytest.raises(TypeError, match="ax = 'attitude': must be axes of Matplotlib, or left out"):
+        draw("attitude")
+
+
 # Tensors where moments are asked
 
 TENSOR = [[2.0, 1.0, 1.2], [1.0, 2.0, 1.3], [1.2, 1.3, 2.0]]
