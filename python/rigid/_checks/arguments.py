@@ -5,7 +5,6 @@ from __future__ import annotations
 import difflib
 import math
 import os
-import sys
 from collections.abc import Iterable
 from numbers import Real
 
@@ -33,7 +32,6 @@ __all__ = [
     "sorted_times",
     "times_of_each",
     "together",
-    "unit_vector",
     "vector",
     "vectors",
 ]
@@ -253,18 +251,6 @@ def together(**arrays: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
 def vectors(**arguments: ArrayLike) -> tuple[NDArray[np.float64], ...]:
     """The arguments as finite arrays of shape ``(..., 3)``, broadcast against each other."""
     return together(**{name: shaped(name, value, 3) for name, value in arguments.items()})
-
-
-def unit_vector(name: str, value: ArrayLike, length: int) -> NDArray[np.float64]:
-    """``value`` as a vector of length one: it must have this length to 1e-9, and is normalised.
-
-    A vector whose length is 1 to rounding stays as it is: a saved vector is read back bit for bit.
-    """
-    array = vector(name, value, length)
-    norm = math.hypot(*array.tolist())
-    if abs(norm - 1.0) > 1e-9:
-        raise ValueError(f"{name} = {array.tolist()}: must be a unit vector, its length is {norm}")
-    return array if abs(norm - 1.0) <= sys.float_info.epsilon else array / norm
 
 
 def sorted_times(name: str, value: ArrayLike) -> NDArray[np.float64]:

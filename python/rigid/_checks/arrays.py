@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "IDENTITY",
+    "UNIT",
     "attitudes",
     "finite_array",
     "require",
@@ -30,6 +31,10 @@ Floats = NDArray[np.float64]
 IDENTITY = np.array([1.0, 0.0, 0.0, 0.0])
 """The attitude of a body whose axes coincide with the space axes."""
 IDENTITY.flags.writeable = False
+
+UNIT = 1e-4
+"""Largest error of the length of a unit vector: three components with four decimals, each off by
+0.5e-4, give 0.9e-4. Single precision gives 1e-7."""
 
 
 def finite_array(name: str, value: ArrayLike) -> Floats:
@@ -87,17 +92,20 @@ def unit_quaternions(
 
 
 def unit_vectors(name: str, value: ArrayLike) -> Floats:
-    """``value`` as vectors of length one, shape (..., 3), each as ``unit_vector`` takes it."""
+    """``value`` as vectors of length one, shape (..., 3): their lengths are near one, and made one.
+
+    A vector whose length is 1 to rounding stays as it is: a saved vector is read back bit for bit.
+    """
     array = vectors(name, value)
     flat = array.reshape(-1, 3)
-    # The function that measures a single vector: both give the same bits.
     norms = np.array(list(map(math.hypot, *flat.T.tolist())) if len(flat) else [])
     off = np.abs(norms - 1.0)
-    if np.any(off > 1e-9):
-        index, place = first_place((off > 1e-9).reshape(array.shape[:-1]))
+    if np.any(off > UNIT):
+        index, place = first_place((off > UNIT).reshape(array.shape[:-1]))
         norm = norms.reshape(array.shape[:-1])[index]
         raise ValueError(
-            f"{name}{place} = {array[index].tolist()}: must be a unit vector, its length is {norm}"
+            f"{name}{place} = {array[index].tolist()}: must be a unit vector to {UNIT:g}, its "
+            f"length is {norm:.9g}"
         )
     scaled = np.where((off > sys.float_info.epsilon)[:, np.newaxis], flat / norms[:, None], flat)
     return scaled.reshape(array.shape)

@@ -338,7 +338,7 @@ def rotate_tensor(turn: ArrayLike, tensor: ArrayLike, *, order: int = 2) -> Floa
     Raises
     ------
     ValueError
-        If a matrix is not a rotation to 1e-9, or the order is not 0, 1 or 2.
+        If a matrix is not a rotation to 3.1e-4, or the order is not 0, 1 or 2.
 
     Examples
     --------

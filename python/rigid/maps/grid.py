@@ -108,7 +108,8 @@ class NominalStarts:
     @property
     def possible(self) -> NDArray[np.bool_]:
         """Where a body can have the moments."""
-        return self.status == 0
+        known: NDArray[np.bool_] = self.status == 0
+        return known
 
     @cached_property
     def forces(self) -> list[_core.Forces] | None:

@@ -30,7 +30,7 @@ def checked_frame(frame: ArrayLike) -> Floats:
     Raises
     ------
     ValueError
-        If it is no rotation matrix of shape (3, 3) to 1e-9.
+        If it is no rotation matrix of shape (3, 3) to 3.1e-4; within, it is the nearest one.
     """
     shape = np.shape(frame)
     if shape != (3, 3):

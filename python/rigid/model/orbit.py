@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
 from .._checks.arguments import first_place, shaped
-from .._checks.arrays import unit_vectors
+from .._checks.arrays import UNIT, unit_vectors
 from .leading import Shape, frozen, leading_shape, same
 
 __all__ = ["MOST_ECCENTRIC", "Orbit"]
@@ -120,12 +120,12 @@ class Orbit:
         axis = unit_vectors("normal", normal)
         begin = unit_vectors("periapsis", periapsis)
         along = np.sum(axis * begin, axis=-1, keepdims=True)
-        if np.any(np.abs(along) > 1e-9):
-            index, place = first_place(np.abs(along[..., 0]) > 1e-9)
+        if np.any(np.abs(along) > 2.0 * UNIT):  # each vector may be off by UNIT
+            index, place = first_place(np.abs(along[..., 0]) > 2.0 * UNIT)
             given = np.broadcast_to(begin, (*along.shape[:-1], 3))[index].tolist()
             raise ValueError(
                 f"periapsis{place} = {given}: must be at right angles to normal, their product is "
-                f"{along[index][0]:g}"
+                f"{along[index][0]:g}, above {2.0 * UNIT:g}"
             )
         # Vectors perpendicular to rounding stay: a file gives back the same orbit.
         turned = begin - along * axis

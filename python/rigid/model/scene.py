@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
-from .._checks.arguments import brief, finite_float, numbers, one_of, shaped, unit_vector, vector
+from .._checks.arguments import brief, finite_float, numbers, one_of, shaped, vector
 from .._checks.arrays import unit_vectors
 from .body import Body, check_body, pair_hint, require_one
 from .forces import (
@@ -403,9 +403,10 @@ def _checked_com(value: ArrayLike) -> Vector | Floats:
 
 def _unit(name: str, vectors: Floats) -> Vector | Floats:
     """Unit vectors in the form of a field: a tuple, or a read-only array of many."""
-    if vectors.ndim > 1:
-        return frozen(unit_vectors(name, vectors))
-    first, second, third = unit_vector(name, vectors, 3).tolist()
+    units = unit_vectors(name, vectors)
+    if units.ndim > 1:
+        return frozen(units)
+    first, second, third = units.tolist()
     return first, second, third
 
 

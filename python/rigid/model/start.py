@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import brief, finite_float, first_place, numbers, one_of, vector
-from .._checks.arrays import attitudes
+from .._checks.arrays import attitudes, unit_quaternions
 
 __all__ = [
     "Noise",
@@ -134,6 +134,9 @@ def _covariance(value: Any) -> tuple[tuple[float, ...], ...]:
         )
     return tuple(tuple(row) for row in array.tolist())
 
+
+_ROUNDED = 8.0 * np.finfo(np.float64).eps
+"""Error of the computed length of a unit quaternion."""
 
 _RANK = 1e-13
 """Pivots below this share of the variance are zero: the rest of their column is rounding."""
@@ -263,13 +266,12 @@ class Samples:
             raise ValueError(f"omega: {len(omega)} samples, must be 1 to {MOST_SAMPLES:,}")
         if self.attitude is not None:
             attitude = _rows("attitude", self.attitude, 4)
-            length = np.sqrt((attitude * attitude).sum(axis=1))
             _same_count("attitude", len(attitude), len(omega))
-            if (wrong := abs(length - 1.0) > 1e-8).any():
-                at = int(np.argmax(wrong))
-                raise ValueError(
-                    f"attitude[{at}]: length {length[at]:g}, must be a unit quaternion"
-                )
+            # Unit to rounding stays: a file gives back the same samples.
+            off = np.abs(np.sqrt((attitude * attitude).sum(axis=1)) - 1.0) > _ROUNDED
+            attitude = np.where(
+                off[:, np.newaxis], unit_quaternions("attitude", attitude), attitude
+            )
             object.__setattr__(self, "attitude", tuple(map(tuple, attitude.tolist())))
         if not isinstance(self.in_order, bool):
             raise TypeError(f"in_order = {brief(self.in_order)}: must be True or False")

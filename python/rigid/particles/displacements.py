@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import shaped, together, vectors
 from .._checks.overflow import refuses_overflow
+from ..rotations.so3 import rotation_matrices
 
 __all__ = [
     "Displacement",
@@ -215,7 +216,7 @@ def screw(rotation: ArrayLike, translation: ArrayLike) -> Screw:
     Raises
     ------
     ValueError
-        If a matrix is not orthogonal to 1e-9, or is a reflection.
+        If a matrix is not a rotation to 3.1e-4; within, the nearest rotation is taken.
 
     Examples
     --------
@@ -228,9 +229,8 @@ def screw(rotation: ArrayLike, translation: ArrayLike) -> Screw:
     """
     from scipy.spatial.transform import Rotation
 
-    matrix = shaped("rotation", rotation, 3, 3)
+    matrix = rotation_matrices("rotation", rotation)
     shift = shaped("translation", translation, 3)
-    _refuse_improper(matrix)
     vector = Rotation.from_matrix(matrix.reshape(-1, 3, 3)).as_rotvec().reshape(matrix.shape[:-1])
     vector, shift = together(rotation=vector, translation=shift)
     angle, distance = (np.linalg.norm(of, axis=-1)[..., np.newaxis] for of in (vector, shift))
@@ -353,15 +353,3 @@ def fit_omega(
         residual=np.sqrt((left_over * left_over).sum(axis=(-2, -1)) / count)[()],
         rank=seen.sum(axis=-1),
     )
-
-
-def _refuse_improper(matrix: Floats) -> None:
-    """Raise ValueError for a matrix that is no proper rotation."""
-    product = np.swapaxes(matrix, -1, -2) @ matrix
-    error = np.abs(product - np.eye(3)).max(axis=(-2, -1), initial=0.0)
-    if (error > SMALL).any():
-        raise ValueError(
-            f"rotation: must be orthogonal to {SMALL:g}, |R.T R - 1| = {error.max():g}"
-        )
-    if (np.linalg.det(matrix) < 0.0).any():
-        raise ValueError("rotation: a reflection (its determinant is -1) is no motion of a body")

@@ -212,7 +212,7 @@ def matrix_to_euler(matrix: ArrayLike, *, passive: bool = False) -> Floats:
     Raises
     ------
     ValueError
-        If a matrix is not a rotation to 1e-9.
+        If a matrix is not a rotation to 3.1e-4; within, the nearest rotation is taken.
 
     Examples
     --------

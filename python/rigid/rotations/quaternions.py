@@ -123,7 +123,7 @@ def matrix_to_quaternion(matrix: ArrayLike) -> Floats:
     Raises
     ------
     ValueError
-        If a matrix is not a rotation to 1e-9.
+        If a matrix is not a rotation to 3.1e-4; within, the nearest rotation is taken.
 
     Examples
     --------
@@ -262,7 +262,7 @@ def log_so3(matrix: ArrayLike) -> Floats:
     Raises
     ------
     ValueError
-        If a matrix is not a rotation to 1e-9.
+        If a matrix is not a rotation to 3.1e-4; within, the nearest rotation is taken.
 
     Examples
     --------
@@ -283,8 +283,7 @@ def quaternions(name: str, value: ArrayLike | Rotation) -> Floats:
         value = value.as_quat(scalar_first=True)
     array = numbers(name, value)
     if array.shape[-2:] == (3, 3):
-        rotation_matrices(name, array)
-        return matrix_to_quaternion(array)
+        return matrix_to_quaternion(rotation_matrices(name, array))
     if array.shape[-1:] != (4,):
         raise ValueError(f"{name}: expected shape (..., 4) or (..., 3, 3), got {array.shape}")
     return unit_quaternions(name, shaped(name, array, 4))

@@ -6,6 +6,7 @@ import subprocess
 import sys
 import warnings
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -145,7 +146,12 @@ def test_published_moments_of_no_body_move_by_eulers_equations(
 def test_maps_of_moments_of_no_body(tmp_path: Path) -> None:
     axes = {"I1": [3.0, 4.5, 20.0], "noise": [0.01, 0.1]}
     start = rigid.Start(omega=(0.0, 1.0, 0.0), noise=rigid.normal(0.1))
-    asked = {"axes": axes, "start": start, "stable": rigid.no_flip(axis=2), "t_end": 20.0}
+    asked: dict[str, Any] = {
+        "axes": axes,
+        "start": start,
+        "stable": rigid.no_flip(axis=2),
+        "t_end": 20.0,
+    }
     asked |= {"samples": 64, "rng": 1, "progress": False}
     scene = rigid.FreeBody(rigid.Body((3.0, 5.0, 9.0), physical=False))
     made = rigid.stability_map(scene, **asked)

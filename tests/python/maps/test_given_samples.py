@@ -148,8 +148,8 @@ def test_given_samples_are_saved_replayed_and_stored(tmp_path: Path) -> None:
             "attitude: 1 samples, but omega has 2",
         ),
         (
-            lambda: rigid.samples(None, [[2.0, 0.0, 0.0, 0.0]]),
-            "attitude[0]: length 2, must be a unit quaternion",
+            lambda: rigid.samples(None, [[0.0, 0.0, 0.0, 0.0]]),
+            "attitude[0] = [0.0, 0.0, 0.0, 0.0]: a zero quaternion is no attitude",
         ),
         (
             lambda: rigid.samples(np.zeros((2, 3)), weights=[[1.0, 2.0]]),
