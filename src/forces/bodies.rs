@@ -224,17 +224,17 @@ impl Forces {
     }
 
     /// The same with damping and orbits that are rounded otherwise, by a unit in the last place: of the damping the
-    /// diagonal up, the rest down. So equal dampings of all axes stay equal, and a matrix that is nearly singular changes
+    /// diagonal up, the rest down, or with a sign of -1 the other way round. So equal dampings of all axes stay equal, and a matrix that is nearly singular changes
     /// its least rate. A step rounds how far an orbit has gone alike in every step, as another rate would.
     ///
     /// # Errors
     /// As `of_some`.
-    pub fn rounded_otherwise(&self) -> Result<Forces, Error> {
+    pub fn rounded_otherwise(&self, sign: f64) -> Result<Forces, Error> {
         let mut forces = self.copied()?;
         for (k, entry) in forces.dampings.iter_mut().flat_map(|damping| damping.iter_mut().enumerate()) {
-            *entry *= if k < 3 { 1.0 + f64::EPSILON } else { 1.0 - f64::EPSILON };
+            *entry *= 1.0 + if k < 3 { sign * f64::EPSILON } else { -sign * f64::EPSILON };
         }
-        forces.further.iter_mut().for_each(|further| further.orbit.round_otherwise());
+        forces.further.iter_mut().for_each(|further| further.orbit.round_otherwise(sign));
         Ok(forces)
     }
 

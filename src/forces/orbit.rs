@@ -445,9 +445,12 @@ impl<R: Real> Force<R> for Orbit<R> {
 }
 
 impl Orbit<f64> {
-    /// Rounds the rate otherwise, by more than the rates of a body: one that turns with its orbit does so no longer.
-    pub fn round_otherwise(&mut self) {
-        self.0[0] *= 1.0 + 3.0 * f64::EPSILON;
+    /// Rounds the rate otherwise, by more than the rates of a body: one that turns with its orbit does so no longer. And
+    /// the mean anomaly, by a rounding of the eccentric one, with which all runs begin. A body at the periapsis stays.
+    pub fn round_otherwise(&mut self, sign: f64) {
+        let unit = sign * f64::EPSILON;
+        self.0[0] *= 1.0 + 3.0 * unit;
+        self.0[2] += unit * self.0[2].clamp(-1.0, 1.0);
     }
 
     /// Makes a change of an orbit that of the same orbit whose time begins then: its mean anomaly grows with the time.

@@ -102,8 +102,8 @@ impl PyForces {
     }
 
     /// The same with damping that is rounded otherwise.
-    fn rounded_otherwise(&self) -> PyResult<Self> {
-        Ok(PyForces(self.0.rounded_otherwise()?))
+    fn rounded_otherwise(&self, sign: f64) -> PyResult<Self> {
+        Ok(PyForces(self.0.rounded_otherwise(sign)?))
     }
 
     /// The rate k of each body with these moments, if nothing acts but a damping `D = k I`, else NaN.

@@ -1,4 +1,4 @@
-/* The motion of a rigid body in 128-bit numbers, by Taylor series with steps of their own.
+/* The motion of a rigid body in numbers of 128 bits, or of another type, by Taylor series with steps of their own.
 
    I w' = L x w - weight x gamma + body + R^T space - D w - |w| drag w + 3 n^2 (a/r)^5 p x I p + called + L x e,
    gamma = R^T e3,  L = I w + rotor,  q' = q (0, w + e) / 2,  I e = sink (w' without e),
@@ -10,7 +10,10 @@
 #include <math.h>
 #include <stddef.h>
 
-typedef __float128 quad;
+#ifndef NUMBER
+#define NUMBER __float128
+#endif
+typedef NUMBER quad;
 
 enum { ORDER = 40, JUDGED = 3, STATE = 7, RECORD = 11 };
 
@@ -330,7 +333,7 @@ static quad until_stop(const Series *x, quad step)
             square += now[i] * now[i];
             change += first[i] * first[i] + x->w[i][1] * x->w[i][1] * step * step;
         }
-        return square < 1e-20Q * change ? after : step;
+        return square < 1e-20L * change ? after : step;
     }
     return step;
 }
@@ -343,7 +346,7 @@ static void stop(quad *state, const Series *x, quad step)
         square += state[i] * state[i];
         change += x->w[i][0] * x->w[i][0] + x->w[i][1] * x->w[i][1] * step * step;
     }
-    for (int i = 0; i < 3 && square < 1e-50Q * change; i++)
+    for (int i = 0; i < 3 && square < 1e-50L * change; i++)
         state[i] = 0;
 }
 

@@ -182,7 +182,7 @@ def poincare(
             tolerance=tolerance,
             states=0,
         )
-    )[2]
+    ).plan
     search = Search(
         bodies=bodies,
         surfaces=Surfaces(

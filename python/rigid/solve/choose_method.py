@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -39,12 +39,13 @@ from .methods import EXACT, FALLBACK, FUNCTION, STIFF, methods_under, plain_meth
 from .plan import LazyPlan, Plan
 from .planned import UNKNOWN, damping_rate, plan_of, stepped_record
 from .problem import Problem
+from .second_run import SERIES, SERIES_TOLERANCE
 from .starts import bodies_of
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
 
-__all__ = ["NO_BOUND", "choose_method", "has_closed_form", "plan_states"]
+__all__ = ["NO_BOUND", "Choice", "choose_method", "has_closed_form", "plan_states"]
 
 Floats = NDArray[np.float64]
 
@@ -97,7 +98,7 @@ def plan_states(
         states=1 if times is None else positive_int("times", times),
         number=None if bodies is None else positive_int("bodies", bodies),
     )
-    chosen = choose_method(problem)[2]()
+    chosen = choose_method(problem).plan()
     if known is not None and chosen.method == EXACT and chosen.error is not None:
         unforeseen = why_unforeseen(known, problem.times, by_steps=False)
         if unforeseen is not None:
@@ -106,11 +107,31 @@ def plan_states(
     return chosen
 
 
-def choose_method(problem: Problem) -> tuple[str, Floats | None, LazyPlan]:
-    """The method for the bodies of a problem, the longest step of each, and the plan.
+class Choice(NamedTuple):
+    """How a problem is solved.
 
-    There are no steps in closed form, nor where they are left to the core.
+    Attributes
+    ----------
+    method : str
+    steps : ndarray, shape (n,), or None
+        The longest step of each body (s). None in closed form, by a tolerance, and where the steps
+        are left to the core.
+    tolerance : float or None
+        The tolerance of adaptive steps.
+    accuracy : float or None
+        The error above which a body is integrated again.
+    plan : LazyPlan
     """
+
+    method: str
+    steps: Floats | None
+    tolerance: float | None
+    accuracy: float | None
+    plan: LazyPlan
+
+
+def choose_method(problem: Problem) -> Choice:
+    """The method for the bodies of a problem, its steps, and the plan."""
     scene = problem.scene
     _check_rates_are_known(problem)
     asked = problem.method
@@ -120,16 +141,43 @@ def choose_method(problem: Problem) -> tuple[str, Floats | None, LazyPlan]:
         scene.torque.at(np.ravel(problem.times))  # ValueError outside the times of its table
     method, why = _preferred(problem, forms)
     steps = None
-    accuracy = problem.accuracy
+    accuracy = wanted = problem.accuracy
     if accuracy is None and _takes_usual_accuracy(problem, method):
         accuracy = USUAL_ACCURACY
-    if accuracy is not None and (problem.accuracy is not None or problem.knows_angles):
+    if _is_followed_on_its_orbit(problem, method):
+        _check_attainable(problem)
+        problem = replace(problem, method=SERIES, tolerance=SERIES_TOLERANCE)
+        method, wanted = SERIES, accuracy
+        why.append(
+            f"{SERIES} leaves rounding alone, by steps that are short near the periapsis of the orbit"
+        )
+    elif accuracy is not None and (problem.accuracy is not None or problem.knows_angles):
         method, steps = _accurate(problem, accuracy, method, why)
     elif accuracy is not None:
         method = _usually_cheapest(problem, method, why)
     elif problem.step is not None and method != EXACT and problem.bodies is not None:
         steps = np.full(len(problem.bodies), problem.step)
-    return method, steps, LazyPlan(plan_of, problem, method, steps, forms, accuracy, tuple(why))
+    plan = LazyPlan(plan_of, problem, method, steps, forms, accuracy, tuple(why))
+    return Choice(method, steps, problem.tolerance, wanted, plan)
+
+
+def _is_followed_on_its_orbit(problem: Problem, method: str) -> bool:
+    """Whether a series takes steps of its own: at the periapsis equal steps would be too long.
+
+    Equal steps as short as the periapsis asks are so many that their rounding, which the motion
+    magnifies, is the error. Where drag stops a body its speed is no series.
+    """
+    scene = problem.scene
+    asked = (problem.method, problem.step, problem.tolerance) != (None, None, None)
+    return "orbit" in scene.forces and not asked and method == FALLBACK and not scene.may_stop
+
+
+def _check_attainable(problem: Problem) -> None:
+    """Raise ValueError if the error that rounding leaves exceeds a requested accuracy."""
+    span, turning = problem.span, problem.rates()
+    if problem.accuracy is not None and turning is not None and span is not None:
+        with np.errstate(over="ignore", invalid="ignore"):
+            check_attainable(problem.accuracy, turning * span)
 
 
 def _check_rates_are_known(problem: Problem) -> None:
@@ -255,12 +303,10 @@ def _accurate(
     problem: Problem, accuracy: float, method: str, why: list[str]
 ) -> tuple[str, Floats | None]:
     """The requested method or the cheapest one for the accuracy, and its steps; adds to why."""
-    span, turning = problem.span, problem.rates()
-    if problem.accuracy is not None and turning is not None and span is not None:
-        with np.errstate(over="ignore", invalid="ignore"):
-            check_attainable(accuracy, turning * span)
+    _check_attainable(problem)
     if method == EXACT:
         return method, None
+    span, turning = problem.span, problem.rates()
     if turning is None or span is None:
         raise ValueError(
             f"accuracy = {accuracy:g}: the step follows from the rates and the horizon; "

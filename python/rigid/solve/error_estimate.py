@@ -35,8 +35,10 @@ from .rounding import REST, common_rounding, rounding_of_damping
 from .saddle import RateSizes, departure, homoclinic, separatrices
 from .second_run import (
     HALVINGS,
+    ROUNDINGS,
     is_damped_stiffly,
     is_refined_alike,
+    is_ruled_by_rounding,
     rounded_start,
     second_run,
     step_ratio,
@@ -194,8 +196,11 @@ def estimate_error(
     fastest = lengths(states["omega"]).max(axis=1)
     floor = common_rounding(request, states, rates, scale, span)
     if coarser is None:
-        again = second_run(request, steps, refinement, taken, halvings)
-        error = _stated_distances(bodies, states, again, rates, times, SAFETY)
+        error = np.zeros(())
+        for rounding in range(ROUNDINGS if is_ruled_by_rounding(request) else 1):
+            again = second_run(request, steps, refinement, taken, halvings, rounding)
+            apart = _stated_distances(bodies, states, again, rates, times, SAFETY)
+            error = np.maximum(error, np.where(np.isnan(apart), np.inf, apart))
     else:
         error = _stated_distances(bodies, states, coarser, rates, times, safety_of_finer(halvings))
     sizes = RateSizes(fastest, REST * scale, scale)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, MutableMapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -25,6 +26,9 @@ from .request import Request, select_states
 from .second_run import (
     HALVINGS,
     HALVINGS_AGAIN,
+    SERIES,
+    SERIES_TOLERANCE,
+    coarser_series,
     has_its_order,
     is_damped_stiffly,
     is_refined_alike,
@@ -33,15 +37,22 @@ from .second_run import (
 from .separatrix import separatrix_error
 from .target import PLAIN, Target
 
-__all__ = ["compute_states", "integrate"]
+__all__ = ["BY_SERIES", "compute_states", "integrate"]
 
 Floats = NDArray[np.float64]
+
+BY_SERIES = "by_series"
+"""The column of states that says of which bodies :data:`SERIES` made them, if of any."""
 
 SAMPLE = 32
 """Number of bodies of a large call that are integrated again: they fill the lanes of a group."""
 
-ATTEMPTS = 4
+ATTEMPTS = 8
 """Largest number of times that the steps of a body are shortened to reach an accuracy."""
+
+FALLS = 2.0
+"""Least factor by which an attempt must lower an error for another to be made. Where rounding or
+chaos does not keep the error, an attempt lowers it by :data:`MARGIN` at least."""
 
 MARGIN = 4.0
 """Aim of shorter steps: the accuracy over this. Another attempt costs more than these steps."""
@@ -90,7 +101,7 @@ def compute_states(
     *,
     check: bool,
     every: bool = False,
-    pilot: bool = False,
+    free: bool = False,
     target: Target = PLAIN,
 ) -> tuple[MutableMapping[str, Any], ErrorEstimate | _core.States]:
     """The states in closed form or by steps, their work (J), and their estimated errors.
@@ -108,7 +119,7 @@ def compute_states(
         states, estimate = exact, closed_form_error(bodies, request.times, exact["omega"])
     else:
         states, estimate = integrate(
-            request, steps, accuracy, check=check, every=every, pilot=pilot, out=target.exact
+            request, steps, accuracy, check=check, every=every, free=free, out=target.exact
         )
     if states["work"] is not None:
         np.ldexp(states["work"], bodies.scale_exponent[:, np.newaxis], out=states["work"])
@@ -122,7 +133,7 @@ def integrate(
     *,
     check: bool,
     every: bool = False,
-    pilot: bool = False,
+    free: bool = False,
     out: Mapping[str, NDArray[Any]] | None = None,
 ) -> tuple[MutableMapping[str, Any], ErrorEstimate]:
     """The states by steps, and their estimated errors.
@@ -138,32 +149,65 @@ def integrate(
         Whether errors are estimated; an accuracy requires the estimate.
     every : bool
         Whether the errors of all bodies are estimated, not only of a sample.
-    pilot : bool
-        Whether the steps of many bodies for an accuracy may follow from the errors of a few.
+    free : bool
+        Whether no method was given: the steps of many bodies for an accuracy may follow from the
+        errors of a few, and a series integrates the bodies whose error is above the accuracy.
     out : mapping, optional
         Arrays for columns, in double precision.
     """
     forced = request.bodies.under_forces()
     if forced.any() and not forced.all():
-        return _in_parts(request, steps, accuracy, forced, check=check, every=every, pilot=pilot)
+        return _in_parts(request, steps, accuracy, forced, check=check, every=every, free=free)
+    if accuracy is not None and request.tolerance is not None:
+        return _by_series(request, accuracy, out)
     if accuracy is not None and steps is not None:
-        states, estimate = _refined(request, steps, accuracy, pilot=pilot, out=out)
+        return _refined(request, steps, accuracy, free=free, out=out)
+    states = request.states(steps, out=out)
+    if check or accuracy is not None:
+        most = len(request.bodies) if every else SAMPLE
+        estimate = _sampled_estimate(request, states, steps, most)
     else:
-        states = request.states(steps, out=out)
-        if check or accuracy is not None:
-            most = len(request.bodies) if every else SAMPLE
-            estimate = _sampled_estimate(request, states, steps, most)
-        else:
-            estimate = unknown_error(len(request.bodies))
+        estimate = unknown_error(len(request.bodies))
+    return states, _with_separatrix(request, states, estimate)
+
+
+def _with_separatrix(
+    request: Request, states: Mapping[str, Any], estimate: ErrorEstimate
+) -> ErrorEstimate:
+    """The estimate with the phase error from drift beside the separatrix."""
     near = separatrix_error(request.bodies, states, time_ranges(request.times))
     if near is None:
-        return states, estimate
+        return estimate
     delay, lost = near
     # Of a body that was not run again no error is known, but that its phase is lost.
     known = ~np.isnan(estimate.error) | np.isfinite(lost)
     error = np.where(known & (delay > 0.0), np.fmax(estimate.error, delay), estimate.error)
     earlier = known & ~(np.abs(estimate.lost_from) < np.abs(lost))
-    return states, ErrorEstimate(error, np.where(earlier, lost, estimate.lost_from))
+    return ErrorEstimate(error, np.where(earlier, lost, estimate.lost_from))
+
+
+def _by_series(
+    request: Request, accuracy: float, out: Mapping[str, NDArray[Any]] | None = None
+) -> tuple[MutableMapping[str, Any], ErrorEstimate]:
+    """The states by a series that leaves rounding alone, and their errors.
+
+    A coarser series shows that they are accurate, or else series that are rounded otherwise show
+    how accurate they are.
+    """
+    request = replace(request, method=SERIES, tolerance=SERIES_TOLERANCE)
+    states = request.states(None, out=out)
+    coarser = coarser_series(request)
+    estimate = estimate_error(request, states, None, halvings=HALVINGS_AGAIN, coarser=coarser)
+    rough = np.flatnonzero(~(estimate.error <= accuracy))
+    if len(rough):
+        own = estimate_error(request.select(rough), select_states(states, rough), None)
+        estimate.write(rough, own)
+    return states, _with_separatrix(request, states, estimate)
+
+
+def _has_series(request: Request) -> bool:
+    """Whether the bodies can be integrated by a series, in not too many steps."""
+    return not request.bodies.may_stop and not is_damped_stiffly(request.bodies, request.method)
 
 
 def _in_parts(
@@ -174,7 +218,7 @@ def _in_parts(
     *,
     check: bool,
     every: bool,
-    pilot: bool,
+    free: bool,
 ) -> tuple[MutableMapping[str, Any], ErrorEstimate]:
     """Bodies under torque and damping, and the other bodies: each part as if it were alone."""
     states: dict[str, Any] = {}
@@ -182,7 +226,7 @@ def _in_parts(
     for mine in (np.flatnonzero(forced), np.flatnonzero(~forced)):
         longest = None if steps is None else steps[mine]
         part, own = integrate(
-            request.select(mine), longest, accuracy, check=check, every=every, pilot=pilot
+            request.select(mine), longest, accuracy, check=check, every=every, free=free
         )
         estimate.write(mine, own)
         states["nanoseconds"] = states.get("nanoseconds", 0) + part.pop("nanoseconds")
@@ -219,14 +263,14 @@ def _refined(
     steps: Floats,
     accuracy: float,
     *,
-    pilot: bool,
+    free: bool,
     out: Mapping[str, NDArray[Any]] | None,
 ) -> tuple[MutableMapping[str, Any], ErrorEstimate]:
     """The states by about these steps, or by shorter ones until they are accurate; their errors."""
     order, halvings = order_of(request.method), HALVINGS
     if has_its_order(request.bodies, request.method):
         error = 1.0
-        if pilot and len(steps) >= PILOTED:
+        if free and len(steps) >= PILOTED:
             error = _error_of_a_few(request, steps, accuracy) / accuracy
             if error > MULTIPLIED:
                 halvings = HALVINGS_AGAIN
@@ -236,7 +280,13 @@ def _refined(
     # Steps longer than any interval between output times are cut to the interval.
     steps = np.minimum(steps, intervals(request.times).max(axis=-1, initial=0.0))
     states, estimate = checked_states(request, steps, halvings=halvings, out=out)
+    estimate = _with_separatrix(request, states, estimate)
     pending = np.flatnonzero(estimate.error > accuracy)
+    if free and len(pending) and _has_series(request):
+        series, own = _by_series(request.select(pending), accuracy)
+        better = _take_better(states, estimate, pending, series, own)
+        states[BY_SERIES] = np.isin(np.arange(len(steps)), pending[better])
+        return states, estimate
     stiffly = is_damped_stiffly(request.bodies, request.method)
     for attempt in range(1, ATTEMPTS + 1):
         if not len(pending):
@@ -250,13 +300,9 @@ def _refined(
             steps[pending] /= shortened
         some = request.select(pending)
         shorter, again = checked_states(some, steps[pending], refinement, HALVINGS_AGAIN)
-        better = again.error < before
-        states["nanoseconds"] += shorter["nanoseconds"]
-        _replace_states(states, pending[better], select_states(shorter, np.flatnonzero(better)))
-        estimate.error[pending[better]] = again.error[better]
-        estimate.lost_from[pending[better]] = again.lost_from[better]
-        # Where half of the digits are still missing, rounding or chaos keeps them.
-        helped = again.error < np.sqrt(before * accuracy)
+        again = _with_separatrix(some, shorter, again)
+        better = _take_better(states, estimate, pending, shorter, again)
+        helped = again.error < before / FALLS
         helped |= better & (stiffly | (before >= 1.0))
         helped |= (shortened < MUCH) & (attempt == 1)
         pending = pending[helped & (again.error > accuracy)]
@@ -305,10 +351,19 @@ def _step_reductions(errors: Floats, accuracy: float, order: int) -> Floats:
     return reductions
 
 
-def _replace_states(
-    states: MutableMapping[str, Any], bodies: NDArray[np.intp], others: Mapping[str, Any]
-) -> None:
-    """Replace the states of some bodies."""
-    for name, values in others.items():
+def _take_better(
+    states: MutableMapping[str, Any],
+    estimate: ErrorEstimate,
+    bodies: NDArray[np.intp],
+    others: MutableMapping[str, Any],
+    own: ErrorEstimate,
+) -> NDArray[np.bool_]:
+    """Replace the states of some bodies where others are better; where they are."""
+    better = own.error < estimate.error[bodies]
+    states["nanoseconds"] += others["nanoseconds"]
+    some = bodies[better]
+    for name, values in select_states(others, np.flatnonzero(better)).items():
         if values is not None:
-            states[name][bodies] = values
+            states[name][some] = values
+    estimate.error[some], estimate.lost_from[some] = own.error[better], own.lost_from[better]
+    return better

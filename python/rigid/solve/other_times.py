@@ -52,7 +52,9 @@ def states_at(run: Run, t: ArrayLike) -> Run:
         threads=resolve_threads(None),
         tolerance=spec["tolerance"],
     )
-    steps, unknown = None, np.isnan(run.error)
+    steps, unknown, accuracy = None, np.isnan(run.error), spec["accuracy"]
+    if spec["tolerance"] is not None:
+        accuracy = run.plan.accuracy  # None if a tolerance was asked for
     if spec["method"] != EXACT and spec["tolerance"] is None:
         problem = Problem(
             scene=scene,
@@ -65,9 +67,16 @@ def states_at(run: Run, t: ArrayLike) -> Run:
             step=spec["step"],
             states=times.shape[-1],
         )
-        steps = choose_method(problem)[1]
+        steps = choose_method(problem).steps
+    free = spec.get("asked", spec["method"]) is None and "function" not in scene.forces
+    check = spec["accuracy"] is not None or not unknown.all()
     states, estimate = compute_states(
-        request, steps, spec["accuracy"], check=not unknown.all(), every=not unknown.any()
+        request,
+        steps,
+        accuracy if check else None,
+        check=check,
+        every=not unknown.any(),
+        free=free,
     )
     end_records(states, times, last)
     made = to_run(states, ascending, estimate, spec["accuracy"], Lazy.of(spec), run._plan, bodies)

@@ -87,7 +87,7 @@ def _estimate(
         return closed_form_estimate(
             problem.record, forms, problem.states, problem.rates(), problem.span, problem.count
         )
-    if accuracy is not None and not problem.knows_angles:
+    if problem.tolerance is not None or (accuracy is not None and not problem.knows_angles):
         return Estimate(None, None, None, None)
     return _steps_estimate(problem, method, steps)
 

@@ -376,16 +376,26 @@ an accuracy
         status = Status(code)
         if status not in (Status.FLAGGED, Status.COARSE):
             return _STATUS_WORDS[status]
-        cure = "end the run earlier"
-        cure += " or ask for an accuracy" if self._free_steps else ": shorter steps do not help"
+        cure = self._cure()
         if status == Status.COARSE:
             return f"coarse: the estimated error is {error:.1e}; {cure}"
         if np.isfinite(since):
             return f"flagged: the estimated error is 1 or more from t = {since:.4g} on; {cure}"
-        return (
-            f"flagged: the estimated error is {error:.1e}, above the {self._limit:g} asked for; "
-            "end the run earlier or ask for a larger error"
-        )
+        words = f"flagged: the estimated error is {error:.1e}, above the {self._limit:g} asked for"
+        return f"{words}; {cure} or ask for a larger error"
+
+    def _cure(self) -> str:
+        """The remedy against an error."""
+        spec = self.spec
+        if spec["method"] == EXACT or (spec["tolerance"] is not None and not spec.get("asked")):
+            return "rounding makes it, so shorter steps do not help: end the run earlier"
+        if spec["tolerance"] is not None:
+            return "end the run earlier or lower the tolerance"
+        if spec["accuracy"] is None:
+            return "end the run earlier or ask for an accuracy"
+        if spec.get("asked"):
+            return f"shorter steps of {spec['method']} do not help: leave out the method"
+        return "shorter steps do not help: end the run earlier"
 
     def at(self, t: ArrayLike) -> Run:
         """The run at other output times between its first and its last, with the errors there.

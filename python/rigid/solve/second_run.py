@@ -17,11 +17,17 @@ from .methods import FUNCTION, angle_per_step, is_compensated, is_stiff, order_o
 from .request import Request
 
 __all__ = [
+    "FINEST",
     "HALVINGS",
     "HALVINGS_AGAIN",
+    "ROUNDINGS",
+    "SERIES",
+    "SERIES_TOLERANCE",
+    "coarser_series",
     "has_its_order",
     "is_damped_stiffly",
     "is_refined_alike",
+    "is_ruled_by_rounding",
     "rounded_start",
     "second_run",
     "step_ratio",
@@ -42,6 +48,40 @@ TIGHTER = 1000.0
 """The second run of a run by tolerance divides the tolerance by this.
 
 Series of different order may err alike at tolerances that are alike."""
+
+SERIES, SERIES_TOLERANCE = "taylor20", 1e-16
+"""The series, with its tolerance, that leaves rounding alone.
+
+On 200 random orbits, of eccentricities to 0.95, its truncation error is a fortieth of its rounding
+error in the median. A tolerance of 1e-10 saves a third of the steps."""
+
+COARSER, COARSER_TOLERANCE = "taylor16", 1e-11
+"""The series that shows the error of the series above, if a rough statement is enough.
+
+On the same orbits it errs 1000 times as much in the median, by truncation. So it errs by chance as
+much as the other, and hides its error, in one of 5000 runs. A series that errs by rounding too
+hides it in one of ten."""
+
+SIGNS = np.array([[1.0, -1.0, 1.0, -1.0], [1.0, 1.0, -1.0, -1.0], [1.0, -1.0, -1.0, 1.0]])
+"""Directions in which the numbers of a start are rounded otherwise, from the smallest on: Walsh's,
+orthogonal to each other."""
+
+ROUNDINGS = len(SIGNS)
+"""Number of second runs where rounding is the error.
+
+Rounding that grows in one direction is a random number in each run. The distance from one run is
+below a third of the error in 11 of 100 runs, from the farthest of two in 1.4, and of three in 0.2:
+``(2/3)^n`` times the integral of ``|x|^n p(x)^(n+1)``, ``p`` the normal density."""
+
+RULED = 1e-15
+"""Largest tolerance of a series whose truncation error is a fourth of its rounding error or less,
+in the median of the same orbits."""
+
+FINEST = 1e-20
+"""Least tolerance of a second run: there is nothing but rounding below it."""
+
+FEWEST = 16.0
+"""Least number of steps of a second run: the errors of fewer do not fall evenly."""
 
 FINER = 8.0
 """Factor by which the steps of the second run are shorter for a body that drag may stop.
@@ -64,13 +104,17 @@ def second_run(
     refinement: float,
     taken: Floats,
     halvings: float = HALVINGS,
+    rounding: int = 0,
 ) -> _core.States:
     """The states of the same bodies at the same times, with shorter steps than those taken.
 
-    Nearly all of their distance from the states of the first run is the error of the first run.
+    Nearly all of their distance from the states of the first run is the error of the first run. Its
+    ``rounding`` is one of :data:`ROUNDINGS`.
     """
     second = replace(
-        request, bodies=rounded_start(request.bodies), max_steps=min(64 * request.max_steps, 2**63)
+        request,
+        bodies=rounded_start(request.bodies, rounding),
+        max_steps=min(64 * request.max_steps, 2**63),
     )
     if request.bodies.may_stop:
         return _past_stops(second, steps, refinement, taken)
@@ -86,14 +130,23 @@ def second_run(
             # The tolerance refers to the rates. Their square, the power, has twice their damping:
             # the last terms of its series are so many times as large.
             tighter *= 2.0 ** order_of(method)
-        tolerance = max(request.tolerance / tighter, np.finfo(np.float64).tiny)
+        tolerance = max(request.tolerance / tighter, min(request.tolerance, FINEST))
         return replace(second, method=method, tolerance=tolerance).states(None)
     ratio = step_ratio(request.bodies, request.method, halvings)
     if request.method in series_methods() and not is_compensated(request.method):
         # Rounding that is alike in each step shows against none only.
         steps = _longest(second, request.method) if steps is None else steps
         second = replace(second, method=COMPENSATED)
+    if steps is not None:
+        steps = np.minimum(steps, refinement * ratio / FEWEST * time_span(second.times))
     return second.states(steps, refinement * ratio)
+
+
+def coarser_series(request: Request) -> _core.States:
+    """The states that show the error of :data:`SERIES` where more than that may be stated."""
+    bodies = rounded_start(request.bodies)
+    coarser = replace(request, bodies=bodies, method=COARSER, tolerance=COARSER_TOLERANCE)
+    return coarser.states(None)
 
 
 def step_ratio(bodies: Bodies, method: str, halvings: float = HALVINGS) -> float:
@@ -119,6 +172,12 @@ def is_refined_alike(bodies: Bodies, method: str) -> bool:
     return has_its_order(bodies, method) and not other
 
 
+def is_ruled_by_rounding(request: Request) -> bool:
+    """Whether the tolerance of a series leaves less truncation than rounding."""
+    tolerance = 1.0 if request.tolerance is None else request.tolerance
+    return tolerance <= RULED and request.method != FUNCTION and not request.bodies.may_stop
+
+
 def _longest(request: Request, method: str) -> Floats:
     """The longest steps that a method takes by default (s), shape (n,)."""
     rates = request.bodies.fastest_rates(time_ranges(request.times), method)
@@ -142,28 +201,31 @@ def _past_stops(
     return replace(second, method=RUNGE_KUTTA, tolerance=None).states(longest)
 
 
-def rounded_start(bodies: Bodies) -> Bodies:
-    """The bodies with differently rounded starts, damping and orbits.
+def rounded_start(bodies: Bodies, rounding: int = 0) -> Bodies:
+    """The bodies with differently rounded starts, damping and orbits, in one of three ways.
 
     Two runs from one start would share its rounding, magnified at a saddle. Two runs with one
     matrix would share the rounding of its least rate, and two runs on one orbit the rounding of
     each step. Zeros stay and equal sizes stay equal, so that a start exactly in equilibrium stays
     one.
     """
-    omega, attitude = _rounded_otherwise(bodies.omega), _rounded_otherwise(bodies.attitude)
-    forces = None if bodies.forces is None else bodies.forces.rounded_otherwise()
+    signs = SIGNS[rounding]
+    omega, attitude = (_rounded_otherwise(rows, signs) for rows in (bodies.omega, bodies.attitude))
+    forces = bodies.forces
+    if forces is not None:
+        forces = forces.rounded_otherwise(-float(signs[1]))
     return replace(bodies, omega=omega, attitude=attitude, forces=forces)
 
 
-def _rounded_otherwise(rows: Floats) -> Floats:
-    """Rows changed in the last place: the smallest size of each larger, the next smaller, ..."""
+def _rounded_otherwise(rows: Floats, signs: Floats) -> Floats:
+    """Rows changed in the last place, in the direction of the sign of the rank of each size."""
     sizes = list(np.abs(rows).T)
-    odd = np.zeros(rows.shape, dtype=bool)
+    rank = np.zeros(rows.shape, dtype=np.intp)
     for number, size in enumerate(sizes):
         counts = ~np.any([size == earlier for earlier in sizes[:number]], axis=0)
         for column, other in enumerate(sizes):
-            odd[:, column] ^= (size < other) & counts
-    rounded: Floats = rows * (1.0 + np.finfo(np.float64).eps * np.where(odd, -1.0, 1.0))
+            rank[:, column] += (size < other) & counts
+    rounded: Floats = rows * (1.0 + np.finfo(np.float64).eps * signs[rank])
     return rounded
 
 

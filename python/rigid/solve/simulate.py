@@ -30,7 +30,7 @@ from .choose_method import choose_method, has_closed_form
 from .closed_form import RECORDS
 from .error_estimate import ErrorEstimate, unknown_error
 from .events import check_event_method, find_events
-from .integrate import compute_states
+from .integrate import BY_SERIES, compute_states
 from .lazy import Lazy
 from .made_run import end_records, made_steps, to_run
 from .methods import EXACT, FUNCTION, adaptive_methods, series_methods
@@ -39,6 +39,7 @@ from .plan import LazyPlan, Plan
 from .problem import Problem
 from .request import Request
 from .run import Run
+from .second_run import SERIES, SERIES_TOLERANCE
 from .starts import bodies_of
 from .surfaces import default_method
 from .tangent import check_tangent, tangent_of
@@ -263,7 +264,7 @@ def simulate(
     plan: LazyPlan | None = None
     plain = step is None and accuracy is None and tolerance is None and given.ndim == 1
     if plain and method in (None, EXACT) and has_closed_form(scene):
-        chosen, steps = EXACT, None
+        chosen, steps, own, wanted = EXACT, None, None, accuracy
     else:
         begin, end = time_ranges(times)
         problem = Problem(
@@ -278,16 +279,15 @@ def simulate(
             tolerance=tolerance,
             states=times.shape[-1],
         )
-        chosen, steps, plan = choose_method(problem)
+        chosen, steps, own, wanted, plan = choose_method(problem)
         if watched and chosen != EXACT and chosen not in adaptive_methods(scene.forces):
             finder = default_method(scene.forces)
-            chosen, steps, plan = choose_method(replace(problem, method=finder))
+            chosen, steps, own, wanted, plan = choose_method(replace(problem, method=finder))
             series = "a Taylor series" if finder in series_methods() else finder
             plan.amend(why=(f"{series} knows the events inside its steps",))
         if tolerance is not None:
             what = "last terms" if chosen in series_methods() else "the error of each"
-            own = f"each body takes its own steps, {what} below {tolerance:g}"
-            plan.amend(own, step=None, steps=None, work=None, error=None)
+            plan.amend(f"each body takes its own steps, {what} below {tolerance:g}")
     request = Request(
         bodies=bodies,
         times=times,
@@ -295,7 +295,7 @@ def simulate(
         record=record,
         max_steps=positive_int("max_steps", max_steps),
         threads=resolve_threads(threads, len(bodies.omega)),
-        tolerance=tolerance,
+        tolerance=own,
     )
     found = None
     if watched:
@@ -317,18 +317,29 @@ def simulate(
         if found.stopped.any():
             # States are computed up to the end of a body, and so are their errors.
             request = replace(request, times=np.minimum(times, found.last))
-    every = method is None and step is None
     states, estimate = compute_states(
         request,
         steps,
-        accuracy,
+        wanted if check else accuracy,
         check=check,
-        every=every,
-        pilot=method is None,
+        every=method is None and step is None,
+        free=method is None and "function" not in scene.forces,
         target=target,
     )
     if accuracy is not None and chosen != EXACT and plan is not None:
-        accurate = estimate.error <= accuracy
+        by_series = states.get(BY_SERIES)
+        if by_series is None:
+            by_series = np.full(len(bodies), own is not None)
+        else:
+            del states[BY_SERIES]
+            plan.amend(
+                f"{np.count_nonzero(by_series)} of {len(bodies)} bodies by {SERIES}, in steps of "
+                f"their own: {chosen} did not reach {accuracy:g}"
+            )
+            if by_series.all():
+                chosen, own = SERIES, SERIES_TOLERANCE
+                plan.amend(method=chosen, step=None, steps=None, work=None, error=None)
+        accurate = (estimate.error <= accuracy) & ~by_series
         if accurate.any():
             made, most = made_steps(states["steps"], time_span(request.times), accurate)
             plan.amend(step=made, steps=most)
@@ -350,7 +361,7 @@ def simulate(
     if target is not PLAIN:
         estimate = ErrorEstimate(target.finish(states, estimate.error), estimate.lost_from)
     own_step = None if chosen == EXACT else step
-    spec = Lazy(_spec, scene, chosen, own_step, accuracy, tolerance, record)
+    spec = Lazy(_spec, scene, method, chosen, own_step, accuracy, own, record)
     if found is not None:
         end_records(states, times, found.last)
     run = to_run(states, given, estimate, accuracy, spec, plan, bodies, parameters or (), found)
@@ -359,6 +370,7 @@ def simulate(
 
 def _spec(
     scene: Scene,
+    asked: str | None,
     method: str,
     step: float | None,
     accuracy: float | None,
@@ -368,6 +380,7 @@ def _spec(
     """The request of a run in the form of a file."""
     return {
         "scene": scene.to_dict(),
+        "asked": asked,
         "method": method,
         "step": step,
         "accuracy": accuracy,
@@ -381,7 +394,7 @@ def _plan_of_any_start(
 ) -> Plan:
     """The plan of a scene whose motions all have a closed form."""
     problem = Problem(scene=scene, record=record, method=method, number=number, states=states)
-    return replace(choose_method(problem)[2](), error=error)
+    return replace(choose_method(problem).plan(), error=error)
 
 
 def _checked_count(count: int | None, watched: Sequence[Event], until: object) -> int | None:
@@ -459,7 +472,7 @@ def _replayed(
         step=step,
         tolerance=tolerance,
     )
-    _, steps, plan = choose_method(problem)
+    _, steps, _, _, plan = choose_method(problem)
     states = Request(
         bodies=bodies,
         times=times,
@@ -470,7 +483,7 @@ def _replayed(
         tolerance=tolerance,
         strides=strides,
     ).states(steps if tolerance is None else None)
-    spec = Lazy(_spec, scene, method, step, None, tolerance, "attitude")
+    spec = Lazy(_spec, scene, method, method, step, None, tolerance, "attitude")
     # The map that this body comes from has its own check of the error.
     return to_run(states, times, unknown_error(1), None, spec, plan, bodies)
 

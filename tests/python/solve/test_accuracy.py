@@ -69,7 +69,8 @@ def test_the_plan_of_a_run_has_the_step_that_was_made(method: str | None, accura
 
 
 def test_the_shortest_step_of_many_tops_is_that_of_the_plan() -> None:
-    run = rigid.simulate(TOP, [[0.5, 0.4, 2.5], [0.5, 0.4, 25.0]], t=[3.0, 9.0], accuracy=1e-7)
+    rates = [[0.5, 0.4, 2.5], [0.5, 0.4, 25.0]]
+    run = rigid.simulate(TOP, rates, t=[3.0, 9.0], accuracy=1e-7, method="dop853")
     assert run.steps[1] > 5 * run.steps[0]
     assert (run.plan.step, run.plan.steps) == (9.0 / run.steps[1], run.steps[1])
 
@@ -117,3 +118,46 @@ def test_motions_that_are_lost_tell_no_steps_of_the_others(monkeypatch: pytest.M
     monkeypatch.setattr(integrate, "PILOTED", 513)
     plain = rigid.simulate(TOP, omega, t=[120.0], accuracy=1e-3)
     assert np.array_equal(piloted.steps, plain.steps)
+
+
+def test_rounding_of_a_steady_spin_is_left_out_by_a_series() -> None:
+    """In closed form the gyrostat turns about its axis 3 by 2 rad a second."""
+    scene = rigid.FreeBody(rigid.Body((1.0, 1.1, 1.2)), rotor=(0.0, 0.0, 0.3))
+    run = rigid.simulate(scene, [0.0, 0.0, 2.0], t=[12566.0], accuracy=1e-8)
+    assert run.attitude is not None
+    turned = np.array([np.cos(12566.0), 0.0, 0.0, np.sin(12566.0)])
+    true = 2.0 * min(np.linalg.norm(run.attitude[0] + sign * turned) for sign in (1.0, -1.0))
+    assert true < run.error < 1e-8
+    assert run.status == rigid.Status.OK
+    assert run.plan.method == "taylor20"
+    assert "1 of 1 bodies by taylor20" in run.plan.why[-1]
+    again = run.at([12566.0])
+    assert again.omega.tobytes() == run.omega.tobytes()
+
+
+def test_the_remedy_of_a_method_that_misses_the_accuracy_works() -> None:
+    scene = rigid.FreeBody(rigid.Body((1.0, 1.1, 1.2)), rotor=(0.0, 0.0, 0.3))
+    given: dict[str, Any] = {"t": [3000.0], "accuracy": 1e-9}
+    run = rigid.simulate(scene, [0.0, 0.0, 2.0], method="dop853", **given)
+    assert run.status == rigid.Status.FLAGGED
+    assert "shorter steps of dop853 do not help: leave out the method" in run.reasons()[0]
+    assert rigid.simulate(scene, [0.0, 0.0, 2.0], **given).status == rigid.Status.OK
+
+
+@pytest.mark.parametrize("times", [2, 31, 301])
+def test_steps_are_shortened_for_the_drift_beside_a_separatrix_too(times: int) -> None:
+    box = rigid.FreeBody(rigid.Body.box(0.01, 0.08, 0.25, mass=0.3))
+    t = np.linspace(0.0, 30.0, times)
+    run = rigid.simulate(box, [0.05, 1.02, 0.07], t=t, method="splitting4", accuracy=1e-6)
+    exact = rigid.simulate(box, [0.05, 1.02, 0.07], t=t)
+    assert run.status == rigid.Status.OK
+    assert np.abs(run.omega - exact.omega).max() < run.error * np.linalg.norm([0.05, 1.02, 0.07])
+
+
+def test_bodies_that_a_series_moves_are_counted_in_the_plan_and_made_again_alike() -> None:
+    scene = rigid.FreeBody(rigid.Body((1.0, 1.1, 1.2)), rotor=(0.0, 0.0, 0.3))
+    run = rigid.simulate(scene, [[0.0, 0.0, 2.0], [0.0, 0.0, 1e-3]], t=[12566.0], accuracy=1e-8)
+    assert "1 of 2 bodies by taylor20" in run.plan.why[-1]
+    assert run.plan.method == run.spec["method"] != "taylor20"
+    assert run.plan.steps == run.steps[1]
+    assert run.at([12566.0]).omega.tobytes() == run.omega.tobytes()
