@@ -148,9 +148,7 @@ def choose_method(problem: Problem) -> Choice:
         _check_attainable(problem)
         problem = replace(problem, method=SERIES, tolerance=SERIES_TOLERANCE)
         method, wanted = SERIES, accuracy
-        why.append(
-            f"{SERIES} leaves rounding alone, by steps that are short near the periapsis of the orbit"
-        )
+        why.append(f"{SERIES} leaves rounding alone, by steps that are short near the periapsis")
     elif accuracy is not None and (problem.accuracy is not None or problem.knows_angles):
         method, steps = _accurate(problem, accuracy, method, why)
     elif accuracy is not None:
@@ -162,14 +160,13 @@ def choose_method(problem: Problem) -> Choice:
 
 
 def _is_followed_on_its_orbit(problem: Problem, method: str) -> bool:
-    """Whether a series takes steps of its own: at the periapsis equal steps would be too long.
+    """Whether a series takes adaptive steps: at the periapsis equal steps would be too long.
 
     Equal steps as short as the periapsis asks are so many that their rounding, which the motion
-    magnifies, is the error. Where drag stops a body its speed is no series.
+    magnifies, is the error.
     """
-    scene = problem.scene
     asked = (problem.method, problem.step, problem.tolerance) != (None, None, None)
-    return "orbit" in scene.forces and not asked and method == FALLBACK and not scene.may_stop
+    return "orbit" in problem.scene.forces and not asked and method == FALLBACK
 
 
 def _check_attainable(problem: Problem) -> None:

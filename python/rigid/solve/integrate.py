@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
-from .arrays import intervals, spread_indices, time_ranges, time_span
+from .arrays import intervals, lengths, spread_indices, time_ranges, time_span
+from .bodies import Bodies
 from .error_estimate import (
     SAFETY,
     ErrorEstimate,
@@ -21,7 +22,7 @@ from .error_estimate import (
     safety_of_finer,
     unknown_error,
 )
-from .methods import EXACT, order_of, preserves_groups
+from .methods import EXACT, FALLBACK, order_of, preserves_groups
 from .request import Request, select_states
 from .second_run import (
     HALVINGS,
@@ -40,6 +41,9 @@ from .target import PLAIN, Target
 __all__ = ["BY_SERIES", "compute_states", "integrate"]
 
 Floats = NDArray[np.float64]
+
+ONE_DIRECTION = 1e-9
+"""Angle (rad) between the rates of a body that turns about one direction: far above rounding."""
 
 BY_SERIES = "by_series"
 """The column of states that says of which bodies :data:`SERIES` made them, if of any."""
@@ -192,17 +196,40 @@ def _by_series(
     """The states by a series that leaves rounding alone, and their errors.
 
     A coarser series shows that they are accurate, or else series that are rounded otherwise show
-    how accurate they are.
+    how accurate they are. Bodies that drag may stop are integrated in equal steps.
     """
     request = replace(request, method=SERIES, tolerance=SERIES_TOLERANCE)
     states = request.states(None, out=out)
+    stops = _may_stop(request.bodies, states["omega"])
+    request = replace(request, bodies=replace(request.bodies, may_stop=False))
     coarser = coarser_series(request)
     estimate = estimate_error(request, states, None, halvings=HALVINGS_AGAIN, coarser=coarser)
-    rough = np.flatnonzero(~(estimate.error <= accuracy))
+    rough = np.flatnonzero(~(estimate.error <= accuracy) & ~stops)
     if len(rough):
         own = estimate_error(request.select(rough), select_states(states, rough), None)
         estimate.write(rough, own)
+    if stops.any():
+        some = np.flatnonzero(stops)
+        stopping = replace(request.select(some), method=FALLBACK, tolerance=None)
+        stopping.bodies = replace(stopping.bodies, may_stop=True)
+        equal = stopping.states(None)
+        states["nanoseconds"] += equal["nanoseconds"]
+        _replace_states(states, some, select_states(equal, np.arange(len(some))))
+        estimate.write(some, estimate_error(stopping, equal, None))
     return states, _with_separatrix(request, states, estimate)
+
+
+def _may_stop(bodies: Bodies, omega: Floats) -> NDArray[np.bool_]:
+    """Which bodies drag may stop: those that turn about one direction at all times (n, m, 3).
+
+    The rates of others vanish one after another, and their speed is a series.
+    """
+    if not bodies.may_stop:
+        return np.zeros(len(bodies), dtype=bool)
+    rates = np.concatenate([bodies.omega[:, np.newaxis], omega], axis=1)
+    fastest = np.take_along_axis(rates, lengths(rates).argmax(axis=1)[:, None, None], axis=1)
+    across = lengths(np.cross(rates, fastest)) <= ONE_DIRECTION * lengths(fastest) ** 2
+    return np.asarray(across.all(axis=1))
 
 
 def _has_series(request: Request) -> bool:
@@ -362,8 +389,15 @@ def _take_better(
     better = own.error < estimate.error[bodies]
     states["nanoseconds"] += others["nanoseconds"]
     some = bodies[better]
-    for name, values in select_states(others, np.flatnonzero(better)).items():
-        if values is not None:
-            states[name][some] = values
+    _replace_states(states, some, select_states(others, np.flatnonzero(better)))
     estimate.error[some], estimate.lost_from[some] = own.error[better], own.lost_from[better]
     return better
+
+
+def _replace_states(
+    states: MutableMapping[str, Any], bodies: NDArray[np.intp], others: Mapping[str, Any]
+) -> None:
+    """Replace the states of some bodies."""
+    for name, values in others.items():
+        if values is not None:
+            states[name][bodies] = values

@@ -104,20 +104,22 @@ def simulate(
         ``"exact"``, the closed form, or one of :func:`rigid.methods`. Default: ``"exact"`` where
         all bodies have a closed form and no step is given, else the cheapest method for the
         accuracy; ``"rk4"`` if a step is given; ``"etd4"`` if damping is ten times as fast as the
-        turning of the fastest body. Steps are equal between output times and end exactly at these
-        times and at the knots of a torque's table.
+        turning of the fastest body; on an orbit ``"taylor20"`` with a tolerance of 1e-16, and
+        ``"dop853"`` for a body that drag stops there. Other steps are equal between output times
+        and end exactly at these times and at the knots of a torque's table.
     step : float, optional
         Largest step (s). Default with a method: each body turns by at most the ``angle_per_step``
         of the method a step, from a bound of its rates.
     accuracy : float, optional
         Largest error of all states (see :attr:`Run.error`), instead of a step. Method and step
         follow from a calibrated model of the error. With 512 bodies or more and no method, the
-        steps follow from the errors of a few bodies. Each body is integrated again with shorter
-        steps until its estimated error is below the accuracy. The last run is returned, and
+        steps follow from the errors of a few bodies. A body whose estimated error is above the
+        accuracy is integrated again, once: by ``"taylor20"`` with a tolerance of 1e-16, which
+        leaves rounding alone. With a method, under a callback, beside strong damping and at a stop
+        by drag its steps are shortened as long as the error falls. The last run is returned, and
         :attr:`Run.plan` has its step. A body whose error stays above, because of chaos or rounding,
-        is :attr:`Run.flagged`. Without a method and a step
-        the steps are made for 1e-8; then no body is integrated again, and :attr:`Run.error` says
-        how accurate each body is.
+        is :attr:`Run.flagged`. Without a method and a step the steps are made for 1e-8; then no
+        body is integrated again, and :attr:`Run.error` says how accurate each body is.
     tolerance : float, optional
         Adaptive steps of a Taylor method, instead of a step: the steps of each body are as long as
         the last terms of its series stay below this share of the largest rate and of a unit vector.
@@ -333,8 +335,8 @@ def simulate(
         else:
             del states[BY_SERIES]
             plan.amend(
-                f"{np.count_nonzero(by_series)} of {len(bodies)} bodies by {SERIES}, in steps of "
-                f"their own: {chosen} did not reach {accuracy:g}"
+                f"{np.count_nonzero(by_series)} of {len(bodies)} bodies by {SERIES}, in adaptive "
+                f"steps: {chosen} did not reach {accuracy:g}"
             )
             if by_series.all():
                 chosen, own = SERIES, SERIES_TOLERANCE
