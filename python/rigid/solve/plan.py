@@ -273,8 +273,9 @@ def not_left_out(done: tuple[str, ...], forces: tuple[str, ...]) -> tuple[str, .
         for name, force in FORCES.items()
         if name not in forces and ("attitude" in done or not force.in_space)
     ]
-    words = forces_in_words(idle)
-    return (f"one kernel has all further forces: {words} are computed as zeros",) if idle else ()
+    if not idle:
+        return ()
+    return (f"one kernel has all further forces: {forces_in_words(idle)} are computed as zeros",)
 
 
 def carried(
