@@ -32,6 +32,7 @@ __all__ = [
     "sorted_times",
     "times_of_each",
     "together",
+    "two_digits_above",
     "vector",
     "vectors",
 ]
@@ -277,6 +278,14 @@ def times_of_each(name: str, value: ArrayLike) -> NDArray[np.float64]:
             "times must be ascending"
         )
     return array
+
+
+def two_digits_above(value: float) -> str:
+    """``value`` with two digits, rounded up: the least number to ask for instead."""
+    if not 0.0 < value < math.inf:
+        return f"{value:g}"
+    unit = 10.0 ** (math.floor(math.log10(value)) - 1)
+    return f"{math.ceil(value / unit * (1.0 + 1e-9)) * unit:.1e}"
 
 
 def one_time(what: str, times: NDArray[np.float64]) -> ValueError:

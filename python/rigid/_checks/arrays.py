@@ -67,7 +67,15 @@ def attitudes(attitude: ArrayLike | Rotation | None, name: str = "attitude") -> 
         return IDENTITY
     if hasattr(attitude, "as_quat"):
         attitude = attitude.as_quat(scalar_first=True)
-    return unit_quaternions(name, vectors(name, attitude, 4))
+    try:
+        return unit_quaternions(name, vectors(name, attitude, 4))
+    except ValueError as error:
+        if numbers(name, attitude).shape[-1:] != (3,):
+            raise
+        raise ValueError(
+            f"{error}; rigid.rotations.euler_to_quaternion takes angles, matrix_to_quaternion a "
+            "matrix"
+        ) from None
 
 
 def unit_quaternions(

@@ -18,6 +18,7 @@ from .._checks.arguments import brief, finite_float, of_known, positive_int
 from ..model.body import Body
 from ..model.bounds import RateWithin
 from ..model.criteria import Criterion, check_criterion, criterion_from_dict
+from ..model.criterion import can_be_left
 from ..model.forces import FORCES
 from ..model.function import TorqueFunction
 from ..model.judged import Custom
@@ -179,6 +180,7 @@ class MapSpec:
         put("t_end", finite_float("t_end", self.t_end, positive=True))
         if isinstance(self.stable, Custom):
             self._check_custom(self.stable)
+        self._check_leaving(self.stable)
         limited = self.stable.limited is not None or isinstance(self.stable, Custom)
         if "limit" in self.varied and not limited:
             raise ValueError(f"axes: 'limit' does not apply: {self.stable} limits no angle")
@@ -278,6 +280,15 @@ class MapSpec:
             )
         if any(one.name == "time_to_leave" for one in self.measure):
             raise ValueError("measure: judged() has no time_to_leave; leave the measure out")
+
+    def _check_leaving(self, stable: Criterion) -> None:
+        """Refuse the time of leaving a criterion that no body leaves, such as one after ``~``."""
+        asked = any(one.name == "time_to_leave" for one in self.measure)
+        if asked and not isinstance(stable, Custom) and not can_be_left(stable.logic()):
+            raise ValueError(
+                f"measure: time_to_leave has no time of '{stable}', which bodies enter and do not "
+                "leave; ask for the time of the criterion without ~"
+            )
 
     @property
     def forces(self) -> tuple[str, ...]:

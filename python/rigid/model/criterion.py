@@ -7,11 +7,14 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any, ClassVar, Self, TypeAlias
 
+import numpy as np
+from numpy.typing import NDArray
+
 from .._checks.arguments import brief
 from .scene import Scene
 from .start import Start
 
-__all__ = ["MOST_LEAVES", "Condition", "Criterion", "Joined"]
+__all__ = ["MOST_LEAVES", "Condition", "Criterion", "Joined", "can_be_left"]
 
 Condition: TypeAlias = tuple[str, int, tuple[float, ...]]
 """Name, axis and limits of one condition as the core takes them."""
@@ -202,6 +205,25 @@ class Joined(Criterion):
     def __str__(self) -> str:
         words = [f"({part})" if isinstance(part, Joined) else str(part) for part in self.parts]
         return f"not ({self.parts[0]})" if len(words) == 1 else f" {self.operation} ".join(words)
+
+
+def can_be_left(logic: Sequence[int | str]) -> bool:
+    """Whether the logic may turn from true to false while its conditions fail one by one."""
+    count = 1 + max(word for word in logic if isinstance(word, int))
+    kept = np.arange(2**count)[:, np.newaxis] >> np.arange(count) & 1 == 1
+    stack: list[NDArray[np.bool_]] = []
+    for word in logic:
+        if isinstance(word, int):
+            stack.append(kept[:, word])
+        elif word == "~":
+            stack.append(~stack.pop())
+        else:
+            second, first = stack.pop(), stack.pop()
+            stack.append(first & second if word == "&" else first | second)
+    (met,) = stack
+    return any(
+        bool((met & kept[:, k] & ~met[np.arange(2**count) & ~(1 << k)]).any()) for k in range(count)
+    )
 
 
 def _joined(operation: str, *parts: Criterion) -> Joined:

@@ -108,9 +108,11 @@ class Orbit:
         e = shaped("eccentricity", eccentricity, nonnegative=True)
         if np.any(e > MOST_ECCENTRIC):
             index, place = first_place(e > MOST_ECCENTRIC)
+            why = "near a parabola (1) the steps at the periapsis would be too short"
+            if e[index] >= 1.0:
+                why = "from 1 on a body passes once and does not return"
             raise ValueError(
-                f"eccentricity{place} = {e[index]:g}: must be at most {MOST_ECCENTRIC}; near a "
-                "parabola (1) the steps at the periapsis would be too short"
+                f"eccentricity{place} = {e[index]:g}: must be at most {MOST_ECCENTRIC}; {why}"
             )
         mean = shaped("anomaly", 0.0 if anomaly is None else anomaly, unit="rad")
         if true_anomaly is not None:

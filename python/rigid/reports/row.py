@@ -32,9 +32,9 @@ class Row:
     total : float
         Time until ``t_end``.
     error, worst : float
-        Error of the state at ``t_end``: the error of the rates relative to ``|omega|``, or the
-        angle to the true attitude (rad), whichever is larger. Median of the ensemble, and its worst
-        body. Infinite for a body that did not arrive.
+        Error of the state at ``t_end``: the largest component of the error of the rates, relative
+        to ``|omega|``, or the angle to the true attitude (rad), whichever is larger. Median of the
+        ensemble, and its worst body. Infinite for a body that did not arrive.
     rates_error, attitude_error : float
         Medians of the two.
     energy_drift, momentum_drift : float

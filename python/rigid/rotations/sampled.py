@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._checks.arguments import finite_float, one_of, shaped, sorted_times
+from .._checks.arguments import brief, finite_float, one_of, shaped, sorted_times
 from .quaternions import conjugate, exp_quaternion, log_quaternion, quaternion_product, quaternions
 
 if TYPE_CHECKING:
@@ -173,6 +173,8 @@ def attitude_from_omega(
 
     Raises
     ------
+    TypeError
+        If ``omega`` is no function.
     ValueError
         If the rates have the wrong shape or are not finite, or if ``2**20`` steps do not reach the
         tolerance. In this case split the times where the rates jump, or pass shorter times.
@@ -187,6 +189,11 @@ def attitude_from_omega(
     >>> path.attitude.shape, path.error < 1e-10
     ((3, 4), True)
     """
+    if not callable(omega):
+        raise TypeError(
+            f"omega = {brief(omega)}: must be a function of the times; of samples take "
+            "scipy.interpolate.CubicSpline(t, omega)"
+        )
     times = sorted_times("t", t)
     if len(times) == 0:
         raise ValueError("t: expected at least one time, when the first attitude is given")

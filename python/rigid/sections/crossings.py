@@ -100,8 +100,9 @@ class Crossings:
     error : ndarray, shape (p,)
         Estimated error of ``t`` (s). A second run, with a method of another order, gives another
         value on the surface: three times the largest value until then, plus rounding, over the
-        slope. For states at equal times the error of the states as in :attr:`Run.error`, the
-        largest of the body. NaN without the second run.
+        slope. So it is large or infinite at a grazing point, where the slope is about zero. For
+        states at equal times the error of the states as in :attr:`Run.error`, the largest of the
+        body. NaN without the second run.
     complete : ndarray of bool, shape (n,)
         Whether every crossing until ``end`` is among the points and no other: the body was run, no
         point grazes, and the motion is not on the surface all along.

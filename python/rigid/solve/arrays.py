@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TypeAlias
 
 import numpy as np
@@ -92,4 +93,4 @@ def rows_of_each(array: Floats, shape: tuple[int, ...]) -> Floats:
     width = array.shape[-1]
     if array.shape[:-1] != shape:
         array = np.broadcast_to(array, (*shape, width))
-    return np.ascontiguousarray(array).reshape(-1, width)
+    return np.ascontiguousarray(array).reshape(math.prod(shape), width)

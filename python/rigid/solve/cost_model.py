@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
+from .._checks.arguments import two_digits_above
 from ..model.criteria import Criterion
 from ..model.scene import Scene
 from .arrays import time_ranges, time_span
@@ -238,8 +239,8 @@ def check_attainable(accuracy: float, angles: Floats) -> None:
     floor = ROUNDING * (1.0 + angles.max(initial=0.0))
     if accuracy <= floor:
         raise ValueError(
-            f"accuracy = {accuracy:g}: must be above {floor:.1e}, which rounding leaves of "
-            f"{angles.max(initial=0.0):.3g} rad turned"
+            f"accuracy = {accuracy:g}: must be at least {two_digits_above(floor)}; rounding errs "
+            f"by {floor:.2e} in {angles.max(initial=0.0):.3g} rad"
         )
 
 

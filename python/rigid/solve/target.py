@@ -10,7 +10,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
-from .._checks.arguments import brief, one_of
+from .._checks.arguments import brief, one_of, two_digits_above
 from .arrays import Range
 from .bodies import Bodies
 
@@ -91,7 +91,8 @@ class Target:
         if not self._rounds:
             return
         if accuracy is not None and accuracy <= SINGLE:
-            raise ValueError(f"accuracy = {accuracy:g}: must be above {SINGLE:.1e} in float32")
+            least = two_digits_above(SINGLE)
+            raise ValueError(f"accuracy = {accuracy:g}: must be at least {least} in float32")
         rates = bodies.fastest_rates(reached)
         outside = np.flatnonzero((rates > 0.0) & ~((rates > SLOWEST) & (rates < FASTEST)))
         if len(outside):

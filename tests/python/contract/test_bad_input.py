@@ -183,7 +183,26 @@ REFUSED: list[tuple[Callable[[], Any], type[Exception], list[str]]] = [
         ["attitude[1] = [0.0, 0.0, 0.0, 0.0]: a zero "],
     ),
     (run(RATES, [1, 0, NAN, 0]), ValueError, ["attitude[2] = nan: must be finite"]),
-    (run(RATES, [1, 0, 0]), ValueError, ["attitude: expected shape (..., 4), got (3,)"]),
+    (
+        run(RATES, [1, 0, 0]),
+        ValueError,
+        ["attitude: expected shape (..., 4), got (3,); rigid.rotations.euler_to_quaternion takes"],
+    ),
+    (
+        lambda: rigid.rotations.attitude_from_omega(np.ones((5, 3)), np.arange(5.0)),  # type: ignore[arg-type]
+        TypeError,
+        ["omega = array(", "must be a function of the times; of samples take scipy.interpolate"],
+    ),
+    (
+        lambda: rigid.Orbit(1.0, 4.25),
+        ValueError,
+        ["eccentricity = 4.25: must be at most 0.95; from 1 on a body passes once and does not"],
+    ),
+    (
+        lambda: rigid.Orbit(1.0, 0.97),
+        ValueError,
+        ["eccentricity = 0.97: must be at most 0.95; near a parabola (1) the steps"],
+    ),
     (
         run(np.ones((3, 3)), np.ones((2, 4))),
         ValueError,
@@ -324,7 +343,7 @@ def test_whole_numbers_that_python_does_not_write_are_refused(
 def test_rates_and_times_near_the_largest_double_warn_of_nothing() -> None:
     """What they are multiplied or divided to overflows: the run is refused, or says so."""
     body = rigid.Body((0.26, 0.8, 0.85))
-    rule = "^accuracy = 1e-06: must be above inf, which rounding leaves of inf rad turned$"
+    rule = "^accuracy = 1e-06: must be at least inf; rounding errs by inf in inf rad$"
     for heavy, end in ((rigid.HeavyTop(body, mgl=1e308), 1.0), (TOP, 1e308)):
         with pytest.raises(ValueError, match=rule):
             run(scene=heavy, t=[end], accuracy=1e-6)()

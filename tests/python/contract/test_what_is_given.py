@@ -207,5 +207,5 @@ def test_no_tensor_of_a_body_has_rows_of_bodies() -> None:
     assert are_bodies.sum() > 1000
     least, middle, largest = np.linalg.eigvalsh(rows[are_bodies]).T
     assert not ((least > 0.0) & (largest <= least + middle)).any()
-    for rows in ([[1, 2, 2.5], [2, 2.5, 1], [2.5, 1, 2]], np.full((3, 3), 0.4)):
-        assert rigid.Body(rows).shape == (3,)
+    for three in ([[1, 2, 2.5], [2, 2.5, 1], [2.5, 1, 2]], np.full((3, 3), 0.4)):
+        assert rigid.Body(three).shape == (3,)

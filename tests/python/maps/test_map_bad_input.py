@@ -14,7 +14,7 @@ from physics import LISTED, NAMES
 from rigid import _core
 from rigid.maps.core_request import CoreRequest, CoreStarts
 from rigid.maps.parameters import PARAMETERS
-from rigid.model.criteria import NoFlip, TiltBelow
+from rigid.model.criteria import Criterion, NoFlip, TiltBelow
 from small_maps import small_map
 
 FREE = rigid.FreeBody(rigid.Body((1.0, 1.5, 2.0)))
@@ -462,3 +462,31 @@ def test_a_wrong_axis_is_told_before_what_is_missing() -> None:
     incomplete: Any = {"axes": {"bb": [1.0, 2.0]}}
     message = refusal(lambda: rigid.stability_map(FREE, **incomplete), ValueError)
     assert message.startswith("axes: unknown parameter 'bb'; did you mean 'b'? (known: I1, ")
+
+
+@pytest.mark.parametrize(
+    ("stable", "left"),
+    [
+        (rigid.spin_above(0.5, axis=2), True),
+        (~rigid.spin_above(0.5, axis=2), False),
+        (~~rigid.spin_above(0.5, axis=2), True),
+        (~(rigid.spin_above(0.5, axis=2) & rigid.no_flip()), False),
+        (~rigid.spin_above(0.5, axis=2) & rigid.no_flip(), True),
+        (~rigid.spin_above(0.5, axis=2) | ~rigid.no_flip(), False),
+    ],
+    ids=str,
+)
+def test_the_time_of_leaving_what_bodies_enter_is_refused(stable: Criterion, left: bool) -> None:
+    """A body that fails ``~a`` has kept ``a`` all the time, and so has no time."""
+    chosen: dict[str, Any] = {
+        "axes": {"spin": [1.0, 2.0]},
+        "samples": 2,
+        "t_end": 1.0,
+        "measure": rigid.time_to_leave(),
+        "method": None,
+    }
+    if left:
+        small_map(stable=stable, **chosen)
+        return
+    with pytest.raises(ValueError, match=r"measure: time_to_leave has no time of .* enter"):
+        small_map(stable=stable, **chosen)

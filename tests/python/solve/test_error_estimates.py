@@ -111,7 +111,7 @@ def test_a_top_that_turns_so_often_that_rounding_exceeds_1e_8_is_integrated_all_
         rigid.Status.STEP_LIMIT,
     ]
     assert run.error[1] <= 1e-7
-    with pytest.raises(ValueError, match="accuracy = 1e-08: must be above"):
+    with pytest.raises(ValueError, match="accuracy = 1e-08: must be at least"):
         rigid.simulate(TOP, omega[0], t=[10.0], accuracy=1e-8)
 
 

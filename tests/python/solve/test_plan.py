@@ -606,7 +606,7 @@ def test_an_exact_map_is_refused_for_the_pixel_without_a_closed_form() -> None:
             "follows from the rates and the horizon; omega is",
         ),
         ({"accuracy": 1e-6, "omega": RATES}, "t_end is missing"),
-        ({"accuracy": 1e-15, "omega": RATES, "t_end": 1.0}, "1e-15: must be above 6.0e-15"),
+        ({"accuracy": 1e-15, "omega": RATES, "t_end": 1.0}, "1e-15: must be at least 6.0e-15"),
         ({"attitude": [1, 0, 0, 0]}, "attitude: says nothing without omega"),
         ({"omega": [1, 2]}, "omega: expected shape (..., 3)"),
         ({"question": "state"}, "question = 'state': must be one of 'rates', 'axis', 'attitude'"),

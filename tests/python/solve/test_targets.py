@@ -114,7 +114,7 @@ READ_ONLY.flags.writeable = False
         (
             {"dtype": np.float32, "accuracy": 1e-7},
             ValueError,
-            "accuracy = 1e-07: must be above 1.2e-07 in float32",
+            "accuracy = 1e-07: must be at least 1.2e-07 in float32",
         ),
     ],
 )
