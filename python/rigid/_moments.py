@@ -99,9 +99,10 @@ def checked_moments(name: str, moments: Floats, physical: bool = True) -> Floats
         except ValueError as error:
             raise ValueError(str(error).replace("moments", f"{name}{place}", 1)) from None
 
-    if not physical:
-        refused(*first_place(~good))
-    return _nearest_moments(name, moments, ~good, refused, possible)
+    wrong = ~good & ((moments.min(axis=-1) <= 0.0) | (not physical))
+    if wrong.any():
+        refused(*first_place(wrong))
+    return _nearest_moments(name, moments, ~good, refused)
 
 
 def _nearest_moments(
@@ -109,20 +110,17 @@ def _nearest_moments(
     moments: Floats,
     bad: NDArray[np.bool_],
     refused: Callable[[tuple[int, ...], str], None],
-    allowed: Callable[[Floats], NDArray[np.bool_]] | None = None,
 ) -> Floats:
     """The moments, the bad ones replaced by the nearest possible ones, with one warning.
 
     Moments are possible if none exceeds the sum of the other two: a cone in the space of moments,
     whose faces are the flat bodies. The nearest point of a face changes each moment by a third of
     the excess, and so keeps their order. ``refused`` raises the error of moments with a larger
-    excess than :data:`MEASURED`, or whose nearest moments are not ``allowed``.
+    excess than :data:`MEASURED`.
     """
     near, excess = _core.nearest_possible(np.ascontiguousarray(moments).reshape(-1, 3))
     near, excess = near.reshape(moments.shape), excess.reshape(bad.shape)
     lost = bad & ~(excess <= MEASURED)
-    if allowed is not None:
-        lost |= bad & ~allowed(near)
     if lost.any():
         refused(*first_place(lost))
     change = np.where(bad, excess, 0.0)

@@ -13,7 +13,13 @@ from .. import _core
 from .._checks.arguments import brief, finite_float, numbers, shaped, vector
 from .._checks.quantities import without_unit
 from .._checks.warned import warn_caller
-from .._moments import box_moments, checked_moments, refuse_tensor, symmetric_tensor
+from .._moments import (
+    box_moments,
+    checked_moments,
+    possible_moments,
+    refuse_tensor,
+    symmetric_tensor,
+)
 from .gravity import checked_properties
 from .leading import (
     Index,
@@ -286,6 +292,8 @@ takes such moments as they are
         if array.shape != (3, 3):
             raise ValueError(f"tensor: expected shape (3, 3), got {array.shape}")
         moments, axes = _core.principal_axes(symmetric_tensor("tensor", array).tolist())
+        if physical and moments[0] < 0.0:  # the zero of a rod, rounded
+            moments = possible_moments("tensor", np.array(moments))
         return cls(moments, physical=physical), np.array(axes)
 
     @classmethod
