@@ -21,6 +21,7 @@ __all__ = [
     "Interrupted",
     "Progress",
     "ProgressOption",
+    "checked_progress",
     "heeding_signals",
     "interruptible",
     "reporting",
@@ -82,6 +83,12 @@ def terminal_columns() -> int:
 ProgressOption: TypeAlias = bool | Callable[[Progress], object] | None
 
 
+def checked_progress(option: object) -> None:
+    """Raise TypeError for what is no :data:`ProgressOption`."""
+    if option is not None and not isinstance(option, bool) and not callable(option):
+        raise TypeError(f"progress = {brief(option)}: must be None, True, False or a callable")
+
+
 @contextmanager
 def reporting(
     option: ProgressOption, total: int, *, unit: str = " bodies"
@@ -105,11 +112,10 @@ def reporting(
     TypeError
         For any other option.
     """
+    checked_progress(option)
     if callable(option):
         yield option
         return
-    if option is not None and not isinstance(option, bool):
-        raise TypeError(f"progress = {brief(option)}: must be None, True, False or a callable")
     # There is no stderr under pythonw and in some services.
     in_terminal = sys.stderr is not None and sys.stderr.isatty()
     if option or (option is None and (in_terminal or in_notebook())):

@@ -24,10 +24,8 @@ from .._files import published, require_ending, require_room
 from ..info import build_info
 from ..maps.data import CLASSES, FAILURES
 from ..maps.file import file_size
-from ..maps.job import to_core
 from ..maps.plan import map_plan
 from ..maps.plot import SHARE, check_what
-from ..maps.refine import refined
 from ..maps.result import StabilityMap, load_map
 from ..maps.sequential import checked_half_width, stop_table
 from ..maps.spec import MapSpec
@@ -39,9 +37,8 @@ from ..reports.stress import extremes
 from ..sections.crossings import Crossings
 from ..sections.poincare import poincare
 from ..sections.starts import on_surface
-from ..solve.methods import EXACT
-from ..solve.plan import Plan
-from ..store.call import run_map
+from ..solve.plan import Plan, memory_words
+from ..store.call import foreseen, run_map
 from .exit_codes import DONE, REFUSED, SAYS_NO, WRITE_ERROR
 from .output import (
     Target,
@@ -157,7 +154,7 @@ def _map(options: argparse.Namespace) -> int:
     threads = resolve_threads(options.threads)
     require_room(target.data, file_size(spec))
     if options.check:
-        return _checked(spec, named.name, target, threads, options)
+        return _checked(spec, named.name, target, threads, options, seeded)
     if not options.json:
         say(_lines(_planned(map_plan(spec))))
     if options.store is not None:
@@ -168,32 +165,34 @@ def _map(options: argparse.Namespace) -> int:
 
 
 def _checked(
-    spec: MapSpec, name: str, target: Target, threads: int, options: argparse.Namespace
+    spec: MapSpec,
+    name: str,
+    target: Target,
+    threads: int,
+    options: argparse.Namespace,
+    seeded: bool,
 ) -> int:
-    """Tell the plan of a map, its cost and the files that it would write."""
+    """Tell the plan of a map, its cost by some bodies, and the files that it would write."""
     made = map_plan(spec)
-    pixels = int((to_core(spec).status == 0).sum())
-    bodies = min(pixels * spec.samples, spec.budget or pixels * spec.samples)
-    seconds = None if made.cost is None else 1e-9 * made.cost * bodies / threads
+    call = foreseen(spec, store=options.store, seeded=seeded, threads=threads, part=options.part)
+    sizes = {"data": file_size(spec)}
     files = {"data": str(target.data), "picture": str(target.picture), "store": options.store}
-    at_most = spec.half_width is not None or refined(spec)
+    if options.store is not None:
+        sizes["store"] = call.stored
     if options.json:
-        facts = {"name": name, "plan": made.to_dict(), "pixels": pixels, "bodies": bodies}
-        print_list({**facts, "at_most": at_most, "seconds": seconds, **files}, as_json=True)
+        facts = {"name": name, "plan": made.to_dict(), **dataclasses.asdict(call)}
+        print_list({**facts, "bytes": sizes, **files}, as_json=True)
         return DONE
-    most = "at most " if at_most else ""
-    cost = "unknown"
-    if seconds is not None:
-        free = f"s on {threads} free thread{'s' if threads > 1 else ''}"
-        cost = f"{most or 'about '}{seconds:.2g} {free}"
-        if made.method != EXACT:
-            more = "cross-checks" + (" and deviation vectors" if spec.stable.has_deviation else "")
-            cost += f"; {more} may make the map several times as long"
+    most, share = "at most " if call.at_most else "", ""
+    if options.part is not None:
+        share = f", part {options.part}"
+    about = "more than " if call.at_least else most or "about "
     lines = {
         "map": spec.title or name,
         **_planned(made),
-        "bodies": f"{most}{bodies:,} in {pixels:,} pixels",
-        "cost": cost,
+        "bodies": f"{most}{call.bodies:,} in {call.pixels:,} pixels{share}",
+        "cost": f"{about}{call.seconds:.2g} s on {threads} free thread{'s' if threads > 1 else ''}",
+        "size": ", ".join(f"{where} {memory_words(size)}" for where, size in sizes.items()),
         "would write": ", ".join(map(str, filter(None, files.values()))),
     }
     say(_lines(lines))

@@ -158,6 +158,10 @@ def require_shared(options: Namespace, *, seeded: bool) -> None:
     for name in ("part", "dask"):
         if getattr(options, name) is not None and options.store is None:
             raise ValueError(f"--{name}: needs --store")
+    if options.part is not None:
+        from ..store.resume import Part
+
+        Part.of(options.part)
     if options.part is not None and not seeded:
         raise ValueError("--part: the file must tell the seed, or --seed: parts need the same one")
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import operator
 import time
 from collections.abc import Callable
 from concurrent.futures import BrokenExecutor
@@ -27,6 +28,12 @@ GOLDEN = np.uint64(0x9E3779B97F4A7C15)
 """The golden ratio: the upper bits of its multiples follow no pattern of a grid."""
 
 
+MOST_PARTS = 2**31
+"""Most parts of a map. The numbers of units, below 2**63, are dealt to them."""
+
+_RULE = f"must be k/n with 1 <= k <= n <= {MOST_PARTS}"
+
+
 @dataclass(frozen=True, slots=True)
 class Part:
     """A share of the units, for jobs that run side by side.
@@ -41,8 +48,8 @@ class Part:
     count: int = 1
 
     def __post_init__(self) -> None:
-        if not 1 <= self.number <= self.count:
-            raise ValueError(f"part = {self}: must be k/n with 1 <= k <= n")
+        if not 1 <= self.number <= self.count <= MOST_PARTS:
+            raise ValueError(f"part = {self}: {_RULE}")
 
     def __str__(self) -> str:
         return f"{self.number}/{self.count}"
@@ -55,12 +62,12 @@ class Part:
         if isinstance(part, Part):
             return part
         try:
-            number, count = part.split("/") if isinstance(part, str) else part
-            return cls(int(number), int(count))
+            number, count = map(int, part.split("/")) if isinstance(part, str) else part
+            return cls(operator.index(number), operator.index(count))
         except TypeError:
-            raise TypeError(f"part = {brief(part)}: must be 'k/n' or (k, n)") from None
+            raise TypeError(f"part = {brief(part)}: must be 'k/n' or (k, n), whole") from None
         except ValueError:
-            raise ValueError(f"part = {brief(part)}: must be k/n with 1 <= k <= n") from None
+            raise ValueError(f"part = {brief(part)}: {_RULE}") from None
 
     def has(self, units: NDArray[np.int64], running: Folder | Memory) -> NDArray[np.bool_]:
         """Which units belong to this part.

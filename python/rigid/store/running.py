@@ -166,9 +166,7 @@ class Folder:
         """
         folder = Path(path)
         if not cls.is_at(folder):
-            # A process may have ended before it wrote the head.
-            if [name for name in disk.names(folder) if name != "logs" and name[:1] != "."]:
-                raise StoreError(f"{folder} is no running map, and is not empty")
+            cls.require_empty(folder, disk)
             disk.make_folder(folder / "logs")
             disk.publish(folder / "head.json", canonical((head or Head.of(spec)).content))
             disk.synchronise_folder(folder.absolute().parent)
@@ -176,6 +174,13 @@ class Folder:
         found.head.require_spec(spec, folder)
         found.give(**spec.functions)
         return found
+
+    @staticmethod
+    def require_empty(path: str | os.PathLike[str], disk: Disk = DISK) -> None:
+        """Refuse a folder with other files for a new running map."""
+        # A process may have ended before it wrote the head.
+        if [name for name in disk.names(Path(path)) if name != "logs" and name[:1] != "."]:
+            raise StoreError(f"{path} is no running map, and is not empty")
 
     def give(
         self,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import os
 import time
 from collections.abc import Callable, Sequence
@@ -9,13 +10,15 @@ from pathlib import Path
 from typing import Any
 
 from .._checks.arguments import brief, positive_int, resolve_threads
-from .._checks.progress import Interrupted, ProgressOption, interruptible
+from .._checks.progress import Interrupted, ProgressOption, checked_progress, interruptible
 from ..maps.result import StabilityMap
 from ..maps.spec import MapSpec
 from ..maps.zarr_product import write_zarr_url
 from ..model.scene import Scene
 from .diff import Difference, read_any
 from .diff import diff as diff_maps
+from .drive import executor_of
+from .foresee import Foreseen, foresee
 from .merge import merge_into
 from .resume import Outcome, Part, carry_on, pixels_done, result_of
 from .running import Folder, Memory
@@ -191,7 +194,7 @@ class Store:
         """
         self._folder.read()
         return _run(
-            self._folder,
+            lambda: self._folder,
             executor=executor,
             threads=threads,
             threads_per_task=threads_per_task,
@@ -409,17 +412,32 @@ def run_map(
 ) -> StabilityMap:
     """The map of a specification, in a folder or in memory; see :func:`rigid.stability_map`."""
     if store is None:
-        return _run(Memory(spec), **options)
-    if not seeded and Folder.is_at(store):
-        import dataclasses
+        return _run(lambda: Memory(spec), **options)
+    return _run(lambda: Folder.at(store, _seeded(spec, store, seeded)), **options)
 
-        # No seed was given: the seed drawn at the first call is kept.
-        spec = dataclasses.replace(spec, seed=Folder(store).head.spec.seed)
-    return _run(Folder.at(store, spec), **options)
+
+def foreseen(
+    spec: MapSpec,
+    *,
+    store: str | os.PathLike[str] | None,
+    seeded: bool,
+    threads: int,
+    part: str | None,
+) -> Foreseen:
+    """What :func:`run_map` would compute, and how long it would take."""
+    spec = spec if store is None else _seeded(spec, store, seeded)
+    return foresee(spec, threads=threads, store=store, part=Part.of(part))
+
+
+def _seeded(spec: MapSpec, store: str | os.PathLike[str], seeded: bool) -> MapSpec:
+    """The specification; if no seed was given, with the seed that was drawn at the first call."""
+    if seeded or not Folder.is_at(store):
+        return spec
+    return dataclasses.replace(spec, seed=Folder(store).head.spec.seed)
 
 
 def _run(
-    running: Folder | Memory,
+    opened: Callable[[], Folder | Memory],
     *,
     executor: Any = None,
     threads: int | None = None,
@@ -429,8 +447,14 @@ def _run(
     partial: bool = False,
     allow_mixed: bool = False,
 ) -> StabilityMap:
-    workers = resolve_threads(threads)
+    # Whatever is refused leaves no new folder.
+    workers, each = resolve_threads(threads), positive_int("threads_per_task", threads_per_task)
+    share = Part.of(part)
+    if executor is not None:
+        executor_of(executor)
+    checked_progress(progress)
     begun = time.perf_counter()
+    running = opened()
     with interruptible() as stop:
         interrupted = False
         try:
@@ -439,8 +463,8 @@ def _run(
                 threads=workers,
                 stop=stop.is_set,
                 executor=executor,
-                threads_per_task=positive_int("threads_per_task", threads_per_task),
-                part=Part.of(part),
+                threads_per_task=each,
+                part=share,
                 allow_mixed=allow_mixed,
                 progress=progress,
             )

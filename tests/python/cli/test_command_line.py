@@ -688,7 +688,7 @@ def test_a_check_tells_what_a_map_costs_at_most(
 ) -> None:
     method = ["--set", "run.method=rk4"]
     assert main(["map", "small.toml", "--check", "--threads", "1", *method]) == 0
-    cost = re.search(r"cost +about (\S+) s on 1 free thread; cross-c", capsys.readouterr().out)
+    cost = re.search(r"cost +about (\S+) s on 1 free thread\n", capsys.readouterr().out)
     assert cost is not None
     assert float(cost[1]) > 0.0
     assert main(["map", "small.toml", "--check", "--half-width", "0.1", "--threads", "2"]) == 0
@@ -706,6 +706,25 @@ def test_a_check_refuses_what_the_map_refuses(
     assert "[run] t_end = -1.0: must be positive" in said
     said = fails(["map", "small.toml", "--check", "--part", "1/2"], capsys)
     assert said == "rigid: --part: needs --store"
+    for part in ("5/4", "0/4", "1/99999999999999999999", "a/2", "1"):
+        for more in ([], ["--check"]):
+            said = fails(
+                ["map", "small.toml", "--store", "new.rigid", "--part", part, *more], capsys
+            )
+            assert said.startswith(f"rigid: part = '{part}': must be k/n with 1 <= k <= n <= 2147")
+    (folder / "full").mkdir()
+    (folder / "full" / "notes.txt").write_text("mine")
+    said = fails(["map", "small.toml", "--check", "--store", "full"], capsys)
+    assert said == "rigid: full is no running map, and is not empty"
+    assert not (folder / "new.rigid").exists()
+
+
+def test_a_check_that_ends_before_any_body_tells_a_lower_bound(
+    folder: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("rigid.store.foresee.LIMIT", 0.0)
+    assert main(["map", "small.toml", "--check", "--threads", "1"]) == 0
+    assert re.search(r"cost +more than \S+ s on 1 free thread\n", capsys.readouterr().out)
 
 
 def test_a_key_without_its_table_is_a_hint(capsys: pytest.CaptureFixture[str]) -> None:

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import errno
+import json
 import os
 import re
 import signal
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -402,6 +404,35 @@ def test_a_package_that_is_missing_is_named_in_a_line(
     assert main(["pack", "run.rigid", "run.zarr"]) == 2
     assert capsys.readouterr().err.startswith("rigid: a .zarr needs zarr: pip install ")
     assert not Path("run.zarr").exists()
+
+
+def test_a_check_tells_what_this_call_would_compute(capsys: pytest.CaptureFixture[str]) -> None:
+    """Without other parts, and without what is stored; and how large the files become."""
+    ask = ["map", "small.toml", "--store", "run.rigid", "--json"]
+
+    def facts(*options: str) -> dict[str, Any]:
+        capsys.readouterr()
+        assert main([*ask, "--check", *options]) == 0
+        found: dict[str, Any] = json.loads(capsys.readouterr().out)
+        return found
+
+    whole = facts()
+    assert (whole["pixels"], whole["bodies"], whole["at_most"]) == (80, 800, False)
+    assert sum(facts("--part", f"{k}/3")["bodies"] for k in (1, 2, 3)) == 800
+    assert not Path("run.rigid").exists()
+    assert main([*ask, QUIET, "--part", "1/4"]) == 75
+    before = sum(log.stat().st_size for log in Path("run.rigid/logs").iterdir())
+    rest = facts()
+    assert (rest["pixels"], rest["bodies"]) == (60, 600)
+    assert facts("--part", "1/4")["bodies"] == 0
+    assert facts("--part", "2/4")["pixels"] == 20
+    assert main([*ask, "--check", "--seed", "6"]) == 2
+    assert "holds another map (there and asked for): seed: 5 and 6" in capsys.readouterr().err
+    assert main([*ask, QUIET]) == 0
+    written = sum(log.stat().st_size for log in Path("run.rigid/logs").iterdir()) - before
+    # Headers of the log and of its records besides.
+    assert rest["bytes"]["store"] < written < rest["bytes"]["store"] + 2**15
+    assert rest["bytes"]["data"] >= Path("small.npz").stat().st_size > 0.5 * rest["bytes"]["data"]
 
 
 def test_a_check_tells_the_folder_too(capsys: pytest.CaptureFixture[str]) -> None:

@@ -187,7 +187,17 @@ def test_a_head_that_is_replaced_meanwhile_is_noticed(tmp_path: Path) -> None:
         ({"part": "3/2", "store": "x"}, ValueError, "part = '3/2': must be k/n with 1 <= k <= n"),
         ({"part": "a", "store": "x"}, ValueError, "part = 'a': must be k/n with 1 <= k <= n"),
         ({"part": 3, "store": "x"}, TypeError, "part = 3: must be 'k/n' or (k, n)"),
+        ({"part": (1.0, 3), "store": "x"}, TypeError, "part = (1.0, 3): must be 'k/n' or (k, n)"),
+        ({"part": (1, 2, 3), "store": "x"}, ValueError, "part = (1, 2, 3): must be k/n with 1"),
+        (
+            {"part": "1/99999999999999999999", "store": "x"},
+            ValueError,
+            "part = '1/99999999999999999999': must be k/n with 1 <= k <= n <= 2147483648",
+        ),
         ({"threads_per_task": 0, "store": "x"}, ValueError, "threads_per_task = 0: must be"),
+        ({"threads": 0, "store": "x"}, ValueError, "threads = 0: must be"),
+        ({"executor": 3, "store": "x"}, TypeError, "executor = 3: must have the method submit"),
+        ({"progress": 3, "store": "x"}, TypeError, "progress = 3: must be None, True, False"),
     ],
 )
 def test_options_of_stores_are_checked(
@@ -200,6 +210,7 @@ def test_options_of_stores_are_checked(
     monkeypatch.chdir(tmp_path)
     with pytest.raises(error, match=re.escape(message)):
         rigid.stability_map(**request(**options))
+    assert not Path("x").exists()
 
 
 def test_maps_that_are_merged_are_named_one_by_one(tmp_path: Path) -> None:
