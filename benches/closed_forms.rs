@@ -78,7 +78,7 @@ pub fn print_rows(repeats: usize) -> Result<usize, String> {
                 let evaluator = Evaluator::new(kind, isa);
                 let limits = ExitRows {
                     axis: Row([1.0; LANES]),
-                    limit: Row([0.3; LANES]),
+                    limit: [Row([0.3; LANES]), Row([1.7; LANES])],
                     direction: Row([1.0; LANES]),
                 };
                 let mut exits = Row([0.0; LANES]);

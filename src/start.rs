@@ -65,18 +65,24 @@ impl Body {
         (0..3).rev().find(|&axis| self.is_symmetric_about(axis))
     }
 
-    /// 1 - cos of the angle between the upward vertical and the centre of mass, which lies on this axis.
-    pub fn depth(&self, axis: usize) -> f64 {
-        let gamma = self.gamma()[axis];
-        1.0 - if self.weight[axis] < 0.0 { -gamma } else { gamma }
-    }
-
     /// A bound of |omega| between two times around 0; without forces, over the whole motion.
     ///
     /// Each component is bounded by the energy, `omega_k^2 <= 2 T / I_k`, where a top can gain the energy of a fall
     /// from the upright position. The polhode gives a closer bound for a free body, the constant spin a closer bound
     /// for a symmetric top, and the power balance a bound for a forced body.
     pub fn fastest_rate(&self, forces: BodyForces, span: [f64; 2]) -> f64 {
+        self.rate_bound(forces, span, self.lagrange_axis())
+    }
+
+    /// The bound without forces of a body whose moments are almost the same: it does not know that the spin is constant.
+    ///
+    /// The angle of the steps of a map is calibrated with it. With the closer bound the steps of a symmetric top are twice
+    /// as long as those of its neighbours, and 5000 times less accurate.
+    pub fn neighbours_rate(&self) -> f64 {
+        self.rate_bound(BodyForces::NONE, [0.0; 2], None)
+    }
+
+    fn rate_bound(&self, forces: BodyForces, span: [f64; 2], lagrange_axis: Option<usize>) -> f64 {
         let twice_kinetic: f64 = (0..3).map(|k| self.moments[k] * self.omega[k] * self.omega[k]).sum();
         let mgl = self.weight.iter().map(|c| c * c).sum::<f64>().sqrt();
         if forces.is_none() && mgl == 0.0 {
@@ -90,7 +96,7 @@ impl Body {
             return forces.fastest_rate(start, [twice_kinetic, mgl, fall], span);
         }
         let reach = twice_kinetic + 2.0 * fall;
-        let squares: f64 = match self.lagrange_axis() {
+        let squares: f64 = match lagrange_axis {
             Some(k) => {
                 let spin2 = self.omega[k] * self.omega[k];
                 spin2 + (reach - self.moments[k] * spin2) / self.moments[(k + 1) % 3]

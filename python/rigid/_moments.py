@@ -19,7 +19,9 @@ __all__ = [
     "possible_moments",
     "possible_tensor",
     "refuse_tensor",
+    "rods",
     "symmetric_tensor",
+    "without_spin",
 ]
 
 Floats = NDArray[np.float64]
@@ -48,6 +50,26 @@ def box_moments(a: ArrayLike, b: ArrayLike, c: ArrayLike, mass: ArrayLike) -> Fl
         squares = np.stack([b * b + c * c, a * a + c * c, a * a + b * b], axis=-1)
         moments: Floats = np.asarray(mass)[..., None] / 12.0 * squares
     return moments
+
+
+def rods(moments: Floats) -> NDArray[np.bool_]:
+    """Whether a thin rod has these moments, shape (..., 3): zero about its axis, else equal."""
+    low, middle, high = np.moveaxis(np.sort(moments, axis=-1), -1, 0)
+    thin: NDArray[np.bool_] = (low == 0.0) & (middle == high) & (high > 0.0) & (high < np.inf)
+    return thin
+
+
+def without_spin(moments: Floats) -> Floats:
+    """Moments, shape (..., 3), with which a rod moves by Euler's equations.
+
+    A body with two equal moments that does not spin about its axis never begins to, and the third
+    moment has no part in its motion: the core computes a rod as a sphere.
+    """
+    thin = rods(moments)
+    if not thin.any():
+        return moments
+    whole: Floats = np.where(thin[..., None], moments.max(axis=-1, keepdims=True), moments)
+    return whole
 
 
 def possible(moments: Floats, physical: bool = True) -> NDArray[np.bool_]:
@@ -81,6 +103,8 @@ def refuse_tensor(name: str, array: Floats) -> None:
 def checked_moments(name: str, moments: Floats, physical: bool = True) -> Floats:
     """The moments, shape (..., 3), if bodies can have them; else the moments of the nearest bodies.
 
+    Rods pass.
+
     Only an excess up to :data:`MEASURED` is mended, with a warning. Moments that are not
     ``physical`` need only be finite and positive.
 
@@ -89,7 +113,7 @@ def checked_moments(name: str, moments: Floats, physical: bool = True) -> Floats
     ValueError
         For the first other moments; the core says which rule they break.
     """
-    good = possible(moments, physical)
+    good = possible(moments, physical) | rods(moments)
     if good.all():
         return moments
 

@@ -4,9 +4,11 @@
 //! for any start, from a question, the moments and the weight; `CanonicalForm::of` gives the form of one start, which
 //! may be simpler: a permanent rotation, or a top that swings in a plane.
 
+use super::lagrange::falls;
 use crate::kinematics::quaternion_product;
+use crate::special::sincos;
 use crate::start::Body;
-use std::f64::consts::FRAC_1_SQRT_2;
+use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
 /// The closed forms.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -137,7 +139,8 @@ enum Transform {
     Pendulum(usize),
 }
 
-/// A component smaller than this share of the largest counts as zero: its square is outside the range of doubles.
+/// A weight, or the swing of a top that does not fall from the vertical, of this share of the rest counts as zero. Neither
+/// grows, and squares are outside the range of doubles.
 const NEGLIGIBLE: f64 = 1e-150;
 
 /// The axes of a body frame turned by a quarter so that each axis becomes the third.
@@ -196,10 +199,32 @@ fn pendulum_frame(weight: [f64; 3], axis: usize) -> [f64; 4] {
     quaternion_product(&TO_FIRST[axis], &[half[0], half[1], 0.0, 0.0])
 }
 
-/// Whether a body axis is upright or hangs.
-fn is_vertical(body: &Body, axis: usize) -> bool {
+/// 1 - cos and 1 + cos of an angle in 0 ..= pi. At pi the latter is zero, although the nearest double is not pi.
+pub fn versines(angle: f64) -> [f64; 2] {
+    let (sin, cos) = sincos(0.5 * angle);
+    if angle < PI { [2.0 * sin * sin, 2.0 * cos * cos] } else { [2.0, 0.0] }
+}
+
+/// 1 - cos and 1 + cos of the angle between the upward vertical and the centre of mass, which lies on this axis.
+pub fn depths(body: &Body, axis: usize) -> [f64; 2] {
     let [w, x, y, z] = quarter_turned(body.attitude, axis, 1.0);
-    (x.abs() <= NEGLIGIBLE && y.abs() <= NEGLIGIBLE) || (w.abs() <= NEGLIGIBLE && z.abs() <= NEGLIGIBLE)
+    let (up, down) = (2.0 * (x * x + y * y), 2.0 * (w * w + z * z));
+    if body.weight[axis] < 0.0 { [down, up] } else { [up, down] }
+}
+
+/// Whether a top with its centre of mass on this axis, and with rates across it of `across` times the others, stays
+/// upright or hangs. From the upright position a top without enough spin falls, however small the tilt.
+fn is_vertical(body: &Body, axis: usize, across: f64) -> bool {
+    let [w, x, y, z] = quarter_turned(body.attitude, axis, 1.0);
+    let mut tilts = [x.abs().max(y.abs()), w.abs().max(z.abs())];
+    if body.weight[axis] < 0.0 {
+        tilts.reverse();
+    }
+    let [upright, hanging] = tilts.map(|tilt| tilt.max(across));
+    let moments = [body.moments[(axis + 1) % 3], body.moments[axis]];
+    hanging <= NEGLIGIBLE
+        || upright == 0.0
+        || upright <= NEGLIGIBLE && !falls(moments, body.weight[axis], body.omega[axis])
 }
 
 impl CanonicalForm {
@@ -216,8 +241,7 @@ impl CanonicalForm {
 
     #[inline(always)]
     fn free(body: &Body) -> CanonicalForm {
-        let fastest = body.omega.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
-        let turns = body.omega.map(|rate| rate.abs() > NEGLIGIBLE * fastest);
+        let turns = body.omega.map(|rate| rate != 0.0);
         let count = turns.iter().filter(|&&turns| turns).count();
         let [a, b, c] = body.moments;
         let (first, second, third) = (b == c, c == a, a == b);
@@ -243,17 +267,16 @@ impl CanonicalForm {
     fn top(body: &Body) -> Option<CanonicalForm> {
         let mgl = body.weight.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
         let kinetic = (0..3).map(|k| body.moments[k] * body.omega[k] * body.omega[k]).fold(0.0_f64, f64::max);
-        if mgl < NEGLIGIBLE * kinetic {
-            return Some(CanonicalForm::free(body));
-        }
         let heavy = (0..3).find(|&k| body.is_weighed_along(k));
         let Some(axis) = heavy.filter(|&k| body.is_symmetric_about(k)) else {
             return CanonicalForm::pendulum(body, heavy);
         };
+        if mgl < NEGLIGIBLE * kinetic {
+            return Some(CanonicalForm::free(body));
+        }
         let (next, last) = ((axis + 1) % 3, (axis + 2) % 3);
         let rate = body.omega[axis].abs().max((mgl / body.moments[next]).sqrt());
-        let still = |k: usize| body.omega[k].abs() <= NEGLIGIBLE * rate;
-        if still(next) && still(last) && is_vertical(body, axis) {
+        if is_vertical(body, axis, body.omega[next].abs().max(body.omega[last].abs()) / rate) {
             return Some(CanonicalForm::permanent_rotation(axis));
         }
         Some(CanonicalForm { closed_form: ClosedForm::Lagrange, transform: Transform::QuarterTurn(axis) })
@@ -263,7 +286,7 @@ impl CanonicalForm {
     /// that is in equilibrium.
     fn pendulum(body: &Body, heavy: Option<usize>) -> Option<CanonicalForm> {
         let rest = body.omega == [0.0; 3];
-        if let Some(axis) = heavy.filter(|&k| rest && is_vertical(body, k)) {
+        if let Some(axis) = heavy.filter(|&k| rest && is_vertical(body, k, 0.0)) {
             return Some(CanonicalForm::permanent_rotation(axis));
         }
         let gamma = body.gamma();

@@ -1,9 +1,9 @@
 //! Quantities of a whole motion from its closed form: periods, turning points, advances, and times of events.
 
-use super::canonical::{CanonicalForm, ClosedForm, EvaluatorKind};
-use super::{Exit, Free, Lagrange, Motion, Symmetric};
+use super::canonical::{CanonicalForm, ClosedForm, EvaluatorKind, depths, versines};
+use super::{Exit, Free, Lagrange, Motion, Symmetric, power_near};
 use crate::simd::Isa;
-use crate::special::{atan2, sincos};
+use crate::special::atan2;
 use crate::start::Body;
 use std::f64::consts::PI;
 
@@ -74,7 +74,11 @@ pub fn is_on_separatrix(isa: Isa, body: &Body) -> bool {
             let [i, j, own] = [k + 1, k + 2, k].map(|axis| body.moments[axis % 3]);
             i.min(j) < own && own < i.max(j)
         }),
-        _ => free_quantities(isa, body).parameter[1] == 0.0,
+        // A parameter below the range of doubles is zero, yet the period is finite.
+        _ => {
+            let free = free_quantities(isa, body);
+            free.parameter[1] == 0.0 && free.flip_time == f64::INFINITY
+        }
     }
 }
 
@@ -137,6 +141,13 @@ fn set_up<M: Motion<f64>>(_: Isa, form: CanonicalForm, body: &Body) -> M {
     M::new(&body.moments, &body.weight, &body.omega, &body.attitude)
 }
 
+/// The length of a vector whose squares may leave the range of doubles.
+#[inline(always)]
+fn length(v: [f64; 3]) -> f64 {
+    let (unit, inverse) = power_near(&v);
+    unit * v.iter().map(|x| (x * inverse) * (x * inverse)).sum::<f64>().sqrt()
+}
+
 #[inline(always)]
 fn free(isa: Isa, body: &Body) -> FreeQuantities {
     let body = &Body { weight: [0.0; 3], ..*body };
@@ -148,7 +159,7 @@ fn free(isa: Isa, body: &Body) -> FreeQuantities {
             let m: Free<f64> = motion(isa, form, body);
             let (axis, sign) = m.encircled();
             let [k, kc] = m.torus.moduli;
-            let circulates = kc > 0.0;
+            let circulates = m.half_period() < never;
             FreeQuantities {
                 axis: if circulates { (sign * (axis + 1.0)) as i8 } else { 0 },
                 parameter: [k * k, kc * kc],
@@ -161,7 +172,7 @@ fn free(isa: Isa, body: &Body) -> FreeQuantities {
             let m: Symmetric<f64> = motion(isa, form, body);
             let [body_rate, about_l] = m.turning();
             let [w1, w2, w3] = form.to_canonical(body).omega;
-            let transverse = (w1 * w1 + w2 * w2).sqrt();
+            let transverse = length([w1, w2, 0.0]);
             let axis = (0..3).find(|&k| form.axis(k) == 2).unwrap_or(2);
             let turns = body_rate != 0.0 && transverse > 0.0;
             let mut amplitude = if turns { [transverse; 3] } else { omega.map(f64::abs) };
@@ -182,7 +193,7 @@ fn free(isa: Isa, body: &Body) -> FreeQuantities {
                 parameter: [0.0, 1.0],
                 flip_time: never,
                 amplitude: omega.map(f64::abs),
-                precession: omega.iter().map(|w| w * w).sum::<f64>().sqrt(),
+                precession: length(omega),
             }
         }
     }
@@ -192,7 +203,7 @@ fn free(isa: Isa, body: &Body) -> FreeQuantities {
 fn changes(isa: Isa, body: &Body, axis: usize) -> Option<[f64; 2]> {
     let form = CanonicalForm::of(body)?;
     let never = Some([f64::INFINITY; 2]);
-    let question = Exit { axis: form.axis(axis) as f64, limit: 0.0, direction: 1.0 };
+    let question = Exit { axis: form.axis(axis) as f64, limit: [0.0; 2], direction: 1.0 };
     match form.closed_form {
         ClosedForm::PermanentRotation => never,
         ClosedForm::Symmetric => {
@@ -208,10 +219,10 @@ fn changes(isa: Isa, body: &Body, axis: usize) -> Option<[f64; 2]> {
     }
 }
 
-/// The angle with given 1 - cos and 1 + cos.
+/// The angle with given sqrt(1 - cos) and 1 + cos.
 #[inline(always)]
-fn angle(versine: f64, rest: f64) -> f64 {
-    2.0 * atan2(versine.sqrt(), rest.sqrt())
+fn angle(root: f64, rest: f64) -> f64 {
+    2.0 * atan2(root, rest.sqrt())
 }
 
 #[inline(always)]
@@ -242,7 +253,7 @@ fn top(isa: Isa, body: &Body) -> Option<TopQuantities> {
     };
     let kc = m.torus.moduli[1];
     Some(TopQuantities {
-        tilt: [angle(wa, rest_a), angle(wb, rest_b)],
+        tilt: [angle(m.points.root, rest_a), angle(wb.sqrt(), rest_b)],
         period: m.period(),
         advance: m.advances(),
         mc: kc * kc,
@@ -260,7 +271,7 @@ fn upright(body: &Body, form: CanonicalForm) -> Option<TopQuantities> {
     let weight = body.weight[axis].abs();
     let transverse = body.moments[(axis + 1) % 3];
     let spin = body.moments[axis] * body.omega[axis];
-    let hanging = body.depth(axis) > 1.0;
+    let hanging = depths(body, axis)[0] > 1.0;
     let kind = if hanging {
         "hanging"
     } else if spin * spin >= 4.0 * transverse * weight {
@@ -285,24 +296,30 @@ fn saddle_of(isa: Isa, body: &Body) -> [f64; 2] {
 #[inline(always)]
 fn time_of_tilt(isa: Isa, body: &Body, limit: f64) -> Option<f64> {
     let form = CanonicalForm::of(body)?;
-    let (sin, _) = sincos(0.5 * limit);
-    let versine = 2.0 * sin * sin;
+    let versine = versines(limit);
     if form.kind() != EvaluatorKind::Lagrange {
         let axis = (0..3).find(|&k| body.is_weighed_along(k))?;
-        return Some(if body.depth(axis) == versine { 0.0 } else { f64::INFINITY });
+        return Some(if depths(body, axis) == versine { 0.0 } else { f64::INFINITY });
     }
     let m: Lagrange<f64> = motion(isa, form, body);
-    // A turning point is reached without being passed.
-    let at = |w: f64| (w - versine).abs() <= 4.0 * f64::EPSILON * w;
-    let [wa, wb, _] = m.points.w;
-    if at(m.tilt_at_start()) {
+    // A turning point is reached without being passed. A rounded limit is rounded in its distance from the nearer pole.
+    let rounding = 4.0 * f64::EPSILON;
+    let at = |[w, rest]: [f64; 2]| {
+        if versine[0] <= 1.0 {
+            (w - versine[0]).abs() <= rounding * w
+        } else {
+            (rest - versine[1]).abs() <= rounding * (rest + (rest * w).sqrt())
+        }
+    };
+    let ([wa, wb, _], [rest_a, rest_b]) = (m.points.w, m.points.rest);
+    if at(m.at_start()) {
         return Some(0.0);
     }
-    for (w, time) in [wa, wb].into_iter().zip(m.turning_times()) {
-        if at(w) {
+    for (turning_point, time) in [[wa, rest_a], [wb, rest_b]].into_iter().zip(m.turning_times()) {
+        if at(turning_point) {
             return Some(time);
         }
     }
-    let direction = if m.tilt_at_start() <= versine { 1.0 } else { -1.0 };
+    let direction = if m.at_start()[0] <= versine[0] { 1.0 } else { -1.0 };
     Some(m.exit(&Exit { axis: 2.0, limit: versine, direction }))
 }

@@ -87,7 +87,7 @@ pub struct ExitRows {
     /// Observed component.
     pub axis: Row,
     /// Limit.
-    pub limit: Row,
+    pub limit: [Row; 2],
     /// Direction.
     pub direction: Row,
 }
@@ -131,7 +131,7 @@ fn exits<P: Pack, M: Motion<P>>(starts: &StartRows, questions: &ExitRows, out: &
         let motion: M = motion(starts, at);
         let question = Exit {
             axis: P::load(&questions.axis.0[at..]),
-            limit: P::load(&questions.limit.0[at..]),
+            limit: load(&questions.limit, at),
             direction: P::load(&questions.direction.0[at..]),
         };
         motion.exit(&question).store(&mut out.0[at..]);

@@ -4,11 +4,11 @@
 //! that the polhode encircles; a renaming is exact. All differences of energy and momentum are sums of positive
 //! terms (Celledoni et al. 2008, doi 10.1137/070704393; van Zon & Schofield 2007, doi 10.1016/j.jcp.2006.11.019).
 
-use super::{Exit, Motion, normalised, power_near, scaled, to_next_zero, turn};
+use super::{Exit, Motion, exponent_near, normalised, power_near, scaled, to_next_zero, turn};
 use crate::kinematics::quaternion_product;
 use crate::real::Real;
 use crate::special::carlson_rf;
-use crate::special::theta::{Phase, Shifted, Torus};
+use crate::special::theta::{Phase, Shifted, Torus, power_of_two};
 use std::f64::consts::FRAC_PI_2;
 
 /// The names of the axes, and the inverse renaming.
@@ -115,10 +115,11 @@ impl<R: Real> Motion<R> for Free<R> {
     #[inline(always)]
     fn new(moments: &[R; 3], _weight: &[R; 3], omega: &[R; 3], attitude: &[R; 4]) -> Self {
         let (zero, one) = (R::splat(0.0), R::splat(1.0));
-        let (unit, inverse_unit) = power_near(omega);
+        let largest = exponent_near(omega);
+        let unit = largest.exp2i();
         let (_, inverse_size) = power_near(moments);
         let mut i = scaled(moments, inverse_size);
-        let mut w = scaled(omega, inverse_unit);
+        let mut w = *omega;
         let mut roles = Roles { axis: [zero, one, R::splat(2.0)], sign: one };
         let swap = i[1].lt(i[0]);
         roles.exchange::<0, 1>(swap, &mut i, &mut w);
@@ -127,26 +128,37 @@ impl<R: Real> Motion<R> for Free<R> {
         let swap = i[1].lt(i[0]);
         roles.exchange::<0, 1>(swap, &mut i, &mut w);
         // (L^2 - 2 E I2) (I3 - I1): its sign shows which axis the polhode encircles. All products in two parts: on the
-        // separatrix it is zero, and next to it all digits count.
-        let about3 = energy_product(i[2], i[2], i[1], w[2]);
-        let about1 = energy_product(i[0], i[1], i[0], w[0]);
+        // separatrix it is zero, and next to it all digits count, in a unit of their own.
+        let beside = exponent_near(&[w[0], w[2], zero]);
+        let own = (-beside).exp2i();
+        let about3 = energy_product(i[2], i[2], i[1], w[2] * own);
+        let about1 = energy_product(i[0], i[1], i[0], w[0] * own);
         let distance = (about3[0] - about1[0]) + (about3[1] - about1[1]);
         let swap = distance.lt(zero);
         roles.exchange::<0, 2>(swap, &mut i, &mut w);
         let w = scaled(&w, roles.sign);
         let turned = R::select(w[2].lt(zero), -one, one);
         let w = [w[0], w[1] * turned, w[2] * turned];
+        let [n1, n3] = [w[0] * own, w[2] * own];
+        // So do the rates about roles 1 and 2, next to a steady rotation about role 3.
+        let across = exponent_near(&[w[0], w[1], zero]);
+        let own = (-across).exp2i();
+        let [x1, x2] = [w[0] * own, w[1] * own];
+        let (beside, across) = (beside - largest, across - largest);
+        let w = scaled(&w, (-largest).exp2i());
 
         let [i1, i2, i3] = i;
         let inverse_span = one / (i3 - i1);
         let rho = (i3 - i2) * inverse_span;
         let rho1 = (i2 - i1) * inverse_span;
         let l = [i1 * w[0], i2 * w[1], i3 * w[2]];
-        let [e1, e2, e3] = [l[0] * w[0], l[1] * w[1], l[2] * w[2]];
+        let [e2, e3] = [l[1] * w[1], l[2] * w[2]];
+        let [lx1, lx2] = [i1 * x1, i2 * x2];
         let g2 = l[0].fma(l[0], l[1].fma(l[1], l[2] * l[2]));
         let g = g2.sqrt();
-        // (2 E I3 - L^2) / (I3 - I1), (L^2 - 2 E I1) / (I3 - I1), (L^2 - 2 E I2) / (I3 - I1).
-        let a = e2.fma(rho, e1);
+        // (2 E I3 - L^2) / (I3 - I1), (L^2 - 2 E I1) / (I3 - I1), (L^2 - 2 E I2) / (I3 - I1); the first and the last
+        // in their units.
+        let a = (lx2 * x2).fma(rho, lx1 * x1);
         let b = e2.fma(rho1, e3);
         let c = distance.abs() * inverse_span.abs();
         let inverse_rho_b = one / (rho * b);
@@ -157,7 +169,9 @@ impl<R: Real> Motion<R> for Free<R> {
         let a1 = (i1 * a) * inverse_g2;
         let b1 = (i3 * b) * inverse_g2;
         let a2 = ((i2 * a) * inverse_g2) / rho;
-        let torus = Torus::new(m, mc);
+        let small = power_of_two(across);
+        let small2 = small * small;
+        let torus = Torus::new(m * small2, mc, beside);
         let lambda = (((i3 - i2) * (i3 - i1)) * b / ((i1 * i2) * i3)).sqrt();
         let rate = lambda * torus.scale;
 
@@ -165,21 +179,21 @@ impl<R: Real> Motion<R> for Free<R> {
         let s1 = R::select(w[0].lt(zero), -one, one);
         let s2 = s1 * order;
         let [u1, u2, u3] = [a1.sqrt(), a2.sqrt(), b1.sqrt()];
-        // A body that spins about role 3 to within 1e-150 has no phase: its amplitudes vanish.
-        let some = R::splat(1e-290).lt(a);
-        let inverse_u = one / (R::select(some, u1, one) * R::select(some, u2, one));
-        let sn = R::select(some, ((s2 * l[1]) * inverse_g) * (inverse_u * u1), zero);
-        let cn = R::select(some, (l[0].abs() * inverse_g) * (inverse_u * u2), one);
-        let dn = R::select(some, (l[2] * inverse_g) / u3, one);
-        let start = torus.phase(sn, cn, dn);
+        let inverse_u = one / (u1 * u2);
+        let sn = ((s2 * lx2) * inverse_g) * (inverse_u * u1);
+        // cn and dn in the unit of k'. One of both units at least is that of the largest rate.
+        let l1 = R::select(beside.lt(zero), i1 * n1, lx1);
+        let cn = (l1.abs() * inverse_g) * (inverse_u * u2);
+        let dn = ((i3 * n3) * inverse_g) / u3;
+        let start = torus.phase(sn, cn, dn, [torus.reduced, torus.unit]);
 
         // The polar axis whose theta function stays away from its zero: sc^2(eta) = b1/a1 or its complement.
-        let polar3 = (m * (b1 * b1)).lt(a1 * a1);
+        let polar3 = (m * (b1 * b1)).lt((a1 * a1) * small2);
         let over = R::select(polar3, one, m.fma(b1, a1));
-        let over = one / R::select(some, over, one);
-        let sn2 = R::select(polar3, b1, R::select(some, a1 * over, zero));
-        let cn2 = R::select(polar3, a1, R::select(some, (m * b1) * over, one));
-        let eta = sn2.sqrt() * carlson_rf(cn2, m.fma(sn2, cn2), one);
+        let over = one / over;
+        let sn2 = R::select(polar3, b1, a1 * over);
+        let cn2 = R::select(polar3, a1 * small2, (m * b1) * over);
+        let eta = sn2.sqrt() * carlson_rf(cn2, (m * small2).fma(sn2, cn2), one);
         let shifted = Shifted::new::<true>(&torus, eta, one.lt(zero));
         // The rate about L seen from the polar axis is G / I_a at sn = 0: of the two ways to its mean the one
         // whose terms all have one sign, from the largest moment.
@@ -193,7 +207,7 @@ impl<R: Real> Motion<R> for Free<R> {
         let half = R::splat(0.5);
         let turn = shifted.turn - R::select(polar3, R::splat(FRAC_PI_2), zero);
         let [fs, fc, fd] = torus.quotient;
-        let amplitude = [(s1 * u1) * fc, (s2 * u2) * fs, u3 * fd];
+        let amplitude = [(s1 * (u1 * small)) * fc, (s2 * (u2 * small)) * fs, u3 * fd];
         let (mut to_body, mut from_polar) = ([[zero; 3]; 3], [[zero; 3]; 3]);
         for role in 0..3 {
             let mut unit_vector = [zero; 3];
@@ -237,15 +251,13 @@ impl<R: Real> Motion<R> for Free<R> {
 
     #[inline(always)]
     fn exit(&self, question: &Exit<R>) -> R {
-        let (zero, never) = (R::splat(0.0), R::splat(f64::INFINITY));
-        let half = R::splat(0.5);
+        let (half, never) = (R::splat(0.5), R::splat(f64::INFINITY));
         let first = (question.axis - self.roles.axis[0]).abs().lt(half);
         let third = (question.axis - self.roles.axis[2]).abs().lt(half);
         // cn vanishes at odd quarter periods, sn at even ones, dn nowhere.
         let distance = to_next_zero(&self.start, self.torus.quarter(), first);
         let time = distance / (self.rate * self.unit);
-        let changes = zero.lt(self.amplitude[0].abs());
-        R::select(third, never, R::select(changes, time, never))
+        R::select(third, never, time)
     }
 
     #[inline(always)]

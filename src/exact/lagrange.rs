@@ -4,10 +4,42 @@
 //! `alpha = q0 + i q3`, `beta = q1 + i q2`; with `w = 1 - cos theta`, `|beta|^2 = w/2`, `|alpha|^2 = 1 - w/2`.
 //! Each has one pole of the top as its zero and passes it smoothly: no angle is ever formed.
 
-use super::{Exit, Motion, normalised, power_near, scaled, turn};
+use super::{Exit, Motion, exponent_near, normalised, power_near, scaled, turn};
 use crate::real::Real;
 use crate::special::carlson_rf;
 use crate::special::theta::{Phase, Shifted, Torus};
+
+/// Whether an upright top falls: its spin is below that of the sleeping top.
+pub fn falls([across, along]: [f64; 2], weight: f64, spin: f64) -> bool {
+    let (_, inverse_size) = power_near(&[across, along, 0.0]);
+    let [across, along, weight] = [across, along, weight.abs()].map(|x| x * inverse_size);
+    let (_, inverse_unit) = power_near(&[(weight / across).sqrt(), spin, 0.0]);
+    let weight = weight * inverse_unit * inverse_unit;
+    0.0 < margin_of(4.0 * across, weight, along, spin * inverse_unit)
+}
+
+/// Exponent below which a tilt and rates across the axis have a unit of their own: fourth powers of larger ones are in the
+/// range of doubles with all their digits.
+const TINY: f64 = -200.0;
+
+/// The larger part.
+#[inline(always)]
+fn largest<R: Real>(v: [R; 2]) -> R {
+    v[0].abs().max(v[1].abs())
+}
+
+/// The square of the length.
+#[inline(always)]
+fn squared<R: Real>(v: [R; 2]) -> R {
+    v[0].fma(v[0], v[1] * v[1])
+}
+
+/// How far an angle with this 1 - cos and 1 + cos is above another; below the horizontal the latter has the digits.
+#[inline(always)]
+fn above<R: Real>(angle: [R; 2], other: [R; 2]) -> R {
+    let low = R::splat(1.0).lt(angle[0]);
+    R::select(low, other[1] - angle[1], angle[0] - other[0])
+}
 
 /// a b - (c d)^2 with products that are not rounded before the difference.
 #[inline(always)]
@@ -39,10 +71,15 @@ pub struct TurningPoints<R> {
     pub w: [R; 3],
     /// 2 - wa and 2 - wb.
     pub rest: [R; 2],
-    /// wb - wa and wa - wc.
+    /// sqrt(wa).
+    pub root: R,
+    /// wa and wc over the square of the unit of the start.
+    reduced: [R; 2],
+    /// wb - wa, and wa - wc over the square of the unit.
     amplitude: R,
     gap: R,
-    /// Displacements of wa, wb and wc from the start.
+    /// Displacements of wa and wb from the start, and the distance of the start from wc; the outer two over the square of
+    /// the unit.
     displacement: [R; 3],
 }
 
@@ -56,15 +93,19 @@ struct Start<R> {
     rest: R,
     /// dw/dt.
     slope: R,
-    /// Spin momentum a = I3 omega3, and p_phi -+ a.
+    /// Spin momentum a = I3 omega3, and p_phi + a.
     spin: R,
-    top: R,
     bottom: R,
     /// omega1^2 + omega2^2, and omega . gamma without its third term.
     transverse2: R,
     lift: R,
     /// 4 I1 mgl - a^2, the distance from the threshold of the sleeping top.
     margin: R,
+    /// The unit of tilt and rates across the axis: less than one for an upright top that is about to fall, with numbers
+    /// whose squares are below the range of doubles; else one.
+    unit: R,
+    /// w, dw/dt, p_phi - a and omega1^2 + omega2^2 over the square of the unit.
+    reduced: [R; 4],
 }
 
 impl<R: Real> Start<R> {
@@ -73,7 +114,10 @@ impl<R: Real> Start<R> {
     #[inline(always)]
     fn turning_points(&self) -> TurningPoints<R> {
         let (zero, one, half, two) = (R::splat(0.0), R::splat(1.0), R::splat(0.5), R::splat(2.0));
-        let Start { i1, weight, w, rest, slope, spin, top, bottom, transverse2, lift, margin } = *self;
+        let Start { i1, weight, w, rest, slope, spin, bottom, transverse2, lift, margin, .. } = *self;
+        let [own_w, own_slope, top, own_transverse2] = self.reduced;
+        let tiny = self.unit.lt(one);
+        let unit2 = self.unit * self.unit;
         let k = (i1 + i1) * weight;
         let inverse_k = one / k;
         let cosine = (rest - w) * half;
@@ -134,12 +178,12 @@ impl<R: Real> Start<R> {
         let no_b = R::select(zero.lt(top.abs()), zero, one);
         let close = R::select(wa.lt(R::splat(0.1)), one, zero);
         let within = R::select((wa + wa).lt(w), one, no_b);
-        let near = half.lt(close * within);
+        let near = half.lt(R::select(tiny, one, close * within));
         let inverse_b = one / R::select(near, wb, one);
-        let energy = (i1 * half).fms(transverse2, weight * w);
+        let energy = (i1 * half).fms(own_transverse2, weight * own_w);
         let pi = -((top * top) * (inverse_k * inverse_b));
         let c1 = ((R::splat(4.0) * i1).fms(energy, (spin + spin) * top)) * inverse_k;
-        let s = -((c1 + pi) * inverse_b);
+        let s = -((c1 + pi * unit2) * inverse_b);
         let r = s.fma(s, R::splat(-4.0) * pi).sqrt();
         let positive = zero.lt(s);
         let larger = R::select(positive, s + r, s - r) * half;
@@ -153,6 +197,13 @@ impl<R: Real> Start<R> {
         rest_a = R::select(off, R::splat(2.0) - top_a, rest_a);
         (wc, yc) = (R::select(near, top_c, wc), R::select(near, top_c - w, yc));
         gap = R::select(near, R::select(off, r, wa - top_c), gap);
+        // All of a tiny tilt is of second order, and the displacement of wa follows from f0, the product of all three.
+        let own_slope = i1 * own_slope;
+        let to_c = R::select(zero.lt(own_w - top_c), own_w - top_c, one);
+        let own_ya = -((own_slope * own_slope) * (inverse_k * inverse_b)) / to_c;
+        (wa, ya) = (R::select(tiny, top_a * unit2, wa), R::select(tiny, own_ya, ya));
+        (wc, yc) = (R::select(tiny, top_c * unit2, wc), R::select(tiny, top_c - own_w, yc));
+        gap = R::select(tiny, r, gap);
         // If wc is small beside wa, the product determines wc.
         let beside = half.lt(R::select(near, zero, R::select((-(wc + wc)).lt(wa), one, zero)));
         let product = -((top * top) * inverse_k) / R::select(beside, wa * wb, one);
@@ -168,8 +219,11 @@ impl<R: Real> Start<R> {
         rest_b = R::select(near, under, rest_b);
         wb = R::select(near, two - under, wb);
         yb = R::select(off, rest - under, yb);
-        let amplitude = yb - ya;
-        TurningPoints { w: [wa, wb, wc], rest: [rest_a, rest_b], amplitude, gap, displacement: [ya, yb, yc] }
+        let amplitude = yb - ya * unit2;
+        let reduced = [R::select(tiny, top_a, wa), R::select(tiny, top_c, wc)];
+        let root = reduced[0].sqrt() * self.unit;
+        let (w, rest, displacement) = ([wa, wb, wc], [rest_a, rest_b], [ya, yb, yc]);
+        TurningPoints { w, rest, root, reduced, amplitude, gap, displacement }
     }
 }
 
@@ -232,8 +286,8 @@ pub struct Lagrange<R: Real> {
     rate: R,
     /// Turning points of the nutation.
     pub points: TurningPoints<R>,
-    /// 1 - cos theta at the start.
-    tilt_at_start: R,
+    /// 1 - cos theta and 1 + cos theta at the start.
+    at_start: [R; 2],
     momenta: [R; 2],
     spin: R,
     alpha: Parameter<R>,
@@ -278,10 +332,10 @@ impl<R: Real> Lagrange<R> {
         self.momenta
     }
 
-    /// 1 - cos theta at the start.
+    /// 1 - cos theta and 1 + cos theta at the start.
     #[inline(always)]
-    pub fn tilt_at_start(&self) -> R {
-        self.tilt_at_start
+    pub fn at_start(&self) -> [R; 2] {
+        self.at_start
     }
 
     /// Advance of phi and psi in a period of the nutation.
@@ -320,40 +374,52 @@ impl<R: Real> Motion<R> for Lagrange<R> {
             R::select(down, -q2, q3),
         );
         let two = R::splat(2.0);
-        let g1 = two * q1.fms(q3, q0 * q2);
-        let g2 = two * q2.fma(q3, q0 * q1);
-        let tilt = two * q1.fma(q1, q2 * q2);
-        let rest = two * q3.fma(q3, q0 * q0);
         let spin = i3 * w3;
-        let lift = w1.fma(g1, w2 * g2);
+        let margin = margin_of(i1 * R::splat(4.0), mu, i3, w3);
+        // A top that falls from a tiny tilt has a unit for its tilt and its rates across the axis.
+        let across = exponent_near(&[q1.abs().max(w1.abs()), q2.abs().max(w2.abs()), zero]);
+        let across = R::select(across.lt(R::splat(TINY)), R::select(zero.lt(margin), across, zero), zero);
+        let (own, inverse_own) = (across.exp2i(), (-across).exp2i());
+        let [t1, t2, v1, v2] = scaled(&[q1, q2, w1, w2], inverse_own);
+        let g1 = two * t1.fms(q3, q0 * t2);
+        let g2 = two * t2.fma(q3, q0 * t1);
+        let own_tilt = two * t1.fma(t1, t2 * t2);
+        let rest = two * q3.fma(q3, q0 * q0);
+        let own_lift = v1.fma(g1, v2 * g2);
+        let own_top = i1.fms(own_lift, spin * own_tilt);
+        let reduced = [own_tilt, g2.fms(v1, g1 * v2), own_top, v1.fma(v1, v2 * v2)];
+        let [tilt, slope, top, transverse2] = scaled(&scaled(&reduced, own), own);
+        let lift = (own_lift * own) * own;
         let start = Start {
             i1,
             weight: mu,
             w: tilt,
             rest,
-            slope: g2.fms(w1, g1 * w2),
+            slope,
             spin,
-            top: i1.fms(lift, spin * tilt),
             bottom: i1.fma(lift, spin * rest),
-            transverse2: w1.fma(w1, w2 * w2),
+            transverse2,
             lift,
-            margin: margin_of(i1 * R::splat(4.0), mu, i3, w3),
+            margin,
+            unit: own,
+            reduced,
         };
         let points = start.turning_points();
-        let [wa, wb, wc] = points.w;
+        let [_, wb, wc] = points.w;
+        let [own_wa, own_wc] = points.reduced;
         let [rest_a, rest_b] = points.rest;
         let [ya, yb, yc] = points.displacement;
         let extent = wb - wc;
         let inverse_extent = one / extent;
         let (m, mc) = (points.amplitude * inverse_extent, points.gap * inverse_extent);
-        let torus = Torus::new(m, mc);
+        let torus = Torus::new(m, mc, across);
         let rate = ((mu * extent) / (i1 + i1)).sqrt() * torus.scale;
-        let moving = zero.lt(yb - ya);
-        let span = one / R::select(moving, yb - ya, one);
+        let moving = zero.lt(points.amplitude);
+        let span = one / R::select(moving, points.amplitude, one);
         let sn = R::select(moving, (yb * span).sqrt(), zero);
         let cn = R::select(moving, (-ya * span).sqrt(), one);
         let dn = ((-yc).max(zero) * inverse_extent).sqrt();
-        let phase = torus.phase(R::select(zero.lt(start.slope), -sn, sn), cn, dn);
+        let phase = torus.phase(R::select(zero.lt(reduced[1]), -sn, sn), cn, dn, [torus.reduced, torus.unit]);
 
         // The zeros of 2 - w and of w, as imaginary parts below K'/2; the odd functions have them there.
         let k = torus.moduli[0];
@@ -368,15 +434,15 @@ impl<R: Real> Motion<R> for Lagrange<R> {
             rate: zero,
             constant: [one, zero],
         };
-        let (ea, ec) = (wa * extent, -(wc * points.amplitude));
+        let (ea, ec) = (own_wa * extent, -(own_wc * points.amplitude));
         let odd = (k * ea).lt(ec);
         let parted = zero.lt(points.gap);
         let under = one / R::select(parted, points.gap, one);
         let both = R::select(odd, under / wb, under);
-        let sn2 = R::select(parted, R::select(odd, ea, -wc) * both, zero);
-        let cn2 = R::select(parted, R::select(odd, ec, wa) * both, one);
+        let sn2 = R::select(parted, R::select(odd, ea, -own_wc) * both, zero);
+        let cn2 = R::select(parted, R::select(odd, ec, own_wa) * both, one);
         let eta = sn2.sqrt() * carlson_rf(cn2, m.fma(sn2, cn2), one);
-        let sense = R::select(start.top.lt(zero), -one, one);
+        let sense = R::select(own_top.lt(zero), -one, one);
         let mut beta = Parameter {
             shifted: Shifted::new::<false>(&torus, eta, odd),
             sense: R::select(odd, -sense, sense),
@@ -389,27 +455,34 @@ impl<R: Real> Motion<R> for Lagrange<R> {
         let at_wb = Phase { quarters: zero, rest: zero };
         let local = alpha.shifted.rate::<true>(&torus, &at_wa, &torus.multiples(&at_wa));
         alpha.rate = half * (spin_excess + start.bottom / (i1 * rest_a)) - alpha.sense * (rate * local);
-        let local = beta.shifted.rate::<false>(&torus, &at_wb, &torus.multiples(&at_wb));
-        beta.rate = half * (start.top / (i1 * wb) - spin_excess) - beta.sense * (rate * local);
+        let x_at_wb = torus.multiples(&at_wb);
+        let local = beta.shifted.rate::<false>(&torus, &at_wb, &x_at_wb);
+        beta.rate = half * (top / (i1 * wb) - spin_excess) - beta.sense * (rate * local);
 
         // The constants from the start; exactly at a pole, from the derivative.
         let x = torus.multiples(&phase);
-        let (a, b) = ([q0, q3], [q1, q2]);
-        let rates = [w1, w2];
-        let tiny = R::splat(1e-100);
-        let at_bottom = a[0].abs().max(a[1].abs()).lt(tiny);
-        let at_top = b[0].abs().max(b[1].abs()).lt(tiny);
+        let (a, b) = ([q0, q3], [t1, t2]);
+        let pole = R::splat(1e-100);
         let [value, slope] = alpha.bare::<true>(&torus, rate, zero, &phase, &x);
-        let moved = product(b, [rates[0], -rates[1]]);
+        let moved = product([q1, q2], [w1, -w2]);
+        let at_bottom = largest(a).lt(pole.min(largest(moved)));
         let from =
             [R::select(at_bottom, -(moved[0] * half), a[0]), R::select(at_bottom, -(moved[1] * half), a[1])];
         let by = [R::select(at_bottom, slope[0], value[0]), R::select(at_bottom, slope[1], value[1])];
         alpha.constant = over(from, by);
-        let [value, slope] = beta.bare::<false>(&torus, rate, zero, &phase, &x);
-        let moved = product(a, rates);
+        let [value, slope] = beta.bare::<false>(&torus.in_its_unit(), rate, zero, &phase, &x);
+        let moved = product(a, [v1, v2]);
+        let tiny = own.lt(one);
+        let at_top = largest(b).lt(R::select(tiny, largest(moved), pole.min(largest(moved))));
         let from = [R::select(at_top, moved[0] * half, b[0]), R::select(at_top, moved[1] * half, b[1])];
         let by = [R::select(at_top, slope[0], value[0]), R::select(at_top, slope[1], value[1])];
         beta.constant = over(from, by);
+        // From a tiny tilt only its direction; its size from the largest tilt.
+        let there = beta.bare::<false>(&torus, rate, zero, &at_wb, &x_at_wb)[0];
+        let size = ((wb * half) / (squared(there) * squared(beta.constant))).sqrt();
+        for part in &mut beta.constant {
+            *part = *part * R::select(tiny, size, one);
+        }
         Lagrange {
             unit,
             turned,
@@ -417,8 +490,8 @@ impl<R: Real> Motion<R> for Lagrange<R> {
             start: phase,
             rate,
             points,
-            tilt_at_start: tilt,
-            momenta: [start.top, spin],
+            at_start: [tilt, rest],
+            momenta: [top, spin],
             spin: w3,
             alpha,
             beta,
@@ -431,10 +504,10 @@ impl<R: Real> Motion<R> for Lagrange<R> {
     fn exit(&self, question: &Exit<R>) -> R {
         let (zero, one) = (R::splat(0.0), R::splat(1.0));
         let never = R::splat(f64::INFINITY);
-        let [wa, wb, _] = self.points.w;
-        let w = question.limit;
+        let ([wa, wb, _], [rest_a, rest_b]) = (self.points.w, self.points.rest);
         // Where w = wa sn^2 + wb cn^2 is at the limit; it rises there before the phase 0 and falls after it.
-        let (up, down) = ((wb - w).max(zero), (w - wa).max(zero));
+        let up = (-above(question.limit, [wb, rest_b])).max(zero);
+        let down = above(question.limit, [wa, rest_a]).max(zero);
         let span = up + down;
         let rising = zero.lt(question.direction);
         let crossed = zero.lt(R::select(rising, up, down));
@@ -442,7 +515,8 @@ impl<R: Real> Motion<R> for Lagrange<R> {
         let [m, mc] =
             [self.torus.moduli[0] * self.torus.moduli[0], self.torus.moduli[1] * self.torus.moduli[1]];
         let (sn2, cn2) = (R::select(crossed, up * inverse, zero), R::select(crossed, down * inverse, one));
-        let there = self.torus.phase(sn2.sqrt(), cn2.sqrt(), m.fma(cn2, mc).sqrt());
+        let whole = [self.torus.moduli[1], one];
+        let there = self.torus.phase(sn2.sqrt(), cn2.sqrt(), m.fma(cn2, mc).sqrt(), whole);
         let quarter = self.torus.quarter();
         let sign = R::select(rising, -one, one);
         let quarters = sign.fms(there.quarters, self.start.quarters);
@@ -455,8 +529,8 @@ impl<R: Real> Motion<R> for Lagrange<R> {
         let distance = R::select(distance.lt(zero), wrapped, distance);
         let time = distance / (self.rate * self.unit);
         // Beyond the limit from the start.
-        let now = self.tilt_at_start;
-        let beyond = R::select(rising, now - w, w - now);
+        let ahead = above(question.limit, self.at_start);
+        let beyond = R::select(rising, -ahead, ahead);
         R::select(zero.lt(beyond), zero, R::select(crossed, time, never))
     }
 

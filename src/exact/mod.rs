@@ -7,7 +7,7 @@ mod free;
 mod lagrange;
 mod symmetric;
 
-pub use canonical::{CanonicalForm, ClosedForm, EvaluatorKind, Question, lagrange_axis};
+pub use canonical::{CanonicalForm, ClosedForm, EvaluatorKind, Question, depths, lagrange_axis, versines};
 pub use evaluate::{Evaluator, ExitRows, StartRows, StateRows};
 pub use free::Free;
 pub use lagrange::Lagrange;
@@ -39,8 +39,8 @@ pub trait Motion<R: Real>: Copy {
 pub struct Exit<R> {
     /// 0, 1 or 2: the component of the rates whose sign is observed.
     pub axis: R,
-    /// 1 - cos of the angle between the vertical and the centre of mass that must not be passed.
-    pub limit: R,
+    /// 1 - cos and 1 + cos of the angle between the vertical and the centre of mass that must not be passed.
+    pub limit: [R; 2],
     /// The limit is crossed upward (1) or downward (-1).
     pub direction: R,
 }
@@ -68,11 +68,17 @@ fn scaled<R: Real, const N: usize>(v: &[R; N], by: R) -> [R; N] {
     out
 }
 
+/// The exponent of the power of two below the largest of three sizes.
+#[inline(always)]
+fn exponent_near<R: Real>(v: &[R; 3]) -> R {
+    let (_, e) = v[0].abs().max(v[1].abs().max(v[2].abs())).frexp();
+    e.max(R::splat(-1020.0)).min(R::splat(1020.0))
+}
+
 /// The power of two below the largest of three sizes, and its inverse: motions do not depend on units, to the bit.
 #[inline(always)]
 fn power_near<R: Real>(v: &[R; 3]) -> (R, R) {
-    let (_, e) = v[0].abs().max(v[1].abs().max(v[2].abs())).frexp();
-    let e = e.max(R::splat(-1020.0)).min(R::splat(1020.0));
+    let e = exponent_near(v);
     (e.exp2i(), (-e).exp2i())
 }
 

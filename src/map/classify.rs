@@ -2,7 +2,9 @@
 
 use super::{Class, Criterion, Outcome, Watched};
 use crate::exact::derived::is_on_separatrix;
-use crate::exact::{CanonicalForm, ClosedForm, Evaluator, EvaluatorKind, ExitRows, Question, StartRows};
+use crate::exact::{
+    CanonicalForm, ClosedForm, Evaluator, EvaluatorKind, ExitRows, Question, StartRows, depths, versines,
+};
 use crate::observe::Observed;
 use crate::simd::Isa;
 use crate::simd::{LANES, Row};
@@ -21,8 +23,8 @@ enum Exit {
     Crossing {
         /// Observed component, in the variables of the closed form.
         axis: usize,
-        /// 1 - cos of the limit, measured to the centre of mass.
-        limit: f64,
+        /// 1 - cos and 1 + cos of the limit, measured to the centre of mass.
+        limit: [f64; 2],
         /// The direction in which the limit is crossed.
         direction: f64,
     },
@@ -42,21 +44,24 @@ impl Exit {
             (criterion, _) if !map.scene.has_weight && criterion.is_kept_without_torque() => NEVER,
             (Criterion::NoFlip, ClosedForm::PermanentRotation) if !map.scene.has_weight || symmetric => NEVER,
             (Criterion::NoFlip, ClosedForm::Symmetric | ClosedForm::Asymmetric) => {
-                Some(Exit::Crossing { axis, limit: 0.0, direction: 1.0 })
+                Some(Exit::Crossing { axis, limit: [0.0; 2], direction: 1.0 })
             }
             (Criterion::NoFlip, ClosedForm::Lagrange) if axis == 2 => NEVER,
             (Criterion::TiltFromVertical(angle), ClosedForm::Lagrange | ClosedForm::PermanentRotation)
                 if map.scene.has_weight && symmetric =>
             {
-                let half = crate::special::sincos(0.5 * angle);
                 let along = (map.axis > 0) == (body.weight[watched] > 0.0);
-                let part = if along { half.0 } else { half.1 };
-                let (limit, direction) = (2.0 * part * part, if along { 1.0 } else { -1.0 });
+                let [w, rest] = versines(angle);
+                let (limit, direction) = if along { ([w, rest], 1.0) } else { ([rest, w], -1.0) };
                 if form.closed_form == ClosedForm::Lagrange {
                     return Some(Exit::Crossing { axis, limit, direction });
                 }
-                let now = body.depth(watched);
-                if direction * (now - limit) > 0.0 { Some(Exit::At(0.0)) } else { NEVER }
+                let mut now = depths(body, watched);
+                if !along {
+                    now.reverse();
+                }
+                let is_past = if w <= 1.0 { now[0] > w } else { now[1] < rest };
+                if is_past { Some(Exit::At(0.0)) } else { NEVER }
             }
             _ => None,
         }
@@ -126,7 +131,7 @@ impl<'a> ClosedFormClassifier<'a> {
             Waiting {
                 evaluator: Evaluator::new(kind, isa),
                 starts: StartRows::filled(&form.to_canonical(body)),
-                exits: ExitRows { axis: nothing, limit: nothing, direction: nothing },
+                exits: ExitRows { axis: nothing, limit: [nothing; 2], direction: nothing },
                 indices: [0; LANES],
                 filled: 0,
             }
@@ -137,7 +142,9 @@ impl<'a> ClosedFormClassifier<'a> {
             _ => waiting.starts.set(lane, &form.to_canonical(body)),
         }
         waiting.exits.axis.0[lane] = axis as f64;
-        waiting.exits.limit.0[lane] = limit;
+        for (row, limit) in waiting.exits.limit.iter_mut().zip(limit) {
+            row.0[lane] = limit;
+        }
         waiting.exits.direction.0[lane] = direction;
         waiting.indices[lane] = index;
         waiting.filled += 1;

@@ -5,7 +5,7 @@
 use super::carlson::{agm, carlson_rd, carlson_rf, carlson_rj};
 use super::elementary::{ln, sincos, sinhcosh};
 use crate::real::Real;
-use std::f64::consts::FRAC_PI_2;
+use std::f64::consts::{FRAC_PI_2, LN_2};
 
 /// The nome of the parameter `small` <= 1/2, with relative accuracy even for a tiny parameter; `large` = 1 - `small`.
 ///
@@ -41,10 +41,14 @@ fn thetas<R: Real>(q: R, d: R) -> [R; 4] {
     [one + (even - odd), one + (even + odd), one + (even3 + odd3), one + (even3 - odd3)]
 }
 
-/// (sn, cn, dn) at `u`, for mc in 0 ..= 1; an mc below 2^-1018 counts as 0.
+/// Below this mc the nome is computed from mc times a power of two.
+const TINY: f64 = f64::from_bits(123_u64 << 52); // 2^-900
+const RAISED: f64 = f64::from_bits((1023 + 200) << 52);
+
+/// (sn, cn, dn) at `u`, for mc in 0 ..= 1.
 ///
-/// Each is within 5 ulp of its value at an argument within 4 roundings (2^-53) of `u`, also close to a zero. For mc =
-/// 0, values below sech(350) = 2e-152 have no correct digits. NaN from 2^50 (quarter periods, if m > 1/2) on.
+/// Each is within 5 ulp of its value at an argument within 4 roundings (2^-53) of `u`, also close to a zero. Values below
+/// sech(708) = 7e-308 are 0. NaN from 2^50 (quarter periods, if m > 1/2) on.
 #[inline(always)]
 pub fn jacobi<R: Real>(u: R, mc: R) -> (R, R, R) {
     let (zero, half, one, four) = (R::splat(0.0), R::splat(0.5), R::splat(1.0), R::splat(4.0));
@@ -58,37 +62,41 @@ pub fn jacobi<R: Real>(u: R, mc: R) -> (R, R, R) {
     let z = shrink.fnma(u, u);
     // Whole quarter periods are removed here if the series are hyperbolic, in the sine if the series are circular; on
     // the separatrix there are none.
-    let least = R::splat(f64::MIN_POSITIVE);
-    let periodic = R::select(least.lt(q), one, zero);
-    let counted = R::select(hyperbolic, periodic, zero);
-    let quarter = ln(R::select(least.lt(q), q, half)) * R::splat(-0.5);
+    let counted = R::select(hyperbolic, R::select(zero.lt(mc), one, zero), zero);
+    let endless = R::select(hyperbolic, one - counted, zero);
+    // The nome of a tiny mc is mc / 16, perhaps below the range of normal doubles.
+    let tiny = mc.lt(R::splat(TINY));
+    let normal = R::select(tiny, (mc * R::splat(RAISED)).max(R::splat(f64::MIN_POSITIVE)), q);
+    let logarithm = ln(normal) - R::select(tiny, R::splat(204.0 * LN_2), zero);
+    let quarter = logarithm * R::splat(-0.5);
     let turns = counted * (z / quarter).round();
     let known = turns.abs().lt(R::splat(1_125_899_906_842_624.0));
     let rest = R::select(known, turns.fnma(quarter, z), R::splat(f64::NAN));
     let (mut s, mut c) = sincos(R::select(hyperbolic, zero, z));
     let mut square = s * s;
     if R::any(hyperbolic) {
-        let limit = R::splat(350.0);
+        let limit = R::select(half.lt(endless), R::splat(708.0), R::splat(350.0));
         let (sinh, cosh) = sinhcosh((-limit).max(limit.min(R::select(hyperbolic, rest, zero))));
         s = R::select(hyperbolic, sinh, s);
         c = R::select(hyperbolic, cosh, c);
-        square = R::select(hyperbolic, -(sinh * sinh), square);
+        square = R::select(hyperbolic, R::select(half.lt(endless), zero, -(sinh * sinh)), square);
     }
     let [t1, t2, t3, t4] = thetas(q, q * four.fnma(square, R::splat(2.0)));
     let (t1, t2) = (s * t1, c * t2);
     // DLMF 22.2.4 to 22.2.6, and the same functions shifted by K, where k' over theta2^2 is replaced by 4 sqrt(q).
     let after_odd = R::odd(turns);
-    let root = four * q.sqrt();
+    let root = R::select(tiny, mc.sqrt(), four * q.sqrt());
     let (upper, lower) = (R::select(hyperbolic, null2, null4), R::select(hyperbolic, null4, null2));
     let denominator = R::select(after_odd, t3, R::select(hyperbolic, t2, t4));
     let sn = R::select(after_odd, t4, t1);
     let cn = R::select(after_odd, -(root * t1), R::select(hyperbolic, t4, t2));
     let dn = R::select(after_odd, root * t2, t3);
     let half_turns = turns.fms(half, R::splat(0.25)).round();
+    let gone = half.lt(R::select(R::splat(708.0).lt(z.abs()), endless, zero));
     (
         ((null3 * sn) / (lower * denominator)).neg_if_odd(half_turns),
-        ((upper * cn) / (lower * denominator)).neg_if_odd(half_turns),
-        (upper * dn) / (null3 * denominator),
+        R::select(gone, zero, ((upper * cn) / (lower * denominator)).neg_if_odd(half_turns)),
+        R::select(gone, zero, (upper * dn) / (null3 * denominator)),
     )
 }
 

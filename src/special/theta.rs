@@ -9,7 +9,7 @@
 use super::carlson::carlson_rf;
 use super::elementary::{ln, sincos, sincos_kernel_with_tail, sinhcosh};
 use crate::real::Real;
-use std::f64::consts::{FRAC_PI_2, PI};
+use std::f64::consts::{FRAC_PI_2, LN_2, PI};
 
 /// Highest multiple of the phase in a series.
 const TOP: usize = 8;
@@ -61,15 +61,23 @@ impl<R: Real> Multiples<R> {
     }
 }
 
+/// 2^exponent; 0 below the range of normal doubles.
+#[inline(always)]
+pub fn power_of_two<R: Real>(exponent: R) -> R {
+    let least = R::splat(-1020.0);
+    R::select(exponent.lt(least), R::splat(0.0), exponent.max(least).exp2i())
+}
+
 /// The torus of a motion: its nome and the scale of its phases.
 #[derive(Clone, Copy)]
 pub struct Torus<R: Real> {
     /// Whether the series are hyperbolic, `m > 1/2`, or circular.
     hyperbolic: R::Mask,
     circular: R::Mask,
-    /// The smaller nome and its square root.
+    /// The smaller nome, its square root, and that over the unit of a tiny k'.
     nome: R,
     root: R,
+    own_root: R,
     /// Powers of the nome by which the multiples are multiplied in a theta series; hyperbolic multiples contain them.
     power: [R; TOP],
     /// sn, cn and dn over their quotients of theta series.
@@ -83,6 +91,10 @@ pub struct Torus<R: Real> {
     inverse_quarter: R,
     /// k and k', the square roots of the parameter and its complement.
     pub moduli: [R; 2],
+    /// A power of two, and k' over it: a k' below the range of doubles counts in `quarter`.
+    pub unit: R,
+    /// k' over the unit.
+    pub reduced: R,
 }
 
 /// A phase: whole quarter periods, and the rest of the series argument.
@@ -95,13 +107,18 @@ pub struct Phase<R> {
 }
 
 impl<R: Real> Torus<R> {
-    /// The torus of the parameter `m` and its complement, each with its own relative accuracy.
+    /// The torus of the parameter `m` and its complement `mc 4^exponent`, each with its own relative accuracy.
     #[inline(always)]
-    pub fn new(m: R, mc: R) -> Self {
+    pub fn new(m: R, mc: R, exponent: R) -> Self {
         let (one, half, zero) = (R::splat(1.0), R::splat(0.5), R::splat(0.0));
+        let unit = power_of_two(exponent);
+        let (k, reduced) = (m.sqrt(), mc.sqrt());
+        let kc = reduced * unit;
+        let scaled = mc;
+        let mc = (mc * unit) * unit;
         let hyperbolic = mc.lt(m);
-        let (small, large) = (R::select(hyperbolic, mc, m), R::select(hyperbolic, m, mc));
-        let modulus = large.sqrt();
+        let small = R::select(hyperbolic, mc, m);
+        let modulus = R::select(hyperbolic, k, kc);
         let root = modulus.sqrt();
         // Nome by Weierstrass's series; 1 - sqrt(k') is formed from the parameter.
         let rise = one + root;
@@ -128,24 +145,37 @@ impl<R: Real> Torus<R> {
             R::select(hyperbolic, null2, null4) / null3,
         ];
         // On the separatrix the quarter period is infinite, so no quarter period is subtracted from a phase.
-        let finite = zero.lt(nome);
-        let logarithm = ln(R::select(finite, nome, one)) * R::splat(-0.5);
+        // Next to it the series of the nome is its first term, and only the logarithm and the root have the range.
+        let tiny = exponent.lt(R::splat(-200.0));
+        let first = R::select(tiny, (scaled * half) / ((one + modulus) * (rise * rise)), nome);
+        let own_root = first.sqrt();
+        let finite = zero.lt(first);
+        let logarithm = ln(R::select(finite, first, one)) * R::splat(-0.5);
+        let logarithm = R::select(tiny, exponent, zero).fnma(R::splat(LN_2), logarithm);
         let endless = R::select(finite, logarithm, R::splat(f64::INFINITY));
-        let minor = small.sqrt();
         let quarter = R::select(hyperbolic, endless, R::splat(FRAC_PI_2));
         Torus {
             hyperbolic,
             circular: R::select(hyperbolic, one, zero).lt(half),
             nome,
-            root: nome.sqrt(),
+            root: own_root * R::select(tiny, unit, one),
+            own_root,
             power,
             quotient,
             scale: one / (null3 * null3),
             quarter,
             inverse_quarter: one / quarter,
             quarter_low: R::select(hyperbolic, zero, R::splat(6.123_233_995_736_766e-17)),
-            moduli: [R::select(hyperbolic, modulus, minor), R::select(hyperbolic, minor, modulus)],
+            moduli: [k, kc],
+            unit,
+            reduced,
         }
+    }
+
+    /// The torus with the root of the nome over its unit: functions near K keep their digits below the range of doubles.
+    #[inline(always)]
+    pub fn in_its_unit(&self) -> Self {
+        Torus { root: self.own_root, ..*self }
     }
 
     /// A quarter period in units of the series argument; infinite on the separatrix.
@@ -155,17 +185,16 @@ impl<R: Real> Torus<R> {
     }
 
     /// The phase with these sn, cn >= 0 and dn, measured from the nearer end, 0 or K, so that a small distance from
-    /// either end keeps its relative accuracy.
+    /// either end keeps its relative accuracy. cn, dn and k' are over a power of two, `unit`.
     #[inline(always)]
-    pub fn phase(&self, sn: R, cn: R, dn: R) -> Phase<R> {
+    pub fn phase(&self, sn: R, cn: R, dn: R, [kc, unit]: [R; 2]) -> Phase<R> {
         let (zero, one) = (R::splat(0.0), R::splat(1.0));
         let size = sn.abs();
-        let kc = self.moduli[1];
         // sn^2(K/2) = 1/(1 + k').
-        let far = (cn * cn).lt((kc * size) * size);
+        let far = ((cn * cn) * unit).lt((kc * size) * size);
         let inverse = one / R::select(far, dn, one);
-        let c = R::select(far, (kc * size) * inverse, cn);
-        let d = R::select(far, kc * inverse, dn);
+        let c = R::select(far, (kc * size) * inverse, cn * unit);
+        let d = R::select(far, kc * inverse, dn * unit);
         let s = R::select(far, cn * inverse, size);
         let argument = (s * carlson_rf(c * c, d * d, one)) * self.scale;
         let rest = R::select(far, -argument, argument);

@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
-from .._checks.arrays import vectors
+from .._checks.arrays import require, vectors
 from .._checks.shown import short_repr
+from .._moments import without_spin
 from ..model.body import Body
 from ..model.body_like import body_of
 from ..model.leading import leading_shape
@@ -63,6 +64,10 @@ class FreeMotion:
     turn: Floats
 
 
+SLOWEST = 1e-300
+"""Rates (rad/s) below it have periods outside the range of doubles."""
+
+
 def free_body(body: Body | FreeBody, omega: ArrayLike) -> FreeMotion:
     """Period, flip time, amplitudes and precession of a free body.
 
@@ -84,7 +89,8 @@ def free_body(body: Body | FreeBody, omega: ArrayLike) -> FreeMotion:
     TypeError
         If ``body`` is neither a :class:`rigid.Body` nor a :class:`rigid.FreeBody`.
     ValueError
-        If ``omega`` is not finite or has the wrong shape, or torque or damping acts on the body.
+        If ``omega`` is not finite, has the wrong shape, or is not zero but below 1e-300 rad/s; if
+        torque or damping acts on the body.
 
     Examples
     --------
@@ -93,7 +99,11 @@ def free_body(body: Body | FreeBody, omega: ArrayLike) -> FreeMotion:
     >>> int(motion.axis), round(float(motion.flip_time), 6)
     (1, 52.660597)
     """
-    rates, moments = vectors("omega", omega), vectors("moments", body_of(body).moments)
+    rates = vectors("omega", omega)
+    moments = without_spin(vectors("moments", body_of(body).moments))
     shape = leading_shape({"body": moments.shape[:-1], "omega": rates.shape[:-1]})
+    size = np.abs(rates).max(axis=-1)
+    rule = f"must be zero or reach {SLOWEST:g} rad/s: count the time in another unit"
+    require("omega", size, (size == 0.0) | (size >= SLOWEST), rule)
     columns = in_rows(moments, shape), rows_of_each(rates, shape)
     return FreeMotion(**in_shape(_core.free_quantities(*columns), shape))

@@ -21,8 +21,8 @@ fn symmetric_to_the_bit_only() {
         assert_eq!(form(&body([1.0, 1.0, one_more], omega)), Some(ClosedForm::Symmetric));
         assert_eq!(form(&body([1.0, 1.3, 1.5], [0.0, 0.0, 0.5])), Some(ClosedForm::PermanentRotation));
         assert_eq!(form(&body([1.0, 1.3, 1.5], [0.0, 1e-140, 0.5])), Some(ClosedForm::Asymmetric));
-        // The square of this number underflows.
-        assert_eq!(form(&body([1.0, 1.3, 1.5], [0.0, 5e-324, 0.5])), Some(ClosedForm::PermanentRotation));
+        // The square of this number underflows, yet the axis of the rotation precesses.
+        assert_eq!(form(&body([1.0, 1.3, 1.5], [0.0, 5e-324, 0.5])), Some(ClosedForm::Asymmetric));
 
         let weight = turned([0.0, 0.0, -2.0]);
         let heavy = |moments, omega| Body { weight, ..body(moments, omega) };
@@ -58,8 +58,12 @@ fn upright_hanging_and_plane_swings() {
                 "axis {axis} {attitude:?}"
             );
             assert_eq!(form(&spin(1e-140, 3.0)), Some(ClosedForm::Lagrange), "axis {axis} {attitude:?}");
+            // From the upright position a top without enough spin falls; other swings of this size never count.
+            let falls = attitude[0] != 0.0;
+            let small = if falls { ClosedForm::Lagrange } else { ClosedForm::PermanentRotation };
+            assert_eq!(form(&spin(1e-200, 3.0)), Some(small), "axis {axis} {attitude:?}");
             assert_eq!(
-                form(&spin(1e-200, 3.0)),
+                form(&spin(1e-200, 5.0)),
                 Some(ClosedForm::PermanentRotation),
                 "axis {axis} {attitude:?}"
             );

@@ -34,7 +34,7 @@ const COMPLEMENTS: [f64; 18] = [
 fn theta_quotients_are_jacobi_functions() {
     let mut worst = 0.0_f64;
     for mc in COMPLEMENTS {
-        let torus = Torus::new(1.0 - mc, mc);
+        let torus = Torus::new(1.0 - mc, mc, 0.0);
         let quarter = complete_k(mc);
         for k in -120..=120 {
             let u = quarter * (0.043 * f64::from(k) + 1e-4);
@@ -62,7 +62,7 @@ fn theta_quotients_are_jacobi_functions() {
 #[test]
 fn the_phase_of_jacobi_functions() {
     for mc in COMPLEMENTS {
-        let torus = Torus::new(1.0 - mc, mc);
+        let torus = Torus::new(1.0 - mc, mc, 0.0);
         for part in [0.0, 1e-12, 1e-3, 0.1, 0.3, 0.49, 0.51, 0.8, 0.999, 1.0 - 1e-12, 1.0] {
             for sign in [1.0, -1.0] {
                 // Measured from the far end if that is nearer, so that the small distance is known too.
@@ -70,7 +70,7 @@ fn the_phase_of_jacobi_functions() {
                 let rest = torus.quarter() * if far { part - 1.0 } else { part };
                 let at = Phase { quarters: if far { sign } else { 0.0 }, rest: sign * rest };
                 let [sn, cn, dn] = torus.jacobi(&at, &torus.multiples(&at));
-                let found = torus.phase(sn, cn, dn);
+                let found = torus.phase(sn, cn, dn, [torus.reduced, torus.unit]);
                 let apart = (found.quarters - at.quarters) * torus.quarter() + (found.rest - at.rest);
                 // In the middle the phase may be measured from the other end, at the same distance.
                 let length = at.rest.abs().max(found.rest.abs());
@@ -87,7 +87,7 @@ fn the_phase_of_jacobi_functions() {
 /// On the separatrix a phase has no quarter periods, and the functions are tanh and sech.
 #[test]
 fn the_torus_of_the_separatrix() {
-    let torus = Torus::new(1.0, 0.0);
+    let torus = Torus::new(1.0, 0.0, 0.0);
     assert_eq!((torus.quarter(), torus.scale), (f64::INFINITY, 1.0));
     for u in [-30.0, -1.0, 0.0, 1e-9, 0.5, 7.0, 120.0] {
         let phase = torus.advance(&Phase { quarters: 0.0, rest: 0.0 }, 1.0, u);

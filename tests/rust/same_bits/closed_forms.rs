@@ -60,12 +60,13 @@ fn exit_of(number: usize) -> [f64; 3] {
 fn evaluated(kind: EvaluatorKind, isa: Isa, lanes: &[(usize, Body)]) -> Vec<Vec<u64>> {
     let mut starts = StartRows::filled(&lanes[0].1);
     let nothing = Row([0.0; LANES]);
-    let mut exits = ExitRows { axis: nothing, limit: nothing, direction: nothing };
+    let mut exits = ExitRows { axis: nothing, limit: [nothing; 2], direction: nothing };
     let mut times = [nothing; EVALUATION_TIMES.len()];
     for (lane, (number, body)) in lanes.iter().enumerate() {
         starts.set(lane, body);
         let [axis, limit, direction] = exit_of(*number);
-        (exits.axis.0[lane], exits.limit.0[lane], exits.direction.0[lane]) = (axis, limit, direction);
+        (exits.axis.0[lane], exits.direction.0[lane]) = (axis, direction);
+        (exits.limit[0].0[lane], exits.limit[1].0[lane]) = (limit, 2.0 - limit);
         for (k, row) in times.iter_mut().enumerate() {
             row.0[lane] = EVALUATION_TIMES[(k + number) % EVALUATION_TIMES.len()];
         }
