@@ -382,7 +382,11 @@ impl Watched<'_> {
     /// it is of regularity, that the first run takes with the same method.
     fn steps_of(&self, body: &Body, forces: BodyForces, cross_check: bool) -> u64 {
         let method = self.method(cross_check);
-        let rate = body.step_rate(method, forces, [0.0, self.t_end]);
+        let rate = if forces.is_none() {
+            body.neighbours_rate()
+        } else {
+            body.step_rate(method, forces, [0.0, self.t_end])
+        };
         let (is_ruled, is_called) = (self.criterion.rule().is_some(), self.calls_functions());
         let own = match (cross_check, is_ruled) {
             (true, true) => regular::second_step(rate, self.t_end),

@@ -349,3 +349,26 @@ def test_a_rate_near_zero_that_moves_away_first_leaves_when_it_comes_back() -> N
         change = t[1:][np.flatnonzero(rates[1:] * rates[:-1] < 0.0)[0]]
         # The step of the times, and the cubic of a step of the map.
         assert abs(left[body] - change) < 1e-4
+
+
+@pytest.mark.parametrize("moment", [0.5, 0.50000005])
+def test_symmetric_tops_are_measured_as_well_as_their_neighbours(moment: float) -> None:
+    """Mean rates by the steps of the map against those by steps ten times shorter."""
+
+    def means(**options: Any) -> np.ndarray[Any, np.dtype[np.float64]]:
+        result = rigid.stability_map(
+            rigid.HeavyTop(rigid.Body((0.5, moment, 0.9)), mgl=1.5),
+            axes={"t_end": [100.0]},
+            samples=128,
+            stable=rigid.spin_above(0.3, axis=3),
+            start=rigid.Start(
+                omega=(1.0, 2.0, -1.5), attitude=(0.9, 0.2, 0.3, 0.1), noise=rigid.normal(0.4)
+            ),
+            measure=rigid.mean_rate(2),
+            rng=1,
+            **options,
+        )
+        return result.outcomes(sample=np.arange(128)).measures["mean_rate(2)"]
+
+    # 1e-8 rad per radian turned; the bodies turn at 4 rad/s at most.
+    np.testing.assert_allclose(means(), means(step=0.01), rtol=0, atol=4e-8)
