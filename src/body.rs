@@ -138,6 +138,10 @@ pub fn principal_axes(tensor: [[f64; 3]; 3]) -> Result<([f64; 3], [[f64; 3]; 3])
     let [a, b, c] = order.map(|k| eigen.eigenvalues[k]);
     // The eigenvalues of a flat body are rounded, so an excess of a few ulp counts as equality.
     let c = if c - b > a && c - b <= a + EIGENVALUE_ROUNDING * c { a + b } else { c };
+    // So are those of a rod, whose moment about its axis is zero.
+    let rounding = EIGENVALUE_ROUNDING * c;
+    let is_rod = c > 0.0 && a.abs() <= rounding && c - b <= rounding;
+    let [a, b] = if is_rod { [0.0, c] } else { [a, b] };
     let column = |k: usize| {
         let v = eigen.eigenvectors.column(order[k]).into_owned();
         if v[v.iamax()] < 0.0 { -v } else { v }

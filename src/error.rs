@@ -25,7 +25,7 @@ pub enum Error {
     /// A moment of inertia is zero or negative.
     #[error(
         "moments = ({}, {}, {}): every moment of inertia must be positive \
-         (a rod, with one moment zero, has no equation of motion about its own axis)",
+         (a thin rod has zero about its axis and two equal moments, a mass point has no rotation)",
         short(.0), short(.1), short(.2)
     )]
     MomentNotPositive(f64, f64, f64),

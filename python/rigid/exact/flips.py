@@ -70,7 +70,7 @@ def flip_times(
     scene = check_scene(scene, many=True)
     require_unforced(scene, "a closed form")
     number = positive_int("count", count)
-    bodies = bodies_of(scene, omega, attitude)
+    bodies = bodies_of(scene, omega, attitude, rod=True)
     chosen = None if axis is None else body_axis(axis)
     try:
         times = _core.flip_times(bodies, chosen, number)

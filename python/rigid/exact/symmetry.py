@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._checks.arguments import first_place
+from ..model.body import refuse_rods
 from ..model.scene import HeavyTop
 from ..solve.arrays import in_rows
 from ..solve.closed_form import lagrange_axes
@@ -31,10 +32,15 @@ class Symmetry:
     across: Floats  #: I1 = I2
 
 
-def symmetry_of(scene: HeavyTop, line: Floats | None = None) -> Symmetry:
-    """The symmetry of heavy tops about a line, by default the line through ``com``."""
+def symmetry_of(scene: HeavyTop, line: Floats | None = None, *, rod: bool = False) -> Symmetry:
+    """The symmetry of heavy tops about a line, by default the line through ``com``.
+
+    A rod is refused unless ``rod`` is true: it has no moment along its axis.
+    """
     shape = scene.shape
     moments, com = np.asarray(scene.body.moments), np.asarray(scene.com)
+    if not rod:
+        refuse_rods(moments)
     axes = lagrange_axes(in_rows(moments, shape), in_rows(com if line is None else line, shape))
     axis = np.broadcast_to(axes.reshape(shape if len(axes) == prod(shape) else ()), shape)
     side, along, across = (

@@ -38,6 +38,9 @@ __all__ = [
 
 Floats = NDArray[np.float64]
 
+LEAST_LIMIT = 1e-150
+"""Least angle (rad) whose cosine is told from one by a double, ``1 - cos``."""
+
 
 @short_repr
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -116,8 +119,8 @@ def lagrange_top(
     >>> motion.kind, round(float(motion.tilt_min), 12)
     ('cusp', 0.5)
     """
-    _lagrange(scene)
-    bodies = bodies_of(scene, omega, attitude)
+    _lagrange(scene, rod=True)
+    bodies = bodies_of(scene, omega, attitude, rod=True)
     values = _core.top_quantities(bodies)
     kinds = np.array(values.pop("kind"), dtype=np.str_).reshape(bodies.shape)
     return TopMotion(kind=_tuples(kinds.tolist()), **in_shape(values, bodies.shape))
@@ -159,11 +162,11 @@ def tilt_time(
     >>> bool(np.isinf(rigid.exact.tilt_time(top, [0.0, 0.0, 10.0], tilted, limit=1.0)))
     True
     """
-    _lagrange(scene)
+    _lagrange(scene, rod=True)
     angle = finite_float("limit", limit, positive=True)
-    if angle > pi:
-        raise ValueError(f"limit = {angle}: must lie in (0, pi] (rad)")
-    bodies = bodies_of(scene, omega, attitude)
+    if not LEAST_LIMIT <= angle <= pi:
+        raise ValueError(f"limit = {angle}: must lie in (0, pi] (rad), and reach {LEAST_LIMIT:g}")
+    bodies = bodies_of(scene, omega, attitude, rod=True)
     times = _core.tilt_times(bodies, angle)
     return times.reshape(bodies.shape)[()]
 
@@ -359,12 +362,12 @@ def pendulum_period(scene: HeavyTop, amplitude: ArrayLike, *, axis: int) -> Floa
         return np.asarray(2.0 * pi / (frequency * agm(1.0, cosine)))[()]
 
 
-def _lagrange(scene: HeavyTop) -> Symmetry:
+def _lagrange(scene: HeavyTop, *, rod: bool = False) -> Symmetry:
     """The symmetry of Lagrange tops with weight."""
     require_unforced(check_heavy_top(scene, many=True), "a closed form")
     rule = "a top without weight is a free body; use exact.free_body"
     require_each(scene, np.any(scene.weight, axis=-1), rule, ("mgl",))
-    symmetry = symmetry_of(scene, scene.weight)
+    symmetry = symmetry_of(scene, scene.weight, rod=rod)
     rule = (
         "a Lagrange top has two exactly equal moments and its centre of mass exactly on the "
         "third axis"

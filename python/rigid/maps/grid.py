@@ -13,8 +13,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
 from .._checks.float_environment import in_standard_floats
+from .._moments import rods, without_spin
 from ..model.body import Body
-from ..model.forces import FORCES
+from ..model.forces import FORCES, forces_in_words
 from ..model.scene import Scene
 from ..model.start import Noise, Start, tilted_attitude, tilted_rates
 from ..model.torque import Torque, checked_damping, forces_of
@@ -296,9 +297,10 @@ def nominal_starts(
         omega = tilted_rates(pixels.spin, start.axis, rates_tilt)
     weight = scene.weights(pixels.own, count)
     omega = _on_surface(pixels, weight, omega, attitude)
+    _check_rods(pixels, start, omega, weight, acting)
     return NominalStarts(
         scene=scene,
-        moments=pixels.moments,
+        moments=without_spin(pixels.moments),
         weight=weight,
         own=pixels.own,
         omega=omega,
@@ -356,6 +358,35 @@ def _without_axes(scene: Scene, start: Start, count: int) -> PixelValues:
         omega_size=each(np.broadcast_to(noise, (3,)), 1),
         attitude_size=each(np.broadcast_to(attitude_noise, (3,)), 1),
     )
+
+
+def _check_rods(
+    pixels: PixelValues, start: Start, omega: Floats, weight: Floats, acting: tuple[str, ...]
+) -> None:
+    """Raise ValueError if a rod, without a moment about its axis, would spin about it."""
+    thin = rods(pixels.moments)[:, np.newaxis] & (pixels.moments == 0.0)
+    if not thin.any():
+        return
+    axis = int(thin.any(axis=0).argmax()) + 1
+    if np.any(omega[thin] != 0.0):
+        raise ValueError(
+            f"start: a rod has no moment about its axis and cannot spin; omega{axis} must be 0"
+        )
+    aside = ~thin & thin.any(axis=1)[:, np.newaxis]
+    if np.any(np.broadcast_to(weight, aside.shape)[aside] != 0.0):
+        raise ValueError("com: the mass of a rod is on its axis, and so must be com")
+    if acting:
+        raise ValueError(
+            f"scene: no rod moves under {forces_in_words(acting)}, which could spin it about its "
+            "axis, where it has no moment; give a small moment"
+        )
+    noise = start.noise
+    is_known = isinstance(noise, Noise) and noise.kind in ("normal", "uniform") and not noise.cov
+    if noise is not None and (not is_known or np.any(pixels.omega_size[thin] != 0.0)):
+        raise ValueError(
+            f"noise: a rod has no moment about its axis and cannot spin; give normal or uniform "
+            f"noise of three sizes, with 0 for axis {axis}"
+        )
 
 
 def _on_surface(pixels: PixelValues, weight: Floats, omega: Floats, attitude: Floats) -> Floats:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
-from .._checks.arguments import brief, finite_float, numbers, shaped, vector
+from .._checks.arguments import brief, finite_float, first_place, numbers, shaped, vector
 from .._checks.quantities import without_unit
 from .._checks.warned import warn_caller
 from .._moments import (
@@ -18,6 +18,7 @@ from .._moments import (
     checked_moments,
     possible_moments,
     refuse_tensor,
+    rods,
     symmetric_tensor,
 )
 from .gravity import checked_properties
@@ -97,8 +98,9 @@ class Body:
     Raises
     ------
     ValueError
-        If no body has these moments: each must be finite and positive (a rod has no equation of
-        motion about its own axis), none above the sum of the other two (a flat body has equality).
+        If no body has these moments: each must be finite and positive, none above the sum of the
+        other two (a flat body has equality). A rod may have zero about its axis: :meth:`rod`. A
+        mass point, with three zeros, has no rotation.
 
     Warns
     -----
@@ -367,6 +369,48 @@ takes such moments as they are
         inner, mass = _length("inner", inner, zero=True), _mass(mass)
         _together(radius=radius, inner=inner, mass=mass)
         return cls._upright(solids.sphere(radius, inner=inner, mass=mass))
+
+    @classmethod
+    def rod(cls, length: ArrayLike, *, mass: ArrayLike = 1.0) -> Body:
+        """A thin rod along axis 3, without a moment about this axis: :func:`rigid.solids.rod`.
+
+        ``I = mass/12 (length², length², 0)``. A dumbbell is ``Body((I, I, 0))``. Such a body cannot
+        spin about its own axis: ``omega3`` must be 0. It turns uniformly about its angular
+        momentum; as a heavy top it is a spherical pendulum. What needs the spin is refused.
+
+        Parameters
+        ----------
+        length : array_like, shape (...)
+            Length (m), positive.
+        mass : array_like, shape (...)
+            Mass (kg), positive.
+
+        Returns
+        -------
+        Body
+            Many bodies if the length or the mass is an array.
+
+        Raises
+        ------
+        ValueError
+            As for :meth:`box`.
+
+        Examples
+        --------
+        >>> import numpy as np, rigid
+        >>> rod = rigid.Body.rod(2.0, mass=3.0)
+        >>> rod.moments
+        (1.0, 1.0, 0.0)
+        >>> top, _ = rigid.HeavyTop.from_mass(rod, com=(0.0, 0.0, 1.0), g=9.81)
+        >>> small = rigid.exact.pendulum_period(top, 0.0, axis=1)  # 2 pi sqrt(2 length / 3 g)
+        >>> bool(np.isclose(small, 2.0 * np.pi * np.sqrt(4.0 / (3.0 * 9.81))))
+        True
+        """
+        from .. import solids
+
+        length, mass = _length("length", length), _mass(mass)
+        _together(length=length, mass=mass)
+        return cls._upright(solids.rod(length, mass=mass))
 
     @classmethod
     def cylinder(
@@ -702,6 +746,7 @@ takes such moments as they are
         Their sum and their product cancel (both terms of ``g1 + g2 + g3 + g1 g2 g3 = 0``).
         Of many bodies three arrays of shape ``(...)``.
         """
+        refuse_rods(np.asarray(self.moments))
         i1, i2, i3 = np.moveaxis(np.asarray(self.moments), -1, 0) if self.shape else self.moments
         return (i2 - i3) / i1, (i3 - i1) / i2, (i1 - i2) / i3
 
@@ -819,6 +864,18 @@ def require_one(value: Any) -> None:
         raise ValueError(
             f"{name}: expected one body, got bodies of shape {value.shape}; take one of them, "
             f"{name}[{', '.join('0' * len(value.shape))}]"
+        )
+
+
+def refuse_rods(moments: Floats) -> None:
+    """Raise ValueError for moments, shape (..., 3), of a rod where a spin about its axis counts."""
+    thin = rods(moments)
+    if thin.any():
+        index, place = first_place(np.atleast_1d(thin))
+        values = ", ".join(f"{moment:g}" for moment in np.atleast_2d(moments)[index])
+        raise ValueError(
+            f"moments{place if moments.ndim > 1 else ''} = ({values}): a rod has no moment about "
+            "its axis, and a spin about the axis counts here; give a small moment"
         )
 
 

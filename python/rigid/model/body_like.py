@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from .._checks.arguments import brief
 from .._checks.arrays import vectors
 from .._moments import checked_moments, refuse_tensor
-from .body import Body, pair_hint
+from .body import Body, pair_hint, refuse_rods
 from .scene import FreeBody, Scene, require_unforced
 
 __all__ = ["BodyLike", "body_of", "moments_of"]
@@ -36,15 +36,14 @@ def body_of(body: object) -> Body:
 def moments_of(body: object, *, rod: bool = False) -> Floats:
     """Principal moments, shape (..., 3), of bodies that can exist.
 
-    A thin rod, with no moment about its own axis, has no equation of motion; ``rod`` lets it pass
-    where none is needed.
+    A thin rod has no moment about its own axis; ``rod`` lets it pass where none is needed.
     """
-    if isinstance(body, (Body, Scene)) or pair_hint(body):
-        return np.array(body_of(body).moments)
-    moments = vectors("moments", body)  # type: ignore[arg-type]  # ValueError if it is no array
-    refuse_tensor("moments", moments)
+    is_body = isinstance(body, (Body, Scene)) or pair_hint(body)
+    given: Any = body_of(body).moments if is_body else body
+    moments = vectors("moments", given)  # ValueError if it is no array
+    if not is_body:
+        refuse_tensor("moments", moments)
+        moments = checked_moments("moments", moments)
     if not rod:
-        return checked_moments("moments", moments)
-    low, middle, high = np.moveaxis(np.sort(moments, axis=-1), -1, 0)
-    rods = ((low == 0.0) & (middle == high) & (high > 0.0))[..., np.newaxis]
-    return np.where(rods, moments, checked_moments("moments", np.where(rods, 1.0, moments)))
+        refuse_rods(moments)
+    return moments.copy()

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._checks.arguments import brief, finite_float, positive_int
+from ..model.body import refuse_rods
 from ..model.scene import HeavyTop, check_heavy_top, require_unforced
 from ..model.seed import seed_from
 from .surface import Section
@@ -120,6 +121,7 @@ class _Top:
 
     def __init__(self, top: HeavyTop, momentum: float) -> None:
         self.moments = np.array(top.body.moments)
+        refuse_rods(self.moments)
         self.weight = np.reshape(top.weight, 3)
         self.momentum = momentum
 

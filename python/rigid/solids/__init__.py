@@ -213,8 +213,8 @@ def disk(radius: ArrayLike, *, inner: ArrayLike = 0.0, mass: ArrayLike = 1.0) ->
 def rod(length: ArrayLike, *, mass: ArrayLike = 1.0) -> MassProperties:
     """A thin rod along axis 3: moments ``M l²/12`` about axes 1 and 2, zero about axis 3.
 
-    Lecture notes, § 5.4, example 1, where the integral must begin at ``-l/2`` (erratum G-13). A rod
-    has no equation of motion about its own axis, so :class:`rigid.Body` raises for its moments.
+    Lecture notes, § 5.4, example 1, where the integral must begin at ``-l/2`` (erratum G-13).
+    :meth:`rigid.Body.rod` is the body, which cannot spin about its axis.
 
     Parameters
     ----------

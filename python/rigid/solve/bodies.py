@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from .. import _core
 from .._checks.arrays import IDENTITY
+from .._moments import without_spin
 from ..model.leading import Shape
 from ..model.scene import Scene
 from ..model.torque import NO_EXPONENT, forces_of
@@ -90,7 +91,7 @@ class Bodies:
                 return cls(scene.kind, shape, moments, weight, omega, attitude, None, False, unit)
             exponents = _scale_exponents(scene, shape)
         units = -exponents[:, np.newaxis]
-        moments = np.ldexp(in_rows(np.asarray(scene.body.moments), shape), units)
+        moments = np.ldexp(in_rows(without_spin(np.asarray(scene.body.moments)), shape), units)
         weight = in_rows(scene.weight, shape)
         if np.count_nonzero(weight):
             with np.errstate(over="ignore"):

@@ -85,7 +85,7 @@ def plan_states(
     scene = check_scene(scene, many=True)
     if omega is None and attitude is not None:
         raise ValueError("attitude: says nothing without omega; give both")
-    known = None if omega is None else bodies_of(scene, omega, attitude)
+    known = None if omega is None else bodies_of(scene, omega, attitude, rod=True)
     span = None if t_end is None else finite_float("t_end", t_end, positive=True)
     problem = Problem(
         scene=scene,

@@ -76,7 +76,7 @@ def simulate_chunks(
     scene = check_scene(scene, many=True)
     size = positive_int("chunk", chunk)
     times = times_of_each("t", t)
-    bodies = bodies_of(scene, omega, attitude, times=times.shape[:-1])
+    bodies = bodies_of(scene, omega, attitude, times=times.shape[:-1], rod=True)
     shape = bodies.shape or (1,)
     if len(shape) > 1:
         raise ValueError(f"omega: expected one axis of bodies, got bodies of shape {shape}")

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
+from .._moments import without_spin
 from ..model.criterion import Criterion, Joined
 from ..model.scene import Scene
 from .arrays import in_rows
@@ -152,7 +153,7 @@ def are_slowed_evenly(scene: Scene, forces: _core.Forces, moments: Floats) -> ND
 
 def moment_rows(scene: Scene) -> Floats:
     """The moments of the bodies, shape (n, 3), or (1, 3) if they are equal."""
-    return in_rows(np.asarray(scene.body.moments), scene.shape)
+    return in_rows(without_spin(np.asarray(scene.body.moments)), scene.shape)
 
 
 def weight_rows(scene: Scene) -> Floats:

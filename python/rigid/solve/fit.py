@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import brief, shaped, sorted_times, vector
 from .._checks.shown import short_repr
-from ..model.body import Body
+from ..model.body import Body, refuse_rods
 from ..model.scene import Scene, check_scene
 from .arcs import Arcs, largest_chi2
 from .least_squares import UNTOLD
@@ -188,6 +188,7 @@ def fit(
     ('not determined by the data: equal relative changes of I1, I2, I3',)
     """
     scene = check_scene(scene)
+    refuse_rods(np.asarray(scene.body.moments))
     times = sorted_times("t", t)
     measured = shaped("omega", omega, 3)
     if measured.shape != (len(times), 3):

@@ -16,7 +16,7 @@ from ..model.body import Body
 from ..model.frame import attitudes_in_frame, checked_frame, turned
 from ..model.scene import Scene, check_scene
 from .methods import FALLBACK, check_method, known_method, methods
-from .starts import bodies_of
+from .starts import bodies_of, holds_rods
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
@@ -105,7 +105,7 @@ class Motion:
             forces=scene.forces,
         )
         self._frame = None if frame is None else checked_frame(frame)
-        bodies = bodies_of(scene, omega, attitude, frame=self._frame)
+        bodies = bodies_of(scene, omega, attitude, frame=self._frame, rod=True)
         if len(bodies.shape) > 1:
             raise ValueError(
                 f"omega: expected shape (3,) or (n, 3), got bodies of shape {bodies.shape}"
@@ -176,6 +176,8 @@ class Motion:
         """
         if not isinstance(dt, float):
             dt = without_unit("dt", dt, "s")
+        if torque is not None and self.scene.once(holds_rods):
+            raise ValueError("torque: could spin a rod about its axis, where it has no moment")
         if torque is not None and (self._frame is not None or not _is_plain(torque)):
             torque = rows("torque", torque, 3)[0]
             if self._frame is not None:

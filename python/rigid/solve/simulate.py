@@ -255,7 +255,7 @@ def simulate(
             raise ValueError("frame, out: exclude each other, states in a frame are new arrays")
         frame = checked_frame(frame)
     given = times_of_each("t", t)
-    bodies = bodies_of(scene, omega, attitude, frame=frame, times=given.shape[:-1])
+    bodies = bodies_of(scene, omega, attitude, frame=frame, times=given.shape[:-1], rod=True)
     times = given if given.ndim == 1 else in_rows(given, bodies.shape)
     target = PLAIN
     if out is not None or dtype is not np.float64:

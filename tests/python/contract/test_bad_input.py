@@ -48,7 +48,7 @@ def run(*start: Any, scene: Any = FREE, **options: Any) -> Callable[[], Any]:
     return lambda: rigid.simulate(scene, *start, **{"t": [0.0, 1.0], **options})
 
 
-POSITIVE = "every moment of inertia must be positive (a rod, with one moment zero, "
+POSITIVE = "every moment of inertia must be positive (a thin rod has zero about its axis and "
 TRIANGLE = "no moment may exceed the sum of the other two (triangle inequality; "
 UNSYMMETRIC = "a tensor of inertia is symmetric, to 1e-05 of the largest entry"
 
@@ -57,7 +57,8 @@ REFUSED: list[tuple[Callable[[], Any], type[Exception], list[str]]] = [
     (moments(NAN, 1, 1), ValueError, ["moments = (NaN, 1, 1): ", "must be finite"]),
     (moments(1, INF, 1), ValueError, ["moments = (1, inf, 1): ", "must be finite"]),
     (moments(1, -2, 1), ValueError, ["moments = (1, -2, 1): ", POSITIVE]),
-    (moments(1, 1, 0), ValueError, ["moments = (1, 1, 0): ", POSITIVE]),
+    (moments(0, 0, 0), ValueError, ["moments = (0, 0, 0): ", "a mass point has no rotation"]),
+    (moments(1, 1.1, 0), ValueError, ["moments = (1, 1.1, 0): ", POSITIVE]),
     (moments(1, 1, 2.5), ValueError, ["moments = (1, 1, 2.5): ", TRIANGLE]),
     (moments(5, 1, 2), ValueError, ["moments = (5, 1, 2): ", TRIANGLE]),
     (moments(1e308, 1, -0.0), ValueError, ["moments = (1e308, 1, -0): ", POSITIVE]),

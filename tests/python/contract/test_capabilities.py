@@ -43,6 +43,7 @@ SUBJECTS = (
     "fictitious forces",
     "inertia of point masses",
     "solids and meshes",
+    "rods, dumbbells, mass points",
     "bodies of given density",
     "composite bodies",
     "parallel-axis theorem",

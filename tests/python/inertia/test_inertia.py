@@ -345,7 +345,7 @@ def test_only_mass_properties_are_mass_properties() -> None:
             lambda: inertia.MassProperties(mass=1, centre=[0, 0, 0], tensor=np.diag([1, 1, 3])),
             "no body has the principal",
         ),
-        (lambda: rigid.Body.from_points([1, 1], [[0, 0, 0], [0, 0, 1]]), "moments = "),
+        (lambda: rigid.Body.from_points([1], [[0, 0, 1]]), "moments = "),
         (
             lambda: rigid.Body.from_properties(solids.sphere([1.0, 2.0])),
             r"expected one body, got shape \(2,\)",
