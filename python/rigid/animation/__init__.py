@@ -200,6 +200,8 @@ def animate(
     films = [
         film_of(run, view=view, speed=speed, body=one, trail=trail, shape=shape) for one in indices
     ]
+    if len({len(film.t) for film in films}) > 1:
+        raise ValueError(f"body = {brief(indices)}: their records end at different times")
     states = [states_of(run, one) for one in indices]
     rates = [np.linalg.norm(omega, axis=1) for omega, _ in states]
     _warn_of_aliases(films[0], rates, fps if suffix != ".html" else REFRESH)
@@ -207,7 +209,7 @@ def animate(
         films = side_by_side(films)
         omega, attitude = (np.stack(arrays) for arrays in zip(*states, strict=True))
         left, right = (scene_of(run, one) for one in indices)
-        story = story_of_two((left, right), run.t, omega, attitude)
+        story = story_of_two((left, right), films[0].t, omega, attitude)
         films = [replace(film, story=story) for film in films]
     speed = films[0].speed
     if caption is None and speed != 1.0:

@@ -211,11 +211,12 @@ def film_of(
     ('box', 101, 5.05)
     """
     omega, attitude = states_of(run, body)
+    t = run.t[: len(omega)]
     if trail is not None and trail != np.inf:
         trail = finite_float("trail", trail, positive=True)
-    if len(run.t) < 2:
-        raise one_time("an animation", run.t)
-    span = abs(float(run.t[-1] - run.t[0]))
+    if len(t) < 2:
+        raise one_time("an animation", t)
+    span = abs(float(t[-1] - t[0]))
     if speed is None:
         speed = max(1.0, span / LONGEST)
     speed = finite_float("speed", speed, positive=True)
@@ -237,7 +238,7 @@ def film_of(
         else:
             show = {"cones": _cones, "poinsot": _poinsot}[view]
             parts = show(scene, omega, attitude, momentum[:1])
-    steps = np.diff(run.t)
+    steps = np.diff(t)
     if trail is None:
         trail = np.inf if view == "poinsot" else 0.25 * span
     is_free = view != "top"
@@ -245,9 +246,9 @@ def film_of(
     return Film(
         view=view,
         title=scene.words(),
-        story=story_of(scene, view, run.t, omega, attitude),
+        story=story_of(scene, view, t, omega, attitude),
         name=f"ω = ({', '.join(f'{rate:.3g}' for rate in omega[0])}) rad/s",
-        t=run.t,
+        t=t,
         shown=np.append(steps, steps[-1]) / speed,
         speed=speed,
         attitude=attitude,

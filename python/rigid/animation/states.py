@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from .._checks.arguments import brief
 from ..model.scene import Scene, scene_from_dict
 from ..solve.run import Run
+from ..solve.status import Status
 
 __all__ = ["pair_of", "rates_of", "scene_of", "states_of"]
 
@@ -25,7 +26,10 @@ def scene_of(run: object, body: int | None = None) -> Scene:
 
 
 def states_of(run: Run, body: int | None = None) -> tuple[Floats, Floats]:
-    """Angular velocities (m, 3) and attitudes (m, 4) of one body of a run, in principal axes."""
+    """Angular velocities (m, 3) and attitudes (m, 4) of one body of a run, in principal axes.
+
+    The states end where an event of ``until`` ended the body.
+    """
     if run.frame is not None:
         run = run.in_frame(None)
     if run.attitude is None:
@@ -34,6 +38,9 @@ def states_of(run: Run, body: int | None = None) -> tuple[Floats, Floats]:
         )
     index = _index_of(run, body)
     omega, attitude = run.omega[index], run.attitude[index]
+    if run.status[index] == Status.STOPPED:
+        known = int(np.isfinite(omega).all(axis=-1).cumprod().sum())
+        omega, attitude = omega[:known], attitude[:known]
     if not (np.isfinite(omega).all() and np.isfinite(attitude).all()):
         raise ValueError("status: states that are not finite cannot be shown")
     return omega, attitude

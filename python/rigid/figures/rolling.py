@@ -139,7 +139,7 @@ def poinsot_data(run: Run, *, frame: int = 0) -> PoinsotPicture:
         )
     require_unforced(scene, "Poinsot's picture")
     omega, attitude = states_of(run)
-    k = _index("frame", frame, len(run.t))
+    k = _index("frame", frame, len(omega))
     rolled = free.poinsot(scene, omega, attitude)
     assert rolled.normal is not None
     assert rolled.contact is not None

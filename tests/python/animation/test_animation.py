@@ -233,6 +233,18 @@ def test_a_long_motion_plays_in_twenty_seconds(tmp_path: Path, suffix: str) -> N
     assert shown == pytest.approx(20_000, abs=60)
 
 
+def test_a_film_ends_with_the_event_that_ends_the_run() -> None:
+    t = np.linspace(0.0, 40.0, 201)
+    scene = rigid.FreeBody(rigid.Body((1.0, 2.0, 2.5)))
+    starts = [[1e-3, 1.0, 0.0], [1e-2, 1.0, 0.0]]
+    run = rigid.simulate(scene, starts, t=t, until=rigid.crosses("omega2"))
+    for k, start in enumerate(starts):
+        flip = float(rigid.exact.flip_times(scene, start, axis=2)[0])
+        assert film_of(run, body=k).t.tolist() == t[t <= flip].tolist()
+    with pytest.raises(ValueError, match=r"body = \(0, 1\): their records end at different times"):
+        run.animate()
+
+
 def test_a_short_motion_plays_at_its_own_speed() -> None:
     film = film_of(run_of(BOX))
     assert film.speed == 1.0
