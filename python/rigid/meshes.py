@@ -9,7 +9,9 @@ size. So a mesh far from the origin, a tiny mesh and a huge mesh lose no digits.
 
 from __future__ import annotations
 
+import io
 import os
+import re
 from pathlib import Path
 
 import numpy as np
@@ -18,8 +20,10 @@ from numpy.typing import ArrayLike, NDArray
 from ._checks.arguments import finite_float, first_place, one_line, one_of, shaped
 from ._checks.extras import install_extra
 from ._checks.overflow import refuses_overflow
-from ._checks.quantities import plain
+from ._checks.quantities import LARGE_SIDE, LEAST_DENSITY, plain
+from ._checks.warned import warn_caller
 from .inertia.mass_properties import MassProperties, tensor_of_squares
+from .rotations import quaternion_to_matrix
 
 __all__ = ["file_properties", "mesh_properties", "read_mesh"]
 
@@ -36,7 +40,19 @@ _SAME_CORNER = 4.0 * float(np.finfo(np.float32).eps)
 """Corners are one if they differ by less than this share of the largest coordinate. Files of meshes
 hold single precision, and each triangle has a copy of its corners."""
 
+_TOUCHING = 1e-4
+"""Overlaps count from this share of the size of the mesh on: parts pressed together touch."""
+
+_LINES = 64
+"""Lines through the common box of two surfaces: an overlap over 1/10 of it escapes one in 900."""
+
+_MOST_LINES, _MOST_CROSSINGS = 4096, 400_000_000
+"""Lines, and lines times triangles, of one mesh: one second."""
+
 _READ_FORMATS = ("obj", "off", "ply", "stl")
+
+_UNITS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "in": 0.0254}
+"""Units of length by their names (m)."""
 
 
 @refuses_overflow
@@ -46,21 +62,25 @@ def mesh_properties(
     *,
     density: ArrayLike | None = None,
     mass: ArrayLike | None = None,
+    unit: float | str | None = None,
 ) -> MassProperties:
     """Mass, centre and tensor of inertia of the homogeneous solid inside a closed mesh.
 
     Parameters
     ----------
     vertices : array_like, shape (..., v, 3)
-        Corners (m); leading axes count bodies with the same faces.
+        Corners; leading axes count bodies with the same faces.
     faces : array_like of int, shape (f, 3)
         Indices of the corners of each triangle, from 0, counterclockwise seen from outside. Several
         closed surfaces are allowed: separate bodies, or cavities (counterclockwise seen from inside
-        the cavity). The function does not check whether surfaces intersect.
+        the cavity). Whether they overlap is looked for on up to 64 lines through the box that two
+        surfaces share; a surface that cuts itself is not found.
     density : array_like, shape (...), optional
         Density (kg/m³); 1 if neither density nor mass is given.
     mass : array_like, shape (...), optional
         Mass (kg). Pass either the mass or the density.
+    unit : float or {"m", "cm", "mm", "in"}, optional
+        The unit of the corners, or its length in m; m if it is not given.
 
     Returns
     -------
@@ -69,9 +89,15 @@ def mesh_properties(
     Raises
     ------
     ValueError
-        If the mesh is open, not consistently oriented or inside out, or if it has a triangle
-        without area or an edge of more than two triangles; the message names the triangle or edge.
-        If a result would leave the range of doubles.
+        If the mesh is open, not consistently oriented or inside out, if its surfaces overlap, or if
+        it has a triangle without area or an edge of more than two triangles; the message names the
+        triangle or edge. If a result would leave the range of doubles.
+
+    Warns
+    -----
+    UserWarning
+        If a mesh without ``unit`` is longer than 5 m, and a density is given, or a mass too small
+        for any solid: the corners are probably in mm.
 
     Examples
     --------
@@ -81,7 +107,7 @@ def mesh_properties(
     >>> float(6 * solid.mass), solid.centre
     (1.0, array([0.25, 0.25, 0.25]))
     """
-    points = shaped("vertices", vertices, 3)
+    points = _metres(unit) * shaped("vertices", vertices, 3)
     if points.ndim < 2:
         raise ValueError(f"vertices: expected shape (..., v, 3), got {points.shape}")
     triangles = _triangles(faces, points.shape[-2])
@@ -91,15 +117,15 @@ def mesh_properties(
     low, high = used.min(axis=-2), used.max(axis=-2)
     middle = low + 0.5 * (high - low)
     # A power of two, so that the division is exact.
-    unit = np.ldexp(1.0, np.frexp((high - low).max(axis=-1))[1])
-    local = (points - middle[..., None, :]) / unit[..., None, None]
+    size = np.ldexp(1.0, np.frexp((high - low).max(axis=-1))[1])
+    local = (points - middle[..., None, :]) / size[..., None, None]
     _check_areas(local, triangles)
     volume, first, _, rounding = _moments(local, triangles)
     inside = volume > rounding
     if np.any(~inside):
         index, place = first_place(~inside)
         raise ValueError(
-            f"vertices{place}: the volume inside is {volume[index] * unit[index] ** 3:.3g}; the "
+            f"vertices{place}: the volume inside is {volume[index] * size[index] ** 3:.3g}; the "
             "mesh is inside out (list the corners of each face in the other order) or encloses "
             "nothing"
         )
@@ -108,18 +134,20 @@ def mesh_properties(
     local = local - inner[..., None, :]
     volume, first, second, _ = _moments(local, triangles)
     rest = first / volume[..., None]  # rounding of the first centre
-    total = _mass(density, mass, volume * unit**3)
+    total = _mass(density, mass, volume * size**3)
     spread = (second / volume[..., None, None]) - rest[..., :, None] * rest[..., None, :]
-    square = (unit * unit)[..., None, None] * spread
+    square = (size * size)[..., None, None] * spread
+    if unit is None and (density is not None or mass is not None):
+        _warn_of_unit((high - low).max(axis=-1), total, volume * size**3, density is None)
     return MassProperties(
         mass=total,
-        centre=middle + unit[..., None] * (inner + rest),
+        centre=middle + size[..., None] * (inner + rest),
         tensor=total[..., None, None] * tensor_of_squares(square),
     )
 
 
 def read_mesh(
-    path: str | os.PathLike[str], *, unit: float = 1.0, kind: str | None = None
+    path: str | os.PathLike[str], *, unit: float | str = 1.0, kind: str | None = None
 ) -> tuple[Floats, Indices]:
     """Corners and triangles of a file in STL, OBJ, PLY or OFF, for :func:`mesh_properties`.
 
@@ -129,8 +157,8 @@ def read_mesh(
     Parameters
     ----------
     path : path-like
-    unit : float
-        One unit of the file in m: 0.001 for a file in mm. Files do not contain their unit.
+    unit : float or {"m", "cm", "mm", "in"}
+        The unit of the file, or its length in m. Files do not contain their unit.
     kind : {"stl", "obj", "ply", "off"}, optional
         Format of the file, if the suffix does not name it.
 
@@ -143,7 +171,7 @@ def read_mesh(
     Raises
     ------
     ValueError
-        Naming the path: for another format, or a file without triangles.
+        Naming the path: for another format, a file that is cut, or a file without triangles.
     OSError
         If the file cannot be read.
     ImportError
@@ -156,12 +184,12 @@ def read_mesh(
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     path = os.path.join(folder, "box.stl")
     ...     _ = trimesh.creation.box((250.0, 80.0, 10.0)).export(path)
-    ...     vertices, faces = meshes.read_mesh(path, unit=0.001)
+    ...     vertices, faces = meshes.read_mesh(path, unit="mm")
     >>> vertices.shape, faces.shape
     ((8, 3), (12, 3))
     """
     file = Path(path)
-    unit = finite_float("unit", unit, positive=True)
+    metres = _metres(unit)
     if kind is None and file.suffix.lower()[1:] not in _READ_FORMATS:
         known = ", ".join(f".{name}" for name in _READ_FORMATS)
         raise ValueError(f"path = {str(path)!r}: the suffix must be one of {known}; or give kind")
@@ -170,21 +198,23 @@ def read_mesh(
         import trimesh
     except ImportError:
         raise ImportError(install_extra("meshes of files need trimesh", "mesh")) from None
-    with open(file, "rb") as stream:
-        try:
-            mesh = trimesh.load_mesh(stream, file_type=kind, process=False)
-            corners = np.array(mesh.vertices, dtype=np.float64).reshape(-1, 3)
-            triangles = np.array(mesh.faces, dtype=np.int64).reshape(-1, 3)
-        except Exception as error:  # a reader fails in many ways at a damaged file
-            raise ValueError(
-                f"path = {str(path)!r}: cannot be read as {kind} ({one_line(error)})"
-            ) from None
+    try:
+        data = _without_names(file.read_bytes(), kind)
+        mesh = trimesh.load_mesh(io.BytesIO(data), file_type=kind, process=False)
+        corners = np.array(mesh.vertices, dtype=np.float64).reshape(-1, 3)
+        triangles = np.array(mesh.faces, dtype=np.int64).reshape(-1, 3)
+    except OSError:
+        raise
+    except Exception as error:  # a reader fails in many ways at a damaged file
+        raise ValueError(
+            f"path = {str(path)!r}: cannot be read as {kind} ({one_line(error)})"
+        ) from None
     if not len(triangles):
         raise ValueError(f"path = {str(path)!r}: has no triangles that can be read as {kind}")
     if not np.isfinite(corners).all():
         raise ValueError(f"path = {str(path)!r}: a corner is not finite")
     vertices, faces = _merged(corners, triangles)
-    return unit * vertices, faces
+    return metres * vertices, faces
 
 
 def file_properties(
@@ -192,16 +222,16 @@ def file_properties(
     *,
     density: float | None = None,
     mass: float | None = None,
-    unit: float = 1.0,
+    unit: float | str | None = None,
     kind: str | None = None,
 ) -> MassProperties:
     """Mass, centre and tensor of inertia of the homogeneous solid in a file of a closed mesh.
 
     Parameters
     ----------
-    path, unit, kind
+    path, kind
         As in :func:`read_mesh`.
-    density, mass
+    density, mass, unit
         As in :func:`mesh_properties`.
 
     Returns
@@ -214,6 +244,11 @@ def file_properties(
     ValueError, OSError, ImportError
         As :func:`read_mesh` and :func:`mesh_properties`, naming the path.
 
+    Warns
+    -----
+    UserWarning
+        As :func:`mesh_properties`.
+
     Examples
     --------
     >>> import os, tempfile, trimesh
@@ -221,16 +256,61 @@ def file_properties(
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     path = os.path.join(folder, "box.stl")
     ...     _ = trimesh.creation.box((250.0, 80.0, 10.0)).export(path)
-    ...     properties = meshes.file_properties(path, mass=0.3, unit=0.001)
+    ...     properties = meshes.file_properties(path, mass=0.3, unit="mm")
     >>> (properties.tensor.diagonal() * 1e6).round(6)
     array([ 162.5, 1565. , 1722.5])
     """
-    vertices, faces = read_mesh(path, unit=unit, kind=kind)
+    vertices, faces = read_mesh(path, kind=kind)
     try:
-        return mesh_properties(vertices, faces, density=density, mass=mass)
+        return mesh_properties(vertices, faces, density=density, mass=mass, unit=unit)
     except ValueError as error:
         reason = str(error).replace("; corners stored several times must be merged first", "")
         raise ValueError(f"path = {str(path)!r}: {reason}") from None
+
+
+def _metres(unit: float | str | None) -> float:
+    """The length of a unit."""
+    if isinstance(unit, str):
+        return _UNITS[one_of("unit", unit, _UNITS)]
+    return 1.0 if unit is None else finite_float("unit", unit, positive=True)
+
+
+def _warn_of_unit(length: Floats, mass: Floats, volume: Floats, is_given: bool) -> None:
+    """Warn of large meshes, unless the given mass is a possible one; 1 stands for any mass."""
+    light = (mass < LEAST_DENSITY * volume) & (mass != 1.0)
+    large = (length > LARGE_SIDE) & (light | (not is_given))
+    if np.any(large):
+        index, place = first_place(large)
+        warn_caller(
+            f"vertices{place}: the mesh is {length[index]:.4g} m long, and its unit is not given; "
+            "give unit='mm', or unit='m' if it is so long"
+        )
+
+
+def _without_names(data: bytes, kind: str) -> bytes:
+    """A file whose text has ASCII only: names and comments may be in any encoding.
+
+    Raises
+    ------
+    ValueError
+        For an STL file that is cut.
+    """
+    if kind == "stl":
+        count = int.from_bytes(data[80:84], "little")
+        whole = 84 + 50 * count
+        if len(data) == whole and count:
+            return data
+        if not data.removeprefix(b"\xef\xbb\xbf").lstrip()[:5].lower() == b"solid":
+            raise ValueError(
+                f"the file is cut: it has {len(data)} bytes, and its {count} triangles take {whole}"
+                if len(data) < max(whole, 84)
+                else f"{len(data) - whole} bytes follow its {count} triangles"
+            )
+        if b"endsolid" not in data.lower():
+            raise ValueError("the file is cut: it has no 'endsolid'")
+    text, end, rest = data.partition(b"end_header") if kind == "ply" else (data, b"", b"")
+    # From a byte beyond ASCII on, the rest of a line is a name; its bytes may look like "\\".
+    return re.sub(rb"[\x80-\xff][^\r\n]*", b"", text.removeprefix(b"\xef\xbb\xbf")) + end + rest
 
 
 def _merged(corners: Floats, triangles: Indices) -> tuple[Floats, Indices]:
@@ -345,6 +425,51 @@ def _check_surfaces(local: Floats, triangles: Indices) -> None:
             f"faces[{k}] = {triangles[k].tolist()}: the surface of this triangle is inside out and "
             "is no cavity of another surface"
         )
+    for place in np.ndindex(shape[1:]):
+        body = (slice(None), *place)
+        k = _overlapping(corners[body], low[body], high[body])
+        if k is not None:
+            raise ValueError(
+                f"faces[{k}] = {triangles[k].tolist()}: the surface of this triangle overlaps "
+                "another, and what both contain would count twice, or a cavity leaves its body; "
+                "join the parts first (a boolean union)"
+            )
+
+
+def _overlapping(corners: Floats, low: Floats, high: Floats) -> int | None:
+    """A triangle where the winding number of the surfaces becomes other than 0 or 1, or None.
+
+    The winding number changes by one at each triangle that a line crosses. The lines have one
+    direction, through random points of the box (``low`` to ``high``) that two surfaces share.
+    """
+    first, second = np.triu_indices(len(low), 1)
+    begin, end = np.maximum(low[first], low[second]), np.minimum(high[first], high[second])
+    shared = (end - begin > _TOUCHING).all(axis=-1)
+    if not shared.any():
+        return None
+    begin, end = begin[shared], end[shared]
+    most = min(_MOST_LINES, _MOST_CROSSINGS // len(corners)) // len(begin)
+    draws = np.random.default_rng(0).random((min(max(most, 1), _LINES), *begin.shape))
+    turn = quaternion_to_matrix([0.36, 0.48, 0.64, 0.48])  # along no axis
+    points = (begin + draws * (end - begin)).reshape(-1, 3)[:_MOST_LINES] @ turn
+    flat, height = (corners @ turn)[..., :2], (corners @ turn)[..., 2]
+    (left, down), (right, up) = flat.min(axis=1).T.copy(), flat.max(axis=1).T.copy()
+    for point in points[:, :2]:
+        within = (left <= point[0]) & (point[0] <= right) & (down <= point[1]) & (point[1] <= up)
+        near = np.flatnonzero(within)
+        x, y = np.moveaxis(flat[near] - point, -1, 0)
+        areas = np.roll(x, -1, 1) * np.roll(y, -2, 1) - np.roll(x, -2, 1) * np.roll(y, -1, 1)
+        hit = (areas > 0.0).all(axis=1) | (areas < 0.0).all(axis=1)
+        near, areas = near[hit], areas[hit]
+        at = (areas * height[near]).sum(axis=1) / areas.sum(axis=1)
+        order = np.argsort(at)
+        winding = np.cumsum(np.where(areas[order, 0] < 0.0, 1, -1))
+        if not len(winding) or winding[-1] != 0:  # a line through an edge
+            continue
+        wrong = ((winding[:-1] < 0) | (winding[:-1] > 1)) & (np.diff(at[order]) > _TOUCHING)
+        if wrong.any():
+            return int(near[order][np.argmax(wrong)])
+    return None
 
 
 def _moments(r: Floats, triangles: Indices) -> tuple[Floats, Floats, Floats, Floats]:

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
 from .._checks.arguments import brief, finite_float, first_place, numbers, shaped, vector
-from .._checks.quantities import without_unit
+from .._checks.quantities import LARGE_SIDE, LEAST_DENSITY, without_unit
 from .._checks.warned import warn_caller
 from .._moments import (
     box_moments,
@@ -51,10 +51,6 @@ Floats = NDArray[np.float64]
 
 Moments: TypeAlias = tuple[float, float, float] | Floats
 """Principal moments of one body, or of many bodies with shape (..., 3)."""
-
-
-LARGE_SIDE, LEAST_DENSITY = 5.0, 0.1
-"""Above this side (m) a box below this density (kg/m³) has other units: aerogels have 0.16."""
 
 
 @dataclass(frozen=True, slots=True, init=False, eq=False, repr=False)
@@ -585,13 +581,14 @@ takes such moments as they are
         *,
         density: float | None = None,
         mass: float | None = None,
+        unit: float | str | None = None,
         about: ArrayLike | None = None,
     ) -> tuple[Body, NDArray[np.float64]]:
         """The homogeneous body inside a closed triangle mesh, and its principal axes.
 
         Parameters
         ----------
-        vertices, faces, density, mass
+        vertices, faces, density, mass, unit
             As for :func:`rigid.meshes.mesh_properties`.
         about
             As for :meth:`from_properties`, whose results these are.
@@ -620,7 +617,7 @@ takes such moments as they are
         from ..meshes import mesh_properties
 
         return cls.from_properties(
-            mesh_properties(vertices, faces, density=density, mass=mass), about=about
+            mesh_properties(vertices, faces, density=density, mass=mass, unit=unit), about=about
         )
 
     @classmethod
@@ -630,7 +627,7 @@ takes such moments as they are
         *,
         density: float | None = None,
         mass: float | None = None,
-        unit: float = 1.0,
+        unit: float | str | None = None,
         about: ArrayLike | None = None,
     ) -> tuple[Body, NDArray[np.float64]]:
         """The homogeneous body in an STL file, and its principal axes; needs trimesh.
@@ -643,8 +640,8 @@ takes such moments as they are
             Density (kg/m³); 1 if neither density nor mass is given.
         mass : float, optional
             Mass (kg). Pass either the mass or the density.
-        unit : float
-            One unit of the file in m: 0.001 for a file in mm.
+        unit : float or {"m", "cm", "mm", "in"}, optional
+            The unit of the file, or its length in m; m if it is not given.
         about
             As for :meth:`from_properties`, whose results these are, in the axes of the file.
 
@@ -665,13 +662,18 @@ takes such moments as they are
         ImportError
             Without trimesh, extra ``mesh``.
 
+        Warns
+        -----
+        UserWarning
+            If a file without ``unit`` is longer than 5 m: see :func:`rigid.meshes.mesh_properties`.
+
         Examples
         --------
         >>> import os, tempfile, rigid, trimesh
         >>> with tempfile.TemporaryDirectory() as folder:
         ...     path = os.path.join(folder, "box.stl")
         ...     _ = trimesh.creation.box((250.0, 80.0, 10.0)).export(path)
-        ...     body, axes = rigid.Body.from_stl(path, mass=0.3, unit=0.001)
+        ...     body, axes = rigid.Body.from_stl(path, mass=0.3, unit="mm")
         >>> [round(moment, 9) for moment in body.moments]
         [0.0001625, 0.001565, 0.0017225]
         """
@@ -687,7 +689,7 @@ takes such moments as they are
         *,
         density: float | None = None,
         mass: float | None = None,
-        unit: float = 1.0,
+        unit: float | str | None = None,
         about: ArrayLike | None = None,
     ) -> tuple[Body, NDArray[np.float64]]:
         """The homogeneous body in an OBJ file, and its principal axes.
@@ -719,7 +721,7 @@ takes such moments as they are
         >>> with tempfile.TemporaryDirectory() as folder:
         ...     path = os.path.join(folder, "box.obj")
         ...     _ = trimesh.creation.box((250.0, 80.0, 10.0)).export(path)
-        ...     body, axes = rigid.Body.from_obj(path, mass=0.3, unit=0.001)
+        ...     body, axes = rigid.Body.from_obj(path, mass=0.3, unit="mm")
         >>> [round(moment, 9) for moment in body.moments]
         [0.0001625, 0.001565, 0.0017225]
         """

@@ -113,7 +113,7 @@ def test_corners_that_differ_by_rounding_are_one(tmp_path: Path) -> None:
     path = binary_stl(tmp_path / "jitter.stl", jittered, np.arange(36).reshape(-1, 3))
     vertices, faces = meshes.read_mesh(path)
     assert (len(vertices), len(faces)) == (8, 12)
-    body, _ = rigid.Body.from_stl(path, mass=6.0)
+    body, _ = rigid.Body.from_stl(path, mass=6.0, unit="m")
     assert np.allclose(body.moments, 1e6, rtol=1e-6)  # ulp of 1300 in single precision: 1.2e-4
 
 
@@ -121,7 +121,7 @@ def test_two_parts_and_triangles_without_extent(tmp_path: Path) -> None:
     far = np.concatenate([CUBE, CUBE + np.array([5.0, 0.0, 0.0])])
     both = np.concatenate([TRIANGLES, 8 + TRIANGLES, [[0, 1, 1]]])
     path = binary_stl(tmp_path / "two.stl", far, both)
-    found = meshes.file_properties(path, density=1.0)
+    found = meshes.file_properties(path, density=1.0, unit="m")
     assert np.isclose(found.mass, 2.0, rtol=1e-15)
     assert np.allclose(found.centre, [3.0, 0.5, 0.5], rtol=1e-15)
 
@@ -138,6 +138,61 @@ def test_what_is_no_closed_mesh_is_refused(tmp_path: Path) -> None:
     turned = obj(tmp_path / "turned.obj", CUBE, flipped)
     with pytest.raises(ValueError, match=r"turned\.obj': .* not consistently oriented"):
         rigid.Body.from_obj(turned, mass=1.0)
+
+
+@pytest.mark.parametrize(
+    "name", ["Körper".encode("latin-1"), "表".encode("shift_jis"), "表".encode(), b"x y"]
+)
+def test_names_in_a_file_may_be_in_any_encoding(name: bytes, tmp_path: Path) -> None:
+    """The second byte of a sign of Shift-JIS may look like a backslash, which joins lines."""
+    text = ascii_stl(tmp_path / "a.stl", CUBE, TRIANGLES).read_bytes()
+    for mark in (b"", b"\xef\xbb\xbf"):
+        (tmp_path / "a.stl").write_bytes(mark + text.replace(b"part", name))
+        assert np.allclose(rigid.Body.from_stl(tmp_path / "a.stl")[0].moments, 1.0 / 6.0)
+    text = obj(tmp_path / "a.obj", CUBE, TRIANGLES).read_bytes()
+    (tmp_path / "a.obj").write_bytes(b"# " + name + b"\n" + text.replace(b"part", name))
+    assert np.allclose(rigid.Body.from_obj(tmp_path / "a.obj")[0].moments, 1.0 / 6.0)
+    cube = trimesh.Trimesh(CUBE, TRIANGLES)
+    for encoding in ("ascii", "binary"):
+        text = trimesh.exchange.ply.export_ply(cube, encoding=encoding)
+        text = text.replace(b" 1.0\n", b" 1.0\ncomment " + name + b"\n", 1)
+        (tmp_path / "a.ply").write_bytes(text)
+        read = meshes.file_properties(tmp_path / "a.ply")
+        assert np.allclose(read.tensor, np.eye(3) / 6.0)
+
+
+def test_a_cut_file_is_called_cut(tmp_path: Path) -> None:
+    whole = binary_stl(tmp_path / "cut.stl", CUBE, TRIANGLES).read_bytes()
+    for content, rule in (
+        (whole[:300], "the file is cut: it has 300 bytes, and its 12 triangles take 684"),
+        (whole[:60], "the file is cut: it has 60 bytes"),
+        (whole + b"0123456", "7 bytes follow its 12 triangles"),
+        (ascii_stl(tmp_path / "a.stl", CUBE, TRIANGLES).read_bytes()[:700], "it has no 'endsolid'"),
+    ):
+        (tmp_path / "cut.stl").write_bytes(content)
+        with pytest.raises(ValueError, match=rf"path = '.*cut\.stl': cannot be read as .*{rule}"):
+            rigid.Body.from_stl(tmp_path / "cut.stl")
+
+
+def test_a_file_in_mm_needs_its_unit(tmp_path: Path) -> None:
+    path = binary_stl(tmp_path / "mm.stl", np.array([240.0, 100.0, 1.0]) * CUBE, TRIANGLES)
+    with pytest.warns(UserWarning, match=r"the mesh is 240 m long, and its unit is not given; giv"):
+        assert rigid.Body.from_stl(path, density=2700.0)[0].mass == 64.8e6
+    with pytest.warns(UserWarning, match=r"the mesh is 240 m long, and its unit is not given; giv"):
+        rigid.Body.from_stl(path, mass=0.0648)
+    metal, _ = rigid.Body.from_stl(path, density=2700.0, unit="mm")
+    assert metal.mass == pytest.approx(0.0648, rel=1e-14)
+    vertices, faces = meshes.read_mesh(path)
+    for made in (
+        rigid.Body.from_stl(path, density=2700.0, unit=0.001)[0],
+        rigid.Body.from_mesh(vertices, faces, density=2700.0, unit="mm")[0],
+    ):
+        assert made == metal
+    # A mass that is that of a solid, and a length that is meant.
+    rigid.Body.from_stl(path, mass=64.8e6)
+    rigid.Body.from_stl(path, density=2700.0, unit="m")
+    with pytest.raises(ValueError, match=r"unit = 'inch': must be one of 'm', 'cm', 'mm', 'in'"):
+        rigid.Body.from_stl(path, mass=1.0, unit="inch")
 
 
 def test_what_is_no_mesh_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

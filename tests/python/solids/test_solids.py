@@ -285,14 +285,14 @@ def test_far_from_the_origin_nothing_cancels() -> None:
 
 @pytest.mark.parametrize("scale", [1e-90, 1e-3, 1e60])
 def test_tiny_and_huge_meshes(scale: float) -> None:
-    found = meshes.mesh_properties(CORNERS * scale, BOX_FACES, mass=6.0)
+    found = meshes.mesh_properties(CORNERS * scale, BOX_FACES, mass=6.0, unit="m")
     assert found.tensor / scale**2 == pytest.approx(np.eye(3), rel=1e-14, abs=1e-14)
 
 
 def test_any_polyhedron_against_its_tetrahedra() -> None:
     for n in (4, 5, 20, 200):
         points, faces = hull(RNG.normal(size=(n, 3)) * [1.0, 2.0, 0.3] + 5.0)
-        found = meshes.mesh_properties(points, faces, density=2.0)
+        found = meshes.mesh_properties(points, faces, density=2.0, unit="m")
         mass, centre, tensor = by_tetrahedra(points, faces)
         assert found.mass == pytest.approx(2.0 * mass, rel=1e-13)
         assert found.centre == pytest.approx(centre, rel=1e-13)
