@@ -4,6 +4,7 @@ use crate::error::Error;
 use crate::float_environment::FloatEnvironment;
 use crate::memory;
 use std::any::Any;
+use std::cell::Cell;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
@@ -124,12 +125,12 @@ pub fn over_blocks<B>(
 /// Runs `worker` on that many threads, the caller's among them. When the caller's part is done, it still asks whether
 /// the others shall stop.
 fn over_threads(threads: usize, stop: &Interrupt, worker: &(impl Fn() + Sync)) {
-    let (caller, running) = (thread::current(), AtomicUsize::new(0));
+    let (caller, running, call) = (thread::current(), AtomicUsize::new(0), owner());
     thread::scope(|scope| {
         for _ in 1..threads {
             running.fetch_add(1, Ordering::Relaxed);
             let other = || {
-                worker();
+                owned(call, worker);
                 running.fetch_sub(1, Ordering::Relaxed);
                 caller.unpark();
             };
@@ -145,6 +146,23 @@ fn over_threads(threads: usize, stop: &Interrupt, worker: &(impl Fn() + Sync)) {
             stop.is_wanted();
         }
     });
+}
+
+thread_local! {
+    static OWNER: Cell<u64> = const { Cell::new(0) };
+}
+
+/// The number of the call for which this thread works, 0 for none.
+pub fn owner() -> u64 {
+    OWNER.get()
+}
+
+/// Does `work` for the call of that number, in this thread and in those that it starts.
+pub fn owned<T>(owner: u64, work: impl FnOnce() -> T) -> T {
+    let before = OWNER.replace(owner);
+    let result = work();
+    OWNER.set(before);
+    result
 }
 
 /// Does `work` on another thread, while the caller asks whether `work` shall stop; in the caller's thread where no other

@@ -13,6 +13,7 @@ from .solve.request import Request
 __all__ = [
     "CHECKPOINT_PARTS",
     "DRIFT_LIMIT",
+    "FEWEST_STEPS",
     "FIXED_POINT",
     "ROUNDING",
     "Forces",
@@ -72,6 +73,7 @@ __all__ = [
 
 CHECKPOINT_PARTS: Sequence[int]
 DRIFT_LIMIT: float
+FEWEST_STEPS: float
 FIXED_POINT: float
 ROUNDING: float
 __version__: str
@@ -275,6 +277,8 @@ class Forces:
     ) -> Forces: ...
     def select(self, bodies: NDArray[np.intp]) -> Forces: ...
     def slows_evenly(self, moments: NDArray[np.float64]) -> NDArray[np.float64]: ...
+    @property
+    def calls(self) -> bool: ...
     def act(self, bodies: int) -> NDArray[np.bool_]: ...
     def dampings(self, alone: bool) -> NDArray[np.float64]: ...
     def rounded_otherwise(self, sign: float) -> Forces: ...

@@ -1,6 +1,6 @@
 //! `Forces`: those of one body or of many; `BodyForces`: those of one of them; `ForcesInterval`: those in a kernel.
 
-use super::{AtStart, Damping, Further, Table, TorqueCall, TorqueFunction, part, table};
+use super::{AtStart, Damping, FEWEST_STEPS, Further, Table, TorqueCall, TorqueFunction, part, table};
 use crate::error::Error;
 use crate::memory;
 use crate::real::Real;
@@ -365,6 +365,12 @@ impl BodyForces<'_> {
         }
         let is_torque_free = self.table.is_zero() && self.damping.is_none();
         self.further.step_rate(moments, omega, fastest, is_torque_free)
+    }
+
+    /// The longest step of a run between two times that looks at the torque of a function often enough; infinite without
+    /// a function.
+    pub fn longest_unseen(&self, [first, last]: [f64; 2]) -> f64 {
+        if self.function.is_some() { (last - first) / FEWEST_STEPS } else { f64::INFINITY }
     }
 
     /// A bound of |omega| between two times around 0, from the power balance. `twice_kinetic` is taken at the start,

@@ -9,6 +9,13 @@ use crate::real::Real;
 /// time, the rates in the body and the unit quaternion, scalar first, body to space, w >= 0, the torque in the body.
 pub type Function = unsafe extern "C" fn(f64, *const f64, *const f64, *const f64, *mut f64);
 
+/// Fewest steps of a run under a function.
+///
+/// A step of `dop853` looks at the torque at 0, 1/4, 4/13, 1/3, 3/5, 127/195, 6/7 and 1 of its length, `rk4` at 0, 1/2
+/// and 1, `midpoint` at 1/2: no pulse is missed that is longer than 0.42, 0.79 or 1.6 % of the run. The second run looks
+/// elsewhere.
+pub const FEWEST_STEPS: f64 = 64.0;
+
 /// A function that returns a torque, and the numbers that it is given for each body.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TorqueFunction {

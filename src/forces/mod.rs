@@ -23,7 +23,7 @@ pub use bodies::{BodyForces, Forces, ForcesInterval, ParameterChange};
 pub use damping::{Damping, damp};
 pub use dissipation::Dissipation;
 pub use drag::Drag;
-pub use function::{Function, TorqueCall, TorqueFunction};
+pub use function::{FEWEST_STEPS, Function, TorqueCall, TorqueFunction};
 pub use orbit::Orbit;
 pub use rotor::Rotor;
 pub use set::ForceSet;

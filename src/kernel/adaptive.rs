@@ -28,8 +28,10 @@ pub struct AdaptiveSteps {
     pub end: Row,
     /// 1 forward, -1 backward.
     pub direction: Row,
-    /// One over the scale of the rates.
+    /// One over the scale of the rates; a Runge-Kutta method counts the rates that it meets.
     pub inverse_rate: Row,
+    /// The longest step of a Runge-Kutta method.
+    pub longest: Row,
     /// The step that a Runge-Kutta method tries next, with its sign.
     pub trial: Row,
     /// Size of the last terms of a step of a series, or of the error of a Runge-Kutta step.
@@ -49,6 +51,7 @@ impl AdaptiveSteps {
             end: Row([f64::INFINITY; LANES]),
             direction: Row([1.0; LANES]),
             inverse_rate: nothing,
+            longest: nothing,
             trial: nothing,
             tolerance,
         })

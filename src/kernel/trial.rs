@@ -11,9 +11,6 @@ use crate::simd::Row;
 /// The least error of a step that is asked for: below it the estimate consists of rounding.
 const LEAST_ERROR: f64 = 16.0 * f64::EPSILON;
 
-/// The longest step (rad), so that no step leaps over what a body does: it turns by this angle at most.
-const LONGEST: f64 = 2.0;
-
 /// Limits of the factor between two steps, and the share of the step that the error allows (Hairer, Nørsett, Wanner,
 /// Solving ODEs I, section II.4).
 const LEAST_FACTOR: f64 = 0.2;
@@ -74,15 +71,14 @@ fn step<M: Model<f64>, L: Layout, T: Tableau, const D: usize>(
     let interval = forces.load::<f64>(lane);
     let begin = [l.now[0].0[lane], l.now[1].0[lane]];
     let now = begin[0] + begin[1];
-    // No step goes beyond a knot.
+    // No step goes beyond a knot or an output time.
     let room = l.end.0[lane] - now;
-    let known_rate = if l.inverse_rate.0[lane] > 0.0 { 1.0 / l.inverse_rate.0[lane] } else { 0.0 };
-    let longest = if known_rate > 0.0 { LONGEST / known_rate } else { f64::INFINITY };
+    let (known_rate, longest) = (1.0 / l.inverse_rate.0[lane], l.longest.0[lane]);
     let mut wanted = l.trial.0[lane].max(-longest).min(longest);
     let mut slopes: Slopes<f64, D> = [y; _];
     let mut largest_factor = LARGEST_FACTOR;
-    let engine = loop {
-        let is_cut = room.abs() < wanted.abs();
+    let (engine, is_cut) = loop {
+        let is_cut = room.abs() <= wanted.abs();
         let step = if is_cut { room } else { wanted };
         let p = Parameters { step, ..body };
         let engine = <RungeKutta<T, f64, M> as Engine<f64, M, L, D>>::new(&p, &interval, &Numbers::NONE);
@@ -105,13 +101,19 @@ fn step<M: Model<f64>, L: Layout, T: Tableau, const D: usize>(
             let next = step * factor;
             l.trial.0[lane] = if is_cut && next.abs() < wanted.abs() { wanted } else { next };
             let made = step + zero_or_nan(&y[..L::TANGENT_AT]);
+            let fastest = speed(&y);
+            if fastest > known_rate {
+                l.inverse_rate.0[lane] = 1.0 / fastest;
+            }
             (l.unit.0[lane], g.step.0[lane]) = (step, made);
-            break engine;
+            break (engine, is_cut);
         }
         wanted = step * factor;
         largest_factor = 1.0;
     };
-    let (time, residue) = two_sum(begin[0], g.step.0[lane] + begin[1]);
+    let is_at_end = is_cut && g.step.0[lane].is_finite();
+    let (time, residue) =
+        if is_at_end { (l.end.0[lane], 0.0) } else { two_sum(begin[0], g.step.0[lane] + begin[1]) };
     (l.begin[0].0[lane], l.begin[1].0[lane]) = (begin[0], begin[1]);
     (l.now[0].0[lane], l.now[1].0[lane]) = (time, residue);
     let reached = some_ends((l.next.0[lane] - time) * l.direction.0[lane]);
@@ -127,7 +129,7 @@ fn step<M: Model<f64>, L: Layout, T: Tableau, const D: usize>(
     reached
 }
 
-/// The error of a step over the tolerance: of the rates relative to the fastest known, of the directions in rad. The
+/// The error of a step over the tolerance: of the rates relative to the fastest known or met, of the directions in rad. The
 /// balance follows from the motion, so the balance is ignored. The estimates of order 5 and 3 become one that falls as
 /// the eighth power of the step (Hairer, Nørsett, Wanner, section II.10).
 #[inline(always)]
@@ -150,5 +152,7 @@ fn error<L: Layout, const D: usize>(
     if fifth == 0.0 {
         return 0.0;
     }
-    fifth * (fifth / (fifth * fifth + 0.01 * third * third).sqrt()) / tolerance.max(LEAST_ERROR)
+    // Squares of the estimates would underflow where a smooth torque sets in.
+    let ratio = third / fifth;
+    fifth / (1.0 + 0.01 * ratio * ratio).sqrt() / tolerance.max(LEAST_ERROR)
 }

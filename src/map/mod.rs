@@ -393,6 +393,7 @@ impl Watched<'_> {
             (true, false) if !is_called => default_step(method, rate),
             _ => self.method.default_step([is_ruled, is_called], rate),
         };
+        let own = own.min(forces.longest_unseen([0.0, self.t_end]));
         let largest = match self.step {
             Some(step) if cross_check => own.min(0.5 * step),
             Some(step) => step,

@@ -1,10 +1,11 @@
 //! Arrays and names of Python as the core reads them, and work without the interpreter.
 
+use super::unraisable::{carrying, has_raised};
 use crate::error::Error;
 use crate::float_environment::FloatEnvironment;
 use crate::forces::ParameterChange;
 use crate::memory;
-use crate::parallel::{Interrupt, apart, caught};
+use crate::parallel::{Interrupt, apart, caught, owned};
 use crate::start::Body;
 use crate::trajectory::Record;
 use numpy::npyffi::{NPY_ARRAY_ALIGNED, NPY_ARRAY_WRITEABLE};
@@ -115,13 +116,37 @@ pub fn interruptible<T: Send>(
     interrupted: Option<&Bound<'_, PyAny>>,
     work: impl FnOnce(&Interrupt) -> Result<T, Error> + Send,
 ) -> PyResult<Result<T, Error>> {
+    watched(py, interrupted, 0, work)
+}
+
+/// The same; work that may call functions of Python is done in another thread, see [`apart`]. It stops when a function
+/// raises, and what the function raised is raised.
+pub fn interruptible_calls<T: Send>(
+    py: Python<'_>,
+    interrupted: Option<&Bound<'_, PyAny>>,
+    calls: bool,
+    work: impl FnOnce(&Interrupt) -> Result<T, Error> + Send,
+) -> PyResult<Result<T, Error>> {
+    if !calls {
+        return interruptible(py, interrupted, work);
+    }
+    carrying(py, |call| watched(py, interrupted, call, |stop| apart(stop, || owned(call, || work(stop)))))
+}
+
+/// Runs the work of the call of that number until a function that it calls has raised, or a signal handler raises.
+fn watched<T: Send>(
+    py: Python<'_>,
+    interrupted: Option<&Bound<'_, PyAny>>,
+    call: u64,
+    work: impl FnOnce(&Interrupt) -> Result<T, Error> + Send,
+) -> PyResult<Result<T, Error>> {
     let interrupted = interrupted.map(|interrupted| interrupted.clone().unbind());
     let raised = Mutex::new(None);
     let ask = || {
         let asked = Python::attach(|py| {
             py.check_signals().and_then(|()| match &interrupted {
                 Some(interrupted) => interrupted.bind(py).call0()?.is_truthy(),
-                None => Ok(false),
+                None => Ok(call != 0 && has_raised(call)),
             })
         });
         asked.unwrap_or_else(|error| {
@@ -132,16 +157,6 @@ pub fn interruptible<T: Send>(
     memory::grow_stack()?;
     let result = py.detach(|| caught(|| work(&Interrupt::when(&ask))));
     raised.into_inner().expect("nothing panics there").map_or(Ok(result), Err)
-}
-
-/// The same; work that may call functions of Python is done in another thread, see [`apart`].
-pub fn interruptible_calls<T: Send>(
-    py: Python<'_>,
-    interrupted: Option<&Bound<'_, PyAny>>,
-    calls: bool,
-    work: impl FnOnce(&Interrupt) -> Result<T, Error> + Send,
-) -> PyResult<Result<T, Error>> {
-    interruptible(py, interrupted, |stop| if calls { apart(stop, || work(stop)) } else { work(stop) })
 }
 
 /// Runs `work` of some microseconds with the lock of the interpreter: to give it up and to take it would add to them.

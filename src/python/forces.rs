@@ -115,6 +115,12 @@ impl PyForces {
         self.of_each(py, &moments, |forces, moments| forces.slows_evenly(moments).unwrap_or(f64::NAN))
     }
 
+    /// Whether a function gives a torque.
+    #[getter]
+    fn calls(&self) -> bool {
+        self.0.of(0).function.is_some()
+    }
+
     /// Whether anything acts on each body: a torque is applied, or a force that is not zero.
     fn act<'py>(&self, py: Python<'py>, bodies: usize) -> PyResult<Bound<'py, PyArray1<bool>>> {
         let act = (0..bodies).map(|body| !self.0.of(body).is_none());

@@ -11,6 +11,7 @@ mod section;
 mod simulate;
 mod states;
 mod target;
+mod unraisable;
 
 use crate::body::{Inertia, MomentStatus, excess, nearest_possible as nearest_of, principal_axes as axes_of};
 use crate::error::Error;
@@ -78,6 +79,9 @@ mod _core {
     /// Largest relative error of energy, momentum or unit lengths of a motion that has not drifted.
     #[pymodule_export]
     const DRIFT_LIMIT: f64 = crate::status::DRIFT_LIMIT;
+
+    #[pymodule_export]
+    const FEWEST_STEPS: f64 = crate::forces::FEWEST_STEPS;
 
     /// Error of a closed form for each radian that a body turns.
     #[pymodule_export]

@@ -2,11 +2,11 @@
 
 use super::bodies::Bodies;
 use super::convert::rows;
-use crate::error::Error;
+use super::unraisable::carrying;
 use crate::float_environment::FloatEnvironment;
 use crate::memory;
 use crate::method::Method;
-use crate::parallel::caught;
+use crate::parallel::{caught, owned};
 use crate::simd::Isa;
 use crate::start::Body;
 use crate::trajectory::{Motion, NUMBERS, Torques};
@@ -24,6 +24,8 @@ pub struct PyMotion {
     /// The unit of moments and weight: a torque is divided by it.
     unit: f64,
     threads: usize,
+    /// Whether steps call functions.
+    calls: bool,
 }
 
 #[pymethods]
@@ -34,9 +36,10 @@ impl PyMotion {
         let _standard = FloatEnvironment::standard();
         let all = bodies.all()?;
         let forces = bodies.forces(all.len())?.copied()?;
+        let calls = forces.of(0).function.is_some();
         let motion =
             Motion::new(&all, time, bodies.scene()?, Method::parse(method)?, forces, Isa::current()?)?;
-        Ok(PyMotion { motion, unit, threads })
+        Ok(PyMotion { motion, unit, threads, calls })
     }
 
     /// The numbers of the steps of each body, and whether a torque has been applied; see `restore`.
@@ -94,11 +97,11 @@ impl PyMotion {
 
 impl PyMotion {
     fn make(&mut self, py: Python<'_>, dt: f64, torques: Torques) -> PyResult<()> {
-        let PyMotion { motion, threads, .. } = self;
+        let PyMotion { motion, threads, calls, .. } = self;
         let few = motion.len() < FEW;
         let mut work = || caught(|| motion.step(dt, torques, *threads));
-        let made: Result<(), Error> = if few { work() } else { py.detach(work) };
-        Ok(made?)
+        let mut make = || if few { work() } else { py.detach(&mut work) };
+        if *calls { carrying(py, |call| Ok(owned(call, make)?)) } else { Ok(make()?) }
     }
 
     fn array<'py, const N: usize>(

@@ -141,7 +141,9 @@ pub fn simulate<'py>(
             (None, AnyMethod::Steps(method)) => {
                 let step = |(index, body): (usize, &Body)| {
                     let span = schedule.times_of(index).map_or([0.0; 2], time_range);
-                    default_step(method, body.step_rate(method, forces.of(index), span))
+                    let forces = forces.of(index);
+                    default_step(method, body.step_rate(method, forces, span))
+                        .min(forces.longest_unseen(span))
                 };
                 memory::collected("steps", part.len(), bodies.iter().enumerate().map(step))?
             }

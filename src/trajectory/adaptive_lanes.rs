@@ -8,6 +8,13 @@ use crate::kernel::{
 use crate::observe::Deviation;
 use crate::simd::{Isa, LANES};
 
+/// The longest step under a function (rad): the body turns by this angle at most, so that no step leaps over what it does.
+const LONGEST: f64 = 2.0;
+
+/// The angle (rad) by which a body turns in its whole run at the least rate that is a scale of errors under a function.
+/// A torque that should be zero but for rounding gives smaller rates: a share of those would ask for endless steps.
+const STILL: f64 = 1e-6;
+
 /// The lanes of one kernel.
 pub(super) struct AdaptiveLanes<'a> {
     request: &'a Request<'a>,
@@ -46,10 +53,15 @@ impl<'a> AdaptiveLanes<'a> {
         backward: bool,
     ) -> f64 {
         let (body, forces) = (&self.request.bodies[index], self.request.forces_of(index));
-        let rate = body.fastest_rate(forces, range);
+        let (mut rate, span) = (body.fastest_rate(forces, range), range[1] - range[0]);
+        if forces.function.is_some() {
+            let unseen = forces.longest_unseen(range) / self.request.refinement;
+            self.steps.longest.0[lane] = (LONGEST / rate).min(unseen);
+            rate = rate.max(STILL / span);
+        }
         let first = self.request.steps[index];
         // A body that does not turn needs one step.
-        let first = if first.is_finite() { first } else { range[1] - range[0] };
+        let first = if first.is_finite() { first } else { span };
         let direction = if backward { -1.0 } else { 1.0 };
         let deviation = Deviation::new(self.request.record.deviation_of(index));
         let forced_rate = (!forces.is_none()).then_some(rate);
@@ -99,7 +111,7 @@ impl<'a> AdaptiveLanes<'a> {
         reached
     }
 
-    /// Stops all lanes when a lane is at a time, or at its next knot, within rounding.
+    /// Stops all lanes when a lane is at a time, or at its next knot, within rounding. Under a function a step ends there.
     pub(super) fn aim(&mut self, lane: usize, time: f64, backward: bool) {
         let (knot, margin) = (self.knots[lane], 4.0 * f64::EPSILON * self.knots[lane].abs());
         self.steps.next.0[lane] = match backward {
@@ -107,6 +119,9 @@ impl<'a> AdaptiveLanes<'a> {
             false => time.min(knot - margin),
             true => time.max(knot + margin),
         };
+        if self.forces_rows.functions[lane].is_some() {
+            self.steps.end.0[lane] = if backward { time.max(knot) } else { time.min(knot) };
+        }
     }
 
     /// Makes a lane inactive.

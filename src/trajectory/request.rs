@@ -113,8 +113,8 @@ pub struct Request<'a> {
     pub schedule: Schedule<'a>,
     /// Largest step of each body; with a tolerance its first.
     pub steps: &'a [f64],
-    /// A leg between two output times takes this many times its steps, rounded up: above 1 at least one more. Steps
-    /// that follow a tolerance ignore the number.
+    /// A leg between two output times takes this many times its steps, rounded up: above 1 at least one more. Of steps
+    /// that follow a tolerance the longest under a function is so many times shorter.
     pub refinement: f64,
     /// Tolerance of adaptive steps of a Taylor series: the largest last terms of a step, relative to the state.
     pub tolerance: Option<f64>,

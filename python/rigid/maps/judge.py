@@ -19,6 +19,7 @@ from ..rotations.apply import to_body
 from ..solve.closed_form import NO_FORM, closed_forms
 from ..solve.methods import AUTO, EXACT, SECOND, adaptive_methods
 from ..solve.request import Request
+from ..solve.second_run import ELSEWHERE
 from ..solve.status import Status
 from .core_request import CoreRequest
 from .spec import MapSpec
@@ -228,7 +229,7 @@ class CustomJob:
                 max_steps=self._spec.max_steps,
                 threads=threads,
                 tolerance=tolerance,
-            ).states(steps)
+            ).states(steps, ELSEWHERE if is_second and steps is None else 1.0)
             status = part["status"].copy()
             worst = np.zeros(len(rows))
             for name in _DRIFTS:
@@ -274,6 +275,7 @@ class CustomJob:
         if is_adaptive(spec, method):
             return (0.01 * TOLERANCE if is_second else TOLERANCE), None
         own = _core.default_steps(method, batch.fastest_rates((0.0, t_end), method), False)
+        own = np.minimum(own, batch.longest_unseen(t_end))
         if spec.step is None:
             return None, 0.5 * own if is_second and method == spec.scheme else own
         return None, np.minimum(own, 0.5 * spec.step) if is_second else np.full_like(own, spec.step)

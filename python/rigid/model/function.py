@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any, Self
 
@@ -116,16 +116,44 @@ class TorqueFunction:
         return f"function at {self.address:#x}{data}"
 
 
-def _address(function: object) -> int:
+_ARGUMENTS = ("double", *4 * ("double *",))
+"""The arguments of a callback in C."""
+
+_IN_C = {
+    **{"float64": "double", "float64*": "double *", "void*": "double *"},
+    **{"c_double": "double", "LP_c_double": "double *", "c_void_p": "double *"},
+}
+"""Types of C by their names in numba and ctypes."""
+
+
+def _check_signature(function: Any, kinds: Iterable[str], result: str) -> None:
+    """Raise TypeError for a function of other arguments: it would read memory of others."""
+    given = tuple(_IN_C.get(kind, kind) for kind in kinds)
+    if given != _ARGUMENTS or result not in ("none", "None", "void"):
+        raise TypeError(
+            f"address = {brief(function)}: must take ({', '.join(_ARGUMENTS)}) and return nothing; "
+            f"it takes ({', '.join(given)}) and returns {result}"
+        )
+
+
+def _address(function: Any) -> int:
     """The address of a function of numba, ctypes or cffi, or the one given."""
     found = getattr(function, "address", function)
     if type(found).__module__ == "_cffi_backend":
         import cffi
 
+        kind = cffi.FFI().typeof(found)
+        if kind.kind == "function":
+            _check_signature(found, [one.cname for one in kind.args], kind.result.cname)
         found = int(cffi.FFI().cast("intptr_t", found))
+    elif hasattr(function, "_sig"):
+        _check_signature(function, map(str, function._sig.args), str(function._sig.return_type))
+    elif getattr(function, "argtypes", None) is not None:  # a library tells none
+        result = getattr(function.restype, "__name__", "None")
+        _check_signature(function, [kind.__name__ for kind in function.argtypes], result)
     if callable(found):
         try:
-            found = ctypes.cast(found, ctypes.c_void_p).value  # type: ignore[arg-type]
+            found = ctypes.cast(found, ctypes.c_void_p).value
         except ctypes.ArgumentError:
             raise TypeError(
                 f"address = {brief(function)}: a torque is called by its address; compile the "

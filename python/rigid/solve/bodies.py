@@ -182,6 +182,11 @@ class Bodies:
             self._rates[key] = rates
         return self._rates[key]
 
+    def longest_unseen(self, span: float | Floats) -> float | Floats:
+        """The longest step (s) that looks at the torque of a function often enough in a run."""
+        is_called = self.forces is not None and self.forces.calls
+        return span / _core.FEWEST_STEPS if is_called else np.inf
+
     @np.errstate(all="ignore")
     def weight_ratios(self, rates: Floats) -> Floats:
         """``mgl / (I rate²)`` of each body, I its least moment, for bounds of its rates; (n,).

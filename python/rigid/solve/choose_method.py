@@ -38,7 +38,7 @@ from .foresight import why_unforeseen
 from .methods import EXACT, FALLBACK, FUNCTION, STIFF, methods_under, plain_methods, series_methods
 from .plan import LazyPlan, Plan
 from .planned import UNKNOWN, damping_rate, plan_of, stepped_record
-from .problem import Problem
+from .problem import USUAL_ACCURACY, Problem
 from .second_run import SERIES, SERIES_TOLERANCE
 from .starts import bodies_of
 
@@ -48,9 +48,6 @@ if TYPE_CHECKING:
 __all__ = ["NO_BOUND", "Choice", "choose_method", "has_closed_form", "plan_states"]
 
 Floats = NDArray[np.float64]
-
-USUAL_ACCURACY = 1e-8
-"""The accuracy of states if neither a method nor a step is given."""
 
 USUAL_ANGLE, USUAL_RATIO = 100.0, 0.1
 """Angle (rad) and ratio of the weight at which methods are compared if the true ones are
@@ -144,7 +141,12 @@ def choose_method(problem: Problem) -> Choice:
     accuracy = wanted = problem.accuracy
     if accuracy is None and _takes_usual_accuracy(problem, method):
         accuracy = USUAL_ACCURACY
-    if _is_followed_on_its_orbit(problem, method):
+    tolerance = problem.adaptive_tolerance
+    if tolerance is not None:
+        if problem.tolerance is None:
+            why.append(f"each body takes its own steps, the error of each below {tolerance:g}")
+        problem = replace(problem, tolerance=tolerance)
+    elif _is_followed_on_its_orbit(problem, method):
         _check_attainable(problem)
         problem = replace(problem, method=SERIES, tolerance=SERIES_TOLERANCE)
         method, wanted = SERIES, accuracy
@@ -179,9 +181,9 @@ def _check_attainable(problem: Problem) -> None:
 
 def _check_rates_are_known(problem: Problem) -> None:
     """Raise ValueError if steps should follow from rates that nothing bounds."""
-    follows = problem.step is None and problem.tolerance is None and problem.bodies is not None
-    if follows and not problem.scene.bounds_rates:
-        raise ValueError(f"{NO_BOUND}, or run by method='{FUNCTION}' with a tolerance")
+    follows = problem.step is None and problem.adaptive_tolerance is None
+    if follows and problem.bodies is not None and not problem.scene.bounds_rates:
+        raise ValueError(f"{NO_BOUND}, or leave the method out: {FUNCTION} chooses its steps")
 
 
 def has_closed_form(scene: Scene) -> bool:
@@ -233,6 +235,8 @@ def _preferred(problem: Problem, forms: Codes) -> tuple[str, list[str]]:
     scene = problem.scene
     if problem.method is not None:
         return problem.method, [f"method = {problem.method!r} was asked for"]
+    if problem.adaptive_tolerance is not None:
+        return FUNCTION, [f"{FUNCTION} alone chooses its steps under the torque of a function"]
     if all_have(forms):
         if problem.step is not None:
             return _by_steps(problem, ["a step was asked for"])
@@ -335,7 +339,7 @@ def _accurate(
         steps[mine] = steps_for(
             accuracy, calibrated()[method, own], rates[mine], some_of(span, mine), ratios[mine]
         )
-    return method, steps
+    return method, np.minimum(steps, problem.bodies.longest_unseen(span))
 
 
 def _median(ratios: Floats) -> float:

@@ -27,7 +27,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .arrays import intervals, lengths, time_range, time_ranges, time_span
+from .arrays import Range, intervals, lengths, time_range, time_ranges, time_span
 from .bodies import Bodies
 from .cost_model import ROUNDING, phase_error
 from .request import Request, select_states
@@ -51,6 +51,7 @@ __all__ = [
     "closed_form_error",
     "distances",
     "estimate_error",
+    "known_rates",
     "safety_of_finer",
     "unknown_error",
 ]
@@ -191,9 +192,9 @@ def estimate_error(
     if not np.any(span) or not times.shape[-1]:
         return ErrorEstimate(np.zeros(len(bodies)), np.full(len(bodies), np.inf))
     taken = (states if coarser is None else coarser)["steps"].astype(np.float64)
-    rates = bodies.fastest_rates(time_ranges(times))
-    scale = _fastest_or_swing(bodies, rates)
     fastest = lengths(states["omega"]).max(axis=1)
+    rates = known_rates(bodies, time_ranges(times), fastest)
+    scale = _fastest_or_swing(bodies, rates)
     floor = common_rounding(request, states, rates, scale, span)
     if coarser is None:
         error = np.zeros(())
@@ -278,6 +279,13 @@ def _before_the_loss(
             return error
 
 
+def known_rates(bodies: Bodies, reached: Range, met: Floats) -> Floats:
+    """Bounds of the rates, under a function at least the rates met: it may have no bound."""
+    rates = bodies.fastest_rates(reached)
+    is_called = bodies.forces is not None and bodies.forces.calls
+    return np.fmax(rates, met) if is_called else rates
+
+
 def _fastest_or_swing(bodies: Bodies, rates: Floats) -> Floats:
     """The larger of the fastest possible rate of a body and the rate of its swing."""
     swing = np.sqrt(lengths(bodies.weight) / bodies.moments.min(axis=1))
@@ -326,8 +334,10 @@ def _count_turns(request: Request, taken: Floats, estimate: ErrorEstimate) -> No
     between = np.linspace(*time_range(request.times), most + 2)[1:-1]
     dense = replace(request.select(some), times=np.union1d(request.times, between))
     steps = gaps.sum() / taken[some]
-    rates = dense.bodies.fastest_rates(time_range(dense.times))
     both = dense.states(steps), second_run(dense, steps, 1.0, taken[some])
+    rates = known_rates(
+        dense.bodies, time_range(dense.times), lengths(both[0]["omega"]).max(axis=1)
+    )
     apart = _stated_distances(dense.bodies, *both, rates, dense.times, SAFETY)
     error = np.where(np.isfinite(apart), apart, np.inf)
     largest = error.max(axis=1)

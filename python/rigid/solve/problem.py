@@ -13,12 +13,21 @@ from .arrays import Range
 from .bodies import Bodies
 from .closed_form import moment_rows, weight_rows
 from .cost_model import calibration_classes
-from .methods import check_method, known_method, run_methods
+from .methods import FUNCTION, check_method, known_method, run_methods
 from .work import MANY
 
-__all__ = ["Problem"]
+__all__ = ["LEAST_TOLERANCE", "USUAL_ACCURACY", "Problem"]
 
 Floats = NDArray[np.float64]
+
+USUAL_ACCURACY = 1e-8
+"""The accuracy of states if neither a method nor a step is given."""
+
+LEAST_TOLERANCE = 1e-14
+"""The least tolerance of Runge-Kutta steps: the second run has a smaller tolerance."""
+
+SHARE = 0.01
+"""First tolerance under a function over the accuracy: some steps err, and three times is stated."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -83,6 +92,18 @@ class Problem:
                 f"accuracy = {self.accuracy:g}, step = {self.step:g}: exclude each other, "
                 "because the step follows from the accuracy"
             )
+
+    @property
+    def adaptive_tolerance(self) -> float | None:
+        """The tolerance of adaptive steps, asked for or for the accuracy; None of equal steps.
+
+        Under a function steps are adaptive unless they are asked for, or a method with others is.
+        """
+        if self.tolerance is not None or self.step is not None:
+            return self.tolerance
+        if "function" not in self.scene.forces or self.method not in (None, FUNCTION):
+            return None
+        return max(SHARE * (self.accuracy or USUAL_ACCURACY), LEAST_TOLERANCE)
 
     @property
     def times(self) -> Range:

@@ -63,6 +63,12 @@ _STATUS_WORDS: Mapping[Status, str] = {
 }
 
 
+_DEAD_ZONE = (
+    "; a torque that jumps where a rate changes its sign, such as -sign(omega), needs a dead zone: "
+    "a range of rates in which it rises evenly"
+)
+
+
 # Not frozen: a frozen object takes twice as long to make.
 @dataclass(slots=True, eq=False)
 class Run(HasColumns):
@@ -374,6 +380,8 @@ an accuracy
     def _words(self, code: int, error: float, since: float) -> str:
         """A sentence: how a body ended, and the remedy."""
         status = Status(code)
+        if status == Status.STEP_LIMIT and "function" in scene_from_dict(self.spec["scene"]).forces:
+            return _STATUS_WORDS[status] + _DEAD_ZONE
         if status not in (Status.FLAGGED, Status.COARSE):
             return _STATUS_WORDS[status]
         cure = self._cure()

@@ -17,6 +17,7 @@ from .methods import FUNCTION, angle_per_step, is_compensated, is_stiff, order_o
 from .request import Request
 
 __all__ = [
+    "ELSEWHERE",
     "FINEST",
     "HALVINGS",
     "HALVINGS_AGAIN",
@@ -94,6 +95,11 @@ RUNGE_KUTTA = "dop853"
 COMPENSATED = "taylor16"
 """The second run of a series that does not carry its rounding errors on."""
 
+ELSEWHERE = 0.5 * (1.0 + 5.0**0.5)
+"""Factor by which the longest step under a function is shorter in the second run by a tolerance.
+
+It is no ratio of small whole numbers: both runs look at the torque in different places."""
+
 SUBDIVIDING = "midpoint"
 """The method that divides a step by 4, 16 or 64 where its equation has no solution."""
 
@@ -123,15 +129,16 @@ def second_run(
         # could show how far it is off at a time within the shorter step.
         last, other = series_methods()[-1:-3:-1]
         method = other if request.method == last else last
-        tighter = TIGHTER
+        tighter, refinement = TIGHTER, 1.0
         if request.method == FUNCTION:
-            method = request.method  # the only one under the torque of a function
+            # The only one under the torque of a function.
+            method, refinement = request.method, ELSEWHERE
         elif request.bodies.forces is not None:
             # The tolerance refers to the rates. Their square, the power, has twice their damping:
             # the last terms of its series are so many times as large.
             tighter *= 2.0 ** order_of(method)
         tolerance = max(request.tolerance / tighter, min(request.tolerance, FINEST))
-        return replace(second, method=method, tolerance=tolerance).states(None)
+        return replace(second, method=method, tolerance=tolerance).states(None, refinement)
     ratio = step_ratio(request.bodies, request.method, halvings)
     if request.method in series_methods() and not is_compensated(request.method):
         # Rounding that is alike in each step shows against none only.

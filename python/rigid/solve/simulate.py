@@ -36,7 +36,7 @@ from .made_run import end_records, made_steps, to_run
 from .methods import EXACT, FUNCTION, adaptive_methods, series_methods
 from .parameters import check_parameters, parameter_changes
 from .plan import LazyPlan, Plan
-from .problem import Problem
+from .problem import LEAST_TOLERANCE, Problem
 from .request import Request
 from .run import Run
 from .second_run import SERIES, SERIES_TOLERANCE
@@ -51,9 +51,6 @@ if TYPE_CHECKING:
 __all__ = [
     "simulate",
 ]
-
-LEAST_TOLERANCE = 1e-14
-"""The least tolerance of Runge-Kutta steps: the second run has a smaller tolerance."""
 
 
 @in_standard_floats
@@ -73,7 +70,7 @@ def simulate(
     events: Event | Sequence[Event] | None = None,
     until: Event | Sequence[Event] | None = None,
     count: int | None = None,
-    max_steps: int = 10**9,
+    max_steps: int | None = None,
     threads: int | None = None,
     dtype: DTypeLike = np.float64,
     out: Mapping[str, NDArray[Any]] | None = None,
@@ -166,9 +163,10 @@ def simulate(
     count : int, optional
         The number of events that end the record: of the events of ``until`` together, by default
         the first; without ``until`` of all events together, by default none.
-    max_steps : int
+    max_steps : int, optional
         Most steps. A body that needs more has the status ``STEP_LIMIT``: it is not run, or with a
-        tolerance it is stopped there.
+        tolerance it is stopped there. Default: 10**9; 10**7 under the torque of a function, whose
+        jumps may ask for steps without end.
     threads : int, optional
         Number of threads. Default: ``RIGID_NUM_THREADS``, else the cores that this process may use.
     dtype : {numpy.float64, numpy.float32}
@@ -295,7 +293,7 @@ def simulate(
         times=times,
         method=chosen,
         record=record,
-        max_steps=positive_int("max_steps", max_steps),
+        max_steps=_most_steps(scene) if max_steps is None else positive_int("max_steps", max_steps),
         threads=resolve_threads(threads, len(bodies.omega)),
         tolerance=own,
     )
@@ -368,6 +366,11 @@ def simulate(
         end_records(states, times, found.last)
     run = to_run(states, given, estimate, accuracy, spec, plan, bodies, parameters or (), found)
     return run if frame is None else run.in_frame(frame)
+
+
+def _most_steps(scene: Scene) -> int:
+    """The default of ``max_steps``: some minutes."""
+    return 10**7 if "function" in scene.forces else 10**9
 
 
 def _spec(
@@ -508,14 +511,14 @@ def _checked_tolerance(
                 "because the steps follow from the tolerance"
             )
     known = adaptive_methods(scene.forces)
-    if method not in known:
+    if method not in known and (method is not None or len(known) > 1):
         where = " under the torque of a function" if "function" in scene.forces else ""
         choose = "choose their" if len(known) > 1 else "chooses its"
         raise ValueError(
             f"tolerance = {tolerance:g}, method = {method!r}: only "
             f"{', '.join(map(repr, known))} {choose} steps by a tolerance{where}"
         )
-    if method == FUNCTION and tolerance < LEAST_TOLERANCE:
+    if known == [FUNCTION] and tolerance < LEAST_TOLERANCE:
         raise ValueError(
             f"tolerance = {tolerance:g}: must be at least {LEAST_TOLERANCE:g}, because the error "
             f"of a step of {method!r} is rounding below it"

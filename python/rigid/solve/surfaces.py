@@ -12,10 +12,12 @@ from numpy.typing import NDArray
 
 from .. import _core
 from .._checks.progress import Progress, ProgressOption, reporting
+from .arrays import lengths
 from .bodies import Bodies
-from .error_estimate import closed_form_error, distances
+from .error_estimate import closed_form_error, distances, known_rates
 from .methods import FUNCTION
 from .request import Request
+from .second_run import ELSEWHERE
 
 __all__ = [
     "LOST",
@@ -91,9 +93,12 @@ class Surfaces:
         names = ("normal", "momentum", "value", "rotor")
         return replace(self, **{name: getattr(self, name)[bodies] for name in names})
 
-    def scales(self, bodies: Bodies, ends: Floats) -> Floats:
-        """The scale of the function that is zero on each surface, shape (n, kinds)."""
-        rate = bodies.fastest_rates((np.zeros_like(ends), ends))[:, np.newaxis]
+    def scales(self, bodies: Bodies, ends: Floats, met: Floats) -> Floats:
+        """The scale of the function that is zero on each surface, shape (n, kinds).
+
+        Bodies under a function, which may have no bound, have met these rates, (n,).
+        """
+        rate = known_rates(bodies, (np.zeros_like(ends), ends), met)[:, np.newaxis]
         of_omega, of_gamma = np.split(np.abs(self.normal), 2, axis=-1)
         size = np.linalg.norm
         # A rate that overflows belongs to a body that is not run.
@@ -187,7 +192,9 @@ class Search:
         another order: three times what it makes of the surface, the largest until then.
         """
         t, kind = found["t"], found["kind"]
-        scale = self.surfaces.scales(self.bodies, self.ends)[body, kind]
+        met = np.zeros(len(self.bodies))
+        np.maximum.at(met, body, lengths(found["omega"]))
+        scale = self.surfaces.scales(self.bodies, self.ends, met)[body, kind]
         if self.closed:
             omega = found["omega"][:, np.newaxis]
             error = closed_form_error(self.bodies.select(body), t[:, np.newaxis], omega).error
@@ -227,7 +234,7 @@ class Search:
                 max_steps=self.max_steps,
                 threads=self.threads,
                 tolerance=max(1e-3 * self.tolerance, min(self.tolerance, TOLERANCE)),
-            ).states(None)
+            ).states(None, ELSEWHERE if self.method == FUNCTION else 1.0)
             known = {name: found[name][places] for name in ("omega", "gamma", "attitude", "kind")}
             values = self._values(bodies, some, states, known)
             # Errors grow along a motion; where two runs agree by chance, those before still count.
@@ -265,14 +272,15 @@ class Search:
         rate = _dot(of_gamma, np.cross(gamma, omega))
         unknown = of_omega.any(axis=-1) | of_momentum.any(axis=-1)
         if (turning & unknown).any():
-            fastest = bodies.fastest_rates((np.zeros(len(some)), self.ends[some]))
+            met = lengths(known["omega"]).max(axis=1)
+            fastest = known_rates(bodies, (np.zeros(len(some)), self.ends[some]), met)
             pair = [
                 {"omega": one["omega"], "gamma": turned, "attitude": None}
                 for one, turned in ((states, gamma), (known, known["gamma"]))
             ]
             apart = distances(pair[0], pair[1], np.zeros(len(some)), fastest)
             rate = np.where(
-                unknown, apart * surfaces.scales(bodies, self.ends[some])[rows, kind], rate
+                unknown, apart * surfaces.scales(bodies, self.ends[some], met)[rows, kind], rate
             )
         return np.where(turning, rate, values)
 

@@ -405,6 +405,7 @@ impl<'a> SectionJob<'a> {
             // The torque may jump there, and the slope with it.
             self.watches.iter_mut().for_each(|watch| watch.bend(lane));
         }
+        self.lanes.aim(lane, end, false);
         Ok(true)
     }
 
@@ -469,7 +470,9 @@ impl Job for SectionJob<'_> {
         let Some(member) = self.queue.pop() else { return Ok(None) };
         let (index, way) = (self.block.start + member, self.ways[member]);
         let (body, forces) = (&self.request.bodies[index], self.request.forces_of(index));
-        let rate = self.lanes.enter(lane, index, way.assignment, [0.0, self.section.ends[index]], false);
+        let end = self.section.ends[index];
+        let rate = self.lanes.enter(lane, index, way.assignment, [0.0, end], false);
+        self.lanes.aim(lane, end, false);
         if let (Some(closed), Some(form)) = (&mut self.closed, way.form) {
             closed.starts.set(lane, &form.to_canonical(body));
         }

@@ -4,7 +4,11 @@ from __future__ import annotations
 
 import ctypes
 import signal
+import sys
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -185,11 +189,95 @@ def test_a_function_of_cffi() -> None:
         (1.5, TypeError, "address = 1.5: must be the address of a function, an int"),
         (True, TypeError, "address = True: must be the address"),
         (len, TypeError, "compile the function with numba.cfunc"),
+        (
+            ctypes.CFUNCTYPE(None, ctypes.c_double)(lambda t: None),
+            TypeError,
+            r"must take \(double, double \*.* it takes \(double\) and returns None",
+        ),
+        (
+            ctypes.CFUNCTYPE(ctypes.c_double, ctypes.c_double, *4 * [DOUBLES])(lambda *given: 0.0),
+            TypeError,
+            "and return nothing; it takes .* and returns c_double",
+        ),
+        (
+            # As numba's functions tell it.
+            SimpleNamespace(address=8, _sig=SimpleNamespace(args=("int64",), return_type="none")),
+            TypeError,
+            r"it takes \(int64\) and returns none",
+        ),
     ],
 )
 def test_what_is_no_address_is_refused(address: Any, error: type[Exception], words: str) -> None:
     with pytest.raises(error, match=words):
         rigid.Torque.call(address)
+
+
+@SIGNATURE  # type: ignore[untyped-decorator]
+def with_a_gap(t: float, omega: Any, attitude: Any, data: Any, torque: Any) -> None:
+    torque[0] = torque[1] = 0.0
+    torque[2] = {"known": 0.1}["known" if t < 0.5 else "unknown"]
+
+
+def test_what_a_function_raises_is_raised_by_the_call() -> None:
+    scene = rigid.FreeBody(BODY, torque=rigid.Torque.call(with_a_gap))
+    motion = rigid.Motion(scene, OMEGA)
+
+    def fails(states: Any) -> Any:
+        raise AssertionError("no states are reached")
+
+    calls: list[Callable[[], object]] = [
+        lambda: rigid.simulate(scene, OMEGA, t=[1.0]),
+        lambda: rigid.simulate(scene, [OMEGA] * 40, t=[1.0], method="rk4", step=0.1, threads=2),
+        lambda: rigid.simulate(scene, OMEGA, t=[1.0], events=rigid.crosses("omega1")),
+        lambda: [motion.step(0.3) for _ in range(3)],
+        lambda: rigid.stability_map(
+            lambda gain: scene, axes={"gain": [1.0]}, stable=rigid.judged(fails, t=[1.0]), samples=1
+        ),
+    ]
+    before = sys.unraisablehook
+    for call in calls:
+        with pytest.raises(KeyError, match="unknown") as raised:
+            call()
+        # The function and its line end the traceback.
+        assert raised.traceback[-1].name == "with_a_gap"
+        assert sys.unraisablehook is before
+
+
+def test_runs_of_two_threads_raise_what_their_own_functions_raise() -> None:
+    scenes = [
+        rigid.FreeBody(BODY, torque=rigid.Torque.call(torque, [0.1] * 3))
+        for torque in (with_a_gap, damping)
+    ]
+
+    def outcome(number: int) -> str:
+        try:
+            rigid.simulate(scenes[number % 2], OMEGA, t=[1.0], threads=2)
+        except KeyError:
+            return "raised"
+        return "ended"
+
+    with ThreadPoolExecutor(4) as pool:
+        assert list(pool.map(outcome, range(20))) == ["raised", "ended"] * 10
+
+
+def test_a_sliding_torque_reaches_the_limit_and_names_a_dead_zone() -> None:
+    @SIGNATURE  # type: ignore[untyped-decorator]
+    def switches(t: float, omega: Any, attitude: Any, data: Any, torque: Any) -> None:
+        torque[0] = torque[1] = 0.0
+        torque[2] = -np.sign(omega[2]) if abs(omega[2]) > data[0] else -omega[2] / data[0]
+
+    def run(zone: float, most: int) -> Any:
+        scene = rigid.FreeBody(BODY, torque=rigid.Torque.call(switches, [zone]))
+        return rigid.simulate(scene, [0.0, 0.0, 1.0], t=[1.0, 3.0], max_steps=most)
+
+    sliding = run(5e-324, 2000)
+    assert sliding.status == rigid.Status.STEP_LIMIT
+    assert "needs a dead zone" in sliding.reasons()[0]
+    settled = run(1e-3, 2000)
+    # At 1 s it has half of its rate; then it reaches the zone, and rests.
+    assert abs(settled.omega[0, 2] - 0.5) <= float(settled.error)
+    assert settled.status == rigid.Status.OK
+    assert abs(settled.omega[1, 2]) < 1e-3
 
 
 def test_ctrl_c_within_a_function_of_python_ends_the_run() -> None:
@@ -217,7 +305,7 @@ def test_what_a_function_does_not_go_with_is_refused() -> None:
     turned = np.array([[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
     one: dict[str, Any] = {"t": [1.0], "step": 0.1}
     for words, refused in (
-        ("step: is needed", lambda: rigid.simulate(scene, OMEGA, t=[1.0])),
+        ("step: is needed", lambda: rigid.simulate(scene, OMEGA, t=[1.0], method="rk4")),
         (
             "'taylor16': does not integrate the torque of a function",
             lambda: rigid.simulate(scene, OMEGA, method="taylor16", **one),

@@ -81,12 +81,15 @@ def test_a_tolerance_tells_the_error_that_the_run_states(called: Any, twin: Any)
         )
         assert off <= float(run.error) + float(truth.error)
         # Some twenty steps err by the tolerance each at most; three times the difference is stated.
-        assert 1e-2 * tolerance < float(run.error) < 1e3 * tolerance
+        assert float(run.error) < 1e3 * tolerance
         steps.append(int(run.steps))
+    # Loose tolerances ask for fewer steps than the 64 that look at the torque often enough.
+    assert 64 <= steps[0] == steps[1] <= 64 + len(TIMES)
     # A thousandth of the error of order 8 takes 1000^(1/8) = 2.4 times the steps; the first step,
     # and those cut by the ends, are not as long as they may be.
     assert np.all(np.divide(steps[1:], steps[:-1]) < 3.0)
-    assert np.all(np.diff(steps) > 0)
+    assert np.all(np.diff(steps) >= 0)
+    assert steps[-1] > 1.5 * steps[0]
 
 
 def test_a_tolerance_finds_the_corners_of_a_saturated_torque() -> None:
@@ -148,6 +151,39 @@ def test_a_section_has_the_points_of_its_twin(called: Any, twin: Any) -> None:
     assert np.all(np.abs(points.t - known.t) <= points.error + known.error)
 
 
+def test_a_run_without_a_method_chooses_steps_for_the_accuracy() -> None:
+    called, twin = PAIRS[1][1:]
+    truth = rigid.simulate(twin, OMEGA, TILTED, t=TIMES, accuracy=1e-13)
+    fastest = np.linalg.norm(truth.omega, axis=-1).max()
+    asked: list[tuple[dict[str, Any], float]] = [
+        ({}, 1e-8),
+        ({"accuracy": 1e-5}, 1e-5),
+        ({"accuracy": 1e-12}, 1e-12),
+        ({"tolerance": 1e-9}, 1e-7),
+    ]
+    for given, largest in asked:
+        run = rigid.simulate(called, OMEGA, TILTED, t=TIMES, **given)
+        assert run.plan.method == "dop853"
+        assert run.plan.step is None
+        off = np.linalg.norm(run.omega - truth.omega, axis=-1).max() / fastest
+        assert off <= float(run.error) + float(truth.error)
+        assert float(run.error) < largest
+        assert run.status == rigid.Status.OK
+    plan = rigid.plan(called, "attitude", omega=OMEGA, t_end=6.0, accuracy=1e-8)
+    assert "dop853 alone chooses its steps under the torque of a function" in plan.why
+
+
+def test_an_accuracy_is_reached_by_smaller_tolerances() -> None:
+    # Steps across corners err by some hundred times the tolerance.
+    scene = rigid.FreeBody(BODY, torque=rigid.Torque.call(saturated, (2.0, 0.3)))
+    loose = rigid.simulate(scene, OMEGA, t=[12.0], tolerance=1e-10)
+    accuracy = 0.1 * float(loose.error)
+    run = rigid.simulate(scene, OMEGA, t=[12.0], accuracy=accuracy)
+    assert float(run.error) <= accuracy
+    alone = rigid.simulate(scene, [OMEGA, 2.0 * OMEGA], t=[12.0], accuracy=accuracy)
+    assert alone.omega[0].tobytes() == run.omega.tobytes()
+
+
 def test_steps_are_made_shorter_where_the_first_one_is_wild() -> None:
     # A body at rest has no time scale: the first step that is tried is the whole time.
     scene = rigid.FreeBody(BODY, torque=rigid.Torque.call(in_space))
@@ -177,7 +213,7 @@ def test_a_table_that_jumps_adds_to_a_function() -> None:
             {"method": "rk4", "step": 0.1, "events": rigid.crosses("omega1")},
             "'rk4': has no events, because a function is known inside the steps of 'dop853' alone",
         ),
-        ({}, "step: is needed.*or run by method='dop853' with a tolerance"),
+        ({"method": "rk4"}, "step: is needed.*or leave the method out: dop853 chooses its steps"),
         (
             {"step": 0.1, "tangent": True},
             "the derivative of a function is not known",
