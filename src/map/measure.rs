@@ -11,6 +11,10 @@ use crate::simd::Isa;
 use std::f64::consts::PI;
 use std::ops::Range;
 
+/// Under a function the value of a sample counts if two runs differ in it by a smaller share: jumps of a torque take their
+/// order from equal steps.
+const AGREED: f64 = 1e-3;
+
 /// What is measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
@@ -98,24 +102,46 @@ impl Measure {
     }
 
     /// The value of a sample, from its classification and from its own run; NaN if it has none.
-    pub(super) fn value(self, sample: &Sample, own: Option<&Outcome>) -> f64 {
-        match (self.quantity, own.filter(|own| own.class != Class::Failed)) {
-            (Quantity::TimeToLeave, _) if sample.class == Class::Unstable => sample.first.left,
+    pub(super) fn value(self, sample: &Sample, own: Option<&Outcome>, is_called: bool) -> f64 {
+        match (self.quantity, own) {
+            (Quantity::TimeToLeave, _) if sample.class == Class::Unstable => {
+                let (left, again) = (sample.first.left, sample.second.filter(|again| again.was_run()));
+                let agreed = again.is_none_or(|again| self.agree(left, again.left, sample.t_end));
+                if agreed || !is_called { left } else { f64::NAN }
+            }
             (Quantity::Drift, _) if sample.class != Class::Failed => {
                 // `max` ignores a NaN.
                 sample.first.energy_drift.max(sample.first.momentum_drift).max(sample.first.unit_drift)
             }
-            (Quantity::Flips, Some(own)) => own.flips as f64,
-            (Quantity::TiltFromStart | Quantity::TiltFromVertical, Some(own)) => own.tilt,
-            (Quantity::AngleFromRadial | Quantity::AngleFromNormal, Some(own)) => own.tilt,
-            (Quantity::MeanRate | Quantity::MeanRateOverMotion, Some(own)) => own.mean_rate,
+            (_, Some(own)) => self.of_run(own),
             _ => f64::NAN,
         }
+    }
+
+    /// The value of a run of its own; NaN if the run failed.
+    fn of_run(self, own: &Outcome) -> f64 {
+        match self.quantity {
+            _ if own.class == Class::Failed => f64::NAN,
+            Quantity::Flips => own.flips as f64,
+            Quantity::MeanRate | Quantity::MeanRateOverMotion => own.mean_rate,
+            _ => own.tilt,
+        }
+    }
+
+    /// Whether two runs agree in a value: to a share of it, or of a radian, or of a radian in the whole time.
+    fn agree(self, one: f64, other: f64, t_end: f64) -> bool {
+        let least = match self.quantity {
+            Quantity::TimeToLeave | Quantity::Drift | Quantity::Flips => 0.0,
+            Quantity::MeanRate | Quantity::MeanRateOverMotion => 1.0 / t_end,
+            _ => 1.0,
+        };
+        (one - other).abs() <= AGREED * one.abs().max(other.abs()).max(least)
     }
 }
 
 impl Map {
-    /// The outcomes of the runs of the measures for a range of samples; an empty list for one that has no run.
+    /// The outcomes of the runs of the measures for a range of samples; an empty list for one that has no run. Under a
+    /// function a run fails unless a second one agrees.
     pub(super) fn measured(
         &self,
         range: Range<u64>,
@@ -143,6 +169,18 @@ impl Map {
             let watched = Watched { map: self, criterion, axis: measure.axis, is_stopped: false };
             let run = Run { cross_check: false, isa, interrupt };
             watched.integrate((&bodies, range.start), &samples, run, &mut outcomes)?;
+            if self.calls_functions() {
+                let mut again = memory::filled(MEASURES, bodies.len(), None)?;
+                let run = Run { cross_check: true, ..run };
+                watched.integrate((&bodies, range.start), &samples, run, &mut again)?;
+                let pairs = outcomes.iter_mut().flatten().zip(again.iter().flatten());
+                for (own, again) in pairs {
+                    own.steps += again.steps;
+                    if !measure.agree(measure.of_run(own), measure.of_run(again), self.t_end) {
+                        own.class = Class::Failed;
+                    }
+                }
+            }
             all.push(outcomes);
         }
         Ok(all)

@@ -51,8 +51,11 @@ const EXACT_AS_STEPS: u64 = 20;
 /// Samples of a block: a millisecond of work or more.
 const BLOCK: u64 = 1024;
 
-/// The class of a sample and the outcome of its first run.
-pub type Verdict = (Class, Outcome);
+/// The class of a sample, the outcome of its first run, and that of its second.
+pub type Verdict = (Class, Outcome, Option<Outcome>);
+
+/// The verdict of a sample that was not run.
+pub const NO_VERDICT: Verdict = (Class::Failed, Outcome::REFUSED, None);
 
 /// The class of a condition of a sample, and the time at which its first run left it.
 pub type Part = (Class, f64);
@@ -190,7 +193,9 @@ impl Map {
         at: usize,
     ) -> (f64, u64) {
         let own = measured[number].get(at).and_then(Option::as_ref);
-        (self.measures[number].value(sample, own), own.map_or(0, |own| own.steps))
+        let value =
+            self.measures[number].value(sample, own, self.calls_functions() && self.logic.is_single());
+        (value, own.map_or(0, |own| own.steps))
     }
 
     /// Samples of strictly ascending flat numbers: each with its classification and the outcome of its first run, with the
@@ -209,7 +214,7 @@ impl Map {
         // Samples of one group are classified together, and neighbours side by side.
         let parts = parts(flat, |sample, later| self.belong_together(sample, later))?;
         let count = self.conditions.len();
-        let verdicts = memory::filled(VERDICTS, flat.len(), (Class::Failed, Outcome::REFUSED))?;
+        let verdicts = memory::filled(VERDICTS, flat.len(), NO_VERDICT)?;
         let nothing = (Class::Failed, f64::INFINITY);
         let all =
             Mutex::new((verdicts, memory::filled(VERDICTS, flat.len().saturating_mul(count), nothing)?));
@@ -219,7 +224,7 @@ impl Map {
             let mut all = all.lock().expect("copying does not panic");
             for at in part {
                 self.with_sample(&classified, flat[at], |sample, parts| {
-                    all.0[at] = (sample.class, *sample.first);
+                    all.0[at] = (sample.class, *sample.first, sample.second.copied());
                     for (known, part) in all.1[at * count..].iter_mut().zip(parts) {
                         *known = (part.class, part.first.left);
                     }
@@ -253,8 +258,9 @@ impl Map {
             let measured = self.measured(flat[part.start]..flat[part.end - 1] + 1, isa, interrupt)?;
             let mut all = all.lock().expect("copying does not panic");
             for (index, at) in part.enumerate() {
-                let (class, first) = known.get(at).unwrap_or(&(Class::Failed, Outcome::REFUSED));
-                let sample = Sample { class: *class, first, second: None, audited: false, t_end: self.t_end };
+                let (class, first, second) = known.get(at).unwrap_or(&NO_VERDICT);
+                let (class, second) = (*class, second.as_ref());
+                let sample = Sample { class, first, second, audited: false, t_end: self.t_end };
                 for k in 0..measures {
                     let (value, steps) = self.value(k, &sample, &measured, index);
                     all.0[at * measures + k] = value;

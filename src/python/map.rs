@@ -8,7 +8,7 @@ use crate::float_environment::FloatEnvironment;
 use crate::forces::Forces;
 use crate::map::{
     Bin, Check, Class, Column, Condition, Criterion, Field, Laws, Logic, Map, Measure, MethodChoice, Mixed,
-    Outcome, Pixel, Sketch, Statistics, Verdict, clopper_pearson_of_each,
+    NO_VERDICT, Outcome, Pixel, Sketch, Statistics, Verdict, clopper_pearson_of_each,
 };
 use crate::memory;
 use crate::sample::{Given, Law};
@@ -458,13 +458,13 @@ const OUTCOME_NUMBERS: [OutcomeNumber; 8] = [
 /// Writes what became of samples as one array a number.
 fn write_outcomes<'py>(py: Python<'py>, all: &[Verdict]) -> PyResult<Bound<'py, PyDict>> {
     let dict = PyDict::new(py);
-    dict.set_item("class", convert::column(py, all, |(class, _)| *class as u8)?)?;
-    dict.set_item("status", convert::column(py, all, |(_, one)| one.status as u8)?)?;
-    dict.set_item("exact", convert::column(py, all, |(_, one)| one.exact)?)?;
-    dict.set_item("flips", convert::column(py, all, |(_, one)| one.flips as i64)?)?;
-    dict.set_item("steps", convert::column(py, all, |(_, one)| one.steps as i64)?)?;
+    dict.set_item("class", convert::column(py, all, |(class, ..)| *class as u8)?)?;
+    dict.set_item("status", convert::column(py, all, |(_, one, _)| one.status as u8)?)?;
+    dict.set_item("exact", convert::column(py, all, |(_, one, _)| one.exact)?)?;
+    dict.set_item("flips", convert::column(py, all, |(_, one, _)| one.flips as i64)?)?;
+    dict.set_item("steps", convert::column(py, all, |(_, one, _)| one.steps as i64)?)?;
     for (name, of) in OUTCOME_NUMBERS {
-        dict.set_item(name, convert::column(py, all, |(_, one)| of(one))?)?;
+        dict.set_item(name, convert::column(py, all, |(_, one, _)| of(one))?)?;
     }
     Ok(dict)
 }
@@ -473,7 +473,7 @@ fn write_outcomes<'py>(py: Python<'py>, all: &[Verdict]) -> PyResult<Bound<'py, 
 /// their names.
 #[pyfunction]
 pub fn unknown_outcomes(py: Python<'_>, count: usize) -> PyResult<Bound<'_, PyDict>> {
-    write_outcomes(py, &memory::filled("outcomes of the samples", count, (Class::Failed, Outcome::REFUSED))?)
+    write_outcomes(py, &memory::filled("outcomes of the samples", count, NO_VERDICT)?)
 }
 
 /// The names of the classes of bodies, in the order of their codes.

@@ -32,7 +32,7 @@ def summary(data: MapData) -> str:
         ("bodies", _bodies(data)),
         ("classes", _classes(data)),
         *([("exponents", _exponents(data))] if spec.stable.has_deviation else []),
-        *(("measured", _measured(one)) for one in data.measures.values()),
+        *(("measured", _measured(data, one)) for one in data.measures.values()),
         ("worst drift", _drift(data)),
         ("theory", _theory(data)),
     ]
@@ -121,13 +121,18 @@ def _exponents(data: MapData) -> str:
     return f"largest {known.max():.3g} 1/s; none below {data.resolution:.3g} 1/s can be seen"
 
 
-def _measured(measured: Measured) -> str:
+def _measured(data: MapData, measured: Measured) -> str:
     bodies, mean, least, largest = measured.totals()
     unit = "" if measured.measure.unit == "1" else f" {measured.measure.unit}"
+    asked = (
+        data.unstable if measured.measure.name == "time_to_leave" else data.samples - data.failed
+    )
+    without = int(asked.sum()) - bodies if data.spec.is_called else 0
+    undecided = f", {without:,} undecided: a shorter step helps" if without else ""
     if not bodies:
-        return f"{measured.measure}: of no body"
+        return f"{measured.measure}: of no body{undecided}"
     text = f"mean {mean:.4g}{unit}, from {least:.4g} to {largest:.4g}{unit}"
-    return f"{measured.measure}: {text}, of {bodies:,} bodies"
+    return f"{measured.measure}: {text}, of {bodies:,} bodies{undecided}"
 
 
 def _drift(data: MapData) -> str:

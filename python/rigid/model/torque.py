@@ -175,12 +175,17 @@ class Torque:
         (3, N m, along the principal axes). A number that it does not write is NaN, which ends the
         body with the status ``NOT_FINITE``. It must not depend on earlier calls, and must be safe
         to call from several threads at once: a ``numba.cfunc`` is. A callback of ctypes runs with
-        the lock of the interpreter, one call at a time. At corners of the torque equal steps lose
-        their order, and steps by a ``tolerance`` become short.
+        the lock of the interpreter, one call at a time. What a function of ctypes or numba raises,
+        the call of ``rigid`` raises. At corners of the torque equal steps lose their order, and
+        steps by a ``tolerance`` become short; at a jump where a rate changes its sign they become
+        endless, unless the torque has a dead zone.
 
-        Runge-Kutta methods and ``midpoint`` integrate it, one body after the other: a step takes
-        several times as long as under another torque. ``"dop853"`` alone takes a ``tolerance`` and
-        finds events and sections; in maps it is the default. Its bits depend on the function.
+        A run makes at least 64 steps and ends one at each output time: it sees every pulse that is
+        longer than 0.42 % of the run. Shorter ones need output times, or a ``step``.
+
+        ``"dop853"`` is the default, alone takes a ``tolerance``, and finds events and sections.
+        ``"rk4"`` and ``"midpoint"`` take equal steps. One body is integrated after the other: a
+        step takes several times as long as under another torque. The bits depend on the function.
 
         Parameters
         ----------
@@ -191,7 +196,7 @@ class Torque:
             Numbers for the function, copied; leading axes give each body its numbers.
         fastest : float, optional
             A bound of ``|omega|`` under this torque (rad/s), and of the rate at which the torque
-            varies: the steps follow from it. Without it a run needs a ``step``, or a ``tolerance``.
+            varies: equal steps follow from it, and no other step is longer than 2 rad.
 
         Returns
         -------
@@ -200,7 +205,7 @@ class Torque:
         Raises
         ------
         TypeError
-            If there is no address.
+            If there is no address, or the function tells that it takes other arguments.
         ValueError
             If the address is not positive, or data or bound are not finite.
 

@@ -120,8 +120,9 @@ def simulate(
     tolerance : float, optional
         Adaptive steps of a Taylor method, instead of a step: the steps of each body are as long as
         the last terms of its series stay below this share of the largest rate and of a unit vector.
-        Output times between two steps need no extra step. Under :meth:`Torque.call` for
-        ``"dop853"``, whose estimated error of each step stays below this share; at least 1e-14.
+        Output times between two steps need no extra step. Under :meth:`Torque.call` of
+        ``"dop853"``, whose estimated error of each step stays below this share and whose steps end
+        at output times; at least 1e-14. There the default is a hundredth of the accuracy.
     record : {"attitude", "axis", "rates"}
         Recorded states: rates and attitude; rates and the vertical in body components; or rates
         only. A smaller record is faster and changes no bit of the rates.

@@ -127,6 +127,45 @@ def test_each_method_of_functions_makes_a_map(method: str) -> None:
     assert np.array_equal(called.unstable + called.undecided >= known.unstable, [[True] * 2] * 2)
 
 
+@SIGNATURE  # type: ignore[untyped-decorator]
+def thruster(t: float, omega: Any, attitude: Any, data: Any, torque: Any) -> None:
+    """Brakes axis 3 for 7.3 s of each 50 s."""
+    torque[0] = torque[1] = 0.0
+    torque[2] = -data[0] if t % 50.0 < 7.3 else 0.0
+
+
+def test_a_time_of_leaving_is_right_to_a_thousandth_or_undecided() -> None:
+    def scene(size: Any) -> Scene:
+        torque = rigid.Torque.call(thruster, size[:, np.newaxis], fastest=0.3)
+        return rigid.FreeBody(BODY, torque=torque)
+
+    spins = np.linspace(0.04, 0.1, 4)
+    size, slow = 1.2e-3, 0.01
+    asked: dict[str, Any] = {
+        "axes": {"size": [size], "spin": spins},
+        "start": rigid.Start(spin=0.1, axis=3),
+        "stable": rigid.spin_above(slow),
+        "measure": [rigid.time_to_leave(), rigid.mean_rate(3)],
+        "t_end": 2000.0,
+        "samples": 1,
+    }
+    # The thruster must act for so long: whole firings, and a part of the last one.
+    acting = (spins - slow) * BODY.moments[2] / size
+    times = 50.0 * np.floor(acting / 7.3) + acting % 7.3
+    for step, known in ((None, 0), (0.5, 3)):
+        result = rigid.stability_map(scene, **asked, step=step)
+        assert result.unstable.sum() == len(spins)
+        found = result.measures["time_to_leave"]
+        has = found.count[:, 0] > 0
+        # Two runs that agree to a thousandth may share a part of their errors.
+        assert np.allclose(found.mean[has, 0], times[has], rtol=2e-3, atol=0.0)
+        assert has.sum() >= known
+        words = f"{np.count_nonzero(~has)} undecided: a shorter step helps"
+        assert (words in result.summary()) == (not has.all())
+        leaving = result.outcomes(0).measures["time_to_leave"]
+        assert np.array_equal(np.isnan(np.ravel(leaving)), ~has)
+
+
 def slow_at_the_end(states: Any) -> Any:
     return np.linalg.norm(states.omega[:, -1], axis=-1) < 0.3
 
