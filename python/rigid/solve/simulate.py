@@ -254,7 +254,8 @@ def simulate(
             raise ValueError("frame, out: exclude each other, states in a frame are new arrays")
         frame = checked_frame(frame)
     given = times_of_each("t", t)
-    bodies = bodies_of(scene, omega, attitude, frame=frame, times=given.shape[:-1], rod=True)
+    shape, rod = given.shape[:-1], parameters is None
+    bodies = bodies_of(scene, omega, attitude, frame=frame, times=shape, rod=rod)
     times = given if given.ndim == 1 else in_rows(given, bodies.shape)
     target = PLAIN
     if out is not None or dtype is not np.float64:

@@ -113,6 +113,7 @@ SPIN = "a rod has no moment about its axis"
         (lambda: ROD.gammas, SPIN),
         (lambda: rigid.free.euler_rhs(ROD, [0.1, 0.2, 0.0]), SPIN),
         (lambda: exact.sleeping_spin(PENDULUM), SPIN),
+        (lambda: rigid.simulate(ROD, [0.1, 0.2, 0.0], t=[1.0], tangent=True), SPIN),
         (lambda: rigid.lyapunov(PENDULUM, [0.1, 0.2, 0.0], t=10.0), SPIN),
         (
             lambda: rigid.fit(ROD, [0, 1, 2], omega=np.ones((3, 3)), sigma=0.1, free=["I1"]),
