@@ -15,7 +15,7 @@ const FUNCTION_RULE: &str = "acts with other torques, damping and weight only, n
 
 /// The forces on a body, on an interval of time in which the torque of the table is linear.
 #[derive(Clone, Copy)]
-pub struct ForcesInterval<R> {
+pub struct ForcesInterval<'a, R> {
     /// Torque in the body at the begin of the interval, and its rate of change.
     pub body: [[R; 3]; 2],
     /// Torque in space at the begin of the interval, and its rate of change.
@@ -29,7 +29,7 @@ pub struct ForcesInterval<R> {
     /// The further forces.
     pub further: Further<R>,
     /// The function that returns a further torque.
-    pub function: Option<TorqueCall>,
+    pub function: Option<TorqueCall<'a>>,
     /// The change of the parameters by which the body deviates, if deviation vectors are integrated.
     pub change: ParameterChange<R>,
 }
@@ -83,7 +83,7 @@ impl<R: Real> ParameterChange<R> {
     }
 }
 
-impl<R: Real> ForcesInterval<R> {
+impl<R: Real> ForcesInterval<'_, R> {
     /// No forces.
     #[inline(always)]
     pub fn none() -> Self {
@@ -98,6 +98,23 @@ impl<R: Real> ForcesInterval<R> {
             function: None,
             change: ParameterChange::none(),
         }
+    }
+
+    /// The same with another function.
+    #[inline(always)]
+    pub fn with_function<'b>(&self, function: Option<TorqueCall<'b>>) -> ForcesInterval<'b, R> {
+        let ForcesInterval { body, space, damping, rates, modes, further, change, .. } = *self;
+        ForcesInterval { body, space, damping, rates, modes, further, function, change }
+    }
+
+    /// The same for code of a kernel, whose types cannot name a lifetime.
+    ///
+    /// # Safety
+    /// As [`TorqueCall::outliving`].
+    #[inline(always)]
+    pub unsafe fn outliving(&self) -> ForcesInterval<'static, R> {
+        // SAFETY: the caller's promise.
+        self.with_function(self.function.map(|function| unsafe { function.outliving() }))
     }
 }
 
@@ -304,10 +321,10 @@ pub struct BodyForces<'a> {
     /// The further forces.
     pub further: Further<f64>,
     /// The function that returns a torque.
-    pub function: Option<TorqueCall>,
+    pub function: Option<TorqueCall<'a>>,
 }
 
-impl BodyForces<'_> {
+impl<'a> BodyForces<'a> {
     /// No forces.
     pub const NONE: BodyForces<'static> =
         BodyForces { table: Table::NONE, damping: Damping::NONE, further: Further::NONE, function: None };
@@ -324,7 +341,7 @@ impl BodyForces<'_> {
     }
 
     /// The forces on a body with these moments from a time to the next knot, forward or backward.
-    pub fn interval(&self, time: f64, backward: bool, moments: [f64; 3]) -> ForcesInterval<f64> {
+    pub fn interval(&self, time: f64, backward: bool, moments: [f64; 3]) -> ForcesInterval<'a, f64> {
         let [[body, body_slope], [space, space_slope]] = self.table.torques(time, backward);
         let (rates, modes) = self.damping.modes(moments);
         ForcesInterval {

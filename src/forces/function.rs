@@ -29,12 +29,12 @@ pub struct TorqueFunction {
     fastest: f64,
 }
 
-/// The function of one body.
+/// The function of one body. It borrows the numbers that the function reads.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TorqueCall {
+pub struct TorqueCall<'a> {
     address: usize,
-    /// The address of the numbers of the body, 0 without any.
-    data: usize,
+    /// The numbers of the body, if there are any.
+    data: Option<&'a [f64]>,
     unit: f64,
     fastest: f64,
     /// The time at which the time of the state is zero.
@@ -85,9 +85,9 @@ impl TorqueFunction {
     }
 
     /// The function of one of the bodies.
-    pub fn of(&self, body: usize) -> TorqueCall {
+    pub fn of(&self, body: usize) -> TorqueCall<'_> {
         let row = if self.rows() > 1 { body } else { 0 };
-        let data = if self.rows() > 0 { self.data[self.width * row..].as_ptr() as usize } else { 0 };
+        let data = (self.rows() > 0).then(|| &self.data[self.width * row..][..self.width]);
         let unit = self.units[if self.units.len() > 1 { body } else { 0 }];
         TorqueCall { address: self.address, data, unit, fastest: self.fastest, begin: 0.0 }
     }
@@ -126,10 +126,20 @@ impl TorqueFunction {
     }
 }
 
-impl TorqueCall {
+impl<'a> TorqueCall<'a> {
     /// The function of states whose time is zero at this time.
-    pub fn from(self, begin: f64) -> TorqueCall {
+    pub fn from(self, begin: f64) -> TorqueCall<'a> {
         TorqueCall { begin, ..self }
+    }
+
+    /// The same for code of a kernel, whose types cannot name a lifetime.
+    ///
+    /// # Safety
+    /// It is not called after the `TorqueFunction` has gone.
+    #[inline(always)]
+    pub unsafe fn outliving(self) -> TorqueCall<'static> {
+        // SAFETY: the caller's promise; only the lifetime differs.
+        unsafe { std::mem::transmute::<TorqueCall<'a>, TorqueCall<'static>>(self) }
     }
 
     /// A bound of |omega|, 0 if none is known.
@@ -147,7 +157,7 @@ impl TorqueCall {
         // What the function does not write is no number.
         let mut torque = [f64::NAN; 3];
         let address = std::ptr::with_exposed_provenance::<()>(self.address);
-        let data = std::ptr::with_exposed_provenance::<f64>(self.data);
+        let data = self.data.map_or(std::ptr::null(), <[f64]>::as_ptr);
         // SAFETY: `TorqueFunction::new` was promised such a function, and `data` has its numbers or is null.
         unsafe {
             let function = std::mem::transmute::<*const (), Function>(address);

@@ -67,7 +67,7 @@ pub struct Group {
 
 /// The forces on the bodies of a group on an interval: the numbers of `ForcesInterval`, in its order.
 #[derive(Clone)]
-pub struct ForcesRows {
+pub struct ForcesRows<'a> {
     /// Torque in the body, and its rate of change.
     pub body: [[Row; 3]; 2],
     /// Torque in space, and its rate of change.
@@ -85,12 +85,12 @@ pub struct ForcesRows {
     /// Changes of the numbers of the further forces.
     pub further_change: Further<Row>,
     /// The functions that return a torque.
-    pub functions: [Option<TorqueCall>; LANES],
+    pub functions: [Option<TorqueCall<'a>>; LANES],
 }
 
-impl ForcesRows {
+impl<'a> ForcesRows<'a> {
     /// No forces.
-    pub const NONE: ForcesRows = ForcesRows {
+    pub const NONE: ForcesRows<'a> = ForcesRows {
         body: [[Row::ZERO; 3]; 2],
         space: [[Row::ZERO; 3]; 2],
         damping: [Row::ZERO; 6],
@@ -103,7 +103,7 @@ impl ForcesRows {
     };
 
     /// Sets the forces on the body in a lane.
-    pub fn set(&mut self, lane: usize, interval: &ForcesInterval<f64>) {
+    pub fn set(&mut self, lane: usize, interval: &ForcesInterval<'a, f64>) {
         for i in 0..2 {
             for k in 0..3 {
                 self.body[i][k].0[lane] = interval.body[i][k];
@@ -130,8 +130,11 @@ impl ForcesRows {
     }
 
     /// The lanes of a pack.
+    ///
+    /// # Safety
+    /// The function of the interval is not called after the end of the borrow `'a`.
     #[inline(always)]
-    pub fn load<P: Pack>(&self, at: usize) -> ForcesInterval<P> {
+    pub unsafe fn load<P: Pack>(&self, at: usize) -> ForcesInterval<'static, P> {
         let mut interval = ForcesInterval::none();
         for i in 0..2 {
             for k in 0..3 {
@@ -159,7 +162,8 @@ impl ForcesRows {
             interval.change.damping[k] = P::load(&self.change[6 + k].0[at..]);
         }
         // Only packs of one body call it.
-        interval.function = self.functions[at];
+        // SAFETY: the caller's promise.
+        interval.function = self.functions[at].map(|function| unsafe { function.outliving() });
         interval
     }
 }

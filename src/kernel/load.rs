@@ -184,7 +184,7 @@ pub struct Entry<'a> {
     /// The body.
     pub body: &'a Body,
     /// The forces from the start on, and a bound of |omega| under it; `None` without forces.
-    pub forces: Option<(&'a ForcesInterval<f64>, f64)>,
+    pub forces: Option<(&'a ForcesInterval<'a, f64>, f64)>,
     /// The observed body axis: 1, 2, 3 or -1, -2, -3; 0 for none. The direction integrated with a free body is the
     /// initial direction of this axis, or the vertical.
     pub axis: i32,
@@ -203,7 +203,7 @@ pub struct Entry<'a> {
 impl<'a> Entry<'a> {
     /// A body that is not observed, with a bound of |omega| if forces act.
     pub fn unobserved(body: &'a Body, forced_rate: Option<f64>, step: f64) -> Self {
-        static NO_FORCES: OnceLock<ForcesInterval<f64>> = OnceLock::new();
+        static NO_FORCES: OnceLock<ForcesInterval<'static, f64>> = OnceLock::new();
         let forces = forced_rate.map(|rate| (NO_FORCES.get_or_init(ForcesInterval::none), rate));
         let (own, deviation) = (Further::NONE.start(0.0), Deviation::NONE);
         Entry { body, forces, axis: 0, limit: f64::INFINITY, step, own, deviation, bound: None }

@@ -38,7 +38,8 @@ fn prepared_pack<P: Pack, M: Model<P>, L: Layout, S: Engine<P, M, L, D>, const D
         step: P::load(&g.step.0[at..]),
     };
     let acts = L::BALANCE || L::CHANGED || L::ORBIT;
-    let interval = if acts { forces.load(at) } else { ForcesInterval::none() };
+    // SAFETY: the engine ends with its block of steps, during which `forces` is borrowed.
+    let interval = if acts { unsafe { forces.load(at) } } else { ForcesInterval::none() };
     (p, S::new(&p, &interval, numbers))
 }
 

@@ -129,7 +129,7 @@ struct MapJob<'a> {
     run: Run<'a>,
     compiled: Compiled,
     group: Group,
-    forces_rows: ForcesRows,
+    forces_rows: ForcesRows<'a>,
     /// Steps after which each lane is at its horizon, or is to be looked at; an inactive lane never is.
     target: [f64; LANES],
     /// Blocks of steps that the group has made.

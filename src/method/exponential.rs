@@ -83,7 +83,7 @@ struct Modes<R> {
 
 impl<R: Real> Modes<R> {
     #[inline(always)]
-    fn new(p: &Parameters<R>, interval: &ForcesInterval<R>) -> Self {
+    fn new(p: &Parameters<R>, interval: &ForcesInterval<'static, R>) -> Self {
         let mut to = interval.modes;
         for k in 0..3 {
             let root = R::splat(1.0) / p.moments[k].sqrt();
@@ -157,7 +157,7 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Engine<R, M, L, D> for Aff
     const MOVES: bool = L::BALANCE && !L::FURTHER && !L::FUNCTION;
 
     #[inline(always)]
-    fn new(p: &Parameters<R>, interval: &ForcesInterval<R>, _numbers: &'static Numbers) -> Self {
+    fn new(p: &Parameters<R>, interval: &ForcesInterval<'static, R>, _numbers: &'static Numbers) -> Self {
         let modes = Modes::new(p, interval);
         let half = p.step * R::splat(0.5);
         let [i1, i2, i3] = p.moments;
@@ -384,7 +384,7 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Engine<R, M, L, D> for Exp
     const MOVES: bool = L::BALANCE && !L::FURTHER && !L::FUNCTION;
 
     #[inline(always)]
-    fn new(p: &Parameters<R>, interval: &ForcesInterval<R>, _numbers: &'static Numbers) -> Self {
+    fn new(p: &Parameters<R>, interval: &ForcesInterval<'static, R>, _numbers: &'static Numbers) -> Self {
         let modes = Modes::new(p, interval);
         let (h, half) = (p.step, p.step * R::splat(0.5));
         let zero = R::splat(0.0);

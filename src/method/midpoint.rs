@@ -52,7 +52,7 @@ const PARTS: [usize; 3] = [4, 16, 64];
 #[derive(Clone, Copy)]
 pub struct ImplicitMidpoint<R> {
     applied: Applied<R>,
-    interval: ForcesInterval<R>,
+    interval: ForcesInterval<'static, R>,
     /// Moments over the first, and their inverses.
     ratios: [R; 3],
     inverse_ratios: [R; 3],
@@ -144,7 +144,7 @@ fn columns<R: Real>(k: &[R; 3]) -> [[R; 3]; 3] {
 
 impl<R: Real> ImplicitMidpoint<R> {
     #[inline(always)]
-    fn of(p: &Parameters<R>, interval: &ForcesInterval<R>) -> Self {
+    fn of(p: &Parameters<R>, interval: &ForcesInterval<'static, R>) -> Self {
         let one = R::splat(1.0);
         let [i1, i2, i3] = p.moments;
         let inverse = one / i1;
@@ -162,7 +162,12 @@ impl<R: Real> ImplicitMidpoint<R> {
 
     /// The constants of a step or substep.
     #[inline(always)]
-    fn constants(p: &Parameters<R>, interval: &ForcesInterval<R>, inverse: R, part: R) -> StepConstants<R> {
+    fn constants(
+        p: &Parameters<R>,
+        interval: &ForcesInterval<'static, R>,
+        inverse: R,
+        part: R,
+    ) -> StepConstants<R> {
         let step = p.step * part;
         let half = step * R::splat(0.5);
         let (mut lever, mut kick, mut damping) = (p.weight, p.weight, interval.damping);
@@ -425,7 +430,7 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Engine<R, M, L, D> for Imp
     const MOVES: bool = !L::FURTHER && !L::ORBIT && !(M::HEAVY && L::QUATERNION);
 
     #[inline(always)]
-    fn new(p: &Parameters<R>, interval: &ForcesInterval<R>, _numbers: &'static Numbers) -> Self {
+    fn new(p: &Parameters<R>, interval: &ForcesInterval<'static, R>, _numbers: &'static Numbers) -> Self {
         Self::of(p, interval)
     }
 

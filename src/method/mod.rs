@@ -582,7 +582,7 @@ pub trait Engine<R: Real, M: Model<R>, L: Layout, const D: usize>: Copy {
     /// The flows of a round, if the engine composes exact flows of parts of the motion.
     const FLOWS: Option<&'static [Flow]> = None;
     /// Prepares the constants of the step.
-    fn new(p: &Parameters<R>, forces: &ForcesInterval<R>, numbers: &'static Numbers) -> Self;
+    fn new(p: &Parameters<R>, forces: &ForcesInterval<'static, R>, numbers: &'static Numbers) -> Self;
     /// Transforms a state to the variables of the steps, before the first of equal steps; or back, after the last.
     #[inline(always)]
     fn process(&self, _p: &Parameters<R>, _y: &mut [R; D], _leaving: bool) {}

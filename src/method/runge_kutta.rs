@@ -397,7 +397,7 @@ impl<T: Tableau, R: Real, M: Model<R>, L: Layout, const D: usize> Engine<R, M, L
     const IS_SERIES: bool = L::FUNCTION && T::INSIDE.is_known;
 
     #[inline(always)]
-    fn new(p: &Parameters<R>, forces: &ForcesInterval<R>, _numbers: &'static Numbers) -> Self {
+    fn new(p: &Parameters<R>, forces: &ForcesInterval<'static, R>, _numbers: &'static Numbers) -> Self {
         let (model, applied) = (M::new(p), Applied::new(p, forces));
         let (unit, half) = (p.step * R::splat(T::UNIT), R::splat(0.5));
         let in_units = model.in_units(unit);

@@ -283,7 +283,7 @@ impl<C: Round, R: Real, M: Model<R>, L: Layout, const D: usize> Engine<R, M, L, 
     const FLOWS: Option<&'static [Flow]> = Some(C::FLOWS);
 
     #[inline(always)]
-    fn new(p: &Parameters<R>, _forces: &ForcesInterval<R>, numbers: &'static Numbers) -> Self {
+    fn new(p: &Parameters<R>, _forces: &ForcesInterval<'static, R>, numbers: &'static Numbers) -> Self {
         let [i1, i2, i3] = p.moments;
         Splitting { turn: [p.step / i1, p.step / i2, p.step / i3], drift: C::Drift::new(p, numbers), numbers }
     }

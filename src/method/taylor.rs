@@ -503,7 +503,7 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Engine<R, M, L, D> for Tay
     const SHARES_MOTION: bool = L::TANGENT && !L::FURTHER;
 
     #[inline(always)]
-    fn new(p: &Parameters<R>, forces: &ForcesInterval<R>, numbers: &'static Numbers) -> Self {
+    fn new(p: &Parameters<R>, forces: &ForcesInterval<'static, R>, numbers: &'static Numbers) -> Self {
         // The bound shows the compiler that no index lies outside the table.
         let (model, applied) = (M::new(p), Applied::new(p, forces));
         let has_high_orders = L::BALANCE && applied.has_high_orders();

@@ -70,7 +70,7 @@ impl Flips {
 /// Runge-Kutta step.
 struct AfterStart<'a> {
     body: &'a Body,
-    interval: &'a ForcesInterval<f64>,
+    interval: &'a ForcesInterval<'a, f64>,
     rate: f64,
     rates: &'a mut [f64; 3],
 }
@@ -80,6 +80,8 @@ impl Apart for AfterStart<'_> {
     fn run(self) {
         const NUMBERS: &Numbers = &Numbers { order: 6, ..Numbers::NONE };
         let AfterStart { body, interval, rate, rates } = self;
+        // SAFETY: the engines end with this call, during which `interval` is borrowed.
+        let interval = unsafe { &interval.outliving() };
         let p = Parameters { moments: body.moments, weight: body.weight, step: 1e-3 / rate };
         if interval.function.is_some() {
             // Nobody knows the derivatives of the torque of a function: a step of the fourth order is made.

@@ -63,7 +63,7 @@ pub struct Start<'a> {
     /// The body.
     pub body: &'a Body,
     /// Forces of the body from the start on, and a bound of its |omega|; `None` without forces.
-    pub forces: Option<(&'a ForcesInterval<f64>, f64)>,
+    pub forces: Option<(&'a ForcesInterval<'a, f64>, f64)>,
     /// The observed body axis: 1, 2, 3 or -1, -2, -3; 0 for none.
     pub axis: i32,
     /// The observed body axis as a unit vector, in the axes of the kernel.

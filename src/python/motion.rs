@@ -1,12 +1,12 @@
 //! Bodies that Python moves step by step.
 
 use super::bodies::Bodies;
-use super::convert::rows;
+use super::convert::{interruptible_calls, rows};
 use super::unraisable::carrying;
 use crate::float_environment::FloatEnvironment;
 use crate::memory;
 use crate::method::Method;
-use crate::parallel::{caught, owned};
+use crate::parallel::{Interrupt, caught, owned};
 use crate::simd::Isa;
 use crate::start::Body;
 use crate::trajectory::{Motion, NUMBERS, Torques};
@@ -98,8 +98,12 @@ impl PyMotion {
 impl PyMotion {
     fn make(&mut self, py: Python<'_>, dt: f64, torques: Torques) -> PyResult<()> {
         let PyMotion { motion, threads, calls, .. } = self;
+        if motion.passes_many_knots(dt) {
+            let work = |stop: &Interrupt| motion.step(dt, torques, *threads, stop);
+            return Ok(interruptible_calls(py, None, *calls, work)??);
+        }
         let few = motion.len() < FEW;
-        let mut work = || caught(|| motion.step(dt, torques, *threads));
+        let mut work = || caught(|| motion.step(dt, torques, *threads, &Interrupt::never()));
         let mut make = || if few { work() } else { py.detach(&mut work) };
         if *calls { carrying(py, |call| Ok(owned(call, make)?)) } else { Ok(make()?) }
     }

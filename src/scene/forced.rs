@@ -18,7 +18,7 @@ pub struct Applied<R> {
     pub(super) moments: [R; 3],
     inverse: [R; 3],
     /// The forces.
-    pub forces: ForcesInterval<R>,
+    pub forces: ForcesInterval<'static, R>,
 }
 
 /// A vector of the first lane.
@@ -30,7 +30,7 @@ fn alone<R: Real>(v: &[R; 3]) -> [f64; 3] {
 impl<R: Real> Applied<R> {
     /// The constants of a body and its forces.
     #[inline(always)]
-    pub fn new(p: &Parameters<R>, forces: &ForcesInterval<R>) -> Self {
+    pub fn new(p: &Parameters<R>, forces: &ForcesInterval<'static, R>) -> Self {
         let one = R::splat(1.0);
         let [i1, i2, i3] = p.moments;
         Applied { moments: p.moments, inverse: [one / i1, one / i2, one / i3], forces: *forces }

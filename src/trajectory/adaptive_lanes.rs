@@ -21,7 +21,7 @@ pub(super) struct AdaptiveLanes<'a> {
     pub(super) kernel: Compiled,
     pub(super) group: Group,
     pub(super) steps: AdaptiveSteps,
-    forces_rows: ForcesRows,
+    forces_rows: ForcesRows<'a>,
     /// The next knot of the forces on each lane; infinite if there is none.
     knots: [f64; LANES],
 }

@@ -14,7 +14,7 @@ use crate::start::Body;
 use std::ops::Range;
 
 /// The forces on free motions.
-static NO_FORCES: ForcesRows = ForcesRows::NONE;
+static NO_FORCES: ForcesRows<'static> = ForcesRows::NONE;
 
 /// Steps of equal size to the next requested state or knot of the forces.
 #[derive(Clone, Copy)]
@@ -229,7 +229,7 @@ pub(super) struct LegGroup<'a> {
     pub(super) lanes_each: usize,
     pub(super) lanes: Group,
     /// `None` if no forces act, and no parameter is changed.
-    forces_rows: Option<Box<ForcesRows>>,
+    forces_rows: Option<Box<ForcesRows<'a>>>,
     /// The steps of each body; `None` if they are too many, and the body is not moved.
     pub(super) steps: [Option<u64>; LANES],
     backward: bool,

@@ -3,7 +3,7 @@
 use super::neighbours;
 use crate::error::Error;
 use crate::forces::ForceSet;
-use crate::forces::{BodyForces, Forces, ForcesInterval};
+use crate::forces::{BodyForces, Forces, ForcesInterval, TorqueCall};
 use crate::kernel::{Compiled, Entry, ForcesRows, Group, Kernel, MAX_STATE};
 use crate::kernel::{KernelAssignment, Needs, System, load, reset_time, unload};
 use crate::memory;
@@ -40,9 +40,10 @@ struct MovingGroup {
     assignments: Vec<KernelAssignment>,
     compiled: Compiled,
     lanes: Group,
-    forces_rows: ForcesRows,
+    /// The forces on the lanes, without a function, which would borrow its data from `Motion`.
+    forces_rows: Option<Box<ForcesRows<'static>>>,
     /// The forces on each body, if it does not change; without the torque of a step.
-    constant: Vec<ForcesInterval<f64>>,
+    constant: Vec<ForcesInterval<'static, f64>>,
 }
 
 /// The torque of a step in body axes: none, one for all bodies, or one for each.
@@ -50,6 +51,10 @@ pub type Torques<'a> = &'a [[f64; 3]];
 
 const LOST: &str = "the attitude is no rotation any more, because the steps are too long for the method, or the numbers \
     for doubles; the motion is lost, begin it again with shorter steps";
+
+/// Knots of a table in one step from which on the step can be stopped. Between two knots a group of bodies moves for
+/// some microseconds.
+const MANY_KNOTS: usize = 256;
 
 /// Whether the length of a quaternion has not drifted away from 1; NaN has.
 fn is_rotation(attitude: [f64; 4]) -> bool {
@@ -145,10 +150,10 @@ impl Motion {
     ///
     /// # Errors
     /// If a number is not finite, if there is neither one torque nor one for each body, if the method does not move
-    /// forced bodies or is unstable with the step, or if the table of the scene's torque does not reach its end. The
-    /// bodies are then as before. If the step is so long that an attitude is no rotation any more: the bodies are then
-    /// lost.
-    pub fn step(&mut self, dt: f64, torques: Torques, threads: usize) -> Result<(), Error> {
+    /// forced bodies or is unstable with the step, or if the table of the scene's torque does not reach its end;
+    /// `Stopped` if `stop` is wanted in a step over many knots. The bodies are then as before. If the step is so long
+    /// that an attitude is no rotation any more: the bodies are then lost.
+    pub fn step(&mut self, dt: f64, torques: Torques, threads: usize, stop: &Interrupt) -> Result<(), Error> {
         let refused = |argument, value: String, rule| Err(Error::Value { argument, value, rule });
         let n = self.len();
         if !dt.is_finite() {
@@ -171,6 +176,11 @@ impl Motion {
         if !torques.is_empty() && self.forces.is_none() {
             self.begin_forces()?;
         }
+        let never = Interrupt::never();
+        let (before, stop) = match self.passes_many_knots(dt) {
+            true => (Some(self.numbers()?), stop),
+            false => (None, &never),
+        };
         let forces = self.forces.of(0);
         // Below some 100 microseconds of work a thread is not worth its start.
         let threads = if n < 1000 { 1 } else { threads };
@@ -180,15 +190,25 @@ impl Motion {
             first += group.bodies.len();
             (group, torques)
         });
-        over_blocks(groups, threads, &Interrupt::never(), |(group, torques)| {
-            group.step(forces, [begin, dt], torques);
-            Ok(())
-        })?;
+        let made = over_blocks(groups, threads, stop, |(group, torques)| {
+            group.step(forces, [begin, dt], torques, stop)
+        });
+        if let (Err(_), Some((numbers, forced))) = (&made, before) {
+            self.restore(&numbers, forced)?;
+        }
+        made?;
         self.time = end;
         if self.bodies().any(|body| !is_rotation(body.attitude)) {
             return refused("dt", dt.to_string(), LOST);
         }
         Ok(())
+    }
+
+    /// Whether a step divides at so many knots of the table that it takes milliseconds.
+    pub fn passes_many_knots(&self, dt: f64) -> bool {
+        let times = self.forces.of(0).table.times;
+        let [first, last] = [self.time.min(self.time + dt), self.time.max(self.time + dt)];
+        times.partition_point(|&knot| knot < last) > times.partition_point(|&knot| knot <= first) + MANY_KNOTS
     }
 
     /// Refuses what `trajectory::simulate` refuses of forced bodies.
@@ -244,7 +264,7 @@ impl Motion {
                 assignments,
                 compiled: Compiled::new(kernel, self.isa),
                 lanes: Group::inactive(),
-                forces_rows: ForcesRows::NONE,
+                forces_rows: Some(Box::new(ForcesRows::NONE)),
                 constant: memory::reserved("forces of a group", bodies.len())?,
             };
             for (lane, body) in bodies.iter().enumerate() {
@@ -256,7 +276,8 @@ impl Motion {
                     self.damping_rate = self.damping_rate.max(rate);
                     // A function is told the time.
                     if self.forces.of(0).table.times.is_empty() && !forces.function {
-                        group.constant.push(self.forces.of(0).interval(0.0, false, body.moments));
+                        let interval = self.forces.of(0).interval(0.0, false, body.moments);
+                        group.constant.push(interval.with_function(None));
                     }
                 }
             }
@@ -269,20 +290,53 @@ impl Motion {
 
 impl MovingGroup {
     /// Makes one step from a time, or several with the knots of a table between them.
-    fn step(&mut self, forces: BodyForces, [begin, dt]: [f64; 2], torques: Torques) {
-        let (end, backward) = (begin + dt, dt < 0.0);
-        if dt == 0.0 {
-            return;
+    fn step(
+        &mut self,
+        forces: BodyForces,
+        times: [f64; 2],
+        torques: Torques,
+        stop: &Interrupt,
+    ) -> Result<(), Error> {
+        if times[1] == 0.0 {
+            return Ok(());
         }
+        if let Some(function) = forces.function {
+            return self.advance(
+                (forces, Some(function)),
+                times,
+                torques,
+                stop,
+                &mut Box::new(ForcesRows::NONE),
+            );
+        }
+        let mut rows = self.forces_rows.take().expect("put back after each step");
+        let made = self.advance((forces, None), times, torques, stop, &mut rows);
+        self.forces_rows = Some(rows);
+        made
+    }
+
+    fn advance<'f>(
+        &mut self,
+        (forces, function): (BodyForces, Option<TorqueCall<'f>>),
+        [begin, dt]: [f64; 2],
+        torques: Torques,
+        stop: &Interrupt,
+        rows: &mut ForcesRows<'f>,
+    ) -> Result<(), Error> {
+        let (end, backward) = (begin + dt, dt < 0.0);
         let mut from = begin;
+        // A round for each knot of the table.
         loop {
+            if stop.is_wanted() {
+                return Err(Error::Stopped);
+            }
             let is_before = |&knot: &f64| if backward { knot > end } else { knot < end };
             let knot = forces.table.next_knot(from, backward).filter(is_before);
             let to = knot.unwrap_or(end);
             // The difference of two times would round a whole step.
             let step = if from == begin && to == end { dt } else { to - from };
             if !forces.is_none() {
-                self.apply(forces, (from, backward), torques);
+                self.apply((forces, function), (from, backward), torques, rows);
             }
             for lane in 0..self.bodies.len() {
                 self.lanes.step.0[lane] = step;
@@ -290,7 +344,7 @@ impl MovingGroup {
             if self.compiled.is_processed() {
                 self.compiled.enter(&mut self.lanes);
             }
-            self.compiled.advance(&mut self.lanes, &self.forces_rows, 1);
+            self.compiled.advance(&mut self.lanes, rows, 1);
             if self.compiled.is_processed() {
                 self.compiled.leave(&mut self.lanes);
             }
@@ -300,22 +354,30 @@ impl MovingGroup {
             from = to;
         }
         self.read();
+        Ok(())
     }
 
     /// Sets the forces on each lane from a time on.
-    fn apply(&mut self, forces: BodyForces, (time, backward): (f64, bool), torques: Torques) {
+    fn apply<'f>(
+        &mut self,
+        (forces, function): (BodyForces, Option<TorqueCall<'f>>),
+        (time, backward): (f64, bool),
+        torques: Torques,
+        rows: &mut ForcesRows<'f>,
+    ) {
         let system = self.compiled.kernel().system;
         for (lane, body) in self.bodies.iter().enumerate() {
-            let mut interval = match self.constant.get(lane) {
+            let interval = match self.constant.get(lane) {
                 Some(interval) => *interval,
                 None => forces.interval(time, backward, body.moments),
             };
+            let mut interval = interval.with_function(function.map(|function| function.from(time)));
             if let Some(torque) = torques.get(lane).or(torques.first()) {
                 for k in 0..3 {
                     interval.body[0][k] += torque[k];
                 }
             }
-            self.forces_rows.set(lane, &interval);
+            rows.set(lane, &interval);
             reset_time(&mut self.lanes, system, lane);
         }
     }
@@ -356,12 +418,12 @@ mod tests {
             (0..70).map(|i| Body { omega: [0.1, 1.0, 0.01 * f64::from(i)], ..BODY }).collect();
         let torques: Vec<[f64; 3]> = (0..70).map(|i| [0.0, 0.02 * f64::from(i), 0.1]).collect();
         let mut together = motion(&bodies);
-        together.step(0.125, &[], 1).unwrap();
-        together.step(0.125, &torques, 2).unwrap();
+        together.step(0.125, &[], 1, &Interrupt::never()).unwrap();
+        together.step(0.125, &torques, 2, &Interrupt::never()).unwrap();
         for (index, moved) in together.bodies().enumerate() {
             let mut alone = motion(&bodies[index..][..1]);
-            alone.step(0.125, &[], 1).unwrap();
-            alone.step(0.125, &torques[index..][..1], 1).unwrap();
+            alone.step(0.125, &[], 1, &Interrupt::never()).unwrap();
+            alone.step(0.125, &torques[index..][..1], 1, &Interrupt::never()).unwrap();
             assert_eq!(alone.bodies().next().unwrap(), moved, "body {index}");
         }
     }
@@ -372,7 +434,7 @@ mod tests {
         for (dt, torques) in
             [(f64::NAN, &[][..]), (0.1, &[[f64::INFINITY, 0.0, 0.0]][..]), (0.1, &[[0.0; 3]; 3][..])]
         {
-            assert!(moving.step(dt, torques, 1).is_err());
+            assert!(moving.step(dt, torques, 1, &Interrupt::never()).is_err());
             assert_eq!((moving.time(), moving.bodies().copied().collect::<Vec<_>>()), (0.0, vec![BODY; 2]));
         }
     }

@@ -49,7 +49,7 @@ fn assert_equal_bits(a: &[f64], b: &[f64], what: &str) {
 }
 
 /// The torque, in body and in space, and the damping of a test.
-fn interval() -> ForcesInterval<f64> {
+fn interval() -> ForcesInterval<'static, f64> {
     let mut interval = ForcesInterval::none();
     interval.body = [[0.1, -0.2, 0.05], [0.03, 0.0, -0.02]];
     interval.space = [[-0.1, 0.15, 0.2], [0.0, 0.04, 0.01]];
@@ -57,7 +57,7 @@ fn interval() -> ForcesInterval<f64> {
     interval
 }
 
-fn rows(interval: &ForcesInterval<f64>) -> ForcesRows {
+fn rows(interval: &ForcesInterval<'static, f64>) -> ForcesRows<'static> {
     let mut rows = ForcesRows::NONE;
     (0..LANES).for_each(|lane| rows.set(lane, interval));
     rows
@@ -351,7 +351,7 @@ impl Real for Dual {
 /// One step of a state.
 fn stepped<R: Real, M: Model<R>, L: Layout, S: Engine<R, M, L, D>, const D: usize>(
     numbers: &'static Numbers,
-    interval: &ForcesInterval<R>,
+    interval: &ForcesInterval<'static, R>,
     step: f64,
     y: [R; D],
 ) -> [R; D] {
@@ -367,7 +367,7 @@ fn stepped<R: Real, M: Model<R>, L: Layout, S: Engine<R, M, L, D>, const D: usiz
 /// One step of a state of a body.
 fn stepped_by<R: Real, M: Model<R>, L: Layout, S: Engine<R, M, L, D>, const D: usize>(
     numbers: &'static Numbers,
-    interval: &ForcesInterval<R>,
+    interval: &ForcesInterval<'static, R>,
     p: &Parameters<R>,
     mut y: [R; D],
 ) -> [R; D] {
@@ -376,7 +376,7 @@ fn stepped_by<R: Real, M: Model<R>, L: Layout, S: Engine<R, M, L, D>, const D: u
     y
 }
 
-fn interval_of<R: Real>(x: &ForcesInterval<f64>) -> ForcesInterval<R> {
+fn interval_of<R: Real>(x: &ForcesInterval<f64>) -> ForcesInterval<'static, R> {
     let mut interval = ForcesInterval::none();
     interval.body = x.body.map(|v| v.map(R::splat));
     interval.space = x.space.map(|v| v.map(R::splat));
