@@ -16,7 +16,7 @@ use rigid::simd::Isa;
 use rigid::special;
 use rigid::start::{Body, unit_quaternion};
 use rigid::status::Status;
-use rigid::trajectory::{self, Record, Request, Schedule};
+use rigid::trajectory::{self, Motion, Record, Request, Schedule};
 
 /// The steps that a body may take.
 const MAX_STEPS: u64 = 500;
@@ -25,12 +25,13 @@ const MAX_STEPS: u64 = 500;
 pub fn knock(bytes: &[u8]) {
     let Some((&door, rest)) = bytes.split_first() else { return };
     let numbers = &mut Bytes(rest);
-    match door % 6 {
+    match door % 7 {
         0 => simulate(numbers),
         1 => map(numbers),
         2 => closed_forms(numbers),
         3 => special_functions(numbers),
         4 => forcing_and_axes(numbers),
+        5 => motion(numbers),
         _ => names(rest),
     }
 }
@@ -108,7 +109,14 @@ impl Bytes<'_> {
         }
         let rows = times.len().max(1) + usize::from(self.byte() == 7);
         let [body, space] = [(); 2].map(|()| (0..rows).map(|_| self.vector()).collect::<Vec<_>>());
-        let damping = if self.below(2) == 0 { [0.5, 0.25, 0.125, 0.0, 0.0, 0.0] } else { self.vector() };
+        let damping = match self.below(3) {
+            0 => [0.5, 0.25, 0.125, 0.0, 0.0, 0.0],
+            1 => {
+                let even = self.number().abs();
+                [even, even, even, 0.0, 0.0, 0.0]
+            }
+            _ => self.vector(),
+        };
         Forces::new(&times, &body, &space, &[damping])
     }
 
@@ -175,6 +183,27 @@ fn simulate(numbers: &mut Bytes) {
             "{status:?} {:?}",
             bodies[body]
         );
+    }
+}
+
+fn motion(numbers: &mut Bytes) {
+    let scene = numbers.scene();
+    let mut bodies = numbers.list(40, |numbers| numbers.body(scene));
+    bodies.retain(|body| body.omega.iter().chain(&body.weight).all(|x| x.is_finite()));
+    let forces = if numbers.below(3) == 0 { let_out(numbers.forcing()) } else { None };
+    let forces = forces.unwrap_or(Forces::NONE.copied().expect("there is room for none"));
+    let AnyMethod::Steps(method) = numbers.method() else { return };
+    let (isa, never) = (numbers.isa(), Interrupt::never());
+    let Some(mut motion) = let_out(Motion::new(&bodies, 0.0, scene, method, forces, isa)) else { return };
+    for _ in 0..3 {
+        let torques = numbers.list(2, Bytes::vector);
+        if let_out(motion.step(numbers.number(), &torques, 2, &never)).is_none() {
+            return;
+        }
+        for body in motion.bodies() {
+            let length = body.attitude.iter().map(|x| x * x).sum::<f64>().sqrt();
+            assert!((length - 1.0).abs() <= 0.1, "{body:?}");
+        }
     }
 }
 

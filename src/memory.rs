@@ -3,7 +3,8 @@
 //! An allocation that fails without `try_reserve` ends the process, and the interpreter with it.
 
 use crate::error::Error;
-use std::alloc::{Layout, alloc_zeroed};
+use bytemuck::Zeroable;
+use bytemuck::allocation::try_zeroed_vec;
 use std::cell::Cell;
 use std::hint::black_box;
 use std::mem::MaybeUninit;
@@ -36,33 +37,11 @@ pub fn filled<T: Clone>(what: &str, length: usize, value: T) -> Result<Vec<T>, E
     Ok(values)
 }
 
-/// Numbers whose zero has no bit set.
-///
-/// # Safety
-/// Memory without a set bit must be a value of the type, the number zero.
-pub unsafe trait Number: Copy {}
-
-// SAFETY: the sign, the exponent and the fraction of +0.0 have no bit set.
-unsafe impl Number for f64 {}
-// SAFETY: as above.
-unsafe impl Number for f32 {}
-
 /// Zeros. The system provides their pages when they are first written, so that nothing is written twice.
-pub fn zeros<T: Number>(what: &str, length: usize) -> Result<Vec<T>, Error> {
+pub fn zeros<T: Zeroable>(what: &str, length: usize) -> Result<Vec<T>, Error> {
     let bytes = length as u128 * size_of::<T>() as u128;
     check(what, bytes)?;
-    let refused = || Error::Memory { what: what.into(), bytes, limit: None };
-    let layout = Layout::array::<T>(length).map_err(|_| refused())?;
-    if layout.size() == 0 {
-        return Ok(Vec::new());
-    }
-    // SAFETY: the layout is not empty.
-    let begin = unsafe { alloc_zeroed(layout) }.cast::<T>();
-    if begin.is_null() {
-        return Err(refused());
-    }
-    // SAFETY: the global allocator has provided `begin` for this many numbers, which are zero: `Number` says so.
-    Ok(unsafe { Vec::from_raw_parts(begin, length, length) })
+    try_zeroed_vec(length).map_err(|()| Error::Memory { what: what.into(), bytes, limit: None })
 }
 
 /// The elements of an iterator, which has this many.
@@ -74,10 +53,15 @@ pub fn collected<T>(what: &str, length: usize, from: impl IntoIterator<Item = T>
 
 /// Appends an element to a list whose length is not known beforehand.
 pub fn push<T>(what: &str, list: &mut Vec<T>, element: T) -> Result<(), Error> {
-    let bytes = (list.len() as u128 + 1) * size_of::<T>() as u128;
-    list.try_reserve(1).map_err(|_| Error::Memory { what: what.into(), bytes, limit: None })?;
+    room(what, list, 1)?;
     list.push(element);
     Ok(())
+}
+
+/// Makes room for more elements of a list.
+pub fn room<T>(what: &str, list: &mut Vec<T>, more: usize) -> Result<(), Error> {
+    let bytes = (list.len() as u128 + more as u128) * size_of::<T>() as u128;
+    list.try_reserve(more).map_err(|_| Error::Memory { what: what.into(), bytes, limit: None })
 }
 
 /// Whether as many bytes can be had now.

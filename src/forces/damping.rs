@@ -47,6 +47,21 @@ impl Damping {
         self.0 == [0.0; 6]
     }
 
+    /// Refuses damping that slows a body with these moments at a rate beyond the doubles.
+    ///
+    /// # Errors
+    /// Naming the rate.
+    pub fn check_rates(&self, moments: [f64; 3]) -> Result<(), Error> {
+        // No eigenvalue is negative, so none exceeds the trace. A rod has no moment about its axis.
+        let trace: f64 = (0..3).filter(|&k| self.0[k] > 0.0).map(|k| self.0[k] / moments[k]).sum();
+        if trace.is_finite() {
+            return Ok(());
+        }
+        let (value, rule) =
+            (format!("a rate of {trace} 1/s"), "damping over moment must be below 1.8e308 1/s");
+        Err(Error::Value { argument: "damping", value, rule })
+    }
+
     /// Damping rates of a body with these moments without torque, ascending: the eigenvalues of `I^(-1/2) D I^(-1/2)`.
     pub fn rates(&self, moments: [f64; 3]) -> [f64; 3] {
         let mut rates = self.modes(moments).0;

@@ -123,7 +123,7 @@ pub fn adaptive_alone<R: Quad, M: Model<R>, L: Layout, const D: usize>(
         }
         let (time, residue) = two_sum(begin[0], step + begin[1]);
         now = [time, residue];
-        if some_ends((next - time) * direction) || done == most {
+        if some_ends((next - time) * direction) || done >= most {
             break;
         }
     }

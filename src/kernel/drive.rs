@@ -15,7 +15,8 @@ pub trait Job {
     fn look(&mut self, lane: usize, task: &mut Self::Task) -> Result<bool, Error>;
 }
 
-/// Does a job.
+/// Does a job. It ends if `load` has finitely many bodies and `look` lets none move on for ever: each job counts its steps
+/// against a limit, or its stops.
 #[inline]
 pub fn drive<J: Job>(job: &mut J) -> Result<(), Error> {
     let mut tasks: [Option<J::Task>; LANES] = [const { None }; LANES];

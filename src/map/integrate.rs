@@ -184,6 +184,7 @@ impl Job for MapJob<'_> {
     fn advance(&mut self, tasks: &[Option<LaneTask>; LANES]) -> Result<(), Error> {
         let is_ruled = self.map.criterion.rule().is_some();
         let steps = if is_ruled { regular::BLOCK } else { STEP_BLOCK };
+        // Each round counts its steps, which lead to the least target.
         loop {
             if self.run.interrupt.is_wanted() {
                 return Err(Error::Stopped);

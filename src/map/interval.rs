@@ -1,9 +1,9 @@
 //! Confidence intervals of shares.
 
 use crate::error::Error;
+use crate::memory;
 use crate::parallel::Interrupt;
 use crate::special::inverse_incomplete_beta;
-use std::collections::HashMap;
 
 /// Most trials of an interval: above, a share next to 1 rounds to 1.
 const MOST_TRIALS: u64 = 1 << 50;
@@ -41,23 +41,23 @@ pub fn clopper_pearson(successes: u64, trials: u64, confidence: f64) -> Result<[
 /// The intervals of successes and trials; those of equal counts, as most pixels have, are computed once.
 ///
 /// # Errors
-/// As [`clopper_pearson`]; `Stopped` if `stop` is wanted.
+/// As [`clopper_pearson`]; if they do not fit into memory; `Stopped` if `stop` is wanted.
 pub fn clopper_pearson_of_each(
-    counts: impl Iterator<Item = [u64; 2]>,
+    counts: &[[u64; 2]],
     confidence: f64,
     stop: &Interrupt,
 ) -> Result<Vec<[f64; 2]>, Error> {
-    let mut known = HashMap::new();
-    let mut interval = |count: [u64; 2]| {
-        if let Some(&ends) = known.get(&count) {
-            return Ok(ends);
-        }
+    const INTERVALS: &str = "intervals of shares";
+    let mut order = memory::collected(INTERVALS, counts.len(), 0..counts.len())?;
+    order.sort_unstable_by_key(|&index| counts[index]);
+    let mut intervals = memory::filled(INTERVALS, counts.len(), [f64::NAN; 2])?;
+    for equal in order.chunk_by(|&one, &next| counts[one] == counts[next]) {
         if stop.is_wanted() {
             return Err(Error::Stopped);
         }
-        let ends = clopper_pearson(count[0], count[1], confidence)?;
-        known.insert(count, ends);
-        Ok(ends)
-    };
-    counts.map(&mut interval).collect()
+        let [successes, trials] = counts[equal[0]];
+        let ends = clopper_pearson(successes, trials, confidence)?;
+        equal.iter().for_each(|&index| intervals[index] = ends);
+    }
+    Ok(intervals)
 }

@@ -256,8 +256,9 @@ impl Map {
         if self.forces.iter().any(|forces| !forces.of(0).table.times.is_empty()) {
             return refuse("torque", "a table".to_string(), "must be constant in a map");
         }
-        if let Some(step) = self.step {
-            for (pixel, forces) in self.pixels.iter().zip(&self.forces).filter(|(pixel, _)| pixel.possible) {
+        for (pixel, forces) in self.pixels.iter().zip(&self.forces).filter(|(pixel, _)| pixel.possible) {
+            forces.of(0).damping.check_rates(pixel.body.moments)?;
+            if let Some(step) = self.step {
                 let [.., rate] = forces.of(0).damping.rates(pixel.body.moments);
                 method.check_damping(None, step, rate)?;
             }

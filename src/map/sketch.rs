@@ -50,7 +50,7 @@ impl Bin {
     }
 
     fn merge(&mut self, other: &Bin) {
-        self.count += other.count;
+        self.count = self.count.saturating_add(other.count);
         self.ends = [self.ends[0].min(other.ends[0]), self.ends[1].max(other.ends[1])];
         // Below 2^92 each: 2^36 values fit, more than a map computes in a lifetime.
         self.sum = self.sum.saturating_add(other.sum);
@@ -66,16 +66,29 @@ impl Bin {
     }
 
     /// The bin with these numbers.
-    pub fn from_numbers(numbers: [i64; Bin::LEN]) -> Bin {
+    ///
+    /// # Errors
+    /// If no finite values have them.
+    pub fn from_numbers(numbers: [i64; Bin::LEN]) -> Result<Bin, Error> {
         let [key, count, least, largest, s0, s1, q0, q1] = numbers;
         let wide = |low: i64, high: i64| u128::from(low as u64) | u128::from(high as u64) << 64;
-        Bin {
+        // The keys of infinities.
+        let above = (f64::INFINITY.to_bits() >> REST) as i64;
+        let is_bin = (-above..above).contains(&key)
+            && count > 0
+            && (0..1 << REST).contains(&least)
+            && (least..1 << REST).contains(&largest);
+        if !is_bin {
+            let (value, rule) = (format!("{numbers:?}"), "must be numbers of finite values");
+            return Err(Error::Value { argument: "a bin", value, rule });
+        }
+        Ok(Bin {
             key: key as i32,
             count: count as u64,
             ends: [least as u64, largest as u64],
             sum: wide(s0, s1),
             squares: wide(q0, q1),
-        }
+        })
     }
 }
 
@@ -90,6 +103,14 @@ impl Sketch {
     /// Adds a value; what is not finite is none.
     pub fn add(&mut self, value: f64) -> Result<(), Error> {
         if value.is_finite() { self.put(&Bin::of(value)) } else { Ok(()) }
+    }
+
+    /// Makes room for more bins.
+    ///
+    /// # Errors
+    /// If the memory cannot be had.
+    pub fn reserve(&mut self, bins: usize) -> Result<(), Error> {
+        memory::room(SKETCH, &mut self.0, bins)
     }
 
     /// Adds the values of a bin.
@@ -135,7 +156,12 @@ mod tests {
         assert_eq!(whole.bins().iter().map(|bin| bin.count).sum::<u64>(), 9);
         assert!(whole.bins().is_sorted_by_key(|bin| bin.key));
         for bin in whole.bins() {
-            assert_eq!(Bin::from_numbers(bin.numbers()), *bin);
+            assert_eq!(Bin::from_numbers(bin.numbers()).unwrap(), *bin);
+            for (place, wrong) in [(0, 1 << 17), (1, 0), (1, -1), (2, -1), (2, 1 << REST), (3, 1 << REST)] {
+                let mut numbers = bin.numbers();
+                numbers[place] = wrong;
+                assert!(Bin::from_numbers(numbers).is_err(), "{numbers:?}");
+            }
         }
     }
 }

@@ -145,7 +145,7 @@ struct Min;
 impl Reduction<u64> for Sum {
     const NONE: u64 = 0;
     fn merged(one: u64, other: u64) -> u64 {
-        one + other
+        one.saturating_add(other)
     }
 }
 

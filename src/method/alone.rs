@@ -133,6 +133,7 @@ impl<R: Quad, M: Model<R>> Taylor<R, M> {
         let SeriesAlone { terms: c, torques, .. } = series;
         let time = y[3].lane(1);
         let mut all_orders = self.has_high_orders;
+        // Twice at most.
         loop {
             c.clear();
             torques.clear();

@@ -88,6 +88,7 @@ pub const SPLITTING: Method = Method {
         group_preserving: true,
         conserves: &["momentum"],
         angle_per_step: 1.0 / 16.0,
+        longest_angle: 0.15,
         citation: "S. Reich, Momentum conserving symplectic integrators, Physica D 76 (1994) 375-383; \
                    R. I. McLachlan, Explicit Lie-Poisson integration and the Euler equations, \
                    Phys. Rev. Lett. 71 (1993) 3043-3046; A. Dullweber, B. Leimkuhler, R. McLachlan, \
@@ -132,6 +133,7 @@ pub const SPLITTING4: Method = composition(
         name: "splitting4",
         title: "Lie-Poisson integrator: the flows of \"splitting\", composed to order 4",
         order: 4,
+        longest_angle: 1.0,
         citation: "S. Blanes, P. C. Moan, Practical symplectic partitioned Runge-Kutta and Runge-Kutta-Nystrom methods, \
          J. Comput. Appl. Math. 142 (2002) 313-330, table 2, S6",
         doi: "10.1016/S0377-0427(01)00492-7",
@@ -147,6 +149,7 @@ pub const SPLITTING8: Method = composition(
         name: "splitting8",
         title: "Lie-Poisson integrator: the flows of \"splitting\", composed to order 8",
         order: 8,
+        longest_angle: 1.5,
         citation: "W. Kahan, R.-C. Li, Composition constants for raising the orders of unconventional methods for ordinary \
          differential equations, Math. Comp. 66 (1997) 1089-1099, 17 steps",
         doi: "10.1090/S0025-5718-97-00873-9",
@@ -238,7 +241,8 @@ const fn kicks_and_drifts(facts: Facts, numbers: &'static Numbers) -> Method {
 const DRIFTS: Numbers = Numbers { drift_order: 10, ..Numbers::NONE };
 
 /// Properties of all methods of kicks and drifts.
-const EXACT_DRIFT: Facts = Facts { title: "Lie-group integrator: free motion and kicks", ..SPLITTING.facts };
+const EXACT_DRIFT: Facts =
+    Facts { title: "Lie-group integrator: free motion and kicks", longest_angle: 0.6, ..SPLITTING.facts };
 
 /// Chin's algorithm A.
 pub const CHIN4A: Method = kicks_and_drifts(
@@ -320,6 +324,7 @@ const fn drift(name: &'static str, order: u32, numbers: &'static Numbers) -> Met
                            discrete Moser-Veselov algorithm for the full dynamics of a rigid body, \
                            J. Phys. A 39 (2006) 13225-13235",
         doi: "10.1007/BF02352494",
+        longest_angle: 0.55,
         ..SPLITTING.facts
     };
     Method {

@@ -25,6 +25,7 @@ pub const ETD4: Method = Method {
         group_preserving: false,
         conserves: &[],
         angle_per_step: 1.0 / 16.0,
+        longest_angle: 0.13,
         citation: "M. Hochbruck, A. Ostermann, Explicit exponential Runge-Kutta methods for semilinear parabolic \
                    problems, SIAM J. Numer. Anal. 43 (2005) 1069-1090; attitude in Lie coordinates: H. Munthe-Kaas, \
                    Runge-Kutta methods on Lie groups, BIT 38 (1998) 92-111",

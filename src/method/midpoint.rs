@@ -23,6 +23,7 @@ pub const MIDPOINT: Method = Method::direct(
         group_preserving: true,
         conserves: &["momentum", "energy"],
         angle_per_step: 1.0 / 16.0,
+        longest_angle: 3.0,
         citation: "J. C. Simo, K. K. Wong, Unconditionally stable algorithms for rigid body dynamics that exactly \
                    preserve energy and momentum, Int. J. Numer. Meth. Eng. 31 (1991) 19-52; attitude by the Cayley \
                    transform: M. A. Austin, P. S. Krishnaprasad, L.-S. Wang, Almost Poisson integration of rigid \

@@ -22,6 +22,7 @@ pub const RK4: Method = Method::direct(
         group_preserving: false,
         conserves: &[],
         angle_per_step: 1.0 / 16.0,
+        longest_angle: 0.13,
         citation: "W. Kutta, Beitrag zur näherungsweisen Integration totaler Differentialgleichungen, \
                    Z. Math. Phys. 46 (1901) 435-453",
         doi: "",
@@ -42,6 +43,7 @@ pub const DOP853: Method = Method::direct(
         group_preserving: false,
         conserves: &[],
         angle_per_step: 0.1,
+        longest_angle: 1.1,
         citation: "E. Hairer, S. P. Nørsett, G. Wanner, Solving Ordinary Differential Equations I, 2nd ed., \
                    Springer (1993), section II.5; P. J. Prince, J. R. Dormand, High order embedded Runge-Kutta \
                    formulae, J. Comput. Appl. Math. 7 (1981) 67-75",

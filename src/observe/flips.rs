@@ -7,10 +7,8 @@ use crate::kinematics::to_body_frame;
 use crate::method::{Coefficients, Engine, Numbers, Rk4Tableau, RungeKutta, Taylor};
 use crate::real::{Apart, Real};
 use crate::scene::{FunctionFrame, FurtherFrame, Layout, Model, Parameters, Top};
-#[cfg(all(target_arch = "x86_64", plain))]
-use crate::simd::Isa;
 #[cfg(target_arch = "x86_64")]
-use crate::simd::V4;
+use crate::simd::{Isa, V4};
 use crate::start::{Body, VERTICAL};
 
 /// Sign changes of one component of the rates, located inside the step.
@@ -122,17 +120,18 @@ fn start<const D: usize>(body: &Body) -> [f64; D] {
 fn rates_after_start(body: &Body, interval: &ForcesInterval<f64>, rate: f64) -> [f64; 3] {
     let mut rates = [0.0; 3];
     let work = AfterStart { body, interval, rate, rates: &mut rates };
-    #[cfg(all(target_arch = "x86_64", plain))]
+    #[cfg(target_arch = "x86_64")]
     if Isa::Avx2.is_available() {
-        V4::apart(work)
-    } else {
-        f64::apart(work)
+        V4::apart(work);
+        return rates;
     }
-    #[cfg(all(target_arch = "x86_64", not(plain)))]
-    V4::apart(work);
-    #[cfg(not(target_arch = "x86_64"))]
-    f64::apart(work);
-    rates
+    #[cfg(plain)]
+    {
+        f64::apart(work);
+        rates
+    }
+    #[cfg(not(plain))]
+    unreachable!("`Isa::current` refuses a CPU without AVX2")
 }
 
 impl Observable for Flips {

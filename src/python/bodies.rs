@@ -1,6 +1,6 @@
 //! The bodies of a call, as Python holds them.
 
-use super::convert::{BodyColumns, rows_in, same_length};
+use super::convert::{BodyColumns, of_rows, same_length};
 use super::forces::PyForces;
 use crate::forces::Forces;
 use crate::scene::Scene;
@@ -8,6 +8,7 @@ use crate::start::Body;
 use numpy::PyArray2;
 use pyo3::prelude::*;
 use pyo3::types::PyString;
+use std::ops::Range;
 
 /// `rigid.solve.bodies.Bodies`: columns with a row for each body, or with one row for all.
 #[derive(FromPyObject)]
@@ -26,20 +27,32 @@ impl Bodies<'_> {
         Ok(Scene::parse(self.kind.to_str()?)?)
     }
 
-    /// The columns as they are now: to be read before the lock of the interpreter is given up.
-    pub fn columns(&self) -> PyResult<BodyColumns<'_>> {
-        BodyColumns::new(
-            rows_in("moments", &self.moments)?,
-            rows_in("weight", &self.weight)?,
-            rows_in("omega", &self.omega)?,
-            rows_in("attitude", &self.attitude)?,
-        )
+    /// What is read from the columns as they are now, before the lock of the interpreter is given up.
+    fn read<T>(&self, read: impl FnOnce(BodyColumns<'_>) -> PyResult<T>) -> PyResult<T> {
+        of_rows("moments", &self.moments, |moments| {
+            of_rows("weight", &self.weight, |weight| {
+                of_rows("omega", &self.omega, |omega| {
+                    of_rows("attitude", &self.attitude, |attitude| {
+                        read(BodyColumns::new(moments, weight, omega, attitude)?)
+                    })
+                })
+            })
+        })
+    }
+
+    /// Number of bodies.
+    pub fn len(&self) -> PyResult<usize> {
+        self.read(|columns| Ok(columns.len()))
+    }
+
+    /// Copies of some bodies.
+    pub fn of(&self, part: Range<usize>) -> PyResult<Vec<Body>> {
+        self.read(|columns| Ok(columns.bodies(part)?))
     }
 
     /// Copies of all bodies.
     pub fn all(&self) -> PyResult<Vec<Body>> {
-        let columns = self.columns()?;
-        Ok(columns.bodies(0..columns.len())?)
+        self.of(0..self.len()?)
     }
 
     /// The forces on so many bodies.

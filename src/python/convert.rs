@@ -8,20 +8,54 @@ use crate::memory;
 use crate::parallel::{Interrupt, apart, caught, owned};
 use crate::start::Body;
 use crate::trajectory::Record;
-use numpy::npyffi::{NPY_ARRAY_ALIGNED, NPY_ARRAY_WRITEABLE};
+use numpy::ndarray::{Dimension, Ix1, Ix2, IxDyn};
+use numpy::npyffi::NPY_ARRAY_WRITEABLE;
 use numpy::{
-    Element, IntoPyArray, PyArray1, PyArray2, PyArrayDyn, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2,
-    PyReadonlyArrayDyn, PyUntypedArrayMethods,
+    Element, IntoPyArray, PyArray, PyArray1, PyArray2, PyArrayDyn, PyArrayMethods, PyReadonlyArray,
+    PyUntypedArrayMethods,
 };
 use pyo3::prelude::*;
 use pyo3::types::{PyFloat, PyInt, PyList, PyTuple};
-use std::ops::Range;
+use std::ops::{Deref, Range};
 use std::sync::Mutex;
+
+/// An array to be read: that of the caller, or a copy of it where its numbers are not aligned. A reference to a number
+/// that is not aligned is undefined behaviour.
+pub struct Aligned<'py, T: Element, D: Dimension>(PyReadonlyArray<'py, T, D>);
+
+/// A column.
+pub type Aligned1<'py, T> = Aligned<'py, T, Ix1>;
+/// A matrix.
+pub type Aligned2<'py, T> = Aligned<'py, T, Ix2>;
+
+impl<'py, T: Element, D: Dimension> Deref for Aligned<'py, T, D> {
+    type Target = PyReadonlyArray<'py, T, D>;
+
+    fn deref(&self) -> &Self::Target {
+        &self.0
+    }
+}
+
+impl<'a, 'py, T: Element + 'a, D: Dimension + 'a> FromPyObject<'a, 'py> for Aligned<'py, T, D> {
+    type Error = PyErr;
+
+    fn extract(object: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
+        let array: PyReadonlyArray<'py, T, D> = object.extract()?;
+        Ok(Aligned(if array.is_aligned() { array } else { copy(&array)?.try_readonly()? }))
+    }
+}
+
+/// An aligned copy of an array.
+fn copy<'py, T: Element, D: Dimension>(
+    array: &Bound<'py, PyArray<T, D>>,
+) -> PyResult<Bound<'py, PyArray<T, D>>> {
+    Ok(array.call_method0("copy")?.cast_into()?)
+}
 
 /// The rows of a C-contiguous (n, N) array.
 pub fn rows<'a, const N: usize>(
     argument: &'static str,
-    array: &'a PyReadonlyArray2<'_, f64>,
+    array: &'a Aligned2<'_, f64>,
 ) -> PyResult<&'a [[f64; N]]> {
     rows_of(argument, array)
 }
@@ -29,7 +63,7 @@ pub fn rows<'a, const N: usize>(
 /// The rows of an array of any numbers.
 pub fn rows_of<'a, T: Element, const N: usize>(
     argument: &'static str,
-    array: &'a PyReadonlyArray2<'_, T>,
+    array: &'a Aligned2<'_, T>,
 ) -> PyResult<&'a [[T; N]]> {
     let shape = array.shape();
     let usable = shape[1] == N && array.is_c_contiguous();
@@ -41,36 +75,43 @@ pub fn rows_of<'a, T: Element, const N: usize>(
     Ok(slice.as_chunks::<N>().0)
 }
 
-/// The rows of a C-contiguous (n, N) array, to be read before the lock of the interpreter is given up: to register each
-/// array as borrowed would take as long as to read the columns of a small call.
-pub fn rows_in<'a, const N: usize>(
+/// What is read from the rows of a C-contiguous (n, N) array, before the lock of the interpreter is given up: to register
+/// each array as borrowed would take as long as to read the columns of a small call.
+pub fn of_rows<const N: usize, T>(
     argument: &'static str,
-    array: &'a Bound<'_, PyArray2<f64>>,
-) -> PyResult<&'a [[f64; N]]> {
+    array: &Bound<'_, PyArray2<f64>>,
+    read: impl FnOnce(&[[f64; N]]) -> PyResult<T>,
+) -> PyResult<T> {
+    if !array.is_aligned() {
+        return of_rows(argument, &copy(array)?, read);
+    }
     let shape = array.shape();
     if shape[1] != N || !array.is_c_contiguous() {
         let (expected, got) = (format!("(n, {N}), C-contiguous"), format!("({}, {})", shape[0], shape[1]));
         return Err(Error::Shape { argument, expected, got }.into());
     }
-    // SAFETY: the array is contiguous, and no code of Python runs while it is read.
-    Ok(unsafe { array.as_slice() }?.as_chunks::<N>().0)
+    // SAFETY: the array is contiguous, and no code of Python runs while it is read: `read` has no token of the interpreter.
+    read(unsafe { array.as_slice() }?.as_chunks::<N>().0)
 }
 
 /// A copy of all numbers of an array, in the order of C.
-pub fn copied_numbers(what: &str, array: &Bound<'_, PyArrayDyn<f64>>) -> Result<Vec<f64>, Error> {
-    // SAFETY: no code of Python runs while the array is read.
+pub fn copied_numbers(what: &str, array: &Bound<'_, PyArrayDyn<f64>>) -> PyResult<Vec<f64>> {
+    if !array.is_aligned() {
+        return copied_numbers(what, &copy(array)?);
+    }
+    // SAFETY: the array is aligned, and no code of Python runs while it is read.
     let array = unsafe { array.as_array() };
-    memory::collected(what, array.len(), array.iter().copied())
+    Ok(memory::collected(what, array.len(), array.iter().copied())?)
 }
 
 /// A copy of the rows of an array, and the length of a row.
-pub fn copied_rows(what: &str, array: &PyReadonlyArray2<'_, f64>) -> Result<(Vec<f64>, usize), Error> {
+pub fn copied_rows(what: &str, array: &Aligned2<'_, f64>) -> Result<(Vec<f64>, usize), Error> {
     let array = array.as_array();
     Ok((memory::collected(what, array.len(), array.iter().copied())?, array.ncols()))
 }
 
 /// A copy of a column.
-pub fn copied(what: &str, array: &PyReadonlyArray1<'_, f64>) -> Result<Vec<f64>, Error> {
+pub fn copied(what: &str, array: &Aligned1<'_, f64>) -> Result<Vec<f64>, Error> {
     let array = array.as_array();
     memory::collected(what, array.len(), array.iter().copied())
 }
@@ -210,10 +251,10 @@ const PART: usize = 1 << 14;
 impl<'a> BodyColumns<'a> {
     /// The columns of the arrays of a request.
     pub fn of_arrays(
-        moments: &'a PyReadonlyArray2<'_, f64>,
-        weight: &'a PyReadonlyArray2<'_, f64>,
-        omega: &'a PyReadonlyArray2<'_, f64>,
-        attitude: &'a PyReadonlyArray2<'_, f64>,
+        moments: &'a Aligned2<'_, f64>,
+        weight: &'a Aligned2<'_, f64>,
+        omega: &'a Aligned2<'_, f64>,
+        attitude: &'a Aligned2<'_, f64>,
     ) -> PyResult<Self> {
         BodyColumns::new(
             rows::<3>("moments", moments)?,
@@ -306,9 +347,8 @@ pub fn plain_numbers<'py>(
             && (!ascending || last == 0 || numbers.chunks_exact(last).all(ascend))
     };
     if let (false, Ok(array)) = (kept, value.cast_exact::<PyArrayDyn<f64>>()) {
-        // SAFETY: the pointer is that of an array, whose flags do not change meanwhile.
-        let is_aligned = unsafe { (*array.as_array_ptr()).fields.flags } & NPY_ARRAY_ALIGNED != 0;
-        let Some(&last) = array.shape().last().filter(|_| is_aligned && array.is_c_contiguous()) else {
+        let is_usable = array.is_aligned() && array.is_c_contiguous();
+        let Some(&last) = array.shape().last().filter(|_| is_usable) else {
             return Ok(None);
         };
         // SAFETY: the array is contiguous and aligned, and no code of Python runs while it is read.
@@ -353,7 +393,7 @@ fn plain_number(item: &Bound<'_, PyAny>) -> Option<f64> {
 
 /// Flat index of the first element that is not finite.
 #[pyfunction]
-pub fn first_not_finite(array: PyReadonlyArrayDyn<'_, f64>) -> PyResult<Option<usize>> {
+pub fn first_not_finite(array: Aligned<'_, f64, IxDyn>) -> PyResult<Option<usize>> {
     Ok(array.as_slice()?.iter().position(|x| !x.is_finite()))
 }
 
@@ -363,5 +403,5 @@ pub fn first_slow(omega: &Bound<'_, PyArray2<f64>>, swing: f64, least: f64) -> P
     let _standard = FloatEnvironment::standard();
     let fastest = |omega: &[f64; 3]| omega.iter().fold(swing, |rate, x| rate.max(x.abs()));
     let is_slow = |omega: &[f64; 3]| fastest(omega) > 0.0 && fastest(omega) < least;
-    Ok(rows_in::<3>("omega", omega)?.iter().position(is_slow))
+    of_rows::<3, _>("omega", omega, |omega| Ok(omega.iter().position(is_slow)))
 }

@@ -1,7 +1,9 @@
 //! The derived quantities of closed forms and the elliptic functions, array by array.
 
 use super::bodies::Bodies;
-use super::convert::{BodyColumns, bodies, column, copied, evaluated, rows, rows_in, same_length};
+use super::convert::{
+    Aligned1, Aligned2, BodyColumns, bodies, column, copied, evaluated, of_rows, rows, same_length,
+};
 use super::states::{of_bodies, shaped};
 use crate::error::Error;
 use crate::exact::derived::{
@@ -14,7 +16,7 @@ use crate::memory;
 use crate::polhode::{is_near_separatrix, nearness_of_pole};
 use crate::simd::Isa;
 use crate::special::{agm, carlson_rc, carlson_rd, carlson_rf, carlson_rj};
-use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
+use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods};
 use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};
@@ -67,7 +69,14 @@ pub fn closed_forms_for<'py>(
             return Err(Error::Unknown { argument: "question", value: question.into(), known }.into());
         }
     };
-    let (moments, weight) = (rows_in::<3>("moments", moments)?, rows_in::<3>("weight", weight)?);
+    let codes = of_rows("moments", moments, |moments| {
+        of_rows("weight", weight, |weight| codes_of(question, moments, weight))
+    })?;
+    Ok(of_bodies(py, codes))
+}
+
+/// The closed form of each body, or 0.
+fn codes_of(question: Question, moments: &[[f64; 3]], weight: &[[f64; 3]]) -> PyResult<Vec<u8>> {
     let n = if moments.len() == 1 { weight.len() } else { moments.len() };
     for (argument, rows) in [("moments", moments.len()), ("weight", weight.len())] {
         if rows != 1 {
@@ -78,16 +87,15 @@ pub fn closed_forms_for<'py>(
         let row = |rows: &[[f64; 3]]| rows[if rows.len() == 1 { 0 } else { body }];
         ClosedForm::code(ClosedForm::answering(question, row(moments), row(weight)))
     };
-    let codes = memory::collected("closed forms", n, (0..n).map(code))?;
-    Ok(of_bodies(py, codes))
+    Ok(memory::collected("closed forms", n, (0..n).map(code))?)
 }
 
 /// The symmetry axis 1, 2 or 3 of each Lagrange top, 0 for any other body.
 #[pyfunction]
 pub fn lagrange_axes<'py>(
     py: Python<'py>,
-    moments: PyReadonlyArray2<'py, f64>,
-    weight: PyReadonlyArray2<'py, f64>,
+    moments: Aligned2<'py, f64>,
+    weight: Aligned2<'py, f64>,
 ) -> PyResult<Bound<'py, PyArray1<i64>>> {
     let _standard = FloatEnvironment::standard();
     let (moments, weight) = (rows::<3>("moments", &moments)?, rows::<3>("weight", &weight)?);
@@ -103,12 +111,12 @@ pub fn lagrange_axes<'py>(
 #[pyo3(signature = (*, moments, weight, omega, near, free, work=None))]
 pub fn near_separatrix<'py>(
     py: Python<'py>,
-    moments: PyReadonlyArray2<'py, f64>,
-    weight: PyReadonlyArray2<'py, f64>,
-    omega: PyReadonlyArray2<'py, f64>,
+    moments: Aligned2<'py, f64>,
+    weight: Aligned2<'py, f64>,
+    omega: Aligned2<'py, f64>,
     near: f64,
     free: f64,
-    work: Option<PyReadonlyArray1<'py, f64>>,
+    work: Option<Aligned1<'py, f64>>,
 ) -> PyResult<Bound<'py, PyArray1<i64>>> {
     let _standard = FloatEnvironment::standard();
     let columns = free_columns(&moments, &weight, &omega)?;
@@ -132,10 +140,10 @@ pub fn near_separatrix<'py>(
 #[pyo3(signature = (*, moments, weight, omega, rates, pole))]
 pub fn nearness_of_poles<'py>(
     py: Python<'py>,
-    moments: PyReadonlyArray2<'py, f64>,
-    weight: PyReadonlyArray2<'py, f64>,
-    omega: PyReadonlyArray2<'py, f64>,
-    rates: PyReadonlyArray1<'py, f64>,
+    moments: Aligned2<'py, f64>,
+    weight: Aligned2<'py, f64>,
+    omega: Aligned2<'py, f64>,
+    rates: Aligned1<'py, f64>,
     pole: f64,
 ) -> PyResult<Bound<'py, PyArray1<f64>>> {
     let columns = free_columns(&moments, &weight, &omega)?;
@@ -148,9 +156,9 @@ pub fn nearness_of_poles<'py>(
 
 /// Bodies whose attitudes do not matter.
 fn free_columns<'a>(
-    moments: &'a PyReadonlyArray2<'_, f64>,
-    weight: &'a PyReadonlyArray2<'_, f64>,
-    omega: &'a PyReadonlyArray2<'_, f64>,
+    moments: &'a Aligned2<'_, f64>,
+    weight: &'a Aligned2<'_, f64>,
+    omega: &'a Aligned2<'_, f64>,
 ) -> PyResult<BodyColumns<'a>> {
     BodyColumns::new(
         rows::<3>("moments", moments)?,
@@ -169,8 +177,9 @@ pub fn free_quantities_of<'py>(
     omega: &Bound<'py, PyArray2<f64>>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let isa = Isa::current()?;
-    let (moments, omega) = (rows_in("moments", moments)?, rows_in("omega", omega)?);
-    let bodies = bodies(moments, &[[0.0; 3]], omega, &[[1.0, 0.0, 0.0, 0.0]])?;
+    let bodies = of_rows("moments", moments, |moments| {
+        of_rows("omega", omega, |omega| bodies(moments, &[[0.0; 3]], omega, &[[1.0, 0.0, 0.0, 0.0]]))
+    })?;
     let quantities = |index: usize| Ok(free_quantities(isa, &bodies[index]));
     let all = evaluated(py, "quantities of free bodies", bodies.len(), quantities)?;
     let dict = PyDict::new(py);
@@ -291,7 +300,7 @@ pub fn tilt_times<'py>(
 pub fn elliptic<'py>(
     py: Python<'py>,
     name: &str,
-    arguments: Vec<PyReadonlyArray1<'py, f64>>,
+    arguments: Vec<Aligned1<'py, f64>>,
 ) -> PyResult<Vec<Bound<'py, PyArray1<f64>>>> {
     let n = arguments.first().map_or(0, |argument| argument.as_array().len());
     for argument in &arguments {

@@ -1,11 +1,11 @@
 //! Forces from Python.
 
-use super::convert::{copied, copied_rows, rows, same_length};
+use super::convert::{Aligned1, Aligned2, copied, copied_rows, rows, same_length};
 use crate::error::Error;
 use crate::float_environment::FloatEnvironment;
 use crate::forces::{BodyForces, Bounded, Damping, Forces, Further, Orbit, ParameterChange, TorqueFunction};
 use crate::memory;
-use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
+use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use std::collections::HashMap;
 
@@ -17,10 +17,10 @@ use std::collections::HashMap;
 pub struct PyForces(pub Forces);
 
 /// Address, data, units and the bound of the rates of a function.
-type GivenFunction<'py> = (usize, PyReadonlyArray2<'py, f64>, PyReadonlyArray1<'py, f64>, f64);
+type GivenFunction<'py> = (usize, Aligned2<'py, f64>, Aligned1<'py, f64>, f64);
 
 /// The numbers of the further forces, from those of some by name.
-fn further(given: &HashMap<String, PyReadonlyArray2<'_, f64>>) -> Result<Vec<[f64; Further::LEN]>, Error> {
+fn further(given: &HashMap<String, Aligned2<'_, f64>>) -> Result<Vec<[f64; Further::LEN]>, Error> {
     let bodies = given.values().map(|numbers| numbers.as_array().nrows()).max().unwrap_or(0);
     let none = std::iter::repeat_n([0.0; Further::LEN], bodies);
     let mut all = memory::collected("forces", bodies, none)?;
@@ -50,8 +50,8 @@ pub fn change_places() -> (HashMap<&'static str, usize>, usize) {
 #[pyfunction]
 pub fn orbit_anomalies<'py>(
     py: Python<'py>,
-    numbers: PyReadonlyArray2<'py, f64>,
-    times: PyReadonlyArray1<'py, f64>,
+    numbers: Aligned2<'py, f64>,
+    times: Aligned1<'py, f64>,
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
     let _standard = FloatEnvironment::standard();
     let (numbers, times) = (rows::<9>("orbit", &numbers)?, copied("t", &times)?);
@@ -70,11 +70,11 @@ impl PyForces {
     #[new]
     #[pyo3(signature = (*, times, body, space, damping, further = None, function = None))]
     fn new(
-        times: PyReadonlyArray1<'_, f64>,
-        body: PyReadonlyArray2<'_, f64>,
-        space: PyReadonlyArray2<'_, f64>,
-        damping: PyReadonlyArray2<'_, f64>,
-        further: Option<HashMap<String, PyReadonlyArray2<'_, f64>>>,
+        times: Aligned1<'_, f64>,
+        body: Aligned2<'_, f64>,
+        space: Aligned2<'_, f64>,
+        damping: Aligned2<'_, f64>,
+        further: Option<HashMap<String, Aligned2<'_, f64>>>,
         function: Option<GivenFunction<'_>>,
     ) -> PyResult<Self> {
         let _standard = FloatEnvironment::standard();
@@ -93,7 +93,7 @@ impl PyForces {
     }
 
     /// The forces on some bodies, in this order.
-    fn select(&self, bodies: PyReadonlyArray1<'_, isize>) -> PyResult<Self> {
+    fn select(&self, bodies: Aligned1<'_, isize>) -> PyResult<Self> {
         let bodies = bodies.as_array();
         // No body has a negative index.
         let indices = bodies.iter().map(|&body| usize::try_from(body).unwrap_or(usize::MAX));
@@ -110,7 +110,7 @@ impl PyForces {
     fn slows_evenly<'py>(
         &self,
         py: Python<'py>,
-        moments: PyReadonlyArray2<'_, f64>,
+        moments: Aligned2<'_, f64>,
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
         self.of_each(py, &moments, |forces, moments| forces.slows_evenly(moments).unwrap_or(f64::NAN))
     }
@@ -123,6 +123,9 @@ impl PyForces {
 
     /// Whether anything acts on each body: a torque is applied, or a force that is not zero.
     fn act<'py>(&self, py: Python<'py>, bodies: usize) -> PyResult<Bound<'py, PyArray1<bool>>> {
+        if self.0.bodies() > 1 {
+            same_length("bodies", self.0.bodies(), bodies)?;
+        }
         let act = (0..bodies).map(|body| !self.0.of(body).is_none());
         Ok(memory::collected("bodies", bodies, act)?.into_pyarray(py))
     }
@@ -142,7 +145,7 @@ impl PyForces {
     fn damping_rates<'py>(
         &self,
         py: Python<'py>,
-        moments: PyReadonlyArray2<'_, f64>,
+        moments: Aligned2<'_, f64>,
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
         self.of_each(py, &moments, |forces, moments| forces.damping.rates(moments)[2])
     }
@@ -153,7 +156,7 @@ impl PyForces {
     fn of_each<'py>(
         &self,
         py: Python<'py>,
-        moments: &PyReadonlyArray2<'_, f64>,
+        moments: &Aligned2<'_, f64>,
         of: impl Fn(BodyForces<'_>, [f64; 3]) -> f64,
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let _standard = FloatEnvironment::standard();

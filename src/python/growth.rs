@@ -1,6 +1,8 @@
 //! Growth of deviation vectors.
 
-use super::convert::{BodyColumns, column, copied, evaluated, interruptible, rows, same_length};
+use super::convert::{
+    Aligned1, Aligned2, BodyColumns, column, copied, evaluated, interruptible, rows, same_length,
+};
 use super::forces::PyForces;
 use super::simulate::forces_of;
 use crate::error::Error;
@@ -16,10 +18,7 @@ use crate::start::Body;
 use crate::status::Status;
 use crate::trajectory::{self, Deviations, Growths, MAX_DEVIATIONS, Record, Request, Schedule};
 use numpy::ndarray::Array3;
-use numpy::{
-    IntoPyArray, PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2,
-    PyUntypedArrayMethods,
-};
+use numpy::{IntoPyArray, PyArray1, PyArray2, PyArray3, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -32,15 +31,15 @@ pub fn growth<'py>(
     py: Python<'py>,
     scene: &str,
     method: &str,
-    moments: PyReadonlyArray2<'py, f64>,
-    weight: PyReadonlyArray2<'py, f64>,
-    omega: PyReadonlyArray2<'py, f64>,
-    attitude: PyReadonlyArray2<'py, f64>,
-    deviations: PyReadonlyArray2<'py, f64>,
-    scale: PyReadonlyArray1<'py, f64>,
+    moments: Aligned2<'py, f64>,
+    weight: Aligned2<'py, f64>,
+    omega: Aligned2<'py, f64>,
+    attitude: Aligned2<'py, f64>,
+    deviations: Aligned2<'py, f64>,
+    scale: Aligned1<'py, f64>,
     of_attitude: bool,
-    times: PyReadonlyArray1<'py, f64>,
-    step: PyReadonlyArray1<'py, f64>,
+    times: Aligned1<'py, f64>,
+    step: Aligned1<'py, f64>,
     max_steps: u64,
     threads: usize,
     forces: Option<PyRef<'py, PyForces>>,
@@ -122,10 +121,10 @@ pub fn generic_deviations(py: Python<'_>) -> PyResult<Bound<'_, PyArray2<f64>>> 
 #[pyo3(signature = (*, moments, weight, omega, attitude, forces=None))]
 pub fn deviation_starts<'py>(
     py: Python<'py>,
-    moments: PyReadonlyArray2<'py, f64>,
-    weight: PyReadonlyArray2<'py, f64>,
-    omega: PyReadonlyArray2<'py, f64>,
-    attitude: PyReadonlyArray2<'py, f64>,
+    moments: Aligned2<'py, f64>,
+    weight: Aligned2<'py, f64>,
+    omega: Aligned2<'py, f64>,
+    attitude: Aligned2<'py, f64>,
     forces: Option<PyRef<'py, PyForces>>,
 ) -> PyResult<Bound<'py, PyArray3<f64>>> {
     let columns = BodyColumns::of_arrays(&moments, &weight, &omega, &attitude)?;
@@ -145,10 +144,10 @@ pub fn deviation_starts<'py>(
 #[pyo3(signature = (*, moments, weight, omega, attitude))]
 pub fn rate_units<'py>(
     py: Python<'py>,
-    moments: PyReadonlyArray2<'py, f64>,
-    weight: PyReadonlyArray2<'py, f64>,
-    omega: PyReadonlyArray2<'py, f64>,
-    attitude: PyReadonlyArray2<'py, f64>,
+    moments: Aligned2<'py, f64>,
+    weight: Aligned2<'py, f64>,
+    omega: Aligned2<'py, f64>,
+    attitude: Aligned2<'py, f64>,
 ) -> PyResult<Bound<'py, PyArray1<f64>>> {
     let _standard = FloatEnvironment::standard();
     let columns = BodyColumns::of_arrays(&moments, &weight, &omega, &attitude)?;
@@ -160,8 +159,8 @@ pub fn rate_units<'py>(
 #[pyfunction]
 #[pyo3(signature = (first, second, limits))]
 pub fn verdicts(
-    first: PyReadonlyArray2<'_, f64>,
-    second: Option<PyReadonlyArray2<'_, f64>>,
+    first: Aligned2<'_, f64>,
+    second: Option<Aligned2<'_, f64>>,
     limits: [f64; 4],
 ) -> PyResult<Vec<&'static str>> {
     let [sure, low, high, ratio] = limits;

@@ -1,6 +1,8 @@
 //! Stability maps.
 
-use super::convert::{self, bodies, interruptible, interruptible_calls, rows, rows_of, same_length};
+use super::convert::{
+    self, Aligned1, Aligned2, bodies, interruptible, interruptible_calls, rows, rows_of, same_length,
+};
 use super::forces::PyForces;
 use crate::body::MomentStatus;
 use crate::error::Error;
@@ -14,7 +16,7 @@ use crate::memory;
 use crate::sample::{Given, Law};
 use crate::scene::Scene;
 use crate::simd::Isa;
-use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
+use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::sync::Mutex;
@@ -56,20 +58,18 @@ pub fn map_columns(py: Python<'_>) -> PyResult<Vec<Bound<'_, PyDict>>> {
 #[pyfunction]
 pub fn clopper_pearson<'py>(
     py: Python<'py>,
-    successes: PyReadonlyArray1<'py, i64>,
-    trials: PyReadonlyArray1<'py, i64>,
+    successes: Aligned1<'py, i64>,
+    trials: Aligned1<'py, i64>,
     confidence: f64,
 ) -> PyResult<[Bound<'py, PyArray1<f64>>; 2]> {
     let (successes, trials) = (successes.as_array(), trials.as_array());
     same_length("trials", successes.len(), trials.len())?;
-    let counts: Vec<[u64; 2]> = successes
-        .iter()
-        .zip(trials)
-        .map(|(&successes, &trials)| Ok([count("successes", successes)?, count("trials", trials)?]))
-        .collect::<Result<_, Error>>()?;
-    let intervals =
-        interruptible(py, None, |stop| clopper_pearson_of_each(counts.into_iter(), confidence, stop))??;
-    Ok([0, 1].map(|end| intervals.iter().map(|ends| ends[end]).collect::<Vec<f64>>().into_pyarray(py)))
+    let mut counts = memory::reserved("counts of shares", successes.len())?;
+    for (&successes, &trials) in successes.iter().zip(trials) {
+        counts.push([count("successes", successes)?, count("trials", trials)?]);
+    }
+    let intervals = interruptible(py, None, |stop| clopper_pearson_of_each(&counts, confidence, stop))??;
+    Ok([convert::column(py, &intervals, |ends| ends[0])?, convert::column(py, &intervals, |ends| ends[1])?])
 }
 
 /// A time, NaN for never.
@@ -118,20 +118,19 @@ fn read_columns(dict: &Bound<'_, PyDict>) -> PyResult<Vec<Statistics>> {
         };
         match column.field {
             Field::Count(of) => {
-                let values = values.extract::<PyReadonlyArray1<'_, i64>>()?;
+                let values = values.extract::<Aligned1<'_, i64>>()?;
                 fit(values.as_array().len())?;
-                pixels
-                    .iter_mut()
-                    .zip(values.as_array())
-                    .for_each(|(pixel, &value)| *of(pixel) = value as u64);
+                for (pixel, &value) in pixels.iter_mut().zip(values.as_array()) {
+                    *of(pixel) = count(column.name, value)?;
+                }
             }
             Field::Fixed(of) => {
-                let values = values.extract::<PyReadonlyArray1<'_, i64>>()?;
+                let values = values.extract::<Aligned1<'_, i64>>()?;
                 fit(values.as_array().len())?;
                 pixels.iter_mut().zip(values.as_array()).for_each(|(pixel, &value)| *of(pixel) = value);
             }
             Field::Number(of) => {
-                let values = values.extract::<PyReadonlyArray1<'_, f64>>()?;
+                let values = values.extract::<Aligned1<'_, f64>>()?;
                 fit(values.as_array().len())?;
                 pixels.iter_mut().zip(values.as_array()).for_each(|(pixel, &value)| *of(pixel) = value);
             }
@@ -184,11 +183,11 @@ impl MapStatistics {
     }
 
     /// Merges a part in, by the reduction of each column: its rows are of `pixels`, each of which may have several. The
-    /// order of the parts has no effect.
+    /// order of the parts has no effect. A part that is refused changes nothing.
     fn merge(&self, part: &Bound<'_, PyDict>) -> PyResult<()> {
         let _standard = FloatEnvironment::standard();
-        let places = part.as_any().get_item("pixels")?.extract::<PyReadonlyArray1<'_, i64>>()?;
-        let bins: Vec<PyReadonlyArray2<'_, i64>> = match part.get_item("measures")? {
+        let places = part.as_any().get_item("pixels")?.extract::<Aligned1<'_, i64>>()?;
+        let bins: Vec<Aligned2<'_, i64>> = match part.get_item("measures")? {
             Some(bins) => bins.extract()?,
             None => Vec::new(),
         };
@@ -207,23 +206,25 @@ impl MapStatistics {
             of_rows.push(index("pixel", place, pixels.len())?);
         }
         same_length("measures", self.measures, bins.len())?;
+        let total = bins.iter().map(|bins| bins.as_array().nrows()).sum();
+        let mut of_bins = memory::reserved("bins of the measures", total)?;
         for (measure, bins) in bins.iter().enumerate() {
             for &[row, ref numbers @ ..] in rows_of::<i64, ROW>("measures", bins)? {
                 let pixel = of_rows[index("a bin of row", row, of_rows.len())?];
-                sketches[pixel * self.measures + measure].put(&Bin::from_numbers(*numbers))?;
+                of_bins.push((pixel * self.measures + measure, Bin::from_numbers(*numbers)?));
             }
         }
+        of_bins.sort_unstable_by_key(|&(place, _)| place);
+        for bins in of_bins.chunk_by(|(one, _), (next, _)| one == next) {
+            sketches[bins[0].0].reserve(bins.len())?;
+        }
+        of_bins.iter().try_for_each(|(place, bin)| sketches[*place].put(bin))?;
         of_rows.iter().zip(&columns).for_each(|(&pixel, other)| pixels[pixel].merge(other));
         Ok(())
     }
 
     /// Adds values of a measure, each of a pixel; what is not finite is none.
-    fn add(
-        &self,
-        measure: usize,
-        pixels: PyReadonlyArray1<'_, u64>,
-        values: PyReadonlyArray1<'_, f64>,
-    ) -> PyResult<()> {
+    fn add(&self, measure: usize, pixels: Aligned1<'_, u64>, values: Aligned1<'_, f64>) -> PyResult<()> {
         let _standard = FloatEnvironment::standard();
         let (pixels, values) = (pixels.as_array(), values.as_array());
         same_length("values", pixels.len(), values.len())?;
@@ -263,9 +264,9 @@ impl MapStatistics {
 struct MapRequest<'py> {
     scene: String,
     method: String,
-    moments: PyReadonlyArray2<'py, f64>,
+    moments: Aligned2<'py, f64>,
     physical: bool,
-    weight: PyReadonlyArray2<'py, f64>,
+    weight: Aligned2<'py, f64>,
     starts: Vec<StartsRequest<'py>>,
     shares: Vec<f64>,
     conditions: Vec<(String, i32, Vec<f64>)>,
@@ -278,24 +279,24 @@ struct MapRequest<'py> {
     checked: Option<u64>,
     seed: u128,
     forces: Option<Vec<PyRef<'py, PyForces>>>,
-    numbers: Option<PyReadonlyArray1<'py, u64>>,
-    first: Option<PyReadonlyArray1<'py, u64>>,
+    numbers: Option<Aligned1<'py, u64>>,
+    first: Option<Aligned1<'py, u64>>,
 }
 
 /// `Laws`, with the nominal start and the sizes of each pixel.
 #[derive(FromPyObject)]
 struct StartsRequest<'py> {
-    omega: PyReadonlyArray2<'py, f64>,
+    omega: Aligned2<'py, f64>,
     omega_noise: String,
-    omega_size: PyReadonlyArray2<'py, f64>,
-    attitude: PyReadonlyArray2<'py, f64>,
+    omega_size: Aligned2<'py, f64>,
+    attitude: Aligned2<'py, f64>,
     attitude_noise: String,
-    attitude_size: PyReadonlyArray2<'py, f64>,
-    mix: Option<PyReadonlyArray2<'py, f64>>,
+    attitude_size: Aligned2<'py, f64>,
+    mix: Option<Aligned2<'py, f64>>,
     mixed: [bool; 2],
-    given_omega: Option<PyReadonlyArray2<'py, f64>>,
-    given_attitude: Option<PyReadonlyArray2<'py, f64>>,
-    given_shares: Option<PyReadonlyArray1<'py, f64>>,
+    given_omega: Option<Aligned2<'py, f64>>,
+    given_attitude: Option<Aligned2<'py, f64>>,
+    given_shares: Option<Aligned1<'py, f64>>,
 }
 
 impl StartsRequest<'_> {
@@ -397,7 +398,7 @@ impl MapRequest<'_> {
             }
             None => Vec::new(),
         };
-        let of_each = |name, numbers: &Option<PyReadonlyArray1<'_, u64>>| -> PyResult<Vec<u64>> {
+        let of_each = |name, numbers: &Option<Aligned1<'_, u64>>| -> PyResult<Vec<u64>> {
             let Some(numbers) = numbers.as_ref().map(|numbers| numbers.as_array()) else {
                 return Ok(Vec::new());
             };
@@ -542,7 +543,7 @@ impl MapJob {
     fn starts<'py>(
         &self,
         py: Python<'py>,
-        samples: PyReadonlyArray1<'py, u64>,
+        samples: Aligned1<'py, u64>,
     ) -> PyResult<[Bound<'py, PyArray1<f64>>; 2]> {
         let flat = self.numbers(&samples)?;
         let count = self.map.samples;
@@ -562,7 +563,7 @@ impl MapJob {
     fn measured<'py>(
         &self,
         py: Python<'py>,
-        samples: PyReadonlyArray1<'py, u64>,
+        samples: Aligned1<'py, u64>,
         threads: usize,
     ) -> PyResult<ValuesAndSteps<'py>> {
         let flat = self.ascending(&samples)?;
@@ -579,7 +580,7 @@ impl MapJob {
     fn outcomes<'py>(
         &self,
         py: Python<'py>,
-        samples: PyReadonlyArray1<'py, u64>,
+        samples: Aligned1<'py, u64>,
         threads: usize,
     ) -> PyResult<Bound<'py, PyDict>> {
         let flat = self.ascending(&samples)?;
@@ -601,7 +602,7 @@ impl MapJob {
 
 impl MapJob {
     /// The numbers of samples, if the map has such samples and they ascend.
-    fn ascending(&self, samples: &PyReadonlyArray1<'_, u64>) -> PyResult<Vec<u64>> {
+    fn ascending(&self, samples: &Aligned1<'_, u64>) -> PyResult<Vec<u64>> {
         let flat = self.numbers(samples)?;
         if !flat.is_sorted_by(|one, next| one < next) {
             let rule = "must be in ascending order, each once";
@@ -611,7 +612,7 @@ impl MapJob {
     }
 
     /// The numbers of samples, if the map has such samples.
-    fn numbers(&self, samples: &PyReadonlyArray1<'_, u64>) -> PyResult<Vec<u64>> {
+    fn numbers(&self, samples: &Aligned1<'_, u64>) -> PyResult<Vec<u64>> {
         let samples = samples.as_array();
         if let Some(sample) = samples.iter().find(|&&sample| sample >= self.map.len()) {
             let value = format!("{sample} of {}", self.map.len());

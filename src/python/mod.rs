@@ -22,8 +22,8 @@ use crate::method::{self, Method};
 use crate::scene::Scene;
 use crate::simd::Isa;
 use crate::start::unit_quaternion;
-use convert::{column, rows};
-use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2};
+use convert::{Aligned2, column, rows};
+use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods};
 use pyo3::exceptions::{PyImportError, PyMemoryError, PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
@@ -159,6 +159,7 @@ fn methods(py: Python<'_>) -> PyResult<Vec<Bound<'_, PyDict>>> {
         entry.set_item("compensated", method.any.is_compensated())?;
         entry.set_item("damping_limit", method.damping_limit())?;
         entry.set_item("angle_per_step", facts.angle_per_step)?;
+        entry.set_item("longest_angle", facts.longest_angle)?;
         entry.set_item("citation", facts.citation)?;
         entry.set_item("doi", facts.doi)?;
         Ok(entry)
@@ -216,7 +217,7 @@ fn check_moments(moments: [f64; 3]) -> PyResult<()> {
 #[pyfunction]
 fn moment_status<'py>(
     py: Python<'py>,
-    moments: PyReadonlyArray2<'py, f64>,
+    moments: Aligned2<'py, f64>,
     physical: bool,
 ) -> PyResult<Bound<'py, PyArray1<u8>>> {
     let _standard = FloatEnvironment::standard();
@@ -228,7 +229,7 @@ fn moment_status<'py>(
 #[allow(clippy::type_complexity)]
 fn nearest_possible<'py>(
     py: Python<'py>,
-    moments: PyReadonlyArray2<'py, f64>,
+    moments: Aligned2<'py, f64>,
 ) -> PyResult<(Bound<'py, PyArray2<f64>>, Bound<'py, PyArray1<f64>>)> {
     let _standard = FloatEnvironment::standard();
     let moments = rows::<3>("moments", &moments)?;
@@ -247,7 +248,7 @@ fn moment_status_names() -> Vec<&'static str> {
 #[pyfunction]
 fn unit_quaternions<'py>(
     py: Python<'py>,
-    quaternions: PyReadonlyArray2<'py, f64>,
+    quaternions: Aligned2<'py, f64>,
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
     let _standard = FloatEnvironment::standard();
     let quaternions = rows::<4>("attitude", &quaternions)?;

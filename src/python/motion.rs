@@ -1,7 +1,7 @@
 //! Bodies that Python moves step by step.
 
 use super::bodies::Bodies;
-use super::convert::{interruptible_calls, rows};
+use super::convert::{Aligned2, interruptible_calls, rows};
 use super::unraisable::carrying;
 use crate::float_environment::FloatEnvironment;
 use crate::memory;
@@ -10,7 +10,7 @@ use crate::parallel::{Interrupt, caught, owned};
 use crate::simd::Isa;
 use crate::start::Body;
 use crate::trajectory::{Motion, NUMBERS, Torques};
-use numpy::{IntoPyArray, PyArray2, PyArrayMethods, PyReadonlyArray2};
+use numpy::{IntoPyArray, PyArray2, PyArrayMethods};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 
@@ -50,7 +50,7 @@ impl PyMotion {
     }
 
     /// Sets the bodies to the numbers of a motion that began alike.
-    fn restore(&mut self, numbers: PyReadonlyArray2<'_, f64>, forced: bool) -> PyResult<()> {
+    fn restore(&mut self, numbers: Aligned2<'_, f64>, forced: bool) -> PyResult<()> {
         Ok(self.motion.restore(rows::<NUMBERS>("numbers", &numbers)?, forced)?)
     }
 
@@ -70,14 +70,15 @@ impl PyMotion {
         self.array(py, |body| body.attitude)
     }
 
-    /// Makes one step under a torque: three numbers, or an array of shape (n, 3) or (1, 3).
+    /// Makes one step under a torque: three numbers, or an array of shape (n, 3) or (1, 3). The largest angle of the step
+    /// (rad), the first time that the method does not bear the angle.
     #[pyo3(signature = (dt, torque=None))]
     fn step(
         &mut self,
         py: Python<'_>,
         dt: &Bound<'_, PyAny>,
         torque: Option<&Bound<'_, PyAny>>,
-    ) -> PyResult<()> {
+    ) -> PyResult<Option<f64>> {
         let _standard = FloatEnvironment::standard();
         let no_number = |_| PyTypeError::new_err(format!("dt = {dt}: must be a real number"));
         let dt: f64 = dt.extract().map_err(no_number)?;
@@ -85,7 +86,7 @@ impl PyMotion {
         if let Ok(torque) = torque.extract::<[f64; 3]>() {
             return self.make(py, dt, &[torque.map(|x| x / self.unit)]);
         }
-        let array: PyReadonlyArray2<'_, f64> = torque
+        let array: Aligned2<'_, f64> = torque
             .extract()
             .map_err(|_| PyTypeError::new_err(format!("torque = {torque}: must be real numbers")))?;
         let torques = rows::<3>("torque", &array)?;
@@ -96,7 +97,7 @@ impl PyMotion {
 }
 
 impl PyMotion {
-    fn make(&mut self, py: Python<'_>, dt: f64, torques: Torques) -> PyResult<()> {
+    fn make(&mut self, py: Python<'_>, dt: f64, torques: Torques) -> PyResult<Option<f64>> {
         let PyMotion { motion, threads, calls, .. } = self;
         if motion.passes_many_knots(dt) {
             let work = |stop: &Interrupt| motion.step(dt, torques, *threads, stop);

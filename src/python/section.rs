@@ -1,6 +1,6 @@
 //! Poincaré sections and events.
 
-use super::convert::{BodyColumns, copied, interruptible_calls, rows, same_length};
+use super::convert::{Aligned1, Aligned2, BodyColumns, copied, interruptible_calls, rows, same_length};
 use super::forces::PyForces;
 use super::simulate::forces_of;
 use crate::error::Error;
@@ -11,8 +11,8 @@ use crate::parallel::Interrupt;
 use crate::scene::Scene;
 use crate::simd::Isa;
 use crate::trajectory::{self, Crossings, Point, Record, Request, Schedule, Section, Surface, SurfaceKind};
+use numpy::IntoPyArray;
 use numpy::ndarray::Array2;
-use numpy::{IntoPyArray, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -26,15 +26,15 @@ pub fn section<'py>(
     py: Python<'py>,
     scene: &str,
     method: &str,
-    moments: PyReadonlyArray2<'py, f64>,
-    weight: PyReadonlyArray2<'py, f64>,
-    omega: PyReadonlyArray2<'py, f64>,
-    attitude: PyReadonlyArray2<'py, f64>,
+    moments: Aligned2<'py, f64>,
+    weight: Aligned2<'py, f64>,
+    omega: Aligned2<'py, f64>,
+    attitude: Aligned2<'py, f64>,
     kinds: Vec<(bool, i8, bool)>,
-    normal: PyReadonlyArray2<'py, f64>,
-    momentum: PyReadonlyArray2<'py, f64>,
-    value: PyReadonlyArray1<'py, f64>,
-    ends: PyReadonlyArray1<'py, f64>,
+    normal: Aligned2<'py, f64>,
+    momentum: Aligned2<'py, f64>,
+    value: Aligned1<'py, f64>,
+    ends: Aligned1<'py, f64>,
     count: usize,
     closed: bool,
     tolerance: f64,

@@ -2,8 +2,8 @@
 
 use super::bodies::Bodies;
 use super::convert::{
-    BodyColumns, at_once, column, copied, copied_numbers, evaluated, interruptible_calls, parse_record, rows,
-    same_length,
+    Aligned1, Aligned2, BodyColumns, at_once, column, copied, copied_numbers, evaluated, interruptible_calls,
+    parse_record, rows, same_length,
 };
 use super::forces::PyForces;
 use super::states::{PyStates, of_bodies};
@@ -20,7 +20,7 @@ use crate::simd::Isa;
 use crate::start::Body;
 use crate::status::Status;
 use crate::trajectory::{self, Record, Request, Schedule, States, time_range};
-use numpy::{PyArray1, PyArrayDyn, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
+use numpy::{PyArray1, PyArrayDyn, PyUntypedArrayMethods};
 use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};
@@ -70,10 +70,10 @@ struct Given<'py> {
 pub fn simulate<'py>(
     py: Python<'py>,
     request: &Bound<'py, PyAny>,
-    step: Option<PyReadonlyArray1<'py, f64>>,
+    step: Option<Aligned1<'py, f64>>,
     refinement: f64,
-    deviations: Option<PyReadonlyArray2<'py, f64>>,
-    changes: Option<PyReadonlyArray2<'py, f64>>,
+    deviations: Option<Aligned2<'py, f64>>,
+    changes: Option<Aligned2<'py, f64>>,
     out: Option<&Bound<'py, PyDict>>,
     single: bool,
 ) -> PyResult<PyStates> {
@@ -82,7 +82,7 @@ pub fn simulate<'py>(
     let Given { max_steps, threads, tolerance, .. } = given;
     let (scene, method, isa) =
         (given.bodies.scene()?, AnyMethod::parse(given.method.to_str()?)?, Isa::current()?);
-    let n = given.bodies.columns()?.len();
+    let n = given.bodies.len()?;
     let forces = given.bodies.forces(n)?;
     let deviations = match &deviations {
         Some(given) => {
@@ -129,7 +129,7 @@ pub fn simulate<'py>(
     let (mut rest, mut nanoseconds) = (states.whole(), 0);
     let mut turns_alone = method == AnyMethod::Exact && forces.is_none();
     for part in BodyColumns::parts(n, threads) {
-        let bodies = &given.bodies.columns()?.bodies(part.clone())?;
+        let bodies = &given.bodies.of(part.clone())?;
         turns_alone &= bodies.iter().all(|body| body.weight == [0.0; 3]);
         let own = if part.len() < n { forces.of_range(part.clone())? } else { None };
         let (forces, schedule) = (own.as_ref().unwrap_or(forces), schedule.of_range(part.clone()));
@@ -207,11 +207,11 @@ pub(super) fn forces_of<'a>(forces: Option<&'a PyRef<'_, PyForces>>, bodies: usi
 pub fn fastest_rates<'py>(
     py: Python<'py>,
     bodies: Bodies<'py>,
-    span: Option<PyReadonlyArray2<'py, f64>>,
+    span: Option<Aligned2<'py, f64>>,
     method: Option<&str>,
 ) -> PyResult<Bound<'py, PyArray1<f64>>> {
     let method = method.map(Method::parse).transpose()?;
-    let n = bodies.columns()?.len();
+    let n = bodies.len()?;
     let forces = bodies.forces(n)?;
     let spans = span.as_ref().map(|span| rows::<2>("span", span)).transpose()?.unwrap_or(&[[0.0; 2]]);
     if spans.len() != 1 {
@@ -226,7 +226,7 @@ pub fn fastest_rates<'py>(
     };
     let mut rates = memory::reserved("rates", n)?;
     for part in BodyColumns::parts(n, 1) {
-        let bodies = bodies.columns()?.bodies(part.clone())?;
+        let bodies = bodies.of(part.clone())?;
         let own = |index: usize| Ok(rate(part.start + index, &bodies[index]));
         rates.extend(evaluated(py, "rates", bodies.len(), own)?);
     }
@@ -240,7 +240,7 @@ pub fn fastest_rates<'py>(
 pub fn default_steps<'py>(
     py: Python<'py>,
     method: &str,
-    rates: PyReadonlyArray1<'py, f64>,
+    rates: Aligned1<'py, f64>,
     of_growth: bool,
     of_function: bool,
 ) -> PyResult<Bound<'py, PyArray1<f64>>> {

@@ -2,7 +2,7 @@
 //!
 //! The methods execute instructions of their set. The types are private to the crate. Only entry points with the
 //! features of their set name the types, and each is entered after `Isa::is_available` has seen the CPU's feature bits:
-//! those of `kernel`, of `exact::Evaluator` and of the draws of `map`.
+//! those of `kernel`, of `exact`, of the draws of `map`, of the frames of `trajectory` and of `observe::flips`.
 
 use crate::real::{Apart, INTEGER_SHIFT, Pack, Quad, Real};
 use std::arch::x86_64::*;

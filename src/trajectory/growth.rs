@@ -212,6 +212,7 @@ impl Job for GrowthJob<'_, '_> {
         let bodies = self.legs.members.len();
         let together = STEPS_TOGETHER[usize::from(self.deviations.count > 1)];
         let mut done = 0;
+        // Each round ends a leg, or adds steps to `done`.
         loop {
             let legs = &mut self.legs;
             let ends = legs.legs[..bodies].iter().map(|leg| leg.steps).filter(|&steps| steps > done);

@@ -102,6 +102,7 @@ impl Layer {
 
     /// The first end of a leg after a time, if the layer has not ended.
     fn end_after(&mut self, time: f64) -> f64 {
+        // From any `next` above zero, 3200 parts lead to infinity; `check_forced` has seen that no rate is infinite.
         while self.since + self.next <= time {
             self.next *= 1.0 + PART;
         }

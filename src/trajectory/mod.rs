@@ -99,8 +99,8 @@ pub fn simulate_into(
     }
 }
 
-/// Refuses a method that does not move forced bodies, a step beyond the stability of an explicit method, and a time at
-/// which the torque is unknown.
+/// Refuses a method that does not move forced bodies, a step beyond the stability of an explicit method, damping at a rate
+/// beyond the doubles, and a time at which the torque is unknown.
 fn check_forced(request: &Request, method: &Method) -> Result<(), Error> {
     for index in 0..request.bodies.len() {
         method.check_forces(request.forces_of(index).into())?;
@@ -115,10 +115,14 @@ fn check_forced(request: &Request, method: &Method) -> Result<(), Error> {
         }
         // Neighbours mostly are alike.
         let next = Some((body.moments, forces, step));
-        if is_stable || last == next {
+        if last == next {
             continue;
         }
         last = next;
+        forces.damping.check_rates(body.moments)?;
+        if is_stable {
+            continue;
+        }
         let [.., rate] = forces.damping.rates(body.moments);
         // A step is cut to the span.
         let step = step.min(request.range_of(index).iter().fold(0.0_f64, |a, t| a.max(t.abs())));
@@ -141,7 +145,7 @@ fn blocks<K: PartialEq>(
     if groups.len() <= 2 * n.div_ceil(LANES) {
         return Ok(groups);
     }
-    let most = n.div_ceil(2 * threads.max(1)).next_multiple_of(LANES).min(MIXED);
+    let most = n.div_ceil(2).div_ceil(threads.max(1)).next_multiple_of(LANES).min(MIXED);
     neighbours(n, most, |_| ())
 }
 

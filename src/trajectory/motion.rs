@@ -30,6 +30,8 @@ pub struct Motion {
     time: f64,
     /// The largest damping rate of all bodies.
     damping_rate: f64,
+    /// Whether a step has turned a body by more than the method bears.
+    is_too_long: bool,
     groups: Vec<MovingGroup>,
 }
 
@@ -44,6 +46,8 @@ struct MovingGroup {
     forces_rows: Option<Box<ForcesRows<'static>>>,
     /// The forces on each body, if it does not change; without the torque of a step.
     constant: Vec<ForcesInterval<'static, f64>>,
+    /// The longest part of the last step.
+    longest: f64,
 }
 
 /// The torque of a step in body axes: none, one for all bodies, or one for each.
@@ -58,8 +62,11 @@ const MANY_KNOTS: usize = 256;
 
 /// Whether the length of a quaternion has not drifted away from 1; NaN has.
 fn is_rotation(attitude: [f64; 4]) -> bool {
-    let squared: f64 = attitude.iter().map(|x| x * x).sum();
-    (squared.sqrt() - 1.0).abs() <= DRIFT_LIMIT
+    (length(attitude) - 1.0).abs() <= DRIFT_LIMIT
+}
+
+fn length<const N: usize>(v: [f64; N]) -> f64 {
+    v.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
 impl Motion {
@@ -76,7 +83,20 @@ impl Motion {
         isa: Isa,
     ) -> Result<Motion, Error> {
         method.check(scene, false)?;
-        let mut motion = Motion { scene, method, forces, isa, time, damping_rate: 0.0, groups: Vec::new() };
+        if forces.bodies() > 1 {
+            let (expected, got) = ("one row for all bodies".into(), format!("{} rows", forces.bodies()));
+            return Err(Error::Shape { argument: "forces", expected, got });
+        }
+        let mut motion = Motion {
+            scene,
+            method,
+            forces,
+            isa,
+            time,
+            damping_rate: 0.0,
+            is_too_long: false,
+            groups: Vec::new(),
+        };
         motion.load(bodies)?;
         Ok(motion)
     }
@@ -146,14 +166,21 @@ impl Motion {
     }
 
     /// Makes one step: the torque is added to that of the scene and does not change during the step. Where a table of
-    /// the scene's torque has a knot, the step is divided.
+    /// the scene's torque has a knot, the step is divided. Returns the largest angle by which the step has turned a body,
+    /// the first time that the method does not bear the angle.
     ///
     /// # Errors
     /// If a number is not finite, if there is neither one torque nor one for each body, if the method does not move
     /// forced bodies or is unstable with the step, or if the table of the scene's torque does not reach its end;
     /// `Stopped` if `stop` is wanted in a step over many knots. The bodies are then as before. If the step is so long
     /// that an attitude is no rotation any more: the bodies are then lost.
-    pub fn step(&mut self, dt: f64, torques: Torques, threads: usize, stop: &Interrupt) -> Result<(), Error> {
+    pub fn step(
+        &mut self,
+        dt: f64,
+        torques: Torques,
+        threads: usize,
+        stop: &Interrupt,
+    ) -> Result<Option<f64>, Error> {
         let refused = |argument, value: String, rule| Err(Error::Value { argument, value, rule });
         let n = self.len();
         if !dt.is_finite() {
@@ -201,7 +228,14 @@ impl Motion {
         if self.bodies().any(|body| !is_rotation(body.attitude)) {
             return refused("dt", dt.to_string(), LOST);
         }
-        Ok(())
+        let angles = self
+            .groups
+            .iter()
+            .flat_map(|group| group.bodies.iter().map(|body| group.longest * length(body.omega)));
+        let angle = angles.fold(0.0, f64::max);
+        let is_first = !self.is_too_long && angle > self.method.facts.longest_angle;
+        self.is_too_long |= is_first;
+        Ok(is_first.then_some(angle))
     }
 
     /// Whether a step divides at so many knots of the table that it takes milliseconds.
@@ -266,12 +300,14 @@ impl Motion {
                 lanes: Group::inactive(),
                 forces_rows: Some(Box::new(ForcesRows::NONE)),
                 constant: memory::reserved("forces of a group", bodies.len())?,
+                longest: 0.0,
             };
             for (lane, body) in bodies.iter().enumerate() {
                 let own = self.forces.of(0).further.start(self.time);
                 let entry = Entry { own, ..Entry::unobserved(body, forced.then_some(0.0), 0.0) };
                 load(&mut group.lanes, lane, group.compiled, group.assignments[lane], &entry);
                 if forced {
+                    self.forces.of(0).damping.check_rates(body.moments)?;
                     let [.., rate] = self.forces.of(0).damping.rates(body.moments);
                     self.damping_rate = self.damping_rate.max(rate);
                     // A function is told the time.
@@ -325,6 +361,7 @@ impl MovingGroup {
     ) -> Result<(), Error> {
         let (end, backward) = (begin + dt, dt < 0.0);
         let mut from = begin;
+        self.longest = 0.0;
         // A round for each knot of the table.
         loop {
             if stop.is_wanted() {
@@ -335,6 +372,7 @@ impl MovingGroup {
             let to = knot.unwrap_or(end);
             // The difference of two times would round a whole step.
             let step = if from == begin && to == end { dt } else { to - from };
+            self.longest = self.longest.max(step.abs());
             if !forces.is_none() {
                 self.apply((forces, function), (from, backward), torques, rows);
             }

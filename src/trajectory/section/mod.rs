@@ -176,7 +176,7 @@ pub fn section(
     };
     let mut all = memory::filled("sections of bodies", n, none)?;
     let points = AtomicU64::new(0);
-    let size = n.div_ceil(4 * threads.max(1)).clamp(LANES, BLOCK);
+    let size = n.div_ceil(4).div_ceil(threads.max(1)).clamp(LANES, BLOCK);
     let blocks = all.chunks_mut(size).enumerate().map(|(index, part)| (index * size, part));
     over_blocks(blocks, threads, stop, |(first, crossings)| {
         let block = first..first + crossings.len();

@@ -7,6 +7,7 @@ import pytest
 
 import rigid
 from physics import golden, golden_scene, present, rotation_angle
+from processes import python_process
 from rigid.solve.status import ARRIVED
 
 STIFF = {method.name: method for method in rigid.methods() if method.stiff}
@@ -164,3 +165,37 @@ def test_without_damping_the_exponential_method_is_the_classical_one() -> None:
     for case in golden("free_asymmetric")[:2]:
         here, there = (case.run(method, step=0.05, check=False) for method in ("etd4", "rk4"))
         assert here.omega.tobytes() == there.omega.tobytes()
+
+
+OVERFLOW = """
+import signal, numpy as np, rigid
+body = rigid.Body((1.0, 1.0, 1e-10))
+scene = rigid.FreeBody(body, damping=1e299)
+calls = {
+    "run": lambda scene: rigid.simulate(scene, [0.1, 1.0, 0.2], t=[1.0]),
+    "tolerance": lambda scene: rigid.simulate(
+        scene, [0.1, 1.0, 0.2], t=[1.0], method="taylor16", tolerance=1e-9
+    ),
+    "motion": lambda scene: rigid.Motion(scene, [0.1, 1.0, 0.2], method="etd4"),
+    "map": lambda scene: rigid.stability_map(
+        scene, axes={"spin": [1.0]}, t_end=1.0, stable=rigid.no_flip(), samples=2, rng=1
+    ),
+    "exponents": lambda scene: rigid.lyapunov(scene, [0.1, 1.0, 0.2], t=[1.0]),
+    "section": lambda scene: rigid.simulate(
+        scene, [0.1, 1.0, 0.2], t=[1.0], until=rigid.crosses("omega3", 0.1)
+    ),
+}
+for name, call in calls.items():
+    signal.alarm(20)  # ends a process that hangs outside of the interpreter
+    try:
+        call(scene)
+        print(name, "returned")
+    except ValueError as error:
+        print(name, error)
+"""
+
+
+def test_damping_at_a_rate_beyond_the_doubles_is_refused() -> None:
+    """Its first leg had no length, and no interruption ended the search for the next one."""
+    for line in python_process(OVERFLOW).stdout.strip().splitlines():
+        assert "damping = a rate of inf 1/s: damping over moment must be below 1.8e308 1/s" in line

@@ -1,0 +1,129 @@
+"""The compiled module refuses what `rigid` never gives it: no panic, no half-done change."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import rigid
+from rigid import _core
+from rigid.solve.starts import bodies_of
+
+SCENE = rigid.FreeBody(rigid.Body((1.0, 1.5, 2.0)))
+OMEGA = np.array([[0.1, 1.0, 0.2], [0.3, -0.5, 0.9]])
+MOST = 2**63
+
+
+def unaligned(array: Any) -> Any:
+    """The same numbers at an odd address, contiguous."""
+    memory = np.zeros(array.nbytes + 1, np.int8)
+    copy = memory[1:].view(array.dtype).reshape(array.shape)
+    copy[...] = array
+    assert copy.flags.c_contiguous
+    assert not copy.flags.aligned
+    return copy
+
+
+def test_numbers_at_odd_addresses_are_the_same_numbers() -> None:
+    one = unaligned(np.array([3, 7]))
+    for plain, odd in [
+        (_core.clopper_pearson(np.array([3, 7]), np.array([9, 9]), 0.9),
+         _core.clopper_pearson(one, np.array([9, 9]), 0.9)),
+        (_core.elliptic("rc", [OMEGA[:, 1], OMEGA[:, 2]]),
+         _core.elliptic("rc", [unaligned(OMEGA[:, 1]), unaligned(OMEGA[:, 2])])),
+    ]:  # fmt: skip
+        assert all(a.tobytes() == b.tobytes() for a, b in zip(plain, odd, strict=True))
+    bodies, odd = bodies_of(SCENE, OMEGA, None), bodies_of(SCENE, OMEGA, None)
+    odd.omega, odd.moments = unaligned(odd.omega), unaligned(odd.moments)
+    assert _core.fastest_rates(odd).tobytes() == _core.fastest_rates(bodies).tobytes()
+    assert _core.first_slow(unaligned(OMEGA), 0.0, 0.95) == _core.first_slow(OMEGA, 0.0, 0.95) == 1
+
+
+def test_a_force_acts_on_as_many_bodies_as_it_has_rows() -> None:
+    none = np.empty((0, 3))
+    forces = _core.Forces(times=np.empty(0), body=none, space=none, damping=np.eye(2, 6))
+    assert forces.act(2).tolist() == [True, True]
+    with pytest.raises(
+        ValueError, match=r"bodies: expected shape \(2, \.\.\.\), got \(3, \.\.\.\)"
+    ):
+        forces.act(3)
+    bodies = bodies_of(SCENE, OMEGA, None)
+    bodies.forces = forces
+    with pytest.raises(
+        ValueError, match="forces: expected shape one row for all bodies, got 2 rows"
+    ):
+        _core.Motion(bodies, method="rk4", time=0.0, unit=1.0, threads=1)
+
+
+def test_there_may_be_more_threads_than_numbers() -> None:
+    """Blocks of bodies were as long as a quotient by four times the threads, which was zero."""
+    n = 64
+    columns = {
+        "scene": "free",
+        "moments": np.tile(SCENE.body.moments, (n, 1)),
+        "weight": np.zeros((n, 3)),
+        "omega": np.tile(OMEGA[0], (n, 1)),
+        "attitude": np.tile([1.0, 0.0, 0.0, 0.0], (n, 1)),
+        "method": "taylor16",
+        "max_steps": 1000,
+        "threads": MOST,
+    }
+    crossings = _core.section(
+        **columns,
+        kinds=[(False, 0, False)],
+        normal=np.tile([1.0, 0.0, 0.0, 0.0, 0.0, 0.0], (n, 1)),
+        momentum=np.zeros((n, 3)),
+        value=np.zeros(n),
+        ends=np.ones(n),
+        count=1,
+        closed=False,
+        tolerance=1e-12,
+    )
+    assert len(crossings["status"]) == n
+    # Neighbours with other numbers of steps share no group of lanes.
+    growths = _core.growth(
+        **columns,
+        deviations=np.tile(_core.generic_deviations()[:1], (n, 1)),
+        scale=np.ones(n),
+        of_attitude=False,
+        times=np.array([1.0]),
+        step=np.tile([0.1, 0.2], n // 2),
+    )
+    assert len(growths["status"]) == n
+
+
+PART = {**_core.MapStatistics(1).arrays(), "pixels": np.array([0])}
+BIN = [0, 65472, 2, 0, 10, 10, 0, 100, 0]
+"""Row of the part; key, count, offsets from 0 to 10, and the halves of their sum and squares."""
+
+
+def changed(place: int, value: int) -> dict[str, Any]:
+    row = BIN.copy()
+    row[place] = value
+    return {**PART, "stable": np.array([7]), "measures": [np.array([BIN, row])]}
+
+
+@pytest.mark.parametrize(
+    ("part", "words"),
+    [
+        ({**changed(1, 65473), "stable": np.array([-1])}, "stable = -1: must not be negative"),
+        ({**changed(1, 65473), "pixels": np.array([1])}, "part = pixel 1 of 1: must be pixels"),
+        (changed(0, 1), "part = a bin of row 1 of 1: must be pixels"),
+        (changed(1, 1 << 17), r"a bin = \[131072, .*: must be numbers of finite values"),
+        (changed(2, -2), r"a bin = \[65472, -2, .*: must be numbers of finite values"),
+        (changed(3, 11), r"a bin = \[65472, 2, 11, 10, .*: must be numbers of finite values"),
+        (changed(4, 1 << 46), r"a bin = .*: must be numbers of finite values"),
+    ],
+)
+def test_a_part_that_is_refused_changes_no_statistics(part: dict[str, Any], words: str) -> None:
+    statistics = _core.MapStatistics(1, 1)
+    statistics.merge(changed(1, 65473))
+    arrays, bins = statistics.arrays(), statistics.bins()
+    assert (arrays["stable"], bins[0].shape) == ([7], (2, 9))
+    with pytest.raises(ValueError, match=words):
+        statistics.merge(part)
+    for name, values in statistics.arrays().items():
+        assert np.array_equal(values, arrays[name], equal_nan=True), name
+    assert np.array_equal(statistics.bins(), bins)
