@@ -84,12 +84,17 @@ class MapWidget(anywidget.AnyWidget):
 
     def __init__(self, result: StabilityMap, *, threads: int | None = None) -> None:
         result.spec.require_functions()
-        self.result = self._whole = result
+        self._result = self._whole = result
         self._threads = resolve_threads(threads)
         self._zooms = self._shown = 0  # how many there were, and the number of that which is shown
         self._one_answer = threading.Lock()
         super().__init__(_page=page_of(None), _content=self._as_content(0, result, None))
         self.on_msg(self._list_bodies)
+
+    @property
+    def result(self) -> StabilityMap:
+        """The map that is shown."""
+        return self._result
 
     @traitlets.observe("_region")
     def _zoom(self, change: Any) -> None:
@@ -125,7 +130,7 @@ class MapWidget(anywidget.AnyWidget):
         content = self._as_content(number, result, region)
         with self._one_answer:
             if number == self._zooms:
-                self.result, self._shown = result, number
+                self._result, self._shown = result, number
                 self._content, self._said = content, ""
 
     def _say(self, number: int, words: str) -> None:
@@ -152,7 +157,7 @@ class MapWidget(anywidget.AnyWidget):
         """Answer a click on a pixel with its bodies, unless its map is shown no longer."""
         pixel = asked["pixel"]
         with self._one_answer:
-            result, shown = self.result, self._shown
+            result, shown = self._result, self._shown
         if asked["zoom"] != shown:
             return
         try:

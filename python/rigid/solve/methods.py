@@ -30,6 +30,7 @@ __all__ = [
     "is_processed",
     "is_stiff",
     "known_method",
+    "longest_angle",
     "map_methods",
     "methods",
     "methods_under",
@@ -118,6 +119,9 @@ class Method:
         stiff; None if it integrates no forces.
     angle_per_step : float
         Largest angle (rad) by which a body turns in a default step.
+    longest_angle : float
+        Largest angle (rad) of a step that the method bears: over 1000 rad the energy, the angular
+        momentum and the length of the quaternion change by less than 1e-3.
     citation, doi : str
         Publication of the method.
     """
@@ -139,6 +143,7 @@ class Method:
     compensated: bool
     damping_limit: float | None
     angle_per_step: float
+    longest_angle: float
     citation: str
     doi: str
 
@@ -205,6 +210,11 @@ def order_of(name: str) -> int:
 def angle_per_step(name: str) -> float:
     """The largest angle (rad) by which a body turns in a default step of a method."""
     return _named(name).angle_per_step
+
+
+def longest_angle(name: str) -> float:
+    """The largest angle (rad) of a step that a method bears; see :class:`Method`."""
+    return _named(name).longest_angle
 
 
 def is_processed(name: str) -> bool:

@@ -84,6 +84,9 @@ def test_a_zoom_computes_the_map_of_its_region() -> None:
     zoom(widget, None)
     assert widget.result is MAP
     assert "all" not in content_of(widget)
+    # Only a zoom changes what is shown.
+    with pytest.raises(AttributeError):
+        widget.result = MAP
 
 
 def test_finer_maps_stay_between_the_values_of_the_whole_map() -> None:
