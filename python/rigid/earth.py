@@ -214,7 +214,8 @@ def wobble(
 
     Ercan 2016, § 9.3, prints ``phi' = 0.00329`` for 1.00329 times the rate (erratum D-26), and a
     circle of the pole of some tens of centimetres, although 0.2 arc seconds give a radius of 6.18 m
-    (D-27).
+    (D-27). The printed period in space, 0.997 d, counts turns of the Earth: it is 0.9943 solar days
+    (D-43).
 
     Parameters
     ----------

@@ -28,6 +28,9 @@ Counts = NDArray[np.intp]
 Law = Callable[[Floats], tuple[Floats, Floats, Floats]]
 """Function of distances ``(..., P)``: energies of the pairs and their first two derivatives."""
 
+_MOST_STEPS, _FAR = 500, 1e3
+"""Steps of a search of an equilibrium, and the growth at which particles fly apart."""
+
 SMALL = 1e-9
 """A force, or a squared frequency, below this fraction of the largest stiffness is zero."""
 
@@ -191,6 +194,85 @@ class PairSystem:
         size = 3 * len(self.masses)
         return np.asarray(joined.reshape(*joined.shape[:-4], size, size))
 
+    def equilibrium(self, positions: ArrayLike | None = None) -> Floats:
+        """Positions of a stable equilibrium: a minimum of the potential energy near a start.
+
+        Newton steps with the sizes of the second derivatives, and so downhill also where these are
+        negative, within a radius of trust (J. Nocedal and S. Wright, *Numerical Optimization*,
+        ch. 4). At a saddle the search goes on along the steepest way down. A potential of distances
+        does not determine place and orientation; the mean of the positions stays.
+
+        Parameters
+        ----------
+        positions : array_like, shape (N, 3), optional
+            The start (m); by default the reference configuration.
+
+        Returns
+        -------
+        ndarray, shape (N, 3)
+            Positions (m), for :meth:`modes`.
+
+        Raises
+        ------
+        ValueError
+            If no minimum is found: the particles fly apart, or 500 steps do not end.
+
+        Examples
+        --------
+        >>> from rigid import springs
+        >>> def lennard_jones(d):
+        ...     near, far = d**-12.0, 2.0 * d**-6.0
+        ...     return near - far, (6 * far - 12 * near) / d, (156 * near - 42 * far) / d**2
+        >>> start = [[0, 0, 0], [1.5, 0, 0], [0.2, 0.8, 0]]
+        >>> triple = springs.pair_system([1.0] * 3, start, law=lennard_jones)
+        >>> found = triple.equilibrium()
+        >>> float(triple.energy(found).round(12)), int(triple.modes(found).zero)
+        (-3.0, 6)
+        """
+        r = self.positions if positions is None else shaped("positions", positions, None, 3)
+        if r.ndim != 2:
+            raise ValueError(f"positions: expected shape (N, 3), got {r.shape}")
+        energy, size = float(self.energy(r)), float(np.ptp(r, axis=0).max())
+        radius, rounded = 0.1 * size, 8.0 * np.finfo(np.float64).eps
+        for _ in range(_MOST_STEPS):
+            pulls = self._pulls(r)
+            sizes = np.abs(pulls.tension) + np.abs(pulls.stiffness) * pulls.distance
+            scale = float(sizes.max(initial=0.0))
+            force = self.forces(r).ravel()
+            curved, modes = np.linalg.eigh(self.hessian(r))
+            along, bound = force @ modes, SMALL * np.abs(curved).max()
+            flat = (np.abs(curved) <= bound) & (np.abs(along) <= SMALL * scale)
+            step = np.where(flat, 0.0, along / np.maximum(np.abs(curved), bound or 1.0))
+            length = float(np.linalg.norm(step))
+            if length <= rounded * size:
+                if curved[0] >= -bound:
+                    return r
+                step, length = np.where(np.arange(len(step)) == 0, radius, 0.0), radius
+            step *= min(1.0, radius / length)
+            move = (modes @ step).reshape(r.shape)
+            there = r + (move - move.mean(axis=0))
+            expected = float(0.5 * step @ (curved * step) - along @ step)
+            try:
+                change = float(self.energy(there)) - energy
+            except ValueError:  # two particles meet, or the law ends
+                change = np.inf
+            # The change of an energy cannot be told from its rounding close to the minimum.
+            small = abs(expected) <= rounded * float(np.abs(pulls.energy).sum())
+            if change < 0.0 or (small and length <= radius):
+                r, energy = there, energy + change
+                radius *= 2.0 if change < 0.5 * expected else 1.0
+            else:
+                radius *= 0.25
+            if np.ptp(r, axis=0).max() > _FAR * size:
+                raise ValueError(
+                    f"positions: no equilibrium was found; the particles fly apart, to "
+                    f"{np.ptp(r, axis=0).max():.3g} m from {size:.3g} m"
+                )
+        raise ValueError(
+            f"positions: no equilibrium was found in {_MOST_STEPS} steps; the largest force is "
+            f"{np.abs(force).max():.3g}"
+        )
+
     def modes(self, positions: ArrayLike | None = None) -> Modes:
         """Frequencies and shapes of the small oscillations about an equilibrium.
 
@@ -211,7 +293,7 @@ class PairSystem:
         Raises
         ------
         ValueError
-            If the forces do not vanish.
+            If the forces do not vanish; :meth:`equilibrium` finds where they do.
 
         Examples
         --------
@@ -226,8 +308,8 @@ class PairSystem:
         largest = np.abs(self.forces(positions)).max(axis=(-2, -1))
         if (largest > SMALL * scale.max(axis=-1, initial=0.0)).any():
             raise ValueError(
-                f"positions: must be an equilibrium, where no force acts; the largest force is "
-                f"{float(largest.max()):g}"
+                f"positions: must be an equilibrium, where no force acts (equilibrium() finds "
+                f"one); the largest force is {float(largest.max()):g}"
             )
         root = np.repeat(np.sqrt(self.masses), 3)
         weighted = self.hessian(positions) / root / root[:, np.newaxis]

@@ -152,7 +152,8 @@ def equilibrium(
     In equilibrium ``Σ F_i = 0`` and ``Σ r_i × F_i = 0``, each force with its own arm (lecture
     notes, § 5.2, where the index is missing, erratum G-04). About another point
     ``N_c = N_0 - c × F``: the torque depends on the reference point unless the sum of the forces is
-    zero (erratum G-05).
+    zero (erratum G-05). Balanced forces keep momentum and angular momentum constant; a body at
+    rest has neither (erratum D-44).
 
     Parameters
     ----------

@@ -39,6 +39,7 @@ def test_the_wobble_of_the_thesis() -> None:
     assert found.precession == pytest.approx(7.3139841e-5, rel=1e-8)
     assert abs(found.precession / RATE - FLAT) > 0.9
     assert found.space_period * RATE / (2 * np.pi) == pytest.approx(0.996720789, abs=5e-10)
+    # D-43: printed 0.997 d, which counts turns of the Earth; in solar days it is 0.9943.
     assert found.space_period / earth.SOLAR_DAY == pytest.approx(0.994287808, abs=5e-10)
     # D-27: printed, a circle of some tens of centimetres.
     assert found.pole_circle == pytest.approx(6.177496, abs=5e-7)

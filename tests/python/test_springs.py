@@ -272,6 +272,62 @@ def test_a_drifting_body_of_springs_is_the_same_in_its_own_frame() -> None:
 
 
 LINE = np.arange(3.0)[:, None] * [1.0, 0.0, 0.0]
+
+
+def lennard_jones(d: Floats) -> tuple[Floats, Floats, Floats]:
+    """Depth one at the distance one."""
+    near, far = d**-12.0, 2.0 * d**-6.0
+    return near - far, (6.0 * far - 12.0 * near) / d, (156.0 * near - 42.0 * far) / d**2
+
+
+def coulomb(d: Floats) -> tuple[Floats, Floats, Floats]:
+    return 1.0 / d, -1.0 / d**2, 2.0 / d**3
+
+
+def attraction(d: Floats) -> tuple[Floats, Floats, Floats]:
+    return -1.0 / d, 1.0 / d**2, -2.0 / d**3
+
+
+@pytest.mark.parametrize(
+    ("count", "least"), [(2, -1.0), (3, -3.0), (4, -6.0), (5, -9.103852), (7, -16.505384)]
+)
+def test_clusters_of_atoms_come_to_rest(count: int, least: float) -> None:
+    """Least energies of the Cambridge Cluster Database (D. J. Wales and J. P. K. Doye 1997)."""
+    rng = np.random.default_rng(count)
+    energies = []
+    for _ in range(8):
+        start = 0.8 * count ** (1.0 / 3.0) * rng.normal(size=(count, 3))
+        cluster = springs.pair_system(np.ones(count), start, law=lennard_jones)
+        found = cluster.equilibrium()
+        modes = cluster.modes(found)  # refuses positions where a force acts
+        assert int(modes.zero) == (5 if count == 2 else 6)
+        assert (modes.omega_squared[int(modes.zero) :] > 0.0).all()
+        # Forces of pairs have no sum.
+        assert np.abs(found.mean(axis=0) - start.mean(axis=0)).max() < 1e-12
+        energies.append(float(cluster.energy(found)))
+    assert min(energies) == pytest.approx(least, abs=5e-7)
+    # An independent search from the last start ends no lower than the least.
+    other = minimize(lambda r: cluster.energy(r.reshape(-1, 3)), found.ravel(), method="BFGS")
+    assert other.fun == pytest.approx(energies[-1], abs=1e-9)
+
+
+def test_a_saddle_is_left_for_the_minimum() -> None:
+    """Three atoms on a line feel no force across the line, but a triangle has less energy."""
+    row = springs.pair_system([1.0] * 3, [[0, 0, 0], [1.1, 0, 0], [2.3, 0, 0]], law=lennard_jones)
+    assert float(row.energy(row.equilibrium())) == pytest.approx(-3.0, abs=1e-12)
+
+
+def test_a_triangle_that_springs_cannot_close_lies_on_a_line() -> None:
+    """Rest lengths 1, 1, 3: each spring is off by 1/3, so the energy is 3 k/2 (1/3)²."""
+    start = [[0, 0, 0], [1.1, 0, 0], [2.3, 0.4, 0]]
+    system = springs.pair_system([1.0, 3.0, 2.0], start, stiffness=10.0, rest=[1.0, 1.0, 3.0])
+    found = system.equilibrium()
+    assert float(system.energy(found)) == pytest.approx(10.0 / 6.0, abs=1e-13)
+    assert np.linalg.svd(found - found.mean(axis=0), compute_uv=False)[1] < 1e-8
+    alone = springs.pair_system([1.0], [[1.0, 2.0, 3.0]], stiffness=1.0)
+    assert alone.equilibrium().tolist() == [[1.0, 2.0, 3.0]]
+
+
 REFUSED: list[tuple[Callable[[], Any], str]] = [
     (
         lambda: springs.pair_system([1.0, 0.0], FOUR[:2], stiffness=1.0),
@@ -323,7 +379,19 @@ REFUSED: list[tuple[Callable[[], Any], str]] = [
     ),
     (
         lambda: LAWS["morse"].modes(),
-        "positions: must be an equilibrium, where no force acts; the largest force is",
+        "positions: must be an equilibrium, where no force acts (equilibrium() finds one); the lar",
+    ),
+    (
+        lambda: springs.pair_system([1.0] * 3, LINE, law=coulomb).equilibrium(),
+        "positions: no equilibrium was found; the particles fly apart, to ",
+    ),
+    (
+        lambda: springs.pair_system([1.0] * 3, LINE, law=attraction).equilibrium(),
+        "positions: no equilibrium was found in 500 steps; the largest force is ",
+    ),
+    (
+        lambda: springs.pair_system([1.0] * 3, LINE, stiffness=1.0).equilibrium([LINE, LINE]),
+        "positions: expected shape (N, 3), got (2, 3, 3)",
     ),
     (
         lambda: springs.spring_body(np.ones(3), LINE, SPIN, stiffness=1.0, t=[1.0]),

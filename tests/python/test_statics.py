@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize
 
+import rigid
 from physics import ROUNDOFF, Floats
 from rigid import statics
 
@@ -64,6 +65,20 @@ def test_rest_needs_both_sums_to_vanish() -> None:
     assert statics.equilibrium([[0.1, 0, 0], [0.2, 0, 0], [-0.3, 0, 0]], np.ones((3, 3))).balanced
     assert statics.equilibrium(np.zeros((0, 3)), np.zeros((0, 3))).balanced
     assert statics.equilibrium(np.zeros((0, 4, 3)), np.zeros((4, 3))).balanced.shape == (0,)
+
+
+def test_constant_momenta_are_not_yet_rest() -> None:
+    # D-44: forces in equilibrium keep P and L constant; a body at rest has neither.
+    pair, along = [[0, 0, 5], [0, 0, -5]], [[0, 0, 7], [0, 0, -2]]
+    assert statics.equilibrium(pair, along).balanced
+    scene = rigid.FreeBody(rigid.Body((1.0, 1.5, 2.0)))
+    moving = rigid.simulate(scene, [0.3, 1.0, 0.2], t=[0.0, 5.0])
+    momentum = moving.rotation().apply(moving.momentum())
+    assert np.abs(momentum[1] - momentum[0]).max() < 1e-13
+    assert np.abs(moving.attitude[1] - moving.attitude[0]).max() > 0.5
+    resting = rigid.simulate(scene, [0.0, 0.0, 0.0], t=[0.0, 5.0])
+    assert (resting.momentum() == 0.0).all()
+    assert (resting.attitude[1] == resting.attitude[0]).all()
 
 
 # The six simple machines, without friction. The law is that of virtual work: the work of the effort

@@ -49,6 +49,7 @@ SUBJECTS = (
     "parallel-axis theorem",
     "rotated tensor",
     "principal axes",
+    "measured bodies",
     "classes of bodies",
     "symmetries",
     "kinetic energy",
