@@ -20,6 +20,7 @@ __all__ = [
     "UNIT",
     "attitudes",
     "finite_array",
+    "of_size_one",
     "require",
     "unit_quaternions",
     "unit_vectors",
@@ -40,6 +41,17 @@ UNIT = 1e-4
 def finite_array(name: str, value: ArrayLike) -> Floats:
     """``value`` as finite floats of any shape."""
     return shaped(name, value)
+
+
+def of_size_one(
+    vectors: Floats, axis: int | tuple[int, ...] = -1
+) -> tuple[Floats, NDArray[np.intc]]:
+    """Vectors over powers of two, so that their squares stay in the range of doubles; the powers.
+
+    The powers keep the axes. The division changes no digit.
+    """
+    power = np.frexp(np.abs(vectors).max(axis=axis, keepdims=True, initial=0.0))[1]
+    return np.ldexp(vectors, -power), power
 
 
 def require(name: str, array: NDArray[Any], good: NDArray[np.bool_], rule: str) -> None:

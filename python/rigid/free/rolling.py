@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import positive_int
-from .._checks.arrays import attitudes, require, vectors
+from .._checks.arrays import attitudes, of_size_one, require, vectors
 from .._checks.overflow import refuses_overflow
 from ..model.body_like import BodyLike, moments_of
 from ..rotations.apply import to_space
@@ -90,6 +90,7 @@ def cones(
     """
     top = symmetric_free_top(body, omega)
     moments, rates = np.broadcast_arrays(moments_of(body), vectors("omega", omega))
+    rates, _ = of_size_one(rates)
     size = np.linalg.norm(rates, axis=-1, keepdims=True)
     require("|omega|", size[..., 0], size[..., 0] > 0.0, "a body at rest has no cones")
     start = attitudes(attitude)
@@ -207,6 +208,7 @@ def poinsot(
             f"omega: expected the states of a motion, shape (..., m, 3) with m > 0, got "
             f"{rates.shape}"
         )
+    rates, power = of_size_one(rates, (-2, -1))
     momentum = moments * rates[..., 0, :]
     size = np.linalg.norm(momentum, axis=-1)
     require("|L|", size, size > 0.0, "a body without angular momentum has no invariable plane")
@@ -229,14 +231,19 @@ def poinsot(
         herpolhode = np.einsum("...mi,...ji->...mj", contact, _in_plane(normal))
         radius = np.linalg.norm(herpolhode, axis=-1)
         slip = (_length(contact) - _length(rates)) / distance
+    of_one, of_all = power[..., 0, 0], power[..., 0]
+
+    def back(scaled: Floats | None, powers: NDArray[np.intc]) -> Floats | None:
+        return None if scaled is None else np.ldexp(scaled, powers)
+
     return Poinsot(
-        semi_axes=semi_axes,
-        distance=distance[()],
-        polhode=rates,
+        semi_axes=np.ldexp(semi_axes, of_all),
+        distance=np.ldexp(distance, of_one)[()],
+        polhode=np.ldexp(rates, power),
         normal=normal,
-        contact=contact,
-        herpolhode=herpolhode,
-        radius=radius,
+        contact=back(contact, power),
+        herpolhode=back(herpolhode, power),
+        radius=back(radius, of_all),
         residual=residual,
         slip=slip,
     )

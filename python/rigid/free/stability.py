@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import exact
 from .._checks.arguments import positive_int
-from .._checks.arrays import finite_array, vectors
+from .._checks.arrays import finite_array, of_size_one, vectors
 from .._checks.overflow import refuses_overflow
 from ..model.body import Body
 from ..model.body_like import BodyLike, moments_of
@@ -99,14 +99,16 @@ def permanent_rotation(body: BodyLike, axis: int, rate: ArrayLike = 1.0) -> Perm
     moments = moments_of(body)
     own = body_axis(axis) - 1
     i1, i2, i3 = (moments[..., (own + turn) % 3] for turn in range(3))
-    measure = (i1 - i2) / i2 * ((i1 - i3) / i3) * finite_array("rate", rate) ** 2
+    size = np.abs(finite_array("rate", rate))
+    share = (i1 - i2) / i2 * ((i1 - i3) / i3)
+    measure = share * size**2
     kinds = np.array(["unstable", "neutral", "stable"])
     return PermanentRotation(
         K=measure,
         squared=-measure,
-        frequency=np.sqrt(np.maximum(measure, 0.0)),
-        growth=np.sqrt(np.maximum(-measure, 0.0)),
-        kind=kinds[np.sign(measure).astype(np.intp) + 1],
+        frequency=np.sqrt(np.maximum(share, 0.0)) * size,
+        growth=np.sqrt(np.maximum(-share, 0.0)) * size,
+        kind=kinds[(np.sign(share) * np.sign(size)).astype(np.intp) + 1],
     )
 
 
@@ -240,9 +242,7 @@ def local_stability(factors: ArrayLike, omega: ArrayLike) -> Floats:
     array([0.      , 0.888353, 0.      ])
     """
     array, rates = np.broadcast_arrays(vectors("factors", factors), vectors("omega", omega))
-    # Of size one, by powers of two, so that no product leaves the range of doubles.
-    powers = [np.frexp(np.abs(one).max(axis=-1, keepdims=True))[1] for one in (array, rates)]
-    array, rates = np.ldexp(array, -powers[0]), np.ldexp(rates, -powers[1])
+    (array, of_factors), (rates, of_rates) = of_size_one(array), of_size_one(rates)
     s = (array[..., NEXT] * array[..., AFTER] * rates**2).sum(axis=-1)
     q = 2.0 * (array * rates).prod(axis=-1)
     size = np.abs(q)
@@ -255,7 +255,7 @@ def local_stability(factors: ArrayLike, omega: ArrayLike) -> Floats:
     inside = 0.25 * root * root - size / np.where(root > 0.0, root, np.inf)
     others = 0.5 * root + np.sqrt(np.maximum(inside, 0.0))
     largest = np.where(q < 0.0, others, root)
-    return np.asarray(np.ldexp(largest, (powers[0] + powers[1])[..., 0]))[()]
+    return np.asarray(np.ldexp(largest, (of_factors + of_rates)[..., 0]))[()]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

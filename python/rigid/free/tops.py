@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
 from .._checks.arguments import resolve_threads, sorted_times
-from .._checks.arrays import attitudes, finite_array, require, vectors
+from .._checks.arrays import attitudes, finite_array, of_size_one, require, vectors
 from .._checks.overflow import refuses_overflow
 from .._checks.shown import short_repr
 from ..exact import FreeMotion
@@ -153,9 +153,7 @@ def symmetric_free_top(
     k = spin * ((along - across) / across)
     alpha = np.arctan2(transverse, spin)
     ratio = along / across
-    # Of size one, by a power of two, so that no square leaves the range of doubles.
-    power = -np.frexp(np.maximum(transverse, np.abs(spin)))[1]
-    tilting, turning = np.ldexp(transverse, power), np.ldexp(spin, power)
+    tilting, turning = np.moveaxis(of_size_one(np.stack([transverse, spin], axis=-1))[0], -1, 0)
     # The angle of L and omega from products: alpha - theta loses all digits for the Earth.
     sine = np.abs((along - across) / across * turning) * tilting
     cosine = tilting**2 + ratio * turning**2
@@ -279,13 +277,14 @@ def _frequency(moments: Floats, rates: Floats) -> Floats:
     """Rate of the argument of Jacobi's functions, from sums of squares."""
     order = np.argsort(moments, axis=-1, kind="stable")
     i1, i2, i3 = np.moveaxis(np.take_along_axis(moments, order, axis=-1), -1, 0)
+    rates, power = of_size_one(rates)
     w1, w2, w3 = np.moveaxis(np.take_along_axis(rates, order, axis=-1) ** 2, -1, 0)
     # The two products are (L² - 2 E I1)(I3 - I2) and (2 E I3 - L²)(I2 - I1), divided by the
     # moments; the larger product belongs to the encircled axis.
     about_large = (i3 - i2) * ((i2 - i1) * w2 / i3 + (i3 - i1) * w3 / i2) / i1
     about_small = (i2 - i1) * ((i3 - i1) * w1 / i2 + (i3 - i2) * w2 / i1) / i3
-    frequency: Floats = np.sqrt(np.maximum(about_large, about_small))
-    return frequency
+    frequency = np.sqrt(np.maximum(about_large, about_small))
+    return np.asarray(np.ldexp(frequency, power[..., 0]))[()]
 
 
 def _states(

@@ -125,6 +125,33 @@ def test_the_cones_do_not_depend_on_the_unit_of_time(scale: float) -> None:
         assert getattr(found, name) == pytest.approx(value, rel=4 * ROUNDOFF, abs=0.0)
 
 
+@pytest.mark.parametrize("power", [-900, -600, -535, 500])
+def test_quantities_scale_with_the_unit_of_time(power: int) -> None:
+    """By a power of two, so to the last digit."""
+    moments, rates = (1.0, 1.5, 2.0), np.array([[0.3, 0.2, 3.0], [0.31, 0.25, 2.99]])
+    turned = np.array([[1.0, 0.0, 0.0, 0.0], [0.8, 0.0, 0.6, 0.0]])
+    one = free.poinsot(moments, rates, turned)
+    other = free.poinsot(moments, np.ldexp(rates, power), turned)
+    for name in ("semi_axes", "distance", "polhode", "contact", "herpolhode", "radius"):
+        assert np.array_equal(np.ldexp(getattr(one, name), power), getattr(other, name)), name
+    for name in ("normal", "residual", "slip"):
+        assert np.array_equal(getattr(one, name), getattr(other, name)), name
+    one_cone, other_cone = (
+        free.cones((1.0, 1.0, 1.6), np.ldexp(rates[0], scale)) for scale in (0, power)
+    )
+    assert np.array_equal(one_cone.body_curve, other_cone.body_curve)
+    assert np.array_equal(one_cone.space_curve, other_cone.space_curve)
+    frequency = free.asymmetric_free_top(moments, rates).frequency
+    found = free.asymmetric_free_top(moments, np.ldexp(rates, power)).frequency
+    assert np.array_equal(np.ldexp(frequency, power), found)
+    for axis in (1, 2):
+        known = free.permanent_rotation(moments, axis)
+        scaled = free.permanent_rotation(moments, axis, 2.0**power)
+        assert scaled.kind == known.kind
+        assert scaled.growth == np.ldexp(known.growth, power)
+        assert scaled.frequency == np.ldexp(known.frequency, power)
+
+
 def test_the_asymmetric_free_top_of_the_table() -> None:
     found = free.asymmetric_free_top((1.0, 2.0, 3.0), [0.3, 0.2, 1.2], t=[10.0])
     assert found.period == pytest.approx(5.25142979483806, rel=4e-15)
