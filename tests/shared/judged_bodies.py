@@ -176,7 +176,7 @@ def _scene_in_frame(body: rigid.Body, axes: Floats, acting: dict[str, Floats]) -
             own = getattr(rigid.Torque, name)(acting[name])
             options["torque"] = options["torque"] + own if "torque" in options else own
     if "weight" not in acting:
-        return rigid.FreeBody(body, frame=axes, **options)
+        return rigid.FreeBody(body, frame=axes if options else None, **options)
     mgl = float(np.linalg.norm(acting["weight"]))
     return rigid.HeavyTop(body, mgl=mgl, com=acting["weight"] / mgl, frame=axes, **options)
 

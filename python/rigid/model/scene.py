@@ -434,7 +434,7 @@ class FreeBody(Scene):
     frame : array_like, shape (3, 3), optional
         The axes in which torques in the body, damping and rotor are given, if they are not the
         principal axes: ``axes`` as :meth:`Body.from_tensor` returns them. The scene keeps
-        principal components.
+        principal components, and rates and attitudes have the frame of the call.
 
     Attributes
     ----------
@@ -445,9 +445,9 @@ class FreeBody(Scene):
     ------
     ValueError
         If the damping is not symmetric, not finite, or would add energy, if the rotor is not
-        finite, or a drag is negative or not finite; if the frame is no rotation matrix, or an
-        energy sink or drag differs along the axes, with a frame: it has no components off its
-        diagonal.
+        finite, or a drag is negative or not finite; if the frame is no rotation matrix, or there
+        are no forces for it, or an energy sink or drag differs along the axes, with a frame: it
+        has no components off its diagonal.
 
     Examples
     --------
@@ -492,6 +492,11 @@ class FreeBody(Scene):
         self._shape_of_parts()
         if frame is not None:
             self._turn_into_principal_axes(frame)
+            if not self.forces:
+                raise ValueError(
+                    "frame: turns the forces of a scene, and there are none; rates and attitudes "
+                    "have the frame of the call, as in rigid.simulate(..., frame=axes)"
+                )
 
     @classmethod
     def example(cls) -> Self:

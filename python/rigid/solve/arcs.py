@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .least_squares import Minimum, minimum
+from .least_squares import Minimum, descents, minimum
 from .unknowns import Unknowns
 
-__all__ = ["Arcs", "largest_chi2"]
+__all__ = ["Arcs", "largest_chi2", "largest_of", "overtaken"]
 
 Floats = NDArray[np.float64]
 
@@ -37,91 +38,189 @@ _UNEXPLAINED = 2
 _GAIN_OF_PART, _GAIN = 1e-2, 1e-8
 """Where the iteration on an arc and on the whole ends: a tenth of a std, and 1e-4 of it."""
 
-_EVALUATIONS = 50
-"""Most evaluations of the derivatives on one arc from one start."""
+_EVALUATIONS, _ALL_EVALUATIONS = 50, 500
+"""Most evaluations of the derivatives on one arc from one start, and of a whole fit."""
+
+_DEARER = 10
+"""How many times the steps of the first guess a run may take."""
+
+_DRAWN, _DESCENTS, _ROUNDS = 2**15, 1024, 20
+"""Starts across a gap that are drawn; how many of the best descend, for how many rounds."""
+
+_KNOWN_AGAIN = 5
+"""Least number of descents that must end in the minimum that was found before.
+
+A minimum like it is then missed with a chance of e⁻⁵.
+"""
+
+_FOLLOWED, _KEPT = 16, 4
+"""Most other minima across a gap that are followed to the end, and that are kept there."""
 
 
-def largest_chi2(freedom: Any) -> Any:
-    """Value that chi² of so many degrees of freedom exceeds with a chance of one in a million.
+def largest_chi2(freedom: Any, chance: float = _CHANCE) -> Any:
+    """Value that chi² of so many degrees of freedom exceeds with at most this chance.
 
     Laurent and Massart, *Ann. Statist.* 28 (2000) 1302, lemma 1.
     """
-    x = -math.log(_CHANCE)
+    x = -math.log(chance)
     return freedom + 2.0 * np.sqrt(freedom * x) + 2.0 * x
+
+
+def largest_of(freedom: int, searched: int) -> float:
+    """Value above which chi² of the best of so many searched minima is called impossible.
+
+    Odds that a minimum is right are its odds before times the chance that right ones have such a
+    chi². The best of n minima has an n-th of the odds of a single one before, because any of the
+    n could be the best. So the chance at the border is n times as large.
+    """
+    return float(largest_chi2(freedom, min(searched * _CHANCE, 0.5)))
+
+
+def overtaken(parameters: int, searched: int) -> float:
+    """By how much noise lowers chi² of a wrong minimum below the right one, of so many searched.
+
+    Let e be the difference of the rates that both predict, n the noise, in units of sigma. chi² is
+    lower for the wrong minimum by 2 e·n - |e|², at most the square of the part of n along e. As e
+    varies with the parameters, that part lies in one more dimension than there are parameters.
+    """
+    return float(largest_chi2(parameters + 1, _CHANCE / searched))
 
 
 @dataclass(slots=True, eq=False)
 class Arcs:
-    """Measurements, of which growing parts around ``t = 0`` are fitted.
+    """Measurements, of which growing parts from the first on are fitted.
 
     Over many turns the sum of squares has a minimum beside each guess whose phase ends up a whole
     turn off. So an arc reaches as far as the present parameters predict the motion. Where chi²
     says that the minimum of an arc is wrong, the fit starts again with other moments.
 
+    Where the phase between two samples passes pi, no arc leads across: motions with more or fewer
+    turns meet the same samples. There other minima are searched, and followed to the end.
+
     Attributes
     ----------
     unknowns : Unknowns
     t : ndarray, shape (m,)
+        Times since the first measurement.
     measured, sigma : ndarray, shape (m, 3)
+    report : callable
+        Gets the number of measurements of each arc.
     evaluations : int
         Evaluations of the derivatives until now.
+    searched : int
+        Minima that were searched until now.
+    stopped : str
+        Why the search ended before it was complete, in words; empty if it did not.
     """
 
     unknowns: Unknowns
     t: Floats
     measured: Floats
     sigma: Floats
+    report: Callable[[int], object]
     evaluations: int = 0
+    searched: int = 1
+    stopped: str = ""
+
+    @property
+    def phases(self) -> Floats:
+        """Bounds of the phase (rad) that passes between two samples, shape (m - 1,)."""
+        rate = max(self.unknowns.fastest, self.unknowns.swing)
+        return rate * np.diff(self.t)
 
     @np.errstate(over="ignore", invalid="ignore")  # a start whose residuals overflow is not taken
-    def minimum(self) -> Minimum:
-        """The minimum for all measurements, found on growing arcs."""
-        x, unexplained = self.unknowns.first, 0
-        order = np.argsort(np.abs(self.t), kind="stable")
-        least, most = 2 * len(x), len(order)
+    def minima(self) -> list[Minimum]:
+        """Minima for all measurements, the best first."""
+        self._limit_steps()
+        gaps, first = self._across(), self.unknowns.first
+        # From the first samples on no arc leads across: other starts are searched below anyway.
+        lost = any(before == 1 for before, _ in gaps)
+        start = self._grown(first, 2 * len(first), again=not lost)
+        found, met = ([], []) if start is None else ([start], [_DESCENTS])
+        for before, end in gaps:
+            others, counts = self._beyond(first if start is None else start.x, before, end)
+            if start is not None:
+                met[0] = min(met[0], counts[0])
+            found, met = found + others, met + counts[1:]
+        if not found:
+            return [self._beside(first, slice(None), whole=True)]
+        best = int(np.argmin([one.squares for one in found]))
+        if met[best] < _KNOWN_AGAIN:
+            self.stopped = (
+                f"{met[best]} of {_DESCENTS} descents from other starts ended in this minimum: "
+                "there are more minima than were searched"
+            )
+        return sorted(found, key=lambda one: one.squares)
+
+    def _limit_steps(self) -> None:
+        """No later run takes many times the steps of the first guess.
+
+        A derivative takes 2 steps a radian by ``taylor16`` and a closed form none: the measured
+        phase stands for them.
+        """
+        steps = int(self.unknowns.steps(self.t))
+        self.unknowns.most_steps = _DEARER * (steps + len(self.t) + 4 * int(self.phases.sum()))
+
+    def _grown(self, x: Floats, least: int, *, again: bool) -> Minimum | None:
+        """The minimum for all measurements, found on growing arcs.
+
+        With ``again`` the fit of an arc that chi² does not explain starts again with other
+        moments; else there is no minimum.
+        """
+        unexplained, most = 0, len(self.t)
         while True:
-            count = max(least, min(most, self._predicted(x, order)))
-            whole = count >= len(order)
-            part = np.sort(order[:count])
-            largest = largest_chi2(part.size * 3 - len(x))
+            count = max(least, min(most, self._predicted(x)))
+            whole = count >= len(self.t)
+            part = slice(count)
+            freedom = 3 * min(count, len(self.t)) - len(x)
             best = self._beside(x, part, whole)
-            if best.squares > largest and unexplained < _UNEXPLAINED:
-                for other in self._nearest(part):
-                    found = self._beside(other, part, whole)
-                    if found.squares < best.squares:
-                        best = found
-                    if best.squares <= largest:
-                        break
-                else:
-                    unexplained += 1
+            if best.squares > largest_of(freedom, self.searched):
+                if not again:
+                    return None
+                if unexplained < _UNEXPLAINED and not self.stopped:
+                    best, explained = self._other(best, part, whole, freedom)
+                    unexplained += not explained
             if whole:
                 return best
+            if again:
+                self.report(count)
             x = best.x
             least, most = (math.ceil(share * count) for share in _GROWTH)
-            if unexplained == _UNEXPLAINED:  # it will fail: sooner is better
+            if unexplained == _UNEXPLAINED or self.stopped:  # it will fail: sooner is better
                 least = most
 
-    def _residuals(self, x: Floats, part: NDArray[np.intp] | slice = slice(None)) -> Floats:
-        """``(model - measured) / sigma``, shape (m, 3)."""
+    def _other(self, best: Minimum, part: slice, whole: bool, freedom: int) -> tuple[Minimum, bool]:
+        """The best minimum from other moments, and whether chi² explains it."""
+        for other in self._nearest(part):
+            self.searched += 1
+            found = self._beside(other, part, whole)
+            if found.squares < best.squares:
+                best = found
+            if best.squares <= largest_of(freedom, self.searched):
+                return best, True
+        return best, False
+
+    def _residuals(self, x: Floats, part: slice) -> Floats:
+        """``(model - measured) / sigma``, shape (..., m, 3)."""
         rates = self.unknowns.rates(x, self.t[part])
         return (rates - self.measured[part]) / self.sigma[part]
 
-    def _predicted(self, x: Floats, order: NDArray[np.intp]) -> int:
+    def _predicted(self, x: Floats) -> int:
         """The number of measurements over which the phase goes wrong by less than 1 rad."""
-        numbers = 3 * np.arange(1, len(order) + 1)
-        misfit = np.cumsum(np.sum(np.square(self._residuals(x)[order]), axis=1))
+        numbers = 3 * np.arange(1, len(self.t) + 1)
+        misfit = np.cumsum(np.sum(np.square(self._residuals(x, slice(None))), axis=1))
         varies = np.mean(np.square((self.measured - self.measured.mean(axis=0)) / self.sigma))
         signal = max(float(varies) - 1.0, 0.0)
         below = misfit <= largest_chi2(numbers) + _AHEAD * signal * numbers
-        return len(order) if below.all() else int(np.argmin(below))
+        return len(numbers) if below.all() else int(np.argmin(below))
 
-    def _nearest(self, part: NDArray[np.intp]) -> list[Floats]:
+    def _nearest(self, part: slice) -> list[Floats]:
         """The guesses of other moments whose motions are nearest to the measured one."""
         guesses = self.unknowns.other_moments(_GUESSES)
         squares = [np.sum(np.square(self._residuals(guess, part))) for guess in guesses]
         return [guesses[k] for k in np.argsort(squares)[:_TRIED]]
 
-    def _beside(self, x: Floats, part: NDArray[np.intp], whole: bool) -> Minimum:
+    def _beside(self, x: Floats, part: slice, whole: bool) -> Minimum:
         """The minimum near ``x``.
 
         A part of the measurements may be too short to determine all parameters. There each
@@ -140,5 +239,84 @@ class Arcs:
             return own if whole else np.vstack([own, np.diag(1.0 / unknowns.sizes)])
 
         gain = _GAIN if whole else _GAIN_OF_PART
-        box, sizes = unknowns.box, unknowns.sizes
-        return minimum(residuals, jacobian, x, box, sizes, gain=gain, most=_EVALUATIONS)
+        left = _ALL_EVALUATIONS - self.evaluations
+        if left <= _EVALUATIONS:
+            self.stopped = f"the search ended after {_ALL_EVALUATIONS} runs with derivatives"
+        most = max(1, min(left, _EVALUATIONS))
+        return minimum(residuals, jacobian, x, unknowns.box, unknowns.sizes, gain=gain, most=most)
+
+    def _across(self) -> list[tuple[int, int]]:
+        """Gaps that no arc leads across: numbers of measurements before and after each.
+
+        The phase between two samples passes pi there, so that motions with a turn more or less
+        meet the same samples: none turns faster than the fastest measured rate. Arcs tell the
+        phase to less than 1 rad, so they still tell it after a gap shorter than the arc before.
+        """
+        count = 2 * len(self.unknowns.first)
+        wide = np.flatnonzero(self.phases > np.pi) + 1
+        early = [(1, count)] if np.any(wide <= count) else []
+        late = [g for g in wide if g > count and self.t[g] > 2.0 * self.t[g - 1]]
+        return early + [(int(g), int(g) + count) for g in late]
+
+    def _beyond(self, x: Floats, before: int, end: int) -> tuple[list[Minimum], list[int]]:
+        """Minima across a gap other than the one at ``x``, and how many descents met each.
+
+        Starts are drawn from what the measurements before the gap leave possible; the best of them
+        descend together. The minima found are followed to the end of the measurements. The first
+        count is that of the minimum at ``x``.
+        """
+        unknowns, part = self.unknowns, slice(before, end)
+        known = self._beside(x if before > 1 else unknowns.first, slice(before), whole=False)
+        root = np.linalg.qr(known.slopes, mode="r")
+        drawn = np.random.default_rng(0).normal(size=(_DRAWN, len(x)))
+        starts = _folded(known.x + np.linalg.solve(root, drawn.T).T, unknowns.box)
+
+        def residuals(x: Floats) -> Floats:
+            own = self._residuals(x, part).reshape(len(x), -1)
+            return np.hstack([own, (x - known.x) @ root.T])
+
+        squares = np.sum(np.square(residuals(starts)), axis=1)
+        starts = starts[np.argsort(squares, kind="stable")[:_DESCENTS]]
+        places, squares, normal = descents(
+            residuals, starts, unknowns.box, unknowns.sizes, rounds=_ROUNDS
+        )
+        self.searched += _DESCENTS
+        near = largest_chi2(len(x))
+
+        def beside(x: Floats, k: int) -> Any:
+            off = (x - places[k]) / unknowns.sizes
+            return np.einsum("...i,ij,...j", off, normal[k], off) < near
+
+        freedom = 3 * (min(end, len(self.t)) - before)
+        squares[squares > largest_of(freedom, self.searched)] = np.inf
+        met, others = [0], []
+        while np.isfinite(squares).any():
+            k = int(np.argmin(squares))
+            alike = beside(places, k) & np.isfinite(squares)
+            alike[k] = True
+            if beside(x, k):
+                met[0] += int(alike.sum())
+            else:
+                others.append((places[k], int(alike.sum())))
+            squares[alike] = np.inf
+        count, found = min(end, len(self.t)), []
+        for other, times in others[:_FOLLOWED]:
+            one = self._grown(other, count, again=False)
+            if one is not None:
+                found.append(one)
+                met.append(times)
+            if len(found) == _KEPT:
+                break
+        if len(others) > _FOLLOWED and not found:
+            self.stopped = f"of {len(others)} other minima {_FOLLOWED} were followed"
+        return found, met
+
+
+def _folded(x: Floats, box: tuple[Floats, Floats]) -> Floats:
+    """Coordinates inside the box: those outside are mirrored at its edges."""
+    low, high = box
+    with np.errstate(invalid="ignore"):  # of edges that are infinite
+        width = high - low
+        wave = np.abs((x - low + width) % (2.0 * width) - width)
+    inside = np.where(np.isfinite(width), low + wave, x)
+    return np.where(np.isfinite(low), low + np.abs(inside - low), inside)

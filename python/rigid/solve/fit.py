@@ -5,17 +5,20 @@ from __future__ import annotations
 import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
+from time import perf_counter
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import brief, shaped, sorted_times, vector
+from .._checks.progress import Progress, ProgressOption, reporting
 from .._checks.shown import short_repr
 from ..model.body import Body, refuse_rods
+from ..model.frame import checked_frame
 from ..model.scene import Scene, check_scene
-from .arcs import Arcs, largest_chi2
-from .least_squares import UNTOLD
+from .arcs import Arcs, largest_of, overtaken
+from .least_squares import UNTOLD, Minimum
 from .unknowns import BIAS, MOMENTS, RATIOS, SCALE, START, Unknowns
 
 if TYPE_CHECKING:
@@ -27,6 +30,9 @@ Floats = NDArray[np.float64]
 
 _PART = 1e-3
 """Least coefficient that is named in a combination that is not determined."""
+
+_APART = 3.0
+"""Distance of another minimum in standard deviations from which on it is named."""
 
 _REACHED = 0.01
 """A minimum is reached if a whole step would lower chi² by less than this: a tenth of a std."""
@@ -44,8 +50,9 @@ class Fit:
     Attributes
     ----------
     success : bool
-        Whether a minimum was reached, and its ``chi2`` is possible: noise of the given ``sigma``
-        has a larger one in less than one of a million fits.
+        Whether a minimum was reached, its ``chi2`` is possible, and no other minimum is. Noise of
+        the given ``sigma`` has a larger chi² in less than one of a million fits. Where the best of
+        n minima is taken, the chance is n in a million.
     reason : str
         The reason for success or failure, in words.
     names : tuple of str
@@ -63,6 +70,9 @@ class Fit:
     at_bounds : tuple of str
         The parameters that ended at the edge of the physical range, in words. Standard deviations
         do not hold there.
+    others : ndarray, shape (n, k)
+        Values at other minima that explain the measurements as well, the best first: noise could
+        have made their chi² larger. With them the fit is ambiguous and no success.
     chi2 : float
         Sum of the squares of the residuals.
     chi2_per_dof : float
@@ -73,9 +83,11 @@ class Fit:
     scene : FreeBody or HeavyTop
         The scene with the best values.
     omega : ndarray, shape (3,)
-        The start with the best values (rad/s).
+        The rates at the first measurement with the best values (rad/s).
     evaluations : int
-        Number of runs with derivatives.
+        Number of runs with derivatives, of which those of other minima together count as one.
+    searched : int
+        Number of minima that were searched.
     """
 
     success: bool
@@ -86,12 +98,14 @@ class Fit:
     covariance: Floats
     undetermined: tuple[str, ...]
     at_bounds: tuple[str, ...]
+    others: Floats
     chi2: float
     chi2_per_dof: float
     residuals: Floats
     scene: Scene
     omega: Floats
     evaluations: int
+    searched: int
 
     def __getitem__(self, name: str) -> float:
         """The best value of a parameter by its name."""
@@ -115,6 +129,8 @@ def fit(
     free: str | Sequence[str],
     start: ArrayLike | None = None,
     attitude: ArrayLike | Rotation | None = None,
+    frame: ArrayLike | None = None,
+    progress: ProgressOption = False,
 ) -> Fit:
     """Fit moments, damping, weight and start of a body, and gyroscope errors, to measured rates.
 
@@ -128,29 +144,40 @@ def fit(
     whole turn off. So the fit grows: each arc of the measurements reaches as far as the parameters
     of the previous arc predict the motion to within 1 rad of phase. If chi² shows that the minimum
     of an arc is wrong, the fit starts again with other moments, spread over all possible bodies.
-    :attr:`Fit.success` says whether the fit succeeded.
+
+    Where the body turns by more than pi between two samples, a motion with more turns may meet the
+    same samples: an alias. Across such a gap other minima are searched. Those that explain the
+    measurements as well are :attr:`Fit.others`, and the fit is ambiguous.
+    :attr:`Fit.success` says whether the fit succeeded. The work of a fit is bounded.
 
     Parameters
     ----------
     scene : FreeBody, HeavyTop or Body
         One body, with the first guess of all free parameters and the values of the others.
     t : array_like, shape (m,)
-        Ascending times of the measurements (s).
+        Ascending times of the measurements (s), from any first time on, such as seconds of an
+        epoch. The start is that of the first measurement.
     omega : array_like, shape (m, 3)
         Measured rates in the body (rad/s).
-    sigma : float or array_like, shape (3,) or (m, 3)
-        Standard deviation of the measurements (rad/s), positive.
+    sigma : float or array_like, shape (3,), (m, 1) or (m, 3)
+        Standard deviation of the measurements (rad/s), positive: one, or one for each axis, time,
+        or both.
     free : str or sequence of str
         The free parameters: ``"I1"``, ``"I2"``, ``"I3"`` (kg m²) or ratios such as ``"I2/I1"``, of
-        which the first moment varies; ``"damping1"`` to ``"damping3"`` (N m s); ``"mgl"`` of a top
-        (J); ``"omega"``, the rates at ``t = 0``; of the gyroscope, which measures ``scale * omega +
-        bias`` along each axis, ``"bias"`` or ``"bias1"`` to ``"bias3"`` (rad/s, else 0) and
-        ``"scale"`` or ``"scale1"`` to ``"scale3"`` (else 1).
+        which the first moment varies; ``"damping"`` or ``"damping1"`` to ``"damping3"`` (N m s);
+        ``"mgl"`` of a top (J); ``"omega"``, the rates at the first time; of the gyroscope, which
+        measures ``scale * omega + bias`` along each axis, ``"bias"`` or ``"bias1"`` to ``"bias3"``
+        (rad/s, else 0) and ``"scale"`` or ``"scale1"`` to ``"scale3"`` (else 1).
     start : array_like, shape (3,), optional
-        Rates at ``t = 0``, a first guess if ``"omega"`` is free. Default: the measured rates if the
-        first time is 0.
+        Rates at the first time, a first guess if ``"omega"`` is free. Default: the measured rates.
     attitude : optional
-        Attitude at ``t = 0``, as in :func:`simulate`.
+        Attitude at the first time, as in :func:`simulate`.
+    frame : array_like, shape (3, 3), optional
+        The axes of the gyroscope, along which ``omega``, ``start`` and ``attitude`` are given, if
+        they are not the principal axes, as in :func:`simulate`. Moments and damping belong to the
+        principal axes.
+    progress : None, bool or callable
+        As in :func:`stability_map`, counting measurements; ``None`` is a bar in a terminal.
 
     Returns
     -------
@@ -159,15 +186,17 @@ def fit(
     Warns
     -----
     FitWarning
-        If the fit failed: its chi² is impossible for ``sigma``, or no minimum was reached. If the
-        first measured rates are the start, and ``"omega"`` is not free.
+        If the fit failed: its chi² is impossible for ``sigma``, it is ambiguous, the search ended
+        before it was complete, or no minimum was reached. If the first measured rates are the
+        start, and ``"omega"`` is not free.
 
     Raises
     ------
     ValueError
         Naming the argument and the rule: an unknown or repeated parameter; shapes that do not fit;
-        a sigma that is not positive; no start; fewer measurements than parameters; ratios that
-        follow from each other; damping that is not diagonal; derivatives that overflow in a long
+        a sigma that is not positive; fewer measurements than parameters; ratios that follow from
+        each other; damping that is not diagonal; a first time other than 0 of a scene with a clock
+        of its own, by the table of its torque or its orbit; derivatives that overflow in a long
         chaotic motion.
 
     Examples
@@ -193,13 +222,19 @@ def fit(
     measured = shaped("omega", omega, 3)
     if measured.shape != (len(times), 3):
         raise ValueError(f"omega: expected shape {(len(times), 3)}, got {measured.shape}")
-    spread = np.broadcast_to(shaped("sigma", sigma, positive=True), measured.shape)
-    taken = False
-    if start is None:
-        if not len(times) or times[0] != 0.0:
-            raise ValueError("start: is needed, because the first time is not 0")
-        start, taken = measured[0], True
-    unknowns = Unknowns(scene, vector("start", start, 3), attitude, free)
+    if not len(times):
+        raise ValueError("t: must hold a time, got shape (0,)")
+    if times[0] != 0.0 and _has_clock(scene):
+        raise ValueError(
+            f"t[0] = {times[0]:.10g}: must be 0, because the scene has a clock of its own: "
+            "subtract the first time from t, and from the times of the torque"
+        )
+    spread = _checked_sigma(sigma, measured.shape)
+    axes = None if frame is None else checked_frame(frame)
+    taken = start is None
+    start = measured[0] if start is None else vector("start", start, 3)
+    fastest = float(np.linalg.norm(measured, axis=1).max())
+    unknowns = Unknowns(scene, start, attitude, free, axes, fastest)
     fixed = not any(name in START for name in unknowns.names)
     if taken and fixed:
         warnings.warn(
@@ -213,8 +248,25 @@ def fit(
             f"free = {brief(free)}: {len(unknowns.names)} parameters, but {measured.size} measured "
             "numbers"
         )
-    arcs = Arcs(unknowns, times, measured, spread)
-    found = arcs.minimum()
+    # The difference of nearby numbers is exact, so a large first time costs no digit.
+    begun = perf_counter()
+    with reporting(progress, len(times), unit=" measurements") as report:
+        arcs = Arcs(
+            unknowns,
+            times - times[0],
+            measured,
+            spread,
+            lambda done: report(
+                Progress(
+                    done=min(done, len(times)),
+                    total=len(times),
+                    elapsed=perf_counter() - begun,
+                    failures=0,
+                )
+            ),
+        )
+        found, *further = arcs.minima()
+        arcs.report(len(times))
     if np.isinf(found.gain):
         raise ValueError(
             "t, sigma: the derivatives of the motion over sigma overflow; a shorter time or a "
@@ -223,10 +275,22 @@ def fit(
     base = unknowns.base + unknowns.steer @ found.x
     values, slopes = unknowns.told(base)
     by_value = found.slopes @ np.linalg.inv(slopes @ unknowns.steer)
-    span = float(np.ptp(np.append(times, 0.0)))
-    covariance, words = _covariance(unknowns, values, by_value, span)
+    covariance, words = _covariance(unknowns, values, by_value, float(np.ptp(times)))
+    std = np.sqrt(np.diagonal(covariance))
     freedom = measured.size - len(values)
-    success, reason = _verdict(found.squares, found.gain, freedom, fixed_start=fixed)
+    others = _others(arcs, found, further, values, std)
+    reason = _impossible(arcs, found, freedom, fixed_start=fixed)
+    if not reason and others.size:
+        reason = _ambiguous(unknowns.names, others[0], values, std, arcs.phases, times)
+    reason = "; ".join(filter(None, (reason, arcs.stopped)))
+    if not reason and found.gain > _REACHED:
+        reason = (
+            f"no minimum was reached: chi2 = {found.squares:.6g} would fall by {found.gain:.2g} "
+            "or more"
+        )
+    success = not reason
+    if success:
+        reason = f"chi2 per degree of freedom = {found.squares / max(freedom, 1):.4g}: is possible"
     if not success:
         warnings.warn(f"the fit failed: {reason}", FitWarning, stacklevel=2)
     varied, rates = unknowns.at(found.x)
@@ -235,31 +299,84 @@ def fit(
         reason=reason,
         names=unknowns.names,
         values=values,
-        std=np.sqrt(np.diagonal(covariance)),
+        std=std,
         covariance=covariance,
         undetermined=words,
         at_bounds=unknowns.edges(found.x),
+        others=others,
         chi2=found.squares,
         chi2_per_dof=found.squares / freedom if freedom else np.nan,
         residuals=found.residuals.reshape(-1, 3),
         scene=varied,
         omega=rates,
         evaluations=arcs.evaluations,
+        searched=arcs.searched,
     )
 
 
-def _verdict(chi2: float, gain: float, freedom: int, *, fixed_start: bool) -> tuple[bool, str]:
-    """Whether a fit succeeded, and why, in words."""
-    largest, per = largest_chi2(freedom), max(freedom, 1)
-    if not chi2 <= largest:
-        return False, (
-            f"chi2 per degree of freedom = {chi2 / per:.4g}: must be below {largest / per:.4g}; "
-            "the minimum is wrong, sigma is too small, or the motion has what no free parameter has"
-            + ("; the start is fixed: add 'omega' to free" if fixed_start else "")
-        )
-    if gain > _REACHED:
-        return False, f"no minimum was reached: chi2 = {chi2:.6g} would fall by {gain:.2g} or more"
-    return True, f"chi2 per degree of freedom = {chi2 / per:.4g}: is below {largest / per:.4g}"
+def _has_clock(scene: Scene) -> bool:
+    """Whether forces of the scene depend on the time."""
+    by_time = scene.torque is not None and (scene.torque.times or scene.torque.function)
+    return bool(by_time) or scene.orbit is not None
+
+
+def _checked_sigma(sigma: ArrayLike, shape: tuple[int, ...]) -> Floats:
+    """The standard deviation of each measured number."""
+    given = shaped("sigma", sigma, positive=True, unit="rad/s")
+    try:
+        return np.broadcast_to(given, shape)
+    except ValueError:
+        hint = "; one for each time is sigma[:, np.newaxis]" if given.shape == shape[:1] else ""
+        raise ValueError(
+            f"sigma: expected a number or shape (3,), {(shape[0], 1)} or {shape}, "
+            f"got {given.shape}{hint}"
+        ) from None
+
+
+def _impossible(arcs: Arcs, found: Minimum, freedom: int, *, fixed_start: bool) -> str:
+    """That chi² is impossible, in words; empty if it is not."""
+    chi2, largest, per = found.squares, largest_of(freedom, arcs.searched), max(freedom, 1)
+    if chi2 <= largest:
+        return ""
+    return (
+        f"chi2 per degree of freedom = {chi2 / per:.4g}: must be below {largest / per:.4g}; "
+        "the minimum is wrong, sigma is too small, or the motion has what no free parameter has"
+        + ("; the start is fixed: add 'omega' to free" if fixed_start else "")
+    )
+
+
+def _others(
+    arcs: Arcs, found: Minimum, further: Sequence[Minimum], values: Floats, std: Floats
+) -> Floats:
+    """Values of other minima that noise could exchange with the best, shape (n, k)."""
+    unknowns = arcs.unknowns
+    most = found.squares + overtaken(len(values), arcs.searched)
+    kept = [values]
+    for one in further:
+        if one.squares <= most:
+            other = unknowns.told(unknowns.base + unknowns.steer @ one.x)[0]
+            if all(np.any(np.abs(other - known) > _APART * std) for known in kept):
+                kept.append(other)
+    return np.reshape(kept[1:], (-1, len(values)))
+
+
+def _ambiguous(
+    names: tuple[str, ...],
+    other: Floats,
+    values: Floats,
+    std: Floats,
+    phases: Floats,
+    times: Floats,
+) -> str:
+    """Which other values explain the measurements, and where the phase is lost, in words."""
+    apart = np.flatnonzero(np.abs(other - values) > _APART * std)
+    named = ", ".join(f"{names[k]} = {other[k]:.4g} instead of {values[k]:.4g}" for k in apart)
+    gap, wide = int(np.argmax(phases)), int(np.sum(phases > np.pi))
+    return (
+        f"ambiguous: {named} explains the measurements as well. The phase between samples passes "
+        f"pi in {wide} of {len(phases)} gaps: it grows by up to {phases[gap]:.3g} rad from "
+        f"t = {times[gap]:.10g} to {times[gap + 1]:.10g}"
+    )
 
 
 def _covariance(

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["UNTOLD", "Minimum", "minimum"]
+__all__ = ["UNTOLD", "Minimum", "descents", "minimum"]
 
 Floats = NDArray[np.float64]
 
@@ -23,6 +23,10 @@ _PROBE = 0.1
 
 _WIDEST = 1e12
 """Damping with which a step is no longer than rounding."""
+
+
+_DIFFERENCE = 1e-5
+"""Share of a size by which differences are taken: rates err by 1e-8, so their slopes by 1e-3."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -121,6 +125,63 @@ def minimum(
             break
         x, now, damping = there, then, damping / 10.0
     return Minimum(x, now, slopes, left_to_gain)
+
+
+def descents(
+    residuals: Callable[[Floats], Floats],
+    x: Floats,
+    box: tuple[Floats, Floats],
+    sizes: Floats,
+    *,
+    rounds: int,
+) -> tuple[Floats, Floats, Floats]:
+    """Levenberg and Marquardt's method from many starts together, for so many rounds.
+
+    Parameters
+    ----------
+    residuals : callable
+        Residuals of unit variance, shape (n, m), of n places. Among them are the coordinates over
+        their sizes, so that no normal matrix is singular.
+    x : ndarray, shape (n, k)
+    box, sizes : pair of ndarray, ndarray, shape (k,)
+        As in :func:`minimum`.
+
+    Returns
+    -------
+    x : ndarray, shape (n, k)
+    squares : ndarray, shape (n,)
+        Sums of squares; infinite where the residuals overflow.
+    normal : ndarray, shape (n, k, k)
+        Products of the derivatives by the coordinates over their sizes.
+    """
+    count, many = x.shape
+
+    def at(x: Floats) -> tuple[Floats, Floats, Floats]:
+        steps = np.where(x + _DIFFERENCE * sizes > box[1], -_DIFFERENCE, _DIFFERENCE)
+        moved = np.repeat(x[:, np.newaxis], many + 1, axis=1)
+        moved[:, 1:] += (steps * sizes)[:, np.newaxis] * np.eye(many)
+        found = residuals(moved.reshape(-1, many)).reshape(count, many + 1, -1)
+        now, slopes = found[:, 0], (found[:, 1:] - found[:, :1]) / steps[..., np.newaxis]
+        squares = np.einsum("nm,nm->n", now, now)
+        normal, pull = slopes @ np.swapaxes(slopes, 1, 2), np.einsum("nkm,nm->nk", slopes, now)
+        lost = ~np.isfinite(squares + np.trace(normal, axis1=1, axis2=2))
+        squares[lost], normal[lost], pull[lost] = np.inf, np.eye(many), 0.0
+        return squares, normal, pull
+
+    squares, normal, pull = at(x)
+    damping = np.full(count, 1e-3)
+    for _ in range(rounds):
+        weight = damping * np.trace(normal, axis1=1, axis2=2)
+        damped = normal + weight[:, np.newaxis, np.newaxis] * np.eye(many)
+        step = np.linalg.solve(damped, pull[..., np.newaxis])[..., 0] * sizes
+        there = np.clip(x - step, *box)
+        found = at(there)
+        better = found[0] < squares
+        x = np.where(better[:, np.newaxis], there, x)
+        for old, new in zip((squares, normal, pull), found, strict=True):
+            old[better] = new[better]
+        damping = np.where(better, damping / 10.0, damping * 4.0)
+    return x, squares, normal
 
 
 def _step(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
@@ -16,6 +17,8 @@ from .simulate import simulate
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
 
+    from .run import Run
+
 __all__ = ["BIAS", "MOMENTS", "RATIOS", "SCALE", "START", "Unknowns"]
 
 Floats = NDArray[np.float64]
@@ -26,10 +29,19 @@ START = ("omega1", "omega2", "omega3")
 _DAMPING = ("damping1", "damping2", "damping3")
 BIAS = ("bias1", "bias2", "bias3")
 SCALE = ("scale1", "scale2", "scale3")
-_GROUPS = {"omega": START, "bias": BIAS, "scale": SCALE}
+_GROUPS = {"damping": _DAMPING, "omega": START, "bias": BIAS, "scale": SCALE}
 
 _EDGE = 1e-9
 """Share of the moments by which a body stays thicker than a rod or a plate."""
+
+_MOST_STEPS = 10**9
+"""Most steps of a run of the first guess, as in :func:`simulate`."""
+
+_FASTER = 10.0
+"""How many times as fast as the fastest measured rates a start may turn.
+
+Without this bound a trial far off could turn so fast that its run would hardly end.
+"""
 
 _SENSOR = 0.1
 """Bias that a gyroscope adds to the rates, or its scale, as a share of the rates."""
@@ -49,8 +61,11 @@ class Unknowns:
         start: Floats,
         attitude: ArrayLike | Rotation | None,
         free: str | Sequence[str],
+        frame: Floats | None = None,
+        fastest: float = np.inf,
     ) -> None:
-        self.scene, self.start, self.attitude = scene, start, attitude
+        self.scene, self.start, self.attitude, self.frame = scene, start, attitude, frame
+        self.fastest, self.most_steps = fastest, _MOST_STEPS
         self.names = _checked_names(scene, free)
         moments = [name for name in self.names if name in (*MOMENTS, *RATIOS)]
         self._moving = sorted(MOMENTS.index(name[:2]) for name in moments)
@@ -91,6 +106,8 @@ class Unknowns:
         for k, name in enumerate(self.numbers):
             if name in START:
                 first[k], sizes[k] = self.start[START.index(name)], mean
+                high[k] = _FASTER * max(self.fastest, mean)
+                low[k] = -high[k]
             elif name in BIAS:
                 sizes[k] = _SENSOR * mean
             elif name in SCALE:
@@ -148,45 +165,68 @@ class Unknowns:
             guesses[:, columns] = squares
         return np.clip(guesses, low, high)
 
-    def _values(self, x: Floats) -> dict[str, float]:
-        return dict(zip(self.numbers, (self.base + self.steer @ x).tolist(), strict=True))
+    def _values(self, x: Floats) -> dict[str, Floats]:
+        return dict(
+            zip(self.numbers, np.moveaxis(self.base + x @ self.steer.T, -1, 0), strict=True)
+        )
 
     def at(self, x: Floats) -> tuple[Scene, Floats]:
-        """Scene and start that belong to coordinates."""
-        values = self._values(x)
-        own = {"mgl": values["mgl"]} if "mgl" in values else {}
-        moments = _taken(values, MOMENTS, self.scene.body.moments)
+        """Scene and start that belong to coordinates, shape (k,), or of n bodies to (n, k)."""
+        values, bodies = self._values(x), x.shape[:-1]
+        moments = _taken(values, MOMENTS, self.scene.body.moments, bodies)
         damping = self.scene.damping
         if any(name in values for name in _DAMPING):
-            damping = np.diag(_taken(values, _DAMPING, np.diagonal(self._damping)))
+            own = _taken(values, _DAMPING, np.diagonal(self._damping), bodies)
+            damping = own[..., np.newaxis] * np.eye(3)
+        elif damping is not None:
+            damping = np.broadcast_to(damping, (*bodies, 3, 3))
+        weight = {"mgl": values["mgl"]} if "mgl" in values else {}
         body = Body(moments, physical=self.scene.body.physical)
-        varied = self.scene.replaced(body, damping, **own)
-        return varied, _taken(values, START, self.start)
+        varied = self.scene.replaced(body, damping, **weight)
+        return varied, _taken(values, START, self.start, bodies)
 
-    def rates(self, x: Floats, t: Floats) -> Floats:
-        """The rates that a gyroscope would measure, shape (m, 3)."""
-        scene, start = self.at(x)
-        run = simulate(scene, start, self.attitude, t=t, record="rates", check=False)
-        values = self._values(x)
-        return run.omega * _taken(values, SCALE, (1.0,) * 3) + _taken(values, BIAS, (0.0,) * 3)
+    def steps(self, t: Floats) -> int:
+        """Steps of a run of the first guess."""
+        return int(self._run(self.first, t, tangent=False).steps)
 
-    def slopes(self, x: Floats, t: Floats) -> Floats:
-        """Derivatives of :meth:`rates` by the base numbers, shape (m, 3, k)."""
+    @property
+    def swing(self) -> float:
+        """The rate of oscillations by weight and rotor of the first guess (rad/s)."""
+        least = min(self.scene.body.moments)
+        weight = float(np.linalg.norm(self.scene.weight))
+        rotor = float(np.linalg.norm(self.scene.rotor or 0.0))
+        return math.sqrt(weight / least) + rotor / least
+
+    def _run(self, x: Floats, t: Floats, tangent: bool | tuple[str, ...]) -> Run:
         scene, start = self.at(x)
-        run = simulate(
+        return simulate(
             scene,
             start,
             self.attitude,
             t=t,
             record="rates",
             check=False,
-            tangent=self._by_run or True,
+            tangent=tangent,
+            max_steps=self.most_steps,
+            frame=self.frame,
         )
+
+    def rates(self, x: Floats, t: Floats) -> Floats:
+        """The rates that a gyroscope would measure, shape (..., m, 3); NaN of a run too long."""
+        values, bodies = self._values(x), x.shape[:-1]
+        scale = _taken(values, SCALE, (1.0,) * 3, bodies)[..., np.newaxis, :]
+        bias = _taken(values, BIAS, (0.0,) * 3, bodies)[..., np.newaxis, :]
+        rates: Floats = self._run(x, t, tangent=False).omega * scale + bias
+        return rates
+
+    def slopes(self, x: Floats, t: Floats) -> Floats:
+        """Derivatives of :meth:`rates` of one body by the base numbers, shape (m, 3, k)."""
+        run = self._run(x, t, tangent=self._by_run or True)
         assert run.tangent is not None
         columns = [run.tangent[:, :3, :3]]
         if run.sensitivity is not None:
             columns.insert(0, run.sensitivity[:, :3])
-        scale = _taken(self._values(x), SCALE, (1.0,) * 3)
+        scale = _taken(self._values(x), SCALE, (1.0,) * 3, ())
         columns = [scale[:, np.newaxis] * part for part in columns]
         columns.append(np.broadcast_to(np.eye(3), (len(t), 3, 3)))
         columns.append(run.omega[:, np.newaxis, :] * np.eye(3))
@@ -212,22 +252,25 @@ class Unknowns:
         words = [
             f"{name} is zero, the least that it can be"
             for name, is_near in zip(self.numbers, near, strict=True)
-            if is_near and name not in MOMENTS
+            if is_near and name not in (*MOMENTS, *START)
         ]
         if any(near[k] for k, name in enumerate(self.numbers) if name in MOMENTS):
             words.append("the moments belong to a flat body, the edge of what a body can have")
         return tuple(words)
 
 
-def _taken(values: dict[str, float], names: Sequence[str], others: ArrayLike) -> Floats:
-    """The values of these names, and default values for the others."""
+def _taken(
+    values: dict[str, Floats], names: Sequence[str], others: ArrayLike, bodies: tuple[int, ...]
+) -> Floats:
+    """The values of these names, and default values for the others; shape (..., 3)."""
     known = zip(names, np.asarray(others).tolist(), strict=True)
-    return np.array([values.get(name, other) for name, other in known])
+    parts = [np.broadcast_to(values.get(name, other), bodies) for name, other in known]
+    return np.stack(parts, axis=-1)
 
 
 def _checked_names(scene: Scene, free: str | Sequence[str]) -> tuple[str, ...]:
     weight = ("mgl",) if "mgl" in scene.fields else ()
-    known = (*MOMENTS, *RATIOS, *_DAMPING, *weight, "omega", "bias", *BIAS, "scale", *SCALE)
+    known = (*MOMENTS, *RATIOS, *_DAMPING, *weight, *_GROUPS, *BIAS, *SCALE)
     given = (free,) if isinstance(free, str) else free
     if not isinstance(given, Sequence) or not given:
         raise ValueError(f"free = {brief(free)}: must be names of parameters")

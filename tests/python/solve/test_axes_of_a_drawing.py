@@ -243,6 +243,8 @@ def test_what_is_no_frame_is_refused() -> None:
     mirror = np.diag([1.0, 1.0, -1.0])
     with pytest.raises(ValueError, match="frame"):
         rigid.FreeBody(BODY, frame=mirror)
+    with pytest.raises(ValueError, match="frame: turns the forces of a scene, and there are none"):
+        rigid.FreeBody(BODY, frame=AXES)
     run = rigid.simulate(BODY, OMEGA, t=TIMES)
     with pytest.raises(ValueError, match="frame"):
         run.in_frame(2.0 * np.eye(3))

@@ -190,7 +190,9 @@ def test_other_guesses_are_bodies_all_over_what_can_be(free: tuple[str, ...]) ->
             {"sigma": 1e-200, "start": np.ones(3)},
             "t, sigma: the derivatives of the motion over sigma overflow",
         ),
-        ({"t": T + 1.0}, "start: is needed, because the first time is not 0"),
+        ({"sigma": np.full(150, 0.1)}, r"sigma: expected .* \(150, 1\) .* sigma\[:, np.newaxis\]"),
+        ({"sigma": np.ones((2, 3))}, r"sigma: expected a number or shape \(3,\), .* got \(2, 3\)$"),
+        ({"t": [], "omega": np.ones((0, 3))}, "t: must hold a time"),
         ({"start": [1.0, 2.0]}, "start"),
         ({"t": [0.0], "omega": np.ones((1, 3)), "free": ("I1", "omega")}, "4 parameters, but 3"),
     ],
@@ -205,3 +207,85 @@ def test_damping_across_axes_is_not_fitted() -> None:
     scene = rigid.FreeBody(BODY, damping=[[0.1, 0.05, 0.0], [0.05, 0.1, 0.0], [0.0, 0.0, 0.1]])
     with pytest.raises(ValueError, match="only damping along the axes is fitted"):
         rigid.fit(scene, T, omega=np.ones((150, 3)), sigma=0.1, free="damping1")
+
+
+def test_a_scene_with_its_own_clock_starts_at_0() -> None:
+    # Else the times of the table would count from the first measurement without a word.
+    torque = rigid.Torque.body([(0, 0, 1), (0, 0, 0)], times=[0.0, 100.0])
+    for scene in (rigid.FreeBody(BODY, torque=torque), rigid.FreeBody(BODY, orbit=rigid.Orbit(1))):
+        with pytest.raises(
+            ValueError, match=r"t\[0\] = 5: must be 0, because the scene has a cloc"
+        ):
+            rigid.fit(scene, T + 5.0, omega=np.ones((150, 3)), sigma=0.1, free=("I1", "omega"))
+
+
+def test_a_log_begins_at_any_time() -> None:
+    """Times in eighths of a second are exact numbers, of an epoch too: all bits are the same."""
+    t = np.arange(150) / 8.0
+    rates = rigid.simulate(BODY, START, t=t).omega
+    rates = rates + 0.01 * np.random.default_rng(1).normal(size=rates.shape)
+    guess, free = rigid.Body((1.0, 1.5, 2.3)), ("I2/I1", "I3/I1", "omega")
+    here = rigid.fit(guess, t, omega=rates, sigma=0.01, free=free)
+    assert here.success
+    for first in (5.0, -9.0, 1.7e9):
+        there = rigid.fit(guess, t + first, omega=rates, sigma=0.01, free=free)
+        assert there.values.tolist() == here.values.tolist()
+        assert there.std.tolist() == here.std.tolist()
+
+
+def test_rates_along_the_axes_of_a_drawing() -> None:
+    axes = rigid.rotations.quaternion_to_matrix(np.array([0.5, 0.5, -0.1, 0.7]))
+    rates = measured(BODY, 0.01, 5) + np.array([0.01, 0.0, 0.02])
+    free = ("I2/I1", "I3/I1", "omega", "bias")
+    guess = rigid.Body((1.0, 1.5, 2.3))
+    plain = rigid.fit(guess, T, omega=rates, sigma=0.01, free=free)
+    drawn = rates @ axes.T
+    found = rigid.fit(guess, T, omega=drawn, sigma=0.01, free=free, frame=axes)
+    # Both end within 1e-8 of the least chi²: within 1e-4 of a std.
+    assert np.all(np.abs(found.values[:2] - plain.values[:2]) < 2e-4 * plain.std[:2])
+    assert np.allclose(found.omega, axes @ plain.omega, rtol=0, atol=2e-4 * plain.std[2:5].max())
+    bias = axes @ plain.values[5:]
+    assert np.allclose(found.values[5:], bias, rtol=0, atol=2e-4 * plain.std[5:].max())
+    with pytest.warns(rigid.FitWarning, match="the fit failed"):
+        rigid.fit(guess, T, omega=drawn, sigma=0.01, free=free)
+
+
+def test_damping_is_the_damping_of_all_axes() -> None:
+    scene = rigid.FreeBody(BODY, damping=(0.01, 0.02, 0.03))
+    rates = measured(scene, 0.0, 0, method="taylor16")
+    found = rigid.fit(rigid.FreeBody(BODY), T, omega=rates, sigma=1e-3, free="damping", start=START)
+    assert found.names == ("damping1", "damping2", "damping3")
+    assert np.allclose(found.values, [0.01, 0.02, 0.03], rtol=0, atol=1e-8)
+
+
+def test_one_sigma_for_each_time() -> None:
+    rates, free = measured(BODY, 0.01, 6), ("I2/I1", "I3/I1", "omega")
+    one = rigid.fit(BODY, T, omega=rates, sigma=np.full((150, 1), 0.01), free=free)
+    assert (
+        one.values.tolist()
+        == rigid.fit(BODY, T, omega=rates, sigma=0.01, free=free).values.tolist()
+    )
+
+
+def test_progress_counts_measurements_and_ctrl_c_ends_a_fit() -> None:
+    told: list[rigid.Progress] = []
+    rates, free = measured(BODY, 0.01, 6), ("I2/I1", "I3/I1", "omega")
+    rigid.fit(BODY, T, omega=rates, sigma=0.01, free=free, progress=told.append)
+    done = [one.done for one in told]
+    assert done == sorted(done)
+    assert done[-1] == told[-1].total == 150
+
+    def press_ctrl_c(_: rigid.Progress) -> None:
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        rigid.fit(BODY, T, omega=rates, sigma=0.01, free=free, progress=press_ctrl_c)
+
+
+def test_a_sigma_with_a_unit() -> None:
+    pint = pytest.importorskip("pint")
+    sigma = pint.UnitRegistry().Quantity(0.01, "rad/s").to("deg/s")
+    rates, free = measured(BODY, 0.01, 6), ("I2/I1", "I3/I1", "omega")
+    with_unit = rigid.fit(BODY, T, omega=rates, sigma=sigma, free=free)
+    plain = rigid.fit(BODY, T, omega=rates, sigma=0.01, free=free)
+    assert np.allclose(with_unit.std, plain.std, rtol=1e-6)
