@@ -94,7 +94,8 @@ def judged_in_a_wrong_unit(number: int, seed: int) -> Finding:
     rng = np.random.default_rng([seed, number])
     moments = random_moments(rng)
     guess = guessed(rng, moments)
-    t = 0.1 * np.arange(int(np.exp(rng.uniform(np.log(20.0), np.log(400.0)))))
+    count = int(np.exp(rng.uniform(np.log(20.0), np.log(400.0))))
+    t = np.linspace(0.0, 0.1 * (count - 1), count)
     unit = rng.choice([60.0, 1.0 / 60.0, 3600.0, 1e3, 1e-3])
     return _judged(number, rng, moments, guess, t, bias=False, unit=float(unit))
 

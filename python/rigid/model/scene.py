@@ -267,7 +267,7 @@ class Scene(HasForces, ABC):
         return forces_of(self.torque, self.damping, self.shape, further=further)
 
     def replaced(
-        self, body: Body, damping: ArrayLike | None, **own: float | tuple[float, ...]
+        self, body: Body, damping: ArrayLike | None, **own: float | tuple[float, ...] | Floats
     ) -> Self:
         """The scene with another body, damping and values of its further fields."""
         kept = {name: getattr(self, name) for name in self.fields}

@@ -44,8 +44,11 @@ _EVALUATIONS, _ALL_EVALUATIONS = 50, 500
 _DEARER = 10
 """How many times the steps of the first guess a run may take."""
 
-_DRAWN, _DESCENTS, _ROUNDS = 2**15, 1024, 20
-"""Starts across a gap that are drawn; how many of the best descend, for how many rounds."""
+_DRAWN_FOR_EACH, _DESCENTS, _ROUNDS = 32, 1024, 20
+"""Starts across a gap that are drawn for each that descends, the best; rounds of their descent."""
+
+_WORK, _FEWEST = 3 * 10**7, 64
+"""Most steps of the descents across a gap, by the first guess: seconds. Fewest descents."""
 
 _KNOWN_AGAIN = 5
 """Least number of descents that must end in the minimum that was found before.
@@ -136,19 +139,20 @@ class Arcs:
         # From the first samples on no arc leads across: other starts are searched below anyway.
         lost = any(before == 1 for before, _ in gaps)
         start = self._grown(first, 2 * len(first), again=not lost)
+        known = first if start is None else start.x
         found, met = ([], []) if start is None else ([start], [_DESCENTS])
         for before, end in gaps:
-            others, counts = self._beyond(first if start is None else start.x, before, end)
+            others, counts, nearest = self._beyond(known, before, end)
             if start is not None:
                 met[0] = min(met[0], counts[0])
             found, met = found + others, met + counts[1:]
         if not found:
-            return [self._beside(first, slice(None), whole=True)]
+            return [self._beside(nearest, slice(None), whole=True)]
         best = int(np.argmin([one.squares for one in found]))
-        if met[best] < _KNOWN_AGAIN:
+        if met[best] < _KNOWN_AGAIN and not self.stopped:
             self.stopped = (
-                f"{met[best]} of {_DESCENTS} descents from other starts ended in this minimum: "
-                "there are more minima than were searched"
+                f"{met[best]} descents from other starts ended in this minimum: there are more "
+                "minima than were searched"
             )
         return sorted(found, key=lambda one: one.squares)
 
@@ -258,17 +262,23 @@ class Arcs:
         late = [g for g in wide if g > count and self.t[g] > 2.0 * self.t[g - 1]]
         return early + [(int(g), int(g) + count) for g in late]
 
-    def _beyond(self, x: Floats, before: int, end: int) -> tuple[list[Minimum], list[int]]:
-        """Minima across a gap other than the one at ``x``, and how many descents met each.
+    def _beyond(self, x: Floats, before: int, end: int) -> tuple[list[Minimum], list[int], Floats]:
+        """Minima across a gap other than the one at ``x``, how many descents met each, the nearest.
 
         Starts are drawn from what the measurements before the gap leave possible; the best of them
         descend together. The minima found are followed to the end of the measurements. The first
-        count is that of the minimum at ``x``.
+        count is for the minimum at ``x``.
         """
         unknowns, part = self.unknowns, slice(before, end)
+        steps = max(unknowns.steps(self.t[part]), len(self.t[part]))
+        runs = _DRAWN_FOR_EACH + (len(x) + 1) * (_ROUNDS + 1)
+        number = min(_DESCENTS, _WORK // (runs * steps))
+        if number < _FEWEST:
+            self.stopped = f"other minima were not searched: that takes more than {_WORK} steps"
+            return [], [0], x
         known = self._beside(x if before > 1 else unknowns.first, slice(before), whole=False)
-        root = np.linalg.qr(known.slopes, mode="r")
-        drawn = np.random.default_rng(0).normal(size=(_DRAWN, len(x)))
+        root = np.linalg.qr(known.slopes)[1]
+        drawn = np.random.default_rng(0).normal(size=(number * _DRAWN_FOR_EACH, len(x)))
         starts = _folded(known.x + np.linalg.solve(root, drawn.T).T, unknowns.box)
 
         def residuals(x: Floats) -> Floats:
@@ -276,11 +286,12 @@ class Arcs:
             return np.hstack([own, (x - known.x) @ root.T])
 
         squares = np.sum(np.square(residuals(starts)), axis=1)
-        starts = starts[np.argsort(squares, kind="stable")[:_DESCENTS]]
+        starts = starts[np.argsort(squares, kind="stable")[:number]]
         places, squares, normal = descents(
             residuals, starts, unknowns.box, unknowns.sizes, rounds=_ROUNDS
         )
-        self.searched += _DESCENTS
+        self.searched += number
+        nearest = places[np.argmin(squares)]
         near = largest_chi2(len(x))
 
         def beside(x: Floats, k: int) -> Any:
@@ -309,7 +320,7 @@ class Arcs:
                 break
         if len(others) > _FOLLOWED and not found:
             self.stopped = f"of {len(others)} other minima {_FOLLOWED} were followed"
-        return found, met
+        return found, met, nearest
 
 
 def _folded(x: Floats, box: tuple[Floats, Floats]) -> Floats:

@@ -85,7 +85,7 @@ class Fit:
     omega : ndarray, shape (3,)
         The rates at the first measurement with the best values (rad/s).
     evaluations : int
-        Number of runs with derivatives, of which those of other minima together count as one.
+        Number of runs with derivatives.
     searched : int
         Number of minima that were searched.
     """
@@ -156,7 +156,7 @@ def fit(
         One body, with the first guess of all free parameters and the values of the others.
     t : array_like, shape (m,)
         Ascending times of the measurements (s), from any first time on, such as seconds of an
-        epoch. The start is that of the first measurement.
+        epoch. Start and attitude belong to the first of them.
     omega : array_like, shape (m, 3)
         Measured rates in the body (rad/s).
     sigma : float or array_like, shape (3,), (m, 1) or (m, 3)
@@ -195,8 +195,8 @@ def fit(
     ValueError
         Naming the argument and the rule: an unknown or repeated parameter; shapes that do not fit;
         a sigma that is not positive; fewer measurements than parameters; ratios that follow from
-        each other; damping that is not diagonal; a first time other than 0 of a scene with a clock
-        of its own, by the table of its torque or its orbit; derivatives that overflow in a long
+        each other; damping that is not diagonal; a first time other than 0 of a scene with a clock,
+        the table of a torque or an orbit; derivatives that overflow in a long
         chaotic motion.
 
     Examples
@@ -226,7 +226,7 @@ def fit(
         raise ValueError("t: must hold a time, got shape (0,)")
     if times[0] != 0.0 and _has_clock(scene):
         raise ValueError(
-            f"t[0] = {times[0]:.10g}: must be 0, because the scene has a clock of its own: "
+            f"t[0] = {times[0]:.10g}: must be 0, because the scene has a clock: "
             "subtract the first time from t, and from the times of the torque"
         )
     spread = _checked_sigma(sigma, measured.shape)

@@ -214,7 +214,7 @@ def test_a_scene_with_its_own_clock_starts_at_0() -> None:
     torque = rigid.Torque.body([(0, 0, 1), (0, 0, 0)], times=[0.0, 100.0])
     for scene in (rigid.FreeBody(BODY, torque=torque), rigid.FreeBody(BODY, orbit=rigid.Orbit(1))):
         with pytest.raises(
-            ValueError, match=r"t\[0\] = 5: must be 0, because the scene has a cloc"
+            ValueError, match=r"t\[0\] = 5: must be 0, because the scene has a clock"
         ):
             rigid.fit(scene, T + 5.0, omega=np.ones((150, 3)), sigma=0.1, free=("I1", "omega"))
 
