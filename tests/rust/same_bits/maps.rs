@@ -214,7 +214,7 @@ fn samples_with_common_audits_do_not_depend_on_the_division_of_the_work() {
         doubtful += total.checked - total.audited;
         let isa = Isa::available()[0];
         for flat in (0..map.len()).step_by(37) {
-            let (class, _) = map.samples_at(&[flat], 1, isa, &GO).unwrap().0[0];
+            let (class, _, _) = map.samples_at(&[flat], 1, isa, &GO).unwrap().0[0];
             let alone = map.run(flat, flat + 1, 1, isa, &GO).unwrap().1[0];
             let counts = [alone.stable, alone.unstable, alone.undecided];
             let expected =
@@ -233,7 +233,7 @@ fn a_sample_alone_is_the_sample_of_the_map() {
         let isa = Isa::available()[0];
         for flat in (0..map.len()).step_by(37) {
             let pixel = flat / SAMPLES;
-            let (class, outcome) = map.samples_at(&[flat], 1, isa, &GO).unwrap().0[0];
+            let (class, outcome, _) = map.samples_at(&[flat], 1, isa, &GO).unwrap().0[0];
             let body = map.draw_at(isa, &[(pixel, flat % SAMPLES)]).unwrap()[0];
             let statistics = map.run(flat, flat + 1, 1, isa, &GO).unwrap().1[0];
             let mut expected = Statistics::NONE;
