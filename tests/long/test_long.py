@@ -19,6 +19,7 @@ SCRIPTS = (
     "closed_forms_against_rk4",
     "coverage",
     "criteria",
+    "eccentric_orbits",
     "error_estimates",
     "failed_allocations",
     "fits",
