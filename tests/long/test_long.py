@@ -27,6 +27,7 @@ SCRIPTS = (
     "growth",
     "killed_writers",
     "principal_axes",
+    "pulses",
     "refined_maps",
     "regular",
     "result_hashes",

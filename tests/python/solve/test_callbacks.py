@@ -225,11 +225,15 @@ def test_what_a_function_raises_is_raised_by_the_call() -> None:
     def fails(states: Any) -> Any:
         raise AssertionError("no states are reached")
 
+    def steps_of(motion: rigid.Motion) -> None:
+        for _ in range(3):
+            motion.step(0.3)
+
     calls: list[Callable[[], object]] = [
         lambda: rigid.simulate(scene, OMEGA, t=[1.0]),
         lambda: rigid.simulate(scene, [OMEGA] * 40, t=[1.0], method="rk4", step=0.1, threads=2),
         lambda: rigid.simulate(scene, OMEGA, t=[1.0], events=rigid.crosses("omega1")),
-        lambda: [motion.step(0.3) for _ in range(3)],
+        lambda: steps_of(motion),
         lambda: rigid.stability_map(
             lambda gain: scene, axes={"gain": [1.0]}, stable=rigid.judged(fails, t=[1.0]), samples=1
         ),
