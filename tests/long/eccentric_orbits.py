@@ -85,7 +85,8 @@ def main() -> int:
             *given, tolerance=quad_motion.FAST_TOLERANCE, number="long double"
         )
         assert fast is not None
-        for kind, options in enumerate(({}, {"accuracy": decades(rng, -10.0, -4.0)})):
+        each: list[dict[str, Any]] = [{}, {"accuracy": decades(rng, -10.0, -4.0)}]
+        for kind, options in enumerate(each):
             run = rigid.simulate(*given[:3], t=orbit.t, threads=1, **options)
             counts = table[kind, np.searchsorted(BOUNDS, e) - 1]
             counts[0] += 1

@@ -62,7 +62,8 @@ def test_rounding_that_a_periapsis_magnifies_is_in_the_stated_error(
 
 def test_the_bits_and_errors_of_a_body_on_an_orbit_do_not_depend_on_companions() -> None:
     rates = cloud(600)
-    for options in ({}, {"accuracy": 1e-9}):
+    every: list[dict[str, Any]] = [{}, {"accuracy": 1e-9}]
+    for options in every:
         together = rigid.simulate(TUMBLING, rates, t=[5.0, 20.0], **options)
         for k in (0, 17, 599):
             alone = rigid.simulate(TUMBLING, rates[k], t=[5.0, 20.0], **options)
@@ -74,10 +75,8 @@ def test_the_bits_and_errors_of_a_body_on_an_orbit_do_not_depend_on_companions()
 
 
 def test_the_accuracy_that_is_asked_for_changes_no_bit_on_an_orbit() -> None:
-    runs = [
-        rigid.simulate(TUMBLING, [1.0, 0.3, 0.2], t=[20.0], **options)
-        for options in ({}, {"accuracy": 1e-4}, {"accuracy": 1e-11}, {"check": False})
-    ]
+    every: list[dict[str, Any]] = [{}, {"accuracy": 1e-4}, {"accuracy": 1e-11}, {"check": False}]
+    runs = [rigid.simulate(TUMBLING, [1.0, 0.3, 0.2], t=[20.0], **options) for options in every]
     assert len({run.omega.tobytes() for run in runs}) == 1
 
 
