@@ -35,9 +35,9 @@ def test_numbers_at_odd_addresses_are_the_same_numbers() -> None:
          _core.elliptic("rc", [unaligned(OMEGA[:, 1]), unaligned(OMEGA[:, 2])])),
     ]:  # fmt: skip
         assert all(a.tobytes() == b.tobytes() for a, b in zip(plain, odd, strict=True))
-    bodies, odd = bodies_of(SCENE, OMEGA, None), bodies_of(SCENE, OMEGA, None)
-    odd.omega, odd.moments = unaligned(odd.omega), unaligned(odd.moments)
-    assert _core.fastest_rates(odd).tobytes() == _core.fastest_rates(bodies).tobytes()
+    bodies, moved = bodies_of(SCENE, OMEGA, None), bodies_of(SCENE, OMEGA, None)
+    moved.omega, moved.moments = unaligned(moved.omega), unaligned(moved.moments)
+    assert _core.fastest_rates(moved).tobytes() == _core.fastest_rates(bodies).tobytes()
     assert _core.first_slow(unaligned(OMEGA), 0.0, 0.95) == _core.first_slow(OMEGA, 0.0, 0.95) == 1
 
 
@@ -60,7 +60,7 @@ def test_a_force_acts_on_as_many_bodies_as_it_has_rows() -> None:
 def test_there_may_be_more_threads_than_numbers() -> None:
     """Blocks of bodies were as long as a quotient by four times the threads, which was zero."""
     n = 64
-    columns = {
+    columns: dict[str, Any] = {
         "scene": "free",
         "moments": np.tile(SCENE.body.moments, (n, 1)),
         "weight": np.zeros((n, 3)),
@@ -121,7 +121,7 @@ def test_a_part_that_is_refused_changes_no_statistics(part: dict[str, Any], word
     statistics = _core.MapStatistics(1, 1)
     statistics.merge(changed(1, 65473))
     arrays, bins = statistics.arrays(), statistics.bins()
-    assert (arrays["stable"], bins[0].shape) == ([7], (2, 9))
+    assert (arrays["stable"].tolist(), bins[0].shape) == ([7], (2, 9))
     with pytest.raises(ValueError, match=words):
         statistics.merge(part)
     for name, values in statistics.arrays().items():
