@@ -427,10 +427,10 @@ def _check_surfaces(local: Floats, triangles: Indices) -> None:
         )
     for place in np.ndindex(shape[1:]):
         body = (slice(None), *place)
-        k = _overlapping(corners[body], low[body], high[body])
-        if k is not None:
+        bad = _overlapping(corners[body], low[body], high[body])
+        if bad is not None:
             raise ValueError(
-                f"faces[{k}] = {triangles[k].tolist()}: the surface of this triangle overlaps "
+                f"faces[{bad}] = {triangles[bad].tolist()}: the surface of this triangle overlaps "
                 "another, and what both contain would count twice, or a cavity leaves its body; "
                 "join the parts first (a boolean union)"
             )

@@ -313,13 +313,14 @@ def test_clusters_of_atoms_come_to_rest(count: int, least: float) -> None:
 
 def test_a_saddle_is_left_for_the_minimum() -> None:
     """Three atoms on a line feel no force across the line, but a triangle has less energy."""
-    row = springs.pair_system([1.0] * 3, [[0, 0, 0], [1.1, 0, 0], [2.3, 0, 0]], law=lennard_jones)
+    start = np.array([0.0, 1.1, 2.3])[:, np.newaxis] * [1.0, 0.0, 0.0]
+    row = springs.pair_system([1.0] * 3, start, law=lennard_jones)
     assert float(row.energy(row.equilibrium())) == pytest.approx(-3.0, abs=1e-12)
 
 
 def test_a_triangle_that_springs_cannot_close_lies_on_a_line() -> None:
     """Rest lengths 1, 1, 3: each spring is off by 1/3, so the energy is 3 k/2 (1/3)²."""
-    start = [[0, 0, 0], [1.1, 0, 0], [2.3, 0.4, 0]]
+    start = np.array([[0.0, 0.0, 0.0], [1.1, 0.0, 0.0], [2.3, 0.4, 0.0]])
     system = springs.pair_system([1.0, 3.0, 2.0], start, stiffness=10.0, rest=[1.0, 1.0, 3.0])
     found = system.equilibrium()
     assert float(system.energy(found)) == pytest.approx(10.0 / 6.0, abs=1e-13)

@@ -75,9 +75,11 @@ def test_constant_momenta_are_not_yet_rest() -> None:
     moving = rigid.simulate(scene, [0.3, 1.0, 0.2], t=[0.0, 5.0])
     momentum = moving.rotation().apply(moving.momentum())
     assert np.abs(momentum[1] - momentum[0]).max() < 1e-13
+    assert moving.attitude is not None
     assert np.abs(moving.attitude[1] - moving.attitude[0]).max() > 0.5
     resting = rigid.simulate(scene, [0.0, 0.0, 0.0], t=[0.0, 5.0])
     assert (resting.momentum() == 0.0).all()
+    assert resting.attitude is not None
     assert (resting.attitude[1] == resting.attitude[0]).all()
 
 

@@ -291,7 +291,7 @@ takes such moments as they are
             raise ValueError(f"tensor: expected shape (3, 3), got {array.shape}")
         moments, axes = _core.principal_axes(symmetric_tensor("tensor", array).tolist())
         if physical and moments[0] < 0.0:  # the zero of a rod, rounded
-            moments = possible_moments("tensor", np.array(moments))
+            moments = possible_moments("tensor", np.array(moments)).tolist()
         return cls(moments, physical=physical), np.array(axes)
 
     @classmethod
