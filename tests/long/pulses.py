@@ -31,7 +31,6 @@ WAYS: dict[str, dict[str, Any]] = {
     "tolerance": {"tolerance": 1e-9},
     "loose": {"tolerance": 1e-5},
     "bound": {"fastest": 8.0},
-    "equal steps": {"method": "rk4", "fastest": 8.0},
 }
 SHARES = 0.005, 0.2
 ROUNDING = 1e-11
