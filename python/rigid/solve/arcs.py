@@ -41,8 +41,11 @@ _GAIN_OF_PART, _GAIN = 1e-2, 1e-8
 _EVALUATIONS, _ALL_EVALUATIONS = 50, 500
 """Most evaluations of the derivatives on one arc from one start, and of a whole fit.
 
-Right fits of hundreds of samples took 58 at most.
+Right fits of hundreds of samples took 58 at most, so 100 always remain.
 """
+
+_DERIVED = 2 * 10**6
+"""Most steps of all these evaluations: some minutes."""
 
 _DEARER = 10
 """How many times the steps of the first guess a run may take."""
@@ -111,8 +114,8 @@ class Arcs:
     measured, sigma : ndarray, shape (m, 3)
     report : callable
         Gets the number of measurements of each arc.
-    evaluations : int
-        Evaluations of the derivatives until now.
+    most, evaluations : int
+        Evaluations of the derivatives: most, and until now.
     searched : int
         Minima that were searched until now.
     stopped : str
@@ -124,6 +127,7 @@ class Arcs:
     measured: Floats
     sigma: Floats
     report: Callable[[int], object]
+    most: int = _ALL_EVALUATIONS
     evaluations: int = 0
     searched: int = 1
     stopped: str = ""
@@ -165,8 +169,9 @@ class Arcs:
         A derivative takes 2 steps a radian by ``taylor16`` and a closed form none: the measured
         phase stands for them.
         """
-        steps = int(self.unknowns.steps(self.t))
-        self.unknowns.most_steps = _DEARER * (steps + len(self.t) + 4 * int(self.phases.sum()))
+        steps = int(self.unknowns.steps(self.t)) + len(self.t) + 4 * int(self.phases.sum())
+        self.unknowns.most_steps = _DEARER * steps
+        self.most = min(_ALL_EVALUATIONS, max(100, _DERIVED // steps))
 
     def _grown(self, x: Floats, least: int, *, again: bool) -> Minimum | None:
         """The minimum for all measurements, found on growing arcs.
@@ -246,11 +251,12 @@ class Arcs:
             return own if whole else np.vstack([own, np.diag(1.0 / unknowns.sizes)])
 
         gain = _GAIN if whole else _GAIN_OF_PART
-        left = _ALL_EVALUATIONS - self.evaluations
-        if left <= _EVALUATIONS:
-            self.stopped = f"the search ended after {_ALL_EVALUATIONS} runs with derivatives"
-        most = max(1, min(left, _EVALUATIONS))
-        return minimum(residuals, jacobian, x, unknowns.box, unknowns.sizes, gain=gain, most=most)
+        most = max(1, min(self.most - self.evaluations, _EVALUATIONS))
+        box, sizes = unknowns.box, unknowns.sizes
+        found = minimum(residuals, jacobian, x, box, sizes, gain=gain, most=most)
+        if self.evaluations >= self.most:
+            self.stopped = f"the search ended after {self.most} runs with derivatives"
+        return found
 
     def _across(self) -> list[tuple[int, int]]:
         """Gaps that no arc leads across: numbers of measurements before and after each.
