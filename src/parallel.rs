@@ -17,15 +17,22 @@ const BYTES_OF_A_THREAD: usize = 80 << 20;
 /// How often the caller is asked whether its work shall stop.
 const BETWEEN_QUESTIONS: Duration = Duration::from_millis(50);
 
-/// The wish that running work ends. All threads of the work read it between blocks of steps.
+/// The parts of a body in which work is counted.
+const PARTS: f64 = (1_u64 << 20) as f64;
+
+/// The wish that running work ends. All threads of the work read it between blocks of steps, and tell what is done.
 pub struct Interrupt<'a> {
     wanted: AtomicBool,
     watch: Option<Watch<'a>>,
+    /// Parts of bodies whose work is done.
+    done: AtomicU64,
+    /// All bodies; 0 if nobody counts.
+    bodies: AtomicUsize,
 }
 
-/// A question whether work shall stop, which only one thread may ask.
+/// A question whether work shall stop, which only one thread may ask; the question tells the share that is done.
 struct Watch<'a> {
-    ask: &'a (dyn Fn() -> bool + Sync),
+    ask: &'a (dyn Fn(f64) -> bool + Sync),
     thread: ThreadId,
     begin: Instant,
     /// Nanoseconds after `begin` at which the question is asked again.
@@ -35,14 +42,39 @@ struct Watch<'a> {
 impl<'a> Interrupt<'a> {
     /// Work that goes on to its end, unless `request` is called.
     pub const fn never() -> Interrupt<'a> {
-        Interrupt { wanted: AtomicBool::new(false), watch: None }
+        Interrupt::with(None)
     }
 
     /// Work that stops when `ask` returns true. The calling thread asks twenty times a second, in between its work.
-    pub fn when(ask: &'a (dyn Fn() -> bool + Sync)) -> Interrupt<'a> {
+    pub fn when(ask: &'a (dyn Fn(f64) -> bool + Sync)) -> Interrupt<'a> {
         let next = AtomicU64::new(BETWEEN_QUESTIONS.as_nanos() as u64);
         let watch = Watch { ask, thread: thread::current().id(), begin: Instant::now(), next };
-        Interrupt { wanted: AtomicBool::new(false), watch: Some(watch) }
+        Interrupt::with(Some(watch))
+    }
+
+    const fn with(watch: Option<Watch<'a>>) -> Interrupt<'a> {
+        let (done, bodies) = (AtomicU64::new(0), AtomicUsize::new(0));
+        Interrupt { wanted: AtomicBool::new(false), watch, done, bodies }
+    }
+
+    /// The work has so many bodies, of which some are done.
+    pub fn expect(&self, bodies: usize, done: usize) {
+        self.bodies.store(bodies, Ordering::Relaxed);
+        self.tell(done as f64);
+    }
+
+    /// So many bodies more are done, or a share of one.
+    pub fn tell(&self, bodies: f64) {
+        if bodies > 0.0 {
+            self.done.fetch_add((bodies * PARTS) as u64, Ordering::Relaxed);
+        }
+    }
+
+    /// The share of the work that is done; 0 if it is not known.
+    fn share(&self) -> f64 {
+        let all = self.bodies.load(Ordering::Relaxed) as f64 * PARTS;
+        let done = self.done.load(Ordering::Relaxed) as f64;
+        if all > 0.0 { (done / all).min(1.0) } else { 0.0 }
     }
 
     /// Ends the work.
@@ -54,7 +86,7 @@ impl<'a> Interrupt<'a> {
     pub fn is_wanted(&self) -> bool {
         if let Some(watch) = &self.watch
             && watch.is_due()
-            && (watch.ask)()
+            && (watch.ask)(self.share())
         {
             self.request();
         }
@@ -277,7 +309,7 @@ mod tests {
     #[test]
     fn the_caller_is_asked_while_other_threads_work() {
         let (questions, other_runs) = (AtomicUsize::new(0), AtomicBool::new(false));
-        let ask = || questions.fetch_add(1, Ordering::Relaxed) == 1;
+        let ask = |_| questions.fetch_add(1, Ordering::Relaxed) == 1;
         let stop = Interrupt::when(&ask);
         let caller = thread::current().id();
         let wait = || thread::sleep(Duration::from_millis(1));
@@ -302,7 +334,7 @@ mod tests {
     fn the_caller_is_asked_while_its_work_is_done_apart() {
         let caller = thread::current().id();
         let asked = AtomicBool::new(false);
-        let ask = || !asked.swap(true, Ordering::Relaxed);
+        let ask = |_| !asked.swap(true, Ordering::Relaxed);
         let stop = Interrupt::when(&ask);
         let worker = apart(&stop, || {
             while !stop.is_wanted() {
@@ -313,6 +345,23 @@ mod tests {
         assert!(worker.is_ok_and(|worker| worker != caller));
         let fault = apart(&stop, || -> Result<(), Error> { panic!("it is bad") });
         assert_eq!(fault, Err(Error::Fault { words: "it is bad".into() }));
+    }
+
+    #[test]
+    fn a_question_tells_the_share_that_is_done() {
+        let told = Mutex::new(Vec::new());
+        let ask = |share| {
+            told.lock().unwrap().push(share);
+            false
+        };
+        let stop = Interrupt::when(&ask);
+        for (bodies, more) in [(4, 1.0), (4, 0.5), (4, f64::NAN), (4, 99.0)] {
+            stop.expect(bodies, 0);
+            stop.tell(more);
+            thread::sleep(BETWEEN_QUESTIONS);
+            stop.is_wanted();
+        }
+        assert_eq!(told.into_inner().unwrap(), [0.25, 0.375, 0.375, 1.0]);
     }
 
     #[test]

@@ -105,6 +105,9 @@ def unit_quaternions(quaternions: NDArray[np.float64]) -> NDArray[np.float64]: .
 def principal_axes(
     tensor: Sequence[Sequence[float]],
 ) -> tuple[list[float], list[list[float]]]: ...
+def listen(
+    listener: Callable[[float], object] | None,
+) -> Callable[[float], object] | None: ...
 def simulate(
     request: Request,
     step: NDArray[np.float64] | None,

@@ -222,7 +222,7 @@ impl Map {
             let part = parts[part as usize].clone();
             let classified = self.classified(flat[part.start]..flat[part.end - 1] + 1, isa, interrupt)?;
             let mut all = all.lock().expect("copying does not panic");
-            for at in part {
+            for at in part.clone() {
                 self.with_sample(&classified, flat[at], |sample, parts| {
                     all.0[at] = (sample.class, *sample.first, sample.second.copied());
                     for (known, part) in all.1[at * count..].iter_mut().zip(parts) {
@@ -230,6 +230,7 @@ impl Map {
                     }
                 });
             }
+            interrupt.tell(part.len() as f64);
             Ok(())
         })?;
         Ok(all.into_inner().expect("copying does not panic"))

@@ -16,6 +16,7 @@ use numpy::{
 };
 use pyo3::prelude::*;
 use pyo3::types::{PyFloat, PyInt, PyList, PyTuple};
+use std::cell::RefCell;
 use std::ops::{Deref, Range};
 use std::sync::Mutex;
 
@@ -147,10 +148,31 @@ pub fn parse_record<'a>(
 /// Values computed between two looks at the clock.
 const BETWEEN_CLOCKS: usize = 64;
 
+thread_local! {
+    /// Who is told the share of a call that is done.
+    static LISTENER: RefCell<Option<Py<PyAny>>> = const { RefCell::new(None) };
+}
+
+/// Sets the function of this thread that is told the share of a running call which is done, between 0 and 1; returns the
+/// one before.
+#[pyfunction]
+pub fn listen(listener: Option<Py<PyAny>>) -> Option<Py<PyAny>> {
+    LISTENER.with(|known| known.replace(listener))
+}
+
+/// Tells the listener of this thread the share that is done.
+fn tell(py: Python<'_>, share: f64) -> PyResult<()> {
+    let listener = LISTENER.with(|known| known.borrow().as_ref().map(|known| known.clone_ref(py)));
+    match listener {
+        Some(listener) if share > 0.0 => listener.call1(py, (share,)).map(drop),
+        _ => Ok(()),
+    }
+}
+
 /// Runs `work` in the calling thread without the lock of the interpreter; a panic becomes an error. To start a thread
 /// would take longer than a short run.
 ///
-/// Twenty times a second the calling thread lets the interpreter handle signals. The work stops when a signal handler
+/// Twenty times a second the calling thread lets the interpreter handle signals, and tells who listens what is done. The work stops when a signal handler
 /// raises (then the function raises too) or when `interrupted()` returns true.
 pub fn interruptible<T: Send>(
     py: Python<'_>,
@@ -183,9 +205,9 @@ fn watched<T: Send>(
 ) -> PyResult<Result<T, Error>> {
     let interrupted = interrupted.map(|interrupted| interrupted.clone().unbind());
     let raised = Mutex::new(None);
-    let ask = || {
+    let ask = |share| {
         let asked = Python::attach(|py| {
-            py.check_signals().and_then(|()| match &interrupted {
+            py.check_signals().and_then(|()| tell(py, share)).and_then(|()| match &interrupted {
                 Some(interrupted) => interrupted.bind(py).call0()?.is_truthy(),
                 None => Ok(call != 0 && has_raised(call)),
             })

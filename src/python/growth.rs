@@ -81,7 +81,10 @@ pub fn growth<'py>(
         max_steps,
     };
     let deviations = Deviations { each: &each, count };
-    let run = |stop: &Interrupt| trajectory::growth(&request, method, deviations, threads, isa, stop);
+    let run = |stop: &Interrupt| {
+        stop.expect(n, 0);
+        trajectory::growth(&request, method, deviations, threads, isa, stop)
+    };
     to_dict(py, interruptible(py, None, run)??, n, times.len(), count)
 }
 

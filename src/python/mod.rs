@@ -47,7 +47,7 @@ impl From<Error> for PyErr {
 #[pymodule]
 mod _core {
     #[pymodule_export]
-    use super::convert::{first_not_finite, first_slow, plain_numbers};
+    use super::convert::{first_not_finite, first_slow, listen, plain_numbers};
     #[pymodule_export]
     use super::exact::{closed_form_names, closed_forms, closed_forms_for, lagrange_axes};
     #[pymodule_export]

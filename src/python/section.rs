@@ -78,7 +78,10 @@ pub fn section<'py>(
         max_steps,
     };
     let section = Section { kinds, surfaces, count, ends: &ends, closed };
-    let run = |stop: &Interrupt| trajectory::section(&request, method, &section, threads, isa, stop);
+    let run = |stop: &Interrupt| {
+        stop.expect(n, 0);
+        trajectory::section(&request, method, &section, threads, isa, stop)
+    };
     let calls = forces.of(0).function.is_some();
     to_dict(py, &interruptible_calls(py, None, calls, run)??)
 }

@@ -159,7 +159,10 @@ pub fn simulate<'py>(
         for target in &mut targets {
             states.give(target.name, target.part(part.clone())?);
         }
-        let run = |stop: &Interrupt| trajectory::simulate_into(request, states, threads, isa, stop);
+        let run = |stop: &Interrupt| {
+            stop.expect(n, part.start);
+            trajectory::simulate_into(request, states, threads, isa, stop)
+        };
         let calls = forces.of(0).function.is_some();
         let is_brief = request.is_brief() && !calls;
         let effort = if is_brief { at_once(run) } else { interruptible_calls(py, None, calls, run)? };

@@ -89,6 +89,9 @@ struct AdaptiveJob<'a, 'b> {
     made: u64,
     /// Steps of all lanes.
     lane_steps: u64,
+    /// Bodies of the job, and how many are told to be done.
+    members: usize,
+    told: f64,
     stop: &'a Interrupt<'a>,
 }
 
@@ -112,7 +115,20 @@ impl<'a, 'b> AdaptiveJob<'a, 'b> {
         let kernel =
             Kernel { system: way.system(request), step: way.assignment.step, observed: Observed::Nothing };
         let lanes = AdaptiveLanes::new(request, kernel, isa, tolerance)?;
-        Ok(AdaptiveJob { request, ways, first, queue, lanes, states, made: 0, lane_steps: 0, stop })
+        let (members, told) = (queue.len(), 0.0);
+        Ok(AdaptiveJob {
+            request,
+            ways,
+            first,
+            queue,
+            lanes,
+            states,
+            made: 0,
+            lane_steps: 0,
+            members,
+            told,
+            stop,
+        })
     }
 
     /// Loads a body into a lane, at its start. Whether a requested time is left.
@@ -191,6 +207,13 @@ impl Job for AdaptiveJob<'_, '_> {
     }
 
     fn advance(&mut self, tasks: &[Option<Task>; LANES]) -> Result<(), Error> {
+        // Those that left the queue; those in lanes are not finished.
+        let unfinished = tasks.iter().enumerate().filter_map(|(lane, task)| {
+            task.as_ref().map(|task| 1.0 - self.lanes.share(lane, self.first + task.body))
+        });
+        let done = (self.members - self.queue.len()) as f64 - unfinished.sum::<f64>();
+        self.stop.tell(done - self.told);
+        self.told = self.told.max(done);
         if self.stop.is_wanted() {
             return Err(Error::Stopped);
         }

@@ -124,6 +124,12 @@ impl<'a> AdaptiveLanes<'a> {
         }
     }
 
+    /// The share of its motion that the body in a lane has made.
+    pub(super) fn share(&self, lane: usize, index: usize) -> f64 {
+        let [first, last] = self.request.range_of(index);
+        (self.steps.now[0].0[lane].abs() / (last - first)).min(1.0)
+    }
+
     /// Makes a lane inactive.
     pub(super) fn leave(&mut self, lane: usize) {
         self.group.deactivate(lane);

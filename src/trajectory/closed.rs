@@ -120,6 +120,7 @@ impl ClosedFormBatch<'_> {
                 if stop.is_wanted() {
                     return Err(Error::Stopped);
                 }
+                stop.tell(length as f64 * room as f64 / times as f64);
                 rows.clear();
                 rows.extend((first..times.min(first + ROWS_BETWEEN_STOPS)).map(|time| self.row(time)));
                 evaluate(&starts, &rows, &mut out);
@@ -137,6 +138,7 @@ impl ClosedFormBatch<'_> {
                     if stop.is_wanted() {
                         return Err(Error::Stopped);
                     }
+                    stop.tell(times.len() as f64 / self.times(body).len() as f64);
                     let row = |part: &[f64]| {
                         let mut row = Row([part[0]; LANES]);
                         row.0[..part.len()].copy_from_slice(part);

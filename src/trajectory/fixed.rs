@@ -147,6 +147,8 @@ impl Job for FixedJob<'_, '_> {
                 let count = (end - done).min(STEPS_BETWEEN_STOPS);
                 legs.advance(count);
                 done += count;
+                let share = |&lane: &usize| legs.steps[lane].map_or(0.0, |all| count as f64 / all as f64);
+                self.stop.tell(lanes[i..].iter().map(share).sum());
             }
         }
         if legs.compiled.is_processed() {

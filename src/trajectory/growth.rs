@@ -227,6 +227,10 @@ impl Job for GrowthJob<'_, '_> {
             for b in 0..bodies {
                 let steps = self.legs.legs[b].steps;
                 let is_due = next % together == 0 || next == steps;
+                if steps > done {
+                    let all = self.legs.steps[b].map_or(f64::INFINITY, |all| all as f64);
+                    self.stop.tell((next - done) as f64 / all);
+                }
                 if steps > done && is_due {
                     self.settle(b);
                 } else {

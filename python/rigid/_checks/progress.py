@@ -6,19 +6,22 @@ import os
 import signal
 import sys
 import threading
+import time
 import warnings
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from types import FrameType
 from typing import Any, TypeAlias
 
+from .. import _core
 from .arguments import brief
 from .extras import install_extra
 from .notebook import in_notebook
 
 __all__ = [
     "Interrupted",
+    "Listening",
     "Progress",
     "ProgressOption",
     "checked_progress",
@@ -32,6 +35,12 @@ __all__ = [
 
 NARROW = 80
 """Columns of a terminal below which a bar has neither numbers of bodies nor a rate."""
+
+SHOWN_AFTER = 2.0
+"""Seconds after which a call of the core shows its progress by itself."""
+
+SECONDS_BETWEEN_LINES = 10.0
+"""Time between two lines of progress where no bar is shown."""
 
 NARROW_BAR = "{percentage:3.0f}%|{bar}| {remaining} left{postfix}"
 
@@ -91,19 +100,22 @@ def checked_progress(option: object) -> None:
 
 @contextmanager
 def reporting(
-    option: ProgressOption, total: int, *, unit: str = " bodies"
+    option: ProgressOption, total: int, *, unit: str = " bodies", who: str = ""
 ) -> Iterator[Callable[[Progress], object]]:
     """The function to call with a :class:`Progress` after each part.
 
     Parameters
     ----------
     option : None, bool or callable
-        ``None``: a tqdm bar if tqdm is installed, and in a terminal or a notebook. ``True``: a tqdm
-        bar anyway. ``False``: silence. A callable gets each progress.
+        ``None``: a tqdm bar in a terminal or a notebook, if tqdm is installed; else a line on
+        standard error every 10 s. ``True``: a tqdm bar anyway. ``False``: silence. A callable gets
+        each progress.
     total : int
         Number of bodies, or of other units of work.
     unit : str
         Name of the counted unit.
+    who : str
+        How a line begins.
 
     Raises
     ------
@@ -113,6 +125,24 @@ def reporting(
         For any other option.
     """
     checked_progress(option)
+    _showing.depth = _depth() + 1
+    try:
+        yield from _reporters(option, total, unit, who)
+    finally:
+        _showing.depth -= 1
+
+
+_showing = threading.local()
+
+
+def _depth() -> int:
+    """How many progresses this thread shows: calls inside another show none of their own."""
+    return getattr(_showing, "depth", 0)
+
+
+def _reporters(
+    option: ProgressOption, total: int, unit: str, who: str
+) -> Iterator[Callable[[Progress], object]]:
     if callable(option):
         yield option
         return
@@ -141,7 +171,97 @@ def reporting(
 
                 yield show
                 return
-    yield lambda _: None
+    yield _lines(who) if option is None and sys.stderr is not None else lambda _: None
+
+
+def _lines(who: str) -> Callable[[Progress], None]:
+    shown = 0.0
+
+    def show(progress: Progress) -> None:
+        nonlocal shown
+        if progress.elapsed < shown + SECONDS_BETWEEN_LINES or progress.done == progress.total:
+            return
+        shown = progress.elapsed
+        print(
+            f"rigid: {who}{progress.done / progress.total:.0%} done after "
+            f"{progress.elapsed:.0f} s, about {progress.remaining:.0f} s to go",
+            file=sys.stderr,
+            flush=True,
+        )
+
+    return show
+
+
+class Listening:
+    """While it is entered, progress of the calls of the core in this thread, in hundredths.
+
+    Nothing is shown within another progress, and by default nothing in the first seconds.
+
+    Parameters
+    ----------
+    option : None, bool or callable
+        As of :func:`reporting`.
+    runs : int
+        About how many calls of equal length follow each other.
+    """
+
+    __slots__ = (
+        "_before",
+        "_begun",
+        "_done",
+        "_last",
+        "_number",
+        "_option",
+        "_report",
+        "_runs",
+        "_stack",
+    )
+
+    _report: Callable[[Progress], object]
+
+    def __init__(self, option: ProgressOption, runs: int = 1) -> None:
+        if option is not None:
+            checked_progress(option)
+        self._option, self._runs = option, runs
+
+    def __enter__(self) -> None:
+        # A call may take some microseconds: what is shown later is made later.
+        if self._option is None and _depth():
+            self._option = False
+        if self._option is False:
+            return
+        self._before = _core.listen(self._hear)
+        if self._before is not None and self._option is None:
+            _core.listen(self._before)
+            self._option = False
+        self._stack: ExitStack | None = None
+        self._begun = time.perf_counter()
+
+    def __exit__(self, kind: object, *_: object) -> None:
+        if self._option is False:
+            return
+        _core.listen(self._before)
+        if self._stack is not None:
+            with self._stack:
+                if kind is None:
+                    self._tell(100)
+
+    def _hear(self, share: float) -> None:
+        """A call of the core has done this share of its work."""
+        if self._stack is None:
+            if self._option is None and time.perf_counter() - self._begun < SHOWN_AFTER:
+                return
+            self._stack = ExitStack()
+            self._report = self._stack.enter_context(reporting(self._option, 100, unit="%"))
+            self._last, self._number, self._done = 0.0, 0, 0
+        self._number += share < self._last
+        self._last = share
+        self._tell(min(int(100.0 * (self._number + share) / self._runs), 99))
+
+    def _tell(self, done: int) -> None:
+        self._done = max(done, self._done)
+        elapsed = time.perf_counter() - self._begun
+        self._report(Progress(done=self._done, total=100, elapsed=elapsed, failures=0))
 
 
 class Interrupted(KeyboardInterrupt):

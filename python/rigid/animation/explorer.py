@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import brief, resolve_threads
+from .._checks.progress import Listening, ProgressOption
 from .._files import published, require_ending
 from ..drawing import colours
 from ..maps.data import CLASSES, STATUS
@@ -84,6 +85,7 @@ def explore(
     samples: int | None = None,
     threads: int | None = None,
     saved_as: str | PathLike[str] | None = None,
+    progress: ProgressOption = None,
 ) -> Explorer: ...
 
 
@@ -95,6 +97,7 @@ def explore(
     samples: int | None = None,
     threads: int | None = None,
     saved_as: str | PathLike[str] | None = None,
+    progress: ProgressOption = None,
 ) -> Path: ...
 
 
@@ -105,6 +108,7 @@ def explore(
     samples: int | None = None,
     threads: int | None = None,
     saved_as: str | PathLike[str] | None = None,
+    progress: ProgressOption = None,
 ) -> Path | Explorer:
     """Write a page to explore a map; see :meth:`rigid.StabilityMap.explore`, which calls this.
 
@@ -135,6 +139,8 @@ def explore(
     saved_as : path-like, optional
         The file to which :meth:`rigid.StabilityMap.save` writes the map. The Python code that the
         page offers reads this file. Default: the name of the page with the suffix ``.npz``.
+    progress : None, bool or callable
+        As in :func:`rigid.simulate`.
 
     Returns
     -------
@@ -170,7 +176,8 @@ def explore(
         if not 1 <= samples <= most:
             raise ValueError(f"samples = {brief(samples)}: must lie in 1 .. {most}, as in the map")
     count = samples or _affordable(result)
-    seen = result.outcomes(range(count), threads=resolve_threads(threads))
+    with Listening(progress):
+        seen = result.outcomes(range(count), threads=resolve_threads(threads))
     draw = _draw(result.spec)
     starts = content_of_starts(result.starts(range(count))) if draw is None else {"draw": draw}
     if saved_as is None:

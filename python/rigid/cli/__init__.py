@@ -45,7 +45,6 @@ from .output import (
     complain,
     finished,
     print_list,
-    progress_shown,
     require_new,
     say,
     target_of,
@@ -160,7 +159,7 @@ def _map(options: argparse.Namespace) -> int:
     if options.store is not None:
         stored = compute_stored(spec, options, seeded=seeded)
         return _finished_map(stored, target, named.name, options)
-    result = run_map(spec, threads=threads, progress=progress_shown(options.progress), partial=True)
+    result = run_map(spec, threads=threads, progress=options.progress, partial=True)
     return _finished_map(result, target, named.name, options)
 
 
@@ -313,7 +312,7 @@ def _section(options: argparse.Namespace) -> int:
         count=spec.points,
         check=False,
         threads=threads,
-        progress=progress_shown(options.progress),
+        progress=options.progress,
     )
     return finished(
         _SectionResult(points, spec),
@@ -378,7 +377,7 @@ def _report(options: argparse.Namespace) -> int:
     if seconds is None:
         seconds = LONG_SECONDS if options.long else SECONDS
     make: Callable[..., Report | LongRun] = run_long if options.long else run_report
-    progress = progress_shown(options.progress)
+    progress = options.progress
     result = make(spec, seconds=seconds, progress=progress, partial=True)
     return finished(
         result,
@@ -399,9 +398,7 @@ def _reports(options: argparse.Namespace) -> int:
 
 
 def _extremes(options: argparse.Namespace) -> int:
-    found = extremes(
-        options.family, method=options.method, progress=progress_shown(options.progress)
-    )
+    found = extremes(options.family, method=options.method, progress=options.progress)
     if options.json:
         cells = [
             {
@@ -426,7 +423,7 @@ def _validation(options: argparse.Namespace) -> int:
     # The values of formulas are computed when the entries are imported.
     from ..literature.validation import validation
 
-    found = validation(options.names or None, progress=progress_shown(options.progress))
+    found = validation(options.names or None, progress=options.progress)
     if options.json:
         print_list({"numbers": [row.to_dict() for row in found.rows]}, as_json=True)
     else:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
-from .._checks.progress import Progress, ProgressOption, interruptible, terminal_columns
+from .._checks.progress import interruptible, terminal_columns
 from .._files import published, require_replaceable
 from ..drawing.figure import new_figure
 from ..maps.plot import SHARE
@@ -30,7 +30,6 @@ __all__ = [
     "complain",
     "finished",
     "print_list",
-    "progress_shown",
     "require_new",
     "say",
     "target_of",
@@ -38,9 +37,6 @@ __all__ = [
 
 PICTURES = (".png", ".pdf", ".svg", ".eps", ".jpg", ".jpeg", ".tif", ".tiff", ".webp")
 """Suffixes of pictures that Matplotlib can write."""
-
-SECONDS_BETWEEN_LINES = 10.0
-"""Time between two lines of progress where stderr is no terminal."""
 
 
 class Result(Protocol):
@@ -156,32 +152,6 @@ def _json(facts: Mapping[str, Any]) -> str:
         return None if isinstance(value, float) and not math.isfinite(value) else value
 
     return json.dumps(checked(facts), ensure_ascii=False, allow_nan=False, indent=2)
-
-
-def progress_shown(wanted: bool, who: str = "") -> ProgressOption:
-    """Show a bar in a terminal, elsewhere a line every 10 s that names the worker, or nothing."""
-    if not wanted:
-        return False
-    in_terminal = sys.stderr is not None and sys.stderr.isatty()
-    return None if in_terminal or sys.stderr is None else _lines(who)
-
-
-def _lines(who: str) -> Callable[[Progress], None]:
-    shown = 0.0
-
-    def show(progress: Progress) -> None:
-        nonlocal shown
-        if progress.elapsed < shown + SECONDS_BETWEEN_LINES or progress.done == progress.total:
-            return
-        shown = progress.elapsed
-        print(
-            f"rigid: {who}{progress.done / progress.total:.0%} done after "
-            f"{progress.elapsed:.0f} s, about {progress.remaining:.0f} s to go",
-            file=sys.stderr,
-            flush=True,
-        )
-
-    return show
 
 
 def finished(

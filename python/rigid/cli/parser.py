@@ -11,7 +11,7 @@ from .._checks.arguments import nearest, of_known
 from .._core import __version__
 from .exit_codes import EXIT_CODES, REFUSED
 from .output import complain
-from .running_maps import THREADS, add_commands, add_options
+from .running_maps import QUIET, THREADS, add_commands, add_options
 
 __all__ = ["LONG_SECONDS", "SECONDS", "Parser", "make_parser"]
 
@@ -271,8 +271,9 @@ def _shown(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--no-progress",
         dest="progress",
-        action="store_false",
-        help="neither a progress bar in a terminal nor a line every 10 s elsewhere",
+        action="store_const",
+        const=False,
+        help=QUIET,
     )
 
 

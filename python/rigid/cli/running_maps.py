@@ -17,9 +17,10 @@ from ..maps.result import StabilityMap
 from ..maps.spec import MapSpec
 from ..store.call import run_map
 from .exit_codes import DONE, SAYS_NO, UNFINISHED
-from .output import complain, progress_shown, require_new, say
+from .output import complain, require_new, say
 
 __all__ = [
+    "QUIET",
     "THREADS",
     "add_commands",
     "add_options",
@@ -32,6 +33,7 @@ __all__ = [
 
 
 _FOLDER = "folder of a running map"
+QUIET = "neither a progress bar in a terminal nor a line every 10 s elsewhere"
 THREADS = "number of threads (default: all that this process may use)"
 
 
@@ -62,7 +64,7 @@ def add_commands(commands: Any) -> None:
     resume.add_argument("--force", action="store_true", help="replace existing files")
     resume.add_argument("--json", action="store_true", help="print JSON for other programs")
     resume.add_argument(
-        "--no-progress", dest="progress", action="store_false", help="no progress bar"
+        "--no-progress", dest="progress", action="store_const", const=False, help=QUIET
     )
     add_options(resume, "")
     status = _command(commands, "status", "tell what a running map has and lacks")
@@ -195,9 +197,7 @@ def _computed(options: Namespace, compute: Any) -> StabilityMap | int:
                 threads=resolve_threads(options.threads),
                 threads_per_task=1,
                 part=options.part,
-                progress=progress_shown(
-                    options.progress, "" if options.part is None else f"part {options.part}: "
-                ),
+                progress=options.progress,
                 partial=False,
             )
     except Interrupted as stopped:

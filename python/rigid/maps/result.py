@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import brief, positive_int, resolve_threads
+from .._checks.progress import ProgressOption
 from .._files import MAP, require_ending
 from ..drawing.figure import html_with_picture
 from ..model.scene import Scene
@@ -489,6 +490,7 @@ class StabilityMap(MapData):
         samples: int | None = None,
         threads: int | None = None,
         saved_as: str | os.PathLike[str] | None = None,
+        progress: ProgressOption = None,
     ) -> Explorer: ...
 
     @overload
@@ -499,6 +501,7 @@ class StabilityMap(MapData):
         samples: int | None = None,
         threads: int | None = None,
         saved_as: str | os.PathLike[str] | None = None,
+        progress: ProgressOption = None,
     ) -> Path: ...
 
     def explore(
@@ -508,6 +511,7 @@ class StabilityMap(MapData):
         samples: int | None = None,
         threads: int | None = None,
         saved_as: str | os.PathLike[str] | None = None,
+        progress: ProgressOption = None,
     ) -> Path | Explorer:
         """Write a page that shows the map, the bodies of its pixels, and their motions as films.
 
@@ -530,6 +534,8 @@ class StabilityMap(MapData):
         saved_as : path-like, optional
             The file to which :meth:`save` writes the map. The Python code that the page offers
             reads this file. Default: the name of the page with the suffix ``.npz``.
+        progress : None, bool or callable
+            As in :func:`simulate`.
 
         Returns
         -------
@@ -556,7 +562,9 @@ class StabilityMap(MapData):
         """
         from ..animation.explorer import explore
 
-        return explore(self, path, samples=samples, threads=threads, saved_as=saved_as)
+        return explore(
+            self, path, samples=samples, threads=threads, saved_as=saved_as, progress=progress
+        )
 
     def widget(self, *, threads: int | None = None) -> Any:
         """The view of :meth:`explore` in a notebook, where zooming computes a finer map.

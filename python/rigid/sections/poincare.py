@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import brief, finite_float, positive_int, resolve_threads
-from .._checks.progress import ProgressOption
+from .._checks.progress import Listening, ProgressOption
 from ..model.body import Body
 from ..model.scene import Scene, check_scene
 from ..rotations.apply import to_body
@@ -52,7 +52,7 @@ def poincare(
     check: bool = True,
     max_steps: int = 10**9,
     threads: int | None = None,
-    progress: ProgressOption = False,
+    progress: ProgressOption = None,
 ) -> Crossings:
     """Find all points at which bodies cross a surface of section, or states at equal times.
 
@@ -89,7 +89,7 @@ def poincare(
     threads : int, optional
         Default: ``RIGID_NUM_THREADS``, else the cores that this process may use.
     progress : None, bool or callable
-        As in :func:`stability_map`; none by default.
+        As in :func:`simulate`.
 
     Returns
     -------
@@ -166,6 +166,7 @@ def poincare(
             check=check,
             max_steps=max_steps,
             threads=threads,
+            progress=progress,
         )
         return _at_times(run, scene, at_equal_times(period), {"t_end": end, "count": count})
     surface = _checked_section(section)
@@ -200,13 +201,16 @@ def poincare(
         max_steps=max_steps,
         threads=threads,
     )
-    found = search.points(progress)
-    counts = found.pop("points").astype(np.intp)
-    body = np.repeat(np.arange(len(bodies)), counts)
-    error, lost_from = np.full(len(body), np.nan), np.full(len(bodies), np.nan)
+    lost_from = np.full(len(bodies), np.nan)
+    with Listening(progress, 2 if check else 1):
+        found = search.points()
+        counts = found.pop("points").astype(np.intp)
+        body = np.repeat(np.arange(len(bodies)), counts)
+        error = np.full(len(body), np.nan)
+        if check:
+            error, lost_from = search.errors(found, counts, body)
     status = found["status"]
     if check:
-        error, lost_from = search.errors(found, counts, body)
         status = np.where((status == Status.OK) & np.isfinite(lost_from), Status.FLAGGED, status)
     else:
         status = np.where(status == Status.OK, Status.UNCHECKED, status)

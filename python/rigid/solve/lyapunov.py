@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from .. import _core
 from .._checks.arguments import numbers, positive_int, resolve_threads, sorted_times
 from .._checks.float_environment import in_standard_floats
+from .._checks.progress import Listening, ProgressOption
 from ..model.body import Body
 from ..model.criteria import Regular, norm_of
 from ..model.scene import Scene, check_scene
@@ -73,6 +74,7 @@ def lyapunov(
     check: bool = True,
     max_steps: int = 10**9,
     threads: int | None = None,
+    progress: ProgressOption = None,
 ) -> Growth:
     """Measure how fast neighbouring motions separate: exponents, MEGNO, FLI, SALI and GALI.
 
@@ -113,6 +115,8 @@ def lyapunov(
         Most steps; a body that needs more is not run.
     threads : int, optional
         Default: ``RIGID_NUM_THREADS``, else the cores that this process may use.
+    progress : None, bool or callable
+        As in :func:`simulate`.
 
     Returns
     -------
@@ -166,19 +170,21 @@ def lyapunov(
         raise ValueError("method = 'exact': deviation vectors are integrated; name another method")
     check_tangent(method, forces=scene.forces)
     bodies = bodies_of(scene, omega, attitude)
-    return growth_of(
-        scene,
-        bodies,
-        times,
-        of=of,
-        count=count,
-        start=start,
-        method=method or SECOND,
-        step=step,
-        check=check,
-        max_steps=positive_int("max_steps", max_steps),
-        threads=resolve_threads(threads),
-    )
+    # The second run has two bodies for each, and the motion alone is checked last.
+    with Listening(progress, 4 if check else 1):
+        return growth_of(
+            scene,
+            bodies,
+            times,
+            of=of,
+            count=count,
+            start=start,
+            method=method or SECOND,
+            step=step,
+            check=check,
+            max_steps=positive_int("max_steps", max_steps),
+            threads=resolve_threads(threads),
+        )
 
 
 def growth_of(

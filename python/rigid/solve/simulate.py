@@ -19,6 +19,7 @@ from .._checks.arguments import (
     times_of_each,
 )
 from .._checks.float_environment import in_standard_floats
+from .._checks.progress import Listening, ProgressOption
 from ..model.body import Body
 from ..model.events import Event, checked_events
 from ..model.frame import checked_frame
@@ -75,6 +76,7 @@ def simulate(
     dtype: DTypeLike = np.float64,
     out: Mapping[str, NDArray[Any]] | None = None,
     frame: ArrayLike | None = None,
+    progress: ProgressOption = None,
 ) -> Run:
     """Compute the motion of one body or many: rates and attitudes at the given times.
 
@@ -181,6 +183,9 @@ def simulate(
         The body axes of ``omega`` and ``attitude`` and of all results, if these axes are not the
         principal axes: ``axes`` as :meth:`Body.from_tensor` returns. The scene has a ``frame=``
         for its vectors. The start is rounded once when it is turned; see :meth:`Run.in_frame`.
+    progress : None, bool or callable
+        As in :func:`stability_map`, for a call that takes more than 2 s. A callable gets a
+        :class:`Progress` in hundredths twenty times a second, until the error is estimated too.
 
     Returns
     -------
@@ -300,34 +305,35 @@ def simulate(
         tolerance=own,
     )
     found = None
-    if watched:
-        _check_forward(given)
-        found = find_events(
-            scene,
-            bodies,
-            np.asarray(time_ranges(times)[1]),
-            watched,
-            counted,
-            count,
-            frame=frame,
-            method=chosen,
-            tolerance=tolerance,
+    with Listening(progress, (2 if check else 1) * (2 if watched else 1)):
+        if watched:
+            _check_forward(given)
+            found = find_events(
+                scene,
+                bodies,
+                np.asarray(time_ranges(times)[1]),
+                watched,
+                counted,
+                count,
+                frame=frame,
+                method=chosen,
+                tolerance=tolerance,
+                check=check,
+                max_steps=request.max_steps,
+                threads=request.threads,
+            )
+            if found.stopped.any():
+                # States are computed up to the end of a body, and so are their errors.
+                request = replace(request, times=np.minimum(times, found.last))
+        states, estimate = compute_states(
+            request,
+            steps,
+            wanted if check else accuracy,
             check=check,
-            max_steps=request.max_steps,
-            threads=request.threads,
+            every=method is None and step is None,
+            free=method is None and "function" not in scene.forces,
+            target=target,
         )
-        if found.stopped.any():
-            # States are computed up to the end of a body, and so are their errors.
-            request = replace(request, times=np.minimum(times, found.last))
-    states, estimate = compute_states(
-        request,
-        steps,
-        wanted if check else accuracy,
-        check=check,
-        every=method is None and step is None,
-        free=method is None and "function" not in scene.forces,
-        target=target,
-    )
     if accuracy is not None and chosen != EXACT and plan is not None:
         by_series = states.get(BY_SERIES)
         if by_series is None:

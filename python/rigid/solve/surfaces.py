@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, Self
@@ -11,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
-from .._checks.progress import Progress, ProgressOption, reporting
 from .arrays import lengths
 from .bodies import Bodies
 from .error_estimate import closed_form_error, distances, known_rates
@@ -50,9 +48,6 @@ SAFETY = 3.0
 
 ROUNDINGS = 4.0
 """Roundings of the function that is zero on the surface, in its scale, that two runs may share."""
-
-TOGETHER = 16
-"""Number of bodies of a thread between two reports of progress."""
 
 
 def default_method(forces: Collection[str]) -> str:
@@ -152,21 +147,8 @@ class Search:
             ends=self.ends[some],
         )
 
-    def points(self, progress: ProgressOption = False) -> dict[str, NDArray[Any]]:
+    def points(self) -> dict[str, NDArray[Any]]:
         """The columns of the core for all bodies."""
-        if progress is False:
-            return self._points()
-        began, parts, count = time.perf_counter(), [], len(self.bodies)
-        size = TOGETHER * self.threads
-        with reporting(progress, count) as report:
-            for first in range(0, max(count, 1), size):
-                some = np.arange(first, min(first + size, count))
-                parts.append(self.select(some)._points())
-                done, elapsed = first + len(some), time.perf_counter() - began
-                report(Progress(done=done, total=count, elapsed=elapsed, failures=0))
-        return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
-
-    def _points(self) -> dict[str, NDArray[Any]]:
         surfaces = self.surfaces
         return _core.section(
             **self.bodies.columns(),

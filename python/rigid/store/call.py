@@ -135,8 +135,9 @@ def stability_map(
     threads : int, optional
         By default ``RIGID_NUM_THREADS``, else the processors that this process may use.
     progress : None, bool or callable
-        ``None`` shows a tqdm bar in a terminal or a notebook if tqdm is installed; ``False`` shows
-        nothing; a callable gets a :class:`Progress` about three times a second.
+        ``None`` shows a tqdm bar in a terminal or a notebook if tqdm is installed, else a line on
+        standard error every 10 s; ``False`` shows nothing; a callable gets a :class:`Progress`
+        about three times a second.
     max_steps : int, optional
         A body that needs more steps counts as failed; by default 1e9.
     title : str, optional

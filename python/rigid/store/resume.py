@@ -195,7 +195,8 @@ def carry_on(
                 canaries=known.rows["unit"].tolist(),
             )
             total = int(running.head.samples_of(mine).sum())
-            with reporting(progress, total) as report:
+            who = "" if part.count == 1 else f"part {part}: "
+            with reporting(progress, total, who=who) as report:
                 note = _noting(running, report, total)
                 intake = Intake(running, note, samples, each)
                 if pool is None:

@@ -204,7 +204,14 @@ class Store:
             allow_mixed=allow_mixed,
         )
 
-    def verify(self, share: float = 0.01, *, seed: int = 0, threads: int = 1) -> Verification:
+    def verify(
+        self,
+        share: float = 0.01,
+        *,
+        seed: int = 0,
+        threads: int = 1,
+        progress: ProgressOption = None,
+    ) -> Verification:
         """Compute a random share of the stored units again and compare them bit for bit.
 
         A share f finds one of n wrong units with the chance 1 - (1 - f)**n. All digests of the logs
@@ -218,6 +225,8 @@ class Store:
             Seed of the choice of the units.
         threads : int
             Number of threads.
+        progress : None, bool or callable
+            As of :func:`stability_map`, in units of work.
 
         Returns
         -------
@@ -240,7 +249,7 @@ class Store:
         ...     store.verify(share=1.0).ok
         True
         """
-        return verify(self._folder, share=share, seed=seed, threads=threads)
+        return verify(self._folder, share=share, seed=seed, threads=threads, progress=progress)
 
     def pack(self, path: str | os.PathLike[str]) -> Path | str:
         """Write the map of the rows that are stored now; the map may be incomplete.

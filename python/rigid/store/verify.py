@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import os
+import time
 from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 
 from .._checks.arguments import finite_float
+from .._checks.progress import Progress, ProgressOption, reporting
 from ..maps.job import of_pixels
 from ..maps.result import load_map
 from ..maps.spec import MapSpec
@@ -63,6 +65,7 @@ def verify(
     share: float = 0.01,
     seed: int = 0,
     threads: int = 1,
+    progress: ProgressOption = None,
 ) -> Verification:
     """Compute a random share of the units of a running map, or of a saved map, again."""
     share = finite_float("share", share, positive=True)
@@ -76,21 +79,25 @@ def verify(
     chosen[np.random.default_rng(seed).choice(units, count, replace=False)] = True
     places = np.flatnonzero(chosen)
     wrong: list[str] = []
-    for begin in range(0, count, TOGETHER):
-        mine = np.zeros(units, np.bool_)
-        mine[places[begin : begin + TOGETHER]] = True
-        old = block.some(mine)
-        again = compute(spec, old.rows["unit"].copy(), threads, segment=segment)
-        assert again is not None
-        wrong += [
-            f"pixel {int(unit) // segments}: {text}"
-            for unit, text in zip(
-                old.rows["unit"],
-                differences(old, again, spec.measure, "{} is {}, computed {}"),
-                strict=True,
-            )
-            if text
-        ]
+    begun = time.perf_counter()
+    with reporting(progress, count, unit=" units") as report:
+        for begin in range(0, count, TOGETHER):
+            mine = np.zeros(units, np.bool_)
+            mine[places[begin : begin + TOGETHER]] = True
+            old = block.some(mine)
+            again = compute(spec, old.rows["unit"].copy(), threads, segment=segment)
+            assert again is not None
+            wrong += [
+                f"pixel {int(unit) // segments}: {text}"
+                for unit, text in zip(
+                    old.rows["unit"],
+                    differences(old, again, spec.measure, "{} is {}, computed {}"),
+                    strict=True,
+                )
+                if text
+            ]
+            done, elapsed = min(begin + TOGETHER, count), time.perf_counter() - begun
+            report(Progress(done=done, total=count, elapsed=elapsed, failures=len(wrong)))
     return Verification(units=units, checked=count, wrong=wrong, damage=damage)
 
 

@@ -263,6 +263,9 @@ struct SectionJob<'a> {
     points: &'a AtomicU64,
     /// Steps of the group.
     made: u64,
+    /// Bodies of the job, and how many are told to be done.
+    members: usize,
+    told: f64,
     stop: &'a Interrupt<'a>,
 }
 
@@ -317,6 +320,8 @@ impl<'a> SectionJob<'a> {
             crossings,
             points,
             made: 0,
+            members: members.len(),
+            told: 0.0,
             stop,
         })
     }
@@ -487,6 +492,12 @@ impl Job for SectionJob<'_> {
     fn advance(&mut self, tasks: &[Option<Task>; LANES]) -> Result<(), Error> {
         self.begin_in_closed_form(tasks);
         if self.made.is_multiple_of(STEPS_BETWEEN_STOPS) {
+            let unfinished = tasks.iter().enumerate().filter_map(|(lane, task)| {
+                task.as_ref().map(|task| 1.0 - self.lanes.share(lane, self.block.start + task.body))
+            });
+            let done = (self.members - self.queue.len()) as f64 - unfinished.sum::<f64>();
+            self.stop.tell(done - self.told);
+            self.told = self.told.max(done);
             if self.stop.is_wanted() {
                 return Err(Error::Stopped);
             }

@@ -380,7 +380,7 @@ def test_signals_end_the_command_and_keep_what_is_computed(
 def test_progress_is_told_line_by_line_where_there_is_no_terminal(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr("rigid.cli.output.SECONDS_BETWEEN_LINES", 0.0)
+    monkeypatch.setattr("rigid._checks.progress.SECONDS_BETWEEN_LINES", 0.0)
     for part, code, who in (("1/2", 75, "part 1/2: "), (None, 0, "")):
         more = [] if part is None else ["--part", part]
         assert main(["map", "small.toml", "--store", "run.rigid", *more]) == code

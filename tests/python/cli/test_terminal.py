@@ -10,8 +10,8 @@ from test_command_line import SPEC
 
 import rigid
 from processes import PATIENCE
+from rigid._checks.progress import reporting
 from rigid.cli import main
-from rigid.cli.output import progress_shown
 from rigid.cli.toml_map import builtin_names
 from rigid.cli.toml_report import report_names
 from rigid.cli.toml_section import section_names
@@ -192,16 +192,17 @@ def test_json_tells_lists_sections_reports_and_the_build(
 def test_without_a_terminal_a_line_tells_the_progress_every_ten_seconds(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    show = progress_shown(True)
-    assert callable(show)
-    for elapsed in range(1, 36):
-        show(rigid.Progress(done=elapsed, total=36, elapsed=float(elapsed), failures=0))
+    with reporting(None, 36) as show:
+        for elapsed in range(1, 36):
+            show(rigid.Progress(done=elapsed, total=36, elapsed=float(elapsed), failures=0))
     assert capsys.readouterr().err.splitlines() == [
         "rigid: 28% done after 10 s, about 26 s to go",
         "rigid: 56% done after 20 s, about 16 s to go",
         "rigid: 83% done after 30 s, about 6 s to go",
     ]
-    assert progress_shown(False) is False
+    with reporting(False, 36) as show:
+        show(rigid.Progress(done=1, total=36, elapsed=60.0, failures=0))
+    assert capsys.readouterr().err == ""
 
 
 def test_a_long_message_is_wrapped_in_a_terminal() -> None:

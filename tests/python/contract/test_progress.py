@@ -1,0 +1,118 @@
+"""Calls that may take long tell how much is done, and change no bit by it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import rigid
+from rigid._checks import progress as progressing
+from small_maps import in_blocks, small_map
+
+TOP = rigid.HeavyTop(rigid.Body((1.0, 1.6, 0.7)), mgl=1.2, com=(0.6, 0.0, 0.8))
+START = [0.3, 0.4, 1.0]
+MANY = np.random.default_rng(1).normal(size=(500, 3))
+LONG = [0.0, 10_000.0]
+
+#: What runs for some tenths of a second, and an array of its result.
+CALLS: dict[str, Callable[..., Any]] = {
+    "steps": lambda **how: rigid.simulate(TOP, START, t=LONG, method="dop853", **how).omega,
+    "tolerance": lambda **how: (
+        rigid.simulate(TOP, START, t=LONG, method="taylor16", tolerance=1e-12, **how).omega
+    ),
+    "forward and backward": lambda **how: (
+        rigid.simulate(TOP, START, t=[-5e3, 5e3], method="taylor16", tolerance=1e-12, **how).omega
+    ),
+    "many": lambda **how: rigid.simulate(TOP, MANY, t=[0.0, 300.0], **how).omega,
+    "closed form": lambda **how: (
+        rigid.simulate(TOP.body, MANY, t=np.linspace(0.0, 9.0, 2000), **how).omega
+    ),
+    "events": lambda **how: (
+        rigid.simulate(TOP, START, t=LONG, events=rigid.crosses("omega3", 0.5), **how).events[0].t
+    ),
+    "growth": lambda **how: rigid.lyapunov(TOP, START, t=[5000.0], **how).log_growth,
+    "section": lambda **how: rigid.poincare(TOP, START, t_end=LONG[1], **how).omega,
+    "equal times": lambda **how: (
+        rigid.poincare(TOP, START, every=1000.0, t_end=LONG[1], **how).omega
+    ),
+    "page": lambda **how: np.frombuffer(result().explore(**how)._repr_html_().encode(), np.uint8),
+}
+
+
+@cache
+def result() -> rigid.StabilityMap:
+    """A map whose bodies are classified again in some tenths of a second."""
+    return rigid.stability_map(
+        TOP,
+        axes={"spin": np.linspace(1.0, 5.0, 20)},
+        samples=64,
+        t_end=300.0,
+        stable=rigid.tilt_below(2.0),
+        rng=1,
+        progress=False,
+    )
+
+
+@pytest.mark.parametrize("name", CALLS)
+def test_a_long_call_tells_what_is_done(name: str) -> None:
+    records: list[rigid.Progress] = []
+    found = CALLS[name](progress=records.append)
+    done = [record.done for record in records]
+    assert done == sorted(done)
+    assert done[-1] == 100
+    assert 0 < done[0] < 100
+    assert {record.total for record in records} == {100}
+    assert found.tobytes() == CALLS[name](progress=False).tobytes()
+
+
+@pytest.mark.parametrize("name", ["steps", "tolerance", "growth", "section", "page"])
+def test_what_a_listener_raises_ends_the_call(name: str) -> None:
+    def stop(_: rigid.Progress) -> None:
+        raise KeyboardInterrupt("enough")
+
+    with pytest.raises(KeyboardInterrupt, match="enough"):
+        CALLS[name](progress=stop)
+    records: list[rigid.Progress] = []
+    CALLS["many"](progress=records.append)  # nobody listens any more
+    assert records[-1].done == 100
+
+
+def test_a_script_gets_lines_of_long_calls(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    monkeypatch.setattr(progressing, "SECONDS_BETWEEN_LINES", 0.0)
+    CALLS["steps"]()
+    assert capsys.readouterr().err == ""  # of less than 2 s
+    monkeypatch.setattr(progressing, "SHOWN_AFTER", 0.0)
+    monkeypatch.setattr("rigid.store.verify.TOGETHER", 4)
+    for call in (
+        CALLS["steps"],
+        CALLS["growth"],
+        CALLS["section"],
+        lambda: small_map(progress=None, store=tmp_path / "run"),
+        lambda: rigid.open_store(tmp_path / "run").verify(share=1.0),
+    ):
+        with in_blocks(4):
+            call()
+        assert capsys.readouterr().err.startswith("rigid: ")
+
+
+def test_calls_within_another_progress_show_none_of_their_own(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(progressing, "SECONDS_BETWEEN_LINES", 0.0)
+    monkeypatch.setattr(progressing, "SHOWN_AFTER", 0.0)
+    with progressing.reporting(False, 1):
+        CALLS["steps"]()
+    assert capsys.readouterr().err == ""
+
+
+@pytest.mark.parametrize("name", CALLS)
+def test_what_is_no_progress_is_refused(name: str) -> None:
+    with pytest.raises(TypeError, match="progress = 3: must be None, True, False or a callable"):
+        CALLS[name](progress=3)
