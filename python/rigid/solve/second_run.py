@@ -53,15 +53,14 @@ Series of different order may err alike at tolerances that are alike."""
 SERIES, SERIES_TOLERANCE = "taylor20", 1e-16
 """The series, with its tolerance, that leaves rounding alone.
 
-On 200 random orbits, of eccentricities to 0.95, its truncation error is a fortieth of its rounding
-error in the median. A tolerance of 1e-10 saves a third of the steps."""
+On 200 random orbits, of eccentricities to 0.95, it errs no more than with a tolerance of 1e-20: the
+ratio of the errors is 1.04 in the median, below 5.1 in 95 of 100, as it is with 1e-18."""
 
 COARSER, COARSER_TOLERANCE = "taylor16", 1e-11
 """The series that shows the error of the series above, if a rough statement is enough.
 
-On the same orbits it errs 1000 times as much in the median, by truncation. So it errs by chance as
-much as the other, and hides its error, in one of 5000 runs. A series that errs by rounding too
-hides it in one of ten."""
+On the same orbits it errs 1700 times as much in the median, by truncation, and never less than 10
+times as much. A series that errs by rounding too would hide its error in one of ten runs."""
 
 SIGNS = np.array([[1.0, -1.0, 1.0, -1.0], [1.0, 1.0, -1.0, -1.0], [1.0, -1.0, -1.0, 1.0]])
 """Directions in which the numbers of a start are rounded otherwise, from the smallest on: Walsh's,
@@ -75,8 +74,8 @@ below a third of the error in 11 of 100 runs, from the farthest of two in 1.4, a
 ``(2/3)^n`` times the integral of ``|x|^n p(x)^(n+1)``, ``p`` the normal density."""
 
 RULED = 1e-15
-"""Largest tolerance of a series whose truncation error is a fourth of its rounding error or less,
-in the median of the same orbits."""
+"""Largest tolerance of a series whose error is rounding: on the same orbits the median of the ratio
+to the error with 1e-20 is 1.18, with 1e-14 it is 2.8."""
 
 FINEST = 1e-20
 """Least tolerance of a second run: there is nothing but rounding below it."""
