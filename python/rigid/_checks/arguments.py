@@ -107,8 +107,10 @@ def finite_float(
     """
     if type(value) is not float:
         value = without_unit(name, value, unit)
-        if isinstance(value, np.ndarray) and value.ndim == 0:
-            value = value[()]
+        # Also an array of one number of xarray, which has an array of NumPy.
+        inner = getattr(value, "values", value)
+        if isinstance(inner, np.ndarray) and inner.ndim == 0:
+            value = inner[()]
         if isinstance(value, bool) or not isinstance(value, Real):
             raise TypeError(
                 f"{name} = {brief(value)}: must be a real number"

@@ -184,6 +184,8 @@ def _axes(tables: list[Table]) -> tuple[Axis, ...]:
 def _axis(table: Table) -> Axis:
     table.only(*AXIS)
     name = table.choice("name", PARAMETERS)
+    known_as = f"axes[{name!r}]"
+    known = {known_as: "values"}
     if "values" in table:
         table.only("name", "values")
         values = table.take("values", as_is)
@@ -194,8 +196,17 @@ def _axis(table: Table) -> Axis:
         logarithmic = table.choice("scale", ("linear", "log"), default="linear") == "log"
         if logarithmic and not (first > 0.0 and last > 0.0):
             raise table.error(f"scale = 'log': the ends must be positive, got {first} and {last}")
+        if first == last:
+            raise table.error(f"from = {first:g}, to = {last:g}: must differ")
         values = _spaced(first, last, count, logarithmic)
-    return table.build(lambda: make_axes({name: values}))[0]
+        known |= {f"{known_as}[0]": "from", f"{known_as}[{count - 1}]": "to"}
+    try:
+        return make_axes({name: values})[0]
+    except (OverflowError, TypeError, ValueError) as error:
+        message = str(error)
+        for of_python, of_file in reversed(known.items()):
+            message = message.replace(of_python, of_file)
+        raise table.error(message) from None
 
 
 def _count(key: str, value: object) -> int:

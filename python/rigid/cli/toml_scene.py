@@ -111,7 +111,16 @@ def read_start(table: Table, axes: list[str], *more: str) -> Start:
     """The start of one table, which may have further keys."""
     table.only(*(key for key in START if key != "weight"), *more)
     omega = table.take("omega", three, default=None)
-    spin = table.take("spin", finite_float, default=0.0 if "spin" in axes else None)
+    spin = table.take(
+        "spin", finite_float, default=0.0 if "spin" in axes and omega is None else None
+    )
+    if omega is None and spin is None:
+        rates = [name for name in axes if name in ("omega1", "omega2", "omega3")]
+        if rates:
+            raise table.error(
+                f"needs the key 'omega': the axis {rates[0]} varies a component of it"
+            )
+        raise table.error("needs the key 'omega' or 'spin'")
     axis = table.take("axis", as_is, default=3)
     tilt = table.take("tilt", finite_float, default=0.0)
     attitude = table.take("attitude", as_is, default=None)

@@ -47,6 +47,22 @@ _DEEP_KEY = re.compile(rf"(?<![\w-]){_PART}(?:[ \t]*+\.[ \t]*+{_PART}){{{MOST_PA
 
 _REQUIRED: Any = object()
 
+_REMEDIES: tuple[tuple[str, str], ...] = (
+    (r"\bStart\((\w+)=\.\.\.\)", r"\1 in [start]"),
+    (r"\bStart\((\w+)=rigid\.(\w+)\(0\)\)", r"\1 = { kind = '\2' } in [start]"),
+    (r"\b(\w+)=rigid\.(von_mises_fisher)\(0\)", r"\1 = { kind = '\2' }"),
+    (r"\ba HeavyTop\b", "kind = 'heavy-top'"),
+    (r"make it with Body\.box\(a, b, c\)", "give box instead of moments"),
+    (r"\borbit=rigid\.Orbit\(rate\)", "orbit = { rate = ... }"),
+    (r"; HeavyTop\.from_mass takes com in m", "; mgl has the distance in it"),
+    (
+        r"body = Body.*: a top needs the moments .*",
+        "box: a top needs moments about its fixed point",
+    ),
+    (r"\bphysical=False\b", "physical = false"),
+)
+"""What messages say in the words of Python, and the same in the words of a file."""
+
 
 class SpecError(ValueError):
     """A specification cannot be used; the message is one line that names the table and the key."""
@@ -129,6 +145,8 @@ class Table:
     def error(self, message: str) -> SpecError:
         """The error with the location of the table before its message."""
         place = f"{self._file}: [{self._name}]" if self._name else f"{self._file}:"
+        for of_python, of_file in _REMEDIES:
+            message = re.sub(of_python, of_file, message)
         return SpecError(f"{place} {one_line(message)}")
 
     def only(self, *known: str) -> None:

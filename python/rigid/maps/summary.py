@@ -143,6 +143,8 @@ def _drift(data: MapData) -> str:
         "momentum": data.momentum_drift,
         "unit lengths": data.unit_drift,
     }
+    if "orbit" in data.spec.forces:  # neither is constant
+        del drifts["energy"], drifts["momentum"]
     return ", ".join(f"{name} {_worst(values)}" for name, values in drifts.items()) + " (relative)"
 
 

@@ -8,7 +8,7 @@ name.
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Container, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar, Generic, Self, TypeAlias, TypedDict, TypeVar, cast, overload
 
@@ -265,8 +265,8 @@ class Force(Generic[Value]):
             )
         return value
 
-    def words(self, value: Value) -> str:
-        """The force in a few words."""
+    def words(self, value: Value, _varied: Container[str] = ()) -> str:
+        """The force in a few words; ``_varied`` names the numbers that the axes of a map set."""
         numbers = self.numbers(value)
         if isinstance(numbers, np.ndarray):
             return f"{self.name} of each"
@@ -355,9 +355,9 @@ class GravityGradient(Force[Orbit]):
         """The orbit, which is in space."""
         return value
 
-    def words(self, value: Orbit) -> str:
+    def words(self, value: Orbit, varied: Container[str] = ()) -> str:
         """The orbit in a few words."""
-        return value.words()
+        return value.words(varied)
 
 
 class Rotor(Force[Vector | Floats]):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Container, Mapping
 from dataclasses import dataclass
 from typing import Any, Self, TypeAlias
 
@@ -312,11 +312,13 @@ class Orbit:
                 parts.append(f"{name}={value}")
         return f"Orbit({', '.join(parts)})"
 
-    def words(self) -> str:
-        """The orbit in a few words."""
+    def words(self, varied: Container[str] = ()) -> str:
+        """The orbit in a few words; ``varied`` names the numbers that the axes of a map set."""
         if self.shape:
             return "orbit of each"
         path = f"eccentricity {self.eccentricity:g}" if self.eccentricity else "circular"
+        if "eccentricity" in varied:
+            path = "eccentricity varied"
         return f"orbit at {self.rate:g} rad/s, {path}"
 
 

@@ -300,8 +300,9 @@ def complaint(text: str, file: str = "box.toml") -> str:
         ("seed = 2026", "seed = -3", "[run] seed = -3: must"),
         ("seed = 2026", f"seed = {2**128}", f"= {2**128}: must lie in 0 .. 2**128 - 1"),
         ("count = 4", "count = 1", "[x] count = 1: must be at least 2"),
-        ("from = 0.012", "from = 0.248", "[x] axes['b']: must increase or decrease strictly"),
-        ("from = 0.012", "from = -1.0", "[x] axes['b'][0] = -1: must be positive"),
+        ("from = 0.012", "from = 0.248", "[x] from = 0.248, to = 0.248: must differ"),
+        ("from = 0.012", "from = -1.0", "[x] from = -1: must be positive"),
+        ("to = 0.248", "to = -1.0", "[x] values[1] = "),
         ("from = 0.012", "from = inf", "[x] from = inf: must be finite"),
         ("from = 1e-4", "from = 0.0", "[y] scale = 'log': the ends must be positive, got 0.0"),
         ("axis = 2\nnoise", "axis = 5\nnoise", "[start] axis = 5: must be one of 1, 2, 3"),
@@ -332,7 +333,7 @@ def complaint(text: str, file: str = "box.toml") -> str:
             '{ kind = "normal", size = 3.0 }',
             "[start.noise] size: an axis of the map sets the size; omit",
         ),
-        ("spin = 10.0", "", "[start] omega, spin: give one of the two to a start"),
+        ("spin = 10.0", "", "[start] needs the key 'omega' or 'spin'"),
         (
             "spin = 10.0",
             "spin = 10.0\nomega = [1.0, 2.0, 3.0]",
@@ -366,10 +367,10 @@ def test_mistakes(line: str, instead: str, message: str) -> None:
         ("mgl = 2", "", "[scene] needs the key 'mgl'"),
         ("mgl = 2", "mgl = -2", "[scene] mgl = -2.0: must not be negative"),
         ("com = [0.6, 0.0, 0.8]", "com = [1, 1, 1]", "[scene] com = [1.0, 1.0, 1.0]: must be a"),
-        ("values = [0.3, 0.2, 0.1]", "values = 3", "[x] axes['tilt']: expected shape (n,)"),
-        ("values = [0.3, 0.2, 0.1]", 'values = ["a"]', "[x] axes['tilt'] = ['a']: must be"),
-        ("values = [0.3, 0.2, 0.1]", "values = [[1], [2, 3]]", "[x] axes['tilt'] = [[1], [2, 3]]"),
-        ("values = [0.3, 0.2, 0.1]", "values = [0.1, nan]", "[x] axes['tilt'][1] = nan: must be"),
+        ("values = [0.3, 0.2, 0.1]", "values = 3", "[x] values: expected shape (n,)"),
+        ("values = [0.3, 0.2, 0.1]", 'values = ["a"]', "[x] values = ['a']: must be"),
+        ("values = [0.3, 0.2, 0.1]", "values = [[1], [2, 3]]", "[x] values = [[1], [2, 3]]"),
+        ("values = [0.3, 0.2, 0.1]", "values = [0.1, nan]", "[x] values[1] = nan: must be"),
         ("size = [0.1, 0.2, 0.3]", "size = [0.1, 0.2]", "[start.noise] size: expected shape (3,)"),
         ("size = [0.1, 0.2, 0.3]", "size = -1.0", "[start.noise] size = -1.0: must not be"),
         (
@@ -395,6 +396,60 @@ def test_mistakes_about_tops(line: str, instead: str, message: str) -> None:
     assert line in TOP
     parse_spec(TOP, "top.toml")
     assert message in complaint(TOP.replace(line, instead, 1), "top.toml")
+
+
+#: A file with a place for more keys of the scene, an axis, and the start.
+PLAIN = """
+[scene]
+kind = "free-body"
+moments = [1.0, 1.5, 2.0]
+[x]
+name = "spin"
+from = 1.0
+to = 2.0
+count = 3
+[start]
+spin = 1.0
+[stable]
+criterion = "no_flip"
+[run]
+t_end = 2.0
+samples = 1
+"""
+
+
+@pytest.mark.parametrize(
+    ("line", "instead", "message"),
+    [
+        ('"spin"', '"omega3"', "the start is given by spin; use omega in [start]"),
+        ("spin = 1.0", "omega = [1, 0, 0]", "use omega1, omega2, omega3 or spin in [start]"),
+        ('"spin"', '"noise"', "give a kind, as in noise = { kind = 'normal' } in [start]"),
+        ('"spin"', '"kappa"', "the start has no noise = { kind = 'von_mises_fisher' }"),
+        ('"spin"', '"mgl"', "a free body feels no weight; use kind = 'heavy-top'"),
+        ('"spin"', '"b"', "the sides of the body are not known; give box instead of moments"),
+        ('"spin"', '"anomaly"', "the scene has no orbit; give it orbit = { rate = ... }"),
+        ("2.0]", "9.0]", "physical = false takes such moments as they are"),
+    ],
+)  # fmt: skip
+def test_a_remedy_is_told_in_the_words_of_the_file(line: str, instead: str, message: str) -> None:
+    parse_spec(PLAIN, "plain.toml")
+    said = complaint(PLAIN.replace(line, instead, 1), "plain.toml")
+    assert message in said
+    assert "rigid." not in said
+
+
+def test_an_axis_of_a_rate_needs_the_rates() -> None:
+    """Neither was given: to be told to give one of two would not help."""
+    text = PLAIN.replace('"spin"', '"omega3"').replace("spin = 1.0", "")
+    wanted = "[start] needs the key 'omega': the axis omega3 varies a component of it"
+    assert complaint(text, "plain.toml").endswith(wanted)
+
+
+def test_the_centre_of_mass_of_a_top_is_a_direction() -> None:
+    text = PLAIN.replace('"free-body"', '"heavy-top"\nmgl = 1.0\ncom = [0.0, 0.0, 0.05]')
+    assert complaint(text, "plain.toml").endswith("0.05; mgl has the distance in it")
+    box = text.replace("moments = [1.0, 1.5, 2.0]", "box = [1, 2, 3]").replace("0.05", "1")
+    assert "box: a top needs moments about its fixed point" in complaint(box, "plain.toml")
 
 
 def test_tables_that_are_missing_or_no_tables() -> None:

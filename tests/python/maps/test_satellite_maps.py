@@ -281,3 +281,23 @@ def test_words_about_a_satellite_say_why_it_has_no_theory() -> None:
     assert "none is known for this map: one is without attitude_noise" in turned.summary()
     pytest.importorskip("matplotlib")
     assert turned.plot().get_title(loc="left").startswith("Stability of a satellite")
+
+
+def test_the_words_of_a_map_on_an_orbit_are_those_of_its_axes_and_of_what_is_constant() -> None:
+    """Its eccentricity is an axis; neither energy nor momentum is constant."""
+    xarray = pytest.importorskip("xarray")
+    result = rigid.stability_map(
+        rigid.FreeBody(rigid.Body((1.0, 1.2, 1.5)), orbit=rigid.Orbit(1.0)),
+        axes={"eccentricity": [0.0, 0.1]},
+        start=rigid.Start(spin=1.0, axis=3),
+        stable=rigid.judged(lambda states: states.omega[:, -1, 2] > 0.0, t=[1.0, 2.0]),
+        samples=1,
+        t_end=xarray.DataArray(2.0),
+        rng=1,
+    )
+    said = result.summary()
+    assert "orbit at 1 rad/s, eccentricity varied" in said
+    assert "circular" not in said
+    drift = next(line for line in said.splitlines() if line.startswith("worst drift"))
+    assert "energy" not in drift
+    assert "unit lengths" in drift
