@@ -123,7 +123,8 @@ def spec_differences(one: MapSpec, other: MapSpec, *but: str) -> list[str]:
             if [_axis(theirs) for theirs in twin] == [_axis(axis)]:
                 axes[axis_letter(place)]["values"] = list(axis.values)
         described.append({**axes, **content})
-    return _differences(*described)
+    kept, asked = described
+    return _differences(kept, asked)
 
 
 def _axis(axis: Axis) -> dict[str, Any]:

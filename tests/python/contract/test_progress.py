@@ -19,6 +19,21 @@ START = [0.3, 0.4, 1.0]
 MANY = np.random.default_rng(1).normal(size=(500, 3))
 LONG = [0.0, 20_000.0]
 
+
+@cache
+def result() -> rigid.StabilityMap:
+    """A map whose bodies are classified again in some tenths of a second."""
+    return rigid.stability_map(
+        TOP,
+        axes={"spin": np.linspace(1.0, 5.0, 20)},
+        samples=256,
+        t_end=1000.0,
+        stable=rigid.tilt_below(2.0),
+        rng=1,
+        progress=False,
+    )
+
+
 #: What runs for some tenths of a second, of which a listener hears each twentieth; and an array of
 #: its result.
 CALLS: dict[str, Callable[..., Any]] = {
@@ -36,27 +51,13 @@ CALLS: dict[str, Callable[..., Any]] = {
     "events": lambda **how: (
         rigid.simulate(TOP, START, t=LONG, events=rigid.crosses("omega3", 0.5), **how).events[0].t
     ),
-    "growth": lambda **how: rigid.lyapunov(TOP, START, t=[5000.0], **how).log_growth,
-    "section": lambda **how: rigid.poincare(TOP, START, t_end=LONG[1], **how).omega,
+    "growth": lambda **how: rigid.lyapunov(TOP, START, t=[30_000.0], **how).log_growth,
+    "section": lambda **how: rigid.poincare(TOP, START, t_end=40_000.0, **how).omega,
     "equal times": lambda **how: rigid.poincare(TOP, START, every=1000.0, t_end=2e5, **how).omega,
     "page": lambda **how: np.frombuffer(
         result().explore(samples=256, **how)._repr_html_().encode(), np.uint8
     ),
 }
-
-
-@cache
-def result() -> rigid.StabilityMap:
-    """A map whose bodies are classified again in some tenths of a second."""
-    return rigid.stability_map(
-        TOP,
-        axes={"spin": np.linspace(1.0, 5.0, 20)},
-        samples=256,
-        t_end=1000.0,
-        stable=rigid.tilt_below(2.0),
-        rng=1,
-        progress=False,
-    )
 
 
 @pytest.mark.parametrize("name", CALLS)

@@ -119,7 +119,8 @@ CARRIED: dict[str, tuple[dict[str, Any], tuple[str, str, str]]] = {
 def test_a_plan_under_forces_tells_what_is_carried(what: str) -> None:
     forces, expected = CARRIED[what]
     scene = rigid.FreeBody(rigid.Body((1.0, 1.5, 2.0)), **forces)
-    for question, words in zip(("rates", "attitude", rigid.no_flip()), expected, strict=True):
+    questions: list[Any] = ["rates", "attitude", rigid.no_flip()]
+    for question, words in zip(questions, expected, strict=True):
         plan = rigid.plan(scene, question, t_end=1.0, method="taylor12")
         names = words.replace("frame", "omega gamma attitude").split()
         assert set(plan.carried) == set(names), question
