@@ -136,7 +136,7 @@ _showing = threading.local()
 
 
 def _depth() -> int:
-    """How many progresses this thread shows: calls inside another show none of their own."""
+    """How many progresses this thread shows; a call within another shows nothing by default."""
     return getattr(_showing, "depth", 0)
 
 
