@@ -294,7 +294,7 @@ class Run(HasColumns):
         Raises
         ------
         ValueError
-            If the frame is no rotation matrix to 1e-9.
+            If the frame is no rotation matrix to 3.1e-4.
 
         Examples
         --------
