@@ -115,15 +115,12 @@ class Choice(NamedTuple):
         are left to the core.
     tolerance : float or None
         The tolerance of adaptive steps.
-    accuracy : float or None
-        The error above which a body is integrated again.
     plan : LazyPlan
     """
 
     method: str
     steps: Floats | None
     tolerance: float | None
-    accuracy: float | None
     plan: LazyPlan
 
 
@@ -138,7 +135,7 @@ def choose_method(problem: Problem) -> Choice:
         scene.torque.at(np.ravel(problem.times))  # ValueError outside the times of its table
     method, why = _preferred(problem, forms)
     steps = None
-    accuracy = wanted = problem.accuracy
+    accuracy = problem.accuracy
     if accuracy is None and _takes_usual_accuracy(problem, method):
         accuracy = USUAL_ACCURACY
     tolerance = problem.adaptive_tolerance
@@ -149,7 +146,7 @@ def choose_method(problem: Problem) -> Choice:
     elif _is_followed_on_its_orbit(problem, method):
         _check_attainable(problem)
         problem = replace(problem, method=SERIES, tolerance=SERIES_TOLERANCE)
-        method, wanted = SERIES, accuracy
+        method = SERIES
         why.append(f"{SERIES} leaves rounding alone, by steps that are short near the periapsis")
     elif accuracy is not None and (problem.accuracy is not None or problem.knows_angles):
         method, steps = _accurate(problem, accuracy, method, why)
@@ -158,7 +155,7 @@ def choose_method(problem: Problem) -> Choice:
     elif problem.step is not None and method != EXACT and problem.bodies is not None:
         steps = np.full(len(problem.bodies), problem.step)
     plan = LazyPlan(plan_of, problem, method, steps, forms, accuracy, tuple(why))
-    return Choice(method, steps, problem.tolerance, wanted, plan)
+    return Choice(method, steps, problem.tolerance, plan)
 
 
 def _is_followed_on_its_orbit(problem: Problem, method: str) -> bool:

@@ -22,18 +22,20 @@ from .error_estimate import (
     safety_of_finer,
     unknown_error,
 )
-from .methods import EXACT, FALLBACK, FUNCTION, order_of, preserves_groups
-from .problem import LEAST_TOLERANCE
+from .methods import EXACT, order_of, preserves_groups
+from .problem import LEAST_TOLERANCE, USUAL_ACCURACY
 from .request import Request, select_states
 from .second_run import (
     HALVINGS,
     HALVINGS_AGAIN,
+    RUNGE_KUTTA,
     SERIES,
     SERIES_TOLERANCE,
     coarser_series,
     has_its_order,
     is_damped_stiffly,
     is_refined_alike,
+    longest_steps,
     step_ratio,
 )
 from .separatrix import separatrix_error
@@ -152,24 +154,26 @@ def integrate(
     steps : ndarray, shape (n,), or None
         The longest step of each body (s); None leaves them to the core.
     accuracy : float or None
-        Largest error: the steps of a body are shortened until its estimated error is smaller.
+        Largest error asked for: the steps of a body are shortened until its estimated error is
+        smaller.
     check : bool
         Whether errors are estimated; an accuracy requires the estimate.
     every : bool
         Whether the errors of all bodies are estimated, not only of a sample.
     free : bool
         Whether no method was given: the steps of many bodies for an accuracy may follow from the
-        errors of a few, and a series integrates the bodies whose error is above the accuracy.
+        errors of a few, and a series integrates the bodies whose error is above the accuracy. The
+        series has the tolerance of a request without a method.
     out : mapping, optional
         Arrays for columns, in double precision.
     """
     forced = request.bodies.under_forces()
     if forced.any() and not forced.all():
         return _in_parts(request, steps, accuracy, forced, check=check, every=every, free=free)
-    if accuracy is not None and request.tolerance is not None:
-        if request.method == FUNCTION:
-            return _tightened(request, accuracy, out)
-        return _by_series(request, accuracy, out)
+    if request.tolerance is not None and free:
+        return _by_series(request, accuracy, check=check or accuracy is not None, out=out)
+    if request.tolerance is not None and accuracy is not None:
+        return _tightened(request, accuracy, out)
     if accuracy is not None and steps is not None:
         return _refined(request, steps, accuracy, free=free, out=out)
     states = request.states(steps, out=out)
@@ -197,32 +201,50 @@ def _with_separatrix(
 
 
 def _by_series(
-    request: Request, accuracy: float, out: Mapping[str, NDArray[Any]] | None = None
+    request: Request,
+    accuracy: float | None,
+    *,
+    check: bool = True,
+    out: Mapping[str, NDArray[Any]] | None = None,
 ) -> tuple[MutableMapping[str, Any], ErrorEstimate]:
     """The states by a series that leaves rounding alone, and their errors.
 
-    A coarser series shows that they are accurate, or else series that are rounded otherwise show
-    how accurate they are. Bodies that drag may stop are integrated in equal steps.
+    Bodies that drag may stop are integrated in equal steps, for an accuracy in shorter ones.
     """
     request = replace(request, method=SERIES, tolerance=SERIES_TOLERANCE)
     states = request.states(None, out=out)
     stops = _may_stop(request.bodies, states["omega"])
-    request = replace(request, bodies=replace(request.bodies, may_stop=False))
+    estimate = unknown_error(len(stops))
+    if check:
+        smooth = replace(request, bodies=replace(request.bodies, may_stop=False))
+        shown = USUAL_ACCURACY if accuracy is None else accuracy
+        estimate = _series_error(smooth, states, shown, ~stops)
+    if stops.any():
+        some = np.flatnonzero(stops)
+        stopping = replace(request.select(some), method=RUNGE_KUTTA, tolerance=None)
+        longest = longest_steps(stopping, RUNGE_KUTTA)
+        equal, own = integrate(stopping, longest, accuracy, check=check, every=True)
+        states["nanoseconds"] += equal["nanoseconds"]
+        _replace_states(states, some, select_states(equal, np.arange(len(some))))
+        estimate.write(some, own)
+    return states, _with_separatrix(request, states, estimate)
+
+
+def _series_error(
+    request: Request, states: Mapping[str, Any], accuracy: float, which: NDArray[np.bool_]
+) -> ErrorEstimate:
+    """The errors of states by the series, of bodies for which they are asked.
+
+    A coarser series shows that they are accurate, or else series that are rounded otherwise show
+    how accurate they are.
+    """
     coarser = coarser_series(request)
     estimate = estimate_error(request, states, None, halvings=HALVINGS_AGAIN, coarser=coarser)
-    rough = np.flatnonzero(~(estimate.error <= accuracy) & ~stops)
+    rough = np.flatnonzero(~(estimate.error <= accuracy) & which)
     if len(rough):
         own = estimate_error(request.select(rough), select_states(states, rough), None)
         estimate.write(rough, own)
-    if stops.any():
-        some = np.flatnonzero(stops)
-        stopping = replace(request.select(some), method=FALLBACK, tolerance=None)
-        stopping.bodies = replace(stopping.bodies, may_stop=True)
-        equal = stopping.states(None)
-        states["nanoseconds"] += equal["nanoseconds"]
-        _replace_states(states, some, select_states(equal, np.arange(len(some))))
-        estimate.write(some, estimate_error(stopping, equal, None))
-    return states, _with_separatrix(request, states, estimate)
+    return estimate
 
 
 def _may_stop(bodies: Bodies, omega: Floats) -> NDArray[np.bool_]:

@@ -203,7 +203,7 @@ def growth_of(
 ) -> Growth:
     """The growth of deviation vectors of checked bodies."""
     chosen = method
-    _, steps, _, _, plan = choose_method(
+    _, steps, _, plan = choose_method(
         Problem(
             scene=scene,
             record="axis",

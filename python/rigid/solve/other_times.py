@@ -52,9 +52,7 @@ def states_at(run: Run, t: ArrayLike) -> Run:
         threads=resolve_threads(None),
         tolerance=spec["tolerance"],
     )
-    steps, unknown, accuracy = None, np.isnan(run.error), spec["accuracy"]
-    if spec["tolerance"] is not None:
-        accuracy = run.plan.accuracy  # None if a tolerance was asked for
+    steps, unknown = None, np.isnan(run.error)
     if spec["method"] != EXACT and spec["tolerance"] is None:
         problem = Problem(
             scene=scene,
@@ -73,7 +71,7 @@ def states_at(run: Run, t: ArrayLike) -> Run:
     states, estimate = compute_states(
         request,
         steps,
-        accuracy if check else None,
+        spec["accuracy"],
         check=check,
         every=not unknown.any(),
         free=free,

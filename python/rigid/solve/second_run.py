@@ -22,6 +22,7 @@ __all__ = [
     "HALVINGS",
     "HALVINGS_AGAIN",
     "ROUNDINGS",
+    "RUNGE_KUTTA",
     "SERIES",
     "SERIES_TOLERANCE",
     "coarser_series",
@@ -29,6 +30,7 @@ __all__ = [
     "is_damped_stiffly",
     "is_refined_alike",
     "is_ruled_by_rounding",
+    "longest_steps",
     "rounded_start",
     "second_run",
     "step_ratio",
@@ -89,7 +91,8 @@ FINER = 8.0
 Steps of a quarter leave one error in a hundred above the stated error, by up to 20 times."""
 
 RUNGE_KUTTA = "dop853"
-"""The second run of a series of a body that drag may stop."""
+"""The method of a body that drag may stop where a series is the method of others, or of the first
+run."""
 
 COMPENSATED = "taylor16"
 """The second run of a series that does not carry its rounding errors on."""
@@ -141,7 +144,7 @@ def second_run(
     ratio = step_ratio(request.bodies, request.method, halvings)
     if request.method in series_methods() and not is_compensated(request.method):
         # Rounding that is alike in each step shows against none only.
-        steps = _longest(second, request.method) if steps is None else steps
+        steps = longest_steps(second, request.method) if steps is None else steps
         second = replace(second, method=COMPENSATED)
     if steps is not None:
         steps = np.minimum(steps, refinement * ratio / FEWEST * time_span(second.times))
@@ -184,7 +187,7 @@ def is_ruled_by_rounding(request: Request) -> bool:
     return tolerance <= RULED and request.method != FUNCTION and not request.bodies.may_stop
 
 
-def _longest(request: Request, method: str) -> Floats:
+def longest_steps(request: Request, method: str) -> Floats:
     """The longest steps that a method takes by default (s), shape (n,)."""
     rates = request.bodies.fastest_rates(time_ranges(request.times), method)
     longest: Floats = angle_per_step(method) / rates
@@ -203,7 +206,7 @@ def _past_stops(
     if second.method not in series_methods():
         return second.states(steps, refinement * FINER)
     own = time_span(second.times) / taken / FINER
-    longest = np.minimum(own, _longest(second, RUNGE_KUTTA))
+    longest = np.minimum(own, longest_steps(second, RUNGE_KUTTA))
     return replace(second, method=RUNGE_KUTTA, tolerance=None).states(longest)
 
 

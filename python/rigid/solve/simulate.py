@@ -271,7 +271,7 @@ def simulate(
     plan: LazyPlan | None = None
     plain = step is None and accuracy is None and tolerance is None and given.ndim == 1
     if plain and method in (None, EXACT) and has_closed_form(scene):
-        chosen, steps, own, wanted = EXACT, None, None, accuracy
+        chosen, steps, own = EXACT, None, None
     else:
         begin, end = time_ranges(times)
         problem = Problem(
@@ -286,10 +286,10 @@ def simulate(
             tolerance=tolerance,
             states=times.shape[-1],
         )
-        chosen, steps, own, wanted, plan = choose_method(problem)
+        chosen, steps, own, plan = choose_method(problem)
         if watched and chosen != EXACT and chosen not in adaptive_methods(scene.forces):
             finder = default_method(scene.forces)
-            chosen, steps, own, wanted, plan = choose_method(replace(problem, method=finder))
+            chosen, steps, own, plan = choose_method(replace(problem, method=finder))
             series = "a Taylor series" if finder in series_methods() else finder
             plan.amend(why=(f"{series} knows the events inside its steps",))
         if tolerance is not None:
@@ -328,7 +328,7 @@ def simulate(
         states, estimate = compute_states(
             request,
             steps,
-            wanted if check else accuracy,
+            accuracy,
             check=check,
             every=method is None and step is None,
             free=method is None and "function" not in scene.forces,
@@ -340,10 +340,13 @@ def simulate(
             by_series = np.full(len(bodies), own is not None)
         else:
             del states[BY_SERIES]
-            plan.amend(
-                f"{np.count_nonzero(by_series)} of {len(bodies)} bodies by {SERIES}, in adaptive "
-                f"steps: {chosen} did not reach {accuracy:g}"
-            )
+            if by_series.any():
+                plan.amend(
+                    f"{np.count_nonzero(by_series)} of {len(bodies)} bodies by {SERIES}, in "
+                    f"adaptive steps: {chosen} did not reach {accuracy:g}"
+                )
+            else:
+                plan.amend(f"{SERIES} was no better: rounding or chaos is the error")
             if by_series.all():
                 chosen, own = SERIES, SERIES_TOLERANCE
                 plan.amend(method=chosen, step=None, steps=None, work=None, error=None)
@@ -485,7 +488,7 @@ def _replayed(
         step=step,
         tolerance=tolerance,
     )
-    _, steps, _, _, plan = choose_method(problem)
+    _, steps, _, plan = choose_method(problem)
     states = Request(
         bodies=bodies,
         times=times,

@@ -135,6 +135,14 @@ def test_rounding_of_a_steady_spin_is_left_out_by_a_series() -> None:
     assert again.omega.tobytes() == run.omega.tobytes()
 
 
+def test_the_plan_of_a_lost_top_says_that_a_series_was_no_better() -> None:
+    top = rigid.HeavyTop(rigid.Body((1.0, 1.6, 0.7)), mgl=1.2, com=(0.6, 0.0, 0.8))
+    run = rigid.simulate(top, [0.3, 0.4, 1.0], t=[200.0], accuracy=1e-11)
+    assert run.status == rigid.Status.FLAGGED
+    assert run.plan.method == "dop853"
+    assert run.plan.why[-1] == "taylor20 was no better: rounding or chaos is the error"
+
+
 def test_the_remedy_of_a_method_that_misses_the_accuracy_works() -> None:
     scene = rigid.FreeBody(rigid.Body((1.0, 1.1, 1.2)), rotor=(0.0, 0.0, 0.3))
     given: dict[str, Any] = {"t": [3000.0], "accuracy": 1e-9}
