@@ -5,7 +5,6 @@ The package uses :mod:`rigid.free`, ``drawing`` and runs. :meth:`rigid.Run.anima
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -16,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import brief, finite_float, positive_int
 from .._checks.progress import ProgressOption
+from .._checks.warned import warn_caller
 from .._files import published
 from .film import Film, film_of, side_by_side
 from .picture import SUFFIXES, moving_picture
@@ -245,9 +245,7 @@ def _warn_of_aliases(film: Film, rates: Sequence[NDArray[np.float64]], fps: floa
         advice = f"give times at most {np.pi / fastest:.2g} s apart"
     else:
         advice = f"give speed={np.pi * fps / fastest:.2g} or less"
-    warnings.warn(
+    warn_caller(
         f"t, speed = {film.speed:.3g}: the body turns by up to {turns[k]:.3g} rad between frames, "
-        f"and the film shows another motion; {advice}",
-        UserWarning,
-        stacklevel=3,
+        f"and the film shows another motion; {advice}"
     )

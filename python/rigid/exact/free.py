@@ -11,7 +11,7 @@ from .. import _core
 from .._checks.arrays import require, vectors
 from .._checks.shown import short_repr
 from .._moments import without_spin
-from ..model.body import Body
+from ..model.body import Body, rates_of_rods
 from ..model.body_like import body_of
 from ..model.leading import leading_shape
 from ..model.scene import FreeBody
@@ -90,7 +90,7 @@ def free_body(body: Body | FreeBody, omega: ArrayLike) -> FreeMotion:
         If ``body`` is neither a :class:`rigid.Body` nor a :class:`rigid.FreeBody`.
     ValueError
         If ``omega`` is not finite, has the wrong shape, or is not zero but below 1e-300 rad/s; if
-        torque or damping acts on the body.
+        torque or damping acts on the body; or if a rod would spin about its axis.
 
     Examples
     --------
@@ -100,10 +100,11 @@ def free_body(body: Body | FreeBody, omega: ArrayLike) -> FreeMotion:
     (1, 52.660597)
     """
     rates = vectors("omega", omega)
-    moments = without_spin(vectors("moments", body_of(body).moments))
+    moments = vectors("moments", body_of(body).moments)
     shape = leading_shape({"body": moments.shape[:-1], "omega": rates.shape[:-1]})
+    rates = rates_of_rods("omega", rates, moments)
     size = np.abs(rates).max(axis=-1)
     rule = f"must be zero or reach {SLOWEST:g} rad/s: count the time in another unit"
     require("omega", size, (size == 0.0) | (size >= SLOWEST), rule)
-    columns = in_rows(moments, shape), rows_of_each(rates, shape)
+    columns = in_rows(without_spin(moments), shape), rows_of_each(rates, shape)
     return FreeMotion(**in_shape(_core.free_quantities(*columns), shape))

@@ -14,8 +14,8 @@ from numpy.typing import ArrayLike, NDArray
 from .. import _core
 from .._checks.float_environment import in_standard_floats
 from .._moments import rods, without_spin
-from ..model.body import Body
-from ..model.forces import FORCES, forces_in_words
+from ..model.body import Body, rates_of_rods
+from ..model.forces import FORCES
 from ..model.scene import Scene
 from ..model.start import Noise, Start, tilted_attitude, tilted_rates
 from ..model.torque import Torque, checked_damping, forces_of
@@ -102,9 +102,14 @@ class NominalStarts:
         return (self.scene if self.made is None else self.made).body.physical
 
     @cached_property
+    def moving(self) -> Floats:
+        """The moments, shape (P, 3), by which the core moves the bodies: rods as spheres."""
+        return without_spin(self.moments)
+
+    @cached_property
     def status(self) -> NDArray[np.uint8]:
         """The status of the moments of each pixel: 0 where they are taken, else the broken rule."""
-        return _core.moment_status(self.moments, self.physical)
+        return _core.moment_status(self.moving, self.physical)
 
     @property
     def possible(self) -> NDArray[np.bool_]:
@@ -209,7 +214,7 @@ class NominalStarts:
             batch = Bodies(
                 kind=self.scene.kind,
                 shape=(len(mine),),
-                moments=self.moments[of_pixel[mine]],
+                moments=self.moving[of_pixel[mine]],
                 weight=self.weight[of_pixel[mine]],
                 omega=omega[mine],
                 attitude=attitude[mine],
@@ -297,10 +302,11 @@ def nominal_starts(
         omega = tilted_rates(pixels.spin, start.axis, rates_tilt)
     weight = scene.weights(pixels.own, count)
     omega = _on_surface(pixels, weight, omega, attitude)
-    _check_rods(pixels, start, omega, weight, acting)
+    omega = rates_of_rods("start: omega", omega, pixels.moments, weight, acting)
+    _check_noise_of_rods(pixels, start.noise)
     return NominalStarts(
         scene=scene,
-        moments=without_spin(pixels.moments),
+        moments=pixels.moments,
         weight=weight,
         own=pixels.own,
         omega=omega,
@@ -360,29 +366,14 @@ def _without_axes(scene: Scene, start: Start, count: int) -> PixelValues:
     )
 
 
-def _check_rods(
-    pixels: PixelValues, start: Start, omega: Floats, weight: Floats, acting: tuple[str, ...]
-) -> None:
-    """Raise ValueError if a rod, without a moment about its axis, would spin about it."""
+def _check_noise_of_rods(pixels: PixelValues, noise: object) -> None:
+    """Raise ValueError if noise would spin a rod about its axis."""
     thin = rods(pixels.moments)[:, np.newaxis] & (pixels.moments == 0.0)
-    if not thin.any():
+    if noise is None or not thin.any():
         return
-    axis = int(thin.any(axis=0).argmax()) + 1
-    if np.any(omega[thin] != 0.0):
-        raise ValueError(
-            f"start: a rod has no moment about its axis and cannot spin; omega{axis} must be 0"
-        )
-    aside = ~thin & thin.any(axis=1)[:, np.newaxis]
-    if np.any(np.broadcast_to(weight, aside.shape)[aside] != 0.0):
-        raise ValueError("com: the mass of a rod is on its axis, and so must be com")
-    if acting:
-        raise ValueError(
-            f"scene: no rod moves under {forces_in_words(acting)}, which could spin it about its "
-            "axis, where it has no moment; give a small moment"
-        )
-    noise = start.noise
     is_known = isinstance(noise, Noise) and noise.kind in ("normal", "uniform") and not noise.cov
-    if noise is not None and (not is_known or np.any(pixels.omega_size[thin] != 0.0)):
+    if not is_known or np.any(pixels.omega_size[thin] != 0.0):
+        axis = int(thin.any(axis=0).argmax()) + 1
         raise ValueError(
             f"noise: a rod has no moment about its axis and cannot spin; give normal or uniform "
             f"noise of three sizes, with 0 for axis {axis}"

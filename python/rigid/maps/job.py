@@ -160,7 +160,7 @@ def _one(
         scene=spec.scene.kind,
         # What draws for a function classifies nothing, and may have no closed form.
         method=AUTO if is_judged and spec.method == EXACT else spec.method,
-        moments=grid.moments,
+        moments=grid.moving,
         physical=grid.physical,
         weight=grid.weight,
         starts=[_starts(*one) for one in zip(spec.start.starts, grids, strict=True)],

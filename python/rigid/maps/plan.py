@@ -34,7 +34,7 @@ Floats = NDArray[np.float64]
 def map_plan(spec: MapSpec) -> Plan:
     """The plan of a map, with the cost of its costliest nominal start."""
     real = spec.grid.possible
-    moments, weight = spec.grid.moments[real], spec.grid.weight[real]
+    moments, weight = spec.grid.moving[real], spec.grid.weight[real]
     forms = closed_forms(spec.stable, moments, weight)
     if spec.forces:
         forms = np.full_like(forms, NO_FORM)

@@ -242,10 +242,10 @@ def _free_no_flip(spec: MapSpec) -> Theory | None:
     if noise is not None and not sized:
         return None  # its size is no bound of what it adds to the rates
     tested = stable.core()[1] - 1
-    order = np.argsort(grid.moments, axis=1, kind="stable")
+    order = np.argsort(grid.moving, axis=1, kind="stable")
     moments, omega, size = (
         np.take_along_axis(array, order, axis=1)
-        for array in (grid.moments, grid.omega, grid.omega_size)
+        for array in (grid.moving, grid.omega, grid.omega_size)
     )
     moments[~grid.possible] = np.nan
     place = np.argmax(order == tested, axis=1)  # 0, 1, 2: smallest, middle, largest

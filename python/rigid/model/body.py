@@ -21,6 +21,7 @@ from .._moments import (
     rods,
     symmetric_tensor,
 )
+from .forces import forces_in_words
 from .gravity import checked_properties
 from .leading import (
     Index,
@@ -879,6 +880,50 @@ def refuse_rods(moments: Floats) -> None:
             f"moments{place if moments.ndim > 1 else ''} = ({values}): a rod has no moment about "
             "its axis, and a spin about the axis counts here; give a small moment"
         )
+
+
+ROUNDING = 8.0 * 2.0**-53
+"""Share of the largest rate that rounding leaves about the axis of a rod in another frame."""
+
+
+def rates_of_rods(
+    name: str,
+    rates: Floats,
+    moments: Floats,
+    weight: ArrayLike = 0.0,
+    forces: tuple[str, ...] = (),
+) -> Floats:
+    """The rates, shape (..., 3); those about the axes of rods, if only rounding, become zero.
+
+    ``weight`` is ``mgl * com``, and ``forces`` are the names of the forces that act.
+
+    Raises
+    ------
+    ValueError
+        Where a rod would spin about its axis, or begin to.
+    """
+    along = rods(moments)[..., np.newaxis] & (moments == 0.0)
+    if not along.any():
+        return rates
+    size = np.abs(rates).max(axis=-1, keepdims=True)
+    spins = along & (np.abs(rates) > ROUNDING * size)
+    if spins.any():
+        (*body, axis), _ = first_place(spins)
+        values = np.broadcast_to(rates, spins.shape)[tuple(body)].tolist()
+        raise ValueError(
+            f"{name} = {brief(values)}: a rod has no moment about its axis and cannot spin "
+            f"about it; the rate about axis {axis + 1} must be 0"
+        )
+    if np.any(~along & along.any(axis=-1, keepdims=True) & (np.asarray(weight) != 0.0)):
+        raise ValueError("com: the mass of a rod is on its axis, and so must be com")
+    if forces:
+        raise ValueError(
+            f"scene: no rod moves under {forces_in_words(forces)}, which could spin it about its "
+            "axis, where it has no moment; give a small moment"
+        )
+    kept: Floats = np.where(along, 0.0, rates)
+    kept.setflags(write=False)
+    return kept
 
 
 def _checked_moments(value: ArrayLike, physical: bool) -> Moments:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
 from time import perf_counter
@@ -14,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from .._checks.arguments import brief, shaped, sorted_times, vector
 from .._checks.progress import Progress, ProgressOption, reporting
 from .._checks.shown import short_repr
+from .._checks.warned import warn_caller
 from ..model.body import Body, refuse_rods
 from ..model.frame import checked_frame
 from ..model.scene import Scene, check_scene
@@ -237,11 +237,10 @@ def fit(
     unknowns = Unknowns(scene, start, attitude, free, axes, fastest)
     fixed = not any(name in START for name in unknowns.names)
     if taken and fixed:
-        warnings.warn(
+        warn_caller(
             "start: the first measured rates, with their noise, are taken for exact; give start, "
             "or add 'omega' to free",
             FitWarning,
-            stacklevel=2,
         )
     if measured.size < len(unknowns.names):
         raise ValueError(
@@ -291,8 +290,8 @@ def fit(
     success = not reason
     if success:
         reason = f"chi2 per degree of freedom = {found.squares / max(freedom, 1):.4g}: is possible"
-    if not success:
-        warnings.warn(f"the fit failed: {reason}", FitWarning, stacklevel=2)
+    else:
+        warn_caller(f"the fit failed: {reason}", FitWarning)
     varied, rates = unknowns.at(found.x)
     return Fit(
         success=success,

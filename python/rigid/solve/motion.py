@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import warnings
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
@@ -12,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
 from .._checks.arguments import finite_float, resolve_threads, rows
+from .._checks.warned import warn_caller
 from ..model.body import Body
 from ..model.frame import attitudes_in_frame, checked_frame, turned
 from ..model.scene import Scene, check_scene
@@ -201,11 +201,10 @@ class Motion:
                 torque = turned(self._frame.T, torque)
         angle = self._core.step(dt, torque)
         if angle is not None:
-            warnings.warn(
+            warn_caller(
                 f"dt = {dt:g}: the step turns the body by {angle:.2g} rad; {self.method!r} keeps "
                 f"energy and attitude to 1e-3 over 1000 rad up to {longest_angle(self.method):g} "
-                "rad a step",
-                stacklevel=2,
+                "rad a step"
             )
 
     def __repr__(self) -> str:

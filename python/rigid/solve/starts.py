@@ -8,11 +8,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
-from .._checks.arguments import brief
 from .._checks.arrays import IDENTITY, attitudes, unit_quaternions, vectors
 from .._moments import rods
-from ..model.body import refuse_rods
-from ..model.forces import forces_in_words
+from ..model.body import rates_of_rods, refuse_rods
 from ..model.frame import attitudes_in_principal_axes, turned
 from ..model.leading import Shape, leading_shape
 from ..model.scene import Scene
@@ -24,9 +22,6 @@ if TYPE_CHECKING:
 __all__ = ["bodies_of", "holds_rods"]
 
 Floats = NDArray[np.float64]
-
-ROUNDING = 8.0 * 2.0**-53
-"""Share of the largest rate that rounding leaves about the axis of a rod in another frame."""
 
 
 def bodies_of(
@@ -82,7 +77,10 @@ def bodies_of(
         own = rates.shape[:-1], attitude.shape[:-1]
         shape = leading_shape({"scene": shape, "omega": own[0], "attitude": own[1], "t": times})
     if scene.once(holds_rods):
-        rates = _of_rods(scene, rates, rod)
+        moments = np.asarray(scene.body.moments)
+        if not rod:
+            refuse_rods(moments)
+        rates = rates_of_rods("omega", rates, moments, scene.weight, scene.forces)
     bodies = Bodies.of_scene(scene, rates, attitude, shape)
     bodies.check_ranges(scene)
     return bodies
@@ -91,34 +89,3 @@ def bodies_of(
 def holds_rods(scene: Scene) -> bool:
     """Whether a body of the scene is a rod, without a moment about its axis."""
     return bool(rods(np.asarray(scene.body.moments)).any())
-
-
-def _of_rods(scene: Scene, rates: Floats, rod: bool) -> Floats:
-    """The rates; the rounding of the rates of rods about their axes becomes zero.
-
-    Raises
-    ------
-    ValueError
-        Where a rod would spin, or where its spin counts.
-    """
-    moments = np.asarray(scene.body.moments)
-    if not rod:
-        refuse_rods(moments)
-    along = (moments == 0.0) & rods(moments)[..., np.newaxis]
-    axis = int(np.argmax(along.reshape(-1, 3).any(axis=0))) + 1
-    size = np.abs(rates).max(axis=-1, keepdims=True)
-    if np.any(along & (np.abs(rates) > ROUNDING * size)):
-        raise ValueError(
-            f"omega = {brief(rates.tolist())}: a rod has no moment about its axis and cannot spin "
-            f"about it; the rate about axis {axis} must be 0"
-        )
-    if np.any(~along & along.any(axis=-1, keepdims=True) & (scene.weight != 0.0)):
-        raise ValueError("com: the mass of a rod is on its axis, and so must be com")
-    if scene.forces:
-        raise ValueError(
-            f"scene = {scene.words()}: no rod moves under {forces_in_words(scene.forces)}, which "
-            "could spin it about its axis, where it has no moment; give a small moment"
-        )
-    kept: Floats = np.where(along, 0.0, rates)
-    kept.setflags(write=False)
-    return kept

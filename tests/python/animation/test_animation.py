@@ -264,8 +264,10 @@ def test_a_film_that_shows_another_motion_says_so(
 ) -> None:
     """At 50 rad/s, frames half a turn apart show the spokes of a wheel at rest."""
     run = run_of(BOX, (0.0, 0.0, 50.0), t=np.linspace(0.0, end, count))
-    with pytest.warns(UserWarning, match=f"turns by up to {turn:g} rad between frames.*{advice}"):
+    words = f"turns by up to {turn:g} rad between frames.*{advice}"
+    with pytest.warns(UserWarning, match=words) as warned:
         run.animate(**options)
+    assert warned[0].filename == __file__
     run_of(BOX, (0.0, 0.0, 50.0), t=np.linspace(0.0, 1.0, 101)).animate()  # no warning
 
 
