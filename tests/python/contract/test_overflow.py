@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import rigid
-from rigid import earth, exact, figures, free, inertia, rotations, solids, statics, top
+from rigid import earth, exact, figures, inertia, rotations, solids, statics, top
 
 BODY = rigid.Body((1.0, 2.0, 2.5))
 TOP = rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0)
@@ -24,9 +24,6 @@ OVERFLOWS: dict[str, tuple[str, Callable[[], Any]]] = {
     "cylinder": ("height", lambda: solids.cylinder(1.0, HUGE)),
     "box": ("a", lambda: solids.box(HUGE, 1.0, 1.0)),
     "cone": ("radius", lambda: solids.cone(HUGE, 1.0)),
-    "circulation": ("omega", lambda: free.circulation(BODY, FAST)),
-    "cones": ("omega", lambda: free.cones((1.0, 1.0, 1.6), FAST)),
-    "construction of Poinsot": ("omega", lambda: free.poinsot(BODY, [FAST])),
     "wrench": ("forces", lambda: statics.wrench([FAST], [[1e200, 0.0, 0.0]])),
     "cubic": ("beta", lambda: top.f_u(2.0, **{**CUBIC, "beta": 1e308})),
     "roots": ("a", lambda: top.f_roots(**{**CUBIC, "a": HUGE})),

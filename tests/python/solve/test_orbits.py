@@ -305,7 +305,7 @@ def test_wisdoms_hyperion_is_chaotic_and_a_distant_orbit_is_not() -> None:
 
 BAD: list[tuple[Any, str]] = [
     (lambda: rigid.Orbit(0.0), r"rate = 0.0: must be positive"),
-    (lambda: rigid.Orbit(1.0, 1.0), r"eccentricity = 1: must be at most 0.95; near a parabola"),
+    (lambda: rigid.Orbit(1.0, 1.0), r"eccentricity = 1: .* passes once and does not return"),
     (lambda: rigid.Orbit(1.0, [0.1, 0.96]), r"eccentricity\[1\] = 0.96"),
     (lambda: rigid.Orbit(1.0, -0.1), r"eccentricity = -0.1: must not be negative"),
     (lambda: rigid.Orbit(1.0, 0.1, 1.0, true_anomaly=1.0), "anomaly, true_anomaly: give one"),
