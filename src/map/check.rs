@@ -59,9 +59,12 @@ impl Map {
 }
 
 impl Watched<'_> {
-    /// The check with the criterion considered: only a tilt tells how far from its limit it stayed.
+    /// The check with the criterion considered: only a tilt tells how far from its limit it stayed. Under a function the
+    /// second run of every body checks what the runs that classify measure.
     pub(super) fn resolved_check(&self) -> Check {
+        let is_measured = self.calls_functions() && self.measures.iter().any(|measure| measure.is_known());
         match (self.check, self.criterion) {
+            (Check::Doubtful, _) if is_measured => Check::Before(u64::MAX),
             (Check::Doubtful, Criterion::TiltFromStart(_) | Criterion::TiltFromVertical(_)) => {
                 Check::Doubtful
             }

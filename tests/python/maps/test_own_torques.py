@@ -166,6 +166,17 @@ def test_a_time_of_leaving_is_right_to_a_thousandth_or_undecided() -> None:
         assert np.array_equal(np.isnan(np.ravel(leaving)), ~has)
 
 
+def test_every_time_of_leaving_under_a_function_is_told_by_two_runs() -> None:
+    # Of a tilt only doubtful verdicts are checked; a time that is measured is checked always.
+    asked: dict[str, Any] = {**ASKED, "stable": rigid.tilt_below(0.8)}
+    asked["axes"] = {"gain": [0.02, 0.3], "tilt": [0.1, 0.7]}
+    verdicts = rigid.stability_map(pushed_by_a_function, **asked)
+    assert (verdicts.checked < verdicts.samples).any()
+    measured = rigid.stability_map(pushed_by_a_function, **asked, measure=rigid.time_to_leave())
+    assert (measured.checked == measured.samples).all()
+    assert np.array_equal(counts(measured)[:2], counts(verdicts)[:2])
+
+
 def slow_at_the_end(states: Any) -> Any:
     return np.linalg.norm(states.omega[:, -1], axis=-1) < 0.3
 
