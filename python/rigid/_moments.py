@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _core
-from ._checks.arguments import first_place, shaped
+from ._checks.arguments import brief, first_place, shaped
 from ._checks.warned import warn_caller
 
 __all__ = [
@@ -80,23 +80,27 @@ def possible(moments: Floats, physical: bool = True) -> NDArray[np.bool_]:
 
 
 def refuse_tensor(name: str, array: Floats) -> None:
-    """Raise ValueError for a tensor of inertia, a matrix, where the rows are bodies.
+    """Raise ValueError for tensors of inertia, matrices, where the rows are bodies.
 
     A tensor is symmetric and positive definite. Its rows are three bodies only if no body has the
     tensor: then the sum of its products is at least half of its trace, and a body has at most a
     quarter. So the refusal hides no error of other moments.
     """
-    if array.shape != (3, 3) or not np.isfinite(array).all():
+    if array.shape[-2:] != (3, 3) or not array.size or not np.isfinite(array).all():
         return
-    largest = np.abs(array).max()
-    if largest == 0.0 or np.abs(array - array.T).max() > SYMMETRY * largest:
+    largest = np.abs(array).max(axis=(-2, -1), keepdims=True)
+    apart = np.abs(array - np.swapaxes(array, -1, -2))
+    if (largest == 0.0).any() or (apart > SYMMETRY * largest).any():
         return
-    (a, d, e), (_, b, f), (_, _, c) = (array / largest).tolist()
+    rows = np.moveaxis(array / largest, (-2, -1), (0, 1))
+    (a, d, e), (_, b, f), (_, _, c) = rows
     minor = a * b - d * d
-    if a > 0.0 and minor > 0.0 and c * minor > a * f * f - 2.0 * d * e * f + b * e * e:
+    least = a * f * f - 2.0 * d * e * f + b * e * e
+    if ((a > 0.0) & (minor > 0.0) & (c * minor > least)).all():
         raise ValueError(
-            f"{name} = {array.tolist()}: a symmetric matrix is a tensor of inertia, and here rows "
-            "are bodies; take rigid.Body.from_tensor, or give three bodies in another order"
+            f"{name} = {brief(array.tolist())}: a symmetric matrix is a tensor of inertia, and "
+            "here rows are bodies; take rigid.Body.from_tensor, or give three bodies in another "
+            "order"
         )
 
 

@@ -9,6 +9,7 @@ size. So a mesh far from the origin, a tiny mesh and a huge mesh lose no digits.
 
 from __future__ import annotations
 
+import codecs
 import io
 import os
 import re
@@ -300,7 +301,14 @@ def _without_names(data: bytes, kind: str) -> bytes:
         whole = 84 + 50 * count
         if len(data) == whole and count:
             return data
-        if not data.removeprefix(b"\xef\xbb\xbf").lstrip()[:5].lower() == b"solid":
+        if data.removeprefix(b"\xef\xbb\xbf").lstrip()[:5].lower() != b"solid":
+            if data[:2] in (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE):
+                raise ValueError("the file is text of 16 bits (UTF-16); save it as UTF-8")
+            if data[:84].isascii() and b"\0" not in data[:84] and b"\n" in data[:84]:
+                raise ValueError(
+                    "a text that does not begin with 'solid' is no STL file; "
+                    "rigid.Body.from_obj reads OBJ"
+                )
             raise ValueError(
                 f"the file is cut: it has {len(data)} bytes, and its {count} triangles take {whole}"
                 if len(data) < max(whole, 84)

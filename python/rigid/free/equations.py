@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import one_of, times_of_each
-from .._checks.arrays import attitudes, require, vectors
+from .._checks.arrays import attitudes, of_size_one, require, vectors
 from ..model.body_like import BodyLike, moments_of
 from ..model.leading import Shape, leading_shape
 from ..model.scene import HeavyTop, Scene, check_scene, scene_from_dict
@@ -210,6 +210,7 @@ def invariants(
     kinetic = 0.5 * (momentum * rates).sum(axis=-1)
     if scene.rotor is not None:
         momentum = momentum + _of_each(scene.rotor, motion)
+    unit, power = of_size_one(momentum)
     potential, p_psi = np.zeros_like(kinetic), None
     if "gamma" in scene.directions:
         if gamma is None:
@@ -221,7 +222,7 @@ def invariants(
         kinetic=_filled(kinetic, shape),
         potential=_filled(potential, shape),
         energy=_filled(kinetic + potential, shape),
-        L=_filled(np.linalg.norm(momentum, axis=-1), shape),
+        L=_filled(np.ldexp(np.linalg.norm(unit, axis=-1), power[..., 0]), shape),
         L_body=_filled(momentum, (*shape, 3)),
         L_space=None
         if quaternions is None

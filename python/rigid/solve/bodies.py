@@ -24,6 +24,9 @@ Floats = NDArray[np.float64]
 SLOWEST = 1e-140
 """Least rate (rad/s) whose square, and products of rates, do not underflow."""
 
+HEAVIEST = 1e150
+"""Weight over the least moment (1/s²) above which its square overflows."""
+
 
 @dataclass(slots=True, eq=False)
 class Bodies:
@@ -229,7 +232,7 @@ class Bodies:
         known = scene.once(_inertia_of_one)
         swing = self._swings() if known is None else known[3]
         fastest = float(swing[0]) if len(swing) == 1 else swing.max(initial=0.0)
-        if fastest == math.inf:
+        if not fastest**2 < HEAVIEST:
             self._check_weight(scene)
         if len(swing) == 1:
             slow = _core.first_slow(self.omega, fastest, SLOWEST)
@@ -245,17 +248,19 @@ class Bodies:
             )
 
     def _check_weight(self, scene: Scene) -> None:
-        finite = np.asarray(np.isfinite(self.weight).all(axis=1))
-        if finite.all():
+        with np.errstate(over="ignore"):
+            heavy = ~(np.abs(self.weight).max(axis=1) / self.moments.min(axis=1) < HEAVIEST)
+        if not heavy.any():
             return
-        body = int(np.flatnonzero(~finite)[0])
-        place = self._place(body) if len(finite) > 1 else ""
+        body = int(np.flatnonzero(heavy)[0])
+        place = self._place(body) if len(heavy) > 1 else ""
         values, exponents = in_rows(scene.weight, self.shape), self.scale_exponent
         value = np.abs(values[body if len(values) > 1 else 0]).max()
-        unit = math.ldexp(1.0, int(exponents[body if len(exponents) > 1 else 0]))
+        least = self.moments[body if len(self.moments) > 1 else 0].min()
+        least = math.ldexp(float(least), int(exponents[body if len(exponents) > 1 else 0]))
         raise ValueError(
-            f"mgl{place} = {value:g}: must be below 1e308 times the largest moment, "
-            f"which is of the order of {unit:g}"
+            f"mgl{place} = {value:g}: must be below {HEAVIEST:g} times the least moment, "
+            f"{least:.3g}: count the time in another unit"
         )
 
     def _place(self, body: int) -> list[int]:

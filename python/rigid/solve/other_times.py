@@ -41,6 +41,10 @@ def states_at(run: Run, t: ArrayLike) -> Run:
     _check_inside(times, reached)
     spec = {name: value for name, value in run.spec.items() if name != "frame"}
     scene = scene_from_dict(spec["scene"])
+    if "function" in scene.forces:
+        raise ValueError(
+            "t: a run under a function keeps no function; give these times to rigid.simulate"
+        )
     bodies = Bodies.of_scene(scene, run.start_omega, run.start_attitude, shape)
     last = np.array([[np.inf]]) if run.end is None else np.reshape(run.end, (-1, 1))
     request = Request(
@@ -66,7 +70,7 @@ def states_at(run: Run, t: ArrayLike) -> Run:
             states=times.shape[-1],
         )
         steps = choose_method(problem).steps
-    free = spec.get("asked", spec["method"]) is None and "function" not in scene.forces
+    free = spec.get("asked", spec["method"]) is None
     check = spec["accuracy"] is not None or not unknown.all()
     states, estimate = compute_states(
         request,

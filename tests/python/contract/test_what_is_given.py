@@ -198,6 +198,13 @@ def test_a_tensor_is_not_three_bodies(call: Callable[[Any], Any], tensor: Any) -
         call(tensor)
 
 
+def test_tensors_in_a_stack_are_no_bodies() -> None:
+    tensors = np.array(2 * [[[2.0, 1.0, 1.2], [1.0, 2.0, 1.3], [1.2, 1.3, 2.0]]])
+    for call in (rigid.Body, lambda rows: rigid.free.euler_rhs(rows, [1.0, 2.0, 3.0])):
+        with pytest.raises(ValueError, match="is a tensor of inertia"):
+            call(tensors)
+
+
 def test_no_tensor_of_a_body_has_rows_of_bodies() -> None:
     """So the refusal of tensors hides no three bodies: orders of one body are never definite."""
     rng = np.random.default_rng(3)

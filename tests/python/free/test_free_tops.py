@@ -8,7 +8,7 @@ from scipy.special import ellipj, ellipk, ellipkinc
 
 from free_motions import OBLATE, PROLATE, SPUN, angle, moments_at_random, path
 from physics import ROUNDOFF, golden_number, present, rotation_matrix
-from rigid import free
+from rigid import Body, FreeBody, free
 
 RANDOM = np.random.default_rng(38)
 
@@ -144,6 +144,10 @@ def test_quantities_scale_with_the_unit_of_time(power: int) -> None:
     frequency = free.asymmetric_free_top(moments, rates).frequency
     found = free.asymmetric_free_top(moments, np.ldexp(rates, power)).frequency
     assert np.array_equal(np.ldexp(frequency, power), found)
+    body = FreeBody(Body(moments))
+    momentum = free.invariants(body, rates).L
+    found = free.invariants(body, np.ldexp(rates, power)).L
+    assert np.array_equal(np.ldexp(momentum, power), found)
     for axis in (1, 2):
         known = free.permanent_rotation(moments, axis)
         scaled = free.permanent_rotation(moments, axis, 2.0**power)

@@ -161,6 +161,20 @@ def test_names_in_a_file_may_be_in_any_encoding(name: bytes, tmp_path: Path) -> 
         assert np.allclose(read.tensor, np.eye(3) / 6.0)
 
 
+@pytest.mark.parametrize(
+    ("content", "rule"),
+    [
+        (b"v 0 0 0\nv 1 0 0\nv 0 1 0\n" + 60 * b" ", "does not begin with 'solid' is no STL"),
+        ("solid part\nendsolid\n".encode("utf-16"), "16 bits .UTF-16.; save it as UTF-8"),
+    ],
+)
+def test_another_file_is_not_called_cut(content: bytes, rule: str, tmp_path: Path) -> None:
+    path = tmp_path / "part.stl"
+    path.write_bytes(content)
+    with pytest.raises(ValueError, match=rule):
+        rigid.Body.from_stl(path)
+
+
 def test_a_cut_file_is_called_cut(tmp_path: Path) -> None:
     whole = binary_stl(tmp_path / "cut.stl", CUBE, TRIANGLES).read_bytes()
     for content, rule in (

@@ -314,7 +314,7 @@ def test_what_a_function_does_not_go_with_is_refused() -> None:
             "'taylor16': does not integrate the torque of a function",
             lambda: rigid.simulate(scene, OMEGA, method="taylor16", **one),
         ),
-        ("its address is not known", lambda: run.at([0.5])),
+        ("a run under a function keeps no function", lambda: run.at([0.5])),
         ("frame: a function", lambda: rigid.FreeBody(BODY, torque=torque, frame=turned)),
         ("both are functions", lambda: torque + torque),
         ("fastest = -1", lambda: rigid.Torque.call(damping, fastest=-1.0)),
@@ -340,5 +340,5 @@ def test_a_saved_run_has_its_states_but_no_function(tmp_path: Path) -> None:
     run = states(scene, OMEGA, t=[0.0, 1.0], method="rk4")
     read = rigid.load_run(run.save(tmp_path / "run.npz"))
     assert np.array_equal(read.energy(), run.energy())
-    with pytest.raises(ValueError, match="its address is not known here"):
+    with pytest.raises(ValueError, match="a run under a function keeps no function"):
         read.at([0.5])
