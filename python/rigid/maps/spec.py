@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from .. import _core
 from .._checks.arguments import brief, finite_float, of_known, positive_int
-from ..model.body import Body
+from ..model.body import Body, refuse_rods
 from ..model.bounds import RateWithin
 from ..model.criteria import Criterion, check_criterion, criterion_from_dict
 from ..model.criterion import can_be_left
@@ -233,6 +233,8 @@ class MapSpec:
         )
         if self.stable.has_deviation and (self.method != AUTO or self.is_called):
             check_tangent(self.method, forces=self.forces)
+        if self.stable.has_deviation and not self.misses_functions:
+            refuse_rods(self.grid.moments)
         if self.method == EXACT and not self.misses_functions:
             self._require_closed_forms()
         if asks_for_an_axis(asked) or any(asks_for_an_axis(one) for one in measures):

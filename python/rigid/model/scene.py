@@ -351,8 +351,8 @@ class Scene(HasForces, ABC):
         if self.damping is not None:
             parts.append(damping_words(self.damping))
         for force, value in self.further():
-            known = f"{force.name} varied" if force.name in varied else force.words(value, varied)
-            parts.append(known)
+            acts = f"{force.name} varied" if force.name in varied else force.words(value, varied)
+            parts.append(acts)
         return ", ".join(parts)
 
 

@@ -154,6 +154,7 @@ SPIN = "a rod has no moment about its axis"
         (lambda: maps(noise=rigid.normal(0.1)), "noise: a rod has no moment"),
         (lambda: maps(omega=(0.1, 0.2, 0.3)), f"start: omega = .*{SPIN} and cannot"),
         (lambda: maps(damping=0.1), "scene: no rod moves under damping"),
+        (lambda: maps(stable=rigid.regular()), SPIN),
         (lambda: maps(com=(0.0, 1.0, 0.0)), "com: the mass of a rod is on its axis"),
         (lambda: rigid.Body((0, 0, 0)), "a mass point has no rotation"),
         (lambda: rigid.Body.from_points([2.0], [[0, 0, 0]]), "a mass point has no rotation"),
@@ -169,6 +170,7 @@ def maps(
     *,
     omega: tuple[float, float, float] = (0.1, 0.2, 0.0),
     noise: rigid.Noise | None = None,
+    stable: Any = rigid.tilt_below(3.0),
     **scene: Any,
 ) -> rigid.StabilityMap:
     return rigid.stability_map(
@@ -176,7 +178,7 @@ def maps(
         axes={"omega1": [0.1, 0.2]},
         samples=2,
         t_end=5.0,
-        stable=rigid.tilt_below(3.0),
+        stable=stable,
         start=rigid.Start(omega=omega, noise=noise),
         rng=1,
     )
