@@ -170,7 +170,7 @@ def maps(
     *,
     omega: tuple[float, float, float] = (0.1, 0.2, 0.0),
     noise: rigid.Noise | None = None,
-    stable: Any = rigid.tilt_below(3.0),
+    stable: Any = None,
     **scene: Any,
 ) -> rigid.StabilityMap:
     return rigid.stability_map(
@@ -178,7 +178,7 @@ def maps(
         axes={"omega1": [0.1, 0.2]},
         samples=2,
         t_end=5.0,
-        stable=stable,
+        stable=stable or rigid.tilt_below(3.0),
         start=rigid.Start(omega=omega, noise=noise),
         rng=1,
     )
