@@ -178,7 +178,7 @@ def maps(
         axes={"omega1": [0.1, 0.2]},
         samples=2,
         t_end=5.0,
-        stable=stable or rigid.tilt_below(3.0),
+        stable=rigid.tilt_below(3.0) if stable is None else stable,
         start=rigid.Start(omega=omega, noise=noise),
         rng=1,
     )
