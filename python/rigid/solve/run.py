@@ -131,7 +131,8 @@ class Run(HasColumns):
     error : ndarray, shape (n,)
         Estimated error, the largest at the output times. It is the largest of three errors: of the
         rates, relative to the fastest rates of the body at these times; of the vertical and the
-        attitude (rad); of the work, relative to the largest kinetic energy that the body can reach.
+        attitude (rad); of the work, relative to the largest kinetic energy that the body can reach,
+        or did reach under the torque of a function, which nothing bounds.
         Rates that are all below 1e-13 of the fastest that the body can reach, or of
         ``sqrt(mgl / I_min)``, count as rest and are compared with the larger of these two.
 
