@@ -12,7 +12,13 @@ use std::sync::atomic::{AtomicU64, Ordering};
 static RAISED: Mutex<Vec<(u64, PyErr)>> = Mutex::new(Vec::new());
 
 /// The hook of the calls that run, the hook before it, and the number of the calls.
-static HOOK: Mutex<Option<(Py<PyAny>, Py<PyAny>, usize)>> = Mutex::new(None);
+struct Hook {
+    own: Py<PyAny>,
+    before: Py<PyAny>,
+    calls: usize,
+}
+
+static HOOK: Mutex<Option<Hook>> = Mutex::new(None);
 
 /// Number of the last call.
 static CALLS: AtomicU64 = AtomicU64::new(0);
@@ -24,12 +30,12 @@ pub fn carrying<T>(py: Python<'_>, work: impl FnOnce(u64) -> PyResult<T>) -> PyR
     let call = CALLS.fetch_add(1, Ordering::Relaxed) + 1;
     begin(py)?;
     let result = work(call);
+    let raised = {
+        let mut raised = RAISED.lock().expect("nothing panics here");
+        raised.iter().position(|(other, _)| *other == call).map(|place| raised.swap_remove(place).1)
+    };
     end(py)?;
-    let mut raised = RAISED.lock().expect("nothing panics here");
-    match raised.iter().position(|(other, _)| *other == call) {
-        Some(place) => Err(raised.swap_remove(place).1),
-        None => result,
-    }
+    raised.map_or(result, Err)
 }
 
 /// Whether a function has raised in the call of that number.
@@ -39,8 +45,8 @@ pub fn has_raised(call: u64) -> bool {
 
 fn begin(py: Python<'_>) -> PyResult<()> {
     let mut hook = HOOK.lock_py_attached(py).expect("nothing panics here");
-    if let Some((.., calls)) = &mut *hook {
-        *calls += 1;
+    if let Some(hook) = &mut *hook {
+        hook.calls += 1;
         return Ok(());
     }
     let sys = py.import("sys")?;
@@ -50,13 +56,13 @@ fn begin(py: Python<'_>) -> PyResult<()> {
         note(given, &other)
     })?;
     sys.setattr(NAME, &own)?;
-    *hook = Some((own.into_any().unbind(), before, 1));
+    *hook = Some(Hook { own: own.into_any().unbind(), before, calls: 1 });
     Ok(())
 }
 
 fn end(py: Python<'_>) -> PyResult<()> {
     let mut hook = HOOK.lock_py_attached(py).expect("nothing panics here");
-    let Some((own, before, calls)) = &mut *hook else { return Ok(()) };
+    let Some(Hook { own, before, calls }) = &mut *hook else { return Ok(()) };
     *calls -= 1;
     if *calls == 0 {
         let sys = py.import("sys")?;
