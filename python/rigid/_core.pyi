@@ -47,6 +47,7 @@ __all__ = [
     "in_standard_floats",
     "is_set",
     "lagrange_axes",
+    "listen",
     "map_columns",
     "methods",
     "moment_status",
