@@ -47,7 +47,7 @@ fn moments_that_no_body_has() {
         assert_eq!(refusal([1.0, bad, 1.0]), "every moment of inertia must be finite");
     }
     for bad in [0.0, -0.0, -1.0, -5e-324] {
-        assert!(refusal([1.0, bad, 1.0]).starts_with("every moment of inertia must be positive (a rod"));
+        assert!(refusal([1.0, bad, 1.0]).starts_with("every moment of inertia must be positive (a thin rod"));
     }
     for bad in [[1.0, 1.0, 2.1], [1.0, 2.0, 3.0 + 1e-14], [1e-300, 1.0, 1.0 + 1e-14]] {
         assert!(refusal(bad).starts_with("no moment may exceed the sum of the other two"));
