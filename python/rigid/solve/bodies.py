@@ -24,8 +24,8 @@ Floats = NDArray[np.float64]
 SLOWEST = 1e-140
 """Least rate (rad/s) whose square, and products of rates, do not underflow."""
 
-HEAVIEST = 1e150
-"""Weight over the least moment (1/s²) above which its square overflows."""
+HEAVIEST = 1e153
+"""Weight over the least moment (1/s²) near which its square overflows, 1e308."""
 
 
 @dataclass(slots=True, eq=False)

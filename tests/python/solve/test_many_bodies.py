@@ -447,7 +447,7 @@ REFUSED: list[tuple[Callable[[], Any], type[Exception], str]] = [
             method="rk4",
         ),
         ValueError,
-        "mgl[1] = 1e+308: must be below 1e+150 times the least moment, 0.001",
+        "mgl[1] = 1e+308: must be below 1e+153 times the least moment, 0.001",
     ),
     (
         lambda: rigid.simulate(
