@@ -1,6 +1,6 @@
 //! Which samples are classified again by the second method.
 
-use super::{Class, Criterion, Map, Outcome, Watched};
+use super::{Class, Criterion, Map, Outcome, Quantity, Watched};
 use crate::error::Error;
 use crate::memory;
 use crate::start::Body;
@@ -14,6 +14,16 @@ pub enum Check {
     /// Those that an error of the first run could have classified otherwise. The error is measured on some samples of
     /// each group, the audited ones.
     Doubtful,
+}
+
+impl Check {
+    /// Whether a sample with this number is run again whatever its first run.
+    pub(super) fn takes(self, number: u64) -> bool {
+        match self {
+            Check::Before(end) => number < end,
+            Check::Doubtful => true,
+        }
+    }
 }
 
 /// Consecutive samples of a pixel with common audits. Their runs err alike: they differ by the perturbation alone.
@@ -59,10 +69,10 @@ impl Map {
 }
 
 impl Watched<'_> {
-    /// The check with the criterion considered: only a tilt tells how far from its limit it stayed. Under a function the
-    /// second run of every body checks what the runs that classify measure.
+    /// The check with the criterion considered: only a tilt tells how far from its limit it stayed. A time of leaving that
+    /// is measured is checked in every body.
     pub(super) fn resolved_check(&self) -> Check {
-        let is_measured = self.calls_functions() && self.measures.iter().any(|measure| measure.is_known());
+        let is_measured = self.measures.iter().any(|measure| measure.quantity == Quantity::TimeToLeave);
         match (self.check, self.criterion) {
             (Check::Doubtful, _) if is_measured => Check::Before(u64::MAX),
             (Check::Doubtful, Criterion::TiltFromStart(_) | Criterion::TiltFromVertical(_)) => {
@@ -85,12 +95,13 @@ impl Watched<'_> {
     /// The samples that are classified again in any case, ascending.
     pub(super) fn audited(&self, runs: &Runs) -> Result<Vec<usize>, Error> {
         let mut audited = memory::reserved(CHECKS, runs.integrated.len())?;
-        if let Check::Before(end) = self.resolved_check() {
+        let check = self.resolved_check();
+        if check != Check::Doubtful {
             let number = |index: usize| {
                 let flat = runs.range.start + index as u64;
                 self.counter((flat / self.samples, flat % self.samples))[1]
             };
-            audited.extend(runs.integrated.iter().filter(|index| number(**index) < end));
+            audited.extend(runs.integrated.iter().filter(|index| check.takes(number(**index))));
             return Ok(audited);
         }
         for group in self.groups(runs) {

@@ -156,6 +156,11 @@ impl Logic {
         first.exact = ran.peek().is_some() && ran.all(|sample| sample.first.exact);
         let second =
             samples.iter().filter_map(|sample| sample.second).copied().reduce(|one, other| one.with(&other));
+        for (time, sample) in times.iter_mut().zip(samples) {
+            *time = sample.second.filter(|second| second.was_run()).map_or(*time, |second| second.left);
+        }
+        let left_again = self.left(&times[..samples.len()]);
+        let second = second.map(|second| Outcome { left: left_again, ..second });
         let audited = samples.iter().any(|sample| sample.audited);
         Joined { class, first: Outcome { class, status, left, ..first }, second, audited }
     }

@@ -11,9 +11,27 @@ use crate::simd::Isa;
 use std::f64::consts::PI;
 use std::ops::Range;
 
-/// Under a function the value of a sample counts if two runs differ in it by a smaller share: jumps of a torque take their
-/// order from equal steps.
+/// The value of a sample with two runs counts if they differ in it by a smaller share.
 const AGREED: f64 = 1e-3;
+
+/// What a sample adds to the sketch of a measure.
+#[derive(Clone, Copy, Debug)]
+pub struct Value {
+    /// NaN if the sample has none.
+    pub number: f64,
+    /// By how much two runs differ in it; NaN without a second run.
+    pub error: f64,
+}
+
+impl Value {
+    /// That of a sample without a value.
+    pub const NONE: Value = Value { number: f64::NAN, error: f64::NAN };
+
+    /// That of a sample without a second run.
+    fn unchecked(number: f64) -> Value {
+        Value { number, error: f64::NAN }
+    }
+}
 
 /// What is measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -101,20 +119,21 @@ impl Measure {
         self.quantity != Quantity::TiltFromStart
     }
 
-    /// The value of a sample, from its classification and from its own run; NaN if it has none.
-    pub(super) fn value(self, sample: &Sample, own: Option<&Outcome>, is_called: bool) -> f64 {
+    /// The value of a sample, from its classification and from its own runs. Deviation vectors of two runs are not seen
+    /// to grow at the same time: then the times of leaving are not compared.
+    pub(super) fn value(self, sample: &Sample, own: Option<&Own>, of_growth: bool) -> Value {
         match (self.quantity, own) {
             (Quantity::TimeToLeave, _) if sample.class == Class::Unstable => {
-                let (left, again) = (sample.first.left, sample.second.filter(|again| again.was_run()));
-                let agreed = again.is_none_or(|again| self.agree(left, again.left, sample.t_end));
-                if agreed || !is_called { left } else { f64::NAN }
+                let again = sample.second.filter(|again| again.was_run() && !of_growth);
+                self.compared(sample.first.left, again.map(|again| again.left), sample.t_end)
             }
             (Quantity::Drift, _) if sample.class != Class::Failed => {
                 // `max` ignores a NaN.
-                sample.first.energy_drift.max(sample.first.momentum_drift).max(sample.first.unit_drift)
+                let first = sample.first;
+                Value::unchecked(first.energy_drift.max(first.momentum_drift).max(first.unit_drift))
             }
-            (_, Some(own)) => self.of_run(own),
-            _ => f64::NAN,
+            (_, Some(own)) => own.value,
+            _ => Value::NONE,
         }
     }
 
@@ -128,29 +147,44 @@ impl Measure {
         }
     }
 
-    /// Whether two runs agree in a value: to a share of it, or of a radian, or of a radian in the whole time.
-    fn agree(self, one: f64, other: f64, t_end: f64) -> bool {
+    /// The value of a first run, if a second one agrees to a share of it, or of a radian, or of a radian in the whole time.
+    fn compared(self, one: f64, again: Option<f64>, t_end: f64) -> Value {
+        let Some(other) = again else { return Value::unchecked(one) };
         let least = match self.quantity {
             Quantity::TimeToLeave | Quantity::Drift | Quantity::Flips => 0.0,
             Quantity::MeanRate | Quantity::MeanRateOverMotion => 1.0 / t_end,
             _ => 1.0,
         };
-        (one - other).abs() <= AGREED * one.abs().max(other.abs()).max(least)
+        let (error, size) = ((one - other).abs(), one.abs().max(other.abs()).max(least));
+        // A time of leaving that only one run has is infinite in the other.
+        if size < f64::INFINITY && error <= AGREED * size {
+            Value { number: one, error }
+        } else {
+            Value::NONE
+        }
     }
 }
 
+/// What the runs of a measure tell of a sample.
+#[derive(Clone, Copy)]
+pub(super) struct Own {
+    value: Value,
+    /// Steps of both.
+    pub(super) steps: u64,
+}
+
 impl Map {
-    /// The outcomes of the runs of the measures for a range of samples; an empty list for one that has no run. Under a
-    /// function a run fails unless a second one agrees.
+    /// What the runs of the measures tell of a range of samples; an empty list for a measure that has no run. A second run
+    /// repeats those of the samples that are checked: of all if verdicts choose which.
     pub(super) fn measured(
         &self,
         range: Range<u64>,
         isa: Isa,
         interrupt: &Interrupt,
-    ) -> Result<Vec<Vec<Option<Outcome>>>, Error> {
+    ) -> Result<Vec<Vec<Option<Own>>>, Error> {
         const MEASURES: &str = "measures of a block";
         let mut all = memory::reserved(MEASURES, self.measures.len())?;
-        let mut samples = Vec::new();
+        let (mut samples, mut checked) = (Vec::new(), Vec::new());
         let mut bodies = Vec::new();
         for measure in &self.measures {
             let Some(criterion) = measure.watched() else {
@@ -159,9 +193,13 @@ impl Map {
             };
             if bodies.is_empty() {
                 bodies = self.draw(isa, range.clone())?;
-                for (index, (pixel, _)) in self.pixels_and_samples(range.clone()).enumerate() {
-                    if self.pixels[pixel as usize].possible {
-                        memory::push(MEASURES, &mut samples, index)?;
+                for (index, place) in self.pixels_and_samples(range.clone()).enumerate() {
+                    if !self.pixels[place.0 as usize].possible {
+                        continue;
+                    }
+                    memory::push(MEASURES, &mut samples, index)?;
+                    if self.check.takes(self.counter(place)[1]) {
+                        memory::push(MEASURES, &mut checked, index)?;
                     }
                 }
             }
@@ -169,19 +207,16 @@ impl Map {
             let watched = Watched { map: self, criterion, axis: measure.axis, is_stopped: false };
             let run = Run { cross_check: false, isa, interrupt };
             watched.integrate((&bodies, range.start), &samples, run, &mut outcomes)?;
-            if self.calls_functions() {
-                let mut again = memory::filled(MEASURES, bodies.len(), None)?;
-                let run = Run { cross_check: true, ..run };
-                watched.integrate((&bodies, range.start), &samples, run, &mut again)?;
-                let pairs = outcomes.iter_mut().flatten().zip(again.iter().flatten());
-                for (own, again) in pairs {
-                    own.steps += again.steps;
-                    if !measure.agree(measure.of_run(own), measure.of_run(again), self.t_end) {
-                        own.class = Class::Failed;
-                    }
-                }
-            }
-            all.push(outcomes);
+            let mut again = memory::filled(MEASURES, bodies.len(), None::<Outcome>)?;
+            let run = Run { cross_check: true, ..run };
+            watched.integrate((&bodies, range.start), &checked, run, &mut again)?;
+            let own = outcomes.iter().zip(&again).map(|(first, second)| {
+                let (first, second) = (first.as_ref()?, second.as_ref().filter(|second| second.was_run()));
+                let other = second.map(|second| measure.of_run(second));
+                let value = measure.compared(measure.of_run(first), other, self.t_end);
+                Some(Own { value, steps: first.steps + second.map_or(0, |second| second.steps) })
+            });
+            all.push(memory::collected(MEASURES, bodies.len(), own)?);
         }
         Ok(all)
     }

@@ -18,7 +18,7 @@ pub use criterion::Criterion;
 pub use draw::{Laws, Mixed};
 pub use interval::{clopper_pearson, clopper_pearson_of_each};
 pub use joined::{Condition, Logic, MOST_CONDITIONS};
-pub use measure::{Measure, Quantity};
+pub use measure::{Measure, Quantity, Value};
 pub use regular::{DEVIATIONS, PARTS, Rule, SECOND as SECOND_OF_GROWTH, deviation_start};
 pub use request::{Map, MethodChoice, Pixel};
 pub use sketch::{Bin, Sketch};
@@ -36,6 +36,7 @@ use check::Runs;
 use classify::ClosedFormClassifier;
 use integrate::{RUNS, Run};
 use joined::Joined;
+use measure::Own;
 use statistics::Sample;
 use std::ops::{Deref, Range};
 use std::slice;
@@ -166,7 +167,7 @@ impl Map {
                 for (number, sketch) in sketches[first..].iter_mut().enumerate() {
                     let (value, steps) = self.value(number, sample, &measured, at);
                     statistics.steps += steps;
-                    if let Err(error) = sketch.add(value) {
+                    if let Err(error) = sketch.add(&value) {
                         added = Err(error);
                     }
                 }
@@ -183,19 +184,18 @@ impl Map {
         Ok((pixels, sketches))
     }
 
-    /// The value of a measure of a sample, and the steps of its own run.
+    /// The value of a measure of a sample, and the steps of its own runs.
     #[inline(always)]
     fn value(
         &self,
         number: usize,
         sample: &Sample,
-        measured: &[Vec<Option<Outcome>>],
+        measured: &[Vec<Option<Own>>],
         at: usize,
-    ) -> (f64, u64) {
+    ) -> (Value, u64) {
         let own = measured[number].get(at).and_then(Option::as_ref);
-        let value =
-            self.measures[number].value(sample, own, self.calls_functions() && self.logic.is_single());
-        (value, own.map_or(0, |own| own.steps))
+        let of_growth = self.conditions.iter().any(|one| one.criterion.rule().is_some());
+        (self.measures[number].value(sample, own, of_growth), own.map_or(0, |own| own.steps))
     }
 
     /// Samples of strictly ascending flat numbers: each with its classification and the outcome of its first run, with the
@@ -248,11 +248,11 @@ impl Map {
         threads: usize,
         isa: Isa,
         interrupt: &Interrupt,
-    ) -> Result<(Vec<f64>, Vec<u64>), Error> {
+    ) -> Result<(Vec<Value>, Vec<u64>), Error> {
         const VALUES: &str = "values of the samples";
         let measures = self.measures.len();
         let parts = parts(flat, |sample, later| later == sample + 1)?;
-        let values = memory::filled(VALUES, flat.len().saturating_mul(measures), f64::NAN)?;
+        let values = memory::filled(VALUES, flat.len().saturating_mul(measures), Value::NONE)?;
         let all = Mutex::new((values, memory::filled(VALUES, flat.len(), 0)?));
         over_blocks(0..parts.len() as u64, threads, interrupt, |part| {
             let part = parts[part as usize].clone();

@@ -5,6 +5,7 @@
 //! changes a bit. (The bins are those of an HDR histogram; compare DDSketch, C. Masson, J. E. Rim, H. K. Lee, Proc. VLDB
 //! Endow. 12 (2019) 2195, doi 10.14778/3352063.3352135.)
 
+use super::Value;
 use crate::error::Error;
 use crate::memory;
 
@@ -29,16 +30,21 @@ pub struct Bin {
     pub sum: u128,
     /// Sum of their squares.
     pub squares: u128,
+    /// Bits of the largest error of the values, which are in the order of the errors; [`Bin::UNKNOWN`] if none is known.
+    pub error: i64,
 }
 
 impl Bin {
     /// The numbers of a bin as a file has them.
-    pub const LEN: usize = 8;
+    pub const LEN: usize = 9;
 
-    fn of(value: f64) -> Bin {
-        let bits = value.abs().to_bits();
+    /// The bits of no error: below all others, and those of a NaN.
+    pub const UNKNOWN: i64 = -1;
+
+    fn of(value: &Value) -> Bin {
+        let bits = value.number.abs().to_bits();
         let (key, offset) = ((bits >> REST) as i32, bits & ((1 << REST) - 1));
-        let is_negative = value < 0.0;
+        let is_negative = value.number < 0.0;
         let wide = u128::from(offset);
         Bin {
             key: if is_negative { -1 - key } else { key },
@@ -46,6 +52,7 @@ impl Bin {
             ends: [offset; 2],
             sum: wide,
             squares: wide * wide,
+            error: if value.error.is_nan() { Bin::UNKNOWN } else { value.error.to_bits() as i64 },
         }
     }
 
@@ -55,6 +62,7 @@ impl Bin {
         // Below 2^92 each: 2^36 values fit, more than a map computes in a lifetime.
         self.sum = self.sum.saturating_add(other.sum);
         self.squares = self.squares.saturating_add(other.squares);
+        self.error = self.error.max(other.error);
     }
 
     /// The numbers of the bin.
@@ -62,7 +70,7 @@ impl Bin {
         let halves = |wide: u128| [wide as i64, (wide >> 64) as i64];
         let ([s0, s1], [q0, q1]) = (halves(self.sum), halves(self.squares));
         let [least, largest] = self.ends.map(|end| end as i64);
-        [self.key.into(), self.count as i64, least, largest, s0, s1, q0, q1]
+        [self.key.into(), self.count as i64, least, largest, s0, s1, q0, q1, self.error]
     }
 
     /// The bin with these numbers.
@@ -70,14 +78,15 @@ impl Bin {
     /// # Errors
     /// If no finite values have them.
     pub fn from_numbers(numbers: [i64; Bin::LEN]) -> Result<Bin, Error> {
-        let [key, count, least, largest, s0, s1, q0, q1] = numbers;
+        let [key, count, least, largest, s0, s1, q0, q1, error] = numbers;
         let wide = |low: i64, high: i64| u128::from(low as u64) | u128::from(high as u64) << 64;
         // The keys of infinities.
         let above = (f64::INFINITY.to_bits() >> REST) as i64;
         let is_bin = (-above..above).contains(&key)
             && count > 0
             && (0..1 << REST).contains(&least)
-            && (least..1 << REST).contains(&largest);
+            && (least..1 << REST).contains(&largest)
+            && (Bin::UNKNOWN..f64::INFINITY.to_bits() as i64).contains(&error);
         if !is_bin {
             let (value, rule) = (format!("{numbers:?}"), "must be numbers of finite values");
             return Err(Error::Value { argument: "a bin", value, rule });
@@ -88,6 +97,7 @@ impl Bin {
             ends: [least as u64, largest as u64],
             sum: wide(s0, s1),
             squares: wide(q0, q1),
+            error,
         })
     }
 }
@@ -101,8 +111,8 @@ impl Sketch {
     pub const NONE: Sketch = Sketch(Vec::new());
 
     /// Adds a value; what is not finite is none.
-    pub fn add(&mut self, value: f64) -> Result<(), Error> {
-        if value.is_finite() { self.put(&Bin::of(value)) } else { Ok(()) }
+    pub fn add(&mut self, value: &Value) -> Result<(), Error> {
+        if value.number.is_finite() { self.put(&Bin::of(value)) } else { Ok(()) }
     }
 
     /// Makes room for more bins.
@@ -145,7 +155,9 @@ mod tests {
         let values = [3.5, -2.0, 0.0, -0.0, 1e-310, -1e300, 3.5, 3.51, f64::NAN, f64::INFINITY, 7.0];
         let of = |values: &mut dyn Iterator<Item = f64>| {
             let mut sketch = Sketch::NONE;
-            values.for_each(|value| sketch.add(value).unwrap());
+            // Errors that some bodies have, others in the same bin larger ones, and others none.
+            let error = |number: f64| if number > 0.0 { 1e-9 * number } else { f64::NAN };
+            values.for_each(|number| sketch.add(&Value { number, error: error(number) }).unwrap());
             sketch
         };
         let whole = of(&mut values.into_iter());
@@ -157,7 +169,9 @@ mod tests {
         assert!(whole.bins().is_sorted_by_key(|bin| bin.key));
         for bin in whole.bins() {
             assert_eq!(Bin::from_numbers(bin.numbers()).unwrap(), *bin);
-            for (place, wrong) in [(0, 1 << 17), (1, 0), (1, -1), (2, -1), (2, 1 << REST), (3, 1 << REST)] {
+            for (place, wrong) in
+                [(0, 1 << 17), (1, 0), (1, -1), (2, -1), (2, 1 << REST), (3, 1 << REST), (8, -2)]
+            {
                 let mut numbers = bin.numbers();
                 numbers[place] = wrong;
                 assert!(Bin::from_numbers(numbers).is_err(), "{numbers:?}");

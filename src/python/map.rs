@@ -10,7 +10,7 @@ use crate::float_environment::FloatEnvironment;
 use crate::forces::Forces;
 use crate::map::{
     Bin, Check, Class, Column, Condition, Criterion, Field, Laws, Logic, Map, Measure, MethodChoice, Mixed,
-    NO_VERDICT, Outcome, Pixel, Sketch, Statistics, Verdict, clopper_pearson_of_each,
+    NO_VERDICT, Outcome, Pixel, Sketch, Statistics, Value, Verdict, clopper_pearson_of_each,
 };
 use crate::memory;
 use crate::sample::{Given, Law};
@@ -223,14 +223,22 @@ impl MapStatistics {
         Ok(())
     }
 
-    /// Adds values of a measure, each of a pixel; what is not finite is none.
-    fn add(&self, measure: usize, pixels: Aligned1<'_, u64>, values: Aligned1<'_, f64>) -> PyResult<()> {
+    /// Adds values of a measure with their errors, each of a pixel; a value that is not finite is none, an error that is
+    /// NaN is not known.
+    fn add(
+        &self,
+        measure: usize,
+        pixels: Aligned1<'_, u64>,
+        values: Aligned1<'_, f64>,
+        errors: Aligned1<'_, f64>,
+    ) -> PyResult<()> {
         let _standard = FloatEnvironment::standard();
-        let (pixels, values) = (pixels.as_array(), values.as_array());
+        let (pixels, values, errors) = (pixels.as_array(), values.as_array(), errors.as_array());
         same_length("values", pixels.len(), values.len())?;
+        same_length("errors", pixels.len(), errors.len())?;
         let mut all = self.all.lock().expect("no thread panics while it holds the statistics");
         let sketches = &mut all.1;
-        for (&pixel, &value) in pixels.iter().zip(values) {
+        for ((&pixel, &number), &error) in pixels.iter().zip(values).zip(errors) {
             let at = usize::try_from(pixel).ok().and_then(|pixel| pixel.checked_mul(self.measures));
             let place = at.filter(|_| measure < self.measures).and_then(|at| sketches.get_mut(at + measure));
             let place = place.ok_or_else(|| Error::Value {
@@ -238,7 +246,7 @@ impl MapStatistics {
                 value: format!("{pixel} of measure {measure}"),
                 rule: "must be pixels and measures of the map",
             })?;
-            place.add(value)?;
+            place.add(&Value { number, error: if error.is_finite() { error.abs() } else { f64::NAN } })?;
         }
         Ok(())
     }
@@ -251,8 +259,8 @@ impl MapStatistics {
         Ok(dict)
     }
 
-    /// The bins of the sketches of each measure, (n, 9) each: pixel; key, count, least and largest offset; sum of the
-    /// offsets and of their squares, in two halves each.
+    /// The bins of the sketches of each measure, (n, 10) each: pixel; key, count, least and largest offset; sum of the
+    /// offsets and of their squares, in two halves each; the bits of the largest error, -1 if none is known.
     fn bins<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyArray2<i64>>>> {
         let all = self.all.lock().expect("no thread panics while it holds the statistics");
         bins_by_measure(py, &all.1, self.measures)
@@ -439,8 +447,8 @@ impl MapRequest<'_> {
     }
 }
 
-/// The values of the measures of samples, a row a sample, and the steps of their runs.
-type ValuesAndSteps<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray1<u64>>);
+/// The values of the measures of samples and their errors, a row a sample, and the steps of their runs.
+type ValuesAndSteps<'py> = ([Bound<'py, PyArray2<f64>>; 2], Bound<'py, PyArray1<u64>>);
 
 /// A number of an outcome and its name.
 type OutcomeNumber = (&'static str, fn(&Outcome) -> f64);
@@ -558,8 +566,8 @@ impl MapJob {
         ])
     }
 
-    /// The values of the measures of samples, numbered pixel by pixel in ascending order, sample by sample, and the steps of
-    /// their runs. What follows from a classification is NaN: nothing is classified.
+    /// The values of the measures of samples, numbered pixel by pixel in ascending order, sample by sample, and their errors;
+    /// and the steps of their runs. What follows from a classification is NaN: nothing is classified.
     fn measured<'py>(
         &self,
         py: Python<'py>,
@@ -570,8 +578,10 @@ impl MapJob {
         let (values, steps) = interruptible_calls(py, None, self.map.calls_functions(), |interrupt| {
             self.map.values_at(&flat, &[], threads.max(1), self.isa, interrupt)
         })??;
-        let values = values.into_pyarray(py).reshape([flat.len(), self.map.measures.len()])?;
-        Ok((values, steps.into_pyarray(py)))
+        let shape = [flat.len(), self.map.measures.len()];
+        let numbers = convert::column(py, &values, |value| value.number)?.reshape(shape)?;
+        let errors = convert::column(py, &values, |value| value.error)?.reshape(shape)?;
+        Ok(([numbers, errors], steps.into_pyarray(py)))
     }
 
     /// What became of samples, numbered pixel by pixel in ascending order: the arrays of `unknown_outcomes`, with the bits
@@ -592,7 +602,8 @@ impl MapJob {
             Ok::<_, Error>((known, values))
         })??;
         let dict = write_outcomes(py, &all)?;
-        dict.set_item("measures", values.into_pyarray(py).reshape([flat.len(), self.map.measures.len()])?)?;
+        let shape = [flat.len(), self.map.measures.len()];
+        dict.set_item("measures", convert::column(py, &values, |value| value.number)?.reshape(shape)?)?;
         let shape = [flat.len(), self.map.conditions.len()];
         let class = convert::column(py, &parts, |&(class, _)| class as u8)?;
         dict.set_item("part_class", class.reshape(shape)?)?;

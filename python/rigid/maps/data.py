@@ -156,7 +156,7 @@ class MapData:
     ) -> Self:
         """The result that follows from the counted arrays, whose names :data:`STORED` lists.
 
-        ``bins`` are the histograms of the measures, (n, 9) each, as the core gives them; by
+        ``bins`` are the histograms of the measures, (n, 10) each, as the core gives them; by
         default of no values.
         Columns that are not given, as those that are not saved, are NaN.
         """

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from ..solve.dataset import as_dataset
 from .counts import GROWTH
 from .data import COLUMNS, STATUS, MapData
+from .measured import NUMBERS
 from .refine import refined
 from .spec import MapSpec
 
@@ -39,7 +40,7 @@ def map_dataset(data: MapData) -> xarray.Dataset:
     }
     for name, measured in data.measures.items():
         plain = name.replace("(", "_").replace(")", "").replace("-", "minus")
-        for number in ("mean", "std", "least", "largest", "count"):
+        for number in NUMBERS:
             unit = "1" if number == "count" else measured.measure.unit
             about = {"long_name": f"{number} of the {measured.measure.words}", "units": unit}
             arrays[f"{plain}_{number}"] = (dimensions, getattr(measured, number), about)
@@ -61,7 +62,7 @@ def map_table(data: MapData) -> dict[str, NDArray[Any]]:
     }
     columns |= {name: getattr(data, name) for name in _array_attributes(data.spec)}
     for name, measured in data.measures.items():
-        for number in ("mean", "std", "least", "largest", "count"):
+        for number in NUMBERS:
             columns[f"{number} of {name}"] = getattr(measured, number)
     return columns
 

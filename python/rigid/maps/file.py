@@ -290,7 +290,7 @@ def _read_array(
 
 def _check_bins(name: str, rows: Bins, done: NDArray[np.int64]) -> None:
     """Refuse a histogram that no computation can give for pixels with so many bodies."""
-    pixel, key, count, least, largest, low, high, _, square_high = rows.T
+    pixel, key, count, least, largest, low, high, _, square_high, error = rows.T
     steps = np.diff(pixel), np.diff(key)
     magnitude = np.where(key < 0, -1 - key, key)
     finite = 0x7FF << 6
@@ -302,6 +302,7 @@ def _check_bins(name: str, rows: Bins, done: NDArray[np.int64]) -> None:
         (count < 1, "must count values"),
         ((least < 0) | (least > largest) | (largest >= 2**46), "offsets out of their bin"),
         ((high < 0) | (square_high < 0), "must not be negative"),
+        ((error < -1) | (error >= 0x7FF << 52), "has an error that is no number"),
         ((sums + slack < count * least.astype(np.float64)), "sum below its least values"),
         ((sums - slack > count * largest.astype(np.float64)), "sum above its largest values"),
         (

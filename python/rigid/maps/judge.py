@@ -46,7 +46,7 @@ UPWARD = np.array([0.0, 0.0, 1.0])
 """The vertical in space."""
 
 _DRIFTS = ("energy_drift", "momentum_drift", "unit_drift")
-_OF_BOTH_RUNS = ("checked", "steps_of_both")
+_OF_BOTH_RUNS = ("checked", "steps_of_both", "errors")
 
 
 def is_adaptive(spec: MapSpec, method: str) -> bool:
@@ -115,7 +115,10 @@ class CustomJob:
             part = self._counted(flat, found)
             pixel = (flat // count - first).astype(np.uint64)
             for measure in range(measures):
-                statistics.add(measure, pixel, np.ascontiguousarray(found["measures"][:, measure]))
+                values, errors = (
+                    np.ascontiguousarray(found[name][:, measure]) for name in ("measures", "errors")
+                )
+                statistics.add(measure, pixel, values, errors)
             pixels = len(part["nanoseconds"])
             part["nanoseconds"][:] = 1e9 * (time.thread_time() - began) / pixels
             part["pixels"] -= first
@@ -156,6 +159,7 @@ class CustomJob:
             "checked": np.zeros(count, dtype=np.bool_),
             "steps_of_both": np.zeros(count, dtype=np.int64),
             "measures": np.empty((count, 0)),
+            "errors": np.empty((count, 0)),
         }
         possible = self.status[row] == 0
         begins, checked = self._request.first, self._request.checked
@@ -192,7 +196,8 @@ class CustomJob:
         self, flat: NDArray[np.int64], found: dict[str, NDArray[Any]], threads: int
     ) -> None:
         """The values of the measures of bodies, with extra runs for the measures that need them."""
-        found["measures"], steps = self._drawing.measured(flat.astype(np.uint64), threads)
+        both, steps = self._drawing.measured(flat.astype(np.uint64), threads)
+        found["measures"], found["errors"] = both
         found["steps_of_both"] += steps.astype(np.int64)
         for place, one in enumerate(self._spec.measure):
             if one.name == "drift":

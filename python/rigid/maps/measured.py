@@ -17,14 +17,18 @@ from numpy.typing import ArrayLike, NDArray
 from .._checks.arguments import brief, numbers
 from ..model.measures import Measure
 
-__all__ = ["BIN", "Measured", "Measures"]
+__all__ = ["BIN", "NUMBERS", "Measured", "Measures"]
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-BIN = 9
-"""Numbers of a bin: pixel, key, count, least and largest offset, and the sums of the offsets and of
-their squares. Each sum is stored as two halves of 64 bits."""
+BIN = 10
+"""Numbers of a bin: pixel, key, count, least and largest offset, the sums of the offsets and of
+their squares, and the largest error. Each sum is stored as two halves of 64 bits; the error as its
+bits, or -1 if none is known."""
+
+NUMBERS = ("mean", "std", "least", "largest", "count", "error")
+"""The numbers of a measure that tables have."""
 
 _REST = 46
 """Bits of the mantissa that are offsets in a bin."""
@@ -39,7 +43,7 @@ class Measured:
     Attributes
     ----------
     measure : Measure
-    bins : ndarray of int64, shape (n, 9)
+    bins : ndarray of int64, shape (n, 10)
         The histogram as the core gives it, sorted by pixel and value.
     """
 
@@ -82,6 +86,14 @@ class Measured:
         """The largest value, NaN without values."""
         rows = self.bins[self._last]
         return self._where(_values(rows[:, 1], np.where(rows[:, 1] < 0, rows[:, 3], rows[:, 4])))
+
+    @cached_property
+    def error(self) -> Floats:
+        """The largest difference of the two runs of a body; NaN where no body was run twice."""
+        if not len(self.bins):
+            return self._where(np.empty(0))
+        # Bits of -1 are a NaN, and the bits of positive numbers have their order.
+        return self._where(np.maximum.reduceat(self.bins[:, 9], self._first).view(np.float64))
 
     @property
     def mean(self) -> Floats:
@@ -223,7 +235,7 @@ def _moments_of(bins: Ints) -> tuple[float, float]:
     The unit of the sum is 2^-1074, the unit of the squares 2^-2148.
     """
     count = total = squares = 0
-    for _, key, number, _, _, low, high, square_low, square_high in bins.tolist():
+    for _, key, number, _, _, low, high, square_low, square_high, _ in bins.tolist():
         magnitude = -1 - key if key < 0 else key
         field, lead = magnitude >> 6, magnitude & 63
         begin, shift = (lead | (64 if field else 0)) << _REST, max(field - 1, 0)

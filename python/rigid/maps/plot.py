@@ -19,7 +19,7 @@ from ..drawing.figure import axes_to_draw_on, shown_figure
 from ..model.criteria import Regular
 from ..solve.methods import AUTO
 from .data import MapData
-from .measured import Measures
+from .measured import NUMBERS, Measures
 from .parameters import Axis
 from .spec import MapSpec
 from .theory import Curve, Theory, predict
@@ -134,8 +134,8 @@ def plot_map(
         Draw the borders of the cells of a refined map.
     what : str, optional
         ``"share"``; ``"cost"``: the processor time of each pixel (s); or a number of a measure:
-        ``"mean of flips"``; ``std``, ``least``, ``largest``, ``count`` or ``median`` in place of
-        ``mean``, or ``"quantile 0.9 of flips"``; or of a map of :func:`rigid.regular`
+        ``"mean of flips"``; ``std``, ``least``, ``largest``, ``count``, ``error`` or ``median`` in
+        place of ``mean``, or ``"quantile 0.9 of flips"``; or of a map of :func:`rigid.regular`
         ``"exponent"``, ``"mean_megno"`` or ``"largest_exponent"``. Lines of theory belong to the
         share.
     at : dict of str to float, optional
@@ -282,7 +282,8 @@ def _field(data: MapData, what: object) -> tuple[Floats | None, str]:
 
 def _measured(measures: Measures, what: object) -> tuple[Floats, str]:
     """A number of a measure, and its label."""
-    found = re.fullmatch(r"(mean|std|least|largest|count|median|quantile (\S+)) of (.+)", str(what))
+    pattern = rf"({'|'.join(NUMBERS)}|median|quantile (\S+)) of (.+)"
+    found = re.fullmatch(pattern, str(what))
     if found is None or not isinstance(what, str):
         raise ValueError(
             f"what = {brief(what)}: must be one of 'share', 'cost', 'exponent', 'mean_megno', "

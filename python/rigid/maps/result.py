@@ -74,7 +74,7 @@ class StabilityMap(MapData):
         Bodies done, the sum of the four classes.
     measures : Measures
         The requested measures by name: ``result.measures["time_to_leave"].mean``,
-        ``.std``, ``.least``, ``.largest``, ``.count`` and ``.quantile(q)``; see
+        ``.std``, ``.least``, ``.largest``, ``.count``, ``.error`` and ``.quantile(q)``; see
         :class:`rigid.maps.measured.Measured`.
     share : ndarray
         ``stable / (stable + unstable)``, NaN if there are none.
@@ -599,7 +599,8 @@ class StabilityMap(MapData):
     def to_csv(self, path: str | os.PathLike[str]) -> Path:
         """Write a tidy table: a row for each pixel, with its axes, share, interval and counts.
 
-        The mean, standard deviation, least and largest value of each measure are columns too.
+        The mean, standard deviation, least and largest value of each measure, the number of its
+        values and their largest error are columns too.
 
         Parameters
         ----------

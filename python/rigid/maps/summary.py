@@ -124,15 +124,23 @@ def _exponents(data: MapData) -> str:
 def _measured(data: MapData, measured: Measured) -> str:
     bodies, mean, least, largest = measured.totals()
     unit = "" if measured.measure.unit == "1" else f" {measured.measure.unit}"
-    asked = (
-        data.unstable if measured.measure.name == "time_to_leave" else data.samples - data.failed
-    )
-    without = int(asked.sum()) - bodies if data.spec.is_called else 0
-    undecided = f", {without:,} undecided: a shorter step helps" if without else ""
+    rest = f", {without:,} undecided" if (without := _undecided(data, measured)) else ""
     if not bodies:
-        return f"{measured.measure}: of no body{undecided}"
+        return f"{measured.measure}: of no body{rest}"
     text = f"mean {mean:.4g}{unit}, from {least:.4g} to {largest:.4g}{unit}"
-    return f"{measured.measure}: {text}, of {bodies:,} bodies{undecided}"
+    known = measured.error[~np.isnan(measured.error)]
+    error = f", error at most {known.max():.1e}{unit}" if known.size else ""
+    return f"{measured.measure}: {text}{error}, of {bodies:,} bodies{rest}"
+
+
+def _undecided(data: MapData, measured: Measured) -> int:
+    """Bodies without a value whose verdict says that they have one."""
+    name, spec = measured.measure.name, data.spec
+    is_joined = len(spec.stable.leaves) > 1
+    if name == "drift" or spec.check == 0.0 or (name == "time_to_leave" and is_joined):
+        return 0
+    asked = data.unstable if name == "time_to_leave" else data.samples - data.failed
+    return max(int((asked - measured.count).sum()), 0)
 
 
 def _drift(data: MapData) -> str:

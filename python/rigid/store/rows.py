@@ -52,7 +52,7 @@ BIN_ROW = np.dtype(
         (name, "<i8")
         for name in (
             *("unit", "measure", "key", "count", "least", "largest"),
-            *("sum_low", "sum_high", "squares_low", "squares_high"),
+            *("sum_low", "sum_high", "squares_low", "squares_high", "error"),
         )
     ]
 )
@@ -61,7 +61,7 @@ numbers of the bin; see :mod:`rigid.maps.measured`."""
 
 Rows = NDArray[np.void]
 Bins = NDArray[np.int64]
-"""Bins as numbers, shape (n, 10), in the order of unit, measure and key."""
+"""Bins as numbers, shape (n, 11), in the order of unit, measure and key."""
 
 NO_BINS: Bins = np.empty((0, 1 + BIN), np.int64)
 
@@ -77,7 +77,7 @@ class Block(NamedTuple):
     rows : ndarray of ROW
     nanoseconds : ndarray of float32
         The processor time of each.
-    bins : ndarray of int64, shape (n, 10)
+    bins : ndarray of int64, shape (n, 11)
         The values of the measures in the order of the units; none if the map measures nothing.
     """
 

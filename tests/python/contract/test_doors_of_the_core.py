@@ -95,8 +95,9 @@ def test_there_may_be_more_threads_than_numbers() -> None:
 
 
 PART = {**_core.MapStatistics(1).arrays(), "pixels": np.array([0])}
-BIN = [0, 65472, 2, 0, 10, 10, 0, 100, 0]
-"""Row of the part; key, count, offsets from 0 to 10, and the halves of their sum and squares."""
+BIN = [0, 65472, 2, 0, 10, 10, 0, 100, 0, -1]
+"""Row of the part; key, count, offsets from 0 to 10, the halves of their sum and squares, and no
+error."""
 
 
 def changed(place: int, value: int) -> dict[str, Any]:
@@ -115,13 +116,14 @@ def changed(place: int, value: int) -> dict[str, Any]:
         (changed(2, -2), r"a bin = \[65472, -2, .*: must be numbers of finite values"),
         (changed(3, 11), r"a bin = \[65472, 2, 11, 10, .*: must be numbers of finite values"),
         (changed(4, 1 << 46), r"a bin = .*: must be numbers of finite values"),
+        (changed(9, 0x7FF << 52), r"a bin = .*: must be numbers of finite values"),
     ],
 )
 def test_a_part_that_is_refused_changes_no_statistics(part: dict[str, Any], words: str) -> None:
     statistics = _core.MapStatistics(1, 1)
     statistics.merge(changed(1, 65473))
     arrays, bins = statistics.arrays(), statistics.bins()
-    assert (arrays["stable"].tolist(), bins[0].shape) == ([7], (2, 9))
+    assert (arrays["stable"].tolist(), bins[0].shape) == ([7], (2, 10))
     with pytest.raises(ValueError, match=words):
         statistics.merge(part)
     for name, values in statistics.arrays().items():

@@ -124,6 +124,75 @@ def test_mean_rates_of_other_methods(method: str) -> None:
     )
 
 
+FINE: dict[str, Any] = {"method": "taylor20", "step": 0.01, "check": 0.0}
+"""Steps whose errors are rounding."""
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {},
+        {"method": "rk4", "step": 0.05},
+        {"method": "dop853"},
+        {"method": "taylor12", "step": 0.6},
+    ],
+    ids=str,
+)
+def test_the_stated_error_is_that_of_the_worst_body(options: dict[str, Any]) -> None:
+    result = measured(**options)
+    values, truths = each_body(result), each_body(measured(**FINE))
+    for one, mine, true in zip(result.measures.values(), values, truths, strict=True):
+        if one.measure.name == "drift":
+            assert np.isnan(one.error).all()
+            continue
+        worst = np.nanmax(np.abs(mine - true), axis=1)
+        # The second run has an error of its own: its steps are made for rounding.
+        np.testing.assert_allclose(one.error, worst, rtol=1e-3, atol=1e-13, err_msg=str(one))
+    assert result.measures["mean_rate(1)"].error.min() > 0.0
+
+
+def test_a_chaotic_body_whose_runs_part_has_no_value() -> None:
+    chosen: dict[str, Any] = {"t_end": 100.0, "samples": 200}
+    result, single = measured(**chosen), measured(**chosen, check=0.0)
+    truths = each_body(measured(**chosen, **{**FINE, "step": 0.005}))
+    place = [*result.measures].index("mean_rate(1)")
+    values, alone = each_body(result)[place], each_body(single)[place]
+    has = ~np.isnan(values)
+    np.testing.assert_array_equal(values[has], alone[has])
+    # To a thousandth of a radian in the whole time, at least.
+    close = np.abs(alone - truths[place]) <= 1e-3 * np.maximum(np.abs(truths[place]), 0.01)
+    np.testing.assert_array_equal(has, close)
+    assert 0 < np.count_nonzero(~has) < has.size / 10
+    (told,) = (line for line in result.summary().splitlines() if "mean_rate(1)" in line)
+    assert told.endswith(f"of {has.sum()} bodies, {np.count_nonzero(~has)} undecided")
+    assert np.isnan(single.measures["mean_rate(1)"].error).all()
+    assert "undecided" not in single.summary().split("measured", 1)[1]
+
+
+def test_the_error_is_that_of_the_bodies_that_are_checked() -> None:
+    half, first = measured(check=0.5), measured(samples=SAMPLES // 2)
+    for name in ("time_to_leave", "largest_tilt", "mean_rate(1)"):
+        np.testing.assert_array_equal(half.measures[name].error, first.measures[name].error)
+        assert (half.measures[name].count >= first.measures[name].count).all()
+    # What two deviation vectors show at different times is not compared.
+    chaotic = measured(stable=rigid.regular(), t_end=200.0, samples=20)
+    assert chaotic.measures["time_to_leave"].count.any()
+    assert np.isnan(chaotic.measures["time_to_leave"].error).all()
+
+
+def test_times_of_joined_criteria_are_compared() -> None:
+    chosen: dict[str, Any] = {"stable": rigid.tilt_below(0.6) & rigid.spin_above(1.9, axis=3)}
+    rough = {"method": "rk4", "step": 0.1}
+    values, truths = (
+        each_body(measured(**chosen, **rough))[0],
+        each_body(measured(**chosen, **FINE))[0],
+    )
+    alone = each_body(measured(**chosen, **rough, check=0.0))[0]
+    has = ~np.isnan(values)
+    np.testing.assert_allclose(values[has], truths[has], rtol=1.001e-3)
+    assert np.count_nonzero(np.abs(alone - truths) > 1e-3 * truths) > 0
+
+
 def test_a_free_body_about_its_axis_turns_at_its_spin() -> None:
     result = rigid.stability_map(
         rigid.FreeBody,
@@ -221,6 +290,7 @@ def test_measures_survive_files(tmp_path: Path) -> None:
         (0, 6, 2**30, "sum above its largest values"),
         (1, 1, 0, "must be sorted"),
         (0, 2, None, "more values than bodies in pixel 0"),
+        (0, 9, -2, "has an error that is no number"),
     ],
 )
 def test_damaged_bins_are_refused(
@@ -230,7 +300,7 @@ def test_damaged_bins_are_refused(
     (one,) = result.measures.values()
     if value is None:
         # Twenty times as many of the same value.
-        one.bins[row, 2:] *= [50, 1, 1, 50, 50, 50, 50]
+        one.bins[row, 2:9] *= [50, 1, 1, 50, 50, 50, 50]
         one.bins[row, 3:7] = [0, 0, 0, 0]
     else:
         one.bins[row, column] = value
@@ -249,6 +319,7 @@ def test_another_build_is_noticed() -> None:
 
 def test_pictures_show_any_number() -> None:
     result = measured(samples=20)
+    assert result.plot(what="error of largest_tilt").get_ylabel() == "error of largest_tilt (rad)"
     assert result.plot(what="mean of drift").get_ylabel() == "mean of drift"
     label = result.plot(what="quantile 0.9 of time_to_leave").get_ylabel()
     assert label == "quantile 0.9 of time_to_leave (s)"
