@@ -281,7 +281,7 @@ impl Forces {
                 values: of_one(&self.values, self.times.len().max(1), body).unwrap_or(&[]),
             },
             damping: of_one(&self.dampings, 1, body).map_or(Damping::NONE, |one| Damping(one[0])),
-            further: of_one(&self.further, 1, body).map_or(Further::NONE, |one| one[0]),
+            further: of_one(&self.further, 1, body).map_or(&Further::NONE, |one| &one[0]),
             function: self.function.as_ref().map(|function| function.of(body)),
         }
     }
@@ -319,7 +319,7 @@ pub struct BodyForces<'a> {
     /// Linear damping.
     pub damping: Damping,
     /// The further forces.
-    pub further: Further<f64>,
+    pub further: &'a Further<f64>,
     /// The function that returns a torque.
     pub function: Option<TorqueCall<'a>>,
 }
@@ -327,7 +327,7 @@ pub struct BodyForces<'a> {
 impl<'a> BodyForces<'a> {
     /// No forces.
     pub const NONE: BodyForces<'static> =
-        BodyForces { table: Table::NONE, damping: Damping::NONE, further: Further::NONE, function: None };
+        BodyForces { table: Table::NONE, damping: Damping::NONE, further: &Further::NONE, function: None };
 
     /// Whether nothing acts. A table of zeros acts.
     pub fn is_none(&self) -> bool {
@@ -350,7 +350,7 @@ impl<'a> BodyForces<'a> {
             damping: self.damping.0,
             rates,
             modes,
-            further: self.further,
+            further: *self.further,
             function: self.function.map(|function| function.from(time)),
             change: ParameterChange::none(),
         }

@@ -570,6 +570,11 @@ impl Bounded for Orbit<f64> {
     }
 
     fn start(&self, time: f64, variables: &mut [f64]) {
+        // Of a body on no orbit: Kepler's equation takes as long as many steps.
+        if self.is_none() && self.0[2] == 0.0 {
+            variables[..2].copy_from_slice(&[1.0, 0.0]);
+            return;
+        }
         let mean = self.rate().mul_add(time, self.0[2]);
         let (sin, cos) = sincos(self.eccentric_anomaly(mean));
         variables[..2].copy_from_slice(&[cos, sin]);

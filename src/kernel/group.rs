@@ -197,6 +197,13 @@ impl Group {
         group
     }
 
+    /// Makes all lanes inactive.
+    pub fn clear(&mut self) {
+        if self.used > 0 {
+            *self = Group::inactive();
+        }
+    }
+
     /// Whether only the first lane has been loaded.
     pub(super) fn is_of_one(&self) -> bool {
         self.used == 1

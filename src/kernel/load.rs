@@ -5,7 +5,7 @@ use super::{Compiled, System};
 use crate::forces::{BodyForces, ForcesInterval, Further};
 use crate::kinematics::{attitude_of_rows, dot, to_body_frame};
 use crate::method::{Method, Step, Variables};
-use crate::observe::{self, Bound, Deviation};
+use crate::observe::{self, Bound, Deviation, Observed};
 use crate::scene::{Parameters, Scene};
 use crate::simd::Row;
 use crate::start::{Body, VERTICAL};
@@ -260,6 +260,9 @@ pub fn load(group: &mut Group, lane: usize, compiled: Compiled, assignment: Kern
         widen_scales(group, lane, kernel.system, body, rate);
     }
     group.unit.0[lane] = 0.0;
+    if kernel.observed == Observed::Nothing {
+        return;
+    }
     let at = kernel.system.observed_at();
     let direction = [y[at], y[at + 1], y[at + 2]];
     let (mut rates, mut momentum) = ([y[0], y[1], y[2]], [y[0], y[1], y[2]]);

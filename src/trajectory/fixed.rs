@@ -6,7 +6,8 @@ use super::{
     steps_of_legs,
 };
 use crate::error::Error;
-use crate::kernel::{Entry, Job, drive, load, unload};
+use crate::kernel::{Entry, Group, Job, drive, load, unload};
+use crate::memory;
 use crate::method::Method;
 use crate::observe::{Deviation, Observed};
 use crate::parallel::Interrupt;
@@ -28,18 +29,21 @@ pub fn simulate(
 ) -> Result<Effort, Error> {
     let count = request.bodies.len();
     let ways = Integration::of_block(request, method, 0..count)?;
+    let steps =
+        memory::collected("steps of the bodies", count, (0..count).map(|b| steps_of_legs(request, b)))?;
     let kind = |index: usize| ways[index].kind();
-    let blocks = blocks(count, threads, |index| (kind(index), steps_of_legs(request, index)))?;
+    let blocks = blocks(count, threads, |index| (kind(index), steps[index]))?;
     // The bits of a body do not depend on the others of its group.
     over_blocks_of(request, &blocks, states, threads, stop, |block, mut states| {
         states.forget();
+        let mut lanes = Group::inactive();
         for mut members in kinds_in(block.clone(), kind)? {
             // A group makes the steps of the body that needs most.
-            members.sort_unstable_by_key(|&member| steps_of_legs(request, block.start + member));
+            members.sort_unstable_by_key(|&member| steps[block.start + member]);
             for group in members.chunks(LANES) {
                 let own = &ways[block.clone()];
                 let compiled = LegGroup::compiled(request, own[group[0]], Observed::Nothing, isa);
-                let legs = LegGroup::new(request, own, block.start, group, compiled, 1, stop)?;
+                let legs = LegGroup::new(request, own, block.start, group, compiled, (&mut lanes, 1), stop)?;
                 FixedJob { legs, states: &mut states, loaded: 0, last: [[0.0; 4]; LANES], stop }.run()?;
             }
         }
@@ -89,14 +93,14 @@ impl FixedJob<'_, '_> {
     fn record(&mut self, lane: usize, state: usize, moved: bool) {
         let legs = &self.legs;
         let (request, member) = (legs.request, legs.members[lane]);
-        let mut now = unload(&legs.lanes, lane, legs.compiled, legs.way(lane).assignment);
+        let mut now = unload(legs.lanes, lane, legs.compiled, legs.way(lane).assignment);
         if !moved {
             // Through the momenta and back, the rates would return rounded.
             now.omega = legs.body(lane).omega;
             now.tangent = now.tangent.map(|_| request.record.deviation_of(legs.index(lane)));
         }
         let at = member * request.schedule.len() + state;
-        self.states.record(member, at, &now, (invariants_at_start(&legs.lanes, lane), &mut self.last[lane]));
+        self.states.record(member, at, &now, (invariants_at_start(legs.lanes, lane), &mut self.last[lane]));
     }
 }
 
@@ -115,7 +119,7 @@ impl Job for FixedJob<'_, '_> {
         let own = legs.request.forces_of(index).further.start(0.0);
         let entry = Entry { deviation, own, ..Entry::unobserved(body, legs.forced_rate(lane), 0.0) };
         let assignment = legs.way(lane).assignment;
-        load(&mut legs.lanes, lane, legs.compiled, assignment, &entry);
+        load(legs.lanes, lane, legs.compiled, assignment, &entry);
         Ok(Some(Moving { moved: false }))
     }
 
@@ -128,7 +132,7 @@ impl Job for FixedJob<'_, '_> {
         lanes.sort_unstable_by_key(|&lane| legs.legs[lane].steps);
         legs.set_steps(0);
         if legs.compiled.is_processed() {
-            legs.compiled.enter(&mut legs.lanes);
+            legs.compiled.enter(legs.lanes);
         }
         let (mut done, mut at_rest) = (0, 0);
         for (i, &lane) in lanes.iter().enumerate() {
@@ -153,7 +157,7 @@ impl Job for FixedJob<'_, '_> {
         }
         if legs.compiled.is_processed() {
             legs.set_steps(0);
-            legs.compiled.leave(&mut legs.lanes);
+            legs.compiled.leave(legs.lanes);
         }
         Ok(())
     }

@@ -120,9 +120,11 @@ pub fn growth(
             } else {
                 (deviations.count, LANES / deviations.count)
             };
+            let mut lanes = Group::inactive();
             for members in alike.chunks(together) {
+                let lanes = (&mut lanes, lanes_each);
                 let job = GrowthJob {
-                    legs: LegGroup::new(request, &ways, block.start, members, compiled, lanes_each, stop)?,
+                    legs: LegGroup::new(request, &ways, block.start, members, compiled, lanes, stop)?,
                     deviations,
                     part: &mut part,
                     loaded: 0,
@@ -193,7 +195,7 @@ impl Job for GrowthJob<'_, '_> {
         let each = &self.deviations.each[legs.index(b) * count..][..count];
         for j in 0..legs.lanes_each {
             let entry = Entry { deviation: each[j], ..Entry::unobserved(body, rate, 0.0) };
-            load(&mut legs.lanes, lane + j, legs.compiled, assignment, &entry);
+            load(legs.lanes, lane + j, legs.compiled, assignment, &entry);
         }
         for (rows, deviation) in legs.lanes.further.iter_mut().zip(&each[legs.lanes_each..]) {
             let start = assignment.deviation(deviation, body).start;
@@ -277,7 +279,7 @@ impl GrowthJob<'_, '_> {
     fn read(&self, b: usize) -> (Deviation, [f64; 3], [[f64; 6]; MAX_DEVIATIONS]) {
         let (legs, count) = (&self.legs, self.deviations.count);
         let system = legs.compiled.kernel().system;
-        let (gamma, deviations) = read(&legs.lanes, system, legs.lane(b), count);
+        let (gamma, deviations) = read(legs.lanes, system, legs.lane(b), count);
         (self.norm(b), gamma, deviations)
     }
 
@@ -286,14 +288,14 @@ impl GrowthJob<'_, '_> {
         let (norm, legs) = (self.norm(b), &mut self.legs);
         let (lane, is_damped) = (legs.lane(b), legs.way(b).forces.act);
         let system = legs.compiled.kernel().system;
-        settle(&mut legs.lanes, system, lane, &norm, is_damped, &mut self.frames[b]);
+        settle(legs.lanes, system, lane, &norm, is_damped, &mut self.frames[b]);
     }
 
     /// Writes the growth of a body, number `at` of all.
     fn record(&mut self, b: usize, at: usize) {
         let (norm, gamma, deviations) = self.read(b);
         let (count, member, lane) = (self.deviations.count, self.legs.members[b], self.legs.lane(b));
-        let (group, part) = (&self.legs.lanes, &mut *self.part);
+        let (group, part) = (&*self.legs.lanes, &mut *self.part);
         let rows = group.observed_in(lane);
         part.logs[LOGS * at..][..LOGS].copy_from_slice(&Growth::logs(&rows));
         let deviations = &deviations[..count];

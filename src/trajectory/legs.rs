@@ -3,7 +3,7 @@
 
 use super::{Integration, Request, Schedule};
 use crate::error::Error;
-use crate::forces::BodyForces;
+use crate::forces::Table;
 use crate::kernel::{Compiled, ForcesRows, Group, Kernel, reset_time};
 use crate::memory;
 use crate::method::AnyMethod;
@@ -87,11 +87,14 @@ struct Layer {
 const PART: f64 = 0.25;
 
 impl Layer {
-    /// The layer at the start of a body whose steps do not follow its damping.
-    fn of(request: &Request, body: usize) -> Option<Layer> {
+    /// The layer at the start of a body whose steps do not follow its damping. Backward in time damping ends nothing.
+    fn of(request: &Request, body: usize, backward: bool) -> Option<Layer> {
         let AnyMethod::Steps(method) = request.method else { return None };
+        if backward || !method.damps_exactly() {
+            return None;
+        }
         let forces = request.forces_of(body);
-        if !method.damps_exactly() || forces.is_none() {
+        if forces.is_none() {
             return None;
         }
         let [.., rate] = forces.damping.rates(request.bodies[body].moments);
@@ -116,8 +119,8 @@ struct Stops<'a> {
     schedule: &'a Schedule<'a>,
     /// The times of the body; none if its steps are counted.
     times: &'a [f64],
-    forces: BodyForces<'a>,
-    /// Backward in time damping ends nothing.
+    /// The torque whose knots end legs.
+    table: Table<'a>,
     layer: Option<Layer>,
     backward: bool,
     from: f64,
@@ -127,12 +130,12 @@ struct Stops<'a> {
 
 impl<'a> Stops<'a> {
     fn new(request: &'a Request, body: usize, backward: bool) -> Self {
-        let (schedule, forces) = (&request.schedule, request.forces_of(body));
+        let (schedule, table) = (&request.schedule, request.forces_of(body).table);
         let times = schedule.times_of(body).unwrap_or_default();
         let split = times.partition_point(|&t| t < 0.0);
         let left = if backward { 0..split } else { split..schedule.len() };
-        let layer = if backward { None } else { Layer::of(request, body) };
-        Stops { schedule, times, forces, layer, backward, from: 0.0, left }
+        let layer = Layer::of(request, body, backward);
+        Stops { schedule, times, table, layer, backward, from: 0.0, left }
     }
 }
 
@@ -148,14 +151,14 @@ impl Iterator for Stops<'_> {
         }
         let (from, to) = (self.from, self.times[state]);
         let is_before = |&knot: &f64| if self.backward { knot > to } else { knot < to };
-        let knot = self.forces.table.next_knot(from, self.backward).filter(is_before);
+        let knot = self.table.next_knot(from, self.backward).filter(is_before);
         if let Some(layer) = &mut self.layer {
             let end = layer.end_after(from);
             if end < knot.unwrap_or(to) {
                 self.from = end;
                 return Some(Stop { from, end: End::At(end), state: None });
             }
-            if let Some(since) = knot.filter(|&knot| self.forces.table.jumps_at(knot)) {
+            if let Some(since) = knot.filter(|&knot| self.table.jumps_at(knot)) {
                 *layer = Layer { since, next: layer.first, ..*layer };
             }
         }
@@ -172,6 +175,12 @@ impl Iterator for Stops<'_> {
     }
 }
 
+/// Whether all of some values are equal.
+fn are_equal<T: PartialEq>(mut values: impl Iterator<Item = T>) -> bool {
+    let first = values.next();
+    values.all(|value| Some(value) == first)
+}
+
 /// The next stops of all lanes. Tables of torques share their knots: with equal times and layers the stops are equal
 /// too, and are found once.
 struct GroupStops<'a> {
@@ -181,15 +190,14 @@ struct GroupStops<'a> {
 impl<'a> GroupStops<'a> {
     fn new(
         request: &'a Request,
-        bodies: impl ExactSizeIterator<Item = usize>,
+        bodies: impl ExactSizeIterator<Item = usize> + Clone,
         backward: bool,
     ) -> Result<Self, Error> {
-        let (count, stops) = (bodies.len(), bodies.map(|body| Stops::new(request, body, backward)));
-        let mut each = memory::collected("stops of a group", count, stops)?;
         let has_own_times = matches!(request.schedule, Schedule::TimesOfEach(..));
-        if !has_own_times && each.iter().all(|stops| stops.layer == each[0].layer) {
-            each.truncate(1);
-        }
+        let mut each = memory::reserved("stops of a group", bodies.len())?;
+        let layers = bodies.clone().map(|body| Layer::of(request, body, backward));
+        let count = if !has_own_times && are_equal(layers) { 1 } else { bodies.len() };
+        each.extend(bodies.take(count).map(|body| Stops::new(request, body, backward)));
         Ok(GroupStops { each })
     }
 
@@ -228,7 +236,7 @@ pub(super) struct LegGroup<'a> {
     pub(super) members: &'a [usize],
     pub(super) compiled: Compiled,
     pub(super) lanes_each: usize,
-    pub(super) lanes: Group,
+    pub(super) lanes: &'a mut Group,
     /// `None` if no forces act, and no parameter is changed.
     forces_rows: Option<Box<ForcesRows<'a>>>,
     /// The steps of each body; `None` if they are too many, and the body is not moved.
@@ -250,7 +258,7 @@ impl<'a> LegGroup<'a> {
         first: usize,
         members: &'a [usize],
         compiled: Compiled,
-        lanes_each: usize,
+        (lanes, lanes_each): (&'a mut Group, usize),
         stop: &Interrupt,
     ) -> Result<Self, Error> {
         let is_changing = ways[members[0]].forces.act || request.record.is_sensitivity();
@@ -263,7 +271,7 @@ impl<'a> LegGroup<'a> {
             members,
             compiled,
             lanes_each,
-            lanes: Group::inactive(),
+            lanes,
             forces_rows: is_changing.then(|| Box::new(ForcesRows::NONE)),
             steps: [Some(0); LANES],
             backward: false,
@@ -326,9 +334,12 @@ impl<'a> LegGroup<'a> {
     /// Puts the stops of all bodies at the begin of a direction of time. Whether there are any.
     pub(super) fn begin(&mut self, backward: bool) -> Result<bool, Error> {
         self.backward = backward;
-        self.lanes = Group::inactive();
         self.stops = self.stops(backward)?;
-        Ok(!self.stops.is_over())
+        if self.stops.is_over() {
+            return Ok(false);
+        }
+        self.lanes.clear();
+        Ok(true)
     }
 
     /// Sets the legs to the next stops, and the forces on them. A body with too many steps stays.
@@ -347,7 +358,7 @@ impl<'a> LegGroup<'a> {
             for lane in self.lanes_of(b) {
                 rows.set(lane, &interval);
                 if self.is_forced() {
-                    reset_time(&mut self.lanes, self.compiled.kernel().system, lane);
+                    reset_time(self.lanes, self.compiled.kernel().system, lane);
                 }
             }
         }
@@ -362,7 +373,7 @@ impl<'a> LegGroup<'a> {
     /// Advances all lanes by some steps.
     pub(super) fn advance(&mut self, steps: u64) {
         let rows = self.forces_rows.as_deref().unwrap_or(&NO_FORCES);
-        self.compiled.advance(&mut self.lanes, rows, steps as usize);
+        self.compiled.advance(self.lanes, rows, steps as usize);
     }
 
     /// Sets the steps of the lanes that move on after some steps, and makes the others inactive.
