@@ -251,7 +251,7 @@ class Motion:
         *,
         method: str,
         time: float,
-        unit: float,
+        units: NDArray[np.float64],
         threads: int,
     ) -> Motion: ...
     @property

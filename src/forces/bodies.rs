@@ -286,6 +286,11 @@ impl Forces {
         }
     }
 
+    /// The function that returns a torque.
+    pub fn function(&self) -> Option<&TorqueFunction> {
+        self.function.as_ref()
+    }
+
     /// Whether nothing acts on any body.
     pub fn is_none(&self) -> bool {
         (0..self.bodies()).all(|body| self.of(body).is_none())

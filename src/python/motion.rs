@@ -1,7 +1,7 @@
 //! Bodies that Python moves step by step.
 
 use super::bodies::Bodies;
-use super::convert::{Aligned2, interruptible_calls, rows};
+use super::convert::{Aligned1, Aligned2, copied, interruptible_calls, rows, same_length};
 use super::unraisable::carrying;
 use crate::float_environment::FloatEnvironment;
 use crate::memory;
@@ -21,8 +21,8 @@ const FEW: usize = 64;
 #[pyclass(name = "Motion", module = "rigid._core")]
 pub struct PyMotion {
     motion: Motion,
-    /// The unit of moments and weight: a torque is divided by it.
-    unit: f64,
+    /// The unit of moments and weight of each body, or of all: a torque is divided by it.
+    units: Vec<f64>,
     threads: usize,
     /// Whether steps call functions.
     calls: bool,
@@ -31,27 +31,37 @@ pub struct PyMotion {
 #[pymethods]
 impl PyMotion {
     #[new]
-    #[pyo3(signature = (bodies, *, method, time, unit, threads))]
-    fn new(bodies: Bodies<'_>, method: &str, time: f64, unit: f64, threads: usize) -> PyResult<Self> {
+    #[pyo3(signature = (bodies, *, method, time, units, threads))]
+    fn new(
+        bodies: Bodies<'_>,
+        method: &str,
+        time: f64,
+        units: Aligned1<'_, f64>,
+        threads: usize,
+    ) -> PyResult<Self> {
         let _standard = FloatEnvironment::standard();
         let all = bodies.all()?;
+        let units = copied("units", &units)?;
+        if units.len() != 1 {
+            same_length("units", all.len(), units.len())?;
+        }
         let forces = bodies.forces(all.len())?.copied()?;
         let calls = forces.of(0).function.is_some();
         let motion =
             Motion::new(&all, time, bodies.scene()?, Method::parse(method)?, forces, Isa::current()?)?;
-        Ok(PyMotion { motion, unit, threads, calls })
+        Ok(PyMotion { motion, units, threads, calls })
     }
 
     /// The numbers of the steps of each body, and whether a torque has been applied; see `restore`.
     fn numbers<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyArray2<f64>>, bool)> {
-        let (all, forced) = self.motion.numbers()?;
+        let (all, pushed) = self.motion.numbers()?;
         let n = all.len();
-        Ok((all.into_flattened().into_pyarray(py).reshape([n, NUMBERS])?, forced))
+        Ok((all.into_flattened().into_pyarray(py).reshape([n, NUMBERS])?, pushed))
     }
 
     /// Sets the bodies to the numbers of a motion that began alike.
-    fn restore(&mut self, numbers: Aligned2<'_, f64>, forced: bool) -> PyResult<()> {
-        Ok(self.motion.restore(rows::<NUMBERS>("numbers", &numbers)?, forced)?)
+    fn restore(&mut self, numbers: Aligned2<'_, f64>, pushed: bool) -> PyResult<()> {
+        Ok(self.motion.restore(rows::<NUMBERS>("numbers", &numbers)?, pushed)?)
     }
 
     /// The present time.
@@ -84,19 +94,29 @@ impl PyMotion {
         let dt: f64 = dt.extract().map_err(no_number)?;
         let Some(torque) = torque else { return self.make(py, dt, &[]) };
         if let Ok(torque) = torque.extract::<[f64; 3]>() {
-            return self.make(py, dt, &[torque.map(|x| x / self.unit)]);
+            return self.push(py, dt, &[torque]);
         }
         let array: Aligned2<'_, f64> = torque
             .extract()
             .map_err(|_| PyTypeError::new_err(format!("torque = {torque}: must be real numbers")))?;
-        let torques = rows::<3>("torque", &array)?;
-        let scaled = torques.iter().map(|torque| torque.map(|x| x / self.unit));
-        let torques = memory::collected("torques", torques.len(), scaled)?;
-        self.make(py, dt, &torques)
+        self.push(py, dt, rows::<3>("torque", &array)?)
     }
 }
 
 impl PyMotion {
+    /// Makes one step under torques that are not divided by the units yet.
+    fn push(&mut self, py: Python<'_>, dt: f64, torques: Torques) -> PyResult<Option<f64>> {
+        let scaled = |(torque, unit): (&[f64; 3], &f64)| torque.map(|x| x / unit);
+        if let ([unit], [torque]) = (&self.units[..], torques) {
+            return self.make(py, dt, &[scaled((torque, unit))]);
+        }
+        // A single torque or unit is that of all bodies.
+        let count = if torques.len() == 1 { self.units.len() } else { torques.len() };
+        let pairs = torques.iter().cycle().zip(self.units.iter().cycle());
+        let torques = memory::collected("torques", count, pairs.map(scaled))?;
+        self.make(py, dt, &torques)
+    }
+
     fn make(&mut self, py: Python<'_>, dt: f64, torques: Torques) -> PyResult<Option<f64>> {
         let PyMotion { motion, threads, calls, .. } = self;
         if motion.passes_many_knots(dt) {

@@ -1,13 +1,12 @@
 //! Bodies that are moved step by step, under a torque that may change at each step.
 
-use super::neighbours;
+use super::kinds_in;
 use crate::error::Error;
-use crate::forces::ForceSet;
-use crate::forces::{BodyForces, Forces, ForcesInterval, TorqueCall};
+use crate::forces::{ForceSet, Forces, TorqueFunction};
 use crate::kernel::{Compiled, Entry, ForcesRows, Group, Kernel, MAX_STATE};
 use crate::kernel::{KernelAssignment, Needs, System, load, reset_time, unload};
 use crate::memory;
-use crate::method::Method;
+use crate::method::{Method, Step};
 use crate::observe::Observed;
 use crate::parallel::{Interrupt, over_blocks};
 use crate::scene::Scene;
@@ -22,9 +21,12 @@ pub const NUMBERS: usize = 2 * MAX_STATE + 7;
 pub struct Motion {
     scene: &'static Scene,
     method: &'static Method,
-    /// Torque and damping of the scene, which has one for all bodies; without any that of a torque of zero once a
-    /// torque has been applied.
+    /// The forces of the scene.
     forces: Forces,
+    /// Whether a torque has been applied: all bodies are then integrated as forced ones.
+    is_pushed: bool,
+    /// What acts on any of the bodies.
+    acting: ForceSet,
     isa: Isa,
     /// The time now.
     time: f64,
@@ -33,10 +35,14 @@ pub struct Motion {
     /// Whether a step has turned a body by more than the method bears.
     is_too_long: bool,
     groups: Vec<MovingGroup>,
+    /// The group of each body, and its lane.
+    places: Vec<[usize; 2]>,
 }
 
-/// Neighbouring bodies that one kernel moves.
+/// Bodies that one kernel moves.
 struct MovingGroup {
+    /// Their indices among all.
+    members: Vec<usize>,
     /// The bodies with their present rates and attitudes.
     bodies: Vec<Body>,
     assignments: Vec<KernelAssignment>,
@@ -44,14 +50,17 @@ struct MovingGroup {
     lanes: Group,
     /// The forces on the lanes, without a function, which would borrow its data from `Motion`.
     forces_rows: Option<Box<ForcesRows<'static>>>,
-    /// The forces on each body, if it does not change; without the torque of a step.
-    constant: Vec<ForcesInterval<'static, f64>>,
+    /// The torque on each body without that of a step, if no force on it changes: then the other rows do not change.
+    constant: Vec<[f64; 3]>,
     /// The longest part of the last step.
     longest: f64,
 }
 
 /// The torque of a step in body axes: none, one for all bodies, or one for each.
 pub type Torques<'a> = &'a [[f64; 3]];
+
+/// What the bodies are called if they do not fit into memory.
+const BODIES: &str = "bodies in motion";
 
 const LOST: &str = "the attitude is no rotation any more, because the steps are too long for the method, or the numbers \
     for doubles; the motion is lost, begin it again with shorter steps";
@@ -83,19 +92,22 @@ impl Motion {
         isa: Isa,
     ) -> Result<Motion, Error> {
         method.check(scene, false)?;
-        if forces.bodies() > 1 {
-            let (expected, got) = ("one row for all bodies".into(), format!("{} rows", forces.bodies()));
+        if forces.bodies() > 1 && forces.bodies() != bodies.len() {
+            let (expected, got) = (format!("{} rows", bodies.len()), format!("{} rows", forces.bodies()));
             return Err(Error::Shape { argument: "forces", expected, got });
         }
         let mut motion = Motion {
             scene,
             method,
             forces,
+            is_pushed: false,
+            acting: ForceSet::NONE,
             isa,
             time,
             damping_rate: 0.0,
             is_too_long: false,
             groups: Vec::new(),
+            places: Vec::new(),
         };
         motion.load(bodies)?;
         Ok(motion)
@@ -107,42 +119,41 @@ impl Motion {
     /// # Errors
     /// If the numbers do not fit into memory.
     pub fn numbers(&self) -> Result<(Vec<[f64; NUMBERS]>, bool), Error> {
-        let mut all = memory::reserved("numbers of the bodies", self.len())?;
-        for group in &self.groups {
-            let rows = || group.lanes.state.iter().chain(&group.lanes.compensation);
-            for (lane, body) in group.bodies.iter().enumerate() {
-                let mut numbers = [0.0; NUMBERS];
-                let own = body.omega.into_iter().chain(body.attitude);
-                let every = rows().map(|row| row.0[lane]).chain(own);
-                numbers.iter_mut().zip(every).for_each(|(to, number)| *to = number);
-                all.push(numbers);
-            }
+        let mut all = memory::reserved(BODIES, self.len())?;
+        for &[group, lane] in &self.places {
+            let MovingGroup { lanes: Group { state, compensation, .. }, bodies, .. } = &self.groups[group];
+            let mut numbers = [0.0; NUMBERS];
+            let own = bodies[lane].omega.into_iter().chain(bodies[lane].attitude);
+            let every = state.iter().chain(compensation).map(|row| row.0[lane]).chain(own);
+            numbers.iter_mut().zip(every).for_each(|(to, number)| *to = number);
+            all.push(numbers);
         }
-        Ok((all, !self.forces.is_none()))
+        Ok((all, self.is_pushed))
     }
 
     /// Sets the bodies to the numbers of another motion of the same request.
     ///
     /// # Errors
     /// If there are not as many, or the bodies do not fit into memory.
-    pub fn restore(&mut self, all: &[[f64; NUMBERS]], forced: bool) -> Result<(), Error> {
+    pub fn restore(&mut self, all: &[[f64; NUMBERS]], pushed: bool) -> Result<(), Error> {
         if all.len() != self.len() {
             let (expected, got) = (self.len().to_string(), all.len().to_string());
             return Err(Error::Shape { argument: "numbers", expected, got });
         }
-        if forced && self.forces.is_none() {
-            self.begin_forces()?;
+        if pushed {
+            self.push()?;
         }
-        let mut all = all.iter();
-        for group in &mut self.groups {
-            for ((lane, body), numbers) in group.bodies.iter_mut().enumerate().zip(&mut all) {
-                let Group { state, compensation, .. } = &mut group.lanes;
-                let rows = state.iter_mut().chain(compensation).map(|row| &mut row.0[lane]);
-                let every = rows.chain(&mut body.omega).chain(&mut body.attitude);
-                every.zip(numbers).for_each(|(to, number)| *to = *number);
-            }
-        }
+        all.iter().enumerate().for_each(|(body, numbers)| self.set_numbers(body, numbers));
         Ok(())
+    }
+
+    fn set_numbers(&mut self, body: usize, numbers: &[f64; NUMBERS]) {
+        let [group, lane] = self.places[body];
+        let MovingGroup { lanes: Group { state, compensation, .. }, bodies, .. } = &mut self.groups[group];
+        let rows = state.iter_mut().chain(compensation).map(|row| &mut row.0[lane]);
+        let body = &mut bodies[lane];
+        let every = rows.chain(&mut body.omega).chain(&mut body.attitude);
+        every.zip(numbers).for_each(|(to, number)| *to = *number);
     }
 
     /// The present time.
@@ -152,17 +163,17 @@ impl Motion {
 
     /// Number of bodies.
     pub fn len(&self) -> usize {
-        self.groups.iter().map(|group| group.bodies.len()).sum()
+        self.places.len()
     }
 
     /// Whether there are no bodies.
     pub fn is_empty(&self) -> bool {
-        self.groups.is_empty()
+        self.places.is_empty()
     }
 
     /// The bodies with their present rates and attitudes.
     pub fn bodies(&self) -> impl Iterator<Item = &Body> {
-        self.groups.iter().flat_map(|group| &group.bodies)
+        self.places.iter().map(|&[group, lane]| &self.groups[group].bodies[lane])
     }
 
     /// Makes one step: the torque is added to that of the scene and does not change during the step. Where a table of
@@ -197,31 +208,25 @@ impl Motion {
         if !end.is_finite() {
             return refused("dt", dt.to_string(), "the time would leave the range of doubles");
         }
-        if !torques.is_empty() || !self.forces.is_none() {
+        if !torques.is_empty() || self.acting.act {
             self.check_forced(begin, dt)?;
         }
-        if !torques.is_empty() && self.forces.is_none() {
-            self.begin_forces()?;
+        if !torques.is_empty() {
+            self.push()?;
         }
         let never = Interrupt::never();
         let (before, stop) = match self.passes_many_knots(dt) {
             true => (Some(self.numbers()?), stop),
             false => (None, &never),
         };
-        let forces = self.forces.of(0);
+        let forces = &self.forces;
         // Below some 100 microseconds of work a thread is not worth its start.
         let threads = if n < 1000 { 1 } else { threads };
-        let mut first = 0;
-        let groups = self.groups.iter_mut().map(|group| {
-            let torques = if torques.len() > 1 { &torques[first..][..group.bodies.len()] } else { torques };
-            first += group.bodies.len();
-            (group, torques)
-        });
-        let made = over_blocks(groups, threads, stop, |(group, torques)| {
+        let made = over_blocks(self.groups.iter_mut(), threads, stop, |group| {
             group.step(forces, [begin, dt], torques, stop)
         });
-        if let (Err(_), Some((numbers, forced))) = (&made, before) {
-            self.restore(&numbers, forced)?;
+        if let (Err(_), Some((numbers, pushed))) = (&made, before) {
+            self.restore(&numbers, pushed)?;
         }
         made?;
         self.time = end;
@@ -248,40 +253,63 @@ impl Motion {
     /// Refuses what `trajectory::simulate` refuses of forced bodies.
     fn check_forced(&self, begin: f64, dt: f64) -> Result<(), Error> {
         self.method.forced_limit()?;
-        self.method.check_forces(self.forces.of(0).into())?;
+        self.method.check_forces(ForceSet { act: true, ..self.acting })?;
         for time in [begin, begin + dt] {
             self.forces.of(0).table.check_reaches(time)?;
         }
         self.method.check_damping(None, dt.abs(), self.damping_rate)
     }
 
-    /// Loads the bodies anew into kernels of forced bodies.
-    fn begin_forces(&mut self) -> Result<(), Error> {
-        let bodies = memory::collected("bodies", self.len(), self.bodies().copied())?;
-        let zero = Forces::new(&[], &[[0.0; 3]], &[[0.0; 3]], &[[0.0; 6]])?;
-        let none = std::mem::replace(&mut self.forces, zero);
-        if let Err(error) = self.load(&bodies) {
-            self.forces = none;
-            return Err(error);
+    /// Loads the bodies that are not forced anew into kernels of forced bodies.
+    fn push(&mut self) -> Result<(), Error> {
+        if self.is_pushed {
+            return Ok(());
+        }
+        let is_forced = |&[group, _]: &[usize; 2]| self.groups[group].is_forced();
+        if self.places.iter().all(is_forced) {
+            self.is_pushed = true;
+            return Ok(());
+        }
+        let bodies = memory::collected(BODIES, self.len(), self.bodies().copied())?;
+        let were_forced = memory::collected(BODIES, self.len(), self.places.iter().map(is_forced))?;
+        let (before, _) = self.numbers()?;
+        self.is_pushed = true;
+        let loaded = self.load(&bodies);
+        if loaded.is_err() {
+            self.is_pushed = false;
+            return loaded;
+        }
+        for (body, numbers) in before.iter().enumerate().filter(|&(body, _)| were_forced[body]) {
+            self.set_numbers(body, numbers);
         }
         Ok(())
     }
 
-    /// Loads bodies into groups.
+    /// What acts on a body. An orbit is never alone: a torque may come.
+    fn forces_on(&self, body: usize) -> ForceSet {
+        let own = ForceSet::from(self.forces.of(body));
+        ForceSet { act: own.act || self.is_pushed, orbit_alone: false, ..own }
+    }
+
+    /// Loads bodies into groups of one kind.
     fn load(&mut self, bodies: &[Body]) -> Result<(), Error> {
-        let (method, scene, forced) = (self.method, self.scene, !self.forces.is_none());
-        if forced {
+        let acting = (0..bodies.len()).fold(ForceSet::NONE, |all, body| all.and(self.forces_on(body)));
+        if acting.act {
             self.check_forced(self.time, 0.0)?;
         }
-        let forces = ForceSet { act: forced, ..self.forces.of(0).into() };
-        let assignment = |body: &Body| KernelAssignment::of_either(forced, method, body, scene);
-        let ranges = neighbours(bodies.len(), LANES, |index| assignment(&bodies[index]).step)?;
-        let mut loaded = memory::reserved("groups of the bodies", ranges.len())?;
-        self.damping_rate = 0.0;
-        for range in ranges {
-            let bodies = &bodies[range];
-            let assignments =
-                memory::collected("bodies of a group", bodies.len(), bodies.iter().map(assignment))?;
+        let assignment = |body: usize, forces: ForceSet| {
+            KernelAssignment::of_either(forces.act, self.method, &bodies[body], self.scene)
+        };
+        let kind = |body: usize| -> (Step, ForceSet) {
+            let forces = self.forces_on(body);
+            (assignment(body, forces).step, forces)
+        };
+        let kinds = kinds_in(0..bodies.len(), kind)?;
+        let mut groups = Vec::new();
+        let mut places = memory::filled(BODIES, bodies.len(), [0; 2])?;
+        let mut damping_rate = 0.0_f64;
+        for members in kinds.iter().flat_map(|members| members.chunks(LANES)) {
+            let (step, forces) = kind(members[0]);
             let needs = Needs {
                 forces,
                 directions: 0,
@@ -290,45 +318,58 @@ impl Motion {
                 is_changed: false,
                 balance: true,
             };
-            let step = assignments[0].step;
-            let kernel =
-                Kernel { system: System::carrying(scene, step, needs), step, observed: Observed::Nothing };
+            let system = System::carrying(self.scene, step, needs);
+            let kernel = Kernel { system, step, observed: Observed::Nothing };
+            let count = members.len();
+            let assignments = members.iter().map(|&member| assignment(member, forces));
+            let mut rows = Box::new(ForcesRows::NONE);
             let mut group = MovingGroup {
-                bodies: memory::collected("bodies of a group", bodies.len(), bodies.iter().copied())?,
-                assignments,
+                members: memory::collected(BODIES, count, members.iter().copied())?,
+                bodies: memory::collected(BODIES, count, members.iter().map(|&member| bodies[member]))?,
+                assignments: memory::collected(BODIES, count, assignments)?,
                 compiled: Compiled::new(kernel, self.isa),
                 lanes: Group::inactive(),
-                forces_rows: Some(Box::new(ForcesRows::NONE)),
-                constant: memory::reserved("forces of a group", bodies.len())?,
+                forces_rows: None,
+                constant: memory::reserved(BODIES, count)?,
                 longest: 0.0,
             };
-            for (lane, body) in bodies.iter().enumerate() {
-                let own = self.forces.of(0).further.start(self.time);
-                let entry = Entry { own, ..Entry::unobserved(body, forced.then_some(0.0), 0.0) };
+            for (lane, (&member, body)) in members.iter().zip(&group.bodies).enumerate() {
+                places[member] = [groups.len(), lane];
+                let acting = self.forces.of(member);
+                let own = acting.further.start(self.time);
+                let entry = Entry { own, ..Entry::unobserved(body, forces.act.then_some(0.0), 0.0) };
                 load(&mut group.lanes, lane, group.compiled, group.assignments[lane], &entry);
-                if forced {
-                    self.forces.of(0).damping.check_rates(body.moments)?;
-                    let [.., rate] = self.forces.of(0).damping.rates(body.moments);
-                    self.damping_rate = self.damping_rate.max(rate);
-                    // A function is told the time.
-                    if self.forces.of(0).table.times.is_empty() && !forces.function {
-                        let interval = self.forces.of(0).interval(0.0, false, body.moments);
-                        group.constant.push(interval.with_function(None));
-                    }
+                if !forces.act {
+                    continue;
+                }
+                acting.damping.check_rates(body.moments)?;
+                let [.., rate] = acting.damping.rates(body.moments);
+                damping_rate = damping_rate.max(rate);
+                // A function is told the time.
+                if acting.table.times.is_empty() && !forces.function {
+                    let interval = acting.interval(0.0, false, body.moments);
+                    rows.set(lane, &interval.with_function(None));
+                    group.constant.push(interval.body[0]);
                 }
             }
-            loaded.push(group);
+            group.forces_rows = Some(rows);
+            memory::push(BODIES, &mut groups, group)?;
         }
-        self.groups = loaded;
+        (self.groups, self.places) = (groups, places);
+        (self.acting, self.damping_rate) = (acting, damping_rate);
         Ok(())
     }
 }
 
 impl MovingGroup {
+    fn is_forced(&self) -> bool {
+        self.compiled.kernel().system.is_forced()
+    }
+
     /// Makes one step from a time, or several with the knots of a table between them.
     fn step(
         &mut self,
-        forces: BodyForces,
+        forces: &Forces,
         times: [f64; 2],
         torques: Torques,
         stop: &Interrupt,
@@ -336,7 +377,7 @@ impl MovingGroup {
         if times[1] == 0.0 {
             return Ok(());
         }
-        if let Some(function) = forces.function {
+        if let Some(function) = forces.function() {
             return self.advance(
                 (forces, Some(function)),
                 times,
@@ -353,13 +394,15 @@ impl MovingGroup {
 
     fn advance<'f>(
         &mut self,
-        (forces, function): (BodyForces, Option<TorqueCall<'f>>),
+        (forces, function): (&Forces, Option<&'f TorqueFunction>),
         [begin, dt]: [f64; 2],
         torques: Torques,
         stop: &Interrupt,
         rows: &mut ForcesRows<'f>,
     ) -> Result<(), Error> {
         let (end, backward) = (begin + dt, dt < 0.0);
+        // All tables have the same times.
+        let table = forces.of(self.members[0]).table;
         let mut from = begin;
         self.longest = 0.0;
         // A round for each knot of the table.
@@ -368,12 +411,12 @@ impl MovingGroup {
                 return Err(Error::Stopped);
             }
             let is_before = |&knot: &f64| if backward { knot > end } else { knot < end };
-            let knot = forces.table.next_knot(from, backward).filter(is_before);
+            let knot = table.next_knot(from, backward).filter(is_before);
             let to = knot.unwrap_or(end);
             // The difference of two times would round a whole step.
             let step = if from == begin && to == end { dt } else { to - from };
             self.longest = self.longest.max(step.abs());
-            if !forces.is_none() {
+            if self.is_forced() {
                 self.apply((forces, function), (from, backward), torques, rows);
             }
             for lane in 0..self.bodies.len() {
@@ -398,24 +441,30 @@ impl MovingGroup {
     /// Sets the forces on each lane from a time on.
     fn apply<'f>(
         &mut self,
-        (forces, function): (BodyForces, Option<TorqueCall<'f>>),
+        (forces, function): (&Forces, Option<&'f TorqueFunction>),
         (time, backward): (f64, bool),
         torques: Torques,
         rows: &mut ForcesRows<'f>,
     ) {
         let system = self.compiled.kernel().system;
-        for (lane, body) in self.bodies.iter().enumerate() {
-            let interval = match self.constant.get(lane) {
-                Some(interval) => *interval,
-                None => forces.interval(time, backward, body.moments),
+        for (lane, (&member, body)) in self.members.iter().zip(&self.bodies).enumerate() {
+            let mut torque = match self.constant.get(lane) {
+                Some(torque) => *torque,
+                None => {
+                    let interval = forces.of(member).interval(time, backward, body.moments);
+                    let called = function.map(|function| function.of(member).from(time));
+                    rows.set(lane, &interval.with_function(called));
+                    interval.body[0]
+                }
             };
-            let mut interval = interval.with_function(function.map(|function| function.from(time)));
-            if let Some(torque) = torques.get(lane).or(torques.first()) {
+            if let Some(added) = torques.get(member).or(torques.first()) {
                 for k in 0..3 {
-                    interval.body[0][k] += torque[k];
+                    torque[k] += added[k];
                 }
             }
-            rows.set(lane, &interval);
+            for k in 0..3 {
+                rows.body[0][k].0[lane] = torque[k];
+            }
             reset_time(&mut self.lanes, system, lane);
         }
     }

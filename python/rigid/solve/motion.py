@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
@@ -41,7 +40,8 @@ class Motion:
     Parameters
     ----------
     scene : FreeBody, HeavyTop or Body
-        One body, with weight, applied torque and damping; many starts are many such bodies.
+        One body, with weight, applied torque and damping; many starts are many such bodies. Or n
+        bodies, which may differ in moments, weight and forces.
     omega : array_like, shape (3,) or (n, 3)
         Angular velocity at ``t0`` in the body (rad/s).
     attitude : array_like, shape (4,) or (n, 4), or scipy Rotation, optional
@@ -98,7 +98,7 @@ class Motion:
         threads: int | None = None,
         frame: ArrayLike | None = None,
     ) -> None:
-        scene = self._scene = check_scene(scene)
+        scene = self._scene = check_scene(scene, many=True)
         self._method = known_method("method", method, [method.name for method in methods()])
         check_method(
             method,
@@ -110,14 +110,15 @@ class Motion:
         bodies = bodies_of(scene, omega, attitude, frame=self._frame, rod=True)
         if len(bodies.shape) > 1:
             raise ValueError(
-                f"omega: expected shape (3,) or (n, 3), got bodies of shape {bodies.shape}"
+                f"{'scene' if len(scene.shape) > 1 else 'omega'}: expected one body or n in a row, "
+                f"got bodies of shape {bodies.shape}"
             )
         self._single, self._threads = not bodies.shape, threads
         self._core = _core.Motion(
             bodies,
             method=method,
             time=finite_float("t0", t0, unit="s"),
-            unit=math.ldexp(1.0, int(bodies.scale_exponent[0])),
+            units=np.ldexp(1.0, bodies.scale_exponent),
             threads=resolve_threads(threads),
         )
 

@@ -50,11 +50,11 @@ def test_a_force_acts_on_as_many_bodies_as_it_has_rows() -> None:
     ):
         forces.act(3)
     bodies = bodies_of(SCENE, OMEGA, None)
-    bodies.forces = forces
-    with pytest.raises(
-        ValueError, match="forces: expected shape one row for all bodies, got 2 rows"
-    ):
-        _core.Motion(bodies, method="rk4", time=0.0, unit=1.0, threads=1)
+    for rows, units, words in ((3, 1, "forces: expected"), (2, 3, "units: expected")):
+        damping = np.eye(rows, 6)
+        bodies.forces = _core.Forces(times=np.empty(0), body=none, space=none, damping=damping)
+        with pytest.raises(ValueError, match=words):
+            _core.Motion(bodies, method="rk4", time=0.0, units=np.ones(units), threads=1)
 
 
 def test_there_may_be_more_threads_than_numbers() -> None:

@@ -96,6 +96,79 @@ def test_bodies_of_one_motion_move_as_they_move_alone() -> None:
         assert together.attitude[body].tobytes() == alone.attitude.tobytes()
 
 
+MANY = 37
+
+
+def moments_of_many() -> Any:
+    """Boxes of grams and of tonnes; of each three the first is a square one."""
+    sides = np.random.default_rng(3).uniform(0.5, 2.0, (MANY, 3))
+    sides[::3, 1] = sides[::3, 0]
+    squares = sides**2
+    masses = 2.0 ** np.linspace(-20.0, 20.0, MANY).round()
+    return masses[:, None] * (squares.sum(axis=1, keepdims=True) - squares)
+
+
+def many(name: str) -> Scene:
+    """Bodies of different moments: free ones, tops, and bodies of which some feel no force."""
+    moments = moments_of_many()
+    body, sizes = rigid.Body(moments), moments.max(axis=1)
+    some = np.where(np.arange(MANY) % 4 == 0, 0.0, sizes)
+    if name == "top":
+        return rigid.HeavyTop(body, mgl=1.5 * sizes, com=(0.6, 0.0, 0.8))
+    if name == "damped":
+        return rigid.FreeBody(body, damping=some[:, None] * [0.1, 0.3, 0.2])
+    if name == "pushed":
+        torque = sizes[:, None, None] * np.array(TORQUES)
+        return rigid.FreeBody(body, torque=rigid.Torque.body(torque, times=KNOTS))
+    if name == "dragged":
+        return rigid.FreeBody(body, drag=some[:, None] * [0.2, 0.0, 0.1])
+    return rigid.FreeBody(body)
+
+
+@pytest.mark.parametrize("name", ["free", "top", "damped", "pushed", "dragged"])
+@pytest.mark.parametrize("method", ["dop853", "rk4", "splitting4"])
+def test_bodies_of_different_moments_move_as_they_move_alone(name: str, method: str) -> None:
+    scene = many(name)
+    if not moves(next(known for known in rigid.methods() if known.name == method), scene):
+        pytest.skip(f"{method} does not integrate {scene.forces}")
+    rng = np.random.default_rng(8)
+    omega = rng.normal(size=(MANY, 3))
+    torques = [None, None, moments_of_many() * rng.normal(size=(MANY, 3)), None]
+    if not next(known for known in rigid.methods() if known.name == method).forces:
+        torques = [None] * 4
+    together = rigid.Motion(scene, omega, method=method)
+    for number, torque in enumerate(torques):
+        if number == 2:  # a copy has the numbers of all
+            together = together.copy()
+        together.step(STEP, torque)
+        if number == 1:
+            t = [STEP, 2 * STEP]
+            run = rigid.simulate(scene, omega, t=t, step=STEP, method=method, check=False)
+            assert together.omega.tobytes() == run.omega[:, -1].tobytes()
+    for copied in copies(together):
+        copied.step(STEP)
+        again = together.copy()
+        again.step(STEP)
+        assert copied.omega.tobytes() == again.omega.tobytes()
+    for body in range(MANY):
+        alone = rigid.Motion(scene[body], omega[body], method=method)
+        for torque in torques:
+            alone.step(STEP, None if torque is None else torque[body])
+        assert together.omega[body].tobytes() == alone.omega.tobytes(), body
+        assert together.attitude[body].tobytes() == alone.attitude.tobytes(), body
+
+
+def test_one_torque_acts_on_bodies_of_different_moments() -> None:
+    moments = np.array([[1.0, 2.0, 2.5], [300.0, 200.0, 250.0]])
+    motion = rigid.Motion(rigid.Body(moments), [0.0, 0.0, 0.0])
+    motion.step(0.5, torque=(0.0, 0.0, 6.0))
+    np.testing.assert_allclose(motion.omega[:, 2], 0.5 * 6.0 / moments[:, 2], rtol=1e-15)
+    with pytest.raises(
+        ValueError, match=r"scene: expected one body or n in a row, got .* \(1, 2\)"
+    ):
+        rigid.Motion(rigid.Body(moments[np.newaxis]), [0.0, 0.0, 0.0])
+
+
 def test_a_torque_about_the_axis_of_a_wheel_spins_it_up_and_down() -> None:
     """`I3 w3' = N`: the rates of a Runge-Kutta method are exact but for rounding."""
     motion = rigid.Motion(rigid.FreeBody(rigid.Body((1.0, 1.0, 2.0))), [0.0, 0.0, 0.0])
