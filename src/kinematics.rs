@@ -125,27 +125,27 @@ pub fn put<R: Copy, const D: usize, const N: usize>(y: &mut [R; D], at: usize, p
 /// The quaternion, up to its sign, of the rotation matrix with this first and third row (Shepperd 1978: the largest
 /// component is computed from a square root, the others from differences over the largest).
 #[inline(always)]
-pub fn attitude_of_rows(first: &[f64; 3], third: &[f64; 3]) -> [f64; 4] {
+pub fn attitude_of_rows<R: Real>(first: &[R; 3], third: &[R; 3]) -> [R; 4] {
     let second = cross(third, first);
-    let [r0, r1, r2] = [first, &second, third];
+    let ([r0, r1, r2], one) = ([first, &second, third], R::splat(1.0));
     let squares = [
-        1.0 + r0[0] + r1[1] + r2[2],
-        1.0 + r0[0] - r1[1] - r2[2],
-        1.0 - r0[0] + r1[1] - r2[2],
-        1.0 - r0[0] - r1[1] + r2[2],
+        one + r0[0] + r1[1] + r2[2],
+        one + r0[0] - r1[1] - r2[2],
+        one - r0[0] + r1[1] - r2[2],
+        one - r0[0] - r1[1] + r2[2],
     ];
     let [wx, wy, wz] = [r2[1] - r1[2], r0[2] - r2[0], r1[0] - r0[1]];
     let [yz, zx, xy] = [r2[1] + r1[2], r0[2] + r2[0], r1[0] + r0[1]];
-    let mut largest = 0;
-    for k in 1..4 {
-        largest = if squares[k] > squares[largest] { k } else { largest };
+    let (mut parts, mut largest) = ([squares[0], wx, wy, wz], squares[0]);
+    let others = [[wx, squares[1], xy, zx], [wy, xy, squares[2], yz], [wz, zx, yz, squares[3]]];
+    for k in 0..3 {
+        let square = squares[k + 1];
+        let is_larger = largest.lt(square);
+        largest = R::select(is_larger, square, largest);
+        for i in 0..4 {
+            parts[i] = R::select(is_larger, others[k][i], parts[i]);
+        }
     }
-    let [w, x, y, z] = match largest {
-        0 => [squares[0], wx, wy, wz],
-        1 => [wx, squares[1], xy, zx],
-        2 => [wy, xy, squares[2], yz],
-        _ => [wz, zx, yz, squares[3]],
-    };
-    let scale = 0.5 / squares[largest].sqrt();
-    [w * scale, x * scale, y * scale, z * scale]
+    let scale = R::splat(0.5) / largest.sqrt();
+    [parts[0] * scale, parts[1] * scale, parts[2] * scale, parts[3] * scale]
 }

@@ -20,6 +20,18 @@ pub trait Real:
 {
     /// One boolean per lane.
     type Mask: Copy;
+    /// Number of bodies side by side.
+    const LANES: usize = 1;
+    /// Reads the first `LANES` values.
+    #[inline(always)]
+    fn load(from: &[f64]) -> Self {
+        Self::splat(from[0])
+    }
+    /// Writes the first `LANES` values.
+    #[inline(always)]
+    fn store(self, to: &mut [f64]) {
+        to[0] = self.first();
+    }
     /// All lanes set to one number.
     fn splat(x: f64) -> Self;
     /// `self * b + c`, rounded once.
@@ -64,14 +76,10 @@ pub trait Real:
     fn apart<W: Apart>(work: W);
 }
 
-/// A `Real` that is read from and written to consecutive doubles.
+/// A `Real` with a body in each lane.
 pub trait Pack: Real {
-    /// Number of bodies side by side.
-    const LANES: usize;
-    /// Reads the first `LANES` values.
-    fn load(from: &[f64]) -> Self;
-    /// Writes the first `LANES` values.
-    fn store(self, to: &mut [f64]);
+    /// Eight bodies in such registers.
+    type Eight: Pack;
 }
 
 /// A `Pack` of four lanes that can hold four numbers of one body.
@@ -179,17 +187,5 @@ impl Real for f64 {
     #[inline(never)]
     fn apart<W: Apart>(work: W) {
         work.run();
-    }
-}
-
-impl Pack for f64 {
-    const LANES: usize = 1;
-    #[inline(always)]
-    fn load(from: &[f64]) -> f64 {
-        from[0]
-    }
-    #[inline(always)]
-    fn store(self, to: &mut [f64]) {
-        to[0] = self;
     }
 }

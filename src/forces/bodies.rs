@@ -1,6 +1,8 @@
 //! `Forces`: those of one body or of many; `BodyForces`: those of one of them; `ForcesInterval`: those in a kernel.
 
-use super::{AtStart, Damping, FEWEST_STEPS, Further, Table, TorqueCall, TorqueFunction, part, table};
+use super::{
+    AtStart, Damping, FEWEST_STEPS, Further, Table, TorqueCall, TorqueCalls, TorqueFunction, part, table,
+};
 use crate::error::Error;
 use crate::memory;
 use crate::real::Real;
@@ -28,8 +30,8 @@ pub struct ForcesInterval<'a, R> {
     pub modes: [[R; 3]; 3],
     /// The further forces.
     pub further: Further<R>,
-    /// The function that returns a further torque.
-    pub function: Option<TorqueCall<'a>>,
+    /// The functions that return a further torque.
+    pub functions: Option<TorqueCalls<'a, R>>,
     /// The change of the parameters by which the body deviates, if deviation vectors are integrated.
     pub change: ParameterChange<R>,
 }
@@ -95,26 +97,26 @@ impl<R: Real> ForcesInterval<'_, R> {
             rates: [zero; 3],
             modes: [[zero; 3]; 3],
             further: Further::none(),
-            function: None,
+            functions: None,
             change: ParameterChange::none(),
         }
     }
 
-    /// The same with another function.
+    /// The same with other functions.
     #[inline(always)]
-    pub fn with_function<'b>(&self, function: Option<TorqueCall<'b>>) -> ForcesInterval<'b, R> {
+    pub fn with_functions<'b>(&self, functions: Option<TorqueCalls<'b, R>>) -> ForcesInterval<'b, R> {
         let ForcesInterval { body, space, damping, rates, modes, further, change, .. } = *self;
-        ForcesInterval { body, space, damping, rates, modes, further, function, change }
+        ForcesInterval { body, space, damping, rates, modes, further, functions, change }
     }
 
     /// The same for code of a kernel, whose types cannot name a lifetime.
     ///
     /// # Safety
-    /// As [`TorqueCall::outliving`].
+    /// As [`TorqueCalls::outliving`].
     #[inline(always)]
     pub unsafe fn outliving(&self) -> ForcesInterval<'static, R> {
         // SAFETY: the caller's promise.
-        self.with_function(self.function.map(|function| unsafe { function.outliving() }))
+        self.with_functions(self.functions.map(|functions| unsafe { functions.outliving() }))
     }
 }
 
@@ -273,6 +275,11 @@ impl Forces {
         tables.max(self.dampings.len()).max(self.further.len()).max(functions)
     }
 
+    /// How many numbers a function is given for each body.
+    pub fn function_width(&self) -> usize {
+        self.function.as_ref().map_or(0, TorqueFunction::width)
+    }
+
     /// The forces on one of the bodies.
     pub fn of(&self, body: usize) -> BodyForces<'_> {
         BodyForces {
@@ -345,8 +352,8 @@ impl<'a> BodyForces<'a> {
         self.further.acts_in_space() || self.function.is_some() || self.table.acts_in_space()
     }
 
-    /// The forces on a body with these moments from a time to the next knot, forward or backward.
-    pub fn interval(&self, time: f64, backward: bool, moments: [f64; 3]) -> ForcesInterval<'a, f64> {
+    /// The forces without functions on a body with these moments from a time to the next knot, forward or backward.
+    pub fn interval(&self, time: f64, backward: bool, moments: [f64; 3]) -> ForcesInterval<'static, f64> {
         let [[body, body_slope], [space, space_slope]] = self.table.torques(time, backward);
         let (rates, modes) = self.damping.modes(moments);
         ForcesInterval {
@@ -356,9 +363,14 @@ impl<'a> BodyForces<'a> {
             rates,
             modes,
             further: *self.further,
-            function: self.function.map(|function| function.from(time)),
+            functions: None,
             change: ParameterChange::none(),
         }
+    }
+
+    /// The function, told the time of states whose time is zero at this time.
+    pub fn function_from(&self, time: f64) -> Option<TorqueCall<'a>> {
+        self.function.map(|function| function.from(time))
     }
 
     /// Whether the gravity gradient of an orbit acts, and nothing else: not even a torque that is zero, under which a body

@@ -23,7 +23,9 @@ pub use bodies::{BodyForces, Forces, ForcesInterval, ParameterChange};
 pub use damping::{Damping, damp};
 pub use dissipation::Dissipation;
 pub use drag::Drag;
-pub use function::{FEWEST_STEPS, Function, TorqueCall, TorqueFunction};
+pub use function::{
+    EIGHT, FEWEST_STEPS, Function, FunctionOfEight, TorqueCall, TorqueCalls, TorqueFunction, TorqueRows,
+};
 pub use orbit::Orbit;
 pub use rotor::Rotor;
 pub use set::ForceSet;

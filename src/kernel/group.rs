@@ -1,6 +1,7 @@
 //! Bodies side by side: one row of numbers for each variable, one lane for each body.
 
-use crate::forces::{ForcesInterval, Further, ParameterChange, TorqueCall};
+use crate::error::Error;
+use crate::forces::{ForcesInterval, Further, ParameterChange, TorqueRows};
 use crate::observe::{MAX_ROWS, Rows, UNOBSERVED};
 use crate::real::Pack;
 use crate::simd::{LANES, Row};
@@ -85,7 +86,7 @@ pub struct ForcesRows<'a> {
     /// Changes of the numbers of the further forces.
     pub further_change: Further<Row>,
     /// The functions that return a torque.
-    pub functions: [Option<TorqueCall<'a>>; LANES],
+    pub functions: TorqueRows<'a>,
 }
 
 impl<'a> ForcesRows<'a> {
@@ -99,11 +100,19 @@ impl<'a> ForcesRows<'a> {
         further: Further::<Row>::ZERO,
         change: [Row::ZERO; ParameterChange::OWN],
         further_change: Further::<Row>::ZERO,
-        functions: [None; LANES],
+        functions: TorqueRows::NONE,
     };
 
-    /// Sets the forces on the body in a lane.
-    pub fn set(&mut self, lane: usize, interval: &ForcesInterval<'a, f64>) {
+    /// No forces, with room for so many numbers that a function is given for each body.
+    ///
+    /// # Errors
+    /// If the numbers do not fit into memory.
+    pub fn with_room(width: usize) -> Result<ForcesRows<'a>, Error> {
+        Ok(ForcesRows { functions: TorqueRows::with_room(width)?, ..ForcesRows::NONE })
+    }
+
+    /// Sets the forces without functions on the body in a lane.
+    pub fn set(&mut self, lane: usize, interval: &ForcesInterval<f64>) {
         for i in 0..2 {
             for k in 0..3 {
                 self.body[i][k].0[lane] = interval.body[i][k];
@@ -126,13 +135,12 @@ impl<'a> ForcesRows<'a> {
         for (row, number) in self.change.iter_mut().zip(numbers) {
             row.0[lane] = *number;
         }
-        self.functions[lane] = interval.function;
     }
 
     /// The lanes of a pack.
     ///
     /// # Safety
-    /// The function of the interval is not called after the end of the borrow `'a`.
+    /// The functions of the interval are not called after the end of the borrow.
     #[inline(always)]
     pub unsafe fn load<P: Pack>(&self, at: usize) -> ForcesInterval<'static, P> {
         let mut interval = ForcesInterval::none();
@@ -161,9 +169,8 @@ impl<'a> ForcesRows<'a> {
         for k in 0..6 {
             interval.change.damping[k] = P::load(&self.change[6 + k].0[at..]);
         }
-        // Only packs of one body call it.
         // SAFETY: the caller's promise.
-        interval.function = self.functions[at].map(|function| unsafe { function.outliving() });
+        interval.functions = self.functions.of(at).map(|functions| unsafe { functions.outliving() });
         interval
     }
 }

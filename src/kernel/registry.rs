@@ -8,7 +8,7 @@ use super::trial::trial_block;
 use crate::forces::ForceSet;
 use crate::method::*;
 use crate::observe::Observed;
-use crate::real::{Pack, Quad};
+use crate::real::{Pack, Quad, Real};
 use crate::scene::{
     Attitude, Axis, AxisAttitude, AxisSensitivity, AxisTangent, FREE, ForcedFrame, ForcedFrameTangent,
     ForcedRates, Free, FunctionFrame, FurtherFrame, FurtherFrameTangent, FurtherRates, Layout, Model,
@@ -225,7 +225,7 @@ macro_rules! entry_points {
 /// Whether a layout is compiled for AVX-512 too, where the engine is: forced bodies and changes of parameters are less
 /// often asked for, and gain less (benches/README.md).
 const fn gains_by_avx512<L: Layout>() -> bool {
-    !L::BALANCE && !L::CHANGED
+    (!L::BALANCE || L::FUNCTION) && !L::CHANGED
 }
 
 /// The kernels: each engine of the list of `method` with each system that the engine integrates. The first system with
@@ -311,7 +311,7 @@ macro_rules! kernels {
                     // The first, if there is one.
                     #[cfg(target_arch = "x86_64")]
                     avx512: [$({
-                        type R = $avx512;
+                        type R = <$layout as Layout>::Lanes<$avx512>;
                         type M = $model<R>;
                         let alone = kernels_of::$engine::avx512::code_alone::<V4, $model<V4>, $layout, D>();
                         if gains_by_avx512::<$layout>() {
@@ -328,7 +328,11 @@ macro_rules! kernels {
                         kernels_of::$engine::avx2::code::<R, $code, M, Alone, AloneModel, $layout, D, { LANES / R::LANES }>(alone)
                     },
                     #[cfg(plain)]
-                    scalar: kernels_of::$engine::scalar::code::<R, Alone, M, Alone, AloneModel, $layout, D, { LANES / R::LANES }>(None),
+                    scalar: {
+                        type R = <$layout as Layout>::Lanes<f64>;
+                        type M = $model<R>;
+                        kernels_of::$engine::scalar::code::<R, $code, M, Alone, AloneModel, $layout, D, { LANES / R::LANES }>(None)
+                    },
                 }
             },)*
         }

@@ -63,7 +63,7 @@ impl Watched<'_> {
                 run,
                 compiled: Compiled::new(self.kernel(*step), run.isa),
                 group: Group::inactive(),
-                forces_rows: ForcesRows::NONE,
+                forces_rows: ForcesRows::with_room(self.function_width())?,
                 target: [f64::INFINITY; LANES],
                 blocks: 0,
                 outcomes,
@@ -164,11 +164,14 @@ impl Job for MapJob<'_> {
                 Course::new(rule, norm, map.is_forced(), [steps as f64, map.t_end])
             });
             let own = forces.further.start(0.0);
-            let interval = (!forces.is_none()).then(|| forces.interval(0.0, false, body.moments));
-            let forces = interval.as_ref().map(|interval| {
-                self.forces_rows.set(lane, interval);
-                (interval, body.fastest_rate(forces, [0.0, map.t_end]))
+            let interval = (!forces.is_none()).then(|| {
+                let interval = forces.interval(0.0, false, body.moments);
+                self.forces_rows.set(lane, &interval);
+                self.forces_rows.functions.set(lane, forces.function_from(0.0));
+                interval.with_functions(self.forces_rows.functions.of(lane))
             });
+            let rate = || body.fastest_rate(forces, [0.0, map.t_end]);
+            let forces = interval.as_ref().map(|interval| (interval, rate()));
             let (limit, bound) = (map.criterion.limit(), map.criterion.bound());
             let entry = Entry { body, forces, axis: map.axis, limit, step, own, deviation, bound };
             load(&mut self.group, lane, self.compiled, assignment, &entry);

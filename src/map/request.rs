@@ -225,6 +225,11 @@ impl Map {
         self.forces.first().is_some_and(|forces| forces.of(0).function.is_some())
     }
 
+    /// How many numbers a function is given for each body.
+    pub(super) fn function_width(&self) -> usize {
+        self.forces.first().map_or(0, Forces::function_width)
+    }
+
     /// The forces on any of the samples.
     pub(super) fn forces(&self) -> ForceSet {
         let all = self.forces.iter().map(|forces| ForceSet::from(forces.of(0)));
@@ -256,6 +261,14 @@ impl Map {
         if self.forces.iter().any(|forces| !forces.of(0).table.times.is_empty()) {
             return refuse("torque", "a table".to_string(), "must be constant in a map");
         }
+        let is_like_first = |forces: &Forces| match (forces.of(0).function, self.forces[0].of(0).function) {
+            (Some(function), Some(first)) => function.is_like(&first),
+            (function, first) => function.is_none() && first.is_none(),
+        };
+        if !self.forces.iter().all(is_like_first) {
+            let rule = "one function with as many numbers moves the bodies of all pixels";
+            return refuse("torque", "functions that differ".to_string(), rule);
+        }
         for (pixel, forces) in self.pixels.iter().zip(&self.forces).filter(|(pixel, _)| pixel.possible) {
             forces.of(0).damping.check_rates(pixel.body.moments)?;
             if let Some(step) = self.step {
@@ -277,6 +290,7 @@ impl Watched<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::forces::TorqueFunction;
     use crate::scene::FREE;
 
     fn map() -> Map {
@@ -322,6 +336,27 @@ mod tests {
         for (map, words) in refused {
             let message = map.checked().unwrap_err().to_string();
             assert!(message.starts_with(words), "{message}");
+        }
+    }
+
+    #[test]
+    fn a_map_has_one_function() {
+        let called = |address, width| {
+            // SAFETY: nothing is called.
+            let function = unsafe {
+                TorqueFunction::new(address, true, vec![0.0; width], width, vec![1.0], 1.0).unwrap()
+            };
+            Forces::new(&[], &[], &[], &[]).unwrap().with_function(function).unwrap()
+        };
+        for (forces, is_right) in [
+            (vec![called(8, 2), called(8, 2)], true),
+            (vec![called(8, 2), called(16, 2)], false),
+            (vec![called(8, 2), called(8, 3)], false),
+            (vec![called(8, 2), Forces::new(&[], &[[0.0; 3]], &[[0.0; 3]], &[]).unwrap()], false),
+        ] {
+            let checked = Map { forces, ..map() }.check_forced();
+            let message = checked.err().map_or(String::new(), |error| error.to_string());
+            assert_eq!(!message.starts_with("torque = functions that differ: "), is_right, "{message}");
         }
     }
 

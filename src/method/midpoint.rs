@@ -182,17 +182,18 @@ impl<R: Real> ImplicitMidpoint<R> {
         StepConstants { step, half, torque_factor: inverse * (half * half), lever, kick, damping }
     }
 
-    /// The state after a step, and the last correction of its rotation.
+    /// The state after a step, and the last correction of its rotation, for the lanes in which `wanted` is above zero.
     #[inline(always)]
     fn moved<M: Model<R>, L: Layout, const D: usize>(
         &self,
         p: &Parameters<R>,
         constants: &StepConstants<R>,
         y: &[R; D],
+        wanted: R,
     ) -> ([R; D], R) {
         let (equation, guess) = self.equation::<M, L, D>(constants, y);
-        let (u, correction) = self.solution::<M, L>(constants, &equation, guess);
-        (self.state_after::<M, L, D>(p, constants, y, &u, &equation.gamma), correction)
+        let (u, correction) = self.solution::<M, L>(constants, &equation, guess, wanted);
+        (self.state_after::<M, L, D>(p, constants, y, (&u, &equation.gamma), wanted), correction)
     }
 
     /// The equation for the rotation of a step, and a first guess of its solution.
@@ -237,13 +238,14 @@ impl<R: Real> ImplicitMidpoint<R> {
         (Equation { start, space, gamma, first, middle, damping: matrix(&constants.damping) }, u)
     }
 
-    /// The residual of an equation at `u`, and the columns of its derivative.
+    /// The residual of an equation at `u`, and the columns of its derivative, for the lanes in which `wanted` is above zero.
     #[inline(always)]
     fn residual<M: Model<R>, L: Layout>(
         &self,
         constants: &StepConstants<R>,
         equation: &Equation<R>,
         u: &[R; 3],
+        wanted: R,
     ) -> ([R; 3], [[R; 3]; 3]) {
         let j = &self.ratios;
         let Equation { start, space, gamma, damping, .. } = equation;
@@ -296,9 +298,8 @@ impl<R: Real> ImplicitMidpoint<R> {
                 }
             }
         }
-        // A step of zero, of a body that rests, turns at no rate.
-        if L::FUNCTION && R::any(R::splat(0.0).lt(constants.half.abs())) {
-            let torque = self.function_torque(constants, equation, u);
+        if L::FUNCTION {
+            let torque = self.function_torque(constants, equation, u, wanted);
             let inverse = R::splat(1.0 / DIFFERENCE);
             for i in 0..3 {
                 residual[i] = residual[i] - torque[i];
@@ -306,7 +307,7 @@ impl<R: Real> ImplicitMidpoint<R> {
             for k in 0..3 {
                 let mut beside = *u;
                 beside[k] = u[k] + R::splat(DIFFERENCE);
-                let other = self.function_torque(constants, equation, &beside);
+                let other = self.function_torque(constants, equation, &beside, wanted);
                 for i in 0..3 {
                     a[k][i] = inverse.fnma(other[i] - torque[i], a[k][i]);
                 }
@@ -317,11 +318,17 @@ impl<R: Real> ImplicitMidpoint<R> {
 
     /// The torque of the function in the middle of a step that turns the body by `u`, as it stands in the equation.
     #[inline(always)]
-    fn function_torque(&self, constants: &StepConstants<R>, equation: &Equation<R>, u: &[R; 3]) -> [R; 3] {
+    fn function_torque(
+        &self,
+        constants: &StepConstants<R>,
+        equation: &Equation<R>,
+        u: &[R; 3],
+        wanted: R,
+    ) -> [R; 3] {
         let (turn, half) = (Turn::of(u), constants.half);
         let omega = [u[0] / half, u[1] / half, u[2] / half];
-        let (third, first) = (turn.middle(&equation.gamma), turn.middle(&equation.first));
-        let mut torque = self.applied.function_torque(equation.middle, &omega, &third, &first);
+        let rows = [turn.middle(&equation.gamma), turn.middle(&equation.first)];
+        let mut torque = self.applied.function_torque(equation.middle, &omega, rows, wanted);
         for i in 0..3 {
             torque[i] = torque[i] * constants.torque_factor;
         }
@@ -335,17 +342,19 @@ impl<R: Real> ImplicitMidpoint<R> {
         constants: &StepConstants<R>,
         equation: &Equation<R>,
         mut u: [R; 3],
+        wanted: R,
     ) -> ([R; 3], R) {
         let one = R::splat(1.0);
         let mut correction = one;
         let small = R::splat(if L::FUNCTION { SMALL_CORRECTION_BY_DIFFERENCES } else { SMALL_CORRECTION });
         for _ in 0..NEWTON_STEPS {
-            let (residual, a) = self.residual::<M, L>(constants, equation, &u);
+            // A lane that has converged or failed keeps every bit.
+            let active = small.lt(correction);
+            let moving = R::select(active, wanted, R::splat(0.0));
+            let (residual, a) = self.residual::<M, L>(constants, equation, &u, moving);
             // Cramer's rule: the rows of the inverse are cross products of columns.
             let rows = [cross(&a[1], &a[2]), cross(&a[2], &a[0]), cross(&a[0], &a[1])];
             let inverse = one / dot(&a[0], &rows[0]);
-            // A lane that has converged or failed keeps every bit.
-            let active = small.lt(correction);
             let mut sum = R::splat(0.0);
             for i in 0..3 {
                 let by = inverse * dot(&rows[i], &residual);
@@ -367,8 +376,8 @@ impl<R: Real> ImplicitMidpoint<R> {
         p: &Parameters<R>,
         constants: &StepConstants<R>,
         y: &[R; D],
-        u: &[R; 3],
-        gamma: &[R; 3],
+        (u, gamma): (&[R; 3], &[R; 3]),
+        wanted: R,
     ) -> [R; D] {
         let (one, two, half) = (R::splat(1.0), R::splat(2.0), constants.half);
         let heavy = const { M::HEAVY && L::VECTORS > 0 };
@@ -400,7 +409,7 @@ impl<R: Real> ImplicitMidpoint<R> {
                 z[i] = R::select(moves, two.fms(p.moments[i] * rate, momentum[i]), momentum[i]);
             }
             middle[D - 1] = y[D - 1] + half;
-            let torque = self.applied.torque::<L, D>(&middle);
+            let torque = self.applied.torque_where::<L, D>(&middle, wanted);
             let [power, impulse] = self.applied.balance::<L, D>(&torque, &middle);
             z[D - 3] = constants.step.fma(power, y[D - 3]);
             z[D - 2] = constants.step.fma(impulse, y[D - 2]);
@@ -445,7 +454,7 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Engine<R, M, L, D> for Imp
     ) {
         let (zero, one, half) = (R::splat(0.0), R::splat(1.0), R::splat(0.5));
         let largest = R::splat(LARGEST_CORRECTION);
-        let (mut next, correction) = self.moved::<M, L, D>(p, &self.whole, y);
+        let (mut next, correction) = self.moved::<M, L, D>(p, &self.whole, y, one);
         // 1 in lanes with a solution; a lane with a NaN is not tried again.
         let mut done = R::select(correction.lt(largest), one, zero);
         let zero_or_nan = (y[0] * zero + y[1] * zero) + y[2] * zero;
@@ -456,7 +465,7 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Engine<R, M, L, D> for Imp
                 let mut z = *y;
                 let mut all = one;
                 for _ in 0..parts {
-                    let (after, correction) = self.moved::<M, L, D>(p, &part, &z);
+                    let (after, correction) = self.moved::<M, L, D>(p, &part, &z, one - done);
                     z = after;
                     all = R::select(correction.lt(largest), all, zero);
                 }

@@ -417,7 +417,7 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Bou
         // Only the branch that is taken is compiled.
         if const { S::IS_SERIES } {
             let inside = Inside { before: &before, after: &after, slopes: &[], dense: segment.dense };
-            apart::<R, L>(Look::<R, L, false, true, D> { p, rows, begin, inside, layout: PhantomData });
+            R::apart(Look::<R, L, false, true, D> { p, rows, begin, inside, layout: PhantomData });
             return;
         }
         let slopes = [
@@ -426,20 +426,10 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Bou
         ];
         let inside = Inside { before: &before, after: &after, slopes: &slopes, dense: segment.dense };
         if const { matches!(S::VARIABLES, Variables::Rates) } {
-            apart::<R, L>(Look::<R, L, false, false, D> { p, rows, begin, inside, layout: PhantomData });
+            R::apart(Look::<R, L, false, false, D> { p, rows, begin, inside, layout: PhantomData });
         } else {
-            apart::<R, L>(Look::<R, L, true, false, D> { p, rows, begin, inside, layout: PhantomData });
+            R::apart(Look::<R, L, true, false, D> { p, rows, begin, inside, layout: PhantomData });
         }
-    }
-}
-
-/// Does a look in a function of its own; that of one lane, which would lose the instruction set, in place.
-#[inline(always)]
-fn apart<R: Real, L: Layout>(look: impl Apart) {
-    if const { L::FUNCTION } {
-        look.run();
-    } else {
-        R::apart(look);
     }
 }
 

@@ -81,7 +81,7 @@ impl Apart for AfterStart<'_> {
         // SAFETY: the engines end with this call, during which `interval` is borrowed.
         let interval = unsafe { &interval.outliving() };
         let p = Parameters { moments: body.moments, weight: body.weight, step: 1e-3 / rate };
-        if interval.function.is_some() {
+        if interval.functions.is_some() {
             // Nobody knows the derivatives of the torque of a function: a step of the fourth order is made.
             let engine = <Called as Engine<_, _, FunctionFrame, CALLED>>::new(&p, interval, NUMBERS);
             let (mut y, mut unused) = (start::<CALLED>(body), [0.0; CALLED]);

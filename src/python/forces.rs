@@ -12,12 +12,12 @@ use std::collections::HashMap;
 /// Forces on the bodies of a request: torques in the body and in space at some times, linear between them (no times:
 /// constant), table after table, damping, entries 11, 22, 33, 23, 31, 12 of its matrices, and the numbers of the further
 /// forces by name. One table, matrix or row may serve all bodies; without tables no torque is applied. A function that
-/// returns a torque is its address, its data in rows, what its torques are multiplied by, and a bound of the rates, or 0.
+/// returns a torque is its address, whether it is told eight bodies at once, its data in rows, what its torques are multiplied by, and a bound of the rates, or 0.
 #[pyclass(frozen, name = "Forces", module = "rigid._core")]
 pub struct PyForces(pub Forces);
 
-/// Address, data, units and the bound of the rates of a function.
-type GivenFunction<'py> = (usize, Aligned2<'py, f64>, Aligned1<'py, f64>, f64);
+/// Address of a function, whether it is of eight bodies, data, units and the bound of the rates.
+type GivenFunction<'py> = (usize, bool, Aligned2<'py, f64>, Aligned1<'py, f64>, f64);
 
 /// The numbers of the further forces, from those of some by name.
 fn further(given: &HashMap<String, Aligned2<'_, f64>>) -> Result<Vec<[f64; Further::LEN]>, Error> {
@@ -84,11 +84,13 @@ impl PyForces {
         if let Some(given) = &further {
             forces = forces.with_further(&self::further(given)?)?;
         }
-        let Some((address, data, units, fastest)) = function else { return Ok(PyForces(forces)) };
+        let Some((address, is_of_eight, data, units, fastest)) = function else {
+            return Ok(PyForces(forces));
+        };
         let (data, width) = copied_rows("data of a torque", &data)?;
         let units = copied("units", &units)?;
         // SAFETY: what `rigid.Torque.call` asks of its caller.
-        let function = unsafe { TorqueFunction::new(address, data, width, units, fastest)? };
+        let function = unsafe { TorqueFunction::new(address, is_of_eight, data, width, units, fastest)? };
         Ok(PyForces(forces.with_function(function)?))
     }
 

@@ -83,6 +83,12 @@ mod _core {
     #[pymodule_export]
     const FEWEST_STEPS: f64 = crate::forces::FEWEST_STEPS;
 
+    /// Bodies that a function of many is told, and numbers of a row of their data.
+    #[pymodule_export]
+    const BODIES_OF_A_FUNCTION: usize = crate::forces::EIGHT;
+    #[pymodule_export]
+    const BODIES_OF_A_ROW: usize = crate::simd::LANES;
+
     /// Error of a closed form for each radian that a body turns.
     #[pymodule_export]
     const ROUNDING: f64 = crate::trajectory::ROUNDING;

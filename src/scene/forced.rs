@@ -21,19 +21,15 @@ pub struct Applied<R> {
     pub forces: ForcesInterval<'static, R>,
 }
 
-/// A vector of the first lane.
-#[inline(always)]
-fn alone<R: Real>(v: &[R; 3]) -> [f64; 3] {
-    [v[0].first(), v[1].first(), v[2].first()]
-}
-
 impl<R: Real> Applied<R> {
     /// The constants of a body and its forces.
     #[inline(always)]
     pub fn new(p: &Parameters<R>, forces: &ForcesInterval<'static, R>) -> Self {
         let one = R::splat(1.0);
-        let [i1, i2, i3] = p.moments;
-        Applied { moments: p.moments, inverse: [one / i1, one / i2, one / i3], forces: *forces }
+        let ([i1, i2, i3], mut forces) = (p.moments, *forces);
+        // Nobody is in a lane with a step of zero.
+        forces.functions = forces.functions.map(|functions| functions.only(p.step.abs()));
+        Applied { moments: p.moments, inverse: [one / i1, one / i2, one / i3], forces }
     }
 
     /// Principal moments.
@@ -69,21 +65,28 @@ impl<R: Real> Applied<R> {
         sum
     }
 
-    /// The torque that the function of the user returns at a state, of one body: `R` has one lane.
+    /// The torque that the functions of the user return at a state; zero where `wanted` is not above zero.
     #[inline(always)]
-    pub fn function_torque(&self, time: R, omega: &[R; 3], third: &[R; 3], first: &[R; 3]) -> [R; 3] {
-        let Some(function) = &self.forces.function else { return [R::splat(0.0); 3] };
-        let torque = function.torque(time.first(), alone(omega), alone(third), alone(first));
-        [R::splat(torque[0]), R::splat(torque[1]), R::splat(torque[2])]
+    pub fn function_torque(&self, time: R, omega: &[R; 3], [third, first]: [[R; 3]; 2], wanted: R) -> [R; 3] {
+        match &self.forces.functions {
+            Some(functions) => functions.only(wanted).torques(time, omega, third, first),
+            None => [R::splat(0.0); 3],
+        }
     }
 
     /// Applied torque with damping, at a state.
     #[inline(always)]
     pub fn torque<L: Layout, const D: usize>(&self, y: &[R; D]) -> [R; 3] {
+        self.torque_where::<L, D>(y, R::splat(1.0))
+    }
+
+    /// The same, without that of functions where `wanted` is not above zero.
+    #[inline(always)]
+    pub fn torque_where<L: Layout, const D: usize>(&self, y: &[R; D], wanted: R) -> [R; 3] {
         let mut sum = self.undamped::<L, D>(y);
         if L::FUNCTION {
-            let (third, first) = (direction(y, 0), direction(y, 1));
-            let returned = self.function_torque(y[L::TIME_AT], &[y[0], y[1], y[2]], &third, &first);
+            let rows = [direction(y, 0), direction(y, 1)];
+            let returned = self.function_torque(y[L::TIME_AT], &[y[0], y[1], y[2]], rows, wanted);
             for i in 0..3 {
                 sum[i] = sum[i] + returned[i];
             }

@@ -27,8 +27,8 @@ pub trait Layout: Copy {
     const FUNCTION: bool = false;
     /// Whether the gravity gradient of an orbit acts, and nothing else.
     const ORBIT: bool = false;
-    /// The bodies that are integrated side by side where the registers hold those of `P`: one under the torque of a
-    /// function, which is called for one body at a time.
+    /// The bodies that are integrated side by side where the registers hold those of `P`: eight under the torque of a
+    /// function, which may be told eight at once.
     type Lanes<P: Pack>: Pack;
     /// The direction from which a tilt is measured: the last direction, or the vertical of a frame.
     const OBSERVED: usize = if Self::BALANCE || Self::ORBIT { 0 } else { Self::VECTORS.saturating_sub(1) };
@@ -146,5 +146,5 @@ impl Layout for FunctionFrame {
     const QUATERNION: bool = false;
     const BALANCE: bool = true;
     const FUNCTION: bool = true;
-    type Lanes<P: Pack> = f64;
+    type Lanes<P: Pack> = P::Eight;
 }

@@ -49,6 +49,21 @@ macro_rules! each {
 
 impl<R: Real, const K: usize> Real for Arr<R, K> {
     type Mask = [R::Mask; K];
+    const LANES: usize = R::LANES * K;
+    #[inline(always)]
+    fn load(from: &[f64]) -> Self {
+        let mut packs = [R::splat(0.0); K];
+        for i in 0..K {
+            packs[i] = R::load(&from[i * R::LANES..]);
+        }
+        Arr(packs)
+    }
+    #[inline(always)]
+    fn store(self, to: &mut [f64]) {
+        for i in 0..K {
+            self.0[i].store(&mut to[i * R::LANES..]);
+        }
+    }
     #[inline(always)]
     fn splat(x: f64) -> Self {
         Arr([R::splat(x); K])
@@ -115,19 +130,9 @@ impl<R: Real, const K: usize> Real for Arr<R, K> {
 }
 
 impl<R: Pack, const K: usize> Pack for Arr<R, K> {
-    const LANES: usize = R::LANES * K;
-    #[inline(always)]
-    fn load(from: &[f64]) -> Self {
-        let mut packs = [R::splat(0.0); K];
-        for i in 0..K {
-            packs[i] = R::load(&from[i * R::LANES..]);
-        }
-        Arr(packs)
-    }
-    #[inline(always)]
-    fn store(self, to: &mut [f64]) {
-        for i in 0..K {
-            self.0[i].store(&mut to[i * R::LANES..]);
-        }
-    }
+    type Eight = Self;
+}
+
+impl Pack for f64 {
+    type Eight = Arr<f64, 8>;
 }

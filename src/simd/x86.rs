@@ -4,6 +4,7 @@
 //! features of their set name the types, and each is entered after `Isa::is_available` has seen the CPU's feature bits:
 //! those of `kernel`, of `exact`, of the draws of `map`, of the frames of `trajectory` and of `observe::flips`.
 
+use super::Arr;
 use crate::real::{Apart, INTEGER_SHIFT, Pack, Quad, Real};
 use std::arch::x86_64::*;
 use std::ops::{Add, Div, Mul, Neg, Sub};
@@ -64,6 +65,19 @@ macro_rules! intrinsics {
 
 impl Real for V8 {
     type Mask = __mmask8;
+    const LANES: usize = 8;
+    #[inline(always)]
+    fn load(from: &[f64]) -> Self {
+        assert!(from.len() >= 8);
+        // SAFETY: the CPU has the instructions (see the module); the slice is as long as the register.
+        unsafe { V8(_mm512_loadu_pd(from.as_ptr())) }
+    }
+    #[inline(always)]
+    fn store(self, to: &mut [f64]) {
+        assert!(to.len() >= 8);
+        // SAFETY: the CPU has the instructions (see the module); the slice is as long as the register.
+        unsafe { _mm512_storeu_pd(to.as_mut_ptr(), self.0) }
+    }
     intrinsics! {
         fma(b, c) _mm512_fmadd_pd;
         fnma(b, c) _mm512_fnmadd_pd;
@@ -147,23 +161,24 @@ impl Real for V8 {
 }
 
 impl Pack for V8 {
-    const LANES: usize = 8;
-    #[inline(always)]
-    fn load(from: &[f64]) -> Self {
-        assert!(from.len() >= 8);
-        // SAFETY: the CPU has the instructions (see the module); the slice is as long as the register.
-        unsafe { V8(_mm512_loadu_pd(from.as_ptr())) }
-    }
-    #[inline(always)]
-    fn store(self, to: &mut [f64]) {
-        assert!(to.len() >= 8);
-        // SAFETY: the CPU has the instructions (see the module); the slice is as long as the register.
-        unsafe { _mm512_storeu_pd(to.as_mut_ptr(), self.0) }
-    }
+    type Eight = V8;
 }
 
 impl Real for V4 {
     type Mask = __m256d;
+    const LANES: usize = 4;
+    #[inline(always)]
+    fn load(from: &[f64]) -> Self {
+        assert!(from.len() >= 4);
+        // SAFETY: the CPU has the instructions (see the module); the slice is as long as the register.
+        unsafe { V4(_mm256_loadu_pd(from.as_ptr())) }
+    }
+    #[inline(always)]
+    fn store(self, to: &mut [f64]) {
+        assert!(to.len() >= 4);
+        // SAFETY: the CPU has the instructions (see the module); the slice is as long as the register.
+        unsafe { _mm256_storeu_pd(to.as_mut_ptr(), self.0) }
+    }
     intrinsics! {
         fma(b, c) _mm256_fmadd_pd;
         fnma(b, c) _mm256_fnmadd_pd;
@@ -262,19 +277,7 @@ impl Real for V4 {
 }
 
 impl Pack for V4 {
-    const LANES: usize = 4;
-    #[inline(always)]
-    fn load(from: &[f64]) -> Self {
-        assert!(from.len() >= 4);
-        // SAFETY: the CPU has the instructions (see the module); the slice is as long as the register.
-        unsafe { V4(_mm256_loadu_pd(from.as_ptr())) }
-    }
-    #[inline(always)]
-    fn store(self, to: &mut [f64]) {
-        assert!(to.len() >= 4);
-        // SAFETY: the CPU has the instructions (see the module); the slice is as long as the register.
-        unsafe { _mm256_storeu_pd(to.as_mut_ptr(), self.0) }
-    }
+    type Eight = Arr<V4, 2>;
 }
 
 impl Quad for V4 {

@@ -38,7 +38,7 @@ impl<'a> AdaptiveLanes<'a> {
             kernel: Compiled::new(kernel, isa),
             group: Group::inactive(),
             steps: AdaptiveSteps::inactive(tolerance, kernel.step.numbers.order)?,
-            forces_rows: ForcesRows::NONE,
+            forces_rows: ForcesRows::with_room(request.forces.function_width())?,
             knots: [f64::INFINITY; LANES],
         })
     }
@@ -84,6 +84,7 @@ impl<'a> AdaptiveLanes<'a> {
         let forces = self.request.forces_of(index);
         if !forces.is_none() || self.request.record.is_sensitivity() {
             self.forces_rows.set(lane, &self.request.interval_of(index, time, backward));
+            self.forces_rows.functions.set(lane, forces.function_from(time));
         }
         if forces.is_none() {
             return;
@@ -119,7 +120,7 @@ impl<'a> AdaptiveLanes<'a> {
             false => time.min(knot - margin),
             true => time.max(knot + margin),
         };
-        if self.forces_rows.functions[lane].is_some() {
+        if self.forces_rows.functions.act_on(lane) {
             self.steps.end.0[lane] = if backward { time.max(knot) } else { time.min(knot) };
         }
     }

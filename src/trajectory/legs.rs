@@ -272,7 +272,9 @@ impl<'a> LegGroup<'a> {
             compiled,
             lanes_each,
             lanes,
-            forces_rows: is_changing.then(|| Box::new(ForcesRows::NONE)),
+            forces_rows: is_changing
+                .then(|| ForcesRows::with_room(request.forces.function_width()).map(Box::new))
+                .transpose()?,
             steps: [Some(0); LANES],
             backward: false,
             stops,
@@ -354,9 +356,12 @@ impl<'a> LegGroup<'a> {
         }
         let Some(mut rows) = self.forces_rows.take() else { return };
         for b in 0..self.members.len() {
-            let interval = self.request.interval_of(self.index(b), self.now[b].from, self.backward);
+            let (index, from) = (self.index(b), self.now[b].from);
+            let interval = self.request.interval_of(index, from, self.backward);
+            let function = self.request.forces_of(index).function_from(from);
             for lane in self.lanes_of(b) {
                 rows.set(lane, &interval);
+                rows.functions.set(lane, function);
                 if self.is_forced() {
                     reset_time(self.lanes, self.compiled.kernel().system, lane);
                 }

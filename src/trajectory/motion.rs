@@ -348,7 +348,7 @@ impl Motion {
                 // A function is told the time.
                 if acting.table.times.is_empty() && !forces.function {
                     let interval = acting.interval(0.0, false, body.moments);
-                    rows.set(lane, &interval.with_function(None));
+                    rows.set(lane, &interval);
                     group.constant.push(interval.body[0]);
                 }
             }
@@ -378,13 +378,8 @@ impl MovingGroup {
             return Ok(());
         }
         if let Some(function) = forces.function() {
-            return self.advance(
-                (forces, Some(function)),
-                times,
-                torques,
-                stop,
-                &mut Box::new(ForcesRows::NONE),
-            );
+            let mut rows = Box::new(ForcesRows::with_room(function.width())?);
+            return self.advance((forces, Some(function)), times, torques, stop, &mut rows);
         }
         let mut rows = self.forces_rows.take().expect("put back after each step");
         let made = self.advance((forces, None), times, torques, stop, &mut rows);
@@ -452,8 +447,8 @@ impl MovingGroup {
                 Some(torque) => *torque,
                 None => {
                     let interval = forces.of(member).interval(time, backward, body.moments);
-                    let called = function.map(|function| function.of(member).from(time));
-                    rows.set(lane, &interval.with_function(called));
+                    rows.set(lane, &interval);
+                    rows.functions.set(lane, function.map(|function| function.of(member).from(time)));
                     interval.body[0]
                 }
             };

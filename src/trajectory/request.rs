@@ -137,7 +137,7 @@ impl Request<'_> {
     }
 
     /// The forces on a body from a time to the next knot, and the change of its parameters.
-    pub fn interval_of(&self, body: usize, time: f64, backward: bool) -> ForcesInterval<'_, f64> {
+    pub fn interval_of(&self, body: usize, time: f64, backward: bool) -> ForcesInterval<'static, f64> {
         let interval = self.forces_of(body).interval(time, backward, self.bodies[body].moments);
         let mut change = self.record.change_of(body);
         change.further.orbit.begin_at(time);

@@ -71,7 +71,7 @@ fn every_kernel_on_every_instruction_set_and_in_every_lane() {
                     load(group, lane, compiled, assignment_of(&body), &Entry::unobserved(&body, None, step));
                     let forces = table(number.is_multiple_of(2));
                     let interval = forces.of(0).interval(0.01 * number as f64, false, body.moments);
-                    forces_rows.set(lane, &interval.with_function(None));
+                    forces_rows.set(lane, &interval);
                 };
             let full_group = |isa| {
                 let compiled = Compiled::new(kernel, isa);
