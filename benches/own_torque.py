@@ -1,7 +1,8 @@
-"""Time under the torque of a compiled function, over a loop by hand and over built-in damping.
+"""Time under the torque of a function, over a loop by hand and over built-in damping.
 
-The loop by hand is of numba: the same method in the same steps, rates and quaternion alone, with
-the torque inside. Processor time on one thread, median of interleaved repeats.
+The function is called for each body, or compiled from Python for eight. The loop by hand is of
+numba: the same method in the same steps, rates and quaternion alone, with the torque inside.
+Processor time on one thread, median of interleaved repeats.
 ``pip install numba && python benches/own_torque.py``.
 """
 
@@ -18,6 +19,7 @@ import rigid
 from rigid.model.scene import Scene
 
 BODIES, STEPS, SAMPLES, REPEATS = sized((64, 2000, 200, 5), (4, 40, 4, 1))
+SATELLITES, HOURS = sized((400, 8.0), (4, 0.1))
 STEP = 0.1
 GAIN = 1e-3
 MOMENTS = np.array([1.0, 1.5, 2.0])
@@ -25,11 +27,40 @@ BODY = rigid.Body(MOMENTS)
 OMEGA = np.random.default_rng(1).normal(size=(BODIES, 3))
 FASTEST = 2.5
 
+CUBE = np.array([0.020, 0.025, 0.030])
+"""Moments of a satellite of three litres (kg m²)."""
+TUMBLING = np.random.default_rng(2).normal(size=(SATELLITES, 3)) * 0.1
+"""Rates after the launch (rad/s)."""
+FIELD, ORBIT, BRAKE = 3e-5, 1.1e-3, 1e4
+"""Field above the magnetic equator (T), rate on a polar orbit (rad/s), and gain (A m² s/T)."""
+WATCH = 4.0
+"""Step of the satellites (s), in which they turn by half a radian at first."""
+
 
 def damping(t: float, omega: Any, attitude: Any, data: Any, torque: Any) -> None:
     """The torque ``-data omega``."""
     for k in range(3):
         torque[k] = -data[0] * omega[k]
+
+
+def b_dot(t: float, omega: Any, attitude: Any, data: Any, torque: Any) -> None:
+    """The torque of coils that brake the change of the magnetic field, seen from the body."""
+    field, turning, gain = data[0], data[1], data[2]
+    u = turning * t
+    s, c = np.sin(u), np.cos(u)
+    bx, bz = -3.0 * field * s * c, field * (1.0 - 3.0 * s * s)
+    ex, ez = -3.0 * field * turning * (c * c - s * s), -6.0 * field * turning * s * c
+    w, x, y, z = attitude[0], attitude[1], attitude[2], attitude[3]
+    xx, xy, xz = 1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)
+    zx, zy, zz = 2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)
+    b1, b2, b3 = xx * bx + zx * bz, xy * bx + zy * bz, xz * bx + zz * bz
+    o1, o2, o3 = omega[0], omega[1], omega[2]
+    m1 = -gain * (xx * ex + zx * ez + b2 * o3 - b3 * o2)
+    m2 = -gain * (xy * ex + zy * ez + b3 * o1 - b1 * o3)
+    m3 = -gain * (xz * ex + zz * ez + b1 * o2 - b2 * o1)
+    torque[0] = m2 * b3 - m3 * b2
+    torque[1] = m3 * b1 - m1 * b3
+    torque[2] = m1 * b2 - m2 * b1
 
 
 def compiled(numba: Any) -> Any:
@@ -41,43 +72,46 @@ def compiled(numba: Any) -> Any:
     return numba.cfunc(numba.void(numba.float64, *[doubles] * 4))(damping)
 
 
-def rate(y: Any, moments: Any, gain: float, slope: Any) -> None:
-    """The equations of motion, damping among them."""
+def rate(t: float, y: Any, moments: Any, data: Any, torque: Any, slope: Any) -> None:
+    """The equations of motion under a torque."""
     a, b, c, w, x, y_, z = y
-    slope[0] = ((moments[1] - moments[2]) * b * c - gain * a) / moments[0]
-    slope[1] = ((moments[2] - moments[0]) * c * a - gain * b) / moments[1]
-    slope[2] = ((moments[0] - moments[1]) * a * b - gain * c) / moments[2]
+    slope[0] = ((moments[1] - moments[2]) * b * c + torque[0]) / moments[0]
+    slope[1] = ((moments[2] - moments[0]) * c * a + torque[1]) / moments[1]
+    slope[2] = ((moments[0] - moments[1]) * a * b + torque[2]) / moments[2]
     slope[3] = 0.5 * (-x * a - y_ * b - z * c)
     slope[4] = 0.5 * (w * a + y_ * c - z * b)
     slope[5] = 0.5 * (w * b + z * a - x * c)
     slope[6] = 0.5 * (w * c + x * b - y_ * a)
 
 
-def by_hand(numba: Any, rows: Any, weights: Any) -> Any:
+def by_hand(numba: Any, rows: Any, weights: Any, function: Any) -> Any:
     """A loop over bodies and steps of a Runge-Kutta method."""
-    slope_of = numba.njit(error_model="numpy")(rate)
-    stages = len(weights)
+    jit = numba.njit(error_model="numpy")
+    slope_of, torque_of = jit(rate), jit(function)
+    stages, nodes = len(weights), rows.sum(axis=1)
 
-    def loop(omega: Any, moments: Any, gain: float, step: float, steps: int) -> Any:
-        slopes, at = np.empty((stages, 7)), np.empty(7)
+    def loop(omega: Any, moments: Any, data: Any, step: float, steps: int) -> Any:
+        slopes, at, torque = np.empty((stages, 7)), np.empty(7), np.empty(3)
         states = np.zeros((len(omega), 7))
         states[:, :3], states[:, 3] = omega, 1.0
         for body in range(len(omega)):
             y = states[body]
-            for _ in range(steps):
+            for made in range(steps):
                 for i in range(stages):
                     at[:] = y
                     for j in range(i):
                         if rows[i, j] != 0.0:
                             for d in range(7):
                                 at[d] += step * rows[i, j] * slopes[j, d]
-                    slope_of(at, moments, gain, slopes[i])
+                    t = (made + nodes[i]) * step
+                    torque_of(t, at[:3], at[3:], data, torque)
+                    slope_of(t, at, moments, data, torque, slopes[i])
                 for i in range(stages):
                     for d in range(7):
                         y[d] += step * weights[i] * slopes[i, d]
         return states
 
-    return numba.njit(error_model="numpy")(loop)
+    return jit(loop)
 
 
 def tables() -> dict[str, tuple[Any, Any]]:
@@ -93,10 +127,12 @@ def tables() -> dict[str, tuple[Any, Any]]:
     }
 
 
-def simulated(scene: Scene, method: str) -> Any:
+def simulated(
+    scene: Scene, method: str, omega: Any = OMEGA, step: float = STEP, steps: int = STEPS
+) -> Any:
     """The rates at the end, by the public call."""
     run = rigid.simulate(
-        scene, OMEGA, t=[STEPS * STEP], method=method, step=STEP, check=False, threads=1
+        scene, omega, t=[steps * step], method=method, step=step, check=False, threads=1
     )
     return run.omega[:, -1]
 
@@ -121,34 +157,61 @@ def main() -> None:
     parser(__doc__).parse_args()
     numba = installed("numba")
     function = compiled(numba)
-    called = rigid.FreeBody(BODY, torque=rigid.Torque.call(function, [GAIN]))
     built_in = rigid.FreeBody(BODY, damping=GAIN)
+    scenes = {
+        "called": rigid.FreeBody(BODY, torque=rigid.Torque.call(function, [GAIN])),
+        "compiled": rigid.FreeBody(BODY, torque=rigid.Torque.call(damping, [GAIN])),
+    }
     print("steps                      ns a step   over built-in   over numba by hand")
     for method, (rows, weights) in tables().items():
         sides: dict[str, Any] = {
-            "called": partial(simulated, called, method),
-            "built-in": partial(simulated, built_in, method),
+            name: partial(simulated, scene, method)
+            for name, scene in {**scenes, "built-in": built_in}.items()
         }
         if numba is not None:
-            loop = by_hand(numba, rows, weights)
-            sides["numba"] = lambda loop=loop: loop(OMEGA, MOMENTS, GAIN, STEP, STEPS)[:, :3]
+            loop = by_hand(numba, rows, weights, damping)
+            data = np.array([GAIN])
+            sides["numba"] = lambda loop=loop, data=data: loop(OMEGA, MOMENTS, data, STEP, STEPS)[
+                :, :3
+            ]
         times = in_turns(sides, lambda ends: moved(ends, OMEGA), repeats=REPEATS)
-        each = 1e9 * float(np.median(times["called"])) / (BODIES * STEPS)
-        ratios = [over(name, times["called"], times[name]) for name in list(sides)[1:]]
-        print(f"{method:<26} {each:9.0f}" + "".join(f"{ratio:16.2f}" for ratio in ratios))
+        for side in scenes:
+            each = 1e9 * float(np.median(times[side])) / (BODIES * STEPS)
+            ratios = [over(name, times[side], times[name]) for name in list(sides)[2:]]
+            columns = "".join(f"{ratio:16.2f}" for ratio in ratios)
+            print(f"{method + ', ' + side:<26} {each:9.0f}{columns}")
 
-    def by_function(gain: Any) -> Scene:
+    def by_function(function: Any, gain: Any) -> Scene:
         torque = rigid.Torque.call(function, gain[:, np.newaxis], fastest=FASTEST)
         return rigid.FreeBody(BODY, torque=torque)
 
     def by_damping(gain: Any) -> Scene:
         return rigid.FreeBody(BODY, damping=gain[:, np.newaxis] * np.ones(3))
 
-    pair = {"called": partial(mapped, by_function), "built-in": partial(mapped, by_damping)}
-    times = in_turns(pair, lambda found: counted(found.columns, 6 * SAMPLES), repeats=REPEATS)
-    each = 1e6 * float(np.median(times["called"])) / (6 * SAMPLES)
-    ratio = over("map", times["called"], times["built-in"])
-    print(f"map, µs a body: {each:.1f}; over that of built-in damping: {ratio:.1f}")
+    maps = {
+        "called": partial(mapped, lambda gain: by_function(function, gain)),
+        "compiled": partial(mapped, lambda gain: by_function(damping, gain)),
+        "built-in": partial(mapped, by_damping),
+    }
+    times = in_turns(maps, lambda found: counted(found.columns, 6 * SAMPLES), repeats=REPEATS)
+    for side in scenes:
+        each = 1e6 * float(np.median(times[side])) / (6 * SAMPLES)
+        ratio = over("map", times[side], times["built-in"])
+        print(f"map, {side}: µs a body {each:.1f}, over that of built-in damping {ratio:.1f}")
+
+    steps = round(HOURS * 3600.0 / WATCH)
+    numbers = np.array([FIELD, ORBIT, BRAKE])
+    cube = rigid.FreeBody(rigid.Body(CUBE), torque=rigid.Torque.call(b_dot, numbers))
+    sides = {"rigid": partial(simulated, cube, "dop853", TUMBLING, WATCH, steps)}
+    if numba is not None:
+        loop = by_hand(numba, *tables()["dop853"], b_dot)
+        sides["numba"] = lambda: loop(TUMBLING, CUBE, numbers, WATCH, steps)[:, :3]
+    times = in_turns(sides, lambda ends: moved(ends, TUMBLING), repeats=REPEATS)
+    each = 1e9 * float(np.median(times["rigid"])) / (SATELLITES * steps)
+    line = f"{SATELLITES} detumblings in {HOURS:g} h, dop853: ns a step {each:.0f}"
+    if numba is not None:
+        line += f", over numba by hand {over('rigid', times['rigid'], times['numba']):.2f}"
+    print(line)
 
 
 if __name__ == "__main__":

@@ -11,6 +11,8 @@ from .solve.bodies import Bodies
 from .solve.request import Request
 
 __all__ = [
+    "BODIES_OF_A_FUNCTION",
+    "BODIES_OF_A_ROW",
     "CHECKPOINT_PARTS",
     "DRIFT_LIMIT",
     "FEWEST_STEPS",
@@ -72,6 +74,8 @@ __all__ = [
     "verdicts",
 ]
 
+BODIES_OF_A_FUNCTION: int
+BODIES_OF_A_ROW: int
 CHECKPOINT_PARTS: Sequence[int]
 DRIFT_LIMIT: float
 FEWEST_STEPS: float

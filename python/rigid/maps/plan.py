@@ -53,6 +53,9 @@ def map_plan(spec: MapSpec) -> Plan:
     if unknown is not None:
         error = None
         reasons.append(UNKNOWN.format(unknown))
+    torque = (spec.scene if spec.made is None else spec.made).torque
+    if torque is not None and torque.function is not None:
+        reasons.extend(torque.function.reasons)
     done = carried(spec.scene, spec.stable, method, spec.forces)
     return Plan(
         scene=spec.scene_words,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import dataclasses
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any, Self
@@ -11,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import brief, finite_float, shaped
+from .compiling import Callback, of_python
 from .leading import Index, Shape, axes_of, frozen, same, taken
 
 __all__ = ["TorqueFunction"]
@@ -32,21 +34,27 @@ class TorqueFunction:
         A bound of the rates under this torque (rad/s).
     kept : object
         The given function, kept alive as long as this object.
+    of_eight : bool
+        Whether the function is told eight bodies at once.
+    why_slow : str or None
+        Why Python calls the function for each body, if it does.
     """
 
     address: int
     data: Floats | None = None
     fastest: float | None = None
     kept: object = None
+    of_eight: bool = False
+    why_slow: str | None = None
 
     @classmethod
     def of_input(cls, function: object, data: ArrayLike | None, fastest: float | None) -> Self:
-        """The function at an address, with its data.
+        """A function of Python or that at an address, with its data.
 
         Raises
         ------
         TypeError, ValueError
-            If it has no address, or data or bound are not finite.
+            If it is neither, or data or bound are not finite.
         """
         numbers = None
         if data is not None:
@@ -57,7 +65,17 @@ class TorqueFunction:
         bound = None
         if fastest is not None:
             bound = finite_float("fastest", fastest, positive=True, unit="rad/s")
-        return cls(_address(function), numbers, bound, function)
+        made = _callback(function, 0 if numbers is None else numbers.shape[-1])
+        return cls(
+            made.address, numbers, bound, (function, made.kept), made.of_eight, made.why_slow
+        )
+
+    @property
+    def reasons(self) -> tuple[str, ...]:
+        """What a plan says of the function: nothing if it is compiled."""
+        if self.why_slow is None:
+            return ()
+        return (f"Python calls the torque, some 5 µs for each body and stage: {self.why_slow}",)
 
     @property
     def shape(self) -> Shape:
@@ -69,19 +87,19 @@ class TorqueFunction:
         if not self.shape:
             return self
         data = frozen(taken(self.data, 1, shape, index))
-        return TorqueFunction(self.address, data, self.fastest, self.kept)
+        return dataclasses.replace(self, data=data)
 
     def for_core(
         self, shape: Shape, exponents: NDArray[np.intc]
-    ) -> tuple[int, Floats, Floats, float]:
-        """Address, rows of data, units of the torque and the bound, as the core reads them."""
+    ) -> tuple[int, bool, Floats, Floats, float]:
+        """Address, whether it is told eight, rows of data, units of the torque and the bound."""
         rows = np.empty((0, 0))
         if self.data is not None:
             width = self.data.shape[-1]
             lead = shape if self.shape else ()
             rows = np.ascontiguousarray(np.broadcast_to(self.data, (*lead, width)))
             rows = rows.reshape(-1, width)
-        return self.address, rows, np.ldexp(1.0, -exponents), self.fastest or 0.0
+        return self.address, self.of_eight, rows, np.ldexp(1.0, -exponents), self.fastest or 0.0
 
     def to_dict(self) -> dict[str, Any]:
         """The parts of the callback that a file may hold: all but its address."""
@@ -136,8 +154,8 @@ def _check_signature(function: Any, kinds: Iterable[str], result: str) -> None:
         )
 
 
-def _address(function: Any) -> int:
-    """The address of a function of numba, ctypes or cffi, or the one given."""
+def _callback(function: Any, width: int) -> Callback:
+    """The callback of a function of Python, numba, ctypes or cffi, or at an address."""
     found = getattr(function, "address", function)
     if type(found).__module__ == "_cffi_backend":
         import cffi
@@ -155,12 +173,11 @@ def _address(function: Any) -> int:
         try:
             found = ctypes.cast(found, ctypes.c_void_p).value
         except ctypes.ArgumentError:
-            raise TypeError(
-                f"address = {brief(function)}: a torque is called by its address; compile the "
-                "function with numba.cfunc or wrap it with ctypes.CFUNCTYPE"
-            ) from None
+            return of_python(function, width)
     if isinstance(found, bool) or not isinstance(found, (int, np.integer)):
-        raise TypeError(f"address = {brief(function)}: must be the address of a function, an int")
+        raise TypeError(
+            f"address = {brief(function)}: must be a function or the address of one, an int"
+        )
     if not 0 < found < 2**63:
         raise ValueError(f"address = {found}: must be the address of a function")
-    return int(found)
+    return Callback(int(found), False, function)

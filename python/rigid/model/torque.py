@@ -163,35 +163,39 @@ class Torque:
     def call(
         cls, address: object, data: ArrayLike | None = None, *, fastest: float | None = None
     ) -> Torque:
-        """A callback: the torque in the body that a compiled function returns.
+        """A callback: the torque in the body that a function returns.
 
-        The function has the signature ::
+        The function takes ``(t, omega, attitude, data, torque)``: the time (s), the rates (3,
+        rad/s, in the body), the attitude (4, unit quaternion, scalar first and not negative, body
+        to space) and ``data``, empty if there are none. It writes the torque (3, N m, along the
+        principal axes). A number that it does not write is NaN, which ends the body with the status
+        ``NOT_FINITE``. It must not depend on earlier calls, and must be safe to call from several
+        threads at once. What a function raises, the call of ``rigid`` raises.
+
+        A function of Python gets arrays. If numba is installed (``pip install
+        'rigid-rotation[numba]'``), it compiles the function once, with what the function takes from
+        outside, into a loop over bodies side by side. Else, and if numba cannot compile it, Python
+        calls it for each body with the lock of the interpreter, which :func:`plan` says.
+
+        A function at an address is called for each body, and has the signature ::
 
             void torque(double t, const double *omega, const double *attitude,
                         const double *data, double *torque)
 
-        Its arguments are the time (s), the rates (3, rad/s, in the body), the attitude (4, unit
-        quaternion, scalar first and not negative, body to space) and ``data``. It writes the torque
-        (3, N m, along the principal axes). A number that it does not write is NaN, which ends the
-        body with the status ``NOT_FINITE``. It must not depend on earlier calls, and must be safe
-        to call from several threads at once: a ``numba.cfunc`` is. A callback of ctypes runs with
-        the lock of the interpreter, one call at a time. What a function of ctypes or numba raises,
-        the call of ``rigid`` raises. At corners of the torque equal steps lose their order, and
-        steps by a ``tolerance`` become short; at a jump where a rate changes its sign they become
-        endless, unless the torque has a dead zone.
-
-        A run makes at least 64 steps and ends one at each output time: it sees every pulse that is
-        longer than 0.42 % of the run. Shorter ones need output times, or a ``step``.
+        At corners of the torque equal steps lose their order, and steps by a ``tolerance`` become
+        short; at a jump where a rate changes its sign they become endless, unless the torque has a
+        dead zone. A run makes at least 64 steps and ends one at each output time: it sees every
+        pulse that is longer than 0.42 % of the run. Shorter ones need output times, or a ``step``.
 
         ``"dop853"`` is the default, alone takes a ``tolerance``, and finds events and sections.
-        ``"rk4"`` and ``"midpoint"`` take equal steps. One body is integrated after the other: a
-        step takes several times as long as under another torque. The bits depend on the function.
+        ``"rk4"`` and ``"midpoint"`` take equal steps. The bits depend on the function.
 
         Parameters
         ----------
-        address : int, numba.cfunc, or function of ctypes or cffi
-            The function, or its address. A function is kept alive as long as the torque; of an
-            address you keep it. A wrong address ends the process.
+        address : callable, numba.cfunc, function of ctypes or cffi, or int
+            The function, also one of ``numba.njit``, or the address of one. A function is kept
+            alive as long as the torque; that at an address you keep. A wrong address ends the
+            process.
         data : array_like, shape (k,) or (..., k), optional
             Numbers for the function, copied; leading axes give each body its numbers.
         fastest : float, optional
@@ -205,18 +209,21 @@ class Torque:
         Raises
         ------
         TypeError
-            If there is no address, or the function tells that it takes other arguments.
+            If there is no function, or it tells that it takes other arguments.
         ValueError
             If the address is not positive, or data or bound are not finite.
 
+        Warns
+        -----
+        UserWarning
+            If numba is installed, but cannot compile the function.
+
         Examples
         --------
-        Damping by a function in Python, which is slow; its data is the coefficient:
+        Damping by a function, whose data is the coefficient:
 
-        >>> import ctypes, numpy as np, rigid
-        >>> doubles = ctypes.POINTER(ctypes.c_double)
-        >>> @ctypes.CFUNCTYPE(None, ctypes.c_double, doubles, doubles, doubles, doubles)
-        ... def damping(t, omega, attitude, data, torque):
+        >>> import numpy as np, rigid
+        >>> def damping(t, omega, attitude, data, torque):
         ...     for k in range(3):
         ...         torque[k] = -data[0] * omega[k]
         >>> body = rigid.Body((1.0, 1.5, 2.0))

@@ -52,6 +52,8 @@ def plan_of(
     error = estimate.error
     if "function" in scene.forces and error is not None:
         error, why = None, (*why, UNKNOWN.format("a function gives the torque"))
+    if scene.torque is not None and scene.torque.function is not None:
+        why = (*why, *scene.torque.function.reasons)
     if estimate.unknown is not None:
         why = (*why, UNKNOWN.format(estimate.unknown))
     if error is not None and problem.bodies is not None and method != EXACT:
