@@ -72,14 +72,17 @@ impl<R: Real> Bracket<R> {
 }
 
 /// Zero in [0, 1] of the cubic with these values and slopes at both ends, where the values have opposite signs: one
-/// step of regula falsi, then bracketed Newton steps.
+/// step of regula falsi, then bracketed Newton steps. A cubic that begins at zero and moves away first has its zero later.
 #[inline(always)]
 pub(super) fn hermite_root<R: Real>(begin: R, begin_rate: R, end: R, end_rate: R) -> R {
     let mut bracket = Bracket::new(end);
     let difference = end - begin;
     let c2 = (difference * R::splat(3.0) - begin_rate) - (begin_rate + end_rate);
     let c3 = (begin_rate + end_rate) - (difference + difference);
+    let zero = R::splat(0.0);
     let mut s = begin / (begin - end);
+    let later = R::select((begin_rate * end).lt(zero), R::splat(0.5), s);
+    s = R::select(zero.lt(begin * begin), s, later);
     for _ in 0..4 {
         let value = c3.fma(s, c2).fma(s, begin_rate).fma(s, begin);
         let slope = (c3 * R::splat(3.0)).fma(s, c2 + c2).fma(s, begin_rate);

@@ -422,6 +422,33 @@ def test_a_rate_near_zero_that_moves_away_first_leaves_when_it_comes_back() -> N
         assert abs(left[body] - change) < 1e-4
 
 
+@pytest.mark.parametrize(
+    "options", [{"method": "rk4", "step": 0.05}, {"method": "taylor12", "step": 0.1}]
+)
+def test_a_rate_that_begins_at_zero_and_comes_back_leaves_then(options: dict[str, Any]) -> None:
+    """The start is no change of the sign, however long the first step is."""
+    chosen: dict[str, Any] = {"stable": rigid.no_flip(1), "measure": rigid.time_to_leave()}
+    result = measured(**chosen, **options)
+    t = np.linspace(0.0, 0.1, 10_001)
+    found = np.zeros(2)
+    for pixel in range(3):
+        starts = result.starts(range(SAMPLES), pixel=pixel)
+        assert not starts.omega[:, 0].any()
+        left = result.outcomes(range(SAMPLES), pixel=pixel).measures["time_to_leave"]
+        scene = result.spec.grid.scene_of(pixel)
+        rates = rigid.simulate(
+            scene, starts.omega, starts.attitude, t=t, method="taylor20", step=0.01, check=False
+        ).omega[:, 1:, 0]
+        early = np.flatnonzero((rates[:, :-1] * rates[:, 1:] < 0.0).any(axis=1))
+        changes = t[1:][np.argmax(rates[early, :-1] * rates[early, 1:] < 0.0, axis=1)]
+        # Both runs agree to a thousandth, or there is no time; the spacing of the times.
+        has = ~np.isnan(left[early])
+        np.testing.assert_allclose(left[early][has], changes[has], rtol=1e-3, atol=1e-5)
+        found += np.array([len(early), has.sum()])
+    assert found[0] > 20
+    assert found[1] > 0.7 * found[0]
+
+
 @pytest.mark.parametrize("moment", [0.5, 0.50000005])
 def test_symmetric_tops_are_measured_as_well_as_their_neighbours(moment: float) -> None:
     """Mean rates by the steps of the map against those by steps ten times shorter."""
