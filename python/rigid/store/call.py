@@ -146,6 +146,7 @@ def stability_map(
         Numbers to collect of each body besides its class: :func:`time_to_leave`, :func:`flips`,
         :func:`largest_tilt`, :func:`mean_rate`, :func:`drift`, :func:`libration_amplitude`,
         :func:`obliquity`, :func:`spin_orbit_ratio`. The result holds them as ``result.measures``.
+        Checked bodies are measured by both runs, whose difference is the error.
     partial : bool
         After Ctrl-C return the map of the finished pieces instead of raising :class:`Interrupted`;
         the program goes on. ``result.ended`` says whether the map is finished.

@@ -124,6 +124,24 @@ def test_a_motion_calls_the_function_at_its_time() -> None:
     assert np.abs(motion.omega - run.omega[-1]).max() < 1e-13
 
 
+def test_bodies_of_one_motion_have_data_and_moments_of_their_own() -> None:
+    rng = np.random.default_rng(5)
+    scales = 2.0 ** np.arange(11)
+    moments = scales[:, np.newaxis] * (np.array(BODY.moments) + rng.uniform(0.0, 0.1, (11, 3)))
+    data, omega = rng.uniform(0.0, 0.2, (11, 3)) * moments, rng.normal(size=(11, 3))
+    scene = rigid.FreeBody(rigid.Body(moments), torque=rigid.Torque.call(damping, data))
+    together = rigid.Motion(scene, omega, method="rk4")
+    torque = 0.1 * moments
+    for push in (None, torque):
+        together.step(2.0**-6, push)
+    for body in range(11):
+        alone = rigid.Motion(scene[body], omega[body], method="rk4")
+        for push in (None, torque[body]):
+            alone.step(2.0**-6, push)
+        assert together.omega[body].tobytes() == alone.omega.tobytes()
+        assert together.attitude[body].tobytes() == alone.attitude.tobytes()
+
+
 def test_a_function_adds_to_other_torques() -> None:
     both = rigid.Torque.call(damping, [0.1] * 3) + rigid.Torque.body((0.0, 0.0, 0.2))
     assert both.words() == "torque by a function, torque (0, 0, 0.2) in the body"
