@@ -104,6 +104,18 @@ pub fn to_body_frame<R: Real>(q: &[R; 4], e: &[R; 3]) -> [R; 3] {
     [0, 1, 2].map(|i| q[0].fma(t[i], e[i] + s[i]))
 }
 
+/// Halves of the rows of the rotation matrix of a unit quaternion: of the directions of the space axes 1, 2 and 3 in the
+/// body.
+#[inline(always)]
+pub fn half_rows<R: Real>([w, x, y, z]: &[R; 4]) -> [[R; 3]; 3] {
+    let (w, x, y, z, half) = (*w, *x, *y, *z, R::splat(0.5));
+    [
+        [y.fnma(y, z.fnma(z, half)), w.fnma(z, x * y), w.fma(y, x * z)],
+        [w.fma(z, x * y), x.fnma(x, z.fnma(z, half)), w.fnma(x, y * z)],
+        [w.fnma(y, x * z), w.fma(x, y * z), x.fnma(x, y.fnma(y, half))],
+    ]
+}
+
 /// exp of a rotation vector, as a unit quaternion.
 #[inline(always)]
 pub fn rotation_by<R: Real>(v: &[R; 3]) -> [R; 4] {

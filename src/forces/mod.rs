@@ -15,6 +15,7 @@ mod dissipation;
 mod drag;
 mod function;
 mod orbit;
+mod place;
 mod rotor;
 mod set;
 mod table;
@@ -27,6 +28,7 @@ pub use function::{
     EIGHT, FEWEST_STEPS, Function, FunctionOfEight, TorqueCall, TorqueCalls, TorqueFunction, TorqueRows,
 };
 pub use orbit::Orbit;
+pub use place::{Along, OrbitPlace, StepAlong};
 pub use rotor::Rotor;
 pub use set::ForceSet;
 pub use table::{Table, add_space_torque};

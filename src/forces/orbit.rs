@@ -9,8 +9,9 @@
 use super::{AtStart, Bounded, Force, Order, Pace, Varied, deviation, length, range};
 use crate::error::Error;
 use crate::kinematics::{add_cross, cross, direction, dot, put, to_body_frame};
-use crate::real::Real;
+use crate::real::{Apart, Real};
 use crate::series::{Coefficients, VectorSeries};
+use crate::simd::with_fma;
 use crate::special::sincos;
 
 /// The mean motion n, 0 without an orbit; the eccentricity e; the mean anomaly at time 0; the semi-axes of the ellipse
@@ -56,8 +57,9 @@ impl<R: Real> Orbit<R> {
         self.0[0]
     }
 
+    /// The eccentricity.
     #[inline(always)]
-    fn eccentricity(&self) -> R {
+    pub fn eccentricity(&self) -> R {
         self.0[1]
     }
 
@@ -472,9 +474,27 @@ impl Orbit<f64> {
         self.rate() * ((1.0 - e) * (1.0 + e)).sqrt() / (distance * distance)
     }
 
-    /// The eccentric anomaly over the mean anomaly, by Newton's steps inside brackets: `f = E - e sin E - M` ascends.
+    /// The eccentric anomaly over the mean anomaly.
     fn eccentric_anomaly(&self, mean: f64) -> f64 {
-        let e = self.eccentricity();
+        let mut anomaly = mean;
+        if self.eccentricity() > 0.0 {
+            with_fma(Kepler { eccentricity: self.eccentricity(), mean, anomaly: &mut anomaly });
+        }
+        anomaly
+    }
+}
+
+/// Kepler's equation, by Newton's steps inside brackets: `f = E - e sin E - M` ascends.
+struct Kepler<'a> {
+    eccentricity: f64,
+    mean: f64,
+    anomaly: &'a mut f64,
+}
+
+impl Apart for Kepler<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let (e, mean) = (self.eccentricity, self.mean);
         let (mut low, mut high) = (mean - e, mean + e);
         let mut anomaly = mean;
         // 64 halvings leave nothing; Newton's steps end long before.
@@ -487,6 +507,10 @@ impl Orbit<f64> {
                 low = anomaly;
             }
             let mut next = anomaly - miss / e.mul_add(-cos, 1.0);
+            // Before the brackets, which a step that changes nothing does not leave.
+            if next == anomaly {
+                break;
+            }
             if !(low < next && next < high) {
                 next = 0.5 * (low + high);
             }
@@ -495,7 +519,7 @@ impl Orbit<f64> {
             }
             anomaly = next;
         }
-        anomaly
+        *self.anomaly = anomaly;
     }
 }
 
@@ -578,6 +602,24 @@ impl Bounded for Orbit<f64> {
         let mean = self.rate().mul_add(time, self.0[2]);
         let (sin, cos) = sincos(self.eccentric_anomaly(mean));
         variables[..2].copy_from_slice(&[cos, sin]);
+    }
+}
+
+impl Orbit<f64> {
+    /// The eccentric anomaly at a time.
+    pub fn anomaly_at(&self, time: f64) -> f64 {
+        self.eccentric_anomaly(self.rate().mul_add(time, self.0[2]))
+    }
+
+    /// `e cos E` and `e sin E` at an eccentric anomaly E.
+    pub fn clock_at(&self, anomaly: f64) -> [f64; 2] {
+        let (sin, cos) = sincos(anomaly);
+        [self.eccentricity() * cos, self.eccentricity() * sin]
+    }
+
+    /// The time at an eccentric anomaly.
+    pub fn time_at(&self, anomaly: f64) -> f64 {
+        (self.eccentricity().mul_add(-sincos(anomaly).0, anomaly) - self.0[2]) / self.rate()
     }
 }
 

@@ -2,13 +2,14 @@
 
 use super::group::{Group, MAX_STATE};
 use super::{Compiled, System};
-use crate::forces::{BodyForces, ForcesInterval, Further};
-use crate::kinematics::{attitude_of_rows, dot, to_body_frame};
+use crate::forces::{BodyForces, ForcesInterval, Further, OrbitPlace};
+use crate::kinematics::{attitude_of_rows, dot, half_rows, to_body_frame};
 use crate::method::{Method, Step, Variables};
 use crate::observe::{self, Bound, Deviation, Observed};
 use crate::scene::{Parameters, Scene};
 use crate::simd::Row;
 use crate::start::{Body, VERTICAL};
+use crate::status::DRIFT_LIMIT;
 use std::sync::OnceLock;
 
 impl Body {
@@ -22,6 +23,17 @@ impl Body {
         let [.., slowing] = forces.damping.rates(self.moments);
         let own = forces.further_step_rate(self.moments, self.omega, turning);
         (turning * turning + slowing * slowing).sqrt() + own
+    }
+}
+
+impl Body {
+    /// The rate over the pace of the anomaly that determines the steps over the anomaly of an orbit on which nothing else
+    /// acts: a bound on a circle. On an eccentric orbit it is that of the circle of [`OrbitPlace::circle`] for a body that
+    /// begins with its rates at the apoapsis; a body whose rates grow in many orbits may be faster.
+    pub fn pace_rate(&self, place: &OrbitPlace) -> f64 {
+        let further = Further { orbit: place.circle(), ..Further::NONE };
+        let forces = BodyForces { further: &further, ..BodyForces::NONE };
+        Body { omega: place.to_slowest_pace(self.omega), ..*self }.fastest_rate(forces, [0.0; 2])
     }
 }
 
@@ -59,6 +71,11 @@ impl KernelAssignment {
         } else {
             KernelAssignment::of(method, body, scene)
         }
+    }
+
+    /// The assignment of a body on an orbit on which nothing else acts, by steps over its anomaly if the method has them.
+    pub fn on_orbit(method: &Method) -> Option<KernelAssignment> {
+        Some(KernelAssignment { step: method.forced?.step.on_orbit()?, shift: 0 })
     }
 
     /// The assignment of a forced body, in the axes of the user. Panics if the method does not integrate forced bodies.
@@ -144,6 +161,19 @@ pub struct Balance {
     pub scales: [f64; 2],
 }
 
+impl State {
+    /// The state in space of a body whose rates are those over the pace of the anomaly, and whose attitude is that seen
+    /// from the frame of its orbit. The work of the gravity gradient is what the kinetic energy has gained.
+    pub fn at(self, place: &OrbitPlace, start: &Body) -> State {
+        let (omega, attitude) = (place.of_pace(self.omega), self.attitude.map(|q| place.of_frame(&q)));
+        let work = Body { omega, ..*start }.kinetic_energy() - start.kinetic_energy();
+        let direction = attitude.map(|q| to_body_frame(&q, &VERTICAL));
+        let [jacobi, _] = self.invariants;
+        let balance = Some(Balance { work, scales: [0.0; 2] });
+        State { omega, attitude, direction, invariants: [jacobi, 0.0], balance, ..self }
+    }
+}
+
 /// The state of a body in the variables of a kernel.
 fn kernel_state(
     system: System,
@@ -183,7 +213,8 @@ fn kernel_state(
 pub struct Entry<'a> {
     /// The body.
     pub body: &'a Body,
-    /// The forces from the start on, and a bound of |omega| under it; `None` without forces.
+    /// The forces from the start on, and a bound of |omega| under it, over the pace of an anomaly that takes the place of
+    /// the time; `None` without forces.
     pub forces: Option<(&'a ForcesInterval<'a, f64>, f64)>,
     /// The observed body axis: 1, 2, 3 or -1, -2, -3; 0 for none. The direction integrated with a free body is the
     /// initial direction of this axis, or the vertical.
@@ -194,6 +225,8 @@ pub struct Entry<'a> {
     pub step: f64,
     /// The variables of further forces at the start.
     pub own: [f64; Further::VARIABLES],
+    /// The place on the orbit at the start, for systems that take its anomaly for the time.
+    pub place: Option<OrbitPlace>,
     /// The deviation vector at the start, for systems that integrate one.
     pub deviation: Deviation,
     /// The bound that is observed, if one is.
@@ -206,13 +239,13 @@ impl<'a> Entry<'a> {
         static NO_FORCES: OnceLock<ForcesInterval<'static, f64>> = OnceLock::new();
         let forces = forced_rate.map(|rate| (NO_FORCES.get_or_init(ForcesInterval::none), rate));
         let (own, deviation) = (Further::NONE.start(0.0), Deviation::NONE);
-        Entry { body, forces, axis: 0, limit: f64::INFINITY, step, own, deviation, bound: None }
+        Entry { body, forces, axis: 0, limit: f64::INFINITY, step, own, place: None, deviation, bound: None }
     }
 }
 
 /// Loads a body into a lane.
 pub fn load(group: &mut Group, lane: usize, compiled: Compiled, assignment: KernelAssignment, entry: &Entry) {
-    let &Entry { body, forces, axis, limit, step, ref own, ref deviation, ref bound } = entry;
+    let &Entry { body, forces, axis, limit, step, ref own, ref place, ref deviation, ref bound } = entry;
     let kernel = compiled.kernel();
     let mut unit = [0.0; 3];
     if axis != 0 {
@@ -222,6 +255,10 @@ pub fn load(group: &mut Group, lane: usize, compiled: Compiled, assignment: Kern
     let mut y = kernel_state(kernel.system, assignment, body, unit);
     if let Some(at) = kernel.system.own_at() {
         y[at..at + own.len()].copy_from_slice(own);
+    }
+    if let Some(place) = place {
+        y[..3].copy_from_slice(&place.to_pace(body.omega));
+        y[3..7].copy_from_slice(&place.to_frame(&body.attitude));
     }
     let deviation = assignment.deviation(deviation, body);
     if let Some(at) = kernel.system.tangent_at() {
@@ -256,8 +293,17 @@ pub fn load(group: &mut Group, lane: usize, compiled: Compiled, assignment: Kern
         rows.worst.0[lane] = 0.0;
     }
 
-    if let Some((_, rate)) = forces {
+    if let (Some((_, rate)), None) = (forces, place) {
         widen_scales(group, lane, kernel.system, body, rate);
+    }
+    if place.is_some() {
+        // The rates and their bound are over the pace of the anomaly. Rates beyond the bound count as a drift.
+        let (pace, rate) =
+            (Body { omega: [y[0], y[1], y[2]], ..*body }, forces.map_or(0.0, |(_, rate)| rate));
+        let least = body.moments.iter().fold(f64::INFINITY, |a, &b| a.min(b));
+        let square = rate * rate;
+        group.energy.inverse_scale.0[lane] = 1.0 / (0.5 * least).mul_add(square, pace.kinetic_energy());
+        (group.momentum.start.0[lane], group.momentum.inverse_scale.0[lane]) = (0.0, DRIFT_LIMIT / square);
     }
     group.unit.0[lane] = 0.0;
     if kernel.observed == Observed::Nothing {
@@ -272,9 +318,18 @@ pub fn load(group: &mut Group, lane: usize, compiled: Compiled, assignment: Kern
             Variables::Momenta => rates[k] /= parameters.moments[k],
         }
     }
+    let mut frame = [[y[3], y[4], y[5]], [y[6], y[7], y[8]]];
+    let on_orbit = place.as_ref().map(|place| {
+        let axes = half_rows(&[y[3], y[4], y[5], y[6]]).map(|half| half.map(|x| x + x));
+        let [cos, sin] = place.direction();
+        frame = [axes[2], [0, 1, 2].map(|k| cos * axes[0][k] - sin * axes[1][k])];
+        rates = body.omega;
+        momentum = [0, 1, 2].map(|k| body.moments[k] * rates[k]);
+        (place, axes)
+    });
     let start = observe::Start {
         body,
-        forces,
+        forces: forces.map(|(forces, rate)| (forces, rate * place.as_ref().map_or(1.0, OrbitPlace::rate))),
         axis,
         unit,
         direction,
@@ -282,9 +337,10 @@ pub fn load(group: &mut Group, lane: usize, compiled: Compiled, assignment: Kern
         deviation: &deviation,
         bound: bound.as_ref(),
         own,
+        on_orbit,
         rates,
         momentum,
-        frame: [[y[3], y[4], y[5]], [y[6], y[7], y[8]]],
+        frame,
     };
     group.set_observed(lane, &kernel.observed.start(&start));
 }

@@ -12,7 +12,7 @@ use crate::real::{Pack, Quad, Real};
 use crate::scene::{
     Attitude, Axis, AxisAttitude, AxisSensitivity, AxisTangent, FREE, ForcedFrame, ForcedFrameTangent,
     ForcedRates, Free, FunctionFrame, FurtherFrame, FurtherFrameTangent, FurtherRates, Layout, Model,
-    OrbitFrame, Parameters, Rates, Scene, TOP, Top, TwoAxes,
+    OrbitTurns, Parameters, Rates, Scene, TOP, Top, TwoAxes,
 };
 #[cfg(target_arch = "x86_64")]
 use crate::simd::{Arr, V4, V8};
@@ -185,7 +185,7 @@ macro_rules! entry_points {
                 M: Model<R>,
                 L: Layout,
             {
-                let has_more = L::TANGENT || L::FURTHER || L::FUNCTION || L::ORBIT;
+                let has_more = L::TANGENT || L::FURTHER || L::FUNCTION;
                 if L::VECTORS > 1 && !has_more { Some(alone::<R, M, L, D>) } else { None }
             }
 
@@ -200,7 +200,7 @@ macro_rules! entry_points {
                 N: Model<f64>,
                 L: Layout,
             {
-                if !S::MOVES || (L::TANGENT && !S::HAS_TANGENT) {
+                if !S::MOVES || S::ON_CLOCK != L::CLOCK || (L::TANGENT && !S::HAS_TANGENT) {
                     return None;
                 }
                 Some(Code {
@@ -208,14 +208,13 @@ macro_rules! entry_points {
                     process: if S::PROCESSED { Some(processed::<P, S, M, L, D, PACKS>) } else { None },
                     invariants: invariants_of::<T, N, L, D>,
                     shares_motion: S::SHARES_MOTION,
-                    // Only maps, whose steps are equal, need nothing but the motion on an orbit.
-                    adaptive: match S::IS_SERIES && !L::ORBIT {
+                    adaptive: match S::IS_SERIES {
                         true if L::FUNCTION => Some(trial::<N, L, D>),
                         true => Some(adaptive::<P, M, L, D, PACKS>),
                         false => None,
                     },
                     alone: if S::IS_SERIES { alone } else { None },
-                    dense: if S::IS_SERIES && !L::ORBIT { Some(dense::<D>) } else { None },
+                    dense: if S::IS_SERIES { Some(dense::<D>) } else { None },
                 })
             }
         }
@@ -348,7 +347,7 @@ engines! { kernels
         TopTwoAxes: TOP, Top, TwoAxes;
         ForcedRates: FREE, Free, ForcedRates;
         ForcedFrame: TOP, Top, ForcedFrame;
-        OrbitFrame: FREE, Free, OrbitFrame;
+        OrbitTurns: FREE, Free, OrbitTurns;
         FurtherRates: FREE, Free, FurtherRates;
         FurtherFrame: TOP, Top, FurtherFrame;
         FunctionFrame: TOP, Top, FunctionFrame;
@@ -385,8 +384,6 @@ pub struct Needs {
     pub tangent: bool,
     /// Whether a change of the parameters adds to the deviation vector.
     pub is_changed: bool,
-    /// Whether the work of the forces is needed.
-    pub balance: bool,
 }
 
 /// Properties of a system from its model and its layout.
@@ -397,7 +394,7 @@ struct Traits {
     balance_at: Option<usize>,
     is_further: bool,
     is_function: bool,
-    is_orbit: bool,
+    is_on_clock: bool,
     own_at: Option<usize>,
     tangent_at: Option<usize>,
     is_changed: bool,
@@ -413,7 +410,7 @@ impl Traits {
             balance_at: if L::BALANCE { Some(L::BALANCE_AT) } else { None },
             is_further: L::FURTHER,
             is_function: L::FUNCTION,
-            is_orbit: L::ORBIT,
+            is_on_clock: L::CLOCK,
             own_at: if L::OWN > 0 { Some(L::OWN_AT) } else { None },
             tangent_at: if L::TANGENT { Some(L::TANGENT_AT) } else { None },
             is_changed: L::CHANGED,
@@ -429,13 +426,15 @@ impl System {
     pub fn carrying(scene: &Scene, step: Step, needs: Needs) -> System {
         let forces = needs.forces;
         let directions = if forces.in_space { 3 } else { needs.directions };
-        let on_orbit = forces.orbit_alone && !needs.balance && !needs.tangent;
+        let on_clock = step.is_on_clock();
+        let acts = forces.act && !on_clock;
+        let directions = if on_clock { 0 } else { directions };
         let carries = |system: System| {
             let traits = system.traits();
             system.scene() == scene
-                && traits.is_orbit == on_orbit
-                && traits.balance_at.is_some() == (forces.act && !on_orbit)
-                && traits.is_further == (forces.further && !on_orbit)
+                && traits.is_on_clock == on_clock
+                && traits.balance_at.is_some() == acts
+                && traits.is_further == (forces.further && acts)
                 && traits.is_function == forces.function
                 && traits.tangent_at.is_some() == needs.tangent
                 && (traits.is_changed || !needs.is_changed)
@@ -463,10 +462,10 @@ impl System {
         self.balance_at().is_some()
     }
 
-    /// Whether the invariants of the body are known: on an orbit nothing that is integrated is constant.
+    /// Whether the eccentric anomaly of an orbit takes the place of the time.
     #[inline]
-    pub fn has_invariants(self) -> bool {
-        !self.traits().is_orbit
+    pub fn is_on_clock(self) -> bool {
+        self.traits().is_on_clock
     }
 
     /// Index in the state of work, impulse and time; `None` if the system is not forced.
@@ -539,7 +538,6 @@ mod tests {
             attitude,
             tangent: false,
             is_changed: false,
-            balance: true,
         };
         let act = ForceSet { act: true, ..ForceSet::NONE };
         let forced = |needs| Needs { forces: act, ..needs };
@@ -552,6 +550,7 @@ mod tests {
         let changed = |needs| Needs { tangent: true, is_changed: true, ..needs };
         // A series does not integrate a top with a quaternion.
         let (rotations, series) = (method::SPLITTING4.any, method::TAYLOR12.any);
+        let on_clock = method::DOP853.any.on_orbit().unwrap();
         for (scene, step, needs, system) in [
             (&FREE, series, needs(0, false), FreeRates),
             (&FREE, series, needs(1, false), FreeAxis),
@@ -569,9 +568,9 @@ mod tests {
             (&FREE, series, further(needs(0, false)), FurtherRates),
             (&FREE, series, further(needs(0, true)), FurtherFrame),
             (&FREE, series, on_orbit(needs(0, false)), FurtherFrame),
-            (&FREE, series, Needs { balance: false, ..on_orbit(needs(0, false)) }, OrbitFrame),
-            (&FREE, series, Needs { balance: false, ..further(needs(0, false)) }, FurtherRates),
-            (&FREE, series, Needs { balance: false, ..on_orbit(tangent(needs(0, false))) }, FurtherTangent),
+            (&FREE, on_clock, on_orbit(needs(1, true)), OrbitTurns),
+            (&FREE, method::DOP853.any, on_orbit(needs(0, false)), FurtherFrame),
+            (&FREE, series, on_orbit(tangent(needs(0, false))), FurtherTangent),
             (&FREE, method::RK4.any, function(needs(0, false)), FunctionFrame),
             (&TOP, method::MIDPOINT.any, function(needs(0, true)), FunctionFrame),
             // A free body is a top without weight.

@@ -5,7 +5,7 @@
 
 use super::group::{DeviationRows, DriftRows, ForcesRows, Group};
 use crate::forces::ForcesInterval;
-use crate::kinematics::{direction, dot};
+use crate::kinematics::{direction, dot, half_rows};
 use crate::method::{Coefficients, Engine, Numbers};
 use crate::observe::{Observed, Segment};
 use crate::real::{Pack, Real};
@@ -37,7 +37,7 @@ fn prepared_pack<P: Pack, M: Model<P>, L: Layout, S: Engine<P, M, L, D>, const D
         weight: load3::<P>(&g.weight, at),
         step: P::load(&g.step.0[at..]),
     };
-    let acts = L::BALANCE || L::CHANGED || L::ORBIT;
+    let acts = L::BALANCE || L::CHANGED || L::CLOCK;
     // SAFETY: the engine ends with its block of steps, during which `forces` is borrowed.
     let interval = if acts { unsafe { forces.load(at) } } else { ForcesInterval::none() };
     (p, S::new(&p, &interval, numbers))
@@ -219,6 +219,11 @@ fn end_block<P: Pack, M: Model<P>, L: Layout, S: Engine<P, M, L, D>, const D: us
         let off = (dot(&n, &n) - P::splat(1.0)).abs() * P::splat(0.5);
         P::load(&g.unit.0[at..]).max(off).store(&mut g.unit.0[at..]);
     }
+    if const { L::CLOCK } {
+        let [p, q, r, t] = [y[3], y[4], y[5], y[6]];
+        let off = (dot(&[p, q, r], &[p, q, r]) + (t * t - P::splat(1.0))).abs() * P::splat(0.5);
+        P::load(&g.unit.0[at..]).max(off).store(&mut g.unit.0[at..]);
+    }
     (P::load(&g.count.0[at..]) + P::splat(steps as f64)).store(&mut g.count.0[at..]);
 }
 
@@ -297,8 +302,9 @@ pub(super) fn invariants<R: Real, M: Model<R>, L: Layout, S: Engine<R, M, L, D>,
     p: &Parameters<R>,
     y: &[R; D],
 ) -> [R; 2] {
-    if L::ORBIT {
-        return [R::splat(0.0); 2];
+    if L::CLOCK {
+        // No momentum is constant; the square of the rates shows whether the steps are short enough.
+        return [jacobi(p, y), dot(&[y[0], y[1], y[2]], &[y[0], y[1], y[2]])];
     }
     let (mut potential, mut conserved) = (M::potential(p, y), M::conserved(&S::momentum(p, y), y));
     if L::BALANCE {
@@ -306,4 +312,19 @@ pub(super) fn invariants<R: Real, M: Model<R>, L: Layout, S: Engine<R, M, L, D>,
         conserved = conserved - y[L::IMPULSE_AT];
     }
     [S::kinetic(p, y) + potential, conserved]
+}
+
+/// The Jacobi integral of a body on a circular orbit over the square of the mean motion; zero on an eccentric orbit, where
+/// nothing that is integrated is constant.
+#[inline(always)]
+fn jacobi<R: Real, const D: usize>(p: &Parameters<R>, y: &[R; D]) -> R {
+    let [outward, _, normal] = half_rows(&[y[3], y[4], y[5], y[6]]);
+    let (zero, six) = (R::splat(0.0), R::splat(6.0));
+    let mut sum = zero;
+    for k in 0..3 {
+        // The vectors are halves.
+        let part = y[k].fma(y[k] * R::splat(0.5) - (normal[k] + normal[k]), six * (outward[k] * outward[k]));
+        sum = p.moments[k].fma(part, sum);
+    }
+    R::select(zero.lt(y[7].abs() + y[8].abs()), zero, sum)
 }

@@ -2,8 +2,9 @@
 
 use super::Criterion;
 use super::regular::{self, Course};
-use super::{Class, Outcome, STEP_BLOCK, Watched};
+use super::{Class, OnOrbit, Outcome, STEP_BLOCK, Watched};
 use crate::error::Error;
+use crate::forces::OrbitPlace;
 use crate::kernel::{Compiled, Entry, ForcesRows, Group, Job, drive, load};
 use crate::memory;
 use crate::method::Step;
@@ -22,6 +23,10 @@ pub(super) const RUNS: &str = "runs of a block";
 struct LaneTask {
     index: usize,
     step: f64,
+    /// How many times the steps of the sample it makes, where its rates pass their bound over an anomaly.
+    times: u64,
+    /// Its place on the orbit at the start, if it is integrated over its anomaly.
+    place: Option<OrbitPlace>,
     course: Option<Course>,
 }
 
@@ -46,7 +51,8 @@ impl Watched<'_> {
     ) -> Result<(), Error> {
         let mut by_step: Vec<(Step, Vec<usize>)> = Vec::new();
         for &index in samples {
-            let step = self.assignment(&bodies[index], run.cross_check).step;
+            let forces = self.forces_of((first + index as u64) / self.samples);
+            let step = self.assignment(&bodies[index], forces, run.cross_check).step;
             let known = by_step.iter().position(|(known, _)| *known == step);
             if known.is_none() {
                 memory::push(RUNS, &mut by_step, (step, Vec::new()))?;
@@ -73,6 +79,22 @@ impl Watched<'_> {
         Ok(())
     }
 
+    /// Translates an outcome over the anomaly of an orbit to the time. On an orbit no component of the momentum is constant;
+    /// the Jacobi integral is on a circle.
+    fn to_time(&self, place: &OrbitPlace, outcome: &mut Outcome) {
+        if outcome.left < f64::INFINITY {
+            outcome.left = place.time_until(outcome.left).clamp(0.0, self.t_end);
+        }
+        let turned = outcome.step * outcome.steps as f64;
+        // The integral of the rates over the pace is that of the rates over the time.
+        outcome.mean_rate *= turned / place.time_until(turned);
+        outcome.step /= place.rate();
+        outcome.momentum_drift = f64::NAN;
+        if !place.is_on_circle() {
+            outcome.energy_drift = f64::NAN;
+        }
+    }
+
     /// The outcome of a lane whose sample is finished.
     fn outcome(&self, group: &Group, lane: usize, observed: Observed, step: f64) -> Outcome {
         let energy_drift = group.energy.worst.0[lane];
@@ -83,8 +105,8 @@ impl Watched<'_> {
         let left = rows[EXIT_TIME];
         let value = observed.outcome(&rows);
         let tilt = match self.criterion.bound() {
+            _ if observed == Observed::Tilt => value,
             Some(bound) => bound.largest_angle(value),
-            None if observed == Observed::Tilt => value,
             None => f64::NAN,
         };
         let finite = energy_drift.is_finite() && momentum_drift.is_finite() && unit_drift.is_finite();
@@ -137,49 +159,71 @@ struct MapJob<'a> {
     outcomes: &'a mut [Option<Outcome>],
 }
 
+impl MapJob<'_> {
+    /// Loads a sample into a lane, with so many times its steps; `None` and its outcome if they are too many.
+    fn begin(&mut self, lane: usize, index: usize, times: u64) -> Option<LaneTask> {
+        let (map, cross_check) = (self.map, self.run.cross_check);
+        let body = &self.bodies[index];
+        let forces = map.forces_of((self.first + index as u64) / map.samples);
+        let orbit = &forces.further.orbit;
+        let is_on_clock = self.compiled.kernel().system.is_on_clock();
+        let on_orbit = is_on_clock.then(|| {
+            let place = OrbitPlace::of(*orbit, orbit.anomaly_at(0.0));
+            OnOrbit { place, rate: body.pace_rate(&place) }
+        });
+        let place = on_orbit.map(|on_orbit| on_orbit.place);
+        // A time, or the anomaly until then.
+        let span = place.map_or(map.t_end, |place| place.anomaly_until(map.t_end));
+        let steps = map.steps_of(body, forces, cross_check, (on_orbit, span)).saturating_mul(times);
+        if steps > map.max_steps {
+            self.outcomes[index] = Some(Outcome::REFUSED);
+            return None;
+        }
+        let step = span / steps as f64;
+        let assignment = map.assignment(body, forces, cross_check);
+        let deviation = match map.criterion.rule() {
+            Some(_) => {
+                let of_attitude = matches!(map.criterion, Criterion::RegularAttitude(_));
+                regular::deviation(body, forces, of_attitude, cross_check)
+            }
+            None => Deviation::NONE,
+        };
+        let course = map.criterion.rule().map(|rule| {
+            let norm = assignment.deviation(&deviation, body);
+            Course::new(rule, norm, map.is_forced(), [steps as f64, map.t_end])
+        });
+        let own = place.map_or_else(|| forces.further.start(0.0), |place| place.clock());
+        let interval = (!forces.is_none()).then(|| {
+            let interval = forces.interval(0.0, false, body.moments);
+            self.forces_rows.set(lane, &interval);
+            self.forces_rows.functions.set(lane, forces.function_from(0.0));
+            interval.with_functions(self.forces_rows.functions.of(lane))
+        });
+        let rate = || match on_orbit {
+            Some(on_orbit) => on_orbit.rate * times as f64,
+            None => body.fastest_rate(forces, [0.0, map.t_end]),
+        };
+        let forces = interval.as_ref().map(|interval| (interval, rate()));
+        let (limit, bound) = (map.criterion.limit(), map.criterion.bound());
+        let entry = Entry { body, forces, axis: map.axis, limit, step, own, place, deviation, bound };
+        load(&mut self.group, lane, self.compiled, assignment, &entry);
+        if let Some(course) = &course {
+            course.settle(&mut self.group, self.compiled.kernel().system, lane);
+        }
+        self.target[lane] = course.map_or(steps as f64, |course| course.next());
+        Some(LaneTask { index, step, times, place, course })
+    }
+}
+
 impl Job for MapJob<'_> {
     type Task = LaneTask;
 
     fn load(&mut self, lane: usize) -> Result<Option<LaneTask>, Error> {
-        let (map, cross_check) = (self.map, self.run.cross_check);
-        for &index in self.samples.by_ref() {
-            let body = &self.bodies[index];
-            let forces = map.forces_of((self.first + index as u64) / map.samples);
-            let steps = map.steps_of(body, forces, cross_check);
-            if steps > map.max_steps {
-                self.outcomes[index] = Some(Outcome::REFUSED);
-                continue;
+        while let Some(&index) = self.samples.next() {
+            let task = self.begin(lane, index, 1);
+            if task.is_some() {
+                return Ok(task);
             }
-            let step = map.t_end / steps as f64;
-            let assignment = map.assignment(body, cross_check);
-            let deviation = match map.criterion.rule() {
-                Some(_) => {
-                    let of_attitude = matches!(map.criterion, Criterion::RegularAttitude(_));
-                    regular::deviation(body, forces, of_attitude, cross_check)
-                }
-                None => Deviation::NONE,
-            };
-            let course = map.criterion.rule().map(|rule| {
-                let norm = assignment.deviation(&deviation, body);
-                Course::new(rule, norm, map.is_forced(), [steps as f64, map.t_end])
-            });
-            let own = forces.further.start(0.0);
-            let interval = (!forces.is_none()).then(|| {
-                let interval = forces.interval(0.0, false, body.moments);
-                self.forces_rows.set(lane, &interval);
-                self.forces_rows.functions.set(lane, forces.function_from(0.0));
-                interval.with_functions(self.forces_rows.functions.of(lane))
-            });
-            let rate = || body.fastest_rate(forces, [0.0, map.t_end]);
-            let forces = interval.as_ref().map(|interval| (interval, rate()));
-            let (limit, bound) = (map.criterion.limit(), map.criterion.bound());
-            let entry = Entry { body, forces, axis: map.axis, limit, step, own, deviation, bound };
-            load(&mut self.group, lane, self.compiled, assignment, &entry);
-            if let Some(course) = &course {
-                course.settle(&mut self.group, self.compiled.kernel().system, lane);
-            }
-            self.target[lane] = course.map_or(steps as f64, |course| course.next());
-            return Ok(Some(LaneTask { index, step, course }));
         }
         Ok(None)
     }
@@ -212,9 +256,19 @@ impl Job for MapJob<'_> {
             return Ok(true);
         }
         let kernel = self.compiled.kernel();
+        if task.place.is_some() && !(self.group.momentum.worst.0[lane] <= DRIFT_LIMIT) {
+            // The body is faster than its bound, and its steps are too long.
+            if let Some(again) = self.begin(lane, task.index, 2 * task.times) {
+                *task = again;
+                return Ok(true);
+            }
+            self.target[lane] = f64::INFINITY;
+            self.group.deactivate(lane);
+            return Ok(false);
+        }
         let mut outcome = self.map.outcome(&self.group, lane, kernel.observed, task.step);
-        if !kernel.system.has_invariants() {
-            (outcome.energy_drift, outcome.momentum_drift) = (f64::NAN, f64::NAN);
+        if let Some(place) = &task.place {
+            self.map.to_time(place, &mut outcome);
         }
         if self.map.criterion == Criterion::MeanRateOverMotion {
             let forces = self.map.forces_of((self.first + task.index as u64) / self.map.samples);

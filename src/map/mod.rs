@@ -25,10 +25,11 @@ pub use sketch::{Bin, Sketch};
 pub use statistics::{Class, Column, FIXED_POINT, Field, Outcome, Statistics};
 
 use crate::error::Error;
-use crate::forces::BodyForces;
+use crate::forces::{BodyForces, OrbitPlace};
 use crate::kernel::{Kernel, KernelAssignment, Needs, System};
 use crate::memory;
-use crate::method::{Method, Step, default_step};
+use crate::method::{self, Method, Step, default_step};
+use crate::observe::Observed;
 use crate::parallel::{Interrupt, over_blocks, thread_nanoseconds};
 use crate::simd::Isa;
 use crate::start::Body;
@@ -45,6 +46,19 @@ use std::sync::Mutex;
 /// A sample takes whole blocks of this many steps and may stop after each. What is observed at the ends of blocks then
 /// depends on the sample alone, whoever shares its group.
 pub const STEP_BLOCK: u64 = 16;
+
+/// Steps of the run that checks a sample over the anomaly of an orbit, over those of its first run: its errors are six
+/// times as large, so that both runs err alike by chance only.
+const SECOND_SHARE: f64 = 0.8;
+
+/// A sample that is integrated over the anomaly of its orbit.
+#[derive(Clone, Copy)]
+struct OnOrbit {
+    /// Where it begins.
+    place: OrbitPlace,
+    /// The bound of its rates over the pace of the anomaly.
+    rate: f64,
+}
 
 /// Cost of a classification in closed form in units of RK4 steps, to share the processor time of a block.
 const EXACT_AS_STEPS: u64 = 20;
@@ -350,9 +364,13 @@ impl Deref for Watched<'_> {
 }
 
 impl Watched<'_> {
-    /// How a run of a sample is assigned to a kernel.
-    fn assignment(&self, body: &Body, cross_check: bool) -> KernelAssignment {
-        KernelAssignment::of_either(self.is_forced(), self.method(cross_check), body, self.scene)
+    /// How a run of a sample is assigned to a kernel: over the anomaly of the orbit, if an orbit alone acts and its method has
+    /// such steps.
+    fn assignment(&self, body: &Body, forces: BodyForces, cross_check: bool) -> KernelAssignment {
+        let kind = self.kind(forces);
+        let (method, [.., of_orbit]) = (self.method(kind, cross_check), kind);
+        let on_orbit = of_orbit.then(|| KernelAssignment::on_orbit(method)).flatten();
+        on_orbit.unwrap_or_else(|| KernelAssignment::of_either(self.is_forced(), method, body, self.scene))
     }
 
     /// The kernel of the samples with that step: its system carries what the criterion watches and no more.
@@ -363,52 +381,69 @@ impl Watched<'_> {
             attitude: false,
             tangent: self.criterion.rule().is_some(),
             is_changed: false,
-            balance: false,
         };
-        Kernel {
-            system: System::carrying(self.scene, step, needs),
-            step,
-            observed: self.criterion.observed(),
+        Kernel { system: System::carrying(self.scene, step, needs), step, observed: self.observed(step) }
+    }
+
+    /// The observable of the samples with that step. Over an anomaly the pointing is a tilt from the frame of the orbit.
+    fn observed(&self, step: Step) -> Observed {
+        match self.criterion.bound() {
+            Some(bound) if step.is_on_clock() && bound.is_pointing() => Observed::Tilt,
+            _ => self.criterion.observed(),
         }
     }
 
-    /// The method of a run of a sample.
-    fn method(&self, cross_check: bool) -> &'static Method {
-        let method = self.first_method();
+    /// The method of a run of a sample of that kind; see [`Watched::kind`].
+    fn method(&self, kind: [bool; 3], cross_check: bool) -> &'static Method {
+        let (method, [.., of_orbit]) = (self.map.method.by_steps(kind), kind);
         match (cross_check, self.criterion.rule()) {
             (false, _) => method,
             (true, Some(_)) => regular::SECOND,
             // Few methods integrate the torque of a function: the same makes half the steps.
             (true, None) if self.calls_functions() => method,
+            (true, None) if of_orbit && KernelAssignment::on_orbit(method).is_some() => &method::DOP853,
             (true, None) => method.second(self.is_forced()),
         }
     }
 
-    /// Number of steps of a run of a sample: whole blocks, no step longer than the map allows; above `max_steps` if the
+    /// Number of steps of a run of a sample over a time, or over the anomaly from a place: whole blocks, no step longer than the map allows; above `max_steps` if the
     /// rates need that many. A cross-check takes steps of its own, and at most half the step that was asked for or, unless
     /// it is of regularity, that the first run takes with the same method.
-    fn steps_of(&self, body: &Body, forces: BodyForces, cross_check: bool) -> u64 {
-        let method = self.method(cross_check);
-        let rate = if forces.is_none() {
-            body.neighbours_rate()
-        } else {
-            body.step_rate(method, forces, [0.0, self.t_end])
+    fn steps_of(
+        &self,
+        body: &Body,
+        forces: BodyForces,
+        cross_check: bool,
+        (on_orbit, span): (Option<OnOrbit>, f64),
+    ) -> u64 {
+        let kind = match on_orbit {
+            Some(_) => [false, false, true],
+            None => self.kind(forces),
         };
-        let (is_ruled, is_called) = (self.criterion.rule().is_some(), self.calls_functions());
+        let (method, [is_ruled, is_called, _]) = (self.method(kind, cross_check), kind);
+        // Over an anomaly steps of a time are those of the mean motion.
+        let pace = on_orbit.map_or(1.0, |on_orbit| on_orbit.place.rate());
+        let rate = match on_orbit {
+            Some(on_orbit) => on_orbit.rate,
+            None if forces.is_none() => body.neighbours_rate(),
+            None => body.step_rate(method, forces, [0.0, self.t_end]),
+        };
         let own = match (cross_check, is_ruled) {
             (true, true) => regular::second_step(rate, self.t_end),
+            (true, false) if on_orbit.is_some() => self.map.method.default_step(kind, rate) / SECOND_SHARE,
             (true, false) if !is_called => default_step(method, rate),
-            _ => self.method.default_step([is_ruled, is_called], rate),
+            _ => self.map.method.default_step(kind, rate),
         };
         let own = own.min(forces.longest_unseen([0.0, self.t_end]));
+        let is_alike = || on_orbit.is_none() && method == self.method(kind, false);
         let largest = match self.step {
-            Some(step) if cross_check => own.min(0.5 * step),
-            Some(step) => step,
-            None if cross_check && !is_ruled && method == self.first_method() => 0.5 * own,
+            Some(step) if cross_check => own.min(0.5 * step * pace),
+            Some(step) => step * pace,
+            None if cross_check && !is_ruled && is_alike() => 0.5 * own,
             None => own,
         };
         let [multiple, fewest] = self.whole_steps(cross_check);
-        let blocks = (self.t_end / largest / multiple as f64).ceil();
+        let blocks = (span / largest / multiple as f64).ceil();
         // A NaN or an absurd number becomes one that no limit allows.
         if blocks < 1e17 { (blocks as u64 * multiple).max(fewest) } else { u64::MAX }
     }

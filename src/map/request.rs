@@ -54,10 +54,10 @@ impl MethodChoice {
     /// The method of the samples that have no closed form. A series by default: what is watched is computed inside its
     /// steps, so that these may be long. The growth of a deviation vector is a sum over the steps, which Runge-Kutta
     /// makes faster; and no series knows the torque of a function.
-    pub fn by_steps(self, [of_growth, of_function]: [bool; 2]) -> &'static Method {
+    pub fn by_steps(self, [of_growth, of_function, of_orbit]: [bool; 3]) -> &'static Method {
         match self {
             MethodChoice::Only(AnyMethod::Steps(method)) => method,
-            _ if of_growth || of_function => &method::DOP853,
+            _ if of_growth || of_function || of_orbit => &method::DOP853,
             _ => &method::TAYLOR12,
         }
     }
@@ -65,19 +65,25 @@ impl MethodChoice {
     /// The longest step at a rate. Of the default method it is three times as long as where a trajectory is asked for
     /// to rounding: its error is about 1e-8 rad per radian turned, and the check knows it. Whether a motion is chaotic
     /// does not depend on its digits: its steps are a radian and a quarter of the bound of its rates.
-    pub fn default_step(self, [of_growth, of_function]: [bool; 2], rate: f64) -> f64 {
+    pub fn default_step(self, of: [bool; 3], rate: f64) -> f64 {
+        let [of_growth, of_function, of_orbit] = of;
         let longer = match self {
             MethodChoice::Only(_) => 1.0,
             _ if of_growth => GROWTH_STEPS,
             _ if of_function => FUNCTION_STEPS,
+            _ if of_orbit => ORBIT_STEPS,
             _ => 3.0,
         };
-        longer * default_step(self.by_steps([of_growth, of_function]), rate)
+        longer * default_step(self.by_steps(of), rate)
     }
 }
 
 /// Steps of the default method under the torque of a function, over those for states: 0.6 rad, with an error as above.
 const FUNCTION_STEPS: f64 = 6.0;
+
+/// Steps of the default method over the anomaly of an orbit, over those for states: 0.75 rad. Over ten circular orbits its
+/// error is 1e-7 in the median, as above.
+const ORBIT_STEPS: f64 = 7.5;
 
 /// Steps of the default method for the growth of deviation vectors, over those for states: 1.25 rad.
 const GROWTH_STEPS: f64 = 12.5;
@@ -208,10 +214,11 @@ impl Map {
         self.pixels.iter().position(|pixel| pixel.possible && !answers(&pixel.body))
     }
 
-    /// The method of the first run of samples that have no closed form.
+    /// The method of the first run of samples that have no closed form. Where an orbit alone acts on some samples only, it
+    /// is that of the others.
     pub fn first_method(&self) -> &'static Method {
         let of_growth = self.conditions.iter().any(|condition| condition.criterion.rule().is_some());
-        self.method.by_steps([of_growth, self.calls_functions()])
+        self.method.by_steps([of_growth, self.calls_functions(), self.forces().orbit_alone])
     }
 
     /// Whether torque or damping is applied.
@@ -281,9 +288,17 @@ impl Map {
 }
 
 impl Watched<'_> {
-    /// The method of the first run of samples that have no closed form.
+    /// Whether the growth of deviation vectors is watched, a function acts, or the gravity gradient of an orbit alone. It is
+    /// that of each sample: its bits do not depend on what acts on others.
+    pub(super) fn kind(&self, forces: BodyForces) -> [bool; 3] {
+        let of_growth = self.criterion.rule().is_some();
+        [of_growth, self.calls_functions(), forces.orbit_alone() && !of_growth]
+    }
+
+    /// The method of the first run of samples that have no closed form; see [`Map::first_method`].
     pub(super) fn first_method(&self) -> &'static Method {
-        self.method.by_steps([self.criterion.rule().is_some(), self.calls_functions()])
+        let of_growth = self.criterion.rule().is_some();
+        self.method.by_steps([of_growth, self.calls_functions(), self.forces().orbit_alone])
     }
 }
 

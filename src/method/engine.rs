@@ -13,6 +13,10 @@ macro_rules! engines {
             Rk4: RungeKutta<Rk4Tableau, R, M>, V4, V8;
             /// Runge-Kutta with the tableau of `dop853`.
             Dop853: RungeKutta<Dop853Tableau, R, M>, V4, V8;
+            /// Over the anomaly of an orbit, with the tableau of `rk4`.
+            OrbitRk4: OrbitSteps<Rk4Tableau, R>, V4, V8;
+            /// Over the anomaly of an orbit, with the tableau of `dop853`.
+            OrbitDop853: OrbitSteps<Dop853Tableau, R>, V4, V8;
             /// A Taylor series of any order.
             Taylor: Taylor<R, M>, V4, V8;
             /// Planar rotations about the principal axes and kicks, of order 2.
@@ -69,6 +73,7 @@ pub(super) struct EngineFacts {
     pub(super) is_series: bool,
     pub(super) sees_limits: bool,
     pub(super) has_tangent: bool,
+    pub(super) is_on_clock: bool,
     pub(super) flows: Option<&'static [Flow]>,
     /// Whether it integrates the further forces.
     pub(super) moves_further: bool,
@@ -95,6 +100,7 @@ impl EngineFacts {
             is_series: <S as Engine<f64, Top<f64>, AxisTangent, { AxisTangent::LEN }>>::IS_SERIES,
             sees_limits: <S as Engine<f64, Top<f64>, AxisTangent, { AxisTangent::LEN }>>::SEES_LIMITS,
             has_tangent: <S as Engine<f64, Top<f64>, AxisTangent, { AxisTangent::LEN }>>::HAS_TANGENT,
+            is_on_clock: <S as Engine<f64, Top<f64>, AxisTangent, { AxisTangent::LEN }>>::ON_CLOCK,
             flows: <S as Engine<f64, Top<f64>, AxisTangent, { AxisTangent::LEN }>>::FLOWS,
             moves_further: <S as Engine<f64, Top<f64>, FurtherFrame, { FurtherFrame::LEN }>>::MOVES,
             of_function: FactsOfFunction {

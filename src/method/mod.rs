@@ -11,6 +11,7 @@ mod engine;
 mod exponential;
 mod midpoint;
 mod moser_veselov;
+mod orbit_steps;
 mod runge_kutta;
 mod splitting;
 mod tableau;
@@ -27,6 +28,7 @@ pub(crate) use exponential::phi;
 pub use exponential::{AffineSplitting, Exponential};
 pub use midpoint::ImplicitMidpoint;
 pub use moser_veselov::MoserVeselov;
+pub use orbit_steps::OrbitSteps;
 pub use runge_kutta::RungeKutta;
 pub use splitting::{
     ComposedPlanar, Composition, Drift, ExactRotor, Flow, KickMoserVeselov, KickRotor, Planar, Processor,
@@ -273,6 +275,17 @@ impl Step {
         self.numbers.processor.is_some()
     }
 
+    /// The step of bodies on an orbit on which nothing else acts, over its eccentric anomaly, if the method has one.
+    pub const fn on_orbit(self) -> Option<Step> {
+        orbit_steps::on_orbit(self)
+    }
+
+    /// Whether the step is over the eccentric anomaly of an orbit, in place of the time.
+    #[inline]
+    pub const fn is_on_clock(self) -> bool {
+        self.engine.facts().is_on_clock
+    }
+
     /// Whether the step integrates bodies with weight: a composition without kicks is a free motion.
     pub const fn moves_weight(self) -> bool {
         let Some(flows) = self.engine.facts().flows else { return true };
@@ -468,7 +481,10 @@ impl Method {
     /// # Errors
     /// Naming the method and the rule.
     pub fn check_limits(&self, forces: ForceSet) -> Result<(), Error> {
-        if self.steps().into_iter().all(|step| step.sees_limits(forces.function)) {
+        let on_orbit = self.forced.and_then(|forced| forced.step.on_orbit()).is_some();
+        if (forces.orbit_alone && on_orbit)
+            || self.steps().into_iter().all(|step| step.sees_limits(forces.function))
+        {
             return Ok(());
         }
         let rule = "observes no limit inside its steps, which is needed here: all other methods of maps do";
@@ -536,9 +552,6 @@ fn acceleration<R: Real, M: Model<R>, L: Layout, const D: usize>(
     if L::FURTHER {
         return applied.under_further::<M, L, D>(model, y).omega;
     }
-    if L::ORBIT {
-        return applied.on_orbit::<M, L, D>(model, y);
-    }
     let torque = if L::BALANCE { applied.torque::<L, D>(y) } else { [R::splat(0.0); 3] };
     acceleration_by::<R, M, L, D>(model, applied, y, &torque)
 }
@@ -576,6 +589,8 @@ pub trait Engine<R: Real, M: Model<R>, L: Layout, const D: usize>: Copy {
     const HAS_TANGENT: bool = false;
     /// Whether a step can move further deviation vectors with the same motion.
     const SHARES_MOTION: bool = false;
+    /// Whether the steps are over the eccentric anomaly of an orbit, in place of the time.
+    const ON_CLOCK: bool = false;
     /// Whether a step has so few operations that the loop over packs counts. Its sums are not
     /// compensated.
     const IS_SHORT: bool = false;

@@ -4,7 +4,7 @@ use super::tableau::{ALL_STAGES, MAX_STAGES, Slopes, Tableau, coefficient, first
 use super::tangent::{further_tangent_rate, tangent_rate};
 use super::{Coefficients, Engine, EngineName, Facts, Method, Numbers, Step, Variables};
 use super::{acceleration, acceleration_by};
-use crate::forces::{Force, ForcesInterval};
+use crate::forces::ForcesInterval;
 use crate::kinematics;
 use crate::real::Real;
 use crate::scene::{Applied, FurtherRate, Layout, Model, Parameters};
@@ -118,13 +118,13 @@ impl<R: Real> Units<R> {
 /// Whether the slopes of the rates are their products, whose units contain the moments.
 #[inline(always)]
 const fn in_products<T: Tableau, R: Real, M: Model<R>, L: Layout>() -> bool {
-    T::MULTIPLIES_ONCE && !(M::HEAVY || L::BALANCE || L::CHANGED || L::ORBIT)
+    T::MULTIPLIES_ONCE && !(M::HEAVY || L::BALANCE || L::CHANGED)
 }
 
 /// Whether the slopes of the rates contain the unit.
 #[inline(always)]
 const fn in_units<T: Tableau, R: Real, M: Model<R>, L: Layout>() -> bool {
-    T::MULTIPLIES_ONCE && M::HEAVY && !(L::BALANCE || L::CHANGED || L::ORBIT)
+    T::MULTIPLIES_ONCE && M::HEAVY && !(L::BALANCE || L::CHANGED)
 }
 
 /// Whether a variable is the change of a rate by a deviation vector.
@@ -144,9 +144,11 @@ macro_rules! for_stages {
     })*};
 }
 
+pub(super) use for_stages;
+
 /// A slope times a number of the table. Two additions take less time than a fused product beside others.
 #[inline(always)]
-fn times<R: Real>(number: f64, slope: R) -> R {
+pub(super) fn times<R: Real>(number: f64, slope: R) -> R {
     match number {
         1.0 => slope,
         2.0 => slope + slope,
@@ -156,7 +158,7 @@ fn times<R: Real>(number: f64, slope: R) -> R {
 
 /// sum + number slope.
 #[inline(always)]
-fn add_times<R: Real>(sum: R, number: f64, slope: R) -> R {
+pub(super) fn add_times<R: Real>(sum: R, number: f64, slope: R) -> R {
     match number {
         1.0 | 2.0 => sum + times(number, slope),
         _ => R::splat(number).fma(slope, sum),
@@ -225,9 +227,7 @@ fn rate<T: Tableau, R: Real, M: Model<R>, L: Layout, const D: usize>(
     let omega = [y[0], y[1], y[2]];
     let mut dy = *y;
     let torque = if L::BALANCE { applied.torque::<L, D>(y) } else { [R::splat(0.0); 3] };
-    let change = if L::ORBIT {
-        applied.on_orbit::<M, L, D>(model, y)
-    } else if const { in_products::<T, R, M, L>() } {
+    let change = if const { in_products::<T, R, M, L>() } {
         [y[1] * y[2], y[2] * y[0], y[0] * y[1]]
     } else {
         acceleration_by::<R, M, L, D>(model, applied, y, &torque)
@@ -249,9 +249,6 @@ fn rate<T: Tableau, R: Real, M: Model<R>, L: Layout, const D: usize>(
     }
     if L::TANGENT {
         kinematics::put(&mut dy, L::TANGENT_AT, tangent_rate::<R, M, L, D>(model, applied, y, &change));
-    }
-    if L::ORBIT {
-        applied.forces.further.orbit.change(y, L::OWN_AT, &mut dy);
     }
     dy
 }
@@ -347,44 +344,55 @@ impl<T: Tableau, R: Real, M: Model<R>> RungeKutta<T, R, M> {
             }
             slopes[MAX_STAGES + 1 + stage] = rate::<T, R, M, L, D>(&self.model, &self.applied, &at);
         }
-        let mut parts = [[R::splat(0.0); D]; 7];
-        for d in 0..D {
-            let change = after[d] - y[d];
-            parts[0][d] = change;
-            parts[1][d] = unit.fma(slopes[0][d], -change);
-            parts[2][d] = (change + change) - unit * (slopes[0][d] + slopes[MAX_STAGES][d]);
-        }
-        for k in 0..4 {
-            let weights = &T::INSIDE.polynomial[k];
-            for i in 0..ALL_STAGES {
-                for d in 0..D {
-                    parts[3 + k][d] = R::splat(weights[i]).fma(slopes[i][d], parts[3 + k][d]);
-                }
-            }
-            for d in 0..D {
-                parts[3 + k][d] = parts[3 + k][d] * unit;
-            }
-        }
-        // The powers, from the last part on: times s or times 1 - s, plus the part before.
-        let mut powers = [[R::splat(0.0); D]; 8];
-        powers[0] = parts[6];
-        for i in (0..7).rev() {
-            for k in (1..8 - i).rev() {
-                for d in 0..D {
-                    let before = powers[k - 1][d];
-                    powers[k][d] = if i % 2 == 0 { before } else { powers[k][d] - before };
-                }
-            }
-            let part = if i == 0 { y } else { &parts[i - 1] };
-            for d in 0..D {
-                powers[0][d] = if i % 2 == 0 { part[d] } else { powers[0][d] + part[d] };
-            }
-        }
         dense.clear();
-        for row in powers {
+        for row in powers::<T, R, D>(y, after, slopes, unit) {
             dense.push(row);
         }
     }
+}
+
+/// The motion inside a step from its slopes; see [`RungeKutta::expand_step`].
+#[inline(always)]
+pub(super) fn powers<T: Tableau, R: Real, const D: usize>(
+    y: &[R; D],
+    after: &[R; D],
+    slopes: &Slopes<R, D>,
+    unit: R,
+) -> [[R; D]; 8] {
+    let mut parts = [[R::splat(0.0); D]; 7];
+    for d in 0..D {
+        let change = after[d] - y[d];
+        parts[0][d] = change;
+        parts[1][d] = unit.fma(slopes[0][d], -change);
+        parts[2][d] = (change + change) - unit * (slopes[0][d] + slopes[MAX_STAGES][d]);
+    }
+    for k in 0..4 {
+        let weights = &T::INSIDE.polynomial[k];
+        for i in 0..ALL_STAGES {
+            for d in 0..D {
+                parts[3 + k][d] = R::splat(weights[i]).fma(slopes[i][d], parts[3 + k][d]);
+            }
+        }
+        for d in 0..D {
+            parts[3 + k][d] = parts[3 + k][d] * unit;
+        }
+    }
+    // The powers, from the last part on: times s or times 1 - s, plus the part before.
+    let mut powers = [[R::splat(0.0); D]; 8];
+    powers[0] = parts[6];
+    for i in (0..7).rev() {
+        for k in (1..8 - i).rev() {
+            for d in 0..D {
+                let before = powers[k - 1][d];
+                powers[k][d] = if i % 2 == 0 { before } else { powers[k][d] - before };
+            }
+        }
+        let part = if i == 0 { y } else { &parts[i - 1] };
+        for d in 0..D {
+            powers[0][d] = if i % 2 == 0 { part[d] } else { powers[0][d] + part[d] };
+        }
+    }
+    powers
 }
 
 impl<T: Tableau, R: Real, M: Model<R>, L: Layout, const D: usize> Engine<R, M, L, D> for RungeKutta<T, R, M> {

@@ -5,7 +5,7 @@
 
 use super::acceleration;
 use super::{Engine, EngineName, Facts, Method, Numbers, Step, Variables};
-use crate::forces::{Force, ForcesInterval, Further, FurtherSeries, Order};
+use crate::forces::{ForcesInterval, Further, FurtherSeries, Order};
 use crate::kinematics::{
     add_cross, add_roll_across, add_roll_along, add_turn_across, add_turn_along, direction, put,
 };
@@ -227,8 +227,6 @@ impl<R: Real, M: Model<R>> Taylor<R, M> {
             self.add_further::<L, D>(unit, &sums.rates, series, c, &mut next, k);
         } else if L::BALANCE {
             self.add_applied::<L, D>(unit, series, c, &mut next, k);
-        } else if L::ORBIT {
-            self.add_orbit::<L, D>(unit, &sums.rates, series, c, &mut next, k);
         }
         c.push(next);
     }
@@ -308,29 +306,6 @@ impl<R: Real, M: Model<R>> Taylor<R, M> {
         next[L::BALANCE_AT] = factor * balance[0];
         next[L::BALANCE_AT + 1] = factor * balance[1];
         next[L::BALANCE_AT + 2] = if k == 0 { unit } else { R::splat(0.0) };
-    }
-
-    /// Computes the coefficients of order k + 1 of the rates on an orbit, and of its variables: `Applied::on_orbit` by
-    /// Cauchy products.
-    #[inline(always)]
-    fn add_orbit<L: Layout, const D: usize>(
-        &self,
-        unit: R,
-        products: &[R; 3],
-        series: &mut Beside<R>,
-        c: &Coefficients<R, D>,
-        next: &mut [R; D],
-        k: usize,
-    ) {
-        let factor = unit * R::splat(INVERSE[k + 1]);
-        let (moments, orbit) = (self.applied.moments(), &self.applied.forces.further.orbit);
-        let mut torque = [R::splat(0.0); 3];
-        let at = Order { k, own: L::OWN_AT, factor };
-        orbit.add_order(moments, c, at, &mut series.further.torques.orbit, next, &mut torque);
-        let (rate, change) = (self.model.euler(products, c.order(k)), self.applied.over_moments(&torque));
-        for i in 0..3 {
-            next[i] = factor * (rate[i] + change[i]);
-        }
     }
 
     /// Adds the further forces to the coefficients of order k + 1, with torque and damping, and computes those of the balance
@@ -485,7 +460,7 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Apart for Expansion<'_, R,
 impl<R: Real, M: Model<R>> Taylor<R, M> {
     #[inline(always)]
     fn expanded<L: Layout, const D: usize>(&self, unit: R, y: &[R; D], c: &mut Coefficients<R, D>) {
-        if const { L::BALANCE || L::TANGENT || L::ORBIT } {
+        if const { L::BALANCE || L::TANGENT } {
             R::apart(Expansion { engine: self, unit, y, c, layout: PhantomData::<L> });
         } else {
             self.coefficients::<L, D>(unit, y, c);

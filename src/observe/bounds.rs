@@ -1,12 +1,12 @@
 //! A scalar of the state that stays on one side of a limit.
 
 use super::dense::hermite_weights;
-use super::{EXIT_TIME, Observable, Rows, Segment, Start, Update, three};
+use super::{EXIT_TIME, Observable, Rows, Segment, Start, Update, look_inside, motion_inside, three};
 use crate::forces::{Force, Orbit};
-use crate::kinematics::{cross, direction, direction_rate, dot};
+use crate::kinematics::{cross, direction, direction_rate, dot, half_rows};
 use crate::method::{Coefficients, Engine, Variables, in_halves};
 use crate::real::{Apart, Real};
-use crate::scene::{Layout, Model, Parameters};
+use crate::scene::{ForcedFrame, Layout, Model, Parameters};
 use crate::special::{atan2, sincos};
 use std::f64::consts::PI;
 use std::marker::PhantomData;
@@ -76,12 +76,17 @@ impl Bound {
         [limit, if self.below { 1.0 } else { -1.0 }]
     }
 
+    /// Whether it is the angle of an axis from a direction of an orbit.
+    pub fn is_pointing(&self) -> bool {
+        matches!(self.quantity, Quantity::Pointing { .. })
+    }
+
     /// More than the square of any distance between two directions.
     const NO_CHORD2: f64 = 5.0;
 
     /// The largest angle of the observed axis from its direction, by the smallest margin; NaN of another quantity.
     pub fn largest_angle(self, margin: f64) -> f64 {
-        if !matches!(self.quantity, Quantity::Pointing { .. }) {
+        if !self.is_pointing() {
             return f64::NAN;
         }
         let chord2 = self.of_scalar()[0] - margin;
@@ -118,6 +123,8 @@ impl Bounds {
     const SECOND: usize = 14;
     /// Eccentricity and rate of the orbit.
     const ORBIT: usize = 17;
+    /// The anomaly at the start, of a body that is integrated over it.
+    const ANOMALY: usize = Bounds::SECOND;
 
     /// The largest `LEAP2` of a motion that is known well enough: a leap of 1 rad.
     const MOST_LEAP2: f64 = 0.9193953882637205;
@@ -225,17 +232,87 @@ fn margin<R: Real, L: Layout, const D: usize>(
 
 /// The state inside a step, as far as the scalar needs it: by the polynomial of the step, else by the cubic with the
 /// values and slopes at both ends.
-struct Inside<'a, R, const D: usize> {
+struct Inside<'a, R, L, const IS_SERIES: bool, const D: usize> {
     before: &'a [R; D],
     after: &'a [R; D],
     /// Slopes at both ends, where there is no polynomial.
     slopes: &'a [[R; D]],
     dense: &'a Coefficients<R, D>,
+    layout: PhantomData<L>,
 }
 
-impl<R: Real, const D: usize> Inside<'_, R, D> {
+/// States inside a step.
+trait Within<R, const D: usize> {
+    /// The state at a fraction of the step.
+    fn at(&self, fraction: R) -> [R; D];
+}
+
+/// Rates and space axes of a body that is integrated over the anomaly of its orbit, in the layout [`ForcedFrame`]; axis 1
+/// of this space leads to the periapsis, axis 3 is the normal of the orbit.
+struct OnOrbit<'a, R, const D: usize> {
+    dense: &'a Coefficients<R, D>,
+    /// The anomaly at the begin of the step, and the step.
+    anomaly: R,
+    step: R,
+    eccentricity: R,
+    rate: R,
+}
+
+impl<R: Real, const D: usize> OnOrbit<'_, R, D> {
     #[inline(always)]
-    fn at<L: Layout, const IS_SERIES: bool>(&self, fraction: R) -> [R; D] {
+    fn seen(&self, fraction: R, y: &[R; D]) -> [R; FRAME] {
+        let (one, zero, e) = (R::splat(1.0), R::splat(0.0), self.eccentricity);
+        let (sin, cos) = sincos(self.step.fma(fraction, self.anomaly));
+        let near = one / e.fnma(cos, one);
+        let pace = self.rate * near;
+        let place = [(cos - e) * near, ((one - e) * (one + e)).sqrt() * sin * near];
+        let [outward, along, normal] = half_rows(&[y[3], y[4], y[5], y[6]]);
+        let [first, second] = plane_axes(&outward, &along, place);
+        let mut all = [zero; FRAME];
+        for k in 0..3 {
+            all[k] = pace * y[k];
+            all[3 + k] = normal[k] + normal[k];
+            all[6 + k] = first[k] + first[k];
+            all[9 + k] = second[k] + second[k];
+        }
+        all
+    }
+}
+
+/// Length of a state with rates and space axes.
+const FRAME: usize = ForcedFrame::LEN;
+
+/// The directions of the plane of an orbit that are fixed in space, from those that move, which the cosine and the sine of
+/// the true anomaly turn.
+#[inline(always)]
+fn plane_axes<R: Real>(outward: &[R; 3], along: &[R; 3], [cos, sin]: [R; 2]) -> [[R; 3]; 2] {
+    let (mut first, mut second) = (*outward, *along);
+    for k in 0..3 {
+        first[k] = sin.fnma(along[k], cos * outward[k]);
+        second[k] = sin.fma(outward[k], cos * along[k]);
+    }
+    [first, second]
+}
+
+impl<R: Real, const D: usize> Within<R, FRAME> for OnOrbit<'_, R, D> {
+    #[inline(always)]
+    fn at(&self, fraction: R) -> [R; FRAME] {
+        let order = self.dense.highest();
+        let mut y = *self.dense.order(order);
+        for k in (0..order).rev() {
+            for d in 0..7 {
+                y[d] = y[d].fma(fraction, self.dense.order(k)[d]);
+            }
+        }
+        self.seen(fraction, &y)
+    }
+}
+
+impl<R: Real, L: Layout, const IS_SERIES: bool, const D: usize> Within<R, D>
+    for Inside<'_, R, L, IS_SERIES, D>
+{
+    #[inline(always)]
+    fn at(&self, fraction: R) -> [R; D] {
         let vectors = const { 3 + 3 * L::VECTORS };
         let used = const { 3 + 3 * L::VECTORS + L::OWN };
         let (mut y, dense) = (*self.after, self.dense);
@@ -301,8 +378,13 @@ impl Observable for Bounds {
     fn start(start: &Start) -> Rows<f64> {
         let mut rows = super::UNOBSERVED;
         let bound = start.bound.expect("a map gives the bound that is observed");
+        if let Some((place, _)) = start.on_orbit {
+            rows[Bounds::ANOMALY] = place.anomaly();
+            [rows[Bounds::ORBIT], rows[Bounds::ORBIT + 1]] = [place.eccentricity(), place.rate()];
+        }
         [rows[Bounds::LIMIT], rows[Bounds::SIDE]] = bound.of_scalar();
-        rows[Bounds::AFTER] = bound.after;
+        rows[Bounds::AFTER] =
+            start.on_orbit.map_or(bound.after, |(place, _)| place.anomaly_until(bound.after));
         rows[Bounds::MARGIN] = f64::INFINITY;
         let put = |rows: &mut Rows<f64>, at: usize, v: [f64; 3]| rows[at..at + 3].copy_from_slice(&v);
         // The frame of the kernel at the start: space axis 3, then 1.
@@ -396,7 +478,7 @@ impl Observable for Bounds {
 
 impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Bounds {
     /// True for the rates alone, and for rates with a vertical or a frame.
-    const FITS: bool = !L::QUATERNION && !L::TANGENT && (L::VECTORS != 1 || M::HEAVY);
+    const FITS: bool = L::CLOCK || !L::QUATERNION && !L::TANGENT && (L::VECTORS != 1 || M::HEAVY);
 
     #[expect(clippy::manual_memcpy, reason = "a copied slice has an address: its state would stay in memory")]
     #[inline(always)]
@@ -409,6 +491,12 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Bou
         if const { !S::SEES_LIMITS } {
             return;
         }
+        if const { L::CLOCK } {
+            // Of each body; an inactive one has a step of zero.
+            let wanted = R::splat(0.0).lt(p.step.abs());
+            look_inside::<Bounds, R, M, L, S, D>(engine, p, rows, segment, wanted);
+            return;
+        }
         // Copies: what a function of its own sees would be in memory in every step, observed or not.
         let begin = segment.begin;
         let [mut before, mut after] = [[begin; D]; 2];
@@ -416,39 +504,62 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Bou
         in_halves!(d in D { after[d] = segment.after[d]; });
         // Only the branch that is taken is compiled.
         if const { S::IS_SERIES } {
-            let inside = Inside { before: &before, after: &after, slopes: &[], dense: segment.dense };
-            R::apart(Look::<R, L, false, true, D> { p, rows, begin, inside, layout: PhantomData });
+            let (dense, layout) = (segment.dense, PhantomData);
+            let inside =
+                Inside::<R, L, true, D> { before: &before, after: &after, slopes: &[], dense, layout };
+            let ends = [&before, &after];
+            R::apart(Look::<R, L, _, false, D> { p, rows, begin, ends, inside, layout });
             return;
         }
         let slopes = [
             slopes::<R, M, L, S, D>(engine, p, rows, &before),
             slopes::<R, M, L, S, D>(engine, p, rows, &after),
         ];
-        let inside = Inside { before: &before, after: &after, slopes: &slopes, dense: segment.dense };
+        let (dense, layout) = (segment.dense, PhantomData);
+        let inside =
+            Inside::<R, L, false, D> { before: &before, after: &after, slopes: &slopes, dense, layout };
+        let ends = [&before, &after];
         if const { matches!(S::VARIABLES, Variables::Rates) } {
-            R::apart(Look::<R, L, false, false, D> { p, rows, begin, inside, layout: PhantomData });
+            R::apart(Look::<R, L, _, false, D> { p, rows, begin, ends, inside, layout });
         } else {
-            R::apart(Look::<R, L, true, false, D> { p, rows, begin, inside, layout: PhantomData });
+            R::apart(Look::<R, L, _, true, D> { p, rows, begin, ends, inside, layout });
         }
+    }
+
+    #[inline(always)]
+    fn look<S: Engine<R, M, L, D>>(
+        engine: &S,
+        p: &Parameters<R>,
+        rows: &mut Rows<R>,
+        segment: &Segment<R, D>,
+    ) {
+        let &Segment { begin, before, after, .. } = segment;
+        let dense = &motion_inside(engine, p, before);
+        let [eccentricity, rate] = [rows[Bounds::ORBIT], rows[Bounds::ORBIT + 1]];
+        let anomaly = rows[Bounds::ANOMALY] + begin;
+        let inside = OnOrbit { dense, anomaly, step: p.step, eccentricity, rate };
+        let [first, last] = [inside.seen(R::splat(0.0), before), inside.seen(R::splat(1.0), after)];
+        let (ends, layout) = ([&first, &last], PhantomData);
+        Look::<R, ForcedFrame, _, false, FRAME> { p, rows, begin, ends, inside, layout }.run();
     }
 }
 
 /// The scalar inside a step, in a function that all engines with the same variables share.
-struct Look<'a, R, L, const MOMENTA: bool, const IS_SERIES: bool, const D: usize> {
+struct Look<'a, R, L, W, const MOMENTA: bool, const D: usize> {
     p: &'a Parameters<R>,
     rows: &'a mut Rows<R>,
     begin: R,
-    inside: Inside<'a, R, D>,
+    ends: [&'a [R; D]; 2],
+    inside: W,
     layout: PhantomData<L>,
 }
 
-impl<R: Real, L: Layout, const MOMENTA: bool, const IS_SERIES: bool, const D: usize> Apart
-    for Look<'_, R, L, MOMENTA, IS_SERIES, D>
+impl<R: Real, L: Layout, W: Within<R, D>, const MOMENTA: bool, const D: usize> Apart
+    for Look<'_, R, L, W, MOMENTA, D>
 {
     #[inline(always)]
     fn run(self) {
-        let Look { p, rows, begin: time, inside, .. } = self;
-        let Inside { before, after, .. } = inside;
+        let Look { p, rows, begin: time, ends: [before, after], inside, .. } = self;
         let variables = if MOMENTA { Variables::Momenta } else { Variables::Rates };
         let (zero, half, one) = (R::splat(0.0), R::splat(0.5), R::splat(1.0));
         let never = R::splat(f64::INFINITY);
@@ -464,7 +575,7 @@ impl<R: Real, L: Layout, const MOMENTA: bool, const IS_SERIES: bool, const D: us
         let mut leap2 = rows[Bounds::LEAP2];
         for place in 0..=Bounds::PLACES {
             let fraction = size.fma(R::splat(place as f64), watched);
-            let y = if place == Bounds::PLACES { *after } else { inside.at::<L, IS_SERIES>(fraction) };
+            let y = if place == Bounds::PLACES { *after } else { inside.at(fraction) };
             margins = [margins[1], margins[2], margin::<R, L, D>(variables, p, rows, &y)];
             let (_, _, now_along) = vector(variables, p, rows, &y);
             leap2 = leap2.max(chord2(&now_along, &unit));
@@ -498,7 +609,7 @@ impl<R: Real, L: Layout, const MOMENTA: bool, const IS_SERIES: bool, const D: us
                     let mut around = [zero; 3];
                     for side in 0..3 {
                         let there = reach.fma(R::splat(side as f64 - 1.0), at);
-                        let y = inside.at::<L, IS_SERIES>(there);
+                        let y = inside.at(there);
                         around[side] = margin::<R, L, D>(variables, p, rows, &y);
                         let is_inside = R::select(there.lt(first), zero, R::select(end.lt(there), zero, one));
                         let lower = R::select(around[side].lt(deepest), is_inside, zero);
@@ -550,7 +661,7 @@ impl<R: Real, L: Layout, const MOMENTA: bool, const IS_SERIES: bool, const D: us
             let mut last_side = zero;
             for _ in 0..16 {
                 let fraction = (high - low).fma(inner / (inner - outer), low);
-                let y = inside.at::<L, IS_SERIES>(fraction);
+                let y = inside.at(fraction);
                 let margin = margin::<R, L, D>(variables, p, rows, &y);
                 let beyond = margin.lt(zero);
                 let side = R::select(beyond, one, -one);

@@ -1,14 +1,16 @@
 //! Sign changes of a component of the rates.
 
 use super::dense::{Bracket, Part, hermite_root, interpolate, newton, turning_point};
-use super::{EXIT_TIME, Observable, Rows, Segment, Start, Update, along, first_time, three};
+use super::{
+    EXIT_TIME, Observable, Rows, Segment, Start, Update, along, first_time, look_inside, lowest_inside,
+    motion_inside, three,
+};
 use crate::forces::{BodyForces, ForcesInterval};
 use crate::kinematics::to_body_frame;
 use crate::method::{Coefficients, Engine, Numbers, Rk4Tableau, RungeKutta, Taylor};
 use crate::real::{Apart, Real};
 use crate::scene::{FunctionFrame, FurtherFrame, Layout, Model, Parameters, Top};
-#[cfg(target_arch = "x86_64")]
-use crate::simd::{Isa, V4};
+use crate::simd::with_fma;
 use crate::start::{Body, VERTICAL};
 
 /// Sign changes of one component of the rates, located inside the step.
@@ -21,6 +23,45 @@ impl Flips {
     pub const COUNT: usize = 2;
     /// The observed body axis: a unit vector along a principal axis, in either direction.
     pub const AXIS: usize = 3;
+
+    /// Counts the flips of a step; with the motion inside it, flips are found where they are, and a pair too.
+    #[inline(always)]
+    fn flips<R: Real, M: Model<R>, L: Layout, S: Engine<R, M, L, D>, const IS_KNOWN: bool, const D: usize>(
+        engine: &S,
+        p: &Parameters<R>,
+        rows: &mut Rows<R>,
+        segment: &Segment<R, D>,
+    ) {
+        let &Segment { begin: time, before, after, .. } = segment;
+        let axis = three(rows, Flips::AXIS);
+        let sign = rows[Flips::SIGN];
+        let zero = R::splat(0.0);
+        let end = along(&axis, &[after[0], after[1], after[2]]);
+        // An exact zero keeps the sign before the zero.
+        let flipped = (end * sign).lt(zero);
+        if R::any(flipped) {
+            let begin = along(&axis, &[before[0], before[1], before[2]]);
+            let begin_rate = along(&axis, &engine.velocity(p, before)) * p.step;
+            let end_rate = along(&axis, &engine.velocity(p, after)) * p.step;
+            let mut fraction = hermite_root(begin, begin_rate, end, end_rate);
+            if const { IS_KNOWN } {
+                let dense = segment.dense;
+                // The cubic is wrong by at most a hundredth of the step; each Newton step squares this error.
+                let mut bracket = Bracket::new(end);
+                for _ in 0..3 {
+                    let (omega, rate) = interpolate(dense, 0, fraction);
+                    fraction = bracket.newton(fraction, along(&axis, &omega), along(&axis, &rate));
+                }
+            }
+            let at = p.step.fma(fraction, time);
+            rows[EXIT_TIME] = R::select(flipped, first_time(rows[EXIT_TIME], at), rows[EXIT_TIME]);
+            rows[Flips::COUNT] = rows[Flips::COUNT] + R::select(flipped, R::splat(1.0), zero);
+            rows[Flips::SIGN] = R::select(flipped, -sign, sign);
+        }
+        if const { IS_KNOWN } {
+            Self::two_flips_in_a_step(engine, p, rows, segment);
+        }
+    }
 
     /// Two sign changes inside one long step: the component moves towards zero at the begin, away from zero at the end,
     /// and has the other sign between.
@@ -119,19 +160,8 @@ fn start<const D: usize>(body: &Body) -> [f64; D] {
 
 fn rates_after_start(body: &Body, interval: &ForcesInterval<f64>, rate: f64) -> [f64; 3] {
     let mut rates = [0.0; 3];
-    let work = AfterStart { body, interval, rate, rates: &mut rates };
-    #[cfg(target_arch = "x86_64")]
-    if Isa::Avx2.is_available() {
-        V4::apart(work);
-        return rates;
-    }
-    #[cfg(plain)]
-    {
-        f64::apart(work);
-        rates
-    }
-    #[cfg(not(plain))]
-    unreachable!("`Isa::current` refuses a CPU without AVX2")
+    with_fma(AfterStart { body, interval, rate, rates: &mut rates });
+    rates
 }
 
 impl Observable for Flips {
@@ -164,7 +194,7 @@ impl Observable for Flips {
 impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Flips {
     /// True for the rates of the body in the layout that contains only variables that the rates need.
     const FITS: bool =
-        !L::QUATERNION && !L::TANGENT && (L::BALANCE || L::ORBIT || L::VECTORS == M::HEAVY as usize);
+        L::CLOCK || !L::QUATERNION && !L::TANGENT && (L::BALANCE || L::VECTORS == M::HEAVY as usize);
 
     #[inline(always)]
     fn after_step<S: Engine<R, M, L, D>>(
@@ -173,34 +203,37 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Fli
         rows: &mut Rows<R>,
         segment: &Segment<R, D>,
     ) {
-        let &Segment { begin: time, before, after, .. } = segment;
-        let axis = three(rows, Flips::AXIS);
-        let sign = rows[Flips::SIGN];
-        let zero = R::splat(0.0);
-        let end = along(&axis, &[after[0], after[1], after[2]]);
-        // An exact zero keeps the sign before the zero.
-        let flipped = (end * sign).lt(zero);
-        if R::any(flipped) {
-            let begin = along(&axis, &[before[0], before[1], before[2]]);
-            let begin_rate = along(&axis, &engine.velocity(p, before)) * p.step;
-            let end_rate = along(&axis, &engine.velocity(p, after)) * p.step;
-            let mut fraction = hermite_root(begin, begin_rate, end, end_rate);
-            if const { S::IS_SERIES } {
-                let dense = segment.dense;
-                // The cubic is wrong by at most a hundredth of the step; each Newton step squares this error.
-                let mut bracket = Bracket::new(end);
-                for _ in 0..3 {
-                    let (omega, rate) = interpolate(dense, 0, fraction);
-                    fraction = bracket.newton(fraction, along(&axis, &omega), along(&axis, &rate));
-                }
-            }
-            let at = p.step.fma(fraction, time);
-            rows[EXIT_TIME] = R::select(flipped, first_time(rows[EXIT_TIME], at), rows[EXIT_TIME]);
-            rows[Flips::COUNT] = rows[Flips::COUNT] + R::select(flipped, R::splat(1.0), zero);
-            rows[Flips::SIGN] = R::select(flipped, -sign, sign);
+        if const { L::CLOCK } {
+            // The rates over the pace of the anomaly have the signs of the rates.
+            let axis = three(rows, Flips::AXIS);
+            let &Segment { before, after, .. } = segment;
+            let sign = rows[Flips::SIGN];
+            let values = [
+                along(&axis, &[before[0], before[1], before[2]]) * sign,
+                along(&axis, &[after[0], after[1], after[2]]) * sign,
+            ];
+            let pace = p.step * sign;
+            let slopes = [
+                along(&axis, &engine.velocity(p, before)) * pace,
+                along(&axis, &engine.velocity(p, after)) * pace,
+            ];
+            let wanted = lowest_inside(values, slopes).lt(R::splat(0.0));
+            look_inside::<Flips, R, M, L, S, D>(engine, p, rows, segment, wanted);
+        } else if const { S::IS_SERIES } {
+            Self::flips::<R, M, L, S, true, D>(engine, p, rows, segment);
+        } else {
+            Self::flips::<R, M, L, S, false, D>(engine, p, rows, segment);
         }
-        if const { S::IS_SERIES } {
-            Self::two_flips_in_a_step(engine, p, rows, segment);
-        }
+    }
+
+    #[inline(always)]
+    fn look<S: Engine<R, M, L, D>>(
+        engine: &S,
+        p: &Parameters<R>,
+        rows: &mut Rows<R>,
+        segment: &Segment<R, D>,
+    ) {
+        let dense = motion_inside(engine, p, segment.before);
+        Self::flips::<R, M, L, S, true, D>(engine, p, rows, &Segment { dense: &dense, ..*segment });
     }
 }

@@ -1,6 +1,6 @@
 //! The mean over the time of a component of the rates.
 
-use super::{Observable, Rows, Segment, Start, Update, along, three};
+use super::{Observable, Rows, Segment, Start, Update, along, look_inside, motion_inside, three};
 use crate::method::Engine;
 use crate::real::Real;
 use crate::scene::{Layout, Model, Parameters};
@@ -37,7 +37,7 @@ impl Observable for MeanRate {
 impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for MeanRate {
     /// True for the rates of the body in the layout that contains only variables that the rates need.
     const FITS: bool =
-        !L::QUATERNION && !L::TANGENT && (L::BALANCE || L::ORBIT || L::VECTORS == M::HEAVY as usize);
+        L::CLOCK || !L::QUATERNION && !L::TANGENT && (L::BALANCE || L::VECTORS == M::HEAVY as usize);
 
     #[inline(always)]
     fn after_step<S: Engine<R, M, L, D>>(
@@ -46,9 +46,41 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Mea
         rows: &mut Rows<R>,
         segment: &Segment<R, D>,
     ) {
+        if const { L::CLOCK } {
+            // Of each body; an inactive one has a step of zero.
+            let wanted = R::splat(0.0).lt(p.step.abs());
+            look_inside::<MeanRate, R, M, L, S, D>(engine, p, rows, segment, wanted);
+        } else if const { S::IS_SERIES } {
+            Self::add::<R, M, L, S, true, D>(engine, p, rows, segment);
+        } else {
+            Self::add::<R, M, L, S, false, D>(engine, p, rows, segment);
+        }
+    }
+
+    #[inline(always)]
+    fn look<S: Engine<R, M, L, D>>(
+        engine: &S,
+        p: &Parameters<R>,
+        rows: &mut Rows<R>,
+        segment: &Segment<R, D>,
+    ) {
+        let dense = motion_inside(engine, p, segment.before);
+        Self::add::<R, M, L, S, true, D>(engine, p, rows, &Segment { dense: &dense, ..*segment });
+    }
+}
+
+impl MeanRate {
+    /// Adds the integral over a step. Over an anomaly it is that of the rates over the pace.
+    #[inline(always)]
+    fn add<R: Real, M: Model<R>, L: Layout, S: Engine<R, M, L, D>, const IS_KNOWN: bool, const D: usize>(
+        engine: &S,
+        p: &Parameters<R>,
+        rows: &mut Rows<R>,
+        segment: &Segment<R, D>,
+    ) {
         let &Segment { begin: time, before, after, .. } = segment;
         let axis = three(rows, MeanRate::AXIS);
-        let mean = if const { S::IS_SERIES } {
+        let mean = if const { IS_KNOWN } {
             let dense = segment.dense;
             let mut mean = R::splat(0.0);
             for k in (0..=dense.highest()).rev() {

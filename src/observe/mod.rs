@@ -16,12 +16,13 @@ pub use growth::{Deviation, Growth};
 pub use mean_rate::MeanRate;
 pub use tilt::{Tilt, largest_tilt};
 
-use crate::forces::ForcesInterval;
+use crate::forces::{ForcesInterval, OrbitPlace};
 use crate::method::{Coefficients, Engine, in_halves};
-use crate::real::{Pack, Real};
+use crate::real::{Apart, Pack, Real};
 use crate::scene::{Layout, Model, Parameters};
 use crate::simd::Row;
 use crate::start::Body;
+use std::marker::PhantomData;
 
 /// The row of the time at which stability was lost, the same for every observable; infinite before.
 pub const EXIT_TIME: usize = 0;
@@ -52,10 +53,96 @@ pub trait Update<R: Real, M: Model<R>, L: Layout, const D: usize>: Observable {
         rows: &mut Rows<R>,
         segment: &Segment<R, D>,
     );
+    /// Updates the rows after a step over an anomaly of a body for which it matters what is inside the step.
+    #[inline(always)]
+    fn look<S: Engine<R, M, L, D>>(
+        _engine: &S,
+        _p: &Parameters<R>,
+        _rows: &mut Rows<R>,
+        _segment: &Segment<R, D>,
+    ) {
+        unreachable!("only some observables look inside such steps")
+    }
     /// Updates the rows at the end of a block of steps.
     #[inline(always)]
     fn after_block<S: Engine<R, M, L, D>>(_engine: &S, _p: &Parameters<R>, _rows: &mut Rows<R>, _y: &[R; D]) {
     }
+}
+
+/// A look inside a step over an anomaly, of the bodies that need it.
+struct Look<'a, O, R: Real, M, L, S, const D: usize> {
+    engine: &'a S,
+    p: &'a Parameters<R>,
+    rows: &'a mut Rows<R>,
+    begin: R,
+    before: &'a [R; D],
+    after: &'a [R; D],
+    wanted: R::Mask,
+    of: PhantomData<(O, M, L)>,
+}
+
+impl<O, R, M, L, S, const D: usize> Apart for Look<'_, O, R, M, L, S, D>
+where
+    O: Update<R, M, L, D>,
+    R: Real,
+    M: Model<R>,
+    L: Layout,
+    S: Engine<R, M, L, D>,
+{
+    #[inline(always)]
+    fn run(self) {
+        let Look { engine, p, rows, begin, before, after, wanted, .. } = self;
+        let mut seen = *rows;
+        O::look(engine, p, &mut seen, &Segment { begin, before, after, dense: &Coefficients::new() });
+        for r in 0..O::CHANGING {
+            rows[r] = R::select(wanted, seen[r], rows[r]);
+        }
+    }
+}
+
+/// Updates the rows of the bodies that need the motion inside a step over an anomaly, in a function of its own.
+#[inline(always)]
+fn look_inside<O, R, M, L, S, const D: usize>(
+    engine: &S,
+    p: &Parameters<R>,
+    rows: &mut Rows<R>,
+    segment: &Segment<R, D>,
+    wanted: R::Mask,
+) where
+    O: Update<R, M, L, D>,
+    R: Real,
+    M: Model<R>,
+    L: Layout,
+    S: Engine<R, M, L, D>,
+{
+    if R::any(wanted) {
+        let &Segment { begin, before, after, .. } = segment;
+        R::apart(Look::<O, R, M, L, S, D> { engine, p, rows, begin, before, after, wanted, of: PhantomData });
+    }
+}
+
+/// The motion inside a step, which is made once more.
+#[inline(always)]
+fn motion_inside<R: Real, M: Model<R>, L: Layout, S: Engine<R, M, L, D>, const D: usize>(
+    engine: &S,
+    p: &Parameters<R>,
+    before: &[R; D],
+) -> Coefficients<R, D> {
+    let (mut after, mut unused, mut dense) = (*before, *before, Coefficients::new());
+    engine.step_inside(p, &mut after, &mut unused, &mut dense);
+    dense
+}
+
+/// A bound from below of a number inside a step, from its values and slopes at both ends: the least control point of the
+/// cubic, and what the number may be below the cubic. That is at most `s^4 / 384` of the size of a number that turns by
+/// `s` in the step; a sixteenth of the slopes is twenty times as much for steps up to 1 rad.
+#[inline(always)]
+fn lowest_inside<R: Real>([begin, end]: [R; 2], [begin_slope, end_slope]: [R; 2]) -> R {
+    let third = R::splat(1.0 / 3.0);
+    let (after_begin, before_end) = (third.fma(begin_slope, begin), third.fnma(end_slope, end));
+    let lowest = begin.min(after_begin).min(before_end.min(end));
+    let spread = begin_slope.abs() + end_slope.abs();
+    spread.fnma(R::splat(1.0 / 16.0), lowest)
 }
 
 /// Data of a body at its start for an observable.
@@ -78,6 +165,8 @@ pub struct Start<'a> {
     pub bound: Option<&'a Bound>,
     /// The variables of further forces.
     pub own: &'a [f64],
+    /// The place on the orbit, and the axes of its frame in the body, of a body that is integrated over the anomaly.
+    pub on_orbit: Option<(&'a OrbitPlace, [[f64; 3]; 3])>,
     /// Rates and angular momentum, in the axes of the kernel.
     pub rates: [f64; 3],
     /// See `rates`.

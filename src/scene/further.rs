@@ -7,7 +7,7 @@
 //! follows from the change of the rates without it, and turns with `d + f + x x (omega + e)`.
 
 use super::{Applied, Layout, Model};
-use crate::forces::{Force, FurtherSeries, FurtherVaried, Order, Varied};
+use crate::forces::{FurtherSeries, FurtherVaried, Order, Varied};
 use crate::kinematics::{add_cross, cross, direction, dot};
 use crate::real::Real;
 use crate::series::Coefficients;
@@ -158,20 +158,6 @@ impl<R: Real> Applied<R> {
             time: L::TIME_AT,
             tangent: L::TANGENT_AT,
         }
-    }
-
-    /// Euler's equations on an orbit where nothing else acts.
-    #[inline(always)]
-    pub fn on_orbit<M: Model<R>, L: Layout, const D: usize>(&self, model: &M, y: &[R; D]) -> [R; 3] {
-        let omega = [y[0], y[1], y[2]];
-        let mut rate = model.euler(&[omega[1] * omega[2], omega[2] * omega[0], omega[0] * omega[1]], y);
-        let mut torque = [R::splat(0.0); 3];
-        self.forces.further.orbit.add_torque(&self.moments, y, L::OWN_AT, &mut torque);
-        let change = self.over_moments(&torque);
-        for i in 0..3 {
-            rate[i] = rate[i] + change[i];
-        }
-        rate
     }
 
     #[inline(always)]

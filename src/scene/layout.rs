@@ -25,13 +25,13 @@ pub trait Layout: Copy {
     const FURTHER: bool = false;
     /// Whether a function of the user returns a torque.
     const FUNCTION: bool = false;
-    /// Whether the gravity gradient of an orbit acts, and nothing else.
-    const ORBIT: bool = false;
+    /// Whether the eccentric anomaly of the orbit takes the place of the time; see [`OrbitTurns`].
+    const CLOCK: bool = false;
     /// The bodies that are integrated side by side where the registers hold those of `P`: eight under the torque of a
     /// function, which may be told eight at once.
     type Lanes<P: Pack>: Pack;
     /// The direction from which a tilt is measured: the last direction, or the vertical of a frame.
-    const OBSERVED: usize = if Self::BALANCE || Self::ORBIT { 0 } else { Self::VECTORS.saturating_sub(1) };
+    const OBSERVED: usize = if Self::BALANCE { 0 } else { Self::VECTORS.saturating_sub(1) };
     /// Length of the state.
     const LEN: usize = Self::OWN_AT + Self::OWN;
     /// Index of the first component of the quaternion.
@@ -46,7 +46,7 @@ pub trait Layout: Copy {
     const TANGENT_AT: usize = Self::BALANCE_AT + 3 * Self::BALANCE as usize;
     /// How many variables of further forces are integrated.
     const OWN: usize =
-        if (Self::FURTHER || Self::ORBIT) && Self::VECTORS > 0 { Further::VARIABLES } else { 0 };
+        if Self::CLOCK || (Self::FURTHER && Self::VECTORS > 0) { Further::VARIABLES } else { 0 };
     /// Index of these variables.
     const OWN_AT: usize = Self::TANGENT_AT + 6 * Self::TANGENT as usize;
 }
@@ -114,14 +114,15 @@ impl Layout for FurtherFrame {
     type Lanes<P: Pack> = P;
 }
 
-/// Rates, the space axes z, x and y, and the variables of an orbit; the numbers are equal to those of `FurtherFrame` to
-/// the bit.
+/// A body on an orbit on which nothing else acts, over the eccentric anomaly E: the rates over the pace of the anomaly,
+/// `Q = omega r / n`, the quaternion from the body to the frame of the orbit (radial, along, normal), and `e cos E`,
+/// `e sin E`.
 #[derive(Clone, Copy)]
-pub struct OrbitFrame;
-impl Layout for OrbitFrame {
-    const VECTORS: usize = 3;
-    const QUATERNION: bool = false;
-    const ORBIT: bool = true;
+pub struct OrbitTurns;
+impl Layout for OrbitTurns {
+    const VECTORS: usize = 0;
+    const QUATERNION: bool = true;
+    const CLOCK: bool = true;
     type Lanes<P: Pack> = P;
 }
 

@@ -11,7 +11,7 @@ pub use free::{FREE, Free};
 pub use further::{FurtherRate, Undamped};
 pub use layout::{
     Attitude, Axis, AxisAttitude, AxisSensitivity, AxisTangent, ForcedFrame, ForcedFrameTangent, ForcedRates,
-    FunctionFrame, FurtherFrame, FurtherFrameTangent, FurtherRates, Layout, OrbitFrame, Rates, TwoAxes,
+    FunctionFrame, FurtherFrame, FurtherFrameTangent, FurtherRates, Layout, OrbitTurns, Rates, TwoAxes,
 };
 pub use top::{TOP, Top};
 

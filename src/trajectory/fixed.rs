@@ -86,7 +86,20 @@ impl FixedJob<'_, '_> {
                 drive(&mut self)?;
             }
         }
+        self.forget_unknown_drifts();
         Ok(())
+    }
+
+    /// On an orbit no component of the momentum is constant; the Jacobi integral is on a circle.
+    fn forget_unknown_drifts(&mut self) {
+        for (lane, &member) in self.legs.members.iter().enumerate() {
+            let Some(place) = self.legs.place(lane) else { continue };
+            let [energy, momentum, _] = self.states.drifts();
+            momentum[member] = f64::NAN;
+            if !place.is_on_circle() {
+                energy[member] = f64::NAN;
+            }
+        }
     }
 
     /// Writes the state of a lane and updates the drifts.
@@ -94,9 +107,17 @@ impl FixedJob<'_, '_> {
         let legs = &self.legs;
         let (request, member) = (legs.request, legs.members[lane]);
         let mut now = unload(legs.lanes, lane, legs.compiled, legs.way(lane).assignment);
+        let place = legs.place(lane);
+        if let Some(place) = &place {
+            now = now.at(place, legs.body(lane));
+            now.direction = now.direction.filter(|_| self.states.records_vertical());
+        }
         if !moved {
             // Through the momenta and back, the rates would return rounded.
             now.omega = legs.body(lane).omega;
+            now.attitude = now
+                .attitude
+                .map(|integrated| if place.is_some() { legs.body(lane).attitude } else { integrated });
             now.tangent = now.tangent.map(|_| request.record.deviation_of(legs.index(lane)));
         }
         let at = member * request.schedule.len() + state;
@@ -116,8 +137,12 @@ impl Job for FixedJob<'_, '_> {
         let (body, index) = (legs.body(lane), legs.index(lane));
         self.last[lane] = body.attitude;
         let deviation = Deviation::new(legs.request.record.deviation_of(index));
-        let own = legs.request.forces_of(index).further.start(0.0);
-        let entry = Entry { deviation, own, ..Entry::unobserved(body, legs.forced_rate(lane), 0.0) };
+        let place = legs.place(lane);
+        let own = match &place {
+            Some(place) => place.clock(),
+            None => legs.request.forces_of(index).further.start(0.0),
+        };
+        let entry = Entry { deviation, own, place, ..Entry::unobserved(body, legs.forced_rate(lane), 0.0) };
         let assignment = legs.way(lane).assignment;
         load(legs.lanes, lane, legs.compiled, assignment, &entry);
         Ok(Some(Moving { moved: false }))

@@ -3,7 +3,7 @@
 
 use super::{Integration, Request, Schedule};
 use crate::error::Error;
-use crate::forces::Table;
+use crate::forces::{Orbit, OrbitPlace, Table};
 use crate::kernel::{Compiled, ForcesRows, Group, Kernel, reset_time};
 use crate::memory;
 use crate::method::AnyMethod;
@@ -248,6 +248,11 @@ pub(super) struct LegGroup<'a> {
     now: [Stop; LANES],
     /// The legs to the present stops.
     pub(super) legs: [Leg; LANES],
+    /// Whether the bodies are integrated over the eccentric anomaly of their orbits.
+    is_on_clock: bool,
+    /// The eccentric anomalies of such bodies at their start, and at the present stops.
+    first_anomalies: [f64; LANES],
+    anomalies: [f64; LANES],
 }
 
 impl<'a> LegGroup<'a> {
@@ -281,9 +286,16 @@ impl<'a> LegGroup<'a> {
             is_over: false,
             now: [Stop::ARRIVED; LANES],
             legs: [Leg::NONE; LANES],
+            is_on_clock: compiled.kernel().system.is_on_clock(),
+            first_anomalies: [0.0; LANES],
+            anomalies: [0.0; LANES],
         };
+        for b in 0..members.len() {
+            group.first_anomalies[b] = group.orbit(b).map_or(0.0, |orbit| orbit.anomaly_at(0.0));
+        }
         let mut totals = [0_u64; LANES];
         for backward in [false, true] {
+            group.anomalies = group.first_anomalies;
             for stops in group.stops(backward)? {
                 if stop.is_wanted() {
                     return Err(Error::Stopped);
@@ -315,6 +327,16 @@ impl<'a> LegGroup<'a> {
         self.ways[self.members[b]]
     }
 
+    /// The orbit of a body that is integrated over its anomaly.
+    fn orbit(&self, b: usize) -> Option<Orbit<f64>> {
+        self.is_on_clock.then(|| self.request.forces_of(self.index(b)).further.orbit)
+    }
+
+    /// The place on its orbit, at the present stop, of a body that is integrated over its anomaly.
+    pub(super) fn place(&self, b: usize) -> Option<OrbitPlace> {
+        self.orbit(b).map(|orbit| OrbitPlace::of(orbit, self.anomalies[b]))
+    }
+
     /// The first lane of a body.
     pub(super) fn lane(&self, b: usize) -> usize {
         b * self.lanes_each
@@ -331,11 +353,13 @@ impl<'a> LegGroup<'a> {
         let index = self.index(b);
         (self.is_forced() && is_timed)
             .then(|| self.body(b).fastest_rate(self.request.forces_of(index), self.request.range_of(index)))
+            .map(|rate| rate / self.orbit(b).map_or(1.0, |orbit| orbit.rate()))
     }
 
     /// Puts the stops of all bodies at the begin of a direction of time. Whether there are any.
     pub(super) fn begin(&mut self, backward: bool) -> Result<bool, Error> {
         self.backward = backward;
+        self.anomalies = self.first_anomalies;
         self.stops = self.stops(backward)?;
         if self.stops.is_over() {
             return Ok(false);
@@ -348,7 +372,14 @@ impl<'a> LegGroup<'a> {
     pub(super) fn begin_legs(&mut self) {
         self.now = self.stops.next().expect("the group is not over");
         self.is_over = self.stops.is_over();
-        self.legs = self.legs_to(&self.now);
+        for b in 0..self.members.len() {
+            if let (Some(orbit), Some(at)) = (self.orbit(b), self.compiled.kernel().system.own_at()) {
+                for (k, number) in orbit.clock_at(self.anomalies[b]).into_iter().enumerate() {
+                    self.lanes.state[at + k].0[b] = number;
+                }
+            }
+        }
+        self.legs = self.legs_to(&self.now.clone());
         for b in 0..self.members.len() {
             if self.steps[b].is_none() {
                 self.legs[b] = Leg::NONE;
@@ -362,7 +393,7 @@ impl<'a> LegGroup<'a> {
             for lane in self.lanes_of(b) {
                 rows.set(lane, &interval);
                 rows.functions.set(lane, function);
-                if self.is_forced() {
+                if self.is_forced() && self.orbit(b).is_none() {
                     reset_time(self.lanes, self.compiled.kernel().system, lane);
                 }
             }
@@ -400,14 +431,27 @@ impl<'a> LegGroup<'a> {
         GroupStops::new(self.request, self.members.iter().map(|&member| first + member), backward)
     }
 
-    /// The legs of all bodies to those stops.
-    fn legs_to(&self, stops: &[Stop; LANES]) -> [Leg; LANES] {
-        let largest = |b: usize| self.request.steps[self.index(b)];
-        let mut legs = [Leg::NONE; LANES];
+    /// The legs of all bodies to those stops. The steps over an anomaly are those in the time, times the mean motion.
+    fn legs_to(&mut self, stops: &[Stop; LANES]) -> [Leg; LANES] {
+        let (mut legs, mut before) = ([Leg::NONE; LANES], None);
         for b in 0..self.members.len() {
-            // Neighbours mostly have the same step.
-            let same = b > 0 && largest(b - 1) == largest(b) && stops[b - 1] == stops[b];
-            legs[b] = if same { legs[b - 1] } else { stops[b].leg(largest(b), self.request.refinement) };
+            let (orbit, largest) = (self.orbit(b), self.request.steps[self.index(b)]);
+            // Neighbours mostly have the same step, and the same orbit.
+            let now = Some((largest, stops[b], orbit, self.anomalies[b]));
+            if before == now {
+                (legs[b], self.anomalies[b]) = (legs[b - 1], self.anomalies[b - 1]);
+                continue;
+            }
+            before = now;
+            let refinement = self.request.refinement;
+            legs[b] = match (orbit, stops[b].end) {
+                (Some(orbit), End::At(time)) => {
+                    let end = orbit.anomaly_at(time);
+                    let from = std::mem::replace(&mut self.anomalies[b], end);
+                    leg(from, end, largest * orbit.rate(), refinement)
+                }
+                _ => stops[b].leg(largest, refinement),
+            };
         }
         legs
     }

@@ -233,8 +233,12 @@ struct Integration {
 impl Integration {
     fn of(request: &Request, method: &Method, index: usize) -> Self {
         let forces = ForceSet::from(request.forces_of(index));
-        let assignment =
-            KernelAssignment::of_either(forces.act, method, &request.bodies[index], request.scene);
+        let on_orbit = (forces.orbit_alone && request.can_follow_an_anomaly())
+            .then(|| KernelAssignment::on_orbit(method))
+            .flatten();
+        let assignment = on_orbit.unwrap_or_else(|| {
+            KernelAssignment::of_either(forces.act, method, &request.bodies[index], request.scene)
+        });
         Integration { assignment, forces }
     }
 
@@ -277,7 +281,6 @@ impl Integration {
             attitude: request.record == Record::Attitude,
             tangent: request.record.is_tangent(),
             is_changed: request.record.is_sensitivity(),
-            balance: true,
         };
         System::carrying(request.scene, self.assignment.step, needs)
     }

@@ -310,14 +310,7 @@ impl Motion {
         let mut damping_rate = 0.0_f64;
         for members in kinds.iter().flat_map(|members| members.chunks(LANES)) {
             let (step, forces) = kind(members[0]);
-            let needs = Needs {
-                forces,
-                directions: 0,
-                attitude: true,
-                tangent: false,
-                is_changed: false,
-                balance: true,
-            };
+            let needs = Needs { forces, directions: 0, attitude: true, tangent: false, is_changed: false };
             let system = System::carrying(self.scene, step, needs);
             let kernel = Kernel { system, step, observed: Observed::Nothing };
             let count = members.len();

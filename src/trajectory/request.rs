@@ -128,6 +128,13 @@ impl Request<'_> {
         self.forces.of(body)
     }
 
+    /// Whether a body on an orbit may take its anomaly for the time: not where steps in the time are asked for, nor with
+    /// deviation vectors.
+    pub(super) fn can_follow_an_anomaly(&self) -> bool {
+        let has_times = !matches!(self.schedule, Schedule::Strides(_));
+        has_times && self.tolerance.is_none() && !self.record.is_tangent()
+    }
+
     /// Refuses deviation vectors under forces for which there are no kernels.
     ///
     /// # Errors

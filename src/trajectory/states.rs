@@ -220,6 +220,11 @@ impl States {
 }
 
 impl StatesPart<'_> {
+    /// Whether the vertical is recorded.
+    pub(super) fn records_vertical(&self) -> bool {
+        self.gamma.is_some()
+    }
+
     /// The drifts of energy, momentum and unit lengths.
     pub(super) fn drifts(&mut self) -> [&mut [f64]; 3] {
         [self.energy_drift, self.momentum_drift, self.unit_drift]

@@ -136,22 +136,22 @@ class NominalStarts:
         alike = scene.further_numbers()
         ends = np.cumsum([12, *(each.shape[1] for each in self.further.values())])
 
-        def varied(row: Floats) -> dict[str, Floats]:
-            """The numbers of the further forces in one row, in the form of a scene."""
-            parts = zip(self.further, np.split(row, ends)[1:-1], strict=True)
-            made = {name: (part, FORCES[name].made(part)) for name, part in parts}
-            return {
-                name: part if value is None else np.asarray(FORCES[name].numbers(value))
-                for name, (part, value) in made.items()
-            }
+        def in_the_form_of_a_scene(name: str, rows: Floats) -> Floats:
+            """The numbers of a further force in all rows."""
+            made = FORCES[name].made(rows)
+            if made is None:
+                return rows
+            return np.broadcast_to(np.asarray(FORCES[name].numbers(made)), rows.shape)
 
+        parts = zip(self.further, np.split(known, ends, axis=1)[1:-1], strict=True)
+        varied = {name: in_the_form_of_a_scene(name, rows) for name, rows in parts}
         made = [
             forces_of(
                 self._torque(row[9:12]) or none,
                 checked_damping(row[:9].reshape(3, 3)),
-                further={**alike, **varied(row)},
+                further={**alike, **{name: rows[k] for name, rows in varied.items()}},
             )
-            for row in known
+            for k, row in enumerate(known)
         ]
         every = [one for one in made if one is not None]
         return [every[k] for k in of_pixel.ravel()]

@@ -89,7 +89,7 @@ def _motions(spec: MapSpec, batch: Bodies) -> Motions:
     span = (0.0, spec.t_end)
     rates = batch.fastest_rates(span, spec.scheme)
     if spec.step is None:
-        asked = spec.stable.has_deviation, spec.is_called
+        asked = spec.stable.has_deviation, spec.is_called, spec.is_on_orbit
         steps = _core.default_steps(spec.method, rates, *asked)
     else:
         steps = np.full(len(rates), spec.step)

@@ -33,12 +33,14 @@ from ..model.torque import require_constant
 from ..solve.choose_method import NO_BOUND
 from ..solve.closed_form import FORCED_RULE, NO_FORM, closed_forms, question_words, rule
 from ..solve.methods import (
+    ANOMALY_METHODS,
     AUTO,
     EXACT,
     FUNCTION,
     GROWTH_FALLBACK,
     GROWTH_SECOND,
     MAP_FALLBACK,
+    ORBIT_FALLBACK,
     RETIRED,
     SECOND,
     check_method,
@@ -98,8 +100,8 @@ class MapSpec:
         Bodies per pixel.
     method : str
         ``"auto"``: the closed form for each body that has one, else ``"taylor12"``, or ``"dop853"``
-        where deviation vectors are integrated; ``"exact"``: closed forms only; or the name of
-        another method.
+        where deviation vectors are integrated or an orbit acts alone; ``"exact"``: closed forms
+        only; or the name of another method.
     step : float or None
         Time step of the bodies that are integrated, s; None: the core picks one for each body from
         a bound of its rates.
@@ -304,6 +306,14 @@ class MapSpec:
     def is_called(self) -> bool:
         """Whether a callback gives the torque."""
         return "function" in self.forces
+
+    @property
+    def is_on_orbit(self) -> bool:
+        """Whether the gravity gradient of an orbit acts on all pixels, and nothing else.
+
+        A custom criterion is judged from states at given times.
+        """
+        return set(self.forces) == {"orbit"} and not isinstance(self.stable, Custom)
 
     @cached_property
     def made(self) -> Scene | None:
@@ -592,6 +602,8 @@ class MapSpec:
             return self.method
         if self.stable.has_deviation:
             return GROWTH_FALLBACK
+        if self.is_on_orbit:
+            return ORBIT_FALLBACK
         return FUNCTION if self.is_called else MAP_FALLBACK
 
     @property
@@ -599,6 +611,8 @@ class MapSpec:
         """The method that classifies these bodies again; for a callback the same in half steps."""
         if self.stable.has_deviation:
             return GROWTH_SECOND
+        if self.is_on_orbit and self.scheme in ANOMALY_METHODS:
+            return ORBIT_FALLBACK
         return self.scheme if self.is_called else SECOND
 
     def _require_closed_forms(self) -> None:

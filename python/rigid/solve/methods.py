@@ -12,6 +12,7 @@ from ..drawing.figure import html_table
 from ..model.forces import forces_in_words
 
 __all__ = [
+    "ANOMALY_METHODS",
     "AUTO",
     "EXACT",
     "FALLBACK",
@@ -19,6 +20,7 @@ __all__ = [
     "GROWTH_FALLBACK",
     "GROWTH_SECOND",
     "MAP_FALLBACK",
+    "ORBIT_FALLBACK",
     "RETIRED",
     "SECOND",
     "STIFF",
@@ -71,6 +73,12 @@ SECOND = _CHOSEN["second"]
 
 FUNCTION = _CHOSEN["function"]
 """The default method of a map with a callback: the one that knows its motion inside steps there."""
+
+ANOMALY_METHODS = tuple(_core.anomaly_methods())
+"""The methods that take equal steps of the eccentric anomaly on an orbit alone."""
+
+ORBIT_FALLBACK = _CHOSEN["orbit"]
+"""The default method of a map on an orbit on which nothing else acts, and its second method."""
 
 GROWTH_SECOND = _CHOSEN["second_growth"]
 """The second method of a map that measures the growth of deviation vectors."""

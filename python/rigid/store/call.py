@@ -109,15 +109,18 @@ def stability_map(
     method : str, optional
         ``"auto"``, the default, uses the closed form of each body if there is one for this
         criterion, else ``"taylor12"`` in long steps. The error of these steps is about 1e-8 rad for
-        each radian turned. A map with :func:`regular` uses ``"dop853"`` in steps of 1.25 rad.
+        each radian turned. A map with :func:`regular` uses ``"dop853"`` in steps of 1.25 rad, a map
+        of bodies on an orbit alone ``"dop853"`` in equal steps of the eccentric anomaly.
         ``"exact"`` uses closed forms only. Other names: :func:`rigid.methods`.
     step : float, optional
         Time step of the integrated bodies (s); by default chosen for each body from a bound of its
-        rates.
+        rates. On an orbit alone ``rk4`` and ``dop853`` take steps of the eccentric anomaly: this
+        time times the mean motion.
     check : float, optional
         Share of the bodies of a pixel to classify a second time as a cross-check, in [0, 1].
         ``taylor16`` does it in its default steps, at most half of ``step``; with
-        ``method="taylor16"`` the steps are halved. If the two classifications differ, the body is
+        ``method="taylor16"`` the steps are halved. On an orbit alone ``dop853`` does it with 0.8 of
+        the steps of the first run. If the two classifications differ, the body is
         undecided. Bodies with a closed form are not cross-checked.
 
         If a tilt is limited, the default is an audit: of each 64 consecutive bodies of a pixel the

@@ -280,14 +280,8 @@ impl<'a> SectionJob<'a> {
         (isa, stop): (Isa, &'a Interrupt<'a>),
     ) -> Result<Self, Error> {
         let way = ways[members[0]];
-        let needs = Needs {
-            forces: way.forces,
-            directions: 1,
-            attitude: true,
-            tangent: false,
-            is_changed: false,
-            balance: true,
-        };
+        let needs =
+            Needs { forces: way.forces, directions: 1, attitude: true, tangent: false, is_changed: false };
         let step = way.assignment.step;
         let kernel =
             Kernel { system: System::carrying(&TOP, step, needs), step, observed: Observed::Nothing };

@@ -1,0 +1,158 @@
+//! The way along an orbit in eccentric anomaly, which the steps of a body on an orbit alone take for the time.
+
+use super::Orbit;
+use crate::kinematics::{attitude_of_rows, cross, quaternion_product, to_body_frame};
+use crate::real::Real;
+use crate::special::sincos;
+
+/// A part of the way along an orbit, in eccentric anomaly: how it moves `e cos E` and `e sin E`. Of a hyperbola the law
+/// of addition has another sign.
+#[derive(Clone, Copy)]
+pub struct Along<R> {
+    cos: R,
+    sin: R,
+}
+
+impl<R: Real> Along<R> {
+    /// So much of the anomaly.
+    #[inline(always)]
+    pub fn of(anomaly: R) -> Self {
+        let (sin, cos) = sincos(anomaly);
+        Along { cos, sin }
+    }
+
+    /// `e cos E` and `e sin E` after it.
+    #[inline(always)]
+    pub fn after(&self, [cos, sin]: [R; 2]) -> [R; 2] {
+        [sin.fnma(self.sin, cos * self.cos), cos.fma(self.sin, sin * self.cos)]
+    }
+}
+
+/// The same for equal steps: with `1 - cos` in place of the cosine the rounding of a constant does not add up.
+#[derive(Clone, Copy)]
+pub struct StepAlong<R> {
+    versine: R,
+    sin: R,
+}
+
+impl<R: Real> StepAlong<R> {
+    /// So much of the anomaly.
+    #[inline(always)]
+    pub fn of(anomaly: R) -> Self {
+        let (half, _) = sincos(anomaly * R::splat(0.5));
+        StepAlong { versine: (half + half) * half, sin: sincos(anomaly).0 }
+    }
+
+    /// `e cos E` and `e sin E` after it.
+    #[inline(always)]
+    pub fn after(&self, [cos, sin]: [R; 2]) -> [R; 2] {
+        [cos - sin.fma(self.sin, cos * self.versine), sin + cos.fma(self.sin, -(sin * self.versine))]
+    }
+}
+
+/// A place on an orbit.
+#[derive(Clone, Copy, Debug)]
+pub struct OrbitPlace {
+    orbit: Orbit<f64>,
+    anomaly: f64,
+    /// The distance over the semi-major axis.
+    distance: f64,
+    /// The attitude of the frame of the orbit: radial, along, normal.
+    frame: [f64; 4],
+}
+
+impl OrbitPlace {
+    /// The place with an eccentric anomaly.
+    pub fn of(orbit: Orbit<f64>, anomaly: f64) -> OrbitPlace {
+        let (e, (sin, cos)) = (orbit.eccentricity(), sincos(0.5 * anomaly));
+        // Without cancellation near the periapsis: 1 - e cos E.
+        let distance = ((1.0 - e) * cos).mul_add(cos, ((1.0 + e) * sin) * sin);
+        let [first, _] = orbit.semi_axes();
+        let normal = orbit.normal().expect("there is an orbit");
+        let second = cross(&normal, &first);
+        // The half of the true anomaly v: tan(v/2) = sqrt((1 + e) / (1 - e)) tan(E/2).
+        let root = distance.sqrt();
+        let turn = [(1.0 - e).sqrt() * cos / root, 0.0, 0.0, (1.0 + e).sqrt() * sin / root];
+        let plane = attitude_of_rows(&[first[0], second[0], normal[0]], &[first[2], second[2], normal[2]]);
+        OrbitPlace { orbit, anomaly, distance, frame: quaternion_product(&plane, &turn) }
+    }
+
+    /// The eccentricity.
+    pub fn eccentricity(&self) -> f64 {
+        self.orbit.eccentricity()
+    }
+
+    /// The anomaly from here until a time, if the time is 0 here.
+    pub fn anomaly_until(&self, time: f64) -> f64 {
+        self.orbit.anomaly_at(time) - self.anomaly
+    }
+
+    /// The time until the anomaly has grown by so much, if the time is 0 here.
+    pub fn time_until(&self, anomaly: f64) -> f64 {
+        self.orbit.time_at(self.anomaly + anomaly)
+    }
+
+    /// The circle on which the frame turns from here as at the periapsis, over the eccentric anomaly. The gravity gradient on
+    /// it is `1 + e` times that at the periapsis.
+    pub fn circle(&self) -> Orbit<f64> {
+        let e = self.orbit.eccentricity();
+        let [w, x, y, z] = self.frame;
+        let [first, second] =
+            [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]].map(|axis| to_body_frame(&[w, -x, -y, -z], &axis));
+        let [a, b, c] = first;
+        let [d, f, g] = second;
+        Orbit([((1.0 + e) / (1.0 - e)).sqrt(), 0.0, 0.0, a, b, c, d, f, g])
+    }
+
+    /// Rates over the pace of the anomaly if the rates are the same at the apoapsis.
+    pub fn to_slowest_pace(&self, omega: [f64; 3]) -> [f64; 3] {
+        omega.map(|rate| rate * (1.0 + self.orbit.eccentricity()) / self.orbit.rate())
+    }
+
+    /// Cosine and sine of the true anomaly.
+    pub fn direction(&self) -> [f64; 2] {
+        let (e, (sin, cos)) = (self.orbit.eccentricity(), sincos(self.anomaly));
+        [(cos - e) / self.distance, ((1.0 - e) * (1.0 + e)).sqrt() * sin / self.distance]
+    }
+
+    /// Whether the orbit is circular.
+    pub fn is_on_circle(&self) -> bool {
+        self.orbit.eccentricity() == 0.0
+    }
+
+    /// The mean motion.
+    pub fn rate(&self) -> f64 {
+        self.orbit.rate()
+    }
+
+    /// The eccentric anomaly.
+    pub fn anomaly(&self) -> f64 {
+        self.anomaly
+    }
+
+    /// `e cos E` and `e sin E`.
+    pub fn clock(&self) -> [f64; 2] {
+        self.orbit.clock_at(self.anomaly)
+    }
+
+    /// Rates over the pace of the anomaly, from rates.
+    pub fn to_pace(&self, omega: [f64; 3]) -> [f64; 3] {
+        omega.map(|rate| rate * self.distance / self.orbit.rate())
+    }
+
+    /// Rates, from rates over the pace of the anomaly.
+    pub fn of_pace(&self, pace: [f64; 3]) -> [f64; 3] {
+        pace.map(|rate| rate * self.orbit.rate() / self.distance)
+    }
+
+    /// An attitude seen from the frame of the orbit.
+    pub fn to_frame(&self, attitude: &[f64; 4]) -> [f64; 4] {
+        let [w, x, y, z] = self.frame;
+        quaternion_product(&[w, -x, -y, -z], attitude)
+    }
+
+    /// An attitude in space, from one seen from the frame of the orbit.
+    pub fn of_frame(&self, attitude: &[f64; 4]) -> [f64; 4] {
+        quaternion_product(&self.frame, attitude)
+    }
+}
