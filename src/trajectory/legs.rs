@@ -3,7 +3,7 @@
 
 use super::{Integration, Request, Schedule};
 use crate::error::Error;
-use crate::forces::{Orbit, OrbitPlace, Table};
+use crate::forces::{Further, Orbit, OrbitPlace, Table};
 use crate::kernel::{Compiled, ForcesRows, Group, Kernel, reset_time};
 use crate::memory;
 use crate::method::AnyMethod;
@@ -387,13 +387,18 @@ impl<'a> LegGroup<'a> {
         }
         let Some(mut rows) = self.forces_rows.take() else { return };
         for b in 0..self.members.len() {
+            if let Some(orbit) = self.orbit(b) {
+                // Nothing else acts, at no time.
+                rows.further.set(self.lane(b), &Further { orbit, ..Further::NONE });
+                continue;
+            }
             let (index, from) = (self.index(b), self.now[b].from);
             let interval = self.request.interval_of(index, from, self.backward);
             let function = self.request.forces_of(index).function_from(from);
             for lane in self.lanes_of(b) {
                 rows.set(lane, &interval);
                 rows.functions.set(lane, function);
-                if self.is_forced() && self.orbit(b).is_none() {
+                if self.is_forced() {
                     reset_time(self.lanes, self.compiled.kernel().system, lane);
                 }
             }
