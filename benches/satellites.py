@@ -146,6 +146,7 @@ def mapped(check: float) -> rigid.StabilityMap:
 def compared(bodies: Bodies, maps: dict[str, tuple[Callable[[], Any], str]]) -> None:
     """Print the rows of some bodies."""
     own = bodies.fewest(partial(bodies.simulated, "dop853"))
+    ways: dict[str, tuple[Callable[[], Any], str]]
     ways = {"rigid dop853": (partial(bodies.simulated, "dop853", own), f"{own} steps"), **maps}
     if numba is not None:
         side = Numba(bodies)

@@ -8,12 +8,14 @@ import numpy as np
 import pytest
 
 import rigid
+from rigid.model.criterion import Criterion
+from rigid.model.measures import Measure
 from small_maps import small_map
 
 MOMENTS = (0.9, 1.2, 1.4)
 
 #: Limits that some bodies pass.
-CRITERIA: dict[str, rigid.Criterion] = {
+CRITERIA: dict[str, Criterion] = {
     "no flip": rigid.no_flip(3),
     "tilt": rigid.tilt_below(0.6, axis=3, reference="vertical"),
     "pointing": rigid.pointing_within(1.0, 1, "radial", either=True),
@@ -29,7 +31,7 @@ CRITERIA: dict[str, rigid.Criterion] = {
 }
 
 
-def mapped(e: float, stable: rigid.Criterion, method: str, **options: Any) -> rigid.StabilityMap:
+def mapped(e: float, stable: Criterion, method: str, **options: Any) -> rigid.StabilityMap:
     scene = rigid.FreeBody(
         rigid.Body(MOMENTS), orbit=rigid.Orbit(0.7, e, 1.1, normal=(0.0, 0.6, 0.8))
     )
@@ -70,7 +72,7 @@ def test_bodies_leave_when_they_do_by_a_series(name: str, e: float) -> None:
     ],
     ids=str,
 )
-def test_measures_are_those_of_a_series(measure: rigid.Measure, e: float) -> None:
+def test_measures_are_those_of_a_series(measure: Measure, e: float) -> None:
     options: dict[str, Any] = {"measure": [measure], "axes": {"t_end": [12.0]}}
     exact = mapped(e, rigid.no_flip(3), "taylor20", **options).outcomes(range(48))
     found = mapped(e, rigid.no_flip(3), "dop853", **options).outcomes(range(48))
