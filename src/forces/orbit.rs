@@ -484,6 +484,33 @@ impl Orbit<f64> {
     }
 }
 
+/// The growth of the mean anomaly where the eccentric one grows: `d - e (sin(E + d) - sin E)` without cancellation.
+#[inline(always)]
+fn mean_growth(e: f64, anomaly: f64, growth: f64) -> f64 {
+    let half = 0.5 * growth;
+    (2.0 * e * sincos(anomaly + half).1).mul_add(-sincos(half).0, growth)
+}
+
+/// The growth of an eccentric anomaly from that of the mean one, by two of Newton's steps: it is known to rounding of the
+/// anomaly.
+struct Growth<'a> {
+    eccentricity: f64,
+    anomaly: f64,
+    mean: f64,
+    growth: &'a mut f64,
+}
+
+impl Apart for Growth<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let Growth { eccentricity: e, anomaly, mean, growth } = self;
+        for _ in 0..2 {
+            let slope = e.mul_add(-sincos(anomaly + *growth).1, 1.0);
+            *growth -= (mean_growth(e, anomaly, *growth) - mean) / slope;
+        }
+    }
+}
+
 /// Kepler's equation, by Newton's steps inside brackets: `f = E - e sin E - M` ascends.
 struct Kepler<'a> {
     eccentricity: f64,
@@ -617,9 +644,22 @@ impl Orbit<f64> {
         [self.eccentricity() * cos, self.eccentricity() * sin]
     }
 
-    /// The time at an eccentric anomaly.
-    pub fn time_at(&self, anomaly: f64) -> f64 {
-        (self.eccentricity().mul_add(-sincos(anomaly).0, anomaly) - self.0[2]) / self.rate()
+    /// The growth of an eccentric anomaly in a time. On a slow orbit it is small beside the anomaly, and the difference of
+    /// two anomalies would round it.
+    pub fn anomaly_in(&self, time: f64, anomaly: f64) -> f64 {
+        let (e, mean) = (self.eccentricity(), self.rate() * time);
+        if e == 0.0 {
+            return mean;
+        }
+        let begin = e.mul_add(-sincos(anomaly).0, anomaly);
+        let mut growth = self.eccentric_anomaly(begin + mean) - anomaly;
+        with_fma(Growth { eccentricity: e, anomaly, mean, growth: &mut growth });
+        growth
+    }
+
+    /// The time in which an eccentric anomaly grows by so much.
+    pub fn time_of(&self, growth: f64, anomaly: f64) -> f64 {
+        mean_growth(self.eccentricity(), anomaly, growth) / self.rate()
     }
 }
 

@@ -84,12 +84,12 @@ impl OrbitPlace {
 
     /// The anomaly from here until a time, if the time is 0 here.
     pub fn anomaly_until(&self, time: f64) -> f64 {
-        self.orbit.anomaly_at(time) - self.anomaly
+        self.orbit.anomaly_in(time, self.anomaly)
     }
 
     /// The time until the anomaly has grown by so much, if the time is 0 here.
     pub fn time_until(&self, anomaly: f64) -> f64 {
-        self.orbit.time_at(self.anomaly + anomaly)
+        self.orbit.time_of(anomaly, self.anomaly)
     }
 
     /// The circle on which the frame turns from here as at the periapsis, over the eccentric anomaly. The gravity gradient on

@@ -81,7 +81,7 @@ impl Watched<'_> {
 
     /// Translates an outcome over the anomaly of an orbit to the time. On an orbit no component of the momentum is constant;
     /// the Jacobi integral is on a circle.
-    fn to_time(&self, place: &OrbitPlace, outcome: &mut Outcome) {
+    fn translate(&self, place: &OrbitPlace, outcome: &mut Outcome) {
         if outcome.left < f64::INFINITY {
             outcome.left = place.time_until(outcome.left).clamp(0.0, self.t_end);
         }
@@ -268,7 +268,7 @@ impl Job for MapJob<'_> {
         }
         let mut outcome = self.map.outcome(&self.group, lane, kernel.observed, task.step);
         if let Some(place) = &task.place {
-            self.map.to_time(place, &mut outcome);
+            self.map.translate(place, &mut outcome);
         }
         if self.map.criterion == Criterion::MeanRateOverMotion {
             let forces = self.map.forces_of((self.first + task.index as u64) / self.map.samples);

@@ -86,6 +86,7 @@ macro_rules! stages {
 }
 
 /// The variables that change by slopes, and `e cos E`, `e sin E`.
+#[expect(clippy::manual_memcpy, reason = "a copy of slices is a call")]
 #[inline(always)]
 fn parts<R: Real, const D: usize>(y: &[R; D]) -> ([R; TURNING], [R; 2]) {
     let mut turning = [y[0]; TURNING];

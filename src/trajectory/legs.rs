@@ -451,9 +451,9 @@ impl<'a> LegGroup<'a> {
             let refinement = self.request.refinement;
             legs[b] = match (orbit, stops[b].end) {
                 (Some(orbit), End::At(time)) => {
-                    let end = orbit.anomaly_at(time);
-                    let from = std::mem::replace(&mut self.anomalies[b], end);
-                    leg(from, end, largest * orbit.rate(), refinement)
+                    let span = orbit.anomaly_in(time - stops[b].from, self.anomalies[b]);
+                    self.anomalies[b] = orbit.anomaly_at(time);
+                    leg(0.0, span, largest * orbit.rate(), refinement)
                 }
                 _ => stops[b].leg(largest, refinement),
             };

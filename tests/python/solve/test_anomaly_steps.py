@@ -167,3 +167,14 @@ def test_steps_that_are_counted_are_those_of_the_time() -> None:
         scene(0.5), [0.3, 0.2, 0.9], t=[1.0], method="taylor20", tolerance=1e-16, check=False
     )
     np.testing.assert_allclose(motion.omega, run.omega[0], atol=1e-12)
+
+
+def test_a_slow_orbit_keeps_the_digits_of_the_time() -> None:
+    # The gradient of 1e-16 is nothing beside the rates: the motion is that of a free body.
+    body = rigid.Body((0.9, 1.3, 1.1))
+    far = rigid.FreeBody(body, orbit=rigid.Orbit(1e-8, 0.3, 2.0))
+    t = [10.0, 100.0]
+    run = rigid.simulate(far, [1.0, 2.0, 0.5], t=t, method="dop853", step=0.01, check=False)
+    free = rigid.simulate(rigid.FreeBody(body), [1.0, 2.0, 0.5], t=t, method="exact")
+    np.testing.assert_allclose(run.omega, free.omega, rtol=0.0, atol=1e-12)
+    assert attitudes_apart(run, free) < 1e-12
