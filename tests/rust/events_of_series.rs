@@ -37,6 +37,7 @@ impl Run {
         let mut group = Group::inactive();
         let step = method.facts.angle_per_step / body.fastest_rate(BodyForces::NONE, [0.0; 2]);
         let entry = Entry {
+            place: None,
             body,
             forces: None,
             axis,

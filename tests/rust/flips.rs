@@ -39,6 +39,7 @@ impl ObservedBody {
         let compiled = Compiled::new(kernel, Isa::available()[0]);
         let mut group = Group::inactive();
         let entry = Entry {
+            place: None,
             body,
             forces: None,
             axis,
@@ -341,6 +342,7 @@ fn stable_spin_for_a_million_steps() {
                 let assignment = KernelAssignment::of(method, &body, &FREE);
                 let (axis, limit, step) = (axis as i32, f64::INFINITY, 1.0 / 16.0);
                 let entry = Entry {
+                    place: None,
                     body: &body,
                     forces: None,
                     axis,

@@ -164,6 +164,7 @@ fn lane_starts(kernel: Kernel) -> Vec<LaneStart> {
 fn load_lane(group: &mut Group, lane: usize, kernel: Kernel, compiled: Compiled, lane_start: &LaneStart) {
     let assignment = assignment(kernel, &lane_start.body).expect("some method asks for every kernel");
     let entry = Entry {
+        place: None,
         body: &lane_start.body,
         forces: None,
         axis: lane_start.observed_axis,
