@@ -116,6 +116,31 @@ pub fn half_rows<R: Real>([w, x, y, z]: &[R; 4]) -> [[R; 3]; 3] {
     ]
 }
 
+/// The space axes 3, 1 and 2 in the body, times the square of the length of the quaternion: so the names of the body
+/// axes do not matter.
+#[inline(always)]
+pub fn space_axes<R: Real>(&[w, x, y, z]: &[R; 4]) -> [[R; 3]; 3] {
+    let (x2, y2, z2) = (x + x, y + y, z + z);
+    let third = [x2.fms(z, y2 * w), y2.fma(z, x2 * w), z.fma(z, y.fnma(y, x.fnma(x, w * w)))];
+    let first = [x.fma(x, z.fnma(z, y.fnma(y, w * w))), x2.fms(y, z2 * w), x2.fma(z, y2 * w)];
+    let second = [x2.fma(y, z2 * w), y.fma(y, z.fnma(z, x.fnma(x, w * w))), y2.fms(z, x2 * w)];
+    [third, first, second]
+}
+
+/// The vertical in the body, of a quaternion of any length.
+#[inline(always)]
+pub fn vertical<R: Real>(q: &[R; 4]) -> [R; 3] {
+    let [third, ..] = space_axes(q);
+    let scale = R::splat(1.0) / squared_length(q);
+    [third[0] * scale, third[1] * scale, third[2] * scale]
+}
+
+/// The square of the length of a quaternion.
+#[inline(always)]
+pub fn squared_length<R: Real>(q: &[R; 4]) -> R {
+    q[0].fma(q[0], dot(&[q[1], q[2], q[3]], &[q[1], q[2], q[3]]))
+}
+
 /// exp of a rotation vector, as a unit quaternion.
 #[inline(always)]
 pub fn rotation_by<R: Real>(v: &[R; 3]) -> [R; 4] {

@@ -59,7 +59,7 @@ pub struct Group {
     pub energy: DriftRows,
     /// `L.L` of a free body, `L.gamma` of a top.
     pub momentum: DriftRows,
-    /// Largest deviation of the length of a direction from one.
+    /// Largest deviation of the length of a direction or quaternion from one.
     pub unit: Row,
     /// Further deviation vectors of all bodies, for a kernel that moves them with one motion. A change of the
     /// parameters is that of the deviation vector in the state.

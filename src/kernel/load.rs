@@ -3,7 +3,7 @@
 use super::group::{Group, MAX_STATE};
 use super::{Compiled, System};
 use crate::forces::{BodyForces, ForcesInterval, Further, OrbitPlace};
-use crate::kinematics::{attitude_of_rows, dot, half_rows, to_body_frame};
+use crate::kinematics::{attitude_of_rows, dot, half_rows, space_axes, to_body_frame, vertical};
 use crate::method::{Method, Step, Variables};
 use crate::observe::{self, Bound, Deviation, Observed};
 use crate::scene::{Parameters, Scene};
@@ -309,8 +309,14 @@ pub fn load(group: &mut Group, lane: usize, compiled: Compiled, assignment: Kern
     if kernel.observed == Observed::Nothing {
         return;
     }
+    let mut frame = [[y[3], y[4], y[5]], [y[6], y[7], y[8]]];
     let at = kernel.system.observed_at();
-    let direction = [y[at], y[at + 1], y[at + 2]];
+    let mut direction = [y[at], y[at + 1], y[at + 2]];
+    if let Some(at) = kernel.system.quaternion_at().filter(|_| kernel.system.turns()) {
+        let [third, first, _] = space_axes(&[y[at], y[at + 1], y[at + 2], y[at + 3]]);
+        frame = [third, first];
+        direction = if kernel.system.is_forced() { third } else { unit };
+    }
     let (mut rates, mut momentum) = ([y[0], y[1], y[2]], [y[0], y[1], y[2]]);
     for k in 0..3 {
         match assignment.step.engine.variables() {
@@ -318,7 +324,6 @@ pub fn load(group: &mut Group, lane: usize, compiled: Compiled, assignment: Kern
             Variables::Momenta => rates[k] /= parameters.moments[k],
         }
     }
-    let mut frame = [[y[3], y[4], y[5]], [y[6], y[7], y[8]]];
     let on_orbit = place.as_ref().map(|place| {
         let axes = half_rows(&[y[3], y[4], y[5], y[6]]).map(|half| half.map(|x| x + x));
         let [cos, sin] = place.direction();
@@ -397,13 +402,13 @@ pub fn read(
         Some(at) => Some(([y[at], y[at + 1], y[at + 2], y[at + 3]], assignment.to_kernel_axes(VERTICAL))),
         None => in_rows.then(|| (attitude_of_rows(&row(&y, 6), &row(&y, 3)), VERTICAL)),
     };
-    let invariants_of_attitude =
-        attitude_and_vertical.filter(|_| kernel.system.scene().has_weight).map(|(q, vertical)| {
-            let length = q.iter().map(|x| x * x).sum::<f64>().sqrt();
-            let mut of_attitude = y;
-            of_attitude[3..6].copy_from_slice(&to_body_frame(&q.map(|x| x / length), &vertical));
-            compiled.invariants(&parameters, &of_attitude)
-        });
+    let has_vertical = kernel.system.scene().has_weight && kernel.system.vectors() > 0;
+    let invariants_of_attitude = attitude_and_vertical.filter(|_| has_vertical).map(|(q, vertical)| {
+        let length = q.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let mut of_attitude = y;
+        of_attitude[3..6].copy_from_slice(&to_body_frame(&q.map(|x| x / length), &vertical));
+        compiled.invariants(&parameters, &of_attitude)
+    });
     if assignment.step.engine.variables() == Variables::Momenta {
         for k in 0..3 {
             y[k] /= moments[k];
@@ -414,12 +419,15 @@ pub fn read(
         let work = y[at];
         let momentum = [0, 1, 2].map(|k| moments[k] * omega[k]);
         let momentum2 = dot(&momentum, &momentum);
-        let scale = if in_rows { momentum2.sqrt() } else { 2.0 * momentum2 };
+        let scale = kernel.system.scene().conserved.scale(momentum2.sqrt());
         Balance { work, scales: [0.5 * dot(&momentum, &omega) + work.abs(), scale] }
     });
     State {
         omega: assignment.to_body_axes([y[0], y[1], y[2]]),
-        direction: (kernel.system.vectors() > 0).then(|| assignment.to_body_axes([y[3], y[4], y[5]])),
+        direction: match quaternion {
+            Some(at) if kernel.system.turns() => Some(vertical(&[y[at], y[at + 1], y[at + 2], y[at + 3]])),
+            _ => (kernel.system.vectors() > 0).then(|| assignment.to_body_axes([y[3], y[4], y[5]])),
+        },
         attitude: match quaternion {
             Some(at) => {
                 let [x, y1, z] = assignment.to_body_axes(row(&y, at + 1));

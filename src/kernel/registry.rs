@@ -10,9 +10,10 @@ use crate::method::*;
 use crate::observe::Observed;
 use crate::real::{Pack, Quad, Real};
 use crate::scene::{
-    Attitude, Axis, AxisAttitude, AxisSensitivity, AxisTangent, FREE, ForcedFrame, ForcedFrameTangent,
-    ForcedRates, Free, FunctionFrame, FurtherFrame, FurtherFrameTangent, FurtherRates, Layout, Model,
-    OrbitTurns, Parameters, Rates, Scene, TOP, Top, TwoAxes,
+    Attitude, Axis, AxisAttitude, AxisSensitivity, AxisTangent, FREE, ForcedAxis, ForcedFrame,
+    ForcedFrameTangent, ForcedRates, ForcedTurns, Free, FunctionFrame, FurtherFrame, FurtherFrameTangent,
+    FurtherRates, FurtherTurns, Layout, Model, OrbitTurns, Parameters, Rates, Scene, TOP, Top, Turns,
+    TwoAxes,
 };
 #[cfg(target_arch = "x86_64")]
 use crate::simd::{Arr, V4, V8};
@@ -221,10 +222,11 @@ macro_rules! entry_points {
     };
 }
 
-/// Whether a layout is compiled for AVX-512 too, where the engine is: forced bodies and changes of parameters are less
-/// often asked for, and gain less (benches/README.md).
-const fn gains_by_avx512<L: Layout>() -> bool {
-    (!L::BALANCE || L::FUNCTION) && !L::CHANGED
+/// Whether a layout is compiled for AVX-512 too, where the engine is: changes of parameters are less often asked for, and
+/// forced bodies gain by Runge-Kutta steps and under a function only (benches/README.md).
+const fn gains_by_avx512<L: Layout>(engine: EngineName) -> bool {
+    let is_runge_kutta = matches!(engine, EngineName::Rk4 | EngineName::Dop853);
+    !L::CHANGED && (!L::BALANCE || L::FUNCTION || is_runge_kutta && !L::FURTHER)
 }
 
 /// The kernels: each engine of the list of `method` with each system that the engine integrates. The first system with
@@ -313,7 +315,7 @@ macro_rules! kernels {
                         type R = <$layout as Layout>::Lanes<$avx512>;
                         type M = $model<R>;
                         let alone = kernels_of::$engine::avx512::code_alone::<V4, $model<V4>, $layout, D>();
-                        if gains_by_avx512::<$layout>() {
+                        if gains_by_avx512::<$layout>(EngineName::$engine) {
                             kernels_of::$engine::avx512::code::<R, $code, M, Alone, AloneModel, $layout, D, { LANES / R::LANES }>(alone)
                         } else {
                             None
@@ -344,12 +346,16 @@ engines! { kernels
         FreeAttitude: FREE, Free, Attitude;
         TopAxis: TOP, Top, Axis;
         TopAttitude: TOP, Top, AxisAttitude;
+        TopTurns: TOP, Top, Turns;
         TopTwoAxes: TOP, Top, TwoAxes;
         ForcedRates: FREE, Free, ForcedRates;
+        ForcedAxis: TOP, Top, ForcedAxis;
         ForcedFrame: TOP, Top, ForcedFrame;
+        ForcedTurns: TOP, Top, ForcedTurns;
         OrbitTurns: FREE, Free, OrbitTurns;
         FurtherRates: FREE, Free, FurtherRates;
         FurtherFrame: TOP, Top, FurtherFrame;
+        FurtherTurns: TOP, Top, FurtherTurns;
         FunctionFrame: TOP, Top, FunctionFrame;
         TopTangent: TOP, Top, AxisTangent;
         TopSensitivity: TOP, Top, AxisSensitivity;
@@ -390,6 +396,8 @@ pub struct Needs {
 struct Traits {
     len: usize,
     vectors: usize,
+    has_frame: bool,
+    turns: bool,
     quaternion_at: Option<usize>,
     balance_at: Option<usize>,
     is_further: bool,
@@ -406,6 +414,8 @@ impl Traits {
         Traits {
             len: L::LEN,
             vectors: L::VECTORS,
+            has_frame: L::HAS_FRAME,
+            turns: L::TURNS,
             quaternion_at: if L::QUATERNION { Some(L::QUATERNION_AT) } else { None },
             balance_at: if L::BALANCE { Some(L::BALANCE_AT) } else { None },
             is_further: L::FURTHER,
@@ -438,7 +448,7 @@ impl System {
                 && traits.is_function == forces.function
                 && traits.tangent_at.is_some() == needs.tangent
                 && (traits.is_changed || !needs.is_changed)
-                && traits.vectors >= directions
+                && (traits.has_frame || traits.vectors >= directions)
                 && (!needs.attitude || traits.quaternion_at.is_some() || system.has_rows())
                 && system.is_moved_by(step)
         };
@@ -502,6 +512,12 @@ impl System {
     #[inline]
     pub(super) fn observed_at(self) -> usize {
         self.traits().observed_at
+    }
+
+    /// Whether the equations read the space axes from the quaternion.
+    #[inline]
+    pub fn turns(self) -> bool {
+        self.traits().turns
     }
 
     /// Index of the quaternion in the state; `None` without a quaternion.

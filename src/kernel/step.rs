@@ -5,11 +5,11 @@
 
 use super::group::{DeviationRows, DriftRows, ForcesRows, Group};
 use crate::forces::ForcesInterval;
-use crate::kinematics::{direction, dot, half_rows};
+use crate::kinematics::{direction, dot, half_rows, put, squared_length, vertical};
 use crate::method::{Coefficients, Engine, Numbers};
 use crate::observe::{Observed, Segment};
 use crate::real::{Pack, Real};
-use crate::scene::{Layout, Model, Parameters};
+use crate::scene::{Layout, Model, Parameters, in_rows, quaternion};
 use crate::simd::{LANES, Row};
 
 #[inline(always)]
@@ -114,8 +114,10 @@ pub(super) fn step_block<P, const PACKS: usize, M, L, S, const D: usize>(
     }
     let bodies = prepared::<P, PACKS, M, L, S, D>(g, forces, numbers);
     for i in 0..steps {
-        // A loop to a constant, which the compiler unrolls: else it copies the stages of a step by calls.
-        for b in 0..PACKS {
+        // A loop to a constant, which the compiler unrolls: else it copies the stages of a step by calls. Beside the calls
+        // of a function that is little, and four copies of twelve stages with a search inside are long to compile.
+        let unrolled = if const { L::FUNCTION } { packs } else { PACKS };
+        for b in 0..unrolled {
             if b == packs {
                 break;
             }
@@ -201,6 +203,13 @@ fn move_deviation<P: Pack, M: Model<P>, L: Layout, S: Engine<P, M, L, D>, const 
     }
 }
 
+/// Notes how much the length of a direction or quaternion differs from one, to first order, by the square of it.
+#[inline(always)]
+fn note_length<P: Pack>(g: &mut Group, at: usize, square: P) {
+    let off = (square - P::splat(1.0)).abs() * P::splat(0.5);
+    P::load(&g.unit.0[at..]).max(off).store(&mut g.unit.0[at..]);
+}
+
 /// Updates the drifts and the steps of the pack that begins at a lane, at the end of a block.
 #[inline(always)]
 fn end_block<P: Pack, M: Model<P>, L: Layout, S: Engine<P, M, L, D>, const D: usize>(
@@ -215,9 +224,10 @@ fn end_block<P: Pack, M: Model<P>, L: Layout, S: Engine<P, M, L, D>, const D: us
     update_drift(&mut g.momentum, at, momentum);
     for v in 0..L::VECTORS {
         let n = direction(y, v);
-        // |n| - 1, to first order.
-        let off = (dot(&n, &n) - P::splat(1.0)).abs() * P::splat(0.5);
-        P::load(&g.unit.0[at..]).max(off).store(&mut g.unit.0[at..]);
+        note_length(g, at, dot(&n, &n));
+    }
+    if const { L::TURNS } {
+        note_length(g, at, squared_length(&quaternion::<L, P, D>(y)));
     }
     if const { L::CLOCK } {
         let [p, q, r, t] = [y[3], y[4], y[5], y[6]];
@@ -306,7 +316,14 @@ pub(super) fn invariants<R: Real, M: Model<R>, L: Layout, S: Engine<R, M, L, D>,
         // No momentum is constant; the square of the rates shows whether the steps are short enough.
         return [jacobi(p, y), dot(&[y[0], y[1], y[2]], &[y[0], y[1], y[2]])];
     }
-    let (mut potential, mut conserved) = (M::potential(p, y), M::conserved(&S::momentum(p, y), y));
+    let momentum = S::momentum(p, y);
+    let (mut potential, mut conserved) = if const { L::TURNS } {
+        let mut rows = in_rows::<L, R, D>(y);
+        put(&mut rows, 3, vertical(&quaternion::<L, R, D>(y)));
+        (M::potential(p, &rows), M::conserved(&momentum, &rows))
+    } else {
+        (M::potential(p, y), M::conserved(&momentum, y))
+    };
     if L::BALANCE {
         potential = potential - y[L::BALANCE_AT];
         conserved = conserved - y[L::IMPULSE_AT];

@@ -186,10 +186,9 @@ impl Map {
             }
             let steps = [method.any, method.symmetric].map(Step::torque_free);
             let is_framed = watched.criterion.directions(self.scene) > 1 && !self.scene.has_weight;
-            if is_framed
-                && !self.is_forced()
-                && !steps.iter().all(|&step| System::TopTwoAxes.is_moved_by(step))
-            {
+            let moves_frame =
+                |&step: &Step| System::TopTwoAxes.is_moved_by(step) || System::TopTurns.is_moved_by(step);
+            if is_framed && !self.is_forced() && !steps.iter().all(moves_frame) {
                 let rule = "integrates no frame with a free body, which this criterion needs";
                 return refuse("method", format!("'{}'", method.facts.name), rule);
             }

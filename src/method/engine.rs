@@ -1,7 +1,7 @@
 //! The list of engines. What an engine can do follows from its code.
 
 use super::*;
-use crate::scene::{AxisTangent, FunctionFrame, FurtherFrame, Top};
+use crate::scene::{AxisTangent, FunctionFrame, FurtherRates, Top};
 
 /// Gives the list of engines to a macro. `R` stands for the pack and `M` for the model in this pack. After the code
 /// stand the packs for AVX2, and for AVX-512 where it gains. Engines with long chains of rotations are fastest with two
@@ -92,7 +92,7 @@ impl EngineFacts {
     const fn of<S>() -> EngineFacts
     where
         S: Engine<f64, Top<f64>, AxisTangent, { AxisTangent::LEN }>
-            + Engine<f64, Top<f64>, FurtherFrame, { FurtherFrame::LEN }>
+            + Engine<f64, Top<f64>, FurtherRates, { FurtherRates::LEN }>
             + Engine<f64, Top<f64>, FunctionFrame, { FunctionFrame::LEN }>,
     {
         EngineFacts {
@@ -102,7 +102,7 @@ impl EngineFacts {
             has_tangent: <S as Engine<f64, Top<f64>, AxisTangent, { AxisTangent::LEN }>>::HAS_TANGENT,
             is_on_clock: <S as Engine<f64, Top<f64>, AxisTangent, { AxisTangent::LEN }>>::ON_CLOCK,
             flows: <S as Engine<f64, Top<f64>, AxisTangent, { AxisTangent::LEN }>>::FLOWS,
-            moves_further: <S as Engine<f64, Top<f64>, FurtherFrame, { FurtherFrame::LEN }>>::MOVES,
+            moves_further: <S as Engine<f64, Top<f64>, FurtherRates, { FurtherRates::LEN }>>::MOVES,
             of_function: FactsOfFunction {
                 moves: <S as Engine<f64, Top<f64>, FunctionFrame, { FunctionFrame::LEN }>>::MOVES,
                 is_series: <S as Engine<f64, Top<f64>, FunctionFrame, { FunctionFrame::LEN }>>::IS_SERIES,

@@ -155,7 +155,7 @@ pub struct AffineSplitting<R> {
 
 impl<R: Real, M: Model<R>, L: Layout, const D: usize> Engine<R, M, L, D> for AffineSplitting<R> {
     const VARIABLES: Variables = Variables::Momenta;
-    const MOVES: bool = L::BALANCE && !L::FURTHER && !L::FUNCTION;
+    const MOVES: bool = L::BALANCE && !L::TURNS && !L::FURTHER && !L::FUNCTION;
 
     #[inline(always)]
     fn new(p: &Parameters<R>, interval: &ForcesInterval<'static, R>, _numbers: &'static Numbers) -> Self {
@@ -382,7 +382,7 @@ impl<R: Real, M: Model<R>> Exponential<R, M> {
 
 impl<R: Real, M: Model<R>, L: Layout, const D: usize> Engine<R, M, L, D> for Exponential<R, M> {
     const VARIABLES: Variables = Variables::Rates;
-    const MOVES: bool = L::BALANCE && !L::FURTHER && !L::FUNCTION;
+    const MOVES: bool = L::BALANCE && !L::TURNS && !L::FURTHER && !L::FUNCTION;
 
     #[inline(always)]
     fn new(p: &Parameters<R>, interval: &ForcesInterval<'static, R>, _numbers: &'static Numbers) -> Self {

@@ -437,7 +437,7 @@ impl<R: Real> ImplicitMidpoint<R> {
 
 impl<R: Real, M: Model<R>, L: Layout, const D: usize> Engine<R, M, L, D> for ImplicitMidpoint<R> {
     const VARIABLES: Variables = Variables::Momenta;
-    const MOVES: bool = !L::FURTHER && !(M::HEAVY && L::QUATERNION);
+    const MOVES: bool = !L::FURTHER && !L::TURNS && !(M::HEAVY && L::QUATERNION);
 
     #[inline(always)]
     fn new(p: &Parameters<R>, interval: &ForcesInterval<'static, R>, _numbers: &'static Numbers) -> Self {

@@ -43,7 +43,7 @@ use crate::forces::ForcesInterval;
 use crate::forces::{ForceSet, Further, NO_FURTHER};
 use crate::kinematics::dot;
 use crate::real::Real;
-use crate::scene::{Applied, Layout, Model, Parameters, Scene};
+use crate::scene::{Applied, Layout, Model, Parameters, ROWS_LEN, Scene, in_rows};
 
 /// The list of all methods, by the module of their constants.
 macro_rules! methods {
@@ -549,6 +549,9 @@ fn acceleration<R: Real, M: Model<R>, L: Layout, const D: usize>(
     applied: &Applied<R>,
     y: &[R; D],
 ) -> [R; 3] {
+    if L::TURNS {
+        return acceleration::<R, M, L::Rows, ROWS_LEN>(model, applied, &in_rows::<L, R, D>(y));
+    }
     if L::FURTHER {
         return applied.under_further::<M, L, D>(model, y).omega;
     }
@@ -567,10 +570,7 @@ fn acceleration_by<R: Real, M: Model<R>, L: Layout, const D: usize>(
     let [w1, w2, w3] = [y[0], y[1], y[2]];
     let mut rate = model.euler(&[w2 * w3, w3 * w1, w1 * w2], y);
     if L::BALANCE {
-        let change = applied.over_moments(torque);
-        for i in 0..3 {
-            rate[i] = rate[i] + change[i];
-        }
+        applied.add_over_moments(torque, &mut rate);
     }
     rate
 }

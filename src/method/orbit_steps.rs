@@ -148,7 +148,7 @@ impl<T: Tableau, R: Real> OrbitSteps<T, R> {
             let part = Along::of(step * R::splat(node(row, 1.0)));
             slopes[MAX_STAGES + 1 + stage] = self.rate(part.after(clock), &at);
         }
-        (powers::<T, R, TURNING>(&before, &after, &slopes, R::splat(1.0)), after)
+        (powers::<T, R, TURNING>(&before, &after, &slopes), after)
     }
 }
 

@@ -1,13 +1,13 @@
 //! Explicit Runge-Kutta methods: one engine, any tableau.
 
-use super::tableau::{ALL_STAGES, MAX_STAGES, Slopes, Tableau, coefficient, first, weight};
+use super::tableau::{ALL_STAGES, MAX_STAGES, Slopes, Tableau, coefficient, first, time, weight};
 use super::tangent::{further_tangent_rate, tangent_rate};
 use super::{Coefficients, Engine, EngineName, Facts, Method, Numbers, Step, Variables};
-use super::{acceleration, acceleration_by};
+use super::{acceleration, acceleration_by, two_sum};
 use crate::forces::ForcesInterval;
-use crate::kinematics;
+use crate::kinematics::{direction, direction_rate, doubled_attitude_rate, put};
 use crate::real::Real;
-use crate::scene::{Applied, FurtherRate, Layout, Model, Parameters};
+use crate::scene::{Applied, FurtherRate, Layout, Model, Parameters, ROWS_LEN, Torques, in_rows, quaternion};
 use std::marker::PhantomData;
 
 /// Classical Runge-Kutta of order 4.
@@ -58,14 +58,17 @@ const INSIDE_DOP853: Numbers = Numbers { order: 7, ..Numbers::NONE };
 
 /// The engine.
 ///
-/// By `rk4` the constants of a body and the unit of time are multiplied once: the slopes of the rates of a free body are
-/// their products, whose units contain the moments, and the slopes of the rates of a top contain the unit.
+/// With twelve stages all slopes contain the unit of time, which is multiplied into the constants of the body, of its
+/// forces and into the rates. By `rk4` only the slopes of the rates contain the unit; those of a free body are their
+/// products, whose units contain the moments.
 #[derive(Clone, Copy)]
 pub struct RungeKutta<T, R, M> {
     model: M,
     /// The model whose slopes contain the unit.
     in_units: M,
     applied: Applied<R>,
+    /// Torque and damping, which contain the unit if the slopes do.
+    torques: Torques<R>,
     slopes: Units<R>,
     sums: Units<R>,
     tableau: PhantomData<T>,
@@ -90,7 +93,13 @@ impl<R: Real> Units<R> {
         y: &[R; D],
     ) -> [R; D] {
         let mut at = *y;
-        if const { in_units::<T, R, M, L>() } {
+        if const { T::SLOPES_CONTAIN_UNIT } {
+            for d in 0..D {
+                at[d] = add_times(y[d], factor, sum[d]);
+            }
+            return at;
+        }
+        if const { in_units::<R, M, L>() } {
             for d in 0..3 {
                 at[d] = add_times(y[d], factor, sum[d]);
             }
@@ -103,9 +112,9 @@ impl<R: Real> Units<R> {
             }
         }
         for d in 3..D {
-            at[d] = if const { in_units::<T, R, M, L>() } && is_change::<L>(d) {
+            at[d] = if const { in_units::<R, M, L>() } && is_change::<L>(d) {
                 add_times(y[d], factor, sum[d])
-            } else if L::QUATERNION && d >= L::QUATERNION_AT && d < L::QUATERNION_AT + 4 {
+            } else if is_quaternion::<L>(d) {
                 self.quaternion.fma(sum[d], y[d])
             } else {
                 self.others.fma(sum[d], y[d])
@@ -118,13 +127,25 @@ impl<R: Real> Units<R> {
 /// Whether the slopes of the rates are their products, whose units contain the moments.
 #[inline(always)]
 const fn in_products<T: Tableau, R: Real, M: Model<R>, L: Layout>() -> bool {
-    T::MULTIPLIES_ONCE && !(M::HEAVY || L::BALANCE || L::CHANGED)
+    !(T::SLOPES_CONTAIN_UNIT || M::HEAVY || L::BALANCE || L::CHANGED)
 }
 
-/// Whether the slopes of the rates contain the unit.
+/// Whether the slopes of the rates contain the unit, of a tableau whose other slopes do not.
 #[inline(always)]
-const fn in_units<T: Tableau, R: Real, M: Model<R>, L: Layout>() -> bool {
-    T::MULTIPLIES_ONCE && M::HEAVY && !(L::BALANCE || L::CHANGED)
+const fn in_units<R: Real, M: Model<R>, L: Layout>() -> bool {
+    M::HEAVY && !(L::BALANCE || L::CHANGED)
+}
+
+/// Whether the constants of the equations contain the unit; else each slope is multiplied.
+#[inline(always)]
+const fn are_constants_in_units<L: Layout>() -> bool {
+    !(L::TANGENT || L::FURTHER || L::FUNCTION)
+}
+
+/// Whether a variable is part of the quaternion.
+#[inline(always)]
+const fn is_quaternion<L: Layout>(d: usize) -> bool {
+    L::QUATERNION && d >= L::QUATERNION_AT && d < L::QUATERNION_AT + 4
 }
 
 /// Whether a variable is the change of a rate by a deviation vector.
@@ -169,15 +190,14 @@ pub(super) fn add_times<R: Real>(sum: R, number: f64, slope: R) -> R {
 /// and zeros and ones cost nothing.
 macro_rules! stages {
     ($engine:ident, $y:ident, $k:ident, $sum:ident: $($i:literal)*) => {
-        let model = if const { in_units::<T, R, M, L>() } { &$engine.in_units } else { &$engine.model };
         $(
             if const { $i < T::STAGES } {
                 let at = if const { $i == 0 } {
                     *$y
                 } else {
-                    stage_state::<T, M, L, $i, R, D>(&$engine.slopes, $y, &$k)
+                    $engine.stage_state::<L, $i, D>($y, &$k)
                 };
-                $k[$i] = rate::<T, R, M, L, D>(model, &$engine.applied, &at);
+                $k[$i] = $engine.slope::<L, D>(&at);
                 if const { weight::<T>($i) != 0.0 } {
                     for d in 0..D {
                         $sum[d] = if const { $i == 0 } {
@@ -192,96 +212,172 @@ macro_rules! stages {
     };
 }
 
-/// y + u sum_j a_ij k_j.
+/// The rates of change that forces decide: of the rates, and of work and impulse.
 #[inline(always)]
-fn stage_state<T: Tableau, M: Model<R>, L: Layout, const I: usize, R: Real, const D: usize>(
-    slopes: &Units<R>,
+fn gains<T: Tableau, R: Real, M: Model<R>, L: Layout, const D: usize>(
+    model: &M,
+    (applied, torques): (&Applied<R>, &Torques<R>),
     y: &[R; D],
-    k: &[[R; D]; MAX_STAGES],
-) -> [R; D] {
-    let mut at = *y;
-    for_stages!(J => {
-        if const { coefficient::<T>(I, J) != 0.0 } {
-            for d in 0..D {
-                at[d] = if const { J == first::<T>(I) } {
-                    times(const { coefficient::<T>(I, J) }, k[J][d])
-                } else {
-                    add_times(at[d], const { coefficient::<T>(I, J) }, k[J][d])
-                };
-            }
-        }
-    });
-    slopes.add::<T, M, L, D>(&at, 1.0, y)
+) -> ([R; 3], [R; 2]) {
+    if L::TURNS {
+        return gains::<T, R, M, L::Rows, ROWS_LEN>(model, (applied, torques), &in_rows::<L, R, D>(y));
+    }
+    let zero = R::splat(0.0);
+    if const { in_products::<T, R, M, L>() } {
+        return ([y[1] * y[2], y[2] * y[0], y[0] * y[1]], [zero; 2]);
+    }
+    let torque = if L::FUNCTION {
+        applied.torque::<L, D>(y)
+    } else if L::BALANCE {
+        torques.damped::<L, D>(y)
+    } else {
+        [zero; 3]
+    };
+    let balance = if L::BALANCE { applied.balance::<L, D>(&torque, y) } else { [zero; 2] };
+    (acceleration_by::<R, M, L, D>(model, applied, y, &torque), balance)
+}
+
+/// The rates of change under further forces.
+#[inline(always)]
+fn further_gains<R: Real, M: Model<R>, L: Layout, const D: usize>(
+    model: &M,
+    applied: &Applied<R>,
+    y: &[R; D],
+) -> FurtherRate<R> {
+    if L::TURNS {
+        applied.under_further::<M, L::Rows, ROWS_LEN>(model, &in_rows::<L, R, D>(y))
+    } else {
+        applied.under_further::<M, L, D>(model, y)
+    }
+}
+
+/// The rates of change of directions and quaternion, twice those of the latter, by the angular velocity of the frame.
+#[inline(always)]
+fn put_turned<R: Real, L: Layout, const D: usize>(y: &[R; D], turning: &[R; 3], dy: &mut [R; D]) {
+    for v in 0..L::VECTORS {
+        put(dy, 3 + 3 * v, direction_rate(&direction(y, v), turning));
+    }
+    if L::QUATERNION {
+        put(dy, L::QUATERNION_AT, doubled_attitude_rate(&quaternion::<L, R, D>(y), turning));
+    }
 }
 
 /// The equations of motion of the whole state.
 #[inline(always)]
 fn rate<T: Tableau, R: Real, M: Model<R>, L: Layout, const D: usize>(
     model: &M,
-    applied: &Applied<R>,
+    (applied, torques): (&Applied<R>, &Torques<R>),
     y: &[R; D],
 ) -> [R; D] {
-    if L::FURTHER {
-        return further_rate::<R, M, L, D>(model, applied, y);
-    }
     let omega = [y[0], y[1], y[2]];
     let mut dy = *y;
-    let torque = if L::BALANCE { applied.torque::<L, D>(y) } else { [R::splat(0.0); 3] };
-    let change = if const { in_products::<T, R, M, L>() } {
-        [y[1] * y[2], y[2] * y[0], y[0] * y[1]]
+    if L::FURTHER {
+        let rates = further_gains::<R, M, L, D>(model, applied, y);
+        let FurtherRate { omega: change, turn, balance, .. } = rates;
+        put(&mut dy, 0, change);
+        put(&mut dy, L::BALANCE_AT, balance);
+        put_turned::<R, L, D>(y, &[omega[0] + turn[0], omega[1] + turn[1], omega[2] + turn[2]], &mut dy);
+        if L::TANGENT {
+            let rate = further_tangent_rate::<R, M, L, D>(model, applied, y, &rates);
+            put(&mut dy, L::TANGENT_AT, rate);
+        }
+        if L::OWN > 0 {
+            applied.forces.further.change(y, L::OWN_AT, &mut dy);
+        }
     } else {
-        acceleration_by::<R, M, L, D>(model, applied, y, &torque)
-    };
-    kinematics::put(&mut dy, 0, change);
-    for v in 0..L::VECTORS {
-        let at = 3 + 3 * v;
-        kinematics::put(&mut dy, at, kinematics::direction_rate(&kinematics::direction(y, v), &omega));
-    }
-    if L::QUATERNION {
-        let at = L::QUATERNION_AT;
-        let q = [y[at], y[at + 1], y[at + 2], y[at + 3]];
-        kinematics::put(&mut dy, at, kinematics::doubled_attitude_rate(&q, &omega));
+        let (change, balance) = gains::<T, R, M, L, D>(model, (applied, torques), y);
+        put(&mut dy, 0, change);
+        put_turned::<R, L, D>(y, &omega, &mut dy);
+        if L::BALANCE {
+            put(&mut dy, L::BALANCE_AT, balance);
+        }
+        if L::TANGENT {
+            put(&mut dy, L::TANGENT_AT, tangent_rate::<R, M, L, D>(model, applied, y, &change));
+        }
     }
     if L::BALANCE {
-        let at = L::BALANCE_AT;
-        kinematics::put(&mut dy, at, applied.balance::<L, D>(&torque, y));
-        dy[at + 2] = R::splat(1.0);
-    }
-    if L::TANGENT {
-        kinematics::put(&mut dy, L::TANGENT_AT, tangent_rate::<R, M, L, D>(model, applied, y, &change));
-    }
-    dy
-}
-
-/// The equations of motion of the whole state under further forces.
-#[inline(always)]
-fn further_rate<R: Real, M: Model<R>, L: Layout, const D: usize>(
-    model: &M,
-    applied: &Applied<R>,
-    y: &[R; D],
-) -> [R; D] {
-    let mut dy = *y;
-    let rates = applied.under_further::<M, L, D>(model, y);
-    let FurtherRate { omega, turn, balance, .. } = rates;
-    kinematics::put(&mut dy, 0, omega);
-    let turning = [y[0] + turn[0], y[1] + turn[1], y[2] + turn[2]];
-    for v in 0..L::VECTORS {
-        let n = kinematics::direction(y, v);
-        kinematics::put(&mut dy, 3 + 3 * v, kinematics::direction_rate(&n, &turning));
-    }
-    kinematics::put(&mut dy, L::BALANCE_AT, balance);
-    dy[L::TIME_AT] = R::splat(1.0);
-    if L::TANGENT {
-        let rate = further_tangent_rate::<R, M, L, D>(model, applied, y, &rates);
-        kinematics::put(&mut dy, L::TANGENT_AT, rate);
-    }
-    if L::OWN > 0 {
-        applied.forces.further.change(y, L::OWN_AT, &mut dy);
+        dy[L::TIME_AT] = R::splat(1.0);
     }
     dy
 }
 
 impl<T: Tableau, R: Real, M: Model<R>> RungeKutta<T, R, M> {
+    /// The state of a stage.
+    #[inline(always)]
+    fn stage_state<L: Layout, const I: usize, const D: usize>(
+        &self,
+        y: &[R; D],
+        k: &[[R; D]; MAX_STAGES],
+    ) -> [R; D] {
+        let mut at = *y;
+        for_stages!(J => {
+            if const { coefficient::<T>(I, J) != 0.0 } {
+                for d in 0..D {
+                    at[d] = if const { T::SLOPES_CONTAIN_UNIT } {
+                        R::splat(const { coefficient::<T>(I, J) }).fma(k[J][d], at[d])
+                    } else if const { J == first::<T>(I) } {
+                        times(const { coefficient::<T>(I, J) }, k[J][d])
+                    } else {
+                        add_times(at[d], const { coefficient::<T>(I, J) }, k[J][d])
+                    };
+                }
+            }
+        });
+        if const { !T::SLOPES_CONTAIN_UNIT } {
+            return self.slopes.add::<T, M, L, D>(&at, 1.0, y);
+        }
+        if L::BALANCE {
+            at[L::TIME_AT] = self.slopes.others.fma(R::splat(const { time::<T>(I) }), y[L::TIME_AT]);
+        }
+        at
+    }
+
+    /// The slopes of a state.
+    #[inline(always)]
+    fn slope<L: Layout, const D: usize>(&self, y: &[R; D]) -> [R; D] {
+        if const { !T::SLOPES_CONTAIN_UNIT } {
+            let model = if const { in_units::<R, M, L>() } { &self.in_units } else { &self.model };
+            return rate::<T, R, M, L, D>(model, (&self.applied, &self.torques), y);
+        }
+        let unit = self.slopes.others;
+        if const { !are_constants_in_units::<L>() } {
+            let mut slope = rate::<T, R, M, L, D>(&self.model, (&self.applied, &self.torques), y);
+            for d in 0..D {
+                slope[d] = slope[d] * if is_quaternion::<L>(d) { self.slopes.quaternion } else { unit };
+            }
+            return slope;
+        }
+        let mut slope = *y;
+        let (change, balance) = if const { L::TURNS } {
+            self.gains_in_units::<L::Rows, ROWS_LEN>(&in_rows::<L, R, D>(y))
+        } else {
+            self.gains_in_units::<L, D>(y)
+        };
+        put(&mut slope, 0, change);
+        // Not the rates, which would be rounded alike in every step of a steady spin.
+        put_turned::<R, L, D>(y, &[y[0], y[1], y[2]], &mut slope);
+        for d in 3..L::BALANCE_AT {
+            slope[d] = slope[d] * if is_quaternion::<L>(d) { self.slopes.quaternion } else { unit };
+        }
+        if L::BALANCE {
+            put(&mut slope, L::BALANCE_AT, balance);
+            slope[L::TIME_AT] = unit;
+        }
+        slope
+    }
+
+    /// What forces decide, over a unit of time; see `gains`.
+    #[inline(always)]
+    fn gains_in_units<L: Layout, const D: usize>(&self, y: &[R; D]) -> ([R; 3], [R; 2]) {
+        let mut change = self.in_units.euler(&[y[1] * y[2], y[2] * y[0], y[0] * y[1]], y);
+        if !L::BALANCE {
+            return (change, [R::splat(0.0); 2]);
+        }
+        let torque = self.torques.damped::<L, D>(y);
+        self.applied.add_over_moments(&torque, &mut change);
+        (change, self.applied.balance::<L, D>(&torque, y))
+    }
+
     /// The slopes of the stages of a step, and their weighted sum.
     #[inline(always)]
     fn weighted<L: Layout, const D: usize>(&self, y: &[R; D], slopes: &mut Slopes<R, D>) -> [R; D] {
@@ -312,9 +408,6 @@ impl<T: Tableau, R: Real, M: Model<R>> RungeKutta<T, R, M> {
                     errors[e][d] = R::splat(T::INSIDE.errors[e][i]).fma(slopes[i][d], errors[e][d]);
                 }
             }
-            for d in 0..D {
-                errors[e][d] = errors[e][d] * self.slopes.others;
-            }
         }
         errors
     }
@@ -329,42 +422,36 @@ impl<T: Tableau, R: Real, M: Model<R>> RungeKutta<T, R, M> {
         slopes: &mut Slopes<R, D>,
         dense: &mut Coefficients<R, D>,
     ) {
-        let unit = self.slopes.others;
-        slopes[MAX_STAGES] = rate::<T, R, M, L, D>(&self.model, &self.applied, after);
+        slopes[MAX_STAGES] = self.slope::<L, D>(after);
         for (stage, row) in T::INSIDE.stages.iter().enumerate() {
-            let mut sum = [R::splat(0.0); D];
+            let mut at = *y;
             for (i, &number) in row.iter().enumerate() {
                 for d in 0..D {
-                    sum[d] = R::splat(number).fma(slopes[i][d], sum[d]);
+                    at[d] = R::splat(number).fma(slopes[i][d], at[d]);
                 }
             }
-            let mut at = *y;
-            for d in 0..D {
-                at[d] = unit.fma(sum[d], y[d]);
-            }
-            slopes[MAX_STAGES + 1 + stage] = rate::<T, R, M, L, D>(&self.model, &self.applied, &at);
+            slopes[MAX_STAGES + 1 + stage] = self.slope::<L, D>(&at);
         }
         dense.clear();
-        for row in powers::<T, R, D>(y, after, slopes, unit) {
+        for row in powers::<T, R, D>(y, after, slopes) {
             dense.push(row);
         }
     }
 }
 
-/// The motion inside a step from its slopes; see [`RungeKutta::expand_step`].
+/// The motion inside a step from its slopes, which contain the step; see [`RungeKutta::expand_step`].
 #[inline(always)]
 pub(super) fn powers<T: Tableau, R: Real, const D: usize>(
     y: &[R; D],
     after: &[R; D],
     slopes: &Slopes<R, D>,
-    unit: R,
 ) -> [[R; D]; 8] {
     let mut parts = [[R::splat(0.0); D]; 7];
     for d in 0..D {
         let change = after[d] - y[d];
         parts[0][d] = change;
-        parts[1][d] = unit.fma(slopes[0][d], -change);
-        parts[2][d] = (change + change) - unit * (slopes[0][d] + slopes[MAX_STAGES][d]);
+        parts[1][d] = slopes[0][d] - change;
+        parts[2][d] = (change + change) - (slopes[0][d] + slopes[MAX_STAGES][d]);
     }
     for k in 0..4 {
         let weights = &T::INSIDE.polynomial[k];
@@ -372,9 +459,6 @@ pub(super) fn powers<T: Tableau, R: Real, const D: usize>(
             for d in 0..D {
                 parts[3 + k][d] = R::splat(weights[i]).fma(slopes[i][d], parts[3 + k][d]);
             }
-        }
-        for d in 0..D {
-            parts[3 + k][d] = parts[3 + k][d] * unit;
         }
     }
     // The powers, from the last part on: times s or times 1 - s, plus the part before.
@@ -397,7 +481,10 @@ pub(super) fn powers<T: Tableau, R: Real, const D: usize>(
 
 impl<T: Tableau, R: Real, M: Model<R>, L: Layout, const D: usize> Engine<R, M, L, D> for RungeKutta<T, R, M> {
     const VARIABLES: Variables = Variables::Rates;
-    const MOVES: bool = !(T::ROWS_ONLY && M::HEAVY && L::QUATERNION);
+    /// The attitude is a quaternion, but for a deviation vector, and under the torque of a function.
+    const MOVES: bool =
+        if L::VECTORS > 1 { L::TANGENT || L::FUNCTION } else { !(L::VECTORS > 0 && L::QUATERNION) };
+    const COMPENSATES: bool = L::FURTHER;
     const HAS_TANGENT: bool = true;
     const IS_SHORT: bool = T::STAGES <= 4 && D <= 6 && !L::BALANCE;
     /// With twelve stages and the search inside a step, the compiler copies the set-up of a pack by calls. Under the
@@ -410,6 +497,7 @@ impl<T: Tableau, R: Real, M: Model<R>, L: Layout, const D: usize> Engine<R, M, L
     fn new(p: &Parameters<R>, forces: &ForcesInterval<'static, R>, _numbers: &'static Numbers) -> Self {
         let (model, applied) = (M::new(p), Applied::new(p, forces));
         let (unit, half) = (p.step * R::splat(T::UNIT), R::splat(0.5));
+        let torques = applied.torques_in(if T::SLOPES_CONTAIN_UNIT { unit } else { R::splat(1.0) });
         let in_units = model.in_units(unit);
         // Of products as slopes only.
         let rates = in_units.ratios();
@@ -421,7 +509,7 @@ impl<T: Tableau, R: Real, M: Model<R>, L: Layout, const D: usize> Engine<R, M, L
             quaternion: slopes.quaternion / share,
             others: unit / share,
         };
-        RungeKutta { model, in_units, applied, slopes, sums, tableau: PhantomData }
+        RungeKutta { model, in_units, applied, torques, slopes, sums, tableau: PhantomData }
     }
 
     #[inline(always)]
@@ -429,13 +517,22 @@ impl<T: Tableau, R: Real, M: Model<R>, L: Layout, const D: usize> Engine<R, M, L
         &self,
         _p: &Parameters<R>,
         y: &mut [R; D],
-        _compensation: &mut [R; D],
+        compensation: &mut [R; D],
         _dense: &mut Coefficients<R, D>,
     ) {
         let mut k = [*y; MAX_STAGES];
         let mut sum = *y;
         stages!(self, y, k, sum: 0 1 2 3 4 5 6 7 8 9 10 11);
-        *y = self.sums.add::<T, M, L, D>(&sum, const { 1.0 / T::DIVISOR }, y);
+        if const { !L::FURTHER } {
+            *y = self.sums.add::<T, M, L, D>(&sum, const { 1.0 / T::DIVISOR }, y);
+            return;
+        }
+        // A sink changes a steady spin by less than a rounding of each step.
+        let zero = [R::splat(0.0); D];
+        let change = self.sums.add::<T, M, L, D>(&sum, const { 1.0 / T::DIVISOR }, &zero);
+        for d in 0..D {
+            (y[d], compensation[d]) = two_sum(y[d], change[d] + compensation[d]);
+        }
     }
 
     #[inline(always)]

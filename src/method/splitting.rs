@@ -277,7 +277,7 @@ fn kick<R: Real, M: Model<R>, L: Layout, const D: usize>(
 impl<C: Round, R: Real, M: Model<R>, L: Layout, const D: usize> Engine<R, M, L, D> for Splitting<C, R> {
     const VARIABLES: Variables = Variables::Momenta;
     // Layouts with two directions have no processor, because the directions are observed.
-    const MOVES: bool = !L::BALANCE && !L::CHANGED;
+    const MOVES: bool = !L::BALANCE && !L::CHANGED && !L::TURNS;
     const PROCESSED: bool = C::PROCESSED && M::HEAVY && L::VECTORS < 2 && !L::TANGENT;
     const HAS_TANGENT: bool = <C::Drift<R> as Drift<R>>::HAS_TANGENT;
     const FLOWS: Option<&'static [Flow]> = Some(C::FLOWS);

@@ -8,14 +8,9 @@ use super::runge_kutta::{DOP853, RK4};
 pub trait Tableau: Copy {
     /// Order of the method.
     const ORDER: usize;
-    /// Whether the attitude of tops is integrated as rows of its matrix only.
-    const ROWS_ONLY: bool;
     /// The unit of time over the step: a power of two with which few coefficients differ from one and two, which cost
     /// no multiplication.
     const UNIT: f64;
-    /// Whether the constants of a body are multiplied by the unit once. Each is one more number that is rounded alike in
-    /// every step, which a method of high order would show.
-    const MULTIPLIES_ONCE: bool;
     /// Rows 1, 2, … of the matrix a; row i has i entries.
     const A: &'static [&'static [f64]];
     /// Weights over the common divisor: whole numbers where they can be.
@@ -24,6 +19,9 @@ pub trait Tableau: Copy {
     const DIVISOR: f64;
     /// Number of stages.
     const STAGES: usize = Self::WEIGHTS.len();
+    /// Whether all slopes contain the unit, so that no sum of slopes is multiplied by it. Where a stage needs one slope only,
+    /// nothing is gained.
+    const SLOPES_CONTAIN_UNIT: bool = Self::STAGES > 4;
     /// The motion inside a step and the error of a step, of a method with [`MAX_STAGES`] stages.
     const INSIDE: &'static Inside = &Inside::UNKNOWN;
 }
@@ -74,6 +72,17 @@ pub(super) const fn weight<T: Tableau>(i: usize) -> f64 {
     if i < T::STAGES { T::WEIGHTS[i] } else { 0.0 }
 }
 
+/// The time of a stage, in units.
+#[inline(always)]
+pub(super) const fn time<T: Tableau>(i: usize) -> f64 {
+    let (mut sum, mut j) = (0.0, 0);
+    while j < i {
+        sum += coefficient::<T>(i, j);
+        j += 1;
+    }
+    sum
+}
+
 /// Index of the first coefficient of a row.
 #[inline(always)]
 pub(super) const fn first<T: Tableau>(i: usize) -> usize {
@@ -94,9 +103,7 @@ pub struct Dop853Tableau;
 
 impl Tableau for Rk4Tableau {
     const ORDER: usize = 4;
-    const ROWS_ONLY: bool = false;
     const UNIT: f64 = 0.5;
-    const MULTIPLIES_ONCE: bool = true;
     const A: &'static [&'static [f64]] = &[&[1.0], &[0.0, 1.0], &[0.0, 0.0, 2.0]];
     const WEIGHTS: &'static [f64] = &[1.0, 2.0, 2.0, 1.0];
     const DIVISOR: f64 = 3.0;
@@ -104,9 +111,7 @@ impl Tableau for Rk4Tableau {
 
 impl Tableau for Dop853Tableau {
     const ORDER: usize = 8;
-    const ROWS_ONLY: bool = true;
     const UNIT: f64 = 1.0;
-    const MULTIPLIES_ONCE: bool = false;
     const A: &'static [&'static [f64]] = &[
         &[0.05260015195876773],
         &[0.0197250569845379, 0.0591751709536137],

@@ -10,7 +10,7 @@ use crate::kinematics::{
     add_cross, add_roll_across, add_roll_along, add_turn_across, add_turn_along, direction, put,
 };
 use crate::real::{Apart, Real, is_finite};
-use crate::scene::{Applied, Layout, Model, Parameters};
+use crate::scene::{Applied, Layout, Model, Parameters, quaternion};
 use crate::series::{Coefficients, INVERSE, MAX_ORDER, VectorSeries};
 use std::marker::PhantomData;
 
@@ -97,13 +97,13 @@ impl<R: Real> Products<R> {
             add_turn_along(&direction(b, v), w3, &mut self.directions[v]);
         }
         if L::QUATERNION {
-            add_roll_along(&quaternion::<R, L, D>(b), w3, &mut self.quaternion);
+            add_roll_along(&quaternion::<L, R, D>(b), w3, &mut self.quaternion);
         }
         for v in 0..L::VECTORS {
             add_turn_across(&direction(b, v), [w1, w2], &mut self.directions[v]);
         }
         if L::QUATERNION {
-            add_roll_across(&quaternion::<R, L, D>(b), [w1, w2], &mut self.quaternion);
+            add_roll_across(&quaternion::<L, R, D>(b), [w1, w2], &mut self.quaternion);
         }
     }
 }
@@ -112,12 +112,6 @@ impl<R: Real> Products<R> {
 #[inline(always)]
 pub(super) fn add_rates<R: Real, const D: usize>(a: &[R; D], b: &[R; D], sums: &mut [R; 3]) {
     *sums = [a[1].fma(b[2], sums[0]), a[2].fma(b[0], sums[1]), a[0].fma(b[1], sums[2])];
-}
-
-#[inline(always)]
-fn quaternion<R: Real, L: Layout, const D: usize>(y: &[R; D]) -> [R; 4] {
-    let at = L::QUATERNION_AT;
-    [y[at], y[at + 1], y[at + 2], y[at + 3]]
 }
 
 /// The engine.
@@ -472,7 +466,7 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Engine<R, M, L, D> for Tay
     const VARIABLES: Variables = Variables::Rates;
     // The attitude of a top is integrated as rows of its matrix: the vertical, which the torque needs anyway, and
     // another direction cost less than the vertical and a quaternion.
-    const MOVES: bool = !L::FUNCTION && !(M::HEAVY && L::QUATERNION);
+    const MOVES: bool = !L::FUNCTION && !L::TURNS && !(M::HEAVY && L::QUATERNION);
     const HAS_TANGENT: bool = true;
     const COMPENSATES: bool = true;
     const IS_SERIES: bool = true;

@@ -3,10 +3,10 @@
 use super::dense::hermite_weights;
 use super::{EXIT_TIME, Observable, Rows, Segment, Start, Update, look_inside, motion_inside, three};
 use crate::forces::{Force, Orbit};
-use crate::kinematics::{cross, direction, direction_rate, dot, half_rows};
+use crate::kinematics::{cross, direction, direction_rate, dot, doubled_attitude_rate, half_rows};
 use crate::method::{Coefficients, Engine, Variables, in_halves};
 use crate::real::{Apart, Real};
-use crate::scene::{ForcedFrame, Layout, Model, Parameters};
+use crate::scene::{ForcedFrame, Layout, Model, Parameters, ROWS_LEN, in_rows, quaternion};
 use crate::special::{atan2, sincos};
 use std::f64::consts::PI;
 use std::marker::PhantomData;
@@ -207,6 +207,9 @@ fn margin<R: Real, L: Layout, const D: usize>(
     rows: &Rows<R>,
     y: &[R; D],
 ) -> R {
+    if const { L::TURNS } {
+        return margin::<R, L::Rows, ROWS_LEN>(variables, p, rows, &in_rows::<L, R, D>(y));
+    }
     let kind = rows[Bounds::KIND];
     let axis = three(rows, Bounds::AXIS);
     let (v, size, unit) = vector(variables, p, rows, y);
@@ -313,8 +316,8 @@ impl<R: Real, L: Layout, const IS_SERIES: bool, const D: usize> Within<R, D>
 {
     #[inline(always)]
     fn at(&self, fraction: R) -> [R; D] {
-        let vectors = const { 3 + 3 * L::VECTORS };
-        let used = const { 3 + 3 * L::VECTORS + L::OWN };
+        let vectors = const { L::BALANCE_AT };
+        let used = const { L::BALANCE_AT + L::OWN };
         let (mut y, dense) = (*self.after, self.dense);
         if IS_SERIES {
             let order = dense.highest();
@@ -360,6 +363,12 @@ fn slopes<R: Real, M: Model<R>, L: Layout, S: Engine<R, M, L, D>, const D: usize
         let turning = direction_rate(&direction(y, v), &rates);
         for k in 0..3 {
             slopes[3 + 3 * v + k] = turning[k] * p.step;
+        }
+    }
+    if const { L::QUATERNION } {
+        let twice = doubled_attitude_rate(&quaternion::<L, R, D>(y), &rates);
+        for k in 0..4 {
+            slopes[L::QUATERNION_AT + k] = twice[k] * (p.step * R::splat(0.5));
         }
     }
     if const { L::OWN > 0 } {
@@ -478,7 +487,8 @@ impl Observable for Bounds {
 
 impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Bounds {
     /// True for the rates alone, and for rates with a vertical or a frame.
-    const FITS: bool = L::CLOCK || !L::QUATERNION && !L::TANGENT && (L::VECTORS != 1 || M::HEAVY);
+    const FITS: bool =
+        L::CLOCK || !L::TANGENT && (L::TURNS || !L::QUATERNION && (L::VECTORS != 1 || M::HEAVY));
 
     #[expect(clippy::manual_memcpy, reason = "a copied slice has an address: its state would stay in memory")]
     #[inline(always)]

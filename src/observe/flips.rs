@@ -194,7 +194,7 @@ impl Observable for Flips {
 impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Flips {
     /// True for the rates of the body in the layout that contains only variables that the rates need.
     const FITS: bool =
-        L::CLOCK || !L::QUATERNION && !L::TANGENT && (L::BALANCE || L::VECTORS == M::HEAVY as usize);
+        L::CLOCK || !L::TANGENT && (L::BALANCE || !L::QUATERNION && L::VECTORS == M::HEAVY as usize);
 
     #[inline(always)]
     fn after_step<S: Engine<R, M, L, D>>(

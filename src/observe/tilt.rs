@@ -5,10 +5,10 @@ use super::{
     Bound, EXIT_TIME, Observable, Quantity, Rows, Segment, Start, Update, along, look_inside, lowest_inside,
     three,
 };
-use crate::kinematics::{add_cross, cross, direction, direction_rate, dot, half_rows};
+use crate::kinematics::{add_cross, cross, direction, direction_rate, dot, half_rows, space_axes};
 use crate::method::{Coefficients, Engine};
 use crate::real::Real;
-use crate::scene::{Layout, Model, Parameters};
+use crate::scene::{Layout, Model, Parameters, quaternion};
 use crate::special::{atan2, sincos};
 use std::f64::consts::PI;
 use std::marker::PhantomData;
@@ -41,6 +41,10 @@ impl<R: Real, L: Layout> Reference<R, L> {
 impl<R: Real, L: Layout> Part<R> for Reference<R, L> {
     #[inline(always)]
     fn of<const D: usize>(self, state: &[R; D]) -> [R; 3] {
+        if L::TURNS {
+            let [third, first, second] = space_axes(&quaternion::<L, R, D>(state));
+            return combined(&self.normal, &[first, second, third]);
+        }
         if L::OWN == 0 {
             return direction(state, L::OBSERVED);
         }
@@ -70,7 +74,8 @@ impl Tilt {
     /// limit. Below 60 degrees the squared sine is compared, which is accurate for small angles; above 60 degrees the
     /// cosine is compared, which determines the quadrant. The cosine 1/2 separates the two cases.
     pub const LIMIT: usize = 6;
-    /// The normal of the orbit in space; axis 3 without an orbit. Over an anomaly the direction in the frame of the orbit.
+    /// The direction in space, where it follows from a frame: the normal of an orbit, else that at the start. Over an
+    /// anomaly the direction in the frame of the orbit.
     pub const NORMAL: usize = 8;
 
     /// The limit at an angle; no tilt exceeds an infinite limit.
@@ -90,6 +95,10 @@ impl Observable for Tilt {
     fn start(start: &Start) -> Rows<f64> {
         let mut rows = super::UNOBSERVED;
         let (mut normal, mut reference) = ([0.0, 0.0, 1.0], start.direction);
+        let [third, first] = start.frame;
+        if start.on_orbit.is_none() && reference != third {
+            normal = [&first, &cross(&third, &first), &third].map(|axis| dot(axis, &reference));
+        }
         let (mut axis, mut limit) = (start.unit, start.limit);
         if let Some((_, axes)) = start.on_orbit {
             reference = axes[2];
@@ -106,7 +115,6 @@ impl Observable for Tilt {
                 limit = if *largest >= PI { f64::INFINITY } else { *largest };
             }
         } else if let Some(of_orbit) = start.forces.and_then(|(forces, _)| forces.further.orbit.normal()) {
-            let [third, first] = start.frame;
             normal = of_orbit;
             reference = combined(&normal, &[first, cross(&third, &first), third]);
         }
@@ -130,7 +138,7 @@ impl Observable for Tilt {
 
 impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Tilt {
     /// True if the layout contains a direction in body components.
-    const FITS: bool = L::CLOCK || !L::QUATERNION && !L::TANGENT && L::VECTORS > 0;
+    const FITS: bool = L::CLOCK || !L::TANGENT && (L::TURNS || !L::QUATERNION && L::VECTORS > 0);
 
     /// Steps of a Taylor series are long, so the largest tilt inside the step and the time at which the limit is
     /// reached are computed from the coefficients of the series.

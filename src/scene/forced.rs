@@ -21,6 +21,56 @@ pub struct Applied<R> {
     pub forces: ForcesInterval<'static, R>,
 }
 
+/// Torque in the body and in space, each with its rate of change, and damping.
+#[derive(Clone, Copy)]
+pub struct Torques<R> {
+    body: [[R; 3]; 2],
+    space: [[R; 3]; 2],
+    damping: [R; 6],
+    /// Whether a torque of some lane changes, and whether one is fixed in space: to add a zero changes no bit.
+    is_timed: bool,
+    in_space: bool,
+}
+
+impl<R: Real> Torques<R> {
+    /// The torque in the body and the torque in space at a time.
+    #[inline(always)]
+    fn at(&self, time: R) -> [[R; 3]; 2] {
+        let mut at = [self.body[0], self.space[0]];
+        if self.is_timed {
+            for i in 0..3 {
+                at[0][i] = time.fma(self.body[1][i], at[0][i]);
+                at[1][i] = time.fma(self.space[1][i], at[1][i]);
+            }
+        }
+        at
+    }
+
+    /// The torque without damping, at a state.
+    #[inline(always)]
+    fn undamped<L: Layout, const D: usize>(&self, y: &[R; D]) -> [R; 3] {
+        let [mut sum, space] = self.at(y[L::TIME_AT]);
+        if L::HAS_FRAME && self.in_space {
+            add_space_torque(&space, y, &mut sum);
+        }
+        sum
+    }
+
+    /// The torque with damping, at a state.
+    #[inline(always)]
+    pub fn damped<L: Layout, const D: usize>(&self, y: &[R; D]) -> [R; 3] {
+        let mut sum = self.undamped::<L, D>(y);
+        damp(&self.damping, [y[0], y[1], y[2]], &mut sum);
+        sum
+    }
+}
+
+/// Whether a number of some lane is not zero.
+#[inline(always)]
+fn acts<R: Real>(v: &[R; 3]) -> bool {
+    R::any(R::splat(0.0).lt(v[0].abs().max(v[1].abs()).max(v[2].abs())))
+}
+
 impl<R: Real> Applied<R> {
     /// The constants of a body and its forces.
     #[inline(always)]
@@ -38,15 +88,36 @@ impl<R: Real> Applied<R> {
         &self.moments
     }
 
+    /// Torque and damping.
+    #[inline(always)]
+    fn torques(&self) -> Torques<R> {
+        let ForcesInterval { body, space, damping, .. } = self.forces;
+        Torques { body, space, damping, is_timed: true, in_space: true }
+    }
+
+    /// Torque and damping over a unit of time.
+    #[inline(always)]
+    pub fn torques_in(&self, unit: R) -> Torques<R> {
+        let mut torques = self.torques();
+        for j in 0..2 {
+            for i in 0..3 {
+                // No torque is a zero with a minus, to which nothing may be added.
+                torques.body[j][i] = torques.body[j][i].fma(unit, R::splat(0.0));
+                torques.space[j][i] = torques.space[j][i] * unit;
+            }
+        }
+        torques.is_timed = acts(&torques.body[1]) || acts(&torques.space[1]);
+        torques.in_space = acts(&torques.space[0]) || acts(&torques.space[1]);
+        for k in 0..6 {
+            torques.damping[k] = torques.damping[k] * unit;
+        }
+        torques
+    }
+
     /// The torque in the body and the torque in space at a time.
     #[inline(always)]
     fn torques_at(&self, time: R) -> [[R; 3]; 2] {
-        let mut at = [self.forces.body[0], self.forces.space[0]];
-        for i in 0..3 {
-            at[0][i] = time.fma(self.forces.body[1][i], at[0][i]);
-            at[1][i] = time.fma(self.forces.space[1][i], at[1][i]);
-        }
-        at
+        self.torques().at(time)
     }
 
     /// Subtracts `D omega` from `sum`.
@@ -58,11 +129,7 @@ impl<R: Real> Applied<R> {
     /// Applied torque without damping, at a state.
     #[inline(always)]
     pub fn undamped<L: Layout, const D: usize>(&self, y: &[R; D]) -> [R; 3] {
-        let [mut sum, space] = self.torques_at(y[L::TIME_AT]);
-        if L::VECTORS > 0 {
-            add_space_torque(&space, y, &mut sum);
-        }
-        sum
+        self.torques().undamped::<L, D>(y)
     }
 
     /// The torque that the functions of the user return at a state; zero where `wanted` is not above zero.
@@ -104,7 +171,7 @@ impl<R: Real> Applied<R> {
         before: &[R; D],
     ) -> [R; 3] {
         let mut sum = [R::splat(0.0); 3];
-        if L::VECTORS > 0 {
+        if L::HAS_FRAME {
             // The coefficient of (a + b t) row is a row[k] + b step row[k - 1]; `before` contains the step.
             let space = self.torques_at(start[L::TIME_AT])[1];
             add_space_torque(&space, now, &mut sum);
@@ -117,7 +184,7 @@ impl<R: Real> Applied<R> {
     #[inline(always)]
     pub fn space_torque<L: Layout, const D: usize>(&self, y: &[R; D]) -> [R; 3] {
         let mut sum = [R::splat(0.0); 3];
-        if L::VECTORS > 0 {
+        if L::HAS_FRAME {
             add_space_torque(&self.torques_at(y[L::TIME_AT])[1], y, &mut sum);
         }
         sum
@@ -144,7 +211,7 @@ impl<R: Real> Applied<R> {
         for i in 0..3 {
             sum[i] = sum[i] * now[L::TIME_AT];
         }
-        if L::VECTORS > 0 {
+        if L::HAS_FRAME {
             // The coefficient of (a + b t) row is a row[k] + b step row[k - 1]; `before` contains the step.
             let space = self.torques_at(start[L::TIME_AT])[1];
             add_space_torque(&space, now, &mut sum);
@@ -198,6 +265,14 @@ impl<R: Real> Applied<R> {
         for i in 0..3 {
             let left = self.forces.change.moments[i].fnma(rate[i], torque[i]);
             sum[i] = self.inverse[i].fma(left, sum[i]);
+        }
+    }
+
+    /// Adds the change of the rates by a torque to `sum`.
+    #[inline(always)]
+    pub fn add_over_moments(&self, torque: &[R; 3], sum: &mut [R; 3]) {
+        for i in 0..3 {
+            sum[i] = self.inverse[i].fma(torque[i], sum[i]);
         }
     }
 

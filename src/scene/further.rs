@@ -163,7 +163,7 @@ impl<R: Real> Applied<R> {
     #[inline(always)]
     fn add_further_torques<L: Layout, const D: usize>(&self, y: &[R; D], torque: &mut [R; 3]) {
         let further = &self.forces.further;
-        if L::VECTORS > 0 {
+        if L::HAS_FRAME {
             further.add_torques::<true, D>(&self.moments, y, L::OWN_AT, torque);
         } else {
             further.add_torques::<false, D>(&self.moments, y, L::OWN_AT, torque);
@@ -183,7 +183,7 @@ impl<R: Real> Applied<R> {
         torque: &mut [R; 3],
     ) {
         let further = &self.forces.further;
-        if L::VECTORS > 0 {
+        if L::HAS_FRAME {
             further.add_orders::<true, D>(&self.moments, c, at, series, next, torque);
         } else {
             further.add_orders::<false, D>(&self.moments, c, at, series, next, torque);

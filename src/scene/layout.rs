@@ -6,14 +6,17 @@
 //! further forces.
 
 use crate::forces::Further;
-use crate::real::Pack;
+use crate::kinematics::{put, space_axes};
+use crate::real::{Pack, Real};
 
 /// The variables that are integrated with the rates.
 pub trait Layout: Copy {
     /// Number of space-fixed directions, in body components.
-    const VECTORS: usize;
+    const VECTORS: usize = 0;
     /// Whether the attitude is integrated.
-    const QUATERNION: bool;
+    const QUATERNION: bool = false;
+    /// Whether the equations read the space axes from the quaternion; see [`in_rows`].
+    const TURNS: bool = false;
     /// Whether work, impulse and time are integrated.
     const BALANCE: bool = false;
     /// Whether a deviation vector is integrated with the motion: a change of the rates, and a rotation vector in the
@@ -30,6 +33,10 @@ pub trait Layout: Copy {
     /// The bodies that are integrated side by side where the registers hold those of `P`: eight under the torque of a
     /// function, which may be told eight at once.
     type Lanes<P: Pack>: Pack;
+    /// The layout with the space axes in place of the quaternion, as the equations read it.
+    type Rows: Layout;
+    /// Whether the state tells all space axes.
+    const HAS_FRAME: bool = Self::VECTORS == 3 || Self::TURNS;
     /// The direction from which a tilt is measured: the last direction, or the vertical of a frame.
     const OBSERVED: usize = if Self::BALANCE { 0 } else { Self::VECTORS.saturating_sub(1) };
     /// Length of the state.
@@ -45,98 +52,72 @@ pub trait Layout: Copy {
     /// Index of the deviation vector, and length of the state without it.
     const TANGENT_AT: usize = Self::BALANCE_AT + 3 * Self::BALANCE as usize;
     /// How many variables of further forces are integrated.
-    const OWN: usize =
-        if Self::CLOCK || (Self::FURTHER && Self::VECTORS > 0) { Further::VARIABLES } else { 0 };
+    const OWN: usize = if Self::CLOCK || (Self::FURTHER && Self::HAS_FRAME) { Further::VARIABLES } else { 0 };
     /// Index of these variables.
     const OWN_AT: usize = Self::TANGENT_AT + 6 * Self::TANGENT as usize;
 }
 
+/// Layouts by what they have: `name (rows of the quaternion): constants of the trait;`.
 macro_rules! layouts {
+    (@rows $rows:ident) => { $rows };
+    (@rows) => { Self };
     ($(
         $(#[$doc:meta])*
-        $name:ident: $vectors:literal, $quaternion:literal, $balance:literal, $tangent:literal, $changed:literal;
+        $name:ident $(as $rows:ident)?: $($constant:ident = $value:literal),*;
     )*) => {$(
         $(#[$doc])*
         #[derive(Clone, Copy)]
         pub struct $name;
         impl Layout for $name {
-            const VECTORS: usize = $vectors;
-            const QUATERNION: bool = $quaternion;
-            const BALANCE: bool = $balance;
-            const TANGENT: bool = $tangent;
-            const CHANGED: bool = $changed;
+            $(const $constant: layouts!(@type $constant) = $value;)*
             type Lanes<P: Pack> = P;
+            type Rows = layouts!(@rows $($rows)?);
         }
     )*};
+    (@type VECTORS) => { usize };
+    (@type $flag:ident) => { bool };
 }
 layouts! {
     /// Rates only.
-    Rates: 0, false, false, false, false;
+    Rates: ;
     /// Rates and one direction: the vertical of a top, or the initial direction of the observed axis of a free body.
-    Axis: 1, false, false, false, false;
+    Axis: VECTORS = 1;
     /// Rates, the vertical, and the initial direction of the observed axis.
-    TwoAxes: 2, false, false, false, false;
-    /// Rates and attitude.
-    Attitude: 0, true, false, false, false;
+    TwoAxes: VECTORS = 2;
+    /// Rates and attitude of a body without torques.
+    Attitude: QUATERNION = true;
+    /// Rates and attitude, in the steps of Runge-Kutta methods.
+    Turns as Frame: QUATERNION = true, TURNS = true;
     /// Rates, vertical and attitude; the rates are equal to those of `Axis` to the bit.
-    AxisAttitude: 1, true, false, false, false;
+    AxisAttitude: VECTORS = 1, QUATERNION = true;
+    /// Rates and the space axes z, x and y.
+    Frame: VECTORS = 3;
     /// Rates and balance.
-    ForcedRates: 0, false, true, false, false;
+    ForcedRates: BALANCE = true;
+    /// Rates, the vertical, and the balance: no torque is fixed in space.
+    ForcedAxis: VECTORS = 1, BALANCE = true;
     /// Rates, the space axes z, x and y, and the balance.
-    ForcedFrame: 3, false, true, false, false;
+    ForcedFrame: VECTORS = 3, BALANCE = true;
+    /// Rates, attitude and balance, in the steps of Runge-Kutta methods.
+    ForcedTurns as ForcedFrame: QUATERNION = true, TURNS = true, BALANCE = true;
     /// Rates, the vertical, and a deviation vector; the other numbers are equal to those of `Axis` to the bit.
-    AxisTangent: 1, false, false, true, false;
+    AxisTangent: VECTORS = 1, TANGENT = true;
     /// The same with a change of the parameters.
-    AxisSensitivity: 1, false, false, true, true;
+    AxisSensitivity: VECTORS = 1, TANGENT = true, CHANGED = true;
     /// Rates, the space axes, the balance and a deviation vector, with a change of the parameters.
-    ForcedFrameTangent: 3, false, true, true, true;
-}
-
-/// Rates and balance of a body under further forces that do not depend on the attitude.
-#[derive(Clone, Copy)]
-pub struct FurtherRates;
-impl Layout for FurtherRates {
-    const VECTORS: usize = 0;
-    const QUATERNION: bool = false;
-    const BALANCE: bool = true;
-    const FURTHER: bool = true;
-    type Lanes<P: Pack> = P;
-}
-
-/// Rates, the space axes z, x and y, the balance and the variables of the further forces.
-#[derive(Clone, Copy)]
-pub struct FurtherFrame;
-impl Layout for FurtherFrame {
-    const VECTORS: usize = 3;
-    const QUATERNION: bool = false;
-    const BALANCE: bool = true;
-    const FURTHER: bool = true;
-    type Lanes<P: Pack> = P;
-}
-
-/// A body on an orbit on which nothing else acts, over the eccentric anomaly E: the rates over the pace of the anomaly,
-/// `Q = omega r / n`, the quaternion from the body to the frame of the orbit (radial, along, normal), and `e cos E`,
-/// `e sin E`.
-#[derive(Clone, Copy)]
-pub struct OrbitTurns;
-impl Layout for OrbitTurns {
-    const VECTORS: usize = 0;
-    const QUATERNION: bool = true;
-    const CLOCK: bool = true;
-    type Lanes<P: Pack> = P;
-}
-
-/// The same as `FurtherFrame` with a deviation vector, and a change of the parameters.
-#[derive(Clone, Copy)]
-pub struct FurtherFrameTangent;
-impl Layout for FurtherFrameTangent {
-    const VECTORS: usize = 3;
-    const QUATERNION: bool = false;
-    const BALANCE: bool = true;
-    const TANGENT: bool = true;
-    const CHANGED: bool = true;
-    const FURTHER: bool = true;
-    type Lanes<P: Pack> = P;
+    ForcedFrameTangent: VECTORS = 3, BALANCE = true, TANGENT = true, CHANGED = true;
+    /// Rates and balance of a body under further forces that do not depend on the attitude.
+    FurtherRates: BALANCE = true, FURTHER = true;
+    /// Rates, the space axes z, x and y, the balance and the variables of the further forces.
+    FurtherFrame: VECTORS = 3, BALANCE = true, FURTHER = true;
+    /// Rates, attitude, the balance and the variables of the further forces, in the steps of Runge-Kutta methods.
+    FurtherTurns as FurtherFrame: QUATERNION = true, TURNS = true, BALANCE = true, FURTHER = true;
+    /// A body on an orbit on which nothing else acts, over the eccentric anomaly E: the rates over the pace of the
+    /// anomaly, `Q = omega r / n`, the quaternion from the body to the frame of the orbit (radial, along, normal), and
+    /// `e cos E`, `e sin E`.
+    OrbitTurns: QUATERNION = true, CLOCK = true;
+    /// The same as `FurtherFrame` with a deviation vector, and a change of the parameters.
+    FurtherFrameTangent: VECTORS = 3, BALANCE = true, TANGENT = true, CHANGED = true, FURTHER = true;
 }
 
 /// Rates, the space axes z, x and y, and the balance of a body under the torque that a function returns.
@@ -144,8 +125,34 @@ impl Layout for FurtherFrameTangent {
 pub struct FunctionFrame;
 impl Layout for FunctionFrame {
     const VECTORS: usize = 3;
-    const QUATERNION: bool = false;
     const BALANCE: bool = true;
     const FUNCTION: bool = true;
     type Lanes<P: Pack> = P::Eight;
+    type Rows = Self;
+}
+
+/// Length of the longest state with the space axes in place of a quaternion.
+pub const ROWS_LEN: usize = FurtherFrame::LEN;
+
+/// The quaternion of a state.
+#[inline(always)]
+pub fn quaternion<L: Layout, R: Real, const D: usize>(y: &[R; D]) -> [R; 4] {
+    let at = L::QUATERNION_AT;
+    [y[at], y[at + 1], y[at + 2], y[at + 3]]
+}
+
+/// A state with the space axes in place of its quaternion, which is a unit quaternion up to the error of the steps.
+/// Nothing is divided by its length: to the order of the method the motion is the same.
+#[inline(always)]
+pub fn in_rows<L: Layout, R: Real, const D: usize>(y: &[R; D]) -> [R; ROWS_LEN] {
+    let mut rows = [y[0]; ROWS_LEN];
+    let [third, first, second] = space_axes(&quaternion::<L, R, D>(y));
+    put(&mut rows, 0, [y[0], y[1], y[2]]);
+    put(&mut rows, 3, third);
+    put(&mut rows, 6, first);
+    put(&mut rows, 9, second);
+    for i in 0..D - L::BALANCE_AT {
+        rows[12 + i] = y[L::BALANCE_AT + i];
+    }
+    rows
 }

@@ -6,12 +6,13 @@ mod further;
 mod layout;
 mod top;
 
-pub use forced::Applied;
+pub use forced::{Applied, Torques};
 pub use free::{FREE, Free};
 pub use further::{FurtherRate, Undamped};
 pub use layout::{
-    Attitude, Axis, AxisAttitude, AxisSensitivity, AxisTangent, ForcedFrame, ForcedFrameTangent, ForcedRates,
-    FunctionFrame, FurtherFrame, FurtherFrameTangent, FurtherRates, Layout, OrbitTurns, Rates, TwoAxes,
+    Attitude, Axis, AxisAttitude, AxisSensitivity, AxisTangent, ForcedAxis, ForcedFrame, ForcedFrameTangent,
+    ForcedRates, ForcedTurns, FunctionFrame, FurtherFrame, FurtherFrameTangent, FurtherRates, FurtherTurns,
+    Layout, OrbitTurns, ROWS_LEN, Rates, Turns, TwoAxes, in_rows, quaternion,
 };
 pub use top::{TOP, Top};
 

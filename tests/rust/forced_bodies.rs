@@ -49,7 +49,8 @@ fn forced_methods() -> Vec<&'static Method> {
 
 #[test]
 fn every_kernel_on_every_instruction_set_and_in_every_lane() {
-    for system in [System::ForcedRates, System::ForcedFrame] {
+    use System::{ForcedAxis, ForcedFrame, ForcedRates, ForcedTurns};
+    for system in [ForcedRates, ForcedAxis, ForcedFrame, ForcedTurns] {
         let forced: Vec<Step> = forced_methods().iter().map(|method| method.forced.unwrap().step).collect();
         for step in forced.into_iter().filter(|&step| system.is_moved_by(step)) {
             let kernel = Kernel { system, step, observed: Observed::Nothing };
@@ -63,7 +64,7 @@ fn every_kernel_on_every_instruction_set_and_in_every_lane() {
             };
             let put =
                 |group: &mut Group, forces_rows: &mut ForcesRows, lane: usize, number: usize, compiled| {
-                    let mut body = body(number as u64, system == System::ForcedFrame);
+                    let mut body = body(number as u64, system != ForcedRates);
                     if number == 7 {
                         body.omega = [1e18; 3];
                     }

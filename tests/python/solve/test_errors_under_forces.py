@@ -191,7 +191,7 @@ def test_a_rotor_couples_the_rates_of_a_needle_more_closely_than_it_turns() -> N
     attitude = [-0.10700776581902097, 0.019851236045032035, 1.3163374410028454, 0.6100993268009105]
     run = rigid.simulate(scene, omega, attitude, t=np.linspace(1e-4, 1e-3, 9), method="dop853")
     true = true_error(scene, run, omega, attitude)
-    assert 1e-13 < true <= run.error < 1e-10
+    assert true <= run.error < 1e-10
 
 
 # Steps and tolerances

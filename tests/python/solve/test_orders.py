@@ -43,9 +43,9 @@ def slope(steps: ArrayLike, error: ArrayLike) -> float:
 def fitted_order(identifier: str, method: rigid.Method, until: float) -> float:
     """Order of a method that reaches rounding within a few halvings.
 
-    The steps divide the time to the last reference. ``log error = c + p log h + a h + b h^2`` is
-    fitted where the error lies between 1e-6 and 3e-13: so few powers of two that the next terms of
-    the error, a and b, must be known.
+    The steps divide the time to the last reference. ``log error = c + p log h + b h^2`` is fitted
+    where the error lies between 1e-10 and 5e-13: so few powers of two that the next term of the
+    error, b, must be known.
     """
     case = golden_scene(identifier)
     last = int(np.flatnonzero(case.t <= until)[-1])
@@ -58,15 +58,15 @@ def fitted_order(identifier: str, method: rigid.Method, until: float) -> float:
         of_rates = float(np.linalg.norm(run.omega[0] - case.omega[last]))
         of_attitude = float(rotation_angle(present(run.attitude)[0], case.attitude[last]))
         error = float(np.hypot(of_rates, of_attitude))
-        if error < 3e-13:
+        if error < 5e-13:
             break
-        if error < 1e-6:
+        if error < 1e-10:
             steps.append(step)
             found.append(error)
-        count = int(np.ceil(count * 2.0 ** (1.0 / method.order)))
+        count = int(np.ceil(count * 2.0 ** (0.5 / method.order)))
     assert len(steps) >= 8
     h = np.array(steps)
-    terms = np.column_stack([np.ones_like(h), np.log(h), h, h * h])
+    terms = np.column_stack([np.ones_like(h), np.log(h), h * h])
     order: float = np.linalg.lstsq(terms, np.log(found), rcond=None)[0][1]
     return order
 

@@ -37,13 +37,14 @@ fn all_bits(numbers: &[f64]) -> Vec<u64> {
     numbers.iter().map(|&x| bits(x)).collect()
 }
 
-const SYSTEMS: [(System, &[Observed]); 7] = [
+const SYSTEMS: [(System, &[Observed]); 8] = [
     (System::FreeRates, &[Observed::Nothing, Observed::Flips, Observed::Bounds]),
     (System::FreeAxis, &[Observed::Nothing, Observed::Tilt]),
     (System::FreeAttitude, &[Observed::Nothing]),
     (System::TopAxis, &[Observed::Nothing, Observed::Flips, Observed::Tilt, Observed::Bounds]),
     (System::TopTwoAxes, &[Observed::Nothing, Observed::Tilt, Observed::Bounds]),
     (System::TopAttitude, &[Observed::Nothing]),
+    (System::TopTurns, &[Observed::Nothing, Observed::Tilt, Observed::Bounds]),
     (System::TopTangent, &[Observed::Nothing, Observed::Growth]),
 ];
 
