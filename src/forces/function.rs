@@ -528,7 +528,7 @@ mod tests {
         // The second numbers are 1, 3, 5, and 1 of those who are not there.
         let sum = 0.5 * (1.0 + 3.0 + 5.0 + 5.0 * 1.0);
         let found = torques::<crate::simd::Arr<f64, 8>>(&rows, 16, &[1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
-        assert_eq!(found[0][..3], [2.0; 3]);
+        assert_eq!(found[0][..3], [2.0, 0.0, 2.0]);
         assert_eq!([found[1][0], found[1][2], found[2][0]], [0.0, 2.0, sum]);
         for body in 0..bodies as usize {
             let alone = torques::<f64>(&rows, 16 + body, &[1.0]);
