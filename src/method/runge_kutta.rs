@@ -67,7 +67,7 @@ pub struct RungeKutta<T, R, M> {
     /// The model whose slopes contain the unit.
     in_units: M,
     applied: Applied<R>,
-    /// Torque and damping, which contain the unit if the slopes do.
+    /// Torque and damping, which contain the unit if all constants do.
     torques: Torques<R>,
     slopes: Units<R>,
     sums: Units<R>,
@@ -140,6 +140,13 @@ const fn in_units<R: Real, M: Model<R>, L: Layout>() -> bool {
 #[inline(always)]
 const fn are_constants_in_units<L: Layout>() -> bool {
     !(L::TANGENT || L::FURTHER || L::FUNCTION)
+}
+
+/// Whether each slope is added to the state of a stage, not their sum: one operation less a variable, some roundings more,
+/// which a function of a body at rest would see as a motion.
+#[inline(always)]
+const fn adds_each<T: Tableau, L: Layout>() -> bool {
+    T::SLOPES_CONTAIN_UNIT && !L::FUNCTION
 }
 
 /// Whether a variable is part of the quaternion.
@@ -313,7 +320,7 @@ impl<T: Tableau, R: Real, M: Model<R>> RungeKutta<T, R, M> {
         for_stages!(J => {
             if const { coefficient::<T>(I, J) != 0.0 } {
                 for d in 0..D {
-                    at[d] = if const { T::SLOPES_CONTAIN_UNIT } {
+                    at[d] = if const { adds_each::<T, L>() } {
                         R::splat(const { coefficient::<T>(I, J) }).fma(k[J][d], at[d])
                     } else if const { J == first::<T>(I) } {
                         times(const { coefficient::<T>(I, J) }, k[J][d])
@@ -323,8 +330,11 @@ impl<T: Tableau, R: Real, M: Model<R>> RungeKutta<T, R, M> {
                 }
             }
         });
+        if const { !adds_each::<T, L>() } {
+            at = self.slopes.add::<T, M, L, D>(&at, 1.0, y);
+        }
         if const { !T::SLOPES_CONTAIN_UNIT } {
-            return self.slopes.add::<T, M, L, D>(&at, 1.0, y);
+            return at;
         }
         if L::BALANCE {
             at[L::TIME_AT] = self.slopes.others.fma(R::splat(const { time::<T>(I) }), y[L::TIME_AT]);
@@ -497,7 +507,8 @@ impl<T: Tableau, R: Real, M: Model<R>, L: Layout, const D: usize> Engine<R, M, L
     fn new(p: &Parameters<R>, forces: &ForcesInterval<'static, R>, _numbers: &'static Numbers) -> Self {
         let (model, applied) = (M::new(p), Applied::new(p, forces));
         let (unit, half) = (p.step * R::splat(T::UNIT), R::splat(0.5));
-        let torques = applied.torques_in(if T::SLOPES_CONTAIN_UNIT { unit } else { R::splat(1.0) });
+        let contain_unit = const { T::SLOPES_CONTAIN_UNIT && are_constants_in_units::<L>() };
+        let torques = applied.torques_in(if contain_unit { unit } else { R::splat(1.0) });
         let in_units = model.in_units(unit);
         // Of products as slopes only.
         let rates = in_units.ratios();

@@ -329,7 +329,9 @@ def _refined(
             error = _error_of_a_few(request, steps, accuracy) / accuracy
             if error > MULTIPLIED:
                 halvings = HALVINGS_AGAIN
-        shorter = (_stated(request, halvings) * error) ** (1.0 / order)
+        stated = _stated(request, halvings) * error
+        # Longer steps err by more than the order says: the next term of the error grows faster.
+        shorter = stated ** (1.0 / (order if stated >= 1.0 else order + 1))
         longest = 1.0 if preserves_groups(request.method) else LONGEST
         steps = steps / min(max(shorter, 1.0 / longest), MOST)
     # Steps longer than any interval between output times are cut to the interval.

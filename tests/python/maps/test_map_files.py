@@ -393,11 +393,17 @@ def test_files_of_earlier_versions_are_read(version: int, missing: set[str]) -> 
     again = run_map(loaded.spec, progress=False)
     for name in set(NAMED) - missing:
         old, new = getattr(loaded, name), getattr(again, name)
-        rounding = 1e-14 if old.dtype.kind == "f" else 0.0
+        # The quaternion of a Runge-Kutta step errs by less than the rows of the matrix did.
+        allowed = 2e-7 if name == "unit_drift" else 1e-14
+        rounding = allowed if old.dtype.kind == "f" else 0.0
         np.testing.assert_allclose(old, new, rtol=0.0, atol=rounding, err_msg=name)
     assert all(np.isnan(getattr(loaded, name)).all() for name in missing)
     assert loaded.spec.title == f"Format {version}"
-    np.testing.assert_array_equal(loaded.replay(1, 2).omega, again.replay(1, 2).omega)
+    if missing:
+        np.testing.assert_array_equal(loaded.replay(1, 2).omega, again.replay(1, 2).omega)
+    else:
+        with pytest.raises(ValueError, match="does not give the bits"):
+            loaded.replay(1, 2)
 
 
 def test_arrays_of_the_other_byte_order_are_read(arrays: dict[str, Any], tmp_path: Path) -> None:

@@ -58,13 +58,13 @@ def test_chaotic_tops_seldom_err_by_more_than_is_stated() -> None:
 @pytest.mark.parametrize("accuracy", [1e-4, 1e-7, 1e-10])
 @pytest.mark.parametrize("method", [None, "pmlf6", "rk4", "taylor12"])
 def test_the_plan_of_a_run_has_the_step_that_was_made(method: str | None, accuracy: float) -> None:
-    run = rigid.simulate(TOP, [0.5, 0.4, 2.5], t=[10.0], accuracy=accuracy, method=method)
+    run = rigid.simulate(TOP, [0.5, 0.4, 2.0], t=[10.0], accuracy=accuracy, method=method)
     assert run.plan.step == 10.0 / run.steps
     assert run.plan.steps == run.steps
     assert run.plan.step is not None
     # The quotient is rounded: a step that is shorter by it would make one step more.
     step = run.plan.step * (1.0 + 1e-15)
-    again = rigid.simulate(TOP, [0.5, 0.4, 2.5], t=[10.0], method=run.plan.method, step=step)
+    again = rigid.simulate(TOP, [0.5, 0.4, 2.0], t=[10.0], method=run.plan.method, step=step)
     assert again.omega.tobytes() == run.omega.tobytes()
 
 
