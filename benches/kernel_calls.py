@@ -30,7 +30,7 @@ KERNEL = re.compile(
 # Parts that several kernels share are functions of their own, and are read as kernels are.
 SHARED = re.compile(
     r"as rigid::real::Real>::apart::apart::"
-    r"<rigid::(observe::bounds::Look|method::taylor::Expansion)<"
+    r"<rigid::(observe::(bounds::)?Look|method::taylor::Expansion)<"
 )
 # What a kernel may call, and why.
 ALLOWED = {
@@ -39,9 +39,13 @@ ALLOWED = {
     ),
     "two kernels with one code share it": KERNEL,
     "a look inside a step and the series of forced bodies are compiled once": SHARED,
+    "the set-up of a pack under a function says which bodies call it": re.compile(
+        r"^<rigid::scene::forced::Applied<.*>>::new::\{closure"
+    ),
 }
-# A function of the user is called by its address, by these kernels only, one body at a time.
-OF_THE_USER = re.compile(r"^call\s+\*")
+# A function of the user is called by its address, by these kernels only: in steps of one body, or
+# for those of a pack by one function of the library.
+OF_THE_USER = re.compile(r"^call\s+\*|^<rigid::forces::function::TorqueRows>::call$")
 MAY_CALL_IT = re.compile(r"::kernels_of::.*::FunctionFrame\b")
 # The plain path is for processors without FMA: it rounds products as FMA does with the C library.
 WITHOUT_FMA = re.compile(r"^(fma|rint|roundeven)$")
@@ -55,6 +59,13 @@ MAY_COPY = {
     ),
     "the set-up of a pack copies the tables of its drift": re.compile(r"::KickMoserVeselov\b"),
     "the set-up of a pack copies the functions of its damping": re.compile(r"::Exponential<"),
+    "the set-up of a pack copies the numbers of twelve stages": re.compile(
+        r"::Dop853::avx2::.*::(Rates|Axis|Attitude|Turns)\b"
+    ),
+    "the set-up of a pack copies the turns of its stages": re.compile(r"::OrbitTurns\b"),
+    "a state of 23 components is in memory, not in registers": re.compile(
+        r"::FurtherFrameTangent\b"
+    ),
     "a state clears its multiples of the phase once": re.compile(r"::exact::free::Free<"),
 }
 
