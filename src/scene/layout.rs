@@ -144,6 +144,7 @@ pub fn quaternion<L: Layout, R: Real, const D: usize>(y: &[R; D]) -> [R; 4] {
 /// A state with the space axes in place of its quaternion, which is a unit quaternion up to the error of the steps.
 /// Nothing is divided by its length: to the order of the method the motion is the same.
 #[inline(always)]
+#[allow(clippy::manual_memcpy)] // The compiler does not always inline `copy_from_slice`.
 pub fn in_rows<L: Layout, R: Real, const D: usize>(y: &[R; D]) -> [R; ROWS_LEN] {
     let mut rows = [y[0]; ROWS_LEN];
     let [third, first, second] = space_axes(&quaternion::<L, R, D>(y));
