@@ -587,7 +587,7 @@ mod tests {
             (&FREE, series, further(needs(0, true)), FurtherFrame),
             (&FREE, series, on_orbit(needs(0, false)), FurtherFrame),
             (&FREE, on_clock, on_orbit(needs(1, true)), OrbitTurns),
-            (&FREE, method::DOP853.any, on_orbit(needs(0, false)), FurtherFrame),
+            (&FREE, method::DOP853.any, on_orbit(needs(0, false)), FurtherTurns),
             (&FREE, series, on_orbit(tangent(needs(0, false))), FurtherTangent),
             (&FREE, method::RK4.any, function(needs(0, false)), FunctionFrame),
             (&TOP, method::MIDPOINT.any, function(needs(0, true)), FunctionFrame),
