@@ -96,7 +96,10 @@ fn the_motion_has_the_same_bits_with_and_without_a_deviation() {
         (System::ForcedFrame, System::ForcedTangent, rows(&interval()), ForcedFrame::LEN),
     ] {
         // Forced Runge-Kutta steps integrate a quaternion without a deviation, the space axes with one.
-        let suits = |method: &&Method| plain == System::TopAxis || method.has_forced_tangent();
+        // The constants of a motion alone contain the step of dop853, which rounds in another way.
+        let suits = |method: &&Method| {
+            (plain == System::TopAxis || method.has_forced_tangent()) && *method != &method::DOP853
+        };
         for method in methods().filter(suits).filter(|method| plain.is_moved_by(method.any)) {
             let scalar = moved(varied, (method, Isa::NARROWEST), Observed::Growth, &forces, nothing);
             for isa in Isa::available() {
