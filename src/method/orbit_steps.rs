@@ -7,7 +7,7 @@
 //! `q' = q (0, Q) / 2 - (sqrt(1 - e^2) / 2r) k q`.
 
 use super::runge_kutta::{add_times, for_stages, powers, times};
-use super::tableau::{ALL_STAGES, MAX_STAGES, Slopes, Tableau, coefficient, weight};
+use super::tableau::{ALL_STAGES, MAX_STAGES, Slopes, Tableau, coefficient, node, time, weight};
 use super::{Coefficients, Engine, EngineName, Numbers, Step, Variables};
 use crate::forces::{Along, ForcesInterval, StepAlong};
 use crate::kinematics;
@@ -33,17 +33,6 @@ pub struct OrbitSteps<T, R> {
     along: [Along<R>; MAX_STAGES],
     step: StepAlong<R>,
     tableau: PhantomData<T>,
-}
-
-/// The part of the step after which a row of a table stands.
-#[inline(always)]
-const fn node(row: &[f64], unit: f64) -> f64 {
-    let (mut sum, mut j) = (0.0, 0);
-    while j < row.len() {
-        sum += row[j];
-        j += 1;
-    }
-    sum * unit
 }
 
 /// y + sum_j a_ij k_j.
@@ -145,7 +134,7 @@ impl<T: Tableau, R: Real> OrbitSteps<T, R> {
                     at[d] = R::splat(number).fma(slopes[i][d], at[d]);
                 }
             }
-            let part = Along::of(step * R::splat(node(row, 1.0)));
+            let part = Along::of(step * R::splat(node(row)));
             slopes[MAX_STAGES + 1 + stage] = self.rate(part.after(clock), &at);
         }
         (powers::<T, R, TURNING>(&before, &after, &slopes), after)
@@ -167,7 +156,7 @@ impl<T: Tableau, R: Real, M: Model<R>, L: Layout, const D: usize> Engine<R, M, L
         let mut along = [Along::of(R::splat(0.0)); MAX_STAGES];
         for_stages!(I => {
             if const { I + 1 < T::STAGES } {
-                along[I + 1] = Along::of(p.step * R::splat(const { node(T::A[I % (T::STAGES - 1)], T::UNIT) }));
+                along[I + 1] = Along::of(p.step * R::splat(const { time::<T>(I + 1) * T::UNIT }));
             }
         });
         OrbitSteps {

@@ -58,8 +58,8 @@ const INSIDE_DOP853: Numbers = Numbers { order: 7, ..Numbers::NONE };
 
 /// The engine.
 ///
-/// With twelve stages all slopes contain the unit of time, which is multiplied into the constants of the body, of its
-/// forces and into the rates. By `rk4` only the slopes of the rates contain the unit; those of a free body are their
+/// With twelve stages all slopes contain the unit of time: the constants of the body and of its forces contain it, else
+/// each slope is multiplied. By `rk4` only the slopes of the rates contain the unit; those of a free body are their
 /// products, whose units contain the moments.
 #[derive(Clone, Copy)]
 pub struct RungeKutta<T, R, M> {

@@ -72,12 +72,18 @@ pub(super) const fn weight<T: Tableau>(i: usize) -> f64 {
     if i < T::STAGES { T::WEIGHTS[i] } else { 0.0 }
 }
 
-/// The time of a stage, in units.
+/// The time of a stage, in units; 0 outside the table.
 #[inline(always)]
 pub(super) const fn time<T: Tableau>(i: usize) -> f64 {
+    if i > 0 && i < T::STAGES { node(T::A[i - 1]) } else { 0.0 }
+}
+
+/// The time at which a row of a table stands, in units.
+#[inline(always)]
+pub(super) const fn node(row: &[f64]) -> f64 {
     let (mut sum, mut j) = (0.0, 0);
-    while j < i {
-        sum += coefficient::<T>(i, j);
+    while j < row.len() {
+        sum += row[j];
         j += 1;
     }
     sum

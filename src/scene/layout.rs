@@ -100,7 +100,8 @@ layouts! {
     ForcedFrame: VECTORS = 3, BALANCE = true;
     /// Rates, attitude and balance, in the steps of Runge-Kutta methods.
     ForcedTurns as ForcedFrame: QUATERNION = true, TURNS = true, BALANCE = true;
-    /// Rates, the vertical, and a deviation vector; but of `dop853` the other numbers are those of `Axis` to the bit.
+    /// Rates, the vertical, and a deviation vector; the other numbers are equal to those of `Axis` to the bit, except by
+    /// `dop853`.
     AxisTangent: VECTORS = 1, TANGENT = true;
     /// The same with a change of the parameters.
     AxisSensitivity: VECTORS = 1, TANGENT = true, CHANGED = true;
