@@ -128,7 +128,7 @@ def simulate(
     record : {"attitude", "axis", "rates"}
         Recorded states: rates and attitude; rates and the vertical in body components; or rates
         only. A smaller record is faster and changes no bit of the rates, except of tops by
-        ``"rk4"`` and ``"dop853"``: their attitude has another error of the method.
+        Runge-Kutta methods, whose attitude has another error of the method.
     check : bool
         Whether the error is estimated by a second run with shorter steps. Without the second run
         the error is NaN and the status ``UNCHECKED``. An ``accuracy`` always needs the second run.
