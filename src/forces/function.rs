@@ -1,7 +1,7 @@
 //! A torque that a function of the user returns, known by its address.
 
 use crate::error::Error;
-use crate::kinematics::{attitude_of_rows, dot};
+use crate::kinematics::{attitude_of_rows, dot, squared_length};
 use crate::memory;
 use crate::real::Real;
 use crate::simd::{LANES, Row};
@@ -393,14 +393,13 @@ impl<R: Real> TorqueCalls<'_, R> {
         TorqueCalls { rows, at, begin, unit, active }
     }
 
-    /// The torques in the bodies, in the unit of the moments, from the time since the begin, the rates, and the third and
-    /// the first row of the rotation matrix; zero where no function is called.
+    /// The torques in the bodies, in the unit of the moments, from the time since the begin, the rates, and the attitude, a
+    /// unit quaternion whose scalar is not negative; zero where no function is called.
     #[inline(always)]
-    pub fn torques(&self, time: R, omega: &[R; 3], third: [R; 3], first: [R; 3]) -> [R; 3] {
+    pub fn torques(&self, time: R, omega: &[R; 3], attitude: &[R; 4]) -> [R; 3] {
         const { assert!(R::LANES <= EIGHT) };
         let zero = [0.0; EIGHT];
         let mut told = Told { time: zero, omega: [zero; 3], attitude: [zero; 4], active: zero };
-        let attitude = smooth_attitude(third, first);
         (self.begin + time).store(&mut told.time);
         for k in 0..3 {
             omega[k].store(&mut told.omega[k]);
@@ -422,8 +421,8 @@ impl<R: Real> TorqueCalls<'_, R> {
 /// The attitude, its scalar not negative, of rows of a stage, which are no unit vectors: that of the nearest third row and
 /// of the part of the first row across it. It depends smoothly on them, so that no method loses its order.
 #[inline(always)]
-fn smooth_attitude<R: Real>(mut third: [R; 3], mut first: [R; 3]) -> [R; 4] {
-    let (zero, one) = (R::splat(0.0), R::splat(1.0));
+pub fn attitude_of_stage<R: Real>([mut third, mut first]: [[R; 3]; 2]) -> [R; 4] {
+    let one = R::splat(1.0);
     let (squared, along) = (dot(&third, &third), dot(&first, &third));
     // The squared length of the part of the first row across the third, times that of the third.
     let area = squared.fms(dot(&first, &first), along * along);
@@ -435,11 +434,22 @@ fn smooth_attitude<R: Real>(mut third: [R; 3], mut first: [R; 3]) -> [R; 4] {
         third[k] = third[k] * over_third;
     }
     let mut attitude = attitude_of_rows(&first, &third);
-    let is_negative = attitude[0].lt(zero);
+    let is_negative = attitude[0].lt(R::splat(0.0));
     for part in &mut attitude {
         *part = R::select(is_negative, -*part, *part);
     }
     attitude
+}
+
+/// The attitude, its scalar not negative, of a quaternion of a stage, which is no unit quaternion.
+#[inline(always)]
+pub fn unit_of_stage<R: Real>(mut q: [R; 4]) -> [R; 4] {
+    let scale = R::splat(1.0) / squared_length(&q).sqrt();
+    let signed = R::select(q[0].lt(R::splat(0.0)), -scale, scale);
+    for part in &mut q {
+        *part = *part * signed;
+    }
+    q
 }
 
 #[cfg(test)]
@@ -470,7 +480,11 @@ mod tests {
     fn torques<R: Real>(rows: &TorqueRows, at: usize, wanted: &[f64]) -> [Vec<f64>; 3] {
         let [zero, one] = [0.0, 1.0].map(R::splat);
         let calls = rows.of::<R>(at).unwrap().only(R::load(wanted));
-        let found = calls.torques(one, &[R::splat(9.0); 3], [zero, zero, one], [one, zero, zero]);
+        let turned = [R::splat(-2.0), zero, zero, zero];
+        let of_rows = attitude_of_stage([[zero, zero, R::splat(3.0)], [one, zero, one]]);
+        let found = calls.torques(one, &[R::splat(9.0); 3], &unit_of_stage(turned));
+        let same = calls.torques(one, &[R::splat(9.0); 3], &of_rows);
+        (0..3).for_each(|k| assert!(R::all((same[k] - found[k]).abs().lt(R::splat(f64::MIN_POSITIVE)))));
         found.map(|component| {
             let mut numbers = vec![0.0; R::LANES];
             component.store(&mut numbers);

@@ -26,6 +26,7 @@ pub use dissipation::Dissipation;
 pub use drag::Drag;
 pub use function::{
     EIGHT, FEWEST_STEPS, Function, FunctionOfEight, TorqueCall, TorqueCalls, TorqueFunction, TorqueRows,
+    attitude_of_stage, unit_of_stage,
 };
 pub use orbit::Orbit;
 pub use place::{Along, OrbitPlace, StepAlong};

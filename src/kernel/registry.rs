@@ -11,9 +11,9 @@ use crate::observe::Observed;
 use crate::real::{Pack, Quad, Real};
 use crate::scene::{
     Attitude, Axis, AxisAttitude, AxisSensitivity, AxisTangent, FREE, ForcedAxis, ForcedFrame,
-    ForcedFrameTangent, ForcedRates, ForcedTurns, Free, FunctionFrame, FurtherFrame, FurtherFrameTangent,
-    FurtherRates, FurtherTurns, Layout, Model, OrbitTurns, Parameters, Rates, Scene, TOP, Top, Turns,
-    TwoAxes,
+    ForcedFrameTangent, ForcedRates, ForcedTurns, Free, FunctionFrame, FunctionTurns, FurtherFrame,
+    FurtherFrameTangent, FurtherRates, FurtherTurns, Layout, Model, OrbitTurns, Parameters, Rates, Scene,
+    TOP, Top, Turns, TwoAxes,
 };
 #[cfg(target_arch = "x86_64")]
 use crate::simd::{Arr, V4, V8};
@@ -357,6 +357,7 @@ engines! { kernels
         FurtherFrame: TOP, Top, FurtherFrame;
         FurtherTurns: TOP, Top, FurtherTurns;
         FunctionFrame: TOP, Top, FunctionFrame;
+        FunctionTurns: TOP, Top, FunctionTurns;
         TopTangent: TOP, Top, AxisTangent;
         TopSensitivity: TOP, Top, AxisSensitivity;
         ForcedTangent: TOP, Top, ForcedFrameTangent;
@@ -589,7 +590,7 @@ mod tests {
             (&FREE, on_clock, on_orbit(needs(1, true)), OrbitTurns),
             (&FREE, method::DOP853.any, on_orbit(needs(0, false)), FurtherTurns),
             (&FREE, series, on_orbit(tangent(needs(0, false))), FurtherTangent),
-            (&FREE, method::RK4.any, function(needs(0, false)), FunctionFrame),
+            (&FREE, method::RK4.any, function(needs(0, false)), FunctionTurns),
             (&TOP, method::MIDPOINT.any, function(needs(0, true)), FunctionFrame),
             // A free body is a top without weight.
             (&FREE, series, tangent(needs(0, false)), TopTangent),

@@ -131,7 +131,7 @@ fn step<M: Model<f64>, L: Layout, T: Tableau, const D: usize>(
     reached
 }
 
-/// The error of a step over the tolerance: of the rates relative to the fastest known or met, of the directions in rad. The
+/// The error of a step over the tolerance: of the rates relative to the fastest known or met, of the attitude in rad. The
 /// balance follows from the motion, so the balance is ignored. The estimates of order 5 and 3 become one that falls as
 /// the eighth power of the step (Hairer, Nørsett, Wanner, section II.10).
 #[inline(always)]
@@ -145,7 +145,9 @@ fn error<L: Layout, const D: usize>(
     let mut largest = [0.0_f64; 2];
     for i in 0..2 {
         for d in 0..L::BALANCE_AT {
-            let off = estimates[i][d].abs() / if d < 3 { rate } else { 1.0 };
+            // A quaternion changes by half of the angle.
+            let size = if d < 3 { rate } else { 0.5 };
+            let off = estimates[i][d].abs() / size;
             // A NaN remains.
             largest[i] = if off > largest[i] || off.is_nan() { off } else { largest[i] };
         }

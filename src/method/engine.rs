@@ -1,7 +1,7 @@
 //! The list of engines. What an engine can do follows from its code.
 
 use super::*;
-use crate::scene::{AxisTangent, FunctionFrame, FurtherRates, Top};
+use crate::scene::{AxisTangent, FunctionFrame, FunctionTurns, FurtherRates, Top};
 
 /// Gives the list of engines to a macro. `R` stands for the pack and `M` for the model in this pack. After the code
 /// stand the packs for AVX2, and for AVX-512 where it gains. Engines with long chains of rotations are fastest with two
@@ -93,7 +93,8 @@ impl EngineFacts {
     where
         S: Engine<f64, Top<f64>, AxisTangent, { AxisTangent::LEN }>
             + Engine<f64, Top<f64>, FurtherRates, { FurtherRates::LEN }>
-            + Engine<f64, Top<f64>, FunctionFrame, { FunctionFrame::LEN }>,
+            + Engine<f64, Top<f64>, FunctionFrame, { FunctionFrame::LEN }>
+            + Engine<f64, Top<f64>, FunctionTurns, { FunctionTurns::LEN }>,
     {
         EngineFacts {
             variables: <S as Engine<f64, Top<f64>, AxisTangent, { AxisTangent::LEN }>>::VARIABLES,
@@ -104,7 +105,8 @@ impl EngineFacts {
             flows: <S as Engine<f64, Top<f64>, AxisTangent, { AxisTangent::LEN }>>::FLOWS,
             moves_further: <S as Engine<f64, Top<f64>, FurtherRates, { FurtherRates::LEN }>>::MOVES,
             of_function: FactsOfFunction {
-                moves: <S as Engine<f64, Top<f64>, FunctionFrame, { FunctionFrame::LEN }>>::MOVES,
+                moves: <S as Engine<f64, Top<f64>, FunctionFrame, { FunctionFrame::LEN }>>::MOVES
+                    || <S as Engine<f64, Top<f64>, FunctionTurns, { FunctionTurns::LEN }>>::MOVES,
                 is_series: <S as Engine<f64, Top<f64>, FunctionFrame, { FunctionFrame::LEN }>>::IS_SERIES,
                 sees_limits: <S as Engine<f64, Top<f64>, FunctionFrame, { FunctionFrame::LEN }>>::SEES_LIMITS,
             },

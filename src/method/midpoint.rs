@@ -6,7 +6,7 @@
 //! which is found by Newton's method.
 
 use super::{Coefficients, Engine, EngineName, Facts, Method, Numbers, Step, Variables};
-use crate::forces::ForcesInterval;
+use crate::forces::{ForcesInterval, attitude_of_stage};
 use crate::kinematics::{cross, direction, dot, put, quaternion_product};
 use crate::real::Real;
 use crate::scene::{Applied, Layout, Model, Parameters};
@@ -327,8 +327,8 @@ impl<R: Real> ImplicitMidpoint<R> {
     ) -> [R; 3] {
         let (turn, half) = (Turn::of(u), constants.half);
         let omega = [u[0] / half, u[1] / half, u[2] / half];
-        let rows = [turn.middle(&equation.gamma), turn.middle(&equation.first)];
-        let mut torque = self.applied.function_torque(equation.middle, &omega, rows, wanted);
+        let attitude = attitude_of_stage([turn.middle(&equation.gamma), turn.middle(&equation.first)]);
+        let mut torque = self.applied.function_torque(equation.middle, &omega, &attitude, wanted);
         for i in 0..3 {
             torque[i] = torque[i] * constants.torque_factor;
         }

@@ -550,7 +550,13 @@ fn acceleration<R: Real, M: Model<R>, L: Layout, const D: usize>(
     y: &[R; D],
 ) -> [R; 3] {
     if L::TURNS {
-        return acceleration::<R, M, L::Rows, ROWS_LEN>(model, applied, &in_rows::<L, R, D>(y));
+        let rows = in_rows::<L, R, D>(y);
+        let mut rate = acceleration::<R, M, L::Rows, ROWS_LEN>(model, applied, &rows);
+        if L::FUNCTION {
+            let none = &mut [R::splat(0.0); 2];
+            applied.add_called::<L, D>(R::splat(1.0), y, &rows, (&mut rate, none));
+        }
+        return rate;
     }
     if L::FURTHER {
         return applied.under_further::<M, L, D>(model, y).omega;

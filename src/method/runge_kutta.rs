@@ -139,7 +139,7 @@ const fn in_units<R: Real, M: Model<R>, L: Layout>() -> bool {
 /// Whether the constants of the equations contain the unit; else each slope is multiplied.
 #[inline(always)]
 const fn are_constants_in_units<L: Layout>() -> bool {
-    !(L::TANGENT || L::FURTHER || L::FUNCTION)
+    !(L::TANGENT || L::FURTHER)
 }
 
 /// Whether each slope is added to the state of a stage, not their sum: one operation less a variable, some roundings more,
@@ -227,19 +227,18 @@ fn gains<T: Tableau, R: Real, M: Model<R>, L: Layout, const D: usize>(
     y: &[R; D],
 ) -> ([R; 3], [R; 2]) {
     if L::TURNS {
-        return gains::<T, R, M, L::Rows, ROWS_LEN>(model, (applied, torques), &in_rows::<L, R, D>(y));
+        let rows = in_rows::<L, R, D>(y);
+        let (mut change, mut balance) = gains::<T, R, M, L::Rows, ROWS_LEN>(model, (applied, torques), &rows);
+        if L::FUNCTION {
+            applied.add_called::<L, D>(R::splat(1.0), y, &rows, (&mut change, &mut balance));
+        }
+        return (change, balance);
     }
     let zero = R::splat(0.0);
     if const { in_products::<T, R, M, L>() } {
         return ([y[1] * y[2], y[2] * y[0], y[0] * y[1]], [zero; 2]);
     }
-    let torque = if L::FUNCTION {
-        applied.torque::<L, D>(y)
-    } else if L::BALANCE {
-        torques.damped::<L, D>(y)
-    } else {
-        [zero; 3]
-    };
+    let torque = if L::BALANCE { torques.damped::<L, D>(y) } else { [zero; 3] };
     let balance = if L::BALANCE { applied.balance::<L, D>(&torque, y) } else { [zero; 2] };
     (acceleration_by::<R, M, L, D>(model, applied, y, &torque), balance)
 }
@@ -359,7 +358,12 @@ impl<T: Tableau, R: Real, M: Model<R>> RungeKutta<T, R, M> {
         }
         let mut slope = *y;
         let (change, balance) = if const { L::TURNS } {
-            self.gains_in_units::<L::Rows, ROWS_LEN>(&in_rows::<L, R, D>(y))
+            let rows = in_rows::<L, R, D>(y);
+            let (mut change, mut balance) = self.gains_in_units::<L::Rows, ROWS_LEN>(&rows);
+            if L::FUNCTION {
+                self.applied.add_called::<L, D>(unit, y, &rows, (&mut change, &mut balance));
+            }
+            (change, balance)
         } else {
             self.gains_in_units::<L, D>(y)
         };
@@ -491,9 +495,8 @@ pub(super) fn powers<T: Tableau, R: Real, const D: usize>(
 
 impl<T: Tableau, R: Real, M: Model<R>, L: Layout, const D: usize> Engine<R, M, L, D> for RungeKutta<T, R, M> {
     const VARIABLES: Variables = Variables::Rates;
-    /// The attitude is a quaternion, but for a deviation vector, and under the torque of a function.
-    const MOVES: bool =
-        if L::VECTORS > 1 { L::TANGENT || L::FUNCTION } else { !(L::VECTORS > 0 && L::QUATERNION) };
+    /// The attitude is a quaternion, but for a deviation vector.
+    const MOVES: bool = if L::VECTORS > 1 { L::TANGENT } else { !(L::VECTORS > 0 && L::QUATERNION) };
     const COMPENSATES: bool = L::FURTHER;
     const HAS_TANGENT: bool = true;
     const IS_SHORT: bool = T::STAGES <= 4 && D <= 6 && !L::BALANCE;
@@ -575,21 +578,21 @@ impl<T: Tableau, R: Real, M: Model<R>, L: Layout, const D: usize> Engine<R, M, L
 mod tests {
     use super::super::Dop853Tableau;
     use super::*;
-    use crate::scene::{FunctionFrame, Top};
+    use crate::scene::{FunctionTurns, Top};
 
-    const D: usize = FunctionFrame::LEN;
+    const D: usize = FunctionTurns::LEN;
     type Dop853 = RungeKutta<Dop853Tableau, f64, Top<f64>>;
 
     fn engine(step: f64) -> (Parameters<f64>, Dop853) {
         let p = Parameters { moments: [1.0, 1.6, 2.1], weight: [0.3, 0.0, 0.8], step };
         let forces = ForcesInterval::none();
-        (p, <Dop853 as Engine<_, _, FunctionFrame, D>>::new(&p, &forces, &Numbers::NONE))
+        (p, <Dop853 as Engine<_, _, FunctionTurns, D>>::new(&p, &forces, &Numbers::NONE))
     }
 
     fn start() -> [f64; D] {
         let mut y = [0.0; D];
         y[..3].copy_from_slice(&[0.4, 1.0, -0.7]);
-        (y[5], y[6], y[10]) = (1.0, 1.0, 1.0);
+        y[FunctionTurns::QUATERNION_AT] = 1.0;
         y
     }
 
@@ -599,7 +602,7 @@ mod tests {
         let (mut y, mut unused) = (start(), [0.0; D]);
         for _ in 0..64 {
             let dense = &mut Coefficients::new();
-            Engine::<_, _, FunctionFrame, D>::step(&engine, &p, &mut y, &mut unused, dense);
+            Engine::<_, _, FunctionTurns, D>::step(&engine, &p, &mut y, &mut unused, dense);
         }
         y
     }
@@ -625,12 +628,12 @@ mod tests {
         for step in [0.3, 0.15] {
             let (p, engine) = engine(step);
             let (mut y, mut unused, mut dense) = (start(), [0.0; D], Coefficients::new());
-            Engine::<_, _, FunctionFrame, D>::step_inside(&engine, &p, &mut y, &mut unused, &mut dense);
+            Engine::<_, _, FunctionTurns, D>::step_inside(&engine, &p, &mut y, &mut unused, &mut dense);
             // A rounding of each of the eight terms.
             assert!(apart(&inside(&dense, 1.0), &y) < 1e-14 && apart(dense.order(0), &start()) == 0.0);
             let within = [0.3, 0.5, 0.8].map(|at| apart(&inside(&dense, at), &truth(at * step)));
             let mut slopes = [start(); ALL_STAGES];
-            engine.change::<FunctionFrame, D>(&start(), &mut slopes);
+            engine.change::<FunctionTurns, D>(&start(), &mut slopes);
             let [fifth, third] = engine.errors(&slopes).map(|estimate| apart(&estimate, &[0.0; D]));
             errors.push([within[0].max(within[1]).max(within[2]), apart(&y, &truth(step)), fifth, third]);
         }

@@ -9,7 +9,7 @@ use crate::forces::{BodyForces, ForcesInterval};
 use crate::kinematics::to_body_frame;
 use crate::method::{Coefficients, Engine, Numbers, Rk4Tableau, RungeKutta, Taylor};
 use crate::real::{Apart, Real};
-use crate::scene::{FunctionFrame, FurtherFrame, Layout, Model, Parameters, Top};
+use crate::scene::{FunctionTurns, FurtherFrame, Layout, Model, Parameters, Top};
 use crate::simd::with_fma;
 use crate::start::{Body, VERTICAL};
 
@@ -124,10 +124,12 @@ impl Apart for AfterStart<'_> {
         let p = Parameters { moments: body.moments, weight: body.weight, step: 1e-3 / rate };
         if interval.functions.is_some() {
             // Nobody knows the derivatives of the torque of a function: a step of the fourth order is made.
-            let engine = <Called as Engine<_, _, FunctionFrame, CALLED>>::new(&p, interval, NUMBERS);
-            let (mut y, mut unused) = (start::<CALLED>(body), [0.0; CALLED]);
+            let engine = <Called as Engine<_, _, FunctionTurns, CALLED>>::new(&p, interval, NUMBERS);
+            let (mut y, mut unused) = ([0.0; CALLED], [0.0; CALLED]);
+            y[..3].copy_from_slice(&body.omega);
+            y[FunctionTurns::QUATERNION_AT..FunctionTurns::BALANCE_AT].copy_from_slice(&body.attitude);
             let dense = &mut Coefficients::new();
-            Engine::<_, _, FunctionFrame, CALLED>::step(&engine, &p, &mut y, &mut unused, dense);
+            Engine::<_, _, FunctionTurns, CALLED>::step(&engine, &p, &mut y, &mut unused, dense);
             rates.copy_from_slice(&y[..3]);
             return;
         }
@@ -145,7 +147,7 @@ impl Apart for AfterStart<'_> {
 }
 
 const LEN: usize = FurtherFrame::LEN;
-const CALLED: usize = FunctionFrame::LEN;
+const CALLED: usize = FunctionTurns::LEN;
 type Called = RungeKutta<Rk4Tableau, f64, Top<f64>>;
 
 /// The state of a body at its start in a layout with all space axes: the rates, and the axes 3, 1 and 2.

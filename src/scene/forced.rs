@@ -7,8 +7,10 @@
 //!
 //! A forced body has a layout with a balance; the models contain no forces.
 
-use super::{Layout, Parameters};
-use crate::forces::{ForcesInterval, ParameterChange, add_space_torque, damp};
+use super::{Layout, Parameters, ROWS_LEN, quaternion};
+use crate::forces::{
+    ForcesInterval, ParameterChange, add_space_torque, attitude_of_stage, damp, unit_of_stage,
+};
 use crate::kinematics::{add_cross, direction, dot};
 use crate::real::Real;
 
@@ -134,11 +136,31 @@ impl<R: Real> Applied<R> {
 
     /// The torque that the functions of the user return at a state; zero where `wanted` is not above zero.
     #[inline(always)]
-    pub fn function_torque(&self, time: R, omega: &[R; 3], [third, first]: [[R; 3]; 2], wanted: R) -> [R; 3] {
+    pub fn function_torque(&self, time: R, omega: &[R; 3], attitude: &[R; 4], wanted: R) -> [R; 3] {
         match &self.forces.functions {
-            Some(functions) => functions.only(wanted).torques(time, omega, third, first),
+            Some(functions) => functions.only(wanted).torques(time, omega, attitude),
             None => [R::splat(0.0); 3],
         }
+    }
+
+    /// Adds what the functions of the user change over a unit of time, at a state with a quaternion and its rows: the
+    /// rates, and work and impulse.
+    #[inline(always)]
+    pub fn add_called<L: Layout, const D: usize>(
+        &self,
+        unit: R,
+        y: &[R; D],
+        rows: &[R; ROWS_LEN],
+        (change, balance): (&mut [R; 3], &mut [R; 2]),
+    ) {
+        let attitude = unit_of_stage(quaternion::<L, R, D>(y));
+        let mut torque = self.function_torque(y[L::TIME_AT], &[y[0], y[1], y[2]], &attitude, R::splat(1.0));
+        for i in 0..3 {
+            torque[i] = torque[i] * unit;
+        }
+        self.add_over_moments(&torque, change);
+        let [power, impulse] = self.balance::<L::Rows, ROWS_LEN>(&torque, rows);
+        *balance = [balance[0] + power, balance[1] + impulse];
     }
 
     /// Applied torque with damping, at a state.
@@ -152,8 +174,8 @@ impl<R: Real> Applied<R> {
     pub fn torque_where<L: Layout, const D: usize>(&self, y: &[R; D], wanted: R) -> [R; 3] {
         let mut sum = self.undamped::<L, D>(y);
         if L::FUNCTION {
-            let rows = [direction(y, 0), direction(y, 1)];
-            let returned = self.function_torque(y[L::TIME_AT], &[y[0], y[1], y[2]], rows, wanted);
+            let attitude = attitude_of_stage([direction(y, 0), direction(y, 1)]);
+            let returned = self.function_torque(y[L::TIME_AT], &[y[0], y[1], y[2]], &attitude, wanted);
             for i in 0..3 {
                 sum[i] = sum[i] + returned[i];
             }

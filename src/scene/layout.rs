@@ -132,6 +132,18 @@ impl Layout for FunctionFrame {
     type Rows = Self;
 }
 
+/// Rates, attitude and the balance of a body under the torque that a function returns, in the steps of Runge-Kutta methods.
+#[derive(Clone, Copy)]
+pub struct FunctionTurns;
+impl Layout for FunctionTurns {
+    const QUATERNION: bool = true;
+    const TURNS: bool = true;
+    const BALANCE: bool = true;
+    const FUNCTION: bool = true;
+    type Lanes<P: Pack> = P::Eight;
+    type Rows = ForcedFrame;
+}
+
 /// Length of the longest state with the space axes in place of a quaternion.
 pub const ROWS_LEN: usize = FurtherFrame::LEN;
 

@@ -11,8 +11,8 @@ pub use free::{FREE, Free};
 pub use further::{FurtherRate, Undamped};
 pub use layout::{
     Attitude, Axis, AxisAttitude, AxisSensitivity, AxisTangent, ForcedAxis, ForcedFrame, ForcedFrameTangent,
-    ForcedRates, ForcedTurns, FunctionFrame, FurtherFrame, FurtherFrameTangent, FurtherRates, FurtherTurns,
-    Layout, OrbitTurns, ROWS_LEN, Rates, Turns, TwoAxes, in_rows, quaternion,
+    ForcedRates, ForcedTurns, FunctionFrame, FunctionTurns, FurtherFrame, FurtherFrameTangent, FurtherRates,
+    FurtherTurns, Layout, OrbitTurns, ROWS_LEN, Rates, Turns, TwoAxes, in_rows, quaternion,
 };
 pub use top::{TOP, Top};
 

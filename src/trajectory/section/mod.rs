@@ -285,8 +285,9 @@ impl<'a> SectionJob<'a> {
         let step = way.assignment.step;
         let kernel =
             Kernel { system: System::carrying(&TOP, step, needs), step, observed: Observed::Nothing };
-        // The polynomial of a Runge-Kutta step is no series cut at its order: a product of two has all their terms.
-        let order = step.numbers.order * if step.is_series() { 1 } else { 2 };
+        // The polynomial of a Runge-Kutta step is no series cut at its order: the product of the momentum and of two parts
+        // of the quaternion has all their terms.
+        let order = step.numbers.order * if step.is_series() { 1 } else { 3 };
         let queue = members.iter().rev().copied();
         let system = kernel.system;
         let mut watches = memory::reserved("surfaces", section.kinds.len())?;

