@@ -8,7 +8,7 @@
 use super::{Coefficients, Engine, EngineName, Facts, Method, Numbers, Step, Variables};
 use crate::forces::{ForcesInterval, attitude_of_stage};
 use crate::kinematics::{cross, direction, dot, put, quaternion_product};
-use crate::real::Real;
+use crate::real::{Apart, Real};
 use crate::scene::{Applied, Layout, Model, Parameters};
 
 /// The implicit midpoint rule. The method is used in the frame of the body, as published.
@@ -141,6 +141,31 @@ impl<R: Real> Turn<R> {
 fn columns<R: Real>(k: &[R; 3]) -> [[R; 3]; 3] {
     let zero = R::splat(0.0);
     [[zero, k[2], -k[1]], [-k[2], zero, k[0]], [k[1], -k[0], zero]]
+}
+
+/// The torque of a function in the middle of a step that turns the body by `u`, as it stands in the equation: a function of
+/// its own, which a step calls in four places.
+struct TorqueInTheMiddle<'a, R: Real> {
+    engine: &'a ImplicitMidpoint<R>,
+    constants: &'a StepConstants<R>,
+    equation: &'a Equation<R>,
+    u: &'a [R; 3],
+    wanted: R,
+    torque: &'a mut [R; 3],
+}
+
+impl<R: Real> Apart for TorqueInTheMiddle<'_, R> {
+    #[inline(always)]
+    fn run(self) {
+        let TorqueInTheMiddle { engine, constants, equation, u, wanted, torque } = self;
+        let (turn, half) = (Turn::of(u), constants.half);
+        let omega = [u[0] / half, u[1] / half, u[2] / half];
+        let attitude = attitude_of_stage([turn.middle(&equation.gamma), turn.middle(&equation.first)]);
+        let returned = engine.applied.function_torque(equation.middle, &omega, &attitude, wanted);
+        for i in 0..3 {
+            torque[i] = returned[i] * constants.torque_factor;
+        }
+    }
 }
 
 impl<R: Real> ImplicitMidpoint<R> {
@@ -325,13 +350,8 @@ impl<R: Real> ImplicitMidpoint<R> {
         u: &[R; 3],
         wanted: R,
     ) -> [R; 3] {
-        let (turn, half) = (Turn::of(u), constants.half);
-        let omega = [u[0] / half, u[1] / half, u[2] / half];
-        let attitude = attitude_of_stage([turn.middle(&equation.gamma), turn.middle(&equation.first)]);
-        let mut torque = self.applied.function_torque(equation.middle, &omega, &attitude, wanted);
-        for i in 0..3 {
-            torque[i] = torque[i] * constants.torque_factor;
-        }
+        let mut torque = *u;
+        R::apart(TorqueInTheMiddle { engine: self, constants, equation, u, wanted, torque: &mut torque });
         torque
     }
 

@@ -1,6 +1,6 @@
 //! Explicit Runge-Kutta methods: one engine, any tableau.
 
-use super::tableau::{ALL_STAGES, MAX_STAGES, Slopes, Tableau, coefficient, first, time, weight};
+use super::tableau::{ALL_STAGES, MAX_STAGES, Slopes, Table, Tableau, coefficient, first, time, weight};
 use super::tangent::{further_tangent_rate, tangent_rate};
 use super::{Coefficients, Engine, EngineName, Facts, Method, Numbers, Step, Variables};
 use super::{acceleration, acceleration_by, two_sum};
@@ -147,6 +147,13 @@ const fn are_constants_in_units<L: Layout>() -> bool {
 #[inline(always)]
 const fn adds_each<T: Tableau, L: Layout>() -> bool {
     T::SLOPES_CONTAIN_UNIT && !L::FUNCTION
+}
+
+/// Whether the stages are a loop: under a function the code of twelve written out is five times as long, and not a
+/// tenth faster.
+#[inline(always)]
+const fn loops<T: Tableau, L: Layout>() -> bool {
+    T::STAGES > 4 && L::FUNCTION
 }
 
 /// Whether a variable is part of the quaternion.
@@ -392,12 +399,44 @@ impl<T: Tableau, R: Real, M: Model<R>> RungeKutta<T, R, M> {
         (change, self.applied.balance::<L, D>(&torque, y))
     }
 
+    /// The slopes of the stages, in a loop, and their weighted sum.
+    #[inline(always)]
+    fn looped<L: Layout, const D: usize>(&self, y: &[R; D], k: &mut [[R; D]; MAX_STAGES]) -> [R; D] {
+        let zero = [R::splat(0.0); D];
+        let mut sum = zero;
+        for i in 0..MAX_STAGES {
+            let mut at = zero;
+            for j in 0..i {
+                let number = Table::<T>::A[i][j];
+                if number != 0.0 {
+                    for d in 0..D {
+                        at[d] = R::splat(number).fma(k[j][d], at[d]);
+                    }
+                }
+            }
+            at = self.slopes.add::<T, M, L, D>(&at, 1.0, y);
+            if L::BALANCE {
+                at[L::TIME_AT] = self.slopes.others.fma(R::splat(Table::<T>::TIMES[i]), y[L::TIME_AT]);
+            }
+            let slope = self.slope::<L, D>(&at);
+            for d in 0..D {
+                k[i][d] = slope[d];
+                sum[d] = R::splat(T::WEIGHTS[i]).fma(slope[d], sum[d]);
+            }
+        }
+        sum
+    }
+
     /// The slopes of the stages of a step, and their weighted sum.
     #[inline(always)]
     fn weighted<L: Layout, const D: usize>(&self, y: &[R; D], slopes: &mut Slopes<R, D>) -> [R; D] {
         let mut k = [*y; MAX_STAGES];
         let mut sum = *y;
-        stages!(self, y, k, sum: 0 1 2 3 4 5 6 7 8 9 10 11);
+        if const { loops::<T, L>() } {
+            sum = self.looped::<L, D>(y, &mut k);
+        } else {
+            stages!(self, y, k, sum: 0 1 2 3 4 5 6 7 8 9 10 11);
+        }
         #[expect(clippy::manual_memcpy, reason = "a copy of slices is a call")]
         for i in 0..MAX_STAGES {
             slopes[i] = k[i];
@@ -536,7 +575,11 @@ impl<T: Tableau, R: Real, M: Model<R>, L: Layout, const D: usize> Engine<R, M, L
     ) {
         let mut k = [*y; MAX_STAGES];
         let mut sum = *y;
-        stages!(self, y, k, sum: 0 1 2 3 4 5 6 7 8 9 10 11);
+        if const { loops::<T, L>() } {
+            sum = self.looped::<L, D>(y, &mut k);
+        } else {
+            stages!(self, y, k, sum: 0 1 2 3 4 5 6 7 8 9 10 11);
+        }
         if const { !L::FURTHER } {
             *y = self.sums.add::<T, M, L, D>(&sum, const { 1.0 / T::DIVISOR }, y);
             return;

@@ -121,6 +121,25 @@ fn look_inside<O, R, M, L, S, const D: usize>(
     }
 }
 
+/// The motion inside a step, in a function that all observables share.
+struct Inside<'a, R: Real, M, L, S, const D: usize> {
+    engine: &'a S,
+    p: &'a Parameters<R>,
+    before: &'a [R; D],
+    dense: &'a mut Coefficients<R, D>,
+    of: PhantomData<(M, L)>,
+}
+
+impl<R: Real, M: Model<R>, L: Layout, S: Engine<R, M, L, D>, const D: usize> Apart
+    for Inside<'_, R, M, L, S, D>
+{
+    #[inline(always)]
+    fn run(self) {
+        let (mut after, mut unused) = (*self.before, *self.before);
+        self.engine.step_inside(self.p, &mut after, &mut unused, self.dense);
+    }
+}
+
 /// The motion inside a step, which is made once more.
 #[inline(always)]
 fn motion_inside<R: Real, M: Model<R>, L: Layout, S: Engine<R, M, L, D>, const D: usize>(
@@ -128,8 +147,8 @@ fn motion_inside<R: Real, M: Model<R>, L: Layout, S: Engine<R, M, L, D>, const D
     p: &Parameters<R>,
     before: &[R; D],
 ) -> Coefficients<R, D> {
-    let (mut after, mut unused, mut dense) = (*before, *before, Coefficients::new());
-    engine.step_inside(p, &mut after, &mut unused, &mut dense);
+    let mut dense = Coefficients::new();
+    R::apart(Inside { engine, p, before, dense: &mut dense, of: PhantomData::<(M, L)> });
     dense
 }
 
