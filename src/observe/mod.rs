@@ -122,7 +122,7 @@ fn look_inside<O, R, M, L, S, const D: usize>(
 }
 
 /// The motion inside a step, in a function that all observables share.
-struct Inside<'a, R: Real, M, L, S, const D: usize> {
+struct MotionInside<'a, R: Real, M, L, S, const D: usize> {
     engine: &'a S,
     p: &'a Parameters<R>,
     before: &'a [R; D],
@@ -131,7 +131,7 @@ struct Inside<'a, R: Real, M, L, S, const D: usize> {
 }
 
 impl<R: Real, M: Model<R>, L: Layout, S: Engine<R, M, L, D>, const D: usize> Apart
-    for Inside<'_, R, M, L, S, D>
+    for MotionInside<'_, R, M, L, S, D>
 {
     #[inline(always)]
     fn run(self) {
@@ -148,7 +148,7 @@ fn motion_inside<R: Real, M: Model<R>, L: Layout, S: Engine<R, M, L, D>, const D
     before: &[R; D],
 ) -> Coefficients<R, D> {
     let mut dense = Coefficients::new();
-    R::apart(Inside { engine, p, before, dense: &mut dense, of: PhantomData::<(M, L)> });
+    R::apart(MotionInside { engine, p, before, dense: &mut dense, of: PhantomData::<(M, L)> });
     dense
 }
 
