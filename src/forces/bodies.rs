@@ -11,10 +11,6 @@ use crate::special::exp;
 /// What the table of a torque is called if it does not fit into memory.
 const TABLE: &str = "table of the torque";
 
-/// What acts beside a torque of a function.
-const FUNCTION_RULE: &str = "acts with other torques, damping and weight only, not with a rotor, an energy sink, drag or an \
-    orbit; with these make the steps yourself: rigid.Motion and its step(dt, torque)";
-
 /// The forces on a body, on an interval of time in which the torque of the table is linear.
 #[derive(Clone, Copy)]
 pub struct ForcesInterval<'a, R> {
@@ -190,12 +186,8 @@ impl Forces {
     /// The same with the torque that a function returns.
     ///
     /// # Errors
-    /// If it is that of another number of bodies, or something acts that no method integrates with it.
+    /// If it is that of another number of bodies.
     pub fn with_function(self, function: TorqueFunction) -> Result<Forces, Error> {
-        if self.further.iter().any(|further| !further.is_none()) {
-            let (value, rule) = ("a function".to_string(), FUNCTION_RULE);
-            return Err(Error::Value { argument: "torque", value, rule });
-        }
         self.check_rows("data", function.bodies())?;
         Ok(Forces { function: Some(function), ..self })
     }

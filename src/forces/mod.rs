@@ -331,6 +331,16 @@ macro_rules! forces {
                 Further { $($name: $force([R::splat(0.0); $numbers]),)* }
             }
 
+            /// Whether a force of some lane acts.
+            #[inline(always)]
+            pub fn acts(&self) -> bool {
+                let mut largest = R::splat(0.0);
+                $(for k in 0..$numbers {
+                    largest = largest.max(self.$name.0[k].abs());
+                })*
+                R::any(R::splat(0.0).lt(largest))
+            }
+
             /// No coefficients yet.
             #[inline(always)]
             pub fn series() -> FurtherSeries<R> {

@@ -445,7 +445,8 @@ impl System {
             system.scene() == scene
                 && traits.is_on_clock == on_clock
                 && traits.balance_at.is_some() == acts
-                && traits.is_further == (forces.further && acts)
+                // Beside a function the further forces may act.
+                && (traits.is_further == (forces.further && acts) || traits.is_further && forces.function)
                 && traits.is_function == forces.function
                 && traits.tangent_at.is_some() == needs.tangent
                 && (traits.is_changed || !needs.is_changed)

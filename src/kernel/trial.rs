@@ -131,8 +131,8 @@ fn step<M: Model<f64>, L: Layout, T: Tableau, const D: usize>(
     reached
 }
 
-/// The error of a step over the tolerance: of the rates relative to the fastest known or met, of the attitude in rad. The
-/// balance follows from the motion, so the balance is ignored. The estimates of order 5 and 3 become one that falls as
+/// The error of a step over the tolerance: of the rates relative to the fastest known or met, of the attitude and of the
+/// place on the orbit in rad. The balance follows from the motion, so the balance is ignored. The estimates of order 5 and 3 become one that falls as
 /// the eighth power of the step (Hairer, Nørsett, Wanner, section II.10).
 #[inline(always)]
 fn error<L: Layout, const D: usize>(
@@ -144,9 +144,14 @@ fn error<L: Layout, const D: usize>(
     let rate = known_rate.max(speed(before)).max(speed(after)).max(f64::MIN_POSITIVE);
     let mut largest = [0.0_f64; 2];
     for i in 0..2 {
-        for d in 0..L::BALANCE_AT {
-            // A quaternion changes by half of the angle.
-            let size = if d < 3 { rate } else { 0.5 };
+        for d in (0..L::BALANCE_AT).chain(L::OWN_AT..D) {
+            let size = match d {
+                0..3 => rate,
+                // The place on the orbit, by its angle.
+                _ if d >= L::OWN_AT => 1.0,
+                // A quaternion changes by half of the angle.
+                _ => 0.5,
+            };
             let off = estimates[i][d].abs() / size;
             // A NaN remains.
             largest[i] = if off > largest[i] || off.is_nan() { off } else { largest[i] };

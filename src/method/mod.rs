@@ -551,15 +551,14 @@ fn acceleration<R: Real, M: Model<R>, L: Layout, const D: usize>(
 ) -> [R; 3] {
     if L::TURNS {
         let rows = in_rows::<L, R, D>(y);
-        let mut rate = acceleration::<R, M, L::Rows, ROWS_LEN>(model, applied, &rows);
         if L::FUNCTION {
-            let none = &mut [R::splat(0.0); 2];
-            applied.add_called::<L, D>(R::splat(1.0), y, &rows, (&mut rate, none));
+            let (torques, returned) = (&applied.torques(), applied.returned::<L, D>(y));
+            return applied.under_further::<M, L::Rows, ROWS_LEN>(model, torques, &rows, returned).omega;
         }
-        return rate;
+        return acceleration::<R, M, L::Rows, ROWS_LEN>(model, applied, &rows);
     }
     if L::FURTHER {
-        return applied.under_further::<M, L, D>(model, y).omega;
+        return applied.under_further::<M, L, D>(model, &applied.torques(), y, None).omega;
     }
     let torque = if L::BALANCE { applied.torque::<L, D>(y) } else { [R::splat(0.0); 3] };
     acceleration_by::<R, M, L, D>(model, applied, y, &torque)

@@ -234,12 +234,7 @@ fn gains<T: Tableau, R: Real, M: Model<R>, L: Layout, const D: usize>(
     y: &[R; D],
 ) -> ([R; 3], [R; 2]) {
     if L::TURNS {
-        let rows = in_rows::<L, R, D>(y);
-        let (mut change, mut balance) = gains::<T, R, M, L::Rows, ROWS_LEN>(model, (applied, torques), &rows);
-        if L::FUNCTION {
-            applied.add_called::<L, D>(R::splat(1.0), y, &rows, (&mut change, &mut balance));
-        }
-        return (change, balance);
+        return gains::<T, R, M, L::Rows, ROWS_LEN>(model, (applied, torques), &in_rows::<L, R, D>(y));
     }
     let zero = R::splat(0.0);
     if const { in_products::<T, R, M, L>() } {
@@ -254,13 +249,14 @@ fn gains<T: Tableau, R: Real, M: Model<R>, L: Layout, const D: usize>(
 #[inline(always)]
 fn further_gains<R: Real, M: Model<R>, L: Layout, const D: usize>(
     model: &M,
-    applied: &Applied<R>,
+    (applied, torques): (&Applied<R>, &Torques<R>),
     y: &[R; D],
 ) -> FurtherRate<R> {
     if L::TURNS {
-        applied.under_further::<M, L::Rows, ROWS_LEN>(model, &in_rows::<L, R, D>(y))
+        let returned = applied.returned::<L, D>(y);
+        applied.under_further::<M, L::Rows, ROWS_LEN>(model, torques, &in_rows::<L, R, D>(y), returned)
     } else {
-        applied.under_further::<M, L, D>(model, y)
+        applied.under_further::<M, L, D>(model, torques, y, None)
     }
 }
 
@@ -285,7 +281,7 @@ fn rate<T: Tableau, R: Real, M: Model<R>, L: Layout, const D: usize>(
     let omega = [y[0], y[1], y[2]];
     let mut dy = *y;
     if L::FURTHER {
-        let rates = further_gains::<R, M, L, D>(model, applied, y);
+        let rates = further_gains::<R, M, L, D>(model, (applied, torques), y);
         let FurtherRate { omega: change, turn, balance, .. } = rates;
         put(&mut dy, 0, change);
         put(&mut dy, L::BALANCE_AT, balance);
@@ -365,12 +361,7 @@ impl<T: Tableau, R: Real, M: Model<R>> RungeKutta<T, R, M> {
         }
         let mut slope = *y;
         let (change, balance) = if const { L::TURNS } {
-            let rows = in_rows::<L, R, D>(y);
-            let (mut change, mut balance) = self.gains_in_units::<L::Rows, ROWS_LEN>(&rows);
-            if L::FUNCTION {
-                self.applied.add_called::<L, D>(unit, y, &rows, (&mut change, &mut balance));
-            }
-            (change, balance)
+            self.gains_in_units::<L::Rows, ROWS_LEN>(&in_rows::<L, R, D>(y))
         } else {
             self.gains_in_units::<L, D>(y)
         };
@@ -449,6 +440,21 @@ impl<T: Tableau, R: Real, M: Model<R>> RungeKutta<T, R, M> {
     pub fn change<L: Layout, const D: usize>(&self, y: &[R; D], slopes: &mut Slopes<R, D>) -> [R; D] {
         let sum = self.weighted::<L, D>(y, slopes);
         self.sums.add::<T, M, L, D>(&sum, const { 1.0 / T::DIVISOR }, &[R::splat(0.0); D])
+    }
+
+    /// Adds the weighted sum of the slopes to the state at the begin of the step.
+    #[inline(always)]
+    fn finish<L: Layout, const D: usize>(&self, sum: &[R; D], y: &mut [R; D], compensation: &mut [R; D]) {
+        if const { !L::FURTHER } {
+            *y = self.sums.add::<T, M, L, D>(sum, const { 1.0 / T::DIVISOR }, y);
+            return;
+        }
+        // A sink changes a steady spin by less than a rounding of each step.
+        let zero = [R::splat(0.0); D];
+        let change = self.sums.add::<T, M, L, D>(sum, const { 1.0 / T::DIVISOR }, &zero);
+        for d in 0..D {
+            (y[d], compensation[d]) = two_sum(y[d], change[d] + compensation[d]);
+        }
     }
 
     /// Two estimates of the error of a step, from the slopes of its stages.
@@ -580,16 +586,7 @@ impl<T: Tableau, R: Real, M: Model<R>, L: Layout, const D: usize> Engine<R, M, L
         } else {
             stages!(self, y, k, sum: 0 1 2 3 4 5 6 7 8 9 10 11);
         }
-        if const { !L::FURTHER } {
-            *y = self.sums.add::<T, M, L, D>(&sum, const { 1.0 / T::DIVISOR }, y);
-            return;
-        }
-        // A sink changes a steady spin by less than a rounding of each step.
-        let zero = [R::splat(0.0); D];
-        let change = self.sums.add::<T, M, L, D>(&sum, const { 1.0 / T::DIVISOR }, &zero);
-        for d in 0..D {
-            (y[d], compensation[d]) = two_sum(y[d], change[d] + compensation[d]);
-        }
+        self.finish::<L, D>(&sum, y, compensation);
     }
 
     #[inline(always)]
@@ -607,7 +604,7 @@ impl<T: Tableau, R: Real, M: Model<R>, L: Layout, const D: usize> Engine<R, M, L
         let before = *y;
         let mut slopes = [before; ALL_STAGES];
         let sum = self.weighted::<L, D>(&before, &mut slopes);
-        *y = self.sums.add::<T, M, L, D>(&sum, const { 1.0 / T::DIVISOR }, &before);
+        self.finish::<L, D>(&sum, y, compensation);
         self.expand_step::<L, D>(&before, y, &mut slopes, dense);
     }
 

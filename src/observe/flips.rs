@@ -128,6 +128,7 @@ impl Apart for AfterStart<'_> {
             let (mut y, mut unused) = ([0.0; CALLED], [0.0; CALLED]);
             y[..3].copy_from_slice(&body.omega);
             y[FunctionTurns::QUATERNION_AT..FunctionTurns::BALANCE_AT].copy_from_slice(&body.attitude);
+            y[FunctionTurns::OWN_AT..].copy_from_slice(&interval.further.start(0.0));
             let dense = &mut Coefficients::new();
             Engine::<_, _, FunctionTurns, CALLED>::step(&engine, &p, &mut y, &mut unused, dense);
             rates.copy_from_slice(&y[..3]);

@@ -7,7 +7,7 @@
 //!
 //! A forced body has a layout with a balance; the models contain no forces.
 
-use super::{Layout, Parameters, ROWS_LEN, quaternion};
+use super::{Layout, Parameters, quaternion};
 use crate::forces::{
     ForcesInterval, ParameterChange, add_space_torque, attitude_of_stage, damp, unit_of_stage,
 };
@@ -32,6 +32,8 @@ pub struct Torques<R> {
     /// Whether a torque of some lane changes, and whether one is fixed in space: to add a zero changes no bit.
     is_timed: bool,
     in_space: bool,
+    /// Whether a further force of some lane acts.
+    pub further: bool,
 }
 
 impl<R: Real> Torques<R> {
@@ -92,9 +94,9 @@ impl<R: Real> Applied<R> {
 
     /// Torque and damping.
     #[inline(always)]
-    fn torques(&self) -> Torques<R> {
+    pub fn torques(&self) -> Torques<R> {
         let ForcesInterval { body, space, damping, .. } = self.forces;
-        Torques { body, space, damping, is_timed: true, in_space: true }
+        Torques { body, space, damping, is_timed: true, in_space: true, further: true }
     }
 
     /// Torque and damping over a unit of time.
@@ -108,6 +110,7 @@ impl<R: Real> Applied<R> {
                 torques.space[j][i] = torques.space[j][i] * unit;
             }
         }
+        torques.further = self.forces.further.acts();
         torques.is_timed = acts(&torques.body[1]) || acts(&torques.space[1]);
         torques.in_space = acts(&torques.space[0]) || acts(&torques.space[1]);
         for k in 0..6 {
@@ -143,24 +146,14 @@ impl<R: Real> Applied<R> {
         }
     }
 
-    /// Adds what the functions of the user change over a unit of time, at a state with a quaternion and its rows: the
-    /// rates, and work and impulse.
+    /// The same at a state with a quaternion; `None` of a layout without a function.
     #[inline(always)]
-    pub fn add_called<L: Layout, const D: usize>(
-        &self,
-        unit: R,
-        y: &[R; D],
-        rows: &[R; ROWS_LEN],
-        (change, balance): (&mut [R; 3], &mut [R; 2]),
-    ) {
-        let attitude = unit_of_stage(quaternion::<L, R, D>(y));
-        let mut torque = self.function_torque(y[L::TIME_AT], &[y[0], y[1], y[2]], &attitude, R::splat(1.0));
-        for i in 0..3 {
-            torque[i] = torque[i] * unit;
+    pub fn returned<L: Layout, const D: usize>(&self, y: &[R; D]) -> Option<[R; 3]> {
+        if !L::FUNCTION {
+            return None;
         }
-        self.add_over_moments(&torque, change);
-        let [power, impulse] = self.balance::<L::Rows, ROWS_LEN>(&torque, rows);
-        *balance = [balance[0] + power, balance[1] + impulse];
+        let attitude = unit_of_stage(quaternion::<L, R, D>(y));
+        Some(self.function_torque(y[L::TIME_AT], &[y[0], y[1], y[2]], &attitude, R::splat(1.0)))
     }
 
     /// Applied torque with damping, at a state.

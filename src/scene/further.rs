@@ -6,7 +6,7 @@
 //! A deviation vector of rates d and rotation vector x changes a torque by its derivative, `e` by a change `f` that
 //! follows from the change of the rates without it, and turns with `d + f + x x (omega + e)`.
 
-use super::{Applied, Layout, Model};
+use super::{Applied, Layout, Model, Torques};
 use crate::forces::{FurtherSeries, FurtherVaried, Order, Varied};
 use crate::kinematics::{add_cross, cross, direction, dot};
 use crate::real::Real;
@@ -54,34 +54,45 @@ impl<R: Real> Applied<R> {
         self.over_moments(&self.forces.further.dissipation.times(rate))
     }
 
-    /// The equations of motion at a state.
+    /// The equations of motion at a state, with the torque that a function has returned there. What acts on no lane is
+    /// left out: to add its zeros changes no bit.
     #[inline(always)]
     pub fn under_further<M: Model<R>, L: Layout, const D: usize>(
         &self,
         model: &M,
+        torques: &Torques<R>,
         y: &[R; D],
+        returned: Option<[R; 3]>,
     ) -> FurtherRate<R> {
         let (omega, rotor) = ([y[0], y[1], y[2]], &self.forces.further.rotor);
-        let mut torque = self.torque::<L, D>(y);
-        self.add_further_torques::<L, D>(y, &mut torque);
+        let mut torque = torques.damped::<L, D>(y);
+        if let Some(returned) = returned {
+            for i in 0..3 {
+                torque[i] = torque[i] + returned[i];
+            }
+        }
+        // Without a function something acts.
+        let acts = returned.is_none() || torques.further;
+        let mut with_rotor = torque;
+        if acts {
+            self.add_further_torques::<L, D>(y, &mut torque);
+            with_rotor = rotor.across(&omega);
+            for i in 0..3 {
+                with_rotor[i] = with_rotor[i] + torque[i];
+            }
+        }
         let mut rate = model.euler(&[omega[1] * omega[2], omega[2] * omega[0], omega[0] * omega[1]], y);
-        let mut with_rotor = rotor.across(&omega);
-        for i in 0..3 {
-            with_rotor[i] = with_rotor[i] + torque[i];
+        self.add_over_moments(&with_rotor, &mut rate);
+        let (undamped, mut turn, mut power) = (rate, [R::splat(0.0); 3], torque);
+        if acts {
+            turn = self.turn(&rate);
+            let by_turn = cross(&self.whole_momentum(&omega), &turn);
+            self.add_over_moments(&by_turn, &mut rate);
+            for i in 0..3 {
+                power[i] = torque[i] + by_turn[i];
+            }
+            add_cross(&rotor.0, &turn, &mut with_rotor);
         }
-        let change = self.over_moments(&with_rotor);
-        for i in 0..3 {
-            rate[i] = rate[i] + change[i];
-        }
-        let (undamped, turn) = (rate, self.turn(&rate));
-        let by_turn = cross(&self.whole_momentum(&omega), &turn);
-        let change = self.over_moments(&by_turn);
-        let mut power = torque;
-        for i in 0..3 {
-            rate[i] = rate[i] + change[i];
-            power[i] = torque[i] + by_turn[i];
-        }
-        add_cross(&rotor.0, &turn, &mut with_rotor);
         let impulse = if L::VECTORS == 0 {
             let half = dot(&with_rotor, &self.momentum(&omega));
             half + half

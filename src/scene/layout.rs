@@ -132,16 +132,17 @@ impl Layout for FunctionFrame {
     type Rows = Self;
 }
 
-/// Rates, attitude and the balance of a body under the torque that a function returns, in the steps of Runge-Kutta methods.
+/// The same as `FurtherTurns` under the torque that a function returns, beside which the further forces may act.
 #[derive(Clone, Copy)]
 pub struct FunctionTurns;
 impl Layout for FunctionTurns {
     const QUATERNION: bool = true;
     const TURNS: bool = true;
     const BALANCE: bool = true;
+    const FURTHER: bool = true;
     const FUNCTION: bool = true;
     type Lanes<P: Pack> = P::Eight;
-    type Rows = ForcedFrame;
+    type Rows = FurtherFrame;
 }
 
 /// Length of the longest state with the space axes in place of a quaternion.
