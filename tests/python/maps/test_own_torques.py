@@ -108,6 +108,34 @@ def test_a_map_under_a_function_is_that_of_its_twin(stable: Any) -> None:
     assert "cross-checked by dop853 in half the steps" in called.summary()
 
 
+ORBIT = rigid.Orbit(1.0, 0.1)
+
+
+def librating(gain: Any) -> Scene:
+    return rigid.FreeBody(BODY, orbit=ORBIT, damping=gain)
+
+
+def librating_under_a_function(gain: Any) -> Scene:
+    torque = rigid.Torque.call(damping, gain[:, np.newaxis], fastest=FASTEST)
+    return rigid.FreeBody(BODY, orbit=ORBIT, torque=torque)
+
+
+@pytest.mark.parametrize(
+    "stable",
+    [rigid.pointing_within(1.2, 1, either=True), rigid.no_flip(axis=3), rigid.rate_within(0.6)],
+    ids=str,
+)
+def test_a_map_of_satellites_under_a_function_is_that_of_its_twin(stable: Any) -> None:
+    start = rigid.Start(omega=(0.0, 0.0, 1.0), noise=rigid.normal(0.4))
+    asked = {**ASKED, "axes": {"gain": [0.05, 0.2]}, "start": start, "samples": 20}
+    known = rigid.stability_map(librating, stable=stable, **asked)
+    called = rigid.stability_map(librating_under_a_function, stable=stable, **asked)
+    assert np.array_equal(counts(called), counts(known))
+    assert 0 < known.stable.sum() < known.samples.sum()
+    left = np.isfinite(known.earliest)
+    assert np.allclose(called.earliest[left], known.earliest[left], rtol=0.0, atol=1e-4)
+
+
 @pytest.mark.parametrize("stable", [rigid.tilt_below(0.8), rigid.tilt_between(0.0, 1.2)], ids=str)
 def test_a_function_of_the_attitude_tilts_a_top_as_its_twin_does(stable: Any) -> None:
     asked = {**ASKED, "stable": stable, "axes": {"gain": [0.02, 0.3], "tilt": [0.1, 0.7]}}

@@ -73,6 +73,47 @@ def test_damping_by_a_function_is_damping(method: str) -> None:
     assert mine.energy_drift < 1e-6
 
 
+FURTHER: dict[str, dict[str, Any]] = {
+    "orbit": {"orbit": rigid.Orbit(0.3, 0.2)},
+    "rotor": {"rotor": (0.1, 0.2, 0.3)},
+    "drag": {"drag": 0.05},
+    "energy sink": {"dissipation": rigid.EnergySink(0.01)},
+}
+FURTHER["all"] = {name: force for one in FURTHER.values() for name, force in one.items()}
+
+
+@pytest.mark.parametrize("steps", [{"method": "rk4", "step": 0.02}, {"accuracy": 1e-9}], ids=str)
+@pytest.mark.parametrize("acting", FURTHER.values(), ids=FURTHER)
+def test_a_function_acts_beside_each_force(acting: Any, steps: Any) -> None:
+    # The twin is damped by its matrix, and a Taylor series integrates the twin.
+    coefficients, times = (0.02, 0.03, 0.05), [-2.0, 5.0, 20.0]
+    torque = rigid.Torque.call(damping, coefficients, fastest=3.0)
+    called = rigid.FreeBody(BODY, torque=torque, **acting)
+    twin = rigid.FreeBody(BODY, damping=coefficients, **acting)
+    truth = states(twin, OMEGA, TILTED, t=times, method="taylor20", tolerance=1e-14)
+    run = states(called, OMEGA, TILTED, t=times, **steps)
+    assert not np.any(run.flagged)
+    allowed = (
+        float(np.max(run.error) + np.max(truth.error)) * np.linalg.norm(truth.omega, axis=-1).max()
+    )
+    assert np.abs(run.omega - truth.omega).max() <= allowed < 1e-6
+    assert np.abs(run.work - truth.work).max() <= 10.0 * allowed
+    assert run.energy_drift < 1e-8
+
+
+def test_a_function_beside_a_rotor_does_not_see_the_neighbours() -> None:
+    # The neighbours have rotors and drag, which are left out where no lane has them.
+    count = 11
+    rotor, drag = np.zeros((count, 3)), np.zeros((count, 3))
+    rotor[3::2], drag[3::3] = (0.1, -0.2, 0.3), 0.07
+    torque = rigid.Torque.call(damping, (0.02, 0.03, 0.05), fastest=3.0)
+    given: dict[str, Any] = {"t": [0.0, 7.0], "method": "dop853", "step": 0.1}
+    together = states(rigid.FreeBody(BODY, torque=torque, rotor=rotor, drag=drag), OMEGA, **given)
+    for body in range(count):
+        alone = rigid.FreeBody(BODY, torque=torque, rotor=rotor[body], drag=drag[body])
+        assert np.array_equal(states(alone, OMEGA, **given).omega, together.omega[body])
+
+
 @pytest.mark.parametrize("method", METHODS)
 def test_a_function_is_told_time_and_attitude_in_the_order_of_the_method(method: str) -> None:
     # A ramp in space; its table has knots at which steps end, as the output times do.
@@ -344,9 +385,9 @@ def test_what_a_function_does_not_go_with_is_refused() -> None:
             lambda: rigid.free.power_balance(run),
         ),
         (
-            "acts with other torques, damping and weight only, not with a rotor",
+            "'midpoint': does not integrate drag; use one of 'rk4', 'dop853'",
             lambda: rigid.simulate(
-                rigid.FreeBody(BODY, torque=torque, drag=0.1), OMEGA, method="rk4", **one
+                rigid.FreeBody(BODY, torque=torque, drag=0.1), OMEGA, method="midpoint", **one
             ),
         ),
     ):
