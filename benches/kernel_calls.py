@@ -30,7 +30,7 @@ KERNEL = re.compile(
 # Parts that several kernels share are functions of their own, and are read as kernels are.
 SHARED = re.compile(
     r"as rigid::real::Real>::apart::apart::"
-    r"<rigid::(observe::(bounds::)?Look|method::taylor::Expansion)<"
+    r"<rigid::(observe::((bounds::)?Look|MotionInside)|method::(taylor::Expansion|midpoint::TorqueInTheMiddle))<"
 )
 # What a kernel may call, and why.
 ALLOWED = {
@@ -38,7 +38,7 @@ ALLOWED = {
         r"^core::panicking::|^core::slice::index::.*_fail\b|^core::(option|result)::(unwrap|expect)_failed"
     ),
     "two kernels with one code share it": KERNEL,
-    "a look inside a step and the series of forced bodies are compiled once": SHARED,
+    "what several kernels share is compiled once": SHARED,
     "the set-up of a pack under a function says which bodies call it": re.compile(
         r"^<rigid::scene::forced::Applied<.*>>::new::\{closure"
     ),
@@ -46,7 +46,9 @@ ALLOWED = {
 # A function of the user is called by its address, by these kernels only: in steps of one body, or
 # for those of a pack by one function of the library.
 OF_THE_USER = re.compile(r"^call\s+\*|^<rigid::forces::function::TorqueRows>::call$")
-MAY_CALL_IT = re.compile(r"::kernels_of::.*::FunctionFrame\b")
+MAY_CALL_IT = re.compile(
+    r"::kernels_of::.*::Function(Frame|Turns)\b|::midpoint::TorqueInTheMiddle<"
+)
 # The plain path is for processors without FMA: it rounds products as FMA does with the C library.
 WITHOUT_FMA = re.compile(r"^(fma|rint|roundeven)$")
 # What the compiler calls for a large copy. It is refused in two nested loops (steps and packs),
@@ -55,7 +57,7 @@ COPIES = re.compile(r"^(memcpy|memset|memmove)$")
 MAY_COPY = {
     "the plain path is not for speed": re.compile(r"::scalar::"),
     "a state of 15 components is in memory, not in registers": re.compile(
-        r"::(ForcedFrame|FurtherFrame|FunctionFrame)\b"
+        r"::(ForcedFrame|FurtherFrame|FunctionFrame|FunctionTurns)\b"
     ),
     "the set-up of a pack copies the tables of its drift": re.compile(r"::KickMoserVeselov\b"),
     "the set-up of a pack copies the functions of its damping": re.compile(r"::Exponential<"),

@@ -392,7 +392,7 @@ impl<T: Tableau, R: Real, M: Model<R>> RungeKutta<T, R, M> {
 
     /// The slopes of the stages, in a loop, and their weighted sum.
     #[inline(always)]
-    fn looped<L: Layout, const D: usize>(&self, y: &[R; D], k: &mut [[R; D]; MAX_STAGES]) -> [R; D] {
+    fn looped<L: Layout, const D: usize>(&self, y: &[R; D], k: &mut Slopes<R, D>) -> [R; D] {
         let zero = [R::splat(0.0); D];
         let mut sum = zero;
         for i in 0..MAX_STAGES {
@@ -421,13 +421,12 @@ impl<T: Tableau, R: Real, M: Model<R>> RungeKutta<T, R, M> {
     /// The slopes of the stages of a step, and their weighted sum.
     #[inline(always)]
     fn weighted<L: Layout, const D: usize>(&self, y: &[R; D], slopes: &mut Slopes<R, D>) -> [R; D] {
+        if const { loops::<T, L>() } {
+            return self.looped::<L, D>(y, slopes);
+        }
         let mut k = [*y; MAX_STAGES];
         let mut sum = *y;
-        if const { loops::<T, L>() } {
-            sum = self.looped::<L, D>(y, &mut k);
-        } else {
-            stages!(self, y, k, sum: 0 1 2 3 4 5 6 7 8 9 10 11);
-        }
+        stages!(self, y, k, sum: 0 1 2 3 4 5 6 7 8 9 10 11);
         #[expect(clippy::manual_memcpy, reason = "a copy of slices is a call")]
         for i in 0..MAX_STAGES {
             slopes[i] = k[i];
@@ -579,13 +578,14 @@ impl<T: Tableau, R: Real, M: Model<R>, L: Layout, const D: usize> Engine<R, M, L
         compensation: &mut [R; D],
         _dense: &mut Coefficients<R, D>,
     ) {
+        if const { loops::<T, L>() } {
+            let sum = self.looped::<L, D>(y, &mut [[R::splat(0.0); D]; ALL_STAGES]);
+            self.finish::<L, D>(&sum, y, compensation);
+            return;
+        }
         let mut k = [*y; MAX_STAGES];
         let mut sum = *y;
-        if const { loops::<T, L>() } {
-            sum = self.looped::<L, D>(y, &mut k);
-        } else {
-            stages!(self, y, k, sum: 0 1 2 3 4 5 6 7 8 9 10 11);
-        }
+        stages!(self, y, k, sum: 0 1 2 3 4 5 6 7 8 9 10 11);
         self.finish::<L, D>(&sum, y, compensation);
     }
 
@@ -602,7 +602,7 @@ impl<T: Tableau, R: Real, M: Model<R>, L: Layout, const D: usize> Engine<R, M, L
             return;
         }
         let before = *y;
-        let mut slopes = [before; ALL_STAGES];
+        let mut slopes = [[R::splat(0.0); D]; ALL_STAGES];
         let sum = self.weighted::<L, D>(&before, &mut slopes);
         self.finish::<L, D>(&sum, y, compensation);
         self.expand_step::<L, D>(&before, y, &mut slopes, dense);
