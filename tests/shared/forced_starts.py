@@ -231,6 +231,27 @@ def energy_sink(rng: np.random.Generator) -> Start:
     return Start(rigid.FreeBody(rigid.Body(shape), **acting), omega, rng.normal(size=4), rate)
 
 
+def beside_a_function(
+    rng: np.random.Generator, body: rigid.Body, rate: float
+) -> tuple[dict[str, Any], float]:
+    """Further forces, each with a chance, and how much faster a body may turn by them."""
+    middle, acting, faster = float(np.median(body.moments)), {}, 0.0
+    if rng.random() < 0.3:
+        acting["rotor"] = direction(rng) * decades(rng, -2.0, 0.0) * rate * middle
+        faster += float(np.linalg.norm(acting["rotor"])) / min(body.moments)
+    if rng.random() < 0.3:
+        acting["drag"] = decades(rng, -3.0, -0.3) * middle * np.ones(3)
+    if rng.random() < 0.3:
+        acting["dissipation"] = rigid.EnergySink(
+            decades(rng, -4.0, -1.0) * min(body.moments) / rate
+        )
+    if rng.random() < 0.4:
+        speed, e = rate * decades(rng, -2.0, 0.0), float(rng.choice([0.0, rng.uniform(0.0, 0.6)]))
+        acting["orbit"] = orbit(rng, speed, e)
+        faster += 5.0 * speed * (1.0 + e) ** 0.5 * (1.0 - e) ** -1.5
+    return acting, faster
+
+
 def function(rng: np.random.Generator) -> Start:
     """The torque of a function of time, rates and attitude, of which a bound is known or not."""
     body, omega = rigid.Body(moments(rng)), rates(rng)
@@ -246,11 +267,16 @@ def function(rng: np.random.Generator) -> Start:
     strength = float(np.linalg.norm(push) + np.linalg.norm(field))
     longest = 100.0
     reached = rate * np.sqrt(max(body.moments) / least) + strength / least * longest / rate
-    fastest = min(reached + varying, 30.0 * rate) if rng.random() < 0.6 else None
-    torque = rigid.Torque.call(quad_motion.called(), numbers, fastest=fastest)
-    acting: dict[str, Any] = {"torque": torque}
-    rate += float(np.sqrt(strength / least)) + varying
-    if rng.random() < 0.6:
+    acting: dict[str, Any] = {}
+    is_free, faster = rng.random() < 0.6, 0.0
+    if is_free and rng.random() < 0.5:
+        acting, faster = beside_a_function(rng, body, rate)
+    fastest = (
+        min(reached + varying + faster, 30.0 * (rate + faster)) if rng.random() < 0.6 else None
+    )
+    acting["torque"] = rigid.Torque.call(quad_motion.called(), numbers, fastest=fastest)
+    rate += float(np.sqrt(strength / least)) + varying + faster
+    if is_free:
         return Start(rigid.FreeBody(body, **acting), omega, rng.normal(size=4), rate, longest)
     top = heavy(rng, body, **acting)
     return Start(top, omega, rng.normal(size=4), rate + swing(top), longest)
