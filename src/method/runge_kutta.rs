@@ -555,7 +555,7 @@ impl<T: Tableau, R: Real, M: Model<R>, L: Layout, const D: usize> Engine<R, M, L
         let (model, applied) = (M::new(p), Applied::new(p, forces));
         let (unit, half) = (p.step * R::splat(T::UNIT), R::splat(0.5));
         let contain_unit = const { T::SLOPES_CONTAIN_UNIT && are_constants_in_units::<L>() };
-        let torques = applied.torques_in(if contain_unit { unit } else { R::splat(1.0) });
+        let torques = applied.torques_in::<L>(if contain_unit { unit } else { R::splat(1.0) });
         let in_units = model.in_units(unit);
         // Of products as slopes only.
         let rates = in_units.ratios();

@@ -81,8 +81,10 @@ impl<R: Real> Applied<R> {
     pub fn new(p: &Parameters<R>, forces: &ForcesInterval<'static, R>) -> Self {
         let one = R::splat(1.0);
         let ([i1, i2, i3], mut forces) = (p.moments, *forces);
-        // Nobody is in a lane with a step of zero.
-        forces.functions = forces.functions.map(|functions| functions.only(p.step.abs()));
+        if let Some(functions) = &mut forces.functions {
+            // Nobody is in a lane with a step of zero.
+            *functions = functions.only(p.step.abs());
+        }
         Applied { moments: p.moments, inverse: [one / i1, one / i2, one / i3], forces }
     }
 
@@ -101,7 +103,7 @@ impl<R: Real> Applied<R> {
 
     /// Torque and damping over a unit of time.
     #[inline(always)]
-    pub fn torques_in(&self, unit: R) -> Torques<R> {
+    pub fn torques_in<L: Layout>(&self, unit: R) -> Torques<R> {
         let mut torques = self.torques();
         for j in 0..2 {
             for i in 0..3 {
@@ -110,7 +112,8 @@ impl<R: Real> Applied<R> {
                 torques.space[j][i] = torques.space[j][i] * unit;
             }
         }
-        torques.further = self.forces.further.acts();
+        // Without a function something acts.
+        torques.further = !L::FUNCTION || self.forces.further.acts();
         torques.is_timed = acts(&torques.body[1]) || acts(&torques.space[1]);
         torques.in_space = acts(&torques.space[0]) || acts(&torques.space[1]);
         for k in 0..6 {
