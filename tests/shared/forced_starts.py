@@ -235,7 +235,8 @@ def beside_a_function(
     rng: np.random.Generator, body: rigid.Body, rate: float
 ) -> tuple[dict[str, Any], float]:
     """Further forces, each with a chance, and how much faster a body may turn by them."""
-    middle, acting, faster = float(np.median(body.moments)), {}, 0.0
+    acting: dict[str, Any] = {}
+    middle, faster = float(np.median(body.moments)), 0.0
     if rng.random() < 0.3:
         acting["rotor"] = direction(rng) * decades(rng, -2.0, 0.0) * rate * middle
         faster += float(np.linalg.norm(acting["rotor"])) / min(body.moments)
