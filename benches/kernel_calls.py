@@ -39,9 +39,6 @@ ALLOWED = {
     ),
     "two kernels with one code share it": KERNEL,
     "what several kernels share is compiled once": SHARED,
-    "the set-up of a pack under a function says which bodies call it": re.compile(
-        r"^<rigid::scene::forced::Applied<.*>>::new::\{closure"
-    ),
 }
 # A function of the user is called by its address, by these kernels only: in steps of one body, or
 # for those of a pack by one function of the library.
@@ -57,7 +54,10 @@ COPIES = re.compile(r"^(memcpy|memset|memmove)$")
 MAY_COPY = {
     "the plain path is not for speed": re.compile(r"::scalar::"),
     "a state of 15 components is in memory, not in registers": re.compile(
-        r"::(ForcedFrame|FurtherFrame|FunctionFrame|FunctionTurns)\b"
+        r"::(ForcedFrame|FurtherFrame)\b"
+    ),
+    "a state of eight bodies is in memory, not in registers": re.compile(
+        r"::Function(Frame|Turns)\b"
     ),
     "the set-up of a pack copies the tables of its drift": re.compile(r"::KickMoserVeselov\b"),
     "the set-up of a pack copies the functions of its damping": re.compile(r"::Exponential<"),

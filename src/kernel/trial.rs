@@ -132,8 +132,8 @@ fn step<M: Model<f64>, L: Layout, T: Tableau, const D: usize>(
 }
 
 /// The error of a step over the tolerance: of the rates relative to the fastest known or met, of the attitude and of the
-/// place on the orbit in rad. The balance follows from the motion, so the balance is ignored. The estimates of order 5 and 3 become one that falls as
-/// the eighth power of the step (Hairer, Nørsett, Wanner, section II.10).
+/// place on the orbit in rad. The balance follows from the motion, so the balance is ignored. The estimates of order 5 and
+/// 3 become one that falls as the eighth power of the step (Hairer, Nørsett, Wanner, section II.10).
 #[inline(always)]
 fn error<L: Layout, const D: usize>(
     before: &[f64; D],

@@ -549,16 +549,11 @@ fn acceleration<R: Real, M: Model<R>, L: Layout, const D: usize>(
     applied: &Applied<R>,
     y: &[R; D],
 ) -> [R; 3] {
-    if L::TURNS {
-        let rows = in_rows::<L, R, D>(y);
-        if L::FUNCTION {
-            let (torques, returned) = (&applied.torques(), applied.returned::<L, D>(y));
-            return applied.under_further::<M, L::Rows, ROWS_LEN>(model, torques, &rows, returned).omega;
-        }
-        return acceleration::<R, M, L::Rows, ROWS_LEN>(model, applied, &rows);
-    }
     if L::FURTHER {
-        return applied.under_further::<M, L, D>(model, &applied.torques(), y, None).omega;
+        return applied.under_further::<M, L, D>(model, &applied.torques(), y).omega;
+    }
+    if L::TURNS {
+        return acceleration::<R, M, L::Rows, ROWS_LEN>(model, applied, &in_rows::<L, R, D>(y));
     }
     let torque = if L::BALANCE { applied.torque::<L, D>(y) } else { [R::splat(0.0); 3] };
     acceleration_by::<R, M, L, D>(model, applied, y, &torque)

@@ -1,6 +1,6 @@
 //! Explicit Runge-Kutta methods: one engine, any tableau.
 
-use super::tableau::{ALL_STAGES, MAX_STAGES, Slopes, Table, Tableau, coefficient, first, time, weight};
+use super::tableau::{ALL_STAGES, MAX_STAGES, Slopes, Tableau, coefficient, first, time, times_of, weight};
 use super::tangent::{further_tangent_rate, tangent_rate};
 use super::{Coefficients, Engine, EngineName, Facts, Method, Numbers, Step, Variables};
 use super::{acceleration, acceleration_by, two_sum};
@@ -245,21 +245,6 @@ fn gains<T: Tableau, R: Real, M: Model<R>, L: Layout, const D: usize>(
     (acceleration_by::<R, M, L, D>(model, applied, y, &torque), balance)
 }
 
-/// The rates of change under further forces.
-#[inline(always)]
-fn further_gains<R: Real, M: Model<R>, L: Layout, const D: usize>(
-    model: &M,
-    (applied, torques): (&Applied<R>, &Torques<R>),
-    y: &[R; D],
-) -> FurtherRate<R> {
-    if L::TURNS {
-        let returned = applied.returned::<L, D>(y);
-        applied.under_further::<M, L::Rows, ROWS_LEN>(model, torques, &in_rows::<L, R, D>(y), returned)
-    } else {
-        applied.under_further::<M, L, D>(model, torques, y, None)
-    }
-}
-
 /// The rates of change of directions and quaternion, twice those of the latter, by the angular velocity of the frame.
 #[inline(always)]
 fn put_turned<R: Real, L: Layout, const D: usize>(y: &[R; D], turning: &[R; 3], dy: &mut [R; D]) {
@@ -281,7 +266,7 @@ fn rate<T: Tableau, R: Real, M: Model<R>, L: Layout, const D: usize>(
     let omega = [y[0], y[1], y[2]];
     let mut dy = *y;
     if L::FURTHER {
-        let rates = further_gains::<R, M, L, D>(model, (applied, torques), y);
+        let rates = applied.under_further::<M, L, D>(model, torques, y);
         let FurtherRate { omega: change, turn, balance, .. } = rates;
         put(&mut dy, 0, change);
         put(&mut dy, L::BALANCE_AT, balance);
@@ -396,9 +381,9 @@ impl<T: Tableau, R: Real, M: Model<R>> RungeKutta<T, R, M> {
         let zero = [R::splat(0.0); D];
         let mut sum = zero;
         for i in 0..MAX_STAGES {
+            let row = if i == 0 { &[][..] } else { T::A[i - 1] };
             let mut at = zero;
-            for j in 0..i {
-                let number = Table::<T>::A[i][j];
+            for (j, &number) in row.iter().enumerate() {
                 if number != 0.0 {
                     for d in 0..D {
                         at[d] = R::splat(number).fma(k[j][d], at[d]);
@@ -407,7 +392,8 @@ impl<T: Tableau, R: Real, M: Model<R>> RungeKutta<T, R, M> {
             }
             at = self.slopes.add::<T, M, L, D>(&at, 1.0, y);
             if L::BALANCE {
-                at[L::TIME_AT] = self.slopes.others.fma(R::splat(Table::<T>::TIMES[i]), y[L::TIME_AT]);
+                at[L::TIME_AT] =
+                    self.slopes.others.fma(R::splat(const { times_of::<T>() }[i]), y[L::TIME_AT]);
             }
             let slope = self.slope::<L, D>(&at);
             for d in 0..D {

@@ -2,7 +2,6 @@
 
 use super::Facts;
 use super::runge_kutta::{DOP853, RK4};
-use std::marker::PhantomData;
 
 /// The table of an explicit Runge-Kutta method with the unit of time `u = h UNIT`, `k_i = f(y + u sum_j a_ij k_j)`,
 /// `y + (u / divisor) sum_i weights_i k_i`.
@@ -90,34 +89,14 @@ pub(super) const fn node(row: &[f64]) -> f64 {
     sum
 }
 
-/// The numbers of a table, for a loop over its stages.
-pub(super) struct Table<T>(PhantomData<T>);
-
-impl<T: Tableau> Table<T> {
-    /// See [`coefficient`].
-    pub(super) const A: [[f64; MAX_STAGES]; MAX_STAGES] = {
-        let mut a = [[0.0; MAX_STAGES]; MAX_STAGES];
-        let mut i = 0;
-        while i < T::STAGES {
-            let mut j = 0;
-            while j < i {
-                a[i][j] = coefficient::<T>(i, j);
-                j += 1;
-            }
-            i += 1;
-        }
-        a
-    };
-    /// See [`time`].
-    pub(super) const TIMES: [f64; MAX_STAGES] = {
-        let mut times = [0.0; MAX_STAGES];
-        let mut i = 0;
-        while i < T::STAGES {
-            times[i] = time::<T>(i);
-            i += 1;
-        }
-        times
-    };
+/// The times of all stages, in units.
+pub(super) const fn times_of<T: Tableau>() -> [f64; MAX_STAGES] {
+    let (mut times, mut i) = ([0.0; MAX_STAGES], 0);
+    while i < T::STAGES {
+        times[i] = time::<T>(i);
+        i += 1;
+    }
+    times
 }
 
 /// Index of the first coefficient of a row.

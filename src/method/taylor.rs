@@ -512,8 +512,7 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Engine<R, M, L, D> for Tay
         if !L::FURTHER {
             return omega;
         }
-        let torques = &self.applied.torques();
-        let turn = self.applied.under_further::<M, L, D>(&self.model, torques, y, None).turn;
+        let turn = self.applied.under_further::<M, L, D>(&self.model, &self.applied.torques(), y).turn;
         [omega[0] + turn[0], omega[1] + turn[1], omega[2] + turn[2]]
     }
 

@@ -32,7 +32,7 @@ pub struct Torques<R> {
     /// Whether a torque of some lane changes, and whether one is fixed in space: to add a zero changes no bit.
     is_timed: bool,
     in_space: bool,
-    /// Whether a further force of some lane acts.
+    /// Whether a further force of some lane acts, beside a function; else one does.
     pub further: bool,
 }
 
@@ -112,7 +112,6 @@ impl<R: Real> Applied<R> {
                 torques.space[j][i] = torques.space[j][i] * unit;
             }
         }
-        // Without a function something acts.
         torques.further = !L::FUNCTION || self.forces.further.acts();
         torques.is_timed = acts(&torques.body[1]) || acts(&torques.space[1]);
         torques.in_space = acts(&torques.space[0]) || acts(&torques.space[1]);
@@ -151,7 +150,7 @@ impl<R: Real> Applied<R> {
 
     /// The same at a state with a quaternion; `None` of a layout without a function.
     #[inline(always)]
-    pub fn returned<L: Layout, const D: usize>(&self, y: &[R; D]) -> Option<[R; 3]> {
+    pub(super) fn returned<L: Layout, const D: usize>(&self, y: &[R; D]) -> Option<[R; 3]> {
         if !L::FUNCTION {
             return None;
         }

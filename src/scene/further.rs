@@ -6,7 +6,7 @@
 //! A deviation vector of rates d and rotation vector x changes a torque by its derivative, `e` by a change `f` that
 //! follows from the change of the rates without it, and turns with `d + f + x x (omega + e)`.
 
-use super::{Applied, Layout, Model, Torques};
+use super::{Applied, Layout, Model, ROWS_LEN, Torques, in_rows};
 use crate::forces::{FurtherSeries, FurtherVaried, Order, Varied};
 use crate::kinematics::{add_cross, cross, direction, dot};
 use crate::real::Real;
@@ -54,10 +54,26 @@ impl<R: Real> Applied<R> {
         self.over_moments(&self.forces.further.dissipation.times(rate))
     }
 
-    /// The equations of motion at a state, with the torque that a function has returned there. What acts on no lane is
-    /// left out: to add its zeros changes no bit.
+    /// The equations of motion at a state.
     #[inline(always)]
     pub fn under_further<M: Model<R>, L: Layout, const D: usize>(
+        &self,
+        model: &M,
+        torques: &Torques<R>,
+        y: &[R; D],
+    ) -> FurtherRate<R> {
+        if L::TURNS {
+            let (rows, returned) = (in_rows::<L, R, D>(y), self.returned::<L, D>(y));
+            self.further_rate::<M, L::Rows, ROWS_LEN>(model, torques, &rows, returned)
+        } else {
+            self.further_rate::<M, L, D>(model, torques, y, None)
+        }
+    }
+
+    /// The same at a state with rows, with the torque that a function has returned there. What acts on no lane is left
+    /// out: to add its zeros changes no bit.
+    #[inline(always)]
+    fn further_rate<M: Model<R>, L: Layout, const D: usize>(
         &self,
         model: &M,
         torques: &Torques<R>,
@@ -71,7 +87,7 @@ impl<R: Real> Applied<R> {
                 torque[i] = torque[i] + returned[i];
             }
         }
-        // Without a function something acts.
+        // Known without a function, where the question takes a tenth of a step of `rk4`.
         let acts = returned.is_none() || torques.further;
         let mut with_rotor = torque;
         if acts {
