@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from . import _core
 from ._checks.arguments import brief
-from .solve.methods import AUTO, EXACT, GROWTH_FALLBACK, MAP_FALLBACK, Method, methods
+from .solve.methods import AUTO, EXACT, MAP_FALLBACK, Method, methods
 from .solve.plan import Plan
 
 if TYPE_CHECKING:
@@ -192,8 +192,7 @@ def _used(used: Used) -> tuple[list[str], list[str]]:
     result: Any = used
     plan: Plan = used if isinstance(used, Plan) else result.plan
     forms = plan.closed_form.split(", ") if plan.closed_form else []
-    fallback = GROWTH_FALLBACK if "deviation" in plan.carried else MAP_FALLBACK
-    method = fallback if plan.method == AUTO else plan.method
+    method = MAP_FALLBACK if plan.method == AUTO else plan.method
     return ([] if method == EXACT else [method]), forms
 
 

@@ -4,7 +4,6 @@ use super::Kernel;
 use super::adaptive::AdaptiveSteps;
 use super::group::{ForcesRows, Group, MAX_STATE};
 use super::registry::{Code, code};
-use crate::observe::Observed;
 use crate::scene::Parameters;
 use crate::simd::Isa;
 
@@ -22,7 +21,6 @@ impl Compiled {
         assert!(isa.is_available(), "{} is not available on this CPU", isa.name());
         let Kernel { system, step, observed } = kernel;
         assert!(system.can_observe(observed), "{observed:?} cannot be observed on {system:?}");
-        assert!(observed != Observed::Bounds || system.sees_limits_by(step), "{step:?} observes no limit");
         assert!(system.is_moved_by(step), "{step:?} does not integrate {system:?}");
         let code = code(system, step.engine, isa).expect("checked in the line before");
         Compiled { code, kernel }

@@ -528,11 +528,6 @@ impl System {
         self.traits().quaternion_at
     }
 
-    /// Whether limits are observed inside the step.
-    pub fn sees_limits_by(self, step: Step) -> bool {
-        step.sees_limits(self.traits().is_function)
-    }
-
     /// Whether the step integrates the system. A system without weight is integrated by the torque-free part of a step.
     pub fn is_moved_by(self, step: Step) -> bool {
         let Some(code) = code(self, step.engine, Isa::NARROWEST) else { return false };

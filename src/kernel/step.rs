@@ -139,11 +139,7 @@ pub(super) fn step_block<P, const PACKS: usize, M, L, S, const D: usize>(
                     compensation[d] = P::load(&g.compensation[d].0[at..]);
                 }
             }
-            if const { L::FUNCTION && S::IS_SERIES } && observed != Observed::Nothing {
-                engine.step_inside(p, &mut y, &mut compensation, &mut dense);
-            } else {
-                engine.step(p, &mut y, &mut compensation, &mut dense);
-            }
+            engine.step(p, &mut y, &mut compensation, &mut dense);
             if S::COMPENSATES {
                 for d in 0..D {
                     compensation[d].store(&mut g.compensation[d].0[at..]);

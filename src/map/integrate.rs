@@ -5,9 +5,8 @@ use super::regular::{self, Course};
 use super::{Class, OnOrbit, Outcome, STEP_BLOCK, Watched};
 use crate::error::Error;
 use crate::forces::OrbitPlace;
-use crate::kernel::{Compiled, Entry, ForcesRows, Group, Job, drive, load};
+use crate::kernel::{Compiled, Entry, ForcesRows, Group, Job, Kernel, drive, load};
 use crate::memory;
-use crate::method::Step;
 use crate::observe::{Deviation, EXIT_TIME, Observed};
 use crate::parallel::Interrupt;
 use crate::simd::Isa;
@@ -49,25 +48,26 @@ impl Watched<'_> {
         run: Run,
         outcomes: &mut [Option<Outcome>],
     ) -> Result<(), Error> {
-        let mut by_step: Vec<(Step, Vec<usize>)> = Vec::new();
+        let mut by_kernel: Vec<(Kernel, Vec<usize>)> = Vec::new();
         for &index in samples {
             let forces = self.forces_of((first + index as u64) / self.samples);
             let step = self.assignment(&bodies[index], forces, run.cross_check).step;
-            let known = by_step.iter().position(|(known, _)| *known == step);
+            let kernel = self.kernel(step, forces);
+            let known = by_kernel.iter().position(|(known, _)| *known == kernel);
             if known.is_none() {
-                memory::push(RUNS, &mut by_step, (step, Vec::new()))?;
+                memory::push(RUNS, &mut by_kernel, (kernel, Vec::new()))?;
             }
-            let at = known.unwrap_or(by_step.len() - 1);
-            memory::push(RUNS, &mut by_step[at].1, index)?;
+            let at = known.unwrap_or(by_kernel.len() - 1);
+            memory::push(RUNS, &mut by_kernel[at].1, index)?;
         }
-        for (step, samples) in &by_step {
+        for (kernel, samples) in &by_kernel {
             let mut job = MapJob {
                 map: self,
                 bodies,
                 first,
                 samples: samples.iter(),
                 run,
-                compiled: Compiled::new(self.kernel(*step), run.isa),
+                compiled: Compiled::new(*kernel, run.isa),
                 group: Group::inactive(),
                 forces_rows: ForcesRows::with_room(self.function_width())?,
                 target: [f64::INFINITY; LANES],

@@ -25,7 +25,7 @@ pub use sketch::{Bin, Sketch};
 pub use statistics::{Class, Column, FIXED_POINT, Field, Outcome, Statistics};
 
 use crate::error::Error;
-use crate::forces::{BodyForces, OrbitPlace};
+use crate::forces::{BodyForces, ForceSet, OrbitPlace};
 use crate::kernel::{Kernel, KernelAssignment, Needs, System};
 use crate::memory;
 use crate::method::{self, Method, Step, default_step};
@@ -47,8 +47,8 @@ use std::sync::Mutex;
 /// depends on the sample alone, whoever shares its group.
 pub const STEP_BLOCK: u64 = 16;
 
-/// Steps of the run that checks a sample over the anomaly of an orbit, over those of its first run: its errors are six
-/// times as large, so that both runs err alike by chance only.
+/// Steps of the run that checks a sample, over those of its first run, both by the default method: its errors are six times
+/// as large, so that both runs err alike by chance only, and it costs less.
 const SECOND_SHARE: f64 = 0.8;
 
 /// A sample that is integrated over the anomaly of its orbit.
@@ -367,16 +367,16 @@ impl Watched<'_> {
     /// How a run of a sample is assigned to a kernel: over the anomaly of the orbit, if an orbit alone acts and its method has
     /// such steps.
     fn assignment(&self, body: &Body, forces: BodyForces, cross_check: bool) -> KernelAssignment {
-        let kind = self.kind(forces);
-        let (method, [.., of_orbit]) = (self.method(kind, cross_check), kind);
-        let on_orbit = of_orbit.then(|| KernelAssignment::on_orbit(method)).flatten();
+        let method = self.method(forces, cross_check);
+        let on_orbit = self.is_on_orbit(forces).then(|| KernelAssignment::on_orbit(method)).flatten();
         on_orbit.unwrap_or_else(|| KernelAssignment::of_either(self.is_forced(), method, body, self.scene))
     }
 
-    /// The kernel of the samples with that step: its system carries what the criterion watches and no more.
-    fn kernel(&self, step: Step) -> Kernel {
+    /// The kernel of a sample under these forces with that step: its system carries what acts on the sample, what the
+    /// criterion watches, and no more. The bits of a sample do not depend on what acts on others.
+    fn kernel(&self, step: Step, forces: BodyForces) -> Kernel {
         let needs = Needs {
-            forces: self.forces(),
+            forces: ForceSet { act: self.is_forced(), ..ForceSet::from(forces) },
             directions: self.criterion.directions(self.scene),
             attitude: false,
             tangent: self.criterion.rule().is_some(),
@@ -393,22 +393,23 @@ impl Watched<'_> {
         }
     }
 
-    /// The method of a run of a sample of that kind; see [`Watched::kind`].
-    fn method(&self, kind: [bool; 3], cross_check: bool) -> &'static Method {
-        let (method, [.., of_orbit]) = (self.map.method.by_steps(kind), kind);
+    /// The method of a run of a sample under these forces.
+    fn method(&self, forces: BodyForces, cross_check: bool) -> &'static Method {
+        let method = self.map.method.by_steps();
         match (cross_check, self.criterion.rule()) {
             (false, _) => method,
             (true, Some(_)) => regular::SECOND,
             // Few methods integrate the torque of a function: the same makes half the steps.
             (true, None) if self.calls_functions() => method,
-            (true, None) if of_orbit && KernelAssignment::on_orbit(method).is_some() => &method::DOP853,
+            (true, None) if self.is_on_orbit(forces) => method::SECOND,
             (true, None) => method.second(self.is_forced()),
         }
     }
 
     /// Number of steps of a run of a sample over a time, or over the anomaly from a place: whole blocks, no step longer than the map allows; above `max_steps` if the
-    /// rates need that many. A cross-check takes steps of its own, and at most half the step that was asked for or, unless
-    /// it is of regularity, that the first run takes with the same method.
+    /// rates need that many. A cross-check takes steps of its own: those of the default method are longer than in the first
+    /// run, or as long where the map takes another method. It makes at most half the step that was asked for or, unless it
+    /// is of regularity, that a chosen method makes in the first run.
     fn steps_of(
         &self,
         body: &Body,
@@ -416,11 +417,9 @@ impl Watched<'_> {
         cross_check: bool,
         (on_orbit, span): (Option<OnOrbit>, f64),
     ) -> u64 {
-        let kind = match on_orbit {
-            Some(_) => [false, false, true],
-            None => self.kind(forces),
-        };
-        let (method, [is_ruled, is_called, _]) = (self.method(kind, cross_check), kind);
+        let method = self.method(forces, cross_check);
+        let (is_ruled, is_auto) = (self.criterion.rule().is_some(), self.map.method == MethodChoice::Auto);
+        let is_alike = on_orbit.is_none() && method == self.method(forces, false);
         // Over an anomaly steps of a time are those of the mean motion.
         let pace = on_orbit.map_or(1.0, |on_orbit| on_orbit.place.rate());
         let rate = match on_orbit {
@@ -430,22 +429,30 @@ impl Watched<'_> {
         };
         let own = match (cross_check, is_ruled) {
             (true, true) => regular::second_step(rate, self.t_end),
-            (true, false) if on_orbit.is_some() => self.map.method.default_step(kind, rate) / SECOND_SHARE,
-            (true, false) if !is_called => default_step(method, rate),
-            _ => self.map.method.default_step(kind, rate),
+            (true, false) if is_auto => self.map.method.default_step(is_ruled, rate) / SECOND_SHARE,
+            (true, false) if method == method::SECOND && !is_alike => {
+                MethodChoice::Auto.default_step(is_ruled, rate)
+            }
+            (true, false) => default_step(method, rate),
+            _ => self.map.method.default_step(is_ruled, rate),
         };
         let own = own.min(forces.longest_unseen([0.0, self.t_end]));
-        let is_alike = || on_orbit.is_none() && method == self.method(kind, false);
         let largest = match self.step {
             Some(step) if cross_check => own.min(0.5 * step * pace),
             Some(step) => step * pace,
-            None if cross_check && !is_ruled && is_alike() => 0.5 * own,
+            None if cross_check && !is_ruled && !is_auto && is_alike => 0.5 * own,
             None => own,
         };
         let [multiple, fewest] = self.whole_steps(cross_check);
         let blocks = (span / largest / multiple as f64).ceil();
         // A NaN or an absurd number becomes one that no limit allows.
-        if blocks < 1e17 { (blocks as u64 * multiple).max(fewest) } else { u64::MAX }
+        if !(blocks < 1e17) {
+            return u64::MAX;
+        }
+        let steps = (blocks as u64 * multiple).max(fewest);
+        let is_same = || steps == self.steps_of(body, forces, false, (on_orbit, span));
+        // Equal steps would be the same run.
+        if cross_check && is_auto && !is_ruled && is_same() { steps + multiple } else { steps }
     }
 
     /// The classification from both runs of a sample. A cross-check that would take too many steps has no effect.

@@ -6,7 +6,7 @@ use crate::error::Error;
 use crate::exact::Question;
 use crate::forces::ForceSet;
 use crate::forces::{BodyForces, Forces};
-use crate::kernel::System;
+use crate::kernel::{KernelAssignment, System};
 use crate::method::{self, AnyMethod, Method, Step, default_step};
 use crate::scene::Scene;
 use crate::start::Body;
@@ -51,41 +51,31 @@ impl MethodChoice {
         matches!(self, MethodChoice::Auto | MethodChoice::Only(AnyMethod::Exact))
     }
 
-    /// The method of the samples that have no closed form. A series by default: what is watched is computed inside its
-    /// steps, so that these may be long. The growth of a deviation vector is a sum over the steps, which Runge-Kutta
-    /// makes faster; and no series knows the torque of a function.
-    pub fn by_steps(self, [of_growth, of_function, of_orbit]: [bool; 3]) -> &'static Method {
+    /// The method of the samples that have no closed form.
+    pub fn by_steps(self) -> &'static Method {
         match self {
             MethodChoice::Only(AnyMethod::Steps(method)) => method,
-            _ if of_growth || of_function || of_orbit => &method::DOP853,
-            _ => &method::TAYLOR12,
+            _ => &method::DOP853,
         }
     }
 
-    /// The longest step at a rate. Of the default method it is three times as long as where a trajectory is asked for
-    /// to rounding: its error is about 1e-8 rad per radian turned, and the check knows it. Whether a motion is chaotic
-    /// does not depend on its digits: its steps are a radian and a quarter of the bound of its rates.
-    pub fn default_step(self, of: [bool; 3], rate: f64) -> f64 {
-        let [of_growth, of_function, of_orbit] = of;
+    /// The longest step at a rate. By default it is 0.75 rad of the bound of the rates: its error is about 1e-10 rad per radian
+    /// turned in the median, seldom above 1e-8, and the check knows it. Whether a motion is chaotic does not depend
+    /// on its digits: the steps in which deviation vectors grow are a radian and a quarter.
+    pub fn default_step(self, of_growth: bool, rate: f64) -> f64 {
         let longer = match self {
             MethodChoice::Only(_) => 1.0,
             _ if of_growth => GROWTH_STEPS,
-            _ if of_function => FUNCTION_STEPS,
-            _ if of_orbit => ORBIT_STEPS,
-            _ => 3.0,
+            _ => MOTION_STEPS,
         };
-        longer * default_step(self.by_steps(of), rate)
+        longer * default_step(self.by_steps(), rate)
     }
 }
 
-/// Steps of the default method under the torque of a function, over those for states: 0.6 rad, with an error as above.
-const FUNCTION_STEPS: f64 = 6.0;
+/// Steps of the default method, over those for states.
+const MOTION_STEPS: f64 = 7.5;
 
-/// Steps of the default method over the anomaly of an orbit, over those for states: 0.75 rad. Over ten circular orbits its
-/// error is 1e-7 in the median, as above.
-const ORBIT_STEPS: f64 = 7.5;
-
-/// Steps of the default method for the growth of deviation vectors, over those for states: 1.25 rad.
+/// The same for the growth of deviation vectors.
 const GROWTH_STEPS: f64 = 12.5;
 
 /// Everything that the statistics of a map depend on.
@@ -175,12 +165,11 @@ impl Map {
             return refuse("method", format!("'{}'", AnyMethod::EXACT), "measures are taken along steps");
         }
         for watched in self.each_watched().filter(|_| !is_exact) {
-            let method = watched.first_method();
-            method.check(self.scene, true)?;
-            if watched.criterion.bound().is_some() {
-                method.check_limits(self.forces())?;
-            }
-            if watched.criterion.rule().is_some() {
+            let method = self.method.by_steps();
+            method.check(self.scene)?;
+            if watched.criterion.rule().is_none() {
+                method.check_observed()?;
+            } else {
                 method.check_tangent(self.is_forced())?;
                 self.forces().check_deviations()?;
             }
@@ -194,9 +183,8 @@ impl Map {
             }
         }
         let of_measures = self.measures.iter().filter_map(|measure| measure.watched());
-        for criterion in of_measures.filter(|criterion| criterion.bound().is_some()) {
-            let watched = Watched { map: &self, criterion, axis: 0, is_stopped: false };
-            watched.first_method().check_limits(self.forces())?;
+        if of_measures.count() > 0 {
+            self.method.by_steps().check_observed()?;
         }
         if self.is_forced() {
             self.check_forced()?;
@@ -211,13 +199,6 @@ impl Map {
     fn first_without_closed_form(&self) -> Option<usize> {
         let answers = |body| self.each_watched().all(|watched| super::classify::answers(watched, body));
         self.pixels.iter().position(|pixel| pixel.possible && !answers(&pixel.body))
-    }
-
-    /// The method of the first run of samples that have no closed form. Where an orbit alone acts on some samples only, it
-    /// is that of the others.
-    pub fn first_method(&self) -> &'static Method {
-        let of_growth = self.conditions.iter().any(|condition| condition.criterion.rule().is_some());
-        self.method.by_steps([of_growth, self.calls_functions(), self.forces().orbit_alone])
     }
 
     /// Whether torque or damping is applied.
@@ -249,7 +230,7 @@ impl Map {
 
     /// Refuses forces that a criterion or the method cannot handle.
     fn check_forced(&self) -> Result<(), Error> {
-        let method = self.first_method();
+        let method = self.method.by_steps();
         let refuse = |argument, value, rule| Err(Error::Value { argument, value, rule });
         if self.method == MethodChoice::Only(AnyMethod::Exact) {
             let rule = "no classification in closed form is known under torque and damping";
@@ -287,17 +268,11 @@ impl Map {
 }
 
 impl Watched<'_> {
-    /// Whether the growth of deviation vectors is watched, a function acts, or the gravity gradient of an orbit alone. It is
-    /// that of each sample: its bits do not depend on what acts on others.
-    pub(super) fn kind(&self, forces: BodyForces) -> [bool; 3] {
-        let of_growth = self.criterion.rule().is_some();
-        [of_growth, self.calls_functions(), forces.orbit_alone() && !of_growth]
-    }
-
-    /// The method of the first run of samples that have no closed form; see [`Map::first_method`].
-    pub(super) fn first_method(&self) -> &'static Method {
-        let of_growth = self.criterion.rule().is_some();
-        self.method.by_steps([of_growth, self.calls_functions(), self.forces().orbit_alone])
+    /// Whether a sample under these forces is integrated over the anomaly of an orbit on which nothing else acts. Its bits do
+    /// not depend on what acts on others.
+    pub(super) fn is_on_orbit(&self, forces: BodyForces) -> bool {
+        let has_steps = || KernelAssignment::on_orbit(self.map.method.by_steps()).is_some();
+        self.criterion.rule().is_none() && forces.orbit_alone() && has_steps()
     }
 }
 

@@ -71,7 +71,6 @@ impl EngineName {
 pub(super) struct EngineFacts {
     pub(super) variables: Variables,
     pub(super) is_series: bool,
-    pub(super) sees_limits: bool,
     pub(super) has_tangent: bool,
     pub(super) is_on_clock: bool,
     pub(super) flows: Option<&'static [Flow]>,
@@ -85,7 +84,6 @@ pub(super) struct EngineFacts {
 pub(super) struct FactsOfFunction {
     pub(super) moves: bool,
     pub(super) is_series: bool,
-    pub(super) sees_limits: bool,
 }
 
 impl EngineFacts {
@@ -99,7 +97,6 @@ impl EngineFacts {
         EngineFacts {
             variables: <S as Engine<f64, Top<f64>, AxisTangent, { AxisTangent::LEN }>>::VARIABLES,
             is_series: <S as Engine<f64, Top<f64>, AxisTangent, { AxisTangent::LEN }>>::IS_SERIES,
-            sees_limits: <S as Engine<f64, Top<f64>, AxisTangent, { AxisTangent::LEN }>>::SEES_LIMITS,
             has_tangent: <S as Engine<f64, Top<f64>, AxisTangent, { AxisTangent::LEN }>>::HAS_TANGENT,
             is_on_clock: <S as Engine<f64, Top<f64>, AxisTangent, { AxisTangent::LEN }>>::ON_CLOCK,
             flows: <S as Engine<f64, Top<f64>, AxisTangent, { AxisTangent::LEN }>>::FLOWS,
@@ -108,7 +105,6 @@ impl EngineFacts {
                 moves: <S as Engine<f64, Top<f64>, FunctionFrame, { FunctionFrame::LEN }>>::MOVES
                     || <S as Engine<f64, Top<f64>, FunctionTurns, { FunctionTurns::LEN }>>::MOVES,
                 is_series: <S as Engine<f64, Top<f64>, FunctionFrame, { FunctionFrame::LEN }>>::IS_SERIES,
-                sees_limits: <S as Engine<f64, Top<f64>, FunctionFrame, { FunctionFrame::LEN }>>::SEES_LIMITS,
             },
         }
     }

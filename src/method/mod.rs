@@ -41,9 +41,9 @@ pub(crate) use taylor::{in_halves, two_sum};
 use crate::error::Error;
 use crate::forces::ForcesInterval;
 use crate::forces::{ForceSet, Further, NO_FURTHER};
-use crate::kinematics::dot;
+use crate::kinematics::{direction, direction_rate, dot, doubled_attitude_rate, put};
 use crate::real::Real;
-use crate::scene::{Applied, Layout, Model, Parameters, ROWS_LEN, Scene, in_rows};
+use crate::scene::{Applied, Layout, Model, Parameters, ROWS_LEN, Scene, in_rows, quaternion};
 
 /// The list of all methods, by the module of their constants.
 macro_rules! methods {
@@ -93,7 +93,10 @@ pub const DEFAULT: &Method = &RK4;
 /// The method that cross-checks the samples of a map. The order is high, so that its errors differ from those of the
 /// first method. A second run of the first method with half the step would have similar errors: at order 2 such a
 /// check would not find one wrong classification in four.
-pub const SECOND: &Method = &TAYLOR16;
+pub const SECOND: &Method = &DOP853;
+
+/// The series of motions that are asked for at many times, and that of those to rounding.
+pub const SERIES: [&Method; 2] = [&TAYLOR12, &TAYLOR16];
 
 /// The method for strong damping; without damping it is the default method.
 pub const STIFF: &Method = &ETD4;
@@ -262,12 +265,6 @@ impl Step {
     /// Whether the step moves a deviation vector by its derivative: one with force gradients or a processor has none.
     pub const fn has_tangent(self) -> bool {
         self.engine.facts().has_tangent && self.numbers.gradients.is_empty() && !self.is_processed()
-    }
-
-    /// Whether limits are observed inside the step; see [`Engine::SEES_LIMITS`].
-    pub const fn sees_limits(self, of_function: bool) -> bool {
-        let facts = self.engine.facts();
-        if of_function { facts.of_function.sees_limits } else { facts.sees_limits }
     }
 
     /// Whether the step uses other variables than the state, so that nothing can be observed between steps.
@@ -450,7 +447,7 @@ impl Method {
         } else {
             return Ok(());
         };
-        Err(Error::Value { argument: "method", value: format!("'{}'", self.facts.name), rule })
+        self.refuse(rule)
     }
 
     /// The method that cross-checks samples classified by this method. A method for strong damping is cross-checked by
@@ -473,41 +470,40 @@ impl Method {
                  derivative of their steps"
             }
         };
-        Err(Error::Value { argument: "method", value: format!("'{}'", self.facts.name), rule })
+        self.refuse(rule)
     }
 
-    /// Raises an error for a method inside whose steps no limit is observed.
+    /// Raises an error for a scene that the method does not integrate.
     ///
     /// # Errors
     /// Naming the method and the rule.
-    pub fn check_limits(&self, forces: ForceSet) -> Result<(), Error> {
-        let on_orbit = self.forced.and_then(|forced| forced.step.on_orbit()).is_some();
-        if (forces.orbit_alone && on_orbit)
-            || self.steps().into_iter().all(|step| step.sees_limits(forces.function))
-        {
-            return Ok(());
-        }
-        let rule = "observes no limit inside its steps, which is needed here: all other methods of maps do";
-        Err(Error::Value { argument: "method", value: format!("'{}'", self.facts.name), rule })
-    }
-
-    /// Raises an error for a scene that the method does not integrate, and for an observable between steps that use
-    /// other variables than the state.
-    ///
-    /// # Errors
-    /// Naming the method and the rule.
-    pub fn check(&self, scene: &Scene, is_observed: bool) -> Result<(), Error> {
-        let refuse =
-            |rule| Err(Error::Value { argument: "method", value: format!("'{}'", self.facts.name), rule });
+    pub fn check(&self, scene: &Scene) -> Result<(), Error> {
         if scene.has_weight && !self.moves_tops() {
-            return refuse("integrates free bodies only, and a top has weight");
+            return self.refuse("integrates free bodies only, and a top has weight");
         }
-        if is_observed && self.is_processed() {
-            return refuse(
+        Ok(())
+    }
+
+    /// Raises an error for a method whose motions no map observes: in steps that use other variables than the state, and
+    /// inside those of a series.
+    ///
+    /// # Errors
+    /// Naming the method and the rule.
+    pub fn check_observed(&self) -> Result<(), Error> {
+        if self.is_processed() {
+            return self.refuse(
                 "a processed method has states only at requested times, but a map needs the state after every step",
             );
         }
+        if self.is_series() {
+            return self
+                .refuse("a map looks inside its steps, but not inside those of a series; use 'dop853'");
+        }
         Ok(())
+    }
+
+    fn refuse(&self, rule: &'static str) -> Result<(), Error> {
+        Err(Error::Value { argument: "method", value: format!("'{}'", self.facts.name), rule })
     }
 }
 
@@ -575,6 +571,69 @@ fn acceleration_by<R: Real, M: Model<R>, L: Layout, const D: usize>(
     rate
 }
 
+/// The rates of change of directions and quaternion, twice those of the latter, by the angular velocity of the frame.
+#[inline(always)]
+fn put_turned<R: Real, L: Layout, const D: usize>(y: &[R; D], turning: &[R; 3], dy: &mut [R; D]) {
+    for v in 0..L::VECTORS {
+        put(dy, 3 + 3 * v, direction_rate(&direction(y, v), turning));
+    }
+    if L::QUATERNION {
+        put(dy, L::QUATERNION_AT, doubled_attitude_rate(&quaternion::<L, R, D>(y), turning));
+    }
+}
+
+/// The rates of change of a state by those of its first three numbers, and by the angular velocity of the frame.
+#[inline(always)]
+fn moved<R: Real, L: Layout, const D: usize>(y: &[R; D], velocity: [R; 3], turning: &[R; 3]) -> [R; D] {
+    let mut change = [R::splat(0.0); D];
+    put(&mut change, 0, velocity);
+    put_turned::<R, L, D>(y, turning, &mut change);
+    if L::QUATERNION {
+        for k in 0..4 {
+            change[L::QUATERNION_AT + k] = change[L::QUATERNION_AT + k] * R::splat(0.5);
+        }
+    }
+    change
+}
+
+/// The cubic inside a step, in powers of the fraction of the step, from the states and their slopes at both ends.
+#[inline(always)]
+fn cubic_inside<R: Real, const N: usize, const D: usize>(
+    step: R,
+    [before, after]: [&[R; N]; 2],
+    slopes: &[[R; N]; 2],
+    dense: &mut Coefficients<R, D>,
+) {
+    let mut rows = [[R::splat(0.0); D]; 4];
+    for d in 0..N {
+        let (first, last) = (slopes[0][d] * step, slopes[1][d] * step);
+        let change = after[d] - before[d];
+        rows[0][d] = before[d];
+        rows[1][d] = first;
+        rows[2][d] = change * R::splat(3.0) - (first + first + last);
+        rows[3][d] = (first + last) - (change + change);
+    }
+    dense.clear();
+    for row in rows {
+        dense.push(row);
+    }
+}
+
+/// The angular velocity with which a state of rates turns the frame of the body: a sink adds to the rates.
+#[inline(always)]
+fn turning_of_rates<R: Real, M: Model<R>, L: Layout, const D: usize>(
+    model: &M,
+    applied: &Applied<R>,
+    y: &[R; D],
+) -> [R; 3] {
+    let omega = [y[0], y[1], y[2]];
+    if !L::FURTHER {
+        return omega;
+    }
+    let turn = applied.under_further::<M, L, D>(model, &applied.torques(), y).turn;
+    [omega[0] + turn[0], omega[1] + turn[1], omega[2] + turn[2]]
+}
+
 /// The code of an engine for one pack of bodies. `R` is the pack; a state of the layout `L` has `D` numbers.
 pub trait Engine<R: Real, M: Model<R>, L: Layout, const D: usize>: Copy {
     /// The variables that the engine integrates.
@@ -594,8 +653,8 @@ pub trait Engine<R: Real, M: Model<R>, L: Layout, const D: usize>: Copy {
     /// Whether a step has so few operations that the loop over packs counts. Its sums are not
     /// compensated.
     const IS_SHORT: bool = false;
-    /// Whether limits are observed inside the step. Code is compiled only then.
-    const SEES_LIMITS: bool = true;
+    /// Whether steps are so long that what is watched is sought inside them too.
+    const IS_LONG: bool = false;
     /// Whether the steps can use other variables than the state.
     const PROCESSED: bool = false;
     /// The flows of a round, if the engine composes exact flows of parts of the motion.
@@ -614,16 +673,17 @@ pub trait Engine<R: Real, M: Model<R>, L: Layout, const D: usize>: Copy {
         compensation: &mut [R; D],
         dense: &mut Coefficients<R, D>,
     );
-    /// The same, with the coefficients of the motion inside the step where the engine knows them.
+    /// The motion inside a step between two states, in powers of the fraction of the step: of a short step the cubic with
+    /// the values and slopes at both ends.
     #[inline(always)]
-    fn step_inside(
+    fn motion_inside(
         &self,
         p: &Parameters<R>,
-        y: &mut [R; D],
-        compensation: &mut [R; D],
+        [before, after]: [&[R; D]; 2],
         dense: &mut Coefficients<R, D>,
     ) {
-        self.step(p, y, compensation, dense);
+        let slopes = [self.rates_of_change(p, before), self.rates_of_change(p, after)];
+        cubic_inside(p.step, [before, after], &slopes, dense);
     }
     /// Moves a further deviation vector by the last step, whose coefficients of the motion are known; those of the
     /// deviation vector are replaced.
@@ -642,10 +702,20 @@ pub trait Engine<R: Real, M: Model<R>, L: Layout, const D: usize>: Copy {
     fn expand(&self, _unit: R, _y: &[R; D], _dense: &mut Coefficients<R, D>) {
         unreachable!("only series have coefficients")
     }
-    /// The angular velocity with which a state turns the frame of the body, for an engine that integrates rates.
+    /// The rates of change of a state, without those of its balance and of a deviation vector.
     #[inline(always)]
-    fn turning(&self, y: &[R; D]) -> [R; 3] {
-        [y[0], y[1], y[2]]
+    fn rates_of_change(&self, p: &Parameters<R>, y: &[R; D]) -> [R; D] {
+        moved::<R, L, D>(y, self.velocity(p, y), &self.turning(p, y))
+    }
+    /// The angular velocity with which a state turns the frame of the body.
+    #[inline(always)]
+    fn turning(&self, p: &Parameters<R>, y: &[R; D]) -> [R; 3] {
+        Self::rates(p, y)
+    }
+    /// Its rate of change.
+    #[inline(always)]
+    fn turning_rate(&self, p: &Parameters<R>, y: &[R; D]) -> [R; 3] {
+        Self::VARIABLES.rates(p, &self.velocity(p, y))
     }
     /// Rate of change of the first three numbers of the state.
     fn velocity(&self, p: &Parameters<R>, y: &[R; D]) -> [R; 3];

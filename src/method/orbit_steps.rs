@@ -8,7 +8,7 @@
 
 use super::runge_kutta::{add_times, for_stages, powers, times};
 use super::tableau::{ALL_STAGES, MAX_STAGES, Slopes, Tableau, coefficient, node, time, weight};
-use super::{Coefficients, Engine, EngineName, Numbers, Step, Variables};
+use super::{Coefficients, Engine, EngineName, Numbers, Step, Variables, cubic_inside};
 use crate::forces::{Along, ForcesInterval, StepAlong};
 use crate::kinematics;
 use crate::real::Real;
@@ -112,21 +112,23 @@ impl<T: Tableau, R: Real> OrbitSteps<T, R> {
         ]
     }
 
-    /// The motion inside a step, in powers of the fraction of the step, and the state after it.
+    /// The motion inside a step between two states, in powers of the fraction of the step.
     #[inline(always)]
-    fn inside(&self, step: R, before: &[R; TURNING], clock: [R; 2]) -> ([[R; TURNING]; 8], [R; TURNING]) {
+    fn inside(
+        &self,
+        step: R,
+        before: &[R; TURNING],
+        clock: [R; 2],
+        after: &[R; TURNING],
+    ) -> [[R; TURNING]; 8] {
         let (mut k, mut sum, before) = ([*before; MAX_STAGES], *before, *before);
         stages!(self, clock, before, k, sum: 0 1 2 3 4 5 6 7 8 9 10 11);
-        let mut after = before;
-        for d in 0..TURNING {
-            after[d] = add_times(before[d], const { 1.0 / T::DIVISOR }, sum[d]);
-        }
         let mut slopes: Slopes<R, TURNING> = [before; ALL_STAGES];
         #[expect(clippy::manual_memcpy, reason = "a copy of slices is a call")]
         for i in 0..MAX_STAGES {
             slopes[i] = k[i];
         }
-        slopes[MAX_STAGES] = self.rate(self.step.after(clock), &after);
+        slopes[MAX_STAGES] = self.rate(self.step.after(clock), after);
         for (stage, row) in T::INSIDE.stages.iter().enumerate() {
             let mut at = before;
             for (i, &number) in row.iter().enumerate() {
@@ -137,7 +139,7 @@ impl<T: Tableau, R: Real> OrbitSteps<T, R> {
             let part = Along::of(step * R::splat(node(row)));
             slopes[MAX_STAGES + 1 + stage] = self.rate(part.after(clock), &at);
         }
-        (powers::<T, R, TURNING>(&before, &after, &slopes), after)
+        powers::<T, R, TURNING>(&before, after, &slopes)
     }
 }
 
@@ -145,6 +147,7 @@ impl<T: Tableau, R: Real, M: Model<R>, L: Layout, const D: usize> Engine<R, M, L
     const VARIABLES: Variables = Variables::Rates;
     const MOVES: bool = L::CLOCK;
     const ON_CLOCK: bool = true;
+    const IS_LONG: bool = true;
 
     #[inline(always)]
     fn new(p: &Parameters<R>, forces: &ForcesInterval<'static, R>, _numbers: &'static Numbers) -> Self {
@@ -189,38 +192,22 @@ impl<T: Tableau, R: Real, M: Model<R>, L: Layout, const D: usize> Engine<R, M, L
         [y[TURNING], y[TURNING + 1]] = self.step.after(clock);
     }
 
-    /// The motion inside a step: of `rk4`, whose steps are short, by the cubic with the values and slopes at both ends.
+    /// The motion inside a step: of `rk4`, whose steps are short, by the cubic.
     #[inline(always)]
-    fn step_inside(
+    fn motion_inside(
         &self,
         p: &Parameters<R>,
-        y: &mut [R; D],
-        compensation: &mut [R; D],
+        [before, after]: [&[R; D]; 2],
         dense: &mut Coefficients<R, D>,
     ) {
-        let (before, clock) = parts(y);
-        let mut rows = [[R::splat(0.0); TURNING]; 8];
-        if const { T::INSIDE.is_known } {
-            let after;
-            (rows, after) = self.inside(p.step, &before, clock);
-            kinematics::put(y, 0, after);
-            [y[TURNING], y[TURNING + 1]] = self.step.after(clock);
-        } else {
-            Engine::<R, M, L, D>::step(self, p, y, compensation, dense);
-            let (after, end) = parts(y);
+        let ((before, clock), (after, end)) = (parts(before), parts(after));
+        if const { !T::INSIDE.is_known } {
             let slopes = [self.rate(clock, &before), self.rate(end, &after)];
-            for d in 0..TURNING {
-                let units = R::splat(1.0 / T::UNIT);
-                let (first, last) = (slopes[0][d] * units, slopes[1][d] * units);
-                let change = after[d] - before[d];
-                rows[0][d] = before[d];
-                rows[1][d] = first;
-                rows[2][d] = change * R::splat(3.0) - (first + first + last);
-                rows[3][d] = (first + last) - (change + change);
-            }
+            cubic_inside(R::splat(1.0 / T::UNIT), [&before, &after], &slopes, dense);
+            return;
         }
         dense.clear();
-        for row in rows {
+        for row in self.inside(p.step, &before, clock, &after) {
             let mut all = [R::splat(0.0); D];
             kinematics::put(&mut all, 0, row);
             dense.push(all);
@@ -229,12 +216,27 @@ impl<T: Tableau, R: Real, M: Model<R>, L: Layout, const D: usize> Engine<R, M, L
 
     /// The angular velocity of the body against the frame of the orbit.
     #[inline(always)]
-    fn turning(&self, y: &[R; D]) -> [R; 3] {
+    fn turning(&self, _p: &Parameters<R>, y: &[R; D]) -> [R; 3] {
         let (turning, [cos, _]) = parts(y);
         let [a, b, c, q0, q1, q2, q3] = turning;
         let [_, _, normal] = kinematics::half_rows(&[q0, q1, q2, q3]);
         let rate = self.frame / (R::splat(1.0) - cos);
         [rate.fnma(normal[0], a), rate.fnma(normal[1], b), rate.fnma(normal[2], c)]
+    }
+
+    /// The frame turns about the normal: its rate in the body is the difference w of the rates and of those against it,
+    /// `w' = -e sin E / r w + w x turning`.
+    #[inline(always)]
+    fn turning_rate(&self, p: &Parameters<R>, y: &[R; D]) -> [R; 3] {
+        let turning = Engine::<R, M, L, D>::turning(self, p, y);
+        let frame = [y[0] - turning[0], y[1] - turning[1], y[2] - turning[2]];
+        let slower = y[TURNING + 1] / (R::splat(1.0) - y[TURNING]);
+        let turned = kinematics::cross(&frame, &turning);
+        let mut change = Engine::<R, M, L, D>::velocity(self, p, y);
+        for k in 0..3 {
+            change[k] = slower.fma(frame[k], change[k]) - turned[k];
+        }
+        change
     }
 
     #[inline(always)]

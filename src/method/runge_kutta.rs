@@ -3,11 +3,11 @@
 use super::tableau::{ALL_STAGES, MAX_STAGES, Slopes, Tableau, coefficient, first, time, times_of, weight};
 use super::tangent::{further_tangent_rate, tangent_rate};
 use super::{Coefficients, Engine, EngineName, Facts, Method, Numbers, Step, Variables};
-use super::{acceleration, acceleration_by, two_sum};
+use super::{acceleration, acceleration_by, cubic_inside, moved, put_turned, turning_of_rates, two_sum};
 use crate::forces::ForcesInterval;
-use crate::kinematics::{direction, direction_rate, doubled_attitude_rate, put};
+use crate::kinematics::put;
 use crate::real::Real;
-use crate::scene::{Applied, FurtherRate, Layout, Model, Parameters, ROWS_LEN, Torques, in_rows, quaternion};
+use crate::scene::{Applied, FurtherRate, Layout, Model, Parameters, ROWS_LEN, Torques, in_rows};
 use std::marker::PhantomData;
 
 /// Classical Runge-Kutta of order 4.
@@ -243,17 +243,6 @@ fn gains<T: Tableau, R: Real, M: Model<R>, L: Layout, const D: usize>(
     let torque = if L::BALANCE { torques.damped::<L, D>(y) } else { [zero; 3] };
     let balance = if L::BALANCE { applied.balance::<L, D>(&torque, y) } else { [zero; 2] };
     (acceleration_by::<R, M, L, D>(model, applied, y, &torque), balance)
-}
-
-/// The rates of change of directions and quaternion, twice those of the latter, by the angular velocity of the frame.
-#[inline(always)]
-fn put_turned<R: Real, L: Layout, const D: usize>(y: &[R; D], turning: &[R; 3], dy: &mut [R; D]) {
-    for v in 0..L::VECTORS {
-        put(dy, 3 + 3 * v, direction_rate(&direction(y, v), turning));
-    }
-    if L::QUATERNION {
-        put(dy, L::QUATERNION_AT, doubled_attitude_rate(&quaternion::<L, R, D>(y), turning));
-    }
 }
 
 /// The equations of motion of the whole state.
@@ -530,9 +519,7 @@ impl<T: Tableau, R: Real, M: Model<R>, L: Layout, const D: usize> Engine<R, M, L
     const COMPENSATES: bool = L::FURTHER;
     const HAS_TANGENT: bool = true;
     const IS_SHORT: bool = T::STAGES <= 4 && D <= 6 && !L::BALANCE;
-    /// With twelve stages and the search inside a step, the compiler copies the set-up of a pack by calls. Under the
-    /// torque of a function, which is called, nothing is lost by that.
-    const SEES_LIMITS: bool = T::STAGES < 12 || L::FUNCTION;
+    const IS_LONG: bool = T::INSIDE.is_known;
     /// Only there: the further stages of other bodies would take more time than shorter steps.
     const IS_SERIES: bool = L::FUNCTION && T::INSIDE.is_known;
 
@@ -576,22 +563,57 @@ impl<T: Tableau, R: Real, M: Model<R>, L: Layout, const D: usize> Engine<R, M, L
     }
 
     #[inline(always)]
-    fn step_inside(
+    fn motion_inside(
         &self,
         p: &Parameters<R>,
-        y: &mut [R; D],
-        compensation: &mut [R; D],
+        [before, after]: [&[R; D]; 2],
         dense: &mut Coefficients<R, D>,
     ) {
         if const { !T::INSIDE.is_known } {
-            Engine::<R, M, L, D>::step(self, p, y, compensation, dense);
+            let slopes = [
+                Engine::<R, M, L, D>::rates_of_change(self, p, before),
+                Engine::<R, M, L, D>::rates_of_change(self, p, after),
+            ];
+            cubic_inside(p.step, [before, after], &slopes, dense);
             return;
         }
-        let before = *y;
         let mut slopes = [[R::splat(0.0); D]; ALL_STAGES];
-        let sum = self.weighted::<L, D>(&before, &mut slopes);
-        self.finish::<L, D>(&sum, y, compensation);
-        self.expand_step::<L, D>(&before, y, &mut slopes, dense);
+        self.looped::<L, D>(before, &mut slopes);
+        self.expand_step::<L, D>(before, after, &mut slopes, dense);
+    }
+
+    #[inline(always)]
+    fn rates_of_change(&self, p: &Parameters<R>, y: &[R; D]) -> [R; D] {
+        let turning = Engine::<R, M, L, D>::turning(self, p, y);
+        let mut change = moved::<R, L, D>(y, Engine::<R, M, L, D>::velocity(self, p, y), &turning);
+        if L::OWN > 0 {
+            self.applied.forces.further.change(y, L::OWN_AT, &mut change);
+        }
+        change
+    }
+
+    #[inline(always)]
+    fn turning(&self, _p: &Parameters<R>, y: &[R; D]) -> [R; 3] {
+        turning_of_rates::<R, M, L, D>(&self.model, &self.applied, y)
+    }
+
+    /// Under a sink by a difference over a thousandth of the step.
+    #[inline(always)]
+    fn turning_rate(&self, p: &Parameters<R>, y: &[R; D]) -> [R; 3] {
+        if !L::FURTHER {
+            return Engine::<R, M, L, D>::velocity(self, p, y);
+        }
+        let change = Engine::<R, M, L, D>::rates_of_change(self, p, y);
+        let (mut later, time) = (*y, p.step * R::splat(1e-3));
+        for d in 0..D {
+            later[d] = time.fma(change[d], y[d]);
+        }
+        let mut now = Engine::<R, M, L, D>::turning(self, p, y);
+        let then = Engine::<R, M, L, D>::turning(self, p, &later);
+        for k in 0..3 {
+            now[k] = (then[k] - now[k]) / time;
+        }
+        now
     }
 
     #[inline(always)]
@@ -654,7 +676,8 @@ mod tests {
         for step in [0.3, 0.15] {
             let (p, engine) = engine(step);
             let (mut y, mut unused, mut dense) = (start(), [0.0; D], Coefficients::new());
-            Engine::<_, _, FunctionTurns, D>::step_inside(&engine, &p, &mut y, &mut unused, &mut dense);
+            Engine::<_, _, FunctionTurns, D>::step(&engine, &p, &mut y, &mut unused, &mut dense);
+            Engine::<_, _, FunctionTurns, D>::motion_inside(&engine, &p, [&start(), &y], &mut dense);
             // A rounding of each of the eight terms.
             assert!(apart(&inside(&dense, 1.0), &y) < 1e-14 && apart(dense.order(0), &start()) == 0.0);
             let within = [0.3, 0.5, 0.8].map(|at| apart(&inside(&dense, at), &truth(at * step)));

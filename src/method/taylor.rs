@@ -4,6 +4,7 @@
 //! (Jorba & Zou 2005, §2). Coefficients are those of powers of t / step: their sum is the state after a step.
 
 use super::acceleration;
+use super::turning_of_rates;
 use super::{Engine, EngineName, Facts, Method, Numbers, Step, Variables};
 use crate::forces::{ForcesInterval, Further, FurtherSeries, Order};
 use crate::kinematics::{
@@ -507,13 +508,8 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Engine<R, M, L, D> for Tay
     }
 
     #[inline(always)]
-    fn turning(&self, y: &[R; D]) -> [R; 3] {
-        let omega = [y[0], y[1], y[2]];
-        if !L::FURTHER {
-            return omega;
-        }
-        let turn = self.applied.under_further::<M, L, D>(&self.model, &self.applied.torques(), y).turn;
-        [omega[0] + turn[0], omega[1] + turn[1], omega[2] + turn[2]]
+    fn turning(&self, _p: &Parameters<R>, y: &[R; D]) -> [R; 3] {
+        turning_of_rates::<R, M, L, D>(&self.model, &self.applied, y)
     }
 
     #[inline(always)]

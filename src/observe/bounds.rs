@@ -1,13 +1,15 @@
 //! A scalar of the state that stays on one side of a limit.
 
-use super::dense::hermite_weights;
-use super::{EXIT_TIME, Observable, Rows, Segment, Start, Update, look_inside, motion_inside, three};
-use crate::forces::{Force, Orbit};
-use crate::kinematics::{cross, direction, direction_rate, dot, doubled_attitude_rate, half_rows};
-use crate::method::{Coefficients, Engine, Variables, in_halves};
+use super::inside::{self, Inside, crossing, state};
+use super::{
+    EXIT_TIME, Observable, Rows, Segment, Start, Update, angle_of, chord2, look_inside, motion_inside, three,
+};
+use crate::forces::Orbit;
+use crate::kinematics::{cross, direction, dot, half_rows};
+use crate::method::{Coefficients, Engine, Variables};
 use crate::real::{Apart, Real};
-use crate::scene::{ForcedFrame, Layout, Model, Parameters, ROWS_LEN, in_rows, quaternion};
-use crate::special::{atan2, sincos};
+use crate::scene::{ForcedFrame, Layout, Model, Parameters, ROWS_LEN, in_rows};
+use crate::special::sincos;
 use std::f64::consts::PI;
 use std::marker::PhantomData;
 
@@ -89,8 +91,7 @@ impl Bound {
         if !self.is_pointing() {
             return f64::NAN;
         }
-        let chord2 = self.of_scalar()[0] - margin;
-        2.0 * atan2(chord2.max(0.0).sqrt(), (4.0 - chord2).max(0.0).sqrt())
+        angle_of(self.of_scalar()[0] - margin)
     }
 }
 
@@ -153,13 +154,6 @@ fn frame<R: Real, L: Layout, const D: usize>(y: &[R; D]) -> [[R; 3]; 3] {
         axes[1] = if const { L::VECTORS > 2 } { direction(y, 2) } else { cross(&axes[2], &axes[0]) };
     }
     axes
-}
-
-/// The square of a distance.
-#[inline(always)]
-fn chord2<R: Real>(a: &[R; 3], b: &[R; 3]) -> R {
-    let d = [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
-    dot(&d, &d)
 }
 
 /// A vector of space in the body, from the axes of space there.
@@ -233,17 +227,6 @@ fn margin<R: Real, L: Layout, const D: usize>(
     (rows[Bounds::LIMIT] - scalar) * rows[Bounds::SIDE]
 }
 
-/// The state inside a step, as far as the scalar needs it: by the polynomial of the step, else by the cubic with the
-/// values and slopes at both ends.
-struct Inside<'a, R, L, const IS_SERIES: bool, const D: usize> {
-    before: &'a [R; D],
-    after: &'a [R; D],
-    /// Slopes at both ends, where there is no polynomial.
-    slopes: &'a [[R; D]],
-    dense: &'a Coefficients<R, D>,
-    layout: PhantomData<L>,
-}
-
 /// States inside a step.
 trait Within<R, const D: usize> {
     /// The state at a fraction of the step.
@@ -300,84 +283,32 @@ fn plane_axes<R: Real>(outward: &[R; 3], along: &[R; 3], [cos, sin]: [R; 2]) -> 
 impl<R: Real, const D: usize> Within<R, FRAME> for OnOrbit<'_, R, D> {
     #[inline(always)]
     fn at(&self, fraction: R) -> [R; FRAME] {
-        let order = self.dense.highest();
-        let mut y = *self.dense.order(order);
-        for k in (0..order).rev() {
-            for d in 0..7 {
-                y[d] = y[d].fma(fraction, self.dense.order(k)[d]);
-            }
-        }
-        self.seen(fraction, &y)
+        self.seen(fraction, &state(self.dense, fraction))
     }
 }
 
-impl<R: Real, L: Layout, const IS_SERIES: bool, const D: usize> Within<R, D>
-    for Inside<'_, R, L, IS_SERIES, D>
-{
+/// By the powers of the fraction of the step.
+impl<R: Real, const D: usize> Within<R, D> for Coefficients<R, D> {
     #[inline(always)]
     fn at(&self, fraction: R) -> [R; D] {
-        let vectors = const { L::BALANCE_AT };
-        let used = const { L::BALANCE_AT + L::OWN };
-        let (mut y, dense) = (*self.after, self.dense);
-        if IS_SERIES {
-            let order = dense.highest();
-            // Neither a copy of slices nor a zip is always inlined, and a kernel has no calls.
-            #[allow(clippy::manual_memcpy)]
-            for i in 0..used {
-                let d = if i < vectors { i } else { L::OWN_AT + (i - vectors) };
-                y[d] = dense.order(order)[d];
-            }
-            for k in (0..order).rev() {
-                for i in 0..used {
-                    let d = if i < vectors { i } else { L::OWN_AT + (i - vectors) };
-                    y[d] = y[d].fma(fraction, dense.order(k)[d]);
-                }
-            }
-        } else {
-            let [of_change, of_begin, of_end] = hermite_weights(fraction);
-            for i in 0..used {
-                let d = if i < vectors { i } else { L::OWN_AT + (i - vectors) };
-                let change = self.after[d] - self.before[d];
-                let bent = self.slopes[1][d].fma(of_end, self.slopes[0][d].fma(of_begin, self.before[d]));
-                y[d] = change.fma(of_change, bent);
-            }
-        }
-        y
+        state(self, fraction)
     }
 }
 
-/// The rates of change of the observed variables, times the step.
-#[inline(always)]
-fn slopes<R: Real, M: Model<R>, L: Layout, S: Engine<R, M, L, D>, const D: usize>(
-    engine: &S,
-    p: &Parameters<R>,
-    rows: &Rows<R>,
-    y: &[R; D],
-) -> [R; D] {
-    let mut slopes = [R::splat(0.0); D];
-    let (velocity, rates) = (engine.velocity(p, y), S::rates(p, y));
-    for k in 0..3 {
-        slopes[k] = velocity[k] * p.step;
+/// The margin inside a step.
+struct Margin<'a, R, L, W, const D: usize> {
+    variables: Variables,
+    p: &'a Parameters<R>,
+    rows: &'a Rows<R>,
+    within: &'a W,
+    layout: PhantomData<L>,
+}
+
+impl<R: Real, L: Layout, W: Within<R, D>, const D: usize> Inside<R> for Margin<'_, R, L, W, D> {
+    #[inline(always)]
+    fn at(&self, fraction: R) -> R {
+        margin::<R, L, D>(self.variables, self.p, self.rows, &self.within.at(fraction))
     }
-    for v in 0..L::VECTORS {
-        let turning = direction_rate(&direction(y, v), &rates);
-        for k in 0..3 {
-            slopes[3 + 3 * v + k] = turning[k] * p.step;
-        }
-    }
-    if const { L::QUATERNION } {
-        let twice = doubled_attitude_rate(&quaternion::<L, R, D>(y), &rates);
-        for k in 0..4 {
-            slopes[L::QUATERNION_AT + k] = twice[k] * (p.step * R::splat(0.5));
-        }
-    }
-    if const { L::OWN > 0 } {
-        orbit(rows).change(y, L::OWN_AT, &mut slopes);
-        for k in 0..L::OWN {
-            slopes[L::OWN_AT + k] = slopes[L::OWN_AT + k] * p.step;
-        }
-    }
-    slopes
 }
 
 impl Observable for Bounds {
@@ -490,7 +421,6 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Bou
     const FITS: bool =
         L::CLOCK || !L::TANGENT && (L::TURNS || !L::QUATERNION && (L::VECTORS != 1 || M::HEAVY));
 
-    #[expect(clippy::manual_memcpy, reason = "a copied slice has an address: its state would stay in memory")]
     #[inline(always)]
     fn after_step<S: Engine<R, M, L, D>>(
         engine: &S,
@@ -498,42 +428,9 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Bou
         rows: &mut Rows<R>,
         segment: &Segment<R, D>,
     ) {
-        if const { !S::SEES_LIMITS } {
-            return;
-        }
-        if const { L::CLOCK } {
-            // Of each body; an inactive one has a step of zero.
-            let wanted = R::splat(0.0).lt(p.step.abs());
-            look_inside::<Bounds, R, M, L, S, D>(engine, p, rows, segment, wanted);
-            return;
-        }
-        // Copies: what a function of its own sees would be in memory in every step, observed or not.
-        let begin = segment.begin;
-        let [mut before, mut after] = [[begin; D]; 2];
-        in_halves!(d in D { before[d] = segment.before[d]; });
-        in_halves!(d in D { after[d] = segment.after[d]; });
-        // Only the branch that is taken is compiled.
-        if const { S::IS_SERIES } {
-            let (dense, layout) = (segment.dense, PhantomData);
-            let inside =
-                Inside::<R, L, true, D> { before: &before, after: &after, slopes: &[], dense, layout };
-            let ends = [&before, &after];
-            R::apart(Look::<R, L, _, false, D> { p, rows, begin, ends, inside, layout });
-            return;
-        }
-        let slopes = [
-            slopes::<R, M, L, S, D>(engine, p, rows, &before),
-            slopes::<R, M, L, S, D>(engine, p, rows, &after),
-        ];
-        let (dense, layout) = (segment.dense, PhantomData);
-        let inside =
-            Inside::<R, L, false, D> { before: &before, after: &after, slopes: &slopes, dense, layout };
-        let ends = [&before, &after];
-        if const { matches!(S::VARIABLES, Variables::Rates) } {
-            R::apart(Look::<R, L, _, false, D> { p, rows, begin, ends, inside, layout });
-        } else {
-            R::apart(Look::<R, L, _, true, D> { p, rows, begin, ends, inside, layout });
-        }
+        // Of each body; an inactive one has a step of zero.
+        let wanted = R::splat(0.0).lt(p.step.abs());
+        look_inside::<Bounds, R, M, L, S, D>(engine, p, rows, segment, wanted);
     }
 
     #[inline(always)]
@@ -544,13 +441,22 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Bou
         segment: &Segment<R, D>,
     ) {
         let &Segment { begin, before, after, .. } = segment;
-        let dense = &motion_inside(engine, p, before);
+        let dense = &motion_inside(engine, p, segment);
+        if const { !L::CLOCK } {
+            let (ends, layout) = ([before, after], PhantomData::<L>);
+            if const { matches!(S::VARIABLES, Variables::Rates) } {
+                R::apart(Look::<_, _, _, false, D> { p, rows, begin, ends, within: dense, layout });
+            } else {
+                R::apart(Look::<_, _, _, true, D> { p, rows, begin, ends, within: dense, layout });
+            }
+            return;
+        }
         let [eccentricity, rate] = [rows[Bounds::ORBIT], rows[Bounds::ORBIT + 1]];
         let anomaly = rows[Bounds::ANOMALY] + begin;
-        let inside = OnOrbit { dense, anomaly, step: p.step, eccentricity, rate };
-        let [first, last] = [inside.seen(R::splat(0.0), before), inside.seen(R::splat(1.0), after)];
+        let within = &OnOrbit { dense, anomaly, step: p.step, eccentricity, rate };
+        let [first, last] = [within.seen(R::splat(0.0), before), within.seen(R::splat(1.0), after)];
         let (ends, layout) = ([&first, &last], PhantomData);
-        Look::<R, ForcedFrame, _, false, FRAME> { p, rows, begin, ends, inside, layout }.run();
+        Look::<R, ForcedFrame, _, false, FRAME> { p, rows, begin, ends, within, layout }.run();
     }
 }
 
@@ -560,7 +466,7 @@ struct Look<'a, R, L, W, const MOMENTA: bool, const D: usize> {
     rows: &'a mut Rows<R>,
     begin: R,
     ends: [&'a [R; D]; 2],
-    inside: W,
+    within: &'a W,
     layout: PhantomData<L>,
 }
 
@@ -569,8 +475,10 @@ impl<R: Real, L: Layout, W: Within<R, D>, const MOMENTA: bool, const D: usize> A
 {
     #[inline(always)]
     fn run(self) {
-        let Look { p, rows, begin: time, ends: [before, after], inside, .. } = self;
+        let Look { p, rows, begin: time, ends: [before, after], within, layout } = self;
         let variables = if MOMENTA { Variables::Momenta } else { Variables::Rates };
+        let numbers = *rows;
+        let scalar = Margin { variables, p, rows: &numbers, within, layout };
         let (zero, half, one) = (R::splat(0.0), R::splat(0.5), R::splat(1.0));
         let never = R::splat(f64::INFINITY);
         // The observed part of the step. An inactive lane has a step of zero.
@@ -585,7 +493,7 @@ impl<R: Real, L: Layout, W: Within<R, D>, const MOMENTA: bool, const D: usize> A
         let mut leap2 = rows[Bounds::LEAP2];
         for place in 0..=Bounds::PLACES {
             let fraction = size.fma(R::splat(place as f64), watched);
-            let y = if place == Bounds::PLACES { *after } else { inside.at(fraction) };
+            let y = if place == Bounds::PLACES { *after } else { within.at(fraction) };
             margins = [margins[1], margins[2], margin::<R, L, D>(variables, p, rows, &y)];
             let (_, _, now_along) = vector(variables, p, rows, &y);
             leap2 = leap2.max(chord2(&now_along, &unit));
@@ -609,30 +517,11 @@ impl<R: Real, L: Layout, W: Within<R, D>, const MOMENTA: bool, const D: usize> A
             let near = R::select(spread.fma(half, level).lt(dip), zero, R::select(dip.lt(never), one, zero));
             let near = R::select(exit.lt(never), zero, near);
             if R::any(half.lt(near)) {
-                let mut reach = size * half;
                 let [first, end] = [fraction - (size + size), fraction];
                 let middle = fraction - size;
                 at = R::select(half.lt(near), at.max(first).min(end), middle);
-                let mut deepest = last;
-                let mut place_of_deepest = middle;
-                for _ in 0..6 {
-                    let mut around = [zero; 3];
-                    for side in 0..3 {
-                        let there = reach.fma(R::splat(side as f64 - 1.0), at);
-                        let y = inside.at(there);
-                        around[side] = margin::<R, L, D>(variables, p, rows, &y);
-                        let is_inside = R::select(there.lt(first), zero, R::select(end.lt(there), zero, one));
-                        let lower = R::select(around[side].lt(deepest), is_inside, zero);
-                        deepest = R::select(half.lt(lower), around[side], deepest);
-                        place_of_deepest = R::select(half.lt(lower), there, place_of_deepest);
-                    }
-                    let bend = (around[0] - around[1]) + (around[2] - around[1]);
-                    let shift = ((around[0] - around[2]) * half) / bend;
-                    // A NaN becomes one: then the place moves to the side, and the deepest one is kept.
-                    let shift = shift.max(-one).min(one);
-                    at = reach.fma(R::select(zero.lt(bend), shift, zero), at).max(first).min(end);
-                    reach = reach * R::splat(0.25);
-                }
+                let [place_of_deepest, deepest] =
+                    inside::least::<R, 6>(&scalar, [first, end], at, size * half);
                 dip = R::select(half.lt(near), deepest, dip);
                 at = R::select(half.lt(near), place_of_deepest, at);
                 // A pair of crossings: the margin before is not negative, the one at the minimum is.
@@ -665,23 +554,7 @@ impl<R: Real, L: Layout, W: Within<R, D>, const MOMENTA: bool, const D: usize> A
         rows[Bounds::LEAP2] = R::select(R::splat(Bounds::SPEED).lt(has_direction), leap2, zero);
         let leaves = R::select(half.lt(is_open), exit, never).lt(never);
         if R::any(leaves) {
-            // Regula falsi with half the margin of an end that remains twice (Dowell & Jarratt 1971,
-            // doi 10.1007/BF01934364).
-            let [mut inner, mut outer] = [ends[0].max(zero), ends[1]];
-            let mut last_side = zero;
-            for _ in 0..16 {
-                let fraction = (high - low).fma(inner / (inner - outer), low);
-                let y = inside.at(fraction);
-                let margin = margin::<R, L, D>(variables, p, rows, &y);
-                let beyond = margin.lt(zero);
-                let side = R::select(beyond, one, -one);
-                let weight = R::select(zero.lt(side * last_side), half, one);
-                last_side = side;
-                (low, high) = (R::select(beyond, low, fraction), R::select(beyond, fraction, high));
-                (inner, outer) =
-                    (R::select(beyond, inner * weight, margin), R::select(beyond, margin, outer * weight));
-            }
-            let fraction = (high - low).fma(inner / (inner - outer), low);
+            let fraction = crossing(&scalar, [low, high], [ends[0].max(zero), ends[1]]);
             let at = p.step.fma(fraction, time);
             rows[EXIT_TIME] = R::select(leaves, at, rows[EXIT_TIME]);
         }

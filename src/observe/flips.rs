@@ -1,9 +1,8 @@
 //! Sign changes of a component of the rates.
 
-use super::dense::{Bracket, Part, hermite_root, interpolate, newton, turning_point};
+use super::inside::{Inside, crossing, has_minimum, least, lowest};
 use super::{
-    EXIT_TIME, Observable, Rows, Segment, Start, Update, along, first_time, look_inside, lowest_inside,
-    motion_inside, three,
+    EXIT_TIME, Observable, Rows, Segment, Start, Update, along, first_time, look_inside, motion_inside, three,
 };
 use crate::forces::{BodyForces, ForcesInterval};
 use crate::kinematics::to_body_frame;
@@ -23,84 +22,23 @@ impl Flips {
     pub const COUNT: usize = 2;
     /// The observed body axis: a unit vector along a principal axis, in either direction.
     pub const AXIS: usize = 3;
+}
 
-    /// Counts the flips of a step; with the motion inside it, flips are found where they are, and a pair too.
-    #[inline(always)]
-    fn flips<R: Real, M: Model<R>, L: Layout, S: Engine<R, M, L, D>, const IS_KNOWN: bool, const D: usize>(
-        engine: &S,
-        p: &Parameters<R>,
-        rows: &mut Rows<R>,
-        segment: &Segment<R, D>,
-    ) {
-        let &Segment { begin: time, before, after, .. } = segment;
-        let axis = three(rows, Flips::AXIS);
-        let sign = rows[Flips::SIGN];
-        let zero = R::splat(0.0);
-        let end = along(&axis, &[after[0], after[1], after[2]]);
-        // An exact zero keeps the sign before the zero.
-        let flipped = (end * sign).lt(zero);
-        if R::any(flipped) {
-            let begin = along(&axis, &[before[0], before[1], before[2]]);
-            let begin_rate = along(&axis, &engine.velocity(p, before)) * p.step;
-            let end_rate = along(&axis, &engine.velocity(p, after)) * p.step;
-            let mut fraction = hermite_root(begin, begin_rate, end, end_rate);
-            if const { IS_KNOWN } {
-                let dense = segment.dense;
-                // The cubic is wrong by at most a hundredth of the step; each Newton step squares this error.
-                let mut bracket = Bracket::new(end);
-                for _ in 0..3 {
-                    let (omega, rate) = interpolate(dense, 0, fraction);
-                    fraction = bracket.newton(fraction, along(&axis, &omega), along(&axis, &rate));
-                }
-            }
-            let at = p.step.fma(fraction, time);
-            rows[EXIT_TIME] = R::select(flipped, first_time(rows[EXIT_TIME], at), rows[EXIT_TIME]);
-            rows[Flips::COUNT] = rows[Flips::COUNT] + R::select(flipped, R::splat(1.0), zero);
-            rows[Flips::SIGN] = R::select(flipped, -sign, sign);
-        }
-        if const { IS_KNOWN } {
-            Self::two_flips_in_a_step(engine, p, rows, segment);
-        }
-    }
+/// A component of the rates inside a step.
+struct Component<'a, R, const D: usize> {
+    dense: &'a Coefficients<R, D>,
+    axis: [R; 3],
+    sign: R,
+}
 
-    /// Two sign changes inside one long step: the component moves towards zero at the begin, away from zero at the end,
-    /// and has the other sign between.
+impl<R: Real, const D: usize> Inside<R> for Component<'_, R, D> {
     #[inline(always)]
-    fn two_flips_in_a_step<R: Real, M: Model<R>, L: Layout, S: Engine<R, M, L, D>, const D: usize>(
-        engine: &S,
-        p: &Parameters<R>,
-        rows: &mut Rows<R>,
-        segment: &Segment<R, D>,
-    ) {
-        let &Segment { begin: time, before, after, .. } = segment;
-        let axis = three(rows, Flips::AXIS);
-        let sign = rows[Flips::SIGN];
-        let zero = R::splat(0.0);
-        let begin_slope = along(&axis, &0usize.of(segment.dense.order(1))) * sign;
-        let end_slope = along(&axis, &engine.velocity(p, after)) * p.step * sign;
-        let has_minimum = R::select(zero.lt(end_slope), begin_slope, zero).lt(zero);
-        if R::any(has_minimum) {
-            let dense = segment.dense;
-            let extremum = turning_point(dense, 0, &axis, [begin_slope, end_slope]);
-            let (omega, _) = interpolate(dense, 0, extremum);
-            let begin = along(&axis, &[before[0], before[1], before[2]]) * sign;
-            let minimum = along(&axis, &omega) * sign;
-            // A step that ends with the other sign contains one flip. `sign` is the new sign then, so `begin` is
-            // negative.
-            let twice = R::select(zero.lt(begin), R::select(has_minimum, minimum, zero), zero).lt(zero);
-            if R::any(twice) {
-                let mut fraction = extremum * (begin / (begin - minimum));
-                for _ in 0..6 {
-                    let (omega, rate) = interpolate(dense, 0, fraction);
-                    let (value, slope) = (along(&axis, &omega), along(&axis, &rate));
-                    // The first zero lies before the extremum.
-                    fraction = newton(fraction, value, slope).min(extremum);
-                }
-                let at = p.step.fma(fraction, time);
-                rows[EXIT_TIME] = R::select(twice, first_time(rows[EXIT_TIME], at), rows[EXIT_TIME]);
-                rows[Flips::COUNT] = rows[Flips::COUNT] + R::select(twice, R::splat(2.0), zero);
-            }
+    fn at(&self, fraction: R) -> R {
+        let mut sum = R::splat(0.0);
+        for row in self.dense.all().iter().rev() {
+            sum = sum.fma(fraction, along(&self.axis, &[row[0], row[1], row[2]]));
         }
+        sum * self.sign
     }
 }
 
@@ -206,29 +144,23 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Fli
         rows: &mut Rows<R>,
         segment: &Segment<R, D>,
     ) {
-        if const { L::CLOCK } {
-            // The rates over the pace of the anomaly have the signs of the rates.
-            let axis = three(rows, Flips::AXIS);
-            let &Segment { before, after, .. } = segment;
-            let sign = rows[Flips::SIGN];
-            let values = [
-                along(&axis, &[before[0], before[1], before[2]]) * sign,
-                along(&axis, &[after[0], after[1], after[2]]) * sign,
-            ];
-            let pace = p.step * sign;
+        let axis = three(rows, Flips::AXIS);
+        let ends = Flips::at_ends(rows, segment);
+        let mut sought = ends[1];
+        if const { S::IS_LONG } {
+            let signed = p.step * rows[Flips::SIGN];
             let slopes = [
-                along(&axis, &engine.velocity(p, before)) * pace,
-                along(&axis, &engine.velocity(p, after)) * pace,
+                along(&axis, &engine.velocity(p, segment.before)) * signed,
+                along(&axis, &engine.velocity(p, segment.after)) * signed,
             ];
-            let wanted = lowest_inside(values, slopes).lt(R::splat(0.0));
-            look_inside::<Flips, R, M, L, S, D>(engine, p, rows, segment, wanted);
-        } else if const { S::IS_SERIES } {
-            Self::flips::<R, M, L, S, true, D>(engine, p, rows, segment);
-        } else {
-            Self::flips::<R, M, L, S, false, D>(engine, p, rows, segment);
+            let is_inside = R::splat(0.5).lt(has_minimum(slopes));
+            sought = sought.min(R::select(is_inside, lowest(ends, slopes), R::splat(0.0)));
         }
+        look_inside::<Flips, R, M, L, S, D>(engine, p, rows, segment, sought.lt(R::splat(0.0)));
     }
 
+    /// One flip where the component ends with the other sign, two where it has the other sign between; the first is
+    /// found. An exact zero keeps the sign before it.
     #[inline(always)]
     fn look<S: Engine<R, M, L, D>>(
         engine: &S,
@@ -236,7 +168,44 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Fli
         rows: &mut Rows<R>,
         segment: &Segment<R, D>,
     ) {
-        let dense = motion_inside(engine, p, segment.before);
-        Self::flips::<R, M, L, S, true, D>(engine, p, rows, &Segment { dense: &dense, ..*segment });
+        let (zero, half, one) = (R::splat(0.0), R::splat(0.5), R::splat(1.0));
+        let (axis, sign) = (three(rows, Flips::AXIS), rows[Flips::SIGN]);
+        let [begin, end] = Flips::at_ends(rows, segment);
+        let dense = &motion_inside(engine, p, segment);
+        let inside = Component { dense, axis, sign };
+        let flipped = end.lt(zero);
+        let [lowest_at, lowest] = least::<R, 6>(&inside, [zero, one], half, half * half);
+        let (last, last_value) = (R::select(flipped, one, lowest_at), R::select(flipped, end, lowest));
+        // A body that begins with a rate of zero moves away from zero first: the flip is after its largest rate.
+        let mut first = [zero, begin];
+        let is_zero = R::select(zero.lt(begin), zero, one);
+        if R::any(half.lt(is_zero)) {
+            let [highest_at, highest] = least::<R, 6>(
+                &Component { sign: -sign, ..inside },
+                [zero, last],
+                last * half,
+                last * R::splat(0.25),
+            );
+            let is_away = half.lt(R::select(highest.lt(zero), is_zero, zero));
+            first = [R::select(is_away, highest_at, zero), R::select(is_away, -highest, begin.max(zero))];
+        }
+        let count = R::select(flipped, one, R::select(last_value.lt(zero), one + one, zero));
+        let fraction = crossing(&inside, [first[0], last], [first[1], last_value]);
+        let at = p.step.fma(fraction, segment.begin);
+        let exit = R::select(half.lt(count), first_time(rows[EXIT_TIME], at), rows[EXIT_TIME]);
+        rows[EXIT_TIME] = exit;
+        rows[Flips::COUNT] = rows[Flips::COUNT] + count;
+        rows[Flips::SIGN] = R::select(flipped, -sign, sign);
+    }
+}
+
+impl Flips {
+    /// The component at both ends of a step, with the sign before the step.
+    #[inline(always)]
+    fn at_ends<R: Real, const D: usize>(rows: &Rows<R>, segment: &Segment<R, D>) -> [R; 2] {
+        let axis = three(rows, Flips::AXIS);
+        let (before, after, sign) = (segment.before, segment.after, rows[Flips::SIGN]);
+        let begin = along(&axis, &[before[0], before[1], before[2]]);
+        [begin * sign, along(&axis, &[after[0], after[1], after[2]]) * sign]
     }
 }

@@ -1,6 +1,6 @@
 //! Growth of a deviation vector: its logarithm, and the means of the logarithm over the time.
 
-use super::dense::interpolate;
+use super::inside::state;
 use super::{Observable, Rows, Segment, Start, Update};
 use crate::kinematics::{cross, direction, dot};
 use crate::method::Engine;
@@ -235,10 +235,9 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Gro
             let mut logs = [log; 4];
             for i in 0..4 {
                 let node = R::splat(NODES[i]);
-                let (d, _) = interpolate(dense, at, node);
-                let (x, _) = interpolate(dense, at + 3, node);
-                let (gamma, _) = interpolate(dense, 3, node);
-                logs[i] = Growth::log(rows, d, x, gamma);
+                let y = state(dense, node);
+                let (d, x) = ([y[at], y[at + 1], y[at + 2]], [y[at + 3], y[at + 4], y[at + 5]]);
+                logs[i] = Growth::log(rows, d, x, direction(&y, 0));
                 rows[Growth::LARGEST] = rows[Growth::LARGEST].max(logs[i]);
             }
             Growth::add_gauss(rows, p.step, &logs);

@@ -5,8 +5,8 @@ use crate::method::Engine;
 use crate::real::Real;
 use crate::scene::{Layout, Model, Parameters};
 
-/// The integral over the time of the rate about the observed axis: of the polynomial of each step, or of the cubic
-/// through the values and slopes at its ends.
+/// The integral over the time of the rate about the observed axis: of the motion inside each long step, else of the cubic
+/// through the values and slopes at the ends of the step.
 pub struct MeanRate;
 
 impl MeanRate {
@@ -46,15 +46,23 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Mea
         rows: &mut Rows<R>,
         segment: &Segment<R, D>,
     ) {
-        if const { L::CLOCK } {
+        if const { S::IS_LONG } {
             // Of each body; an inactive one has a step of zero.
             let wanted = R::splat(0.0).lt(p.step.abs());
             look_inside::<MeanRate, R, M, L, S, D>(engine, p, rows, segment, wanted);
-        } else if const { S::IS_SERIES } {
-            Self::add::<R, M, L, S, true, D>(engine, p, rows, segment);
-        } else {
-            Self::add::<R, M, L, S, false, D>(engine, p, rows, segment);
+            return;
         }
+        let &Segment { before, after, .. } = segment;
+        let axis = three(rows, MeanRate::AXIS);
+        let (begin, end) = (along(&axis, &S::rates(p, before)), along(&axis, &S::rates(p, after)));
+        // The state may consist of momenta.
+        let [mut slope, last] = [engine.velocity(p, before), engine.velocity(p, after)];
+        for k in 0..3 {
+            slope[k] = (slope[k] - last[k]) * p.step;
+        }
+        let bend = along(&axis, &S::VARIABLES.rates(p, &slope));
+        let mean = bend.fma(R::splat(1.0 / 12.0), (begin + end) * R::splat(0.5));
+        MeanRate::add(p, rows, segment.begin, mean);
     }
 
     #[inline(always)]
@@ -64,42 +72,19 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Mea
         rows: &mut Rows<R>,
         segment: &Segment<R, D>,
     ) {
-        let dense = motion_inside(engine, p, segment.before);
-        Self::add::<R, M, L, S, true, D>(engine, p, rows, &Segment { dense: &dense, ..*segment });
+        let axis = three(rows, MeanRate::AXIS);
+        let mut mean = R::splat(0.0);
+        for (k, row) in motion_inside(engine, p, segment).all().iter().enumerate().rev() {
+            mean = along(&axis, &[row[0], row[1], row[2]]).fma(R::splat(1.0 / (k + 1) as f64), mean);
+        }
+        MeanRate::add(p, rows, segment.begin, mean);
     }
 }
 
 impl MeanRate {
-    /// Adds the integral over a step. Over an anomaly it is that of the rates over the pace.
+    /// Adds the integral over a step, from the mean in it. Over an anomaly it is that of the rates over the pace.
     #[inline(always)]
-    fn add<R: Real, M: Model<R>, L: Layout, S: Engine<R, M, L, D>, const IS_KNOWN: bool, const D: usize>(
-        engine: &S,
-        p: &Parameters<R>,
-        rows: &mut Rows<R>,
-        segment: &Segment<R, D>,
-    ) {
-        let &Segment { begin: time, before, after, .. } = segment;
-        let axis = three(rows, MeanRate::AXIS);
-        let mean = if const { IS_KNOWN } {
-            let dense = segment.dense;
-            let mut mean = R::splat(0.0);
-            for k in (0..=dense.highest()).rev() {
-                let row = dense.order(k);
-                mean = along(&axis, &[row[0], row[1], row[2]]).fma(R::splat(1.0 / (k + 1) as f64), mean);
-            }
-            mean
-        } else {
-            let (begin, end) = (along(&axis, &S::rates(p, before)), along(&axis, &S::rates(p, after)));
-            // The state may consist of momenta.
-            let [mut slope, last] = [engine.velocity(p, before), engine.velocity(p, after)];
-            for k in 0..3 {
-                slope[k] = (slope[k] - last[k]) * p.step;
-            }
-            let mut state = *before;
-            [state[0], state[1], state[2]] = slope;
-            let bend = along(&axis, &S::rates(p, &state));
-            bend.fma(R::splat(1.0 / 12.0), (begin + end) * R::splat(0.5))
-        };
+    fn add<R: Real>(p: &Parameters<R>, rows: &mut Rows<R>, begin: R, mean: R) {
         // The sum with its rounding error (Knuth).
         let (sum, term) = (rows[MeanRate::ANGLE], mean * p.step);
         let next = sum + term;
@@ -107,6 +92,6 @@ impl MeanRate {
         let lost = (sum - (next - part)) + (term - part);
         rows[MeanRate::ANGLE] = next;
         rows[MeanRate::ANGLE + 1] = rows[MeanRate::ANGLE + 1] + lost;
-        rows[MeanRate::TIME] = time + p.step;
+        rows[MeanRate::TIME] = begin + p.step;
     }
 }

@@ -4,9 +4,9 @@
 //! updates after each step and after each block of steps. Code is compiled only for systems that the observable fits.
 
 mod bounds;
-mod dense;
 mod flips;
 mod growth;
+mod inside;
 mod mean_rate;
 mod tilt;
 
@@ -14,14 +14,17 @@ pub use bounds::{Bound, Bounds, Direction, Quantity};
 pub use flips::Flips;
 pub use growth::{Deviation, Growth};
 pub use mean_rate::MeanRate;
-pub use tilt::{Tilt, largest_tilt};
+pub use tilt::Tilt;
 
 use crate::forces::{ForcesInterval, OrbitPlace};
+use crate::kinematics::dot;
 use crate::method::{Coefficients, Engine, in_halves};
 use crate::real::{Apart, Pack, Real};
 use crate::scene::{Layout, Model, Parameters};
 use crate::simd::Row;
+use crate::special::{atan2, sincos};
 use crate::start::Body;
+use std::f64::consts::PI;
 use std::marker::PhantomData;
 
 /// The row of the time at which stability was lost, the same for every observable; infinite before.
@@ -53,7 +56,7 @@ pub trait Update<R: Real, M: Model<R>, L: Layout, const D: usize>: Observable {
         rows: &mut Rows<R>,
         segment: &Segment<R, D>,
     );
-    /// Updates the rows after a step over an anomaly of a body for which it matters what is inside the step.
+    /// Updates the rows after a step of a body for which it matters what is inside the step.
     #[inline(always)]
     fn look<S: Engine<R, M, L, D>>(
         _engine: &S,
@@ -69,7 +72,7 @@ pub trait Update<R: Real, M: Model<R>, L: Layout, const D: usize>: Observable {
     }
 }
 
-/// A look inside a step over an anomaly, of the bodies that need it.
+/// A look inside a step, of the bodies that need it.
 struct Look<'a, O, R: Real, M, L, S, const D: usize> {
     engine: &'a S,
     p: &'a Parameters<R>,
@@ -100,7 +103,7 @@ where
     }
 }
 
-/// Updates the rows of the bodies that need the motion inside a step over an anomaly, in a function of its own.
+/// Updates the rows of the bodies that need the motion inside a step, in a function of its own.
 #[inline(always)]
 fn look_inside<O, R, M, L, S, const D: usize>(
     engine: &S,
@@ -116,7 +119,12 @@ fn look_inside<O, R, M, L, S, const D: usize>(
     S: Engine<R, M, L, D>,
 {
     if R::any(wanted) {
-        let &Segment { begin, before, after, .. } = segment;
+        // Copies: what a function of its own sees would be in memory in every step, observed or not.
+        let begin = segment.begin;
+        let [mut before, mut after] = [[begin; D]; 2];
+        in_halves!(d in D { before[d] = segment.before[d]; });
+        in_halves!(d in D { after[d] = segment.after[d]; });
+        let (before, after) = (&before, &after);
         R::apart(Look::<O, R, M, L, S, D> { engine, p, rows, begin, before, after, wanted, of: PhantomData });
     }
 }
@@ -125,7 +133,7 @@ fn look_inside<O, R, M, L, S, const D: usize>(
 struct MotionInside<'a, R: Real, M, L, S, const D: usize> {
     engine: &'a S,
     p: &'a Parameters<R>,
-    before: &'a [R; D],
+    ends: [&'a [R; D]; 2],
     dense: &'a mut Coefficients<R, D>,
     of: PhantomData<(M, L)>,
 }
@@ -135,33 +143,21 @@ impl<R: Real, M: Model<R>, L: Layout, S: Engine<R, M, L, D>, const D: usize> Apa
 {
     #[inline(always)]
     fn run(self) {
-        let (mut after, mut unused) = (*self.before, *self.before);
-        self.engine.step_inside(self.p, &mut after, &mut unused, self.dense);
+        self.engine.motion_inside(self.p, self.ends, self.dense);
     }
 }
 
-/// The motion inside a step, which is made once more.
+/// The motion inside a step.
 #[inline(always)]
 fn motion_inside<R: Real, M: Model<R>, L: Layout, S: Engine<R, M, L, D>, const D: usize>(
     engine: &S,
     p: &Parameters<R>,
-    before: &[R; D],
+    segment: &Segment<R, D>,
 ) -> Coefficients<R, D> {
     let mut dense = Coefficients::new();
-    R::apart(MotionInside { engine, p, before, dense: &mut dense, of: PhantomData::<(M, L)> });
+    let ends = [segment.before, segment.after];
+    R::apart(MotionInside { engine, p, ends, dense: &mut dense, of: PhantomData::<(M, L)> });
     dense
-}
-
-/// A bound from below of a number inside a step, from its values and slopes at both ends: the least control point of the
-/// cubic, and what the number may be below the cubic. That is at most `s^4 / 384` of the size of a number that turns by
-/// `s` in the step; a sixteenth of the slopes is twenty times as much for steps up to 1 rad.
-#[inline(always)]
-fn lowest_inside<R: Real>([begin, end]: [R; 2], [begin_slope, end_slope]: [R; 2]) -> R {
-    let third = R::splat(1.0 / 3.0);
-    let (after_begin, before_end) = (third.fma(begin_slope, begin), third.fnma(end_slope, end));
-    let lowest = begin.min(after_begin).min(before_end.min(end));
-    let spread = begin_slope.abs() + end_slope.abs();
-    spread.fnma(R::splat(1.0 / 16.0), lowest)
 }
 
 /// Data of a body at its start for an observable.
@@ -259,7 +255,9 @@ macro_rules! observables {
                 at: usize,
                 segment: &Segment<P, D>,
             ) {
-                $(if const { <$name as Update<P, M, L, D>>::FITS } && self == Observed::$name {
+                $(if const { <$name as Update<P, M, L, D>>::FITS && is_observed::<P, M, L, S, D>() }
+                    && self == Observed::$name
+                {
                     let mut values = [P::splat(0.0); MAX_ROWS];
                     load::<P, $name>(rows, at, &mut values);
                     <$name as Update<P, M, L, D>>::after_step(engine, p, &mut values, segment);
@@ -288,6 +286,11 @@ macro_rules! observables {
     };
 }
 observables! { Flips Tilt Growth Bounds MeanRate }
+
+/// Whether maps observe the steps of the engine: of a series the growth of deviation vectors only.
+const fn is_observed<R: Real, M: Model<R>, L: Layout, S: Engine<R, M, L, D>, const D: usize>() -> bool {
+    !S::IS_SERIES || L::TANGENT || L::FUNCTION
+}
 
 /// The rows of a body that is not observed.
 pub const UNOBSERVED: Rows<f64> = {
@@ -319,6 +322,35 @@ fn three<R: Real>(rows: &Rows<R>, first: usize) -> [R; 3] {
 #[inline(always)]
 fn along<R: Real>(axis: &[R; 3], v: &[R; 3]) -> R {
     axis[0].fma(v[0], axis[1].fma(v[1], axis[2] * v[2]))
+}
+
+/// The square of a distance.
+#[inline(always)]
+fn chord2<R: Real>(a: &[R; 3], b: &[R; 3]) -> R {
+    let d = [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
+    dot(&d, &d)
+}
+
+/// The square of the chord of an angle; infinite for half a turn, as no angle between directions is larger.
+fn chord2_of(angle: f64) -> f64 {
+    let half = sincos(0.5 * angle.min(PI)).0;
+    if angle < PI { 4.0 * half * half } else { f64::INFINITY }
+}
+
+/// The angle whose chord has this square.
+fn angle_of(chord2: f64) -> f64 {
+    2.0 * atan2(chord2.max(0.0).sqrt(), (4.0 - chord2).max(0.0).sqrt())
+}
+
+/// A vector of space in the body, from the axes of space there. The third axis alone keeps its bits.
+#[inline(always)]
+fn combined<R: Real>(v: &[R; 3], axes: &[[R; 3]; 3]) -> [R; 3] {
+    let [first, second, third] = axes;
+    let mut sum = *third;
+    for i in 0..3 {
+        sum[i] = v[2].fma(third[i], v[0].fma(first[i], v[1] * second[i]));
+    }
+    sum
 }
 
 /// `at`, unless stability was lost before.

@@ -16,7 +16,6 @@ mod unraisable;
 use crate::body::{Inertia, MomentStatus, excess, nearest_possible as nearest_of, principal_axes as axes_of};
 use crate::error::Error;
 use crate::float_environment::FloatEnvironment;
-use crate::kernel::KernelAssignment;
 use crate::map::{MethodChoice, SECOND_OF_GROWTH};
 use crate::memory;
 use crate::method::{self, Method};
@@ -73,9 +72,9 @@ mod _core {
     use super::states::PyStates;
     #[pymodule_export]
     use super::{
-        anomaly_methods, available_threads, build_info, check_method, check_moments, chosen_methods,
-        in_standard_floats, is_set, methods, moment_status, moment_status_names, nearest_possible,
-        principal_axes, retired_methods, unit_quaternions,
+        available_threads, build_info, check_method, check_moments, chosen_methods, in_standard_floats,
+        is_set, methods, moment_status, moment_status_names, nearest_possible, principal_axes,
+        retired_methods, unit_quaternions,
     };
     /// Largest relative error of energy, momentum or unit lengths of a motion that has not drifted.
     #[pymodule_export]
@@ -174,27 +173,22 @@ fn methods(py: Python<'_>) -> PyResult<Vec<Bound<'_, PyDict>>> {
     method::ALL.iter().copied().map(describe).collect()
 }
 
-/// The names of the methods that are chosen by default: without a closed form, for the samples of a map, for the growth
-/// of deviation vectors in a map, for samples under the torque of a function or on an orbit alone, to cross-check samples and such growth, and under strong damping.
+/// The names of the methods that are chosen by default: without a closed form, for the samples of a map, to cross-check
+/// them and the growth of deviation vectors, under the torque of a function, for many times, to rounding, and under strong
+/// damping.
 #[pyfunction]
 fn chosen_methods(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
     let names = PyDict::new(py);
     names.set_item("default", method::DEFAULT.facts.name)?;
-    names.set_item("map", MethodChoice::Auto.by_steps([false, false, false]).facts.name)?;
-    names.set_item("growth", MethodChoice::Auto.by_steps([true, false, false]).facts.name)?;
-    names.set_item("function", MethodChoice::Auto.by_steps([false, true, false]).facts.name)?;
-    names.set_item("orbit", MethodChoice::Auto.by_steps([false, false, true]).facts.name)?;
+    names.set_item("map", MethodChoice::Auto.by_steps().facts.name)?;
     names.set_item("second", method::SECOND.facts.name)?;
+    names.set_item("function", method::DOP853.facts.name)?;
+    for (key, series) in ["many_times", "to_rounding"].into_iter().zip(method::SERIES) {
+        names.set_item(key, series.facts.name)?;
+    }
     names.set_item("second_growth", SECOND_OF_GROWTH.facts.name)?;
     names.set_item("stiff", method::STIFF.facts.name)?;
     Ok(names)
-}
-
-/// The methods whose equal steps on an orbit on which nothing else acts are those of its eccentric anomaly.
-#[pyfunction]
-fn anomaly_methods() -> Vec<&'static str> {
-    let has_one = |method: &&&Method| KernelAssignment::on_orbit(method).is_some();
-    method::ALL.iter().filter(has_one).map(|method| method.facts.name).collect()
 }
 
 /// Methods of earlier versions, each with the method that takes its place.
@@ -214,11 +208,12 @@ fn in_standard_floats<'py>(
     function.call(args, Some(kwargs))
 }
 
-/// Raises if the method does not integrate that scene, or cannot be observed between steps, which a map needs.
+/// Raises if the method does not integrate that scene, or if no map observes its motions.
 #[pyfunction]
 fn check_method(method: &str, scene: &str, watched: bool) -> PyResult<()> {
-    Method::parse(method)?.check(Scene::parse(scene)?, watched)?;
-    Ok(())
+    let method = Method::parse(method)?;
+    method.check(Scene::parse(scene)?)?;
+    if watched { Ok(method.check_observed()?) } else { Ok(()) }
 }
 
 /// Raises if no rigid body has these moments.

@@ -236,22 +236,20 @@ pub fn fastest_rates<'py>(
     Ok(of_bodies(py, rates))
 }
 
-/// The default steps of a method at these rates, or those of a map that chooses its method, for its samples, for the
-/// growth of their deviation vectors, under the torque of a function or on an orbit alone; infinite for a rate of zero.
+/// The default steps of a method at these rates, or those of a map that chooses its method, for its samples or for the
+/// growth of their deviation vectors; infinite for a rate of zero.
 #[pyfunction]
-#[pyo3(signature = (method, rates, of_growth=false, of_function=false, of_orbit=false))]
+#[pyo3(signature = (method, rates, of_growth=false))]
 pub fn default_steps<'py>(
     py: Python<'py>,
     method: &str,
     rates: Aligned1<'py, f64>,
     of_growth: bool,
-    of_function: bool,
-    of_orbit: bool,
 ) -> PyResult<Bound<'py, PyArray1<f64>>> {
     let _standard = FloatEnvironment::standard();
     let choice = MethodChoice::parse(method)?;
     let rates = copied("rates", &rates)?;
-    column(py, &rates, |&rate| choice.default_step([of_growth, of_function, of_orbit], rate))
+    column(py, &rates, |&rate| choice.default_step(of_growth, rate))
 }
 
 /// Names of the status codes of a run, in the order of the codes.

@@ -88,7 +88,7 @@ pub fn growth(
 ) -> Result<Growths, Error> {
     assert!((1..=MAX_DEVIATIONS).contains(&deviations.count));
     assert_eq!(deviations.each.len(), request.bodies.len() * deviations.count);
-    method.check(request.scene, false)?;
+    method.check(request.scene)?;
     method.check_tangent(!request.forces.is_none())?;
     request.check_deviations()?;
     if !request.forces.is_none() {

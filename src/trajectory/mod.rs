@@ -68,7 +68,7 @@ pub fn simulate_into(
 ) -> Result<Effort, Error> {
     match request.method {
         AnyMethod::Steps(method) => {
-            method.check(request.scene, false)?;
+            method.check(request.scene)?;
             if request.record.is_tangent() {
                 method.check_tangent(request.record.is_sensitivity() || !request.forces.is_none())?;
                 request.check_deviations()?;

@@ -91,7 +91,7 @@ impl Motion {
         forces: Forces,
         isa: Isa,
     ) -> Result<Motion, Error> {
-        method.check(scene, false)?;
+        method.check(scene)?;
         if forces.bodies() > 1 && forces.bodies() != bodies.len() {
             let (expected, got) = (format!("{} rows", bodies.len()), format!("{} rows", forces.bodies()));
             return Err(Error::Shape { argument: "forces", expected, got });

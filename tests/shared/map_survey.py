@@ -24,7 +24,7 @@ from rigid.model.scene import Scene
 BODIES = 3
 """Bodies of a map whose motions are integrated by SciPy."""
 
-MEASURING = ("auto", "auto", "auto", "taylor12", "taylor16", "dop853")
+MEASURING = ("auto", "auto", "dop853")
 """Methods that know the motion inside their steps."""
 
 JUDGING = ("auto", "auto", "auto", "taylor16", "dop853")
@@ -381,7 +381,7 @@ def known_classes(seed: int, count: int) -> Tally:
             axes={"omega1": [1.0, 2.0], "t_end": ends},
             start=rigid.Start(omega=(1.0, 0.0, 0.0), noise=rigid.normal([0.0, 0.0, 1.0])),
             stable=rigid.no_flip(1),
-            method=str(rng.choice(["auto", "exact", "taylor12"])),
+            method=str(rng.choice(["auto", "exact", "dop853"])),
             samples=samples,
             rng=int(rng.integers(2**62)),
             progress=False,

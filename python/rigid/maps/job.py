@@ -13,7 +13,7 @@ from .. import _core
 from ..model.judged import Custom
 from ..model.mixture import Mixture
 from ..model.start import Noise, Samples, Start
-from ..solve.methods import AUTO, EXACT, known_method, map_methods
+from ..solve.methods import AUTO, EXACT, known_method, map_methods, series_methods
 from .core_request import CoreRequest, CoreStarts
 from .grid import NominalStarts
 from .judge import CustomJob
@@ -158,8 +158,8 @@ def _one(
     is_judged = isinstance(spec.stable, Custom)
     request = CoreRequest(
         scene=spec.scene.kind,
-        # What draws for a function classifies nothing, and may have no closed form.
-        method=AUTO if is_judged and spec.method == EXACT else spec.method,
+        # What draws for a function classifies nothing, may have no closed form, and measures.
+        method=AUTO if is_judged and spec.method in (EXACT, *series_methods()) else spec.method,
         moments=grid.moving,
         physical=grid.physical,
         weight=grid.weight,

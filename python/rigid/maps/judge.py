@@ -17,7 +17,7 @@ from .. import _core
 from ..model.judged import Custom, States
 from ..rotations.apply import to_body
 from ..solve.closed_form import NO_FORM, closed_forms
-from ..solve.methods import AUTO, EXACT, SECOND, adaptive_methods
+from ..solve.methods import AUTO, EXACT, TO_ROUNDING, adaptive_methods
 from ..solve.request import Request
 from ..solve.second_run import ELSEWHERE
 from ..solve.status import Status
@@ -51,7 +51,7 @@ _OF_BOTH_RUNS = ("checked", "steps_of_both", "errors")
 
 def is_adaptive(spec: MapSpec, method: str) -> bool:
     """Whether the bodies of a map with a custom criterion take adaptive steps by this method."""
-    is_second = method == SECOND and method != spec.scheme
+    is_second = method == TO_ROUNDING and method != spec.scheme
     known = method in adaptive_methods(spec.forces)
     return spec.step is None and known and (spec.method == AUTO or is_second)
 

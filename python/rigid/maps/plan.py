@@ -89,8 +89,7 @@ def _motions(spec: MapSpec, batch: Bodies) -> Motions:
     span = (0.0, spec.t_end)
     rates = batch.fastest_rates(span, spec.scheme)
     if spec.step is None:
-        asked = spec.stable.has_deviation, spec.is_called, spec.is_on_orbit
-        steps = _core.default_steps(spec.method, rates, *asked)
+        steps = _core.default_steps(spec.method, rates, spec.stable.has_deviation)
     else:
         steps = np.full(len(rates), spec.step)
     return motions_of(batch, spec.scheme, span, spec.t_end, steps, states=1)

@@ -22,7 +22,7 @@ from ..model.criterion import Criterion
 from ..model.judged import Custom
 from ..solve.growth import Growth
 from ..solve.lyapunov import growth_of
-from ..solve.methods import EXACT, SECOND
+from ..solve.methods import EXACT, GROWTH_SECOND
 from ..solve.run import Run
 from ..solve.simulate import replay_states, replay_steps, simulate
 from .data import CLASSES, COLUMNS, STATUS, MapData
@@ -281,7 +281,7 @@ def _growth(
         replace(batch, shape=()),
         times,
         of=norm_of(spec.stable.of, spec.scene),
-        method=record["method"] if taken else SECOND,
+        method=record["method"] if taken else GROWTH_SECOND,
         step=step if taken else None,
         max_steps=spec.max_steps,
         threads=1,

@@ -65,8 +65,8 @@ class StabilityMap(MapData):
         Failed bodies by reason: more than ``max_steps`` steps were needed; overflow; energy,
         momentum or unit lengths off by more than 0.1.
     checked : ndarray of int64
-        Bodies that the second method has classified again: ``taylor16``, or ``dop853`` with
-        :func:`rigid.regular`.
+        Bodies that the second method has classified again: ``dop853`` in other steps, or
+        ``taylor16`` under a criterion of the user.
     audited, audited_undecided : ndarray of int64
         Bodies that were checked whatever their outcome, the audit, and undecided bodies among
         these. Loaded maps of format 3 or 4 count all checks as audits.

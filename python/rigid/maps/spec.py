@@ -33,18 +33,18 @@ from ..model.torque import require_constant
 from ..solve.choose_method import NO_BOUND
 from ..solve.closed_form import FORCED_RULE, NO_FORM, closed_forms, question_words, rule
 from ..solve.methods import (
-    ANOMALY_METHODS,
     AUTO,
     EXACT,
-    FUNCTION,
-    GROWTH_FALLBACK,
     GROWTH_SECOND,
+    MANY_TIMES,
     MAP_FALLBACK,
-    ORBIT_FALLBACK,
     RETIRED,
     SECOND,
+    STIFF,
+    TO_ROUNDING,
     check_method,
     known_method,
+    is_stiff,
     map_methods,
 )
 from ..solve.tangent import check_tangent
@@ -99,9 +99,9 @@ class MapSpec:
     samples : int
         Bodies per pixel.
     method : str
-        ``"auto"``: the closed form for each body that has one, else ``"taylor12"``, or ``"dop853"``
-        where deviation vectors are integrated or an orbit acts alone; ``"exact"``: closed forms
-        only; or the name of another method.
+        ``"auto"``: the closed form for each body that has one, else ``"dop853"``, or
+        ``"taylor12"`` under a criterion of the user; ``"exact"``: closed forms only; or the name
+        of another method. A series is refused, but for deviation vectors and such a criterion.
     step : float or None
         Time step of the bodies that are integrated, s; None: the core picks one for each body from
         a bound of its rates.
@@ -230,7 +230,7 @@ class MapSpec:
         check_method(
             self.method,
             self.scene.kind,
-            watched=True,
+            watched=not (self.is_judged or self.stable.has_deviation),
             forces=self.forces,
         )
         if self.stable.has_deviation and (self.method != AUTO or self.is_called):
@@ -308,12 +308,9 @@ class MapSpec:
         return "function" in self.forces
 
     @property
-    def is_on_orbit(self) -> bool:
-        """Whether the gravity gradient of an orbit acts on all pixels, and nothing else.
-
-        A custom criterion is judged from states at given times.
-        """
-        return set(self.forces) == {"orbit"} and not isinstance(self.stable, Custom)
+    def is_judged(self) -> bool:
+        """Whether a criterion of the user judges the bodies, from states at given times."""
+        return isinstance(self.stable, Custom)
 
     @cached_property
     def made(self) -> Scene | None:
@@ -600,20 +597,18 @@ class MapSpec:
         """The method of the bodies without a closed form."""
         if self.method not in (AUTO, EXACT):
             return self.method
-        if self.stable.has_deviation:
-            return GROWTH_FALLBACK
-        if self.is_on_orbit:
-            return ORBIT_FALLBACK
-        return FUNCTION if self.is_called else MAP_FALLBACK
+        return MANY_TIMES if self.is_judged and not self.is_called else MAP_FALLBACK
 
     @property
     def second(self) -> str:
         """The method that classifies these bodies again; for a callback the same in half steps."""
         if self.stable.has_deviation:
             return GROWTH_SECOND
-        if self.is_on_orbit and self.scheme in ANOMALY_METHODS:
-            return ORBIT_FALLBACK
-        return self.scheme if self.is_called else SECOND
+        if self.is_called:
+            return self.scheme
+        if self.is_judged:
+            return TO_ROUNDING
+        return STIFF if self.forces and is_stiff(self.scheme) else SECOND
 
     def _require_closed_forms(self) -> None:
         """Raise ValueError for the first possible body without a closed form."""

@@ -20,7 +20,7 @@ from .choose_method import choose_method
 from .closed_form import NO_FORM, closed_forms
 from .growth import Growth
 from .integrate import integrate
-from .methods import EXACT, SECOND
+from .methods import EXACT, TO_ROUNDING
 from .problem import Problem
 from .request import Request
 from .saddle import gammas
@@ -40,7 +40,7 @@ GENERIC = _core.generic_deviations()
 a part along the direction of the fastest growth."""
 
 ANOTHER = "taylor20"
-"""The method of the second run of :data:`SECOND`."""
+"""The method of the second run of :data:`TO_ROUNDING`."""
 
 LOOKS = 100
 """Number of times at which a motion is compared with a second run."""
@@ -179,7 +179,7 @@ def lyapunov(
             of=of,
             count=count,
             start=start,
-            method=method or SECOND,
+            method=method or TO_ROUNDING,
             step=step,
             check=check,
             max_steps=positive_int("max_steps", max_steps),
@@ -226,7 +226,7 @@ def growth_of(
     lost_from = np.full(len(bodies), np.nan)
     status = found["status"]
     if check:
-        again = run.again(ANOTHER if chosen == SECOND else SECOND, vectors[:, 0])
+        again = run.again(ANOTHER if chosen == TO_ROUNDING else TO_ROUNDING, vectors[:, 0])
         apart = np.abs(again["logs"][0::2, output, 0] - log[:, output])
         rounding = ROUNDING * np.maximum(1.0, np.abs(log[:, output]))
         error = (3.0 * apart + rounding).max(axis=1)

@@ -12,18 +12,17 @@ from ..drawing.figure import html_table
 from ..model.forces import forces_in_words
 
 __all__ = [
-    "ANOMALY_METHODS",
     "AUTO",
     "EXACT",
     "FALLBACK",
     "FUNCTION",
-    "GROWTH_FALLBACK",
     "GROWTH_SECOND",
+    "MANY_TIMES",
     "MAP_FALLBACK",
-    "ORBIT_FALLBACK",
     "RETIRED",
     "SECOND",
     "STIFF",
+    "TO_ROUNDING",
     "Method",
     "adaptive_methods",
     "angle_per_step",
@@ -65,20 +64,17 @@ FALLBACK = _CHOSEN["default"]
 MAP_FALLBACK = _CHOSEN["map"]
 """The default method of the samples of a map without a closed form."""
 
-GROWTH_FALLBACK = _CHOSEN["growth"]
-"""The default method of a map that measures the growth of deviation vectors."""
+MANY_TIMES = _CHOSEN["many_times"]
+"""The default method of motions that a criterion of the user judges at its times."""
+
+TO_ROUNDING = _CHOSEN["to_rounding"]
+"""The method of motions that are asked for to rounding; it classifies judged motions again."""
 
 SECOND = _CHOSEN["second"]
 """The method that classifies the samples of a map again."""
 
 FUNCTION = _CHOSEN["function"]
-"""The default method of a map with a callback: the one that knows its motion inside steps there."""
-
-ANOMALY_METHODS = tuple(_core.anomaly_methods())
-"""The methods that take equal steps of the eccentric anomaly on an orbit alone."""
-
-ORBIT_FALLBACK = _CHOSEN["orbit"]
-"""The default method of a map on an orbit on which nothing else acts, and its second method."""
+"""The method that knows its motion inside steps under a callback, and adapts its steps there."""
 
 GROWTH_SECOND = _CHOSEN["second_growth"]
 """The second method of a map that measures the growth of deviation vectors."""

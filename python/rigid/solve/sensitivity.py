@@ -11,7 +11,7 @@ from .._checks.arguments import resolve_threads, sorted_times
 from ..model.body import Body
 from ..model.scene import Scene, check_scene
 from .bodies import Bodies
-from .methods import SECOND
+from .methods import TO_ROUNDING
 from .request import Request
 from .starts import bodies_of
 from .tangent import ROUNDING, rate_scale, tangent_matrices
@@ -96,7 +96,7 @@ def amplification(bodies: Bodies, times: Floats, threads: int) -> Floats:
         Request(
             bodies=bodies,
             times=times,
-            method=SECOND,
+            method=TO_ROUNDING,
             record="rates",
             max_steps=10**9,
             threads=threads,

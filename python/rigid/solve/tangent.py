@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from .. import _core
 from ..model.forces import forces_in_words
-from .methods import EXACT, SECOND, known_method, run_methods, tangent_methods
+from .methods import EXACT, TO_ROUNDING, known_method, run_methods, tangent_methods
 from .request import Request
 from .status import Status
 
@@ -70,8 +70,8 @@ def tangent_of(
     """
     words = f"tangent by {method} too"
     if method not in tangent_methods():
-        request, steps = replace(request, method=SECOND, tolerance=ROUNDING), None
-        words = f"tangent by {SECOND}, its last terms below {ROUNDING:.1e}"
+        request, steps = replace(request, method=TO_ROUNDING, tolerance=ROUNDING), None
+        words = f"tangent by {TO_ROUNDING}, its last terms below {ROUNDING:.1e}"
     matrices = tangent_matrices(request, steps)
     return matrices, None if change is None else _sensitivity(request, steps, *change), words
 

@@ -142,7 +142,7 @@ pub fn section(
     let n = request.bodies.len();
     assert_eq!(section.surfaces.len(), n * section.kinds.len());
     assert_eq!(section.ends.len(), n);
-    method.check(request.scene, false)?;
+    method.check(request.scene)?;
     let refused = |argument, value, rule| Err(Error::Value { argument, value, rule });
     if section.kinds.len() > MOST_KINDS {
         let rule = "a run watches 32 at most";

@@ -137,7 +137,7 @@ def test_a_method_is_told_with_its_steps_and_drifts(
     assert facts["plan"].startswith("rk4, step ")
     assert " steps; method = 'rk4' was asked for; error unknown: a body is near" in facts["plan"]
     assert facts["method"] == "rk4, step chosen for each body"
-    assert facts["samples"] == "10 per pixel, all cross-checked by taylor16; seed 5"
+    assert facts["samples"] == "10 per pixel, all cross-checked by dop853; seed 5"
     result = rigid.load_map("steps.npz")
     assert f"energy {np.nanmax(result.energy_drift):.1e}" in facts["worst"]
     assert f"momentum {np.nanmax(result.momentum_drift):.1e}" in facts["worst"]

@@ -71,11 +71,11 @@ SAID: list[tuple[object, str, tuple[float | str, ...]]] = [
         rigid.stability_map,
         'with :func:`regular` uses ``"{}"`` in steps of {} rad',
         (
-            CHOSEN["growth"],
-            of_core("map/request.rs", "GROWTH_STEPS") * ANGLES[CHOSEN["growth"]],
+            CHOSEN["map"],
+            of_core("map/request.rs", "GROWTH_STEPS") * ANGLES[CHOSEN["map"]],
         ),
     ),
-    (rigid.stability_map, "``{}`` does it in its default steps", (CHOSEN["second"],)),
+    (rigid.stability_map, "``{}`` does it with 0.8 of the steps", (CHOSEN["second"],)),
     (
         rigid.stability_map,
         "of each {} consecutive bodies of a pixel the first two and",

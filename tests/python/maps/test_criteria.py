@@ -47,13 +47,14 @@ def test_verdicts_are_those_of_a_fine_motion(family: int) -> None:
         assert not wrong.size, (str(criterion), scenes.written(int(wrong[0])))
         assert verdicts.undecided.mean() < 0.2, str(criterion)
         if late.size:
-            # The truth looks at 1e-6 s; a limit that is passed slowly is passed later by more.
-            assert np.quantile(late, 0.9) < 3e-5, str(criterion)
+            # The default steps err by 1e-8 rad for each rad, which tumbling magnifies; a limit that
+            # is passed slowly is passed later by more.
+            assert np.quantile(late, 0.9) < 1e-4, str(criterion)
         seen |= {*verdicts.stable[~verdicts.undecided].tolist()}
     assert seen == {False, True}
 
 
-@pytest.mark.parametrize("method", ["rk4", "splitting4", "taylor12"])
+@pytest.mark.parametrize("method", ["rk4", "splitting4", "dop853"])
 def test_other_methods_agree(method: str) -> None:
     """By the polynomial of their step, or by the cubic through its ends."""
     scenes = free(np.random.default_rng(5), BODIES, equal=False)
@@ -233,8 +234,8 @@ def test_plans_of_joined_criteria() -> None:
             "method = 'dmv10': integrates no frame with a free body",
         ),
         (
-            lambda: small_map(stable=rigid.no_flip(1) | rigid.spin_above(0.2), method="dop853"),
-            "method = 'dop853': observes no limit inside its steps",
+            lambda: small_map(method="taylor16"),
+            "method = 'taylor16': a map looks inside its steps, but not inside those of a series",
         ),
     ],
 )

@@ -42,7 +42,7 @@ def stays_low(states: rigid.States) -> Verdicts:
 
 def test_the_class_is_that_of_no_flip() -> None:
     """In closed form, and by two methods; two bodies graze between the looks at most."""
-    for method in ("auto", "taylor12", "rk4"):
+    for method in ("auto", "dop853", "rk4"):
         asked: dict[str, Any] = {"method": method, "t_end": 20.0}
         judged = small_map(stable=rigid.judged(keeps_its_sign, T, of="rates"), **asked)
         flips = small_map(**asked)

@@ -123,7 +123,7 @@ def test_outcomes_of_all_bodies_are_the_counts_of_the_map(check: float | None) -
     every = result.outcomes(range(70), threads=2)
     for name in ("stable", "unstable", "undecided", "failed"):
         np.testing.assert_array_equal((every.outcome == name).sum(axis=-1), getattr(result, name))
-    np.testing.assert_array_equal(np.where(result.status, "", "taylor12"), every.method[..., 0])
+    np.testing.assert_array_equal(np.where(result.status, "", "dop853"), every.method[..., 0])
     left = np.where(every.outcome == "unstable", every.left, np.inf).min(axis=-1)
     np.testing.assert_array_equal(left, result.earliest)
     drift = every.energy_drift[:2].max(axis=-1)

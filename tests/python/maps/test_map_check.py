@@ -35,13 +35,14 @@ def test_two_or_three_bodies_of_each_group_are_audited(asymmetric: rigid.Stabili
     groups = 3
     assert ((2 * groups <= asymmetric.audited) & (asymmetric.audited <= 3 * groups)).all()
     assert (asymmetric.audited <= asymmetric.checked).all()
-    assert asymmetric.checked.sum() < 0.2 * asymmetric.samples.sum()
+    # The motion inside a step errs by 1e-6 rad, which asks for a margin of 0.03 rad.
+    assert asymmetric.checked.sum() < 0.3 * asymmetric.samples.sum()
     assert not asymmetric.audited_undecided.any()
 
 
 def test_the_summary_tells_the_audit(asymmetric: rigid.StabilityMap) -> None:
     words = (
-        f"{asymmetric.checked.sum():,} cross-checked by taylor16, "
+        f"{asymmetric.checked.sum():,} cross-checked by dop853, "
         f"{asymmetric.audited.sum():,} of these as an audit: 0 differ"
     )
     assert words in asymmetric.summary()
@@ -59,7 +60,7 @@ def test_no_wrong_class_of_coarse_steps_is_kept() -> None:
     """The steps err by 0.01 rad and more, for which no margin is wide enough."""
     coarse: dict[str, Any] = {**REQUEST, "method": "splitting", "step": 0.4}
     alone, checked = small_map(TOP, **coarse, check=0.0), small_map(TOP, **coarse)
-    truth = small_map(TOP, **{**REQUEST, "method": "taylor20"})
+    truth = small_map(TOP, **{**REQUEST, "method": "dop853"})
     assert np.abs(alone.stable - truth.stable).sum() >= 100
     assert checked.checked.sum() > 0.5 * checked.samples.sum()
     assert (np.abs(checked.stable - truth.stable) <= checked.undecided).all()

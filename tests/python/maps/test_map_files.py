@@ -387,14 +387,14 @@ def test_files_of_earlier_versions_are_read(version: int, missing: set[str]) -> 
     """Files that the writers of their time wrote; their maps are computed again.
 
     Runge-Kutta methods have rounded in another way since: numbers near one differ by some
-    roundings.
+    roundings. Times of leaving were on the straight line between the ends of a step of 0.06 rad.
     """
     loaded = rigid.load_map(GOLDEN / "map_files" / f"format{version}.npz")
     again = run_map(loaded.spec, progress=False)
     for name in set(NAMED) - missing:
         old, new = getattr(loaded, name), getattr(again, name)
         # The quaternion of a Runge-Kutta step errs by less than the rows of the matrix did.
-        allowed = 2e-7 if name == "unit_drift" else 1e-14
+        allowed = {"unit_drift": 2e-7, "earliest": 1e-4, "mean_left": 1e-4}.get(name, 1e-14)
         rounding = allowed if old.dtype.kind == "f" else 0.0
         np.testing.assert_allclose(old, new, rtol=0.0, atol=rounding, err_msg=name)
     assert all(np.isnan(getattr(loaded, name)).all() for name in missing)

@@ -188,7 +188,7 @@ def near_the_horizon(method: str, *, step: float, check: float, samples: int = 8
 @pytest.mark.parametrize("method", ["rk4", "splitting"])
 def test_undecided_is_a_body_that_the_second_method_puts_in_another_class(method: str) -> None:
     full = near_the_horizon(method, step=COARSE, check=0.0)
-    second = near_the_horizon("taylor16", step=COARSE / 2, check=0.0)
+    second = near_the_horizon("dop853", step=COARSE / 2, check=0.0)
     for result in (full, second):
         assert not result.undecided.any()
         assert not result.checked.any()
@@ -391,7 +391,7 @@ def test_the_summary_counts_the_bodies_that_were_repeated() -> None:
     )
     assert result.checked.sum() == 0
     assert result.undecided.sum() == result.failed.sum() == 0
-    assert "none cross-checked by taylor16" in result.summary()
+    assert "none cross-checked by dop853" in result.summary()
 
 
 def test_a_share_to_check_is_not_rounded_up_by_its_binary_digits() -> None:

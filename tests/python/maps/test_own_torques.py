@@ -338,7 +338,7 @@ def test_other_processes_cannot_call_the_function() -> None:
     [
         (rigid.no_flip(), {"scene": damped_without_a_bound}, "step: is needed, because the rates"),
         (rigid.regular(), {}, "the derivative of a function is not known"),
-        (rigid.no_flip(), {"method": "taylor16"}, "does not integrate the torque of a function"),
+        (rigid.no_flip(), {"method": "etd4"}, "does not integrate the torque of a function"),
     ],
     ids=["no bound", "growth", "series"],
 )
