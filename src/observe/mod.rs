@@ -104,6 +104,7 @@ where
 }
 
 /// Updates the rows of the bodies that need the motion inside a step, in a function of its own.
+#[expect(clippy::manual_memcpy, reason = "a copied slice has an address: its state would stay in memory")]
 #[inline(always)]
 fn look_inside<O, R, M, L, S, const D: usize>(
     engine: &S,

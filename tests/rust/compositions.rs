@@ -77,10 +77,7 @@ fn reference(scene: &Scene, time: f64) -> States {
 
 fn geometric_methods(scene: &Scene) -> impl Iterator<Item = &'static Method> {
     let is_top = scene.is_top;
-    method::ALL
-        .iter()
-        .copied()
-        .filter(move |m| m.facts.group_preserving && m.check(scene_of(is_top), false).is_ok())
+    method::ALL.iter().copied().filter(move |m| m.facts.group_preserving && m.check(scene_of(is_top)).is_ok())
 }
 
 /// The order of the remaining error: a body without weight only drifts.
@@ -212,20 +209,19 @@ fn too_long_a_drift_gives_no_state() {
 /// A method refuses scenes and observables that it does not support.
 #[test]
 fn refused_scenes_and_observables() {
-    let refused =
-        |method: &'static Method, is_top, is_observed| match method.check(scene_of(is_top), is_observed) {
-            Ok(()) => false,
-            Err(Error::Value { argument, value, .. }) => {
-                assert_eq!((argument, value), ("method", format!("'{}'", method.facts.name)));
-                true
-            }
-            Err(other) => panic!("{other:?}"),
-        };
+    let refused = |method: &'static Method, checked: Result<(), Error>| match checked {
+        Ok(()) => false,
+        Err(Error::Value { argument, value, .. }) => {
+            assert_eq!((argument, value), ("method", format!("'{}'", method.facts.name)));
+            true
+        }
+        Err(other) => panic!("{other:?}"),
+    };
     for method in method::ALL {
         let (drifts, processed) =
             (method.facts.name.starts_with("dmv"), method.facts.name.starts_with("pmlf"));
-        assert!(!refused(method, false, false));
-        assert_eq!(refused(method, true, false), drifts);
-        assert_eq!(refused(method, false, true), processed);
+        assert!(!refused(method, method.check(scene_of(false))));
+        assert_eq!(refused(method, method.check(scene_of(true))), drifts);
+        assert_eq!(refused(method, method.check_observed()), processed || method.is_series());
     }
 }

@@ -21,7 +21,10 @@ fn free(moments: [f64; 3], omega: [f64; 3]) -> Body {
 
 /// The methods that a map can use.
 fn methods_of_maps(is_top: bool) -> impl Iterator<Item = &'static Method> {
-    method::ALL.iter().copied().filter(move |method| method.check(scene_of(is_top), true).is_ok())
+    method::ALL
+        .iter()
+        .copied()
+        .filter(move |method| method.check(scene_of(is_top)).is_ok() && method.check_observed().is_ok())
 }
 
 /// One observed body in a group without other bodies.

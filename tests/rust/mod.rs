@@ -7,7 +7,7 @@ mod closed_forms;
 mod compositions;
 mod elementary_functions;
 mod elliptic_functions;
-mod events_of_series;
+mod events_inside_steps;
 mod flips;
 mod forced_bodies;
 mod incomplete_beta;
