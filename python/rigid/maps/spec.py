@@ -43,8 +43,8 @@ from ..solve.methods import (
     STIFF,
     TO_ROUNDING,
     check_method,
-    known_method,
     is_stiff,
+    known_method,
     map_methods,
 )
 from ..solve.tangent import check_tangent

@@ -215,9 +215,7 @@ def test_the_vertical_of_a_satellite_is_the_normal_of_its_orbit(
         np.testing.assert_allclose(same.largest, one.largest, rtol=1e-9)
 
 
-@pytest.mark.parametrize(
-    ("method", "allowed"), [(None, 1e-5), ("rk4", 1e-4), ("dop853", 1e-7)]
-)
+@pytest.mark.parametrize(("method", "allowed"), [(None, 1e-5), ("rk4", 1e-4), ("dop853", 1e-7)])
 def test_an_orbit_alone_moves_bodies_as_beside_another_force(
     method: str | None, allowed: float
 ) -> None:
