@@ -1,14 +1,15 @@
 //! The angle between a body axis and a direction in space.
 
-use super::inside::{Inside, crossing, has_minimum, least, lowest};
+use super::inside::{Inside, crossing, has_minimum, least, lowest, state};
 use super::{
     Bound, EXIT_TIME, Observable, Quantity, Rows, Segment, Start, Update, along, angle_of, chord2, chord2_of,
-    combined, look_inside, three,
+    combined, look_inside, motion_inside, three,
 };
 use crate::kinematics::{add_cross, cross, direction, direction_rate, dot, half_rows, space_axes};
-use crate::method::Engine;
+use crate::method::{Coefficients, Engine};
 use crate::real::Real;
 use crate::scene::{Layout, Model, Parameters, quaternion};
+use std::marker::PhantomData;
 
 /// Largest angle between a body axis and a direction that is fixed in space: `Layout::OBSERVED`, or the normal of an orbit.
 /// Of a body that is integrated over the anomaly of its orbit, from any direction of the frame of the orbit. The angle is
@@ -133,7 +134,9 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Til
         if R::any(exceeded) {
             // The time is the begin of the step if the limit was exceeded there.
             let values = [(limit + begin).max(zero), margin];
-            let fraction = crossing(&Below { inside: &inside, limit }, [zero, last], values);
+            let dense = &motion_inside(engine, p, segment);
+            let below = Below::<R, L, D> { dense, rows: &*rows, layout: PhantomData };
+            let fraction = crossing(&below, [zero, last], values);
             let at = p.step.fma(fraction, segment.begin);
             rows[EXIT_TIME] = R::select(exceeded, at, rows[EXIT_TIME]);
         }
@@ -227,15 +230,17 @@ impl<R: Real> Inside<R> for Quintic<R> {
     }
 }
 
-/// How far the square of the chord is below its limit.
-struct Below<'a, R> {
-    inside: &'a Quintic<R>,
-    limit: R,
+/// How far the square of the chord is below its limit inside a step, by the motion there.
+struct Below<'a, R, L, const D: usize> {
+    dense: &'a Coefficients<R, D>,
+    rows: &'a Rows<R>,
+    layout: PhantomData<L>,
 }
 
-impl<R: Real> Inside<R> for Below<'_, R> {
+impl<R: Real, L: Layout, const D: usize> Inside<R> for Below<'_, R, L, D> {
     #[inline(always)]
     fn at(&self, fraction: R) -> R {
-        self.limit + self.inside.at(fraction)
+        let direction = of_state::<R, L, D>(self.rows, &state(self.dense, fraction));
+        self.rows[Tilt::LIMIT] - chord2(&three(self.rows, Tilt::AXIS), &direction)
     }
 }

@@ -149,7 +149,7 @@ def test_the_stated_error_is_that_of_the_worst_body(options: dict[str, Any]) -> 
         if not options:
             # The steps of the second run are 1.25 times as long, by a method of order 8.
             assert (worst <= one.error).all(), str(one)
-            assert (one.error <= 2.0 * 1.25**8 * worst).all(), str(one)
+            assert (one.error <= 4.0 * 1.25**8 * worst).all(), str(one)
             continue
         # The second run has an error of its own.
         np.testing.assert_allclose(one.error, worst, rtol=1e-3, atol=1e-13, err_msg=str(one))
@@ -169,7 +169,7 @@ def test_a_chaotic_body_whose_runs_part_has_no_value() -> None:
     # The second run errs six times as much.
     np.testing.assert_array_equal(has[share < 1e-4], True)
     np.testing.assert_array_equal(has[share > 1e-3], False)
-    assert 0 < np.count_nonzero(~has) < has.size / 10
+    assert 0 < np.count_nonzero(~has) < has.size / 8
     (told,) = (line for line in result.summary().splitlines() if "mean_rate(1)" in line)
     assert told.endswith(f"of {has.sum()} bodies, {np.count_nonzero(~has)} undecided")
     assert np.isnan(single.measures["mean_rate(1)"].error).all()
