@@ -44,7 +44,8 @@ ALLOWED = {
 # for those of a pack by one function of the library.
 OF_THE_USER = re.compile(r"^call\s+\*|^<rigid::forces::function::TorqueRows>::call$")
 MAY_CALL_IT = re.compile(
-    r"::kernels_of::.*::Function(Frame|Turns)\b|::midpoint::TorqueInTheMiddle<"
+    r"::(kernels_of::|observe::(Look|MotionInside)<).*::Function(Frame|Turns)\b"
+    r"|::midpoint::TorqueInTheMiddle<"
 )
 # The plain path is for processors without FMA: it rounds products as FMA does with the C library.
 WITHOUT_FMA = re.compile(r"^(fma|rint|roundeven)$")

@@ -80,7 +80,6 @@ struct Look<'a, O, R: Real, M, L, S, const D: usize> {
     begin: R,
     before: &'a [R; D],
     after: &'a [R; D],
-    wanted: R::Mask,
     of: PhantomData<(O, M, L)>,
 }
 
@@ -94,12 +93,8 @@ where
 {
     #[inline(always)]
     fn run(self) {
-        let Look { engine, p, rows, begin, before, after, wanted, .. } = self;
-        let mut seen = *rows;
-        O::look(engine, p, &mut seen, &Segment { begin, before, after, dense: &Coefficients::new() });
-        for r in 0..O::CHANGING {
-            rows[r] = R::select(wanted, seen[r], rows[r]);
-        }
+        let Look { engine, p, rows, begin, before, after, .. } = self;
+        O::look(engine, p, rows, &Segment { begin, before, after, dense: &Coefficients::new() });
     }
 }
 
@@ -125,8 +120,13 @@ fn look_inside<O, R, M, L, S, const D: usize>(
         let [mut before, mut after] = [[begin; D]; 2];
         in_halves!(d in D { before[d] = segment.before[d]; });
         in_halves!(d in D { after[d] = segment.after[d]; });
-        let (before, after) = (&before, &after);
-        R::apart(Look::<O, R, M, L, S, D> { engine, p, rows, begin, before, after, wanted, of: PhantomData });
+        let (mut seen, length) = ([begin; MAX_ROWS], const { O::ROWS });
+        in_halves!(r in length { seen[r] = rows[r]; });
+        let (before, after, of) = (&before, &after, PhantomData);
+        R::apart(Look::<O, R, M, L, S, D> { engine, p, rows: &mut seen, begin, before, after, of });
+        for r in 0..O::CHANGING {
+            rows[r] = R::select(wanted, seen[r], rows[r]);
+        }
     }
 }
 

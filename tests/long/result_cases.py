@@ -523,7 +523,7 @@ def _maps() -> Iterator[Case]:
         yield f"core/map/{name}/check-0.1", partial(numbers, request, check=0.1)
         yield f"core/map/{name}/few-steps", partial(numbers, request, max_steps=40)
         yield f"core/map/{name}/chunks", partial(numbers, request, threads=2)
-        for method in ("auto", "rk4", "splitting", "taylor12"):
+        for method in ("auto", "rk4", "splitting", "dop853"):
             yield f"core/replay/{name}/{method}", partial(replayed, request, method=method)
         yield f"machine/theory/{name}", partial(predicted, request)
         yield (
@@ -594,7 +594,7 @@ def _limits() -> Iterator[Case]:
 
     for scene, request in scenes.items():
         for question, stable in questions.items():
-            for method in ("auto", "rk4", "splitting", "taylor12"):
+            for method in ("auto", "rk4", "splitting", "dop853"):
                 yield (
                     f"core/limits/{scene}/{question}/{method}",
                     partial(numbers, {**request, "stable": stable}, method=method),
