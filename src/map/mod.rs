@@ -367,7 +367,7 @@ impl Watched<'_> {
     /// How a run of a sample is assigned to a kernel: over the anomaly of the orbit, if an orbit alone acts and its method has
     /// such steps.
     fn assignment(&self, body: &Body, forces: BodyForces, cross_check: bool) -> KernelAssignment {
-        let method = self.method(forces, cross_check);
+        let method = self.method(cross_check);
         let on_orbit = self.is_on_orbit(forces).then(|| KernelAssignment::on_orbit(method)).flatten();
         on_orbit.unwrap_or_else(|| KernelAssignment::of_either(self.is_forced(), method, body, self.scene))
     }
@@ -393,21 +393,20 @@ impl Watched<'_> {
         }
     }
 
-    /// The method of a run of a sample under these forces.
-    fn method(&self, forces: BodyForces, cross_check: bool) -> &'static Method {
+    /// The method of a run of a sample.
+    fn method(&self, cross_check: bool) -> &'static Method {
         let method = self.map.method.by_steps();
         match (cross_check, self.criterion.rule()) {
             (false, _) => method,
             (true, Some(_)) => regular::SECOND,
-            // Few methods integrate the torque of a function: the same makes half the steps.
+            // Few methods integrate the torque of a function: the same takes other steps.
             (true, None) if self.calls_functions() => method,
-            (true, None) if self.is_on_orbit(forces) => method::SECOND,
             (true, None) => method.second(self.is_forced()),
         }
     }
 
-    /// Number of steps of a run of a sample over a time, or over the anomaly from a place: whole blocks, no step longer than the map allows; above `max_steps` if the
-    /// rates need that many. A cross-check takes steps of its own: those of the default method are longer than in the first
+    /// Number of steps of a run of a sample over a time, or over the anomaly from a place: whole blocks, no step longer than
+    /// the map allows; above `max_steps` if the rates need that many. A cross-check takes steps of its own: those of the default method are longer than in the first
     /// run, or as long where the map takes another method. It makes at most half the step that was asked for or, unless it
     /// is of regularity, that a chosen method makes in the first run.
     fn steps_of(
@@ -417,9 +416,9 @@ impl Watched<'_> {
         cross_check: bool,
         (on_orbit, span): (Option<OnOrbit>, f64),
     ) -> u64 {
-        let method = self.method(forces, cross_check);
+        let method = self.method(cross_check);
         let (is_ruled, is_auto) = (self.criterion.rule().is_some(), self.map.method == MethodChoice::Auto);
-        let is_alike = on_orbit.is_none() && method == self.method(forces, false);
+        let is_alike = on_orbit.is_none() && method == self.method(false);
         // Over an anomaly steps of a time are those of the mean motion.
         let pace = on_orbit.map_or(1.0, |on_orbit| on_orbit.place.rate());
         let rate = match on_orbit {

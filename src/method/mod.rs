@@ -95,8 +95,11 @@ pub const DEFAULT: &Method = &RK4;
 /// check would not find one wrong classification in four.
 pub const SECOND: &Method = &DOP853;
 
-/// The series of motions that are asked for at many times, and that of those to rounding.
-pub const SERIES: [&Method; 2] = [&TAYLOR12, &TAYLOR16];
+/// The method of motions that are judged at many times.
+pub const MANY_TIMES: &Method = &TAYLOR12;
+
+/// The method of motions that are asked for to rounding.
+pub const TO_ROUNDING: &Method = &TAYLOR16;
 
 /// The method for strong damping; without damping it is the default method.
 pub const STIFF: &Method = &ETD4;

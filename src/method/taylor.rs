@@ -3,9 +3,7 @@
 //! The equations of motion are quadratic, so each order follows from the Cauchy products of the lower ones
 //! (Jorba & Zou 2005, §2). Coefficients are those of powers of t / step: their sum is the state after a step.
 
-use super::acceleration;
-use super::turning_of_rates;
-use super::{Engine, EngineName, Facts, Method, Numbers, Step, Variables};
+use super::{Engine, EngineName, Facts, Method, Numbers, Step, Variables, acceleration, turning_of_rates};
 use crate::forces::{ForcesInterval, Further, FurtherSeries, Order};
 use crate::kinematics::{
     add_cross, add_roll_across, add_roll_along, add_turn_across, add_turn_along, direction, put,

@@ -183,9 +183,8 @@ fn chosen_methods(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
     names.set_item("map", MethodChoice::Auto.by_steps().facts.name)?;
     names.set_item("second", method::SECOND.facts.name)?;
     names.set_item("function", method::DOP853.facts.name)?;
-    for (key, series) in ["many_times", "to_rounding"].into_iter().zip(method::SERIES) {
-        names.set_item(key, series.facts.name)?;
-    }
+    names.set_item("many_times", method::MANY_TIMES.facts.name)?;
+    names.set_item("to_rounding", method::TO_ROUNDING.facts.name)?;
     names.set_item("second_growth", SECOND_OF_GROWTH.facts.name)?;
     names.set_item("stiff", method::STIFF.facts.name)?;
     Ok(names)

@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
-from ..model.judged import Custom
 from ..model.mixture import Mixture
 from ..model.start import Noise, Samples, Start
 from ..solve.methods import AUTO, EXACT, known_method, map_methods, series_methods
@@ -155,11 +154,11 @@ def _one(
     grids = [spec.starting(start, pixels) for start in spec.start.starts]
     grid = grids[0]
     begins = np.broadcast_to(first, len(grid.moments))
-    is_judged = isinstance(spec.stable, Custom)
+    # What draws for a function classifies nothing, may have no closed form, and measures.
+    is_left = spec.is_judged and spec.method in (EXACT, *series_methods())
     request = CoreRequest(
         scene=spec.scene.kind,
-        # What draws for a function classifies nothing, may have no closed form, and measures.
-        method=AUTO if is_judged and spec.method in (EXACT, *series_methods()) else spec.method,
+        method=AUTO if is_left else spec.method,
         moments=grid.moving,
         physical=grid.physical,
         weight=grid.weight,
@@ -179,7 +178,7 @@ def _one(
         first=begins.astype(np.uint64),
     )
     job = _core.MapJob(request)
-    if not is_judged:
+    if not spec.is_judged:
         return job
     all_pixels = np.arange(math.prod(spec.shape)) if pixels is None else pixels
     return CustomJob(spec, job, request, all_pixels, fixed or {})

@@ -183,7 +183,7 @@ class MapSpec:
         if isinstance(self.stable, Custom):
             self._check_custom(self.stable)
         self._check_leaving(self.stable)
-        limited = self.stable.limited is not None or isinstance(self.stable, Custom)
+        limited = self.stable.limited is not None or self.is_judged
         if "limit" in self.varied and not limited:
             raise ValueError(f"axes: 'limit' does not apply: {self.stable} limits no angle")
         put("samples", positive_int("samples", self.samples))
@@ -224,7 +224,7 @@ class MapSpec:
             for one in self.measure:
                 one.check_forced(self.scene, self.forces)
         require_constant(self.scene.torque)
-        chosen = self.step is not None or (isinstance(self.stable, Custom) and self.method == AUTO)
+        chosen = self.step is not None or (self.is_judged and self.method == AUTO)
         if not (chosen or self._of_all.bounds_rates):
             raise ValueError(NO_BOUND)
         check_method(
@@ -601,7 +601,7 @@ class MapSpec:
 
     @property
     def second(self) -> str:
-        """The method that classifies these bodies again; for a callback the same in half steps."""
+        """The method that classifies these bodies again; for a callback the same in other steps."""
         if self.stable.has_deviation:
             return GROWTH_SECOND
         if self.is_called:
