@@ -75,7 +75,7 @@ def find_reference(
         truth = ensemble.run(name, steps)
         apart.append(np.maximum(*ensemble.distance(before, truth)))
         medians = [float(np.median(one)) for one in apart[-2:]]
-        if len(apart) > 2 and medians[1] < CONVERGED and medians[1] > 0.5 * medians[0]:
+        if len(apart) > 2 and medians[1] < CONVERGED and medians[1] >= 0.5 * medians[0]:
             # Only rounding errors are left, and they grow with the steps: the run before is better,
             # and the runs with half and twice its steps show its error.
             return _reference(name, steps // 2, np.maximum(*apart[-2:]), ensemble), before

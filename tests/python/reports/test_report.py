@@ -158,6 +158,15 @@ def test_the_reference_is_not_converged_in_no_time_and_says_so() -> None:
     assert hasty.uncertainty > 1e-4
 
 
+def test_runs_that_agree_to_the_bit_have_converged() -> None:
+    """Over a short time runs of half the step are the same numbers, and no search goes on."""
+    ensemble = ensemble_of(make_spec(ASYMMETRIC, (0.3, 1.2, 0.5), t_end=1.0, bodies=8))
+    more = iter([True] * 12)
+    reference, _ = find_reference(ensemble, ["taylor26"], lambda _: next(more, False))
+    assert next(more, False)
+    assert reference.steps < 100
+
+
 def test_no_error_below_the_uncertainty_of_the_reference_is_told(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
