@@ -418,7 +418,7 @@ impl Watched<'_> {
     ) -> u64 {
         let method = self.method(cross_check);
         let (is_ruled, is_auto) = (self.criterion.rule().is_some(), self.map.method == MethodChoice::Auto);
-        let is_alike = on_orbit.is_none() && method == self.method(false);
+        let is_alike = method == self.method(false);
         // Over an anomaly steps of a time are those of the mean motion.
         let pace = on_orbit.map_or(1.0, |on_orbit| on_orbit.place.rate());
         let rate = match on_orbit {
