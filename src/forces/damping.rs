@@ -64,6 +64,9 @@ impl Damping {
 
     /// Damping rates of a body with these moments without torque, ascending: the eigenvalues of `I^(-1/2) D I^(-1/2)`.
     pub fn rates(&self, moments: [f64; 3]) -> [f64; 3] {
+        if self.0 == [0.0; 6] {
+            return [0.0; 3];
+        }
         let mut rates = self.modes(moments).0;
         rates.sort_by(f64::total_cmp);
         rates
