@@ -23,7 +23,7 @@ from pathlib import Path
 
 # The entry points of kernels, by their paths.
 KERNEL = re.compile(
-    r"\brigid::kernel::registry::kernels_of::\w+::(avx512|avx2|scalar)::(advance|processed|adaptive|trial|alone|dense|invariants_of)\b"
+    r"\brigid::kernel::registry::kernels_of::\w+::(avx512|avx2|scalar)::(advance|processed|adaptive|alone|dense|invariants_of)\b"
     r"|\brigid::exact::evaluate::(avx512|avx2|scalar)::(states_of|exits_of)\b"
 )
 

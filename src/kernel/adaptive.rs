@@ -1,14 +1,14 @@
-//! Adaptive steps of a group: the length of each step from the series of the body, and states inside the step.
+//! Adaptive steps of a group, and states inside the step: of a series with the length that its terms allow; of a Runge-Kutta
+//! method by trial. A lane whose step has too large an error keeps its state, and tries a shorter step in the next round.
 
 use super::group::{Group, MAX_STATE};
 use super::step::used_packs;
 use crate::error::Error;
 use crate::memory;
-use crate::method::{Coefficients, Engine, in_halves, two_sum};
+use crate::method::{Coefficients, Engine, Limits, Proposal, in_halves, speed, two_sum};
 use crate::real::{Pack, Real, zero_or_nan};
 use crate::scene::{Layout, Model, Parameters};
 use crate::simd::{LANES, Row};
-use crate::special::{exp, ln};
 
 /// Time and last polynomial of each body of a group.
 #[derive(Clone)]
@@ -32,8 +32,10 @@ pub struct AdaptiveSteps {
     pub inverse_rate: Row,
     /// The longest step of a Runge-Kutta method.
     pub longest: Row,
-    /// The step that a Runge-Kutta method tries next, with its sign.
+    /// The length that the next step tries, with its sign: of a series the length of its last step. Zero in inactive lanes.
     pub trial: Row,
+    /// 1 where the last step had too large an error and is made again, shorter.
+    pub again: Row,
     /// Size of the last terms of a step of a series, or of the error of a Runge-Kutta step.
     pub tolerance: f64,
 }
@@ -53,18 +55,26 @@ impl AdaptiveSteps {
             inverse_rate: nothing,
             longest: nothing,
             trial: nothing,
+            again: nothing,
             tolerance,
         })
     }
 }
 
-/// Advances every lane by adaptive steps until one lane reaches its `next` time; returns the number of steps, at most
-/// `most`. A block also ends if the state of a lane is not a number: the time of the lane is then NaN.
+/// Limits of the factor between two steps, and the share of the step that the error allows (Hairer, Nørsett, Wanner,
+/// Solving ODEs I, section II.4).
+const LEAST_FACTOR: f64 = 0.2;
+const LARGEST_FACTOR: f64 = 6.0;
+const SAFETY: f64 = 0.9;
+
+/// Advances every lane by adaptive steps until one lane reaches its `next` time; returns the number of rounds, at most
+/// `most`, in each of which a lane makes a step unless its error is too large. A block also ends if the state of a lane is
+/// not a number: the time of the lane is then NaN.
 #[inline(always)]
 pub fn adaptive_block<P: Pack, const PACKS: usize, M, L, S, const D: usize>(
     g: &mut Group,
     l: &mut AdaptiveSteps,
-    bodies: &[(Parameters<P>, S); PACKS],
+    bodies: &mut [(Parameters<P>, S); PACKS],
     most: usize,
 ) -> usize
 where
@@ -76,53 +86,7 @@ where
     for done in 1..=most {
         let mut reached = false;
         for b in 0..packs {
-            let at = b * P::LANES;
-            let unit = P::load(&g.step.0[at..]);
-            let (mut y, mut compensation) = ([unit; D], [unit; D]);
-            for d in 0..D {
-                y[d] = P::load(&g.state[d].0[at..]);
-                compensation[d] = P::load(&g.compensation[d].0[at..]);
-            }
-            let mut c = Coefficients::new();
-            bodies[b].1.expand(unit, &y, &mut c);
-            let order = c.highest();
-            let inverse_rate = P::load(&l.inverse_rate.0[at..]);
-            let mut bound = step_bound::<P, L, D>(&c, order, inverse_rate, P::splat(l.tolerance));
-            if L::BALANCE {
-                let now = P::load(&l.now[0].0[at..]) + P::load(&l.now[1].0[at..]);
-                // `min` returns its second argument if an argument is NaN.
-                bound = ((P::load(&l.end.0[at..]) - now) / unit).min(bound);
-            }
-            let mut increment = *c.order(order);
-            for k in (1..order).rev() {
-                in_halves!(d in D { increment[d] = increment[d].fma(bound, c.order(k)[d]); });
-            }
-            in_halves!(d in D {
-                (y[d], compensation[d]) = two_sum(y[d], increment[d].fma(bound, compensation[d]));
-                y[d].store(&mut g.state[d].0[at..]);
-                compensation[d].store(&mut g.compensation[d].0[at..]);
-            });
-            // The motion goes on if the deviation vector overflows.
-            let step = unit.fma(bound, zero_or_nan(&y[..L::TANGENT_AT]));
-            unit.store(&mut l.unit.0[at..]);
-            step.store(&mut g.step.0[at..]);
-
-            let begin = [P::load(&l.now[0].0[at..]), P::load(&l.now[1].0[at..])];
-            let (time, residue) = two_sum(begin[0], step + begin[1]);
-            begin[0].store(&mut l.begin[0].0[at..]);
-            begin[1].store(&mut l.begin[1].0[at..]);
-            time.store(&mut l.now[0].0[at..]);
-            residue.store(&mut l.now[1].0[at..]);
-            let ahead = (P::load(&l.next.0[at..]) - time) * P::load(&l.direction.0[at..]);
-            let ends = some_ends(ahead);
-            reached |= ends;
-            if ends || done == most {
-                for k in 0..=order {
-                    for d in 0..D {
-                        c.order(k)[d].store(&mut l.powers[k][d].0[at..]);
-                    }
-                }
-            }
+            reached |= step::<P, M, L, S, D>(g, l, &mut bodies[b].1, b * P::LANES, done == most);
         }
         if reached {
             return done;
@@ -131,73 +95,109 @@ where
     most
 }
 
+/// Advances the pack that begins at a lane by one step; whether a lane has reached its `next` time.
+#[inline(always)]
+fn step<P: Pack, M: Model<P>, L: Layout, S: Engine<P, M, L, D>, const D: usize>(
+    g: &mut Group,
+    l: &mut AdaptiveSteps,
+    engine: &mut S,
+    at: usize,
+    is_last: bool,
+) -> bool {
+    let (zero, one) = (P::splat(0.0), P::splat(1.0));
+    let (next, mut wanted) = (P::load(&l.next.0[at..]), P::load(&l.trial.0[at..]));
+    if !P::any(zero.lt(wanted.abs())) && !P::any(next.abs().lt(P::splat(f64::INFINITY))) {
+        // Nobody is in the pack.
+        return false;
+    }
+    let (mut y, mut compensation) = ([zero; D], [zero; D]);
+    for d in 0..D {
+        y[d] = P::load(&g.state[d].0[at..]);
+        compensation[d] = P::load(&g.compensation[d].0[at..]);
+    }
+    let (before, lost) = (y, compensation);
+    let begin = [P::load(&l.now[0].0[at..]), P::load(&l.now[1].0[at..])];
+    let (now, end) = (begin[0] + begin[1], P::load(&l.end.0[at..]));
+    let inverse_rate = P::load(&l.inverse_rate.0[at..]);
+    let limits = Limits { tolerance: P::splat(l.tolerance), inverse_rate, room: end - now };
+    let mut unit = wanted;
+    if const { S::IS_TRIED } {
+        // No step goes beyond a knot or an output time.
+        let longest = P::load(&l.longest.0[at..]);
+        wanted = wanted.max(-longest).min(longest);
+        unit = P::select(wanted.abs().lt(limits.room.abs()), wanted, limits.room);
+    }
+    let mut inside = Coefficients::new();
+    let Proposal { change, share, error } = engine.propose(unit, &limits, &y, &mut inside);
+    in_halves!(d in D {
+        (y[d], compensation[d]) = two_sum(y[d], change[d].fma(share, compensation[d]));
+    });
+    // The motion goes on if the deviation vector overflows.
+    let mut made = unit.fma(share, zero_or_nan(&y[..L::TANGENT_AT]));
+    let (mut time, mut residue) = two_sum(begin[0], made + begin[1]);
+    let (mut trial, mut steps) = (made, one);
+    if const { S::IS_TRIED } {
+        // One where the step is made again: not where it is the shortest, nor where the state has no rate of change, so that
+        // no step has a smaller error. The number after one, so that an error of one is not too large; a NaN is.
+        let mut again = P::select(error.lt(P::splat(1.0 + f64::EPSILON)), zero, one);
+        let shortest = P::splat(4.0 * f64::EPSILON) * now.abs() + P::splat(f64::MIN_POSITIVE);
+        again = P::select(shortest.lt(unit.abs()), again, zero);
+        again = P::select(zero_or_nan(inside.order(0)).lt(one), again, zero);
+        let is_made = again.lt(one);
+        // After a step with too large an error none is longer. The error falls as the eighth power of the step; of an error
+        // of zero the quotient is infinite. `min` and `max` return their second argument if an argument is NaN.
+        let was_again = zero.lt(P::load(&l.again.0[at..]));
+        let largest = P::select(was_again, one, P::splat(LARGEST_FACTOR));
+        let factor = P::splat(SAFETY) / error.sqrt().sqrt().sqrt();
+        trial = unit * largest.min(factor).max(P::splat(LEAST_FACTOR));
+        // One where a step that is made was cut, and ends at the knot or the output time if its state is a number.
+        let mut cut = P::select(wanted.abs().lt(limits.room.abs()), zero, one);
+        cut = P::select(is_made, cut, zero);
+        trial = P::select(trial.abs().lt(cut * wanted.abs()), wanted, trial);
+        let is_at_end = zero.lt(made.fma(zero, cut));
+        time = P::select(is_at_end, end, P::select(is_made, time, begin[0]));
+        residue = P::select(is_at_end, zero, P::select(is_made, residue, begin[1]));
+        made = P::select(is_made, made, unit);
+        for d in 0..D {
+            y[d] = P::select(is_made, y[d], before[d]);
+            compensation[d] = P::select(is_made, compensation[d], lost[d]);
+        }
+        let fastest = P::select(is_made, speed(&y), zero);
+        P::select((one / inverse_rate).lt(fastest), one / fastest, inverse_rate)
+            .store(&mut l.inverse_rate.0[at..]);
+        again.store(&mut l.again.0[at..]);
+        steps = one - again;
+    }
+    for d in 0..D {
+        y[d].store(&mut g.state[d].0[at..]);
+        compensation[d].store(&mut g.compensation[d].0[at..]);
+    }
+    unit.store(&mut l.unit.0[at..]);
+    trial.store(&mut l.trial.0[at..]);
+    made.store(&mut g.step.0[at..]);
+    (P::load(&g.count.0[at..]) + steps).store(&mut g.count.0[at..]);
+    begin[0].store(&mut l.begin[0].0[at..]);
+    begin[1].store(&mut l.begin[1].0[at..]);
+    time.store(&mut l.now[0].0[at..]);
+    residue.store(&mut l.now[1].0[at..]);
+    let ahead = (next - time) * P::load(&l.direction.0[at..]);
+    let ends = some_ends(ahead);
+    if ends || is_last {
+        let wanted = if is_last { steps } else { P::select(zero.lt(ahead), zero, one) };
+        engine.expand(wanted, [&before, &y], &mut inside);
+        for k in 0..=inside.highest() {
+            for d in 0..D {
+                inside.order(k)[d].store(&mut l.powers[k][d].0[at..]);
+            }
+        }
+    }
+    ends
+}
+
 /// Whether the time ahead of some lane is over, or NaN.
 #[inline(always)]
 pub(super) fn some_ends<R: Real>(ahead: R) -> bool {
     !R::all(R::splat(0.0).lt(ahead))
-}
-
-/// The longest step, in units, for which the last two terms of the series are below the tolerance, with the safety
-/// factor of Jorba & Zou 2005, eq. (3-8) (doi 10.1080/10586458.2005.10128904).
-#[inline(always)]
-fn step_bound<R: Real, L: Layout, const D: usize>(
-    c: &Coefficients<R, D>,
-    order: usize,
-    inverse_rate: R,
-    tolerance: R,
-) -> R {
-    let deviation =
-        if L::TANGENT { largest_change::<R, L, D>(c.order(0), inverse_rate) } else { R::splat(1.0) };
-    let scales = [inverse_rate, deviation];
-    let last = log_margin::<R, L, D>(c.order(order), scales, tolerance);
-    let before = log_margin::<R, L, D>(c.order(order - 1), scales, tolerance);
-    bound_of_margins(last, before, order)
-}
-
-/// The longest step, from ln of the tolerance over the largest number of the last term and of the one before.
-#[inline(always)]
-pub(super) fn bound_of_margins<R: Real>(last: R, before: R, order: usize) -> R {
-    let last = last * R::splat(1.0 / order as f64);
-    let before = before * R::splat(1.0 / (order - 1) as f64);
-    // The factor between two steps is at most 2^30, because a body at rest has no time scale.
-    let growth = R::splat(30.0 * std::f64::consts::LN_2);
-    let margin = R::splat(0.7 / (order - 1) as f64);
-    exp((last.min(before) - margin).min(growth).max(-growth))
-}
-
-/// ln of the tolerance over the largest number of a term, where a deviation vector counts relative to its size. The
-/// balance follows from the motion, so the balance is ignored.
-#[inline(always)]
-fn log_margin<R: Real, L: Layout, const D: usize>(
-    term: &[R; D],
-    [inverse_rate, deviation]: [R; 2],
-    tolerance: R,
-) -> R {
-    let mut largest = R::splat(f64::MIN_POSITIVE);
-    for d in 0..L::BALANCE_AT {
-        let size = if d < 3 { term[d].abs() * inverse_rate } else { term[d].abs() };
-        largest = largest.max(size);
-    }
-    if L::TANGENT {
-        // `max` returns its second argument if the quotient is a NaN: a deviation vector that has overflowed does not
-        // count.
-        let change = largest_change::<R, L, D>(term, inverse_rate);
-        // Nor does one that is zero and stays so.
-        let none = R::splat(f64::MIN_POSITIVE);
-        largest = R::select(none.lt(change), change / deviation, none).max(largest);
-    }
-    ln(tolerance) - ln(largest)
-}
-
-/// The largest number of a deviation vector, its change of the rates over the scale of the rates.
-#[inline(always)]
-fn largest_change<R: Real, L: Layout, const D: usize>(y: &[R; D], inverse_rate: R) -> R {
-    let mut largest = R::splat(f64::MIN_POSITIVE);
-    for d in 0..6 {
-        let size = y[L::TANGENT_AT + d].abs();
-        largest = (if d < 3 { size * inverse_rate } else { size }).max(largest);
-    }
-    largest
 }
 
 /// The state of a lane inside its last step, `units` after the begin of the step.

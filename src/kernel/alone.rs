@@ -1,9 +1,11 @@
 //! Adaptive steps of one body alone: those of `adaptive_block`, with the same bits, and the directions side by side.
 
-use super::adaptive::{AdaptiveSteps, bound_of_margins, some_ends};
+use super::adaptive::{AdaptiveSteps, some_ends};
 use super::group::{ForcesRows, Group, MAX_STATE};
 use crate::forces::ForcesInterval;
-use crate::method::{COLUMNS, Columns, Engine, Numbers, SeriesAlone, Taylor, in_columns, two_sum};
+use crate::method::{
+    COLUMNS, Columns, Engine, Numbers, SeriesAlone, Taylor, bound_of_margins, in_columns, two_sum,
+};
 use crate::real::{Quad, is_finite};
 use crate::scene::{Layout, Model, Parameters};
 use crate::simd::Row;
@@ -86,7 +88,7 @@ pub fn adaptive_alone<R: Quad, M: Model<R>, L: Layout, const D: usize>(
     let (next, end, direction) = (first::<R>(&l.next), first::<R>(&l.end), first::<R>(&l.direction));
     let scales = one.with_last(first(&l.inverse_rate));
     let (mut y, mut compensation) = (read_columns::<R, L>(&g.state), read_columns::<R, L>(&g.compensation));
-    let mut step = first::<R>(&g.step);
+    let mut step = first::<R>(&l.trial);
     let mut now = [first::<R>(&l.now[0]), first::<R>(&l.now[1])];
     let mut c = SeriesAlone::new();
     let (mut unit, mut begin);
@@ -137,7 +139,9 @@ pub fn adaptive_alone<R: Quad, M: Model<R>, L: Layout, const D: usize>(
         l.now[i].0[0] = now[i].first();
     }
     l.unit.0[0] = unit.first();
+    l.trial.0[0] = step.first();
     g.step.0[0] = step.first();
+    g.count.0[0] += done as f64;
     done
 }
 

@@ -9,7 +9,6 @@ mod group;
 mod load;
 mod registry;
 mod step;
-mod trial;
 
 pub use adaptive::AdaptiveSteps;
 pub use compiled::Compiled;

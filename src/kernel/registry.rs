@@ -4,7 +4,6 @@ use super::adaptive::{AdaptiveSteps, adaptive_block, dense_output};
 use super::alone::adaptive_alone;
 use super::group::{ForcesRows, Group, MAX_STATE};
 use super::step::{invariants, prepared, process, step_block};
-use super::trial::trial_block;
 use crate::forces::ForceSet;
 use crate::method::*;
 use crate::observe::Observed;
@@ -103,7 +102,7 @@ macro_rules! entry_points {
             }
 
             $($feature)*
-            fn adaptive<P, M, L, const D: usize, const PACKS: usize>(
+            fn adaptive<P, S, M, L, const D: usize, const PACKS: usize>(
                 g: &mut Group,
                 forces: &ForcesRows,
                 l: &mut AdaptiveSteps,
@@ -112,26 +111,12 @@ macro_rules! entry_points {
             ) -> usize
             where
                 P: Pack,
+                S: Engine<P, M, L, D>,
                 M: Model<P>,
                 L: Layout,
             {
-                let bodies = prepared::<P, PACKS, M, L, Taylor<P, M>, D>(g, forces, numbers);
-                adaptive_block::<P, PACKS, M, L, Taylor<P, M>, D>(g, l, &bodies, most)
-            }
-
-            $($feature)*
-            fn trial<M, L, const D: usize>(
-                g: &mut Group,
-                forces: &ForcesRows,
-                l: &mut AdaptiveSteps,
-                most: usize,
-                _numbers: &'static Numbers,
-            ) -> usize
-            where
-                M: Model<f64>,
-                L: Layout,
-            {
-                trial_block::<M, L, Dop853Tableau, D>(g, forces, l, most)
+                let mut bodies = prepared::<P, PACKS, M, L, S, D>(g, forces, numbers);
+                adaptive_block::<P, PACKS, M, L, S, D>(g, l, &mut bodies, most)
             }
 
             $($feature)*
@@ -209,12 +194,13 @@ macro_rules! entry_points {
                     process: if S::PROCESSED { Some(processed::<P, S, M, L, D, PACKS>) } else { None },
                     invariants: invariants_of::<T, N, L, D>,
                     shares_motion: S::SHARES_MOTION,
-                    adaptive: match S::IS_SERIES {
-                        true if L::FUNCTION => Some(trial::<N, L, D>),
-                        true => Some(adaptive::<P, M, L, D, PACKS>),
+                    adaptive: if S::IS_SERIES { Some(adaptive::<P, S, M, L, D, PACKS>) } else { None },
+                    alone: match S::IS_SERIES {
+                        // One lane pays for one body.
+                        true if L::FUNCTION => Some(adaptive::<f64, T, N, L, D, 1>),
+                        true => alone,
                         false => None,
                     },
-                    alone: if S::IS_SERIES { alone } else { None },
                     dense: if S::IS_SERIES { Some(dense::<D>) } else { None },
                 })
             }

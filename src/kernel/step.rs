@@ -76,7 +76,7 @@ where
     L: Layout,
     S: Engine<P, M, L, D>,
 {
-    const { assert!(D == L::LEN && PACKS * P::LANES == LANES) };
+    const { assert!(D == L::LEN && PACKS * P::LANES <= LANES) };
     let mut bodies = [prepared_pack::<P, M, L, S, D>(g, forces, 0, numbers); PACKS];
     if const { S::IS_SHORT && PACKS <= MOST_WRITTEN_OUT } {
         // The loop below stays a loop here, in which the compiler copies the constants of a pack by calls.

@@ -29,14 +29,14 @@ pub use exponential::{AffineSplitting, Exponential};
 pub use midpoint::ImplicitMidpoint;
 pub use moser_veselov::MoserVeselov;
 pub use orbit_steps::OrbitSteps;
-pub use runge_kutta::RungeKutta;
+pub use runge_kutta::{RungeKutta, speed};
 pub use splitting::{
     ComposedPlanar, Composition, Drift, ExactRotor, Flow, KickMoserVeselov, KickRotor, Planar, Processor,
     Round, Splitting,
 };
-pub use tableau::{Dop853Tableau, Rk4Tableau, Slopes, Tableau};
+pub use tableau::{Dop853Tableau, Rk4Tableau, Tableau};
 pub use taylor::Taylor;
-pub(crate) use taylor::{in_halves, two_sum};
+pub(crate) use taylor::{bound_of_margins, in_halves, two_sum};
 
 use crate::error::Error;
 use crate::forces::ForcesInterval;
@@ -637,6 +637,26 @@ fn turning_of_rates<R: Real, M: Model<R>, L: Layout, const D: usize>(
     [omega[0] + turn[0], omega[1] + turn[1], omega[2] + turn[2]]
 }
 
+/// What limits an adaptive step.
+pub struct Limits<R> {
+    /// Size of the last terms of a series, or of the error of a Runge-Kutta step.
+    pub tolerance: R,
+    /// One over the scale of the rates.
+    pub inverse_rate: R,
+    /// The time to the next knot of the forces.
+    pub room: R,
+}
+
+/// An adaptive step.
+pub struct Proposal<R, const D: usize> {
+    /// The change of the state over the share.
+    pub change: [R; D],
+    /// The length of the step, in units.
+    pub share: R,
+    /// The error over the tolerance; zero of a series, whose step is as long as the error allows.
+    pub error: R,
+}
+
 /// The code of an engine for one pack of bodies. `R` is the pack; a state of the layout `L` has `D` numbers.
 pub trait Engine<R: Real, M: Model<R>, L: Layout, const D: usize>: Copy {
     /// The variables that the engine integrates.
@@ -647,6 +667,8 @@ pub trait Engine<R: Real, M: Model<R>, L: Layout, const D: usize>: Copy {
     const COMPENSATES: bool = false;
     /// Whether a step is a series, and stores its coefficients: the motion inside the step is known.
     const IS_SERIES: bool = false;
+    /// Whether the length of an adaptive step is tried: a step with too large an error is made again, shorter.
+    const IS_TRIED: bool = false;
     /// Whether a step moves a deviation vector by the derivative of the step.
     const HAS_TANGENT: bool = false;
     /// Whether a step can move further deviation vectors with the same motion.
@@ -699,12 +721,23 @@ pub trait Engine<R: Real, M: Model<R>, L: Layout, const D: usize>: Copy {
     ) {
         unreachable!("only some steps move further deviation vectors")
     }
-    /// The coefficients of a series for the motion from `y` on, in powers of the time over `unit`. The coefficients are
-    /// written in place, because a move would cost a tenth of their computation.
+    /// An adaptive step from `y` on. What is known of the motion inside is written to `inside`, because a move would cost a
+    /// tenth of its computation: of a series the coefficients, in powers of the time over `unit`; of a step that is tried
+    /// the slopes, that of `y` first.
     #[inline(always)]
-    fn expand(&self, _unit: R, _y: &[R; D], _dense: &mut Coefficients<R, D>) {
-        unreachable!("only series have coefficients")
+    fn propose(
+        &mut self,
+        _unit: R,
+        _limits: &Limits<R>,
+        _y: &[R; D],
+        _inside: &mut Coefficients<R, D>,
+    ) -> Proposal<R, D> {
+        unreachable!("only series choose their steps")
     }
+    /// The coefficients of a step that was proposed and made, between two states; only in lanes in which `wanted` is above
+    /// zero.
+    #[inline(always)]
+    fn expand(&mut self, _wanted: R, _ends: [&[R; D]; 2], _inside: &mut Coefficients<R, D>) {}
     /// The rates of change of a state, without those of its balance and of a deviation vector.
     #[inline(always)]
     fn rates_of_change(&self, p: &Parameters<R>, y: &[R; D]) -> [R; D] {

@@ -7,7 +7,7 @@
 //! `q' = q (0, Q) / 2 - (sqrt(1 - e^2) / 2r) k q`.
 
 use super::runge_kutta::{add_times, for_stages, powers, times};
-use super::tableau::{ALL_STAGES, MAX_STAGES, Slopes, Tableau, coefficient, node, time, weight};
+use super::tableau::{ALL_STAGES, MAX_STAGES, Tableau, coefficient, node, time, weight};
 use super::{Coefficients, Engine, EngineName, Numbers, Step, Variables, cubic_inside};
 use crate::forces::{Along, ForcesInterval, StepAlong};
 use crate::kinematics;
@@ -123,7 +123,7 @@ impl<T: Tableau, R: Real> OrbitSteps<T, R> {
     ) -> [[R; TURNING]; 8] {
         let (mut k, mut sum, before) = ([*before; MAX_STAGES], *before, *before);
         stages!(self, clock, before, k, sum: 0 1 2 3 4 5 6 7 8 9 10 11);
-        let mut slopes: Slopes<R, TURNING> = [before; ALL_STAGES];
+        let mut slopes = [before; ALL_STAGES];
         #[expect(clippy::manual_memcpy, reason = "a copy of slices is a call")]
         for i in 0..MAX_STAGES {
             slopes[i] = k[i];

@@ -1,11 +1,11 @@
 //! Explicit Runge-Kutta methods: one engine, any tableau.
 
-use super::tableau::{ALL_STAGES, MAX_STAGES, Slopes, Tableau, coefficient, first, time, times_of, weight};
+use super::tableau::{ALL_STAGES, MAX_STAGES, Tableau, coefficient, first, time, times_of, weight};
 use super::tangent::{further_tangent_rate, tangent_rate};
-use super::{Coefficients, Engine, EngineName, Facts, Method, Numbers, Step, Variables};
+use super::{Coefficients, Engine, EngineName, Facts, Limits, Method, Numbers, Proposal, Step, Variables};
 use super::{acceleration, acceleration_by, cubic_inside, moved, put_turned, turning_of_rates, two_sum};
 use crate::forces::ForcesInterval;
-use crate::kinematics::put;
+use crate::kinematics::{dot, put};
 use crate::real::Real;
 use crate::scene::{Applied, FurtherRate, Layout, Model, Parameters, ROWS_LEN, Torques, in_rows};
 use std::marker::PhantomData;
@@ -55,6 +55,9 @@ pub const DOP853: Method = Method::direct(
 
 /// The motion inside a step of [`DOP853`] is a polynomial of this order.
 const INSIDE_DOP853: Numbers = Numbers { order: 7, ..Numbers::NONE };
+
+/// The least error of a step that is asked for: below it the estimate consists of rounding.
+const LEAST_ERROR: f64 = 16.0 * f64::EPSILON;
 
 /// The engine.
 ///
@@ -285,6 +288,26 @@ fn rate<T: Tableau, R: Real, M: Model<R>, L: Layout, const D: usize>(
 }
 
 impl<T: Tableau, R: Real, M: Model<R>> RungeKutta<T, R, M> {
+    /// The constants over the unit of a step: the model, the torques, and the units of slopes and sums.
+    #[inline(always)]
+    fn over<L: Layout>(step: R, model: &M, applied: &Applied<R>) -> (M, Torques<R>, [Units<R>; 2]) {
+        let (unit, half) = (step * R::splat(T::UNIT), R::splat(0.5));
+        let contain_unit = const { T::SLOPES_CONTAIN_UNIT && are_constants_in_units::<L>() };
+        let torques = applied.torques_in::<L>(if contain_unit { unit } else { R::splat(1.0) });
+        let in_units = model.in_units(unit);
+        // Of products as slopes only.
+        let rates = in_units.ratios();
+        let slopes = Units { rates, quaternion: unit * half, others: unit };
+        let share = R::splat(T::DIVISOR);
+        let [a, b, c] = rates;
+        let sums = Units {
+            rates: [a / share, b / share, c / share],
+            quaternion: slopes.quaternion / share,
+            others: unit / share,
+        };
+        (in_units, torques, [slopes, sums])
+    }
+
     /// The state of a stage.
     #[inline(always)]
     fn stage_state<L: Layout, const I: usize, const D: usize>(
@@ -366,16 +389,17 @@ impl<T: Tableau, R: Real, M: Model<R>> RungeKutta<T, R, M> {
 
     /// The slopes of the stages, in a loop, and their weighted sum.
     #[inline(always)]
-    fn looped<L: Layout, const D: usize>(&self, y: &[R; D], k: &mut Slopes<R, D>) -> [R; D] {
+    fn looped<L: Layout, const D: usize>(&self, y: &[R; D], slopes: &mut Coefficients<R, D>) -> [R; D] {
         let zero = [R::splat(0.0); D];
         let mut sum = zero;
+        slopes.clear();
         for i in 0..MAX_STAGES {
             let row = if i == 0 { &[][..] } else { T::A[i - 1] };
             let mut at = zero;
-            for (j, &number) in row.iter().enumerate() {
+            for (&number, slope) in row.iter().zip(slopes.all()) {
                 if number != 0.0 {
                     for d in 0..D {
-                        at[d] = R::splat(number).fma(k[j][d], at[d]);
+                        at[d] = R::splat(number).fma(slope[d], at[d]);
                     }
                 }
             }
@@ -386,34 +410,17 @@ impl<T: Tableau, R: Real, M: Model<R>> RungeKutta<T, R, M> {
             }
             let slope = self.slope::<L, D>(&at);
             for d in 0..D {
-                k[i][d] = slope[d];
                 sum[d] = R::splat(T::WEIGHTS[i]).fma(slope[d], sum[d]);
             }
+            slopes.push(slope);
         }
         sum
     }
 
-    /// The slopes of the stages of a step, and their weighted sum.
+    /// The change of a state by a weighted sum of slopes.
     #[inline(always)]
-    fn weighted<L: Layout, const D: usize>(&self, y: &[R; D], slopes: &mut Slopes<R, D>) -> [R; D] {
-        if const { loops::<T, L>() } {
-            return self.looped::<L, D>(y, slopes);
-        }
-        let mut k = [*y; MAX_STAGES];
-        let mut sum = *y;
-        stages!(self, y, k, sum: 0 1 2 3 4 5 6 7 8 9 10 11);
-        #[expect(clippy::manual_memcpy, reason = "a copy of slices is a call")]
-        for i in 0..MAX_STAGES {
-            slopes[i] = k[i];
-        }
-        sum
-    }
-
-    /// The change of a state by a step, and the slopes of its stages.
-    #[inline(always)]
-    pub fn change<L: Layout, const D: usize>(&self, y: &[R; D], slopes: &mut Slopes<R, D>) -> [R; D] {
-        let sum = self.weighted::<L, D>(y, slopes);
-        self.sums.add::<T, M, L, D>(&sum, const { 1.0 / T::DIVISOR }, &[R::splat(0.0); D])
+    fn change<L: Layout, const D: usize>(&self, sum: &[R; D]) -> [R; D] {
+        self.sums.add::<T, M, L, D>(sum, const { 1.0 / T::DIVISOR }, &[R::splat(0.0); D])
     }
 
     /// Adds the weighted sum of the slopes to the state at the begin of the step.
@@ -424,8 +431,7 @@ impl<T: Tableau, R: Real, M: Model<R>> RungeKutta<T, R, M> {
             return;
         }
         // A sink changes a steady spin by less than a rounding of each step.
-        let zero = [R::splat(0.0); D];
-        let change = self.sums.add::<T, M, L, D>(sum, const { 1.0 / T::DIVISOR }, &zero);
+        let change = self.change::<L, D>(sum);
         for d in 0..D {
             (y[d], compensation[d]) = two_sum(y[d], change[d] + compensation[d]);
         }
@@ -433,52 +439,100 @@ impl<T: Tableau, R: Real, M: Model<R>> RungeKutta<T, R, M> {
 
     /// Two estimates of the error of a step, from the slopes of its stages.
     #[inline(always)]
-    pub fn errors<const D: usize>(&self, slopes: &Slopes<R, D>) -> [[R; D]; 2] {
+    fn errors<const D: usize>(slopes: &Coefficients<R, D>) -> [[R; D]; 2] {
         let mut errors = [[R::splat(0.0); D]; 2];
         for e in 0..2 {
-            for i in 0..MAX_STAGES {
+            for (&number, slope) in T::INSIDE.errors[e].iter().zip(slopes.all()) {
                 for d in 0..D {
-                    errors[e][d] = R::splat(T::INSIDE.errors[e][i]).fma(slopes[i][d], errors[e][d]);
+                    errors[e][d] = R::splat(number).fma(slope[d], errors[e][d]);
                 }
             }
         }
         errors
     }
 
-    /// The motion inside a step that has led from one state to another, in powers of the fraction of the step: the
-    /// polynomial of order 7 of Hairer, Nørsett and Wanner, section II.6, `y + s (F_0 + (1 - s) (F_1 + s (F_2 + …)))`.
+    /// The error of a step over the tolerance, from the states at its ends and the slopes of its stages: of the rates relative
+    /// to the fastest known or met, of the attitude and of the place on the orbit in rad. The balance follows from the motion,
+    /// so the balance is ignored. The estimates of order 5 and 3 become one that falls as the eighth power of the step
+    /// (Hairer, Nørsett, Wanner, section II.10).
     #[inline(always)]
-    pub fn expand_step<L: Layout, const D: usize>(
-        &self,
-        y: &[R; D],
-        after: &[R; D],
-        slopes: &mut Slopes<R, D>,
-        dense: &mut Coefficients<R, D>,
-    ) {
-        slopes[MAX_STAGES] = self.slope::<L, D>(after);
-        for (stage, row) in T::INSIDE.stages.iter().enumerate() {
+    fn error<L: Layout, const D: usize>(
+        [before, after]: [&[R; D]; 2],
+        slopes: &Coefficients<R, D>,
+        limits: &Limits<R>,
+    ) -> R {
+        let (zero, one) = (R::splat(0.0), R::splat(1.0));
+        let estimates = Self::errors(slopes);
+        // `max` returns its second argument if the first is no number.
+        let rate =
+            speed(after).max(speed(before).max(one / limits.inverse_rate)).max(R::splat(f64::MIN_POSITIVE));
+        let mut largest = [zero; 2];
+        for i in 0..2 {
+            let mut sum = zero;
+            for d in 0..D {
+                if d >= L::BALANCE_AT && d < L::OWN_AT {
+                    continue;
+                }
+                let size = if d < 3 {
+                    rate
+                } else {
+                    // The place on the orbit, by its angle; a quaternion changes by half of the angle.
+                    R::splat(if d >= L::OWN_AT { 1.0 } else { 0.5 })
+                };
+                let off = estimates[i][d].abs() / size;
+                largest[i] = off.max(largest[i]);
+                sum = sum + off;
+            }
+            // A NaN remains.
+            largest[i] = R::select(R::splat(-1.0).lt(sum), largest[i], sum);
+        }
+        let [fifth, third] = largest;
+        // Squares of the estimates would underflow where a smooth torque sets in.
+        let ratio = third / fifth;
+        let error = fifth
+            / (one + R::splat(0.01) * ratio * ratio).sqrt()
+            / limits.tolerance.max(R::splat(LEAST_ERROR));
+        R::select(zero.lt(fifth), error, fifth)
+    }
+
+    /// The motion inside a step that has led from one state to another, in powers of the fraction of the step, from the slopes
+    /// of its stages: the polynomial of order 7 of Hairer, Nørsett and Wanner, section II.6,
+    /// `y + s (F_0 + (1 - s) (F_1 + s (F_2 + …)))`.
+    #[inline(always)]
+    fn inside<L: Layout, const D: usize>(&self, [y, after]: [&[R; D]; 2], slopes: &mut Coefficients<R, D>) {
+        slopes.push(self.slope::<L, D>(after));
+        for row in T::INSIDE.stages {
             let mut at = *y;
-            for (i, &number) in row.iter().enumerate() {
+            for (&number, slope) in row.iter().zip(slopes.all()) {
                 for d in 0..D {
-                    at[d] = R::splat(number).fma(slopes[i][d], at[d]);
+                    at[d] = R::splat(number).fma(slope[d], at[d]);
                 }
             }
-            slopes[MAX_STAGES + 1 + stage] = self.slope::<L, D>(&at);
+            slopes.push(self.slope::<L, D>(&at));
         }
-        dense.clear();
-        for row in powers::<T, R, D>(y, after, slopes) {
-            dense.push(row);
+        let powers = powers::<T, R, D>(y, after, slopes.all());
+        slopes.clear();
+        for row in powers {
+            slopes.push(row);
         }
     }
 }
 
-/// The motion inside a step from its slopes, which contain the step; see [`RungeKutta::expand_step`].
+/// |omega| of a state.
+#[inline(always)]
+pub fn speed<R: Real, const D: usize>(y: &[R; D]) -> R {
+    let rates = [y[0], y[1], y[2]];
+    dot(&rates, &rates).sqrt()
+}
+
+/// The motion inside a step from its slopes, which contain the step; see [`RungeKutta::inside`].
 #[inline(always)]
 pub(super) fn powers<T: Tableau, R: Real, const D: usize>(
     y: &[R; D],
     after: &[R; D],
-    slopes: &Slopes<R, D>,
+    slopes: &[[R; D]],
 ) -> [[R; D]; 8] {
+    let slopes = &slopes[..ALL_STAGES];
     let mut parts = [[R::splat(0.0); D]; 7];
     for d in 0..D {
         let change = after[d] - y[d];
@@ -522,24 +576,12 @@ impl<T: Tableau, R: Real, M: Model<R>, L: Layout, const D: usize> Engine<R, M, L
     const IS_LONG: bool = T::INSIDE.is_known;
     /// Only there: the further stages of other bodies would take more time than shorter steps.
     const IS_SERIES: bool = L::FUNCTION && T::INSIDE.is_known;
+    const IS_TRIED: bool = true;
 
     #[inline(always)]
     fn new(p: &Parameters<R>, forces: &ForcesInterval<'static, R>, _numbers: &'static Numbers) -> Self {
         let (model, applied) = (M::new(p), Applied::new(p, forces));
-        let (unit, half) = (p.step * R::splat(T::UNIT), R::splat(0.5));
-        let contain_unit = const { T::SLOPES_CONTAIN_UNIT && are_constants_in_units::<L>() };
-        let torques = applied.torques_in::<L>(if contain_unit { unit } else { R::splat(1.0) });
-        let in_units = model.in_units(unit);
-        // Of products as slopes only.
-        let rates = in_units.ratios();
-        let slopes = Units { rates, quaternion: unit * half, others: unit };
-        let share = R::splat(T::DIVISOR);
-        let [a, b, c] = rates;
-        let sums = Units {
-            rates: [a / share, b / share, c / share],
-            quaternion: slopes.quaternion / share,
-            others: unit / share,
-        };
+        let (in_units, torques, [slopes, sums]) = Self::over::<L>(p.step, &model, &applied);
         RungeKutta { model, in_units, applied, torques, slopes, sums, tableau: PhantomData }
     }
 
@@ -552,7 +594,7 @@ impl<T: Tableau, R: Real, M: Model<R>, L: Layout, const D: usize> Engine<R, M, L
         _dense: &mut Coefficients<R, D>,
     ) {
         if const { loops::<T, L>() } {
-            let sum = self.looped::<L, D>(y, &mut [[R::splat(0.0); D]; ALL_STAGES]);
+            let sum = self.looped::<L, D>(y, &mut Coefficients::new());
             self.finish::<L, D>(&sum, y, compensation);
             return;
         }
@@ -577,9 +619,39 @@ impl<T: Tableau, R: Real, M: Model<R>, L: Layout, const D: usize> Engine<R, M, L
             cubic_inside(p.step, [before, after], &slopes, dense);
             return;
         }
-        let mut slopes = [[R::splat(0.0); D]; ALL_STAGES];
-        self.looped::<L, D>(before, &mut slopes);
-        self.expand_step::<L, D>(before, after, &mut slopes, dense);
+        self.looped::<L, D>(before, dense);
+        self.inside::<L, D>([before, after], dense);
+    }
+
+    #[inline(always)]
+    fn propose(
+        &mut self,
+        unit: R,
+        limits: &Limits<R>,
+        y: &[R; D],
+        inside: &mut Coefficients<R, D>,
+    ) -> Proposal<R, D> {
+        let Self { model, applied, .. } = &*self;
+        let (in_units, torques, [slopes, sums]) = Self::over::<L>(unit, model, applied);
+        (self.in_units, self.torques, self.slopes, self.sums) = (in_units, torques, slopes, sums);
+        let sum = self.looped::<L, D>(y, inside);
+        let change = self.change::<L, D>(&sum);
+        let mut after = *y;
+        for d in 0..D {
+            after[d] = y[d] + change[d];
+        }
+        let error = Self::error::<L, D>([y, &after], inside, limits);
+        Proposal { change, share: R::splat(1.0), error }
+    }
+
+    #[inline(always)]
+    fn expand(&mut self, wanted: R, ends: [&[R; D]; 2], inside: &mut Coefficients<R, D>) {
+        let functions = self.applied.forces.functions;
+        if let Some(functions) = &mut self.applied.forces.functions {
+            *functions = functions.only(wanted);
+        }
+        self.inside::<L, D>(ends, inside);
+        self.applied.forces.functions = functions;
     }
 
     #[inline(always)]
@@ -681,9 +753,8 @@ mod tests {
             // A rounding of each of the eight terms.
             assert!(apart(&inside(&dense, 1.0), &y) < 1e-14 && apart(dense.order(0), &start()) == 0.0);
             let within = [0.3, 0.5, 0.8].map(|at| apart(&inside(&dense, at), &truth(at * step)));
-            let mut slopes = [start(); ALL_STAGES];
-            engine.change::<FunctionTurns, D>(&start(), &mut slopes);
-            let [fifth, third] = engine.errors(&slopes).map(|estimate| apart(&estimate, &[0.0; D]));
+            engine.looped::<FunctionTurns, D>(&start(), &mut dense);
+            let [fifth, third] = Dop853::errors(&dense).map(|estimate| apart(&estimate, &[0.0; D]));
             errors.push([within[0].max(within[1]).max(within[2]), apart(&y, &truth(step)), fifth, third]);
         }
         let falls = |k: usize| (errors[0][k] / errors[1][k]).log2();

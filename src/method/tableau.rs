@@ -54,9 +54,6 @@ pub(super) const FURTHER_STAGES: usize = 3;
 /// Stages of a step, its end, and the further stages.
 pub(super) const ALL_STAGES: usize = MAX_STAGES + 1 + FURTHER_STAGES;
 
-/// The slopes of a step: of its stages, at its end, and of the further stages.
-pub type Slopes<R, const D: usize> = [[R; D]; ALL_STAGES];
-
 /// Largest number of stages of any tableau.
 pub(super) const MAX_STAGES: usize = 12;
 

@@ -3,7 +3,8 @@
 //! The equations of motion are quadratic, so each order follows from the Cauchy products of the lower ones
 //! (Jorba & Zou 2005, §2). Coefficients are those of powers of t / step: their sum is the state after a step.
 
-use super::{Engine, EngineName, Facts, Method, Numbers, Step, Variables, acceleration, turning_of_rates};
+use super::{Engine, EngineName, Facts, Limits, Method, Numbers, Proposal, Step, Variables};
+use super::{acceleration, turning_of_rates};
 use crate::forces::{ForcesInterval, Further, FurtherSeries, Order};
 use crate::kinematics::{
     add_cross, add_roll_across, add_roll_along, add_turn_across, add_turn_along, direction, put,
@@ -11,6 +12,7 @@ use crate::kinematics::{
 use crate::real::{Apart, Real, is_finite};
 use crate::scene::{Applied, Layout, Model, Parameters, quaternion};
 use crate::series::{Coefficients, INVERSE, MAX_ORDER, VectorSeries};
+use crate::special::{exp, ln};
 use std::marker::PhantomData;
 
 /// A loop over the indices 0 .. D of a state, in two halves: the compiler unrolls only loops that are short enough, and
@@ -433,6 +435,69 @@ pub fn two_sum<R: Real>(a: R, b: R) -> (R, R) {
     (sum, (a - (sum - of_b)) + (b - of_b))
 }
 
+/// The longest step, in units, for which the last two terms of the series are below the tolerance, with the safety
+/// factor of Jorba & Zou 2005, eq. (3-8) (doi 10.1080/10586458.2005.10128904).
+#[inline(always)]
+fn step_bound<R: Real, L: Layout, const D: usize>(
+    c: &Coefficients<R, D>,
+    order: usize,
+    inverse_rate: R,
+    tolerance: R,
+) -> R {
+    let deviation =
+        if L::TANGENT { largest_change::<R, L, D>(c.order(0), inverse_rate) } else { R::splat(1.0) };
+    let scales = [inverse_rate, deviation];
+    let last = log_margin::<R, L, D>(c.order(order), scales, tolerance);
+    let before = log_margin::<R, L, D>(c.order(order - 1), scales, tolerance);
+    bound_of_margins(last, before, order)
+}
+
+/// The longest step, from ln of the tolerance over the largest number of the last term and of the one before.
+#[inline(always)]
+pub fn bound_of_margins<R: Real>(last: R, before: R, order: usize) -> R {
+    let last = last * R::splat(1.0 / order as f64);
+    let before = before * R::splat(1.0 / (order - 1) as f64);
+    // The factor between two steps is at most 2^30, because a body at rest has no time scale.
+    let growth = R::splat(30.0 * std::f64::consts::LN_2);
+    let margin = R::splat(0.7 / (order - 1) as f64);
+    exp((last.min(before) - margin).min(growth).max(-growth))
+}
+
+/// ln of the tolerance over the largest number of a term, where a deviation vector counts relative to its size. The
+/// balance follows from the motion, so the balance is ignored.
+#[inline(always)]
+fn log_margin<R: Real, L: Layout, const D: usize>(
+    term: &[R; D],
+    [inverse_rate, deviation]: [R; 2],
+    tolerance: R,
+) -> R {
+    let mut largest = R::splat(f64::MIN_POSITIVE);
+    for d in 0..L::BALANCE_AT {
+        let size = if d < 3 { term[d].abs() * inverse_rate } else { term[d].abs() };
+        largest = largest.max(size);
+    }
+    if L::TANGENT {
+        // `max` returns its second argument if the quotient is a NaN: a deviation vector that has overflowed does not
+        // count.
+        let change = largest_change::<R, L, D>(term, inverse_rate);
+        // Nor does one that is zero and stays so.
+        let none = R::splat(f64::MIN_POSITIVE);
+        largest = R::select(none.lt(change), change / deviation, none).max(largest);
+    }
+    ln(tolerance) - ln(largest)
+}
+
+/// The largest number of a deviation vector, its change of the rates over the scale of the rates.
+#[inline(always)]
+fn largest_change<R: Real, L: Layout, const D: usize>(y: &[R; D], inverse_rate: R) -> R {
+    let mut largest = R::splat(f64::MIN_POSITIVE);
+    for d in 0..6 {
+        let size = y[L::TANGENT_AT + d].abs();
+        largest = (if d < 3 { size * inverse_rate } else { size }).max(largest);
+    }
+    largest
+}
+
 /// The coefficients of a step under forces or with a deviation vector, in a function that fixed and adaptive steps
 /// share: shorter series are up to 13 % faster in the loop over steps.
 struct Expansion<'a, R, M, L, const D: usize> {
@@ -501,8 +566,25 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Engine<R, M, L, D> for Tay
     }
 
     #[inline(always)]
-    fn expand(&self, unit: R, y: &[R; D], c: &mut Coefficients<R, D>) {
+    fn propose(
+        &mut self,
+        unit: R,
+        limits: &Limits<R>,
+        y: &[R; D],
+        c: &mut Coefficients<R, D>,
+    ) -> Proposal<R, D> {
         self.expanded::<L, D>(unit, y, c);
+        let order = c.highest();
+        let mut share = step_bound::<R, L, D>(c, order, limits.inverse_rate, limits.tolerance);
+        if L::BALANCE {
+            // `min` returns its second argument if an argument is NaN.
+            share = (limits.room / unit).min(share);
+        }
+        let mut change = *c.order(order);
+        for k in (1..order).rev() {
+            in_halves!(d in D { change[d] = change[d].fma(share, c.order(k)[d]); });
+        }
+        Proposal { change, share, error: R::splat(0.0) }
     }
 
     #[inline(always)]

@@ -85,9 +85,7 @@ struct AdaptiveJob<'a, 'b> {
     queue: Vec<(u64, usize)>,
     lanes: AdaptiveLanes<'a>,
     states: &'a mut StatesPart<'b>,
-    /// Steps of the last advance.
-    made: u64,
-    /// Steps of all lanes.
+    /// Rounds of all lanes.
     lane_steps: u64,
     /// Bodies of the job, and how many are told to be done.
     members: usize,
@@ -116,19 +114,7 @@ impl<'a, 'b> AdaptiveJob<'a, 'b> {
             Kernel { system: way.system(request), step: way.assignment.step, observed: Observed::Nothing };
         let lanes = AdaptiveLanes::new(request, kernel, isa, tolerance)?;
         let (members, told) = (queue.len(), 0.0);
-        Ok(AdaptiveJob {
-            request,
-            ways,
-            first,
-            queue,
-            lanes,
-            states,
-            made: 0,
-            lane_steps: 0,
-            members,
-            told,
-            stop,
-        })
+        Ok(AdaptiveJob { request, ways, first, queue, lanes, states, lane_steps: 0, members, told, stop })
     }
 
     /// Loads a body into a lane, at its start. Whether a requested time is left.
@@ -219,14 +205,13 @@ impl Job for AdaptiveJob<'_, '_> {
         }
         let left = tasks.iter().flatten().map(|task| self.request.max_steps - task.steps);
         let most = left.min().map_or(0, |left| left.min(STEPS_BETWEEN_STOPS));
-        self.made = self.lanes.advance(most as usize) as u64;
-        self.lane_steps += self.made * LANES as u64;
+        self.lane_steps += (self.lanes.advance(most as usize) * LANES) as u64;
         Ok(())
     }
 
     /// Records the requested states that the lane has reached.
     fn look(&mut self, lane: usize, task: &mut Task) -> Result<bool, Error> {
-        task.steps += self.made;
+        task.steps += self.lanes.made(lane);
         let steps = &self.lanes.steps;
         let [begin, lost] = [steps.begin[0].0[lane], steps.begin[1].0[lane]];
         let (now, unit, direction) = (steps.now[0].0[lane], steps.unit.0[lane], steps.direction.0[lane]);

@@ -70,6 +70,7 @@ impl<'a> AdaptiveLanes<'a> {
         load(&mut self.group, lane, self.kernel, assignment, &entry);
         self.steps.direction.0[lane] = direction;
         self.steps.trial.0[lane] = direction * first;
+        self.steps.again.0[lane] = 0.0;
         self.steps.inverse_rate.0[lane] = if rate > 0.0 { 1.0 / rate } else { 0.0 };
         for row in self.steps.begin.iter_mut().chain(&mut self.steps.now) {
             row.0[lane] = 0.0;
@@ -95,9 +96,14 @@ impl<'a> AdaptiveLanes<'a> {
         self.steps.end.0[lane] = self.knots[lane];
     }
 
-    /// Advances all lanes until one reaches its next time, by a number of steps at most; returns the number of steps.
+    /// Advances all lanes until one reaches its next time, in so many rounds at most; returns the number of rounds.
     pub(super) fn advance(&mut self, most: usize) -> usize {
         self.kernel.advance_adaptive(&mut self.group, &self.forces_rows, &mut self.steps, most)
+    }
+
+    /// The steps that a lane has made since the last call.
+    pub(super) fn made(&mut self, lane: usize) -> u64 {
+        std::mem::take(&mut self.group.count.0[lane]) as u64
     }
 
     /// Applies the forces from a knot on, if a lane has reached one. Whether it has.
@@ -137,6 +143,7 @@ impl<'a> AdaptiveLanes<'a> {
         self.steps.next.0[lane] = f64::INFINITY;
         self.steps.end.0[lane] = f64::INFINITY;
         self.steps.direction.0[lane] = 1.0;
+        self.steps.trial.0[lane] = 0.0;
         for row in &mut self.steps.now {
             row.0[lane] = 0.0;
         }

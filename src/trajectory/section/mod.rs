@@ -261,7 +261,7 @@ struct SectionJob<'a> {
     crossings: &'a mut [Crossings],
     /// Points of all bodies, of all threads.
     points: &'a AtomicU64,
-    /// Steps of the group.
+    /// Rounds of the group.
     made: u64,
     /// Bodies of the job, and how many are told to be done.
     members: usize,
@@ -509,8 +509,9 @@ impl Job for SectionJob<'_> {
     fn look(&mut self, lane: usize, task: &mut Task) -> Result<bool, Error> {
         let crossings = std::mem::take(&mut self.crossings);
         let own = &mut crossings[task.body];
-        own.steps += 1;
-        let moves_on = self.after_step(lane, *task, own);
+        let made = self.lanes.made(lane);
+        own.steps += made;
+        let moves_on = if made > 0 { self.after_step(lane, *task, own) } else { Ok(true) };
         self.crossings = crossings;
         moves_on
     }
