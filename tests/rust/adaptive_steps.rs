@@ -1,8 +1,8 @@
-//! Adaptive steps of Taylor series: the error follows the tolerance, the bits do not depend on the batch, dense output
-//! takes no steps, and few lanes are inactive.
+//! Adaptive steps of Taylor series, and by trial: the error follows the tolerance, the bits do not depend on the batch, dense
+//! output takes no steps, and few lanes are inactive.
 
 use crate::tests::scene_of;
-use rigid::forces::{BodyForces, Forces};
+use rigid::forces::{BodyForces, Forces, TorqueFunction};
 use rigid::method::{self, AnyMethod, Method};
 use rigid::parallel::Interrupt;
 use rigid::sample::{Law, attitude, uniforms};
@@ -13,6 +13,7 @@ use rigid::trajectory::{Record, Request, Schedule, States, simulate};
 
 struct Case<'a> {
     bodies: &'a [Body],
+    forces: &'a Forces,
     method: &'static Method,
     tolerance: f64,
     record: Record<'a>,
@@ -24,7 +25,8 @@ struct Case<'a> {
 
 fn case<'a>(bodies: &'a [Body], method: &'static Method, tolerance: f64, times: &'a [f64]) -> Case<'a> {
     let isa = Isa::available()[0];
-    Case { bodies, method, tolerance, record: Record::Attitude, times, max_steps: 1 << 40, threads: 1, isa }
+    let (forces, record) = (Forces::NONE, Record::Attitude);
+    Case { bodies, forces, method, tolerance, record, times, max_steps: 1 << 40, threads: 1, isa }
 }
 
 impl Case<'_> {
@@ -32,7 +34,7 @@ impl Case<'_> {
         Request {
             bodies: self.bodies,
             scene: scene_of(self.bodies.iter().any(|body| body.weight != [0.0; 3])),
-            forces: Forces::NONE,
+            forces: self.forces,
             method,
             record: self.record,
             schedule: Schedule::Times(self.times),
@@ -187,6 +189,49 @@ fn the_bits_of_a_body_do_not_depend_on_the_batch() {
             let finished = together.status.iter().filter(|&&status| status == Status::Finished).count();
             assert_eq!(finished, bodies.len() - 2, "{method:?}");
         }
+    }
+}
+
+/// A torque that ends within steps, which are then too long.
+unsafe extern "C" fn torque(
+    t: f64,
+    omega: *const f64,
+    attitude: *const f64,
+    _data: *const f64,
+    torque: *mut f64,
+) {
+    let on = if t.abs() < 1.0 { 0.5 } else { 0.0 };
+    // SAFETY: the caller gives arrays of these lengths.
+    unsafe { (0..3).for_each(|k| *torque.add(k) = on * *attitude.add(k + 1) - 0.1 * *omega.add(k)) }
+}
+
+/// A body whose step has too large an error tries again, while the bodies beside it go on: the steps of each are counted.
+#[test]
+fn the_bits_under_a_function_do_not_depend_on_the_batch() {
+    // SAFETY: the function is of this type.
+    let function = unsafe {
+        TorqueFunction::new(torque as *const () as usize, false, vec![], 0, vec![1.0], 0.0).unwrap()
+    };
+    let forces = &Forces::new(&[], &[], &[], &[]).unwrap().with_function(function).unwrap();
+    let bodies: Vec<Body> = (0..40).map(|i| body(i, true, i % 3 == 0, 1.0 + (i % 7) as f64)).collect();
+    for max_steps in [30, 1 << 40] {
+        let run = |bodies: &[Body], isa| {
+            let times = [-2.0, 0.5, 6.0];
+            let case = case(bodies, &method::DOP853, 1e-9, &times);
+            Case { forces, max_steps, isa, ..case }.adaptive_states()
+        };
+        let together = run(&bodies, Isa::available()[0]);
+        for isa in Isa::available() {
+            let others = run(&bodies, isa);
+            for i in 0..bodies.len() {
+                assert_eq!(numbers(&others, i), numbers(&together, i), "body {i} {isa:?}");
+                assert_eq!(numbers(&run(&bodies[i..=i], isa), 0), numbers(&together, i), "body {i} {isa:?}");
+            }
+        }
+        let (least, most) = (together.steps.iter().min().unwrap(), together.steps.iter().max().unwrap());
+        let status = if max_steps == 30 { Status::StepLimit } else { Status::Finished };
+        assert!(together.status.iter().all(|&found| found == status));
+        assert!(if max_steps == 30 { [*least, *most] == [30; 2] } else { least < most }, "{least} {most}");
     }
 }
 
