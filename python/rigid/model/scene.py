@@ -10,7 +10,6 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Container, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
-from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, Self, TypeAlias, TypeVar, Unpack
 
 import numpy as np
@@ -258,9 +257,9 @@ class Scene(HasForces, ABC):
         by_force = any(force.in_space for force, _ in self.further())
         return bool(self.directions) or in_space or by_force
 
-    def further_numbers(self) -> Mapping[str, ArrayLike]:
+    def further_numbers(self) -> dict[str, ArrayLike]:
         """The numbers of the further forces by their names, one row of each body."""
-        return self.once(_numbers_of_further)
+        return {force.name: force.numbers(value) for force, value in self.further()}
 
     def acting(self) -> _core.Forces | None:
         """The forces on its bodies as the core reads them."""
@@ -363,12 +362,6 @@ def _shape_of(scene: Scene) -> Shape:
 
 def _words_of(scene: Scene) -> str:
     return scene._in_words(())
-
-
-def _numbers_of_further(scene: Scene) -> Mapping[str, ArrayLike]:
-    """The value of :meth:`Scene.further_numbers`."""
-    numbers = {force.name: force.numbers(value) for force, value in scene.further()}
-    return MappingProxyType(numbers)
 
 
 def _forces_of(scene: Scene) -> tuple[str, ...]:
