@@ -396,10 +396,12 @@ impl<T: Tableau, R: Real, M: Model<R>> RungeKutta<T, R, M> {
         for i in 0..MAX_STAGES {
             let row = if i == 0 { &[][..] } else { T::A[i - 1] };
             let mut at = zero;
-            for (&number, slope) in row.iter().zip(slopes.all()) {
-                if number != 0.0 {
+            // Loops over numbers here and below: iterators side by side are calls.
+            let known = slopes.all();
+            for j in 0..row.len().min(known.len()) {
+                if row[j] != 0.0 {
                     for d in 0..D {
-                        at[d] = R::splat(number).fma(slope[d], at[d]);
+                        at[d] = R::splat(row[j]).fma(known[j][d], at[d]);
                     }
                 }
             }
@@ -442,9 +444,10 @@ impl<T: Tableau, R: Real, M: Model<R>> RungeKutta<T, R, M> {
     fn errors<const D: usize>(slopes: &Coefficients<R, D>) -> [[R; D]; 2] {
         let mut errors = [[R::splat(0.0); D]; 2];
         for e in 0..2 {
-            for (&number, slope) in T::INSIDE.errors[e].iter().zip(slopes.all()) {
+            let (numbers, known) = (&T::INSIDE.errors[e], slopes.all());
+            for j in 0..numbers.len().min(known.len()) {
                 for d in 0..D {
-                    errors[e][d] = R::splat(number).fma(slope[d], errors[e][d]);
+                    errors[e][d] = R::splat(numbers[j]).fma(known[j][d], errors[e][d]);
                 }
             }
         }
@@ -503,9 +506,10 @@ impl<T: Tableau, R: Real, M: Model<R>> RungeKutta<T, R, M> {
         slopes.push(self.slope::<L, D>(after));
         for row in T::INSIDE.stages {
             let mut at = *y;
-            for (&number, slope) in row.iter().zip(slopes.all()) {
+            let known = slopes.all();
+            for j in 0..row.len().min(known.len()) {
                 for d in 0..D {
-                    at[d] = R::splat(number).fma(slope[d], at[d]);
+                    at[d] = R::splat(row[j]).fma(known[j][d], at[d]);
                 }
             }
             slopes.push(self.slope::<L, D>(&at));
