@@ -406,9 +406,9 @@ impl Watched<'_> {
     }
 
     /// Number of steps of a run of a sample over a time, or over the anomaly from a place: whole blocks, no step longer than
-    /// the map allows; above `max_steps` if the rates need that many. A cross-check takes steps of its own: those of the default method are longer than in the first
-    /// run, or as long where the map takes another method. It makes at most half the step that was asked for or, unless it
-    /// is of regularity, that a chosen method makes in the first run.
+    /// the map allows; above `max_steps` if the rates need that many. A cross-check takes steps of its own: those of the
+    /// default method are longer than in the first run, or as long where the map takes another method. It makes at most half
+    /// the step that was asked for or, unless it is of regularity, that the same method makes in the first run.
     fn steps_of(
         &self,
         body: &Body,

@@ -122,9 +122,8 @@ def stability_map(
         Share of the bodies of a pixel to classify a second time as a cross-check, in [0, 1].
         ``dop853`` does it with 0.8 of the steps of the first run. If you give a method, it does so
         in its default steps of maps, at most half of ``step``; with ``method="dop853"`` the steps
-        are halved, but for an orbit alone. A custom criterion is judged again by ``taylor16``. If
-        the two classifications differ, the body is undecided. Bodies with a closed form are not
-        cross-checked.
+        are halved. A custom criterion is judged again by ``taylor16``. If the two classifications
+        differ, the body is undecided. Bodies with a closed form are not cross-checked.
 
         If a tilt is limited, the default is an audit: of each 64 consecutive bodies of a pixel the
         first two and the one that ran longest. The difference between the two methods there is the

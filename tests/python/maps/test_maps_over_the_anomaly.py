@@ -65,6 +65,15 @@ def test_bodies_leave_when_they_do_in_the_time(name: str, e: float) -> None:
         np.testing.assert_allclose(found.left, exact.left, rtol=0.0, atol=allowed)
 
 
+def test_a_chosen_dop853_is_checked_by_half_its_steps() -> None:
+    """Each run of a body takes whole blocks of 16 steps."""
+    first, both = (
+        int(mapped(0.3, CRITERIA["libration"], "dop853", check=check).columns["steps"].sum())
+        for check in (0.0, 1.0)
+    )
+    assert 2 * first - 48 * 2 * 16 < both - first <= 2 * first
+
+
 @pytest.mark.parametrize("e", [0.0, 0.3])
 @pytest.mark.parametrize(
     "measure",
