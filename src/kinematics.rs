@@ -25,6 +25,13 @@ pub fn dot<R: Real>(a: &[R; 3], b: &[R; 3]) -> R {
     a[0].fma(b[0], a[1].fma(b[1], a[2] * b[2]))
 }
 
+/// |omega| of a state.
+#[inline(always)]
+pub fn speed<R: Real, const D: usize>(y: &[R; D]) -> R {
+    let rates = [y[0], y[1], y[2]];
+    dot(&rates, &rates).sqrt()
+}
+
 /// The direction `v` (0, 1, …) of a state.
 #[inline(always)]
 pub fn direction<R: Real, const D: usize>(y: &[R; D], v: usize) -> [R; 3] {

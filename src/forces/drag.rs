@@ -4,7 +4,7 @@
 
 use super::{Bounded, Force, Order, Pace, Varied, deviation, not_negative};
 use crate::error::Error;
-use crate::kinematics::dot;
+use crate::kinematics::{dot, speed};
 use crate::real::Real;
 use crate::series::{Coefficients, VectorSeries};
 
@@ -50,8 +50,7 @@ impl<R: Real> Force<R> for Drag<R> {
     #[inline(always)]
     fn add_torque<const D: usize>(&self, _moments: &[R; 3], y: &[R; D], _own: usize, torque: &mut [R; 3]) {
         if R::any(self.acts()) {
-            let omega = [y[0], y[1], y[2]];
-            let speed = dot(&omega, &omega).sqrt();
+            let (omega, speed) = ([y[0], y[1], y[2]], speed(y));
             self.add(&[speed * omega[0], speed * omega[1], speed * omega[2]], torque);
         }
     }
@@ -84,7 +83,7 @@ impl<R: Real> Force<R> for Drag<R> {
         if R::any(self.acts()) || R::any(by.acts()) {
             let (omega, zero) = ([y[0], y[1], y[2]], R::splat(0.0));
             let [d, _] = deviation(y, body.tangent);
-            let speed = dot(&omega, &omega).sqrt();
+            let speed = speed(y);
             let change = R::select(zero.lt(speed), dot(&omega, &d) / speed, zero);
             let (mut products, mut by_numbers) = ([zero; 3], [zero; 3]);
             for i in 0..3 {

@@ -4,8 +4,9 @@
 use super::group::{Group, MAX_STATE};
 use super::step::used_packs;
 use crate::error::Error;
+use crate::kinematics::speed;
 use crate::memory;
-use crate::method::{Coefficients, Engine, Limits, Proposal, in_halves, speed, two_sum};
+use crate::method::{Coefficients, Engine, Limits, Proposal, in_halves, two_sum};
 use crate::real::{Pack, Real, zero_or_nan};
 use crate::scene::{Layout, Model, Parameters};
 use crate::simd::{LANES, Row};

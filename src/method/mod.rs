@@ -29,7 +29,7 @@ pub use exponential::{AffineSplitting, Exponential};
 pub use midpoint::ImplicitMidpoint;
 pub use moser_veselov::MoserVeselov;
 pub use orbit_steps::OrbitSteps;
-pub use runge_kutta::{RungeKutta, speed};
+pub use runge_kutta::RungeKutta;
 pub use splitting::{
     ComposedPlanar, Composition, Drift, ExactRotor, Flow, KickMoserVeselov, KickRotor, Planar, Processor,
     Round, Splitting,

@@ -5,7 +5,7 @@ use super::tangent::{further_tangent_rate, tangent_rate};
 use super::{Coefficients, Engine, EngineName, Facts, Limits, Method, Numbers, Proposal, Step, Variables};
 use super::{acceleration, acceleration_by, cubic_inside, moved, put_turned, turning_of_rates, two_sum};
 use crate::forces::ForcesInterval;
-use crate::kinematics::{dot, put};
+use crate::kinematics::{put, speed};
 use crate::real::Real;
 use crate::scene::{Applied, FurtherRate, Layout, Model, Parameters, ROWS_LEN, Torques, in_rows};
 use std::marker::PhantomData;
@@ -520,13 +520,6 @@ impl<T: Tableau, R: Real, M: Model<R>> RungeKutta<T, R, M> {
             slopes.push(row);
         }
     }
-}
-
-/// |omega| of a state.
-#[inline(always)]
-pub fn speed<R: Real, const D: usize>(y: &[R; D]) -> R {
-    let rates = [y[0], y[1], y[2]];
-    dot(&rates, &rates).sqrt()
 }
 
 /// The motion inside a step from its slopes, which contain the step; see [`RungeKutta::inside`].

@@ -262,7 +262,7 @@ struct SectionJob<'a> {
     /// Points of all bodies, of all threads.
     points: &'a AtomicU64,
     /// Rounds of the group.
-    made: u64,
+    rounds: u64,
     /// Bodies of the job, and how many are told to be done.
     members: usize,
     told: f64,
@@ -314,7 +314,7 @@ impl<'a> SectionJob<'a> {
             found: Vec::new(),
             crossings,
             points,
-            made: 0,
+            rounds: 0,
             members: members.len(),
             told: 0.0,
             stop,
@@ -486,7 +486,7 @@ impl Job for SectionJob<'_> {
     /// One step: each is searched for points.
     fn advance(&mut self, tasks: &[Option<Task>; LANES]) -> Result<(), Error> {
         self.begin_in_closed_form(tasks);
-        if self.made.is_multiple_of(STEPS_BETWEEN_STOPS) {
+        if self.rounds.is_multiple_of(STEPS_BETWEEN_STOPS) {
             let unfinished = tasks.iter().enumerate().filter_map(|(lane, task)| {
                 task.as_ref().map(|task| 1.0 - self.lanes.share(lane, self.block.start + task.body))
             });
@@ -498,7 +498,7 @@ impl Job for SectionJob<'_> {
             }
             self.check_memory()?;
         }
-        self.made += 1;
+        self.rounds += 1;
         self.lanes.advance(1);
         for watch in &mut self.watches {
             watch.expand(&self.lanes.group, &self.lanes.steps);
