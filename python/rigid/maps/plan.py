@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,19 +11,10 @@ from .. import _core
 from ..model.forces import forces_in_words
 from ..solve.bodies import Bodies
 from ..solve.closed_form import NO_FORM, Codes, closed_forms, names, why_not
-from ..solve.cost_model import (
-    Estimate,
-    Motions,
-    calibration_class_of_any,
-    calibration_class_of_forces,
-    closed_form_estimate,
-    joined,
-    steps_estimate,
-)
-from ..solve.foresight import motions_of, why_unforeseen
 from ..solve.methods import AUTO, EXACT
 from ..solve.plan import Plan, carried, left_out, not_left_out
-from ..solve.planned import UNKNOWN
+from ..solve.planned import UNKNOWN, closed_form_error, shortest_and_most, why_unforeseen
+from .judge import TOLERANCE, is_adaptive
 from .spec import MapSpec
 
 __all__ = ["map_plan"]
@@ -32,7 +23,7 @@ Floats = NDArray[np.float64]
 
 
 def map_plan(spec: MapSpec) -> Plan:
-    """The plan of a map, with the cost of its costliest nominal start."""
+    """The plan of a map, for its nominal starts."""
     real = spec.grid.possible
     moments, weight = spec.grid.moving[real], spec.grid.weight[real]
     forms = closed_forms(spec.stable, moments, weight)
@@ -40,19 +31,24 @@ def map_plan(spec: MapSpec) -> Plan:
         forms = np.full_like(forms, NO_FORM)
     method, why = _choice(spec, moments, weight, forms)
     of_pixels = np.flatnonzero(real)
-    batches = list(_batches(spec, of_pixels[forms == NO_FORM] if method == AUTO else of_pixels))
-    estimate = _estimate(spec, method, forms, batches)
-    reasons, error = [why], estimate.error
-    unknown = estimate.unknown
-    if error is not None:
+    reasons, error, tolerance = [why], None, None
+    step: float | None = None
+    steps: int | None = 0
+    if method == EXACT:
+        batches = list(_batches(spec, of_pixels))
         span = (0.0, spec.t_end)
-        looks = (why_unforeseen(batch, span, by_steps=method != EXACT) for batch in batches)
+        error = closed_form_error(_joined(batch.fastest_rates(span) for batch in batches), span[1])
+        looks = (why_unforeseen(batch, span) for batch in batches)
         unknown = next((words for words in looks if words is not None), None)
-    if spec.is_called and error is not None:
-        unknown = "a function gives the torque"
-    if unknown is not None:
-        error = None
-        reasons.append(UNKNOWN.format(unknown))
+        if error is not None and unknown is not None:
+            error = None
+            reasons.append(UNKNOWN.format(unknown))
+    elif is_adaptive(spec, spec.scheme):
+        steps, tolerance = None, TOLERANCE
+    else:
+        moved = of_pixels[forms == NO_FORM] if method == AUTO else of_pixels
+        longest = _joined(_steps(spec, batch) for batch in _batches(spec, moved))
+        step, steps = shortest_and_most(longest, spec.t_end)
     torque = (spec.scene if spec.made is None else spec.made).torque
     if torque is not None and torque.function is not None:
         reasons.extend(torque.function.reasons)
@@ -65,34 +61,23 @@ def map_plan(spec: MapSpec) -> Plan:
         carried=done,
         why=(*reasons, *not_left_out(done, spec.forces)),
         left_out=left_out(spec.scene, spec.stable, method, spec.step, forms, spec.forces),
-        step=estimate.step,
-        steps=estimate.steps,
-        work=estimate.work,
+        step=step,
+        steps=steps,
+        tolerance=tolerance,
         error=error,
     )
 
 
-def _estimate(spec: MapSpec, method: str, forms: Codes, batches: list[Bodies]) -> Estimate:
-    """Work and error of the nominal starts."""
-    span = (0.0, spec.t_end)
-    if method == EXACT:
-        rates = [batch.fastest_rates(span) for batch in batches]
-        every = np.concatenate([np.zeros(0), *rates])
-        return closed_form_estimate(spec.stable, forms, 0, every, spec.t_end)
-    scene = spec.scene
-    kind = calibration_class_of_forces(scene) if spec.forces else calibration_class_of_any(scene)
-    motions = [_motions(spec, batch) for batch in batches]
-    return steps_estimate(spec.stable, spec.scheme, kind, joined(motions))
+def _joined(rows: Iterable[Floats]) -> Floats:
+    return np.concatenate([np.zeros(0), *rows])
 
 
-def _motions(spec: MapSpec, batch: Bodies) -> Motions:
-    span = (0.0, spec.t_end)
-    rates = batch.fastest_rates(span, spec.scheme)
-    if spec.step is None:
-        steps = _core.default_steps(spec.method, rates, spec.stable.has_deviation)
-    else:
-        steps = np.full(len(rates), spec.step)
-    return motions_of(batch, spec.scheme, span, spec.t_end, steps, states=1)
+def _steps(spec: MapSpec, batch: Bodies) -> Floats:
+    """The longest step of each body of a batch (s)."""
+    if spec.step is not None:
+        return np.full(len(batch), spec.step)
+    rates = batch.fastest_rates((0.0, spec.t_end), spec.scheme)
+    return _core.default_steps(spec.method, rates, spec.stable.has_deviation)
 
 
 def _choice(spec: MapSpec, moments: Floats, weight: Floats, forms: Codes) -> tuple[str, str]:

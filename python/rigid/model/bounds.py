@@ -67,10 +67,6 @@ class TiltBetween(Criterion):
             raise ValueError(f"low = {self.low}: must be below high = {self.high}")
         object.__setattr__(self, "axis", body_axis(self.axis, signed=True))
 
-    def watched(self, step: float) -> float:
-        """Each limit is watched in a separate run."""
-        return 2.0 * (step + 0.09)
-
     def resolved(self, scene: Scene, start: Start) -> Self:
         """The criterion, if the scene has a vertical."""
         if not scene.directions:
@@ -108,10 +104,6 @@ class TiltBetween(Criterion):
 @dataclass(frozen=True, slots=True)
 class _Bounded(Criterion):
     """A criterion that the core watches as one number of the state."""
-
-    def watched(self, step: float) -> float:
-        """The number is computed at five places inside a step."""
-        return 1.3 * step + 0.4
 
     def resolved(self, scene: Scene, start: Start) -> Self:
         """The criterion itself, which has no defaults."""

@@ -56,10 +56,6 @@ class NoFlip(Criterion):
         if self.axis is not None:
             object.__setattr__(self, "axis", body_axis(self.axis))
 
-    def watched(self, step: float) -> float:
-        """A little more than the step."""
-        return step + 0.06
-
     def resolved(self, scene: Scene, start: Start) -> Self:
         """The criterion with the default axis in place of ``None``."""
         return self if self.axis is not None else replace(self, axis=_axis_of(start))
@@ -100,10 +96,6 @@ class TiltBelow(Criterion):
         object.__setattr__(self, "axis", body_axis(self.axis, signed=True))
         if self.reference is not None:
             one_of("reference", self.reference, REFERENCES)
-
-    def watched(self, step: float) -> float:
-        """A little more than the step."""
-        return step + 0.09
 
     def resolved(self, scene: Scene, start: Start) -> Self:
         """The criterion with the default reference in place of ``None``."""
@@ -185,10 +177,6 @@ class Regular(Criterion):
         The mean MEGNO of an exponent is half of it times the horizon.
         """
         return 2.0 * self.high / t_end
-
-    def watched(self, step: float) -> float:
-        """More than twice the step: the deviation vector and its growth are computed too."""
-        return 2.3 * step
 
     def resolved(self, scene: Scene, start: Start) -> Self:
         """The criterion with the norm that serves the scene."""

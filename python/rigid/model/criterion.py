@@ -59,10 +59,6 @@ class Criterion(ABC):
     limited: ClassVar[str | None] = None
 
     @abstractmethod
-    def watched(self, step: float) -> float:
-        """Work of a step of 32 bodies with the observation; ``step`` is the work without it."""
-
-    @abstractmethod
     def resolved(self, scene: Scene, start: Start) -> Self:
         """The criterion with all defaults filled in."""
 
@@ -162,10 +158,6 @@ class Joined(Criterion):
         """The largest state that one of the criteria needs."""
         records = ("rates", "axis", "attitude")
         return max((leaf.record for leaf in self.leaves), key=records.index)
-
-    def watched(self, step: float) -> float:
-        """The bodies are integrated for each criterion."""
-        return sum(leaf.watched(step) for leaf in self.leaves)
 
     def resolved(self, scene: Scene, start: Start) -> Self:
         """The criteria with all defaults filled in."""

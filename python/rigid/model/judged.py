@@ -64,10 +64,6 @@ class Custom(Criterion):
         """The state that is integrated."""
         return self.of
 
-    def watched(self, step: float) -> float:
-        """Twice the step: states inside steps are computed too."""
-        return 2.0 * step
-
     def until_time(self, t_end: float) -> Custom:
         """The criterion whose function sees the times up to one of them."""
         return replace(self, times=tuple(t for t in self.times if t <= t_end))

@@ -34,10 +34,9 @@ from .cost_model import (
     some_of,
     steps_for,
 )
-from .foresight import why_unforeseen
 from .methods import EXACT, FALLBACK, FUNCTION, STIFF, methods_under, plain_methods, series_methods
 from .plan import LazyPlan, Plan
-from .planned import UNKNOWN, damping_rate, plan_of, stepped_record
+from .planned import UNKNOWN, damping_rate, plan_of, stepped_record, why_unforeseen
 from .problem import USUAL_ACCURACY, Problem
 from .second_run import SERIES, SERIES_TOLERANCE
 from .starts import bodies_of
@@ -97,7 +96,7 @@ def plan_states(
     )
     chosen = choose_method(problem).plan()
     if known is not None and chosen.method == EXACT and chosen.error is not None:
-        unforeseen = why_unforeseen(known, problem.times, by_steps=False)
+        unforeseen = why_unforeseen(known, problem.times)
         if unforeseen is not None:
             why = (*chosen.why, UNKNOWN.format(unforeseen))
             chosen = replace(chosen, error=None, why=why)

@@ -19,14 +19,13 @@ from ..model.scene import Scene
 from .closed_form import Codes, Question, names
 from .lazy import Lazy
 from .methods import EXACT
-from .work import unit_nanoseconds
 
 __all__ = ["LazyPlan", "Plan", "carried", "left_out", "not_left_out"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Plan:
-    """The computation for a question about a scene: method, steps, cost, error, reasons.
+    """The computation for a question about a scene: method, steps, error, cost, reasons.
 
     Attributes
     ----------
@@ -44,18 +43,15 @@ class Plan:
         ``"deviation"``, a deviation vector; ``"orbit"``, the place on the orbit, which all further
         forces share.
     step : float or None
-        Longest step (s), the shortest of many bodies; None for a closed form and where the rates
-        are not known. After a run to an accuracy the step that was made: the time covered over the
-        number of steps.
+        Longest step (s), the shortest of many bodies; None for a closed form, for adaptive steps
+        and where the rates are not known.
     steps : int or None
-        About how many steps the body takes, the most of many bodies; 0 for a closed form. After a
-        run to an accuracy the steps that were made.
+        About how many steps the body takes, the most of many bodies; 0 for a closed form, None
+        where they are not known before the run.
     why, left_out : tuple of str
         The reasons, and the omitted computations, which the scene or the question does not need.
-    work : float or None
-        Estimate of the work of a body, the costliest of many that differ, in units that hold on any
-        machine; of a call by steps the work of one run with the steps of the model, without the
-        second run that estimates the error.
+    tolerance : float or None
+        The tolerance of adaptive steps; None for a closed form and for equal steps.
     accuracy : float or None
         The error for which method and steps are made: the requested error, or 1e-8 for states if
         neither a method nor a step is given; else None.
@@ -63,12 +59,15 @@ class Plan:
         Bytes of the states of all bodies of the call at the output times, in double precision and
         without arrays of the user. None for a criterion, and if the number of bodies is not known.
     error : float or None
-        Estimate of the error of the attitude at the end (rad). For a closed form it is
-        ``1e-15`` per radian turned. For a method 95 of 100 random bodies have a smaller error, at
-        most a requested accuracy. None if unknown: the rates or the horizon are missing, or ``why``
-        names a reason. Reasons are a step that turns a body too far or is too long for its damping,
-        rates that nearly vanish, a saddle, chaos, or moments far apart.
-        Of more than 32 bodies 32 are looked at for the last four reasons.
+        Error of the attitude at the end (rad). For a closed form it is ``1e-15`` per radian turned,
+        and None if the rates or the horizon are missing, or if ``why`` names a reason: rates that
+        nearly vanish, or a saddle. Of more than 32 tops 32 are looked at for these. The error of
+        steps is not known before the run: it is None, or with ``cost=True`` the largest
+        :attr:`Run.error <rigid.Run.error>` of the bodies that were run, if it is below one.
+    cost : float or None
+        Processor time of a body of the call (ns), of all threads together and with the second run
+        that estimates the error, measured by running some of the bodies. None unless it was asked
+        for by ``cost=True``.
     """
 
     scene: str
@@ -80,18 +79,11 @@ class Plan:
     steps: int | None
     why: tuple[str, ...]
     left_out: tuple[str, ...]
-    work: float | None
     error: float | None
+    tolerance: float | None = None
     accuracy: float | None = None
     memory: int | None = None
-
-    @property
-    def cost(self) -> float | None:
-        """Estimate of :attr:`Run.nanoseconds <rigid.Run.nanoseconds>`, the time of a body (ns).
-
-        The speed of this machine is measured for the first cost, in half a millisecond.
-        """
-        return None if self.work is None else self.work * unit_nanoseconds()
+    cost: float | None = None
 
     def to_dict(self) -> dict[str, Any]:
         """The plan as a JSON-able dictionary; :meth:`from_dict` reads it.
@@ -171,9 +163,10 @@ class Plan:
             ("carried", ", ".join(self.carried) or "nothing"),
             ("why", "; ".join(self.why)),
             ("left out", "; ".join(self.left_out) or "nothing"),
-            ("cost", "unknown" if self.cost is None else f"about {_time_words(self.cost)} a body"),
             ("error", "unknown" if self.error is None else f"about {self.error:.1e} rad"),
         ]
+        if self.cost is not None:
+            lines.append(("cost", f"{_time_words(self.cost)} a body"))
         if self.memory is not None:
             lines.append(("memory", f"{memory_words(self.memory)} for the states"))
         return lines
@@ -197,7 +190,11 @@ class Plan:
         parts = [self.method]
         if self.closed_form:
             parts.append(f"closed form where there is one: {self.closed_form}")
-        parts.append("step chosen for each body" if self.step is None else f"step {self.step:g} s")
+        if self.tolerance is not None:
+            parts.append(f"tolerance {self.tolerance:g}")
+        else:
+            known = self.step is not None
+            parts.append(f"step {self.step:g} s" if known else "step chosen for each body")
         if self.steps is not None:
             parts.append(f"about {self.steps:,} steps")
         return ", ".join(parts)

@@ -9,19 +9,37 @@ from numpy.typing import NDArray
 
 from .. import _core
 from ..model.scene import Scene
+from .arrays import Range, lengths, spread_indices
+from .bodies import Bodies
 from .closed_form import Codes, moment_rows, names, question_words
-from .cost_model import Estimate, closed_form_estimate, costliest, steps_estimate
-from .foresight import motions_of, why_unforeseen
 from .methods import EXACT
 from .plan import Plan, carried, left_out, not_left_out
 from .problem import Problem
+from .saddle import gammas, separatrices
 
-__all__ = ["UNKNOWN", "damping_rate", "plan_of", "stepped_record"]
+__all__ = [
+    "UNKNOWN",
+    "closed_form_error",
+    "damping_rate",
+    "plan_of",
+    "shortest_and_most",
+    "stepped_record",
+    "why_unforeseen",
+]
 
 Floats = NDArray[np.float64]
 
 UNKNOWN = "error unknown: {}"
 """The sentence of a plan whose error is unknown."""
+
+SAMPLE = 32
+"""Number of tops of a large call that are examined."""
+
+SLOW = 10.0
+"""A body this many times slower than the rate that its weight can give it is nearly at rest."""
+
+MAGNIFIED = 100.0
+"""A saddle that magnifies the rounding of the start by more makes the error unknown."""
 
 
 def plan_of(
@@ -47,22 +65,16 @@ def plan_of(
     why : tuple of str
         The reasons.
     """
-    scene, record = problem.scene, problem.record
-    estimate = _estimate(problem, method, steps, forms, accuracy)
-    error = estimate.error
-    if "function" in scene.forces and error is not None:
-        error, why = None, (*why, UNKNOWN.format("a function gives the torque"))
+    scene, record, error = problem.scene, problem.record, None
+    step: float | None
+    count: int | None
+    if method == EXACT:
+        step, count = None, 0
+        error = closed_form_error(problem.rates(), problem.span)
+    else:
+        step, count = _step_and_count(problem, method, steps, accuracy)
     if scene.torque is not None and scene.torque.function is not None:
         why = (*why, *scene.torque.function.reasons)
-    if estimate.unknown is not None:
-        why = (*why, UNKNOWN.format(estimate.unknown))
-    if error is not None and problem.bodies is not None and method != EXACT:
-        unforeseen = why_unforeseen(problem.bodies, problem.times, by_steps=True)
-        if unforeseen is not None:
-            error, why = None, (*why, UNKNOWN.format(unforeseen))
-    if error is not None and problem.accuracy is not None:
-        # The steps of the run are shortened until it is met.
-        error = min(error, problem.accuracy)
     done = carried(scene, record, method)
     return Plan(
         scene=scene.words(),
@@ -72,53 +84,96 @@ def plan_of(
         carried=done,
         why=(*why, *not_left_out(done, scene.forces)),
         left_out=left_out(scene, record, method, problem.step, forms),
-        step=estimate.step,
-        steps=estimate.steps,
-        work=estimate.work,
+        step=step,
+        steps=count,
+        tolerance=problem.tolerance,
         error=error,
         accuracy=accuracy,
         memory=_memory(problem),
     )
 
 
-def _estimate(
-    problem: Problem, method: str, steps: Floats | None, forms: Codes, accuracy: float | None
-) -> Estimate:
-    """Work and error."""
-    if method == EXACT:
-        return closed_form_estimate(
-            problem.record, forms, problem.states, problem.rates(), problem.span, problem.count
-        )
-    if problem.tolerance is not None or (accuracy is not None and not problem.knows_angles):
-        return Estimate(None, None, None, None)
-    return _steps_estimate(problem, method, steps)
-
-
-def _steps_estimate(problem: Problem, method: str, steps: Floats | None) -> Estimate:
-    """Work and error of a method, the largest of all classes of bodies."""
+def _step_and_count(
+    problem: Problem, method: str, steps: Floats | None, accuracy: float | None
+) -> tuple[float | None, int | None]:
+    """The shortest step (s) and the most steps, as far as they are known before a run."""
     rates = problem.rates(method)
+    if problem.tolerance is not None or (steps is None and accuracy is not None):
+        return None, None
     if problem.bodies is None or rates is None:
-        return Estimate(problem.step, None, None, None)
-    longest = steps if problem.step is None else np.full(len(rates), problem.step)
-    motions = motions_of(
-        problem.bodies,
-        method,
-        problem.times,
-        problem.span,
-        _core.default_steps(method, rates) if longest is None else longest,
-        states=problem.states,
-    )
-    classes, record = problem.classes(), stepped_record(problem, method)
-    if len(classes) == 1:
-        return steps_estimate(record, method, str(classes[0]), motions, problem.count)
-    return costliest(
-        [
-            steps_estimate(
-                record, method, kind, motions.of(np.flatnonzero(classes == kind)), problem.count
-            )
-            for kind in sorted(set(classes.tolist()))
-        ]
-    )
+        return problem.step, None
+    if problem.step is not None:
+        steps = np.full(len(rates), problem.step)
+    elif steps is None:
+        steps = _core.default_steps(method, rates)
+    return shortest_and_most(steps, problem.span, problem.states)
+
+
+@np.errstate(all="ignore")
+def shortest_and_most(
+    steps: Floats, span: float | Floats | None, states: int = 1
+) -> tuple[float | None, int | None]:
+    """The shortest step (s), and about how many steps the body with the most of them takes.
+
+    Parameters
+    ----------
+    steps : ndarray, shape (n,)
+        The longest step of each body (s), infinite for a body at rest.
+    span : float, ndarray of shape (n,), or None
+        How much time is covered (s), None if it is not known.
+    states : int
+        Number of output times: each interval between them has a whole number of steps.
+    """
+    shortest = float(steps.min(initial=np.inf))
+    most = np.inf
+    if span is not None:
+        each = np.ceil(span / steps + 0.5 * (states - 1))
+        most = float(np.maximum(each, max(states, 1)).max(initial=0.0))
+    return shortest if shortest < np.inf else None, int(most) if most < 2.0**63 else None
+
+
+@np.errstate(all="ignore")
+def closed_form_error(rates: Floats | None, span: float | Floats | None) -> float | None:
+    """The largest error of closed forms (rad) for bounds of the rates, shape (n,), if known."""
+    if rates is None or span is None:
+        return None
+    worst = float((_core.ROUNDING * (1.0 + rates * span)).max(initial=0.0))
+    return worst if worst < np.inf else None
+
+
+@np.errstate(all="ignore")
+def why_unforeseen(bodies: Bodies, times: Range) -> str | None:
+    """The reason why the error of closed forms is not known before the run; None if it is.
+
+    Parameters
+    ----------
+    bodies : Bodies
+    times : tuple of float, or of ndarray of shape (n,)
+        First and last time (s).
+    """
+    tops = np.flatnonzero(np.broadcast_to(bodies.weight.any(axis=1), len(bodies)))
+    tops = tops[spread_indices(len(tops), SAMPLE)]
+    if not len(tops):
+        return None
+    some = bodies.select(tops)
+    first, last = (np.broadcast_to(time, len(bodies))[tops] for time in times)
+    if np.any(some.fastest_rates(times) > SLOW * _fastest_above_rest(some)):
+        return "a body is nearly at rest, and its small rates are what the error is relative to"
+    distance, exponent = separatrices(some)
+    growth = np.exp(exponent * np.maximum(-first, last))
+    if np.any(np.fmin(growth, 1.0 / distance) > MAGNIFIED):
+        return "a body passes a saddle, which magnifies it"
+    return None
+
+
+def _fastest_above_rest(bodies: Bodies) -> Floats:
+    """The fastest rate (rad/s) that a top can reach by its energy above hanging; shape (n,)."""
+    size = lengths(bodies.weight)
+    kinetic = 0.5 * np.sum(bodies.moments * bodies.omega**2, axis=1)
+    # A difference of unit vectors: small angles lose no digits.
+    raised = 0.5 * np.sum((gammas(bodies) + bodies.weight / size[:, None]) ** 2, axis=1)
+    fastest: Floats = np.sqrt(2.0 * (kinetic + size * raised) / bodies.moments.min(axis=1))
+    return fastest
 
 
 def damping_rate(scene: Scene) -> float:

@@ -14,7 +14,6 @@ from .bodies import Bodies
 from .closed_form import moment_rows, weight_rows
 from .cost_model import calibration_classes
 from .methods import FUNCTION, check_method, known_method, run_methods
-from .work import MANY
 
 __all__ = ["LEAST_TOLERANCE", "USUAL_ACCURACY", "Problem"]
 
@@ -130,13 +129,6 @@ class Problem:
         if self.bodies is not None:
             return calibration_classes(self.scene, *self.inertia(), self.bodies.under_forces())
         return calibration_classes(self.scene, *self.inertia(), np.array([bool(self.scene.forces)]))
-
-    @property
-    def count(self) -> int:
-        """Number of bodies that share a call; many if unknown."""
-        if self.number is not None:
-            return self.number
-        return MANY if self.bodies is None else max(len(self.bodies), 1)
 
     @property
     def knows_angles(self) -> bool:

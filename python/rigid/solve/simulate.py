@@ -350,7 +350,7 @@ def simulate(
                 plan.amend(f"{SERIES} was no better: rounding or chaos is the error")
             if by_series.all():
                 chosen, own = SERIES, SERIES_TOLERANCE
-                plan.amend(method=chosen, step=None, steps=None, work=None, error=None)
+                plan.amend(method=chosen, step=None, steps=None, error=None)
         accurate = (estimate.error <= accuracy) & ~by_series
         if accurate.any():
             made, most = made_steps(states["steps"], time_span(request.times), accurate)
