@@ -2,27 +2,35 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+import dataclasses
+from typing import TYPE_CHECKING, Any
 
+import numpy as np
 from numpy.typing import ArrayLike
 
-from ._checks.arguments import brief
+from ._checks.arguments import brief, positive_int
 from .maps.job import to_core
 from .maps.plan import map_plan
-from .maps.request import of_one_pixel
+from .maps.request import of_one_pixel, shortened
+from .maps.spec import MapSpec
 from .model.body import Body
 from .model.criteria import Criterion, known_criteria
 from .model.mixture import Mixture
-from .model.scene import Scene
+from .model.scene import Scene, check_scene
 from .model.start import Start
 from .solve.choose_method import plan_states
 from .solve.closed_form import RECORDS
 from .solve.plan import Plan
+from .solve.timing import seconds_of_one, timed_states
+from .store.call import run_map
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
 
 __all__ = ["plan"]
+
+SAMPLES = 1000
+"""Bodies of a pixel if their number is not given."""
 
 
 def plan(
@@ -38,8 +46,9 @@ def plan(
     step: float | None = None,
     bodies: int | None = None,
     times: int | None = None,
+    cost: bool = False,
 ) -> Plan:
-    """Plan a call of :func:`simulate` or a pixel of :func:`stability_map`: method, steps and cost.
+    """Plan a call of :func:`simulate` or a pixel of :func:`stability_map`: method, steps, reasons.
 
     A question in words requests states at output times, as :func:`simulate` returns. A criterion
     requests a class: its plan is the plan of the map with the same scene, criterion, start,
@@ -74,10 +83,14 @@ def plan(
     step : float, optional
         Longest step (s).
     bodies : int, optional
-        Number of bodies of the call, which the cost of one depends on. Default: the number of
-        ``omega``; without ``omega`` many. Of a criterion many bodies share a call.
+        Number of bodies of the call, which the memory and the cost of one depend on. Default: the
+        number of ``omega``. Of a criterion the samples of the pixel; default: 1000.
     times : int, optional
-        Number of output times, which cost and memory depend on. Default: 1. A criterion has none.
+        Number of output times, which memory and cost depend on. Default: 1. A criterion has none.
+    cost : bool
+        Whether to measure :attr:`Plan.cost`, and the error of steps: by the call itself of some of
+        the bodies, up to a share of the horizon if they take long. That takes half a second at
+        most. States need ``omega`` and ``t_end`` for it; the output times are evenly spaced.
 
     Returns
     -------
@@ -90,7 +103,7 @@ def plan(
     ValueError
         As for :func:`stability_map`; if ``"exact"`` is requested and a body has no closed form; if
         the accuracy is beyond float64; if the rates or the horizon are missing, from which the step
-        follows; if an argument belongs to the other kind of question.
+        follows, or that the cost needs; if an argument belongs to the other kind of question.
 
     Examples
     --------
@@ -104,9 +117,13 @@ def plan(
     carried     omega
     why         every body has a closed form
     left out    no torque: no steps; rates only: no attitude; no weight: no vertical
-    cost        about ... µs a body
     error       about 1.6e-13 rad
     memory      65 bytes for the states
+
+    What a body of this call takes, measured:
+
+    >>> rigid.plan(scene, omega=[0.1, 1.0, 0.2], t_end=100.0, cost=True).cost > 0.0
+    True
 
     The largest tilt of a free body has no closed form:
 
@@ -123,7 +140,6 @@ def plan(
         for name, value, why in (
             ("attitude", attitude, "the start of a map is given by start"),
             ("accuracy", accuracy, "a map classifies again what an error could change"),
-            ("bodies", bodies, "many bodies of a map share a call"),
             ("times", times, "a class is no state at output times"),
         ):
             if value is not None:
@@ -134,7 +150,9 @@ def plan(
             start = Start(omega=omega)  # type: ignore[arg-type]  # normalised
         asked = of_one_pixel(scene, question, start=start, t_end=t_end, method=method, step=step)
         to_core(asked)  # which refuses what no map computes
-        return map_plan(asked)
+        samples = SAMPLES if bodies is None else positive_int("bodies", bodies)
+        made = map_plan(asked)
+        return _timed_map(made, asked, samples) if cost else made
     if not isinstance(question, str):
         raise TypeError(
             f"question = {brief(question)}: must be one of {', '.join(map(repr, RECORDS))}, "
@@ -144,15 +162,44 @@ def plan(
         raise ValueError(
             f"start = {brief(start)}: belongs to a criterion; states start from omega and attitude"
         )
-    return plan_states(
+    asked_for: dict[str, Any] = {"accuracy": accuracy, "method": method, "step": step}
+    made = plan_states(
         scene,
         question,
         omega=omega,
         attitude=attitude,
         t_end=t_end,
-        accuracy=accuracy,
-        method=method,
-        step=step,
         bodies=bodies,
         times=times,
+        **asked_for,
     )
+    if not cost:
+        return made
+    if omega is None or t_end is None:
+        name = "omega" if omega is None else "t_end"
+        raise ValueError(f"cost = True: some of the bodies are run, for which {name} is missing")
+    return timed_states(
+        made,
+        check_scene(scene, many=True),
+        omega,
+        attitude,
+        t_end=t_end,
+        bodies=bodies,
+        times=times or 1,
+        record=question,
+        **asked_for,
+    )
+
+
+def _timed_map(made: Plan, spec: MapSpec, samples: int) -> Plan:
+    """The plan of a criterion with the cost of a sample."""
+    moments = np.asarray(spec.scene.body.moments)
+    axis = int(moments.argmax())
+    # A map has an axis; this one changes nothing.
+    whole = spec.replace(axes={f"I{axis + 1}": moments[axis : axis + 1]})
+
+    def run(count: int, share: float) -> None:
+        run_map(shortened(whole, share).replace(samples=count), progress=False)
+
+    seconds, _ = seconds_of_one(run, samples)
+    return dataclasses.replace(made, cost=1e9 * seconds)

@@ -172,25 +172,24 @@ def _checked(
     seeded: bool,
 ) -> int:
     """Tell the plan of a map, its cost by some bodies, and the files that it would write."""
-    made = map_plan(spec)
     call = foreseen(spec, store=options.store, seeded=seeded, threads=threads, part=options.part)
     sizes = {"data": file_size(spec)}
     files = {"data": str(target.data), "picture": str(target.picture), "store": options.store}
     if options.store is not None:
         sizes["store"] = call.stored
     if options.json:
-        facts = {"name": name, "plan": made.to_dict(), **dataclasses.asdict(call)}
+        facts = {"name": name, **dataclasses.asdict(call)}
         print_list({**facts, "bytes": sizes, **files}, as_json=True)
         return DONE
     most, share = "at most " if call.at_most else "", ""
     if options.part is not None:
         share = f", part {options.part}"
-    about = "more than " if call.at_least else most or "about "
+    free = f"{threads} free thread{'s' if threads > 1 else ''}"
     lines = {
         "map": spec.title or name,
-        **_planned(made),
+        **_planned(call.plan),
         "bodies": f"{most}{call.bodies:,} in {call.pixels:,} pixels{share}",
-        "cost": f"{about}{call.seconds:.2g} s on {threads} free thread{'s' if threads > 1 else ''}",
+        "cost": f"{most or 'about '}{call.seconds:.2g} s on {free}",
         "size": ", ".join(f"{where} {memory_words(size)}" for where, size in sizes.items()),
         "would write": ", ".join(map(str, filter(None, files.values()))),
     }

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import Any
 
 from .._checks.arguments import brief
@@ -13,12 +14,13 @@ from ..model.mixture import Mixture
 from ..model.scene import Scene, check_scene
 from ..model.seed import seed_from
 from ..model.start import Start
+from ..solve.timing import LEAST_STEPS
 from .own import own_scene
-from .parameters import check_axis_name, make_axes
+from .parameters import Axis, check_axis_name, make_axes
 from .sequential import checked_half_width, stop_table
 from .spec import MapSpec
 
-__all__ = ["as_it_is", "of_one_pixel", "spec_of"]
+__all__ = ["as_it_is", "of_one_pixel", "shortened", "spec_of"]
 
 
 def as_it_is(spec: MapSpec, given: Mapping[str, Any]) -> MapSpec:
@@ -69,6 +71,28 @@ def of_one_pixel(
     given = {name: value for name, value in asked.items() if value is not None}
     _require("plan", given, "t_end")
     return _started(check_scene(scene), 0, {**given, "axes": (), "samples": 1})
+
+
+def shortened(spec: MapSpec, share: float) -> MapSpec:
+    """The same map until this share of its horizon and of its most steps."""
+    if share == 1.0:
+        return spec
+    changes: dict[str, Any] = {
+        "t_end": share * spec.t_end,
+        "max_steps": min(spec.max_steps, max(LEAST_STEPS, int(share * spec.max_steps))),
+        "axes": tuple(_shortened(axis, share) for axis in spec.axes),
+    }
+    if isinstance(spec.stable, Custom):
+        times = tuple(share * time for time in spec.stable.times)
+        changes |= {"stable": replace(spec.stable, times=times), "t_end": times[-1]}
+    return spec.replace(**changes)
+
+
+def _shortened(axis: Axis, share: float) -> Axis:
+    """The axis, with shares of its values if these are horizons."""
+    if axis.name != "t_end":
+        return axis
+    return replace(axis, values=tuple(share * value for value in axis.values))
 
 
 def _require(function: str, given: dict[str, Any], *names: str) -> None:

@@ -28,7 +28,6 @@ __all__ = [
     "angle_per_step",
     "check_method",
     "is_compensated",
-    "is_processed",
     "is_stiff",
     "known_method",
     "longest_angle",
@@ -219,11 +218,6 @@ def angle_per_step(name: str) -> float:
 def longest_angle(name: str) -> float:
     """The largest angle (rad) of a step that a method bears; see :class:`Method`."""
     return _named(name).longest_angle
-
-
-def is_processed(name: str) -> bool:
-    """Whether a method has states only before and after many steps."""
-    return not _named(name).maps
 
 
 def is_compensated(name: str) -> bool:

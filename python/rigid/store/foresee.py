@@ -5,14 +5,19 @@ from __future__ import annotations
 import os
 import time
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..maps.job import to_core
+from ..maps.plan import map_plan
 from ..maps.refine import refined
+from ..maps.request import shortened
 from ..maps.sequential import LOOK
 from ..maps.spec import MapSpec
+from ..solve.plan import Plan
+from ..solve.timing import FEW, LEAST_SHARE, seconds_of_one
 from .head import Head
 from .log import COST
 from .resume import Part, missing
@@ -21,15 +26,8 @@ from .running import Folder, Memory
 
 __all__ = ["Foreseen", "foresee"]
 
-LIMIT = 0.4
-"""Longest time of the computation (s): half a second with what comes before."""
-
-LANES = 8
-"""Bodies that a thread moves side by side: a block of fewer takes as long."""
-
-
-GROWTH = 16.0
-"""A block has at most so many times the pixels of the one before."""
+FIRST_STEPS = 5000
+"""Most steps of a body in the first run: eight bodies take some hundredths of a second."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -38,23 +36,22 @@ class Foreseen:
 
     Attributes
     ----------
+    plan : Plan
     pixels, bodies : int
         Of this call: without what is stored, and without other parts.
     at_most : bool
         Whether these are the largest possible numbers.
     seconds : float
         Wall time on free threads.
-    at_least : bool
-        Whether so few bodies end within the check that ``seconds`` is a lower bound.
     stored : int
         Bytes of the rows that a folder gets.
     """
 
+    plan: Plan
     pixels: int
     bodies: int
     at_most: bool
     seconds: float
-    at_least: bool
     stored: int
 
 
@@ -86,53 +83,41 @@ def foresee(
         possible = np.flatnonzero(running.status == 0)
         pixels, bodies = possible, len(possible) * spec.samples // part.count
     bodies = min(bodies, spec.budget or bodies)
+    made = map_plan(spec)
     prepared = time.process_time() - begin
-    seconds, at_least = (0.0, False) if not bodies else _seconds(spec, pixels, threads, bodies)
+    seconds = 0.0
+    if bodies:
+        seconds = bodies / threads * _seconds_of_one(spec, made.steps, pixels, threads)
     bins = len(spec.measure) * BIN_ROW.itemsize  # one of each measure; most pixels have few
     return Foreseen(
+        plan=made,
         pixels=len(pixels),
         bodies=bodies,
         at_most=spec.looks is not None or refined(spec),
         seconds=prepared + seconds,
-        at_least=at_least,
         stored=len(mine) * (ROW.itemsize + COST.itemsize + bins),
     )
 
 
-def _seconds(
-    spec: MapSpec, pixels: NDArray[np.int64], threads: int, bodies: int
-) -> tuple[float, bool]:
-    """Time of so many bodies of these pixels, and whether it is a lower bound.
+def _seconds_of_one(
+    spec: MapSpec, steps: int | None, pixels: NDArray[np.int64], threads: int
+) -> float:
+    """Processor time of a body of these pixels (s), which takes so many steps, on so many threads.
 
-    The first bodies of a pixel stand for all of them: the default cross-check is one of each look.
-    If they are too slow, fewer bodies are computed, of which a larger share is checked. The largest
-    block counts alone: a small one waits for its slowest bodies, whose lanes nobody fills again.
+    A look of bodies of each of some pixels is computed: the default cross-check is one of each
+    look, and of a share to check the first looks of a pixel have all.
     """
-    order = np.random.default_rng(0).permutation(pixels)
-    begin = time.perf_counter()
-    for limit, most in ((0.5 * LIMIT, LOOK), (LIMIT, LANES)):
-        samples = min(most, spec.samples)
-        largest, taken, at, together = 0, 0.0, 0, -(-LANES * threads // samples)
+    samples = min(LOOK, spec.samples)
+    looks = spec.samples // samples if spec.looks is None else 1
+    until = cache(lambda share: shortened(spec, share))
 
-        def late(limit: float = limit) -> bool:
-            return time.perf_counter() - begin > limit
+    def run(count: int, share: float) -> None:
+        rng = np.random.default_rng(0)
+        some = np.resize(rng.permutation(pixels), count)
+        job = to_core(until(share), some, samples, LOOK * rng.integers(looks, size=count))
+        job.run(0, count * samples, threads)
 
-        while at < len(order) and not late():
-            some = order[at : at + together]
-            before, started = time.perf_counter(), time.process_time()
-            job = to_core(spec, some, samples)
-            made = time.process_time() - started
-            columns = job.run(0, len(some) * samples, threads, late)
-            if columns is None:
-                break
-            at += len(some)
-            if len(some) >= largest:
-                largest = len(some)
-                taken = made + 1e-9 * float(columns["nanoseconds"].sum()) / threads
-            # A block that does not end in time is lost.
-            left = LIMIT + begin - time.perf_counter()
-            fitting = 0.6 * left * len(some) / (time.perf_counter() - before)
-            together = max(1, int(min(GROWTH * together, fitting)))
-        if largest:
-            return taken * bodies / (largest * samples), False
-    return LIMIT * bodies / (LANES * threads), True
+    share = LEAST_SHARE if steps is None else min(1.0, FIRST_STEPS / max(steps, 1))
+    most, few = looks * len(pixels), max(1, FEW // samples)
+    seconds, _ = seconds_of_one(run, most, few, share)
+    return seconds / samples

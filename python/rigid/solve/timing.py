@@ -1,0 +1,177 @@
+"""The processor time of one body of a call, measured by running some of the bodies."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from statistics import median
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from .._checks.arrays import attitudes
+from ..model.scene import Scene
+from .arrays import spread_indices
+from .methods import EXACT
+from .plan import Plan
+from .run import Run
+from .simulate import most_steps, simulate
+
+if TYPE_CHECKING:
+    from scipy.spatial.transform import Rotation
+
+__all__ = ["FEW", "LEAST_SHARE", "LEAST_STEPS", "seconds_of_one", "timed_states"]
+
+Result = TypeVar("Result")
+
+BUDGET = 0.4
+"""Processor time of all runs together (s): half a second with what comes before and after."""
+
+FEW = 512
+"""Bodies of a run whose horizon is not yet the whole one: of these the bodies that are checked
+alone, at most 32, are a sixteenth."""
+
+PACK = 8
+"""Bodies that are moved side by side: fewer take as long."""
+
+LEAST_SHARE = 1e-6
+"""First share of the horizon: a call of 1e9 steps, the most of a body, takes a thousand there."""
+
+LEAST_STEPS = 1000
+"""Least ``max_steps`` of a run: steps may be short at the start."""
+
+SHORT = 0.005 * BUDGET
+"""Longest time (s) of the run before the bodies of a run become more."""
+
+GROWTH = 32.0
+"""Largest growth from run to run: after four the horizon is whole."""
+
+LEAST_GROWTH = 1.5
+"""A run that is less longer than the one before tells little more."""
+
+REPEATED = 0.25 * BUDGET
+"""A whole call that is shorter (s) is repeated for this time; the median counts."""
+
+TICK = 1e-6
+"""Shortest time (s) that is told from zero."""
+
+
+def seconds_of_one(
+    run: Callable[[int, float], Result], most: int, few: int = FEW, share: float = LEAST_SHARE
+) -> tuple[float, Result | None]:
+    """Processor time (s) of one body of a call, of all threads together.
+
+    The bodies become more, then their horizon longer, then again the bodies more, as long as the
+    next run is likely to take at most half of the time that is left. What does not grow with the
+    horizon is counted once.
+
+    Parameters
+    ----------
+    run : callable
+        Runs so many of the bodies for this share of the horizon.
+    most : int
+        Bodies of the call, at least one.
+    few : int
+        Bodies of the runs in which the horizon grows.
+    share : float
+        First share of the horizon.
+
+    Returns
+    -------
+    seconds : float
+    result : object or None
+        What the last run returned; None if it did not reach the whole horizon.
+    """
+    begin = time.process_time()
+
+    def clocked(count: int, share: float) -> tuple[float, Result]:
+        started = time.process_time()
+        result = run(count, share)
+        return time.process_time() - started, result
+
+    def growth(taken: float, fixed: float = 0.0) -> float:
+        left = 0.5 * (BUDGET - (time.process_time() - begin))
+        return min(GROWTH, (left - fixed) / max(taken - fixed, TICK))
+
+    few = min(few, most)
+    clocked(1, share)  # what is made once takes its time here
+    count = min(PACK, few)
+    taken, result = clocked(count, share)
+    while count < few and taken < SHORT:
+        count = min(PACK * count, few)
+        taken, result = clocked(count, share)
+    fixed = taken
+    while share < 1.0 and (more := growth(taken, fixed)) > LEAST_GROWTH:
+        share = min(1.0, more * share)
+        taken, result = clocked(count, share)
+    if share < 1.0:
+        return (fixed + max(taken - fixed, 0.0) / share) / count, None
+    while count < most and (more := growth(taken)) > LEAST_GROWTH:
+        count = min(most, math.ceil(more * count))
+        taken, result = clocked(count, share)
+    every = [taken]
+    while count == most and sum(every) < REPEATED:
+        every.append(clocked(count, share)[0])
+    return median(every) / count, result
+
+
+def timed_states(
+    made: Plan,
+    scene: Scene,
+    omega: ArrayLike,
+    attitude: ArrayLike | Rotation | None,
+    *,
+    t_end: float,
+    bodies: int | None,
+    times: int,
+    **asked: Any,
+) -> Plan:
+    """The plan of a valid call of :func:`simulate`, with its cost and the error of its steps.
+
+    Parameters
+    ----------
+    made : Plan
+    scene, omega, attitude, **asked
+        Of the call.
+    t_end : float
+        The last of the evenly spaced output times (s).
+    bodies : int or None
+        Number of bodies of the call, by default those that are given.
+    times : int
+        Number of output times.
+    """
+    rates, turned = np.asarray(omega, dtype=np.float64), attitudes(attitude)
+    shape = np.broadcast_shapes(scene.shape, rates.shape[:-1], turned.shape[:-1])
+    given, limit = math.prod(shape), most_steps(scene)
+    if not given:
+        raise ValueError("cost = True: some of the bodies are run, and there are none")
+    alone = not shape and bodies in (None, 1)
+    rates = rates if alone else np.broadcast_to(rates, (*shape, 3)).reshape(-1, 3)
+    turned = turned if alone else np.broadcast_to(turned, (*shape, 4)).reshape(-1, 4)
+    places = np.arange(math.prod(scene.shape)).reshape(scene.shape)
+    places = np.broadcast_to(places, shape).ravel()
+
+    def run(count: int, share: float) -> Run:
+        some: Any = ...
+        if not alone:  # bodies that are fewer than those of the call are repeated
+            some = np.resize(spread_indices(given, count), count)
+        own = np.unravel_index(places[some], scene.shape) if scene.shape else None
+        return simulate(
+            scene if own is None else scene[own],
+            rates[some],
+            None if attitude is None else turned[some],
+            t=np.linspace(0.0, share * t_end, math.ceil(share * times) + 1)[1:],
+            max_steps=max(LEAST_STEPS, int(share * limit)),
+            progress=False,
+            **asked,
+        )
+
+    seconds, whole = seconds_of_one(run, bodies or given)
+    error = made.error
+    if whole is not None and made.method != EXACT:
+        worst = float(np.max(whole.error))
+        error = worst if worst < 1.0 else None
+    return replace(made, cost=1e9 * seconds, error=error)
