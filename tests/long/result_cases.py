@@ -305,7 +305,7 @@ def _plans() -> Iterator[Case]:
     def planned(scene: str, question: Any, **options: Any) -> Any:
         def made() -> Any:
             plan = rigid.plan(SCENES[scene], question, **options)
-            names = ("closed_form", "method", "carried", "step", "steps", "work", "error")
+            names = ("closed_form", "method", "carried", "step", "steps", "tolerance")
             return {name: getattr(plan, name) for name in names}
 
         return _answered(made)

@@ -79,20 +79,12 @@ def print_table(name: str, of: Callable[[Finding], str], findings: list[Finding]
 
 
 def print_estimates(findings: list[Finding]) -> None:
-    """How close the stated errors are, and those of the plans."""
+    """How close the stated errors are."""
     stated = [one.true / one.stated for one in findings if one.verdict == "right"]
     at = np.quantile(stated, [0.05, 0.5, 0.95])
     print(
         "true error / stated error of the right ones, quantiles 5, 50, 95 %:", at.round(4).tolist()
     )
-    planned = [
-        one
-        for one in findings
-        if one.verdict in ("right", "flagged", "UNDETECTED") and one.planned > 0
-    ]
-    for factor in (10.0, 1000.0):
-        below = sum(one.true > factor * one.planned for one in planned)
-        print(f"plans whose error is too small by more than {factor:g}: {below} of {len(planned)}")
     missed = [one for one in findings if one.verdict == "within 4uκ" and one.true > one.asked > 0]
     loose = [one for one in findings if one.loose]
     early = [one for one in findings if one.early >= LOST]

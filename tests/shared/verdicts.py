@@ -48,7 +48,6 @@ class Finding:
     true: float = np.nan
     stated: float = np.nan
     asked: float = 0.0
-    planned: float = np.nan
     within: float = np.nan
     early: float = 0.0
     unbalanced: float = -np.inf
@@ -181,10 +180,9 @@ def judge(number: int, seed: int, kinds: Kinds = KINDS) -> Finding:
         method = f"default: {run.plan.method}"
     stated = float(np.max(run.error if row is None else run.error[row]))
     asked = float(case.options.get("accuracy", 0.0))
-    planned = np.nan if run.plan.error is None else float(run.plan.error)
     status = int(run.status if row is None else run.status[row])
     if status not in (*JUDGED, rigid.Status.FLAGGED):
-        return Finding(number, case, "status", method, planned=planned, status=status)
+        return Finding(number, case, "status", method, status=status)
     truth = _truth(case)
     if truth is None or not np.isfinite(truth.high).all():
         return Finding(number, case, "no truth", method)
@@ -207,5 +205,5 @@ def judge(number: int, seed: int, kinds: Kinds = KINDS) -> Finding:
             if again is None or not _apart(case, again, truth, run) < 0.1 * true:
                 verdict = "no truth"
     off = unbalanced(case, run, row)
-    numbers = true, stated, asked, planned, within, early, off
+    numbers = true, stated, asked, within, early, off
     return Finding(number, case, verdict, method, *numbers, status=status)

@@ -26,8 +26,9 @@ from .running import Folder, Memory
 
 __all__ = ["Foreseen", "foresee"]
 
-FIRST_STEPS = 5000
-"""Most steps of a body in the first run: eight bodies take some hundredths of a second."""
+QUICK = 40_000
+"""Most steps of the bodies of a look that are run to the horizon at once: eight such looks take
+some hundredths of a second."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -104,8 +105,8 @@ def _seconds_of_one(
 ) -> float:
     """Processor time of a body of these pixels (s), which takes so many steps, on so many threads.
 
-    A look of bodies of each of some pixels is computed: the default cross-check is one of each
-    look, and of a share to check the first looks of a pixel have all.
+    Looks of random pixels are computed. The looks are random too: by default some bodies of each
+    look are cross-checked, but of a share to check it is the first bodies of a pixel.
     """
     samples = min(LOOK, spec.samples)
     looks = spec.samples // samples if spec.looks is None else 1
@@ -117,7 +118,7 @@ def _seconds_of_one(
         job = to_core(until(share), some, samples, LOOK * rng.integers(looks, size=count))
         job.run(0, count * samples, threads)
 
-    share = LEAST_SHARE if steps is None else min(1.0, FIRST_STEPS / max(steps, 1))
+    share = 1.0 if steps is not None and steps * samples <= QUICK else LEAST_SHARE
     most, few = looks * len(pixels), max(1, FEW // samples)
     seconds, _ = seconds_of_one(run, most, few, share)
     return seconds / samples

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 import rigid
-from rigid import _core
+from rigid import _core, planning
 from rigid.animation import explorer
 from rigid.maps import data, sequential, spec
 from rigid.maps.result import StabilityMap
@@ -20,10 +20,10 @@ from rigid.sections.crossings import Crossings
 from rigid.solve import (
     choose_method,
     cost_model,
-    foresight,
     frequencies,
     integrate,
     lyapunov,
+    planned,
     problem,
     rounding,
     run,
@@ -112,9 +112,10 @@ SAID: list[tuple[object, str, tuple[float | str, ...]]] = [
     (rigid.simulate, "of more than {} bodies only {} are checked", (integrate.SAMPLE,) * 2),
     (rigid.simulate, '``"{}"`` if a step is given', (CHOSEN["default"],)),
     (rigid.simulate, '``"{}"`` if damping is ten times as fast', (CHOSEN["stiff"],)),
+    (rigid.plan, "samples of the pixel; default: {}", (planning.SAMPLES,)),
     (rigid.plan, "without a method and a step: {}", (problem.USUAL_ACCURACY,)),
     (rigid.Plan, "``{}`` per radian turned", (cost_model.ROUNDING,)),
-    (rigid.Plan, "Of more than {} bodies {} are looked at", (foresight.SAMPLE,) * 2),
+    (rigid.Plan, "Of more than {} tops {} are looked at", (planned.SAMPLE,) * 2),
     (rigid.Run, "or below {}", (status.COARSE_ERROR,)),
     (rigid.Run, "all below {} of the", (rounding.REST,)),
     (rigid.Run, "``{}`` per radian turned", (cost_model.ROUNDING,)),

@@ -121,25 +121,3 @@ def test_a_step_that_resolves_the_damping_does_not_ring() -> None:
     truth = np.exp(-rate * np.array([0.2, 1.0]))
     off = np.abs(run.omega[:, 2] - truth).max() / truth.max()
     assert off < run.error < FOURFOLD * off
-
-
-# The error that a plan states before the run
-
-
-@pytest.mark.parametrize("record", ["rates", "attitude"])
-@pytest.mark.parametrize("product", [1e-3, 1e-2, 0.09])
-def test_a_plan_knows_what_the_rule_makes_of_damping(product: float, record: str) -> None:
-    """A slow spin, of which only the damping is fast: the rate errs by `(h k)² / 12` in each 1/k.
-
-    The model counts the damping as an angle; of a turn its error is up to five times as large.
-    """
-    end, steps = 2.0, round(2.0 / product)
-    scene = rigid.FreeBody(SPHERE, damping=INERTIA * product * steps / end)
-    options = {"t": [end], "method": "midpoint", "step": end / steps, "record": record}
-    run = rigid.simulate(scene, [0.0, 0.0, 1e-4], **options)  # type: ignore[arg-type]
-    made = ((1.0 - 0.5 * product) / (1.0 + 0.5 * product)) ** steps
-    error = abs(made * np.exp(product * steps) - 1.0)
-    assert run.steps == steps
-    np.testing.assert_allclose(run.omega[-1, 2], 1e-4 * made, rtol=1e-9)
-    assert run.plan.error is not None
-    assert error < run.plan.error < 10.0 * error

@@ -11,11 +11,8 @@ import numpy as np
 import pytest
 
 import rigid
-from error_survey import random_scene
 from physics import LISTED, METHODS, present, rotation_angle, tilted
 from rigid.model.scene import Scene
-from rigid.solve import work
-from rigid.solve.cost_model import calibrated
 from rigid.solve.starts import bodies_of
 from small_maps import small_map
 
@@ -48,6 +45,8 @@ PLANS: list[Callable[[], rigid.Plan]] = [
     lambda: rigid.plan(HEAVY, "rates", omega=RATES, step=0.1),
     lambda: rigid.plan(HEAVY, "attitude", omega=RATES, t_end=1.0 / 3.0, method="splitting"),
     lambda: rigid.plan(HEAVY, rigid.tilt_below(1.0, axis=-2), omega=[0, 0, 0], t_end=1.0),
+    lambda: rigid.plan(HEAVY, "rates", omega=RATES, t_end=1.0, cost=True),
+    lambda: rigid.simulate(HEAVY, RATES, t=[1.0], method="taylor16", tolerance=1e-11).plan,
     lambda: small_map(samples=1).plan,
 ]
 
@@ -69,7 +68,8 @@ def test_a_plan_round_trips_through_json(make: Callable[[], rigid.Plan]) -> None
 def test_a_plan_is_read_in_lines(make: Callable[[], rigid.Plan]) -> None:
     plan = make()
     facts = dict(line.split(maxsplit=1) for line in str(plan).splitlines())
-    names = ["scene", "question", "method", "carried", "why", "left", "cost", "error"]
+    names = ["scene", "question", "method", "carried", "why", "left", "error"]
+    names += ["cost"] if plan.cost is not None else []
     assert list(facts) == (names if plan.memory is None else [*names, "memory"])
     assert facts["method"].startswith(plan.method)
     assert facts["scene"] == plan.scene
@@ -154,98 +154,26 @@ def test_the_forces_of_axes_of_a_map_are_carried() -> None:
     assert "one kernel has all further forces" in result.plan.why[-1]
 
 
-def test_costs_and_errors_grow_with_the_angle_turned() -> None:
+def test_errors_and_steps_grow_with_the_angle_turned() -> None:
     short, long = (rigid.plan(FREE, "rates", omega=RATES, t_end=t) for t in (10.0, 1000.0))
-    assert short.cost == long.cost
     assert present_float(long.error) == pytest.approx(100.0 * present_float(short.error), rel=0.1)
     short, long = (
         rigid.plan(FREE, "rates", omega=RATES, t_end=t, method="rk4") for t in (10.0, 1000.0)
     )
     assert short.step == long.step
     assert long.steps == pytest.approx(100.0 * present_float(short.steps), rel=0.01)
-    assert 10.0 * present_float(short.cost) < present_float(long.cost)
-    assert present_float(long.cost) < 100.0 * present_float(short.cost)
+    assert short.error is long.error is None  # of steps it is known after a run
     nothing_known = rigid.plan(HEAVY, "rates")
     assert nothing_known.step is nothing_known.steps is None
     assert nothing_known.cost is nothing_known.error is None
 
 
-def test_a_body_alone_pays_for_the_call_and_for_its_lanes() -> None:
-    options: dict[str, Any] = {"omega": RATES, "t_end": 10.0}
-    for method in ("exact", "rk4", "taylor16", "splitting8"):
-        works = [
-            present_float(rigid.plan(FREE, "attitude", method=method, bodies=n, **options).work)
-            for n in (1, 32, 4096)
-        ]
-        assert works[0] > 2.0 * works[1] > 2.0 * works[2]
-        alone = rigid.plan(FREE, "attitude", method=method, **options)
-        assert alone.work == works[0]
-        assert rigid.simulate(FREE, RATES, t=[10.0], method=method).plan.work == works[0]
-        many = {**options, "omega": np.tile(RATES, (32, 1))}
-        assert rigid.plan(FREE, "attitude", method=method, **many).work == works[1]
-    with pytest.raises(ValueError, match="bodies = 0: must be"):
-        rigid.plan(FREE, "rates", bodies=0)
-
-
-def test_the_cost_of_a_group_is_that_of_its_slowest_body() -> None:
-    """Of 64 bodies half turn fast: in any order they form a group of their own. One is enough."""
-    slow, fast = [[0.0, 0.0, 0.1]], [[0.0, 0.0, 1.0]]
-    works = [
-        present_float(rigid.plan(HEAVY, "rates", omega=rows, t_end=1e3, method="rk4").work)
-        for rows in (
-            slow * 64,
-            slow * 32 + fast * 32,
-            (slow + fast) * 32,
-            slow * 31 + fast * 33,
-            fast * 64,
-        )
-    ]
-    assert works[0] < works[1] == works[2] < works[3] < 1.01 * works[4]
-
-
-def test_bodies_of_unlike_steps_cost_an_end_of_the_group_each() -> None:
-    """The fastest makes the same steps beside 31 that arrive before it, one after another."""
-    alike = np.tile([0.0, 0.0, 1.0], (32, 1))
-    unlike = alike * np.linspace(0.7, 1.0, 32)[:, np.newaxis]
-    for method, states in (("rk4", 1), ("dop853", 1), ("rk4", 5)):
-        options: dict[str, Any] = {"t_end": 1e3, "method": method, "times": states}
-        works = [
-            present_float(rigid.plan(HEAVY, "rates", omega=rows, **options).work)
-            for rows in (alike, unlike)
-        ]
-        end = calibrated()[method, "top"].work["rates"].end
-        assert end > 0.5
-        assert works[1] - works[0] == pytest.approx(states * 31 * end / 32, rel=1e-9)
-
-
-def test_each_output_state_has_its_cost() -> None:
-    runs = [
-        rigid.simulate(scene, RATES, t=np.linspace(0.0, 1.0, states), check=False)
-        for scene in (FREE, HEAVY)
-        for states in (10, 1000)
-    ]
-    for few, many in (runs[:2], runs[2:]):
-        assert present_float(many.plan.work) > 10.0 * present_float(few.plan.work)
-        assert many.plan.steps == pytest.approx(float(many.steps), rel=0.02)
-
-
-def test_only_a_cost_that_is_asked_for_is_measured(monkeypatch: pytest.MonkeyPatch) -> None:
-    measured: list[float] = []
-
-    def reference() -> float:
-        measured.append(100.0)
-        return measured[-1]
-
-    monkeypatch.setattr(work, "reference_nanoseconds", reference)
-    work.unit_nanoseconds.cache_clear()
-    run = rigid.simulate(HEAVY, RATES, t=[1.0], accuracy=1e-6)
-    made = rigid.plan(HEAVY, "rates", omega=RATES, t_end=1.0)
-    assert not measured
-    assert made.cost == pytest.approx(100.0 * present_float(made.work))
-    once = len(measured)
-    assert run.plan.cost == pytest.approx(100.0 * present_float(run.plan.work))
-    assert len(measured) == once > 0
-    work.unit_nanoseconds.cache_clear()
+def test_adaptive_steps_are_told_by_their_tolerance() -> None:
+    plan = rigid.simulate(HEAVY, RATES, t=[1.0], method="taylor16", tolerance=1e-11).plan
+    assert (plan.tolerance, plan.step, plan.steps) == (1e-11, None, None)
+    assert plan.method_words() == "taylor16, tolerance 1e-11"
+    assert rigid.plan(HEAVY, "rates", step=0.1).tolerance is None
+    assert rigid.plan(FREE, "rates").tolerance is None
 
 
 def present_float(value: float | None) -> float:
@@ -253,50 +181,26 @@ def present_float(value: float | None) -> float:
     return value
 
 
-# Errors that no model foresees
+# Errors of closed forms that a plan does not know
 
-HANGING = rigid.HeavyTop(rigid.Body((1.0, 1.4, 0.7)), mgl=1.0)
-NEEDLE = rigid.FreeBody(rigid.Body((1e-3, 1.0, 1.0005)))
-UNFORESEEN: dict[str, tuple[Scene, Any, Any, float, dict[str, Any]]] = {
-    "nearly at rest": (HANGING, [1e-9, 2e-9, 1e-9], tilted(np.pi), 1.0, {}),
-    "passes a saddle": (LAGRANGE, [2.0 * np.sin(0.5), 0.0, 0.0], tilted(1.0), 30.0, {}),
-    "its rest upright": (HEAVY, [0.03, 0.01, 0.02], [3.0, 0.0, -1.0, 0.0], 30.0, {}),
-    "near its separatrix": (FREE, [1e-4, 1.0, 1e-4], None, 30.0, {"method": "rk4"}),
-    "times apart": (NEEDLE, RATES, None, 30.0, {"method": "dop853"}),
-    "holds up to": (HEAVY, RATES, None, 30.0, {"step": 2.0}),
-    "may be chaotic": (HEAVY, RATES, None, 300.0, {"accuracy": 1e-6}),
+UNFORESEEN: dict[str, tuple[Scene, Any, Any, float]] = {
+    "nearly at rest": (LAGRANGE, [1e-9, 2e-9, 1e-9], tilted(np.pi), 1.0),
+    "passes a saddle": (LAGRANGE, [2.0 * np.sin(0.5), 0.0, 0.0], tilted(1.0), 30.0),
 }
 
 
 @pytest.mark.parametrize("words", UNFORESEEN)
-def test_an_error_that_no_model_foresees_is_unknown(words: str) -> None:
-    scene, omega, attitude, end, options = UNFORESEEN[words]
-    plan = rigid.plan(scene, "attitude", omega=omega, attitude=attitude, t_end=end, **options)
-    assert plan.error is None
-    assert plan.cost is not None
+def test_an_error_that_is_not_foreseen_is_unknown(words: str) -> None:
+    scene, omega, attitude, end = UNFORESEEN[words]
+    plan = rigid.plan(scene, "attitude", omega=omega, attitude=attitude, t_end=end)
+    assert (plan.method, plan.error) == ("exact", None)
     assert plan.why[-1].startswith("error unknown: ")
     assert words in plan.why[-1]
-    run = rigid.simulate(scene, omega, attitude, t=[end], **options)
-    assert run.plan.error is None
     # One such body among many is enough, if it is looked at.
     rows = np.broadcast_to(RATES, (40, 3)).copy()
+    assert rigid.plan(scene, "attitude", omega=rows, attitude=attitude, t_end=end).error is not None
     rows[-1] = omega
-    plan = rigid.plan(scene, "attitude", omega=rows, attitude=attitude, t_end=end, **options)
-    assert plan.error is None
-
-
-def test_an_ordinary_error_is_foreseen() -> None:
-    """Among random bodies of moments up to 30 times apart that turn by up to 100 rad."""
-    rng, known = np.random.default_rng(5), []
-    for _ in range(200):
-        scene, omega, attitude = random_scene(rng)
-        rate = np.linalg.norm(omega) + np.sqrt(
-            np.linalg.norm(scene.weight) / min(scene.body.moments)
-        )
-        end = float(rng.uniform(2.0, 100.0) / rate)
-        options: dict[str, Any] = {"omega": omega, "attitude": attitude, "t_end": end}
-        known.append(rigid.plan(scene, "attitude", **options).error is not None)
-    assert np.mean(known) > 0.95
+    assert rigid.plan(scene, "attitude", omega=rows, attitude=attitude, t_end=end).error is None
 
 
 # Which form
@@ -454,7 +358,6 @@ def test_the_step_for_an_accuracy_gives_it(
     run = rigid.simulate(scene, omega, tilted(0.7), t=t, method=method.name, accuracy=accuracy)
     error = rotation_angle(present(run.attitude), present(truth.attitude))[0]
     assert error < accuracy
-    assert present_float(run.plan.error) <= accuracy * (1.0 + 1e-6)
     assert error <= run.error <= accuracy
     assert run.spec["accuracy"] == accuracy
 
@@ -632,101 +535,3 @@ def test_wrong_kinds_are_refused() -> None:
         rigid.plan(FREE, rigid.tilt_below(0.5, reference="vertical"), t_end=1.0)
     with pytest.raises(TypeError):
         rigid.plan(FREE, "rates", acuracy=1e-3)  # type: ignore[call-arg]
-
-
-# Errors that a plan cannot know
-
-
-@pytest.mark.parametrize("method", [None, "etd4", "splitting", "midpoint"])
-def test_under_strong_damping_the_error_of_a_plan_is_unknown(method: str | None) -> None:
-    """Its steps do not resolve how the start is forgotten: the error is 1e6 times the model's."""
-    scene = rigid.FreeBody(rigid.Body((1.0, 1.3, 0.6)), damping=(1e4, 1.0, 1e-2))
-    options: dict[str, Any] = {"omega": [3.0, -2.0, 4.0], "t_end": 4.0, "method": method}
-    plan = rigid.plan(scene, "attitude", **options)
-    assert plan.method == (method or "etd4")
-    assert plan.error is None
-    assert "error       unknown" in str(plan).splitlines()
-    followed = rigid.plan(scene, "attitude", **{**options, "method": "rk4"})
-    assert followed.error is not None
-
-
-def test_the_error_of_a_plan_is_seldom_too_small_by_ten() -> None:
-    """Random bodies at the default steps, where neither a saddle nor chaos multiplies the error."""
-    rng = np.random.default_rng(12)
-    small = []
-    for _ in range(60):
-        parts = 10.0 ** rng.uniform(-1.5, 0.0, 3)
-        body = rigid.Body(parts.sum() - parts)
-        com = rng.normal(size=3)
-        scene = rigid.HeavyTop(body, mgl=1.0, com=tuple(com / np.linalg.norm(com)))
-        omega = rng.normal(size=3) * 10.0 ** rng.uniform(-0.5, 1.0)
-        method = str(rng.choice(["rk4", "dop853", "splitting4", "taylor12", "pmlf6"]))
-        run = rigid.simulate(scene, omega, t=[5.0], method=method, check=False)
-        truth = rigid.simulate(scene, omega, t=[5.0], method="taylor20", step=0.02, check=False)
-        if rigid.condition(scene, omega, t=[5.0])[0] < 100.0:
-            error = rotation_angle(present(run.attitude), present(truth.attitude))[0]
-            small.append(error > 10.0 * present_float(run.plan.error))
-    assert len(small) >= 50
-    assert np.mean(small) <= 0.02
-
-
-@pytest.mark.parametrize("method", ["dop853", "taylor12", "taylor16", "splitting8", "dmv10"])
-def test_the_error_of_a_plan_is_seldom_too_small_by_ten_for_flat_bodies(method: str) -> None:
-    """Free bodies of three unlike moments, in steps up to the longest that the model knows."""
-    rng = np.random.default_rng(21)
-    longest = calibrated()[method, "free"].largests[0]
-    small = []
-    for _ in range(100):
-        parts = rng.uniform(0.05, 1.0, 3) * (1.0, 1.0, 0.1)
-        scene = rigid.FreeBody(rigid.Body(parts.sum() - parts))
-        omega = rng.normal(size=3)
-        step = rng.uniform(0.3, 1.0) * longest / float(np.linalg.norm(omega))
-        run = rigid.simulate(scene, omega, t=[20.0], method=method, step=step, check=False)
-        truth = rigid.simulate(scene, omega, t=[20.0])
-        if run.plan.error is not None:
-            error = rotation_angle(present(run.attitude), present(truth.attitude))[0]
-            small.append(error > 10.0 * run.plan.error)
-    assert len(small) >= 50
-    assert np.mean(small) <= 0.02
-
-
-@pytest.mark.parametrize("method", ["midpoint", "rk4", "splitting4", "taylor12"])
-def test_a_plan_knows_what_rounding_leaves_of_many_small_steps(method: str) -> None:
-    """Equal changes of the rates are rounded alike: half a unit of the last place in each step."""
-    rng = np.random.default_rng(4)
-    steps, small = 8000, []
-    for _ in range(20):
-        parts = rng.uniform(0.1, 1.0, 3)
-        com = rng.normal(size=3)
-        body = rigid.Body(parts.sum() - parts)
-        top = rigid.HeavyTop(body, mgl=1.0, com=tuple(com / np.linalg.norm(com)))
-        omega, end = rng.normal(size=3), 10.0 ** rng.uniform(-9.0, -6.0)
-        asked: dict[str, Any] = {"t": [end], "check": False}
-        run = rigid.simulate(top, omega, method=method, step=end / steps, **asked)
-        truth = rigid.simulate(top, omega, method="taylor26", step=end, **asked)
-        error = np.linalg.norm(run.omega - truth.omega) / np.linalg.norm(omega)
-        small.append(error > present_float(run.plan.error))
-    assert sum(small) <= 1
-    # A plan that always stated much would say nothing.
-    assert present_float(run.plan.error) < 8000 * 1e-15
-
-
-@pytest.mark.parametrize("method", ["midpoint", "rk4", "splitting4"])
-def test_a_plan_knows_that_the_rates_of_a_top_let_go_err_more_than_its_attitude(
-    method: str,
-) -> None:
-    """A top that nearly rests, and falls for a moment: its small rates are those of its fall."""
-    rng = np.random.default_rng(5)
-    small = []
-    for _ in range(40):
-        parts = rng.uniform(0.1, 1.0, 3)
-        com = rng.normal(size=3)
-        body = rigid.Body(parts.sum() - parts)
-        top = rigid.HeavyTop(body, mgl=1.0, com=tuple(com / np.linalg.norm(com)))
-        omega, end = 1e-3 * rng.normal(size=3), 10.0 ** rng.uniform(-3.0, -1.0)
-        asked: dict[str, Any] = {"t": [end], "check": False}
-        run = rigid.simulate(top, omega, method=method, step=end / 4, **asked)
-        truth = rigid.simulate(top, omega, method="taylor26", step=end / 4, **asked)
-        error = np.linalg.norm(run.omega - truth.omega) / np.linalg.norm(truth.omega)
-        small.append(error > 3.0 * present_float(run.plan.error))
-    assert sum(small) <= 2
