@@ -287,7 +287,8 @@ class CustomJob:
 
     def _parameters(self, pixel: NDArray[np.int64]) -> dict[str, Floats]:
         """Values of the axes at these pixels."""
-        places = reversed(np.unravel_index(pixel, self._spec.shape))
+        shape = self._spec.shape
+        places = reversed(np.unravel_index(pixel, shape)) if shape else ()
         values = {
             axis.name: np.array(axis.values)[place]
             for axis, place in zip(self._spec.axes, places, strict=True)

@@ -158,7 +158,7 @@ def timed_states(
 
     def run(count: int, share: float) -> Run:
         some: Any = ...
-        if not alone:  # bodies that are fewer than those of the call are repeated
+        if not alone:  # fewer bodies than the call has are repeated
             some = np.resize(spread_indices(given, count), count)
         own = np.unravel_index(places[some], scene.shape) if scene.shape else None
         return simulate(

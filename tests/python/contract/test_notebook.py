@@ -132,7 +132,7 @@ def test_a_run_shows_the_first_body_and_what_has_no_picture_its_line() -> None:
         assert run._repr_html_() == html_text(repr(run))
 
 
-@pytest.mark.parametrize(("name", "rows"), [("plan", 9), ("methods", len(rigid.methods()) + 1)])
+@pytest.mark.parametrize(("name", "rows"), [("plan", 8), ("methods", len(rigid.methods()) + 1)])
 def test_a_notebook_shows_a_table(name: str, rows: int, results: dict[str, Any]) -> None:
     assert results[name]._repr_html_().count("<tr>") == rows
 
