@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ._checks.arguments import brief, positive_int
+from ._checks.arrays import attitudes
 from .maps.job import to_core
 from .maps.plan import map_plan
 from .maps.request import of_one_pixel, shortened
@@ -18,10 +20,14 @@ from .model.criteria import Criterion, known_criteria
 from .model.mixture import Mixture
 from .model.scene import Scene, check_scene
 from .model.start import Start
+from .solve.arrays import spread_indices
 from .solve.choose_method import plan_states
 from .solve.closed_form import RECORDS
+from .solve.methods import EXACT
 from .solve.plan import Plan
-from .solve.timing import seconds_of_one, timed_states
+from .solve.run import Run
+from .solve.simulate import simulate
+from .solve.timing import LEAST_STEPS, seconds_of_one
 from .store.call import run_map
 
 if TYPE_CHECKING:
@@ -31,6 +37,9 @@ __all__ = ["plan"]
 
 SAMPLES = 1000
 """Bodies of a pixel if their number is not given."""
+
+MOST_STEPS = 10**9
+"""Most steps of a body in :func:`simulate`, of which a share of the horizon gets a share."""
 
 
 def plan(
@@ -178,7 +187,7 @@ def plan(
     if omega is None or t_end is None:
         name = "omega" if omega is None else "t_end"
         raise ValueError(f"cost = True: some of the bodies are run, for which {name} is missing")
-    return timed_states(
+    return _timed_states(
         made,
         check_scene(scene, many=True),
         omega,
@@ -189,6 +198,52 @@ def plan(
         record=question,
         **asked_for,
     )
+
+
+def _timed_states(
+    made: Plan,
+    scene: Scene,
+    omega: ArrayLike,
+    attitude: ArrayLike | Rotation | None,
+    *,
+    t_end: float,
+    bodies: int | None,
+    times: int,
+    **asked: Any,
+) -> Plan:
+    """The plan of a valid call of :func:`simulate`, with its cost and the error of its steps."""
+    rates, turned = np.asarray(omega, dtype=np.float64), attitudes(attitude)
+    shape = np.broadcast_shapes(scene.shape, rates.shape[:-1], turned.shape[:-1])
+    given = math.prod(shape)
+    if not given:
+        raise ValueError("cost = True: some of the bodies are run, and there are none")
+    alone = not shape and bodies in (None, 1)
+    rates = rates if alone else np.broadcast_to(rates, (*shape, 3)).reshape(-1, 3)
+    turned = turned if alone else np.broadcast_to(turned, (*shape, 4)).reshape(-1, 4)
+    places = np.arange(math.prod(scene.shape)).reshape(scene.shape)
+    places = np.broadcast_to(places, shape).ravel()
+
+    def run(count: int, share: float) -> Run:
+        some: Any = ...
+        if not alone:  # fewer bodies than the call has are repeated
+            some = np.resize(spread_indices(given, count), count)
+        own = np.unravel_index(places[some], scene.shape) if scene.shape else None
+        return simulate(
+            scene if own is None else scene[own],
+            rates[some],
+            None if attitude is None else turned[some],
+            t=np.linspace(0.0, share * t_end, math.ceil(share * times) + 1)[1:],
+            max_steps=None if share == 1.0 else max(LEAST_STEPS, int(share * MOST_STEPS)),
+            progress=False,
+            **asked,
+        )
+
+    seconds, whole = seconds_of_one(run, bodies or given)
+    error = made.error
+    if whole is not None and made.method != EXACT:
+        worst = float(np.fmax.reduce(np.ravel(whole.error)))  # NaN of bodies that are not checked
+        error = worst if worst < 1.0 else None
+    return dataclasses.replace(made, cost=1e9 * seconds, error=error)
 
 
 def _timed_map(made: Plan, spec: MapSpec, samples: int) -> Plan:

@@ -49,7 +49,9 @@ from .target import PLAIN, Target
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
 
-__all__ = ["most_steps", "simulate"]
+__all__ = [
+    "simulate",
+]
 
 
 @in_standard_floats
@@ -299,7 +301,7 @@ def simulate(
         times=times,
         method=chosen,
         record=record,
-        max_steps=most_steps(scene) if max_steps is None else positive_int("max_steps", max_steps),
+        max_steps=_most_steps(scene) if max_steps is None else positive_int("max_steps", max_steps),
         threads=resolve_threads(threads, len(bodies.omega)),
         tolerance=own,
     )
@@ -378,7 +380,7 @@ def simulate(
     return run if frame is None else run.in_frame(frame)
 
 
-def most_steps(scene: Scene) -> int:
+def _most_steps(scene: Scene) -> int:
     """The default of ``max_steps``: some minutes."""
     return 10**7 if "function" in scene.forces else 10**9
 

@@ -5,25 +5,10 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable
-from dataclasses import replace
 from statistics import median
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TypeVar
 
-import numpy as np
-from numpy.typing import ArrayLike
-
-from .._checks.arrays import attitudes
-from ..model.scene import Scene
-from .arrays import spread_indices
-from .methods import EXACT
-from .plan import Plan
-from .run import Run
-from .simulate import most_steps, simulate
-
-if TYPE_CHECKING:
-    from scipy.spatial.transform import Rotation
-
-__all__ = ["FEW", "LEAST_SHARE", "LEAST_STEPS", "seconds_of_one", "timed_states"]
+__all__ = ["FEW", "LEAST_SHARE", "LEAST_STEPS", "seconds_of_one"]
 
 Result = TypeVar("Result")
 
@@ -118,62 +103,3 @@ def seconds_of_one(
     while count == most and sum(every) < REPEATED:
         every.append(clocked(count, share)[0])
     return median(every) / count, result
-
-
-def timed_states(
-    made: Plan,
-    scene: Scene,
-    omega: ArrayLike,
-    attitude: ArrayLike | Rotation | None,
-    *,
-    t_end: float,
-    bodies: int | None,
-    times: int,
-    **asked: Any,
-) -> Plan:
-    """The plan of a valid call of :func:`simulate`, with its cost and the error of its steps.
-
-    Parameters
-    ----------
-    made : Plan
-    scene, omega, attitude, **asked
-        Of the call.
-    t_end : float
-        The last of the evenly spaced output times (s).
-    bodies : int or None
-        Number of bodies of the call, by default those that are given.
-    times : int
-        Number of output times.
-    """
-    rates, turned = np.asarray(omega, dtype=np.float64), attitudes(attitude)
-    shape = np.broadcast_shapes(scene.shape, rates.shape[:-1], turned.shape[:-1])
-    given, limit = math.prod(shape), most_steps(scene)
-    if not given:
-        raise ValueError("cost = True: some of the bodies are run, and there are none")
-    alone = not shape and bodies in (None, 1)
-    rates = rates if alone else np.broadcast_to(rates, (*shape, 3)).reshape(-1, 3)
-    turned = turned if alone else np.broadcast_to(turned, (*shape, 4)).reshape(-1, 4)
-    places = np.arange(math.prod(scene.shape)).reshape(scene.shape)
-    places = np.broadcast_to(places, shape).ravel()
-
-    def run(count: int, share: float) -> Run:
-        some: Any = ...
-        if not alone:  # fewer bodies than the call has are repeated
-            some = np.resize(spread_indices(given, count), count)
-        own = np.unravel_index(places[some], scene.shape) if scene.shape else None
-        return simulate(
-            scene if own is None else scene[own],
-            rates[some],
-            None if attitude is None else turned[some],
-            t=np.linspace(0.0, share * t_end, math.ceil(share * times) + 1)[1:],
-            max_steps=max(LEAST_STEPS, int(share * limit)),
-            progress=False,
-            **asked,
-        )
-
-    seconds, whole = seconds_of_one(run, bodies or given)
-    error = made.error
-    if whole is not None and made.method != EXACT:
-        worst = float(np.fmax.reduce(np.ravel(whole.error)))  # NaN of bodies that are not checked
-        error = worst if worst < 1.0 else None
-    return replace(made, cost=1e9 * seconds, error=error)

@@ -11,6 +11,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import rigid
+from rigid import planning
 from rigid.maps.request import shortened
 from rigid.solve import timing
 from small_maps import small_map
@@ -76,7 +77,7 @@ def test_no_more_bodies_are_run_than_the_time_allows(monkeypatch: pytest.MonkeyP
         clock.now += 1e-3 * len(omega) * float(t[-1])
         return rigid.simulate(scene, omega, attitude, t=t, **asked)
 
-    monkeypatch.setattr(timing, "simulate", slow)
+    monkeypatch.setattr(planning, "simulate", slow)
     rows = np.tile(RATES, (2000, 1))
     plan = rigid.plan(HEAVY, omega=rows, t_end=1.0, times=3, cost=True)
     assert plan.cost == pytest.approx(1e6, rel=1e-5)
