@@ -27,7 +27,7 @@ from .solve.methods import EXACT
 from .solve.plan import Plan
 from .solve.run import Run
 from .solve.simulate import simulate
-from .solve.timing import LEAST_STEPS, seconds_of_one
+from .solve.timing import LEAST_SHARE, LEAST_STEPS, seconds_of_one
 from .store.call import run_map
 
 if TYPE_CHECKING:
@@ -37,9 +37,6 @@ __all__ = ["plan"]
 
 SAMPLES = 1000
 """Bodies of a pixel if their number is not given."""
-
-MOST_STEPS = 10**9
-"""Most steps of a body in :func:`simulate`, of which a share of the horizon gets a share."""
 
 
 def plan(
@@ -215,6 +212,8 @@ def _timed_states(
     rates, turned = np.asarray(omega, dtype=np.float64), attitudes(attitude)
     shape = np.broadcast_shapes(scene.shape, rates.shape[:-1], turned.shape[:-1])
     given = math.prod(shape)
+    # The most steps of a body under a function are a hundredth of others.
+    first = 100.0 * LEAST_SHARE if "function" in scene.forces else LEAST_SHARE
     if not given:
         raise ValueError("cost = True: some of the bodies are run, and there are none")
     alone = not shape and bodies in (None, 1)
@@ -233,12 +232,12 @@ def _timed_states(
             rates[some],
             None if attitude is None else turned[some],
             t=np.linspace(0.0, share * t_end, math.ceil(share * times) + 1)[1:],
-            max_steps=None if share == 1.0 else max(LEAST_STEPS, int(share * MOST_STEPS)),
+            max_steps=None if share == 1.0 else int(LEAST_STEPS * share / first),
             progress=False,
             **asked,
         )
 
-    seconds, whole = seconds_of_one(run, bodies or given)
+    seconds, whole = seconds_of_one(run, bodies or given, share=first)
     error = made.error
     if whole is not None and made.method != EXACT:
         worst = float(np.fmax.reduce(np.ravel(whole.error)))  # NaN of bodies that are not checked

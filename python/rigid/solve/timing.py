@@ -22,17 +22,20 @@ alone, at most 32, are a sixteenth."""
 PACK = 8
 """Bodies that are moved side by side: fewer take as long."""
 
-LEAST_SHARE = 1e-6
-"""First share of the horizon: a call of 1e9 steps, the most of a body, takes a thousand there."""
-
 LEAST_STEPS = 1000
 """Least ``max_steps`` of a run: steps may be short at the start."""
 
-SHORT = 0.005 * BUDGET
+LEAST_SHARE = 1e-6
+"""First share of the horizon: a call of 1e9 steps, the most of a body, takes a thousand there."""
+
+SHORT = 0.01 * BUDGET
 """Longest time (s) of the run before the bodies of a run become more."""
 
-GROWTH = 100.0
-"""Largest growth from run to run: after three the horizon is whole."""
+SLOW = 0.05 * BUDGET
+"""A run of one body that takes longer (s) is too slow for a pack, or calls Python for each body."""
+
+GROWTH = 8.0
+"""Largest growth from run to run: a run that took its least number of steps shows no more."""
 
 LEAST_GROWTH = 1.5
 """A run that is less longer than the one before tells little more."""
@@ -83,17 +86,16 @@ def seconds_of_one(
         return min(GROWTH, (left - fixed) / max(taken - fixed, TICK))
 
     few = min(few, most)
-    clocked(1, share)  # what is made once takes its time here
-    count = min(PACK, few)
+    taken, result = clocked(1, share)  # what is made once takes its time here
+    count = min(PACK, few) if taken < SLOW else 1
     taken, result = clocked(count, share)
     while count < few and taken < SHORT:
         count = min(PACK * count, few)
         taken, result = clocked(count, share)
-    fixed, known = taken, 0.0  # at first all of it may grow with the horizon
-    while share < 1.0 and (more := growth(taken, known, 0.5)) > LEAST_GROWTH:
+    fixed = taken
+    while share < 1.0 and (more := growth(taken, fixed, 0.5)) > LEAST_GROWTH:
         share = min(1.0, more * share)
         taken, result = clocked(count, share)
-        known = fixed
     if share < 1.0:
         return (fixed + max(taken - fixed, 0.0) / share) / count, None
     while count < most and (more := growth(taken, 0.0, 0.8)) > LEAST_GROWTH:
