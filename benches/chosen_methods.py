@@ -16,7 +16,7 @@ import numpy as np
 from timing import Floats, in_turns, moved, over, parser, required, sized
 
 import rigid
-from rigid.solve.error_estimate import distances
+from rigid import _core
 from rigid.solve.starts import bodies_of
 
 TOP = rigid.HeavyTop(rigid.Body((1.0, 1.6, 0.7)), mgl=1.2, com=(0.6, 0.0, 0.8))
@@ -45,7 +45,7 @@ def largest_error(run: rigid.Run, truth: rigid.Run) -> float:
     states, true = (
         {"omega": of.omega, "gamma": of.gamma, "attitude": of.attitude} for of in (run, truth)
     )
-    error = float(distances(states, true).max())
+    error = float(_core.distances(states, true).max())
     return error if math.isfinite(error) else math.inf
 
 

@@ -6,11 +6,12 @@
 //! real ← simd        real ← special ← kinematics        kinematics ← series ← forces ← {body, start}
 //! {kinematics, forces} ← scene ← method ← observe ← kernel        {special, start} ← exact
 //! special ← sample        memory ← {forces, kernel, parallel}        float_environment ← {parallel, python}
-//! {kernel, exact, sample, parallel} ← trajectory ← map ← python
+//! {kernel, exact, sample, parallel} ← trajectory ← {estimate, map} ← python
 //! ```
 
 pub mod body;
 pub mod error;
+pub mod estimate;
 pub mod exact;
 pub mod float_environment;
 pub mod forces;
@@ -21,7 +22,6 @@ pub mod memory;
 pub mod method;
 pub mod observe;
 pub mod parallel;
-pub mod polhode;
 #[cfg(feature = "python")]
 mod python;
 pub mod real;

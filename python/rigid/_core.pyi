@@ -18,6 +18,7 @@ __all__ = [
     "FEWEST_STEPS",
     "FIXED_POINT",
     "ROUNDING",
+    "ROUNDINGS",
     "Forces",
     "MapJob",
     "MapStatistics",
@@ -38,7 +39,10 @@ __all__ = [
     "closed_forms_for",
     "default_steps",
     "deviation_starts",
+    "distances",
     "elliptic",
+    "errors_of_closed_forms",
+    "estimate",
     "fastest_rates",
     "first_not_finite",
     "first_slow",
@@ -54,14 +58,14 @@ __all__ = [
     "methods",
     "moment_status",
     "moment_status_names",
-    "near_separatrix",
     "nearest_possible",
-    "nearness_of_poles",
     "orbit_anomalies",
+    "phase_errors",
     "plain_numbers",
     "principal_axes",
     "rate_units",
     "retired_methods",
+    "rounded_otherwise",
     "saddles",
     "section",
     "simulate",
@@ -81,6 +85,7 @@ DRIFT_LIMIT: float
 FEWEST_STEPS: float
 FIXED_POINT: float
 ROUNDING: float
+ROUNDINGS: int
 __version__: str
 
 def available_threads() -> int: ...
@@ -207,23 +212,30 @@ def closed_forms_for(
     weight: NDArray[np.float64],
     axis: int | None = None,
 ) -> NDArray[np.uint8]: ...
-def near_separatrix(
-    *,
-    moments: NDArray[np.float64],
-    weight: NDArray[np.float64],
-    omega: NDArray[np.float64],
-    near: float,
-    free: float,
-    work: NDArray[np.float64] | None = None,
-) -> NDArray[np.int64]: ...
-def nearness_of_poles(
-    *,
-    moments: NDArray[np.float64],
-    weight: NDArray[np.float64],
-    omega: NDArray[np.float64],
-    rates: NDArray[np.float64],
-    pole: float,
+def estimate(
+    request: Request,
+    states: Mapping[str, Any],
+    others: Sequence[Mapping[str, Any]],
+    taken: NDArray[np.uint64],
+    safety: float,
+    further: NDArray[np.float64] | None = None,
+    coarser_tolerance: float | None = None,
+    alone: bool = False,
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]: ...
+def distances(
+    states: Mapping[str, Any],
+    other: Mapping[str, Any],
+    scale: NDArray[np.float64] | None = None,
 ) -> NDArray[np.float64]: ...
+def errors_of_closed_forms(
+    bodies: Bodies, times: NDArray[np.float64], omega: NDArray[Any]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]: ...
+def phase_errors(
+    bodies: Bodies, times: NDArray[np.float64], states: Mapping[str, Any]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]] | None: ...
+def rounded_otherwise(
+    omega: NDArray[np.float64], attitude: NDArray[np.float64], rounding: int
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]: ...
 def lagrange_axes(
     moments: NDArray[np.float64], weight: NDArray[np.float64]
 ) -> NDArray[np.int64]: ...
@@ -290,8 +302,8 @@ class Forces:
     @property
     def calls(self) -> bool: ...
     def act(self, bodies: int) -> NDArray[np.bool_]: ...
-    def dampings(self, alone: bool) -> NDArray[np.float64]: ...
-    def rounded_otherwise(self, sign: float) -> Forces: ...
+    def dampings_alone(self) -> NDArray[np.float64]: ...
+    def rounded_otherwise(self, rounding: int) -> Forces: ...
     def damping_rates(self, moments: NDArray[np.float64]) -> NDArray[np.float64]: ...
 
 @final

@@ -7,7 +7,7 @@ use crate::forces::ParameterChange;
 use crate::memory;
 use crate::parallel::{Interrupt, apart, caught, owned};
 use crate::start::Body;
-use crate::trajectory::Record;
+use crate::trajectory::{Record, Schedule};
 use numpy::ndarray::{Dimension, Ix1, Ix2, IxDyn};
 use numpy::npyffi::NPY_ARRAY_WRITEABLE;
 use numpy::{
@@ -124,6 +124,21 @@ pub fn same_length(argument: &'static str, expected: usize, got: usize) -> PyRes
     }
     Err(Error::Shape { argument, expected: format!("({expected}, ...)"), got: format!("({got}, ...)") }
         .into())
+}
+
+/// The output times of bodies: the numbers of an array of this shape, (m,) or (n, m).
+pub fn times_of_bodies<'a>(times: &'a [f64], shape: &[usize], bodies: usize) -> PyResult<Schedule<'a>> {
+    match shape {
+        [_] => Ok(Schedule::Times(times)),
+        [rows, count] => {
+            same_length("t", bodies, *rows)?;
+            Ok(Schedule::TimesOfEach(times, *count))
+        }
+        shape => {
+            let (expected, got) = ("(m,) or (n, m)".into(), format!("{shape:?}"));
+            Err(Error::Shape { argument: "t", expected, got }.into())
+        }
+    }
 }
 
 pub fn parse_record<'a>(

@@ -1,9 +1,7 @@
 //! The derived quantities of closed forms and the elliptic functions, array by array.
 
 use super::bodies::Bodies;
-use super::convert::{
-    Aligned1, Aligned2, BodyColumns, bodies, column, copied, evaluated, of_rows, rows, same_length,
-};
+use super::convert::{Aligned1, Aligned2, bodies, column, copied, evaluated, of_rows, rows, same_length};
 use super::states::{of_bodies, shaped};
 use crate::error::Error;
 use crate::exact::derived::{
@@ -13,7 +11,6 @@ use crate::exact::derived::{
 use crate::exact::{CanonicalForm, ClosedForm, Question, lagrange_axis};
 use crate::float_environment::FloatEnvironment;
 use crate::memory;
-use crate::polhode::{is_near_separatrix, nearness_of_pole};
 use crate::simd::Isa;
 use crate::special::{agm, carlson_rc, carlson_rd, carlson_rf, carlson_rj};
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods};
@@ -103,69 +100,6 @@ pub fn lagrange_axes<'py>(
     let axis = |(&moments, &weight)| lagrange_axis(moments, weight).map_or(0, |axis| axis as i64 + 1);
     let axes = memory::collected("axes", moments.len(), moments.iter().zip(weight).map(axis))?;
     Ok(axes.into_pyarray(py))
-}
-
-/// The indices of the bodies near their separatrix: nearer than the share `near` of the largest distance there, while
-/// weight and the given work are below the share `free` of twice their kinetic energy.
-#[pyfunction]
-#[pyo3(signature = (*, moments, weight, omega, near, free, work=None))]
-pub fn near_separatrix<'py>(
-    py: Python<'py>,
-    moments: Aligned2<'py, f64>,
-    weight: Aligned2<'py, f64>,
-    omega: Aligned2<'py, f64>,
-    near: f64,
-    free: f64,
-    work: Option<Aligned1<'py, f64>>,
-) -> PyResult<Bound<'py, PyArray1<i64>>> {
-    let _standard = FloatEnvironment::standard();
-    let columns = free_columns(&moments, &weight, &omega)?;
-    let work = work.map(|work| copied("work", &work)).transpose()?;
-    if let Some(work) = &work {
-        same_length("work", columns.len(), work.len())?;
-    }
-    let work = |index: usize| work.as_ref().map_or(0.0, |work| work[index]);
-    let mut found = Vec::new();
-    for index in 0..columns.len() {
-        if is_near_separatrix(&columns.body(index), work(index), near, free) {
-            memory::push("bodies near a separatrix", &mut found, index as i64)?;
-        }
-    }
-    Ok(found.into_pyarray(py))
-}
-
-/// How many times the angle `pole` is larger than that which each body turns in the time to the nearest pole of its
-/// motion, from bounds of the rates; at least 1, and 1 for bodies with weight.
-#[pyfunction]
-#[pyo3(signature = (*, moments, weight, omega, rates, pole))]
-pub fn nearness_of_poles<'py>(
-    py: Python<'py>,
-    moments: Aligned2<'py, f64>,
-    weight: Aligned2<'py, f64>,
-    omega: Aligned2<'py, f64>,
-    rates: Aligned1<'py, f64>,
-    pole: f64,
-) -> PyResult<Bound<'py, PyArray1<f64>>> {
-    let columns = free_columns(&moments, &weight, &omega)?;
-    let bodies = columns.bodies(0..columns.len())?;
-    let rates = copied("rates", &rates)?;
-    same_length("rates", bodies.len(), rates.len())?;
-    let nearness = |index: usize| Ok(nearness_of_pole(&bodies[index], rates[index], pole));
-    Ok(evaluated(py, "nearness of poles", bodies.len(), nearness)?.into_pyarray(py))
-}
-
-/// Bodies whose attitudes do not matter.
-fn free_columns<'a>(
-    moments: &'a Aligned2<'_, f64>,
-    weight: &'a Aligned2<'_, f64>,
-    omega: &'a Aligned2<'_, f64>,
-) -> PyResult<BodyColumns<'a>> {
-    BodyColumns::new(
-        rows::<3>("moments", moments)?,
-        rows::<3>("weight", weight)?,
-        rows::<3>("omega", omega)?,
-        &[[1.0, 0.0, 0.0, 0.0]],
-    )
 }
 
 /// Periods, amplitudes and precession of free bodies.

@@ -1,7 +1,9 @@
 //! Forces from Python.
 
 use super::convert::{Aligned1, Aligned2, copied, copied_rows, rows, same_length};
+use super::estimate::check_rounding;
 use crate::error::Error;
+use crate::estimate::sign_of_forces;
 use crate::float_environment::FloatEnvironment;
 use crate::forces::{BodyForces, Bounded, Damping, Forces, Further, Orbit, ParameterChange, TorqueFunction};
 use crate::memory;
@@ -103,9 +105,10 @@ impl PyForces {
         Ok(PyForces(self.0.of_some(&indices)?))
     }
 
-    /// The same with damping that is rounded otherwise.
-    fn rounded_otherwise(&self, sign: f64) -> PyResult<Self> {
-        Ok(PyForces(self.0.rounded_otherwise(sign)?))
+    /// The same with damping and orbits that are rounded otherwise, in one of `ROUNDINGS` ways.
+    fn rounded_otherwise(&self, rounding: usize) -> PyResult<Self> {
+        check_rounding(rounding)?;
+        Ok(PyForces(self.0.rounded_otherwise(sign_of_forces(rounding))?))
     }
 
     /// The rate k of each body with these moments, if nothing acts but a damping `D = k I`, else NaN.
@@ -132,13 +135,12 @@ impl PyForces {
         Ok(memory::collected("bodies", bodies, act)?.into_pyarray(py))
     }
 
-    /// The entries 11, 22, 33, 23, 31, 12 of the damping matrices, (n, 6), or those of all in one row; if they are wanted
-    /// alone NaN for a body on which a torque acts too.
-    fn dampings<'py>(&self, py: Python<'py>, alone: bool) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    /// The entries 11, 22, 33, 23, 31, 12 of the damping matrices, (n, 6), or in one row those of all; NaN for a body on
+    /// which something else acts too.
+    fn dampings_alone<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let bodies = self.0.bodies();
-        let of = |forces: BodyForces| if alone { forces.damping_alone() } else { Some(forces.damping) };
-        let entries =
-            (0..bodies).map(|body| of(self.0.of(body)).map_or([f64::NAN; 6], |Damping(entries)| entries));
+        let of = |body: usize| self.0.of(body).damping_alone();
+        let entries = (0..bodies).map(|body| of(body).map_or([f64::NAN; 6], |Damping(entries)| entries));
         let entries = memory::collected("damping", bodies, entries)?.into_flattened();
         entries.into_pyarray(py).reshape([bodies, 6])
     }

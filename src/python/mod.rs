@@ -2,6 +2,7 @@
 
 mod bodies;
 mod convert;
+mod estimate;
 mod exact;
 mod forces;
 mod growth;
@@ -49,11 +50,11 @@ mod _core {
     #[pymodule_export]
     use super::convert::{first_not_finite, first_slow, listen, plain_numbers};
     #[pymodule_export]
+    use super::estimate::{distances, errors_of_closed_forms, estimate, phase_errors, rounded_otherwise};
+    #[pymodule_export]
     use super::exact::{closed_form_names, closed_forms, closed_forms_for, lagrange_axes};
     #[pymodule_export]
     use super::exact::{elliptic, flip_times, free_quantities_of, saddles, tilt_times, top_quantities_of};
-    #[pymodule_export]
-    use super::exact::{near_separatrix, nearness_of_poles};
     #[pymodule_export]
     use super::forces::{PyForces, change_places, orbit_anomalies};
     #[pymodule_export]
@@ -92,6 +93,10 @@ mod _core {
     /// Error of a closed form for each radian that a body turns.
     #[pymodule_export]
     const ROUNDING: f64 = crate::trajectory::ROUNDING;
+
+    /// Number of ways in which starts are rounded otherwise.
+    #[pymodule_export]
+    const ROUNDINGS: usize = crate::estimate::ROUNDINGS;
 
     /// The horizon over the times at which the mean MEGNO is read to tell whether a motion is regular.
     #[pymodule_export]

@@ -3,12 +3,11 @@
 use super::bodies::Bodies;
 use super::convert::{
     Aligned1, Aligned2, BodyColumns, at_once, column, copied, copied_numbers, evaluated, interruptible_calls,
-    parse_record, rows, same_length,
+    parse_record, rows, same_length, times_of_bodies,
 };
 use super::forces::PyForces;
 use super::states::{PyStates, of_bodies};
 use super::target::Target;
-use crate::error::Error;
 use crate::float_environment::FloatEnvironment;
 use crate::forces::{Forces, ParameterChange};
 use crate::map::MethodChoice;
@@ -108,17 +107,9 @@ pub fn simulate<'py>(
         same_length("step", n, step.len())?;
     }
     let times = copied_numbers("times", &given.times)?;
-    let schedule = match (&given.strides, given.times.shape()) {
-        (Some(strides), _) => Schedule::Strides(strides),
-        (None, [_]) => Schedule::Times(&times),
-        (None, [rows, count]) => {
-            same_length("t", n, *rows)?;
-            Schedule::TimesOfEach(&times, *count)
-        }
-        (None, shape) => {
-            let (expected, got) = ("(m,) or (n, m)".into(), format!("{shape:?}"));
-            return Err(Error::Shape { argument: "t", expected, got }.into());
-        }
+    let schedule = match &given.strides {
+        Some(strides) => Schedule::Strides(strides),
+        None => times_of_bodies(&times, given.times.shape(), n)?,
     };
     let (bodies, steps) = (&[], &[]);
     let request =

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..solve.cost_model import ROUNDING
 from ..solve.methods import EXACT
+from ..solve.rounding import ROUNDING
 from ..solve.run import Run
 from ..solve.simulate import simulate
 from ..solve.starts import bodies_of

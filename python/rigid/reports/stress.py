@@ -13,13 +13,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .. import _core
 from .._checks.arguments import one_of
 from .._checks.progress import Progress, ProgressOption, reporting
 from ..drawing.figure import html_text
-from ..solve.error_estimate import distances
 from ..solve.methods import EXACT, known_method, run_methods
 from ..solve.run import Run
 from ..solve.simulate import simulate
+from ..solve.starts import bodies_of
 from ..solve.status import Status
 from .stress_cases import Case, cases
 
@@ -261,9 +262,12 @@ def _verdict(case: Case, run: Run | None, truth: _Truth | None) -> dict[str, Any
     error = math.nan
     if truth is not None and run.attitude is not None:
         states = {"omega": run.omega[None], "attitude": run.attitude[None], "gamma": None}
-        exact = {"omega": truth.omega[None, None], "attitude": truth.attitude[None, None]}
-        with np.errstate(invalid="ignore"):
-            error = float(distances(states, exact)[0, -1])
+        exact = {
+            "omega": np.broadcast_to(truth.omega, run.omega.shape)[None],
+            "attitude": np.broadcast_to(truth.attitude, run.attitude.shape)[None],
+        }
+        scale = bodies_of(case.scene, case.omega, case.attitude).fastest_rates((0.0, case.t))
+        error = float(_core.distances(states, exact, scale)[0, -1])
     if status not in (Status.OK, Status.COARSE):
         verdict = status.name.lower().replace("_", " ")
     elif truth is None:

@@ -15,7 +15,7 @@ from .._moments import without_spin
 from ..model.leading import Shape
 from ..model.scene import Scene
 from ..model.torque import NO_EXPONENT, forces_of
-from .arrays import Range, in_rows, lengths, rows_of_each
+from .arrays import Range, in_rows, rows_of_each
 
 __all__ = ["Bodies"]
 
@@ -190,16 +190,23 @@ class Bodies:
         is_called = self.forces is not None and self.forces.calls
         return span / _core.FEWEST_STEPS if is_called else np.inf
 
-    @np.errstate(all="ignore")
-    def weight_ratios(self, rates: Floats) -> Floats:
-        """``mgl / (I rate²)`` of each body, I its least moment, for bounds of its rates; (n,).
+    def gammas(self) -> Floats:
+        """The upward verticals in body components; shape (n, 3)."""
+        w, x, y, z = np.broadcast_to(self.attitude, (len(self), 4)).T
+        first, second = 2.0 * (x * z - w * y), 2.0 * (y * z + w * x)
+        return np.stack([first, second, w * w - x * x - y * y + z * z], axis=-1)
 
-        It shows how small a perturbation the weight is.
+    def separatrices(self) -> tuple[Floats, Floats]:
+        """Relative distance from the separatrix, and exponent of its saddle (1/s); (n,) each.
+
+        Of tops and pendulums in closed form; 1 and 0 for other bodies.
         """
-        size = lengths(self.weight) / self.moments.min(axis=1)
-        ratios: Floats = np.where(size > 0.0, size / rates / rates, 0.0)
-        return ratios
+        if self.forces is not None:
+            return np.ones(len(self)), np.zeros(len(self))
+        distance, exponent = _core.saddles(self).T
+        return distance, exponent
 
+    @np.errstate(all="ignore")
     def note_rates(self, rates: Floats) -> None:
         """Keep the bounds of the rates that a run in closed form has returned."""
         if self.forces is None:

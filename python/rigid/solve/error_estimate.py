@@ -21,21 +21,18 @@ from __future__ import annotations
 
 from collections.abc import Mapping, MutableMapping
 from dataclasses import dataclass, replace
-from functools import reduce
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .arrays import Range, intervals, lengths, time_range, time_ranges, time_span
+from .. import _core
+from .arrays import Range, lengths, time_range, time_ranges, time_span
 from .bodies import Bodies
-from .cost_model import ROUNDING, phase_error
 from .request import Request, select_states
-from .rounding import REST, common_rounding, rounding_of_damping
-from .saddle import RateSizes, departure, homoclinic, separatrices
+from .rounding import common_rounding
 from .second_run import (
     HALVINGS,
-    ROUNDINGS,
     is_damped_stiffly,
     is_refined_alike,
     is_ruled_by_rounding,
@@ -49,10 +46,10 @@ __all__ = [
     "ErrorEstimate",
     "checked_states",
     "closed_form_error",
-    "distances",
     "estimate_error",
     "known_rates",
     "safety_of_finer",
+    "unchecked_states",
     "unknown_error",
 ]
 
@@ -67,9 +64,6 @@ SAFETY_OF_FINER = 2.0
 RINGING = "midpoint"
 """The method whose rates change sign at each step and hardly decay under strong damping: it is not
 L-stable."""
-
-PART_OF_A_TURN = 0.5
-"""Phase (rad) by which two runs may part between two compared times; a whole turn would not show"""
 
 BETWEEN = 64
 """Most times besides output times at which runs that may differ by whole turns are compared."""
@@ -104,36 +98,12 @@ def unknown_error(count: int) -> ErrorEstimate:
     return ErrorEstimate(np.full(count, np.nan), np.full(count, np.nan))
 
 
-@np.errstate(all="ignore")
-def closed_form_error(bodies: Bodies, times: Floats, omega: Floats) -> ErrorEstimate:
+def closed_form_error(bodies: Bodies, times: Floats, omega: NDArray[Any]) -> ErrorEstimate:
     """The error of a closed form: 1e-15 for each radian turned, or its growth at a saddle.
 
-    A top beside the separatrix of its nutation magnifies rounding by ``exp(exponent t)``, at each
-    passage of the saddle at most by one over the relative distance from the separatrix. Rounding
-    of the attitude moves a top that hangs all but still as much as it would move any: of its
-    small rates ``omega``, of shape (n, m, 3), it is a larger share.
+    The rates ``omega`` have the shape (n, m, 3).
     """
-    reached = time_ranges(times)
-    first, last = reached
-    rates = bodies.fastest_rates(reached)
-    error = ROUNDING * (1.0 + rates * (last - first))
-    since = 1.0 / (ROUNDING * rates)
-    if bodies.forces is None and bodies.weight.any():
-        scale = _fastest_or_swing(bodies, rates)
-        rows = omega.reshape(len(bodies), omega.shape[-2], 3)
-        fastest = lengths(rows).max(axis=1, initial=0.0)
-        moves = (fastest > REST * scale) & bodies.weight.any(axis=1)
-        share = np.where(moves, scale / fastest, 1.0)
-        distance, exponent = separatrices(bodies)
-        saddle = exponent * np.maximum(-first, last)
-        factor = np.fmin(np.exp(saddle), (1.0 + saddle) / distance)
-        factor *= np.where(moves, np.fmax(exponent / fastest, 1.0), 1.0)
-        error = ROUNDING * np.maximum(share + rates * (last - first), factor)
-        by_saddle = np.fmax(-np.log(ROUNDING), distance / ROUNDING - 1.0) / exponent
-        since = np.fmin(since, by_saddle)
-    lost = np.where(error >= 1.0, np.fmin(since, np.maximum(-first, last)), np.inf)
-    backward = np.greater(-first, last)
-    return ErrorEstimate(error, np.where(backward & (lost < np.inf), -lost, lost))
+    return ErrorEstimate(*_core.errors_of_closed_forms(bodies, times, omega))
 
 
 def safety_of_finer(halvings: float) -> float:
@@ -163,7 +133,15 @@ def checked_states(
     return states, estimate_error(request, states, steps, refinement, halvings, coarser)
 
 
-@np.errstate(all="ignore")
+def unchecked_states(
+    request: Request, steps: Floats, out: Mapping[str, NDArray[Any]] | None = None
+) -> MutableMapping[str, Any]:
+    """The states that :func:`checked_states` returns, without their errors."""
+    refined = is_refined_alike(request.bodies, request.method)
+    ratio = step_ratio(request.bodies, request.method) if refined else 1.0
+    return request.states(steps, ratio, out=out)
+
+
 def estimate_error(
     request: Request,
     states: Mapping[str, Any],
@@ -171,112 +149,63 @@ def estimate_error(
     refinement: float = 1.0,
     halvings: float = HALVINGS,
     coarser: Mapping[str, Any] | None = None,
+    coarser_tolerance: float | None = None,
 ) -> ErrorEstimate:
     """The error of states from a second run, which halves the truncation error so many times.
 
     The states were made with these longest steps (s) and this :meth:`refinement <Request.states>`;
-    or ``coarser`` was, and the states belong to the second run.
+    or ``coarser`` was, and the states belong to the second run. A coarser run by a tolerance names
+    it.
     """
-    bodies, times, method = request.bodies, request.times, request.method
     ended = states["status"] != Status.STEP_LIMIT
     if not ended.all():
-        estimate = unknown_error(len(bodies))
+        estimate = unknown_error(len(ended))
         some = np.flatnonzero(ended)
         if len(some):
             longest = None if steps is None else steps[some]
             parts = request.select(some), select_states(states, some), longest
             other = None if coarser is None else select_states(coarser, some)
-            estimate.write(some, estimate_error(*parts, refinement, halvings, other))
+            own = estimate_error(*parts, refinement, halvings, other, coarser_tolerance)
+            estimate.write(some, own)
         return estimate
-    span = time_span(times)
-    if not np.any(span) or not times.shape[-1]:
-        return ErrorEstimate(np.zeros(len(bodies)), np.full(len(bodies), np.inf))
-    taken = (states if coarser is None else coarser)["steps"].astype(np.float64)
-    fastest = lengths(states["omega"]).max(axis=1)
-    rates = known_rates(bodies, time_ranges(times), fastest)
-    scale = _fastest_or_swing(bodies, rates)
-    floor = common_rounding(request, states, rates, scale, span)
-    if coarser is None:
-        error = np.zeros(())
-        for rounding in range(ROUNDINGS if is_ruled_by_rounding(request) else 1):
-            again = second_run(request, steps, refinement, taken, halvings, rounding)
-            apart = _stated_distances(bodies, states, again, rates, times, SAFETY)
-            error = np.maximum(error, np.where(np.isnan(apart), np.inf, apart))
+    if not np.count_nonzero(time_span(request.times)):
+        return ErrorEstimate(np.zeros(len(ended)), np.full(len(ended), np.inf))
+    taken = (states if coarser is None else coarser)["steps"]
+    further = None if request.tolerance is not None else _of_equal_steps(request, states, taken)
+    if coarser is not None:
+        others, safety = [coarser], safety_of_finer(halvings)
     else:
-        error = _stated_distances(bodies, states, coarser, rates, times, safety_of_finer(halvings))
-    sizes = RateSizes(fastest, REST * scale, scale)
-    error += (
-        floor[:, None]
-        + departure(bodies, times, sizes)
-        + homoclinic(bodies, times, sizes, states["energy_drift"])
+        roundings = _core.ROUNDINGS if is_ruled_by_rounding(request) else 1
+        others, safety = [], SAFETY
+        for rounding in range(roundings):
+            again = second_run(request, steps, refinement, taken, halvings, rounding)
+            others.append(again)
+    error, lost_from, looks = _core.estimate(
+        request, states, others, taken, safety, further, coarser_tolerance
     )
-    if bodies.forces is not None:
-        error += rounding_of_damping(bodies, states["omega"], times)
-        if method == RINGING:
-            error += _ringing(bodies, states, times)
-    # An error that is not a number is unknown.
-    error = np.where(np.isfinite(error), error, np.inf)
-    if is_damped_stiffly(bodies, method) and request.tolerance is None:
-        # Damping can stop a body within a step: both runs lose the angle it turned meanwhile.
-        error[rates * span > np.pi * taken] = np.inf
-    # Nothing moves in no time.
-    error[np.broadcast_to(span, len(error)) == 0.0] = 0.0
-    estimate = ErrorEstimate(error.max(axis=1), _lost_from(error, times))
-    _count_turns(request, taken, estimate)
+    estimate = ErrorEstimate(error, lost_from)
+    if np.count_nonzero(looks):
+        _count_turns(request, taken, looks, estimate)
     return estimate
 
 
-def _stated_distances(
-    bodies: Bodies,
-    states: Mapping[str, Any],
-    again: Mapping[str, Any],
-    rates: Floats,
-    times: Floats,
-    safety: float,
+@np.errstate(all="ignore")
+def _of_equal_steps(
+    request: Request, states: Mapping[str, Any], taken: NDArray[np.uint64]
 ) -> Floats:
-    """The errors stated for the distance of the states of two runs, with their work, (n, m)."""
-    scale = _fastest_or_swing(bodies, rates)
-    rest = REST * scale
-    apart = safety * distances(states, again, rest, scale)
-    # Relative to the rates of the runs: relative to the true ones it may be as much larger.
-    of_rates = safety * _rate_distances(states, again, rest, scale)
-    apart = np.where(of_rates < 1.0, np.maximum(apart, of_rates / (1.0 - of_rates)), apart)
-    lost = np.flatnonzero(~np.all(apart < 1.0, axis=1))
-    if len(lost):
-        pair = states["omega"][lost], again["omega"][lost]
-        own = np.broadcast_to(times, apart.shape)[lost]
-        apart[lost] = _before_the_loss(apart[lost], pair, own, rest[lost], scale[lost], safety)
-    if states["work"] is None:
-        return apart
-    # The fastest rate is reached about the axis of the least moment.
-    energy = 0.5 * bodies.moments.min(axis=1) * rates**2
-    work = np.abs(states["work"] - again["work"]) / np.where(energy > 0.0, energy, 1.0)[:, None]
-    largest: Floats = np.maximum(apart, safety * work)
-    return largest
-
-
-def _before_the_loss(
-    error: Floats,
-    pair: tuple[Floats, Floats],
-    times: Floats,
-    rest: Floats,
-    scale: Floats,
-    safety: float,
-) -> Floats:
-    """Errors of lost bodies, before the loss relative to the rates until then; shape (n, m).
-
-    Later rates belong to a wrong motion and may be larger than the true ones ever are.
-    """
-    # Each round but the last loses one time more, so there are at most as many rounds as times.
-    while True:
-        lost = ~(error < 1.0)
-        since = np.where(lost, np.abs(times), np.inf).min(axis=1, keepdims=True)
-        before = np.abs(times) < since
-        one, other = ({"omega": np.where(before[..., None], rates, 0.0)} for rates in pair)
-        nearer = np.where(before, safety * _rate_distances(one, other, rest, scale), 0.0)
-        error = np.maximum(error, nearer)
-        if not np.any(nearer >= 1.0):
-            return error
+    """The errors that two runs by equal steps may have in common besides, shape (n, m)."""
+    bodies, times = request.bodies, request.times
+    span = time_span(times)
+    fastest = lengths(states["omega"]).max(axis=1, initial=0.0)
+    rates = known_rates(bodies, time_ranges(times), fastest)
+    error = np.zeros(states["omega"].shape[:2])
+    error += common_rounding(request, states, rates, span)[:, np.newaxis]
+    if bodies.forces is not None and request.method == RINGING:
+        error += _ringing(bodies, states, times)
+    if is_damped_stiffly(bodies, request.method):
+        # Damping can stop a body within a step: both runs lose the angle it turned meanwhile.
+        error[rates * span > np.pi * taken] = np.inf
+    return error
 
 
 def known_rates(bodies: Bodies, reached: Range, met: Floats) -> Floats:
@@ -284,13 +213,6 @@ def known_rates(bodies: Bodies, reached: Range, met: Floats) -> Floats:
     rates = bodies.fastest_rates(reached)
     is_called = bodies.forces is not None and bodies.forces.calls
     return np.fmax(rates, met) if is_called else rates
-
-
-def _fastest_or_swing(bodies: Bodies, rates: Floats) -> Floats:
-    """The larger of the fastest possible rate of a body and the rate of its swing."""
-    swing = np.sqrt(lengths(bodies.weight) / bodies.moments.min(axis=1))
-    larger: Floats = np.maximum(rates, swing)
-    return larger
 
 
 def _ringing(bodies: Bodies, states: Mapping[str, Any], times: Floats) -> Floats:
@@ -312,80 +234,28 @@ def _ringing(bodies: Bodies, states: Mapping[str, Any], times: Floats) -> Floats
     return rings
 
 
-def _count_turns(request: Request, taken: Floats, estimate: ErrorEstimate) -> None:
+def _count_turns(
+    request: Request, taken: NDArray[np.uint64], looks: Floats, estimate: ErrorEstimate
+) -> None:
     """Compare runs that may differ by whole turns at more times; replaces smaller errors.
 
     The steps of a run are equal between output times. So that no bit of its states depends on the
-    estimate, a pair of further runs is compared.
+    estimate, a pair of further runs is compared. ``looks`` is how many more times each body needs.
     """
-    gaps = intervals(request.times)
-    phase = phase_error(request.bodies, request.method, request.times, taken, request.tolerance)
-    parting = phase * gaps.max(axis=-1) / gaps.sum(axis=-1)
-    some = np.flatnonzero((parting > PART_OF_A_TURN) & (estimate.error < 1.0))
-    if not len(some):
-        return
+    some = np.flatnonzero(looks)
     if request.times.ndim == 2:
         for body in np.split(some, len(some)):
             one, own = request.select(body), estimate.of(body)
-            _count_turns(replace(one, times=one.times[0]), taken[body], own)
+            _count_turns(replace(one, times=one.times[0]), taken[body], looks[body], own)
             estimate.write(body, own)
         return
-    most = int(np.clip(np.ceil(phase[some].max() / PART_OF_A_TURN), 1, BETWEEN))
+    most = int(min(looks[some].max(), BETWEEN))
     between = np.linspace(*time_range(request.times), most + 2)[1:-1]
     dense = replace(request.select(some), times=np.union1d(request.times, between))
-    steps = gaps.sum() / taken[some]
-    both = dense.states(steps), second_run(dense, steps, 1.0, taken[some])
-    rates = known_rates(
-        dense.bodies, time_range(dense.times), lengths(both[0]["omega"]).max(axis=1)
-    )
-    apart = _stated_distances(dense.bodies, *both, rates, dense.times, SAFETY)
-    error = np.where(np.isfinite(apart), apart, np.inf)
-    largest = error.max(axis=1)
-    larger = largest > estimate.error[some]
-    found = ErrorEstimate(largest, _lost_from(error, dense.times))
-    estimate.write(some[larger], ErrorEstimate(found.error[larger], found.lost_from[larger]))
-
-
-def _lost_from(error: Floats, times: Floats) -> Floats:
-    """The time nearest to 0, with its sign, at which the error is 1 or more; shape (n,)."""
-    lost = np.where(error >= 1.0, np.abs(times), np.inf)
-    nearest = lost.argmin(axis=1)
-    when = np.take_along_axis(np.broadcast_to(times, error.shape), nearest[:, None], axis=1)[:, 0]
-    return np.where(np.isfinite(lost.min(axis=1)), when, np.inf)
-
-
-def distances(
-    states: Mapping[str, Any],
-    other: Mapping[str, Any],
-    rest: Floats | float = 0.0,
-    scale: Floats | float = 1.0,
-) -> Floats:
-    """Relative distance of the states of two runs, shape (n, m).
-
-    The largest of ``|d omega|`` over the largest ``|omega|`` of the two, of the angle between the
-    verticals and of the angle between the attitudes. Rates that are all below ``rest`` are compared
-    with ``scale``.
-    """
-    parts = [_rate_distances(states, other, rest, scale)]
-    if states["gamma"] is not None:
-        parts.append(lengths(states["gamma"] - other["gamma"]))
-    if states["attitude"] is not None:
-        a, b = states["attitude"], other["attitude"]
-        apart = np.minimum(lengths(a - b), lengths(a + b))
-        parts.append(2.0 * apart)
-    largest: Floats = reduce(np.maximum, parts)
-    return largest
-
-
-def _rate_distances(
-    states: Mapping[str, Any],
-    other: Mapping[str, Any],
-    rest: Floats | float,
-    scale: Floats | float,
-) -> Floats:
-    """``|d omega|`` over the largest ``|omega|`` of two runs, or over ``scale`` at rest; (n, m)."""
-    rates, others = states["omega"], other["omega"]
-    size = np.maximum(*(lengths(run).max(axis=1, initial=0.0) for run in (rates, others)))
-    size = np.where(size > rest, size, np.where(np.asarray(scale) > 0.0, scale, 1.0))
-    apart: Floats = lengths(rates - others) / size[:, None]
-    return apart
+    steps = time_span(request.times) / taken[some]
+    states = dense.states(steps)
+    other = second_run(dense, steps, 1.0, taken[some].astype(np.float64))
+    pair = dense, states, [other]
+    error, lost_from, _ = _core.estimate(*pair, taken[some], SAFETY, alone=True)
+    larger = error > estimate.error[some]
+    estimate.write(some[larger], ErrorEstimate(error[larger], lost_from[larger]))

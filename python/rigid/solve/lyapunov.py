@@ -23,7 +23,6 @@ from .integrate import integrate
 from .methods import EXACT, TO_ROUNDING
 from .problem import Problem
 from .request import Request
-from .saddle import gammas
 from .starts import bodies_of
 from .status import Status
 from .tangent import check_tangent, rate_scale
@@ -203,7 +202,7 @@ def growth_of(
 ) -> Growth:
     """The growth of deviation vectors of checked bodies."""
     chosen = method
-    _, steps, _, plan = choose_method(
+    choice = choose_method(
         Problem(
             scene=scene,
             record="axis",
@@ -217,7 +216,7 @@ def growth_of(
     every = np.union1d(times, times[-1] * np.array(CHECKPOINTS))
     run = _Run(bodies, every, of, max_steps, threads)
     vectors = _deviations(bodies, start, count, of)
-    found = run.growth(chosen, steps, vectors)
+    found = run.growth(chosen, choice.steps, vectors)
     output = np.searchsorted(every, times)
     marks = np.searchsorted(every, times[-1] * np.array(CHECKPOINTS))
     log, largest, mean, mean_megno = np.moveaxis(found["logs"], -1, 0)
@@ -231,7 +230,7 @@ def growth_of(
         rounding = ROUNDING * np.maximum(1.0, np.abs(log[:, output]))
         error = (3.0 * apart + rounding).max(axis=1)
         second = np.ascontiguousarray(2.0 * again["logs"][1::2, marks, 3])
-        lost_from = _lost_from(bodies, times, chosen, steps, run.max_steps, threads)
+        lost_from = _lost_from(bodies, times, chosen, choice.steps, run.max_steps, threads)
     else:
         status = np.where(status == Status.OK, Status.UNCHECKED, status).astype(np.uint8)
     means = np.ascontiguousarray(2.0 * mean_megno[:, marks])
@@ -242,7 +241,7 @@ def growth_of(
 
     several = count > 1
     words = f"{count} deviation vector{'s' if several else ''} of the {of}, growth by their tangent"
-    plan.amend(words)
+    choice.plan.amend(words)
     return Growth(
         t=times,
         log_growth=bodies.in_axes(log[:, output]),
@@ -259,7 +258,7 @@ def growth_of(
         energy_drift=bodies.in_axes(found["energy_drift"]),
         status=bodies.in_axes(status),
         steps=bodies.in_axes(found["steps"]),
-        plan=plan(),
+        plan=choice.plan(),
         spec={
             "scene": scene.to_dict(),
             "method": chosen,
@@ -358,7 +357,7 @@ def _measured(bodies: Bodies, vectors: Floats, scale: Floats, of: str) -> Floats
     scaled = _unscaled(vectors, 1.0 / scale)
     if of == "attitude":
         return scaled
-    turned = np.cross(gammas(bodies)[:, np.newaxis], scaled[..., 3:])
+    turned = np.cross(bodies.gammas()[:, np.newaxis], scaled[..., 3:])
     return np.concatenate([scaled[..., :3], turned], axis=-1)
 
 

@@ -35,7 +35,6 @@ __all__ = [
     "methods",
     "methods_under",
     "order_of",
-    "plain_methods",
     "preserves_groups",
     "rotations",
     "run_methods",
@@ -268,11 +267,6 @@ def methods_under(forces: Collection[str]) -> list[str]:
     """The names of the methods that integrate all of these forces, or a torque if none is given."""
     wanted = set(forces) or {"torque"}
     return [method.name for method in methods() if wanted <= set(method.forces)]
-
-
-def plain_methods() -> list[str]:
-    """The names of the methods that differ from others without damping too."""
-    return [method.name for method in methods() if method.name != STIFF]
 
 
 def map_methods() -> list[str]:

@@ -14,7 +14,7 @@ from ..model.scene import scene_from_dict
 from .arrays import Range, in_rows, time_ranges
 from .bodies import Bodies
 from .choose_method import choose_method
-from .integrate import compute_states
+from .integrate import BY_SERIES, compute_states
 from .lazy import Lazy
 from .made_run import end_records, to_run
 from .methods import EXACT
@@ -70,16 +70,15 @@ def states_at(run: Run, t: ArrayLike) -> Run:
             states=times.shape[-1],
         )
         steps = choose_method(problem).steps
-    free = spec.get("asked", spec["method"]) is None
-    check = spec["accuracy"] is not None or not unknown.all()
     states, estimate = compute_states(
         request,
         steps,
-        spec["accuracy"],
-        check=check,
+        run.plan.accuracy,
+        check=spec["accuracy"] is not None or not unknown.all(),
         every=not unknown.any(),
-        free=free,
+        free=spec.get("asked", spec["method"]) is None,
     )
+    states.pop(BY_SERIES, None)
     end_records(states, times, last)
     made = to_run(states, ascending, estimate, spec["accuracy"], Lazy.of(spec), run._plan, bodies)
     if (order[..., 1:] < order[..., :-1]).any():

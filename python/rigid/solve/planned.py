@@ -15,7 +15,6 @@ from .closed_form import Codes, moment_rows, names, question_words
 from .methods import EXACT
 from .plan import Plan, carried, left_out, not_left_out
 from .problem import Problem
-from .saddle import gammas, separatrices
 
 __all__ = [
     "UNKNOWN",
@@ -23,7 +22,6 @@ __all__ = [
     "damping_rate",
     "plan_of",
     "shortest_and_most",
-    "stepped_record",
     "why_unforeseen",
 ]
 
@@ -159,7 +157,7 @@ def why_unforeseen(bodies: Bodies, times: Range) -> str | None:
     first, last = (np.broadcast_to(time, len(bodies))[tops] for time in times)
     if np.any(some.fastest_rates(times) > SLOW * _fastest_above_rest(some)):
         return "a body is nearly at rest, and its small rates are what the error is relative to"
-    distance, exponent = separatrices(some)
+    distance, exponent = some.separatrices()
     growth = np.exp(exponent * np.maximum(-first, last))
     if np.any(np.fmin(growth, 1.0 / distance) > MAGNIFIED):
         return "a body passes a saddle, which magnifies it"
@@ -171,7 +169,7 @@ def _fastest_above_rest(bodies: Bodies) -> Floats:
     size = lengths(bodies.weight)
     kinetic = 0.5 * np.sum(bodies.moments * bodies.omega**2, axis=1)
     # A difference of unit vectors: small angles lose no digits.
-    raised = 0.5 * np.sum((gammas(bodies) + bodies.weight / size[:, None]) ** 2, axis=1)
+    raised = 0.5 * np.sum((bodies.gammas() + bodies.weight / size[:, None]) ** 2, axis=1)
     fastest: Floats = np.sqrt(2.0 * (kinetic + size * raised) / bodies.moments.min(axis=1))
     return fastest
 
@@ -201,11 +199,3 @@ def _memory(problem: Problem) -> int | None:
         times=problem.states,
         forces=forces,
     )
-
-
-def stepped_record(problem: Problem, method: str) -> str:
-    """A record whose steps have the same cost: forced rates may need more state variables."""
-    scene, record = problem.scene, problem.record
-    if not scene.forces:
-        return record
-    return "attitude" if "gamma" in carried(scene, record, method) else "rates"

@@ -12,8 +12,7 @@ from ..model.scene import Scene
 from .arrays import Range
 from .bodies import Bodies
 from .closed_form import moment_rows, weight_rows
-from .cost_model import calibration_classes
-from .methods import FUNCTION, check_method, known_method, run_methods
+from .methods import check_method, known_method, run_methods
 
 __all__ = ["LEAST_TOLERANCE", "USUAL_ACCURACY", "Problem"]
 
@@ -24,9 +23,6 @@ USUAL_ACCURACY = 1e-8
 
 LEAST_TOLERANCE = 1e-14
 """The least tolerance of Runge-Kutta steps: the second run has a smaller tolerance."""
-
-SHARE = 0.01
-"""First tolerance under a function over the accuracy: some steps err, and three times is stated."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -93,18 +89,6 @@ class Problem:
             )
 
     @property
-    def adaptive_tolerance(self) -> float | None:
-        """The tolerance of adaptive steps, asked for or for the accuracy; None of equal steps.
-
-        Under a function steps are adaptive unless they are asked for, or a method with others is.
-        """
-        if self.tolerance is not None or self.step is not None:
-            return self.tolerance
-        if "function" not in self.scene.forces or self.method not in (None, FUNCTION):
-            return None
-        return max(SHARE * (self.accuracy or USUAL_ACCURACY), LEAST_TOLERANCE)
-
-    @property
     def times(self) -> Range:
         """First and last time of the run (s)."""
         begin, end = self.begin, 0.0 if self.end is None else self.end
@@ -123,12 +107,6 @@ class Problem:
         if self.bodies is not None:
             return self.bodies.moments, self.bodies.weight
         return moment_rows(self.scene), weight_rows(self.scene)
-
-    def classes(self) -> NDArray[np.str_]:
-        """The calibration class of each body; shape (n,), or (1,) if all are alike."""
-        if self.bodies is not None:
-            return calibration_classes(self.scene, *self.inertia(), self.bodies.under_forces())
-        return calibration_classes(self.scene, *self.inertia(), np.array([bool(self.scene.forces)]))
 
     @property
     def knows_angles(self) -> bool:

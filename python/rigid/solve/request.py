@@ -14,7 +14,7 @@ from .bodies import Bodies
 
 MutableMapping.register(_core.States)
 
-__all__ = ["Request", "select_states"]
+__all__ = ["Request", "replace_states", "select_states"]
 
 Floats = NDArray[np.float64]
 
@@ -79,3 +79,12 @@ def select_states(states: Mapping[str, Any], bodies: NDArray[np.intp]) -> dict[s
     """The states of some bodies, as :meth:`Request.states` gives them."""
     columns = ((name, values) for name, values in states.items() if name != "nanoseconds")
     return {name: None if values is None else values[bodies] for name, values in columns}
+
+
+def replace_states(
+    states: MutableMapping[str, Any], bodies: NDArray[np.intp], others: Mapping[str, Any]
+) -> None:
+    """Replace the states of some bodies."""
+    for name, values in others.items():
+        if values is not None:
+            states[name][bodies] = values

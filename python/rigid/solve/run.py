@@ -136,10 +136,10 @@ class Run(HasColumns):
         Rates that are all below 1e-13 of the fastest that the body can reach, or of
         ``sqrt(mgl / I_min)``, count as rest and are compared with the larger of these two.
 
-        For steps the error is three times the difference from a second run. The second run takes at
-        least one step more between any two times and begins at a differently rounded start. With an
-        ``accuracy`` the finer of both runs is returned, mostly with twice their difference. Beside
-        an unstable equilibrium or a separatrix the error includes the rounding of the start,
+        For steps a second run is compared, which begins at a differently rounded start. By default,
+        and with an ``accuracy``, it is coarser, and mostly twice the difference is the error; with
+        a ``method``, ``step`` or ``tolerance`` alone it is finer, and three times the difference.
+        Beside an unstable equilibrium or a separatrix the error includes the rounding of the start,
         magnified by the motion.
 
         For a closed form the error is ``1e-15`` per radian turned, or ``1e-15`` magnified by the
@@ -396,13 +396,18 @@ an accuracy
     def _cure(self) -> str:
         """The remedy against an error."""
         spec = self.spec
-        if spec["method"] == EXACT or (spec["tolerance"] is not None and not spec.get("asked")):
+        asked = spec.get("asked")
+        if spec["method"] == EXACT:
             return "rounding makes it, so shorter steps do not help: end the run earlier"
-        if spec["tolerance"] is not None:
+        if spec["tolerance"] is not None and asked is None:
+            return (
+                "chaos or rounding makes it, a smaller tolerance does not help: end the run earlier"
+            )
+        if spec["tolerance"] is not None and spec["accuracy"] is None:
             return "end the run earlier or lower the tolerance"
         if spec["accuracy"] is None:
             return "end the run earlier or ask for an accuracy"
-        if spec.get("asked"):
+        if asked:
             return f"shorter steps of {spec['method']} do not help: leave out the method"
         return "shorter steps do not help: end the run earlier"
 

@@ -21,7 +21,6 @@ __all__ = [
     "FINEST",
     "HALVINGS",
     "HALVINGS_AGAIN",
-    "ROUNDINGS",
     "RUNGE_KUTTA",
     "SERIES",
     "SERIES_TOLERANCE",
@@ -63,17 +62,6 @@ COARSER, COARSER_TOLERANCE = "taylor16", 1e-11
 
 On the same orbits it errs 1700 times as much in the median, by truncation, and never less than 10
 times as much. A series that errs by rounding too would hide its error in one of ten runs."""
-
-SIGNS = np.array([[1.0, -1.0, 1.0, -1.0], [1.0, 1.0, -1.0, -1.0], [1.0, -1.0, -1.0, 1.0]])
-"""Directions in which the numbers of a start are rounded otherwise, from the smallest on: Walsh's,
-orthogonal to each other."""
-
-ROUNDINGS = len(SIGNS)
-"""Number of second runs where rounding is the error.
-
-Rounding that grows in one direction is a random number in each run. The distance from one run is
-below a third of the error in 11 of 100 runs, from the farthest of two in 1.4, and of three in 0.2:
-``(2/3)^n`` times the integral of ``|x|^n p(x)^(n+1)``, ``p`` the normal density."""
 
 RULED = 1e-15
 """Largest tolerance of a series whose error is rounding: on the same orbits the median of the ratio
@@ -117,7 +105,7 @@ def second_run(
     """The states of the same bodies at the same times, with shorter steps than those taken.
 
     Nearly all of their distance from the states of the first run is the error of the first run. Its
-    ``rounding`` is one of :data:`ROUNDINGS`.
+    ``rounding`` is one of ``_core.ROUNDINGS``.
     """
     second = replace(
         request,
@@ -188,9 +176,10 @@ def is_ruled_by_rounding(request: Request) -> bool:
 
 
 def longest_steps(request: Request, method: str) -> Floats:
-    """The longest steps that a method takes by default (s), shape (n,)."""
+    """The longest steps that a method takes by default (s), shape (n,); infinite at rest."""
     rates = request.bodies.fastest_rates(time_ranges(request.times), method)
-    longest: Floats = angle_per_step(method) / rates
+    with np.errstate(divide="ignore"):
+        longest: Floats = angle_per_step(method) / rates
     return longest
 
 
@@ -205,7 +194,8 @@ def _past_stops(
     """
     if second.method not in series_methods():
         return second.states(steps, refinement * FINER)
-    own = time_span(second.times) / taken / FINER
+    with np.errstate(invalid="ignore"):  # of a body that covers no time
+        own = time_span(second.times) / taken / FINER
     longest = np.minimum(own, longest_steps(second, RUNGE_KUTTA))
     return replace(second, method=RUNGE_KUTTA, tolerance=None).states(longest)
 
@@ -218,24 +208,9 @@ def rounded_start(bodies: Bodies, rounding: int = 0) -> Bodies:
     each step. Zeros stay and equal sizes stay equal, so that a start exactly in equilibrium stays
     one.
     """
-    signs = SIGNS[rounding]
-    omega, attitude = (_rounded_otherwise(rows, signs) for rows in (bodies.omega, bodies.attitude))
-    forces = bodies.forces
-    if forces is not None:
-        forces = forces.rounded_otherwise(-float(signs[1]))
+    omega, attitude = _core.rounded_otherwise(bodies.omega, bodies.attitude, rounding)
+    forces = None if bodies.forces is None else bodies.forces.rounded_otherwise(rounding)
     return replace(bodies, omega=omega, attitude=attitude, forces=forces)
-
-
-def _rounded_otherwise(rows: Floats, signs: Floats) -> Floats:
-    """Rows changed in the last place, in the direction of the sign of the rank of each size."""
-    sizes = list(np.abs(rows).T)
-    rank = np.zeros(rows.shape, dtype=np.intp)
-    for number, size in enumerate(sizes):
-        counts = ~np.any([size == earlier for earlier in sizes[:number]], axis=0)
-        for column, other in enumerate(sizes):
-            rank[:, column] += (size < other) & counts
-    rounded: Floats = rows * (1.0 + np.finfo(np.float64).eps * signs[rank])
-    return rounded
 
 
 def is_damped_stiffly(bodies: Bodies, method: str) -> bool:

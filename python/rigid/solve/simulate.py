@@ -83,8 +83,8 @@ def simulate(
     The closed form is used where there is one: for a free body, and for a top with two equal
     moments and its centre of mass on the third axis. It is evaluated at each given time and takes
     no steps. All other bodies are integrated, unless all tops of the call swing as pendulums about
-    a principal axis. Bodies under torque or damping are integrated too. With a given method the
-    result of a body has the same bits in any batch, on any processor and for any number of threads.
+    a principal axis. Bodies under torque or damping are integrated too. The states of a body have
+    the same bits in any batch, on any processor and for any number of threads.
 
     Parameters
     ----------
@@ -101,38 +101,37 @@ def simulate(
         each body its times.
     method : str, optional
         ``"exact"``, the closed form, or one of :func:`rigid.methods`. Default: ``"exact"`` where
-        all bodies have a closed form and no step is given, else the cheapest method for the
-        accuracy; ``"rk4"`` if a step is given; ``"etd4"`` if damping is ten times as fast as the
-        turning of the fastest body; on an orbit ``"taylor20"`` with a tolerance of 1e-16, and
-        ``"dop853"`` for a body that drag stops there. Other steps are equal between output times
-        and end exactly at these times and at the knots of a torque's table.
+        all bodies have a closed form and no step is given; ``"rk4"`` if a step is given;
+        ``"etd4"`` if damping is ten times as fast as the turning of the fastest body; on an orbit
+        ``"taylor20"`` with a tolerance of 1e-16, and ``"dop853"`` for a body that drag stops there;
+        else ``"dop853"``.
     step : float, optional
         Largest step (s). Default with a method: each body turns by at most the ``angle_per_step``
         of the method a step, from a bound of its rates.
     accuracy : float, optional
-        Largest error of all states (see :attr:`Run.error`), instead of a step. Method and step
-        follow from a calibrated model of the error. With 512 bodies or more and no method, the
-        steps follow from the errors of a few bodies. A body whose estimated error is above the
-        accuracy is integrated again, once: by ``"taylor20"`` with a tolerance of 1e-16, which
-        leaves rounding alone. With a method, under a callback, beside strong damping and at a stop
-        by drag its steps are shortened as long as the error falls. The last run is returned, and
-        :attr:`Run.plan` has its step. A body whose error stays above, because of chaos or rounding,
-        is :attr:`Run.flagged`. Without a method and a step the steps are made for 1e-8; then no
-        body is integrated again, and :attr:`Run.error` says how accurate each body is.
+        Largest error of all states (see :attr:`Run.error`), instead of a step. Default without a
+        method and a step: 1e-8. First ``"dop853"`` takes equal steps, whose angle follows from the
+        accuracy. A body whose estimated error is above the accuracy is integrated again, by
+        ``"taylor20"`` with a tolerance of 1e-16, which leaves rounding alone. A named Taylor
+        method begins with a tolerance of 0.0002 times the accuracy, at most 1e-6, and ``"dop853"``
+        under :meth:`Torque.call` with 0.01 times the accuracy; both take smaller tolerances as long
+        as the error falls. Other methods, and bodies that drag may stop, take shorter equal steps
+        instead, and :attr:`Run.plan` has the last step. A body whose error stays above, because of
+        chaos or rounding, is :attr:`Run.flagged` if the accuracy was asked for.
     tolerance : float, optional
         Adaptive steps of a Taylor method, instead of a step: the steps of each body are as long as
         the last terms of its series stay below this share of the largest rate and of a unit vector.
         Output times between two steps need no extra step. Under :meth:`Torque.call` of
         ``"dop853"``, whose estimated error of each step stays below this share and whose steps end
-        at output times; at least 1e-14. There the default is a hundredth of the accuracy.
+        at output times; at least 1e-14.
     record : {"attitude", "axis", "rates"}
         Recorded states: rates and attitude; rates and the vertical in body components; or rates
         only. A smaller record is faster and changes no bit of the rates, except of tops by
         Runge-Kutta methods, whose attitude has another error of the method.
     check : bool
-        Whether the error is estimated by a second run with shorter steps. Without the second run
-        the error is NaN and the status ``UNCHECKED``. An ``accuracy`` always needs the second run.
-        With a method or a step, of more than 32 bodies only 32 are checked.
+        Whether the error is estimated by a second run. Without the second run the error is NaN and
+        the status ``UNCHECKED``, and no tolerance is made smaller. An ``accuracy`` always needs the
+        second run. With a method or a step, of more than 32 bodies only 32 are checked.
     tangent : bool or sequence of str
         Whether to return the derivative of the motion by its start, as :attr:`Run.tangent`. It is
         integrated by the ``method`` in the same steps, with an ``accuracy`` in the steps of
@@ -272,7 +271,7 @@ def simulate(
     plan: LazyPlan | None = None
     plain = step is None and accuracy is None and tolerance is None and given.ndim == 1
     if plain and method in (None, EXACT) and has_closed_form(scene):
-        chosen, steps, own = EXACT, None, None
+        chosen, steps, own, wanted = EXACT, None, None, None
     else:
         begin, end = time_ranges(times)
         problem = Problem(
@@ -287,10 +286,10 @@ def simulate(
             tolerance=tolerance,
             states=times.shape[-1],
         )
-        chosen, steps, own, plan = choose_method(problem)
+        chosen, steps, own, wanted, plan = choose_method(problem)
         if watched and chosen != EXACT and chosen not in adaptive_methods(scene.forces):
             finder = default_method(scene.forces)
-            chosen, steps, own, plan = choose_method(replace(problem, method=finder))
+            chosen, steps, own, wanted, plan = choose_method(replace(problem, method=finder))
             series = "a Taylor series" if finder in series_methods() else finder
             plan.amend(why=(f"{series} knows the events inside its steps",))
         if tolerance is not None:
@@ -329,30 +328,24 @@ def simulate(
         states, estimate = compute_states(
             request,
             steps,
-            accuracy,
-            check=check,
+            wanted,
+            check=check or accuracy is not None,
             every=method is None and step is None,
-            free=method is None and "function" not in scene.forces,
+            free=method is None,
             target=target,
         )
-    if accuracy is not None and chosen != EXACT and plan is not None:
-        by_series = states.get(BY_SERIES)
+    by_series = states.pop(BY_SERIES, None)
+    if wanted is not None and steps is not None and plan is not None:
         if by_series is None:
-            by_series = np.full(len(bodies), own is not None)
-        else:
-            del states[BY_SERIES]
-            if by_series.any():
-                plan.amend(
-                    f"{np.count_nonzero(by_series)} of {len(bodies)} bodies by {SERIES}, in "
-                    f"adaptive steps: {chosen} did not reach {accuracy:g}"
-                )
-            else:
-                plan.amend(f"{SERIES} was no better: rounding or chaos is the error")
-            if by_series.all():
-                chosen, own = SERIES, SERIES_TOLERANCE
-                plan.amend(method=chosen, step=None, steps=None, error=None)
-        accurate = (estimate.error <= accuracy) & ~by_series
-        if accurate.any():
+            by_series = np.zeros(len(bodies), dtype=bool)
+        if by_series.all():
+            chosen, own = SERIES, SERIES_TOLERANCE
+            plan.amend(method=chosen, tolerance=own, step=None, steps=None)
+        elif by_series.any():
+            some = np.count_nonzero(by_series)
+            plan.amend(f"{some} of {len(bodies)} bodies by {SERIES}")
+        accurate = (estimate.error <= wanted) & ~by_series
+        if accuracy is not None and accurate.any():
             made, most = made_steps(states["steps"], time_span(request.times), accurate)
             plan.amend(step=made, steps=most)
     if chosen == EXACT:
@@ -489,7 +482,7 @@ def _replayed(
         step=step,
         tolerance=tolerance,
     )
-    _, steps, _, plan = choose_method(problem)
+    choice = choose_method(problem)
     states = Request(
         bodies=bodies,
         times=times,
@@ -499,10 +492,10 @@ def _replayed(
         threads=1,
         tolerance=tolerance,
         strides=strides,
-    ).states(steps if tolerance is None else None)
+    ).states(choice.steps if tolerance is None else None)
     spec = Lazy(_spec, scene, method, method, step, None, tolerance, "attitude")
     # The map that this body comes from has its own check of the error.
-    return to_run(states, times, unknown_error(1), None, spec, plan, bodies)
+    return to_run(states, times, unknown_error(1), None, spec, choice.plan, bodies)
 
 
 def _checked_tolerance(

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from .. import _core
 from .arrays import lengths
 from .bodies import Bodies
-from .error_estimate import closed_form_error, distances, known_rates
+from .error_estimate import closed_form_error, known_rates
 from .methods import FUNCTION
 from .request import Request
 from .second_run import ELSEWHERE
@@ -260,7 +260,7 @@ class Search:
                 {"omega": one["omega"], "gamma": turned, "attitude": None}
                 for one, turned in ((states, gamma), (known, known["gamma"]))
             ]
-            apart = distances(pair[0], pair[1], np.zeros(len(some)), fastest)
+            apart = _core.distances(pair[0], pair[1], fastest)
             rate = np.where(
                 unknown, apart * surfaces.scales(bodies, self.ends[some], met)[rows, kind], rate
             )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -9,6 +10,7 @@ import pytest
 
 import rigid
 from rigid import _core
+from rigid.solve.request import Request
 from rigid.solve.starts import bodies_of
 
 SCENE = rigid.FreeBody(rigid.Body((1.0, 1.5, 2.0)))
@@ -129,3 +131,67 @@ def test_a_part_that_is_refused_changes_no_statistics(part: dict[str, Any], word
     for name, values in statistics.arrays().items():
         assert np.array_equal(values, arrays[name], equal_nan=True), name
     assert np.array_equal(statistics.bins(), bins)
+
+
+def runs(**changes: Any) -> tuple[Any, ...]:
+    """The arguments of an estimate for two runs; a value that changes is not of their shape."""
+    request = Request(
+        bodies=bodies_of(SCENE, OMEGA, None),
+        times=np.array([1.0, 2.0]),
+        method="taylor16",
+        record="attitude",
+        max_steps=1000,
+        threads=1,
+        tolerance=1e-12,
+    )
+    states = {**request.states(None)}
+    other = {**states, **{name: changes[name] for name in changes if name in states}}
+    taken = changes.get("taken", states["steps"])
+    return request, states, [other], taken, 3.0, changes.get("further")
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("omega", np.ones((2, 3, 3))),
+        ("omega", np.ones((2, 2, 4))),
+        ("gamma", np.ones((1, 2, 3))),
+        ("attitude", np.ones((2, 2, 3))),
+        ("work", np.ones((2, 3))),
+        ("further", np.ones((2, 1))),
+        ("taken", np.ones(3, np.uint64)),
+    ],
+)
+def test_an_estimate_of_states_of_other_shapes_is_refused(name: str, value: Any) -> None:
+    words = "steps" if name == "taken" else name
+    with pytest.raises(ValueError, match=rf"{words}: expected shape"):
+        _core.estimate(*runs(**{name: value}))
+
+
+def test_estimates_are_refused_for_other_bodies_times_and_roundings() -> None:
+    request, states, *rest = runs()
+    error, lost_from, looks = _core.estimate(request, states, *rest)
+    assert (error.shape, lost_from.tolist(), looks.tolist()) == ((2,), [np.inf] * 2, [0.0] * 2)
+    for times in (np.ones((3, 2)), np.ones((1, 1, 1)), np.ones(1)):
+        with pytest.raises(ValueError, match="expected shape"):
+            _core.estimate(replace(request, times=times), states, *rest)
+    with pytest.raises(ValueError, match="method = 'exact'"):
+        _core.estimate(replace(request, method="exact"), states, *rest)
+    bodies = request.bodies
+    with pytest.raises(ValueError, match="omega: expected shape"):
+        _core.errors_of_closed_forms(bodies, request.times, np.ones((2, 1, 3)))
+    with pytest.raises(ValueError, match="omega: expected shape"):
+        _core.phase_errors(bodies, np.ones(3), states)
+    with pytest.raises(ValueError, match="scale: expected shape"):
+        _core.distances(states, states, np.ones(3))
+    with pytest.raises(ValueError, match="rounding = 3: there is no such way"):
+        _core.rounded_otherwise(bodies.omega, bodies.attitude, 3)
+
+
+def test_distances_of_states_in_another_order_of_memory_are_the_same() -> None:
+    _, states, *_ = runs()
+    other = {**states, "omega": states["omega"] + 0.1}
+    turned = {**other, "omega": np.asfortranarray(other["omega"])}
+    plain = _core.distances(states, other)
+    assert plain.min() > 0.0
+    assert plain.tobytes() == _core.distances(states, turned).tobytes()
