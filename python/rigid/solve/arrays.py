@@ -14,6 +14,7 @@ __all__ = [
     "intervals",
     "largest",
     "lengths",
+    "roots",
     "rows_of_each",
     "spread_indices",
     "time_range",
@@ -33,6 +34,19 @@ def lengths(vectors: Floats) -> Floats:
     """Lengths of the vectors along the last axis, faster than by ``numpy.linalg.norm``."""
     squares: Floats = np.einsum("...i,...i->...", vectors, vectors)
     return np.sqrt(squares)
+
+
+def roots(numbers: Floats, order: int) -> Floats:
+    """The roots of an order, with the same bits on every processor and beside other numbers.
+
+    Square roots are rounded alike everywhere. Powers of an array are not, so powers of single
+    floats make the roots of other orders.
+    """
+    if order & (order - 1):
+        return np.array([number ** (1.0 / order) for number in numbers.tolist()])
+    for _ in range(order.bit_length() - 1):
+        numbers = np.sqrt(numbers)
+    return numbers
 
 
 Range: TypeAlias = tuple[float, float] | tuple[Floats, Floats]

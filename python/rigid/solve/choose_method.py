@@ -12,6 +12,7 @@ from .._checks.arguments import finite_float, one_of, positive_int, two_digits_a
 from ..model.body import Body
 from ..model.forces import forces_in_words
 from ..model.scene import Scene, check_scene
+from .arrays import roots
 from .closed_form import (
     FORCED_RULE,
     NO_FORM,
@@ -301,8 +302,7 @@ def _first_steps(problem: Problem, accuracy: float, method: str) -> Floats:
             f"{'omega' if rates is None else 't_end'} is missing"
         )
     assert problem.bodies is not None  # the rates are known
-    turn = FIRST * (accuracy / (rates * span)) ** (1.0 / order_of(method))
-    turn = np.minimum(turn, LONGEST)
+    turn = np.minimum(FIRST * roots(accuracy / (rates * span), order_of(method)), LONGEST)
     # What does not turn needs no step.
     steps = np.where(rates > 0.0, turn / rates, np.inf)
     shorter: Floats = np.minimum(steps, problem.bodies.longest_unseen(span))

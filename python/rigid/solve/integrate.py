@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
-from .arrays import intervals, lengths, spread_indices
+from .arrays import intervals, lengths, roots, spread_indices
 from .bodies import Bodies
 from .error_estimate import (
     ErrorEstimate,
@@ -278,13 +278,12 @@ def _by_equal_steps(
     states, estimate = checked_states(request, steps, halvings=HALVINGS, out=out)
     estimate = with_separatrix(request, states, estimate)
     pending = np.flatnonzero(estimate.error > accuracy)
-    smooth = not (request.bodies.may_stop or is_damped_stiffly(request.bodies, request.method))
-    if free and len(pending) and smooth:
+    stiffly = is_damped_stiffly(request.bodies, request.method)
+    if free and len(pending) and not (stiffly or request.bodies.may_stop):
         others, own = _by_series(request.select(pending), accuracy)
         better = _take_better(states, estimate, pending, others, own)
         states[BY_SERIES] = np.isin(np.arange(len(steps)), pending[better])
         return states, estimate
-    stiffly = is_damped_stiffly(request.bodies, request.method)
     for attempt in range(1, ATTEMPTS + 1):
         if not len(pending):
             break
@@ -309,9 +308,7 @@ def _by_equal_steps(
 
 def _step_reductions(errors: Floats, accuracy: float, order: int) -> Floats:
     """The factors by which steps must shrink for errors to fall well below the accuracy."""
-    # Powers of single floats: powers of an array have other bits on other processors.
-    factors = [(MARGIN * error / accuracy) ** (1.0 / order) for error in errors.tolist()]
-    reductions: Floats = np.clip(np.array(factors), LEAST, MOST)
+    reductions: Floats = np.clip(roots(MARGIN * errors / accuracy, order), LEAST, MOST)
     return reductions
 
 

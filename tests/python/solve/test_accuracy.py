@@ -9,6 +9,7 @@ import pytest
 
 import rigid
 from physics import Floats, present, rotation_angle
+from rigid.solve.arrays import roots
 
 BODY = rigid.Body((1.0, 1.6, 0.7))
 TOP = rigid.HeavyTop(BODY, mgl=1.2, com=(0.6, 0.0, 0.8))
@@ -156,3 +157,21 @@ def test_steps_are_shortened_for_the_drift_beside_a_separatrix_too(times: int) -
     exact = rigid.simulate(box, [0.05, 1.02, 0.07], t=t)
     assert run.status == rigid.Status.OK
     assert np.abs(run.omega - exact.omega).max() < run.error * np.linalg.norm([0.05, 1.02, 0.07])
+
+
+@pytest.mark.parametrize("order", [2, 4, 6, 8, 10])
+def test_roots_of_steps_are_those_of_each_number_alone(order: int) -> None:
+    numbers: Floats = np.random.default_rng(1).uniform(1e-12, 1e3, 999)
+    found = roots(numbers, order)
+    assert all(roots(numbers[k : k + 1], order)[0] == found[k] for k in range(0, 999, 37))
+    # The rounded exponent, 1/6 or 1/10, errs by half a unit, which ``|ln x| <= 28`` multiplies; the
+    # power by an order multiplies the rounding of each root by it.
+    unit = np.finfo(np.float64).eps
+    assert np.abs(found**order / numbers - 1.0).max() < (14.0 + order) * unit
+
+
+@pytest.mark.parametrize("order", [2, 4, 8])
+def test_roots_of_the_orders_of_most_methods_are_exact_where_they_can_be(order: int) -> None:
+    whole: Floats = np.ldexp(np.ones(41), np.arange(-20, 21))
+    powers: Floats = whole**order
+    assert (roots(powers, order) == whole).all()
