@@ -296,6 +296,11 @@ impl Forces {
     }
 }
 
+/// Whole numbers of which each bit is one of these.
+fn bits(set: &[bool]) -> u64 {
+    set.iter().rev().fold(0, |bits, &one| bits << 1 | u64::from(one))
+}
+
 /// The values of one body among blocks of this size: its own, or those of all; `None` if there are none.
 fn of_one<T>(all: &[T], size: usize, body: usize) -> Option<&[T]> {
     let first = if all.len() > size { size * body } else { 0 };
@@ -337,6 +342,12 @@ impl<'a> BodyForces<'a> {
     pub fn is_none(&self) -> bool {
         let without_table = self.damping.is_none() && self.further.is_none() && self.function.is_none();
         self.table.values.is_empty() && without_table
+    }
+
+    /// What acts, as bits: a table, which may be of zeros, damping, a function, and each further force.
+    pub fn kinds(&self) -> u64 {
+        let others = [!self.table.values.is_empty(), !self.damping.is_none(), self.function.is_some()];
+        bits(&others) | bits(&self.further.act()) << others.len()
     }
 
     /// Whether a torque depends on the attitude at any time: the rates then depend on it too.

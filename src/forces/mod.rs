@@ -263,6 +263,11 @@ macro_rules! forces {
                 Ok(further)
             }
 
+            /// Whether each of them acts.
+            pub fn act(&self) -> [bool; NUMBERS.len()] {
+                [$(!self.$name.is_none(),)*]
+            }
+
             /// Whether nothing acts.
             pub fn is_none(&self) -> bool {
                 $(self.$name.is_none())&&*

@@ -126,13 +126,13 @@ impl PyForces {
         self.0.of(0).function.is_some()
     }
 
-    /// Whether anything acts on each body: a torque is applied, or a force that is not zero.
-    fn act<'py>(&self, py: Python<'py>, bodies: usize) -> PyResult<Bound<'py, PyArray1<bool>>> {
+    /// What acts on each body, as bits: a torque is applied, damping, a function, and each further force that is not zero.
+    fn kinds<'py>(&self, py: Python<'py>, bodies: usize) -> PyResult<Bound<'py, PyArray1<u64>>> {
         if self.0.bodies() > 1 {
             same_length("bodies", self.0.bodies(), bodies)?;
         }
-        let act = (0..bodies).map(|body| !self.0.of(body).is_none());
-        Ok(memory::collected("bodies", bodies, act)?.into_pyarray(py))
+        let kinds = (0..bodies).map(|body| self.0.of(body).kinds());
+        Ok(memory::collected("bodies", bodies, kinds)?.into_pyarray(py))
     }
 
     /// The entries 11, 22, 33, 23, 31, 12 of the damping matrices, (n, 6), or in one row those of all; NaN for a body on

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -27,7 +28,6 @@ from .closed_form import (
     weight_rows,
     why_not,
 )
-from .ladder import first_tolerance
 from .methods import (
     EXACT,
     FALLBACK,
@@ -37,17 +37,17 @@ from .methods import (
     adaptive_methods,
     order_of,
 )
-from .plan import LazyPlan, Plan
+from .plan import LazyPlan, Plan, plan_of_parts
 from .planned import UNKNOWN, damping_rate, plan_of, why_unforeseen
 from .problem import USUAL_ACCURACY, Problem
 from .rounding import ROUNDING
-from .second_run import SERIES, SERIES_TOLERANCE
 from .starts import bodies_of
+from .tolerances import SERIES, SERIES_TOLERANCE, first_tolerance
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
 
-__all__ = ["NO_BOUND", "Choice", "choose_method", "has_closed_form", "plan_states"]
+__all__ = ["NO_BOUND", "Choice", "bodies_alike", "choose_method", "has_closed_form", "plan_states"]
 
 Floats = NDArray[np.float64]
 
@@ -65,6 +65,10 @@ NO_BOUND = (
     "step: is needed, because the rates have no known bound under the torque of a function; or "
     "give fastest=..., their bound, to Torque.call"
 )
+
+OTHER_FORCES = np.uint64(2**64 - 4)
+"""The kinds of forces, as bits, that no method for strong damping integrates: all but an applied
+torque and damping."""
 
 STIFFNESS = 10.0
 """Damping is strong if it slows a body this many times faster than the body turns."""
@@ -100,7 +104,12 @@ def plan_states(
         states=1 if times is None else positive_int("times", times),
         number=None if bodies is None else positive_int("bodies", bodies),
     )
-    chosen = choose_method(problem).plan()
+    if known is None:
+        chosen = choose_method(problem).plan()
+    else:
+        groups = bodies_alike(problem)
+        plans = [choose_method(one).plan for one in parts_of(problem, groups)]
+        chosen = plan_of_parts(scene, plans, groups)
     if known is not None and chosen.method == EXACT and chosen.error is not None:
         unforeseen = why_unforeseen(known, problem.times)
         if unforeseen is not None:
@@ -133,8 +142,42 @@ class Choice(NamedTuple):
     plan: LazyPlan
 
 
+def bodies_alike(problem: Problem) -> list[NDArray[np.intp]]:
+    """The bodies of a problem in groups that one method solves; the indices of each group.
+
+    One kind of forces acts on all bodies of a group. If the problem leaves the method open, all
+    have a closed form or none has, and all are damped strongly or none is.
+    """
+    bodies = problem.bodies
+    assert bodies is not None
+    every = np.arange(len(bodies))
+    if len(every) < 2:
+        return [every]
+    kinds = bodies.kinds_of_forces()
+    columns = [kinds, np.broadcast_to(bodies.weight.any(axis=1), len(every))]
+    if problem.method is None:
+        strongly = _are_damped_strongly(problem) & (kinds & OTHER_FORCES == 0)
+        has_form = np.zeros(len(every), dtype=bool)
+        if problem.step is None:
+            has_form |= bodies.closed_forms() != NO_FORM
+            if bodies.forces is not None:
+                forms = closed_forms(problem.record, bodies.moments, bodies.weight)
+                evenly = are_slowed_evenly(problem.scene, bodies.forces, bodies.moments)
+                has_form |= (kinds != 0) & evenly & (forms != NO_FORM)
+        columns += [has_form, strongly & ~has_form]
+    if all((column == column[0]).all() for column in columns):
+        return [every]
+    _, of_group = np.unique(np.stack(columns, axis=1), axis=0, return_inverse=True)
+    return [np.flatnonzero(of_group == group) for group in range(of_group.max() + 1)]
+
+
+def parts_of(problem: Problem, groups: Sequence[NDArray[np.intp]]) -> list[Problem]:
+    """The problems of groups of bodies."""
+    return [problem] if len(groups) == 1 else [problem.select(some) for some in groups]
+
+
 def choose_method(problem: Problem) -> Choice:
-    """The method for the bodies of a problem, its steps, and the plan."""
+    """The method for bodies of a problem that are solved alike, its steps, and the plan."""
     scene = problem.scene
     asked = problem.method
     # A requested method does not depend on them.
@@ -276,20 +319,31 @@ def _by_steps(problem: Problem, why: list[str]) -> tuple[str, list[str]]:
     usual = FALLBACK
     if problem.step is None:
         usual = SERIES if "orbit" in problem.scene.forces else MAP_FALLBACK
-    slowing = damping_rate(problem.scene)
-    if slowing == 0.0 or problem.scene.has_further or "function" in problem.scene.forces:
+    others = problem.scene.has_further or "function" in problem.scene.forces
+    if others or not _are_damped_strongly(problem).any():
         return usual, why
+    slowing = damping_rate(problem.scene)
+    return STIFF, [*why, f"strong damping, at a rate of {slowing:.3g} 1/s: {STIFF}"]
+
+
+@np.errstate(all="ignore")
+def _are_damped_strongly(problem: Problem) -> NDArray[np.bool_]:
+    """Whether damping slows each body much faster than it turns; shape (n,) or (1,).
+
+    A given step is compared instead: an explicit method would have the error of the damping in it,
+    not of the motion.
+    """
+    scene, bodies = problem.scene, problem.bodies
+    forces = scene.acting() if bodies is None else bodies.forces
+    if forces is None:
+        return np.zeros(1, dtype=bool)
+    slowing = forces.damping_rates(problem.inertia()[0])
     turning = problem.rates()
     if problem.step is not None:
-        # An explicit method would have the error of the damping, not of the motion.
-        is_stiff = problem.step * slowing > 1.0
-    elif turning is None:
-        is_stiff = False
-    else:
-        is_stiff = slowing > STIFFNESS * float(turning.max(initial=0.0)) > 0.0
-    if not is_stiff:
-        return usual, why
-    return STIFF, [*why, f"strong damping, at a rate of {slowing:.3g} 1/s: {STIFF}"]
+        return np.asarray(problem.step * slowing > 1.0)
+    if turning is None:
+        return np.zeros(1, dtype=bool)
+    return np.asarray((slowing > STIFFNESS * turning) & (turning > 0.0))
 
 
 @np.errstate(all="ignore")

@@ -37,10 +37,8 @@ def simulate_chunks(
 ) -> Iterator[Run]:
     """Yield the runs of parts of many bodies, for states that do not fit into memory.
 
-    Only one part is computed at a time, when it is requested. With a given method the states of a
-    body have the same bits as in one call of :func:`simulate`; without one, method and steps are
-    chosen for each part. Errors are estimated in each part as in a call with its bodies alone: with
-    a given method, of 32 bodies of a part. All parts have the same arrays: their Datasets can be
+    Only one part is computed at a time, when it is requested. The states of a body have the same
+    bits as in one call of :func:`simulate`. All parts have the same arrays: their Datasets can be
     appended, the first by ``part.to_xarray().to_zarr(path)``, the others by
     ``part.to_xarray().to_zarr(path, append_dim="body")``.
 

@@ -35,12 +35,11 @@ from .second_run import (
     HALVINGS,
     is_damped_stiffly,
     is_refined_alike,
-    is_ruled_by_rounding,
-    rounded_start,
     second_run,
     step_ratio,
 )
 from .status import Status
+from .tolerances import is_ruled_by_rounding
 
 __all__ = [
     "ErrorEstimate",
@@ -127,7 +126,7 @@ def checked_states(
         states = request.states(steps, refinement, out=out)
         return states, estimate_error(request, states, steps, refinement, halvings)
     ratio = step_ratio(request.bodies, request.method, halvings)
-    otherwise = replace(request, bodies=rounded_start(request.bodies))
+    otherwise = replace(request, bodies=request.bodies.rounded_otherwise())
     coarser = otherwise.states(steps, refinement)
     states = request.states(steps, refinement * ratio, out=out)
     return states, estimate_error(request, states, steps, refinement, halvings, coarser)

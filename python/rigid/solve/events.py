@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Self
 
@@ -19,7 +19,7 @@ from .methods import EXACT, adaptive_methods
 from .status import Status
 from .surfaces import METHOD, Search, Surfaces, default_tolerance
 
-__all__ = ["COLUMNS", "Events", "check_event_method", "find_events"]
+__all__ = ["COLUMNS", "Events", "check_event_method", "events_of_parts", "find_events"]
 
 Floats = NDArray[np.float64]
 
@@ -235,8 +235,8 @@ def find_events(
     events: tuple[Event, ...],
     counted: tuple[bool, ...],
     count: int | None,
-    *,
     frame: Floats | None,
+    *,
     method: str,
     tolerance: float | None,
     check: bool,
@@ -287,6 +287,38 @@ def find_events(
         )
         records.append(record)
     return FoundEvents(tuple(records), found["end"], found["stopped"])
+
+
+def events_of_parts(
+    bodies: Bodies, parts: Sequence[FoundEvents], groups: Sequence[NDArray[np.intp]]
+) -> FoundEvents:
+    """The events of groups of bodies as those of all."""
+    count = len(bodies)
+    end, stopped = np.empty(count), np.empty(count, dtype=bool)
+    for part, mine in zip(parts, groups, strict=True):
+        end[mine], stopped[mine] = part.end, part.stopped
+    each = zip(*(part.events for part in parts), strict=True)
+    return FoundEvents(tuple(_joined(bodies, one, groups) for one in each), end, stopped)
+
+
+def _joined(bodies: Bodies, parts: Sequence[Events], groups: Sequence[NDArray[np.intp]]) -> Events:
+    """One event of groups of bodies, body after body."""
+    pairs = list(zip(parts, groups, strict=True))
+    body = np.concatenate([mine[part.body] for part, mine in pairs])
+    order = np.argsort(body, kind="stable")
+    rows = {
+        name: np.concatenate([getattr(part, name) for part in parts])[order] for name in _POINTS
+    }
+    complete, lost_from = np.empty(len(bodies), dtype=bool), np.empty(len(bodies))
+    for part, mine in pairs:
+        complete[mine], lost_from[mine] = part.complete, part.lost_from
+    return Events(
+        event=parts[0].event,
+        **rows,
+        body=body[order],
+        complete=bodies.in_axes(complete),
+        lost_from=bodies.in_axes(lost_from),
+    )
 
 
 def _surfaces(

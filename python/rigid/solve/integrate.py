@@ -9,34 +9,36 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import _core
-from .arrays import intervals, lengths, roots, spread_indices
+from .arrays import intervals, lengths, roots
 from .bodies import Bodies
 from .error_estimate import (
     ErrorEstimate,
     checked_states,
-    closed_form_error,
     estimate_error,
     unchecked_states,
     unknown_error,
 )
-from .ladder import climb
-from .methods import EXACT, order_of
+from .methods import FUNCTION, order_of
 from .request import Request, replace_states, select_states
 from .second_run import (
     HALVINGS,
     HALVINGS_AGAIN,
     RUNGE_KUTTA,
-    SERIES,
-    SERIES_TOLERANCE,
-    coarser_series,
     is_damped_stiffly,
     longest_steps,
 )
 from .separatrix import with_separatrix
-from .target import PLAIN, Target
+from .tolerances import (
+    APART,
+    COARSER_TOLERANCE,
+    SERIES,
+    SERIES_TOLERANCE,
+    coarser_run,
+    finest_tolerance,
+    is_ruled_by_rounding,
+)
 
-__all__ = ["BY_SERIES", "compute_states", "integrate"]
+__all__ = ["BY_SERIES", "integrate"]
 
 Floats = NDArray[np.float64]
 
@@ -45,9 +47,6 @@ ONE_DIRECTION = 1e-9
 
 BY_SERIES = "by_series"
 """The column of states that says of which bodies :data:`SERIES` made them, where steps did not."""
-
-SAMPLE = 32
-"""Number of bodies of a large call that are integrated again: they fill the lanes of a group."""
 
 ATTEMPTS = 8
 """Largest number of times that the steps of a body are shortened to reach an accuracy."""
@@ -70,45 +69,12 @@ DIVISION = 8.0
 """Factor by which each attempt divides all steps under strong damping."""
 
 
-def compute_states(
-    request: Request,
-    steps: Floats | None,
-    accuracy: float | None,
-    *,
-    check: bool,
-    every: bool = False,
-    free: bool = False,
-    target: Target = PLAIN,
-) -> tuple[MutableMapping[str, Any], ErrorEstimate | _core.States]:
-    """The states in closed form or by steps, their work (J), and their estimated errors.
-
-    The arguments are as for :func:`integrate`; ``target`` holds the states. The states are their
-    own estimate where the core knows the errors, and that all bodies have arrived.
-    """
-    bodies = request.bodies
-    states: MutableMapping[str, Any]
-    if request.method == EXACT:
-        exact = request.states(None, out=target.given or None, single=target.single)
-        if exact.worst is not None:
-            return exact, exact
-        bodies.note_rates(exact.pop("fastest_rate"))
-        states, estimate = exact, closed_form_error(bodies, request.times, exact["omega"])
-    else:
-        states, estimate = integrate(
-            request, steps, accuracy, check=check, every=every, free=free, out=target.exact
-        )
-    if states["work"] is not None:
-        np.ldexp(states["work"], bodies.scale_exponent[:, np.newaxis], out=states["work"])
-    return states, estimate
-
-
 def integrate(
     request: Request,
     steps: Floats | None,
     accuracy: float | None,
     *,
     check: bool,
-    every: bool = False,
     free: bool = False,
     out: Mapping[str, NDArray[Any]] | None = None,
 ) -> tuple[MutableMapping[str, Any], ErrorEstimate]:
@@ -124,28 +90,45 @@ def integrate(
         smaller. None for a tolerance or a step that the user chose.
     check : bool
         Whether errors are estimated; without it there is one run.
-    every : bool
-        Whether the errors of all bodies are estimated, not only of a sample.
     free : bool
         Whether no method was given: a series follows where equal steps are not accurate.
     out : mapping, optional
         Arrays for columns, in double precision.
     """
-    forced = request.bodies.under_forces()
-    if forced.any() and not forced.all():
-        return _in_parts(request, steps, accuracy, forced, check=check, every=every, free=free)
     if request.tolerance is not None and accuracy is not None:
         if free and request.method == SERIES:
             return _by_series(request, accuracy, check=check, out=out)
-        return climb(request, accuracy, check=check, out=out)
+        return _by_tolerance(request, accuracy, check=check, out=out)
     if accuracy is not None and steps is not None:
         return _by_equal_steps(request, steps, accuracy, check=check, free=free, out=out)
     states = request.states(steps, out=out)
-    estimate = unknown_error(len(request.bodies))
-    if check:
-        most = len(request.bodies) if every else SAMPLE
-        estimate = _sampled_estimate(request, states, steps, most)
+    estimate = (
+        estimate_error(request, states, steps) if check else unknown_error(len(request.bodies))
+    )
     return states, with_separatrix(request, states, estimate)
+
+
+def _by_tolerance(
+    request: Request,
+    accuracy: float,
+    *,
+    check: bool,
+    out: Mapping[str, NDArray[Any]] | None,
+) -> tuple[MutableMapping[str, Any], ErrorEstimate]:
+    """The states by the tolerance of the request, or down to rounding; their errors."""
+    states: MutableMapping[str, Any] = request.states(None, out=out)
+    if not check:
+        return states, with_separatrix(request, states, unknown_error(len(request.bodies)))
+    estimate = _compared(request, states, accuracy)
+    finest = finest_tolerance(request.method)
+    assert request.tolerance is not None
+    pending = np.flatnonzero(estimate.error > accuracy)
+    if len(pending) and request.tolerance > finest:
+        finer = replace(request.select(pending), tolerance=finest)
+        others = finer.states(None)
+        own = _compared(finer, others, accuracy)
+        _take_better(states, estimate, pending, others, own)
+    return states, estimate
 
 
 def _by_series(
@@ -165,33 +148,47 @@ def _by_series(
     estimate = unknown_error(len(stops))
     if check:
         smooth = replace(request, bodies=replace(request.bodies, may_stop=False))
-        estimate = _series_error(smooth, states, accuracy, ~stops)
+        estimate = _compared(smooth, states, accuracy, ~stops)
     if stops.any():
         some = np.flatnonzero(stops)
         stopping = replace(request.select(some), method=RUNGE_KUTTA, tolerance=None)
         longest = longest_steps(stopping, RUNGE_KUTTA)
-        equal, own = integrate(stopping, longest, accuracy, check=check, every=True)
+        equal, own = integrate(stopping, longest, accuracy, check=check)
         states["nanoseconds"] += equal["nanoseconds"]
         replace_states(states, some, select_states(equal, np.arange(len(some))))
         estimate.write(some, own)
     return states, with_separatrix(request, states, estimate)
 
 
-def _series_error(
-    request: Request, states: Mapping[str, Any], accuracy: float, which: NDArray[np.bool_]
+def _compared(
+    request: Request,
+    states: MutableMapping[str, Any],
+    accuracy: float,
+    which: NDArray[np.bool_] | None = None,
 ) -> ErrorEstimate:
-    """The errors of states by the series, of bodies for which they are asked.
+    """The errors of states by a tolerance, from a run by a larger one; its time is added to them.
 
-    A coarser series shows that they are accurate, or else series that are rounded otherwise show
-    how accurate they are.
+    Where rounding is the error, and the coarser run does not show that ``which`` bodies are
+    accurate, several finer runs do. Where a torque or a stop by drag may have corners, one finer
+    run does.
     """
-    coarser = coarser_series(request)
-    estimate = estimate_error(request, states, None, halvings=HALVINGS_AGAIN, coarser=coarser)
-    rough = np.flatnonzero(~(estimate.error <= accuracy) & which)
-    if len(rough):
-        own = estimate_error(request.select(rough), select_states(states, rough), None)
-        estimate.write(rough, own)
-    return estimate
+    if request.method == FUNCTION or request.bodies.may_stop:
+        return with_separatrix(request, states, estimate_error(request, states, None))
+    assert request.tolerance is not None
+    to_rounding = is_ruled_by_rounding(request)
+    tolerance = COARSER_TOLERANCE if to_rounding else APART * request.tolerance
+    coarser = coarser_run(request, tolerance)
+    states["nanoseconds"] += coarser["nanoseconds"]
+    estimate = estimate_error(
+        request, states, None, 1.0, HALVINGS_AGAIN, coarser, None if to_rounding else tolerance
+    )
+    rough = ~(estimate.error <= accuracy)
+    rough &= to_rounding if which is None else which
+    if rough.any():
+        some = np.flatnonzero(rough)
+        own = estimate_error(request.select(some), select_states(states, some), None)
+        estimate.write(some, own)
+    return with_separatrix(request, states, estimate)
 
 
 def _may_stop(bodies: Bodies, states: Mapping[str, Any]) -> NDArray[np.bool_]:
@@ -205,54 +202,6 @@ def _may_stop(bodies: Bodies, states: Mapping[str, Any]) -> NDArray[np.bool_]:
     fastest = np.take_along_axis(rates, lengths(rates).argmax(axis=1)[:, None, None], axis=1)
     across = lengths(np.cross(rates, fastest)) <= ONE_DIRECTION * lengths(fastest) ** 2
     return np.asarray(across.all(axis=1))
-
-
-def _in_parts(
-    request: Request,
-    steps: Floats | None,
-    accuracy: float | None,
-    forced: NDArray[np.bool_],
-    *,
-    check: bool,
-    every: bool,
-    free: bool,
-) -> tuple[MutableMapping[str, Any], ErrorEstimate]:
-    """Bodies under torque and damping, and the other bodies: each part as if it were alone."""
-    states: dict[str, Any] = {}
-    estimate = unknown_error(len(forced))
-    for mine in (np.flatnonzero(forced), np.flatnonzero(~forced)):
-        longest = None if steps is None else steps[mine]
-        part, own = integrate(
-            request.select(mine), longest, accuracy, check=check, every=every, free=free
-        )
-        estimate.write(mine, own)
-        states["nanoseconds"] = states.get("nanoseconds", 0) + part.pop("nanoseconds")
-        for name, values in part.items():
-            if values is not None:
-                column = states.setdefault(
-                    name, np.zeros((len(forced), *values.shape[1:]), values.dtype)
-                )
-                column[mine] = values
-            else:
-                states.setdefault(name, None)
-    return states, estimate
-
-
-def _sampled_estimate(
-    request: Request, states: MutableMapping[str, Any], steps: Floats | None, most: int
-) -> ErrorEstimate:
-    """The errors of all bodies; for a large call of a sample, unless a body of it is lost."""
-    count = len(request.bodies)
-    if count <= most:
-        return estimate_error(request, states, steps)
-    sample = spread_indices(count, most)
-    longest = None if steps is None else steps[sample]
-    seen = estimate_error(request.select(sample), select_states(states, sample), longest)
-    if np.any(seen.error >= 1.0):
-        return estimate_error(request, states, steps)
-    estimate = unknown_error(count)
-    estimate.write(sample, seen)
-    return estimate
 
 
 def _by_equal_steps(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -19,10 +20,10 @@ from .bodies import Bodies
 from .choose_method import choose_method
 from .closed_form import NO_FORM, closed_forms
 from .growth import Growth
-from .integrate import integrate
 from .methods import EXACT, TO_ROUNDING
 from .problem import Problem
 from .request import Request
+from .solution import solve
 from .starts import bodies_of
 from .status import Status
 from .tangent import check_tangent, rate_scale
@@ -202,17 +203,16 @@ def growth_of(
 ) -> Growth:
     """The growth of deviation vectors of checked bodies."""
     chosen = method
-    choice = choose_method(
-        Problem(
-            scene=scene,
-            record="axis",
-            bodies=bodies,
-            end=time_span(times),
-            method=chosen,
-            step=step,
-            states=len(times),
-        )
+    problem = Problem(
+        scene=scene,
+        record="axis",
+        bodies=bodies,
+        end=time_span(times),
+        method=chosen,
+        step=step,
+        states=len(times),
     )
+    choice = choose_method(problem)
     every = np.union1d(times, times[-1] * np.array(CHECKPOINTS))
     run = _Run(bodies, every, of, max_steps, threads)
     vectors = _deviations(bodies, start, count, of)
@@ -230,7 +230,7 @@ def growth_of(
         rounding = ROUNDING * np.maximum(1.0, np.abs(log[:, output]))
         error = (3.0 * apart + rounding).max(axis=1)
         second = np.ascontiguousarray(2.0 * again["logs"][1::2, marks, 3])
-        lost_from = _lost_from(bodies, times, chosen, choice.steps, run.max_steps, threads)
+        lost_from = _lost_from(problem, times, run.max_steps, threads)
     else:
         status = np.where(status == Status.OK, Status.UNCHECKED, status).astype(np.uint8)
     means = np.ascontiguousarray(2.0 * mean_megno[:, marks])
@@ -361,19 +361,18 @@ def _measured(bodies: Bodies, vectors: Floats, scale: Floats, of: str) -> Floats
     return np.concatenate([scaled[..., :3], turned], axis=-1)
 
 
-def _lost_from(
-    bodies: Bodies, times: Floats, method: str, steps: Floats | None, max_steps: int, threads: int
-) -> Floats:
+def _lost_from(problem: Problem, times: Floats, max_steps: int, threads: int) -> Floats:
     """Time from which on the rates of each body are lost, to a hundredth of the horizon."""
+    assert problem.bodies is not None
     request = Request(
-        bodies=bodies,
+        bodies=problem.bodies,
         times=np.union1d(times, np.linspace(0.0, times[-1], LOOKS + 1)[1:]),
-        method=method,
+        method=EXACT,
         record="rates",
         max_steps=max_steps,
         threads=threads,
     )
-    return integrate(request, steps, None, check=True, every=True)[1].lost_from
+    return solve(problem.scene, replace(problem, record="rates"), request).estimate.lost_from
 
 
 def _is_integrable(bodies: Bodies) -> NDArray[np.bool_]:

@@ -13,14 +13,13 @@ from .._checks.arrays import finite_array
 from ..model.scene import scene_from_dict
 from .arrays import Range, in_rows, time_ranges
 from .bodies import Bodies
-from .choose_method import choose_method
-from .integrate import BY_SERIES, compute_states
 from .lazy import Lazy
 from .made_run import end_records, to_run
 from .methods import EXACT
 from .problem import Problem
 from .request import Request
 from .run import Run
+from .solution import solve
 from .target import COLUMNS
 
 __all__ = ["states_at"]
@@ -50,37 +49,30 @@ def states_at(run: Run, t: ArrayLike) -> Run:
     request = Request(
         bodies=bodies,
         times=np.minimum(times, last) if (times > last).any() else times,
-        method=spec["method"],
+        method=EXACT,
         record=spec["record"],
         max_steps=10**9,
         threads=resolve_threads(None),
-        tolerance=spec["tolerance"],
     )
-    steps, unknown = None, np.isnan(run.error)
-    if spec["method"] != EXACT and spec["tolerance"] is None:
-        problem = Problem(
-            scene=scene,
-            record=spec["record"],
-            bodies=bodies,
-            begin=reached[0],
-            end=reached[1],
-            accuracy=run.plan.accuracy if spec["step"] is None else None,
-            method=spec["method"],
-            step=spec["step"],
-            states=times.shape[-1],
-        )
-        steps = choose_method(problem).steps
-    states, estimate = compute_states(
-        request,
-        steps,
-        run.plan.accuracy,
-        check=spec["accuracy"] is not None or not unknown.all(),
-        every=not unknown.any(),
-        free=spec.get("asked", spec["method"]) is None,
+    accuracy, named = spec["accuracy"], spec["asked"] is not None
+    problem = Problem(
+        scene=scene,
+        record=spec["record"],
+        bodies=bodies,
+        begin=reached[0],
+        end=reached[1],
+        accuracy=accuracy,
+        method=spec["asked"],
+        step=spec["step"],
+        tolerance=spec["tolerance"] if named and accuracy is None else None,
+        states=times.shape[-1],
+        inside=bool(run.events),
     )
-    states.pop(BY_SERIES, None)
+    check = accuracy is not None or not np.isnan(run.error).all()
+    made = solve(scene, problem, request, check=check)
+    states, estimate = made.states, made.estimate
     end_records(states, times, last)
-    made = to_run(states, ascending, estimate, spec["accuracy"], Lazy.of(spec), run._plan, bodies)
+    made = to_run(states, ascending, estimate, accuracy, Lazy.of(spec), run._plan, bodies)
     if (order[..., 1:] < order[..., :-1]).any():
         made = _in_order(made, given, order)
     return made if run.frame is None else made.in_frame(run.frame)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import dataclasses
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence, Sized
 from dataclasses import dataclass
 from typing import Any
 
@@ -20,7 +20,7 @@ from .closed_form import Codes, Question, names
 from .lazy import Lazy
 from .methods import EXACT
 
-__all__ = ["LazyPlan", "Plan", "carried", "left_out", "not_left_out"]
+__all__ = ["LazyPlan", "Plan", "carried", "left_out", "not_left_out", "plan_of_parts"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -217,6 +217,38 @@ class LazyPlan(Lazy[Plan]):
             return dataclasses.replace(plan, **fields)
 
         self._making = amended, ()
+
+
+def plan_of_parts(scene: Scene, plans: Sequence[LazyPlan], groups: Sequence[Sized]) -> Plan:
+    """The plan of a scene whose bodies are solved in groups: that of steps, if one takes any."""
+    parts = [plan() for plan in plans]
+    # Of the plans in closed form and by steps the latter tells more.
+    chosen = min(range(len(parts)), key=lambda k: parts[k].method == EXACT)
+    whole, count = parts[chosen], sum(map(len, groups))
+    numbers: dict[str, int] = {}
+    for part, mine in zip(parts, groups, strict=True):
+        numbers[part.method] = numbers.get(part.method, 0) + len(mine)
+    others = [
+        f"{number} of {count} bodies " + ("in closed form" if name == EXACT else f"by {name}")
+        for name, number in numbers.items()
+        if name != whole.method
+    ]
+
+    def known(name: str) -> list[Any]:
+        return [value for part in parts if (value := getattr(part, name)) is not None]
+
+    forms = known("closed_form")
+    return dataclasses.replace(
+        whole,
+        scene=scene.words(),
+        closed_form=forms[0] if forms else None,
+        carried=tuple(dict.fromkeys(name for part in parts for name in part.carried)),
+        why=(*whole.why, *others),
+        step=min(known("step"), default=None),
+        steps=max(known("steps"), default=None),
+        error=max(known("error")) if len(known("error")) == len(parts) else None,
+        memory=sum(known("memory")) if len(known("memory")) == len(parts) else None,
+    )
 
 
 def left_out(

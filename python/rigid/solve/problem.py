@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from math import prod
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -49,6 +51,8 @@ class Problem:
         Number of requested states of a body.
     number : int or None
         How many share a call; None: as many as the bodies.
+    inside : bool
+        Whether the motion must be known inside its steps, as events ask for.
 
     Raises
     ------
@@ -68,6 +72,7 @@ class Problem:
     tolerance: float | None = None
     states: int = 1
     number: int | None = None
+    inside: bool = False
 
     def __post_init__(self) -> None:
         if self.method is not None:
@@ -101,6 +106,23 @@ class Problem:
     def span(self) -> float | Floats | None:
         """Time that the run covers (s), None if unknown."""
         return None if self.end is None else self.end - self.begin
+
+    def select(self, some: NDArray[np.intp]) -> Self:
+        """The problem of some of the bodies, as if they were alone."""
+        scene, bodies = self.scene, self.bodies
+        assert bodies is not None
+        if scene.shape:
+            every = np.arange(prod(scene.shape)).reshape(scene.shape)
+            own = np.broadcast_to(every, bodies.shape).ravel()[some]
+            scene = scene[np.unravel_index(own, scene.shape)]
+        chosen = bodies.select(some)
+        may_stop = chosen.forces is not None and scene.may_stop
+        begin, end = (
+            time[some] if isinstance(time, np.ndarray) else time for time in (self.begin, self.end)
+        )
+        return replace(
+            self, scene=scene, bodies=replace(chosen, may_stop=may_stop), begin=begin, end=end
+        )
 
     def inertia(self) -> tuple[Floats, Floats]:
         """Moments and weight of the bodies in rows, in any unit; one row may hold for all."""

@@ -56,10 +56,7 @@ _STATUS_WORDS: Mapping[Status, str] = {
         f"drifted: energy, momentum or a length is off by more than {_core.DRIFT_LIMIT:g}; take "
         "shorter steps or a method of higher order"
     ),
-    Status.UNCHECKED: (
-        "unchecked: its error was not estimated; ask for an accuracy, or simulate this body alone "
-        "with check=True"
-    ),
+    Status.UNCHECKED: ("unchecked: its error was not estimated; leave out check=False"),
 }
 
 
@@ -145,9 +142,7 @@ class Run(HasColumns):
         For a closed form the error is ``1e-15`` per radian turned, or ``1e-15`` magnified by the
         saddle of a top, relative to the rates of a top that hangs all but still.
 
-        The error is NaN for a body that was not run or not checked: in a call
-        with more than 32 bodies and a method or step, but no ``accuracy``,
-        only 32 of the bodies are run again.
+        The error is NaN for a body that was not run or not checked.
     lost_from : ndarray, shape (n,)
         Time from which on, away from 0, the error is 1 or more (s): do not use later states.
         Negative if the run goes backward in time; infinite if there is no such time; NaN if the

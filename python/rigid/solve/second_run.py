@@ -22,15 +22,10 @@ __all__ = [
     "HALVINGS",
     "HALVINGS_AGAIN",
     "RUNGE_KUTTA",
-    "SERIES",
-    "SERIES_TOLERANCE",
-    "coarser_series",
     "has_its_order",
     "is_damped_stiffly",
     "is_refined_alike",
-    "is_ruled_by_rounding",
     "longest_steps",
-    "rounded_start",
     "second_run",
     "step_ratio",
 ]
@@ -51,24 +46,8 @@ TIGHTER = 1000.0
 
 Series of different order may err alike at tolerances that are alike."""
 
-SERIES, SERIES_TOLERANCE = "taylor20", 1e-16
-"""The series, with its tolerance, that leaves rounding alone.
-
-On 200 random orbits, of eccentricities to 0.95, it errs no more than with a tolerance of 1e-20: the
-ratio of the errors is 1.04 in the median, below 5.1 in 95 of 100, as it is with 1e-18."""
-
-COARSER, COARSER_TOLERANCE = "taylor16", 1e-11
-"""The series that shows the error of the series above, if a rough statement is enough.
-
-On the same orbits it errs 1700 times as much in the median, by truncation, and never less than 10
-times as much. A series that errs by rounding too would hide its error in one of ten runs."""
-
-RULED = 1e-15
-"""Largest tolerance of a series whose error is rounding: on the same orbits the median of the ratio
-to the error with 1e-20 is 1.18, with 1e-14 it is 2.8."""
-
 FINEST = 1e-20
-"""Least tolerance of a second run: there is nothing but rounding below it."""
+"""Least tolerance of a second run."""
 
 FEWEST = 16.0
 """Least number of steps of a second run: the errors of fewer do not fall evenly."""
@@ -109,7 +88,7 @@ def second_run(
     """
     second = replace(
         request,
-        bodies=rounded_start(request.bodies, rounding),
+        bodies=request.bodies.rounded_otherwise(rounding),
         max_steps=min(64 * request.max_steps, 2**63),
     )
     if request.bodies.may_stop:
@@ -139,13 +118,6 @@ def second_run(
     return second.states(steps, refinement * ratio)
 
 
-def coarser_series(request: Request) -> _core.States:
-    """The states that show the error of :data:`SERIES` where more than that may be stated."""
-    bodies = rounded_start(request.bodies)
-    coarser = replace(request, bodies=bodies, method=COARSER, tolerance=COARSER_TOLERANCE)
-    return coarser.states(None)
-
-
 def step_ratio(bodies: Bodies, method: str, halvings: float = HALVINGS) -> float:
     """Factor by which the steps of the second run are shorter, in steps of the same method."""
     # Of forced bodies the order falls where damping is as fast as the steps.
@@ -167,12 +139,6 @@ def is_refined_alike(bodies: Bodies, method: str) -> bool:
     """Whether the second run is by the same method, and its error falls with the order."""
     other = method in series_methods() and not is_compensated(method)
     return has_its_order(bodies, method) and not other
-
-
-def is_ruled_by_rounding(request: Request) -> bool:
-    """Whether the tolerance of a series leaves less truncation than rounding."""
-    tolerance = 1.0 if request.tolerance is None else request.tolerance
-    return tolerance <= RULED and request.method != FUNCTION and not request.bodies.may_stop
 
 
 def longest_steps(request: Request, method: str) -> Floats:
@@ -198,19 +164,6 @@ def _past_stops(
         own = time_span(second.times) / taken / FINER
     longest = np.minimum(own, longest_steps(second, RUNGE_KUTTA))
     return replace(second, method=RUNGE_KUTTA, tolerance=None).states(longest)
-
-
-def rounded_start(bodies: Bodies, rounding: int = 0) -> Bodies:
-    """The bodies with differently rounded starts, damping and orbits, in one of three ways.
-
-    Two runs from one start would share its rounding, magnified at a saddle. Two runs with one
-    matrix would share the rounding of its least rate, and two runs on one orbit the rounding of
-    each step. Zeros stay and equal sizes stay equal, so that a start exactly in equilibrium stays
-    one.
-    """
-    omega, attitude = _core.rounded_otherwise(bodies.omega, bodies.attitude, rounding)
-    forces = None if bodies.forces is None else bodies.forces.rounded_otherwise(rounding)
-    return replace(bodies, omega=omega, attitude=attitude, forces=forces)
 
 
 def is_damped_stiffly(bodies: Bodies, method: str) -> bool:

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
-from .. import _core
 from .._checks.arguments import (
     brief,
     finite_float,
@@ -25,25 +23,22 @@ from ..model.events import Event, checked_events
 from ..model.frame import checked_frame
 from ..model.scene import Scene, check_scene
 from ..model.torque import NO_EXPONENT
-from .arrays import in_rows, largest, time_ranges, time_span
+from .arrays import in_rows, time_ranges, time_span
 from .bodies import Bodies
 from .choose_method import choose_method, has_closed_form
 from .closed_form import RECORDS
 from .error_estimate import ErrorEstimate, unknown_error
-from .events import check_event_method, find_events
-from .integrate import BY_SERIES, compute_states
+from .events import check_event_method
 from .lazy import Lazy
-from .made_run import end_records, made_steps, to_run
-from .methods import EXACT, FUNCTION, adaptive_methods, series_methods
-from .parameters import check_parameters, parameter_changes
-from .plan import LazyPlan, Plan
+from .made_run import end_records, to_run
+from .methods import EXACT, FUNCTION, adaptive_methods
+from .parameters import check_parameters
 from .problem import LEAST_TOLERANCE, Problem
 from .request import Request
 from .run import Run
-from .second_run import SERIES, SERIES_TOLERANCE
+from .solution import Watched, solve
 from .starts import bodies_of
-from .surfaces import default_method
-from .tangent import check_tangent, tangent_of
+from .tangent import check_tangent
 from .target import PLAIN, Target
 
 if TYPE_CHECKING:
@@ -82,9 +77,10 @@ def simulate(
 
     The closed form is used where there is one: for a free body, and for a top with two equal
     moments and its centre of mass on the third axis. It is evaluated at each given time and takes
-    no steps. All other bodies are integrated, unless all tops of the call swing as pendulums about
-    a principal axis. Bodies under torque or damping are integrated too. The states of a body have
-    the same bits in any batch, on any processor and for any number of threads.
+    no steps. A top that swings as a pendulum about a principal axis has one too. All other bodies
+    are integrated, and bodies under torque or damping are. Each body is solved as if it were alone:
+    its states and its error have the same bits in any batch, on any processor and for any number of
+    threads.
 
     Parameters
     ----------
@@ -100,11 +96,10 @@ def simulate(
         Output times (s), ascending; negative times are reached backward from 0. Leading axes give
         each body its times.
     method : str, optional
-        ``"exact"``, the closed form, or one of :func:`rigid.methods`. Default: ``"exact"`` where
-        all bodies have a closed form and no step is given; ``"rk4"`` if a step is given;
-        ``"etd4"`` if damping is ten times as fast as the turning of the fastest body; on an orbit
-        ``"taylor20"`` with a tolerance of 1e-16, and ``"dop853"`` for a body that drag stops there;
-        else ``"dop853"``.
+        ``"exact"``, the closed form, or one of :func:`rigid.methods`. Default for each body:
+        ``"exact"`` if it has a closed form and no step is given; ``"rk4"`` if a step is given;
+        ``"etd4"`` if damping is ten times as fast as its turning; on an orbit ``"taylor20"`` with a
+        tolerance of 1e-16, and ``"dop853"`` for a body that drag stops there; else ``"dop853"``.
     step : float, optional
         Largest step (s). Default with a method: each body turns by at most the ``angle_per_step``
         of the method a step, from a bound of its rates.
@@ -114,10 +109,10 @@ def simulate(
         accuracy. A body whose estimated error is above the accuracy is integrated again, by
         ``"taylor20"`` with a tolerance of 1e-16, which leaves rounding alone. A named Taylor
         method begins with a tolerance of 0.0002 times the accuracy, at most 1e-6, and ``"dop853"``
-        under :meth:`Torque.call` with 0.01 times the accuracy; both take smaller tolerances as long
-        as the error falls. Other methods, and bodies that drag may stop, take shorter equal steps
-        instead, and :attr:`Run.plan` has the last step. A body whose error stays above, because of
-        chaos or rounding, is :attr:`Run.flagged` if the accuracy was asked for.
+        under :meth:`Torque.call` with 0.01 times the accuracy; a body that misses the accuracy is
+        run once more, down to rounding. Other methods, and bodies that drag may stop, take shorter
+        equal steps instead, and :attr:`Run.plan` has the last step. A body whose error stays above,
+        because of chaos or rounding, is :attr:`Run.flagged` if the accuracy was asked for.
     tolerance : float, optional
         Adaptive steps of a Taylor method, instead of a step: the steps of each body are as long as
         the last terms of its series stay below this share of the largest rate and of a unit vector.
@@ -131,7 +126,7 @@ def simulate(
     check : bool
         Whether the error is estimated by a second run. Without the second run the error is NaN and
         the status ``UNCHECKED``, and no tolerance is made smaller. An ``accuracy`` always needs the
-        second run. With a method or a step, of more than 32 bodies only 32 are checked.
+        second run.
     tangent : bool or sequence of str
         Whether to return the derivative of the motion by its start, as :attr:`Run.tangent`. It is
         integrated by the ``method`` in the same steps, with an ``accuracy`` in the steps of
@@ -246,10 +241,10 @@ def simulate(
     """
     scene = check_scene(scene, many=True)
     one_of("record", record, RECORDS)
-    watched: tuple[Event, ...] = ()
+    watched = None
     if events is not None or until is not None or count is not None:
-        watched, counted = checked_events(events, until)
-        count = _checked_count(count, watched, until)
+        found, counted = checked_events(events, until)
+        watched = Watched(found, counted, _checked_count(count, found, until), None)
         check_event_method(method, scene)
     parameters = None if tangent is False else check_parameters(tangent, scene)
     if parameters is not None:
@@ -258,6 +253,7 @@ def simulate(
         if out is not None:
             raise ValueError("frame, out: exclude each other, states in a frame are new arrays")
         frame = checked_frame(frame)
+        watched = None if watched is None else watched._replace(frame=frame)
     given = times_of_each("t", t)
     shape, rod = given.shape[:-1], parameters is None
     bodies = bodies_of(scene, omega, attitude, frame=frame, times=shape, rod=rod)
@@ -268,11 +264,17 @@ def simulate(
         target.check(bodies, time_ranges(times), accuracy)
     if tolerance is not None:
         tolerance = _checked_tolerance(tolerance, method, step, accuracy, scene)
-    plan: LazyPlan | None = None
+    if watched is not None:
+        _check_forward(given)
+    limits = {
+        "max_steps": _most_steps(scene)
+        if max_steps is None
+        else positive_int("max_steps", max_steps),
+        "threads": resolve_threads(threads, len(bodies.omega)),
+    }
     plain = step is None and accuracy is None and tolerance is None and given.ndim == 1
-    if plain and method in (None, EXACT) and has_closed_form(scene):
-        chosen, steps, own, wanted = EXACT, None, None, None
-    else:
+    problem = None
+    if not (plain and method in (None, EXACT) and has_closed_form(scene)):
         begin, end = time_ranges(times)
         problem = Problem(
             scene=scene,
@@ -285,91 +287,36 @@ def simulate(
             step=step,
             tolerance=tolerance,
             states=times.shape[-1],
+            inside=watched is not None,
         )
-        chosen, steps, own, wanted, plan = choose_method(problem)
-        if watched and chosen != EXACT and chosen not in adaptive_methods(scene.forces):
-            finder = default_method(scene.forces)
-            chosen, steps, own, wanted, plan = choose_method(replace(problem, method=finder))
-            series = "a Taylor series" if finder in series_methods() else finder
-            plan.amend(why=(f"{series} knows the events inside its steps",))
-        if tolerance is not None:
-            what = "last terms" if chosen in series_methods() else "the error of each"
-            plan.amend(f"each body takes its own steps, {what} below {tolerance:g}")
-    request = Request(
-        bodies=bodies,
-        times=times,
-        method=chosen,
-        record=record,
-        max_steps=_most_steps(scene) if max_steps is None else positive_int("max_steps", max_steps),
-        threads=resolve_threads(threads, len(bodies.omega)),
-        tolerance=own,
-    )
-    found = None
-    with Listening(progress, (2 if check else 1) * (2 if watched else 1)):
-        if watched:
-            _check_forward(given)
-            found = find_events(
-                scene,
-                bodies,
-                np.asarray(time_ranges(times)[1]),
-                watched,
-                counted,
-                count,
-                frame=frame,
-                method=chosen,
-                tolerance=tolerance,
-                check=check,
-                max_steps=request.max_steps,
-                threads=request.threads,
-            )
-            if found.stopped.any():
-                # States are computed up to the end of a body, and so are their errors.
-                request = replace(request, times=np.minimum(times, found.last))
-        states, estimate = compute_states(
-            request,
-            steps,
-            wanted,
-            check=check or accuracy is not None,
-            every=method is None and step is None,
-            free=method is None,
+    with Listening(progress, (2 if check else 1) * (1 if watched is None else 2)):
+        made = solve(
+            scene,
+            problem,
+            Request(bodies=bodies, times=times, method=EXACT, record=record, **limits),
+            check=check,
+            watched=watched,
+            parameters=parameters,
             target=target,
         )
-    by_series = states.pop(BY_SERIES, None)
-    if wanted is not None and steps is not None and plan is not None:
-        if by_series is None:
-            by_series = np.zeros(len(bodies), dtype=bool)
-        if by_series.all():
-            chosen, own = SERIES, SERIES_TOLERANCE
-            plan.amend(method=chosen, tolerance=own, step=None, steps=None)
-        elif by_series.any():
-            some = np.count_nonzero(by_series)
-            plan.amend(f"{some} of {len(bodies)} bodies by {SERIES}")
-        accurate = (estimate.error <= wanted) & ~by_series
-        if accuracy is not None and accurate.any():
-            made, most = made_steps(states["steps"], time_span(request.times), accurate)
-            plan.amend(step=made, steps=most)
-    if chosen == EXACT:
-        known = estimate.worst if isinstance(estimate, _core.States) else None
-        worst = largest(estimate.error) if known is None else known
-        error = worst if worst < 1.0 else None
-        if plan is None:
-            number = max(len(bodies.omega), 1)
-            plan = LazyPlan(_plan_of_any_start, scene, record, method, number, len(times), error)
-        else:
-            plan.amend(error=error)
-    assert plan is not None
-    if parameters is not None:
-        change = parameter_changes(scene, bodies, parameters) if parameters else None
-        matrices, sensitivity, words = tangent_of(request, steps, method, change)
-        states["tangent"], states["sensitivity"] = matrices, sensitivity
-        plan.amend(words)
+    estimate = made.estimate
     if target is not PLAIN:
-        estimate = ErrorEstimate(target.finish(states, estimate.error), estimate.lost_from)
-    own_step = None if chosen == EXACT else step
-    spec = Lazy(_spec, scene, method, chosen, own_step, accuracy, own, record)
-    if found is not None:
-        end_records(states, times, found.last)
-    run = to_run(states, given, estimate, accuracy, spec, plan, bodies, parameters or (), found)
+        estimate = ErrorEstimate(target.finish(made.states, estimate.error), estimate.lost_from)
+    own_step = None if made.method == EXACT else step
+    spec = Lazy(_spec, scene, method, made.method, own_step, accuracy, made.tolerance, record)
+    if made.found is not None:
+        end_records(made.states, times, made.found.last)
+    run = to_run(
+        made.states,
+        given,
+        estimate,
+        accuracy,
+        spec,
+        made.plan,
+        bodies,
+        parameters or (),
+        made.found,
+    )
     return run if frame is None else run.in_frame(frame)
 
 
@@ -397,14 +344,6 @@ def _spec(
         "tolerance": tolerance,
         "record": record,
     }
-
-
-def _plan_of_any_start(
-    scene: Scene, record: str, method: str | None, number: int, states: int, error: float | None
-) -> Plan:
-    """The plan of a scene whose motions all have a closed form."""
-    problem = Problem(scene=scene, record=record, method=method, number=number, states=states)
-    return replace(choose_method(problem).plan(), error=error)
 
 
 def _checked_count(count: int | None, watched: Sequence[Event], until: object) -> int | None:

@@ -46,11 +46,11 @@ def test_numbers_at_odd_addresses_are_the_same_numbers() -> None:
 def test_a_force_acts_on_as_many_bodies_as_it_has_rows() -> None:
     none = np.empty((0, 3))
     forces = _core.Forces(times=np.empty(0), body=none, space=none, damping=np.eye(2, 6))
-    assert forces.act(2).tolist() == [True, True]
+    assert forces.kinds(2).tolist() == [2, 2]
     with pytest.raises(
         ValueError, match=r"bodies: expected shape \(2, \.\.\.\), got \(3, \.\.\.\)"
     ):
-        forces.act(3)
+        forces.kinds(3)
     bodies = bodies_of(SCENE, OMEGA, None)
     for rows, units, words in ((3, 1, "forces: expected"), (2, 3, "units: expected")):
         damping = np.eye(rows, 6)

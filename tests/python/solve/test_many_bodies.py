@@ -161,9 +161,8 @@ def test_times_of_each_body_broadcast() -> None:
     few = rigid.simulate(FREE[0], OMEGA[0], t=OWN_T[:4])
     assert few.omega.shape == (4, 6, 3)
     assert rigid.simulate(FREE[:2], OMEGA[:2], t=OWN_T[:3, None]).omega.shape == (3, 2, 6, 3)
-    # A large call estimates the errors of 32 bodies, or of all if one of the 32 is lost.
     many = rigid.simulate(TOPS, OMEGA, ATTITUDE, t=OWN_T, method="rk4")
-    assert np.isfinite(many.error).sum() == 32
+    assert np.isfinite(many.error).all()
     alone = rigid.simulate(TOPS[0], OMEGA[0], ATTITUDE[0], t=OWN_T[0], method="rk4")
     assert (many.error[0], many.reasons()[0]) == (alone.error, alone.reasons()[0])
     lost = rigid.simulate(TOPS, 30.0 * OMEGA, ATTITUDE, t=OWN_T, method="rk4", step=0.1)

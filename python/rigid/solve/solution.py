@@ -1,0 +1,279 @@
+"""The motion of the bodies of a problem: each kind of bodies by its own method.
+
+A body is solved as if it were alone: neither its method nor its steps depend on other bodies of the
+call.
+"""
+
+from __future__ import annotations
+
+from collections.abc import MutableMapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import _core
+from ..model.events import Event
+from ..model.scene import Scene
+from .arrays import largest, time_ranges, time_span
+from .choose_method import Choice, bodies_alike, choose_method
+from .error_estimate import ErrorEstimate, closed_form_error
+from .events import FoundEvents, events_of_parts, find_events
+from .integrate import BY_SERIES, integrate
+from .made_run import made_steps
+from .methods import EXACT, adaptive_methods, series_methods
+from .parameters import parameter_changes
+from .plan import LazyPlan, Plan, plan_of_parts
+from .problem import Problem
+from .request import Request
+from .surfaces import default_method
+from .tangent import tangent_of
+from .target import PLAIN, Target
+from .tolerances import SERIES, SERIES_TOLERANCE
+
+__all__ = ["Solution", "Watched", "solve"]
+
+Floats = NDArray[np.float64]
+
+
+class Watched(NamedTuple):
+    """Events to find: which of them are counted, and how many of these end the record of a body."""
+
+    events: tuple[Event, ...]
+    counted: tuple[bool, ...]
+    count: int | None
+    frame: Floats | None
+
+
+@dataclass(slots=True, eq=False)
+class Solution:
+    """The motion of the bodies of a problem.
+
+    Attributes
+    ----------
+    states : mapping
+        The columns of the core.
+    estimate : ErrorEstimate or States
+        The estimated errors; the states themselves where the core knows the errors, and that all
+        bodies have arrived.
+    method : str
+        The method of bodies without a closed form; ``"exact"`` if all have one.
+    tolerance : float or None
+    plan : LazyPlan
+    found : FoundEvents or None
+    """
+
+    states: MutableMapping[str, Any]
+    estimate: ErrorEstimate | _core.States
+    method: str
+    tolerance: float | None
+    plan: LazyPlan
+    found: FoundEvents | None = None
+
+
+def solve(
+    scene: Scene,
+    problem: Problem | None,
+    request: Request,
+    *,
+    check: bool = True,
+    watched: Watched | None = None,
+    parameters: Sequence[str] | None = None,
+    target: Target = PLAIN,
+) -> Solution:
+    """The motion of the bodies of a request, by the methods that the problem asks for.
+
+    Parameters
+    ----------
+    scene : Scene
+    problem : Problem or None
+        Its horizon may be longer than the times of the request: the steps follow from the horizon.
+        None for a body with a closed form from any start.
+    request : Request
+        Its bodies are those of the problem. Method and tolerance are chosen here.
+    check : bool
+        Whether errors are estimated.
+    watched : Watched, optional
+    parameters : sequence of str, optional
+        Parameters by which the states are differentiated; an empty sequence for the tangent alone.
+    target : Target
+        Arrays for the states.
+    """
+    options = check, watched, parameters
+    groups = None if problem is None else bodies_alike(problem)
+    if problem is None or groups is None or len(groups) == 1:
+        return _solve_alike(scene, problem, request, *options, target)
+    parts = []
+    for some in groups:
+        own = problem.select(some)
+        assert own.bodies is not None
+        part = replace(request.select(some), bodies=own.bodies)
+        parts.append(_solve_alike(own.scene, own, part, *options, PLAIN))
+    return _merged(problem, parts, groups)
+
+
+def closed_form_states(
+    request: Request, target: Target
+) -> tuple[MutableMapping[str, Any], ErrorEstimate | _core.States]:
+    """The states in closed form, and their errors."""
+    exact = request.states(None, out=target.given or None, single=target.single)
+    if exact.worst is not None:
+        return exact, exact
+    bodies = request.bodies
+    bodies.note_rates(exact.pop("fastest_rate"))
+    return exact, closed_form_error(bodies, request.times, exact["omega"])
+
+
+def _solve_alike(
+    scene: Scene,
+    problem: Problem | None,
+    request: Request,
+    check: bool,
+    watched: Watched | None,
+    parameters: Sequence[str] | None,
+    target: Target,
+) -> Solution:
+    """The motion of bodies that one method solves."""
+    choice = None if problem is None else _chosen(problem)
+    if choice is not None:
+        request = replace(request, method=choice.method, tolerance=choice.tolerance)
+    found = None
+    if watched is not None:
+        found = find_events(
+            scene,
+            request.bodies,
+            np.asarray(time_ranges(request.times)[1]),
+            *watched,
+            method=request.method,
+            tolerance=None if problem is None else problem.tolerance,
+            check=check,
+            max_steps=request.max_steps,
+            threads=request.threads,
+        )
+        if found.stopped.any():
+            # States are computed up to the end of a body, and so are their errors.
+            request = replace(request, times=np.minimum(request.times, found.last))
+    if problem is None or choice is None or request.method == EXACT:
+        made = _by_closed_form(scene, request, choice, target)
+    else:
+        made = _by_steps(problem, request, choice, check=check, target=target)
+    made.found = found
+    states, scale_exponent = made.states, request.bodies.scale_exponent
+    if states["work"] is not None:
+        np.ldexp(states["work"], scale_exponent[:, np.newaxis], out=states["work"])
+    if parameters is not None:
+        change = parameter_changes(scene, request.bodies, parameters) if parameters else None
+        steps, asked = (None, None) if choice is None else (choice.steps, problem.method)
+        matrices, sensitivity, words = tangent_of(request, steps, asked, change)
+        states["tangent"], states["sensitivity"] = matrices, sensitivity
+        made.plan.amend(words)
+    return made
+
+
+def _chosen(problem: Problem) -> Choice:
+    """The method, one that knows the motion inside its steps where that is asked for."""
+    choice, known = choose_method(problem), adaptive_methods(problem.scene.forces)
+    if problem.inside and choice.method not in (EXACT, *known):
+        choice = choose_method(replace(problem, method=default_method(problem.scene.forces)))
+        series = "a Taylor series" if choice.method in series_methods() else choice.method
+        choice.plan.amend(why=(f"{series} knows the events inside its steps",))
+    if problem.tolerance is not None:
+        what = "last terms" if choice.method in series_methods() else "the error of each"
+        choice.plan.amend(f"each body takes its own steps, {what} below {problem.tolerance:g}")
+    return choice
+
+
+def _by_closed_form(
+    scene: Scene, request: Request, choice: Choice | None, target: Target
+) -> Solution:
+    """The motion in closed form."""
+    states = request.states(None, out=target.given or None, single=target.single)
+    estimate: ErrorEstimate | _core.States = states
+    worst = states.worst
+    if worst is None:
+        bodies = request.bodies
+        bodies.note_rates(states.pop("fastest_rate"))
+        estimate = closed_form_error(bodies, request.times, states["omega"])
+        worst = largest(estimate.error)
+    error = worst if worst < 1.0 else None
+    if choice is None:
+        number, times = max(len(request.bodies.omega), 1), len(request.times)
+        plan = LazyPlan(_plan_of_any_start, scene, request.record, number, times, error)
+    else:
+        plan = choice.plan
+        plan.amend(error=error)
+    return Solution(states, estimate, EXACT, None, plan)
+
+
+def _plan_of_any_start(
+    scene: Scene, record: str, number: int, states: int, error: float | None
+) -> Plan:
+    """The plan of a scene whose motions all have a closed form."""
+    problem = Problem(scene=scene, record=record, number=number, states=states)
+    return replace(choose_method(problem).plan(), error=error)
+
+
+def _by_steps(
+    problem: Problem, request: Request, choice: Choice, *, check: bool, target: Target
+) -> Solution:
+    """The motion by steps; the plan tells which."""
+    states, estimate = integrate(
+        request,
+        choice.steps,
+        choice.accuracy,
+        check=check or problem.accuracy is not None,
+        free=problem.method is None,
+        out=target.exact,
+    )
+    by_series = states.pop(BY_SERIES, None)
+    made = Solution(states, estimate, choice.method, choice.tolerance, choice.plan)
+    if choice.accuracy is None or choice.steps is None:
+        return made
+    if by_series is None:
+        by_series = np.zeros(len(request.bodies), dtype=bool)
+    if by_series.all():
+        made.method, made.tolerance = SERIES, SERIES_TOLERANCE
+        made.plan.amend(method=SERIES, tolerance=SERIES_TOLERANCE, step=None, steps=None)
+    elif by_series.any():
+        some = np.count_nonzero(by_series)
+        made.plan.amend(f"{some} of {len(by_series)} bodies by {SERIES}")
+    accurate = (estimate.error <= choice.accuracy) & ~by_series
+    if problem.accuracy is not None and accurate.any():
+        made_step, most = made_steps(states["steps"], time_span(request.times), accurate)
+        made.plan.amend(step=made_step, steps=most)
+    return made
+
+
+def _merged(
+    problem: Problem, parts: Sequence[Solution], groups: Sequence[NDArray[np.intp]]
+) -> Solution:
+    """The solutions of groups of bodies as one of all."""
+    assert problem.bodies is not None
+    count = len(problem.bodies)
+    states: dict[str, Any] = {"nanoseconds": 0}
+    estimate = ErrorEstimate(np.empty(count), np.empty(count))
+    for part, mine in zip(parts, groups, strict=True):
+        states["nanoseconds"] += part.states.pop("nanoseconds")
+        estimate.write(mine, ErrorEstimate(part.estimate.error, part.estimate.lost_from))
+        for name, values in part.states.items():
+            if name in ("error", "lost_from", "fastest_rate"):
+                continue
+            if values is None:
+                states.setdefault(name, None)
+                continue
+            if states.get(name) is None:
+                # What is recorded of some bodies only is zero of others, as the work of no force.
+                states[name] = np.zeros((count, *values.shape[1:]), values.dtype)
+            states[name][mine] = values
+    found = [part.found for part in parts if part.found is not None]
+    plan = LazyPlan(plan_of_parts, problem.scene, [part.plan for part in parts], groups)
+    by_steps = min(parts, key=lambda part: part.method == EXACT)
+    return Solution(
+        states,
+        estimate,
+        by_steps.method,
+        by_steps.tolerance,
+        plan,
+        events_of_parts(problem.bodies, found, groups) if found else None,
+    )
