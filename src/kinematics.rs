@@ -25,6 +25,11 @@ pub fn dot<R: Real>(a: &[R; 3], b: &[R; 3]) -> R {
     a[0].fma(b[0], a[1].fma(b[1], a[2] * b[2]))
 }
 
+/// a . b. Without `fma`, which costs a call outside the kernels.
+pub fn plain_dot(a: &[f64; 3], b: &[f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
 /// |omega| of a state.
 #[inline(always)]
 pub fn speed<R: Real, const D: usize>(y: &[R; D]) -> R {

@@ -7,6 +7,7 @@
 
 mod closed_form;
 mod distance;
+mod equal_steps;
 mod rounded_start;
 mod rounding;
 mod saddle;
@@ -15,10 +16,12 @@ mod turns;
 
 pub use closed_form::error_of_closed_form;
 pub use distance::distances;
+pub use equal_steps::{Change, depends_on_change, measured_change};
 pub use rounded_start::{ROUNDINGS, round_otherwise, sign_of_forces};
 pub use separatrix::{PhaseError, phase_error};
 
 use crate::forces::BodyForces;
+use crate::kinematics::plain_dot as dot;
 use crate::method::Method;
 use crate::simd::Isa;
 use crate::start::Body;
@@ -66,8 +69,12 @@ pub struct Run<'a> {
     pub states: Recorded<'a>,
     /// Drift of the energy.
     pub drift: f64,
+    /// Its steps.
+    pub steps: f64,
     /// Steps of the run with the longer ones.
     pub taken: f64,
+    /// How a torque changes the rates, if that is needed.
+    pub change: Option<Change>,
     /// The method.
     pub method: &'static Method,
     /// The tolerance of adaptive steps.
@@ -105,7 +112,10 @@ struct Sized<'a> {
 type Term = fn(&Sized, &mut [f64]);
 
 /// All of them.
-const TERMS: [Term; 6] = [
+const TERMS: [Term; 9] = [
+    equal_steps::of_equal_steps,
+    equal_steps::of_ringing,
+    equal_steps::of_steps_beyond_damping,
     rounding::of_equal_runs,
     rounding::of_hanging_top,
     rounding::of_few_steps,
@@ -114,15 +124,14 @@ const TERMS: [Term; 6] = [
     saddle::homoclinic,
 ];
 
-/// What is stated of the error of a run from others: `safety` times the distance of the farthest, the terms, and `further`
-/// errors at the output times; the distance `alone` where it is compared with a full estimate. The errors at the times are
-/// written into `error`; `apart` has room for as many.
+/// What is stated of the error of a run from others: `safety` times the distance of the farthest, and the terms; the
+/// distance `alone` where it is compared with a full estimate. The errors at the times are written into `error`; `apart` has
+/// room for as many.
 pub fn stated<'a>(
     isa: Isa,
     run: &Run,
     others: impl Iterator<Item = Recorded<'a>>,
     safety: f64,
-    further: Option<&[f64]>,
     alone: bool,
     [error, apart]: [&mut [f64]; 2],
 ) -> Stated {
@@ -138,9 +147,6 @@ pub fn stated<'a>(
     }
     for term in TERMS.iter().filter(|_| !alone) {
         term(&known, error);
-    }
-    if let Some(further) = further {
-        error.iter_mut().zip(further).for_each(|(error, further)| *error += further);
     }
     let (mut worst, mut lost_from) = (0.0_f64, f64::INFINITY);
     for (error, &time) in error.iter_mut().zip(run.times) {
@@ -231,11 +237,6 @@ fn length<const N: usize>(v: &[f64; N]) -> f64 {
     v.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
-/// a . b. Without `fma`, which costs a call outside the kernels.
-fn dot(a: &[f64; 3], b: &[f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
 /// a x b, as plainly: equal products cancel to zero.
 fn cross(a: &[f64; 3], b: &[f64; 3]) -> [f64; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
@@ -269,7 +270,9 @@ mod tests {
             times,
             states: rates(omega),
             drift: 0.0,
+            steps: 100.0,
             taken: 100.0,
+            change: None,
             method: DEFAULT,
             tolerance: Some(1e-12),
             coarser_tolerance: None,
@@ -277,7 +280,7 @@ mod tests {
         let (mut error, mut apart) = (vec![0.0; times.len()], vec![0.0; times.len()]);
         let others = [rates(omega), rates(other)].into_iter();
         let isa = Isa::current().unwrap();
-        (stated(isa, &run, others, 3.0, None, false, [&mut error, &mut apart]), error)
+        (stated(isa, &run, others, 3.0, false, [&mut error, &mut apart]), error)
     }
 
     #[test]

@@ -1,16 +1,19 @@
 //! The errors of runs: states of two runs in, errors out.
 
 use super::bodies::Bodies;
-use super::convert::{Aligned1, Aligned2, copied_numbers, rows, same_length, times_of_bodies};
+use super::convert::{
+    Aligned1, Aligned2, at_once, copied_numbers, interruptible_calls, rows, same_length, times_of_bodies,
+};
 use super::states::{of_bodies, shaped};
 use crate::error::Error;
 use crate::estimate::{
-    PhaseError, ROUNDINGS, Recorded, Run, distances as distances_of, error_of_closed_form, fastest,
-    phase_error, round_otherwise, stated,
+    PhaseError, ROUNDINGS, Recorded, Run, depends_on_change, distances as distances_of, error_of_closed_form,
+    fastest, measured_change, phase_error, round_otherwise, stated,
 };
 use crate::float_environment::FloatEnvironment;
 use crate::memory;
 use crate::method::Method;
+use crate::parallel::Interrupt;
 use crate::simd::Isa;
 use crate::start::Body;
 use crate::trajectory::{Schedule, time_range};
@@ -39,12 +42,11 @@ type Rows<'py> = Bound<'py, PyArray2<f64>>;
 type Column<'py> = Bound<'py, PyArray1<f64>>;
 
 /// The errors that are stated for the states of a request, from those of other runs: `safety` times the distance of the
-/// farthest, what all may have in common, and `further` errors, (n, m); or the distance `alone`. `taken` are the steps of the
-/// run with the longer ones; a coarser run by a tolerance names it. Of each body there is the largest error, the output time
-/// nearest to 0 from which on its error is 1 or more, and how many more times show whether its runs differ by whole turns,
-/// or 0.
+/// farthest, and what all may have in common; or the distance `alone`. `taken` are the steps of the run with the longer ones;
+/// a coarser run by a tolerance names it. Of each body there is the largest error, the output time nearest to 0 from which on
+/// its error is 1 or more, and how many more times show whether its runs differ by whole turns, or 0.
 #[pyfunction]
-#[pyo3(signature = (request, states, others, taken, safety, further=None, coarser_tolerance=None, alone=false))]
+#[pyo3(signature = (request, states, others, taken, safety, coarser_tolerance=None, alone=false))]
 #[allow(clippy::too_many_arguments)] // What differs between the estimates of one request.
 pub fn estimate<'py>(
     py: Python<'py>,
@@ -53,7 +55,6 @@ pub fn estimate<'py>(
     others: Vec<Bound<'py, PyAny>>,
     taken: Aligned1<'py, u64>,
     safety: f64,
-    further: Option<Bound<'py, PyAny>>,
     coarser_tolerance: Option<f64>,
     alone: bool,
 ) -> PyResult<(Column<'py>, Column<'py>, Column<'py>)> {
@@ -63,12 +64,15 @@ pub fn estimate<'py>(
     let times = times_of_bodies(&times, request.times.shape(), n)?;
     let m = times.len();
     let drift: Aligned1<'py, f64> = states.get_item(intern!(py, "energy_drift"))?.extract()?;
+    let steps: Aligned1<'py, u64> = states.get_item(intern!(py, "steps"))?.extract()?;
     let states = Columns::read(states, [n, m])?;
     let others = others.iter().map(|other| Columns::read(other, [n, m])).collect::<PyResult<Vec<_>>>()?;
-    for (argument, length) in [("steps", taken.as_array().len()), ("energy_drift", drift.as_array().len())] {
+    let lengths =
+        [("taken", &taken), ("steps", &steps)].map(|(name, column)| (name, column.as_array().len()));
+    for (argument, length) in lengths.into_iter().chain([("energy_drift", drift.as_array().len())]) {
         same_length(argument, n, length)?;
     }
-    let further = further.map(|further| numbers("further", &further, [n, m])).transpose()?;
+    let scene = request.bodies.scene()?;
     let mut errors_of_body = memory::zeros("errors of a body", m.saturating_mul(2))?;
     let (error, apart) = errors_of_body.split_at_mut(m);
     let reserved = || memory::reserved("errors of the bodies", n);
@@ -76,22 +80,29 @@ pub fn estimate<'py>(
     in_parts(py, &request.bodies, |bodies, part| {
         let states = states.recorded()?;
         let others = others.iter().map(Columns::recorded).collect::<PyResult<Vec<_>>>()?;
-        let further = further.as_ref().map(|further| further.as_slice()).transpose()?;
         for (body, index) in bodies.iter().zip(part) {
-            let run = Run {
+            let mut run = Run {
                 body,
                 forces: forces.of(index),
                 times: own_times(&times, index),
                 states: states.of(index, m),
                 drift: drift.as_array()[index],
+                steps: steps.as_array()[index] as f64,
                 taken: taken.as_array()[index] as f64,
+                change: None,
                 method,
                 tolerance: request.tolerance,
                 coarser_tolerance,
             };
-            let further = further.map(|further| &further[index * m..][..m]);
+            if !alone && depends_on_change(&run) {
+                let change = |stop: &Interrupt| measured_change(&run, (scene, forces, index), isa, stop);
+                let calls = run.forces.function.is_some();
+                let measured =
+                    if calls { interruptible_calls(py, None, calls, change)? } else { at_once(change) };
+                run.change = Some(measured?);
+            }
             let others = others.iter().map(|other| other.of(index, m));
-            let own = stated(isa, &run, others, safety, further, alone, [&mut *error, &mut *apart]);
+            let own = stated(isa, &run, others, safety, alone, [&mut *error, &mut *apart]);
             errors.push(own.error);
             lost_from.push(own.lost_from);
             looks.push(own.looks);

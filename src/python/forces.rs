@@ -135,16 +135,6 @@ impl PyForces {
         Ok(memory::collected("bodies", bodies, kinds)?.into_pyarray(py))
     }
 
-    /// The entries 11, 22, 33, 23, 31, 12 of the damping matrices, (n, 6), or in one row those of all; NaN for a body on
-    /// which something else acts too.
-    fn dampings_alone<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let bodies = self.0.bodies();
-        let of = |body: usize| self.0.of(body).damping_alone();
-        let entries = (0..bodies).map(|body| of(body).map_or([f64::NAN; 6], |Damping(entries)| entries));
-        let entries = memory::collected("damping", bodies, entries)?.into_flattened();
-        entries.into_pyarray(py).reshape([bodies, 6])
-    }
-
     /// The largest damping rate of each body with these moments without torque.
     fn damping_rates<'py>(
         &self,

@@ -7,6 +7,7 @@ use super::{
 use crate::error::Error;
 use crate::exact::{CanonicalForm, Evaluator, Question, StartRows, StateRows};
 use crate::forces::BodyForces;
+use crate::kinematics::plain_dot;
 use crate::memory;
 use crate::parallel::Interrupt;
 use crate::scene::Scene;
@@ -249,13 +250,8 @@ impl Invariants {
 /// Energy and conserved momentum.
 fn invariants(body: &Body, scene: &Scene, omega: [f64; 3], gamma: [f64; 3]) -> [f64; 2] {
     let momentum = [0, 1, 2].map(|k| body.moments[k] * omega[k]);
-    let energy = 0.5 * plain_dot(momentum, omega) + plain_dot(body.weight, gamma);
-    [energy, plain_dot(momentum, scene.conserved.factor(momentum, gamma))]
-}
-
-/// a . b. Without `fma`, which costs a call outside the kernels.
-fn plain_dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+    let energy = 0.5 * plain_dot(&momentum, &omega) + plain_dot(&body.weight, &gamma);
+    [energy, plain_dot(&momentum, &scene.conserved.factor(momentum, gamma))]
 }
 
 /// The vertical seen from the body.

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .. import _core
 from ..solve.methods import EXACT
-from ..solve.rounding import ROUNDING
 from ..solve.run import Run
 from ..solve.simulate import simulate
 from ..solve.starts import bodies_of
@@ -92,7 +92,7 @@ class Ensemble:
 
     def rounding(self) -> Floats:
         """Rounding error of the attitude of each body at the end, as plans estimate it (rad)."""
-        left: Floats = ROUNDING * (1.0 + self.rates * self.spec.t_end)
+        left: Floats = _core.ROUNDING * (1.0 + self.rates * self.spec.t_end)
         return left
 
 

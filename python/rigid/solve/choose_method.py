@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .. import _core
 from .._checks.arguments import finite_float, one_of, positive_int, two_digits_above
 from ..model.body import Body
 from ..model.forces import forces_in_words
@@ -40,7 +41,6 @@ from .methods import (
 from .plan import LazyPlan, Plan, plan_of_parts
 from .planned import UNKNOWN, damping_rate, plan_of, why_unforeseen
 from .problem import USUAL_ACCURACY, Problem
-from .rounding import ROUNDING
 from .starts import bodies_of
 from .tolerances import SERIES, SERIES_TOLERANCE, first_tolerance
 
@@ -231,7 +231,7 @@ def _check_attainable(problem: Problem) -> None:
     if problem.accuracy is not None and turning is not None and span is not None:
         with np.errstate(over="ignore", invalid="ignore"):
             largest = float((turning * span).max(initial=0.0))
-        floor = ROUNDING * (1.0 + largest)
+        floor = _core.ROUNDING * (1.0 + largest)
         if problem.accuracy <= floor:
             raise ValueError(
                 f"accuracy = {problem.accuracy:g}: must be at least {two_digits_above(floor)}; "

@@ -27,13 +27,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
-from .arrays import Range, lengths, time_range, time_ranges, time_span
+from .arrays import Range, time_range, time_span
 from .bodies import Bodies
 from .request import Request, select_states
-from .rounding import common_rounding
 from .second_run import (
     HALVINGS,
-    is_damped_stiffly,
     is_refined_alike,
     second_run,
     step_ratio,
@@ -59,10 +57,6 @@ SAFETY = 3.0
 
 SAFETY_OF_FINER = 2.0
 """Factor for the finer of two runs, if its error is a quarter of the error of the other."""
-
-RINGING = "midpoint"
-"""The method whose rates change sign at each step and hardly decay under strong damping: it is not
-L-stable."""
 
 BETWEEN = 64
 """Most times besides output times at which runs that may differ by whole turns are compared."""
@@ -170,7 +164,6 @@ def estimate_error(
     if not np.count_nonzero(time_span(request.times)):
         return ErrorEstimate(np.zeros(len(ended)), np.full(len(ended), np.inf))
     taken = (states if coarser is None else coarser)["steps"]
-    further = None if request.tolerance is not None else _of_equal_steps(request, states, taken)
     if coarser is not None:
         others, safety = [coarser], safety_of_finer(halvings)
     else:
@@ -180,7 +173,7 @@ def estimate_error(
             again = second_run(request, steps, refinement, taken, halvings, rounding)
             others.append(again)
     error, lost_from, looks = _core.estimate(
-        request, states, others, taken, safety, further, coarser_tolerance
+        request, states, others, taken, safety, coarser_tolerance
     )
     estimate = ErrorEstimate(error, lost_from)
     if np.count_nonzero(looks):
@@ -188,49 +181,11 @@ def estimate_error(
     return estimate
 
 
-@np.errstate(all="ignore")
-def _of_equal_steps(
-    request: Request, states: Mapping[str, Any], taken: NDArray[np.uint64]
-) -> Floats:
-    """The errors that two runs by equal steps may have in common besides, shape (n, m)."""
-    bodies, times = request.bodies, request.times
-    span = time_span(times)
-    fastest = lengths(states["omega"]).max(axis=1, initial=0.0)
-    rates = known_rates(bodies, time_ranges(times), fastest)
-    error = np.zeros(states["omega"].shape[:2])
-    error += common_rounding(request, states, rates, span)[:, np.newaxis]
-    if bodies.forces is not None and request.method == RINGING:
-        error += _ringing(bodies, states, times)
-    if is_damped_stiffly(bodies, request.method):
-        # Damping can stop a body within a step: both runs lose the angle it turned meanwhile.
-        error[rates * span > np.pi * taken] = np.inf
-    return error
-
-
 def known_rates(bodies: Bodies, reached: Range, met: Floats) -> Floats:
     """Bounds of the rates, under a function at least the rates met: it may have no bound."""
     rates = bodies.fastest_rates(reached)
     is_called = bodies.forces is not None and bodies.forces.calls
     return np.fmax(rates, met) if is_called else rates
-
-
-def _ringing(bodies: Bodies, states: Mapping[str, Any], times: Floats) -> Floats:
-    """The remaining rates of the start after damping should have ended them, shape (n, m).
-
-    After an even number of steps it has its first sign again: two runs may agree in it.
-    """
-    assert bodies.forces is not None
-    rate = bodies.forces.damping_rates(bodies.moments)[:, np.newaxis]
-    span, steps = np.reshape(time_span(times), (-1, 1)), states["steps"][:, None]
-    taken = steps * np.maximum(times, 0.0) / span
-    damped = 0.5 * rate * span / steps
-    left = np.where(damped > 1.0, ((damped - 1.0) / (damped + 1.0)) ** taken, 0.0)
-    size = lengths(states["omega"]).max(axis=1)
-    start = lengths(bodies.omega)
-    ratio: Floats = np.where(size > 0.0, start / size, 0.0)
-    # At the start itself nothing should have ended.
-    rings: Floats = np.where(times > 0.0, left * ratio[:, None], 0.0)
-    return rings
 
 
 def _count_turns(

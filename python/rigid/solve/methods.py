@@ -35,8 +35,6 @@ __all__ = [
     "methods",
     "methods_under",
     "order_of",
-    "preserves_groups",
-    "rotations",
     "run_methods",
     "series_methods",
     "tangent_methods",
@@ -222,17 +220,6 @@ def longest_angle(name: str) -> float:
 def is_compensated(name: str) -> bool:
     """Whether a method carries the rounding error of a fixed step to the next step."""
     return _named(name).compensated
-
-
-def preserves_groups(name: str) -> bool:
-    """Whether a method turns momenta and directions, so that their lengths are preserved."""
-    return _named(name).group_preserving
-
-
-def rotations(name: str) -> int:
-    """Number of exact flows in a step of a splitting; 0 for other methods."""
-    method = _named(name)
-    return method.stages if method.symplectic else 0
 
 
 @cache

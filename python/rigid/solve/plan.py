@@ -61,9 +61,9 @@ class Plan:
     error : float or None
         Error of the attitude at the end (rad). For a closed form it is ``1e-15`` per radian turned,
         and None if the rates or the horizon are missing, or if ``why`` names a reason: rates that
-        nearly vanish, or a saddle. Of more than 32 tops 32 are looked at for these. The error of
-        steps is not known before the run: it is None, or with ``cost=True`` the largest
-        :attr:`Run.error <rigid.Run.error>` of the bodies that were run, if it is below one.
+        nearly vanish, or a saddle. The error of steps is not known before the run: it is None, or
+        with ``cost=True`` the largest :attr:`Run.error <rigid.Run.error>` of the bodies that were
+        run, if it is below one.
     cost : float or None
         Processor time of a body of the call (ns), of all threads together and with the second run
         that estimates the error, measured by running some of the bodies. None unless it was asked

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from .. import _core
 from ..model.scene import Scene
-from .arrays import Range, lengths, spread_indices
+from .arrays import Range, lengths
 from .bodies import Bodies
 from .closed_form import Codes, moment_rows, names, question_words
 from .methods import EXACT
@@ -29,9 +29,6 @@ Floats = NDArray[np.float64]
 
 UNKNOWN = "error unknown: {}"
 """The sentence of a plan whose error is unknown."""
-
-SAMPLE = 32
-"""Number of tops of a large call that are examined."""
 
 SLOW = 10.0
 """A body this many times slower than the rate that its weight can give it is nearly at rest."""
@@ -150,7 +147,6 @@ def why_unforeseen(bodies: Bodies, times: Range) -> str | None:
         First and last time (s).
     """
     tops = np.flatnonzero(np.broadcast_to(bodies.weight.any(axis=1), len(bodies)))
-    tops = tops[spread_indices(len(tops), SAMPLE)]
     if not len(tops):
         return None
     some = bodies.select(tops)

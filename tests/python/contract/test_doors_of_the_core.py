@@ -147,7 +147,8 @@ def runs(**changes: Any) -> tuple[Any, ...]:
     states = {**request.states(None)}
     other = {**states, **{name: changes[name] for name in changes if name in states}}
     taken = changes.get("taken", states["steps"])
-    return request, states, [other], taken, 3.0, changes.get("further")
+    states = {**states, "steps": changes.get("steps", states["steps"])}
+    return request, states, [other], taken, 3.0
 
 
 @pytest.mark.parametrize(
@@ -158,13 +159,12 @@ def runs(**changes: Any) -> tuple[Any, ...]:
         ("gamma", np.ones((1, 2, 3))),
         ("attitude", np.ones((2, 2, 3))),
         ("work", np.ones((2, 3))),
-        ("further", np.ones((2, 1))),
+        ("steps", np.ones(3, np.uint64)),
         ("taken", np.ones(3, np.uint64)),
     ],
 )
 def test_an_estimate_of_states_of_other_shapes_is_refused(name: str, value: Any) -> None:
-    words = "steps" if name == "taken" else name
-    with pytest.raises(ValueError, match=rf"{words}: expected shape"):
+    with pytest.raises(ValueError, match=rf"{name}: expected shape"):
         _core.estimate(*runs(**{name: value}))
 
 

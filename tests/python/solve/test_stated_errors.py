@@ -339,7 +339,7 @@ def test_no_body_speaks_for_another() -> None:
 def test_without_a_check_a_run_is_not_called_ok() -> None:
     run = rigid.simulate(TOP, [0.1, 0.2, 2.0], t=[1.0], check=False)
     assert run.status == Status.UNCHECKED
-    assert run.reasons() == "unchecked: its error was not estimated; leave out check=False"
+    assert run.reasons()[0] == "unchecked: its error was not estimated; leave out check=False"
     assert np.isnan(run.error)
 
 

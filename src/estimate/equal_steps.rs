@@ -1,0 +1,207 @@
+//! Errors that a run by equal steps and its check share: their steps round alike.
+
+use super::{Run, Sized, cross, larger, least, length, smaller};
+use crate::error::Error;
+use crate::forces::Forces;
+use crate::memory;
+use crate::method::{AnyMethod, MIDPOINT, RK4, STIFF, default_step};
+use crate::parallel::Interrupt;
+use crate::scene::Scene;
+use crate::simd::Isa;
+use crate::special::{exp, ln};
+use crate::start::Body;
+use crate::trajectory::{Record, Request, Schedule, simulate, time_range};
+use std::f64::consts::PI;
+
+/// Rounding error (rad) of each rotation of a splitting. Equal rotations err in both runs alike, all in one direction.
+const ROTATION: f64 = 1.6e-17;
+
+/// Rounding error (rad) of the one rotation of a step of `etd4`, if all are equal and about one direction.
+const TURN: f64 = 1.3e-16;
+
+/// Relative rounding error of the rates in each of many equal steps.
+///
+/// It is half a unit in the last place, always in one direction: a method of exact flows turns the rates of a symmetric free
+/// body by the same angle each step, and all but steady rates change by the same amount.
+const DRIFT: f64 = 5.6e-17;
+
+/// Relative difference of moments below which a body turns as with equal moments.
+const ALIKE: f64 = 1e-4;
+
+/// Half the distance from 1 to the next number.
+const UNIT: f64 = f64::EPSILON / 2.0;
+
+/// Most states at which the change of the rates by a torque is measured.
+const LOOKS: usize = 16;
+
+/// Number by which a step is divided to give the time of this measurement.
+const PART: f64 = 1024.0;
+
+/// How the rates of a body change under a torque, measured at some of its states.
+#[derive(Clone, Copy, Debug)]
+pub struct Change {
+    /// The least rate of change over the rates.
+    least: f64,
+    /// The rate that the steps of the body follow: a rotor couples the rates more closely than the body turns.
+    following: f64,
+}
+
+/// Adds the rounding that equal steps share.
+pub fn of_equal_steps(known: &Sized, error: &mut [f64]) {
+    let run = known.run;
+    if run.tolerance.is_some() {
+        return;
+    }
+    let (method, is_forced) = (run.method, !run.forces.is_none());
+    let rotations = if method.facts.symplectic { method.facts.stages as f64 } else { 0.0 };
+    let mut floor = ROTATION * rotations * run.steps;
+    if rotations > 0.0 && !is_forced && turns_evenly(run.body) {
+        floor += 0.5 * DRIFT * run.steps * known.bound * known.span;
+    }
+    if is_forced && method.facts.name == STIFF.facts.name {
+        floor += TURN * run.steps;
+    }
+    // The second run of a series carries the rounding of a step on.
+    if !method.is_series() {
+        floor += of_steady_rates(known);
+    }
+    error.iter_mut().for_each(|error| *error += floor);
+}
+
+/// Whether a body is free and turns as with equal moments.
+fn turns_evenly(body: &Body) -> bool {
+    let moments = body.moments;
+    let alike = |i: usize, j: usize| (moments[j] - moments[i]).abs() <= ALIKE * moments[i];
+    body.weight == [0.0; 3] && (alike(0, 2) || alike(1, 0) || alike(2, 1))
+}
+
+/// The error of a body whose rates change by nearly the same amount each step.
+///
+/// Where the change of a step differs from the change of the last one by a share of the rates that is less than a rounding, it
+/// is rounded as the last one was: for as many steps as make up one. The losses of groups of so many steps add at random.
+fn of_steady_rates(known: &Sized) -> f64 {
+    let (run, span) = (known.run, known.span);
+    let (differs, rate) = match run.change {
+        Some(change) => (change.least * change.least, change.following),
+        None => (second_difference(run), known.bound),
+    };
+    let step = span / run.steps;
+    let share = differs * step * step;
+    if !(share >= 0.0) {
+        return 0.0;
+    }
+    let equal = (UNIT / share).min(run.steps);
+    if equal > 1.0 { DRIFT * (run.steps * equal).sqrt() * (1.0 + 0.5 * rate * span) } else { 0.0 }
+}
+
+/// About the least `|d2 omega / dt2| / |omega|` of the states, 1/s², if no torque is applied.
+///
+/// Without weight the rates turn in the body, and so do their changes. The change by the weight turns with the body. Methods
+/// that preserve `|L|` add it apart from the turn.
+fn second_difference(run: &Run) -> f64 {
+    let (moments, weight) = (run.body.moments, run.body.weight);
+    let by_weight = length(&weight) / least(moments);
+    if run.method.facts.group_preserving && by_weight > 0.0 {
+        return by_weight;
+    }
+    let [d11, d22, d33, d23, d31, d12] = run.forces.damping.0;
+    let matrix = [[d11, d12, d31], [d12, d22, d23], [d31, d23, d33]];
+    let turning = run.states.omega.iter().map(|omega| {
+        let torque = cross(&[0, 1, 2].map(|k| moments[k] * omega[k]), omega);
+        let change = [0, 1, 2].map(|k| (torque[k] - super::dot(&matrix[k], omega)) / moments[k]);
+        (length(&change) / length(omega)).powi(2)
+    });
+    turning.fold(f64::INFINITY, |a, b| smaller(a, b)) + by_weight
+}
+
+/// Whether an error of a run depends on how a torque changes the rates.
+pub fn depends_on_change(run: &Run) -> bool {
+    let [first, last] = time_range(run.times);
+    let is_shared = run.tolerance.is_none() && !run.method.is_series();
+    is_shared && run.forces.damping_alone().is_none() && first < last
+}
+
+/// The change of the rates of a body under a torque, by short runs from some of its states on. What acts is what acts at the
+/// start, in the attitude of the state if that is recorded.
+///
+/// # Errors
+/// If there is no memory, or the request is stopped.
+pub fn measured_change(
+    run: &Run,
+    (scene, all, index): (&'static Scene, &Forces, usize),
+    isa: Isa,
+    stop: &Interrupt,
+) -> Result<Change, Error> {
+    let range @ [first, last] = time_range(run.times);
+    let count = run.times.len().min(LOOKS);
+    let mut bodies = memory::reserved("states to be looked at", count)?;
+    for k in 0..count {
+        // Evenly spread, the last one among them.
+        let at = (run.times.len() - 1) - k * (run.times.len() - 1) / (count - 1).max(1);
+        let (omega, mut body) = (run.states.omega[at], *run.body);
+        if omega.iter().all(|rate| rate.is_finite()) {
+            body.omega = omega;
+            body.attitude = run.states.attitude.map_or(body.attitude, |attitudes| attitudes[at]);
+        }
+        bodies.push(body);
+    }
+    let time =
+        (last - first) / run.steps / PART * if run.times[run.times.len() - 1] > 0.0 { 1.0 } else { -1.0 };
+    let (times, forces) = (vec![time; count], all.of_some(&vec![index; count])?);
+    let span = time_range(&times[..1]);
+    let step = |body: &Body| default_step(&RK4, body.step_rate(&RK4, run.forces, span));
+    let steps: Vec<f64> = bodies.iter().map(|body| step(body).min(run.forces.longest_unseen(span))).collect();
+    let moved = simulate(
+        &Request {
+            bodies: &bodies,
+            scene,
+            forces: &forces,
+            method: AnyMethod::Steps(&RK4),
+            record: Record::Rates,
+            schedule: Schedule::TimesOfEach(&times, 1),
+            steps: &steps,
+            refinement: 1.0,
+            tolerance: None,
+            max_steps: u64::MAX,
+        },
+        1,
+        isa,
+        stop,
+    )?;
+    let mut slowest = f64::INFINITY;
+    for (body, now) in bodies.iter().zip(moved.rates().as_chunks::<3>().0) {
+        let change = [0, 1, 2].map(|k| now[k] - body.omega[k]);
+        slowest = smaller(slowest, length(&change) / time.abs() / length(&body.omega));
+    }
+    let following = run.body.step_rate(run.method, run.forces, range);
+    Ok(Change { least: slowest, following })
+}
+
+/// Adds the remaining rates of the start after damping should have ended them: rates of `midpoint` change their sign at each
+/// step and hardly decay under strong damping, because it is not L-stable.
+///
+/// After an even number of steps they have their first sign again: two runs may agree in it.
+pub fn of_ringing(known: &Sized, error: &mut [f64]) {
+    let run = known.run;
+    if run.tolerance.is_some() || run.forces.is_none() || run.method.facts.name != MIDPOINT.facts.name {
+        return;
+    }
+    let rate = run.forces.damping.rates(run.body.moments)[2];
+    let damped = 0.5 * rate * known.span / run.steps;
+    if !(damped > 1.0 && known.fastest > 0.0) {
+        return;
+    }
+    let (kept, share) = (ln((damped - 1.0) / (damped + 1.0)), length(&run.body.omega) / known.fastest);
+    for (error, &time) in error.iter_mut().zip(run.times).filter(|(_, time)| **time > 0.0) {
+        *error += exp(kept * run.steps * time / known.span) * share;
+    }
+}
+
+/// Makes the error unknown of a body that damping may stop within a step: both runs lose the angle it turned meanwhile.
+pub fn of_steps_beyond_damping(known: &Sized, error: &mut [f64]) {
+    let run = known.run;
+    let is_damped = run.tolerance.is_none() && !run.forces.is_none() && run.method.is_stiff();
+    if is_damped && larger(known.bound * known.span, 0.0) > PI * run.taken {
+        error.fill(f64::INFINITY);
+    }
+}
