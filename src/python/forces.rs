@@ -5,7 +5,7 @@ use super::estimate::check_rounding;
 use crate::error::Error;
 use crate::estimate::sign_of_forces;
 use crate::float_environment::FloatEnvironment;
-use crate::forces::{BodyForces, Bounded, Damping, Forces, Further, Orbit, ParameterChange, TorqueFunction};
+use crate::forces::{BodyForces, Bounded, Forces, Further, Orbit, ParameterChange, TorqueFunction};
 use crate::memory;
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;

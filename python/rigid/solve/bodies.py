@@ -174,7 +174,8 @@ class Bodies:
 
     def under_forces(self) -> NDArray[np.bool_]:
         """Whether torque or damping acts on each body; shape (n,)."""
-        return self.kinds_of_forces() != 0
+        act: NDArray[np.bool_] = self.kinds_of_forces() != 0
+        return act
 
     def fastest_rates(self, span: Range, method: str | None = None) -> Floats:
         """Bounds of ``|omega|`` (rad/s), shape (n,); each is computed once.

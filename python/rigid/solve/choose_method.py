@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -39,7 +40,7 @@ from .methods import (
     order_of,
 )
 from .plan import LazyPlan, Plan, plan_of_parts
-from .planned import UNKNOWN, damping_rate, plan_of, why_unforeseen
+from .planned import UNKNOWN, Reason, damping_rate, plan_of, why_unforeseen
 from .problem import USUAL_ACCURACY, Problem
 from .starts import bodies_of
 from .tolerances import SERIES, SERIES_TOLERANCE, first_tolerance
@@ -290,7 +291,7 @@ def _known_closed_forms(problem: Problem) -> Codes:
     return forms
 
 
-def _preferred(problem: Problem, forms: Codes) -> tuple[str, list[str]]:
+def _preferred(problem: Problem, forms: Codes) -> tuple[str, list[Reason]]:
     """The method unless an accuracy needs another one, and the reasons."""
     scene = problem.scene
     if problem.method is not None:
@@ -305,13 +306,17 @@ def _preferred(problem: Problem, forms: Codes) -> tuple[str, list[str]]:
         return EXACT, ["every body has a closed form"]
     if scene.forces:
         return _by_steps(problem, [f"no closed form under {forces_in_words(scene.forces)}"])
+    return _by_steps(problem, [partial(_why_not, problem, forms)])
+
+
+def _why_not(problem: Problem, forms: Codes) -> str:
+    """The reason why there is no closed form: of bodies that differ, of the first without one."""
     moments, weight = np.broadcast_arrays(*problem.inertia())
-    # Of bodies that differ, the first without a closed form.
     body = int(np.flatnonzero(forms == NO_FORM)[0]) if len(moments) > 1 else 0
-    return _by_steps(problem, [why_not(problem.record, moments[body], weight[body])])
+    return why_not(problem.record, moments[body], weight[body])
 
 
-def _by_steps(problem: Problem, why: list[str]) -> tuple[str, list[str]]:
+def _by_steps(problem: Problem, why: list[Reason]) -> tuple[str, list[Reason]]:
     """The method of bodies without a closed form; for strong damping the method made for it.
 
     The periapsis of an orbit asks for short steps, and a series knows the balance of energy there.

@@ -69,8 +69,8 @@ def states_at(run: Run, t: ArrayLike) -> Run:
         inside=bool(run.events),
     )
     check = accuracy is not None or not np.isnan(run.error).all()
-    made = solve(scene, problem, request, check=check)
-    states, estimate = made.states, made.estimate
+    solution = solve(scene, problem, request, check=check)
+    states, estimate = solution.states, solution.estimate
     end_records(states, times, last)
     made = to_run(states, ascending, estimate, accuracy, Lazy.of(spec), run._plan, bodies)
     if (order[..., 1:] < order[..., :-1]).any():

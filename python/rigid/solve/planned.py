@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from math import prod
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +20,7 @@ from .problem import Problem
 
 __all__ = [
     "UNKNOWN",
+    "Reason",
     "closed_form_error",
     "damping_rate",
     "plan_of",
@@ -26,6 +29,9 @@ __all__ = [
 ]
 
 Floats = NDArray[np.float64]
+
+Reason: TypeAlias = str | Callable[[], str]
+"""A reason of a plan, or how to word it."""
 
 UNKNOWN = "error unknown: {}"
 """The sentence of a plan whose error is unknown."""
@@ -43,7 +49,7 @@ def plan_of(
     steps: Floats | None,
     forms: Codes,
     accuracy: float | None,
-    why: tuple[str, ...],
+    why: tuple[Reason, ...],
 ) -> Plan:
     """The plan of a method, made only on demand: it takes longer than the choice of the method.
 
@@ -57,10 +63,11 @@ def plan_of(
         The closed forms of the bodies, by their codes; empty if a method was requested.
     accuracy : float or None
         The error for which method and steps were chosen.
-    why : tuple of str
-        The reasons.
+    why : tuple of str or callable
+        The reasons; functions without arguments return those that take time to word.
     """
     scene, record, error = problem.scene, problem.record, None
+    words = tuple(reason if isinstance(reason, str) else reason() for reason in why)
     step: float | None
     count: int | None
     if method == EXACT:
@@ -69,7 +76,7 @@ def plan_of(
     else:
         step, count = _step_and_count(problem, method, steps, accuracy)
     if scene.torque is not None and scene.torque.function is not None:
-        why = (*why, *scene.torque.function.reasons)
+        words = (*words, *scene.torque.function.reasons)
     done = carried(scene, record, method)
     return Plan(
         scene=scene.words(),
@@ -77,7 +84,7 @@ def plan_of(
         closed_form=", ".join(names(forms)) or None if method == EXACT else None,
         method=method,
         carried=done,
-        why=(*why, *not_left_out(done, scene.forces)),
+        why=(*words, *not_left_out(done, scene.forces)),
         left_out=left_out(scene, record, method, problem.step, forms),
         step=step,
         steps=count,

@@ -113,16 +113,14 @@ class Problem:
         assert bodies is not None
         if scene.shape:
             every = np.arange(prod(scene.shape)).reshape(scene.shape)
-            own = np.broadcast_to(every, bodies.shape).ravel()[some]
-            scene = scene[np.unravel_index(own, scene.shape)]
+            places = np.broadcast_to(every, bodies.shape).ravel()[some]
+            scene = scene[np.unravel_index(places, scene.shape)]
         chosen = bodies.select(some)
         may_stop = chosen.forces is not None and scene.may_stop
-        begin, end = (
-            time[some] if isinstance(time, np.ndarray) else time for time in (self.begin, self.end)
-        )
-        return replace(
-            self, scene=scene, bodies=replace(chosen, may_stop=may_stop), begin=begin, end=end
-        )
+        begin = self.begin[some] if isinstance(self.begin, np.ndarray) else self.begin
+        end = self.end[some] if isinstance(self.end, np.ndarray) else self.end
+        own = replace(chosen, may_stop=may_stop)
+        return replace(self, scene=scene, bodies=own, begin=begin, end=end)
 
     def inertia(self) -> tuple[Floats, Floats]:
         """Moments and weight of the bodies in rows, in any unit; one row may hold for all."""

@@ -266,12 +266,14 @@ def simulate(
         tolerance = _checked_tolerance(tolerance, method, step, accuracy, scene)
     if watched is not None:
         _check_forward(given)
-    limits = {
-        "max_steps": _most_steps(scene)
-        if max_steps is None
-        else positive_int("max_steps", max_steps),
-        "threads": resolve_threads(threads, len(bodies.omega)),
-    }
+    request = Request(
+        bodies=bodies,
+        times=times,
+        method=EXACT,
+        record=record,
+        max_steps=_most_steps(scene) if max_steps is None else positive_int("max_steps", max_steps),
+        threads=resolve_threads(threads, len(bodies.omega)),
+    )
     plain = step is None and accuracy is None and tolerance is None and given.ndim == 1
     problem = None
     if not (plain and method in (None, EXACT) and has_closed_form(scene)):
@@ -293,7 +295,7 @@ def simulate(
         made = solve(
             scene,
             problem,
-            Request(bodies=bodies, times=times, method=EXACT, record=record, **limits),
+            request,
             check=check,
             watched=watched,
             parameters=parameters,

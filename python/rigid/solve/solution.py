@@ -42,7 +42,7 @@ class Watched(NamedTuple):
 
     events: tuple[Event, ...]
     counted: tuple[bool, ...]
-    count: int | None
+    number: int | None
     frame: Floats | None
 
 
@@ -164,7 +164,8 @@ def _solve_alike(
         np.ldexp(states["work"], scale_exponent[:, np.newaxis], out=states["work"])
     if parameters is not None:
         change = parameter_changes(scene, request.bodies, parameters) if parameters else None
-        steps, asked = (None, None) if choice is None else (choice.steps, problem.method)
+        steps = None if choice is None else choice.steps
+        asked = None if problem is None else problem.method
         matrices, sensitivity, words = tangent_of(request, steps, asked, change)
         states["tangent"], states["sensitivity"] = matrices, sensitivity
         made.plan.amend(words)
