@@ -67,10 +67,8 @@ from .model.start import (
 from .model.torque import Torque
 from .planning import plan
 from .reports.compute import report
-from .reports.long_data import LongRow
-from .reports.long_run import long_run
-from .reports.result import LongRun, Report
-from .reports.row import Row
+from .reports.data import Row
+from .reports.result import Report
 from .reports.stress import Extremes, extremes
 from .sections.crossings import Crossings
 from .sections.poincare import poincare
@@ -126,8 +124,6 @@ __all__ = [
     "HeavyTop",
     "Interrupted",
     "Lines",
-    "LongRow",
-    "LongRun",
     "MapSpec",
     "Method",
     "Mixture",
@@ -179,7 +175,6 @@ __all__ = [
     "libration_amplitude",
     "load_map",
     "load_run",
-    "long_run",
     "lyapunov",
     "mean_rate",
     "merge",

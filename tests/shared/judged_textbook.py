@@ -400,7 +400,7 @@ def judge_long_run(number: int, seed: int) -> Judged:
     lengths = sorted({round(x) for x in rng.uniform(30.0, 90.0, 2)})
     body = rigid.Body(tuple(moments))
     scene, rate = rigid.FreeBody(body), float(np.linalg.norm(omega))
-    result = rigid.long_run(
+    result = rigid.report(
         scene,
         omega,
         revolutions=lengths,
@@ -411,33 +411,33 @@ def judge_long_run(number: int, seed: int) -> Judged:
     )
     off = 0.0
     for row in result.rows:
-        for horizon, count in enumerate(lengths[: len(row.phase)]):
-            end = 2.0 * np.pi * count / rate
-            steps = int(np.ceil(2.0 * np.pi * count / row.angle))
-            run = rigid.simulate(
-                scene,
-                omega,
-                t=[end],
-                method=row.method,
-                step=end / steps * (1.0 + 1e-9),
-                check=False,
-                max_steps=2**62,
-            )
-            truth = quad_motion.motion(scene, omega, [1.0, 0.0, 0.0, 0.0], [end], limit=10**6)
-            if truth is None:
-                return Judged("phase", "no truth")
-            true = float(truth.attitude_off(present(run.attitude))[0])
-            # The row has the largest error of 32 bodies, this one among them; the closed form that
-            # it is compared with is off by a rounding of each radian.
-            allowed = row.phase[horizon] + 4.0 * ROUNDOFF * rate * end
-            off = max(off, true / allowed)
-            if row.method == "rk4" and row.angle >= 0.5:
-                lost = _rk4(moments, omega, end / steps, steps)
-                # The row is that of the worst of 32 bodies, which err alike; it looks at 256 of the
-                # steps, which see nearly all of a growing error.
-                share = lost / row.energy[horizon]
-                if not 0.5 < share < 1.2 and lost > 1e-12:
-                    return Judged("energy", "UNDETECTED", share, 1.0, f"{row.angle}, {lengths}")
+        assert row.angle is not None
+        end = 2.0 * np.pi * row.revolutions / rate
+        steps = int(np.ceil(2.0 * np.pi * row.revolutions / row.angle))
+        run = rigid.simulate(
+            scene,
+            omega,
+            t=[end],
+            method=row.method,
+            step=end / steps * (1.0 + 1e-9),
+            check=False,
+            max_steps=2**62,
+        )
+        truth = quad_motion.motion(scene, omega, [1.0, 0.0, 0.0, 0.0], [end], limit=10**6)
+        if truth is None:
+            return Judged("phase", "no truth")
+        true = float(truth.attitude_off(present(run.attitude))[0])
+        # The row has the largest error of 32 bodies, this one among them; the closed form that it
+        # is compared with is off by a rounding of each radian.
+        allowed = row.phase + 4.0 * ROUNDOFF * rate * end
+        off = max(off, true / allowed)
+        if row.method == "rk4" and row.angle >= 0.5:
+            lost = _rk4(moments, omega, end / steps, steps)
+            # The row is that of the worst of 32 bodies, which err alike; it looks at 256 of the
+            # steps, which see nearly all of a growing error.
+            share = lost / row.energy_drift
+            if not 0.5 < share < 1.2 and lost > 1e-12:
+                return Judged("energy", "UNDETECTED", share, 1.0, f"{row.angle}, {lengths}")
     return _verdict("phase", off, 1.0)
 
 

@@ -31,8 +31,6 @@ from ..maps.sequential import checked_half_width, stop_table
 from ..maps.spec import MapSpec
 from ..model.seed import seed_from
 from ..reports.compute import run_report
-from ..reports.long_run import run_long
-from ..reports.result import LongRun, Report
 from ..reports.stress import extremes
 from ..sections.crossings import Crossings
 from ..sections.poincare import poincare
@@ -49,7 +47,7 @@ from .output import (
     say,
     target_of,
 )
-from .parser import LONG_SECONDS, SECONDS, make_parser
+from .parser import make_parser
 from .running_maps import compute_stored, default_stem, open_and_go_on, require_shared, run
 from .toml_map import MAPS, NamedSpec, builtin_names, read_spec
 from .toml_report import REPORTS, read_report, report_names
@@ -368,16 +366,13 @@ class _SectionResult:
 
 
 def _report(options: argparse.Namespace) -> int:
-    name, spec = read_report(options.report, options.changes, methods=options.method)
+    name, spec = read_report(
+        options.report, options.changes, methods=options.method, long=options.long
+    )
     stem = f"report-{name}-long" if options.long else f"report-{name}"
     target = target_of(options.out, stem, ".json", force=options.force)
     require_room(target.data, REPORT_SIZE)
-    seconds = options.seconds
-    if seconds is None:
-        seconds = LONG_SECONDS if options.long else SECONDS
-    make: Callable[..., Report | LongRun] = run_long if options.long else run_report
-    progress = options.progress
-    result = make(spec, seconds=seconds, progress=progress, partial=True)
+    result = run_report(spec, seconds=options.seconds, progress=options.progress, partial=True)
     return finished(
         result,
         target,

@@ -19,7 +19,6 @@ from .._files import published, require_replaceable
 from ..drawing.figure import new_figure
 from ..maps.plot import SHARE
 from ..maps.result import StabilityMap
-from ..reports.result import LongRun
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -155,7 +154,7 @@ def _json(facts: Mapping[str, Any]) -> str:
 
 
 def finished(
-    result: Result | LongRun,
+    result: Result,
     target: Target,
     what: str,
     words: Callable[[], str],
@@ -197,7 +196,7 @@ def finished(
     return 0
 
 
-def _saved(result: Result | LongRun, data: Path, what: str) -> Path:
+def _saved(result: Result, data: Path, what: str) -> Path:
     """Save the data, or raise OSError with the place where the data is instead."""
     try:
         return result.save(data)
@@ -212,11 +211,9 @@ def _saved(result: Result | LongRun, data: Path, what: str) -> Path:
         raise OSError(f"{error}; the {what} is safe in {spare}") from None
 
 
-def _drawn(result: Result | LongRun, suffix: str, shown: str) -> bytes:
+def _drawn(result: Result, suffix: str, shown: str) -> bytes:
     """The bytes of the picture in the format of a suffix."""
-    if isinstance(result, LongRun):
-        figure = result.plot()[0, 0].figure
-    elif isinstance(result, StabilityMap) and len(result.spec.axes) > 2:
+    if isinstance(result, StabilityMap) and len(result.spec.axes) > 2:
         # Many pictures in one figure.
         figure = np.ravel(result.plot())[0].figure
     else:

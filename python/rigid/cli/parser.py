@@ -9,14 +9,12 @@ from typing import NoReturn
 
 from .._checks.arguments import nearest, of_known
 from .._core import __version__
+from ..reports.compute import LONG_SECONDS, SECONDS
 from .exit_codes import EXIT_CODES, REFUSED
 from .output import complain
 from .running_maps import QUIET, THREADS, add_commands, add_options
 
-__all__ = ["LONG_SECONDS", "SECONDS", "Parser", "make_parser"]
-
-SECONDS, LONG_SECONDS = 30.0, 120.0
-"""Time limits (s) of ``rigid report`` and ``rigid report --long``."""
+__all__ = ["Parser", "make_parser"]
 
 _EXAMPLES = {
     "": """\

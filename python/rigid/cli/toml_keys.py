@@ -12,7 +12,7 @@ from ..maps.spec import MapSpec
 from ..model.forces import FORCES, FreeForces, TopForces
 from ..model.measures import MEASURES
 from ..model.start import NOISE_KINDS
-from ..reports.spec import ReportSpec
+from ..reports.spec import BODIES, ReportSpec
 
 __all__ = [
     "AXIS",
@@ -192,8 +192,14 @@ REPORT_START: Mapping[str, Key] = _NOMINAL
 
 REPORT_RUN: Mapping[str, Key] = {
     "t_end": Key("number", "horizon; not used by `--long`", "s"),
+    "revolutions": Key("numbers", "horizons in revolutions, instead of `t_end`"),
     "unit": Key("text", "name of the unit of time", "", ReportSpec.unit),
-    "bodies": Key("whole number", "perturbed bodies that are measured", "", str(ReportSpec.bodies)),
+    "bodies": Key(
+        "whole number",
+        "perturbed bodies that are measured",
+        "",
+        f"{ReportSpec.bodies}, over revolutions {BODIES}",
+    ),
     "errors": Key(
         "numbers",
         "errors for which the table gives the cost",

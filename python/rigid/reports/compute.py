@@ -16,21 +16,23 @@ from .._checks.arguments import finite_float
 from .._checks.progress import Interrupted, Progress, ProgressOption, reporting
 from ..model.scene import Scene
 from ..model.seed import seed_from
-from ..solve.methods import run_methods
-from .ensemble import ensemble_of
-from .reference import find_reference
+from ..solve.methods import EXACT, run_methods
+from .ensemble import ensemble_of, probe, same_steps
+from .reference import Horizon, find_horizons
 from .result import Report
-from .same_steps import same_steps
 from .spec import ReportSpec, make_spec
-from .sweep import Sweep, probe, sweep_methods, time_sweeps
+from .sweep import ANGLES, Sweep, lengthen, sweep_methods, time_sweeps
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
 
-__all__ = ["hundredths", "machine", "report", "run_report"]
+__all__ = ["LONG_SECONDS", "SECONDS", "report", "run_report"]
+
+SECONDS, LONG_SECONDS = 30.0, 120.0
+"""Time limits (s) of a report until ``t_end`` and of one over revolutions."""
 
 SEARCH = 0.15
-"""Share of the time that the search for a reference may take."""
+"""Share of the time that the search for references may take."""
 
 SWEEP = 0.2
 """Share of the time for one run of all steps. In the rest all steps are timed again, several
@@ -42,11 +44,12 @@ def report(
     omega: ArrayLike,
     attitude: ArrayLike | Rotation | None = None,
     *,
-    t_end: float,
+    t_end: float | None = None,
+    revolutions: ArrayLike | None = None,
     methods: Iterable[str] | None = None,
-    bodies: int = ReportSpec.bodies,
+    bodies: int | None = None,
     errors: ArrayLike = ReportSpec.errors,
-    seconds: float = 30.0,
+    seconds: float | None = None,
     progress: ProgressOption = None,
     rng: int | np.random.Generator | np.random.SeedSequence | None = ReportSpec.seed,
     unit: str = ReportSpec.unit,
@@ -55,10 +58,12 @@ def report(
 ) -> Report:
     """Measure error against run time of all methods that can move a body from this start.
 
-    Each method is run with shorter and shorter steps, from about a radian a step. A method ends
-    when its error is below the smallest requested error, the rounding error or the error of the
-    reference, or at the time limit. An ensemble of bodies fills the registers: the given start, and
-    starts whose rates differ by about 1e-3, relatively.
+    Either after a short time, with ``t_end``, or over many revolutions.
+
+    Until ``t_end``, each method is run with shorter and shorter steps, from about a radian a step.
+    A method ends when its error is below the smallest requested error, the rounding error or the
+    error of the reference, or at the time limit. An ensemble of bodies fills the registers: the
+    given start, and starts whose rates differ by about 1e-3, relatively.
 
     The error of the state at ``t_end`` is measured against the closed form if the bodies have one.
     Else the reference is the method with the highest order, with a step so short that half the step
@@ -71,6 +76,15 @@ def report(
     is evaluated for 1024 bodies and compared with one step of 1024 bodies; some 10 ns remain
     uncertain.
 
+    Over ``revolutions`` the report shows how errors of energy, momentum and phase grow. Each method
+    is run with steps in which the body turns by 16 rad, 8 rad and so on, down to 1/16 rad, until
+    shorter steps make no error smaller. All methods run over the first number of revolutions, then
+    over the next one, the cheapest first, as far as the time goes. A step with an energy that is
+    off by more than 1e-3 after the first revolutions is omitted. Energy and momentum are compared
+    at 256 times of a run, the phase at its end: with the closed form, else with the method of the
+    highest order, as far as that one is known to be right; not for long where the motion is
+    chaotic. The largest error of all bodies counts, and each run is timed once.
+
     Ctrl-C raises :class:`Interrupted`, a ``KeyboardInterrupt`` with the report of the runs done.
 
     Parameters
@@ -81,17 +95,22 @@ def report(
         Start of one body, as in :func:`rigid.simulate`.
     t_end : float
         Horizon, in units of time of the scene.
+    revolutions : array_like, shape (m,)
+        Horizons instead of ``t_end``, from short to long. A revolution takes ``2 pi / |omega|`` at
+        the start.
     methods : sequence of str, optional
-        ``"exact"`` and names of :func:`rigid.methods`; by default all. A method that does not
+        ``"exact"``, which has no steps whose errors grow over revolutions, and names of
+        :func:`rigid.methods`; by default all. A method that does not
         accept the scene is listed in ``refused`` with its reason. Methods that make the same steps,
         bit for bit, are measured once, under the name of the highest order; ``same`` lists the
         other names.
     bodies : int
-        Bodies in the ensemble; a multiple of 32 fills all registers.
+        Bodies in the ensemble; a multiple of 32 fills all registers. By default 64, and 32 over
+        revolutions.
     errors : array_like, shape (m,)
         Errors, for each of which the cheapest method is found.
     seconds : float
-        Approximate time limit (s).
+        Approximate time limit (s), by default 30, and 120 over revolutions.
     progress : None, bool or callable
         As in :func:`rigid.stability_map`; a callable gets a :class:`Progress` in hundredths of the
         work, with the runs that failed.
@@ -131,12 +150,22 @@ def report(
     True
     >>> rigid.Report.from_json(result.to_json()) == result
     True
+    >>> result = rigid.report(
+    ...     rigid.Body((1.0, 1.5, 2.0)), [1.0, 0.2, 0.3], revolutions=[10, 100, 1000],
+    ...     methods=["rk4", "splitting"],
+    ... )
+    >>> def growth(method):
+    ...     _, before, after = result.growth(result.of(method)[-1])
+    ...     return after.energy_drift / before.energy_drift
+    >>> growth("rk4") > 5, growth("splitting") > 5
+    (True, False)
     """
     spec = make_spec(
         scene,
         omega,
         attitude,
         t_end=t_end,
+        revolutions=revolutions,
         methods=methods,
         bodies=bodies,
         errors=errors,
@@ -150,56 +179,74 @@ def report(
 def run_report(
     spec: ReportSpec,
     *,
-    seconds: float = 30.0,
+    seconds: float | None = None,
     progress: ProgressOption = None,
     partial: bool = False,
 ) -> Report:
     """The report of a specification, with the options of :func:`rigid.report`."""
-    seconds = finite_float("seconds", seconds, positive=True)
+    if seconds is None:
+        seconds = LONG_SECONDS if spec.revolutions else SECONDS
+    limit = finite_float("seconds", seconds, positive=True)
     begun = time.perf_counter()
 
-    def until(share: float) -> Callable[[float], bool]:
-        return lambda more: time.perf_counter() + more < begun + share * seconds
+    def spent() -> float:
+        return (time.perf_counter() - begun) / limit
 
-    ensemble = ensemble_of(spec)
-    usable, refused = probe(ensemble, dict.fromkeys([*spec.methods, *run_methods()]))
-    same = same_steps(ensemble, [method for method in spec.methods if method in usable])
-    sweeps = [Sweep(method) for method in same]
+    def until(share: float) -> Callable[[float], bool]:
+        return lambda more: spent() + more / limit < share
+
+    first = ensemble_of(spec, spec.time_of(spec.revolutions[0]) if spec.revolutions else None)
+    usable, refused = probe(first, dict.fromkeys([*spec.methods, *run_methods()]))
     refused = {method: why for method, why in refused.items() if method in spec.methods}
-    if not sweeps:
+    if spec.revolutions and EXACT in spec.methods:
+        refused[EXACT] = "makes no steps, whose errors grow"
+    able = [method for method in spec.methods if method not in refused]
+    if not able:
         reasons = "; ".join(f"{method}: {why}" for method, why in refused.items())
         raise ValueError(f"methods = {list(spec.methods)}: none integrates the scene: {reasons}")
+    same = same_steps(first, able)
+    sweeps = [Sweep(method) for method in same]
+    horizons: list[Horizon] = []
     complete = interrupted = False
-    with hundredths(progress, begun, lambda: sum(one.failures for one in sweeps)) as told:
-        reference, truth = find_reference(ensemble, usable, until(SEARCH))
-        searched = (time.perf_counter() - begun) / seconds
-        runs_done = searched + SWEEP
 
-        def swept() -> None:
-            told(min(runs_done, (time.perf_counter() - begun) / seconds))
+    def failures() -> int:
+        return 0 if spec.revolutions else sum(one.failures for one in sweeps)
 
-        def timed(share: float) -> None:
-            told(runs_done + (1.0 - runs_done) * share)
+    with hundredths(progress, begun, failures) as told:
+        swept = 1.0
+
+        def tell() -> None:
+            told(min(swept, spent()))
 
         try:
-            sweep_methods(ensemble, truth, reference, sweeps, until(runs_done), swept)
-            time_sweeps(ensemble, sweeps, until(1.0), timed)
+            horizons = find_horizons(spec, usable, until(SEARCH), tell)
+            if not spec.revolutions:
+                swept = spent() + SWEEP
+            sweep_methods(horizons[0], sweeps, until(swept), tell)
+            if spec.revolutions:
+                lengthen(horizons, sweeps, until, tell)
+            else:
+                ensemble, rest = horizons[0].ensemble, 1.0 - swept
+                time_sweeps(ensemble, sweeps, until(1.0), lambda done: told(swept + rest * done))
             complete = True
             told(1.0)
         except KeyboardInterrupt:
             if not any(sweep.runs for sweep in sweeps):
                 raise
             interrupted = True
+    if complete and spec.revolutions:
+        lost = f"no step down to {ANGLES[-1]} rad that there was time for keeps the energy"
+        refused |= {sweep.method: lost for sweep in sweeps if not sweep.kept()}
     result = Report(
         spec=spec,
-        rows=tuple(row for sweep in sweeps for row in sweep.rows(ensemble, reference)),
+        rows=tuple(row for sweep in sweeps for row in sweep.rows(horizons)),
         same={method: others for method, others in same.items() if others},
-        reference=reference,
+        references=tuple(horizon.reference for horizon in horizons),
         refused=refused,
         ended={sweep.method: sweep.ended or "interrupted" for sweep in sweeps},
         machine=machine(),
         complete=complete,
-        rounds=min((len(run.times) for sweep in sweeps for run in sweep.runs.values()), default=0),
+        rounds=min((len(run.times) for one in sweeps for run, *_ in one.kept()), default=0),
         elapsed=time.perf_counter() - begun,
     )
     if interrupted and not partial:

@@ -4,30 +4,23 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, TypeAlias
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..drawing.colours import BAND, GRID, HUES, NEUTRAL, PALE, SURFACE, ground, on_ground
-from ..drawing.figure import axes_to_draw_on
+from ..drawing.figure import axes_to_draw_on, check_axes, shown_figure
 from ..solve.methods import EXACT
-from .data import ReportData
+from .data import ReportData, Row
 from .reference import Reference
+from .table import ERRORS, in_short, known_errors, time_text
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = [
-    "FAMILIES",
-    "OTHERS",
-    "Points",
-    "draw_families",
-    "draw_trade_off",
-    "family_of",
-    "plot_report",
-]
+__all__ = ["FAMILIES", "OTHERS", "family_of", "plot_report"]
 
 Floats = NDArray[np.float64]
 
@@ -65,6 +58,11 @@ OTHERS = Family("others", NEUTRAL, ())
 TOP = 3.0
 """Upper limit of the axis of errors: a larger error of an attitude has no meaning."""
 
+LEAST = 1e-17
+"""An error of zero is drawn here in its growth."""
+
+LABELS = {"energy": "energy, relative", "momentum": "momentum, relative", "phase": "phase, rad"}
+
 NAME_SIZE = 8.5
 """Size of the names of families (points)."""
 
@@ -72,13 +70,16 @@ ROOM = 3.0
 """A name is as well off with so much room, in half widths, as with more."""
 
 
-def plot_report(report: ReportData, *, ax: Axes | None = None) -> Axes:
+def plot_report(report: ReportData, *, ax: Axes | None = None) -> Any:
     """Draw error against processor time, both axes logarithmic.
 
     Each method has a pale line. The best of a family of methods has a line in a colour, with the
     name of the family; the Pareto front of all methods is the broad line, with the names of the
     methods that begin there to be the best. Nothing is known in the hatched region below the
     uncertainty of the reference. Slow families may end beyond the right edge.
+
+    Over revolutions a grid of axes, in the place of ``ax``, shows the errors of energy, momentum
+    and phase: above against time, below their growth in about the same time.
 
     Parameters
     ----------
@@ -89,13 +90,15 @@ def plot_report(report: ReportData, *, ax: Axes | None = None) -> Axes:
 
     Returns
     -------
-    matplotlib Axes
+    matplotlib Axes, or ndarray of these
 
     Raises
     ------
     ImportError
         Without matplotlib.
     """
+    if report.spec.revolutions:
+        return _plot_growth(report, ax)
     ax = axes_to_draw_on(ax)
     spec = report.spec
     ax.set_xlabel(f"processor time per body and {spec.unit} of motion (ns)")
@@ -105,11 +108,84 @@ def plot_report(report: ReportData, *, ax: Axes | None = None) -> Axes:
         method: [(row.nanoseconds, row.error) for row in report.of(method) if row.error > 0.0]
         for method in report.methods
     }
-    draw_trade_off(ax, lines, reference=report.reference)
+    _draw_trade_off(ax, lines, reference=report.reference)
     return ax
 
 
-def draw_trade_off(
+def _plot_growth(report: ReportData, ax: Axes | None) -> NDArray[Any]:
+    """Draw the errors over revolutions; the axes are replaced by a grid of axes."""
+    if ax is None:
+        figure = shown_figure()
+    else:
+        figure = check_axes(ax).get_figure(root=True)
+        ax.remove()
+    errors, spec, reference = known_errors(report), report.spec, report.reference
+    figure.set_size_inches(4.0 * len(errors), 8.0)
+    grid: NDArray[Any] = figure.subplots(2, len(errors), squeeze=False)
+    figure.suptitle(_title(report), x=0.01, ha="left", fontsize="medium")
+    most = time_text(spec.time_of(report.common_time))
+    for (upper, lower), name in zip(grid.T, errors, strict=True):
+        over = f"over {in_short(report.horizon)} revolutions"
+        upper.set_title(f"error of the {LABELS[name]}, {over}", fontsize="small")
+        upper.set_xlabel("processor time per body and revolution (ns)", fontsize="small")
+        lower.set_xlabel(f"revolutions, in at most {most} ns each", fontsize="small")
+        lines = {
+            method: [
+                (spec.time_of(row.nanoseconds), error)
+                for row in report.of(method)
+                if (error := getattr(row, ERRORS[name])) > 0.0
+            ]
+            for method in report.methods
+        }
+        known = None
+        if name == "phase" and reference.method:
+            known = replace(reference, uncertainty=reference.worst)
+        times = [spec.time_of(row.nanoseconds) for row in report.rows] or [1.0]
+        _draw_trade_off(upper, lines, reference=known, times=(min(times), max(times)))
+        _draw_growth(lower, report, ERRORS[name])
+        for one in (upper, lower):
+            one.tick_params(labelsize="small")
+    return grid
+
+
+def _draw_growth(ax: Axes, report: ReportData, error: str) -> None:
+    """Draw an error against the revolutions, of each method in about the same time."""
+    _log_axes(ax)
+    lines: dict[Row, Points] = {}
+    best: dict[Family, Row] = {}
+    for row in report.at_common_time():
+        lines[row] = [
+            (one.revolutions, max(getattr(one, error), LEAST))
+            for one in report.growth(row)
+            if getattr(one, error) < 1.0
+        ]
+    lines = {row: points for row, points in lines.items() if points}
+
+    def rank(row: Row) -> tuple[float, int]:
+        at_horizon = [y for x, y in lines[row] if x == report.horizon]
+        return min(at_horizon, default=math.inf), -len(lines[row])
+
+    for row in sorted(lines, key=rank):
+        best.setdefault(family_of(row.method), row)
+    if not best:
+        return
+    for points in lines.values():
+        ax.plot(*np.transpose(points), color=on_ground(ax, PALE), linewidth=0.9, zorder=1.0)
+    errors = [error for points in lines.values() for _, error in points]
+    counts = report.spec.revolutions
+    ax.set_xlim(counts[0] / 1.5, counts[-1] * 1.5)
+    ax.set_ylim(min(errors) / 3.0, min(3.0 * max(errors), TOP))
+    ordered = [family for family in (*FAMILIES, OTHERS) if family in best]
+    _draw_families(ax, {family: lines[best[family]] for family in ordered})
+
+
+def _log_axes(ax: Axes) -> None:
+    ax.set(xscale="log", yscale="log")
+    ax.grid(visible=True, which="major", color=on_ground(ax, GRID), linewidth=0.8)
+    ax.set_axisbelow(True)
+
+
+def _draw_trade_off(
     ax: Axes,
     lines: Mapping[str, Points],
     *,
@@ -121,9 +197,7 @@ def draw_trade_off(
     The plot is hatched below the uncertainty of the reference. ``times`` are the least and the
     largest; by default slow families do not stretch the axis.
     """
-    ax.set(xscale="log", yscale="log")
-    ax.grid(visible=True, which="major", color=on_ground(ax, GRID), linewidth=0.8)
-    ax.set_axisbelow(True)
+    _log_axes(ax)
     known = {method: _drawable(points) for method, points in lines.items()}
     best = {
         family: front
@@ -146,7 +220,7 @@ def draw_trade_off(
     for points in filter(None, known.values()):
         ax.plot(*np.transpose(points), color=on_ground(ax, PALE), linewidth=0.9, zorder=1.0)
     names = _draw_front(ax, front) if front else []
-    draw_families(
+    _draw_families(
         ax, {family: [point[:2] for point in line] for family, line in best.items()}, names
     )
 
@@ -175,7 +249,7 @@ def _draw_front(ax: Axes, front: Sequence[tuple[float, float, str]]) -> list[Nam
     return names
 
 
-def draw_families(ax: Axes, lines: Mapping[Family, Points], names: Sequence[Name] = ()) -> None:
+def _draw_families(ax: Axes, lines: Mapping[Family, Points], names: Sequence[Name] = ()) -> None:
     """Draw a line for each family, with its name on it, where no other name is.
 
     The name is written where it covers no other line, if there is such a place.
@@ -304,13 +378,18 @@ def _path(corners: Floats) -> Floats:
 
 def _title(report: ReportData) -> str:
     spec = report.spec
-    detail = f"median of {spec.bodies} bodies, {machine_words(report.machine)}"
+    which, title = "median", spec.title or "Error against run time"
+    bands = "grey band: Pareto front"
+    if spec.revolutions:
+        which, title = "largest", f"{spec.title or spec.scene.words()}: the long run"
+        bands = "grey bands: Pareto fronts"
+    detail = f"{which} of {spec.bodies} bodies, {_machine(report.machine)}"
     if not report.complete:
         detail += "; partial"
-    return f"{spec.title or 'Error against run time'}\n{detail}; grey band: Pareto front"
+    return f"{title}\n{detail}; {bands}"
 
 
-def machine_words(machine: Mapping[str, str]) -> str:
+def _machine(machine: Mapping[str, str]) -> str:
     """The core that measured."""
     isa = f" ({machine['isa']})" if machine.get("isa") else ""
     return f"one core of {machine.get('cpu', '?')}{isa}"

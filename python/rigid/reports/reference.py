@@ -1,20 +1,23 @@
-"""The reference solution of a report: the closed form, or a converged run."""
+"""The reference solution over each horizon of a report: the closed form, or a converged run."""
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..solve.methods import EXACT, methods
+from ..solve.methods import EXACT, order_of
 from ..solve.run import Run
 from ..solve.simulate import simulate
-from .ensemble import Ensemble
+from .ensemble import SHORT, Ensemble, ensemble_of
+from .spec import ReportSpec
 
-__all__ = ["Reference", "find_reference"]
+__all__ = ["UNKNOWN", "Horizon", "Reference", "find_horizons", "find_reference"]
 
 Floats = NDArray[np.float64]
 
@@ -24,6 +27,12 @@ FIRST_ANGLE = 0.5
 CONVERGED = 1e-6
 """Largest distance of two runs that have converged, whether or not the next run is closer."""
 
+TRIAL = 10.0
+"""Revolutions of the first search for a reference over revolutions: it shows what one costs."""
+
+LOST = 1.0
+"""A reference that may be off by more (rad) is lost, and none is looked for over a longer time."""
+
 
 @dataclass(frozen=True, slots=True)
 class Reference:
@@ -32,7 +41,7 @@ class Reference:
     Attributes
     ----------
     method : str
-        ``"exact"`` or the method with the highest order.
+        ``"exact"`` or the method with the highest order; empty if there was no time to find one.
     steps : int
         Number of steps of the reference; 0 by closed form.
     uncertainty, worst : float
@@ -46,6 +55,48 @@ class Reference:
     steps: int
     uncertainty: float
     worst: float
+
+
+UNKNOWN = Reference("", 0, math.inf, math.inf)
+
+
+class Horizon(NamedTuple):
+    """The bodies until the end of a horizon, and their true motion as far as it is known."""
+
+    revolutions: float
+    ensemble: Ensemble
+    reference: Reference
+    truth: Run | None
+
+
+def find_horizons(
+    spec: ReportSpec,
+    usable: Sequence[str],
+    allowed: Callable[[float], bool],
+    told: Callable[[], object],
+) -> list[Horizon]:
+    """The horizons of a specification, from short to long.
+
+    Over revolutions a method is compared with one of twice the step, and none is looked for if it
+    was lost before, or if there is no time. ``told()`` is called after each horizon.
+    """
+    if not spec.revolutions:
+        ensemble = ensemble_of(spec)
+        return [Horizon(spec.horizons[0], ensemble, *find_reference(ensemble, usable, allowed))]
+    found: list[Horizon] = []
+    seconds, worst = 0.0, 0.0
+    for count in (min(TRIAL, spec.revolutions[0]), *spec.revolutions):
+        ensemble = ensemble_of(spec, spec.time_of(count))
+        begun = time.perf_counter()
+        reference, truth = UNKNOWN, None
+        expected = seconds * count / found[-1].revolutions if found else 0.0
+        if EXACT in usable or (worst < LOST and (not found or allowed(expected))):
+            reference, truth = find_reference(ensemble, usable, lambda _: False)
+            seconds = time.perf_counter() - begun
+        worst = reference.worst
+        found.append(Horizon(count, ensemble, reference, truth))
+        told()
+    return found[1:]
 
 
 def find_reference(
@@ -65,10 +116,16 @@ def find_reference(
     if EXACT in usable:
         truth = ensemble.run(EXACT)
         return _reference(EXACT, 0, _in_two_evaluations(ensemble, truth), ensemble), truth
-    orders = {method.name: method.order for method in methods()}
-    name = max(usable, key=lambda method: orders[method])
+    name = max(usable, key=order_of)
     steps = max(1, int(np.ceil(ensemble.angle / FIRST_ANGLE)))
-    before, apart = ensemble.run(name, steps), []
+    while True:
+        try:
+            before, apart = ensemble.run(name, steps), []
+            break
+        except ValueError:  # so long a step would be unstable
+            if ensemble.angle < SHORT * steps:
+                raise
+            steps *= 2
     while True:
         begun = time.perf_counter()
         steps *= 2

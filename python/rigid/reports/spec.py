@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -14,13 +15,22 @@ from .._checks.arguments import brief, finite_float, numbers, positive_int, vect
 from ..model.body import Body
 from ..model.scene import Scene, check_scene, scene_from_dict
 from ..model.seed import checked_seed
-from ..solve.methods import known_method, run_methods
+from ..solve.methods import EXACT, known_method, run_methods
 from ..solve.starts import bodies_of
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
 
-__all__ = ["ReportSpec", "make_spec"]
+__all__ = ["BODIES", "REVOLUTIONS", "ReportSpec", "make_spec"]
+
+REVOLUTIONS = (1e3, 1e4, 1e5, 1e6)
+"""Revolutions of ``rigid report --long``."""
+
+BODIES = 32
+"""Bodies over revolutions: they fill one group of lanes, which takes no longer than one body."""
+
+MOST_REVOLUTIONS = 1e9
+"""Most revolutions; after more, a phase in float64 has no digits left to compare."""
 
 MOST_BODIES = 4096
 """Most bodies; with more, the memory would be measured and not the method."""
@@ -37,7 +47,7 @@ class ReportSpec:
     omega, attitude : tuple of float
         Nominal start of the ensemble: rates in the body (rad/s), unit quaternion (w, x, y, z).
     t_end : float
-        Horizon, in units of time of the scene.
+        Horizon, in units of time of the scene; the longest of several.
     methods : tuple of str
         The compared methods.
     bodies : int
@@ -50,6 +60,8 @@ class ReportSpec:
         Name of the unit of time.
     title : str or None
         For tables and plots.
+    revolutions : tuple of float
+        Horizons in revolutions, from short to long; empty if ``t_end`` was given.
     version : str
         The version of rigid that made it.
     """
@@ -64,7 +76,18 @@ class ReportSpec:
     seed: int = 0
     unit: str = "s"
     title: str | None = None
+    revolutions: tuple[float, ...] = ()
     version: str = _core.__version__
+
+    @property
+    def horizons(self) -> tuple[float, ...]:
+        """The lengths of the runs in revolutions; one if ``t_end`` was given."""
+        return self.revolutions or (self.t_end / self.time_of(1.0),)
+
+    def time_of(self, revolutions: float) -> float:
+        """Time of some revolutions at the rate of the start, ``2 pi / |omega|`` each."""
+        rate = math.hypot(*self.omega)
+        return math.tau * revolutions / rate if rate > 0.0 else math.inf
 
     def to_dict(self) -> dict[str, Any]:
         """The specification as a JSON-able dictionary; :meth:`from_dict` reads it."""
@@ -79,6 +102,7 @@ class ReportSpec:
             "seed": self.seed,
             "unit": self.unit,
             "title": self.title,
+            "revolutions": list(self.revolutions),
             "version": self.version,
         }
 
@@ -87,7 +111,7 @@ class ReportSpec:
         """The specification that :meth:`to_dict` described; its methods need not exist here."""
         values = dict(data)
         values["scene"] = scene_from_dict(values["scene"])
-        for name in ("omega", "attitude", "methods", "errors"):
+        for name in ("omega", "attitude", "methods", "errors", "revolutions"):
             values[name] = tuple(values[name])
         return cls(**values)
 
@@ -101,9 +125,10 @@ def make_spec(
     omega: ArrayLike,
     attitude: ArrayLike | Rotation | None = None,
     *,
-    t_end: float,
+    t_end: float | None = None,
+    revolutions: ArrayLike | None = None,
     methods: Iterable[str] | None = None,
-    bodies: int = ReportSpec.bodies,
+    bodies: int | None = None,
     errors: ArrayLike = ReportSpec.errors,
     seed: int = ReportSpec.seed,
     unit: str = ReportSpec.unit,
@@ -119,6 +144,18 @@ def make_spec(
             "a report starts from one body"
         )
     a, b, c, d = first.attitude[0].tolist()
+    lengths = () if revolutions is None else _revolutions(revolutions)
+    if (t_end is None) != bool(lengths):
+        raise TypeError("t_end, revolutions: give one of the two")
+    if lengths:
+        rate = math.hypot(w1, w2, w3)
+        if rate == 0.0:
+            raise ValueError(
+                f"omega = {[w1, w2, w3]}: must not be zero; a long run counts revolutions"
+            )
+        t_end = math.tau * lengths[-1] / rate
+    if bodies is None:
+        bodies = BODIES if lengths else ReportSpec.bodies
     if positive_int("bodies", bodies) > MOST_BODIES:
         raise ValueError(f"bodies = {brief(bodies)}: must be at most {MOST_BODIES}")
     if not isinstance(unit, str) or not unit:
@@ -128,19 +165,20 @@ def make_spec(
         omega=(w1, w2, w3),
         attitude=(a, b, c, d),
         t_end=finite_float("t_end", t_end, positive=True),
-        methods=_methods(methods),
+        methods=_methods(methods, closed_form=not lengths),
         bodies=int(bodies),
         errors=_errors(errors),
         seed=checked_seed("seed", seed),
         unit=unit,
         title=title,
+        revolutions=lengths,
     )
 
 
-def _methods(methods: Iterable[str] | None) -> tuple[str, ...]:
+def _methods(methods: Iterable[str] | None, *, closed_form: bool) -> tuple[str, ...]:
     known = run_methods()
     if methods is None:
-        return tuple(known)
+        return tuple(name for name in known if closed_form or name != EXACT)
     if isinstance(methods, str):
         raise TypeError(
             f"methods = {brief(methods)}: must be a list of names, such as [{brief(methods)}]"
@@ -153,6 +191,23 @@ def _methods(methods: Iterable[str] | None) -> tuple[str, ...]:
         if name in asked[:k]:
             raise ValueError(f"methods[{k}] = {brief(name)}: is there already")
     return tuple(asked)
+
+
+def _revolutions(revolutions: ArrayLike) -> tuple[float, ...]:
+    array = numbers("revolutions", revolutions)
+    if array.ndim != 1 or not array.size:
+        raise ValueError(
+            f"revolutions: expected shape (m,) with at least one number, got {array.shape}"
+        )
+    values: list[float] = array.tolist()
+    for k, value in enumerate(values):
+        before = values[k - 1] if k else 0.0
+        if not before < value <= MOST_REVOLUTIONS:
+            raise ValueError(
+                f"revolutions[{k}] = {value}: must be above {before:g} and at most "
+                f"{MOST_REVOLUTIONS:g}"
+            )
+    return tuple(values)
 
 
 def _errors(errors: ArrayLike) -> tuple[float, ...]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from textwrap import wrap
 
@@ -10,18 +11,26 @@ import numpy as np
 from ..model.scene import Scene
 from ..solve.methods import EXACT, methods
 from ..solve.plan import carried, left_out, not_left_out
-from .data import REPEATS, ReportData
-from .long_data import LongRunData
+from .data import REPEATS, ReportData, Row
 
-__all__ = ["aligned", "heading", "report_text", "time_text"]
+__all__ = ["ERRORS", "in_short", "known_errors", "report_text", "time_text"]
 
 NAMES = 60
 """Characters of a line of other names."""
 
+ERRORS = {"energy": "energy_drift", "momentum": "momentum_drift", "phase": "phase"}
+"""The errors that are shown over revolutions, and their names in rows."""
+
 
 def report_text(report: ReportData) -> str:
-    """Lines on the measurement, the time of each method for each error, and the Pareto front."""
-    return "\n".join([*_head(report), "", *_costs(report), "", *_front(report)])
+    """Lines on the measurement, the time of each method for each error, and the Pareto front.
+
+    Over revolutions the errors of each method in equal time, and the Pareto fronts.
+    """
+    parts = [_head(report), _costs(report), _front(report)]
+    if report.spec.revolutions:
+        parts = [_long_head(report), *_growth(report)]
+    return "\n\n".join("\n".join(lines) for lines in parts)
 
 
 def _head(report: ReportData) -> list[str]:
@@ -37,12 +46,10 @@ def _head(report: ReportData) -> list[str]:
         "error": "median of the bodies: of the rates, relative, or of the attitude, rad",
         "time": time,
     }
-    return heading(report, "report", "error against run time", lines)
+    return _heading(report, "report", "error against run time", lines)
 
 
-def heading(
-    report: ReportData | LongRunData, what: str, untitled: str, lines: Mapping[str, str]
-) -> list[str]:
+def _heading(report: ReportData, what: str, untitled: str, lines: Mapping[str, str]) -> list[str]:
     """The measured scene, the given lines on the measurement, and the refused methods."""
     spec, machine = report.spec, report.machine
     attitude = f"({_listed(spec.attitude)})"
@@ -101,7 +108,7 @@ def _costs(report: ReportData) -> list[str]:
         names = wrap(", ".join(report.same.get(method, ())), NAMES) or [""]
         table.append([*cells, f"= {names[0]}" if names[0] else ""])
         table += [[*("" for _ in cells), f"  {more}"] for more in names[1:]]
-    return aligned(table)
+    return _aligned(table)
 
 
 def _front(report: ReportData) -> list[str]:
@@ -111,8 +118,8 @@ def _front(report: ReportData) -> list[str]:
         [*head, "momentum", ""],
         ["", "", "", time, time, "ns", "rad", "rad", "relative", "relative", ""],
     ]
-    closed = [row for row in report.front if row.method == EXACT]
-    for row in [*closed, *report.scheme_front]:
+    closed = [row for row in report.front() if row.method == EXACT]
+    for row in [*closed, *report.front(schemes=True)]:
         table.append(
             [
                 row.method,
@@ -128,7 +135,7 @@ def _front(report: ReportData) -> list[str]:
                 row.mark,
             ]
         )
-    return aligned(table)
+    return _aligned(table)
 
 
 def _rate(report: ReportData) -> str:
@@ -153,7 +160,7 @@ def _brief(method: str, why: str) -> str:
     return text if len(text) <= 100 else f"{text[:97]}..."
 
 
-def aligned(table: Sequence[Sequence[str]]) -> list[str]:
+def _aligned(table: Sequence[Sequence[str]]) -> list[str]:
     """Columns side by side: the first to the left, numbers to the right, marks unchanged."""
     widths = [max(map(len, column)) for column in zip(*table, strict=True)]
     lines = []
@@ -164,3 +171,105 @@ def aligned(table: Sequence[Sequence[str]]) -> list[str]:
             rest[-1] = cells[-1]
         lines.append("  ".join([first, *rest]).rstrip())
     return lines
+
+
+def known_errors(report: ReportData) -> list[str]:
+    """The known errors; the error of the phase is unknown where the motion is chaotic."""
+    known = any(row.phase < 1.0 for row in report.rows)
+    return [name for name in ERRORS if known or name != "phase"]
+
+
+def in_short(count: float) -> str:
+    """A number of revolutions as text, such as 1e6."""
+    power = round(math.log10(count))
+    return f"1e{power}" if count == 10.0**power and power > 2 else f"{count:g}"
+
+
+def _long_head(report: ReportData) -> list[str]:
+    spec = report.spec
+    lines = {
+        "bodies": f"{spec.bodies} close to it, seed {spec.seed}: the largest error of all",
+        "revolution": (
+            f"2 pi / |omega| = {spec.time_of(1.0):.4g} {spec.unit}; rad of a step at this rate"
+        ),
+        "energy": "largest error, minus the work, relative",
+        "momentum": f"largest error {_momentum(spec.scene)}, relative",
+        "phase": "angle to the true attitude at the end, rad; < below the uncertainty of the truth",
+        "reference": _references(report),
+        "time": "processor time, ns per body and revolution (ns/rev)",
+    }
+    return _heading(report, "long run", "errors over many revolutions", lines)
+
+
+def _momentum(scene: Scene) -> str:
+    if scene.forces:
+        return "of its balance"
+    if not scene.weight.any():
+        return "of L in space"
+    return "of L along the vertical, and along the axis of a symmetric top"
+
+
+def _references(report: ReportData) -> str:
+    """The uncertainty of the truth over each number of revolutions, and where it is lost."""
+    method = report.references[0].method
+    if not method:
+        return "no time to find it"
+    counts = [in_short(count) for count in report.spec.revolutions]
+    words = [
+        f"{one.worst:.0e} over {count}"
+        for one, count in zip(report.references, counts, strict=True)
+        if one.worst < 1.0
+    ]
+    how = "closed form" if method == EXACT else "compared with twice the step"
+    text = f"{method}, {how}; "
+    text += f"may be off by {', '.join(words)}" if words else "no phase is known"
+    if len(words) == len(counts):
+        return text
+    if report.references[len(words)].method:
+        return f"{text}; lost over {counts[len(words)]}, as in chaos"
+    return f"{text}; no time to find it over {counts[len(words)]}"
+
+
+def _growth(report: ReportData) -> list[list[str]]:
+    """The growth of the errors of each method in equal time, and the Pareto fronts."""
+    if not report.rows:
+        return []
+    errors = known_errors(report)
+    counts = [in_short(count) for count in report.spec.revolutions]
+    head = ["method", "rad/step", "ns/rev"]
+    for name in errors:
+        head += [f"{name} {counts[0]}", *counts[1:]]
+    table = [[*head, ""]]
+    for row in report.at_common_time():
+        cells = _beginning(report, row)
+        for name in errors:
+            grown = [_error_text(report, one, name) for one in report.growth(row)]
+            cells += grown + ["-"] * (len(counts) - len(grown))
+        table.append([*cells, ""])
+    most = time_text(report.spec.time_of(report.common_time))
+    tables = [[f"Each method with the shortest step of at most {most} ns:", *_aligned(table)]]
+    over = in_short(report.horizon)
+    for name in errors:
+        front = report.front(ERRORS[name]) if name != "momentum" else ()
+        table = [["front", "rad/step", "ns/rev", *errors, ""]]
+        for row in front:
+            cells = [_error_text(report, row, error) for error in errors]
+            table.append([*_beginning(report, row), *cells, ""])
+        if front:
+            tables.append([f"The least {name} over {over} revolutions:", *_aligned(table)])
+    return tables
+
+
+def _beginning(report: ReportData, row: Row) -> list[str]:
+    return [row.method, f"{row.angle:g}", time_text(report.spec.time_of(row.nanoseconds))]
+
+
+def _error_text(report: ReportData, row: Row, name: str) -> str:
+    """An error as text: ``lost`` where it is 1 or more, ``-`` where no phase is known."""
+    error = getattr(row, ERRORS[name])
+    reference = report.references[report.spec.horizons.index(row.revolutions)]
+    if name == "phase" and not reference.method:
+        return "-"
+    if not error < 1.0:
+        return "lost"
+    return f"{'<' if name == 'phase' and error <= reference.worst else ''}{error:.0e}"

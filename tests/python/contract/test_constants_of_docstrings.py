@@ -13,8 +13,9 @@ from rigid import _core, planning
 from rigid.animation import explorer
 from rigid.maps import data, sequential, spec
 from rigid.maps.result import StabilityMap
+from rigid.reports import compute, ensemble, stress, sweep
 from rigid.reports import data as report_data
-from rigid.reports import ensemble, long_run, stress, sweep
+from rigid.reports import spec as report_spec
 from rigid.rotations import so3
 from rigid.sections.crossings import Crossings
 from rigid.solve import (
@@ -131,11 +132,16 @@ SAID: list[tuple[object, str, tuple[float | str, ...]]] = [
         "evaluated for {} bodies and compared with one step of {} bodies",
         (sweep.CLOSED_FORM_BODIES,) * 2,
     ),
-    (rigid.long_run, "turns by {} rad, {} rad and so on", long_run.ANGLES[:2]),
-    (rigid.long_run, "down to 1/{} rad", (1.0 / long_run.ANGLES[-1],)),
-    (rigid.long_run, "off by more than {} after", (long_run.LOST_ENERGY,)),
-    (rigid.long_run, "An ensemble of {} bodies", (long_run.BODIES,)),
-    (rigid.long_run, "the largest at {} times", (long_run.OUTPUT_TIMES,)),
+    (rigid.report, "turns by {} rad, {} rad and so on", sweep.ANGLES[:2]),
+    (rigid.report, "down to 1/{} rad", (1.0 / sweep.ANGLES[-1],)),
+    (rigid.report, "off by more than {} after", (sweep.LOST_ENERGY,)),
+    (
+        rigid.report,
+        "By default {}, and {} over",
+        (report_spec.ReportSpec.bodies, report_spec.BODIES),
+    ),
+    (rigid.report, "at {} times of a run", (ensemble.OUTPUT_TIMES,)),
+    (rigid.report, "by default {}, and {} over", (compute.SECONDS, compute.LONG_SECONDS)),
     (rigid.extremes, "accuracy of each run is {}", (stress.ACCURACY,)),
 ]
 
