@@ -490,6 +490,8 @@ def _toml_report(rng: Random) -> dict[str, Any]:
     run: dict[str, Any] = {"t_end": odd.decades(rng, -1, 2)}
     if rng.random() < 0.5:
         run |= {"bodies": rng.choice([1, 100]), "errors": [1e-3, 1e-6], "seed": 3}
+    if rng.random() < 0.3:
+        run["revolutions"] = [run.pop("t_end")]
     start = {"omega": [rng.gauss(0, 1) for _ in range(3)], "tilt": rng.uniform(-3, 3)}
     return {"scene": _toml_scene(rng), "start": start, "run": run}
 

@@ -142,7 +142,7 @@ def report(
     >>> book = rigid.FreeBody(rigid.Body.box(0.25, 0.08, 0.01, mass=0.3))
     >>> result = rigid.report(
     ...     book, [0.1, 10.0, 0.1], t_end=0.5, methods=["exact", "rk4"], errors=[1e-3, 1e-5],
-    ...     seconds=0.3,
+    ...     seconds=1.0,
     ... )
     >>> result.reference.method, round(result.order("rk4"))
     ('exact', 4)
