@@ -207,7 +207,7 @@ def run_report(
     same = same_steps(first, able)
     sweeps = [Sweep(method) for method in same]
     horizons: list[Horizon] = []
-    complete = interrupted = False
+    complete = False
 
     def failures() -> int:
         return 0 if spec.revolutions else sum(one.failures for one in sweeps)
@@ -233,7 +233,6 @@ def run_report(
         except KeyboardInterrupt:
             if not any(sweep.runs for sweep in sweeps):
                 raise
-            interrupted = True
     if complete and spec.revolutions:
         lost = f"no step down to {ANGLES[-1]} rad that there was time for keeps the energy"
         refused |= {sweep.method: lost for sweep in sweeps if not sweep.kept()}
@@ -249,7 +248,7 @@ def run_report(
         rounds=min((len(run.times) for one in sweeps for run, *_ in one.kept()), default=0),
         elapsed=time.perf_counter() - begun,
     )
-    if interrupted and not partial:
+    if not complete and not partial:
         raise Interrupted(
             f"{sum(len(sweep.runs) for sweep in sweeps)} runs are done; "
             "the attribute 'partial' of this exception is their report",

@@ -292,6 +292,8 @@ class ReportData:
             values = {field.name: data[field.name] for field in dataclasses.fields(cls)}
             values["spec"] = ReportSpec.from_dict(values["spec"])
             values["references"] = tuple(_read(Reference, one) for one in values["references"])
+            if len(values["references"]) != len(values["spec"].horizons):
+                raise ValueError("references: must be as many as horizons")
             values["rows"] = tuple(_read(Row, row) for row in values["rows"])
             values["same"] = _names(values["same"])
             for name in ("rounds", "elapsed"):

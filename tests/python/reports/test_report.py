@@ -485,13 +485,14 @@ def test_a_hostile_text_is_refused_in_a_line(text: str) -> None:
         ("method", 4, "method = 4: must be a string"),
         ("more", 4, "more"),
         ("same", {"rk4": [4]}, "same: 4: must be a name"),
+        ("references", [], "references: must be as many as horizons"),
     ],
 )
 def test_rows_that_no_measurement_gives_are_refused(
     box: rigid.Report, key: str, value: object, rule: str
 ) -> None:
     data = json.loads(box.to_json())
-    (data if key == "same" else data["rows"][0])[key] = value
+    (data if key in data else data["rows"][0])[key] = value
     with pytest.raises(ValueError, match="text: is not a report") as caught:
         rigid.Report.from_json(json.dumps(data))
     assert rule in str(caught.value)
