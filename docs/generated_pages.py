@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Mapping
+import re
+from collections.abc import Callable, Collection, Iterator, Mapping
 from itertools import groupby
 from pathlib import Path
 from types import ModuleType
@@ -11,10 +12,14 @@ from types import ModuleType
 import numpy as np
 
 import rigid
-from rigid.cli import toml_keys
+from rigid.cli import toml_map, toml_section
 from rigid.cli.parser import make_parser
+from rigid.cli.toml_scene import KINDS, NOISES, scene_of_keys
+from rigid.cli.toml_table import keys
 from rigid.maps.parameters import PARAMETERS
+from rigid.maps.spec import MapSpec
 from rigid.model.criteria import CRITERIA
+from rigid.reports.spec import ReportSpec
 
 __all__ = ["write_generated_pages"]
 
@@ -36,11 +41,8 @@ def write_generated_pages(docs: Path) -> None:
     _write(docs / "map_parameters.txt", map_parameters())
     _write(folder / "modules.txt", module_table())
     _write(folder / "commands.txt", command_help())
-    for name in toml_keys.__all__:
-        table = getattr(toml_keys, name)
-        if isinstance(table, dict):
-            _write(folder / f"toml_{name.lower()}.txt", key_table(table))
-    _write(folder / "toml_criteria.txt", criterion_table())
+    for name, text in toml_tables().items():
+        _write(folder / f"toml_{name}.txt", text)
     _write(folder / "validation.txt", validation_table())
     write_films(docs / "_static")
     for name in modules():
@@ -164,24 +166,124 @@ def _home(value: object) -> str | None:
     return None
 
 
-def key_table(keys: Mapping[str, toml_keys.Key]) -> str:
-    """The keys of a table of a TOML file."""
-    lines = ["| key | value | unit | default | meaning |", "|---|---|---|---|---|"]
-    for name, key in keys.items():
-        lines.append(f"| `{name}` | {key.kind} | {key.unit} | {key.default} | {key.meaning} |")
+def toml_tables() -> dict[str, str]:
+    """The tables of ``toml.md``: the keys of a table of a file are the arguments of a function."""
+    top, free = (keys(KINDS[kind]) for kind in ("heavy-top", "free-body"))
+    only_free = [key for key in free if key not in top]
+    outside = [key for key in keys(rigid.FreeBody) if key not in free]
+    scene: list[Callable[..., object]] = [scene_of_keys, rigid.FreeBody, rigid.HeavyTop]
+    not_in_run = ("scene", "start", "axes", "stable", "title", "own", "version")
+    not_in_report = ("scene", "omega", "attitude", "title", "version")
+    return {
+        "axis": key_table(
+            [toml_map.listed, toml_map.spaced], (), ("values", "from", "to", "count")
+        ),
+        "map_run": key_table([MapSpec], not_in_run, ("samples", "seed")),
+        "scene": key_table(scene, ("scene", *outside, *only_free)),
+        "free_scene": key_table([rigid.FreeBody], (*outside, *top)),
+        "orbit": key_table([rigid.Orbit]),
+        "start": key_table([rigid.Start]),
+        "report_start": key_table([rigid.Start], ("noise", "attitude_noise")),
+        "report_run": key_table([ReportSpec], not_in_report, ("methods",)),
+        "surface": key_table([rigid.section]),
+        "section_start": key_table([toml_section.starts]),
+        "section_run": key_table([toml_section.run]),
+        "plot": key_table([toml_section.plot]),
+        "criteria": choice_table("criterion", CRITERIA),
+        "measures": choice_table("name", toml_map.MAKES),
+        "noises": choice_table("kind", NOISES),
+    }
+
+
+VALUES = {
+    r"float or array_like, shape \(\.\.\.\)": "number",
+    r"(, shape )?(\(\.\.\.\)|or \(\.\.\., 3\))|, optional|, or scipy Rotation| or None": "",
+    r"array_like, shape \((\d),\)": r"\1 numbers",
+    r"array_like(, shape \(\w+,\))?": "numbers",
+    r"\bfloat\b": "number",
+    r"\bint\b": "whole number",
+    r"\bstr\b": "text",
+    r"\bbool\b": "true or false",
+    "tuple of text": "texts",
+    "tuple of number": "numbers",
+    "EnergySink": "number or 3 numbers",
+    "Noise or Samples|Noise|Orbit": "table",
+    "Torque": "3 numbers",
+    "tuple of Measure": "names or tables",
+    r"[{}]": "",
+}
+"""The types of docstrings in the words of files."""
+
+
+def described(make: Callable[..., object]) -> Iterator[tuple[str, str, str]]:
+    """Name, type and meaning of the arguments of a function, from its docstring."""
+    text = inspect.getdoc(make) or ""
+    part = re.search(r"^(?:Parameters|Attributes)\n-+\n(.*?)(?:\n\n|\Z)(?!    )", text, re.S | re.M)
+    entries = re.findall(
+        r"^(\S.*?) : (.*)\n((?:    .*\n?|\n)+)", f"{part[1] if part else ''}\n", re.M
+    )
+    for names, kind, meaning in entries:
+        for name in names.split(", "):
+            yield name, kind, " ".join(meaning.split())
+
+
+def key_table(
+    makes: list[Callable[..., object]],
+    without: Collection[str] = (),
+    optional: Collection[str] = (),
+) -> str:
+    """The keys of a table whose values are the arguments of functions, without some.
+
+    Some that a function needs are ``optional`` in a file.
+    """
+    lines = ["| key | value | default | meaning |", "|---|---|---|---|"]
+    seen = set(without)
+    for make in makes:
+        known = keys(make)
+        for name, kind, meaning in described(make):
+            key = name.removesuffix("_")
+            if key in seen or key not in known:
+                continue
+            seen.add(key)
+            value = kind
+            for of_python, of_file in VALUES.items():
+                value = re.sub(of_python, of_file, value)
+            meaning = re.sub(r":\w+:`~?([^`]*)`", r"`\1`", meaning).replace("``", "`")
+            meaning = re.sub(r"\bNone:", "omitted:", meaning)
+            cells = [
+                f"`{key}`",
+                value.strip(),
+                "" if key in optional else _default(known[key]),
+                meaning,
+            ]
+            lines.append("| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |")
     return "\n".join(lines) + "\n"
 
 
-def criterion_table() -> str:
-    """The criteria of a map with the keys of each."""
-    lines = ["| `criterion` | other keys, with defaults |", "|---|---|"]
-    for name, criterion in CRITERIA.items():
-        keys = []
-        for key, parameter in inspect.signature(criterion).parameters.items():
-            given = parameter.default is not parameter.empty and parameter.default is not None
-            keys.append(f"`{key}`" + (f" = {parameter.default!r}" if given else ""))
-        lines.append(f"| `{name}` | {', '.join(keys) or 'none'} |")
+def choice_table(word: str, makes: Mapping[str, Callable[..., object]]) -> str:
+    """The functions that a key may name, with the other keys of each."""
+    lines = [f"| `{word}` | other keys, with defaults |", "|---|---|"]
+    for name, make in makes.items():
+        given = {key: _default(one) for key, one in keys(make).items()}
+        listed = [
+            f"`{key}`" + {"": "", "required": " (required)"}.get(value, f" = {value}")
+            for key, value in given.items()
+        ]
+        lines.append(f"| `{name}` | {', '.join(listed) or 'none'} |")
     return "\n".join(lines) + "\n"
+
+
+def _default(parameter: inspect.Parameter) -> str:
+    value = parameter.default
+    if value is parameter.empty:
+        return "required"
+    if value in (None, ()):
+        return ""
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, tuple):
+        return str(list(value))
+    return f"{value:,}" if isinstance(value, int) else repr(value)
 
 
 def command_help() -> str:

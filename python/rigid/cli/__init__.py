@@ -366,9 +366,8 @@ class _SectionResult:
 
 
 def _report(options: argparse.Namespace) -> int:
-    name, spec = read_report(
-        options.report, options.changes, methods=options.method, long=options.long
-    )
+    chosen = [f"run.methods={options.method}"] if options.method else []
+    name, spec = read_report(options.report, [*options.changes, *chosen], long=options.long)
     stem = f"report-{name}-long" if options.long else f"report-{name}"
     target = target_of(options.out, stem, ".json", force=options.force)
     require_room(target.data, REPORT_SIZE)

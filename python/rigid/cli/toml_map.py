@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from decimal import Decimal, localcontext
 from functools import partial
-from inspect import Parameter, signature
+from typing import Any
+
+from numpy.typing import ArrayLike
 
 from .._checks.arguments import brief, finite_float, one_of, positive_int
+from .._core import __version__
 from ..maps.parameters import (
     MOST_AXES,
     PARAMETERS,
@@ -21,16 +24,17 @@ from ..maps.sequential import checked_half_width, stop_table
 from ..maps.spec import MapSpec
 from ..model import measures
 from ..model.measures import MEASURES, Measure
-from ..model.seed import checked_seed, seed_from
-from ..solve.methods import known_method, map_methods
-from .toml_keys import AXIS, MAP, MAP_RUN
+from ..model.seed import seed_from
 from .toml_scene import read_criterion, read_scene, read_starts
-from .toml_table import BUILTIN, Table, as_is, names_in, parsed, read_source, text
+from .toml_table import BUILTIN, Table, names_in, parsed, read_source
 
 __all__ = ["MAPS", "NamedSpec", "builtin_names", "parse_spec", "read_spec"]
 
 MAPS = BUILTIN
 """The folder of the built-in maps."""
+
+MAKES: Mapping[str, Callable[..., Measure]] = {name: getattr(measures, name) for name in MEASURES}
+"""The functions that make the measures, by their names."""
 
 MOST_VALUES = 100_000
 """Most values of an axis that is given by its ends and a number."""
@@ -99,121 +103,109 @@ def parse_spec(content: str, file: str, changes: Sequence[str] = ()) -> MapSpec:
     document = parsed(content, file, changes)
     letters = [axis_letter(place) for place in range(MOST_AXES)]
     given = [letter for letter in letters if letter in document]
-    document.only(*dict.fromkeys((*MAP, *letters[: len(given) + 1])))
+    document.only("title", "scene", *letters[: len(given) + 1], "start", "stable", "run")
     scene = read_scene(document.table("scene"))
     axes = _axes([document.table(letter) for letter in letters[: max(1, len(given))]])
-    start = read_starts(document, [axis.name for axis in axes])
+    names = [axis.name for axis in axes]
+    start = read_starts(document, names)
     for one in start.starts:
         document.build(partial(check_applicable, scene, one, axes))
-    stable = read_criterion(document.table("stable"), scene, start.starts[0])
+    criterion = document.table("stable")
+    stable = read_criterion(criterion)
+    criterion.build(lambda: stable.resolved(scene, start.starts[0]))
     run = document.table("run")
-    run.only(*MAP_RUN)
-    half_width = run.take("half_width", _half_width, default=None)
-    if half_width is not None and "samples" in run:
-        raise run.error("samples, half_width: give one of the two")
-    # The longest horizon of an axis follows from its values.
-    longest = {"default": 1.0} if "t_end" in (axis.name for axis in axes) else {}
-    return run.build(
-        lambda: MapSpec(
-            scene=scene,
-            start=start,
-            axes=axes,
-            stable=stable,
-            t_end=run.take("t_end", finite_float, **longest),
-            samples=run.take("samples", positive_int)
-            if half_width is None
-            else stop_table(half_width).last,
-            half_width=half_width,
-            refine=run.take("refine", positive_int, default=None),
-            budget=run.take("budget", positive_int, default=None),
-            method=run.take("method", _method, default=MapSpec.method),
-            step=run.take("step", finite_float, default=MapSpec.step),
-            check=run.take("check", finite_float, default=MapSpec.check),
-            max_steps=run.take("max_steps", positive_int, default=MapSpec.max_steps),
-            seed=seed_from(run.take("seed", checked_seed, default=None)),
-            measure=run.take("measure", _measures, default=()),
-            title=document.take("title", text, default=None),
+    defaults: dict[str, Any] = {"seed": seed_from(None)}
+    if "t_end" in names:
+        defaults["t_end"] = 1.0  # the longest horizon of the axis takes its place
+    if "half_width" in run:
+        if "samples" in run:
+            raise run.error("samples, half_width: give one of the two")
+        defaults["samples"] = run.build(
+            lambda: stop_table(checked_half_width(run["half_width"])).last
         )
+    return run.call(
+        MapSpec,
+        read={"measure": _measures},
+        defaults=defaults,
+        scene=scene,
+        start=start,
+        axes=axes,
+        stable=stable,
+        title=document.text("title"),
+        own=None,
+        version=__version__,
     )
 
 
-def _measures(key: str, value: object) -> tuple[Measure, ...]:
+def _measures(table: Table, key: str) -> tuple[Measure, ...]:
     """The measures of a list of names and of tables with a name."""
-    if not isinstance(value, list):
-        raise TypeError(f"{key} = {brief(value)}: must be a list of names or of tables")
-    return tuple(_measure(f"{key}[{place}]", one) for place, one in enumerate(value))
-
-
-def _measure(key: str, value: object) -> Measure:
-    table = {"name": value} if isinstance(value, str) else value
-    if not isinstance(table, dict) or "name" not in table:
-        raise TypeError(f"{key} = {brief(value)}: must be a name, or a table with a name")
-    name = one_of(f"{key}.name", table["name"], MEASURES)
-    make = getattr(measures, name)
-    options = {option: given for option, given in table.items() if option != "name"}
-    known = signature(make).parameters
-    for option in options:
-        if option not in known:
-            has = f"has {' and '.join(known)}" if known else "has no options"
-            raise ValueError(f"{key}.{option}: {name} {has}")
-    for option, parameter in known.items():
-        if parameter.default is Parameter.empty and option not in options:
-            raise ValueError(f"{key}: {name} needs {option}")
-    found: Measure = make(**options)
-    return found
-
-
-def _method(key: str, value: object) -> str:
-    return known_method(key, value, map_methods())
-
-
-def _half_width(_key: str, value: object) -> float:
-    return checked_half_width(value)
+    return tuple(one.choose("name", MAKES) for one in table.tables(key, "name"))
 
 
 def _axes(tables: list[Table]) -> tuple[Axis, ...]:
-    axes = tuple(_axis(table) for table in tables)
-    if len({axis.name for axis in axes}) < len(axes):
-        names = [axis.name for axis in axes]
-        place = next(place for place, name in enumerate(names) if name in names[:place])
-        first = axis_letter(names.index(names[place]))
-        raise tables[place].error(f"name = {names[place]!r}: the axis [{first}] has this name")
+    axes = tuple(
+        table.call(listed) if "values" in table else table.call(spaced, "values")
+        for table in tables
+    )
+    names = [axis.name for axis in axes]
+    for place, name in enumerate(names):
+        if name in names[:place]:
+            first = axis_letter(names.index(name))
+            raise tables[place].error(f"name = {name!r}: the axis [{first}] has this name")
     return axes
 
 
-def _axis(table: Table) -> Axis:
-    table.only(*AXIS)
-    name = table.choice("name", PARAMETERS)
-    known_as = f"axes[{name!r}]"
-    known = {known_as: "values"}
-    if "values" in table:
-        table.only("name", "values")
-        values = table.take("values", as_is)
-    else:
-        number = partial(finite_float, unit=PARAMETERS[name].unit)
-        first, last = table.take("from", number), table.take("to", number)
-        count = table.take("count", _count)
-        logarithmic = table.choice("scale", ("linear", "log"), default="linear") == "log"
-        if logarithmic and not (first > 0.0 and last > 0.0):
-            raise table.error(f"scale = 'log': the ends must be positive, got {first} and {last}")
-        if first == last:
-            raise table.error(f"from = {first:g}, to = {last:g}: must differ")
-        values = _spaced(first, last, count, logarithmic)
-        known |= {f"{known_as}[0]": "from", f"{known_as}[{count - 1}]": "to"}
+def listed(name: str, values: ArrayLike) -> Axis:
+    """An axis by its values.
+
+    Parameters
+    ----------
+    name : str
+        The parameter that varies, see below.
+    values : array_like, shape (n,)
+        Its values, instead of ``from``, ``to`` and ``count``.
+    """
+    return _axis(one_of("name", name, PARAMETERS), values, {"": "values"})
+
+
+def spaced(name: str, from_: float, to: float, count: int, scale: str = "linear") -> Axis:
+    """An axis by its ends and the number of its values.
+
+    Parameters
+    ----------
+    name : str
+        The parameter that varies, see below.
+    from_ : float
+        First value.
+    to : float
+        Last value.
+    count : int
+        How many values.
+    scale : {"linear", "log"}
+        Whether differences or ratios of the values are equal.
+    """
+    unit = PARAMETERS[one_of("name", name, PARAMETERS)].unit
+    first, last = finite_float("from", from_, unit=unit), finite_float("to", to, unit=unit)
+    if positive_int("count", count, minimum=2) > MOST_VALUES:
+        raise ValueError(f"count = {brief(count)}: must be at most {MOST_VALUES}")
+    logarithmic = one_of("scale", scale, ("linear", "log")) == "log"
+    if logarithmic and not (first > 0.0 and last > 0.0):
+        raise ValueError(f"scale = 'log': the ends must be positive, got {first} and {last}")
+    if first == last:
+        raise ValueError(f"from = {first:g}, to = {last:g}: must differ")
+    values = _spaced(first, last, count, logarithmic)
+    return _axis(name, values, {"[0]": "from", f"[{count - 1}]": "to", "": "values"})
+
+
+def _axis(name: str, values: ArrayLike, words: Mapping[str, str]) -> Axis:
+    """The axis; ``words`` are the names of its values, by their places, in messages."""
     try:
         return make_axes({name: values})[0]
     except (OverflowError, TypeError, ValueError) as error:
         message = str(error)
-        for of_python, of_file in reversed(known.items()):
-            message = message.replace(of_python, of_file)
-        raise table.error(message) from None
-
-
-def _count(key: str, value: object) -> int:
-    count = positive_int(key, value, minimum=2)
-    if count > MOST_VALUES:
-        raise ValueError(f"{key} = {count}: must be at most {MOST_VALUES}")
-    return count
+        for place, word in words.items():
+            message = message.replace(f"axes[{name!r}]{place}", word)
+        raise ValueError(message) from None
 
 
 def _spaced(first: float, last: float, count: int, logarithmic: bool) -> list[float]:

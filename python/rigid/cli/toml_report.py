@@ -4,13 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from .._checks.arguments import finite_float, positive_int
 from ..maps.grid import nominal_starts
-from ..model.seed import checked_seed
 from ..reports.spec import REVOLUTIONS, ReportSpec, make_spec
-from .toml_keys import REPORT, REPORT_RUN, REPORT_START
 from .toml_scene import read_scene, read_start
-from .toml_table import BUILTIN, as_is, names_in, parsed, read_source, text
+from .toml_table import BUILTIN, names_in, parsed, read_source
 
 __all__ = ["REPORTS", "parse_report", "read_report", "report_names"]
 
@@ -23,11 +20,7 @@ def report_names() -> list[str]:
 
 
 def read_report(
-    source: str,
-    changes: Sequence[str] = (),
-    *,
-    methods: Sequence[str] | None = None,
-    long: bool = False,
+    source: str, changes: Sequence[str] = (), *, long: bool = False
 ) -> tuple[str, ReportSpec]:
     """Name and specification of a built-in report, or of a file; see ``read_spec`` of a map.
 
@@ -38,46 +31,31 @@ def read_report(
     1.0
     """
     name, content, file = read_source(source, "report", REPORTS)
-    return name, parse_report(content, file, changes, methods=methods, long=long)
+    return name, parse_report(content, file, changes, long=long)
 
 
 def parse_report(
-    content: str,
-    file: str,
-    changes: Sequence[str] = (),
-    *,
-    methods: Sequence[str] | None = None,
-    long: bool = False,
+    content: str, file: str, changes: Sequence[str] = (), *, long: bool = False
 ) -> ReportSpec:
-    """The report that a TOML text describes; ``methods`` replaces the methods of the text.
+    """The report that a TOML text describes.
 
     A ``long`` report counts revolutions, whether or not the text gives ``t_end``.
     """
     document = parsed(content, file, changes)
-    document.only(*REPORT)
+    document.only("title", "scene", "start", "run")
     scene = read_scene(document.table("scene"))
-    nominal = document.table("start")
-    nominal.only(*REPORT_START)
-    start = read_start(nominal, [])
-    run = document.table("run")
-    run.only(*REPORT_RUN)
-    revolutions = run.take("revolutions", as_is, default=REVOLUTIONS if long else None)
-    t_end = None
-    if revolutions is None or ("t_end" in run and not long):
-        t_end = run.take("t_end", finite_float)
+    start = read_start(document.table("start"), (), noise=None, attitude_noise=None)
     grid = document.build(lambda: nominal_starts(scene, start))
-    return run.build(
-        lambda: make_spec(
-            scene,
-            grid.omega[0],
-            grid.attitude[0],
-            t_end=t_end,
-            revolutions=revolutions,
-            methods=run.take("methods", as_is, default=None) if methods is None else methods,
-            bodies=run.take("bodies", positive_int, default=None),
-            errors=run.take("errors", as_is, default=ReportSpec.errors),
-            seed=run.take("seed", checked_seed, default=ReportSpec.seed),
-            unit=run.take("unit", text, default=ReportSpec.unit),
-            title=document.take("title", text, default=None),
-        )
+    return document.table("run").call(
+        make_spec,
+        read={"t_end": _nothing} if long else {},
+        defaults={"revolutions": REVOLUTIONS} if long else {},
+        scene=scene,
+        omega=grid.omega[0],
+        attitude=grid.attitude[0],
+        title=document.text("title"),
     )
+
+
+def _nothing(*_: object) -> None:
+    """The argument of a key that does not matter."""

@@ -4,16 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
-from .._checks.arguments import finite_float, positive_int
-from ..model.events import COMPONENTS
+from .._checks.arguments import finite_float, one_of, positive_int
 from ..model.scene import HeavyTop
 from ..model.seed import checked_seed, seed_from
 from ..sections.crossings import LABELS
-from ..sections.surface import HEIGHT, Section, section
-from .toml_keys import PLOT, SECTION, SECTION_RUN, SECTION_START, SURFACE
+from ..sections.surface import Section, section
 from .toml_scene import read_scene
-from .toml_table import BUILTIN, Table, as_is, names_in, parsed, positive, read_source, text, three
+from .toml_table import BUILTIN, names_in, parsed, read_source
 
 __all__ = ["SECTIONS", "SectionSpec", "read_section", "section_names"]
 
@@ -70,44 +69,70 @@ def read_section(source: str, changes: Sequence[str] = ()) -> SectionSpec:
     """
     name, content, file = read_source(source, "section", SECTIONS)
     document = parsed(content, file, changes)
-    document.only(*SECTION)
+    document.only("title", "scene", "section", "start", "run", "plot")
     scene = read_scene(document.table("scene"))
     if not isinstance(scene, HeavyTop):
         raise document.table("scene").error(
             f"kind = {scene.title.replace(' ', '-')!r}: must be 'heavy-top', "
             "whose starts have one energy and one L·gamma"
         )
-    start, run = document.table("start"), document.table("run")
-    start.only(*SECTION_START)
-    run.only(*SECTION_RUN)
-    plot = document.table("plot")
-    plot.only(*PLOT)
     return SectionSpec(
         name=name,
-        title=document.take("title", text, default=None),
+        title=document.text("title"),
         scene=scene,
-        section=_surface(document.table("section")),
-        energy=start.take("energy", finite_float),
-        l_gamma=start.take("l_gamma", finite_float),
-        bodies=start.take("bodies", positive_int),
-        seed=seed_from(start.take("seed", checked_seed, default=None)),
-        points=run.take("points", positive_int, default=None),
-        t_end=run.take("t_end", positive),
-        x=plot.choice("x", LABELS),
-        y=plot.choice("y", LABELS),
+        section=document.table("section").call(section),
+        **document.table("start").call(starts),
+        **document.table("run").call(run),
+        **document.table("plot").call(plot),
     )
 
 
-def _surface(table: Table) -> Section:
-    table.only(*SURFACE)
-    has_vectors = "omega" in table or "gamma" in table
-    name = None if has_vectors else table.choice("name", (HEIGHT, *COMPONENTS))
-    return table.build(
-        lambda: section(
-            table.take("name", text, default=None) if has_vectors else name,
-            table.take("value", finite_float, default=0.0),
-            table.take("direction", as_is, default=None),
-            omega=table.take("omega", three, default=None),
-            gamma=table.take("gamma", three, default=None),
-        )
-    )
+def starts(energy: float, l_gamma: float, bodies: int, seed: int | None = None) -> dict[str, Any]:
+    """The starts of a section.
+
+    Parameters
+    ----------
+    energy : float
+        Energy of all motions (J).
+    l_gamma : float
+        Vertical component of their angular momentum (kg m²/s).
+    bodies : int
+        Number of motions.
+    seed : int, optional
+        Key of the random starts, by default a new one.
+    """
+    return {
+        "energy": finite_float("energy", energy),
+        "l_gamma": finite_float("l_gamma", l_gamma),
+        "bodies": positive_int("bodies", bodies),
+        "seed": seed_from(None) if seed is None else checked_seed("seed", seed),
+    }
+
+
+def run(t_end: float, points: int | None = None) -> dict[str, Any]:
+    """When the motions end.
+
+    Parameters
+    ----------
+    t_end : float
+        Longest time (s).
+    points : int, optional
+        Most points of a motion, by default without a limit.
+    """
+    return {
+        "t_end": finite_float("t_end", t_end, positive=True),
+        "points": None if points is None else positive_int("points", points),
+    }
+
+
+def plot(x: str, y: str) -> dict[str, Any]:
+    """The picture.
+
+    Parameters
+    ----------
+    x : str
+        Component along the horizontal axis.
+    y : str
+        Component along the vertical axis.
+    """
+    return {"x": one_of("x", x, LABELS), "y": one_of("y", y, LABELS)}

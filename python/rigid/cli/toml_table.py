@@ -1,6 +1,7 @@
-"""Tables of TOML files whose mistakes are reported with their location.
+"""Tables of TOML files, read as the arguments of functions.
 
-Every mistake is one line that names the file, the table and key, and the nearest valid name.
+The signature of a function says which keys its table has. Every mistake is one line that names the
+file, the table and key, and the nearest valid name.
 """
 
 from __future__ import annotations
@@ -8,28 +9,18 @@ from __future__ import annotations
 import re
 import tomllib
 from collections.abc import Callable, Iterable, Mapping
+from functools import partial
 from importlib import resources
 from importlib.resources.abc import Traversable
+from inspect import Parameter, signature
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, TypeVar
 
-from numpy.typing import ArrayLike
-
-from .._checks.arguments import brief, finite_float, of_known, one_line, one_of, vector
+from .._checks.arguments import brief, of_known, one_line, one_of
 from .._checks.inputs import unreadable
 
-__all__ = [
-    "BUILTIN",
-    "SpecError",
-    "Table",
-    "as_is",
-    "names_in",
-    "parsed",
-    "positive",
-    "read_source",
-    "text",
-    "three",
-]
+__all__ = ["BUILTIN", "SpecError", "Table", "keys", "names_in", "parsed", "read_source"]
 
 _T = TypeVar("_T")
 
@@ -45,8 +36,6 @@ MOST_PARTS = 16
 _PART = r"""(?:[\w-]++|"(?:[^"\\\n]|\\.)*+"|'[^'\n]*+')"""
 _DEEP_KEY = re.compile(rf"(?<![\w-]){_PART}(?:[ \t]*+\.[ \t]*+{_PART}){{{MOST_PARTS}}}")
 
-_REQUIRED: Any = object()
-
 _REMEDIES: tuple[tuple[str, str], ...] = (
     (r"\bStart\((\w+)=\.\.\.\)", r"\1 in [start]"),
     (r"\bStart\((\w+)=rigid\.(\w+)\(0\)\)", r"\1 = { kind = '\2' } in [start]"),
@@ -60,6 +49,8 @@ _REMEDIES: tuple[tuple[str, str], ...] = (
         "box: a top needs moments about its fixed point",
     ),
     (r"\bphysical=False\b", "physical = false"),
+    (r"\(\.\.\., 3\)", "(3,)"),
+    (r"scene: (expected one body, got bodies of shape .*); take .*", r"\1"),
 )
 """What messages say in the words of Python, and the same in the words of a file."""
 
@@ -142,6 +133,15 @@ class Table:
     def __contains__(self, key: str) -> bool:
         return key in self._values
 
+    def __getitem__(self, key: str) -> Any:
+        if key not in self._values:
+            raise self.error(f"needs the key {key!r}")
+        return self._values[key]
+
+    def get(self, key: str, default: Any) -> Any:
+        """The value of a key, or a default."""
+        return self._values.get(key, default)
+
     def error(self, message: str) -> SpecError:
         """The error with the location of the table before its message."""
         place = f"{self._file}: [{self._name}]" if self._name else f"{self._file}:"
@@ -158,33 +158,34 @@ class Table:
                 hint = f"; did you mean '{below[0]}.{key}'?" if below else of_known(key, known)
                 raise self.error(f"unknown key {key!r}{hint}")
 
-    def take(self, key: str, convert: Callable[[str, Any], _T], *, default: Any = _REQUIRED) -> Any:
-        """The value of a key as ``convert(key, value)``."""
-        if key not in self._values:
-            if default is _REQUIRED:
-                raise self.error(f"needs the key {key!r}")
-            return default
-        return self.build(lambda: convert(key, self._values[key]))
-
-    def choice(self, key: str, known: Iterable[str], *, default: Any = _REQUIRED) -> str:
-        """One of the known words."""
-        word: str = self.take(key, lambda name, value: one_of(name, value, known), default=default)
-        return word
+    def text(self, key: str) -> str | None:
+        """The string under a key that may be left out."""
+        value = self.get(key, "")
+        if not isinstance(value, str):
+            raise self.error(f"{key} = {brief(value)}: must be a string")
+        return value if key in self else None
 
     def table(self, key: str) -> Table:
         """The table under a key."""
-        values: Mapping[str, Any] = self.take(key, _mapping)
-        return Table(self._file, f"{self._name}.{key}" if self._name else key, values)
+        if not isinstance(self[key], dict):
+            raise self.error(f"{key} = {brief(self[key])}: must be a table")
+        return Table(self._file, self._below(key), self[key])
 
-    def is_list(self, key: str) -> bool:
-        """Whether the value of a key is a list."""
-        return isinstance(self._values.get(key), list)
+    def tables(self, key: str, word: str | None = None) -> list[Table]:
+        """The tables in the list under a key; with a word, a string is a table of it alone."""
+        given, what = self[key], "tables" if word is None else "names or of tables"
+        listed = given if isinstance(given, list) else [given]
+        if word is not None:
+            listed = [{word: one} if isinstance(one, str) else one for one in listed]
+        if not isinstance(given, list) or not all(isinstance(one, dict) for one in listed):
+            raise self.error(f"{key} = {brief(given)}: must be a list of {what}")
+        return [
+            Table(self._file, f"{self._below(key)}[{place}]", one)
+            for place, one in enumerate(listed)
+        ]
 
-    def tables(self, key: str) -> list[Table]:
-        """The tables in the list under a key."""
-        values: list[Mapping[str, Any]] = self.take(key, _mappings)
-        name = f"{self._name}.{key}" if self._name else key
-        return [Table(self._file, f"{name}[{i}]", part) for i, part in enumerate(values)]
+    def _below(self, key: str) -> str:
+        return f"{self._name}.{key}" if self._name else key
 
     def build(self, make: Callable[[], _T]) -> _T:
         """The result of ``make()``; an error of this call gets the location of the table."""
@@ -195,37 +196,54 @@ class Table:
         except (OverflowError, TypeError, ValueError) as error:
             raise self.error(str(error)) from None
 
+    def call(
+        self,
+        make: Callable[..., _T],
+        *beside: str,
+        read: Mapping[str, Callable[[Table, str], Any]] = MappingProxyType({}),
+        defaults: Mapping[str, Any] = MappingProxyType({}),
+        **given: Any,
+    ) -> _T:
+        """The result of a function whose arguments are the keys of this table.
 
-def as_is(_key: str, value: object) -> Any:
-    """A value that is passed on unchanged, because the constructor that receives it checks it."""
-    return value
+        Parameters
+        ----------
+        make : callable
+            The function; its signature says which keys there are, and which are needed.
+        *beside : str
+            Further keys of the table, which the function does not take.
+        read : mapping
+            How the values of some keys become arguments: functions of the table and the key.
+        defaults : mapping
+            Arguments in place of keys that are omitted, as far as the function has them.
+        **given
+            Arguments that are no keys.
+        """
+        known = {key: one for key, one in keys(make).items() if key not in given}
+        self.only(*beside, *known)
+        arguments = dict(given)
+        for key, parameter in known.items():
+            if key in self:
+                value = read.get(key, Table.__getitem__)
+                arguments[parameter.name] = self.build(partial(value, self, key))
+            elif key in defaults:
+                arguments[parameter.name] = defaults[key]
+            elif parameter.default is Parameter.empty:
+                raise self.error(f"needs the key {key!r}")
+        return self.build(lambda: make(**arguments))
+
+    def choose(
+        self, word: str, makes: Mapping[str, Callable[..., _T]], *instead: str, **how: Any
+    ) -> _T:
+        """As :meth:`call`, with the function that the key ``word`` names, or others ``instead``."""
+        if word not in self:
+            every = (key for make in makes.values() for key in keys(make))
+            self.only(*dict.fromkeys((word, *instead, *every)))
+        name = self[word]
+        make = makes[self.build(lambda: one_of(word, name, makes))]
+        return self.call(make, word, **how)
 
 
-def text(key: str, value: object) -> str:
-    """A string."""
-    if not isinstance(value, str):
-        raise TypeError(f"{key} = {brief(value)}: must be a string")
-    return value
-
-
-def _mapping(key: str, value: object) -> Mapping[str, Any]:
-    if not isinstance(value, dict):
-        raise TypeError(f"{key} = {brief(value)}: must be a table")
-    return value
-
-
-def _mappings(key: str, value: object) -> list[Mapping[str, Any]]:
-    if not isinstance(value, list) or not all(isinstance(part, dict) for part in value):
-        raise TypeError(f"{key} = {brief(value)}: must be a list of tables")
-    return value
-
-
-def positive(key: str, value: object) -> float:
-    """A positive number."""
-    return finite_float(key, value, positive=True)
-
-
-def three(key: str, value: ArrayLike) -> tuple[float, float, float]:
-    """Three numbers."""
-    first, second, third = vector(key, value, 3).tolist()
-    return first, second, third
+def keys(make: Callable[..., object]) -> dict[str, Parameter]:
+    """The keys of a table that holds the arguments of a function; ``from_`` is the key ``from``."""
+    return {name.removesuffix("_"): one for name, one in signature(make).parameters.items()}

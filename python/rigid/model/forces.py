@@ -187,8 +187,6 @@ class Force(Generic[Value]):
         Whether the numbers are in proportion to the mass of the body.
     in_space : bool
         Whether the torque depends on the attitude.
-    in_toml, meaning : str
-        Type and meaning of its key in TOML files.
     parameter : str
         Its entry among the parameters of scenes.
     """
@@ -200,8 +198,6 @@ class Force(Generic[Value]):
     has_corner: ClassVar[bool] = False
     has_mass: ClassVar[bool] = True
     in_space: ClassVar[bool] = False
-    in_toml: ClassVar[str]
-    meaning: ClassVar[str]
     parameter: ClassVar[str]
 
     def __set_name__(self, owner: type, name: str) -> None:
@@ -284,7 +280,6 @@ class Dissipation(Force[EnergySink]):
 
     title = "coefficients of the energy sink"
     unit = "kg m² s"
-    in_toml, meaning = "number or 3", "coefficient of an energy sink"
     parameter = """\
     dissipation : EnergySink, optional
         Internal dissipation, which drains energy and keeps the angular momentum in space."""
@@ -311,7 +306,6 @@ class GravityGradient(Force[Orbit]):
     unit = ""
     has_mass = False
     in_space = True
-    in_toml, meaning = "table", "the orbit about a planet, whose gravity gradient acts"
     parameter = """\
     orbit : Orbit, optional
         The orbit about a planet, whose gravity gradient acts."""
@@ -366,7 +360,6 @@ class Rotor(Force[Vector | Floats]):
     title = "angular momentum of the rotor"
     unit = "kg m²/s"
     is_vector = True
-    in_toml, meaning = "3 numbers", "angular momentum of a rotor at constant speed"
     parameter = """\
     rotor : array_like, shape (3,) or (..., 3), optional
         Angular momentum ``h`` (kg m²/s) of a rotor relative to the body, constant in the body: a
@@ -380,7 +373,6 @@ class Drag(Force[Vector | Floats]):
     title = "coefficients of the drag"
     unit = "N m s²"
     has_corner = True
-    in_toml, meaning = "number or 3", "the torque is `-drag * abs(omega) * omega`"
     parameter = """\
     drag : float or array_like, shape (3,) or (..., 3), optional
         Quadratic drag: the coefficients ``C`` (N m s²) of the torque ``-|omega| C omega``, one for

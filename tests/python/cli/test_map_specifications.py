@@ -185,12 +185,16 @@ def test_measures_are_names_or_tables() -> None:
     ("measure", "message"),
     [
         ("'flips'", "[run] measure = 'flips': must be a list of names or of tables"),
-        ("[3]", "[run] measure[0] = 3: must be a name, or a table with a name"),
-        ("['flip']", "[run] measure[0].name = 'flip': did you mean 'flips'? must be one of"),
-        ("[{name = 'drift', axis = 1}]", "[run] measure[0].axis: drift has no options"),
-        ("[{name = 'flips', axes = 1}]", "[run] measure[0].axes: flips has axis"),
-        ("['mean_rate']", "[run] measure[0]: mean_rate needs axis"),
-        ("[{name = 'mean_rate', axis = 4}]", "[run] axis = 4: must be one of"),
+        ("[3]", "[run] measure = [3]: must be a list of names or of tables"),
+        ("['flip']", "[run.measure[0]] name = 'flip': did you mean 'flips'? must be one of"),
+        ("[{name = 'drift', axis = 1}]", "[run.measure[0]] unknown key 'axis' (known: name)"),
+        (
+            "[{name = 'flips', axes = 1}]",
+            "[run.measure[0]] unknown key 'axes'; did you mean 'axis'? (known: name, axis)",
+        ),
+        ("['drift', 'mean_rate']", "[run.measure[1]] needs the key 'axis'"),
+        ("[{name = 'mean_rate', axis = 4}]", "[run.measure[0]] axis = 4: must be one of"),
+        ("[{axis = 3}]", "[run.measure[0]] needs the key 'name'"),
         ("['flips', 'flips']", "[run] measure: flips(2) is asked for 2 times"),
     ],
 )
@@ -365,6 +369,10 @@ def test_mistakes(line: str, instead: str, message: str) -> None:
     ("line", "instead", "message"),
     [
         ("mgl = 2", "", "[scene] needs the key 'mgl'"),
+        ("mgl = 2", "mgl = [1, 2]", "[scene] mgl = [1, 2]: must be a real number"),
+        ("mgl = 2", "mgl = 2\ntorque = [nan, 0, 0]", "[scene] torque"),
+        ("mgl = 2", "mgl = 2\ndrag = [[1, 1, 1], [2, 2, 2]]", "[scene] expected one body, got"),
+        ("mgl = 2", "mgl = 2\nframe = 3", "[scene] unknown key 'frame'"),
         ("mgl = 2", "mgl = -2", "[scene] mgl = -2.0: must not be negative"),
         ("com = [0.6, 0.0, 0.8]", "com = [1, 1, 1]", "[scene] com = [1.0, 1.0, 1.0]: must be a"),
         ("values = [0.3, 0.2, 0.1]", "values = 3", "[x] values: expected shape (n,)"),
