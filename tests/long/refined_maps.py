@@ -17,7 +17,8 @@ from typing import Any
 import numpy as np
 
 import rigid
-from rigid.cli.toml_map import MAPS, read_spec
+from rigid.cli.toml_map import read_spec
+from rigid.cli.toml_table import names_of
 from rigid.maps.data import COLUMNS
 from rigid.maps.parameters import make_axes
 from rigid.maps.sequential import stop_table
@@ -90,10 +91,10 @@ def triangle() -> bool:
 
 def main() -> int:
     bad = 0
-    for path in sorted(MAPS.glob("*.toml")):
-        spec = dataclasses.replace(read_spec(path.stem).spec, samples=SAMPLES, half_width=None)
+    for name in names_of("map"):
+        spec = dataclasses.replace(read_spec(name).spec, samples=SAMPLES, half_width=None)
         for stride, (pixels, wrong) in differing(spec, (16, 8)).items():
-            print(f"{path.stem}, refine={stride}: {pixels} pixels, {wrong} differ", flush=True)
+            print(f"{name}, refine={stride}: {pixels} pixels, {wrong} differ", flush=True)
             bad += wrong
     return int(bad > 0 or not triangle())
 

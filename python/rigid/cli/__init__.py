@@ -21,6 +21,7 @@ from .._checks.arguments import positive_int, resolve_threads
 from .._checks.inputs import require_readable
 from .._checks.progress import heeding_signals
 from .._files import published, require_ending, require_room
+from ..drawing.figure import new_figure
 from ..info import build_info
 from ..maps.data import CLASSES, FAILURES
 from ..maps.file import file_size
@@ -49,10 +50,10 @@ from .output import (
 )
 from .parser import make_parser
 from .running_maps import compute_stored, default_stem, open_and_go_on, require_shared, run
-from .toml_map import MAPS, NamedSpec, builtin_names, read_spec
-from .toml_report import REPORTS, read_report, report_names
-from .toml_section import SECTIONS, SectionSpec, read_section, section_names
-from .toml_table import read_source
+from .toml_map import NamedSpec, read_spec
+from .toml_report import read_report
+from .toml_section import SectionSpec, read_section
+from .toml_table import names_of, read_source
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -65,14 +66,18 @@ POINT_SIZE = 140
 REPORT_SIZE = 2**20
 """More bytes than the file of a report has."""
 
-_FOLDERS = {"map": MAPS, "section": SECTIONS, "report": REPORTS}
-_READERS: Mapping[str, Callable[[str], object]] = {
-    "map": read_spec,
+_READERS: Mapping[str, Callable[[str], Any]] = {
+    "map": lambda source: read_spec(source).spec,
     "section": read_section,
-    "report": read_report,
+    "report": lambda source: read_report(source)[1],
+}
+_WORDS: Mapping[str, Callable[[Any], str]] = {
+    "map": lambda spec: " x ".join(axis.name for axis in spec.axes),
+    "section": lambda spec: f"energy {spec.energy:g} J, L·gamma {spec.l_gamma:g}",
+    "report": lambda spec: f"t = {spec.t_end:g} {spec.unit}",
 }
 _COPIED = {"map": "thrown-box", "section": "kovalevskaya", "report": "lagrange-top"}
-"""Where built-in specifications are, who reads them, and which ``rigid new`` copies."""
+"""Of each kind who reads a specification, what lists say of it, and which ``rigid new`` copies."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -100,12 +105,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
                 "explore": _explore,
                 "resume": _resume,
                 **dict.fromkeys(("status", "merge", "diff", "verify", "pack"), run),
+                **dict.fromkeys(("maps", "sections", "reports"), _list),
                 "new": _new,
-                "maps": _maps,
                 "section": _section,
-                "sections": _sections,
                 "report": _report,
-                "reports": _reports,
                 "extremes": _extremes,
                 "validation": _validation,
                 "info": _info,
@@ -130,20 +133,16 @@ def _show_warning(message: Warning | str, *_where: object, **_more: object) -> N
 def _map(options: argparse.Namespace) -> int:
     named = _named_map(options.map, options.changes)
     spec = named.spec
-    if options.samples is not None and options.half_width is not None:
+    names = ("samples", "half_width", "refine", "budget", "seed")
+    chosen = {name: getattr(options, name) for name in names}
+    changes = {name: value for name, value in chosen.items() if value is not None}
+    if {"samples", "half_width"} <= changes.keys():
         raise ValueError("--samples, --half-width: give one of the two")
-    if options.samples is not None:
-        spec = dataclasses.replace(spec, samples=options.samples, half_width=None)
-    if options.half_width is not None:
-        half_width = checked_half_width(options.half_width)
-        most = stop_table(half_width).last
-        spec = dataclasses.replace(spec, half_width=half_width, samples=most)
-    if options.refine is not None:
-        spec = dataclasses.replace(spec, refine=options.refine)
-    if options.budget is not None:
-        spec = dataclasses.replace(spec, budget=options.budget)
-    if options.seed is not None:
-        spec = dataclasses.replace(spec, seed=seed_from(options.seed))
+    if "samples" in changes:
+        changes["half_width"] = None
+    if "half_width" in changes and changes["half_width"] is not None:
+        changes["samples"] = stop_table(checked_half_width(options.half_width)).last
+    spec = dataclasses.replace(spec, **changes)
     check_what(spec, options.what)
     seeded = named.seeded or options.seed is not None
     require_shared(options, seeded=seeded)
@@ -201,20 +200,27 @@ def _finished_map(
     """Write a map and return the exit code; a map without a result has its own exit code."""
     if isinstance(result, int):
         return result
+    what = getattr(options, "what", SHARE)
     return finished(
-        result,
+        result.save,
+        # Of more axes there are many pictures in one figure.
+        lambda: result.plot(_axes() if len(result.spec.axes) <= 2 else None, what=what),
         target,
         "map",
-        lambda: f"{result.summary()}\n{'speed':<12}{_speed(result)}",
-        (lambda: _map_facts(name, result)) if options.json else None,
-        getattr(options, "what", SHARE),
+        words=lambda: f"{result.summary()}\n{'speed':<12}{_speed(result)}",
+        facts=(lambda: _map_facts(name, result)) if options.json else None,
+        ended=result.ended,
     )
+
+
+def _axes() -> Axes:
+    return new_figure().add_subplot()
 
 
 def _explore(options: argparse.Namespace) -> int:
     source = Path(options.map)
     target = Path(options.out or source.with_suffix(".html"))
-    if not source.exists() and options.map in builtin_names():
+    if not source.exists() and options.map in names_of("map"):
         saved = source.with_name(f"{source.name}.npz")
         hint = f"did you mean {saved}?" if saved.exists() else f"compute it: rigid map {source}"
         raise ValueError(f"{source}: is a built-in map and no file; {hint}")
@@ -278,13 +284,12 @@ def _lines(facts: Mapping[str, str]) -> str:
     return "\n".join(f"{name:<12}{text}" for name, text in facts.items())
 
 
-def _maps(options: argparse.Namespace) -> int:
-    specs = {name: read_spec(name).spec for name in builtin_names()}
-    axes = {name: " x ".join(axis.name for axis in spec.axes) for name, spec in specs.items()}
-    print_list(
-        {name: f"{spec.title} ({axes[name]})" for name, spec in specs.items()},
-        as_json=options.json,
-    )
+def _list(options: argparse.Namespace) -> int:
+    """List the built-in maps, sections or reports."""
+    kind = options.command.removesuffix("s")
+    specs = {name: _READERS[kind](name) for name in names_of(kind)}
+    said = {name: f"{spec.title} ({_WORDS[kind](spec)})" for name, spec in specs.items()}
+    print_list(said, as_json=options.json)
     return DONE
 
 
@@ -311,12 +316,20 @@ def _section(options: argparse.Namespace) -> int:
         threads=threads,
         progress=options.progress,
     )
+
+    def draw() -> Axes:
+        drawn = points.plot(spec.x, spec.y, ax=_axes())
+        drawn.set_title(spec.title or "")
+        return drawn
+
     return finished(
-        _SectionResult(points, spec),
+        points.save,
+        draw,
         target,
         "section",
-        lambda: f"{points}",
-        (lambda: _section_facts(points, spec)) if options.json else None,
+        words=lambda: f"{points}",
+        facts=(lambda: _section_facts(points, spec)) if options.json else None,
+        ended=True,  # an interrupted section has no points
     )
 
 
@@ -334,37 +347,6 @@ def _section_facts(points: Crossings, spec: SectionSpec) -> dict[str, Any]:
     }
 
 
-def _sections(options: argparse.Namespace) -> int:
-    specs = {name: read_section(name) for name in section_names()}
-    print_list(
-        {
-            name: f"{spec.title} (energy {spec.energy:g} J, L·gamma {spec.l_gamma:g})"
-            for name, spec in specs.items()
-        },
-        as_json=options.json,
-    )
-    return DONE
-
-
-@dataclasses.dataclass(frozen=True, slots=True)
-class _SectionResult:
-    """Points with their picture, as :func:`~.output.finished` writes results."""
-
-    points: Crossings
-    spec: SectionSpec
-    complete: bool = True
-    """An interrupted section has no points."""
-
-    def save(self, path: Path) -> Path:
-        return self.points.save(path)
-
-    def plot(self, ax: Axes) -> Axes:
-        drawn = self.points.plot(self.spec.x, self.spec.y, ax=ax)
-        if self.spec.title is not None:
-            drawn.set_title(self.spec.title)
-        return drawn
-
-
 def _report(options: argparse.Namespace) -> int:
     chosen = [f"run.methods={options.method}"] if options.method else []
     name, spec = read_report(options.report, [*options.changes, *chosen], long=options.long)
@@ -373,21 +355,14 @@ def _report(options: argparse.Namespace) -> int:
     require_room(target.data, REPORT_SIZE)
     result = run_report(spec, seconds=options.seconds, progress=options.progress, partial=True)
     return finished(
-        result,
+        result.save,
+        lambda: result.plot(_axes()),
         target,
         "report",
-        lambda: f"{result}\n",
-        (lambda: {"name": name, **result.to_dict()}) if options.json else None,
+        words=lambda: f"{result}\n",
+        facts=(lambda: {"name": name, **result.to_dict()}) if options.json else None,
+        ended=result.complete,
     )
-
-
-def _reports(options: argparse.Namespace) -> int:
-    specs = {name: read_report(name)[1] for name in report_names()}
-    print_list(
-        {name: f"{spec.title} (t = {spec.t_end:g} {spec.unit})" for name, spec in specs.items()},
-        as_json=options.json,
-    )
-    return DONE
 
 
 def _extremes(options: argparse.Namespace) -> int:
@@ -435,7 +410,7 @@ def _show(options: argparse.Namespace) -> int:
     if options.changes:
         raise ValueError("--show prints the file as it is: leave --set out")
     source = getattr(options, kind)
-    _, content, _ = read_source(source, kind, _FOLDERS[kind])
+    _, content, _ = read_source(source, kind)
     _READERS[kind](source)
     say(content.rstrip("\n"))
     return DONE
@@ -447,7 +422,7 @@ def _new(options: argparse.Namespace) -> int:
     name = options.like or _COPIED[kind]
     path = Path(options.file or f"my-{kind}.toml")
     require_ending(path, [".toml"], "file")
-    _, content, _ = read_source(name, kind, _FOLDERS[kind])
+    _, content, _ = read_source(name, kind)
     require_new(path, "file", force=options.force)
     with published(path) as file:
         file.write(content.encode())

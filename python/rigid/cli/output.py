@@ -10,18 +10,12 @@ from collections.abc import Callable, Mapping
 from io import BytesIO
 from pathlib import Path
 from textwrap import fill
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import Any
 
 import numpy as np
 
 from .._checks.progress import interruptible, terminal_columns
 from .._files import published, require_replaceable
-from ..drawing.figure import new_figure
-from ..maps.plot import SHARE
-from ..maps.result import StabilityMap
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 __all__ = [
     "PICTURES",
@@ -36,20 +30,6 @@ __all__ = [
 
 PICTURES = (".png", ".pdf", ".svg", ".eps", ".jpg", ".jpeg", ".tif", ".tiff", ".webp")
 """Suffixes of pictures that Matplotlib can write."""
-
-
-class Result(Protocol):
-    """The result of a command."""
-
-    @property
-    def complete(self) -> bool:
-        """Whether the computation ran to its end, without an interruption."""
-
-    def save(self, path: Path) -> Path:
-        """Write the data."""
-
-    def plot(self, ax: Axes) -> Axes:
-        """Draw the picture."""
 
 
 class Target:
@@ -154,20 +134,22 @@ def _json(facts: Mapping[str, Any]) -> str:
 
 
 def finished(
-    result: Result,
+    save: Callable[[Path], Path],
+    draw: Callable[[], Any],
     target: Target,
     what: str,
+    *,
     words: Callable[[], str],
     facts: Callable[[], Mapping[str, Any]] | None,
-    shown: str = SHARE,
+    ended: bool,
 ) -> int:
     """Save the data; then print words and paths, and draw the picture. Returns the exit code.
 
-    With ``facts`` these and the paths are printed at the end, as JSON, instead of the words. Of a
-    map, ``shown`` is what the picture shows.
+    With ``facts`` these and the paths are printed at the end, as JSON, instead of the words.
+    ``draw`` returns axes of the figure. ``ended`` is False after an interruption.
     """
     with interruptible() as stop:
-        data = _saved(result, target.data, what)
+        data = _saved(save, target.data, what)
     safe = f"the {what} is safe in {data}"
     drawn: str | None = None
     try:
@@ -176,12 +158,14 @@ def finished(
         if facts is None:
             say(f"{words()}\n{'data':<12}{data}")
         try:
-            content = _drawn(result, target.picture.suffix, shown)
+            content = BytesIO()
+            figure = np.ravel(draw())[0].figure
+            figure.savefig(content, format=target.picture.suffix[1:])
         except ImportError as error:
             line = f"none: {error}"
         else:
             with published(target.picture) as file:
-                file.write(content)
+                file.write(content.getvalue())
             line = drawn = str(target.picture)
         if facts is None:
             say(f"{'picture':<12}{line}")
@@ -191,38 +175,21 @@ def finished(
         raise KeyboardInterrupt(f"interrupted; {safe}, there is no picture") from None
     except OSError as error:
         raise OSError(f"{error}; {safe}") from None
-    if not (result.ended if isinstance(result, StabilityMap) else result.complete):
+    if not ended:
         raise KeyboardInterrupt(f"interrupted; the {what} written is partial")
     return 0
 
 
-def _saved(result: Result, data: Path, what: str) -> Path:
+def _saved(save: Callable[[Path], Path], data: Path, what: str) -> Path:
     """Save the data, or raise OSError with the place where the data is instead."""
     try:
-        return result.save(data)
+        return save(data)
     except OSError as error:
         import tempfile
 
         try:
             folder = tempfile.gettempdir()
-            spare = result.save(Path(folder, f"rigid-{os.urandom(8).hex()}-{data.name}"))
+            spare = save(Path(folder, f"rigid-{os.urandom(8).hex()}-{data.name}"))
         except OSError:
             raise OSError(f"{error}; the {what} is not saved") from None
         raise OSError(f"{error}; the {what} is safe in {spare}") from None
-
-
-def _drawn(result: Result, suffix: str, shown: str) -> bytes:
-    """The bytes of the picture in the format of a suffix."""
-    if isinstance(result, StabilityMap) and len(result.spec.axes) > 2:
-        # Many pictures in one figure.
-        figure = np.ravel(result.plot())[0].figure
-    else:
-        figure = new_figure()
-        ax = figure.add_subplot()
-        if isinstance(result, StabilityMap):
-            result.plot(ax, what=shown)
-        else:
-            result.plot(ax)
-    content = BytesIO()
-    figure.savefig(content, format=suffix[1:])
-    return content.getvalue()

@@ -26,12 +26,9 @@ from ..model import measures
 from ..model.measures import MEASURES, Measure
 from ..model.seed import seed_from
 from .toml_scene import read_criterion, read_scene, read_starts
-from .toml_table import BUILTIN, Table, names_in, parsed, read_source
+from .toml_table import Table, parsed, read_source
 
-__all__ = ["MAPS", "NamedSpec", "builtin_names", "parse_spec", "read_spec"]
-
-MAPS = BUILTIN
-"""The folder of the built-in maps."""
+__all__ = ["NamedSpec", "parse_spec", "read_spec"]
 
 MAKES: Mapping[str, Callable[..., Measure]] = {name: getattr(measures, name) for name in MEASURES}
 """The functions that make the measures, by their names."""
@@ -55,11 +52,6 @@ class NamedSpec:
     name: str
     spec: MapSpec
     seeded: bool
-
-
-def builtin_names() -> list[str]:
-    """Names of the built-in maps, sorted."""
-    return names_in(MAPS)
 
 
 def read_spec(source: str, changes: Sequence[str] = ()) -> NamedSpec:
@@ -87,7 +79,7 @@ def read_spec(source: str, changes: Sequence[str] = ()) -> NamedSpec:
     >>> read_spec("thrown-box").spec.samples
     64
     """
-    name, content, file = read_source(source, "map", MAPS)
+    name, content, file = read_source(source, "map")
     spec = parse_spec(content, file, changes)
     return NamedSpec(name, spec, "seed" in parsed(content, file, changes).table("run"))
 

@@ -7,16 +7,9 @@ from collections.abc import Sequence
 from ..maps.grid import nominal_starts
 from ..reports.spec import REVOLUTIONS, ReportSpec, make_spec
 from .toml_scene import read_scene, read_start
-from .toml_table import BUILTIN, names_in, parsed, read_source
+from .toml_table import parsed, read_source
 
-__all__ = ["REPORTS", "parse_report", "read_report", "report_names"]
-
-REPORTS = BUILTIN / "reports"
-
-
-def report_names() -> list[str]:
-    """Names of the built-in reports, sorted."""
-    return names_in(REPORTS)
+__all__ = ["parse_report", "read_report"]
 
 
 def read_report(
@@ -30,7 +23,7 @@ def read_report(
     >>> read_report("lagrange-top")[1].scene.mgl
     1.0
     """
-    name, content, file = read_source(source, "report", REPORTS)
+    name, content, file = read_source(source, "report")
     return name, parse_report(content, file, changes, long=long)
 
 

@@ -12,11 +12,9 @@ from ..model.seed import checked_seed, seed_from
 from ..sections.crossings import LABELS
 from ..sections.surface import Section, section
 from .toml_scene import read_scene
-from .toml_table import BUILTIN, names_in, parsed, read_source
+from .toml_table import parsed, read_source
 
-__all__ = ["SECTIONS", "SectionSpec", "read_section", "section_names"]
-
-SECTIONS = BUILTIN / "sections"
+__all__ = ["SectionSpec", "read_section"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,11 +51,6 @@ class SectionSpec:
     y: str
 
 
-def section_names() -> list[str]:
-    """Names of the built-in sections, sorted."""
-    return names_in(SECTIONS)
-
-
 def read_section(source: str, changes: Sequence[str] = ()) -> SectionSpec:
     """Read a built-in section by its name, or a file by its path; see ``read_spec`` of a map.
 
@@ -67,7 +60,7 @@ def read_section(source: str, changes: Sequence[str] = ()) -> SectionSpec:
     >>> read_section("kovalevskaya").scene.body.moments
     (2.0, 2.0, 1.0)
     """
-    name, content, file = read_source(source, "section", SECTIONS)
+    name, content, file = read_source(source, "section")
     document = parsed(content, file, changes)
     document.only("title", "scene", "section", "start", "run", "plot")
     scene = read_scene(document.table("scene"))

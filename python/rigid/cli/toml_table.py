@@ -11,7 +11,6 @@ import tomllib
 from collections.abc import Callable, Iterable, Mapping
 from functools import partial
 from importlib import resources
-from importlib.resources.abc import Traversable
 from inspect import Parameter, signature
 from pathlib import Path
 from types import MappingProxyType
@@ -20,12 +19,14 @@ from typing import Any, TypeVar
 from .._checks.arguments import brief, of_known, one_line, one_of
 from .._checks.inputs import unreadable
 
-__all__ = ["BUILTIN", "SpecError", "Table", "keys", "names_in", "parsed", "read_source"]
+__all__ = ["SpecError", "Table", "keys", "names_of", "parsed", "read_source"]
 
 _T = TypeVar("_T")
 
-BUILTIN = resources.files("rigid") / "builtin"
-"""The folder of the specifications that come with the package."""
+_BUILTIN = resources.files("rigid") / "builtin"
+
+FOLDERS = {"map": _BUILTIN, "section": _BUILTIN / "sections", "report": _BUILTIN / "reports"}
+"""The folders of the specifications that come with the package, by their kinds."""
 
 MOST_TEXT = 2**23
 """Most bytes of a specification: two axes of 100 000 values with all their digits need less."""
@@ -59,23 +60,24 @@ class SpecError(ValueError):
     """A specification cannot be used; the message is one line that names the table and the key."""
 
 
-def names_in(folder: Traversable) -> list[str]:
-    """Names of the specifications in a folder, sorted."""
-    names = (entry.name for entry in folder.iterdir())
+def names_of(kind: str) -> list[str]:
+    """Names of the built-in specifications of a kind, sorted."""
+    names = (entry.name for entry in FOLDERS[kind].iterdir())
     return sorted(name.removesuffix(".toml") for name in names if name.endswith(".toml"))
 
 
-def read_source(source: str, what: str, folder: Traversable) -> tuple[str, str, str]:
+def read_source(source: str, kind: str) -> tuple[str, str, str]:
     """Name, text and file name of a specification: a built-in one by its name, else a path."""
     path = Path(source)
     if path.suffix != ".toml" and path.name == source:
-        names = names_in(folder)
+        names = names_of(kind)
         if source not in names:
             raise SpecError(
-                f"no built-in {what} is called {source!r}{of_known(source, names)}; the name of "
+                f"no built-in {kind} is called {source!r}{of_known(source, names)}; the name of "
                 "a file ends in .toml"
             )
-        return source, (folder / f"{source}.toml").read_text(encoding="utf-8"), f"{source}.toml"
+        own = f"{source}.toml"
+        return source, (FOLDERS[kind] / own).read_text(encoding="utf-8"), own
     try:
         with path.open("rb") as file:
             content = file.read(MOST_TEXT + 1)

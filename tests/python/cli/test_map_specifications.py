@@ -12,8 +12,8 @@ import pytest
 
 import rigid
 from rigid._checks.arguments import MESSAGE
-from rigid.cli.toml_map import builtin_names, parse_spec, read_spec
-from rigid.cli.toml_table import SpecError
+from rigid.cli.toml_map import parse_spec, read_spec
+from rigid.cli.toml_table import SpecError, names_of
 from rigid.drawing.figure import new_figure
 from rigid.store.call import run_map
 
@@ -530,7 +530,7 @@ def built_in(request: pytest.FixtureRequest) -> tuple[str, rigid.StabilityMap]:
 
 
 def test_built_in_maps_have_their_names() -> None:
-    assert builtin_names() == [
+    assert names_of("map") == [
         "chaotic-com",
         "chaotic-top",
         "dimorphos",

@@ -9,7 +9,8 @@ import pytest
 
 import rigid
 from rigid.cli import main
-from rigid.cli.toml_section import read_section, section_names
+from rigid.cli.toml_section import read_section
+from rigid.cli.toml_table import names_of
 
 SPEC = """
 title = "A small section"
@@ -71,7 +72,7 @@ def test_options_replace_what_the_file_says(folder: Path) -> None:
     assert (folder / "other.png").exists()
 
 
-@pytest.mark.parametrize("name", section_names())
+@pytest.mark.parametrize("name", names_of("section"))
 def test_a_built_in_section_is_complete(name: str, folder: Path) -> None:
     assert main(["section", name, "--bodies", "3"]) == 0
     with np.load(folder / f"{name}.npz") as file:

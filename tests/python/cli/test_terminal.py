@@ -12,9 +12,7 @@ import rigid
 from processes import PATIENCE
 from rigid._checks.progress import reporting
 from rigid.cli import main
-from rigid.cli.toml_map import builtin_names
-from rigid.cli.toml_report import report_names
-from rigid.cli.toml_section import section_names
+from rigid.cli.toml_table import names_of
 from terminals import in_terminal, read
 
 
@@ -67,7 +65,7 @@ def test_help_has_examples_and_they_are_understood(
 
 @pytest.mark.parametrize(
     ("command", "names"),
-    [("map", builtin_names()), ("section", section_names()), ("report", report_names())],
+    [(kind, names_of(kind)) for kind in ("map", "section", "report")],
 )
 def test_a_specification_that_is_shown_or_new_can_be_computed(
     command: str, names: list[str], folder: Path, capsys: pytest.CaptureFixture[str]
@@ -176,9 +174,9 @@ def test_json_tells_lists_sections_reports_and_the_build(
         facts: dict[str, object] = json.loads(capsys.readouterr().out)
         return facts
 
-    assert list(told("maps")) == builtin_names()
-    assert list(told("sections")) == section_names()
-    assert list(told("reports")) == report_names()
+    assert list(told("maps")) == names_of("map")
+    assert list(told("sections")) == names_of("section")
+    assert list(told("reports")) == names_of("report")
     assert told("info")["version"] == rigid.__version__
     section = told("section", "kovalevskaya", "--bodies", "1", "--set", "run.points=5")
     assert (section["bodies"], section["points"]) == (1, 5)

@@ -14,7 +14,8 @@ pytest.importorskip("matplotlib")
 from matplotlib import rc_context
 from matplotlib.figure import Figure
 
-from rigid.cli.toml_map import builtin_names, read_spec
+from rigid.cli.toml_map import read_spec
+from rigid.cli.toml_table import names_of
 from rigid.figures.colours import DARK_STYLE
 from rigid.store.call import run_map
 
@@ -44,7 +45,7 @@ def pictures() -> dict[str, Callable[[], Figure]]:
 
 def test_every_picture_has_its_two_files(pictures: dict[str, Any]) -> None:
     maps = script("maps")
-    assert set(maps["MAPS"]) <= set(builtin_names())
+    assert set(maps["MAPS"]) <= set(names_of("map"))
     assert {*NAMES, "detumbling"} == set(pictures)
     for name in (*pictures, *maps["MAPS"]):
         for suffix in ("", "-dark"):

@@ -11,7 +11,8 @@ import pytest
 
 import rigid
 from rigid._moments import possible
-from rigid.cli.toml_map import builtin_names, read_spec
+from rigid.cli.toml_map import read_spec
+from rigid.cli.toml_table import names_of
 from rigid.model.criteria import Criterion
 from rigid.model.scene import Scene
 
@@ -110,7 +111,7 @@ def started(spec: rigid.MapSpec, pixel: int) -> rigid.Start:
     return dataclasses.replace(spec.start, **known)
 
 
-@pytest.mark.parametrize("name", builtin_names())
+@pytest.mark.parametrize("name", names_of("map"))
 def test_the_plan_of_a_pixel_of_a_built_in_map_is_that_of_a_map_of_this_pixel(name: str) -> None:
     spec = read_spec(name).spec
     real = np.flatnonzero(possible(spec.grid.moments))

@@ -19,8 +19,8 @@ import rigid
 from interrupts import sigint
 from physics import ROUNDOFF, golden_scene, rotation_angle
 from rigid.cli import main
-from rigid.cli.toml_report import parse_report, read_report, report_names
-from rigid.cli.toml_table import SpecError
+from rigid.cli.toml_report import parse_report, read_report
+from rigid.cli.toml_table import SpecError, names_of
 from rigid.model.scene import Scene
 from rigid.reports.compute import run_report
 from rigid.reports.data import AT_UNCERTAINTY, REFERENCE, USELESS
@@ -550,7 +550,7 @@ def header_of(text: str) -> dict[str, str]:
     return {line[:12].strip(): line[12:] for line in lines if not line.startswith("not for")}
 
 
-@pytest.mark.parametrize("name", report_names())
+@pytest.mark.parametrize("name", names_of("report"))
 def test_the_table_in_the_docs_is_that_of_the_report_as_it_is_now(name: str) -> None:
     text = (DOCS / "reports" / f"{name}.txt").read_text(encoding="utf-8")
     costs = text.split("\n\n")[1].partition("\n")[2]  # without the heads of columns
@@ -684,7 +684,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-@pytest.mark.parametrize("name", report_names())
+@pytest.mark.parametrize("name", names_of("report"))
 def test_built_in_scenes_can_be_moved(name: str) -> None:
     known, spec = read_report(name)
     assert known == name
@@ -769,9 +769,9 @@ def test_options_of_the_command(folder: Path) -> None:
 def test_built_in_reports_are_listed(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["reports"]) == 0
     lines = capsys.readouterr().out.splitlines()
-    assert [line.split()[0] for line in lines] == report_names()
+    assert [line.split()[0] for line in lines] == names_of("report")
     assert {"asymmetric-top", "earth", "fast-top", "lagrange-top", "thrown-box"} <= set(
-        report_names()
+        names_of("report")
     )
 
 
