@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import re
+from collections.abc import Callable
 from textwrap import fill
 from typing import NoReturn
 
@@ -12,9 +13,10 @@ from .._core import __version__
 from ..reports.compute import LONG_SECONDS, SECONDS
 from .exit_codes import EXIT_CODES, REFUSED
 from .output import complain
-from .running_maps import QUIET, THREADS, add_commands, add_options
 
 __all__ = ["Parser", "make_parser"]
+
+_FOLDER = "folder of a running map"
 
 _EXAMPLES = {
     "": """\
@@ -166,8 +168,8 @@ def make_parser() -> Parser:
         metavar="DIR",
         help="keep the results in this folder; the same command goes on after an interruption",
     )
-    add_options(map_)
-    add_commands(commands)
+    _parts(map_, "; needs --store")
+    _running_maps(command)
     explore = command("explore", "write a page to explore a computed map in a browser")
     explore.add_argument("map", metavar="FILE.npz", help="a saved map, which rigid map writes")
     explore.add_argument("--out", metavar="FILE.html", help="the page (default: FILE.html)")
@@ -230,6 +232,51 @@ def make_parser() -> Parser:
     return parser
 
 
+def _running_maps(command: Callable[[str, str], argparse.ArgumentParser]) -> None:
+    """The commands that work on stores."""
+    resume = command("resume", "go on with a running map")
+    resume.add_argument("store", metavar="DIR", help=_FOLDER)
+    _threads(resume)
+    _files(resume, ".npz", "DIR without its suffix")
+    _shown(resume)
+    _parts(resume, "")
+    status = command("status", "tell what a running map has and lacks")
+    status.add_argument("store", metavar="DIR", help=_FOLDER)
+    merge = command("merge", "merge running maps of one specification")
+    merge.add_argument("stores", metavar="DIR", nargs="+", help="folders of running maps")
+    merge.add_argument("--into", required=True, metavar="DIR", help="a new folder, or one of these")
+    diff = command("diff", "tell how two maps differ")
+    diff.add_argument("one", metavar="A", help="a folder of a running map, or a saved map")
+    diff.add_argument("other", metavar="B", help="the map to compare with")
+    verify = command("verify", "compute stored numbers again, and compare")
+    verify.add_argument("map", metavar="X", help="a folder of a running map, or a saved map")
+    share = verify.add_mutually_exclusive_group()
+    share.add_argument(
+        "--share",
+        type=float,
+        default=0.01,
+        metavar="F",
+        help="share of the numbers, chosen at random (default: 0.01)",
+    )
+    share.add_argument(
+        "--all", dest="share", action="store_const", const=1.0, help="all numbers that are stored"
+    )
+    verify.add_argument("--seed", type=int, default=0, metavar="N", help="key of the random choice")
+    _threads(verify)
+    pack = command("pack", "write a running map as one file")
+    pack.add_argument("store", metavar="DIR", help=_FOLDER)
+    pack.add_argument("out", metavar="OUT", help="the file to write, in .npz or .zarr, or a URL")
+    pack.add_argument(
+        "--partial", action="store_true", help="also write a map that is not finished"
+    )
+    pack.add_argument("--force", action="store_true", help="replace an existing file")
+
+
+def _parts(parser: argparse.ArgumentParser, needs: str) -> None:
+    parser.add_argument("--part", metavar="K/N", help=f"compute only part K of N{needs}")
+    parser.add_argument("--dask", metavar="ADDRESS", help=f"compute on this Dask cluster{needs}")
+
+
 def _source(parser: argparse.ArgumentParser, name: str, words: str) -> None:
     parser.add_argument(name, metavar="NAME|FILE.toml", help=words)
     parser.add_argument(
@@ -250,7 +297,7 @@ def _threads(parser: argparse.ArgumentParser) -> None:
         "--threads",
         type=int,
         metavar="N",
-        help=THREADS,
+        help="number of threads (default: all that this process may use)",
     )
 
 
@@ -271,7 +318,7 @@ def _shown(parser: argparse.ArgumentParser) -> None:
         dest="progress",
         action="store_const",
         const=False,
-        help=QUIET,
+        help="neither a progress bar in a terminal nor a line every 10 s elsewhere",
     )
 
 

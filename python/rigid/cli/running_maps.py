@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from argparse import ArgumentParser, Namespace
+from argparse import Namespace
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -20,83 +20,12 @@ from .exit_codes import DONE, SAYS_NO, UNFINISHED
 from .output import complain, require_new, say
 
 __all__ = [
-    "QUIET",
-    "THREADS",
-    "add_commands",
-    "add_options",
     "compute_stored",
     "default_stem",
     "open_and_go_on",
     "require_shared",
     "run",
 ]
-
-
-_FOLDER = "folder of a running map"
-QUIET = "neither a progress bar in a terminal nor a line every 10 s elsewhere"
-THREADS = "number of threads (default: all that this process may use)"
-
-
-def _command(commands: Any, name: str, words: str) -> ArgumentParser:
-    """A command with the same words in the list of commands and in its help."""
-    parser: ArgumentParser = commands.add_parser(
-        name, help=words, description=f"{words[0].upper()}{words[1:]}."
-    )
-    return parser
-
-
-def add_options(parser: ArgumentParser, needs: str = "; needs --store") -> None:
-    """The options of a map that is stored."""
-    parser.add_argument("--part", metavar="K/N", help=f"compute only part K of N{needs}")
-    parser.add_argument("--dask", metavar="ADDRESS", help=f"compute on this Dask cluster{needs}")
-
-
-def add_commands(commands: Any) -> None:
-    """The commands that work on stores."""
-    resume = _command(commands, "resume", "go on with a running map")
-    resume.add_argument("store", metavar="DIR", help=_FOLDER)
-    resume.add_argument("--threads", type=int, metavar="N", help=THREADS)
-    resume.add_argument(
-        "--out",
-        metavar="PATH",
-        help="writes PATH.png and PATH.npz (default: DIR without its suffix)",
-    )
-    resume.add_argument("--force", action="store_true", help="replace existing files")
-    resume.add_argument("--json", action="store_true", help="print JSON for other programs")
-    resume.add_argument(
-        "--no-progress", dest="progress", action="store_const", const=False, help=QUIET
-    )
-    add_options(resume, "")
-    status = _command(commands, "status", "tell what a running map has and lacks")
-    status.add_argument("store", metavar="DIR", help=_FOLDER)
-    merge = _command(commands, "merge", "merge running maps of one specification")
-    merge.add_argument("stores", metavar="DIR", nargs="+", help="folders of running maps")
-    merge.add_argument("--into", required=True, metavar="DIR", help="a new folder, or one of these")
-    diff = _command(commands, "diff", "tell how two maps differ")
-    diff.add_argument("one", metavar="A", help="a folder of a running map, or a saved map")
-    diff.add_argument("other", metavar="B", help="the map to compare with")
-    verify = _command(commands, "verify", "compute stored numbers again, and compare")
-    verify.add_argument("map", metavar="X", help="a folder of a running map, or a saved map")
-    share = verify.add_mutually_exclusive_group()
-    share.add_argument(
-        "--share",
-        type=float,
-        default=0.01,
-        metavar="F",
-        help="share of the numbers, chosen at random (default: 0.01)",
-    )
-    share.add_argument(
-        "--all", dest="share", action="store_const", const=1.0, help="all numbers that are stored"
-    )
-    verify.add_argument("--seed", type=int, default=0, metavar="N", help="key of the random choice")
-    verify.add_argument("--threads", type=int, metavar="N", help=THREADS)
-    pack = _command(commands, "pack", "write a running map as one file")
-    pack.add_argument("store", metavar="DIR", help=_FOLDER)
-    pack.add_argument("out", metavar="OUT", help="the file to write, in .npz or .zarr, or a URL")
-    pack.add_argument(
-        "--partial", action="store_true", help="also write a map that is not finished"
-    )
-    pack.add_argument("--force", action="store_true", help="replace an existing file")
 
 
 def run(options: Namespace) -> int:
