@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import runpy
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,8 @@ import pytest
 import rigid
 from rigid._checks.arguments import MESSAGE
 from rigid.cli.toml_map import parse_spec, read_spec
-from rigid.cli.toml_table import SpecError, names_of
+from rigid.cli.toml_scene import KINDS
+from rigid.cli.toml_table import SpecError, keys, names_of
 from rigid.drawing.figure import new_figure
 from rigid.store.call import run_map
 
@@ -219,6 +221,26 @@ def test_evenly_spaced_values_are_correctly_rounded() -> None:
     assert (linear[0], linear[-1]) == (0.012, 0.248)
     assert spec.axes[1].geometric
     assert not spec.axes[0].geometric
+
+
+def test_the_page_of_files_has_a_row_for_every_key() -> None:
+    docs = Path(__file__).parents[3] / "docs"
+    tables = runpy.run_path(str(docs / "generated_pages.py"))["toml_tables"]()
+
+    def rows(*names: str) -> set[str]:
+        lines = [line for name in names for line in tables[name].splitlines()[2:]]
+        return {line.split("`")[1] for line in lines}
+
+    assert rows("scene", "free_scene") == {key for make in KINDS.values() for key in keys(make)}
+    assert rows("start") == keys(rigid.Start).keys()
+    assert rows("orbit") == keys(rigid.Orbit).keys()
+    assert rows("axis") == {"name", "values", "from", "to", "count", "scale"}
+    run = "samples", "half_width", "refine", "budget", "method", "step", "check", "max_steps"
+    assert rows("map_run") == {"t_end", *run, "seed", "measure"}
+    assert rows("report_run") == {"t_end", "unit", "bodies", "errors", "seed", "methods"}
+    assert rows("surface") == keys(rigid.section).keys()
+    assert rows("section_start") == {"energy", "l_gamma", "bodies", "seed"}
+    assert rows("section_run", "plot") == {"points", "t_end", "x", "y"}
 
 
 def test_large_seeds_can_be_said() -> None:
