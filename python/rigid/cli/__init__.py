@@ -2,7 +2,7 @@
 
 ``parser`` has the arguments and help, ``output`` prints and writes, ``running_maps`` has the
 commands on stores. ``toml_table`` reads tables of files as the arguments of functions,
-``toml_scene`` has those of scene, start and criterion, ``toml_map``, ``toml_section`` and
+``toml_scene`` reads scene, start and criterion, ``toml_map``, ``toml_section`` and
 ``toml_report`` the three kinds of files. Uses ``maps``, ``sections``, ``reports`` and
 ``literature``; nothing uses it.
 """
