@@ -393,24 +393,13 @@ class MapSpec:
 
     @property
     def tells_captured(self) -> bool:
-        """Whether there are digests of captured values, which older versions do not compare."""
-        return any(one.captured is not None for one in self._sources.values())
+        """Whether there are digests of functions."""
+        return bool(self._sources)
 
     @property
     def doubt(self) -> str:
         """Why a function may give other numbers than before, in words; empty without a reason."""
         return "; ".join(filter(None, (one.doubt(name) for name, one in self._sources.items())))
-
-    def in_form_of(self, other: MapSpec) -> MapSpec:
-        """The specification without the digests that a specification of an older version lacks."""
-        kept = other._sources
-        return self._with_sources(
-            {
-                name: dataclasses.replace(one, captured=None)
-                for name, one in self._sources.items()
-                if name in kept and kept[name].captured is None
-            }
-        )
 
     def with_functions(
         self,
@@ -440,12 +429,6 @@ class MapSpec:
         ValueError
             If the map has no such function, or one of another source, or one that takes other
             values from outside; or if the scene is another one.
-
-        Warns
-        -----
-        UserWarning
-            If the file is of a version that knew the source alone, and the function takes values
-            from outside.
         """
         if isinstance(scene, Scene):
             if self._torque is None or scene.to_dict() != self.scene.to_dict():

@@ -141,8 +141,7 @@ class Head:
         ------
         StoreError
         """
-        asked = spec.in_form_of(self.spec)
-        found = spec_differences(self.spec, asked, "title", "version")
+        found = spec_differences(self.spec, spec, "title", "version")
         if found:
             shown = "; ".join(found[:5]) + (f"; and {len(found) - 5} more" if found[5:] else "")
             raise StoreError(

@@ -18,9 +18,8 @@ import pytest
 import rigid
 import taking
 from processes import python_process
-from rigid.maps.file import read_map
 from rigid.model.sourced import Sourced
-from small_maps import assert_same_map, saved_bytes, small_map
+from small_maps import assert_same_map, small_map
 from stores import go_on, stops_after
 from taking import GLOBALS, HELD, Judge, below, with_closure
 
@@ -72,7 +71,7 @@ def test_numbers_are_told_as_they_are(tmp_path: Path) -> None:
         map_by(with_closure(1.0), store=path)
     with pytest.raises(ValueError, match=r"limit is 1.0, and was 0.1 in 'judge', which made"):
         rigid.open_store(path, stable=with_closure(1.0))
-    taken = dict(Sourced.of("stable", with_closure(np.float64(0.25))).captured or ())
+    taken = dict(Sourced.of("stable", with_closure(np.float64(0.25))).captured)
     assert taken["limit"] == "float64 0.25"
     assert taken["below.np"] == "module numpy"
 
@@ -158,7 +157,7 @@ def test_equal_values_have_equal_digests_in_any_order() -> None:
     swapped = dict(reversed(judges.items()))
     one, other = (Sourced.of("stable", with_closure(held)) for held in (judges, swapped))
     assert one == other
-    assert dict(one.captured or ())["limit['low'].limit"] == "0.1"
+    assert dict(one.captured)["limit['low'].limit"] == "0.1"
 
 
 def test_a_module_of_the_user_may_have_the_name_of_one_of_python(
@@ -168,7 +167,7 @@ def test_a_module_of_the_user_may_have_the_name_of_one_of_python(
     monkeypatch.syspath_prepend(tmp_path)
     monkeypatch.delitem(sys.modules, "this", raising=False)
     this: Any = importlib.import_module("this")
-    taken = dict(Sourced.of("stable", with_closure(this.judge)).captured or ())
+    taken = dict(Sourced.of("stable", with_closure(this.judge)).captured)
     assert taken["limit.LIMIT"] == "0.1"
     monkeypatch.delitem(sys.modules, "this")
 
@@ -186,9 +185,9 @@ def test_an_installed_package_of_the_user_is_read(
     monkeypatch.syspath_prepend(package.parent)
     from judging_package import judge  # type: ignore[import-not-found, unused-ignore]
 
-    own = dict(Sourced.of("stable", judge).captured or ())
+    own = dict(Sourced.of("stable", judge).captured)
     assert own["low.LIMIT"] == "0.1"
-    named = dict(Sourced.of("stable", with_closure(judge)).captured or ())
+    named = dict(Sourced.of("stable", with_closure(judge)).captured)
     assert named["limit"] == "judging_package.judge"
 
 
@@ -253,7 +252,7 @@ def test_functions_of_installed_packages_are_told_by_name() -> None:
     from scipy.special import j0, j1
 
     def judge_with(function: Any) -> dict[str, str]:
-        return dict(Sourced.of("stable", with_closure(function)).captured or ())
+        return dict(Sourced.of("stable", with_closure(function)).captured)
 
     assert judge_with(np.linalg.norm)["limit"] == "numpy.linalg.norm"
     assert judge_with(len)["limit"] == "builtins.len"
@@ -303,61 +302,3 @@ def test_many_names_share_a_digest_and_the_file_is_read(tmp_path: Path) -> None:
     rigid.load_map(path, stable=Many(0.1)).replay(0, 0)
     with pytest.raises(ValueError, match=f"(last_of_all|{more}) is"):
         rigid.load_map(path, stable=Many(0.2))
-
-
-def old_form(content: Any) -> Any:
-    """A specification as versions wrote it that knew the source of a function alone."""
-    if isinstance(content, dict):
-        return {name: old_form(one) for name, one in content.items() if name != "captured"}
-    return [old_form(one) for one in content] if isinstance(content, list) else content
-
-
-def test_files_that_know_the_source_alone_are_read(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """What cannot be compared is said."""
-    whole = map_by(taking.by_global)
-    spec = rigid.MapSpec.from_dict(old_form(whole.spec.to_dict()))
-    old = rigid.StabilityMap.from_arrays(
-        spec, {name: getattr(whole, name) for name in (*whole.columns, "status")}
-    )
-    path = old.save(tmp_path / "old.npz")
-    assert read_map(path)[0] == spec
-    assert rigid.load_map(path).complete
-    words = r"by_global: the map has no digests of what 'by_global' takes from outside: LIMIT, "
-    with pytest.warns(UserWarning, match=words):
-        loaded = rigid.load_map(path, stable=taking.by_global)
-    assert loaded.replay(0, 0).outcome == whole.replay(0, 0).outcome
-    assert saved_bytes(loaded, tmp_path) == path.read_bytes()
-    with pytest.raises(ValueError, match="stable = by_table: its source differs from 'by_global'"):
-        rigid.load_map(path, stable=taking.by_table)
-    monkeypatch.setattr(taking, "LIMIT", 1.0)
-    with pytest.raises(ValueError, match=f"computed again give .*{words}"):
-        loaded.replay(0, 0)
-
-
-def test_folders_that_know_the_source_alone_go_on(tmp_path: Path) -> None:
-    whole = map_by(taking.by_global)
-    spec = rigid.MapSpec.from_dict(old_form(whole.spec.to_dict()))
-    with pytest.warns(UserWarning, match="has no digests of what"):
-        spec = spec.with_functions(stable=taking.by_global)
-    from rigid.store.resume import carry_on
-    from rigid.store.running import Folder
-
-    path = tmp_path / "run"
-    with pytest.warns(UserWarning, match="has no digests of what"):
-        folder = Folder.at(path, spec)
-    carry_on(folder, threads=1, stop=stops_after(9), progress=False)
-    head = json.loads((path / "head.json").read_text())
-    assert (head["format_version"], "captured" in json.dumps(head)) == (1, False)
-    with pytest.warns(UserWarning, match="has no digests of what"):
-        result = map_by(taking.by_global, store=path)
-    assert_same_map(result, whole)
-
-
-def test_new_files_are_not_read_by_versions_that_know_the_source_alone(tmp_path: Path) -> None:
-    """Such a version would take the function with any value."""
-    result = map_by(taking.by_global, store=tmp_path / "run")
-    assert json.loads((tmp_path / "run" / "head.json").read_text())["format_version"] == 3
-    with np.load(result.save(tmp_path / "map.npz")) as archive:
-        assert json.loads(archive["spec.json"].tobytes())["format_version"] == 8
