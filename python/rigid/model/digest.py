@@ -174,7 +174,7 @@ class _Walk:
         """The text of a variable, with an entry under its path."""
         text = self._text(value, path)
         is_read = isinstance(value, FunctionType | type) and self._named(value) is None
-        # What a function takes has entries of its own.
+        # There are entries for what a function takes.
         self.found[path] = _short("", code_of(value)) if is_read else text
         return text
 
@@ -284,7 +284,7 @@ class _Walk:
         return [f"{name}={self._variable(prefix + name, values[name])}" for name in sorted(values)]
 
     def _globals(self, code: CodeType, space: dict[str, Any], prefix: str) -> dict[str, Any]:
-        """The globals that a code names; of a module of the user those of its names."""
+        """The globals that a code names; of a module of the user the names that it has there."""
         steps = [(step.opname, step.argval) for step in _steps(code)]
         for operation, name in steps:
             if operation == "IMPORT_NAME" and (not name or self._is_own(name)):

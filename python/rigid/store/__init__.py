@@ -6,8 +6,8 @@ is what rows there are. Nothing is rewritten, nothing is locked.
 
 From low to high: ``disk`` (every operation on files), ``head`` and ``rows`` (the specification and
 the numbers of a unit of work), ``log`` (the tar files), ``running`` (the rows of a folder, or of
-the memory), ``compute`` and ``canary`` (rows of units, and whether this machine computes those that
-there are), ``drive`` (blocks of work on threads or executors), ``resume`` (what is missing),
+the memory), ``compute`` (rows of units), ``drive`` (blocks of work on threads or executors),
+``resume`` (what is missing, and whether this machine computes the rows that there are),
 ``foresee`` (what a call would compute, and how long), ``status``, ``merge``, ``verify`` and
 ``diff``, ``store`` with :class:`rigid.Store`, and ``call`` with :func:`rigid.stability_map`. Uses
 ``maps``; the command line uses it.

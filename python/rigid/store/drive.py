@@ -24,7 +24,6 @@ from .. import _core
 from .._checks.arguments import brief, one_line
 from ..maps.spec import MapSpec
 from ..model.scene import Scene
-from .canary import check_canaries
 from .compute import compute
 from .head import StoreError
 from .rows import Bins, Block, Rows
@@ -66,8 +65,6 @@ class Task:
         The specification as JSON.
     threads : int
         Threads of the core in each worker.
-    canaries : Block
-        Stored rows that each worker process computes again before its first block.
     build : tuple of str and (str or None)
         Version and commit of the driver, which a worker must have; None accepts any.
     functions : dict of str to callable, or bytes
@@ -80,7 +77,6 @@ class Task:
 
     text: str
     threads: int
-    canaries: Block
     build: tuple[str, str | None] | None
     functions: Mapping[str, Callable[..., Any] | Scene] | bytes
     segment: int | None = None
@@ -91,7 +87,6 @@ class Task:
         cls,
         spec: MapSpec,
         threads: int,
-        canaries: Block,
         build: tuple[str, str | None] | None,
         executor: Any,
         segment: int | None = None,
@@ -104,7 +99,7 @@ class Task:
             If workers of the executor cannot import a function.
         """
         if isinstance(executor, ThreadPoolExecutor):
-            return cls(spec.to_json(), threads, canaries, build, {}, segment, spec)
+            return cls(spec.to_json(), threads, build, {}, segment, spec)
         functions: Mapping[str, Callable[..., Any] | Scene] | bytes = spec.functions
         if isinstance(spec.functions.get("scene"), Scene):
             raise ValueError(
@@ -121,7 +116,7 @@ class Task:
                         f"name; define the function in a module ({one_line(error)})"
                     ) from None
             functions = pickle.dumps(dict(spec.functions))
-        return cls(spec.to_json(), threads, canaries, build, functions, segment)
+        return cls(spec.to_json(), threads, build, functions, segment)
 
     @property
     def spec(self) -> MapSpec:
@@ -181,10 +176,6 @@ def own_build() -> tuple[str, str | None]:
     return build["version"], build.get("commit")
 
 
-_checked: set[bytes] = set()
-"""The canaries that this process has computed again."""
-
-
 def work(task: Task, units: Units) -> Block:
     """A block, in a worker."""
     if task.build is not None and task.build != own_build():
@@ -192,13 +183,7 @@ def work(task: Task, units: Units) -> Block:
             f"a worker has rigid {own_build()}, the driver {task.build}: install one version, or "
             "pass allow_mixed=True"
         )
-    spec = task.spec
-    token = b"".join([task.text.encode(), *(part.tobytes() for part in task.canaries)])
-    if token not in _checked:
-        check_canaries(spec, task.canaries, task.threads, segment=task.segment)
-        _checked.clear()
-        _checked.add(token)
-    block = compute(spec, units, task.threads, segment=task.segment)
+    block = compute(task.spec, units, task.threads, segment=task.segment)
     assert block is not None
     return block
 

@@ -17,9 +17,10 @@ from .._checks.progress import Progress, ProgressOption, reporting, terminated
 from ..maps.data import CLASSES
 from ..maps.refine import lattice_level, refined, stages
 from ..maps.result import StabilityMap
-from .canary import canaries, check_canaries
+from .compute import compute
 from .drive import Intake, Poison, Task, drive, executor_of, own_build, run_here
-from .rows import Rows
+from .head import StoreError
+from .rows import Rows, unequal
 from .running import Folder, Memory
 
 __all__ = ["Outcome", "Part", "carry_on", "missing", "pixels_done", "result_of"]
@@ -30,6 +31,10 @@ GOLDEN = np.uint64(0x9E3779B97F4A7C15)
 
 MOST_PARTS = 2**31
 """Most parts of a map. The numbers of units, below 2**63, are dealt to them."""
+
+MOST_AGAIN = 16
+SECONDS_AGAIN = 0.5
+"""Most rows that are computed again, and most processor time (s) of these rows."""
 
 _RULE = f"must be k/n with 1 <= k <= n <= {MOST_PARTS}"
 
@@ -165,7 +170,6 @@ def carry_on(
     """
     spec, part = running.head.spec, part or Part()
     spec.require_functions()
-    known = canaries(running.table)
     running.computed = 0
     checked = reread = False
     poison = Poison()
@@ -192,21 +196,20 @@ def carry_on(
                 threads=each,
                 executor="threads" if pool is None else type(executor).__name__,
                 part=str(part),
-                canaries=known.rows["unit"].tolist(),
             )
             total = int(running.head.samples_of(mine).sum())
             who = "" if part.count == 1 else f"part {part}: "
             with reporting(progress, total, who=who) as report:
                 note = _noting(running, report, total)
                 intake = Intake(running, note, samples, each)
+                if not checked:
+                    _compute_again(running, threads, stop)
+                    checked = True
                 if pool is None:
-                    if not checked:
-                        check_canaries(spec, known, threads, stop, segment=segment)
-                        checked = True
                     run_here(spec, segment, mine, intake, threads, stop)
                 else:
                     build = None if allow_mixed else own_build()
-                    task = Task.of(spec, threads_per_task, known, build, executor, segment)
+                    task = Task.of(spec, threads_per_task, build, executor, segment)
                     found = drive(task, mine, intake, pool, workers, stop)
                     poison.units += found.units
                     poison.errors += found.errors
@@ -226,6 +229,31 @@ def carry_on(
     finally:
         running.end(reason)
     return Outcome(reason, poison)
+
+
+def _compute_again(running: Folder | Memory, threads: int, stop: Callable[[], bool]) -> None:
+    """Compute some known rows again, before rows are added: another version may give others.
+
+    Raises
+    ------
+    StoreError
+        Naming the first unit and the fields that come out otherwise here, and a function of the
+        user that is the cause.
+    """
+    table, spec = running.table, running.head.spec
+    known = np.flatnonzero(table.known)
+    known = known[:: -(-len(known) // MOST_AGAIN) or 1]
+    is_soon = 1e-9 * np.cumsum(np.nan_to_num(table.nanoseconds[known])) <= SECONDS_AGAIN
+    is_soon[:1] = True
+    stored = table.block(known[is_soon])
+    if not len(stored.rows):
+        return
+    units = stored.rows["unit"].copy()
+    again = compute(spec, units, threads, stop, segment=running.head.segment)
+    found = "" if again is None else unequal(stored, again, spec.measure)
+    if found:
+        who = "this build of rigid, or this machine, does not compute the numbers that are stored"
+        raise StoreError(f"{spec.doubt or who}: stored and computed: {found}")
 
 
 def result_of(

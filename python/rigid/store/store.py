@@ -163,8 +163,8 @@ class Store:
         executor, threads, threads_per_task, part, progress, partial
             As for :func:`stability_map`.
         allow_mixed : bool
-            Accept workers of another version or commit of rigid; each must still compute the stored
-            numbers again before its first block.
+            Accept workers of another version or commit, whose numbers may differ; :meth:`verify`
+            finds those that do.
 
         Returns
         -------

@@ -1,4 +1,4 @@
-"""Rows that are wrong are found: by canaries, verification and merging. Others are never blamed."""
+"""Wrong rows are found: before others are added, by verification and merging. Right ones pass."""
 
 from __future__ import annotations
 

@@ -306,12 +306,11 @@ def test_workers_that_cannot_work_end_the_run(tmp_path: Path) -> None:
 def test_a_worker_of_another_version_is_refused(tmp_path: Path) -> None:
     folder = Folder.at(tmp_path / "run", SPEC)
     folder.begin()
-    none = folder.table.block(np.zeros(0, np.int64))
-    task = Task(SPEC.to_json(), 1, none, ("0.0.0", None), {})
+    task = Task(SPEC.to_json(), 1, ("0.0.0", None), {})
     intake = Intake(folder, lambda _: None, 20, 1)
     with ThreadPoolExecutor(1) as pool, pytest.raises(ValueError, match="a worker has rigid"):
         drive(task, np.arange(160, 165), intake, pool, 1, lambda: False)
-    task = Task(SPEC.to_json(), 1, none, own_build(), {})
+    task = Task(SPEC.to_json(), 1, own_build(), {})
     with ThreadPoolExecutor(1) as pool:
         drive(task, np.arange(160, 165), intake, pool, 1, lambda: False)
     folder.end("interrupted")
