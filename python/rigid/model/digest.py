@@ -61,11 +61,14 @@ def digest(text: str) -> str:
 
 
 def source_of(function: FunctionType | type) -> str | None:
-    """The source of a class, or of a function without its wrapped function; None if unknown."""
+    """The source of a class, or of a function without its wrapped function; None if unknown.
+
+    It is read once: its file may change later, what runs does not.
+    """
     return _source(function if isinstance(function, type) else function.__code__)
 
 
-@functools.cache  # its file may change later, what runs does not
+@functools.cache
 def _source(owner: type | CodeType) -> str | None:
     try:
         return inspect.getsource(owner)
@@ -207,7 +210,7 @@ class _Walk:
         if kind in (dict, MappingProxyType):
             told = [(self._alone(key, path), key) for key in value]
             told.sort(key=lambda pair: pair[0])
-            parts = [f"{text}: {self._text(value[key], f'{path}[{key!r}]')}" for text, key in told]
+            parts = [f"{text}: {self._text(value[key], f'{path}[{text}]')}" for text, key in told]
             return _hashed("dict", *parts)
         if kind in (set, frozenset):
             return _hashed("set", *sorted(self._alone(one, path) for one in value))
@@ -242,7 +245,7 @@ class _Walk:
         """The text of an object; the attributes of ``self`` have entries."""
         state, rest = self._parts(value, path)
         parts = [self._text(type(value), path)]
-        for name, one in sorted(state.items()):
+        for name, one in sorted(state.items(), key=lambda pair: str(pair[0])):
             at = f"{path}.{name}"
             parts += [name, self._variable(at, one) if path == "self" else self._text(one, at)]
         if rest:
@@ -311,9 +314,8 @@ class _Walk:
         """The text of the source and of the values of a class, and of its base classes."""
         path = kind.__qualname__
         parts = [self._text(base, f"{path}.{base.__name__}") for base in kind.__bases__]
-        # Members of an enumeration are kept elsewhere.
-        members = {**vars(kind), **getattr(kind, "__members__", {})}
-        for name, member in sorted(members.items()):
+        values = getattr(kind, "__members__", vars(kind))  # those of an enumeration
+        for name, member in sorted({**vars(kind), **values}.items()):
             if name in _INTERNAL:
                 continue
             functions = _functions(member)
@@ -322,7 +324,8 @@ class _Walk:
                 known = source_of(kind) is None or source_of(function) is not None
                 if known and function.__module__ == kind.__module__:
                     parts.append(self._text(function, f"{path}.{name}"))
-            if not (functions or _is_special(name) or hasattr(type(member), "__get__")):
+            is_other = functions or _is_special(name) or hasattr(type(member), "__get__")
+            if name in values and not is_other:
                 parts.append(self._variable(f"{path}.{name}", member))
         return _hashed("class", code_of(kind), *parts)
 
@@ -378,8 +381,8 @@ def _functions(member: Any) -> list[FunctionType]:
 
 
 def _is_special(name: str) -> bool:
-    """Whether Python gives a name its meaning, as to ``__name__`` and ``_missing_``."""
-    return name.startswith("_") and name.endswith("_")
+    """Whether Python gives a name its meaning, as to ``__name__``."""
+    return name.startswith("__") and name.endswith("__")
 
 
 def _is_wrapper(value: Any) -> bool:

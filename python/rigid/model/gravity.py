@@ -2,16 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
 from .._checks.arguments import brief, finite_float, vector
-
-if TYPE_CHECKING:
-    pass
 
 __all__ = ["about_pivot", "checked_properties"]
 

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import copy
+import dataclasses
+import enum
 import functools
 import importlib
 import json
 import sys
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Sized
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
@@ -134,6 +137,76 @@ def test_scenes_take_values_too(tmp_path: Path) -> None:
         ValueError, match=r"own\.function\.captured\.thickness: \"0.5\" and \"0.6\""
     ):
         small_map(functools.partial(bodies, thickness=0.6), axes=axes, store=path)
+
+
+class Step(enum.Enum):
+    """Its members are values of the class."""
+
+    SMALL = 0.1
+    LARGE = 9.0
+
+    def times(self, factor: float) -> float:
+        return self.value * factor * taking.LIMIT  # type: ignore[no-any-return]
+
+
+class Pair(NamedTuple):
+    """A tuple whose method takes a global."""
+
+    low: float = 0.1
+
+    def scaled(self) -> float:
+        return self.low * taking.LIMIT  # type: ignore[no-any-return]
+
+
+class Scaled(Sized):
+    """Its property takes a global."""
+
+    def __init__(self) -> None:
+        self.table = {(1, 2): [np.zeros(2), {Step.SMALL}]}
+
+    def __len__(self) -> int:
+        return 0
+
+    @property
+    def limit(self) -> float:
+        return 0.1 * taking.LIMIT  # type: ignore[no-any-return]
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
+class Slots:
+    """A class method of it takes a global."""
+
+    low: float = 0.1
+
+    @classmethod
+    def scaled(cls) -> Slots:
+        return cls(0.1 * taking.LIMIT)
+
+
+@functools.lru_cache
+def scaled(x: float) -> float:
+    return x * taking.LIMIT  # type: ignore[no-any-return]
+
+
+@pytest.mark.parametrize("value", [Step.SMALL, Step, Pair(), Scaled(), Slots(), scaled])
+def test_copies_of_values_are_equal_and_take_what_their_methods_take(
+    value: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A copy has the digest; a global that a method names is part of it."""
+    one = Sourced.of("stable", with_closure(value))
+    assert Sourced.of("stable", with_closure(copy.deepcopy(value))) == one
+    monkeypatch.setattr(taking, "LIMIT", 1.0)
+    assert Sourced.of("stable", with_closure(value)) != one
+
+
+def test_members_of_one_enumeration_differ() -> None:
+    small, large = (Sourced.of("stable", with_closure(one)) for one in Step)
+    assert small != large
+
+
+def test_a_list_of_one_value_is_not_the_value() -> None:
+    values = (below, [below], [[below]], {0: below}, (below,))
+    assert len({Sourced.of("stable", with_closure(one)) for one in values}) == 5
 
 
 def test_digests_depend_on_no_order() -> None:
