@@ -70,9 +70,23 @@ class Sourced:
         if carried and source_of(taken(function)[0]) is None:
             return whole
         other = type(self).of(argument, function)
-        changes = self._changes(other)
-        if changes:
-            raise ValueError(f"{argument} = {other.name}: {changes}")
+        if other.sha256 != self.sha256:
+            raise ValueError(
+                f"{argument} = {other.name}: its source differs from {self.name!r}, which made the "
+                f"map (sha256 {other.sha256[:12]}..., not {self.sha256[:12]}...)"
+            )
+        old, new = dict(self.captured), dict(other.captured)
+        told = [
+            f"{name} is {new.get(name, 'not taken')}, and was {old.get(name, 'not taken')}"
+            for name in sorted({*old, *new})
+            if old.get(name) != new.get(name)
+        ]
+        if told:
+            more = f"; and {len(told) - 5} more" if told[5:] else ""
+            raise ValueError(
+                f"{argument} = {other.name}: {'; '.join(told[:5])}{more} in {self.name!r}, which "
+                "made the map"
+            )
         return whole
 
     def renewed(self, argument: str) -> Self:
@@ -84,28 +98,10 @@ class Sourced:
         if self.function is None:
             return ""
         try:
-            now = type(self).of(argument, self.function)
-        except TypeError as error:
+            self.given(argument, self.function)
+        except (TypeError, ValueError) as error:
             return str(error)
-        changes = self._changes(now)
-        return f"{argument} = {now.name}: {changes}" if changes else ""
-
-    def _changes(self, other: Sourced) -> str:
-        """The differences of another function, in words; empty if there are none."""
-        if other.sha256 != self.sha256:
-            return (
-                f"its source differs from {self.name!r}, which made the map "
-                f"(sha256 {other.sha256[:12]}..., not {self.sha256[:12]}...)"
-            )
-        old, new = dict(self.captured), dict(other.captured)
-        told = [
-            f"{name} is {new.get(name, 'not taken')}, and was {old.get(name, 'not taken')}"
-            for name in sorted({*old, *new})
-            if old.get(name) != new.get(name)
-        ]
-        more = f"; and {len(told) - 5} more" if told[5:] else ""
-        made = f" in {self.name!r}, which made the map"
-        return f"{'; '.join(told[:5])}{more}{made}" if told else ""
+        return ""
 
     def call(self, argument: str) -> Callable[..., Any]:
         """The function; ValueError if it must be given again."""
