@@ -314,7 +314,7 @@ class _Walk:
         """The text of the source and of the values of a class, and of its base classes."""
         path = kind.__qualname__
         parts = [self._text(base, f"{path}.{base.__name__}") for base in kind.__bases__]
-        values = getattr(kind, "__members__", vars(kind))  # those of an enumeration
+        values = getattr(kind, "__members__", vars(kind))  # members of an enumeration
         for name, member in sorted({**vars(kind), **values}.items()):
             if name in _INTERNAL:
                 continue
