@@ -191,7 +191,7 @@ def _axes(rng: Random, scene: Any, start: rigid.Start) -> dict[str, Any]:
         known = PARAMETERS.get(name) if isinstance(name, str) else None
         low = 0.0 if known is None else max(known.lowest, -3.0)
         high = 3.0 if known is None else min(known.highest, 3.0)
-        if known is not None and known.describes == "moments":
+        if known is not None and known.place == "moments":
             low, high = 0.5, 1.5
         values = sorted(rng.uniform(low, high) for _ in range(rng.choice([1, 2, 3])))
         axes[name] = odd.array(rng, values)

@@ -198,7 +198,7 @@ def measures(seed: int, count: int) -> dict[str, Tally]:
 
 def _values(tallies: dict[str, Tally], result: Any, found: Any, where: str) -> None:
     """The values of the first bodies of a map."""
-    scene, spec = result.spec.grid.scene_of(0), result.spec
+    scene, spec = result.spec.grid.scene[0], result.spec
     starts = result.starts(range(BODIES), pixel=0)
     leaves = leaving(spec.stable)
     for body in range(BODIES):

@@ -412,15 +412,12 @@ def _layers(result: StabilityMap) -> list[dict[str, Any]]:
 
 def _motion(spec: MapSpec) -> dict[str, Any] | None:
     """The numbers of the equations of motion of each pixel; None if the page cannot solve them."""
-    grid, scene = spec.grid, spec.scene
-    if scene.torque is not None or scene.has_further or grid.further:
+    grid = spec.grid
+    if spec.whole.torque is not None or not {*spec.forces} <= {"torque", "damping"}:
         return None
-    if grid.made is not None and (grid.made.torque is not None or grid.made.has_further):
-        return None
-    count = len(grid.moments)
-    damping = np.zeros((count, 3, 3)) if grid.damping is None else grid.damping
-    torque = np.zeros((count, 3)) if grid.torque is None else grid.torque
-    columns = (grid.moments, grid.weight, damping.reshape(-1, 9), torque)
+    count, torque = len(grid.moments), grid.scene.torque
+    in_body = np.zeros((count, 3)) if torque is None else np.asarray(torque.in_body)[:, 0]
+    columns = (grid.moments, grid.weight, grid.damping.reshape(-1, 9), in_body)
     return {"numbers": _packed(np.concatenate(columns, axis=1), np.float64)}
 
 

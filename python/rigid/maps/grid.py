@@ -1,11 +1,12 @@
-"""The nominal start of every pixel of a map, as arrays with one row for each pixel."""
+"""The pixels of a map: a scene of many bodies, one for each pixel, and their nominal starts."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from math import prod
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -13,82 +14,47 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
 from .._checks.float_environment import in_standard_floats
-from .._moments import rods, without_spin
+from .._moments import box_moments, rods, without_spin
 from ..model.body import Body, rates_of_rods
-from ..model.forces import FORCES
+from ..model.forces import FORCES, EnergySink
+from ..model.leading import axes_of
+from ..model.orbit import Orbit
 from ..model.scene import Scene
 from ..model.start import Noise, Start, tilted_attitude, tilted_rates
-from ..model.torque import Torque, checked_damping, forces_of
+from ..model.torque import Torque, forces_of
 from ..rotations.apply import to_body
 from ..solve.bodies import Bodies
-from .parameters import Axis, PixelValues, in_order
+from .parameters import Axis, in_order
 
-__all__ = ["Made", "NominalStarts", "grid_shape", "nominal_starts"]
+__all__ = ["Pixels", "acting_forces", "grid_shape", "nominal_starts"]
 
 Floats = NDArray[np.float64]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Made:
-    """The values that a function of the user makes for all P pixels.
-
-    Attributes
-    ----------
-    scene : FreeBody or HeavyTop
-        Of one body, or of P bodies.
-    omega, attitude : ndarray, shapes (P, 3), (P, 4), or None
-        Nominal rates and attitudes, if the function gives them.
-    """
-
-    scene: Scene
-    omega: Floats | None = None
-    attitude: Floats | None = None
-
-    def of_pixels(self, pixels: NDArray[np.int64]) -> Made:
-        """The values of some pixels."""
-        omega, attitude = (
-            None if part is None else part[pixels] for part in (self.omega, self.attitude)
-        )
-        return Made(self.scene[pixels] if self.scene.shape else self.scene, omega, attitude)
-
-
 @dataclass(frozen=True, kw_only=True, eq=False)
-class NominalStarts:
+class Pixels:
     """Bodies and starts of all P pixels in C order of the grid, as read-only arrays of `float64`.
 
     Attributes
     ----------
     scene : FreeBody or HeavyTop
-        The scene whose numbers the axes replace.
-    made : FreeBody or HeavyTop, or None
-        The scene of all pixels, if a function of the user made it.
-    moments : (P, 3) principal moments
-    weight : (P, 3) ``mgl * com``, zero for a free body
-    own : the numbers of the scene's own that may vary, such as ``mgl``, (P,) or (P, 3) each
+        The scene of P bodies. A sphere stands where no body can have the moments.
+    moments : (P, 3) principal moments, possible or not
     omega, omega_size : (P, 3) nominal rates and size of their noise, rad/s
     attitude : (P, 4) nominal attitude (w, x, y, z)
     tilt : (P,) rad
     attitude_size : (P, 3) sizes of the rotation vectors of the attitude noise, rad
-    damping : (P, 3, 3), or None if nothing damps
-    torque : (P, 3) constant torque in the body, or None if the axes set none
-    further : the numbers of the further forces that the axes set, such as ``rotor``, (P, 3) each
-    acting : the names of the forces of the scene that act in some pixel of the whole map
+    acting : the names of the forces that act in some pixel of the whole map
     """
 
     scene: Scene
     moments: Floats
-    weight: Floats
-    own: Mapping[str, Floats]
     omega: Floats
     omega_size: Floats
     attitude: Floats
     tilt: Floats
     attitude_size: Floats
-    damping: Floats | None
-    torque: Floats | None
-    further: Mapping[str, Floats]
     acting: tuple[str, ...]
-    made: Scene | None = None
 
     def __post_init__(self) -> None:
         for column in fields(self):
@@ -99,7 +65,7 @@ class NominalStarts:
     @property
     def physical(self) -> bool:
         """Whether a body must be able to have the moments."""
-        return (self.scene if self.made is None else self.made).body.physical
+        return self.scene.body.physical
 
     @cached_property
     def moving(self) -> Floats:
@@ -118,111 +84,75 @@ class NominalStarts:
         return known
 
     @cached_property
-    def forces(self) -> list[_core.Forces] | None:
-        """Applied torque and damping of each pixel; None if no pixel has any."""
-        scene = self.scene
-        if self.made is not None:
-            return self._forces_of_each(self.made)
-        if not (self.acting or self.further) and self.damping is None and self.torque is None:
-            return None
-        count = len(self.moments)
-        damping = np.zeros((count, 3, 3)) if self.damping is None else self.damping
-        torque = np.zeros((count, 3)) if self.torque is None else self.torque
-        rows = np.concatenate([damping.reshape(-1, 9), torque, *self.further.values()], axis=1)
-        # Pixels of a row mostly share theirs.
-        known, of_pixel = np.unique(rows, axis=0, return_inverse=True)
-        # Under a torque of zero, bodies without damping are integrated like their neighbours.
-        none = None if self._has_orbits_alone else Torque.body((0.0, 0.0, 0.0))
-        alike = scene.further_numbers()
-        ends = np.cumsum([12, *(each.shape[1] for each in self.further.values())])
-
-        def in_the_form_of_a_scene(name: str, rows: Floats) -> Floats:
-            """The numbers of a further force in all rows."""
-            made = FORCES[name].made(rows)
-            if made is None:
-                return rows
-            return np.broadcast_to(np.asarray(FORCES[name].numbers(made)), rows.shape)
-
-        parts = zip(self.further, np.split(known, ends, axis=1)[1:-1], strict=True)
-        varied = {name: in_the_form_of_a_scene(name, rows) for name, rows in parts}
-        made = [
-            forces_of(
-                self._torque(row[9:12]) or none,
-                checked_damping(row[:9].reshape(3, 3)),
-                further={**alike, **{name: rows[k] for name, rows in varied.items()}},
-            )
-            for k, row in enumerate(known)
-        ]
-        every = [one for one in made if one is not None]
-        return [every[k] for k in of_pixel.ravel()]
-
-    def _forces_of_each(self, made: Scene) -> list[_core.Forces] | None:
-        """Applied torque and damping of each pixel, where all of these may differ."""
-        if not (self.acting or self.further) and self.damping is None and self.torque is None:
-            return None
-        zero = Torque.body((0.0, 0.0, 0.0))
-        none = forces_of(zero, None)
-        assert none is not None
-        forces = []
-        for pixel in range(len(self.moments)):
-            scene = self.scene_of(pixel)
-            acting = scene.acting() or none
-            if scene.forces == ("orbit",) and not self._has_orbits_alone:
-                acting = forces_of(zero, None, further=scene.further_numbers()) or none
-            forces.append(acting)
-        return forces
+    def weight(self) -> Floats:
+        """``mgl * com``, shape (P, 3); zero for free bodies."""
+        return _each(self.scene.weight, 1, len(self.moments))
 
     @property
-    def _has_orbits_alone(self) -> bool:
-        """Whether all bodies move under the gravity gradient of an orbit and under nothing else.
+    def damping(self) -> Floats:
+        """The damping matrices, shape (P, 3, 3); zero where nothing damps."""
+        known = self.scene.damping
+        return _each(np.zeros((3, 3)) if known is None else known, 2, len(self.moments))
 
-        They are integrated without a balance then, whichever pixels the core is given together.
-        """
-        varied = self.damping is not None or self.torque is not None or {*self.further} - {"orbit"}
-        return self.acting == ("orbit",) and not varied
+    @cached_property
+    def _forces(self) -> _core.Forces | None:
+        """The forces on all pixels; None if no pixel has any."""
+        if not self.acting:
+            return None
+        scene, torque = self.scene, self.scene.torque
+        # Under a torque of zero, bodies without damping are integrated like their neighbours. Under
+        # an orbit alone all bodies are integrated without a balance.
+        if torque is None and {*self.acting} != {"orbit"}:
+            torque = Torque.body((0.0, 0.0, 0.0))
+        return forces_of(torque, scene.damping, scene.shape, further=scene.further_numbers())
 
-    def _torque(self, in_body: Floats) -> Torque | None:
-        """The torque of a pixel whose axes set the part of the given name."""
-        given = self.scene.torque
-        if self.torque is None:
-            return given
-        part = Torque.body(in_body)
-        return part if given is None else replace(given, in_body=part.in_body)
+    @cached_property
+    def forces(self) -> list[_core.Forces] | None:
+        """The forces on each pixel; None if no pixel has any."""
+        if self._forces is None:
+            return None
+        torque, count = self.scene.torque, len(self.moments)
+        parts: list[tuple[Any, int]] = [
+            (self.scene.damping, 2),
+            *((n, 1) for n in self.scene.further_numbers().values()),
+        ]
+        if torque is not None:
+            parts += [(torque.in_body, 2), (torque.in_space, 2)]
+            parts += [] if torque.function is None else [(torque.function.data, 1)]
+        rows = [_each(part, width, count) for part, width in parts if axes_of(part, width)]
+        if not rows:
+            return [self._forces] * count
+        # Pixels of a row mostly share theirs.
+        every = np.concatenate([row.reshape(count, -1) for row in rows], axis=1)
+        _, first, of_pixel = np.unique(every, axis=0, return_index=True, return_inverse=True)
+        known = [self._forces.select(np.array([pixel])) for pixel in first]
+        return [known[k] for k in of_pixel.ravel()]
 
-    def batches_by_forces(
-        self, of_pixel: NDArray[np.intp], omega: Floats, attitude: Floats
-    ) -> Iterator[tuple[list[int], Bodies]]:
-        """Bodies of these pixels in batches under the same forces.
+    def bodies(self, of_pixel: NDArray[np.intp], omega: Floats, attitude: Floats) -> Bodies:
+        """Bodies of these pixels, shape (n,), with their starts.
 
         Parameters
         ----------
         of_pixel : ndarray of int, shape (n,)
             The pixel of each body.
         omega, attitude : ndarray, shapes (n, 3), (n, 4)
-            Starts of the bodies: rad/s in the body; quaternions (w, x, y, z).
+            Rad/s in the body; quaternions (w, x, y, z).
 
-        Yields
-        ------
-        list of int, Bodies
-            The indices of the bodies of a batch among those given, and the batch.
+        Returns
+        -------
+        Bodies
         """
-        groups: dict[_core.Forces | None, list[int]] = {}
-        for index, pixel in enumerate(of_pixel):
-            forces = None if self.forces is None else self.forces[pixel]
-            groups.setdefault(forces, []).append(index)
-        for forces, mine in groups.items():
-            batch = Bodies(
-                kind=self.scene.kind,
-                shape=(len(mine),),
-                moments=self.moving[of_pixel[mine]],
-                weight=self.weight[of_pixel[mine]],
-                omega=omega[mine],
-                attitude=attitude[mine],
-                forces=forces,
-            )
-            yield mine, batch
+        return Bodies(
+            kind=self.scene.kind,
+            shape=(len(of_pixel),),
+            moments=self.moving[of_pixel],
+            weight=self.weight[of_pixel],
+            omega=omega,
+            attitude=attitude,
+            forces=None if self._forces is None else self._forces.select(of_pixel),
+        )
 
-    def of_pixels(self, pixels: NDArray[np.int64]) -> NominalStarts:
+    def of_pixels(self, pixels: NDArray[np.int64]) -> Pixels:
         """The rows of some pixels."""
         columns = {column.name: getattr(self, column.name) for column in fields(self)}
         some: dict[str, Any] = {
@@ -230,31 +160,19 @@ class NominalStarts:
             for name, column in columns.items()
             if isinstance(column, np.ndarray)
         }
-        own = {name: column[pixels] for name, column in self.own.items()}
-        made = self.made[pixels] if self.made is not None and self.made.shape else self.made
-        further = {name: column[pixels] for name, column in self.further.items()}
-        return replace(self, own=own, made=made, further=further, **some)
-
-    def scene_of(self, pixel: int) -> Scene:
-        """The scene of one pixel, with the values of the axes there."""
-        i1, i2, i3 = self.moments[pixel].tolist()
-        damping = None if self.damping is None else self.damping[pixel]
-        own: dict[str, Any] = {
-            name: float(column[pixel]) if column.ndim == 1 else tuple(column[pixel].tolist())
-            for name, column in self.own.items()
-        }
-        own |= {name: FORCES[name].made(column[pixel]) for name, column in self.further.items()}
-        base = self.scene if self.made is None or not self.made.shape else self.made[pixel]
-        body = Body((i1, i2, i3), physical=self.physical)
-        scene = base.replaced(body, damping, **own)
-        if self.torque is not None:
-            object.__setattr__(scene, "torque", self._torque(self.torque[pixel]))
-        return scene
+        return replace(self, scene=self.scene[pixels], **some)
 
 
 def grid_shape(axes: tuple[Axis, ...]) -> tuple[int, ...]:
     """Shape of the arrays of a map: ``(..., ny, nx)``, the first axis last."""
     return tuple(len(axis.values) for axis in reversed(axes))
+
+
+def acting_forces(scene: Scene, axes: tuple[Axis, ...]) -> tuple[str, ...]:
+    """The names of the forces of a scene, and of those that axes set."""
+    varied = {axis.parameter.place for axis in axes}
+    further = (name for name in ("torque", "damping", *FORCES) if name in varied)
+    return tuple(dict.fromkeys((*scene.forces, *further)))
 
 
 @in_standard_floats
@@ -263,116 +181,164 @@ def nominal_starts(
     start: Start,
     axes: tuple[Axis, ...] = (),
     index: NDArray[np.int64] | None = None,
-    made: Made | None = None,
-) -> NominalStarts:
-    """The nominal start of every pixel of a grid that :func:`check_applicable` accepts.
+    given: Mapping[str, Floats] = MappingProxyType({}),
+) -> Pixels:
+    """The pixels of a grid that :func:`check_applicable` accepts.
 
     Without axes there is one pixel: the nominal start of the scene. With ``index`` only the pixels
-    with these numbers in C order are made, a row for each. ``made`` is what a function of the user
-    made of all pixels.
+    with these numbers in C order are made, a row for each. If a function of the user makes the
+    scene, it is the scene of all pixels, and ``given`` has the rates and attitudes of all pixels
+    that the function gives.
     """
     shape = grid_shape(axes)
     flat = np.arange(prod(shape)) if index is None else index
-    count = len(flat)
-    acting = (scene if made is None else made.scene).forces
-    if made is not None and index is not None:
-        made = made.of_pixels(index)
-    base = scene if made is None else made.scene
-    pixels = _without_axes(base, start, count)
-    if made is not None and made.omega is not None:
-        pixels.omega = made.omega.copy()
+    count, forces, acting = len(flat), scene.forces, acting_forces(scene, axes)
+    if index is not None:
+        scene = scene[index] if scene.shape else scene
+        given = {name: rows[index] for name, rows in given.items()}
+    values = _values(scene, start, {axis.parameter.place for axis in axes}, count)
+    if "omega" in given:
+        values["omega"] = given["omega"].copy()
     places = list(reversed(np.unravel_index(flat, shape))) if axes else []
     for k in in_order(axes):
-        axes[k].parameter.apply(pixels, np.array(axes[k].values)[places[k]])
-    if "com" in pixels.own and not np.isfinite(pixels.own["com"]).all():
-        raise ValueError("axes: com1, com2 and com3 must not all be zero: they are a direction")
-    kinds = {axis.parameter.describes for axis in axes}
-    forces = {axis.parameter.force for axis in axes}
+        axes[k].parameter.put(values, np.array(axes[k].values)[places[k]])
+    moments = _moments(values)
+    possible = _core.moment_status(without_spin(moments), scene.body.physical) == 0
+    body = Body(np.where(possible[:, np.newaxis], moments, 1.0), physical=scene.body.physical)
+    damping = values.get("damping", scene.damping)
+    if damping is not None:
+        damping = _each(damping, 2, count)
+    scene = scene.replaced(body, damping, **_changes(scene, values))
     upright = np.zeros(count)
     if scene.directions:
-        attitude, rates_tilt = tilted_attitude(start.axis, pixels.tilt), upright
+        attitude, rates_tilt = tilted_attitude(start.axis, values["tilt"]), upright
     else:
-        attitude, rates_tilt = tilted_attitude(3, upright), pixels.tilt
+        attitude, rates_tilt = tilted_attitude(3, upright), values["tilt"]
     if start.attitude is not None:
         attitude = np.tile(start.attitude, (count, 1))
-    if made is not None and made.attitude is not None:
-        attitude = made.attitude.copy()
-    omega = pixels.omega
+    attitude = given["attitude"].copy() if "attitude" in given else attitude
+    omega = values["omega"]
     if start.omega is None:
-        omega = tilted_rates(pixels.spin, start.axis, rates_tilt)
-    weight = scene.weights(pixels.own, count)
-    omega = _on_surface(pixels, weight, omega, attitude)
-    omega = rates_of_rods("start: omega", omega, pixels.moments, weight, acting)
-    _check_noise_of_rods(pixels, start.noise)
-    return NominalStarts(
+        omega = tilted_rates(values["spin"], start.axis, rates_tilt)
+    weight = _each(scene.weight, 1, count)
+    moments, omega = _on_surface(values, moments, weight, omega, attitude)
+    omega = rates_of_rods("start: omega", omega, moments, weight, forces)
+    _check_noise_of_rods(moments, values["noise"], start.noise)
+    return Pixels(
         scene=scene,
-        moments=pixels.moments,
-        weight=weight,
-        own=pixels.own,
+        moments=moments,
         omega=omega,
-        omega_size=pixels.omega_size,
+        omega_size=values["noise"],
         attitude=attitude,
-        tilt=pixels.tilt,
-        attitude_size=pixels.attitude_size,
-        damping=pixels.damping if "damping" in kinds or base.damping is not None else None,
-        torque=pixels.torque if "torque" in kinds else None,
-        further={name: pixels.further[name] for name in FORCES if name in forces},
+        tilt=values["tilt"],
+        attitude_size=values["attitude_noise"],
         acting=acting,
-        made=None if made is None else made.scene,
     )
 
 
-def _without_axes(scene: Scene, start: Start, count: int) -> PixelValues:
-    """The numbers of the scene and the start, in every pixel."""
-    body = scene.body
+def _or_zero(value: ArrayLike | None, *shape: int) -> Floats:
+    """The value as an array, or zeros of this shape if there is none."""
+    return np.zeros(shape) if value is None else np.asarray(value)
+
+
+def _each(value: ArrayLike, width: int, count: int) -> Floats:
+    """A copy of a value of all bodies, or of each; ``width`` counts the axes of one body."""
+    array = np.asarray(value, dtype=np.float64)
+    return np.broadcast_to(array, (count, *array.shape[array.ndim - width :])).copy()
+
+
+_OF_SCENE: Mapping[str, tuple[Callable[[Any], ArrayLike], int]] = {
+    "moments": (lambda scene: scene.body.moments, 1),
+    "box": (lambda scene: (*scene.body.sides, scene.body.mass), 1),
+    "semi-axes": (lambda scene: _semi_axes(np.asarray(scene.body.moments)), 1),
+    "mgl": (lambda scene: scene.mgl, 0),
+    "com": (lambda scene: scene.com, 1),
+    "com angles": (lambda scene: _angles_of_com(np.asarray(scene.com)), 2),
+    "damping": (lambda scene: _or_zero(scene.damping, 3, 3), 2),
+    "torque": (lambda scene: _or_zero(scene.torque and scene.torque.in_body, 1, 3)[..., 0, :], 1),
+    "rotor": (lambda scene: _or_zero(scene.rotor, 3), 1),
+    "dissipation": (
+        lambda scene: _or_zero(scene.dissipation and scene.dissipation.coefficient, 3),
+        1,
+    ),
+    "orbit": (lambda scene: scene.orbit.numbers[..., 1:3], 1),
+}
+"""The numbers of a scene in each place that axes set, and how many axes those of one body have."""
+
+
+def _values(scene: Scene, start: Start, varied: set[str], count: int) -> dict[str, Floats]:
+    """The numbers of the start, and those of the scene that axes set, in every pixel."""
     noise = start.noise.size if isinstance(start.noise, Noise) else 0.0
     attitude_noise = 0.0 if start.attitude_noise is None else start.attitude_noise.size
-    if start.joint:
-        attitude_noise = 1.0
-
-    def each(value: ArrayLike, width: int = 0) -> Floats:
-        """A number of all bodies, or of each; ``width`` counts the axes of one body."""
-        array = np.asarray(value, dtype=np.float64)
-        shape = array.shape[array.ndim - width :]
-        return np.broadcast_to(array, (count, *shape)).copy()
-
-    torque = np.zeros(3) if scene.torque is None else np.asarray(scene.torque.in_body)[..., 0, :]
-    com = each(getattr(scene, "com", (0.0, 0.0, 1.0)), 1)
-    moments = each(body.moments, 1)
-    com_tilt, com_turn = _angles_of_com(com)
-    return PixelValues(
-        moments=moments,
-        sides=each((np.nan,) * 3 if body.sides is None else body.sides, 1),
-        mass=each(np.nan if body.mass is None else body.mass),
-        shape=_semi_axes(moments),
-        own={
-            name: each(getattr(scene, name), int(field.width > 1))
-            for name, field in scene.fields.items()
-            if field.varies
-        },
-        com=com,
-        com_tilt=com_tilt,
-        com_turn=com_turn,
-        damping=each(np.zeros((3, 3)) if scene.damping is None else scene.damping, 2),
-        torque=each(torque, 1),
-        further={force.name: each(force.numbers(value), 1) for force, value in scene.further()},
-        spin=each(start.spin or 0.0),
-        tilt=each(start.tilt),
-        energy=each(np.nan),
-        l_gamma=each(np.nan),
-        omega=each(start.omega or (0.0, 0.0, 0.0), 1),
-        omega_size=each(np.broadcast_to(noise, (3,)), 1),
-        attitude_size=each(np.broadcast_to(attitude_noise, (3,)), 1),
-    )
+    of_start: dict[str, tuple[ArrayLike, int]] = {
+        "spin": (start.spin or 0.0, 0),
+        "tilt": (start.tilt, 0),
+        "energy": (np.nan, 0),
+        "l_gamma": (np.nan, 0),
+        "omega": (start.omega or (0.0, 0.0, 0.0), 1),
+        "noise": (np.broadcast_to(noise, 3), 1),
+        "attitude_noise": (np.broadcast_to(1.0 if start.joint else attitude_noise, 3), 1),
+    }
+    of_scene = {
+        place: (number(scene), width)
+        for place, (number, width) in _OF_SCENE.items()
+        if place == "moments" or place in varied
+    }
+    return {
+        place: _each(value, width, count)
+        for place, (value, width) in {**of_start, **of_scene}.items()
+    }
 
 
-def _check_noise_of_rods(pixels: PixelValues, noise: object) -> None:
+def _moments(values: Mapping[str, Floats]) -> Floats:
+    """The principal moments that the axes give."""
+    if "box" in values:
+        return box_moments(*values["box"].T)
+    moments = values["moments"]
+    if "semi-axes" in values:
+        a, c = values["semi-axes"].T
+        long, short, largest = a * a, c * c, moments[:, 2].copy()
+        moments[:, 0] = largest * (1.0 + short) / (1.0 + long)
+        moments[:, 1] = largest * (long + short) / (1.0 + long)
+    return moments
+
+
+def _changes(scene: Scene, values: Mapping[str, Floats]) -> dict[str, Any]:
+    """The parts of the scene that the axes set, besides body and damping."""
+    changes: dict[str, Any] = {name: values[name] for name in ("mgl", "rotor") if name in values}
+    if "com angles" in values:
+        (along, across), (first, second) = np.moveaxis(values["com angles"], 0, -1)
+        changes["com"] = np.stack([across * first, across * second, along], axis=1)
+    if "com" in values:
+        first, second, third = values["com"].T
+        with np.errstate(invalid="ignore", over="ignore"):
+            length = np.sqrt(first * first + second * second + third * third)
+            changes["com"] = values["com"] / length[:, np.newaxis]
+        if not np.isfinite(changes["com"]).all():
+            raise ValueError("axes: com1, com2 and com3 must not all be zero: they are a direction")
+    if "torque" in values:
+        part = Torque.body(values["torque"])
+        if scene.torque is not None:
+            in_space = np.broadcast_to(scene.torque.in_space, np.shape(part.in_body))
+            part = replace(part, in_space=in_space, function=scene.torque.function)
+        changes["torque"] = part
+    if "dissipation" in values:
+        changes["dissipation"] = EnergySink(values["dissipation"])
+    if "orbit" in values:
+        known = scene.orbit
+        assert known is not None
+        e, anomaly = values["orbit"].T
+        changes["orbit"] = Orbit(known.rate, e, anomaly, known.normal, known.periapsis)
+    return changes
+
+
+def _check_noise_of_rods(moments: Floats, size: Floats, noise: object) -> None:
     """Raise ValueError if noise would spin a rod about its axis."""
-    thin = rods(pixels.moments)[:, np.newaxis] & (pixels.moments == 0.0)
+    thin = rods(moments)[:, np.newaxis] & (moments == 0.0)
     if noise is None or not thin.any():
         return
     is_known = isinstance(noise, Noise) and noise.kind in ("normal", "uniform") and not noise.cov
-    if not is_known or np.any(pixels.omega_size[thin] != 0.0):
+    if not is_known or np.any(size[thin] != 0.0):
         axis = int(thin.any(axis=0).argmax()) + 1
         raise ValueError(
             f"noise: a rod has no moment about its axis and cannot spin; give normal or uniform "
@@ -380,18 +346,20 @@ def _check_noise_of_rods(pixels: PixelValues, noise: object) -> None:
         )
 
 
-def _on_surface(pixels: PixelValues, weight: Floats, omega: Floats, attitude: Floats) -> Floats:
-    """The rates with the energies and the vertical momenta that the axes give.
+def _on_surface(
+    values: Mapping[str, Floats], moments: Floats, weight: Floats, omega: Floats, attitude: Floats
+) -> tuple[Floats, Floats]:
+    """Moments, and the rates with the energies and the vertical momenta that the axes give.
 
     With the momentum the rates are ``l gamma / (gamma·I gamma) + s u``, ``u`` the rest of them
     without their vertical momentum: both parts are at right angles in the kinetic energy. A pixel
     without such a start gets moments that no body has.
     """
-    of_energy, of_momentum = (~np.isnan(part) for part in (pixels.energy, pixels.l_gamma))
+    energy, l_gamma = values["energy"], values["l_gamma"]
+    of_energy, of_momentum = (~np.isnan(part) for part in (energy, l_gamma))
     if not (of_energy.any() or of_momentum.any()):
-        return omega
+        return moments, omega
     gamma = to_body(attitude, np.array([0.0, 0.0, 1.0]))
-    moments = pixels.moments
 
     def product(a: Floats, b: Floats) -> Floats:
         """``a·I b``, in a fixed order."""
@@ -399,34 +367,33 @@ def _on_surface(pixels: PixelValues, weight: Floats, omega: Floats, attitude: Fl
         return np.asarray(first + second + third)
 
     upright = product(gamma, gamma)
-    momentum = np.where(of_momentum, pixels.l_gamma, 0.0)
+    momentum = np.where(of_momentum, l_gamma, 0.0)
     share = np.where(of_momentum, product(omega, gamma) / upright, 0.0)
     rest = omega - share[:, np.newaxis] * gamma
     first, second, third = (weight * gamma).T
-    left = pixels.energy - (first + second + third) - 0.5 * momentum * momentum / upright
+    left = energy - (first + second + third) - 0.5 * momentum * momentum / upright
     with np.errstate(divide="ignore", invalid="ignore"):
         scale = np.where(of_energy, np.sqrt(2.0 * left / product(rest, rest)), 1.0)
     scale = np.where(of_energy & (left == 0.0), 0.0, scale)
     none = ~np.isfinite(scale)
-    pixels.moments = np.where(none[:, np.newaxis], np.nan, moments)
     along = np.where(of_momentum, momentum / upright, 0.0)
     found = along[:, np.newaxis] * gamma + np.where(none, 0.0, scale)[:, np.newaxis] * rest
-    return np.asarray(found)
+    return np.where(none[:, np.newaxis], np.nan, moments), np.asarray(found)
 
 
 def _semi_axes(moments: Floats) -> Floats:
     """``a/b`` and ``c/b`` of homogeneous ellipsoids with these moments; NaN if there is none."""
-    squares = moments.sum(axis=1, keepdims=True) - 2.0 * moments
+    squares = moments.sum(axis=-1, keepdims=True) - 2.0 * moments
     with np.errstate(all="ignore"):
-        ratios: Floats = np.sqrt(squares[:, [0, 2]] / squares[:, [1]])
+        ratios: Floats = np.sqrt(squares[..., [0, 2]] / squares[..., [1]])
     return ratios
 
 
-def _angles_of_com(com: Floats) -> tuple[Floats, Floats]:
+def _angles_of_com(com: Floats) -> Floats:
     """Cosine and sine of both angles of centres of mass; on axis 3 the azimuth is 0."""
-    first, second, along = com.T
+    first, second, along = np.moveaxis(com, -1, 0)
     across = np.sqrt(first * first + second * second)
     off = across > 0.0
     length = np.where(off, across, 1.0)
     turn = np.where(off, first / length, 1.0), np.where(off, second / length, 0.0)
-    return np.stack([along, across], axis=1), np.stack(turn, axis=1)
+    return np.stack([np.stack([along, across], axis=-1), np.stack(turn, axis=-1)], axis=-2)

@@ -14,7 +14,7 @@ from ..model.mixture import Mixture
 from ..model.start import Noise, Samples, Start
 from ..solve.methods import AUTO, EXACT, known_method, map_methods, series_methods
 from .core_request import CoreRequest, CoreStarts
-from .grid import NominalStarts
+from .grid import Pixels
 from .judge import CustomJob
 from .sequential import LOOK
 from .spec import MapSpec
@@ -184,7 +184,7 @@ def _one(
     return CustomJob(spec, job, request, all_pixels, fixed or {})
 
 
-def _starts(start: Start, grid: NominalStarts) -> CoreStarts:
+def _starts(start: Start, grid: Pixels) -> CoreStarts:
     """A start and its perturbations in each pixel, as the core reads them."""
     noise = start.noise
     return CoreStarts(

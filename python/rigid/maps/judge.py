@@ -216,58 +216,53 @@ class CustomJob:
     ) -> dict[str, NDArray[Any]]:
         """Classes, statuses, drifts and steps of some bodies by one method."""
         times, count = np.array(self._stable.times), len(mine)
+        omega, attitude = (values[mine] for values in starts)
+        bodies = self._spec.grid.bodies(pixel[mine], omega, attitude)
+        tolerance, steps = self._steps(method, bodies, times[-1], is_second=is_second)
+        part = Request(
+            bodies=bodies,
+            times=times,
+            method=method,
+            record=self._stable.of,
+            max_steps=self._spec.max_steps,
+            threads=threads,
+            tolerance=tolerance,
+        ).states(steps, ELSEWHERE if is_second and steps is None else 1.0)
+        nothing = np.full(count, np.nan)
+        drifts = {name: nothing if part[name] is None else part[name] for name in _DRIFTS}
+        worst = np.fmax.reduce([np.zeros(count), *drifts.values()])
+        status = part["status"].copy()
+        status[(status == Status.OK) & (worst > _core.DRIFT_LIMIT)] = Status.DRIFTED
         out: dict[str, NDArray[Any]] = {
             "class": np.full(count, FAILED, dtype=np.uint8),
-            "status": np.empty(count, dtype=np.uint8),
-            "steps": np.zeros(count, dtype=np.int64),
-            **{name: np.full(count, np.nan) for name in (*_DRIFTS, "step")},
+            "status": status,
+            "steps": np.zeros(count, np.int64)
+            if part["steps"] is None
+            else part["steps"].astype(np.int64),
+            "step": nothing if steps is None else steps,
+            **drifts,
         }
-        omega, attitude = (values[mine] for values in starts)
-        for some, batch in self._spec.grid.batches_by_forces(pixel[mine], omega, attitude):
-            rows = np.array(some)
-            tolerance, steps = self._steps(method, batch, times[-1], is_second=is_second)
-            part = Request(
-                bodies=batch,
-                times=times,
-                method=method,
-                record=self._stable.of,
-                max_steps=self._spec.max_steps,
-                threads=threads,
-                tolerance=tolerance,
-            ).states(steps, ELSEWHERE if is_second and steps is None else 1.0)
-            status = part["status"].copy()
-            worst = np.zeros(len(rows))
-            for name in _DRIFTS:
-                if part[name] is not None:
-                    out[name][rows] = part[name]
-                    worst = np.fmax(worst, part[name])
-            status[(status == Status.OK) & (worst > _core.DRIFT_LIMIT)] = Status.DRIFTED
-            out["status"][rows] = status
-            if steps is not None:
-                out["step"][rows] = steps
-            if part["steps"] is not None:
-                out["steps"][rows] = part["steps"]
-            kept = np.flatnonzero(status == Status.OK)
-            if not len(kept):
-                continue
-            which: Any = slice(None) if len(kept) == len(rows) else kept
-            of_kept: list[Any] = [
-                None if part[name] is None else part[name][which]
-                for name in ("omega", "gamma", "attitude")
-            ]
-            if of_kept[1] is None and of_kept[2] is not None:
-                of_kept[1] = to_body(of_kept[2], UPWARD)  # free bodies, whose motion needs none
-            verdict = self._stable.verdicts(
-                States(
-                    t=times,
-                    omega=of_kept[0],
-                    gamma=of_kept[1],
-                    attitude=of_kept[2],
-                    parameters=self._parameters(pixel[mine][rows[kept]]),
-                )
+        kept = np.flatnonzero(status == Status.OK)
+        if not len(kept):
+            return out
+        which: Any = slice(None) if len(kept) == count else kept
+        of_kept: list[Any] = [
+            None if part[name] is None else part[name][which]
+            for name in ("omega", "gamma", "attitude")
+        ]
+        if of_kept[1] is None and of_kept[2] is not None:
+            of_kept[1] = to_body(of_kept[2], UPWARD)  # free bodies, whose motion needs none
+        verdict = self._stable.verdicts(
+            States(
+                t=times,
+                omega=of_kept[0],
+                gamma=of_kept[1],
+                attitude=of_kept[2],
+                parameters=self._parameters(pixel[mine][kept]),
             )
-            known = np.where(verdict > 0.0, STABLE, UNSTABLE)
-            out["class"][rows[kept]] = np.where(np.isnan(verdict), UNDECIDED, known)
+        )
+        known = np.where(verdict > 0.0, STABLE, UNSTABLE)
+        out["class"][kept] = np.where(np.isnan(verdict), UNDECIDED, known)
         return out
 
     def _steps(

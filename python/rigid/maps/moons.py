@@ -63,7 +63,7 @@ def spin_orbit_resonances(spec: MapSpec) -> Predicted | None:
     first, second, third = grid.moments.T
     about = np.all(grid.omega[:, :2] == 0.0, axis=1) & grid.possible & (first < second)
     strength = 3.0 * (second - first) / third
-    numbers = grid.further.get("orbit", np.tile(orbit.numbers, (len(first), 1)))
+    numbers = np.broadcast_to(grid.scene.further_numbers()["orbit"], (len(first), 9))
     e, of = np.unique(numbers[:, 1], return_inverse=True)
     ratio = grid.omega[:, 2] / orbit.rate
     curves = {}

@@ -16,15 +16,11 @@ from ..model.scene import SCENES, Scene
 from ..model.sourced import Sourced
 from ..model.start import Start
 from ..model.torque import require_constant
-from .grid import Made
 from .parameters import Axis, make_axes
 
 __all__ = ["OwnScene", "own_scene"]
 
 Floats = NDArray[np.float64]
-
-GIVEN = ("omega", "attitude")
-"""The parts of a start that a function may return."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,8 +59,11 @@ class OwnScene:
             raise ValueError(f"axes: none is an argument of the function {source.name!r}")
         return cls(names, source)
 
-    def made(self, values: Mapping[str, Floats]) -> Made:
-        """The values that the function makes for all pixels, from the values of its axes there."""
+    def made(self, values: Mapping[str, Floats]) -> tuple[Scene, dict[str, Floats]]:
+        """The scene of all pixels, from the values of the axes there, and what it gives of starts.
+
+        The scene has one body, or one for each pixel; rates and attitudes have a row for each.
+        """
         found = self.source.call("scene")(**{name: values[name] for name in self.names})
         count = len(next(iter(values.values())))
         scene, *starts = found if isinstance(found, tuple) and found else (found,)
@@ -80,20 +79,19 @@ class OwnScene:
                 f"number it is given, got {scene.shape}"
             )
         require_constant(scene.torque)
-        checks: tuple[Callable[[Any], Floats], ...] = (_rates, attitudes)
-        checked = [check(part) for check, part in zip(checks, starts, strict=False)]
-        for name, part in zip(GIVEN, checked, strict=False):
+        checks: Mapping[str, Callable[[Any], Floats]] = {"omega": _rates, "attitude": attitudes}
+        given = {
+            name: check(part) for (name, check), part in zip(checks.items(), starts, strict=False)
+        }
+        for name, part in given.items():
             if part.shape[:-1] not in ((), (count,)):
                 raise ValueError(
                     f"scene = {self.source.name}: must return {name} of shape "
                     f"({count}, {part.shape[-1]}), a row for each number it is given, got "
                     f"{part.shape}"
                 )
-        return Made(scene, *(np.broadcast_to(one, (count, one.shape[-1])) for one in checked))
-
-    def giving(self, made: Made) -> OwnScene:
-        """The function, with the names of the parts of the start that it returns."""
-        return replace(self, gives=tuple(n for n in GIVEN if getattr(made, n) is not None))
+        rows = {name: np.broadcast_to(one, (count, one.shape[-1])) for name, one in given.items()}
+        return scene, rows
 
     def check_start(self, start: Start, axes: Iterable[str]) -> None:
         """Raise ValueError if a start or an axis sets a part that the function returns.
@@ -144,6 +142,6 @@ def own_scene(
         make_axes(given)
     own = OwnScene.of(function, given)
     axes = make_axes(given, own.names)
-    first = own.made({axis.name: np.array(axis.values[:1]) for axis in axes})
-    scene = first.scene
-    return (scene[0] if scene.shape else scene), own.giving(first), axes
+    scene, given_starts = own.made({axis.name: np.array(axis.values[:1]) for axis in axes})
+    own = replace(own, gives=tuple(given_starts))
+    return (scene[0] if scene.shape else scene), own, axes

@@ -1,4 +1,4 @@
-"""The parameters that an axis of a map may vary: unit, range, and the effect on a pixel.
+"""The parameters that an axis of a map may vary: unit, range, and the number that they set.
 
 A new parameter is one row of :data:`PARAMETERS`.
 """
@@ -8,23 +8,22 @@ from __future__ import annotations
 from collections.abc import Callable, Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from math import pi
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import brief, numbers, of_known
-from .._moments import box_moments
-from ..model.orbit import MOST_ECCENTRIC, Orbit
+from ..model.orbit import MOST_ECCENTRIC
 from ..model.scene import Scene
 from ..model.start import Noise, Start, cos_sin
 
 __all__ = [
     "MOST_AXES",
+    "OF_RUN",
     "PARAMETERS",
     "Axis",
     "Parameter",
-    "PixelValues",
     "axis_letter",
     "check_applicable",
     "check_axis_name",
@@ -34,69 +33,11 @@ __all__ = [
 
 Floats = NDArray[np.float64]
 
-
-@dataclass(slots=True, eq=False)
-class PixelValues:
-    """Values that the axes of a map may set, with one row for each pixel.
-
-    Attributes
-    ----------
-    moments : ndarray, shape (P, 3)
-        Principal moments, kg m².
-    sides, mass : ndarray, shapes (P, 3), (P,)
-        Sides (m) and mass (kg) of a box; NaN for a body that is no box.
-    own : dict of str to ndarray, shape (P,)
-        The numbers of the scene's own that may vary, such as ``mgl`` (J) of a heavy top; vectors
-        have the shape (P, 3).
-    com : ndarray, shape (P, 3)
-        Components towards the centre of mass, of any length.
-    com_tilt, com_turn : ndarray, shape (P, 2)
-        Cosine and sine of the angle from axis 3 to the centre of mass, and of its azimuth from
-        axis 1 towards axis 2.
-    shape : ndarray, shape (P, 2)
-        ``a/b`` and ``c/b`` of the homogeneous ellipsoid with these moments; NaN if there is none.
-    damping : ndarray, shape (P, 3, 3)
-        Damping in the principal axes, N m s.
-    torque : ndarray, shape (P, 3)
-        Constant torque in the body, N m.
-    further : dict of str to ndarray
-        The numbers of further forces, such as ``rotor``, that act or that an axis has set.
-    spin, tilt : ndarray, shape (P,)
-        Rate about the axis of the start (rad/s) and angle to it (rad).
-    energy, l_gamma : ndarray, shape (P,)
-        Energy (J) and vertical angular momentum (kg m²/s) of the start without noise; NaN if they
-        follow from the rates.
-    omega : ndarray, shape (P, 3)
-        Rates of a start that is given by its rates (rad/s).
-    omega_size, attitude_size : ndarray, shape (P, 3)
-        Sizes of the noise, rad/s and rad.
-    """
-
-    moments: Floats
-    sides: Floats
-    mass: Floats
-    shape: Floats
-    own: dict[str, Floats]
-    com: Floats
-    com_tilt: Floats
-    com_turn: Floats
-    damping: Floats
-    torque: Floats
-    further: dict[str, Floats]
-    spin: Floats
-    tilt: Floats
-    energy: Floats
-    l_gamma: Floats
-    omega: Floats
-    omega_size: Floats
-    attitude_size: Floats
-
-
-Apply: TypeAlias = Callable[[PixelValues, Floats], None]
-"""Write one value for each pixel into the values of all pixels."""
-
 WhyNot: TypeAlias = Callable[[Scene, Start], str]
 """The reason why a parameter has no meaning for a scene and start; empty if it has a meaning."""
+
+OF_RUN = "run"
+"""The place of numbers of the whole request, such as the horizon, which no body has."""
 
 
 def _anywhere(_scene: Scene, _start: Start) -> str:
@@ -111,19 +52,18 @@ class Parameter:
     ----------
     symbol, unit, meaning : str
         For plots and messages; the unit is ``"1"`` for a ratio.
-    apply : callable
-        ``apply(pixels, values)`` writes the values of the axis into :class:`PixelValues`.
+    place : str
+        The numbers of scene or start among which the parameter is, such as ``"moments"``.
+    index : tuple of int
+        Its index among the numbers of one body there; empty if it sets all of them.
     why_not : callable
         ``why_not(scene, start)`` is the reason why the parameter does not apply, or empty.
-    sets, reads : str or None
-        The moment or number of the scene that the parameter sets, if it has another name, and the
-        moment that it needs: it is applied after the parameter that sets what it reads.
-    force : str or None
-        The name of the further force whose numbers the parameter sets.
-    describes : str or None
-        What the parameter is one of, such as ``"moments"``; some kinds exclude each other.
-    of_run : bool
-        Whether it is a number of the whole request, such as the horizon, and not one of a body.
+    sets : tuple of str
+        The names of what it sets, if they are not its own.
+    times : int or None
+        The index of the moment of which the value is a multiple; it is set before.
+    number : callable or None
+        The number in its place as a function of the value, if it is another one.
     lowest, highest : float
         Range of the values.
     open_end : bool
@@ -133,16 +73,15 @@ class Parameter:
     symbol: str
     unit: str
     meaning: str
-    apply: Apply
+    place: str
+    index: tuple[int, ...] = ()
     why_not: WhyNot = _anywhere
-    sets: str | None = None
-    reads: str | None = None
-    force: str | None = None
-    describes: str | None = None
+    sets: tuple[str, ...] = ()
+    times: int | None = None
+    number: Callable[[Floats], Any] | None = None
     lowest: float = -np.inf
     highest: float = np.inf
     open_end: bool = False
-    of_run: bool = False
 
     @property
     def rule(self) -> str:
@@ -159,129 +98,16 @@ class Parameter:
         rejected: NDArray[np.bool_] = low | (values > self.highest)
         return rejected
 
-
-# What each parameter sets
-
-
-def _whole(name: str) -> Apply:
-    """Replace a whole array."""
-
-    def apply(pixels: PixelValues, values: Floats) -> None:
-        setattr(pixels, name, values)
-
-    return apply
-
-
-def _component(name: str, *index: int) -> Apply:
-    """Replace one component of an array."""
-
-    def apply(pixels: PixelValues, values: Floats) -> None:
-        getattr(pixels, name)[:, *index] = values
-
-    return apply
-
-
-def _own(name: str) -> Apply:
-    """Replace a number that only this kind of scene has."""
-
-    def apply(pixels: PixelValues, values: Floats) -> None:
-        pixels.own[name] = values
-
-    return apply
-
-
-def _com(name: str) -> Apply:
-    """Set one of the two angles of the centre of mass."""
-
-    def apply(pixels: PixelValues, values: Floats) -> None:
-        setattr(pixels, name, np.stack(cos_sin(values), axis=1))
-        (along, across), (first, second) = pixels.com_tilt.T, pixels.com_turn.T
-        pixels.own["com"] = np.stack([across * first, across * second, along], axis=1)
-
-    return apply
-
-
-def _com_component(index: int) -> Apply:
-    """Set one component towards the centre of mass; the direction counts, the length does not."""
-
-    def apply(pixels: PixelValues, values: Floats) -> None:
-        pixels.com[:, index] = values
-        first, second, third = pixels.com.T
-        with np.errstate(invalid="ignore", over="ignore"):
-            length = np.sqrt(first * first + second * second + third * third)
-            pixels.own["com"] = pixels.com / length[:, np.newaxis]
-
-    return apply
-
-
-def _box(apply_to_box: Apply) -> Apply:
-    """Replace a side or the mass of a box, and let the moments follow."""
-
-    def apply(pixels: PixelValues, values: Floats) -> None:
-        apply_to_box(pixels, values)
-        a, b, c = pixels.sides.T
-        pixels.moments = box_moments(a, b, c, pixels.mass)
-
-    return apply
-
-
-def _shape(index: int, power: int) -> Apply:
-    """Set ``a/b``, or the inverse of ``b/c``, of an ellipsoid; the largest moment stays."""
-
-    def apply(pixels: PixelValues, values: Floats) -> None:
-        pixels.shape[:, index] = values**power
-        a, c = pixels.shape.T
-        long, short, largest = a * a, c * c, pixels.moments[:, 2].copy()
-        pixels.moments[:, 0] = largest * (1.0 + short) / (1.0 + long)
-        pixels.moments[:, 1] = largest * (long + short) / (1.0 + long)
-
-    return apply
-
-
-def _further(name: str, *index: int) -> Apply:
-    """Set one number of a further force, or all of them."""
-
-    def apply(pixels: PixelValues, values: Floats) -> None:
-        numbers = pixels.further.setdefault(name, np.zeros((len(values), 3)))
-        numbers[:, *(index or (slice(None),))] = values if index else values[:, np.newaxis]
-
-    return apply
-
-
-def _orbit(index: int) -> Apply:
-    """Set eccentricity or mean anomaly of the orbit, of which the second semi-axis follows."""
-
-    def apply(pixels: PixelValues, values: Floats) -> None:
-        numbers = pixels.further["orbit"]
-        known = Orbit.of_numbers(numbers)
-        numbers[:, index] = values
-        changed = Orbit(known.rate, numbers[:, 1], numbers[:, 2], known.normal, known.periapsis)
-        pixels.further["orbit"] = changed.numbers
-
-    return apply
-
-
-def _ratio(i: int, j: int) -> Apply:
-    """Set moment ``i`` to a multiple of moment ``j``."""
-
-    def apply(pixels: PixelValues, values: Floats) -> None:
-        with np.errstate(over="ignore"):  # a moment that overflows makes an impossible body
-            pixels.moments[:, i] = values * pixels.moments[:, j]
-
-    return apply
-
-
-def _every_component(name: str) -> Apply:
-    """Replace all components of an array by one number."""
-
-    def apply(pixels: PixelValues, values: Floats) -> None:
-        getattr(pixels, name)[:] = values[:, np.newaxis]
-
-    return apply
-
-
-def _nothing(_pixels: PixelValues, _values: Floats) -> None:
-    """Set nothing in the pixels: the parameter belongs to the whole request."""
+    def put(self, numbers: Mapping[str, Floats], values: Floats) -> None:
+        """Write a value for each pixel into the numbers of all pixels, by their places."""
+        if self.place not in numbers:
+            return  # a number of the whole request, or an argument of a function
+        if self.times is not None:
+            with np.errstate(over="ignore"):  # a moment that overflows makes an impossible body
+                values = values * numbers[self.place][:, self.times]
+        found = values if self.number is None else self.number(values)
+        every: Any = numbers[self.place]
+        every[:, *self.index].T[...] = found
 
 
 # Where each parameter applies
@@ -350,16 +176,41 @@ def _needs_omega(_scene: Scene, start: Start) -> str:
     return "the start is given by spin; use Start(omega=...)" if start.omega is None else ""
 
 
-def _needs_size_of_noise(_scene: Scene, start: Start) -> str:
-    if start.noise is None:
-        return "the start has no noise; give a kind, as in Start(noise=rigid.normal(0))"
-    if not isinstance(start.noise, Noise):
+def _no_size(noise: object, name: str, what: str, kappa: str) -> str:
+    """The reason why a noise, an argument of the start, has no size that an axis can set."""
+    if noise is None:
+        kind = name.replace("_", " ")
+        return f"the start has no {kind}; give a kind, as in Start({name}=rigid.normal(0))"
+    if not isinstance(noise, Noise):
         return "the start has given samples, which have no size; use Start(noise=rigid.normal(0))"
-    if start.noise.cov is not None:
-        return "the noise of the start has a covariance; give it a size"
-    if start.noise.is_direction:
-        return "the noise of the start has a concentration; use kappa"
-    return ""
+    if noise.cov is not None:
+        return f"{what} has a covariance; give it a size"
+    if noise.is_direction:
+        return f"{what} has a concentration; use {kappa}"
+    return "uniform_attitude() has no size" if noise.kind == "uniform_attitude" else ""
+
+
+def _needs_size_of_noise(_scene: Scene, start: Start) -> str:
+    return _no_size(start.noise, "noise", "the noise of the start", "kappa")
+
+
+def _needs_size_of_attitude_noise(scene: Scene, start: Start) -> str:
+    if not scene.rates_need_attitude:
+        return f"{_ATTITUDE_UNFELT}; use noise"
+    return _no_size(start.attitude_noise, "attitude_noise", "the attitude noise", "attitude_kappa")
+
+
+def _needs_noise(scene: Scene, start: Start) -> str:
+    several = "the noise of the start has a size for each component; give it a single one"
+    size = getattr(start.noise, "size", None)
+    return _needs_size_of_noise(scene, start) or (several if isinstance(size, tuple) else "")
+
+
+def _needs_attitude_noise(scene: Scene, start: Start) -> str:
+    several = "the attitude noise has a size for each component; give it a single one"
+    size = getattr(start.attitude_noise, "size", None)
+    reason = _needs_size_of_attitude_noise(scene, start)
+    return reason or (several if isinstance(size, tuple) else "")
 
 
 def _needs_kappa(_scene: Scene, start: Start) -> str:
@@ -376,64 +227,35 @@ def _needs_attitude_kappa(scene: Scene, start: Start) -> str:
     return ""
 
 
-def _needs_noise(scene: Scene, start: Start) -> str:
-    reason = _needs_size_of_noise(scene, start)
-    if reason:
-        return reason
-    assert isinstance(start.noise, Noise)
-    if isinstance(start.noise.size, tuple):
-        return "the noise of the start has a size for each component; give it a single one"
-    return ""
-
-
-def _needs_attitude_noise(scene: Scene, start: Start) -> str:
-    reason = _needs_size_of_attitude_noise(scene, start)
-    if reason:
-        return reason
-    assert start.attitude_noise is not None
-    if isinstance(start.attitude_noise.size, tuple):
-        return "the attitude noise has a size for each component; give it a single one"
-    return ""
-
-
-def _needs_size_of_attitude_noise(scene: Scene, start: Start) -> str:
-    if not scene.rates_need_attitude:
-        return f"{_ATTITUDE_UNFELT}; use noise"
-    if start.attitude_noise is None:
-        return (
-            "the start has no attitude noise; give a kind, "
-            "as in Start(attitude_noise=rigid.normal(0))"
-        )
-    if start.attitude_noise.cov is not None:
-        return "the attitude noise has a covariance; give it a size"
-    if start.attitude_noise.is_direction:
-        return "the attitude noise has a concentration; use attitude_kappa"
-    if start.attitude_noise.kind == "uniform_attitude":
-        return "uniform_attitude() has no size"
-    return ""
+def _of_each_axis(
+    name: str,
+    symbol: str,
+    unit: str,
+    meaning: str,
+    place: str,
+    why_not: WhyNot = _anywhere,
+    **known: Any,
+) -> dict[str, Parameter]:
+    """A parameter for each body axis, whose number stands for ``#``."""
+    found = {}
+    for k in range(3):
+        own, *words = (text.replace("#", str(k + 1)) for text in (name, symbol, unit, meaning))
+        index = (k, k) if place == "damping" else (k,)
+        found[own] = Parameter(words[0], words[1], words[2], place, index, why_not, **known)
+    return found
 
 
 PARAMETERS: Mapping[str, Parameter] = {
-    **{
-        f"I{i}": Parameter(
-            f"$I_{i}$",
-            "kg m²",
-            "principal moment",
-            _component("moments", i - 1),
-            sets=f"I{i}",
-            describes="moments",
-        )
-        for i in (1, 2, 3)
-    },
+    **_of_each_axis("I#", "$I_#$", "kg m²", "principal moment", "moments"),
     **{
         f"I{i}/I{j}": Parameter(
             f"$I_{i}/I_{j}$",
             "1",
             "ratio of principal moments",
-            _ratio(i - 1, j - 1),
-            sets=f"I{i}",
-            reads=f"I{j}",
-            describes="moments",
+            "moments",
+            (i - 1,),
+            sets=(f"I{i}",),
+            times=j - 1,
         )
         for i in (1, 2, 3)
         for j in (1, 2, 3)
@@ -444,23 +266,16 @@ PARAMETERS: Mapping[str, Parameter] = {
             f"side ${name}$",
             "m",
             "side of the box",
-            _box(_component("sides", k)),
+            "box",
+            (k,),
             _needs_box,
-            describes="box",
             lowest=0.0,
             open_end=True,
         )
         for k, name in enumerate("abc")
     },
     "mass": Parameter(
-        "mass",
-        "kg",
-        "mass of the box",
-        _box(_whole("mass")),
-        _needs_box,
-        describes="box",
-        lowest=0.0,
-        open_end=True,
+        "mass", "kg", "mass of the box", "box", (3,), _needs_box, lowest=0.0, open_end=True
     ),
     **{
         name: Parameter(
@@ -468,40 +283,41 @@ PARAMETERS: Mapping[str, Parameter] = {
             "1",
             "ratio of the semi-axes a ≥ b ≥ c, along axes 1, 2, 3, of the homogeneous ellipsoid "
             "with these moments; I3 stays",
-            _shape(index, power),
-            describes="semi-axes",
+            "semi-axes",  # a/b and c/b
+            (k,),
+            sets=("I1", "I2"),
+            number=number,
             lowest=1.0,
         )
-        for name, index, power in (("a/b", 0, 1), ("b/c", 1, -1))
+        for k, (name, number) in enumerate({"a/b": None, "b/c": np.reciprocal}.items())
     },
     "mgl": Parameter(
         "$mgl$",
         "J",
         "weight times distance of the centre of mass",
-        _own("mgl"),
+        "mgl",
+        (),
         _needs_weight,
         lowest=0.0,
     ),
-    **{
-        f"com{k}": Parameter(
-            f"$c_{k}$",
-            "1",
-            f"component {k} towards the centre of mass; only the direction counts",
-            _com_component(k - 1),
-            _needs_weight,
-            sets="com",
-            describes="com component",
-        )
-        for k in (1, 2, 3)
-    },
+    **_of_each_axis(
+        "com#",
+        "$c_#$",
+        "1",
+        "component # towards the centre of mass; only the direction counts",
+        "com",
+        _needs_weight,
+        sets=("com",),
+    ),
     "com_tilt": Parameter(
         "tilt of the centre of mass",
         "rad",
         "angle from axis 3 to the centre of mass",
-        _com("com_tilt"),
+        "com angles",
+        (0,),
         _needs_weight,
-        sets="com",
-        describes="com angle",
+        sets=("com",),
+        number=cos_sin,
         lowest=0.0,
         highest=pi,
     ),
@@ -509,83 +325,69 @@ PARAMETERS: Mapping[str, Parameter] = {
         "turn of the centre of mass",
         "rad",
         "azimuth of the centre of mass, from axis 1 towards axis 2",
-        _com("com_turn"),
+        "com angles",
+        (1,),
         _needs_weight,
-        sets="com",
-        describes="com angle",
+        sets=("com",),
+        number=cos_sin,
         lowest=-2.0 * pi,
         highest=2.0 * pi,
     ),
-    **{
-        f"damping{k}": Parameter(
-            f"damping about axis {k}, $D_{{{k}{k}}}$",
-            "N m s",
-            f"damping about body axis {k}",
-            _component("damping", k - 1, k - 1),
-            _needs_diagonal_damping,
-            describes="damping",
-            lowest=0.0,
-        )
-        for k in (1, 2, 3)
-    },
-    **{
-        f"torque{k}": Parameter(
-            f"$N_{k}$",
-            "N m",
-            f"constant torque about body axis {k}",
-            _component("torque", k - 1),
-            _needs_constant_torque,
-            describes="torque",
-        )
-        for k in (1, 2, 3)
-    },
-    **{
-        f"rotor{k}": Parameter(
-            f"$h_{k}$",
-            "kg m²/s",
-            f"angular momentum of the rotor about body axis {k}",
-            _further("rotor", k - 1),
-            _needs_free_body,
-            sets="rotor",
-            force="rotor",
-        )
-        for k in (1, 2, 3)
-    },
+    **_of_each_axis(
+        "damping#",
+        "damping about axis #, $D_{##}$",
+        "N m s",
+        "damping about body axis #",
+        "damping",
+        _needs_diagonal_damping,
+        lowest=0.0,
+    ),
+    **_of_each_axis(
+        "torque#",
+        "$N_#$",
+        "N m",
+        "constant torque about body axis #",
+        "torque",
+        _needs_constant_torque,
+    ),
+    **_of_each_axis(
+        "rotor#",
+        "$h_#$",
+        "kg m²/s",
+        "angular momentum of the rotor about body axis #",
+        "rotor",
+        _needs_free_body,
+        sets=("rotor",),
+    ),
     "dissipation": Parameter(
         "$P$",
         "kg m² s",
         "coefficient of the energy sink, the same along all axes",
-        _further("dissipation"),
+        "dissipation",
+        (),
         _needs_free_body,
-        force="dissipation",
         lowest=0.0,
     ),
     "eccentricity": Parameter(
         "eccentricity $e$",
         "1",
         "eccentricity of the orbit",
-        _orbit(1),
+        "orbit",
+        (0,),
         _needs_orbit,
-        force="orbit",
         lowest=0.0,
         highest=MOST_ECCENTRIC,
     ),
     "anomaly": Parameter(
-        "$M_0$",
-        "rad",
-        "mean anomaly of the orbit at t = 0",
-        _orbit(2),
-        _needs_orbit,
-        force="orbit",
+        "$M_0$", "rad", "mean anomaly of the orbit at t = 0", "orbit", (1,), _needs_orbit
     ),
-    "spin": Parameter(
-        "spin", "rad/s", "rate about the axis of the start", _whole("spin"), _needs_spin
-    ),
+    "spin": Parameter("spin", "rad/s", "rate about the axis of the start", "spin", (), _needs_spin),
     "tilt": Parameter(
         "tilt",
         "rad",
         "angle to the axis of the start",
-        _whole("tilt"),
+        "tilt",
+        (),
         _needs_spin_or_attitude,
         lowest=-pi,
         highest=pi,
@@ -594,73 +396,62 @@ PARAMETERS: Mapping[str, Parameter] = {
         "energy",
         "J",
         "energy of the start without noise; the rates are scaled, with `l_gamma` their other part",
-        _whole("energy"),
+        "energy",
     ),
     "l_gamma": Parameter(
         r"$L\cdot\gamma$",
         "kg m²/s",
         "vertical angular momentum of the start without noise: the part of the rates along the "
         "vertical is set",
-        _whole("l_gamma"),
+        "l_gamma",
+        (),
         _needs_vertical,
     ),
-    **{
-        f"omega{k}": Parameter(
-            rf"$\omega_{k}$",
-            "rad/s",
-            "rate in body components",
-            _component("omega", k - 1),
-            _needs_omega,
-        )
-        for k in (1, 2, 3)
-    },
+    **_of_each_axis(
+        "omega#", r"$\omega_#$", "rad/s", "rate in body components", "omega", _needs_omega
+    ),
     "noise": Parameter(
         "perturbation of the rates",
         "rad/s",
         "size of the rate noise",
-        _every_component("omega_size"),
+        "noise",
+        (),
         _needs_noise,
-        describes="noise",
         lowest=0.0,
     ),
-    **{
-        f"noise{k}": Parameter(
-            rf"perturbation of $\omega_{k}$",
-            "rad/s",
-            f"size of the noise of rate {k}",
-            _component("omega_size", k - 1),
-            _needs_size_of_noise,
-            describes="noise component",
-            lowest=0.0,
-        )
-        for k in (1, 2, 3)
-    },
+    **_of_each_axis(
+        "noise#",
+        r"perturbation of $\omega_#$",
+        "rad/s",
+        "size of the noise of rate #",
+        "noise",
+        _needs_size_of_noise,
+        lowest=0.0,
+    ),
     "attitude_noise": Parameter(
         "perturbation of the attitude",
         "rad",
         "size of the attitude noise",
-        _every_component("attitude_size"),
+        "attitude_noise",
+        (),
         _needs_attitude_noise,
-        describes="attitude noise",
         lowest=0.0,
     ),
-    **{
-        f"attitude_noise{k}": Parameter(
-            f"perturbation of the attitude about axis {k}",
-            "rad",
-            f"size of component {k} of the rotation vector of the attitude noise",
-            _component("attitude_size", k - 1),
-            _needs_size_of_attitude_noise,
-            describes="attitude noise component",
-            lowest=0.0,
-        )
-        for k in (1, 2, 3)
-    },
+    **_of_each_axis(
+        "attitude_noise#",
+        "perturbation of the attitude about axis #",
+        "rad",
+        "size of component # of the rotation vector of the attitude noise",
+        "attitude_noise",
+        _needs_size_of_attitude_noise,
+        lowest=0.0,
+    ),
     "kappa": Parameter(
         r"$\kappa$",
         "1",
         "concentration of the direction of the rates",
-        _every_component("omega_size"),
+        "noise",
+        (),
         _needs_kappa,
         lowest=0.0,
     ),
@@ -668,7 +459,8 @@ PARAMETERS: Mapping[str, Parameter] = {
         r"$\kappa$ of the attitude",
         "1",
         "concentration of the direction of the axis of the start",
-        _every_component("attitude_size"),
+        "attitude_noise",
+        (),
         _needs_attitude_kappa,
         lowest=0.0,
     ),
@@ -676,15 +468,12 @@ PARAMETERS: Mapping[str, Parameter] = {
         "limit",
         "rad",
         "angle that the criterion allows",
-        _nothing,
+        OF_RUN,
         lowest=0.0,
         highest=pi,
         open_end=True,
-        of_run=True,
     ),
-    "t_end": Parameter(
-        "$t_{end}$", "s", "horizon", _nothing, lowest=0.0, open_end=True, of_run=True
-    ),
+    "t_end": Parameter("$t_{end}$", "s", "horizon", OF_RUN, lowest=0.0, open_end=True),
 }
 """The parameters by name, in the order of messages and of the documentation."""
 
@@ -695,11 +484,9 @@ EXCLUSIVE = (
     ("box", "moments", "the moments of a box follow from its sides"),
     ("semi-axes", "moments", "the moments of an ellipsoid follow from its semi-axes"),
     ("semi-axes", "box", "both say which shape the body has"),
-    ("com angle", "com component", "both say where the centre of mass is"),
-    ("noise", "noise component", "both say how large the noise is"),
-    ("attitude noise", "attitude noise component", "both say how large the noise is"),
+    ("com angles", "com", "both say where the centre of mass is"),
 )
-"""Kinds of parameters that exclude each other, and why."""
+"""Places whose parameters exclude each other, and why."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -744,7 +531,7 @@ class Axis:
 
 def _own_parameter(name: str) -> Parameter:
     """The parameter of a function that makes the scene."""
-    return Parameter(name, "1", "argument of the function of the scene", _nothing)
+    return Parameter(name, "1", "argument of the function of the scene", "function")
 
 
 def make_axes(axes: Mapping[str, ArrayLike], own: Container[str] = ()) -> tuple[Axis, ...]:
@@ -807,45 +594,59 @@ def check_applicable(scene: Scene, start: Start, axes: Iterable[Axis]) -> None:
         if reason:
             raise ValueError(f"axes: {axis.name!r} does not apply: {reason}")
     for one, other, reason in EXCLUSIVE:
-        first, second = (
-            [axis.name for axis in axes if axis.parameter.describes == kind]
-            for kind in (one, other)
+        _check_exclusive(_at(axes, one), _at(axes, other), reason)
+    for place in ("noise", "attitude_noise"):
+        mine = _at(axes, place)
+        whole, parts = (
+            [a for a in mine if bool(a.parameter.index) is part] for part in (False, True)
         )
-        if first and second:
-            raise ValueError(f"axes: {second[0]!r} and {first[0]!r} exclude each other: {reason}")
-    _check_moments([axis for axis in axes if axis.parameter.describes == "moments"])
+        _check_exclusive(whole, parts, "both say how large the noise is")
+    _check_moments(_at(axes, "moments"))
+
+
+def _at(axes: Iterable[Axis], place: str) -> list[Axis]:
+    """The axes whose numbers are in this place."""
+    return [axis for axis in axes if axis.parameter.place == place]
+
+
+def _check_exclusive(first: Sequence[Axis], second: Sequence[Axis], reason: str) -> None:
+    """Raise ValueError if there are axes of both kinds."""
+    if first and second:
+        raise ValueError(
+            f"axes: {second[0].name!r} and {first[0].name!r} exclude each other: {reason}"
+        )
 
 
 def _check_moments(axes: Sequence[Axis]) -> None:
     """Raise ValueError if axes set one moment twice or give a ratio of moments twice."""
-    setters: dict[str, Axis] = {}
+    setters: dict[int | None, Axis] = {}
     for axis in axes:
-        moment = axis.parameter.sets
-        assert moment is not None
+        (moment,) = axis.parameter.index
         if moment in setters:
-            raise ValueError(f"axes: {setters[moment].name!r} and {axis.name!r} both set {moment}")
+            both = f"{setters[moment].name!r} and {axis.name!r}"
+            raise ValueError(f"axes: {both} both set I{moment + 1}")
         setters[moment] = axis
     for axis in axes:
-        seen, at = [axis.name], axis.parameter.reads
+        seen, at = [axis.name], axis.parameter.times
         while at in setters:
             if setters[at] is axis:
                 both = " and ".join(map(repr, seen))
                 what = "the same ratio" if len(seen) == 2 else "ratios that depend on each other"
                 raise ValueError(f"axes: {both} set {what}")
             seen.append(setters[at].name)
-            at = setters[at].parameter.reads
+            at = setters[at].parameter.times
 
 
-def in_order(axes: Iterable[Axis]) -> list[int]:
+def in_order(axes: Sequence[Axis]) -> list[int]:
     """Positions of axes in an order in which each moment is set before it is read."""
-    every = list(axes)
-    setters = {axis.parameter.sets: axis for axis in every}
+    setters = {axis.parameter.index: axis for axis in _at(axes, "moments")}
 
     def depth(axis: Axis) -> int:
-        before = setters.get(axis.parameter.reads) if axis.parameter.reads else None
+        read = axis.parameter.times
+        before = None if read is None else setters.get((read,))
         return 0 if before is None else 1 + depth(before)
 
-    return sorted(range(len(every)), key=lambda place: depth(every[place]))
+    return sorted(range(len(axes)), key=lambda place: depth(axes[place]))
 
 
 def axis_letter(place: int) -> str:

@@ -49,7 +49,7 @@ def map_plan(spec: MapSpec) -> Plan:
         moved = of_pixels[forms == NO_FORM] if method == AUTO else of_pixels
         longest = _joined(_steps(spec, batch) for batch in _batches(spec, moved))
         step, steps = shortest_and_most(longest, spec.t_end)
-    torque = (spec.scene if spec.made is None else spec.made).torque
+    torque = spec.whole.torque
     if torque is not None and torque.function is not None:
         reasons.extend(torque.function.reasons)
     done = carried(spec.scene, spec.stable, method, spec.forces)
@@ -97,9 +97,7 @@ def _choice(spec: MapSpec, moments: Floats, weight: Floats, forms: Codes) -> tup
 
 
 def _batches(spec: MapSpec, pixels: NDArray[np.intp]) -> Iterator[Bodies]:
-    """The nominal starts of these pixels, in batches under the same forces."""
+    """The nominal starts of these pixels, for each start of a mixture."""
     for start in spec.start.starts:
         grid = spec.starting(start)
-        starts = grid.omega[pixels], grid.attitude[pixels]
-        for _, batch in grid.batches_by_forces(pixels, *starts):
-            yield batch
+        yield grid.bodies(pixels, grid.omega[pixels], grid.attitude[pixels])

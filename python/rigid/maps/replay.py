@@ -187,7 +187,7 @@ def replay(
     measures = {name: values.item() for name, values in named.pop("measures").items()}
     record = {name: values.item() for name, values in named.items()}
     record["status"] = _core.status_names()[record["status"]]
-    scene = part.grid.scene_of(own)
+    scene = part.grid.scene[own]
     step, method = record["step"], record["method"]
     run: Any
     if isinstance(spec.stable, Regular):
@@ -275,9 +275,9 @@ def _growth(
             raise ValueError("t: must be positive times")
     # Of the very start of the map: an attitude given by a user would be normalised first.
     omega, attitude = (rows[np.newaxis] for rows in start)
-    ((_, batch),) = spec.grid.batches_by_forces(np.array([pixel]), omega, attitude)
+    batch = spec.grid.bodies(np.array([pixel]), omega, attitude)
     return growth_of(
-        spec.grid.scene_of(pixel),
+        spec.grid.scene[pixel],
         replace(batch, shape=()),
         times,
         of=norm_of(spec.stable.of, spec.scene),

@@ -19,7 +19,6 @@ from ..model.body import Body, refuse_rods
 from ..model.bounds import RateWithin
 from ..model.criteria import Criterion, check_criterion, criterion_from_dict
 from ..model.criterion import can_be_left
-from ..model.forces import FORCES
 from ..model.function import TorqueFunction
 from ..model.judged import Custom
 from ..model.measures import Measure, asks_for_an_axis, check_distinct, make_measures
@@ -48,9 +47,9 @@ from ..solve.methods import (
     map_methods,
 )
 from ..solve.tangent import check_tangent
-from .grid import Made, NominalStarts, grid_shape, nominal_starts
+from .grid import Pixels, acting_forces, grid_shape, nominal_starts
 from .own import OwnScene, own_scene
-from .parameters import Axis, check_applicable, make_axes
+from .parameters import OF_RUN, Axis, check_applicable, make_axes
 from .sequential import Looks, checked_half_width, stop_table
 
 __all__ = ["MapPart", "MapSpec"]
@@ -225,7 +224,7 @@ class MapSpec:
                 one.check_forced(self.scene, self.forces)
         require_constant(self.scene.torque)
         chosen = self.step is not None or (self.is_judged and self.method == AUTO)
-        if not (chosen or self._of_all.bounds_rates):
+        if not (chosen or self.whole.bounds_rates):
             raise ValueError(NO_BOUND)
         check_method(
             self.method,
@@ -297,10 +296,7 @@ class MapSpec:
     @property
     def forces(self) -> tuple[str, ...]:
         """The names of the forces that act in some pixel."""
-        described = [axis.parameter.describes for axis in self.axes]
-        varied = [name for name in ("torque", "damping") if name in described]
-        further = {axis.parameter.force for axis in self.axes}
-        return (*self._of_all.forces, *varied, *(name for name in FORCES if name in further))
+        return acting_forces(self.whole, self.axes)
 
     @property
     def is_called(self) -> bool:
@@ -312,21 +308,16 @@ class MapSpec:
         """Whether a criterion of the user judges the bodies, from states at given times."""
         return isinstance(self.stable, Custom)
 
-    @cached_property
-    def made(self) -> Scene | None:
-        """The scene of all pixels, if a function that is known makes it."""
-        return None if self._made is None else self._made.scene
-
     @property
-    def _of_all(self) -> Scene:
+    def whole(self) -> Scene:
         """The scene of all pixels as far as it is known, without the values of the axes."""
-        return self.scene if self.made is None else self.made
+        return self._made[0]
 
     @cached_property
-    def _made(self) -> Made | None:
-        """The values that a function makes for all pixels, if there is a known function."""
+    def _made(self) -> tuple[Scene, Mapping[str, NDArray[np.float64]]]:
+        """The scene of all pixels, and the rates and attitudes that a function gives for them."""
         if self.own is None or self.own.source.function is None:
-            return None
+            return self.scene, {}
         places = np.unravel_index(np.arange(math.prod(self.shape)), self.shape)
         values = {
             axis.name: np.array(axis.values)[place]
@@ -476,12 +467,12 @@ class MapSpec:
 
         Each part draws by the numbers of its pixels: the bodies of all parts are the same.
         """
-        runs = [place for place, axis in enumerate(self.axes) if axis.parameter.of_run]
+        runs = [place for place, axis in enumerate(self.axes) if axis.parameter.place == OF_RUN]
         count = math.prod(self.shape)
         if not runs:
             return (MapPart(self, np.arange(count)),)
         places = list(reversed(np.unravel_index(np.arange(count), self.shape)))
-        others = tuple(axis for axis in self.axes if not axis.parameter.of_run)
+        others = tuple(axis for axis in self.axes if axis.parameter.place != OF_RUN)
         parts = []
         for index in np.ndindex(*(len(self.axes[place].values) for place in runs)):
             changes: dict[str, Any] = {"axes": others}
@@ -518,20 +509,21 @@ class MapSpec:
         return ends.reshape(self.shape)
 
     @cached_property
-    def grid(self) -> NominalStarts:
+    def grid(self) -> Pixels:
         """The nominal start of every pixel, computed once; for a mixture its first start."""
         return self._nominal(self.start.starts[0])
 
-    def starting(self, start: Start, pixels: NDArray[np.int64] | None = None) -> NominalStarts:
+    def starting(self, start: Start, pixels: NDArray[np.int64] | None = None) -> Pixels:
         """The nominal start of every pixel, or of some, by one of the starts of a mixture."""
         if start is self.start.starts[0] and (pixels is None or "grid" in self.__dict__):
             return self.grid if pixels is None else self.grid.of_pixels(pixels)
         # Not the starts of other pixels, of which there may be millions.
         return self._nominal(start, pixels)
 
-    def _nominal(self, start: Start, pixels: NDArray[np.int64] | None = None) -> NominalStarts:
+    def _nominal(self, start: Start, pixels: NDArray[np.int64] | None = None) -> Pixels:
         self.require_scene()
-        return nominal_starts(self.scene, start, self.axes, pixels, self._made)
+        scene, given = self._made
+        return nominal_starts(scene, start, self.axes, pixels, given)
 
     def __getstate__(self) -> dict[str, Any]:
         """The fields without the values that follow from them."""
@@ -545,10 +537,7 @@ class MapSpec:
     @property
     def varied(self) -> tuple[str, ...]:
         """The numbers of the scene and the start that the axes set; a ratio sets its numerator."""
-        names = [axis.parameter.sets or axis.name for axis in self.axes]
-        if any(axis.parameter.describes == "semi-axes" for axis in self.axes):
-            names += ["I1", "I2"]
-        return tuple(names)
+        return tuple(name for axis in self.axes for name in axis.parameter.sets or (axis.name,))
 
     def checked_before(self, count: int, first: NDArray[np.int64]) -> int | None:
         """Bodies of a pixel with a smaller number are classified by the second method, too.

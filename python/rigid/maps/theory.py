@@ -52,9 +52,11 @@ from numpy.typing import NDArray
 
 from .. import _core
 from ..model.criteria import NoFlip, TiltBelow
+from ..model.forces import FORCES
 from ..model.scene import FreeBody, HeavyTop
 from ..model.start import Noise, Start
 from .data import MapData
+from .grid import Pixels
 from .moons import attitude_resonances, spin_orbit_resonances
 from .satellites import NORMAL_REACH, RAYLEIGH_HALF, flat_spin, on_orbit
 from .spec import MapSpec
@@ -124,7 +126,8 @@ def predict(spec: MapSpec) -> Theory | None:
         return _of_parts(spec)
     with np.errstate(all="ignore"):  # impossible and degenerate pixels end as NaN
         predictors = [_free_no_flip, _symmetric_top, _falling_top, _satellite, _moon]
-        if spec.own is not None or spec.grid.torque is not None or spec.grid.further:
+        varied = {axis.parameter.place for axis in spec.axes}
+        if spec.own is not None or not varied.isdisjoint({"torque", *FORCES}):
             # Satellites and tops read the scene of all pixels.
             predictors = [_free_no_flip, *([_moon] if spec.own is None else [])]
         known = (predictor(spec) for predictor in predictors)
@@ -356,7 +359,7 @@ def _symmetric_top(spec: MapSpec) -> Theory | None:
     scene, stable, start, grid = spec.scene, spec.stable, _first(spec), spec.grid
     if spec.forces or not isinstance(scene, HeavyTop) or not isinstance(stable, TiltBelow):
         return None
-    mgl, axis = grid.own["mgl"], start.axis
+    mgl, axis = _mgl(grid), start.axis
     along = np.zeros(3)
     along[axis - 1] = 1.0
     noise = start.attitude_noise
@@ -406,7 +409,7 @@ def _falling_top(spec: MapSpec) -> Theory | None:
         not isinstance(scene, HeavyTop)
         or not isinstance(stable, TiltBelow)
         or scene.torque is not None
-        or grid.damping is None
+        or "damping" not in spec.forces
         or stable.reference != "vertical"
         or stable.axis != start.axis
         or tuple(scene.com) != tuple(np.eye(3)[start.axis - 1])
@@ -416,10 +419,10 @@ def _falling_top(spec: MapSpec) -> Theory | None:
         or not noise.is_plain_normal
     ):
         return None
-    mgl, k = grid.own["mgl"], start.axis - 1
+    mgl, k = _mgl(grid), start.axis - 1
     cross, axial = grid.moments[:, k - 1], grid.moments[:, k]
     c = grid.damping[:, k, k]
-    others = grid.damping.copy()
+    others = grid.damping
     others[:, k, k] = 0.0
     spin = grid.omega[:, k]
     known = grid.possible & (cross == grid.moments[:, k - 2]) & (grid.tilt == 0.0)
@@ -443,6 +446,12 @@ def _falling_top(spec: MapSpec) -> Theory | None:
     words = "no fall before the onset, all fallen two lags later"
     label = f"quasi-static spin-down until {until} ({words})"
     return _theory(spec, label, share, curves)
+
+
+def _mgl(grid: Pixels) -> Floats:
+    """``mgl`` of the top of each pixel (J)."""
+    assert isinstance(grid.scene, HeavyTop)
+    return np.broadcast_to(grid.scene.mgl, len(grid.moments))
 
 
 def falling_lag(mgl: Floats, cross: Floats, axial: Floats, c: Floats, growth: Floats) -> Floats:

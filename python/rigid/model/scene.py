@@ -85,13 +85,10 @@ class Field:
         Number of components of the field.
     default : tuple of float or None
         Default value of the field; None if the field is required.
-    varies : bool
-        Whether an axis of a map may set it.
     """
 
     width: int = 1
     default: tuple[float, ...] | None = None
-    varies: bool = False
 
 
 class Scene(HasForces, ABC):
@@ -140,10 +137,6 @@ class Scene(HasForces, ABC):
     @abstractmethod
     def default_start(self) -> Start:
         """The start of a map without a given start."""
-
-    @abstractmethod
-    def weights(self, columns: Mapping[str, Floats], count: int) -> Floats:
-        """``mgl com`` (J) of the bodies of a map whose axes set these fields; shape (count, 3)."""
 
     @property
     @abstractmethod
@@ -266,13 +259,11 @@ class Scene(HasForces, ABC):
         further = self.further_numbers()
         return forces_of(self.torque, self.damping, self.shape, further=further)
 
-    def replaced(
-        self, body: Body, damping: ArrayLike | None, **own: float | tuple[float, ...] | Floats
-    ) -> Self:
-        """The scene with another body, damping and values of its further fields."""
-        kept = {name: getattr(self, name) for name in self.fields}
+    def replaced(self, body: Body, damping: ArrayLike | None, **own: Any) -> Self:
+        """The scene with another body, damping, torque, further forces and values of its fields."""
+        kept = {name: getattr(self, name) for name in ("torque", *self.fields)}
         kept.update(self._further)
-        return type(self)(body, **{**kept, **own}, torque=self.torque, damping=damping)  # type: ignore[call-arg]
+        return type(self)(body, **{**kept, **own}, damping=damping)  # type: ignore[call-arg]
 
     def _turn_into_principal_axes(self, frame: ArrayLike) -> None:
         """Take the vectors of the scene, just made, from the axes of a drawing."""
@@ -531,10 +522,6 @@ class FreeBody(Scene):
         middle = int(np.argsort(self.body.moments, kind="stable")[1]) + 1
         return Start(spin=1.0, axis=middle, noise=normal(1e-3))
 
-    def weights(self, columns: Mapping[str, Floats], count: int) -> Floats:
-        """Zero weight of the bodies of a map; shape (count, 3)."""
-        return np.zeros((count, 3))
-
     @property
     def weight(self) -> Floats:
         """Zero weight; shape (3,)."""
@@ -584,8 +571,8 @@ class HeavyTop(Scene):
     kind: ClassVar[str] = "top"
     title: ClassVar[str] = "heavy top"
     fields: ClassVar[Mapping[str, Field]] = {
-        "mgl": Field(varies=True),
-        "com": Field(width=3, default=(0.0, 0.0, 1.0), varies=True),
+        "mgl": Field(),
+        "com": Field(width=3, default=(0.0, 0.0, 1.0)),
     }
     directions: ClassVar[tuple[str, ...]] = ("gamma",)
 
@@ -767,12 +754,6 @@ class HeavyTop(Scene):
         5.0
         """
         return Start(spin=5.0, attitude_noise=normal(1e-3))
-
-    def weights(self, columns: Mapping[str, Floats], count: int) -> Floats:
-        """Weight ``mgl com`` (J) of the tops of a map; shape (count, 3)."""
-        mgl = columns.get("mgl", np.full(count, self.mgl))
-        weights: Floats = mgl[:, np.newaxis] * columns.get("com", np.array(self.com))
-        return weights
 
     @property
     def weight(self) -> Floats:

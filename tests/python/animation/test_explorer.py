@@ -233,7 +233,7 @@ def test_motions_of_the_page_are_those_of_replay(kind: str, tmp_path: Path) -> N
     for pixel, sample in ((0, 1), (3, 2)):
         seen = result.replay(pixel, sample)
         again = rigid.simulate(
-            result.spec.grid.scene_of(pixel),
+            result.spec.grid.scene[pixel],
             seen.omega,
             seen.attitude,
             t=seen.run.t,

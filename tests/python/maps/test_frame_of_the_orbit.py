@@ -245,7 +245,7 @@ def test_eccentricity_and_anomaly_are_axes_of_a_map() -> None:
     seen = set()
     for y, x in np.ndindex(3, 3):
         e, anomaly = axes["eccentricity"][x], axes["anomaly"][y]
-        found = result.spec.grid.scene_of(3 * y + x).orbit
+        found = result.spec.grid.scene[3 * y + x].orbit
         assert found is not None
         expected = rigid.Orbit(1.0, e, anomaly, orbit.normal, orbit.periapsis)
         np.testing.assert_allclose(found.numbers, expected.numbers, atol=4e-16)

@@ -93,7 +93,7 @@ def test_values_are_those_of_the_motion() -> None:
         for sample in range(5):
             body = result.replay(pixel, sample, t=[0.0])
             t = np.linspace(0.0, 8.0, 40001)
-            scene = result.spec.grid.scene_of(pixel)
+            scene = result.spec.grid.scene[pixel]
             run = rigid.simulate(
                 scene, body.omega, body.attitude, t=t, method="taylor20", step=0.01
             )
@@ -421,7 +421,7 @@ def test_a_rate_near_zero_that_moves_away_first_leaves_when_it_comes_back() -> N
     t = np.linspace(0.0, 0.5, 50_001)
     starts = result.starts(range(2), pixel=0)
     for body in range(2):
-        scene = result.spec.grid.scene_of(0)
+        scene = result.spec.grid.scene[0]
         omega, attitude = starts.omega[body], starts.attitude[body]
         rates = rigid.simulate(scene, omega, attitude, t=t, method="taylor20").omega[:, 2]
         change = t[1:][np.flatnonzero(rates[1:] * rates[:-1] < 0.0)[0]]
@@ -442,7 +442,7 @@ def test_a_rate_that_begins_at_zero_and_comes_back_leaves_then(options: dict[str
         starts = result.starts(range(SAMPLES), pixel=pixel)
         assert not starts.omega[:, 0].any()
         left = result.outcomes(range(SAMPLES), pixel=pixel).measures["time_to_leave"]
-        scene = result.spec.grid.scene_of(pixel)
+        scene = result.spec.grid.scene[pixel]
         rates = rigid.simulate(
             scene, starts.omega, starts.attitude, t=t, method="taylor20", step=0.01, check=False
         ).omega[:, 1:, 0]

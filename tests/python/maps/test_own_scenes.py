@@ -64,7 +64,7 @@ def test_torque_and_damping_of_a_function_differ_between_pixels() -> None:
     result = small_map(damped, axes=axes, **options)
     for y, x in np.ndindex(2, 2):
         scene = damped(np.array([axes["length"][x]]), np.array([axes["drag"][y]]))[0]
-        assert result.spec.grid.scene_of(2 * y + x).to_dict() == scene.to_dict()
+        assert result.spec.grid.scene[2 * y + x].to_dict() == scene.to_dict()
         if scene.forces:
             alone = small_map(scene, axes={"spin": np.arange(4) + 1.0 - (2 * y + x)}, **options)
             for name in NAMED:

@@ -116,7 +116,7 @@ def test_the_plan_of_a_pixel_of_a_built_in_map_is_that_of_a_map_of_this_pixel(na
     spec = read_spec(name).spec
     real = np.flatnonzero(possible(spec.grid.moments))
     for pixel in real[np.linspace(0, len(real) - 1, 5).astype(int)].tolist():
-        scene, start = spec.grid.scene_of(pixel), started(spec, pixel)
+        scene, start = spec.grid.scene[pixel], started(spec, pixel)
         expected = of_map(scene, start, spec.stable, spec.t_end, method=spec.method)
         made = rigid.plan(scene, spec.stable, start=start, t_end=spec.t_end, method=spec.method)
         same(made, expected)
