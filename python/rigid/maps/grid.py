@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from math import prod
@@ -24,7 +24,7 @@ from ..model.start import Noise, Start, tilted_attitude, tilted_rates
 from ..model.torque import Torque, forces_of
 from ..rotations.apply import to_body
 from ..solve.bodies import Bodies
-from .parameters import Axis, in_order
+from .parameters import PLACES, Axis, in_order
 
 __all__ = ["Pixels", "acting_forces", "grid_shape", "nominal_starts"]
 
@@ -236,57 +236,19 @@ def nominal_starts(
     )
 
 
-def _or_zero(value: ArrayLike | None, *shape: int) -> Floats:
-    """The value as an array, or zeros of this shape if there is none."""
-    return np.zeros(shape) if value is None else np.asarray(value)
-
-
 def _each(value: ArrayLike, width: int, count: int) -> Floats:
     """A copy of a value of all bodies, or of each; ``width`` counts the axes of one body."""
     array = np.asarray(value, dtype=np.float64)
     return np.broadcast_to(array, (count, *array.shape[array.ndim - width :])).copy()
 
 
-_OF_SCENE: Mapping[str, tuple[Callable[[Any], ArrayLike], int]] = {
-    "moments": (lambda scene: scene.body.moments, 1),
-    "box": (lambda scene: (*scene.body.sides, scene.body.mass), 1),
-    "semi-axes": (lambda scene: _semi_axes(np.asarray(scene.body.moments)), 1),
-    "mgl": (lambda scene: scene.mgl, 0),
-    "com": (lambda scene: scene.com, 1),
-    "com angles": (lambda scene: _angles_of_com(np.asarray(scene.com)), 2),
-    "damping": (lambda scene: _or_zero(scene.damping, 3, 3), 2),
-    "torque": (lambda scene: _or_zero(scene.torque and scene.torque.in_body, 1, 3)[..., 0, :], 1),
-    "rotor": (lambda scene: _or_zero(scene.rotor, 3), 1),
-    "dissipation": (
-        lambda scene: _or_zero(scene.dissipation and scene.dissipation.coefficient, 3),
-        1,
-    ),
-    "orbit": (lambda scene: scene.orbit.numbers[..., 1:3], 1),
-}
-"""The numbers of a scene in each place that axes set, and how many axes those of one body have."""
-
-
 def _values(scene: Scene, start: Start, varied: set[str], count: int) -> dict[str, Floats]:
-    """The numbers of the start, and those of the scene that axes set, in every pixel."""
-    noise = start.noise.size if isinstance(start.noise, Noise) else 0.0
-    attitude_noise = 0.0 if start.attitude_noise is None else start.attitude_noise.size
-    of_start: dict[str, tuple[ArrayLike, int]] = {
-        "spin": (start.spin or 0.0, 0),
-        "tilt": (start.tilt, 0),
-        "energy": (np.nan, 0),
-        "l_gamma": (np.nan, 0),
-        "omega": (start.omega or (0.0, 0.0, 0.0), 1),
-        "noise": (np.broadcast_to(noise, 3), 1),
-        "attitude_noise": (np.broadcast_to(1.0 if start.joint else attitude_noise, 3), 1),
-    }
-    of_scene = {
-        place: (number(scene), width)
-        for place, (number, width) in _OF_SCENE.items()
-        if place == "moments" or place in varied
-    }
+    """The numbers of moments and start, and the others that axes set, in every pixel."""
+    needed = {"moments", "spin", "tilt", "energy", "l_gamma", "omega", "noise", "attitude_noise"}
     return {
-        place: _each(value, width, count)
-        for place, (value, width) in {**of_start, **of_scene}.items()
+        name: _each(place.read(scene, start), place.width, count)
+        for name, place in PLACES.items()
+        if name in needed | varied
     }
 
 
@@ -379,21 +341,3 @@ def _on_surface(
     along = np.where(of_momentum, momentum / upright, 0.0)
     found = along[:, np.newaxis] * gamma + np.where(none, 0.0, scale)[:, np.newaxis] * rest
     return np.where(none[:, np.newaxis], np.nan, moments), np.asarray(found)
-
-
-def _semi_axes(moments: Floats) -> Floats:
-    """``a/b`` and ``c/b`` of homogeneous ellipsoids with these moments; NaN if there is none."""
-    squares = moments.sum(axis=-1, keepdims=True) - 2.0 * moments
-    with np.errstate(all="ignore"):
-        ratios: Floats = np.sqrt(squares[..., [0, 2]] / squares[..., [1]])
-    return ratios
-
-
-def _angles_of_com(com: Floats) -> Floats:
-    """Cosine and sine of both angles of centres of mass; on axis 3 the azimuth is 0."""
-    first, second, along = np.moveaxis(com, -1, 0)
-    across = np.sqrt(first * first + second * second)
-    off = across > 0.0
-    length = np.where(off, across, 1.0)
-    turn = np.where(off, first / length, 1.0), np.where(off, second / length, 0.0)
-    return np.stack([np.stack([along, across], axis=-1), np.stack(turn, axis=-1)], axis=-2)

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from math import pi
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -22,6 +22,7 @@ __all__ = [
     "MOST_AXES",
     "OF_RUN",
     "PARAMETERS",
+    "PLACES",
     "Axis",
     "Parameter",
     "axis_letter",
@@ -33,15 +34,8 @@ __all__ = [
 
 Floats = NDArray[np.float64]
 
-WhyNot: TypeAlias = Callable[[Scene, Start], str]
-"""The reason why a parameter has no meaning for a scene and start; empty if it has a meaning."""
-
 OF_RUN = "run"
 """The place of numbers of the whole request, such as the horizon, which no body has."""
-
-
-def _anywhere(_scene: Scene, _start: Start) -> str:
-    return ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,13 +47,9 @@ class Parameter:
     symbol, unit, meaning : str
         For plots and messages; the unit is ``"1"`` for a ratio.
     place : str
-        The numbers of scene or start among which the parameter is, such as ``"moments"``.
+        The numbers among which the parameter is: a key of :data:`PLACES`, or :data:`OF_RUN`.
     index : tuple of int
         Its index among the numbers of one body there; empty if it sets all of them.
-    why_not : callable
-        ``why_not(scene, start)`` is the reason why the parameter does not apply, or empty.
-    sets : tuple of str
-        The names of what it sets, if they are not its own.
     times : int or None
         The index of the moment of which the value is a multiple; it is set before.
     number : callable or None
@@ -75,8 +65,6 @@ class Parameter:
     meaning: str
     place: str
     index: tuple[int, ...] = ()
-    why_not: WhyNot = _anywhere
-    sets: tuple[str, ...] = ()
     times: int | None = None
     number: Callable[[Floats], Any] | None = None
     lowest: float = -np.inf
@@ -98,6 +86,16 @@ class Parameter:
         rejected: NDArray[np.bool_] = low | (values > self.highest)
         return rejected
 
+    def why_not(self, scene: Scene, start: Start) -> str:
+        """The reason why the parameter does not apply to a scene and start; empty if it does."""
+        return PLACES[self.place].why_not(scene, start, self) if self.place in PLACES else ""
+
+    def sets(self, name: str) -> tuple[str, ...]:
+        """The names of the numbers that the parameter of this name sets."""
+        if self.times is not None:
+            return (f"I{self.index[0] + 1}",)
+        return (self.place in PLACES and PLACES[self.place].sets) or (name,)
+
     def put(self, numbers: Mapping[str, Floats], values: Floats) -> None:
         """Write a value for each pixel into the numbers of all pixels, by their places."""
         if self.place not in numbers:
@@ -115,56 +113,51 @@ class Parameter:
 _ATTITUDE_UNFELT = "the attitude of a free body without a torque in space has no effect"
 
 
-def _needs_box(scene: Scene, _start: Start) -> str:
+def _anywhere(_scene: Scene, _start: Start, _asked: Parameter) -> str:
+    return ""
+
+
+def _needs_box(scene: Scene, _start: Start, _asked: Parameter) -> str:
     if scene.body.sides is None:
         return "the sides of the body are not known; make it with Body.box(a, b, c)"
     return ""
 
 
-def _needs_free_body(scene: Scene, _start: Start) -> str:
-    if scene.directions:
-        return f"a {scene.title} has none; use a FreeBody"
-    return ""
+def _needs_free_body(scene: Scene, _start: Start, _asked: Parameter) -> str:
+    return f"a {scene.title} has none; use a FreeBody" if scene.directions else ""
 
 
-def _needs_orbit(scene: Scene, _start: Start) -> str:
-    if scene.orbit is None:
-        return "the scene has no orbit; give it orbit=rigid.Orbit(rate)"
-    return ""
+def _needs_orbit(scene: Scene, _start: Start, _asked: Parameter) -> str:
+    return "the scene has no orbit; give it orbit=rigid.Orbit(rate)" if scene.orbit is None else ""
 
 
-def _needs_vertical(scene: Scene, _start: Start) -> str:
-    if not scene.directions:
-        return "a free body knows no vertical; use a HeavyTop"
-    return ""
+def _needs_vertical(scene: Scene, _start: Start, _asked: Parameter) -> str:
+    return "" if scene.directions else "a free body knows no vertical; use a HeavyTop"
 
 
-def _needs_weight(scene: Scene, _start: Start) -> str:
-    if "mgl" not in scene.fields:
-        return "a free body feels no weight; use a HeavyTop"
-    return ""
+def _needs_weight(scene: Scene, _start: Start, _asked: Parameter) -> str:
+    return "" if "mgl" in scene.fields else "a free body feels no weight; use a HeavyTop"
 
 
-def _needs_diagonal_damping(scene: Scene, _start: Start) -> str:
-    matrix = np.zeros((3, 3)) if scene.damping is None else np.array(scene.damping)
+def _needs_diagonal_damping(scene: Scene, _start: Start, _asked: Parameter) -> str:
+    matrix = _or_zero(scene.damping, 3, 3)
     if np.any(matrix - np.diag(np.diag(matrix))):
         return "the damping of the scene is not along the body axes"
     return ""
 
 
-def _needs_constant_torque(scene: Scene, _start: Start) -> str:
-    if scene.torque is not None and scene.torque.times:
-        return "the torque of the scene is a table"
-    return ""
+def _needs_constant_torque(scene: Scene, _start: Start, _asked: Parameter) -> str:
+    is_table = scene.torque is not None and scene.torque.times
+    return "the torque of the scene is a table" if is_table else ""
 
 
-def _needs_spin(_scene: Scene, start: Start) -> str:
+def _needs_spin(_scene: Scene, start: Start, _asked: Parameter) -> str:
     if start.spin is None:
         return "the start is given by omega; use omega1, omega2, omega3 or Start(spin=...)"
     return ""
 
 
-def _needs_spin_or_attitude(scene: Scene, start: Start) -> str:
+def _needs_spin_or_attitude(scene: Scene, start: Start, _asked: Parameter) -> str:
     if start.attitude is not None:
         return "the attitude of the start is given; use Start(tilt=...)"
     if start.spin is None and not scene.directions:
@@ -172,76 +165,134 @@ def _needs_spin_or_attitude(scene: Scene, start: Start) -> str:
     return ""
 
 
-def _needs_omega(_scene: Scene, start: Start) -> str:
+def _needs_omega(_scene: Scene, start: Start, _asked: Parameter) -> str:
     return "the start is given by spin; use Start(omega=...)" if start.omega is None else ""
 
 
-def _no_size(noise: object, name: str, what: str, kappa: str) -> str:
-    """The reason why a noise, an argument of the start, has no size that an axis can set."""
+def _needs_noise(scene: Scene, start: Start, asked: Parameter) -> str:
+    name, is_kappa = asked.place, asked.unit == "1"
+    of_attitude, kind = name == "attitude_noise", name.replace("_", " ")
+    noise = start.attitude_noise if of_attitude else start.noise
+    what = f"the {kind}" if of_attitude else f"the {kind} of the start"
+    if of_attitude and not scene.rates_need_attitude:
+        return f"{_ATTITUDE_UNFELT}; use {'kappa' if is_kappa else 'noise'}"
+    is_direction = isinstance(noise, Noise) and noise.is_direction
+    if is_kappa:
+        return "" if is_direction else f"the start has no {name}=rigid.von_mises_fisher(0)"
     if noise is None:
-        kind = name.replace("_", " ")
         return f"the start has no {kind}; give a kind, as in Start({name}=rigid.normal(0))"
     if not isinstance(noise, Noise):
         return "the start has given samples, which have no size; use Start(noise=rigid.normal(0))"
     if noise.cov is not None:
         return f"{what} has a covariance; give it a size"
-    if noise.is_direction:
-        return f"{what} has a concentration; use {kappa}"
-    return "uniform_attitude() has no size" if noise.kind == "uniform_attitude" else ""
-
-
-def _needs_size_of_noise(_scene: Scene, start: Start) -> str:
-    return _no_size(start.noise, "noise", "the noise of the start", "kappa")
-
-
-def _needs_size_of_attitude_noise(scene: Scene, start: Start) -> str:
-    if not scene.rates_need_attitude:
-        return f"{_ATTITUDE_UNFELT}; use noise"
-    return _no_size(start.attitude_noise, "attitude_noise", "the attitude noise", "attitude_kappa")
-
-
-def _needs_noise(scene: Scene, start: Start) -> str:
-    several = "the noise of the start has a size for each component; give it a single one"
-    size = getattr(start.noise, "size", None)
-    return _needs_size_of_noise(scene, start) or (several if isinstance(size, tuple) else "")
-
-
-def _needs_attitude_noise(scene: Scene, start: Start) -> str:
-    several = "the attitude noise has a size for each component; give it a single one"
-    size = getattr(start.attitude_noise, "size", None)
-    reason = _needs_size_of_attitude_noise(scene, start)
-    return reason or (several if isinstance(size, tuple) else "")
-
-
-def _needs_kappa(_scene: Scene, start: Start) -> str:
-    if not (isinstance(start.noise, Noise) and start.noise.is_direction):
-        return "the start has no noise=rigid.von_mises_fisher(0)"
+    if is_direction:
+        return f"{what} has a concentration; use {name.replace('noise', 'kappa')}"
+    if noise.kind == "uniform_attitude":
+        return "uniform_attitude() has no size"
+    if isinstance(noise.size, tuple) and not asked.index:
+        return f"{what} has a size for each component; give it a single one"
     return ""
 
 
-def _needs_attitude_kappa(scene: Scene, start: Start) -> str:
-    if not scene.rates_need_attitude:
-        return f"{_ATTITUDE_UNFELT}; use kappa"
-    if start.attitude_noise is None or not start.attitude_noise.is_direction:
-        return "the start has no attitude_noise=rigid.von_mises_fisher(0)"
-    return ""
+# Where the numbers of each parameter are
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """Numbers of a scene or a start that axes set.
+
+    Attributes
+    ----------
+    read : callable
+        ``read(scene, start)`` gives the numbers of all bodies, or of each.
+    width : int
+        How many axes the numbers of one body have.
+    why_not : callable
+        ``why_not(scene, start, parameter)`` is the reason why an axis cannot set them, or empty.
+    sets : tuple of str
+        The names of what an axis sets; empty if it is the name of the axis.
+    """
+
+    read: Callable[[Any, Start], ArrayLike]
+    width: int
+    why_not: Callable[[Scene, Start, Parameter], str] = _anywhere
+    sets: tuple[str, ...] = ()
+
+
+def _or_zero(value: ArrayLike | None, *shape: int) -> Floats:
+    """The value as an array, or zeros of this shape if there is none."""
+    return np.zeros(shape) if value is None else np.asarray(value)
+
+
+def _semi_axes(scene: Scene, _start: Start) -> Floats:
+    """``a/b`` and ``c/b`` of homogeneous ellipsoids with these moments; NaN if there is none."""
+    moments = np.asarray(scene.body.moments)
+    squares = moments.sum(axis=-1, keepdims=True) - 2.0 * moments
+    with np.errstate(all="ignore"):
+        ratios: Floats = np.sqrt(squares[..., [0, 2]] / squares[..., [1]])
+    return ratios
+
+
+def _angles_of_com(scene: Any, _start: Start) -> Floats:
+    """Cosine and sine of both angles of centres of mass; on axis 3 the azimuth is 0."""
+    first, second, along = np.moveaxis(np.asarray(scene.com), -1, 0)
+    across = np.sqrt(first * first + second * second)
+    off = across > 0.0
+    length = np.where(off, across, 1.0)
+    turn = np.where(off, first / length, 1.0), np.where(off, second / length, 0.0)
+    return np.stack([np.stack([along, across], axis=-1), np.stack(turn, axis=-1)], axis=-2)
+
+
+def _torque_in_body(scene: Scene, _start: Start) -> Floats:
+    torque = scene.torque
+    return np.zeros(3) if torque is None else np.asarray(torque.in_body)[..., 0, :]
+
+
+def _coefficient(scene: Scene, _start: Start) -> Floats:
+    return _or_zero(None if scene.dissipation is None else scene.dissipation.coefficient, 3)
+
+
+def _size_of_noise(_scene: Scene, start: Start) -> Floats:
+    return np.broadcast_to(start.noise.size if isinstance(start.noise, Noise) else 0.0, 3)
+
+
+def _size_of_attitude_noise(_scene: Scene, start: Start) -> Floats:
+    size = 0.0 if start.attitude_noise is None else start.attitude_noise.size
+    return np.broadcast_to(1.0 if start.joint else size, 3)
+
+
+PLACES: Mapping[str, Place] = {
+    "moments": Place(lambda scene, _: scene.body.moments, 1),
+    "box": Place(lambda scene, _: (*scene.body.sides, scene.body.mass), 1, _needs_box),
+    "semi-axes": Place(_semi_axes, 1, sets=("I1", "I2")),
+    "mgl": Place(lambda scene, _: scene.mgl, 0, _needs_weight),
+    "com": Place(lambda scene, _: scene.com, 1, _needs_weight, ("com",)),
+    "com angles": Place(_angles_of_com, 2, _needs_weight, ("com",)),
+    "damping": Place(lambda scene, _: _or_zero(scene.damping, 3, 3), 2, _needs_diagonal_damping),
+    "torque": Place(_torque_in_body, 1, _needs_constant_torque),
+    "rotor": Place(lambda scene, _: _or_zero(scene.rotor, 3), 1, _needs_free_body, ("rotor",)),
+    "dissipation": Place(_coefficient, 1, _needs_free_body),
+    "orbit": Place(lambda scene, _: scene.orbit.numbers[..., 1:3], 1, _needs_orbit),
+    "spin": Place(lambda _, start: start.spin or 0.0, 0, _needs_spin),
+    "tilt": Place(lambda _, start: start.tilt, 0, _needs_spin_or_attitude),
+    "energy": Place(lambda _, _start: np.nan, 0),
+    "l_gamma": Place(lambda _, _start: np.nan, 0, _needs_vertical),
+    "omega": Place(lambda _, start: start.omega or (0.0, 0.0, 0.0), 1, _needs_omega),
+    "noise": Place(_size_of_noise, 1, _needs_noise),
+    "attitude_noise": Place(_size_of_attitude_noise, 1, _needs_noise),
+}
+"""The places of the parameters by name; of energy and momentum NaN, if they follow from rates."""
 
 
 def _of_each_axis(
-    name: str,
-    symbol: str,
-    unit: str,
-    meaning: str,
-    place: str,
-    why_not: WhyNot = _anywhere,
-    **known: Any,
+    name: str, symbol: str, unit: str, meaning: str, place: str, lowest: float = -np.inf
 ) -> dict[str, Parameter]:
     """A parameter for each body axis, whose number stands for ``#``."""
     found = {}
     for k in range(3):
         own, *words = (text.replace("#", str(k + 1)) for text in (name, symbol, unit, meaning))
         index = (k, k) if place == "damping" else (k,)
-        found[own] = Parameter(words[0], words[1], words[2], place, index, why_not, **known)
+        found[own] = Parameter(words[0], words[1], words[2], place, index, lowest=lowest)
     return found
 
 
@@ -249,13 +300,7 @@ PARAMETERS: Mapping[str, Parameter] = {
     **_of_each_axis("I#", "$I_#$", "kg m²", "principal moment", "moments"),
     **{
         f"I{i}/I{j}": Parameter(
-            f"$I_{i}/I_{j}$",
-            "1",
-            "ratio of principal moments",
-            "moments",
-            (i - 1,),
-            sets=(f"I{i}",),
-            times=j - 1,
+            f"$I_{i}/I_{j}$", "1", "ratio of principal moments", "moments", (i - 1,), times=j - 1
         )
         for i in (1, 2, 3)
         for j in (1, 2, 3)
@@ -263,20 +308,11 @@ PARAMETERS: Mapping[str, Parameter] = {
     },
     **{
         name: Parameter(
-            f"side ${name}$",
-            "m",
-            "side of the box",
-            "box",
-            (k,),
-            _needs_box,
-            lowest=0.0,
-            open_end=True,
+            f"side ${name}$", "m", "side of the box", "box", (k,), lowest=0.0, open_end=True
         )
         for k, name in enumerate("abc")
     },
-    "mass": Parameter(
-        "mass", "kg", "mass of the box", "box", (3,), _needs_box, lowest=0.0, open_end=True
-    ),
+    "mass": Parameter("mass", "kg", "mass of the box", "box", (3,), lowest=0.0, open_end=True),
     **{
         name: Parameter(
             f"${name}$",
@@ -285,20 +321,13 @@ PARAMETERS: Mapping[str, Parameter] = {
             "with these moments; I3 stays",
             "semi-axes",  # a/b and c/b
             (k,),
-            sets=("I1", "I2"),
             number=number,
             lowest=1.0,
         )
         for k, (name, number) in enumerate({"a/b": None, "b/c": np.reciprocal}.items())
     },
     "mgl": Parameter(
-        "$mgl$",
-        "J",
-        "weight times distance of the centre of mass",
-        "mgl",
-        (),
-        _needs_weight,
-        lowest=0.0,
+        "$mgl$", "J", "weight times distance of the centre of mass", "mgl", lowest=0.0
     ),
     **_of_each_axis(
         "com#",
@@ -306,8 +335,6 @@ PARAMETERS: Mapping[str, Parameter] = {
         "1",
         "component # towards the centre of mass; only the direction counts",
         "com",
-        _needs_weight,
-        sets=("com",),
     ),
     "com_tilt": Parameter(
         "tilt of the centre of mass",
@@ -315,8 +342,6 @@ PARAMETERS: Mapping[str, Parameter] = {
         "angle from axis 3 to the centre of mass",
         "com angles",
         (0,),
-        _needs_weight,
-        sets=("com",),
         number=cos_sin,
         lowest=0.0,
         highest=pi,
@@ -327,8 +352,6 @@ PARAMETERS: Mapping[str, Parameter] = {
         "azimuth of the centre of mass, from axis 1 towards axis 2",
         "com angles",
         (1,),
-        _needs_weight,
-        sets=("com",),
         number=cos_sin,
         lowest=-2.0 * pi,
         highest=2.0 * pi,
@@ -339,33 +362,17 @@ PARAMETERS: Mapping[str, Parameter] = {
         "N m s",
         "damping about body axis #",
         "damping",
-        _needs_diagonal_damping,
         lowest=0.0,
     ),
+    **_of_each_axis("torque#", "$N_#$", "N m", "constant torque about body axis #", "torque"),
     **_of_each_axis(
-        "torque#",
-        "$N_#$",
-        "N m",
-        "constant torque about body axis #",
-        "torque",
-        _needs_constant_torque,
-    ),
-    **_of_each_axis(
-        "rotor#",
-        "$h_#$",
-        "kg m²/s",
-        "angular momentum of the rotor about body axis #",
-        "rotor",
-        _needs_free_body,
-        sets=("rotor",),
+        "rotor#", "$h_#$", "kg m²/s", "angular momentum of the rotor about body axis #", "rotor"
     ),
     "dissipation": Parameter(
         "$P$",
         "kg m² s",
         "coefficient of the energy sink, the same along all axes",
         "dissipation",
-        (),
-        _needs_free_body,
         lowest=0.0,
     ),
     "eccentricity": Parameter(
@@ -374,23 +381,13 @@ PARAMETERS: Mapping[str, Parameter] = {
         "eccentricity of the orbit",
         "orbit",
         (0,),
-        _needs_orbit,
         lowest=0.0,
         highest=MOST_ECCENTRIC,
     ),
-    "anomaly": Parameter(
-        "$M_0$", "rad", "mean anomaly of the orbit at t = 0", "orbit", (1,), _needs_orbit
-    ),
-    "spin": Parameter("spin", "rad/s", "rate about the axis of the start", "spin", (), _needs_spin),
+    "anomaly": Parameter("$M_0$", "rad", "mean anomaly of the orbit at t = 0", "orbit", (1,)),
+    "spin": Parameter("spin", "rad/s", "rate about the axis of the start", "spin"),
     "tilt": Parameter(
-        "tilt",
-        "rad",
-        "angle to the axis of the start",
-        "tilt",
-        (),
-        _needs_spin_or_attitude,
-        lowest=-pi,
-        highest=pi,
+        "tilt", "rad", "angle to the axis of the start", "tilt", lowest=-pi, highest=pi
     ),
     "energy": Parameter(
         "energy",
@@ -404,20 +401,10 @@ PARAMETERS: Mapping[str, Parameter] = {
         "vertical angular momentum of the start without noise: the part of the rates along the "
         "vertical is set",
         "l_gamma",
-        (),
-        _needs_vertical,
     ),
-    **_of_each_axis(
-        "omega#", r"$\omega_#$", "rad/s", "rate in body components", "omega", _needs_omega
-    ),
+    **_of_each_axis("omega#", r"$\omega_#$", "rad/s", "rate in body components", "omega"),
     "noise": Parameter(
-        "perturbation of the rates",
-        "rad/s",
-        "size of the rate noise",
-        "noise",
-        (),
-        _needs_noise,
-        lowest=0.0,
+        "perturbation of the rates", "rad/s", "size of the rate noise", "noise", lowest=0.0
     ),
     **_of_each_axis(
         "noise#",
@@ -425,7 +412,6 @@ PARAMETERS: Mapping[str, Parameter] = {
         "rad/s",
         "size of the noise of rate #",
         "noise",
-        _needs_size_of_noise,
         lowest=0.0,
     ),
     "attitude_noise": Parameter(
@@ -433,8 +419,6 @@ PARAMETERS: Mapping[str, Parameter] = {
         "rad",
         "size of the attitude noise",
         "attitude_noise",
-        (),
-        _needs_attitude_noise,
         lowest=0.0,
     ),
     **_of_each_axis(
@@ -443,25 +427,16 @@ PARAMETERS: Mapping[str, Parameter] = {
         "rad",
         "size of component # of the rotation vector of the attitude noise",
         "attitude_noise",
-        _needs_size_of_attitude_noise,
         lowest=0.0,
     ),
     "kappa": Parameter(
-        r"$\kappa$",
-        "1",
-        "concentration of the direction of the rates",
-        "noise",
-        (),
-        _needs_kappa,
-        lowest=0.0,
+        r"$\kappa$", "1", "concentration of the direction of the rates", "noise", lowest=0.0
     ),
     "attitude_kappa": Parameter(
         r"$\kappa$ of the attitude",
         "1",
         "concentration of the direction of the axis of the start",
         "attitude_noise",
-        (),
-        _needs_attitude_kappa,
         lowest=0.0,
     ),
     "limit": Parameter(

@@ -537,7 +537,7 @@ class MapSpec:
     @property
     def varied(self) -> tuple[str, ...]:
         """The numbers of the scene and the start that the axes set; a ratio sets its numerator."""
-        return tuple(name for axis in self.axes for name in axis.parameter.sets or (axis.name,))
+        return tuple(name for axis in self.axes for name in axis.parameter.sets(axis.name))
 
     def checked_before(self, count: int, first: NDArray[np.int64]) -> int | None:
         """Bodies of a pixel with a smaller number are classified by the second method, too.
