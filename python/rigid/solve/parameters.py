@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +14,7 @@ from ..model.scene import Scene
 from .arrays import in_rows
 from .bodies import Bodies
 
-__all__ = ["check_parameters", "parameter_changes"]
+__all__ = ["check_parameters", "checked_names", "parameter_changes"]
 
 Floats = NDArray[np.float64]
 
@@ -55,27 +55,48 @@ def check_parameters(tangent: bool | str | Sequence[str], scene: Scene) -> tuple
         return None
     if isinstance(tangent, bool | np.bool_):
         return () if tangent else None
-    given = (tangent,) if isinstance(tangent, str) else tangent
-    # A set has no order, and the columns have one.
-    is_ordered = isinstance(given, Sequence | np.ndarray) and not isinstance(given, bytes)
-    names = tuple(given) if is_ordered else ()
-    if not names:
-        raise ValueError(f"tangent = {brief(tangent)}: must be True, False or names of parameters")
     weight = (*_OF_WEIGHT, *_GROUPS) if "mgl" in scene.fields else ()
     acting = [name for name, (force, _) in _OF_FORCE.items() if force in scene.forces]
+
+    def why_not(name: object) -> str:
+        if name in (*_OF_WEIGHT, *_GROUPS):
+            return f"a {scene.title} has no weight"
+        force = _OF_FORCE.get(name) if isinstance(name, str) else None
+        return "is no parameter" if force is None else f"the scene has no {force[0]}"
+
     known = (*_OF_BODY, *weight, *acting)
+    return checked_names("tangent", tangent, known, _GROUPS, why_not, "True, False or ")
+
+
+def checked_names(
+    argument: str,
+    given: object,
+    known: Sequence[str],
+    groups: Mapping[str, Sequence[str]],
+    why_not: Callable[[object], str],
+    others: str = "",
+) -> tuple[str, ...]:
+    """The names of parameters in an argument; a name of a group stands for the names in it.
+
+    Raises
+    ------
+    ValueError
+        For no name, one given twice, or an unknown one, with the reason of ``why_not(name)``;
+        ``others`` says what else the argument may be.
+    """
+    names = (given,) if isinstance(given, str) else given
+    # A set has no order, and the columns have one.
+    is_ordered = isinstance(names, Sequence | np.ndarray) and not isinstance(names, bytes)
+    if not is_ordered or not len(names):
+        raise ValueError(f"{argument} = {brief(given)}: must be {others}names of parameters")
     every: list[str] = []
     for name in names:
         if name not in known:
-            why = f": a {scene.title} has no weight" if name in (*_OF_WEIGHT, *_GROUPS) else ""
-            if name in _OF_FORCE:
-                why = f": the scene has no {_OF_FORCE[name][0]}"
-            raise ValueError(
-                f"tangent = {brief(name)}{why or ': is no parameter'}{of_known(name, known)}"
-            )
-        for own in _GROUPS.get(name, (name,)):
+            reason = f"{why_not(name)}{of_known(name, known)}"
+            raise ValueError(f"{argument} = {brief(name)}: {reason}")
+        for own in groups.get(name, (name,)):
             if own in every:
-                raise ValueError(f"tangent = {brief(tangent)}: {own!r} is named twice")
+                raise ValueError(f"{argument} = {brief(given)}: {own!r} is named twice")
             every.append(str(own))
     return tuple(every)
 

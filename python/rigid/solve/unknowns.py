@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._checks.arguments import brief, of_known
+from .._checks.arguments import brief
 from ..model.body import Body
 from ..model.scene import Scene
+from .parameters import checked_names
 from .simulate import simulate
 
 if TYPE_CHECKING:
@@ -271,17 +272,5 @@ def _taken(
 def _checked_names(scene: Scene, free: str | Sequence[str]) -> tuple[str, ...]:
     weight = ("mgl",) if "mgl" in scene.fields else ()
     known = (*MOMENTS, *RATIOS, *_DAMPING, *weight, *_GROUPS, *BIAS, *SCALE)
-    given = (free,) if isinstance(free, str) else free
-    if not isinstance(given, Sequence) or not given:
-        raise ValueError(f"free = {brief(free)}: must be names of parameters")
-    names: list[str] = []
-    for name in given:
-        if name not in known:
-            raise ValueError(
-                f"free = {brief(name)}: is no parameter of a {scene.title}{of_known(name, known)}"
-            )
-        for own in _GROUPS.get(name, (name,)):
-            if own in names:
-                raise ValueError(f"free = {brief(free)}: {own!r} is named twice")
-            names.append(own)
-    return tuple(names)
+    what = f"is no parameter of a {scene.title}"
+    return checked_names("free", free, known, _GROUPS, lambda _: what)
