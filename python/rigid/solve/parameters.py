@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -70,7 +71,7 @@ def check_parameters(tangent: bool | str | Sequence[str], scene: Scene) -> tuple
 
 def checked_names(
     argument: str,
-    given: object,
+    given: Any,
     known: Sequence[str],
     groups: Mapping[str, Sequence[str]],
     why_not: Callable[[object], str],
