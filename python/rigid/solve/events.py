@@ -292,7 +292,7 @@ def find_events(
 def events_of_parts(
     bodies: Bodies, parts: Sequence[FoundEvents], groups: Sequence[NDArray[np.intp]]
 ) -> FoundEvents:
-    """The events of groups of bodies as those of all."""
+    """The events of all bodies, from the events of their groups."""
     count = len(bodies)
     end, stopped = np.empty(count), np.empty(count, dtype=bool)
     for part, mine in zip(parts, groups, strict=True):

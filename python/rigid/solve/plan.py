@@ -220,7 +220,7 @@ class LazyPlan(Lazy[Plan]):
 
 
 def plan_of_parts(scene: Scene, plans: Sequence[LazyPlan], groups: Sequence[Sized]) -> Plan:
-    """The plan of a scene whose bodies are solved in groups: that of steps, if one takes any."""
+    """The plan of a scene whose bodies are solved in groups, from a group that takes steps."""
     parts = [plan() for plan in plans]
     # Of the plans in closed form and by steps the latter tells more.
     chosen = min(range(len(parts)), key=lambda k: parts[k].method == EXACT)

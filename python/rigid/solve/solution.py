@@ -91,7 +91,7 @@ def solve(
         Its horizon may be longer than the times of the request: the steps follow from the horizon.
         None for a body with a closed form from any start.
     request : Request
-        Its bodies are those of the problem. Method and tolerance are chosen here.
+        For the bodies of the problem. Method and tolerance are chosen here.
     check : bool
         Whether errors are estimated.
     watched : Watched, optional
