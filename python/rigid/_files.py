@@ -23,6 +23,7 @@ __all__ = [
     "require_ending",
     "require_replaceable",
     "require_room",
+    "synchronise",
 ]
 
 SCRATCH = ".rigid-"
@@ -114,7 +115,7 @@ def published(path: str | os.PathLike[str], endings: Sequence[str] = ()) -> Iter
         os.fsync(file.fileno())
         file.close()
         os.replace(scratch, target)
-        _synchronise(_folder(target))
+        synchronise(_folder(target))
 
 
 def require_room(path: str | os.PathLike[str], size: int) -> None:
@@ -194,11 +195,11 @@ def _folder(target: str) -> str:
     return os.path.dirname(target) or os.curdir
 
 
-def _synchronise(folder: str) -> None:
-    """Write the names in a folder to the disk, where the system can."""
+def synchronise(path: str | os.PathLike[str]) -> None:
+    """Write a file, or the names in a folder, to the disk, where the system can."""
     if os.name != "posix":
         return
-    descriptor = os.open(folder, os.O_RDONLY)
+    descriptor = os.open(path, os.O_RDONLY)
     try:
         with _where_possible():
             os.fsync(descriptor)

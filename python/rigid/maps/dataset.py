@@ -1,49 +1,43 @@
-"""A stability map as an xarray Dataset."""
+"""A stability map as an xarray Dataset, as a Zarr store of version 3, and as a table."""
 
 from __future__ import annotations
 
+import os
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..solve.dataset import as_dataset
+from .._checks.extras import install_extra
+from .._files import synchronise
+from ..solve.columns import as_dataset
 from .counts import GROWTH
 from .data import COLUMNS, STATUS, MapData
 from .measured import NUMBERS
 from .refine import refined
-from .spec import MapSpec
 
 if TYPE_CHECKING:
     import xarray
 
-__all__ = ["map_dataset", "map_table"]
+__all__ = ["map_dataset", "map_table", "write_zarr", "write_zarr_url"]
 
 
 def map_dataset(data: MapData) -> xarray.Dataset:
     """The map as an xarray Dataset; see :meth:`rigid.StabilityMap.to_xarray`."""
     spec = data.spec
-    axes = [(axis.name.replace("/", "_over_"), axis) for axis in spec.axes]
-    dimensions = [name for name, _ in reversed(axes)]
-    arrays = {
-        name: (dimensions, getattr(data, name), attributes)
-        for name, attributes in _array_attributes(spec).items()
-    }
+    coordinates: dict[str, Any] = {}
+    for axis in spec.axes:
+        name = axis.name.replace("/", "_over_")
+        coordinates[name] = (name, list(axis.values), _about(axis.name, axis.unit))
+    columns = _columns(data)
     if refined(spec):
-        stage = {"long_name": "stage of refinement, 255: omitted", "units": "1"}
-        arrays["stage"] = (dimensions, data.stage, stage)
-        long_name = f"share {spec.criterion}, interpolated where it is omitted"
-        arrays["share_filled"] = (dimensions, data.filled, {"long_name": long_name, "units": "1"})
-    coordinates = {
-        name: (name, list(axis.values), {"long_name": axis.name, "units": axis.unit})
-        for name, axis in axes
-    }
-    for name, measured in data.measures.items():
-        plain = name.replace("(", "_").replace(")", "").replace("-", "minus")
-        for number in NUMBERS:
-            unit = "1" if number == "count" else measured.measure.unit
-            about = {"long_name": f"{number} of the {measured.measure.words}", "units": unit}
-            arrays[f"{plain}_{number}"] = (dimensions, getattr(measured, number), about)
+        words = f"share {spec.criterion}, interpolated where it is omitted"
+        columns += [
+            ("stage", "", data.stage, _about("stage of refinement, 255: omitted")),
+            ("share_filled", "", data.filled, _about(words)),
+        ]
+    dimensions = list(coordinates)[::-1]
     attributes = {
         "title": spec.title or "",
         "criterion": spec.criterion,
@@ -51,40 +45,97 @@ def map_dataset(data: MapData) -> xarray.Dataset:
         "rigid_version": spec.version,
         "spec": spec.to_json(),
     }
-    return as_dataset(arrays, coordinates, attributes)
+    return as_dataset(
+        {name: (dimensions, array, about) for name, _, array, about in columns},
+        coordinates,
+        attributes,
+    )
 
 
 def map_table(data: MapData) -> dict[str, NDArray[Any]]:
     """The columns of a tidy table of the map, which broadcast to the grid."""
-    axes = data.spec.axes
-    columns: dict[str, NDArray[Any]] = {
-        axis.name: np.reshape(axis.values, (-1,) + (1,) * place) for place, axis in enumerate(axes)
+    axes = {
+        axis.name: np.reshape(axis.values, (-1,) + (1,) * place)
+        for place, axis in enumerate(data.spec.axes)
     }
-    columns |= {name: getattr(data, name) for name in _array_attributes(data.spec)}
+    return {**axes, **{title: array for _, title, array, _ in _columns(data)}}
+
+
+def _columns(data: MapData) -> list[tuple[str, str, NDArray[Any], dict[str, Any]]]:
+    """Name in a Dataset and in a table, numbers and attributes of each column."""
+    spec = data.spec
+    deviation = spec.stable.has_deviation
+    share = f"share {spec.criterion}"
+    known = {
+        "share": _about(share),
+        "lower": _about(f"lower end of the 95 % interval of the {share}"),
+        "upper": _about(f"upper end of the 95 % interval of the {share}"),
+        "samples": _about("bodies done"),
+    }
+    if deviation:
+        known["exponent"] = _about("mean exponent", "1/s")
+        known["mean_megno"] = _about("mean of the mean MEGNO")
+    for column in COLUMNS:
+        if deviation or column.name not in GROWTH:
+            known[column.name] = _about(column.words, column.unit)
+    known["status"] = {
+        **_about("status of the body"),
+        "flag_values": list(range(len(STATUS))),
+        "flag_meanings": " ".join(text.replace(" ", "_") for text in STATUS),
+    }
+    columns = [(name, name, getattr(data, name), about) for name, about in known.items()]
     for name, measured in data.measures.items():
+        plain = name.replace("(", "_").replace(")", "").replace("-", "minus")
         for number in NUMBERS:
-            columns[f"{number} of {name}"] = getattr(measured, number)
+            unit = "1" if number == "count" else measured.measure.unit
+            about = _about(f"{number} of the {measured.measure.words}", unit)
+            title = f"{number} of {name}"
+            columns.append((f"{plain}_{number}", title, getattr(measured, number), about))
     return columns
 
 
-def _array_attributes(spec: MapSpec) -> dict[str, dict[str, Any]]:
-    share = f"share {spec.criterion}"
-    growth = {
-        "exponent": {"long_name": "mean exponent", "units": "1/s"},
-        "mean_megno": {"long_name": "mean of the mean MEGNO", "units": "1"},
+def _about(words: str, unit: str = "1") -> dict[str, Any]:
+    return {"long_name": words, "units": unit}
+
+
+def write_zarr(data: MapData, path: str | os.PathLike[str]) -> Path:
+    """Write a map as a folder that appears whole or not at all; see :func:`write_zarr_url`."""
+    import shutil
+
+    target = Path(path)
+    if os.path.lexists(target):
+        raise FileExistsError(f"path = {os.fspath(target)!r}: must be new")
+    scratch = target.with_name(f".rigid-{os.urandom(16).hex()}.part")
+    try:
+        write_zarr_url(data, os.fspath(scratch))
+        for folder, _, names in os.walk(scratch, topdown=False):
+            for name in names:
+                synchronise(os.path.join(folder, name))
+            synchronise(folder)
+        scratch.rename(target)
+        synchronise(target.absolute().parent)
+    except BaseException:
+        shutil.rmtree(scratch, ignore_errors=True)
+        raise
+    return target
+
+
+def write_zarr_url(data: MapData, url: str) -> None:
+    """Write a map as Zarr to a new place that zarr knows: a folder, or the URL of a bucket.
+
+    Each array, coordinates too, is one chunk with a CRC-32C: damage is found.
+    """
+    try:
+        from zarr.codecs import Crc32cCodec
+    except ImportError:
+        raise ImportError(install_extra("a .zarr needs zarr", "store")) from None
+    dataset = map_dataset(data).drop_vars("nanoseconds")  # a measurement of the machine
+    encoding: dict[Any, Any] = {
+        name: {
+            "chunks": variable.shape,
+            "compressors": [Crc32cCodec()],
+            "write_empty_chunks": True,
+        }
+        for name, variable in dataset.variables.items()
     }
-    known = [column for column in COLUMNS if spec.stable.has_deviation or column.name not in GROWTH]
-    return {
-        "share": {"long_name": share, "units": "1"},
-        "lower": {"long_name": f"lower end of the 95 % interval of the {share}", "units": "1"},
-        "upper": {"long_name": f"upper end of the 95 % interval of the {share}", "units": "1"},
-        "samples": {"long_name": "bodies done", "units": "1"},
-        **(growth if spec.stable.has_deviation else {}),
-        **{column.name: {"long_name": column.words, "units": column.unit} for column in known},
-        "status": {
-            "long_name": "status of the body",
-            "units": "1",
-            "flag_values": list(range(len(STATUS))),
-            "flag_meanings": " ".join(text.replace(" ", "_") for text in STATUS),
-        },
-    }
+    dataset.to_zarr(url, mode="w-", zarr_format=3, consolidated=False, encoding=encoding)

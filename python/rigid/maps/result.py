@@ -17,11 +17,11 @@ from .._checks.progress import ProgressOption
 from .._files import MAP, require_ending
 from ..drawing.figure import html_with_picture
 from ..model.scene import Scene
+from ..solve.columns import write_table
 from ..solve.plan import Plan
-from ..solve.tidy import write_table
 from .counts import counted
 from .data import CLASSES, MapData
-from .dataset import map_dataset, map_table
+from .dataset import map_dataset, map_table, write_zarr
 from .file import read_map, write_map
 from .identity import receipt
 from .plan import map_plan
@@ -32,7 +32,6 @@ from .sensitivity import map_condition
 from .spec import MapSpec
 from .summary import summary
 from .theory import Theory, disagreement, predict
-from .zarr_product import write_zarr
 
 if TYPE_CHECKING:
     from pathlib import Path

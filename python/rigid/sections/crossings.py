@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-import json
-import os
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,17 +14,16 @@ from ..drawing.classes import name_classes
 from ..drawing.colours import CLASSES, HUES, on_ground
 from ..drawing.figure import axes_to_draw_on, html_with_picture
 from ..model.events import COMPONENTS
+from ..model.leading import Shape
 from ..model.orbit import Orbit
 from ..rotations import quaternion_to_matrix
-from ..solve.archive import write_arrays
-from ..solve.dataset import as_dataset
+from ..solve.columns import Column, Columns, Result
+from ..solve.events import Points
 from ..solve.plan import Plan
 from ..solve.status import Status
-from ..solve.tidy import parts, write_table
 from .surface import Section
 
 if TYPE_CHECKING:
-    import xarray
     from matplotlib.axes import Axes
 
 __all__ = ["Crossings"]
@@ -41,30 +37,6 @@ LABELS = {
     "t": "$t$ (s)",
 }
 
-_POINTS = {
-    "t": ("s", ()),
-    "omega": ("rad/s", ("axis",)),
-    "gamma": ("1", ("axis",)),
-    "attitude": ("1", ("part",)),
-    "direction": ("1", ()),
-    "slope": ("", ()),
-    "body": ("", ()),
-    "grazing": ("", ()),
-    "error": ("s", ()),
-}
-"""Unit and axes, after the axis ``point``, of each array with a row for each point."""
-
-_BODIES = {
-    "complete": "",
-    "end": "s",
-    "lost_from": "s",
-    "energy_drift": "1",
-    "status": "",
-    "stays": "",
-    "steps": "1",
-}
-"""Unit of each array with a row for each body."""
-
 _FAILED = {
     Status.STEP_LIMIT: "step limit: it needs more than max_steps steps",
     Status.NOT_FINITE: "not finite: a number overflowed",
@@ -73,7 +45,7 @@ _FAILED = {
 
 
 @dataclass(frozen=True, slots=True, repr=False, eq=False)
-class Crossings:
+class Crossings(Points, Result):
     """The points of a Poincaré section, from :func:`poincare`: body after body, in order of time.
 
     With a single body the axis ``n`` of bodies is absent.
@@ -130,29 +102,20 @@ class Crossings:
         Scene, method, tolerance, section, end and count, as a dict.
     """
 
-    t: Floats
-    omega: Floats
-    gamma: Floats
-    attitude: Floats
-    direction: NDArray[np.int8]
-    slope: Floats
-    body: NDArray[np.intp]
-    grazing: NDArray[np.bool_]
-    error: Floats
-    complete: NDArray[np.bool_]
-    end: Floats
-    lost_from: Floats
-    energy_drift: Floats
-    status: NDArray[np.uint8]
-    stays: NDArray[np.bool_]
-    steps: NDArray[np.uint64]
+    _columns: Columns
+    _shape: Shape
     section: Section
     plan: Plan
     orbit: Orbit | None
     spec: dict[str, Any]
 
-    def __len__(self) -> int:
-        return len(self.t)
+    end = Column[Floats]("s", "motion")
+    energy_drift = Column[Floats]("1", "motion")
+    status = Column[NDArray[np.uint8]]("", "motion")
+    stays = Column[NDArray[np.bool_]]("", "motion")
+    steps = Column[NDArray[np.uint64]]("1", "motion")
+
+    _ROWS = ("point",)
 
     def __repr__(self) -> str:
         bodies, complete = np.size(self.complete), int(np.count_nonzero(self.complete))
@@ -331,115 +294,6 @@ class Crossings:
         ax.scatter(across[order], up[order], s=size**2, c=of_point, linewidths=0.0)
         ax.set(xlabel=LABELS[x], ylabel=LABELS[y])
         return ax
-
-    def save(self, path: str | os.PathLike[str]) -> Path:
-        """Save the points as an ``.npz`` file, which :func:`numpy.load` reads.
-
-        Its arrays are the attributes by name; ``spec`` is a JSON text. The file appears whole or
-        not at all; see :meth:`rigid.StabilityMap.save`.
-
-        Parameters
-        ----------
-        path : path-like
-
-        Returns
-        -------
-        Path
-            The path.
-
-        Raises
-        ------
-        ValueError
-            If the name does not end in ``.npz``.
-        OSError
-            Naming the path, if the file cannot be written.
-
-        Examples
-        --------
-        >>> import os, tempfile, numpy as np, rigid
-        >>> top = rigid.HeavyTop(rigid.Body((1.0, 1.6, 0.7)), mgl=1.2, com=(0.6, 0.0, 0.8))
-        >>> points = rigid.poincare(top, [0.3, 0.4, 1.0], [0.9, 0.3, 0.2, 0.1], t_end=30.0)
-        >>> with tempfile.TemporaryDirectory() as folder:
-        ...     with np.load(points.save(os.path.join(folder, "points.npz"))) as file:
-        ...         file["omega"].shape
-        (8, 3)
-        """
-        arrays = {
-            name: np.asarray(getattr(self, name))
-            for name in self.__slots__
-            if isinstance(getattr(self, name), (np.ndarray, np.generic))
-        }
-        return write_arrays(path, {"spec": np.array(json.dumps(self.spec)), **arrays})
-
-    def to_xarray(self) -> xarray.Dataset:
-        """The points as an xarray ``Dataset`` with names and units.
-
-        The points have the axis ``point``, and ``body`` is the index of the body of each point.
-        Arrays with a row for each body, such as ``complete``, have the axis ``motion``, in the flat
-        order of all bodies.
-
-        Returns
-        -------
-        xarray.Dataset
-
-        Raises
-        ------
-        ImportError
-            Without xarray.
-
-        Examples
-        --------
-        >>> import rigid
-        >>> top = rigid.HeavyTop(rigid.Body((1.0, 1.6, 0.7)), mgl=1.2, com=(0.6, 0.0, 0.8))
-        >>> points = rigid.poincare(top, [0.3, 0.4, 1.0], [0.9, 0.3, 0.2, 0.1], t_end=30.0)
-        >>> data = points.to_xarray()
-        >>> data.omega.sel(axis=2).sizes["point"], bool(data.complete.all())
-        (8, True)
-        """
-        arrays: dict[str, Any] = {
-            name: (("point", *axes), getattr(self, name), {"units": unit})
-            for name, (unit, axes) in _POINTS.items()
-        }
-        for name, unit in _BODIES.items():
-            arrays[name] = ("motion", np.ravel(getattr(self, name)), {"units": unit})
-        coordinates = {"axis": [1, 2, 3], "part": list("wxyz")}
-        attributes = {"spec": json.dumps(self.spec), "plan": self.plan.to_json()}
-        return as_dataset(arrays, coordinates, attributes)
-
-    def to_csv(self, path: str | os.PathLike[str]) -> Path:
-        """Write a tidy table: a row for each point, with its body, time, rates and attitude.
-
-        Parameters
-        ----------
-        path : path-like
-
-        Returns
-        -------
-        Path
-            The path.
-
-        Raises
-        ------
-        ValueError
-            If the name does not end in ``.csv`` or ``.txt``.
-        OSError
-            Naming the path, if the file cannot be written.
-
-        Examples
-        --------
-        >>> import os, tempfile, rigid
-        >>> top = rigid.HeavyTop(rigid.Body((1.0, 1.6, 0.7)), mgl=1.2, com=(0.6, 0.0, 0.8))
-        >>> points = rigid.poincare(top, [0.3, 0.4, 1.0], [0.9, 0.3, 0.2, 0.1], t_end=30.0)
-        >>> with tempfile.TemporaryDirectory() as folder:
-        ...     path = points.to_csv(os.path.join(folder, "points.csv"))
-        ...     print(path.read_text().splitlines()[0].split(",")[:4])
-        ['body', 't', 'omega1', 'omega2']
-        """
-        columns: dict[str, NDArray[Any]] = {"body": self.body}
-        for name, (_, axes) in _POINTS.items():
-            values = getattr(self, name)
-            columns |= parts(name, values) if axes else {name: values}
-        return write_table(path, columns)
 
 
 def _class_colours(ax: Axes, words: Sequence[str]) -> dict[str, str]:

@@ -217,19 +217,18 @@ def poincare(
     ended = found["status"] == Status.OK
     grazing = np.bincount(body[found["grazing"]], minlength=len(bodies)) > 0
 
+    columns = {
+        **found,
+        "body": body,
+        "error": error,
+        "complete": ended & ~grazing & (found["stays"] == 0),
+        "lost_from": lost_from,
+        "status": status.astype(np.uint8),
+        "stays": found["stays"] > 0,
+    }
     return Crossings(
-        **{name: found[name] for name in ("omega", "gamma", "attitude", "t", "slope")},
-        direction=found["direction"],
-        grazing=found["grazing"],
-        body=body,
-        error=error,
-        complete=bodies.in_axes(ended & ~grazing & (found["stays"] == 0)),
-        end=bodies.in_axes(found["end"]),
-        lost_from=bodies.in_axes(lost_from),
-        energy_drift=bodies.in_axes(found["energy_drift"]),
-        status=bodies.in_axes(status.astype(np.uint8)),
-        stays=bodies.in_axes(found["stays"] > 0),
-        steps=bodies.in_axes(found["steps"]),
+        _columns=columns,
+        _shape=bodies.shape,
         section=surface,
         plan=plan(),
         orbit=scene.orbit,
@@ -246,7 +245,6 @@ def poincare(
 
 def _at_times(run: Run, scene: Scene, section: Section, asked: dict[str, Any]) -> Crossings:
     """The states of a run as the points of a section of equal times."""
-    shape = np.shape(run.status)
     omega = np.reshape(run.omega, (run.status.size, len(run.t), 3))
     # Those that a body did not reach are no points.
     reached = np.asarray(np.isfinite(omega).all(axis=2))
@@ -256,23 +254,27 @@ def _at_times(run: Run, scene: Scene, section: Section, asked: dict[str, Any]) -
     attitude = np.where(attitude[:, :1] < 0.0, -attitude, attitude)
     attitude /= np.linalg.norm(attitude, axis=1, keepdims=True)
     ends = np.where(reached, run.t, 0.0).max(axis=1)
+    columns = {
+        "body": body,
+        "t": run.t[at],
+        "omega": omega[reached],
+        "gamma": to_body(attitude, np.array([0.0, 0.0, 1.0])),
+        "attitude": attitude,
+        "direction": np.ones(len(at), dtype=np.int8),
+        "slope": np.ones(len(at)),
+        "grazing": np.zeros(len(at), dtype=np.bool_),
+        "error": np.ravel(run.error)[body],
+        "complete": whole,
+        "end": ends,
+        "stays": np.zeros(len(whole), dtype=np.bool_),
+        "lost_from": np.ravel(run.lost_from),
+        "energy_drift": np.ravel(run.energy_drift),
+        "status": np.ravel(run.status),
+        "steps": np.ravel(run.steps),
+    }
     return Crossings(
-        t=run.t[at],
-        omega=omega[reached],
-        gamma=to_body(attitude, np.array([0.0, 0.0, 1.0])),
-        attitude=attitude,
-        direction=np.ones(len(at), dtype=np.int8),
-        slope=np.ones(len(at)),
-        body=body,
-        grazing=np.zeros(len(at), dtype=np.bool_),
-        error=np.ravel(run.error)[body],
-        complete=whole.reshape(shape),
-        end=ends.reshape(shape),
-        lost_from=run.lost_from,
-        energy_drift=run.energy_drift,
-        status=run.status,
-        stays=np.zeros(shape, dtype=np.bool_),
-        steps=run.steps,
+        _columns=columns,
+        _shape=np.shape(run.status),
         section=section,
         plan=run.plan,
         orbit=scene.orbit,

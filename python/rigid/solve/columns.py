@@ -1,43 +1,75 @@
-"""The columns of a run: a row for each body, converted to the axes of the bodies when read."""
+"""Results as columns: each attribute with its unit and axes, once for files, datasets and tables.
+
+A result is a class whose attributes are :class:`Column`. What saves it, makes a Dataset or a table
+of it, or turns its rows into the axes of the bodies, reads this one list.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import csv
+import json
+import os
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
+from io import StringIO
 from math import prod
-from typing import Any, Generic, Self, TypeAlias, TypeVar, overload
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar, Generic, Self, TypeAlias, TypeVar, overload
 
 import numpy as np
 from numpy.typing import NDArray
 
+from .._checks.extras import install_extra
+from .._files import TABLE, published
 from ..model.leading import Shape
+from .archive import write_archive
 
-__all__ = ["Column", "Columns", "columns_of_arrays"]
+if TYPE_CHECKING:
+    import xarray
+
+__all__ = ["Column", "Columns", "HasColumns", "Result", "as_dataset", "write_table"]
 
 Columns: TypeAlias = Mapping[str, Any]
-"""Arrays of shape (n, ...) by their names in the core, None if not recorded; and the time taken
-(ns)."""
+"""Arrays by their names, None if not recorded: those of bodies with a row for each, (n, ...)."""
 
 Array = TypeVar("Array")
 
+_BODIES = ("body", "motion")
+"""Names of an axis of bodies: it stands for all axes of the bodies; ``motion`` is flat in a
+Dataset, where ``body`` is the name of a variable."""
 
-class HasColumns:
-    """Bodies of a shape, and their columns."""
+_LABELS: Mapping[str, Any] = {
+    "axis": [1, 2, 3],
+    # Texts as objects: Zarr has no specification of texts of a fixed length, and warns of them.
+    "part": np.array(list("wxyz"), dtype=object),
+}
+"""Coordinates of the axes of vectors and of quaternions."""
 
-    __slots__ = ()
+_PARTS: Mapping[str, str] = {
+    "axis": "{name}{label}",
+    "part": "{label}",
+    "exponent": "exponent{label}",
+    "order": "{name}{label}",
+}
+"""Axes along which a table has a column for each number, and the names of these columns."""
 
-    _columns: Columns
-    _shape: Shape
+ROWS = 65536
+"""Number of rows of a table that are written at once."""
 
 
 class Column(Generic[Array]):
-    """An attribute of a run: the row of the only body, or the rows of all bodies in their axes.
+    """An attribute of a result, with its unit and its axes.
 
-    Few of the columns of a run are read, and a view takes as long as it takes to check the input.
+    If the first axis is of bodies, the attribute is the row of the only body, or the rows of all
+    bodies in their axes. Few columns are read, and a view takes as long as to check the input.
     """
 
-    __slots__ = ("name",)
+    __slots__ = ("axes", "name", "unit")
 
-    def __init__(self, name: str) -> None:
+    def __init__(self, unit: str, *axes: str) -> None:
+        self.unit, self.axes = unit, axes
+
+    def __set_name__(self, owner: type, name: str) -> None:
         self.name = name
 
     @overload
@@ -48,29 +80,248 @@ class Column(Generic[Array]):
         if owner is None:
             return self
         rows: Any = owner._columns.get(self.name)
-        if rows is not None:
+        if rows is not None and self.axes[0] in _BODIES:
             shape = owner._shape
             rows = rows.reshape(*shape, *rows.shape[1:]) if shape else rows[0]
         view: Array = rows
         return view
 
 
-def columns_of_arrays(arrays: Mapping[str, Any], shape: Shape) -> dict[str, NDArray[Any] | None]:
-    """Columns from arrays that have the axes of the bodies.
+class HasColumns:
+    """Bodies of a shape, and their columns; a dataclass with these fields."""
+
+    __slots__ = ()
+
+    _columns: Columns
+    _shape: Shape
+
+    @classmethod
+    def _known(cls) -> dict[str, Column[Any]]:
+        """All columns by their names."""
+        return {
+            name: column
+            for kind in reversed(cls.__mro__)
+            for name, column in vars(kind).items()
+            if isinstance(column, Column)
+        }
+
+    def _arrays(self) -> dict[str, NDArray[Any]]:
+        """The arrays that there are, by the names of the attributes."""
+        known = {name: getattr(self, name) for name in self._known()}
+        return {name: np.asarray(array) for name, array in known.items() if array is not None}
+
+    def with_arrays(self, **arrays: Any) -> Self:
+        """The result with other arrays, as its attributes have them, by their names."""
+        rows = self._rows_of(arrays, self._shape)
+        changed: Self = replace(self, _columns={**self._columns, **rows})  # type: ignore[type-var]
+        return changed
+
+    @classmethod
+    def _rows_of(cls, arrays: Mapping[str, Any], shape: Shape) -> dict[str, NDArray[Any] | None]:
+        """Columns from arrays that have the axes of the bodies.
+
+        Raises
+        ------
+        ValueError
+            If an array has other axes.
+        """
+        known, rows = cls._known(), {}
+        for name, array in arrays.items():
+            if array is not None and known[name].axes[0] in _BODIES:
+                own = np.shape(array)
+                if own[: len(shape)] != shape:
+                    wanted = ", ".join(map(str, (*shape, "...")))
+                    raise ValueError(f"{name}: expected shape ({wanted}), got {own}")
+                array = np.reshape(array, (prod(shape), *own[len(shape) :]))
+            rows[name] = array
+        return rows
+
+
+class Result(HasColumns):
+    """Columns that are saved, and given as a Dataset and as a tidy table."""
+
+    __slots__ = ()
+
+    _ROWS: ClassVar[tuple[str, ...]] = ("body", "t")
+    """The axes that have a row of the table for each place."""
+
+    if TYPE_CHECKING:
+
+        @property
+        def spec(self) -> dict[str, Any]:
+            """The request."""
+
+        @property
+        def plan(self) -> Any:
+            """The plan."""
+
+    def save(self, path: str | os.PathLike[str]) -> Path:
+        """Save the arrays as an ``.npz`` file, which :func:`numpy.load` reads.
+
+        Its arrays are the attributes by name, and JSON texts. Nothing is pickled. The file appears
+        whole or not at all; see :meth:`rigid.StabilityMap.save`.
+
+        Parameters
+        ----------
+        path : path-like
+
+        Returns
+        -------
+        Path
+            The path.
+
+        Raises
+        ------
+        ValueError
+            If the name does not end in ``.npz``.
+        OSError
+            Naming the path, if the file cannot be written.
+
+        Examples
+        --------
+        >>> import os, tempfile, numpy as np, rigid
+        >>> box = rigid.FreeBody(rigid.Body((1.0, 2.0, 3.0)))
+        >>> growth = rigid.lyapunov(box, [1.0, 0.1, 0.1], t=[100.0, 200.0])
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     with np.load(growth.save(os.path.join(folder, "growth.npz"))) as file:
+        ...         str(file["verdict"])
+        'regular'
+        """
+        write_archive(path, self._saved())
+        return Path(path)
+
+    def to_xarray(self) -> xarray.Dataset:
+        """The arrays as an xarray ``Dataset`` with names, units and coordinates.
+
+        Returns
+        -------
+        xarray.Dataset
+
+        Raises
+        ------
+        ImportError
+            Without xarray.
+
+        Examples
+        --------
+        >>> import rigid
+        >>> run = rigid.simulate(rigid.Body((1.0, 1.5, 2.0)), [0.1, 1.0, 0.2], t=[0.0, 3.0])
+        >>> run.to_xarray().omega.sel(t=3.0, axis=1).dims
+        ()
+        """
+        return as_dataset(*self._dataset())
+
+    def to_csv(self, path: str | os.PathLike[str]) -> Path:
+        """Write a tidy table: a row for each body and time or for each point, named columns.
+
+        Numbers have the digits that give their bits back. Components of vectors are columns such as
+        ``omega1`` to ``omega3``, of quaternions ``w``, ``x``, ``y``, ``z``. Bodies of several
+        leading axes have an index for each: ``body``, ``body1`` and so on.
+
+        Parameters
+        ----------
+        path : path-like
+
+        Returns
+        -------
+        Path
+            The path.
+
+        Raises
+        ------
+        ValueError
+            If the name does not end in ``.csv`` or ``.txt``.
+        OSError
+            Naming the path, if the file cannot be written.
+
+        Examples
+        --------
+        >>> import os, tempfile, rigid
+        >>> run = rigid.simulate(rigid.Body((1.0, 1.5, 2.0)), [0.0, 0.0, 0.5], t=[0.0, 3.0])
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     path = run.to_csv(os.path.join(folder, "run.csv"))
+        ...     print(path.read_text().splitlines()[0])
+        t,omega1,omega2,omega3,w,x,y,z
+        """
+        return write_table(path, self._table())
+
+    def _texts(self) -> dict[str, Any]:
+        return {"spec": json.dumps(self.spec), "plan": self.plan.to_json()}
+
+    def _saved(self) -> dict[str, Any]:
+        """The arrays and texts of a file."""
+        return {**self._texts(), **self._arrays()}
+
+    def _labels(self) -> Mapping[str, Any]:
+        """Coordinates of further axes."""
+        return {}
+
+    def _dataset(self) -> tuple[dict[str, Any], dict[str, Any], dict[str, Any]]:
+        """The variables, coordinates and attributes of a Dataset."""
+        bodies = tuple(f"body{k or ''}" for k in range(len(self._shape)))
+        known, labels = self._known(), {**_LABELS, **self._labels()}
+        variables: dict[str, Any] = {}
+        coordinates: dict[str, Any] = {}
+        for name, array in self._arrays().items():
+            first, *others = known[name].axes
+            axes = (*(bodies if first == "body" else (first,)), *others)
+            values = array.ravel() if first == "motion" else array
+            group = coordinates if axes == (name,) else variables
+            group[name] = (axes, values, {"units": known[name].unit})
+            coordinates |= {axis: labels[axis] for axis in others if axis in labels}
+        return variables, coordinates, self._texts()
+
+    def _table(self) -> dict[str, NDArray[Any]]:
+        """The columns of a tidy table, which broadcast."""
+        rows, table = self._ROWS, {}
+        if rows[0] == "body":
+            for k, grid in enumerate(np.indices(self._shape, sparse=True)):
+                table[f"body{k or ''}"] = grid[..., np.newaxis]
+        known, labels = self._known(), {**_LABELS, **self._labels()}
+        for name, array in self._arrays().items():
+            axes = known[name].axes
+            if axes in (rows, rows[1:]):
+                table[name] = array
+            elif axes[:-1] == rows and axes[-1] in _PARTS:
+                numbered = range(1, array.shape[-1] + 1)
+                for k, label in enumerate(labels.get(axes[-1], numbered)):
+                    table[_PARTS[axes[-1]].format(name=name, label=label)] = array[..., k]
+        return table
+
+
+def as_dataset(
+    variables: Mapping[str, Any], coordinates: Mapping[str, Any], attributes: Mapping[str, Any]
+) -> xarray.Dataset:
+    """Arrays with their axes and units as an xarray Dataset.
 
     Raises
     ------
-    ValueError
-        If an array has other axes.
+    ImportError
+        Without xarray.
     """
-    columns: dict[str, NDArray[Any] | None] = {}
-    for name, array in arrays.items():
-        if array is None:
-            columns[name] = None
-            continue
-        own = np.shape(array)
-        if own[: len(shape)] != shape:
-            wanted = ", ".join(map(str, (*shape, "...")))
-            raise ValueError(f"{name}: expected shape ({wanted}), got {own}")
-        columns[name] = np.reshape(array, (prod(shape), *own[len(shape) :]))
-    return columns
+    try:
+        import xarray
+    except ImportError:
+        raise ImportError(install_extra("to_xarray() needs xarray", "maps")) from None
+    return xarray.Dataset(variables, coordinates, attributes)
+
+
+def write_table(path: str | os.PathLike[str], columns: Mapping[str, NDArray[Any]]) -> Path:
+    """Write arrays that broadcast as columns of a text; the file appears whole or not at all.
+
+    A number has the digits that give its bits back; the lines end as RFC 4180 has it.
+    """
+    arrays = np.broadcast_arrays(*columns.values())
+    flat = [array.reshape(-1) for array in arrays]
+
+    def lines(rows: Iterable[Iterable[Any]]) -> bytes:
+        text = StringIO(newline="")
+        csv.writer(text).writerows(rows)
+        return text.getvalue().encode()
+
+    with published(path, TABLE) as file:
+        file.write(lines([columns]))
+        for start in range(0, flat[0].size, ROWS):
+            part = [column[start : start + ROWS].tolist() for column in flat]
+            file.write(lines(zip(*part, strict=True)))
+    return Path(path)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Self
 
@@ -12,29 +12,48 @@ from numpy.typing import NDArray
 from .._checks.arguments import brief
 from ..model.events import Event
 from ..model.frame import turned
+from ..model.leading import Shape
 from ..model.scene import Scene
 from .arrays import in_rows
 from .bodies import Bodies
+from .columns import Column, Columns, HasColumns
 from .methods import EXACT, adaptive_methods
 from .status import Status
 from .surfaces import METHOD, Search, Surfaces, default_tolerance
 
-__all__ = ["COLUMNS", "Events", "check_event_method", "events_of_parts", "find_events"]
+__all__ = ["Events", "Points", "check_event_method", "events_of_parts", "find_events"]
 
 Floats = NDArray[np.float64]
 
-COLUMNS = (
-    *("t", "omega", "gamma", "attitude", "direction", "slope", "grazing", "error"),
-    *("body", "complete", "lost_from"),
-)
-"""The arrays of :class:`Events`."""
 
-_POINTS = COLUMNS[:8]
-"""The arrays with a row for each time of the event."""
+class Points(HasColumns):
+    """Points of motions: those of each body after another, in order of time."""
+
+    __slots__ = ()
+
+    body = Column[NDArray[np.intp]]("", "point")
+    t = Column[Floats]("s", "point")
+    omega = Column[Floats]("rad/s", "point", "axis")
+    gamma = Column[Floats]("1", "point", "axis")
+    attitude = Column[Floats]("1", "point", "part")
+    direction = Column[NDArray[np.int8]]("1", "point")
+    slope = Column[Floats]("", "point")
+    grazing = Column[NDArray[np.bool_]]("", "point")
+    error = Column[Floats]("s", "point")
+    complete = Column[NDArray[np.bool_]]("", "motion")
+    lost_from = Column[Floats]("s", "motion")
+
+    def __len__(self) -> int:
+        return len(self.t)
+
+    @classmethod
+    def _of_points(cls) -> tuple[str, ...]:
+        """The columns with a row for each point."""
+        return tuple(name for name, column in cls._known().items() if column.axes[0] == "point")
 
 
 @dataclass(frozen=True, slots=True, repr=False, eq=False)
-class Events:
+class Events(Points):
     """The times of an event in a run, and the states then: body after body, in order of time.
 
     Attributes
@@ -74,20 +93,8 @@ class Events:
     """
 
     event: Event
-    t: Floats
-    omega: Floats
-    gamma: Floats
-    attitude: Floats
-    direction: NDArray[np.int8]
-    slope: Floats
-    grazing: NDArray[np.bool_]
-    error: Floats
-    body: NDArray[np.intp]
-    complete: NDArray[np.bool_]
-    lost_from: Floats
-
-    def __len__(self) -> int:
-        return len(self.t)
+    _columns: Columns
+    _shape: Shape
 
     def __repr__(self) -> str:
         bodies, complete = np.size(self.complete), int(np.count_nonzero(self.complete))
@@ -144,14 +151,16 @@ class Events:
                 f"body = {brief(body)}: must be the index of one of the bodies of shape {shape}"
             ) from None
         first, last = self.offsets[index : index + 2]
-        rows = {name: getattr(self, name)[first:last] for name in _POINTS}
-        bodies = {name: np.ravel(getattr(self, name))[index] for name in ("complete", "lost_from")}
-        return replace(self, **rows, **bodies, body=np.zeros(last - first, dtype=np.intp))
+        rows = {
+            name: array[first:last] if name in self._of_points() else array[index : index + 1]
+            for name, array in self._columns.items()
+        }
+        rows["body"] = np.zeros(last - first, dtype=np.intp)
+        return replace(self, _columns=rows, _shape=())
 
     def turned(self, axes: Floats, attitude: Floats) -> Self:
         """The events with vectors ``axes @ v`` in the body, and with the given attitudes."""
-        return replace(
-            self,
+        return self.with_arrays(
             omega=turned(axes, self.omega),
             gamma=turned(axes, self.gamma),
             attitude=np.where(attitude[:, :1] < 0.0, -attitude, attitude),
@@ -269,23 +278,17 @@ def find_events(
         error, lost_from = search.errors(found, counts, body)
     else:
         error, lost_from = np.full(len(body), np.nan), np.full(n, np.nan)
+    found |= {"error": error, "body": body}
     ended = found["status"] == Status.OK
     records = []
     for k, event in enumerate(events):
         mine = np.flatnonzero(found["kind"] == k)
         grazing = np.bincount(body[mine], found["grazing"][mine], minlength=n) > 0
         complete = ended & ~grazing & ((found["stays"] >> k) & 1 == 0)
-        rows = {name: found[name][mine] for name in _POINTS if name != "error"}
+        rows: dict[str, Any] = {name: found[name][mine] for name in Events._of_points()}
         rows["slope"] = rows["slope"] / event.slope_scale
-        record = Events(
-            event=event,
-            **rows,
-            error=error[mine],
-            body=body[mine],
-            complete=bodies.in_axes(complete),
-            lost_from=bodies.in_axes(lost_from),
-        )
-        records.append(record)
+        rows |= {"complete": complete, "lost_from": lost_from}
+        records.append(Events(event=event, _columns=rows, _shape=bodies.shape))
     return FoundEvents(tuple(records), found["end"], found["stopped"])
 
 
@@ -351,25 +354,3 @@ def _of_each(values: Any, n: int, *width: int) -> Floats:
     """The values of all events for each of n bodies, shape (n, events, ...)."""
     row = np.array(values, dtype=np.float64).reshape(1, len(values), *width)
     return np.repeat(row, n, axis=0)
-
-
-def columns_of(events: tuple[Events, ...]) -> Mapping[str, NDArray[Any]]:
-    """The arrays of all events with distinct names, for a file."""
-    return {
-        f"events{k}_{name}": np.asarray(getattr(one, name))
-        for k, one in enumerate(events)
-        for name in COLUMNS
-    }
-
-
-def from_columns(
-    arrays: Mapping[str, NDArray[Any]], events: list[dict[str, Any]]
-) -> tuple[Events, ...]:
-    """The events of a file."""
-    return tuple(
-        Events(
-            event=Event.from_dict(entries),
-            **{name: arrays[f"events{k}_{name}"] for name in COLUMNS},
-        )
-        for k, entries in enumerate(events)
-    )

@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-import json
-import os
 from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,38 +14,18 @@ from ..drawing.classes import name_classes
 from ..drawing.colours import CLASSES, on_ground
 from ..drawing.figure import axes_to_draw_on, html_with_picture
 from ..model.criteria import Regular
+from ..model.leading import Shape
 from ..model.scene import scene_from_dict
-from .archive import write_arrays
-from .dataset import as_dataset
+from .columns import Column, Columns, Result
 from .plan import Plan
 from .status import Status, sentences
-from .tidy import body_columns, write_table
 
 if TYPE_CHECKING:
-    import xarray
     from matplotlib.axes import Axes
 
 __all__ = ["Growth"]
 
 Floats = NDArray[np.float64]
-
-ARRAYS: Mapping[str, tuple[str, tuple[str, ...]]] = {
-    "log_growth": ("1", ("t",)),
-    "megno": ("1", ("t",)),
-    "mean_megno": ("1", ("t",)),
-    "fli": ("1", ("t",)),
-    "spectrum": ("1/s", ("t", "exponent")),
-    "sali": ("1", ("t",)),
-    "gali": ("1", ("t", "order")),
-    "zeros": ("1", ()),
-    "error": ("1", ()),
-    "lost_from": ("s", ()),
-    "verdict": ("", ()),
-    "energy_drift": ("1", ()),
-    "status": ("", ()),
-    "steps": ("1", ()),
-}
-"""Unit and axes, after the axes of the bodies, of each array."""
 
 LABELS: Mapping[str, str] = {
     "exponent": "exponent (1/s)",
@@ -61,7 +38,7 @@ LABELS: Mapping[str, str] = {
 
 
 @dataclass(frozen=True, slots=True, repr=False, eq=False)
-class Growth:
+class Growth(Result):
     """Exponents and chaos indicators of motions over time, from :func:`lyapunov`.
 
     With a single body the leading axis ``n`` is absent.
@@ -111,23 +88,26 @@ class Growth:
         Scene, method, step, norm and number of exponents, as a dict.
     """
 
-    t: Floats
-    log_growth: Floats
-    megno: Floats
-    mean_megno: Floats
-    fli: Floats
-    spectrum: Floats
-    zeros: NDArray[np.intp]
-    sali: Floats | None
-    gali: Floats | None
-    error: Floats
-    lost_from: Floats
-    verdict: NDArray[np.str_]
-    energy_drift: Floats
-    status: NDArray[np.uint8]
-    steps: NDArray[np.uint64]
+    _columns: Columns
+    _shape: Shape
     plan: Plan
     spec: dict[str, Any]
+
+    t = Column[Floats]("s", "t")
+    log_growth = Column[Floats]("1", "body", "t")
+    megno = Column[Floats]("1", "body", "t")
+    mean_megno = Column[Floats]("1", "body", "t")
+    fli = Column[Floats]("1", "body", "t")
+    spectrum = Column[Floats]("1/s", "body", "t", "exponent")
+    sali = Column[Floats | None]("1", "body", "t")
+    gali = Column[Floats | None]("1", "body", "t", "order")
+    zeros = Column[NDArray[np.intp]]("1", "body")
+    error = Column[Floats]("1", "body")
+    lost_from = Column[Floats]("s", "body")
+    verdict = Column[NDArray[np.str_]]("", "body")
+    energy_drift = Column[Floats]("1", "body")
+    status = Column[NDArray[np.uint8]]("", "body")
+    steps = Column[NDArray[np.uint64]]("1", "body")
 
     def __repr__(self) -> str:
         verdicts = np.ravel(self.verdict).tolist()
@@ -245,113 +225,9 @@ class Growth:
         ax.set(xlabel="t (s)", ylabel=LABELS[what])
         return ax
 
-    def save(self, path: str | os.PathLike[str]) -> Path:
-        """Save the arrays as an ``.npz`` file, which :func:`numpy.load` reads.
+    def _labels(self) -> Mapping[str, Any]:
+        return {} if self.gali is None else {"order": np.arange(2, 2 + self.gali.shape[-1])}
 
-        Its arrays are the attributes by name; ``spec`` and ``plan`` are JSON texts. The file
-        appears whole or not at all; see :meth:`rigid.StabilityMap.save`.
-
-        Parameters
-        ----------
-        path : path-like
-
-        Returns
-        -------
-        Path
-            The path.
-
-        Raises
-        ------
-        ValueError
-            If the name does not end in ``.npz``.
-        OSError
-            Naming the path, if the file cannot be written.
-
-        Examples
-        --------
-        >>> import os, tempfile, numpy as np, rigid
-        >>> box = rigid.FreeBody(rigid.Body((1.0, 2.0, 3.0)))
-        >>> growth = rigid.lyapunov(box, [1.0, 0.1, 0.1], t=[100.0, 200.0])
-        >>> with tempfile.TemporaryDirectory() as folder:
-        ...     with np.load(growth.save(os.path.join(folder, "growth.npz"))) as file:
-        ...         str(file["verdict"])
-        'regular'
-        """
-        texts = {"spec": json.dumps(self.spec), "plan": self.plan.to_json()}
-        words = {name: np.array(text) for name, text in texts.items()}
-        return write_arrays(path, {"t": self.t, **words, **self._arrays()})
-
-    def to_xarray(self) -> xarray.Dataset:
-        """The indicators as an xarray ``Dataset`` with names, units, and times as a coordinate.
-
-        Returns
-        -------
-        xarray.Dataset
-
-        Raises
-        ------
-        ImportError
-            Without xarray.
-
-        Examples
-        --------
-        >>> import rigid
-        >>> box = rigid.FreeBody(rigid.Body((1.0, 2.0, 3.0)))
-        >>> growth = rigid.lyapunov(box, [[1.0, 0.1, 0.1]] * 2, t=[100.0, 200.0])
-        >>> dict(growth.to_xarray().log_growth.sizes)
-        {'body': 2, 't': 2}
-        """
-        bodies = tuple(f"body{k or ''}" for k in range(np.ndim(self.status)))
-        arrays = {
-            name: ((*bodies, *ARRAYS[name][1]), array, {"units": ARRAYS[name][0]})
-            for name, array in self._arrays().items()
-        }
-        coordinates: dict[str, Any] = {"t": ("t", self.t, {"units": "s"})}
-        if self.gali is not None:
-            coordinates["order"] = np.arange(2, 2 + self.gali.shape[-1])
-        attributes = {"spec": json.dumps(self.spec), "plan": self.plan.to_json()}
-        return as_dataset(arrays, coordinates, attributes)
-
-    def to_csv(self, path: str | os.PathLike[str]) -> Path:
-        """Write a tidy table: a row for each body and time, a column for each indicator.
-
-        Parameters
-        ----------
-        path : path-like
-
-        Returns
-        -------
-        Path
-            The path.
-
-        Raises
-        ------
-        ValueError
-            If the name does not end in ``.csv`` or ``.txt``.
-        OSError
-            Naming the path, if the file cannot be written.
-
-        Examples
-        --------
-        >>> import os, tempfile, rigid
-        >>> box = rigid.FreeBody(rigid.Body((1.0, 2.0, 3.0)))
-        >>> growth = rigid.lyapunov(box, [1.0, 0.1, 0.1], t=[100.0, 200.0])
-        >>> with tempfile.TemporaryDirectory() as folder:
-        ...     path = growth.to_csv(os.path.join(folder, "growth.csv"))
-        ...     print(path.read_text().splitlines()[0].split(",")[:3])
-        ['t', 'log_growth', 'megno']
-        """
-        columns = {**body_columns(np.shape(self.status), 1), "t": self.t}
-        for name, array in self._arrays().items():
-            if ARRAYS[name][1] == ("t",):
-                columns[name] = array
-            elif ARRAYS[name][1] != ():
-                first = 1 if name == "spectrum" else 2
-                word = "exponent" if name == "spectrum" else name
-                columns |= {f"{word}{first + k}": array[..., k] for k in range(array.shape[-1])}
-        return write_table(path, {**columns, "verdict": np.asarray(self.verdict)[..., np.newaxis]})
-
-    def _arrays(self) -> dict[str, NDArray[Any]]:
-        """The arrays that there are, without the times."""
-        known = {name: getattr(self, name) for name in ARRAYS}
-        return {name: np.asarray(array) for name, array in known.items() if array is not None}
+    def _table(self) -> dict[str, NDArray[Any]]:
+        # super() does not know a class with slots.
+        return {**Result._table(self), "verdict": np.asarray(self.verdict)[..., np.newaxis]}

@@ -242,22 +242,27 @@ def growth_of(
     several = count > 1
     words = f"{count} deviation vector{'s' if several else ''} of the {of}, growth by their tangent"
     choice.plan.amend(words)
+    columns = {
+        "t": times,
+        "log_growth": log[:, output],
+        "megno": 2.0 * (log - mean)[:, output],
+        "mean_megno": 2.0 * mean_megno[:, output],
+        "fli": largest[:, output],
+        "spectrum": found["log_diagonal"][:, output] / times[:, np.newaxis],
+        "zeros": _zeros(scene, bodies, of),
+        "error": error,
+        "lost_from": lost_from,
+        "verdict": verdict,
+        "energy_drift": found["energy_drift"],
+        "status": status,
+        "steps": found["steps"],
+    }
+    if several:
+        columns["sali"] = found["sali"][:, output, 0]
+        columns["gali"] = np.exp(found["log_gali"][:, output, 1:])
     return Growth(
-        t=times,
-        log_growth=bodies.in_axes(log[:, output]),
-        megno=bodies.in_axes(2.0 * (log - mean)[:, output]),
-        mean_megno=bodies.in_axes(2.0 * mean_megno[:, output]),
-        fli=bodies.in_axes(largest[:, output]),
-        spectrum=bodies.in_axes(found["log_diagonal"][:, output] / times[:, np.newaxis]),
-        zeros=bodies.in_axes(_zeros(scene, bodies, of)),
-        sali=bodies.in_axes(found["sali"][:, output, 0]) if several else None,
-        gali=bodies.in_axes(np.exp(found["log_gali"][:, output, 1:])) if several else None,
-        error=bodies.in_axes(error),
-        lost_from=bodies.in_axes(lost_from),
-        verdict=bodies.in_axes(verdict),
-        energy_drift=bodies.in_axes(found["energy_drift"]),
-        status=bodies.in_axes(status),
-        steps=bodies.in_axes(found["steps"]),
+        _columns=columns,
+        _shape=bodies.shape,
         plan=choice.plan(),
         spec={
             "scene": scene.to_dict(),

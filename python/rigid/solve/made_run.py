@@ -68,9 +68,8 @@ def to_run(
     attitude, count = bodies.attitude, len(bodies.omega)
     if len(attitude) != count:
         attitude = np.broadcast_to(attitude, (count, 4))
-    states["start_omega"], states["start_attitude"] = bodies.omega, attitude
+    states["t"], states["start_omega"], states["start_attitude"] = times, bodies.omega, attitude
     return Run(
-        _t=times,
         _parameters=parameters,
         _events=() if found is None else found.events,
         _spec=spec,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -103,4 +102,4 @@ def _in_order(run: Run, times: NDArray[np.float64], order: NDArray[np.intp]) -> 
         return np.take_along_axis(array, index, axis=axis)
 
     states = {name: moved(getattr(run, name), width) for name, (_, width) in COLUMNS.items()}
-    return replace(run.with_arrays(**states), _t=times)
+    return run.with_arrays(**states, t=times)

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import json
+import os
 from collections.abc import Mapping
+from copy import deepcopy
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -11,32 +14,34 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
 from .._checks.arguments import brief, one_line, one_of, one_time
+from .._checks.inputs import described
+from ..model.events import Event
 from ..model.frame import attitudes_in_frame, attitudes_in_principal_axes, checked_frame, turned
 from ..model.leading import Shape
 from ..model.scene import scene_from_dict
-from .archive import read_archive, write_archive
+from .archive import Archive
 from .attitude_ephemeris import write_aem
-from .columns import Column, Columns, HasColumns, columns_of_arrays
-from .dataset import ARRAYS, run_dataset
-from .events import Events, columns_of, from_columns
+from .columns import Column, Columns, Result
+from .dataset import take_numbers
+from .events import Events
 from .lazy import Lazy
 from .methods import EXACT
 from .plan import LazyPlan, Plan
 from .status import COARSE_ERROR, Status, error_limit, sentences
-from .tidy import COMPONENTS, body_columns, parts, write_table
 
 if TYPE_CHECKING:
     from datetime import datetime
     from os import PathLike
     from pathlib import Path
 
-    import xarray
     from matplotlib.axes import Axes
     from scipy.spatial.transform import Rotation
 
 Floats = NDArray[np.float64]
 
 __all__ = ["Run", "load_run"]
+
+FORMAT = "rigid run 1"
 
 _ROUNDING_OF_TURN = 1e-15
 """Error of components that are turned into other axes: a sum of three products."""
@@ -68,7 +73,7 @@ _DEAD_ZONE = (
 
 # Not frozen: a frozen object takes twice as long to make.
 @dataclass(slots=True, eq=False)
-class Run(HasColumns):
+class Run(Result):
     """States of bodies at output times, with errors and statuses; made by :func:`simulate`.
 
     With a single body the leading axis ``n`` is absent.
@@ -78,6 +83,8 @@ class Run(HasColumns):
 
     Attributes
     ----------
+    t : ndarray, shape (m,) or (..., m)
+        Output times (s); with leading axes each body has its times.
     omega : ndarray, shape (n, m, 3)
         Angular velocity in the body (rad/s).
     gamma : ndarray, shape (n, m, 3), or None
@@ -158,7 +165,6 @@ class Run(HasColumns):
     ((3, 3), (3, 4))
     """
 
-    _t: NDArray[np.float64]
     _parameters: tuple[str, ...]
     _events: tuple[Events, ...]
     _spec: Lazy[dict[str, Any]]
@@ -166,22 +172,23 @@ class Run(HasColumns):
     _columns: Columns
     _plan: LazyPlan
 
-    omega = Column[Floats]("omega")
-    gamma = Column[Floats | None]("gamma")
-    attitude = Column[Floats | None]("attitude")
-    work = Column[Floats | None]("work")
-    tangent = Column[Floats | None]("tangent")
-    sensitivity = Column[Floats | None]("sensitivity")
-    end = Column[Floats | None]("end")
-    start_omega = Column[Floats]("start_omega")
-    start_attitude = Column[Floats]("start_attitude")
-    energy_drift = Column[Floats]("energy_drift")
-    momentum_drift = Column[Floats]("momentum_drift")
-    unit_drift = Column[Floats]("unit_drift")
-    status = Column[NDArray[np.uint8]]("status")
-    steps = Column[NDArray[np.uint64]]("steps")
-    error = Column[Floats]("error")
-    lost_from = Column[Floats]("lost_from")
+    t = Column[Floats]("s", "t")
+    omega = Column[Floats]("rad/s", "body", "t", "axis")
+    gamma = Column[Floats | None]("1", "body", "t", "axis")
+    attitude = Column[Floats | None]("1", "body", "t", "part")
+    work = Column[Floats | None]("J", "body", "t")
+    tangent = Column[Floats | None]("", "body", "t", "row", "column")
+    sensitivity = Column[Floats | None]("", "body", "t", "row", "parameter")
+    end = Column[Floats | None]("s", "body")
+    start_omega = Column[Floats]("rad/s", "body", "axis")
+    start_attitude = Column[Floats]("1", "body", "part")
+    energy_drift = Column[Floats]("1", "body")
+    momentum_drift = Column[Floats]("1", "body")
+    unit_drift = Column[Floats]("1", "body")
+    status = Column[NDArray[np.uint8]]("", "body")
+    steps = Column[NDArray[np.uint64]]("", "body")
+    error = Column[Floats]("", "body")
+    lost_from = Column[Floats]("s", "body")
 
     def __repr__(self) -> str:
         """Size, method, largest known error, and how many bodies ended how."""
@@ -226,11 +233,6 @@ class Run(HasColumns):
         return html_with_picture(
             lambda ax: self.plot(ax, body=0 if many else None), words, height=3.0
         )
-
-    @property
-    def t(self) -> NDArray[np.float64]:
-        """Output times (s), shape (m,), or (..., m) if each body has its times."""
-        return self._t
 
     @property
     def parameters(self) -> tuple[str, ...]:
@@ -336,12 +338,6 @@ class Run(HasColumns):
             sensitivity=None if sensitivity is None else _turned_rows(axes, sensitivity),
             error=self.error + _ROUNDING_OF_TURN,
         )
-
-    def with_arrays(self, **arrays: Any) -> Run:
-        """The run with other arrays, in the axes of the bodies, by the names of its attributes."""
-        renamed = {getattr(type(self), name).name: array for name, array in arrays.items()}
-        columns = {**self._columns, **columns_of_arrays(renamed, self._shape)}
-        return replace(self, _columns=columns)
 
     @property
     def flagged(self) -> NDArray[np.bool_]:
@@ -521,113 +517,38 @@ an accuracy
             )
         return self.attitude
 
-    def save(self, path: str | PathLike[str]) -> Path:
-        """Save the run as an ``.npz`` file of arrays and JSON texts; :func:`load_run` reads it.
-
-        :func:`numpy.load` reads the arrays too, under the names of the attributes. Nothing is
-        pickled. The file appears whole or not at all; see :meth:`rigid.StabilityMap.save`.
-
-        Parameters
-        ----------
-        path : path-like
-
-        Returns
-        -------
-        Path
-            The path.
-
-        Raises
-        ------
-        ValueError
-            If the name does not end in ``.npz``.
-        OSError
-            Naming the path, if the file cannot be written.
-
-        Examples
-        --------
-        >>> import os, tempfile, rigid
-        >>> run = rigid.simulate(rigid.Body((1.0, 1.5, 2.0)), [0.1, 1.0, 0.2], t=[0.0, 3.0])
-        >>> with tempfile.TemporaryDirectory() as folder:
-        ...     path = run.save(os.path.join(folder, "run.npz"))
-        ...     again = rigid.load_run(path)
-        >>> again
-        Run(one body at 2 times; exact; error 5.4e-15; ok)
-        """
-        arrays = {name: getattr(self, name) for name in ARRAYS}
+    def _saved(self) -> dict[str, Any]:
         header = {
+            "format": FORMAT,
             "parameters": list(self.parameters),
             "nanoseconds": int(self.nanoseconds),
             "spec": self.spec,
             "plan": self.plan.to_dict(),
+            "events": [one.event.to_dict() for one in self.events],
         }
-        known = {name: np.asarray(array) for name, array in arrays.items() if array is not None}
-        header["events"] = [one.event.to_dict() for one in self.events]
-        return write_archive(path, {**known, **columns_of(self.events)}, header)
+        of_events = {
+            f"events{k}_{name}": array
+            for k, one in enumerate(self.events)
+            for name, array in one._arrays().items()
+        }
+        return {"header": json.dumps(header), **self._arrays(), **of_events}
 
-    def to_xarray(self) -> xarray.Dataset:
-        """The run as an xarray ``Dataset`` with names, units, and times as a coordinate.
+    def _labels(self) -> Mapping[str, Any]:
+        return {"parameter": np.array(self.parameters, dtype=object)}
 
-        Moments, ``mgl``, ``com``, torque, damping and so on that differ between bodies are
-        variables, along principal axes: Datasets of parts of :func:`simulate_chunks` can be
-        appended along ``body``. What all bodies have in common is in the attribute ``spec``.
-
-        Raises
-        ------
-        ImportError
-            Without xarray.
-
-        Examples
-        --------
-        >>> import rigid
-        >>> run = rigid.simulate(rigid.Body((1.0, 1.5, 2.0)), [0.1, 1.0, 0.2], t=[0.0, 3.0])
-        >>> run.to_xarray().omega.sel(t=3.0, axis=1).dims
-        ()
-        >>> bodies = rigid.Body([[1.0, 1.5, 2.0], [1.0, 1.2, 2.0]])
-        >>> run = rigid.simulate(bodies, [0.1, 1.0, 0.2], t=[0.0, 3.0])
-        >>> run.to_xarray().moments.sel(axis=2).values.tolist()
-        [1.5, 1.2]
-        """
-        return run_dataset(self)
-
-    def to_csv(self, path: str | PathLike[str]) -> Path:
-        """Write a tidy table: a row for each body and time, with rates, vertical and attitude.
-
-        Numbers have the digits that give their bits back. Columns are ``body`` (and ``body1`` and
-        so on, of further leading axes), ``t``, ``omega1`` to ``omega3``, and, if they were
-        recorded, ``gamma1`` to ``gamma3``, ``w``, ``x``, ``y``, ``z`` and ``work``.
-
-        Parameters
-        ----------
-        path : path-like
-
-        Returns
-        -------
-        Path
-            The path.
-
-        Raises
-        ------
-        ValueError
-            If the name does not end in ``.csv`` or ``.txt``.
-        OSError
-            Naming the path, if the file cannot be written.
-
-        Examples
-        --------
-        >>> import os, tempfile, rigid
-        >>> run = rigid.simulate(rigid.Body((1.0, 1.5, 2.0)), [0.0, 0.0, 0.5], t=[0.0, 3.0])
-        >>> with tempfile.TemporaryDirectory() as folder:
-        ...     path = run.to_csv(os.path.join(folder, "run.csv"))
-        ...     print(path.read_text().splitlines()[0])
-        t,omega1,omega2,omega3,w,x,y,z
-        """
-        columns = {**body_columns(self.omega.shape[:-2], 1), "t": np.asarray(self.t)}
-        for name in COMPONENTS:
-            array = getattr(self, name)
-            columns |= {} if array is None else parts(name, array)
-        if self.work is not None:
-            columns["work"] = self.work
-        return write_table(path, columns)
+    def _dataset(self) -> tuple[dict[str, Any], dict[str, Any], dict[str, Any]]:
+        variables, coordinates, attributes = Result._dataset(
+            self
+        )  # super() does not know a class with slots
+        if self.t.ndim > 1:
+            # Each body has its times: these are no common coordinate.
+            del coordinates["t"]
+            times = np.broadcast_to(self.t, self.omega.shape[:-1])
+            variables["time"] = (variables["omega"][0][:-1], times)
+        spec = deepcopy(self.spec)
+        numbers, torque_times = take_numbers(spec["scene"], self._shape)
+        attributes["spec"] = json.dumps(spec)
+        return {**variables, **numbers}, {**coordinates, **torque_times}, attributes
 
     def plot(self, ax: Axes | None = None, *, body: int | None = None) -> Axes:
         """Draw the three rates of one body over time, in the colours of its axes.
@@ -872,35 +793,58 @@ def load_run(path: str | PathLike[str]) -> Run:
     >>> bool((again.omega == run.omega).all())
     True
     """
-    arrays, header = read_archive(path)
+    name = os.fspath(path)
+    os.stat(name)
+    what = described(name)
+    if "load_run" not in what:
+        raise ValueError(f"path = {name!r}: is no run that rigid has saved, it is {what}")
     try:
-        events = from_columns(arrays, header.get("events", []))
-        unknown = arrays.keys() - ARRAYS.keys() - columns_of(events).keys()
-        if unknown:
-            raise ValueError(f"unknown arrays {sorted(unknown)}")
-        scene_from_dict(header["spec"]["scene"])
-        if "frame" in header["spec"]:
-            checked_frame(header["spec"]["frame"])
-        fields: dict[str, Any] = {name: arrays.get(name) for name in ARRAYS}
-        for name in ("t", "omega", "start_omega", "start_attitude", "status", "error"):
-            if fields[name] is None:
-                raise ValueError(f"no array {name!r}")
-        sizes = {"t": fields["t"].shape[-1], "axis": 3, "part": 4}
-        for name, array in fields.items():
-            axes = ARRAYS[name][1] if name != "t" and array is not None else ()
-            own = np.shape(array)[np.ndim(array) - len(axes) :]
-            wanted = tuple(sizes.get(axis, size) for axis, size in zip(axes, own, strict=True))
-            if own != wanted:
-                raise ValueError(f"{name}: expected shape (..., {brief(wanted)[1:]}, got {own}")
-        run = Run(
-            _t=fields.pop("t"),
-            _shape=fields["status"].shape,
-            _columns={"nanoseconds": int(header["nanoseconds"])},
-            _parameters=tuple(header["parameters"]),
-            _events=events,
-            _spec=Lazy.of(header["spec"]),
-            _plan=LazyPlan.of(Plan.from_dict(header["plan"])),
-        ).with_arrays(**fields)
+        with open(name, "rb") as file:
+            archive = Archive(file)
+            arrays = {key: archive.read(key) for key in archive.names}
+        header = json.loads(str(arrays.pop("header")))
+        known = header.pop("format")
+        if known == FORMAT:
+            return _run_of(arrays, header)
     except Exception as error:  # the file may hold anything
-        raise ValueError(f"path = {str(path)!r}: is a damaged run ({one_line(error)})") from None
-    return run
+        raise ValueError(f"path = {name!r}: is a damaged run ({one_line(error)})") from None
+    raise ValueError(f"path = {name!r}: has the format {known!r}, known is {FORMAT!r}")
+
+
+def _run_of(arrays: dict[str, NDArray[Any]], header: dict[str, Any]) -> Run:
+    """The run of the arrays and the header of a file."""
+    if strange := [name for name, array in arrays.items() if array.dtype.kind not in "bfiu"]:
+        raise ValueError(f"{strange[0]} has no numbers")
+    known = Run._known()
+    of_events = [
+        (entries, {name: arrays.pop(f"events{k}_{name}") for name in Events._known()})
+        for k, entries in enumerate(header.get("events", []))
+    ]
+    if unknown := arrays.keys() - known.keys():
+        raise ValueError(f"unknown arrays {sorted(unknown)}")
+    scene_from_dict(header["spec"]["scene"])
+    if "frame" in header["spec"]:
+        checked_frame(header["spec"]["frame"])
+    for name in ("t", "omega", "start_omega", "start_attitude", "status", "error"):
+        if name not in arrays:
+            raise ValueError(f"no array {name!r}")
+    sizes = {"t": arrays["t"].shape[-1], "axis": 3, "part": 4}
+    for name, array in arrays.items():
+        axes = known[name].axes[1:]
+        own = array.shape[array.ndim - len(axes) :]
+        wanted = tuple(sizes.get(axis, size) for axis, size in zip(axes, own, strict=True))
+        if own != wanted:
+            raise ValueError(f"{name}: expected shape (..., {brief(wanted)[1:]}, got {own}")
+    shape = arrays["status"].shape
+    events = tuple(
+        Events(Event.from_dict(entries), _columns=Events._rows_of(rows, shape), _shape=shape)
+        for entries, rows in of_events
+    )
+    return Run(
+        _shape=shape,
+        _columns={"nanoseconds": int(header["nanoseconds"]), **Run._rows_of(arrays, shape)},
+        _parameters=tuple(header["parameters"]),
+        _events=events,
+        _spec=Lazy.of(header["spec"]),
+        _plan=LazyPlan.of(Plan.from_dict(header["plan"])),
+    )

@@ -11,9 +11,9 @@ from typing import Any
 
 from .._checks.arguments import brief, positive_int, resolve_threads
 from .._checks.progress import Interrupted, ProgressOption, checked_progress, interruptible
+from ..maps.dataset import write_zarr_url
 from ..maps.result import StabilityMap
 from ..maps.spec import MapSpec
-from ..maps.zarr_product import write_zarr_url
 from ..model.scene import Scene
 from .diff import Difference, read_any
 from .diff import diff as diff_maps

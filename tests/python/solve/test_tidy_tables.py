@@ -54,7 +54,7 @@ def test_more_rows_than_are_written_at_once(
 ) -> None:
     run = rigid.simulate(TOP, STARTS, ATTITUDE, t=np.linspace(0.0, 3.0, 7))
     whole = run.to_csv(tmp_path / "whole.csv").read_bytes()
-    monkeypatch.setattr("rigid.solve.tidy.ROWS", 4)
+    monkeypatch.setattr("rigid.solve.columns.ROWS", 4)
     assert run.to_csv(tmp_path / "parts.csv").read_bytes() == whole
     assert whole.count(b"\r\n") == 22
 
