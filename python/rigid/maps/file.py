@@ -9,7 +9,6 @@ from __future__ import annotations
 import json
 import math
 import os
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -19,7 +18,7 @@ from numpy.typing import NDArray
 from .._checks.arguments import one_line
 from .._checks.inputs import described
 from ..solve.archive import Archive, DamageError, FileError, ForeignError, write_archive
-from .counts import GROWTH, check_counts
+from .counts import check_counts
 from .data import CLASSES, STORED, MapData
 from .measured import BIN
 from .parameters import MOST_AXES, axis_letter
@@ -28,21 +27,7 @@ from .spec import MapSpec
 __all__ = ["file_size", "read_map", "write_map"]
 
 FORMAT = "rigid stability map"
-FORMAT_VERSION = 6
-MEASURED_VERSION = 7
-"""The format of a map with measures; a map without measures is written in version 6."""
-CAPTURED_VERSION = 8
-"""The format of a map with a function, with digests of the values that the function uses."""
-_AUDIT = frozenset({"audited", "audited_undecided"})
-MISSING_IN: Mapping[int, frozenset[str]] = {
-    3: _AUDIT | GROWTH | {"unit_drift"},
-    4: _AUDIT | GROWTH,
-    5: GROWTH,
-    6: frozenset(),
-    7: frozenset(),
-    8: frozenset(),
-}
-"""The formats that can be read, and the arrays of :data:`STORED` that their files lack."""
+FORMAT_VERSION = 1
 
 _SPEC = "spec.json"
 _BINS = "measure"
@@ -90,18 +75,12 @@ def file_size(spec: MapSpec) -> int:
 
 
 def _header(spec: MapSpec) -> bytes:
-    version = MEASURED_VERSION if spec.measure else FORMAT_VERSION
-    if spec.tells_captured:
-        version = CAPTURED_VERSION
-    header = {"format": FORMAT, "format_version": version, "spec": spec.to_dict()}
+    header = {"format": FORMAT, "format_version": FORMAT_VERSION, "spec": spec.to_dict()}
     return json.dumps(header, indent=1, allow_nan=False).encode()
 
 
 def read_map(path: str | os.PathLike[str]) -> tuple[MapSpec, dict[str, NDArray[Any]], list[Bins]]:
-    """Specification, :data:`STORED` arrays and bins of measures; see :func:`rigid.load_map`.
-
-    Arrays that the format of the file does not have are omitted.
-    """
+    """Specification, :data:`STORED` arrays and bins of measures; see :func:`rigid.load_map`."""
     source = Path(path)
     source.stat()
     if not source.is_file():
@@ -129,28 +108,18 @@ def _read(archive: Archive) -> tuple[MapSpec, dict[str, NDArray[Any]], list[Bins
     header = json.loads(archive.read(_SPEC, np.dtype(np.uint8)).tobytes().decode())
     if not isinstance(header, dict) or header.get("format") != FORMAT:
         raise ForeignError("its header is another one")
-    version: Any = header.get("format_version")
-    if version not in MISSING_IN:
-        known = " and ".join(map(str, MISSING_IN))
-        raise FileError(f"has format version {version}, this version of rigid reads {known}")
+    version = header.get("format_version")
+    if version != FORMAT_VERSION:
+        raise FileError(
+            f"has format version {version}, this version of rigid reads {FORMAT_VERSION}: read it "
+            "with the version that wrote it, or compute the map again"
+        )
     spec = _specification(header.get("spec"), archive.size("status"))
-    arrays = {
-        name: archive.read(name, dtype, spec.shape)
-        for name, dtype in STORED.items()
-        if name not in MISSING_IN[version]
-    }
+    arrays = {name: archive.read(name, dtype, spec.shape) for name, dtype in STORED.items()}
     bins = [
         archive.read(f"{_BINS}{number}", np.dtype(np.int64), (None, BIN))
         for number in range(len(spec.measure))
     ]
-    if "audited" in MISSING_IN[version]:
-        # Checks did not depend on outcomes then: all were audits.
-        arrays["audited"] = arrays["checked"]
-        arrays["audited_undecided"] = np.minimum(arrays["checked"], arrays["undecided"])
-    for name in MISSING_IN[version] & GROWTH:
-        # No deviation vector was integrated then.
-        unknown = 0 if STORED[name] == np.int64 else np.nan
-        arrays[name] = np.full(spec.shape, unknown, dtype=STORED[name])
 
     def refuse(message: str) -> None:
         raise DamageError(message)

@@ -124,8 +124,7 @@ def to_core(
     Raises
     ------
     ValueError
-        If the map is one of an earlier version, whose method is gone; or if its torque is a
-        function that is not known.
+        If its method is not one of maps, or its torque is a function that is not known.
     """
     known_method("method", spec.method, map_methods())
     spec.require_torque()

@@ -68,7 +68,7 @@ class StabilityMap(MapData):
         ``taylor16`` under a criterion of the user.
     audited, audited_undecided : ndarray of int64
         Bodies that were checked whatever their outcome, the audit, and undecided bodies among
-        these. Loaded maps of format 3 or 4 count all checks as audits.
+        these.
     samples : ndarray of int64
         Bodies done, the sum of the four classes.
     measures : Measures
@@ -98,7 +98,7 @@ class StabilityMap(MapData):
         Worst relative drift of the energy and of the conserved momentum, and worst deviation of the
         length of a direction from one, in each pixel, failed bodies included; a drift above 0.1 is
         the reason why a body counts as ``drifted``. NaN where no body was integrated, because
-        closed forms do not drift. ``unit_drift`` is NaN in a loaded map of format 3.
+        closed forms do not drift.
     earliest : ndarray
         First time (s) at which a body left stability, or was found to be chaotic; inf for none.
     steps : ndarray of int64

@@ -37,7 +37,6 @@ from ..solve.methods import (
     GROWTH_SECOND,
     MANY_TIMES,
     MAP_FALLBACK,
-    RETIRED,
     SECOND,
     STIFF,
     TO_ROUNDING,
@@ -693,12 +692,7 @@ class MapSpec:
         values["axes"] = make_axes(axes, names)
         values["stable"] = criterion_from_dict(values["stable"])
         values["measure"] = tuple(Measure(**one) for one in values.get("measure", ()))
-        if values["method"] not in RETIRED:
-            return cls(**values)
-        # The map can be read, not computed.
-        spec = cls(**{**values, "method": AUTO})
-        object.__setattr__(spec, "method", values["method"])
-        return spec
+        return cls(**values)
 
     def to_json(self) -> str:
         """The specification as JSON text; floats keep all their digits.

@@ -289,9 +289,6 @@ class Orbit:
         >>> rigid.Orbit.from_dict(orbit.to_dict()) == orbit
         True
         """
-        if "towards" in data:  # Of versions that knew circles only.
-            towards, ahead = np.array(data["towards"]), np.array(data["ahead"])
-            return cls(data["rate"], normal=np.cross(towards, ahead), periapsis=-towards)
         return cls(**data)
 
     def __eq__(self, other: object) -> bool:

@@ -41,7 +41,6 @@ from .leading import (
     same,
     taken,
 )
-from .orbit import Orbit
 from .start import Start, normal
 from .torque import (
     Damping,
@@ -818,7 +817,4 @@ def scene_from_dict(data: Mapping[str, Any]) -> Scene:
             if data.get(name) is not None
         }
     )
-    torque_data = data.get("torque") or {}
-    if torque_data.get("orbit") is not None:  # Of versions whose torques had an orbit.
-        own["orbit"] = Orbit.from_dict(torque_data["orbit"])
     return scene(body, **own, torque=torque, damping=data.get("damping"))  # type: ignore[call-arg]

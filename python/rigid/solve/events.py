@@ -310,7 +310,9 @@ def _joined(bodies: Bodies, parts: Sequence[Events], groups: Sequence[NDArray[np
     body = np.concatenate([mine[part.body] for part, mine in pairs])
     order = np.argsort(body, kind="stable")
     rows = {
-        name: np.concatenate([getattr(part, name) for part in parts])[order] for name in _POINTS
+        name: np.concatenate([getattr(part, name) for part in parts])[order]
+        for name in Events._of_points()
+        if name != "body"
     }
     complete, lost_from = np.empty(len(bodies), dtype=bool), np.empty(len(bodies))
     for part, mine in pairs:

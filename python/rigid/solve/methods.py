@@ -19,7 +19,6 @@ __all__ = [
     "GROWTH_SECOND",
     "MANY_TIMES",
     "MAP_FALLBACK",
-    "RETIRED",
     "SECOND",
     "STIFF",
     "TO_ROUNDING",
@@ -45,9 +44,6 @@ EXACT = "exact"
 
 AUTO = "auto"
 """In a map: the closed form for each body that has one, else :data:`MAP_FALLBACK`."""
-
-RETIRED = _core.retired_methods()
-"""The methods of earlier versions, each with its successor."""
 
 _CHOSEN = _core.chosen_methods()
 
@@ -262,9 +258,7 @@ def map_methods() -> list[str]:
 
 
 def known_method(argument: str, name: object, known: Iterable[str]) -> str:
-    """The name, if it is known; ValueError for others, with the successor of a retired one."""
-    if isinstance(name, str) and name in RETIRED:
-        raise ValueError(f"{argument} = {name!r}: is no longer a method; use {RETIRED[name]!r}")
+    """The name, if it is known; ValueError for others."""
     return one_of(argument, name, known)
 
 

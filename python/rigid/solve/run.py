@@ -808,7 +808,10 @@ def load_run(path: str | PathLike[str]) -> Run:
             return _run_of(arrays, header)
     except Exception as error:  # the file may hold anything
         raise ValueError(f"path = {name!r}: is a damaged run ({one_line(error)})") from None
-    raise ValueError(f"path = {name!r}: has the format {known!r}, known is {FORMAT!r}")
+    raise ValueError(
+        f"path = {name!r}: has the format {known!r}, known is {FORMAT!r}: read it with the version "
+        "of rigid that wrote it, or compute the run again"
+    )
 
 
 def _run_of(arrays: dict[str, NDArray[Any]], header: dict[str, Any]) -> Run:

@@ -117,7 +117,8 @@ class Head:
         if version not in FORMAT_VERSIONS:
             known = " and ".join(map(str, FORMAT_VERSIONS))
             raise StoreError(
-                f"{path} has format version {version}, this version of rigid reads {known}"
+                f"{path} has format version {version}, this version of rigid reads {known}: take "
+                "another folder, or go on with the version that made this one"
             )
         try:
             spec = MapSpec.from_dict(content["spec"])

@@ -21,7 +21,6 @@ import pytest
 import xarray
 
 import rigid
-from physics import GOLDEN
 from rigid import _core
 from rigid._checks.arguments import MESSAGE
 from rigid.maps.data import STORED
@@ -309,7 +308,7 @@ def with_header(arrays: dict[str, Any], header: object, path: Path) -> Path:
     ("change", "complaint"),
     [
         ({"format": "something else"}, "its header is another one"),
-        ({"format_version": 1}, "has format version 1, this version of rigid reads 3 and 4"),
+        ({"format_version": 2}, "has format version 2, this version of rigid reads 1: read it"),
         ({"format_version": None}, "has format version None"),
         ({"spec": {}}, "holds a broken specification"),
         ({"spec": 3}, "holds a broken specification"),
@@ -356,54 +355,6 @@ def test_arrays_of_another_shape_or_type_are_refused(
     assert "stable has type float64" in refused(path)
     np.savez(path, **{name: array for name, array in arrays.items() if name != "unstable"})
     assert "unstable" in refused(path)
-
-
-def test_a_map_of_format_3_is_read_without_unit_drift(
-    arrays: dict[str, Any], tmp_path: Path
-) -> None:
-    """Format 3 had no `unit_drift` and other intervals: the first is unknown, the others follow."""
-    whole = small_map(**REQUESTS["free"])
-    new = ("unit_drift", "audited", "audited_undecided", "growth", "megno", "largest_exponent")
-    old = {name: array for name, array in arrays.items() if name not in new}
-    old |= {"lower": old["lower"] - 0.01, "upper": old["upper"] + 0.01}
-    header = {**header_of(arrays), "format_version": 3}
-    loaded = rigid.load_map(with_header(old, header, tmp_path / "old.npz"))
-    for name in set(NAMED) - {"unit_drift"}:
-        np.testing.assert_array_equal(getattr(loaded, name), getattr(whole, name), err_msg=name)
-    assert np.isnan(loaded.unit_drift).all()
-    assert "unit lengths unknown" in loaded.summary()
-    again = rigid.load_map(loaded.save(tmp_path / "new.npz"))
-    assert_same_map(again, loaded)
-    pixel = int(np.argmin(whole.status))
-    for one in (loaded, again):
-        assert one.replay(pixel, 1).left == whole.replay(pixel, 1).left
-    # A file of format 4 has it.
-    header["format_version"] = 4
-    assert "unit_drift" in refused(with_header(old, header, tmp_path / "bad.npz"))
-
-
-@pytest.mark.parametrize(("version", "missing"), [(3, {"unit_drift"}), (4, set[str]())])
-def test_files_of_earlier_versions_are_read(version: int, missing: set[str]) -> None:
-    """Files that the writers of their time wrote; their maps are computed again.
-
-    Runge-Kutta methods have rounded in another way since: numbers near one differ by some
-    roundings. Times of leaving were on the straight line between the ends of a step of 0.06 rad.
-    """
-    loaded = rigid.load_map(GOLDEN / "map_files" / f"format{version}.npz")
-    again = run_map(loaded.spec, progress=False)
-    for name in set(NAMED) - missing:
-        old, new = getattr(loaded, name), getattr(again, name)
-        # The quaternion of a Runge-Kutta step errs by less than the rows of the matrix did.
-        allowed = {"unit_drift": 2e-7, "earliest": 1e-4, "mean_left": 1e-4}.get(name, 1e-14)
-        rounding = allowed if old.dtype.kind == "f" else 0.0
-        np.testing.assert_allclose(old, new, rtol=0.0, atol=rounding, err_msg=name)
-    assert all(np.isnan(getattr(loaded, name)).all() for name in missing)
-    assert loaded.spec.title == f"Format {version}"
-    if missing:
-        np.testing.assert_array_equal(loaded.replay(1, 2).omega, again.replay(1, 2).omega)
-    else:
-        with pytest.raises(ValueError, match="does not give the bits"):
-            loaded.replay(1, 2)
 
 
 def test_arrays_of_the_other_byte_order_are_read(arrays: dict[str, Any], tmp_path: Path) -> None:

@@ -132,7 +132,7 @@ HEAD: dict[str, tuple[Callable[[dict[str, object]], object], str]] = {
     "other JSON": (lambda head: "[]", "is no running map: its head.json has another format"),
     "other format": (
         lambda head: json.dumps({**head, "format_version": 4}),
-        "has format version 4, this version of rigid reads 1 and 2 and 3",
+        "has format version 4, this version of rigid reads 1 and 2 and 3: take another folder",
     ),
     "format of another kind": (
         lambda head: json.dumps({**head, "format_version": 2}),
