@@ -100,6 +100,12 @@ class Crossings(Points, Result):
         The orbit of the bodies, if there is one.
     spec : dict
         Scene, method, tolerance, section, end and count, as a dict.
+
+    Notes
+    -----
+    In a Dataset and in a table points are rows, and ``body`` is the index of the body of each. The
+    Dataset has the axis ``point``; arrays with a row for each body, such as ``complete``, have the
+    axis ``motion``, in the flat order of all bodies.
     """
 
     _columns: Columns

@@ -86,6 +86,10 @@ class Growth(Result):
         The method and the reasons.
     spec : dict
         Scene, method, step, norm and number of exponents, as a dict.
+
+    Notes
+    -----
+    A table of :meth:`to_csv` has the indicators at each time, and the verdict.
     """
 
     _columns: Columns

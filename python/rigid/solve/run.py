@@ -155,6 +155,13 @@ class Run(Result):
         Negative if the run goes backward in time; infinite if there is no such time; NaN if the
         error is not known.
 
+    Notes
+    -----
+    :func:`load_run` reads the file of :meth:`save`. In a Dataset moments, ``mgl``, ``com``, torque,
+    damping and so on that differ between bodies are variables, along principal axes: Datasets of
+    parts of :func:`simulate_chunks` can be appended along ``body``. What all bodies have in common
+    is in the attribute ``spec``. A table has rates, vertical, attitude and work at each time.
+
     Examples
     --------
     >>> import rigid
