@@ -20,7 +20,7 @@ from ..rotations import quaternion_to_matrix
 from ..solve.columns import Column, Columns, Result
 from ..solve.events import Points
 from ..solve.plan import Plan
-from ..solve.status import Status
+from ..solve.status import Status, sentences
 from .surface import Section
 
 if TYPE_CHECKING:
@@ -44,7 +44,7 @@ _FAILED = {
 }
 
 
-@dataclass(frozen=True, slots=True, repr=False, eq=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class Crossings(Points, Result):
     """The points of a Poincaré section, from :func:`poincare`: body after body, in order of time.
 
@@ -197,20 +197,13 @@ class Crossings(Points, Result):
         >>> points.reasons()
         ('complete: 8 points until t = 30 s',)
         """
-        counts = np.bincount(self.body, minlength=np.size(self.complete))
-        grazing = np.bincount(self.body[self.grazing], minlength=np.size(self.complete))
-        shape = np.shape(np.atleast_1d(self.complete))
-        columns = (self.complete, self.stays, self.status, self.end, self.lost_from)
-        return self._sentences(
-            counts.reshape(shape),
-            grazing.reshape(shape),
-            *(np.atleast_1d(column) for column in columns),
+        shape, bodies = np.shape(self.complete), np.size(self.complete)
+        counts, grazing = (
+            np.bincount(body, minlength=bodies).reshape(shape)
+            for body in (self.body, self.body[self.grazing])
         )
-
-    def _sentences(self, *columns: NDArray[Any]) -> tuple[Any, ...]:
-        if columns[0].ndim > 1:
-            return tuple(self._sentences(*parts) for parts in zip(*columns, strict=True))
-        return tuple(self._words(*values) for values in zip(*columns, strict=True))
+        columns = (self.complete, self.stays, self.status, self.end, self.lost_from)
+        return sentences(self._words, counts, grazing, *columns)
 
     def _words(
         self,

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 __all__ = ["Column", "Columns", "HasColumns", "Result", "as_dataset", "write_table"]
 
 Columns: TypeAlias = Mapping[str, Any]
-"""Arrays by their names, None if not recorded: those of bodies with a row for each, (n, ...)."""
+"""Arrays by their names, None if not recorded; arrays of bodies have a row for each, (n, ...)."""
 
 Array = TypeVar("Array")
 

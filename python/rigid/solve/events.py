@@ -27,7 +27,7 @@ Floats = NDArray[np.float64]
 
 
 class Points(HasColumns):
-    """Points of motions: those of each body after another, in order of time."""
+    """Points of motions: body after body, in order of time."""
 
     __slots__ = ()
 
@@ -52,7 +52,7 @@ class Points(HasColumns):
         return tuple(name for name, column in cls._known().items() if column.axes[0] == "point")
 
 
-@dataclass(frozen=True, slots=True, repr=False, eq=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class Events(Points):
     """The times of an event in a run, and the states then: body after body, in order of time.
 

@@ -37,7 +37,7 @@ LABELS: Mapping[str, str] = {
 }
 
 
-@dataclass(frozen=True, slots=True, repr=False, eq=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class Growth(Result):
     """Exponents and chaos indicators of motions over time, from :func:`lyapunov`.
 
@@ -233,5 +233,4 @@ class Growth(Result):
         return {} if self.gali is None else {"order": np.arange(2, 2 + self.gali.shape[-1])}
 
     def _table(self) -> dict[str, NDArray[Any]]:
-        # super() does not know a class with slots.
-        return {**Result._table(self), "verdict": np.asarray(self.verdict)[..., np.newaxis]}
+        return {**super()._table(), "verdict": np.asarray(self.verdict)[..., np.newaxis]}

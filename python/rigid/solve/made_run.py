@@ -28,7 +28,7 @@ def end_records(
     after = times > last
     if not after.any():
         return
-    for name in (*(column for column, _ in COLUMNS.values()), "tangent", "sensitivity"):
+    for name in (*COLUMNS, "tangent", "sensitivity"):
         if states.get(name) is not None:
             states[name][after] = np.nan
 

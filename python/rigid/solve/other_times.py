@@ -101,5 +101,5 @@ def _in_order(run: Run, times: NDArray[np.float64], order: NDArray[np.intp]) -> 
         index = place.reshape((1,) * (array.ndim - len(shape)) + shape)
         return np.take_along_axis(array, index, axis=axis)
 
-    states = {name: moved(getattr(run, name), width) for name, (_, width) in COLUMNS.items()}
+    states = {name: moved(getattr(run, name), width) for name, width in COLUMNS.items()}
     return run.with_arrays(**states, t=times)

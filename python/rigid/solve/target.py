@@ -18,13 +18,8 @@ __all__ = ["PLAIN", "Target"]
 
 Floats = NDArray[np.float64]
 
-COLUMNS: Mapping[str, tuple[str, int]] = {
-    "omega": ("omega", 3),
-    "gamma": ("gamma", 3),
-    "attitude": ("attitude", 4),
-    "work": ("work", 1),
-}
-"""The name in the core, and the numbers in a row, of the arrays of a run with an axis of times."""
+COLUMNS: Mapping[str, int] = {"omega": 3, "gamma": 3, "attitude": 4, "work": 1}
+"""The numbers in a row of the arrays of a run with an axis of times."""
 
 SINGLE = 2.0**-23
 """Angle (rad) by which single precision rounds an attitude: twice as much as for a vector."""
@@ -42,7 +37,7 @@ class Target:
     single : bool
         Whether new arrays have single precision.
     given : dict of str to ndarray
-        Arrays of shape (n, m, k) by their names in the core.
+        Arrays of shape (n, m, k) by their names.
     """
 
     single: bool
@@ -81,9 +76,9 @@ class Target:
         count = prod(shape[:-1])
         given = {}
         for name, array in (out or {}).items():
-            column, width = COLUMNS[one_of("out", name, recorded)]
+            width = COLUMNS[one_of("out", name, recorded)]
             wanted = shape if width == 1 else (*shape, width)
-            given[column] = _fillable(name, array, wanted).reshape(count, shape[-1], width)
+            given[name] = _fillable(name, array, wanted).reshape(count, shape[-1], width)
         return cls(np.dtype(dtype) == np.float32, given)
 
     def check(self, bodies: Bodies, reached: Range, accuracy: float | None) -> None:
@@ -113,7 +108,7 @@ class Target:
 
     def finish(self, states: MutableMapping[str, Any], error: Floats) -> Floats:
         """Store all states; return their errors with the rounding included."""
-        for name, width in COLUMNS.values():
+        for name, width in COLUMNS.items():
             array, given = states[name], self.given.get(name)
             if given is not None:
                 given = given if width > 1 else given[..., 0]
