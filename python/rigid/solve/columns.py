@@ -10,6 +10,7 @@ import csv
 import json
 import os
 from collections.abc import Iterable, Mapping
+from copy import deepcopy
 from dataclasses import replace
 from io import StringIO
 from math import prod
@@ -34,10 +35,6 @@ Columns: TypeAlias = Mapping[str, Any]
 
 Array = TypeVar("Array")
 
-_BODIES = ("body", "motion")
-"""Names of an axis of bodies: it stands for all axes of the bodies; ``motion`` is flat in a
-Dataset, where ``body`` is the name of a variable."""
-
 _LABELS: Mapping[str, Any] = {
     "axis": [1, 2, 3],
     # Texts as objects: Zarr has no specification of texts of a fixed length, and warns of them.
@@ -60,14 +57,17 @@ ROWS = 65536
 class Column(Generic[Array]):
     """An attribute of a result, with its unit and its axes.
 
-    If the first axis is of bodies, the attribute is the row of the only body, or the rows of all
-    bodies in their axes. Few columns are read, and a view takes as long as to check the input.
+    A first axis ``body`` or ``motion`` stands for all axes of the bodies: the attribute is the row
+    of the only body, or the rows of all bodies in their axes. In a Dataset ``motion`` is one axis,
+    where ``body`` is the name of a variable. Few columns are read, and a view takes as long as to
+    check the input.
     """
 
-    __slots__ = ("axes", "name", "unit")
+    __slots__ = ("axes", "name", "of_bodies", "unit")
 
     def __init__(self, unit: str, *axes: str) -> None:
         self.unit, self.axes = unit, axes
+        self.of_bodies = axes[0] in ("body", "motion")
 
     def __set_name__(self, owner: type, name: str) -> None:
         self.name = name
@@ -80,7 +80,7 @@ class Column(Generic[Array]):
         if owner is None:
             return self
         rows: Any = owner._columns.get(self.name)
-        if rows is not None and self.axes[0] in _BODIES:
+        if rows is not None and self.of_bodies:
             shape = owner._shape
             rows = rows.reshape(*shape, *rows.shape[1:]) if shape else rows[0]
         view: Array = rows
@@ -127,7 +127,7 @@ class HasColumns:
         """
         known, rows = cls._known(), {}
         for name, array in arrays.items():
-            if array is not None and known[name].axes[0] in _BODIES:
+            if array is not None and known[name].of_bodies:
                 own = np.shape(array)
                 if own[: len(shape)] != shape:
                     wanted = ", ".join(map(str, (*shape, "...")))
@@ -209,7 +209,8 @@ class Result(HasColumns):
         >>> run.to_xarray().omega.sel(t=3.0, axis=1).dims
         ()
         """
-        return as_dataset(*self._dataset())
+        spec = deepcopy(self.spec)
+        return as_dataset(*self._dataset(spec), self._texts(spec))
 
     def to_csv(self, path: str | os.PathLike[str]) -> Path:
         """Write a tidy table: a row for each body and time or for each point, named columns.
@@ -245,19 +246,19 @@ class Result(HasColumns):
         """
         return write_table(path, self._table())
 
-    def _texts(self) -> dict[str, Any]:
-        return {"spec": json.dumps(self.spec), "plan": self.plan.to_json()}
+    def _texts(self, spec: dict[str, Any]) -> dict[str, Any]:
+        return {"spec": json.dumps(spec), "plan": self.plan.to_json()}
 
     def _saved(self) -> dict[str, Any]:
         """The arrays and texts of a file."""
-        return {**self._texts(), **self._arrays()}
+        return {**self._texts(self.spec), **self._arrays()}
 
     def _labels(self) -> Mapping[str, Any]:
         """Coordinates of further axes."""
         return {}
 
-    def _dataset(self) -> tuple[dict[str, Any], dict[str, Any], dict[str, Any]]:
-        """The variables, coordinates and attributes of a Dataset."""
+    def _dataset(self, spec: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
+        """The variables and coordinates of a Dataset, which may take parts of ``spec``."""
         bodies = tuple(f"body{k or ''}" for k in range(len(self._shape)))
         known, labels = self._known(), {**_LABELS, **self._labels()}
         variables: dict[str, Any] = {}
@@ -269,7 +270,7 @@ class Result(HasColumns):
             group = coordinates if axes == (name,) else variables
             group[name] = (axes, values, {"units": known[name].unit})
             coordinates |= {axis: labels[axis] for axis in others if axis in labels}
-        return variables, coordinates, self._texts()
+        return variables, coordinates
 
     def _table(self) -> dict[str, NDArray[Any]]:
         """The columns of a tidy table, which broadcast."""

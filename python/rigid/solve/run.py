@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Mapping
-from copy import deepcopy
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -543,19 +542,16 @@ an accuracy
     def _labels(self) -> Mapping[str, Any]:
         return {"parameter": np.array(self.parameters, dtype=object)}
 
-    def _dataset(self) -> tuple[dict[str, Any], dict[str, Any], dict[str, Any]]:
-        variables, coordinates, attributes = Result._dataset(
-            self
-        )  # super() does not know a class with slots
+    def _dataset(self, spec: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
+        # super() does not know a class with slots.
+        variables, coordinates = Result._dataset(self, spec)
         if self.t.ndim > 1:
             # Each body has its times: these are no common coordinate.
             del coordinates["t"]
             times = np.broadcast_to(self.t, self.omega.shape[:-1])
             variables["time"] = (variables["omega"][0][:-1], times)
-        spec = deepcopy(self.spec)
         numbers, torque_times = take_numbers(spec["scene"], self._shape)
-        attributes["spec"] = json.dumps(spec)
-        return {**variables, **numbers}, {**coordinates, **torque_times}, attributes
+        return {**variables, **numbers}, {**coordinates, **torque_times}
 
     def plot(self, ax: Axes | None = None, *, body: int | None = None) -> Axes:
         """Draw the three rates of one body over time, in the colours of its axes.
