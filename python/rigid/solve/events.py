@@ -309,21 +309,15 @@ def _joined(bodies: Bodies, parts: Sequence[Events], groups: Sequence[NDArray[np
     pairs = list(zip(parts, groups, strict=True))
     body = np.concatenate([mine[part.body] for part, mine in pairs])
     order = np.argsort(body, kind="stable")
-    rows = {
+    rows: dict[str, Any] = {
         name: np.concatenate([getattr(part, name) for part in parts])[order]
         for name in Events._of_points()
-        if name != "body"
     }
     complete, lost_from = np.empty(len(bodies), dtype=bool), np.empty(len(bodies))
     for part, mine in pairs:
         complete[mine], lost_from[mine] = part.complete, part.lost_from
-    return Events(
-        event=parts[0].event,
-        **rows,
-        body=body[order],
-        complete=bodies.in_axes(complete),
-        lost_from=bodies.in_axes(lost_from),
-    )
+    rows |= {"body": body[order], "complete": complete, "lost_from": lost_from}
+    return Events(event=parts[0].event, _columns=rows, _shape=bodies.shape)
 
 
 def _surfaces(
