@@ -149,7 +149,7 @@ def module_page(name: str) -> str:
         elsewhere = ", ".join(f":obj:`~{_home(getattr(module, item))}.{item}`" for item in others)
         lines += [f"From other modules: {elsewhere}.", ""]
     if name == "figures":
-        lines += ["Colours", "-------", "", ".. automodule:: rigid.figures.colours", "   :members:"]
+        lines += ["Colours", "-------", "", ".. automodule:: rigid.drawing.colours", "   :members:"]
     return "\n".join(lines).rstrip() + "\n"
 
 

@@ -19,8 +19,7 @@ from numpy.typing import NDArray
 from twins import save_twins
 
 import rigid
-from rigid.drawing.colours import FACE, SURFACE
-from rigid.figures.colours import CLASSES, FAINT, HUES, NEUTRAL, SHARE_MAP, on_ground
+from rigid.drawing.colours import CLASSES, FACE, FAINT, HUES, NEUTRAL, SHARE_MAP, SURFACE, on_ground
 
 RATES = tuple(HUES[name] for name in ("blue", "green", "vermilion"))
 TOP = rigid.HeavyTop(rigid.Body((1.0, 1.6, 0.7)), mgl=1.2, com=(0.6, 0.0, 0.8))

@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
-from rigid.figures.colours import FAINT, HUES, NEUTRAL, on_ground
+from rigid.drawing.colours import FAINT, HUES, NEUTRAL, on_ground
 
 THREADS = (HUES["blue"], HUES["vermilion"])
 

@@ -8,7 +8,7 @@ from matplotlib import rc_context
 from matplotlib.figure import Figure
 from PIL import Image
 
-from rigid.figures.colours import DARK_STYLE
+from rigid.drawing.colours import DARK_STYLE
 
 FOLDER = Path(__file__).parent
 

@@ -60,5 +60,5 @@ distance = np.sum(rolling.omega * momenta, axis=1) / np.linalg.norm(momenta, axi
 assert np.ptp(distance) < 1e-14
 # sphinx_gallery_end_ignore
 print(f"distance {distance[0]:.6f}; it changes by {np.ptp(distance):.0e}")
-figures.poinsot(rolling, frame=455)
+figures.poinsot(rolling, frame=455).plot()
 plt.show()

@@ -10,7 +10,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import rigid
-from rigid.figures.colours import HUES
+from rigid.drawing.colours import HUES
 
 top = rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0)
 

@@ -15,7 +15,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import rigid
-from rigid.figures.colours import HUES
+from rigid.drawing.colours import HUES
 
 # %%
 # Ratios of the moments and the rates of 9 November 1992, as Takahashi, Busch and Scheeres give

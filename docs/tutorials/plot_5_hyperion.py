@@ -14,7 +14,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import rigid
-from rigid.figures.colours import CLASSES
+from rigid.drawing.colours import CLASSES
 
 # %%
 # Hyperion is about 360 km x 266 km x 205 km large and goes round Saturn in 21.28 days, on an orbit

@@ -14,7 +14,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import rigid
-from rigid.figures.colours import HUES
+from rigid.drawing.colours import HUES
 
 # %%
 # After the impact an orbit takes 11.367 h and has an eccentricity of 0.028 ± 0.016 (Scheirich and

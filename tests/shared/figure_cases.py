@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from io import BytesIO
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 import rigid
+from rigid import figures
 
 Floats = NDArray[np.float64]
 
@@ -34,17 +36,38 @@ def omega_of(name: str) -> list[float]:
     return [0.0, push * SIN60, spin]
 
 
+def drawn(figure: figures.Picture) -> Any:
+    """The axes of a figure, which is drawn; a warning is an error."""
+    axes = figure.plot()
+    first = axes[0] if isinstance(axes, tuple) else axes
+    first.figure.savefig(BytesIO(), format="png", dpi=40)
+    return axes
+
+
+def artists(axes: Any, name: str) -> list[Any]:
+    """The artists of this name on axes, or on each of several."""
+    panels = axes if isinstance(axes, tuple) else (axes,)
+    return [one for ax in panels for one in ax.findobj(lambda one: one.get_gid() == name)]
+
+
+def artist(axes: Any, name: str) -> Any:
+    """The only artist of this name."""
+    (one,) = artists(axes, name)
+    return one
+
+
 def data_of(line: Any) -> Floats:
     """What a line in a plane or in space carries, shape (m, 2) or (m, 3)."""
     got = line.get_data_3d() if hasattr(line, "get_data_3d") else line.get_data()
     return np.stack([np.asarray(part, dtype=float) for part in got], axis=1)
 
 
-def joined(seen: Any, hidden: Any) -> Floats:
-    """A curve from its two sides."""
-    one, other = data_of(seen), data_of(hidden)
-    assert (np.isnan(one) != np.isnan(other)).all()
-    return np.where(np.isnan(one), other, one)
+def joined(ax: Any, name: str) -> Floats:
+    """The curves of this name, each from its two sides."""
+    seen = np.array([data_of(line) for line in artists(ax, name)])
+    behind = np.array([data_of(line) for line in artists(ax, f"{name}_hidden")])
+    assert (np.isnan(seen) != np.isnan(behind)).all()
+    return np.where(np.isnan(seen), behind, seen)
 
 
 def texts(ax: Any) -> list[str]:

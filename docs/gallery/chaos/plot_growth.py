@@ -19,7 +19,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import rigid
-from rigid.figures.colours import HUES
+from rigid.drawing.colours import HUES
 
 SPHERE = rigid.FreeBody(rigid.Body((1.0, 1.0, 1.0)))
 FREE = rigid.FreeBody(rigid.Body((1.0, 2.0, 3.0)))

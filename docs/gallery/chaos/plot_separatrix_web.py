@@ -13,7 +13,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import rigid
-from rigid.figures.colours import CHAOS_MAP
+from rigid.drawing.colours import CHAOS_MAP
 
 result = rigid.stability_map(
     rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0),

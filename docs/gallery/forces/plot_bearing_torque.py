@@ -16,6 +16,6 @@ from rigid import figures
 
 tensor = [[2.0, 0.0, -0.5], [0.0, 2.0, 0.2], [-0.5, 0.2, 1.5]]
 figure, axes = plt.subplots(1, 2, figsize=(10, 4.5), layout="constrained")
-figures.bearing_torque(tensor, 10.0, omega_dot=8.0, axes=axes)
+figures.bearing_torque(tensor, 10.0, omega_dot=8.0).plot(axes)
 
 plt.show()

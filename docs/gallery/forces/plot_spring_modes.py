@@ -18,6 +18,6 @@ from rigid import figures
 masses = [1.0, 2.0, 1.0, 1.5, 1.0]
 positions = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [0.8, 0.9, 0.7]])
 figure, axes = plt.subplots(1, 2, figsize=(10, 4.5), layout="constrained")
-figures.spring_modes(masses, positions, [0.0, 1.0, 0.3], stiffness=[1e2, 1e3, 1e4], axes=axes)
+figures.spring_modes(masses, positions, [0.0, 1.0, 0.3], stiffness=[1e2, 1e3, 1e4]).plot(axes)
 
 plt.show()

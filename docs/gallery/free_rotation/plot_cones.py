@@ -19,7 +19,7 @@ for column, (body, name) in enumerate((((1.0, 1.0, 0.55), "prolate"), ((1.0, 1.0
     period = float(free.symmetric_free_top(body, [0.9, 0.0, 1.3]).period)
     for row, t in enumerate((0.0, period / 6.0)):
         ax = figure.add_subplot(2, 2, 1 + column + 2 * row, projection="3d")
-        figures.cones(body, [0.9, 0.0, 1.3], t=t, ax=ax)
+        figures.cones(body, [0.9, 0.0, 1.3], t=t).plot(ax)
         ax.set_title(f"{name}, t = {t:.2f} s")
 
 plt.show()

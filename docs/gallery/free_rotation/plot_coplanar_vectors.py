@@ -13,6 +13,6 @@ import matplotlib.pyplot as plt
 from rigid import figures
 
 figure, axes = plt.subplots(1, 2, figsize=(8, 4), layout="constrained")
-figures.coplanar_vectors([(1.0, 1.0, 1.6), (1.0, 1.0, 0.55)], [0.9, 0.0, 1.3], axes=axes)
+figures.coplanar_vectors([(1.0, 1.0, 1.6), (1.0, 1.0, 0.55)], [0.9, 0.0, 1.3]).plot(axes)
 
 plt.show()

@@ -16,6 +16,6 @@ from rigid import figures
 
 figure = plt.figure(figsize=(6, 6), layout="constrained")
 ax = figure.add_subplot(projection="3d")
-figures.free_top_omega((1.0, 1.0, 1.6), [0.9, 0.0, 1.3], t=1.5, ax=ax)
+figures.free_top_omega((1.0, 1.0, 1.6), [0.9, 0.0, 1.3], t=1.5).plot(ax)
 
 plt.show()

@@ -20,7 +20,7 @@ body = rigid.FreeBody(rigid.Body((1.0, 2.0, 2.5)))
 run = rigid.simulate(body, [1.1, 0.3, 0.4], t=np.linspace(0.0, 20.0, 801))
 figure = plt.figure(figsize=(7, 7), layout="constrained")
 ax = figure.add_subplot(projection="3d")
-figures.poinsot(run, frame=455, ax=ax)
+figures.poinsot(run, frame=455).plot(ax)
 
 plt.show()
 

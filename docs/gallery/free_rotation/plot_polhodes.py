@@ -16,6 +16,6 @@ from rigid import figures
 
 figure = plt.figure(figsize=(7, 4.5), layout="constrained")
 ax = figure.add_subplot(projection="3d")
-figures.polhodes((1.0, 2.0, 3.0), ax=ax)
+figures.polhodes((1.0, 2.0, 3.0)).plot(ax)
 
 plt.show()

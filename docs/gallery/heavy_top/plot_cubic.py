@@ -18,6 +18,6 @@ from rigid import figures
 top = rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0)
 tilted = [np.cos(np.pi / 6), np.sin(np.pi / 6), 0.0, 0.0]
 figure, ax = plt.subplots(figsize=(7, 5), layout="constrained")
-figures.cubic(top, [0.0, -0.3 * np.sin(np.pi / 3), 5.0], tilted, ax=ax)
+figures.cubic(top, [0.0, -0.3 * np.sin(np.pi / 3), 5.0], tilted).plot(ax)
 
 plt.show()

@@ -17,6 +17,6 @@ from rigid import figures
 
 top = rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0)
 figure, axes = plt.subplots(3, 1, figsize=(7, 6.5), layout="constrained")
-figures.cycloids(top, 1.0, 20.0, axes=axes)
+figures.cycloids(top, 1.0, 20.0).plot(axes)
 
 plt.show()

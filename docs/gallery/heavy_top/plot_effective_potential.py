@@ -19,6 +19,6 @@ from rigid import figures
 top = rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0)
 tilted = [np.cos(np.pi / 6), np.sin(np.pi / 6), 0.0, 0.0]
 figure, ax = plt.subplots(figsize=(7, 5), layout="constrained")
-figures.effective_potential(top, [0.0, 0.0, 5.0], tilted, ax=ax)
+figures.effective_potential(top, [0.0, 0.0, 5.0], tilted).plot(ax)
 
 plt.show()

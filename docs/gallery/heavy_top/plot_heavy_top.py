@@ -17,6 +17,6 @@ from rigid import figures
 scene = rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0)
 figure = plt.figure(figsize=(6, 6), layout="constrained")
 ax = figure.add_subplot(projection="3d")
-figures.heavy_top(scene, [0.8, 0.6, 0.9], ax=ax)
+figures.heavy_top(scene, [0.8, 0.6, 0.9]).plot(ax)
 
 plt.show()

@@ -23,7 +23,7 @@ omega = np.stack([np.zeros(4), np.sin(np.pi / 3) * push, spin], axis=1)
 figure, axes = plt.subplots(
     2, 2, figsize=(8, 8), subplot_kw={"projection": "3d"}, layout="constrained"
 )
-figures.loci(top, omega, tilted, axes=axes)
+figures.loci(top, omega, tilted).plot(axes)
 
 plt.show()
 
@@ -33,7 +33,7 @@ plt.show()
 
 figure = plt.figure(figsize=(6, 6), layout="constrained")
 ax = figure.add_subplot(projection="3d")
-figures.locus(top, [0.0, 1.5 * np.sin(np.pi / 3), 5.0], tilted, elev=60.0, ax=ax)
+figures.locus(top, [0.0, 1.5 * np.sin(np.pi / 3), 5.0], tilted, elev=60.0).plot(ax)
 ax.set_title("loops of a top that starts on its lower circle")
 
 plt.show()

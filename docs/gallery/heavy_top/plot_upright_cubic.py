@@ -16,6 +16,6 @@ from rigid import figures
 
 top = rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0)
 figure, axes = plt.subplots(1, 3, figsize=(11, 4), layout="constrained")
-figures.upright_cubic(top, axes=axes)
+figures.upright_cubic(top).plot(axes)
 
 plt.show()

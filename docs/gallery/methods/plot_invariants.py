@@ -21,7 +21,7 @@ for ax, method in zip(axes, ("rk4", "splitting4"), strict=True):
     run = rigid.simulate(
         body, [1.0, 1.0, 1.0], t=np.linspace(0.0, 500.0, 1001), method=method, step=0.05
     )
-    figures.invariants(run, ax=ax)
+    figures.invariants(run).plot(ax)
 axes[0].get_legend().remove()  # the legend of the second panel names both
 axes[1].set(ylabel="", ylim=(1e-17, 1e-4))
 

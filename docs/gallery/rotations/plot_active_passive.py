@@ -14,6 +14,6 @@ import matplotlib.pyplot as plt
 from rigid import figures
 
 figure, axes = plt.subplots(1, 2, figsize=(8, 4), layout="constrained")
-figures.active_passive(0.35, axes=axes)
+figures.active_passive(0.35).plot(axes)
 
 plt.show()

@@ -30,9 +30,9 @@ assert abs(run.gamma - gamma).max() < 1e-14
 # sphinx_gallery_end_ignore
 
 figure = plt.figure(figsize=(7.5, 13), layout="constrained")
-frame = figures.node_frame(angles, ax=figure.add_subplot(2, 1, 1, projection="3d"))
-frame.ax.set_title("axes of space, of the body, and of the line of nodes", y=-0.04)
-still = figures.heavy_top(top, angles, ax=figure.add_subplot(2, 1, 2, projection="3d"))
-still.ax.set_title("a heavy top in this attitude", y=-0.04)
+frame = figures.node_frame(angles).plot(figure.add_subplot(2, 1, 1, projection="3d"))
+frame.set_title("axes of space, of the body, and of the line of nodes", y=-0.04)
+still = figures.heavy_top(top, angles).plot(figure.add_subplot(2, 1, 2, projection="3d"))
+still.set_title("a heavy top in this attitude", y=-0.04)
 
 plt.show()

@@ -15,6 +15,6 @@ from rigid import figures
 
 figure = plt.figure(figsize=(8, 8), layout="constrained")
 axes = [figure.add_subplot(2, 2, place, projection="3d") for place in (1, 2, 3)]
-figures.euler_steps([0.7, 0.6, 0.8], axes=[*axes, figure.add_subplot(2, 2, 4)])
+figures.euler_steps([0.7, 0.6, 0.8]).plot([*axes, figure.add_subplot(2, 2, 4)])
 
 plt.show()

@@ -15,6 +15,6 @@ from rigid import figures
 
 figure = plt.figure(figsize=(7, 4.5), layout="constrained")
 ax = figure.add_subplot(projection="3d")
-figures.frames([0.6, 0.7, 0.4], origin=[1.6, 1.2, 0.5], point=[0.4, -0.8, -0.5], ax=ax)
+figures.frames([0.6, 0.7, 0.4], origin=[1.6, 1.2, 0.5], point=[0.4, -0.8, -0.5]).plot(ax)
 
 plt.show()

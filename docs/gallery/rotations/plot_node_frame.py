@@ -15,6 +15,6 @@ from rigid import figures
 
 figure = plt.figure(figsize=(6.5, 6), layout="constrained")
 ax = figure.add_subplot(projection="3d")
-figures.node_frame([0.9, 0.7, 0.8], ax=ax)
+figures.node_frame([0.9, 0.7, 0.8]).plot(ax)
 
 plt.show()

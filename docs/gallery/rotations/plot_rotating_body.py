@@ -16,6 +16,6 @@ omega = [0.25, 0.1, 1.0]
 points = [[0.6, -0.4, -0.9], [0.6, -0.4, 0.9], [-0.5, 0.4, 0.9], [0.225, 0.09, 0.9]]
 figure = plt.figure(figsize=(6, 6), layout="constrained")
 ax = figure.add_subplot(projection="3d")
-figures.rotating_body(points, omega, sides=[1.2, 0.8, 1.8], ax=ax)
+figures.rotating_body(points, omega, sides=[1.2, 0.8, 1.8]).plot(ax)
 
 plt.show()

@@ -15,6 +15,6 @@ from rigid import figures
 
 figure = plt.figure(figsize=(6, 5.5), layout="constrained")
 ax = figure.add_subplot(projection="3d")
-figures.unit_vector_change(0.45, unit=1, about=2, ax=ax)
+figures.unit_vector_change(0.45, unit=1, about=2).plot(ax)
 
 plt.show()

@@ -16,6 +16,6 @@ from rigid import figures
 
 figure = plt.figure(figsize=(6, 6), layout="constrained")
 ax = figure.add_subplot(projection="3d")
-figures.box(rigid.Body.box(0.01, 0.08, 0.25, mass=0.3), ax=ax)
+figures.box(rigid.Body.box(0.01, 0.08, 0.25, mass=0.3)).plot(ax)
 
 plt.show()

@@ -16,6 +16,6 @@ from rigid import figures, free
 
 thrown = free.throw_experiment(rigid.Body.box(0.01, 0.08, 0.25), [0.05, 0.05, 0.05])
 figure, axes = plt.subplots(2, 3, figsize=(11, 6), layout="constrained")
-figures.throw(thrown, axes=axes)
+figures.throw(thrown).plot(axes)
 
 plt.show()

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import ceil, pi, radians
-from typing import TYPE_CHECKING, Any, Literal
+from math import pi, radians
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +13,6 @@ from ..rotations.euler import rotation_y, rotation_z
 from ..rotations.so3 import rotate
 from . import colours
 from .colours import HUES, on_ground
-from .figure import check_axes, shown_figure
 
 if TYPE_CHECKING:
     from .arrows import PlaneArrow, SpaceArrow
@@ -26,19 +25,15 @@ __all__ = [
     "arrow",
     "arrow_in_plane",
     "circle",
+    "cone",
     "curve",
+    "dots",
     "fit",
-    "in_plane",
-    "in_space",
     "label",
-    "panels",
     "triad",
 ]
 
 Floats = NDArray[np.float64]
-Kind = Literal["space", "plane"]
-
-_PROJECTION: dict[Kind, str | None] = {"space": "3d", "plane": None}
 
 KEY: dict[str, Any] = {"frameon": False, "handlelength": 3.0}
 """Style of a legend that belongs to a whole figure."""
@@ -48,45 +43,6 @@ BELOW: dict[str, Any] = {**KEY, "loc": "upper center", "bbox_to_anchor": (0.5, -
 
 FILLED = 0.88
 """Fraction of the axes that the drawing fills; labels need the rest."""
-
-
-def in_space(ax: Any | None) -> Any:
-    """Three-dimensional axes, ``ax`` or new ones, without frame, in orthographic projection."""
-    return panels(None if ax is None else [ax], ["space"])[0]
-
-
-def in_plane(ax: Any | None) -> Any:
-    """Two-dimensional axes, the given or new ones."""
-    return panels(None if ax is None else [ax], ["plane"])[0]
-
-
-def panels(
-    axes: Sequence[Any] | None, kinds: Sequence[Kind], *, columns: int | None = None
-) -> list[Any]:
-    """One axes for each kind: the given axes, or the axes of a new figure."""
-    if axes is None:
-        across = len(kinds) if columns is None else columns
-        down = ceil(len(kinds) / across)
-        figure = shown_figure()
-        if len(kinds) > 1:
-            figure.set_size_inches(4.2 * across, 4.0 * down)
-        axes = [
-            figure.add_subplot(down, across, place, projection=_PROJECTION[kind])
-            for place, kind in enumerate(kinds, start=1)
-        ]
-    found = list(map(check_axes, np.ravel(np.asarray(axes, dtype=object))))
-    if len(found) != len(kinds):
-        raise ValueError(f"axes: this figure has {len(kinds)} panels, got {len(found)} axes")
-    for ax, kind in zip(found, kinds, strict=True):
-        if (ax.name == "3d") is not (kind == "space"):
-            wanted = "3-D axes (projection='3d')" if kind == "space" else "2-D axes"
-            raise ValueError(f"ax: this figure needs {wanted}, got projection {ax.name!r}")
-        if kind == "space":
-            ax.set_axis_off()
-            ax.set_proj_type("ortho")
-            # Draw surfaces, lines, arrows and text in this order, whatever their depth.
-            ax.computed_zorder = False
-    return found
 
 
 def fit(
@@ -194,6 +150,20 @@ def curve(ax: Any, points: Floats, colour: str, **style: Any) -> Any:
     """A line through points (m, 3) or (m, 2)."""
     (line,) = ax.plot(*points.T, **({"color": on_ground(ax, colour), "linewidth": 1.3} | style))
     return line
+
+
+def dots(ax: Any, points: Floats, colour: str, **style: Any) -> Any:
+    """Dots at points (m, 3) or (m, 2), or at one point."""
+    (line,) = ax.plot(*np.atleast_2d(points).T, "o", color=on_ground(ax, colour), **style)
+    return line
+
+
+def cone(ax: Any, rim: Floats, colour: Any, alpha: float, **style: Any) -> Any:
+    """The transparent surface from the origin to a closed rim (m, 3), below all curves."""
+    sheet = np.array([0.0, 1.0])[:, np.newaxis, np.newaxis] * rim
+    given: dict[str, Any] = {"linewidth": 0.0, "rcount": 2, "ccount": len(rim), "zorder": 1}
+    xyz = np.moveaxis(sheet, -1, 0)
+    return ax.plot_surface(*xyz, color=colour, alpha=alpha, shade=False, **(given | style))
 
 
 def circle(

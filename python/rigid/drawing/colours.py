@@ -1,4 +1,10 @@
-"""The one colour table of all pictures; public as :mod:`rigid.figures.colours`."""
+"""The one colour table of all pictures, and the labels that go with it.
+
+Colour-blind readers can distinguish the hues, which are so dark that lines and texts are legible on
+white; ``on_ground`` gives the brighter ones for dark axes. The components and axes x, y, z are
+blue, green and vermilion. Every vector and frame has one colour and one name in all figures; a
+figure with other quantities has a key.
+"""
 
 from __future__ import annotations
 

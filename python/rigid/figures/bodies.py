@@ -11,24 +11,21 @@ from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import brief, finite_float
 from ..drawing import colours
-from ..drawing.axes3d import arc, arc_between, arrow, circle, curve, fit, in_space, label
+from ..drawing.axes3d import arc, arc_between, arrow, circle, cone, curve, dots, fit, label
 from ..drawing.colours import on_ground
 from ..free import permanent_rotation
 from ..model.body import Body, check_body
 from ..model.scene import HeavyTop, check_heavy_top
 from ..rotations.euler import euler_to_quaternion
 from ..top import gravity_torque
-from .orientation import NodeFrame, node_frame_data
+from .orientation import NodeFrame, node_frame
+from .picture import Picture
 
 __all__ = [
-    "BoxArtists",
     "BoxWithAxes",
-    "HeavyTopArtists",
     "HeavyTopStill",
     "box",
-    "box_data",
     "heavy_top",
-    "heavy_top_data",
 ]
 
 Floats = NDArray[np.float64]
@@ -43,7 +40,7 @@ _AWAY = np.array([[0.0, 0.0, -1.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class BoxWithAxes:
+class BoxWithAxes(Picture):
     """A homogeneous box and the stability of rotations about its axes.
 
     Attributes
@@ -64,31 +61,43 @@ class BoxWithAxes:
     edges: NDArray[np.intp]
     kinds: tuple[str, str, str]
 
+    def _draw(self, ax: Any) -> None:
+        from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class BoxArtists:
-    """Artists of the figure :func:`box`.
+        elev, azim = 20.0, 35.0
+        behind = -0.5 * self.sides  # the corner that this direction hides
+        faces = [_face(self.sides, axis, sign) for axis in range(3) for sign in (-1.0, 1.0)]
+        ax.add_collection3d(
+            Poly3DCollection(faces, facecolor=colours.FACE, alpha=0.12, linewidth=0.0, zorder=1)
+        )
+        for ends in self.corners[self.edges]:
+            hidden = (ends == behind).all(axis=-1).any()
+            colour, width, dash = (
+                (colours.FAINT, 1.0, "dashed") if hidden else (colours.NEUTRAL, 1.5, "solid")
+            )
+            curve(ax, ends, colour, linewidth=width, linestyle=dash, zorder=2, gid="edges")
+        longest = float(self.sides.max())
+        for axis, ink in enumerate(colours.AXES):
+            unit = np.eye(3)[axis]
+            start = 0.5 * self.sides[axis] * unit
+            curve(ax, np.array([np.zeros(3), start]), ink.colour, linewidth=1.2, linestyle="dotted")
+            name = (
+                f"{ink.label}: {self.kinds[axis]}\n"
+                rf"$I_{axis + 1} = ${_rounded(self.moments[axis])} kg m²"
+            )
+            tip = 0.3 * longest * unit
+            arrow(ax, tip, ink.colour, name, start=start, linewidth=2.4, gid="axes")
+            _dimension(ax, self.sides, axis, longest)
+        tips = np.diag(0.5 * self.sides + 0.3 * longest)
+        fit(ax, self.corners, tips, elev=elev, azim=azim, filled=0.8)
 
-    Attributes
-    ----------
-    ax : Axes3D
-        Axes of the figure.
-    data : BoxWithAxes
-        Data of the figure.
-    edges : tuple of 12 Line3D
-        The edges; hidden edges are faint.
-    axes : tuple of 3 SpaceArrow
-        The axes outside the box; an arrow has the attributes ``start`` and ``vector``.
-    """
 
-    ax: Any
-    data: BoxWithAxes
-    edges: tuple[Any, ...]
-    axes: tuple[Any, ...]
+def box(body: Body) -> BoxWithAxes:
+    """A box with its principal axes, its moments, and the stability of rotations about them.
 
-
-def box_data(body: Body) -> BoxWithAxes:
-    """Corners, edges and moments of the figure :func:`box`.
+    The axis through the largest face has the largest moment, the axis through the smallest face the
+    smallest moment. The box tumbles if it is thrown with a spin about the third axis (Buller and
+    Wernstål 2011, fig. 2).
 
     Parameters
     ----------
@@ -110,7 +119,7 @@ def box_data(body: Body) -> BoxWithAxes:
     --------
     >>> import rigid
     >>> from rigid import figures
-    >>> figures.box_data(rigid.Body.box(0.01, 0.08, 0.25)).kinds
+    >>> figures.box(rigid.Body.box(0.01, 0.08, 0.25)).kinds
     ('stable', 'unstable', 'stable')
     """
     if check_body(body).sides is None:
@@ -132,86 +141,16 @@ def box_data(body: Body) -> BoxWithAxes:
     )
 
 
-def box(body: Body, *, ax: Any | None = None) -> BoxArtists:
-    """Draw a box with its principal axes, its moments, and the stability of rotations about them.
-
-    The axis through the largest face has the largest moment, the axis through the smallest face the
-    smallest moment. The box tumbles if it is thrown with a spin about the third axis (Buller and
-    Wernstål 2011, fig. 2).
-
-    Parameters
-    ----------
-    body : Body
-        As in :func:`box_data`.
-    ax : Axes3D, optional
-        Axes to draw on; by default the axes of a new figure.
-
-    Returns
-    -------
-    BoxArtists
-
-    Raises
-    ------
-    TypeError, ValueError
-        As in :func:`box_data`, and if the axes are not three-dimensional.
-    ImportError
-        If Matplotlib is not installed.
-
-    Examples
-    --------
-    >>> import rigid
-    >>> from rigid import figures
-    >>> drawn = figures.box(rigid.Body.box(0.01, 0.08, 0.25, mass=0.3))
-    >>> drawn.ax.figure.savefig("box.png")  # doctest: +SKIP
-    """
-    from mpl_toolkits.mplot3d.art3d import Poly3DCollection
-
-    data = box_data(body)
-    ax = in_space(ax)
-    elev, azim = 20.0, 35.0
-    behind = -0.5 * data.sides  # the corner that this direction hides
-    faces = [_face(data.sides, axis, sign) for axis in range(3) for sign in (-1.0, 1.0)]
-    ax.add_collection3d(
-        Poly3DCollection(faces, facecolor=colours.FACE, alpha=0.12, linewidth=0.0, zorder=1)
-    )
-    edges = []
-    for ends in data.corners[data.edges]:
-        hidden = (ends == behind).all(axis=-1).any()
-        edges.append(
-            curve(
-                ax,
-                ends,
-                colours.FAINT if hidden else colours.NEUTRAL,
-                linewidth=1.0 if hidden else 1.5,
-                linestyle="dashed" if hidden else "solid",
-                zorder=2,
-            )
-        )
-    longest = float(data.sides.max())
-    axes = []
-    for axis, ink in enumerate(colours.AXES):
-        unit = np.eye(3)[axis]
-        start = 0.5 * data.sides[axis] * unit
-        curve(ax, np.array([np.zeros(3), start]), ink.colour, linewidth=1.2, linestyle="dotted")
-        name = (
-            f"{ink.label}: {data.kinds[axis]}\n"
-            rf"$I_{axis + 1} = ${_rounded(data.moments[axis])} kg m²"
-        )
-        axes.append(arrow(ax, 0.3 * longest * unit, ink.colour, name, start=start, linewidth=2.4))
-        _dimension(ax, data.sides, axis, longest)
-    tips = np.diag(0.5 * data.sides + 0.3 * longest)
-    fit(ax, data.corners, tips, elev=elev, azim=azim, filled=0.8)
-    return BoxArtists(ax=ax, data=data, edges=tuple(edges), axes=tuple(axes))
-
-
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class HeavyTopStill:
+class HeavyTopStill(Picture):
     """A heavy top at one attitude, in space, with its fixed point at the origin.
 
     Attributes
     ----------
     frame : NodeFrame
         The angles and the axes of space, of the line of nodes, and of the body.
+    mgl : float
+        Weight times the distance of the centre of mass from the fixed point (J).
     com : ndarray, shape (3,)
         Centre of mass (m).
     weight : ndarray, shape (3,)
@@ -223,41 +162,67 @@ class HeavyTopStill:
     """
 
     frame: NodeFrame
+    mgl: float
     com: Floats
     weight: Floats
     torque: Floats
     rim: Floats
 
+    def _draw(self, ax: Any) -> None:
+        frame, size = self.frame, float(np.linalg.norm(self.com))
+        origin, black = np.zeros(3), colours.HUES["black"]
+        axis, node = frame.body[2], frame.node[0]
+        centre = self.rim[:-1].mean(axis=0)
+        cone(ax, self.rim, on_ground(ax, colours.BODY.colour), 0.3, gid="top")
+        curve(ax, self.rim, colours.BODY.colour, linewidth=1.6, gid="rim")
+        curve(ax, circle(origin, _UP, 0.9 * size), colours.FAINT, linewidth=1.0, zorder=1)
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class HeavyTopArtists:
-    """Artists of the figure :func:`heavy_top`.
+        for along, ink, name in zip(frame.space, colours.AXES, ("x'", "y'", "z'"), strict=True):
+            longer = size * (1.9 if name == "z'" else 1.1)
+            arrow(ax, longer * along, ink.colour, f"${name}$", linewidth=1.0, linestyle="dashed")
+        arrow(ax, 2.0 * size * axis, colours.Z.colour, "$z$", linewidth=2.0)
+        arrow(ax, 1.1 * size * node, colours.NODE.colour, colours.NODE.label, linewidth=1.4)
+        # psi is told on the lid, from the direction of the line of nodes to axis x of the body.
+        radius = float(np.linalg.norm(self.rim[0] - centre))
+        on_lid = np.array([centre, centre + radius * node])
+        curve(ax, on_lid, colours.NODE.colour, linewidth=1.2, linestyle="dashed")
+        beside_lid = 1.35 * radius * frame.body[0]
+        arrow(ax, beside_lid, colours.X.colour, "$x$", start=centre, linewidth=1.8)
+        phi, theta, psi = frame.angles.tolist()
+        named: dict[str, Any] = {"gid": "angles"}
+        first = 0.66 * size * frame.space[0]
+        arc(ax, _UP, first, phi, black, r"$\phi$", beyond=0.68, **named)
+        if theta:
+            arc_between(ax, _UP, axis, 1.6 * size, black, r"$\theta$", beyond=1.08, **named)
+        else:
+            arc(ax, _UP, frame.space[0], 0.0, black, **named)
+        first = 0.65 * radius * node
+        arc(ax, axis, first, psi, black, r"$\psi$", centre=centre, beyond=1.35, **named)
+        dots(ax, origin, black, markersize=5.0, zorder=7)
+        dots(ax, self.com, black, markersize=6.0, zorder=7, gid="com")
+        label(ax, -0.15 * size * np.cross(_UP, node), "$O$")
+        beside = 0.13 * size * frame.node[1]
+        label(ax, 0.5 * self.com + beside, "$l$")
+        label(ax, self.com + beside, "$C$")
+        if self.weight.any():
+            down = 0.75 * size * self.weight / np.linalg.norm(self.weight)
+            name = r"$m\mathbf{g}$"
+            arrow(ax, down, black, name, start=self.com, linewidth=2.2, gid="weight")
+        if self.mgl * abs(np.sin(theta)) > 0.0:
+            along, ink = 0.8 * size * self.torque / self.mgl, colours.TORQUE
+            arrow(ax, along, ink.colour, linewidth=2.6, zorder=6, gid="torque")
+            label(ax, along + 0.13 * size * _UP, ink.label, ink.colour)
+        ends = np.array([1.9 * size * _UP, 2.0 * size * axis, beside_lid + centre])
+        azim = float(np.degrees(phi)) - 20.0
+        fit(ax, self.rim, circle(origin, _UP, 1.1 * size), ends, elev=16.0, azim=azim, filled=0.86)
 
-    Attributes
-    ----------
-    ax : Axes3D
-        Axes of the figure.
-    data : HeavyTopStill
-        Data of the figure.
-    top : Poly3DCollection
-        The cone.
-    weight, torque : SpaceArrow
-        Arrows of the weight and its torque, scaled to visible lengths, with the attributes
-        ``start`` and ``vector``. None if the vector is zero.
-    arcs : tuple of 3 Line3D
-        The angles phi, theta, psi.
-    """
 
-    ax: Any
-    data: HeavyTopStill
-    top: Any
-    weight: Any | None
-    torque: Any | None
-    arcs: tuple[Any, ...]
+def heavy_top(scene: HeavyTop, angles: ArrayLike, *, length: float = 1.0) -> HeavyTopStill:
+    """A heavy top with its fixed point, its weight, and Euler's angles.
 
-
-def heavy_top_data(scene: HeavyTop, angles: ArrayLike, *, length: float = 1.0) -> HeavyTopStill:
-    """Vectors of the figure :func:`heavy_top`.
+    The torque of the weight, ``mgl sin theta``, has the direction of the line of nodes. It has no
+    component along the vertical and none along the axis, so both of these angular momenta are
+    constant (Ercan 2016, fig. 14).
 
     Parameters
     ----------
@@ -284,7 +249,7 @@ def heavy_top_data(scene: HeavyTop, angles: ArrayLike, *, length: float = 1.0) -
     >>> import numpy as np, rigid
     >>> from rigid import figures
     >>> scene = rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=2.0)
-    >>> data = figures.heavy_top_data(scene, [0.0, np.pi / 2, 0.0])
+    >>> data = figures.heavy_top(scene, [0.0, np.pi / 2, 0.0])
     >>> (data.torque.round(12) + 0.0).tolist()  # along the line of nodes
     [2.0, 0.0, 0.0]
     """
@@ -292,117 +257,17 @@ def heavy_top_data(scene: HeavyTop, angles: ArrayLike, *, length: float = 1.0) -
     if scene.com != (0.0, 0.0, 1.0):
         raise ValueError(f"com = {scene.com}: must be (0, 0, 1), the top is drawn about axis 3")
     distance = finite_float("length", length, positive=True)
-    frame = node_frame_data(angles)
+    frame = node_frame(angles)
     axis = frame.body[2]
     height = distance / 0.75  # the centre of mass of a cone, from its apex
     return HeavyTopStill(
         frame=frame,
+        mgl=float(scene.mgl),
         com=distance * axis,
         weight=-scene.mgl / distance * _UP,
         torque=gravity_torque(scene, euler_to_quaternion(frame.angles), frame="space"),
         rim=circle(height * axis, axis, 0.45 * height, frame.body[0]),
     )
-
-
-def heavy_top(
-    scene: HeavyTop, angles: ArrayLike, *, length: float = 1.0, ax: Any | None = None
-) -> HeavyTopArtists:
-    """Draw a heavy top with its fixed point, its weight, and Euler's angles.
-
-    The torque of the weight, ``mgl sin theta``, has the direction of the line of nodes. It has no
-    component along the vertical and none along the axis, so both of these angular momenta are
-    constant (Ercan 2016, fig. 14).
-
-    Parameters
-    ----------
-    scene, angles, length
-        As in :func:`heavy_top_data`.
-    ax : Axes3D, optional
-        Axes to draw on; by default the axes of a new figure.
-
-    Returns
-    -------
-    HeavyTopArtists
-
-    Raises
-    ------
-    TypeError, ValueError
-        As in :func:`heavy_top_data`, and if the axes are not three-dimensional.
-    ImportError
-        If Matplotlib is not installed.
-
-    Examples
-    --------
-    >>> import rigid
-    >>> from rigid import figures
-    >>> scene = rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0)
-    >>> drawn = figures.heavy_top(scene, [0.9, 0.6, 0.8])
-    >>> drawn.ax.figure.savefig("top.png")  # doctest: +SKIP
-    """
-    data = heavy_top_data(scene, angles, length=length)
-    ax = in_space(ax)
-    frame, size = data.frame, float(np.linalg.norm(data.com))
-    origin, black = np.zeros(3), colours.HUES["black"]
-    axis, node = frame.body[2], frame.node[0]
-    centre = data.rim[:-1].mean(axis=0)
-    sheet = np.array([0.0, 1.0])[:, np.newaxis, np.newaxis] * data.rim
-    top = ax.plot_surface(
-        *np.moveaxis(sheet, -1, 0),
-        color=on_ground(ax, colours.BODY.colour),
-        alpha=0.3,
-        linewidth=0.0,
-        rcount=2,
-        ccount=len(data.rim),
-        shade=False,
-        zorder=1,
-    )
-    curve(ax, data.rim, colours.BODY.colour, linewidth=1.6)
-    curve(ax, circle(origin, _UP, 0.9 * size), colours.FAINT, linewidth=1.0, zorder=1)
-
-    for along, ink, name in zip(frame.space, colours.AXES, ("x'", "y'", "z'"), strict=True):
-        longer = size * (1.9 if name == "z'" else 1.1)
-        arrow(ax, longer * along, ink.colour, f"${name}$", linewidth=1.0, linestyle="dashed")
-    arrow(ax, 2.0 * size * axis, colours.Z.colour, "$z$", linewidth=2.0)
-    arrow(ax, 1.1 * size * node, colours.NODE.colour, colours.NODE.label, linewidth=1.4)
-    # psi is told on the lid, from the direction of the line of nodes to axis x of the body.
-    radius = float(np.linalg.norm(data.rim[0] - centre))
-    curve(
-        ax,
-        np.array([centre, centre + radius * node]),
-        colours.NODE.colour,
-        linewidth=1.2,
-        linestyle="dashed",
-    )
-    arrow(ax, 1.35 * radius * frame.body[0], colours.X.colour, "$x$", start=centre, linewidth=1.8)
-    phi, theta, psi = frame.angles.tolist()
-    arcs = (
-        arc(ax, _UP, 0.66 * size * frame.space[0], phi, black, r"$\phi$", beyond=0.68),
-        arc_between(ax, _UP, axis, 1.6 * size, black, r"$\theta$", beyond=1.08)
-        if theta
-        else arc(ax, _UP, frame.space[0], 0.0, black),
-        arc(ax, axis, 0.65 * radius * node, psi, black, r"$\psi$", centre=centre, beyond=1.35),
-    )
-    ax.plot(
-        *np.zeros((3, 1)), "o", color=on_ground(ax, colours.HUES["black"]), markersize=5.0, zorder=7
-    )
-    ax.plot(*data.com, "o", color=on_ground(ax, colours.HUES["black"]), markersize=6.0, zorder=7)
-    label(ax, -0.15 * size * np.cross(_UP, node), "$O$")
-    beside = 0.13 * size * frame.node[1]
-    label(ax, 0.5 * data.com + beside, "$l$")
-    label(ax, data.com + beside, "$C$")
-    weight = torque = None
-    if data.weight.any():
-        down = 0.75 * size * data.weight / np.linalg.norm(data.weight)
-        weight = arrow(ax, down, black, r"$m\mathbf{g}$", start=data.com, linewidth=2.2)
-    if scene.mgl * abs(np.sin(theta)) > 0.0:
-        along = 0.8 * size * data.torque / scene.mgl
-        torque = arrow(ax, along, colours.TORQUE.colour, linewidth=2.6, zorder=6)
-        above = along + 0.13 * size * _UP
-        label(ax, above, colours.TORQUE.label, colours.TORQUE.colour)
-    ends = np.array([1.9 * size * _UP, 2.0 * size * axis, 1.35 * radius * frame.body[0] + centre])
-    azim = float(np.degrees(phi)) - 20.0
-    fit(ax, data.rim, circle(origin, _UP, 1.1 * size), ends, elev=16.0, azim=azim, filled=0.86)
-    return HeavyTopArtists(ax=ax, data=data, top=top, weight=weight, torque=torque, arcs=arcs)
 
 
 def _dimension(ax: Any, sides: Floats, axis: int, longest: float) -> None:

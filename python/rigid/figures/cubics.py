@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -12,9 +11,10 @@ from numpy.typing import ArrayLike, NDArray
 from .. import top
 from .._checks.arguments import vector
 from ..drawing import colours
-from ..drawing.axes3d import BELOW, KEY, in_plane, label, panels
+from ..drawing.axes3d import BELOW, KEY, curve, dots, label
 from ..drawing.colours import on_ground
 from ..model.scene import HeavyTop, check_heavy_top
+from .picture import Kind, Picture
 from .potential import constants_of
 
 if TYPE_CHECKING:
@@ -22,20 +22,16 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Cubic",
-    "CubicArtists",
     "UprightCubic",
-    "UprightCubicArtists",
     "cubic",
-    "cubic_data",
     "upright_cubic",
-    "upright_cubic_data",
 ]
 
 Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Cubic:
+class Cubic(Picture):
     """The cubic ``u'² = f(u)`` of the height of a top.
 
     Attributes
@@ -62,52 +58,80 @@ class Cubic:
     roots: Floats
     still: float
 
+    def _kinds(self) -> list[Kind]:
+        return ["plane"]
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class CubicArtists:
-    """Artists of the figure :func:`cubic`.
+    def _draw(self, ax: Any) -> None:
+        red, black = colours.HUES["vermilion"], colours.HUES["black"]
+        seen = self.roots[self.roots <= self.u[-1]]
+        roots = _with_roots(ax, self.u, self.f, seen, "f")
+        ax.axvspan(
+            -1.0, 1.0, color=on_ground(ax, colours.FAINT), alpha=0.2, linewidth=0.0, zorder=0
+        )
+        depth, highest = -self.f.min(), self.f_allowed.max()
+        high = max(0.75 * depth, 1.4 * highest)
+        ax.set(xlim=(self.u[0], self.u[-1]), ylim=(-1.08 * depth, high))
+        ax.set(xlabel=r"height $u = \cos\theta$", ylabel=r"$f(u) = \dot u^2$ (1/s²)")
+        if len(seen) == 3:
+            label(ax, np.array([seen[2], 0.07 * depth]), "$u_3$", ha="right")
 
-    Attributes
-    ----------
-    ax, close : Axes
-        Axes of the whole cubic, and an inset with the allowed heights; the same axes if the figure
-        needs no inset.
-    data : Cubic
-        Data of the figure.
-    curve, roots : Line2D
-        The cubic, and points at the visible roots.
-    allowed : Line2D
-        The cubic between ``u1`` and ``u2``, in the axes ``close``.
-    still : Line2D or None
-        The height of reversal, if it is visible.
-    """
-
-    ax: Any
-    close: Any
-    data: Cubic
-    curve: Any
-    roots: Any
-    allowed: Any
-    still: Any | None
+        close, unit = ax, high
+        if highest < 0.2 * depth:
+            close = ax.inset_axes((0.16, 0.62, 0.5, 0.3))
+            close.xaxis.tick_top()  # below are the lines to its place
+            _with_roots(close, self.near, self.f_near, seen[:2], "f_near")
+            unit = max(1.6 * highest, 0.3 * -self.f_near.min())
+            close.set(xlim=(self.near[0], self.near[-1]), ylim=(-0.5 * unit, unit))
+            close.tick_params(labelsize="small")
+            close.locator_params(nbins=4)
+            ax.indicate_inset_zoom(close, edgecolor=on_ground(ax, colours.NEUTRAL))
+        points = np.stack([self.allowed, self.f_allowed], axis=1)
+        allowed = curve(close, points, red, linewidth=2.4, gid="allowed")
+        handles, names = [allowed], ["the top moves from $u_1$ to $u_2$"]
+        if self.near[0] < self.still < self.near[-1]:
+            still = close.axvline(
+                self.still,
+                color=on_ground(close, black),
+                linewidth=1.0,
+                linestyle="dashed",
+                zorder=2,
+                gid="still",
+            )
+            label(close, np.array([self.still, 0.85 * unit]), "$a/b$", black)
+            handles.append(still)
+            names.append(r"$u = a/b$: no precession; $a = p_\phi/I_1$, $b = p_\psi/I_1$")
+        if seen[1] - seen[0] < 1e-3:
+            label(close, np.array([seen[0], 0.25 * unit]), "$u_1 = u_2$")
+        else:
+            # Between the roots the curve is above their names.
+            for place, name, align in ((seen[0], "$u_1$", "left"), (seen[1], "$u_2$", "right")):
+                label(close, np.array([place, -0.2 * unit]), name, ha=align)
+        if len(seen) == 3:
+            handles.append(roots)
+            names.append("$u_1$, $u_2$, $u_3$: roots of $f$; the top never reaches $u_3$")
+        ax.legend(handles=handles, labels=names, **BELOW)
 
 
 FARTHEST = 4.0
 """A third root beyond this height is not drawn, because the other roots would be invisible."""
 
 
-def cubic_data(
+def cubic(
     scene: HeavyTop,
     omega: ArrayLike,
     attitude: ArrayLike | Rotation | None = None,
     *,
     samples: int = 401,
 ) -> Cubic:
-    """Data of the figure :func:`cubic`.
+    """The cubic f(u) with its roots, and the heights between which the top nutates.
+
+    The motion needs ``f >= 0`` and a height between -1 and 1. The precession reverses at
+    ``u = a / b`` (lecture notes, fig. 5.4; a steady precession has a double root, erratum G-21).
 
     Parameters
     ----------
     scene, omega, attitude, samples
-        As in :func:`rigid.figures.effective_potential_data`; each curve has ``samples`` points.
+        As in :func:`rigid.figures.effective_potential`; each curve has ``samples`` points.
 
     Returns
     -------
@@ -124,7 +148,7 @@ def cubic_data(
     >>> from rigid import figures
     >>> scene = rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0)
     >>> tilted = [np.cos(np.pi / 6), np.sin(np.pi / 6), 0.0, 0.0]
-    >>> data = figures.cubic_data(scene, [0.0, 0.0, 5.0], tilted)
+    >>> data = figures.cubic(scene, [0.0, 0.0, 5.0], tilted)
     >>> data.roots.round(9).tolist()
     [0.191767988, 0.5, 2.933232012]
     """
@@ -149,118 +173,16 @@ def cubic_data(
     )
 
 
-def cubic(
-    scene: HeavyTop,
-    omega: ArrayLike,
-    attitude: ArrayLike | Rotation | None = None,
-    *,
-    ax: Any | None = None,
-) -> CubicArtists:
-    """Draw the cubic f(u) with its roots, and the heights between which the top nutates.
-
-    The motion needs ``f >= 0`` and a height between -1 and 1. The precession reverses at
-    ``u = a / b`` (lecture notes, fig. 5.4; a steady precession has a double root, erratum G-21).
-
-    Parameters
-    ----------
-    scene, omega, attitude
-        As in :func:`cubic_data`.
-    ax : Axes, optional
-        Axes to draw on; by default the axes of a new figure.
-
-    Returns
-    -------
-    CubicArtists
-
-    Raises
-    ------
-    ValueError
-        As in :func:`cubic_data`, and if the axes are not two-dimensional.
-    ImportError
-        If Matplotlib is not installed.
-
-    Examples
-    --------
-    >>> import numpy as np, rigid
-    >>> from rigid import figures
-    >>> scene = rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0)
-    >>> tilted = [np.cos(np.pi / 6), np.sin(np.pi / 6), 0.0, 0.0]
-    >>> drawn = figures.cubic(scene, [0.0, 0.0, 5.0], tilted)
-    >>> drawn.ax.figure.savefig("cubic.png")  # doctest: +SKIP
-    """
-    data = cubic_data(scene, omega, attitude)
-    ax = in_plane(ax)
-    red, black = colours.HUES["vermilion"], colours.HUES["black"]
-    seen = data.roots[data.roots <= data.u[-1]]
-    curve, roots = _with_roots(ax, data.u, data.f, seen)
-    ax.axvspan(-1.0, 1.0, color=on_ground(ax, colours.FAINT), alpha=0.2, linewidth=0.0, zorder=0)
-    depth, highest = -data.f.min(), data.f_allowed.max()
-    high = max(0.75 * depth, 1.4 * highest)
-    ax.set(xlim=(data.u[0], data.u[-1]), ylim=(-1.08 * depth, high))
-    ax.set(xlabel=r"height $u = \cos\theta$", ylabel=r"$f(u) = \dot u^2$ (1/s²)")
-    if len(seen) == 3:
-        label(ax, np.array([seen[2], 0.07 * depth]), "$u_3$", ha="right")
-
-    close, unit = ax, high
-    if highest < 0.2 * depth:
-        close = ax.inset_axes((0.16, 0.62, 0.5, 0.3))
-        close.xaxis.tick_top()  # below are the lines to its place
-        _with_roots(close, data.near, data.f_near, seen[:2])
-        unit = max(1.6 * highest, 0.3 * -data.f_near.min())
-        close.set(xlim=(data.near[0], data.near[-1]), ylim=(-0.5 * unit, unit))
-        close.tick_params(labelsize="small")
-        close.locator_params(nbins=4)
-        ax.indicate_inset_zoom(close, edgecolor=on_ground(ax, colours.NEUTRAL))
-    (allowed,) = close.plot(
-        data.allowed, data.f_allowed, color=on_ground(close, red), linewidth=2.4
-    )
-    handles, names = [allowed], ["the top moves from $u_1$ to $u_2$"]
-    still = None
-    if data.near[0] < data.still < data.near[-1]:
-        still = close.axvline(
-            data.still, color=on_ground(close, black), linewidth=1.0, linestyle="dashed", zorder=2
-        )
-        label(close, np.array([data.still, 0.85 * unit]), "$a/b$", black)
-        handles.append(still)
-        names.append(r"$u = a/b$: no precession; $a = p_\phi/I_1$, $b = p_\psi/I_1$")
-    if seen[1] - seen[0] < 1e-3:
-        label(close, np.array([seen[0], 0.25 * unit]), "$u_1 = u_2$")
-    else:
-        # Between the roots the curve is above their names.
-        for place, name, align in ((seen[0], "$u_1$", "left"), (seen[1], "$u_2$", "right")):
-            label(close, np.array([place, -0.2 * unit]), name, ha=align)
-    if len(seen) == 3:
-        handles.append(roots)
-        names.append("$u_1$, $u_2$, $u_3$: roots of $f$; the top never reaches $u_3$")
-    ax.legend(handles=handles, labels=names, **BELOW)
-    return CubicArtists(
-        ax=ax,
-        close=close,
-        data=data,
-        curve=curve,
-        roots=roots,
-        allowed=allowed,
-        still=still,
-    )
-
-
-def _with_roots(ax: Any, u: Floats, f: Floats, roots: Floats) -> tuple[Any, Any]:
-    """Draw f, its roots as dots, and the line f = 0."""
-    dots: dict[str, Any] = {"marker": "o", "linestyle": "none", "markersize": 5}
-    (curve,) = ax.plot(u, f, color=on_ground(ax, colours.HUES["blue"]), linewidth=1.6)
-    (points,) = ax.plot(
-        roots,
-        np.zeros_like(roots),
-        zorder=4,
-        color=on_ground(ax, colours.HUES["vermilion"]),
-        **dots,
-    )
+def _with_roots(ax: Any, u: Floats, f: Floats, roots: Floats, name: str) -> Any:
+    """Draw f, the line f = 0, and the roots as dots, which are returned."""
+    curve(ax, np.stack([u, f], axis=1), colours.HUES["blue"], linewidth=1.6, gid=name)
     ax.axhline(0.0, color=on_ground(ax, colours.NEUTRAL), linewidth=0.8, zorder=1)
-    return curve, points
+    points = np.stack([roots, np.zeros_like(roots)], axis=1)
+    return dots(ax, points, colours.HUES["vermilion"], markersize=5, zorder=4, gid="roots")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class UprightCubic:
+class UprightCubic(Picture):
     """The cubic of an upright top near the vertical.
 
     Attributes
@@ -284,31 +206,53 @@ class UprightCubic:
     approximate: Floats
     stable: NDArray[np.bool_]
 
+    def _kinds(self) -> list[Kind]:
+        return ["plane"] * 3
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class UprightCubicArtists:
-    """Artists of the figure :func:`upright_cubic`.
+    def _draw(self, *places: Any) -> None:
+        blue, orange = colours.HUES["blue"], colours.HUES["orange"]
+        size = 1.15 * max(np.abs(self.exact).max(), np.abs(self.approximate).max())
+        for k, ax in enumerate(places):
+            positive = np.maximum(self.exact[k], 0.0)
+            reached = ax.fill_between(
+                self.u, positive, color=on_ground(ax, blue), alpha=0.2, linewidth=0.0
+            )
+            ax.axhline(0.0, color=on_ground(ax, colours.NEUTRAL), linewidth=0.8, zorder=1)
+            near = np.stack([self.u, self.approximate[k]], axis=1)
+            style: dict[str, Any] = {"linestyle": "dashed", "linewidth": 1.6, "gid": "approximate"}
+            approximate = curve(ax, near, orange, **style)
+            true = np.stack([self.u, self.exact[k]], axis=1)
+            exact = curve(ax, true, blue, linewidth=1.8, gid="exact")
+            upright = np.array([1.0, 0.0])
+            dots(ax, upright, colours.HUES["black"], markersize=5, clip_on=False, zorder=5)
+            share = self.spin[k] / self.spin_min
+            words = "sleeps" if self.stable[k] else "falls"
+            ax.set_title(f"spin {share:.3g} × the least: {words}", fontsize="medium")
+            ax.set(xlim=(self.u[0], 1.0), ylim=(-size, size), xlabel=r"height $u = \cos\theta$")
+            ax.locator_params(nbins=5)
+        places[0].set_ylabel("$f(u)$ (1/s²)")
+        names = (
+            "$f(u)$",
+            r"$(1-u)^2(2\beta-b^2)$ with $\beta = 2mgl/I_1$, $b = I_3\omega_3/I_1$",
+            "heights that the top reaches",
+        )
+        places[0].figure.legend(
+            handles=[exact, approximate, reached],
+            labels=names,
+            loc="outside lower center",
+            ncols=3,
+            **KEY,
+        )
 
-    Attributes
-    ----------
-    axes : tuple of 3 Axes
-        Axes of the figure.
-    data : UprightCubic
-        Data of the figure.
-    exact, approximate : tuple of 3 Line2D
-        The curves.
-    """
 
-    axes: tuple[Any, ...]
-    data: UprightCubic
-    exact: tuple[Any, ...]
-    approximate: tuple[Any, ...]
-
-
-def upright_cubic_data(
+def upright_cubic(
     scene: HeavyTop, spins: ArrayLike = (0.9, 1.0, 1.1), *, lowest: float = 0.6, samples: int = 301
 ) -> UprightCubic:
-    """Data of the figure :func:`upright_cubic`.
+    """F near the vertical for a top with a spin below, at and above the bound of sleeping.
+
+    The top reaches heights with positive f. At the bound the approximation is zero and does
+    not decide; there ``f = -beta (1 - u)³`` is negative, so the top sleeps (lecture notes,
+    fig. 5.6; erratum G-19).
 
     Parameters
     ----------
@@ -335,7 +279,7 @@ def upright_cubic_data(
     >>> import rigid
     >>> from rigid import figures
     >>> scene = rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0)
-    >>> figures.upright_cubic_data(scene).stable.tolist()
+    >>> figures.upright_cubic(scene).stable.tolist()
     [False, True, True]
     """
     bound = float(top.sleeping_top(check_heavy_top(scene), 0.0).spin_min)
@@ -349,93 +293,4 @@ def upright_cubic_data(
         exact=exact,
         approximate=approximate,
         stable=top.sleeping_top(scene, spin).stable,
-    )
-
-
-def upright_cubic(
-    scene: HeavyTop,
-    spins: ArrayLike = (0.9, 1.0, 1.1),
-    *,
-    axes: Sequence[Any] | None = None,
-) -> UprightCubicArtists:
-    """Draw f near the vertical for a top with a spin below, at and above the bound of sleeping.
-
-    The top reaches heights with positive f. At the bound the approximation is zero and does
-    not decide; there ``f = -beta (1 - u)³`` is negative, so the top sleeps (lecture notes,
-    fig. 5.6; erratum G-19).
-
-    Parameters
-    ----------
-    scene, spins
-        As in :func:`upright_cubic_data`.
-    axes : sequence of 3 Axes, optional
-        Axes to draw on; by default the axes of a new figure.
-
-    Returns
-    -------
-    UprightCubicArtists
-
-    Raises
-    ------
-    ValueError
-        As in :func:`upright_cubic_data`, and if there are not three axes.
-    ImportError
-        If Matplotlib is not installed.
-
-    Examples
-    --------
-    >>> import rigid
-    >>> from rigid import figures
-    >>> scene = rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0)
-    >>> drawn = figures.upright_cubic(scene)
-    >>> drawn.axes[0].figure.savefig("upright.png")  # doctest: +SKIP
-    """
-    data = upright_cubic_data(scene, spins)
-    places = panels(axes, ["plane"] * 3, columns=3)
-    blue, orange = colours.HUES["blue"], colours.HUES["orange"]
-    size = 1.15 * max(np.abs(data.exact).max(), np.abs(data.approximate).max())
-    exact, approximate = [], []
-    for k, ax in enumerate(places):
-        positive = np.maximum(data.exact[k], 0.0)
-        reached = ax.fill_between(
-            data.u, positive, color=on_ground(ax, blue), alpha=0.2, linewidth=0.0
-        )
-        ax.axhline(0.0, color=on_ground(ax, colours.NEUTRAL), linewidth=0.8, zorder=1)
-        approximate += ax.plot(
-            data.u,
-            data.approximate[k],
-            color=on_ground(ax, orange),
-            linestyle="dashed",
-            linewidth=1.6,
-        )
-        exact += ax.plot(data.u, data.exact[k], color=on_ground(ax, blue), linewidth=1.8)
-        ax.plot(
-            1.0,
-            0.0,
-            "o",
-            color=on_ground(ax, colours.HUES["black"]),
-            markersize=5,
-            clip_on=False,
-            zorder=5,
-        )
-        share = data.spin[k] / data.spin_min
-        words = "sleeps" if data.stable[k] else "falls"
-        ax.set_title(f"spin {share:.3g} × the least: {words}", fontsize="medium")
-        ax.set(xlim=(data.u[0], 1.0), ylim=(-size, size), xlabel=r"height $u = \cos\theta$")
-        ax.locator_params(nbins=5)
-    places[0].set_ylabel("$f(u)$ (1/s²)")
-    names = (
-        "$f(u)$",
-        r"$(1-u)^2(2\beta-b^2)$ with $\beta = 2mgl/I_1$, $b = I_3\omega_3/I_1$",
-        "heights that the top reaches",
-    )
-    places[0].figure.legend(
-        handles=[exact[0], approximate[0], reached],
-        labels=names,
-        loc="outside lower center",
-        ncols=3,
-        **KEY,
-    )
-    return UprightCubicArtists(
-        axes=tuple(places), data=data, exact=tuple(exact), approximate=tuple(approximate)
     )

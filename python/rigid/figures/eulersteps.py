@@ -2,25 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import vector
 from ..drawing import colours
-from ..drawing.axes3d import arc, arrow_in_plane, curve, fit, label, panels, triad
+from ..drawing.axes3d import arc, arrow_in_plane, curve, fit, label, triad
 from ..rotations.euler import euler_to_matrix, rotation_z
+from .picture import Kind, Picture
 
-__all__ = ["EulerSteps", "EulerStepsArtists", "euler_steps", "euler_steps_data"]
+__all__ = ["EulerSteps", "euler_steps"]
 
 Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class EulerSteps:
+class EulerSteps(Picture):
     """The three turns of Euler's angles.
 
     Attributes
@@ -36,41 +36,55 @@ class EulerSteps:
         Coordinates of a point in the plane of the first turn, along the axes before and after it.
     """
 
+    _columns: ClassVar[int | None] = 2
+
     angles: Floats
     axes: Floats
     turned_about: Floats
     point: Floats
     seen: Floats
 
+    def _kinds(self) -> list[Kind]:
+        return ["space", "space", "space", "plane"]
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class EulerStepsArtists:
-    """Artists of the figure :func:`euler_steps`.
+    def _draw(self, *panels: Any) -> None:
+        *spaces, plane = panels
+        for step, ax in enumerate(spaces):
+            kept = 0 if step == 1 else 2
+            old, new = ([f"${name}$" for name in _NAMES[k]] for k in (step, step + 1))
+            new[kept] = f"{old[kept][:-1]} = {new[kept][1:]}"
+            old[kept] = ""
+            origin = np.zeros(3)
+            dashed: dict[str, Any] = {"linewidth": 1.0, "linestyle": "dashed"}
+            triad(ax, self.axes[step], origin, old, gid="axes", **dashed)
+            triad(ax, self.axes[step + 1], origin, new, linewidth=2.4, gid="axes")
+            # Beyond the tip of axis 1 is its name.
+            node = self.turned_about[1] * np.array([[-0.4], [1.0], [np.nan], [1.35], [1.6]])
+            dashdot: dict[str, Any] = {"linewidth": 1.2, "linestyle": "dashdot", "zorder": 3}
+            curve(ax, node, colours.NODE.colour, gid="node", **dashdot)
+            turned = [axis for axis in range(3) if axis != kept]
+            for axis, radius in zip(turned, (0.55, 0.7), strict=True):
+                arc(
+                    ax,
+                    self.turned_about[step],
+                    radius * self.axes[step, axis],
+                    float(self.angles[step]),
+                    colours.ANGLE.colour,
+                    TURNS[step],
+                )
+            label(ax, 1.72 * self.turned_about[1], "$N$", colours.NODE.colour)
+            ax.set_title(f"{step + 1}.  {TURNS[step]} {_ABOUT[step]}", fontsize="medium")
+            fit(ax, self.axes, node[[0, -1]], elev=24.0, azim=azimuth(self.angles[0]), filled=0.8)
+        _draw_turned_plane(plane, self)
 
-    Attributes
-    ----------
-    axes : tuple of 3 Axes3D and Axes
-        The panels.
-    data : EulerSteps
-        Data of the figure.
-    before, after : tuple of 3 tuples of 3 SpaceArrow
-        The axes in each panel.
-    nodes : tuple of 3 Line3D
-        The line of nodes in each panel.
-    point : PlaneArrow
-        The vector to the point, in the plane of the first turn.
-    """
 
-    axes: tuple[Any, ...]
-    data: EulerSteps
-    before: tuple[tuple[Any, ...], ...]
-    after: tuple[tuple[Any, ...], ...]
-    nodes: tuple[Any, ...]
-    point: Any
+def euler_steps(angles: ArrayLike, *, point: ArrayLike = (0.35, 0.85)) -> EulerSteps:
+    """The three turns of Euler's angles one by one, and the first turn in its plane.
 
-
-def euler_steps_data(angles: ArrayLike, *, point: ArrayLike = (0.35, 0.85)) -> EulerSteps:
-    """Axes of the figure :func:`euler_steps`.
+    The turns are by phi about the vertical, by theta about the line of nodes ``x'' = X``, and by
+    psi about ``Z = z``; dashed lines are the axes before a turn. In the plane of the first turn
+    ``x'' = x' cos phi + y' sin phi`` and ``y'' = y' cos phi - x' sin phi`` (Ercan 2016, figs. 2-5,
+    eq. (1) with y'' in the second line, erratum D-03; lecture notes, fig. 5.2).
 
     Parameters
     ----------
@@ -92,7 +106,7 @@ def euler_steps_data(angles: ArrayLike, *, point: ArrayLike = (0.35, 0.85)) -> E
     --------
     >>> import numpy as np
     >>> from rigid import figures
-    >>> data = figures.euler_steps_data([np.pi / 2, 0.3, 0.0], point=[0.0, 2.0])
+    >>> data = figures.euler_steps([np.pi / 2, 0.3, 0.0], point=[0.0, 2.0])
     >>> data.seen.round(12).tolist(), data.turned_about[1].round(12).tolist()
     ([2.0, 0.0], [0.0, 1.0, 0.0])
     """
@@ -121,81 +135,7 @@ TURNS = (r"$\phi$", r"$\theta$", r"$\psi$")
 _ABOUT = ("about $z'$", "about the line of nodes", "about $z$")
 
 
-def euler_steps(
-    angles: ArrayLike, *, point: ArrayLike = (0.35, 0.85), axes: Sequence[Any] | None = None
-) -> EulerStepsArtists:
-    """Draw the three turns of Euler's angles one by one, and the first turn in its plane.
-
-    The turns are by phi about the vertical, by theta about the line of nodes ``x'' = X``, and by
-    psi about ``Z = z``; dashed lines are the axes before a turn. In the plane of the first turn
-    ``x'' = x' cos phi + y' sin phi`` and ``y'' = y' cos phi - x' sin phi`` (Ercan 2016, figs. 2-5,
-    eq. (1) with y'' in the second line, erratum D-03; lecture notes, fig. 5.2).
-
-    Parameters
-    ----------
-    angles, point
-        As in :func:`euler_steps_data`.
-    axes : sequence of 3 Axes3D and Axes, optional
-        Axes to draw on; by default the axes of a new figure.
-
-    Returns
-    -------
-    EulerStepsArtists
-
-    Raises
-    ------
-    ValueError
-        As in :func:`euler_steps_data`, and if ``axes`` are not three Axes3D and one Axes.
-    ImportError
-        If Matplotlib is not installed.
-
-    Examples
-    --------
-    >>> from rigid import figures
-    >>> drawn = figures.euler_steps([0.7, 0.6, 0.8])
-    >>> drawn.axes[0].figure.savefig("euler.png")  # doctest: +SKIP
-    """
-    data = euler_steps_data(angles, point=point)
-    *spaces, plane = panels(axes, ["space", "space", "space", "plane"], columns=2)
-    before, after, nodes = [], [], []
-    for step, ax in enumerate(spaces):
-        kept = 0 if step == 1 else 2
-        old, new = ([f"${name}$" for name in _NAMES[k]] for k in (step, step + 1))
-        new[kept] = f"{old[kept][:-1]} = {new[kept][1:]}"
-        old[kept] = ""
-        origin = np.zeros(3)
-        before.append(triad(ax, data.axes[step], origin, old, linewidth=1.0, linestyle="dashed"))
-        after.append(triad(ax, data.axes[step + 1], origin, new, linewidth=2.4))
-        # Beyond the tip of axis 1 is its name.
-        node = data.turned_about[1] * np.array([[-0.4], [1.0], [np.nan], [1.35], [1.6]])
-        nodes.append(
-            curve(ax, node, colours.NODE.colour, linewidth=1.2, linestyle="dashdot", zorder=3)
-        )
-        turned = [axis for axis in range(3) if axis != kept]
-        for axis, radius in zip(turned, (0.55, 0.7), strict=True):
-            arc(
-                ax,
-                data.turned_about[step],
-                radius * data.axes[step, axis],
-                float(data.angles[step]),
-                colours.ANGLE.colour,
-                TURNS[step],
-            )
-        label(ax, 1.72 * data.turned_about[1], "$N$", colours.NODE.colour)
-        ax.set_title(f"{step + 1}.  {TURNS[step]} {_ABOUT[step]}", fontsize="medium")
-        fit(ax, data.axes, node[[0, -1]], elev=24.0, azim=azimuth(data.angles[0]), filled=0.8)
-    arrow_of_point = _draw_turned_plane(plane, data)
-    return EulerStepsArtists(
-        axes=(*spaces, plane),
-        data=data,
-        before=tuple(before),
-        after=tuple(after),
-        nodes=tuple(nodes),
-        point=arrow_of_point,
-    )
-
-
-def _draw_turned_plane(ax: Any, data: EulerSteps) -> Any:
+def _draw_turned_plane(ax: Any, data: EulerSteps) -> None:
     """The plane of the first turn, with the coordinates of a point along both pairs of axes."""
     longest = max(1.0, 1.15 * float(np.linalg.norm(data.point)))
     for step, names, style in (
@@ -215,7 +155,7 @@ def _draw_turned_plane(ax: Any, data: EulerSteps) -> Any:
     )
     half = 0.5 * data.angles[0]
     label(ax, 0.44 * longest * np.array([np.cos(half), np.sin(half)]), TURNS[0])
-    drawn = arrow_in_plane(ax, data.point, colours.HUES["black"], "$P$", linewidth=1.6)
+    arrow_in_plane(ax, data.point, colours.HUES["black"], "$P$", linewidth=1.6, gid="point")
     corners = np.vstack([np.zeros((1, 2)), longest * data.axes[:2, :2, :2].reshape(-1, 2)])
     low, high = corners.min(axis=0), corners.max(axis=0)
     margin = 0.14 * longest
@@ -227,7 +167,6 @@ def _draw_turned_plane(ax: Any, data: EulerSteps) -> Any:
     )
     ax.title.set_fontsize("medium")
     ax.set_axis_off()
-    return drawn
 
 
 def azimuth(phi: float) -> float:

@@ -12,14 +12,15 @@ from .. import exact, free
 from .._checks.arguments import brief, positive_int
 from ..animation.states import rates_of, scene_of
 from ..drawing import colours
-from ..drawing.axes3d import arrow, curve, fit, in_space, label
+from ..drawing.axes3d import arrow, curve, fit, label
 from ..drawing.shapes import ellipsoid_faces
 from ..drawing.sides import sides, surface
 from ..model.body_like import BodyLike, moments_of
 from ..model.scene import FreeBody, require_unforced
 from ..solve.run import Run
+from .picture import Picture
 
-__all__ = ["Polhodes", "PolhodesArtists", "polhodes", "polhodes_data"]
+__all__ = ["Polhodes", "polhodes"]
 
 Floats = NDArray[np.float64]
 
@@ -27,7 +28,7 @@ UP = np.array([0.0, 0.0, 1.0])
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Polhodes:
+class Polhodes(Picture):
     """Polhodes of one energy on the inertia ellipsoid.
 
     Attributes
@@ -53,41 +54,50 @@ class Polhodes:
     separatrix: Floats
     path: Floats | None = None
 
+    def _draw(self, ax: Any) -> None:
+        order = np.argsort(self.moments)
+        towards = np.empty(3)
+        towards[order] = 0.42, 1.0, 0.4  # the middle axis points to the viewer
+        towards /= np.linalg.norm(towards)
+        elev = float(np.degrees(np.arcsin(towards[2])))
+        azim = float(np.degrees(np.arctan2(towards[1], towards[0])))
+        faces = ellipsoid_faces(self.semi_axes, rings=30, sectors=60)
+        surface(ax, faces, colours.SURFACE, towards, gid="ellipsoid")
+        for points, axis in zip(self.curves, self.axis, strict=True):
+            colour = colours.AXES[abs(int(axis)) - 1].colour
+            near, far = sides(points, self.moments * points, towards)
+            curve(ax, near, colour, linewidth=1.5, zorder=4, gid="curves")
+            curve(ax, far, colour, linewidth=0.7, alpha=0.35, zorder=2, gid="curves_hidden")
+        black, purple = colours.HUES["black"], colours.OMEGA.colour
+        for ellipse in self.separatrix:
+            near, far = sides(ellipse, self.moments * ellipse, towards)
+            curve(ax, near, black, linewidth=2.0, zorder=5, gid="separatrix")
+            curve(ax, far, black, linewidth=0.8, alpha=0.35, zorder=2, gid="separatrix_hidden")
+        if self.path is not None:
+            near, far = sides(self.path, self.moments * self.path, towards)
+            curve(ax, near, purple, linewidth=3.0, zorder=5.5, gid="path")
+            curve(ax, far, purple, linewidth=1.5, alpha=0.5, zorder=2, gid="path_hidden")
+        names = {int(order[0]): "least", int(order[1]): "middle", int(order[2]): "largest"}
+        length = np.full(3, 0.3)
+        length[order[1]] = 1.1  # foreshortened
+        tips = np.diag(self.semi_axes + length)
+        for k, ink in enumerate(colours.AXES):
+            start = np.diag(self.semi_axes)[k]
+            along = tips[k] - start
+            arrow(ax, along, ink.colour, start=start, linewidth=1.6, zorder=6, gid="axes")
+            words = f"{k + 1}: {names[k]} moment"
+            sideways = float(np.cross(UP, towards)[k])
+            align = "left" if sideways > 0.1 else "right" if sideways < -0.1 else "center"
+            label(ax, tips[k] + 0.1 * np.eye(3)[k], words, ink.colour, fontsize="medium", ha=align)
+        fit(ax, faces, 1.05 * tips, elev=elev, azim=azim, filled=0.62)
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class PolhodesArtists:
-    """Artists of the figure :func:`polhodes`.
 
-    Attributes
-    ----------
-    ax : Axes3D
-        Axes of the figure.
-    data : Polhodes
-        Data of the figure.
-    seen, hidden : tuple of 4 n Line3D
-        The polhodes on the visible and on the hidden side of the ellipsoid.
-    separatrix : tuple of 2 Line3D
-        The visible parts of the separating ellipses.
-    path : Line3D or None
-        The visible part of the path of the run.
-    ellipsoid : Poly3DCollection
-        The ellipsoid.
-    axes : tuple of 3 SpaceArrow
-        The axes of the body.
-    """
+def polhodes(body: BodyLike | Run, *, count: int = 5, samples: int = 361) -> Polhodes:
+    """The polhodes of one energy on the inertia ellipsoid, with the separatrix.
 
-    ax: Any
-    data: Polhodes
-    seen: tuple[Any, ...]
-    hidden: tuple[Any, ...]
-    separatrix: tuple[Any, ...]
-    path: Any
-    ellipsoid: Any
-    axes: tuple[Any, ...]
-
-
-def polhodes_data(body: BodyLike | Run, *, count: int = 5, samples: int = 361) -> Polhodes:
-    """Data of the figure :func:`polhodes`, by Jacobi's functions.
+    Polhodes encircle the axes of the largest and of the smallest moment: rotations about these axes
+    are stable. No polhode encircles the middle axis, and a small disturbance of a rotation about it
+    grows until the body has turned over (Landau and Lifshitz, *Mechanics*, § 37, fig. 51).
 
     Parameters
     ----------
@@ -113,7 +123,7 @@ def polhodes_data(body: BodyLike | Run, *, count: int = 5, samples: int = 361) -
     Examples
     --------
     >>> from rigid import figures
-    >>> data = figures.polhodes_data((1.0, 2.0, 3.0))
+    >>> data = figures.polhodes((1.0, 2.0, 3.0))
     >>> data.curves.shape, sorted(set(data.axis.tolist()))
     ((20, 361, 3), [-3, -1, 1, 3])
     """
@@ -178,85 +188,3 @@ def _path_of(run: Run) -> tuple[Floats, FreeBody]:
     if size == 0.0:
         raise ValueError("omega = [0, 0, 0]: a body at rest has no polhode")
     return omega / size, scene
-
-
-def polhodes(body: BodyLike | Run, *, count: int = 5, ax: Any | None = None) -> PolhodesArtists:
-    """Draw the polhodes of one energy on the inertia ellipsoid, with the separatrix.
-
-    Polhodes encircle the axes of the largest and of the smallest moment: rotations about these axes
-    are stable. No polhode encircles the middle axis, and a small disturbance of a rotation about it
-    grows until the body has turned over (Landau and Lifshitz, *Mechanics*, § 37, fig. 51).
-
-    Parameters
-    ----------
-    body, count
-        As in :func:`polhodes_data`.
-    ax : Axes3D, optional
-        Axes to draw on; by default the axes of a new figure.
-
-    Returns
-    -------
-    PolhodesArtists
-
-    Raises
-    ------
-    ValueError
-        As in :func:`polhodes_data`, and if the axes are not three-dimensional.
-    ImportError
-        If Matplotlib is not installed.
-
-    Examples
-    --------
-    >>> from rigid import figures
-    >>> drawn = figures.polhodes((1.0, 2.0, 3.0))
-    >>> drawn.ax.figure.savefig("polhodes.png")  # doctest: +SKIP
-    """
-    data = polhodes_data(body, count=count)
-    ax = in_space(ax)
-    order = np.argsort(data.moments)
-    towards = np.empty(3)
-    towards[order] = 0.42, 1.0, 0.4  # the middle axis points to the viewer
-    towards /= np.linalg.norm(towards)
-    elev = float(np.degrees(np.arcsin(towards[2])))
-    azim = float(np.degrees(np.arctan2(towards[1], towards[0])))
-    faces = ellipsoid_faces(data.semi_axes, rings=30, sectors=60)
-    ellipsoid = surface(ax, faces, colours.SURFACE, towards)
-    seen, hidden = [], []
-    for points, axis in zip(data.curves, data.axis, strict=True):
-        colour = colours.AXES[abs(int(axis)) - 1].colour
-        near, far = sides(points, data.moments * points, towards)
-        seen.append(curve(ax, near, colour, linewidth=1.5, zorder=4))
-        hidden.append(curve(ax, far, colour, linewidth=0.7, alpha=0.35, zorder=2))
-    separatrix = []
-    for ellipse in data.separatrix:
-        near, far = sides(ellipse, data.moments * ellipse, towards)
-        separatrix.append(curve(ax, near, colours.HUES["black"], linewidth=2.0, zorder=5))
-        curve(ax, far, colours.HUES["black"], linewidth=0.8, alpha=0.35, zorder=2)
-    path = None
-    if data.path is not None:
-        near, far = sides(data.path, data.moments * data.path, towards)
-        path = curve(ax, near, colours.OMEGA.colour, linewidth=3.0, zorder=5.5)
-        curve(ax, far, colours.OMEGA.colour, linewidth=1.5, alpha=0.5, zorder=2)
-    arrows = []
-    names = {int(order[0]): "least", int(order[1]): "middle", int(order[2]): "largest"}
-    length = np.full(3, 0.3)
-    length[order[1]] = 1.1  # foreshortened
-    tips = np.diag(data.semi_axes + length)
-    for k, ink in enumerate(colours.AXES):
-        start = np.diag(data.semi_axes)[k]
-        arrows.append(arrow(ax, tips[k] - start, ink.colour, start=start, linewidth=1.6, zorder=6))
-        words = f"{k + 1}: {names[k]} moment"
-        sideways = float(np.cross(UP, towards)[k])
-        align = "left" if sideways > 0.1 else "right" if sideways < -0.1 else "center"
-        label(ax, tips[k] + 0.1 * np.eye(3)[k], words, ink.colour, fontsize="medium", ha=align)
-    fit(ax, faces, 1.05 * tips, elev=elev, azim=azim, filled=0.62)
-    return PolhodesArtists(
-        ax=ax,
-        data=data,
-        seen=tuple(seen),
-        hidden=tuple(hidden),
-        separatrix=tuple(separatrix),
-        path=path,
-        ellipsoid=ellipsoid,
-        axes=tuple(arrows),
-    )

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,22 +12,21 @@ from .. import exact, top
 from .._checks.arguments import finite_float, positive_int, rows, sorted_times, vector
 from .._checks.arrays import attitudes
 from ..drawing import colours
-from ..drawing.axes3d import arrow, circle, curve, fit, in_space, label, panels
-from ..drawing.colours import on_ground
+from ..drawing.axes3d import arrow, circle, curve, dots, fit, label
 from ..drawing.shapes import ellipsoid_faces
 from ..drawing.sides import eye, sides, surface
 from ..model.scene import HeavyTop, check_heavy_top
 from ..rotations.euler import rotation_z
+from .picture import Kind, Picture
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
 
 __all__ = [
+    "Loci",
     "Locus",
-    "LocusArtists",
     "loci",
     "locus",
-    "locus_data",
 ]
 
 Floats = NDArray[np.float64]
@@ -39,7 +37,7 @@ UPRIGHT = [1.0, 0.0, 0.0, 0.0]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Locus:
+class Locus(Picture):
     """The path of the axis of a top on the unit sphere.
 
     Attributes
@@ -57,6 +55,8 @@ class Locus:
         Tilt of the axis, and azimuth of the node line (rad).
     theta_upper, theta_lower : float or None
         Tilts of the circles between which the axis moves (rad); None for the kind ``"general"``.
+    elev : float
+        Elevation of the viewer (degrees).
     """
 
     kind: str
@@ -67,46 +67,47 @@ class Locus:
     phi: Floats
     theta_upper: float | None
     theta_lower: float | None
+    elev: float
+
+    def _draw(self, ax: Any) -> None:
+        towards = eye(self.elev, AZIM)
+        faces = ellipsoid_faces(np.ones(3), rings=24, sectors=48)
+        surface(ax, faces, colours.SURFACE, towards, gid="sphere")
+        curve(ax, circle(np.zeros(3), towards, 1.0), colours.FAINT, linewidth=1.0, zorder=2)
+        red, blue = colours.HUES["vermilion"], colours.HUES["blue"]
+        upper, lower = self.theta_upper, self.theta_lower
+        if upper is not None and lower is not None:
+            gap = (np.cos(upper) - np.cos(lower)) * np.cos(np.radians(self.elev))
+            for theta, name, align in ((upper, "upper", "bottom"), (lower, "lower", "top")):
+                ring = circle(np.cos(theta) * UP, UP, float(np.sin(theta)))
+                near, far = sides(ring, ring, towards)
+                gid = f"theta_{name}"
+                curve(ax, near, blue, linewidth=1.0, zorder=3, gid=gid)
+                dotted: dict[str, Any] = {"linewidth": 0.6, "linestyle": "dotted", "zorder": 2}
+                curve(ax, far, blue, gid=f"{gid}_hidden", **dotted)
+                _name_circle(ax, ring, name, blue, towards, "center" if gap > 0.1 else align)
+        near, far = sides(self.point, self.point, towards)
+        curve(ax, far, red, linewidth=0.8, alpha=0.45, zorder=2, gid="point_hidden")
+        curve(ax, near, red, linewidth=1.8, zorder=4, gid="point")
+        dots(ax, self.point[0], red, markersize=5, zorder=5, gid="start")
+        up = colours.VERTICAL
+        arrow(ax, 0.35 * UP, up.colour, up.label, start=UP, linewidth=1.4)
+        fit(ax, faces, 1.4 * UP, elev=self.elev, azim=AZIM)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class LocusArtists:
-    """Artists of the figure :func:`locus`.
-
-    Attributes
-    ----------
-    ax : Axes3D
-        Axes of the figure.
-    data : Locus
-        Data of the figure.
-    seen, hidden : Line3D
-        The path on the visible and on the hidden side of the sphere.
-    circles : tuple of Line3D
-        The visible parts of the upper and of the lower circle; empty for the kind ``"general"``.
-    start : Line3D
-        The end of the axis at the first time.
-    sphere : Poly3DCollection
-        The unit sphere.
-    """
-
-    ax: Any
-    data: Locus
-    seen: Any
-    hidden: Any
-    circles: tuple[Any, ...]
-    start: Any
-    sphere: Any
-
-
-def locus_data(
+def locus(
     scene: HeavyTop,
     omega: ArrayLike,
     attitude: ArrayLike | Rotation | None = None,
     *,
     t: ArrayLike | None = None,
     samples: int = 1201,
+    elev: float = ELEV,
 ) -> Locus:
-    """Data of the figure :func:`locus`.
+    """The path of the axis of a top on the unit sphere, between its two circles.
+
+    Landau and Lifshitz, *Mechanics*, § 35; Ercan 2016, fig. 16; lecture notes, fig. 5.5. The figure
+    does not show the spin.
 
     Parameters
     ----------
@@ -121,6 +122,9 @@ def locus_data(
         about the vertical, but over four nutations at least.
     samples : int
         Number of times.
+    elev : float
+        Elevation of the viewer (degrees). From as many degrees as the lower circle is tilted, the
+        whole path is on the visible side.
 
     Returns
     -------
@@ -137,9 +141,10 @@ def locus_data(
     >>> from rigid import figures
     >>> scene = rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0)
     >>> tilted = [np.cos(np.pi / 6), np.sin(np.pi / 6), 0.0, 0.0]
-    >>> figures.locus_data(scene, [0.0, 0.0, 5.0], tilted).kind
+    >>> figures.locus(scene, [0.0, 0.0, 5.0], tilted).kind
     'cusp'
     """
+    elevation = finite_float("elev", elev)
     rates = vector("omega", omega, 3)
     if attitude is not None:
         attitude = attitudes(attitude)
@@ -166,6 +171,7 @@ def locus_data(
         phi=path.phi,
         theta_upper=upper,
         theta_lower=lower,
+        elev=elevation,
     )
 
 
@@ -186,85 +192,6 @@ def _once_around(motion: exact.TopMotion) -> float:
     return max(turn, 4.0 * period) if np.isfinite(period) else turn
 
 
-def locus(
-    scene: HeavyTop,
-    omega: ArrayLike,
-    attitude: ArrayLike | Rotation | None = None,
-    *,
-    t: ArrayLike | None = None,
-    elev: float = ELEV,
-    ax: Any | None = None,
-) -> LocusArtists:
-    """Draw the path of the axis of a top on the unit sphere, between its two circles.
-
-    Landau and Lifshitz, *Mechanics*, § 35; Ercan 2016, fig. 16; lecture notes, fig. 5.5. The figure
-    does not show the spin.
-
-    Parameters
-    ----------
-    scene, omega, attitude, t
-        As in :func:`locus_data`.
-    elev : float
-        Elevation of the viewer (degrees). From as many degrees as the lower circle is tilted, the
-        whole path is on the visible side.
-    ax : Axes3D, optional
-        Axes to draw on; by default the axes of a new figure.
-
-    Returns
-    -------
-    LocusArtists
-
-    Raises
-    ------
-    ValueError
-        As in :func:`locus_data`, and if the axes are not three-dimensional.
-    ImportError
-        If Matplotlib is not installed.
-
-    Examples
-    --------
-    >>> import numpy as np, rigid
-    >>> from rigid import figures
-    >>> scene = rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0)
-    >>> tilted = [np.cos(np.pi / 6), np.sin(np.pi / 6), 0.0, 0.0]
-    >>> drawn = figures.locus(scene, [0.0, 0.0, 5.0], tilted)
-    >>> drawn.ax.figure.savefig("locus.png")  # doctest: +SKIP
-    """
-    elevation = finite_float("elev", elev)
-    data = locus_data(scene, omega, attitude, t=t)
-    ax = in_space(ax)
-    towards = eye(elevation, AZIM)
-    faces = ellipsoid_faces(np.ones(3), rings=24, sectors=48)
-    sphere = surface(ax, faces, colours.SURFACE, towards)
-    curve(ax, circle(np.zeros(3), towards, 1.0), colours.FAINT, linewidth=1.0, zorder=2)
-    red, blue = colours.HUES["vermilion"], colours.HUES["blue"]
-    circles = []
-    upper, lower = data.theta_upper, data.theta_lower
-    if upper is not None and lower is not None:
-        gap = (np.cos(upper) - np.cos(lower)) * np.cos(np.radians(elevation))
-        for theta, name, align in ((upper, "upper", "bottom"), (lower, "lower", "top")):
-            ring = circle(np.cos(theta) * UP, UP, float(np.sin(theta)))
-            near, far = sides(ring, ring, towards)
-            circles.append(curve(ax, near, blue, linewidth=1.0, zorder=3, label=name))
-            curve(ax, far, blue, linewidth=0.6, linestyle="dotted", zorder=2)
-            _name_circle(ax, ring, name, blue, towards, "center" if gap > 0.1 else align)
-    near, far = sides(data.point, data.point, towards)
-    hidden = curve(ax, far, red, linewidth=0.8, alpha=0.45, zorder=2)
-    seen = curve(ax, near, red, linewidth=1.8, zorder=4)
-    (start,) = ax.plot(*data.point[:1].T, "o", color=on_ground(ax, red), markersize=5, zorder=5)
-    arrow(ax, 0.35 * UP, colours.VERTICAL.colour, colours.VERTICAL.label, start=UP, linewidth=1.4)
-    fit(ax, faces, 1.4 * UP, elev=elevation, azim=AZIM)
-    return LocusArtists(
-        ax=ax,
-        data=data,
-        seen=seen,
-        hidden=hidden,
-        circles=tuple(circles),
-        start=start,
-        sphere=sphere,
-    )
-
-
 def _name_circle(
     ax: Any, ring: Floats, name: str, colour: str, towards: Floats, align: str
 ) -> None:
@@ -280,14 +207,32 @@ def _name_circle(
     label(ax, place, text, colour, fontsize="medium", ha="left", va=align)
 
 
-def loci(
-    scene: HeavyTop,
-    omega: ArrayLike,
-    attitude: ArrayLike | Rotation | None = None,
-    *,
-    axes: Sequence[Any] | None = None,
-) -> tuple[LocusArtists, ...]:
-    """Draw the paths of several starts side by side, each with its kind.
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Loci(Picture):
+    """The paths of several starts.
+
+    Attributes
+    ----------
+    paths : tuple of Locus
+        The paths.
+    """
+
+    _columns: ClassVar[int | None] = 2
+
+    paths: tuple[Locus, ...]
+
+    def _kinds(self) -> list[Kind]:
+        return ["space"] * len(self.paths)
+
+    def _draw(self, *panels: Any) -> None:
+        for ax, one in zip(panels, self.paths, strict=True):
+            one._draw(ax)
+            title = f"{one.kind}, retrograde" if one.retrograde else one.kind
+            ax.set_title(title, fontsize="medium")
+
+
+def loci(scene: HeavyTop, omega: ArrayLike, attitude: ArrayLike | Rotation | None = None) -> Loci:
+    """The paths of several starts side by side, each with its kind.
 
     :func:`rigid.top.classify_locus` says the kind; ``retrograde`` is added if the mean precession
     is against the spin.
@@ -300,19 +245,15 @@ def loci(
         Angular velocities in the body at ``t = 0`` (rad/s).
     attitude : array_like, shape (4,) or (n, 4), or scipy Rotation, optional
         Attitudes at ``t = 0``; by default body and space axes coincide.
-    axes : sequence of n Axes3D, optional
-        Axes to draw on; by default the axes of a new figure with two columns.
 
     Returns
     -------
-    tuple of n LocusArtists
+    Loci
 
     Raises
     ------
     ValueError
-        As in :func:`locus_data`, and if there are not n axes.
-    ImportError
-        If Matplotlib is not installed.
+        As in :func:`locus`.
 
     Examples
     --------
@@ -320,8 +261,8 @@ def loci(
     >>> from rigid import figures
     >>> scene = rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0)
     >>> tilted = [np.cos(np.pi / 6), np.sin(np.pi / 6), 0.0, 0.0]
-    >>> drawn = figures.loci(scene, [[0.0, -0.26, 5.0], [0.0, 0.0, 5.0]], tilted)
-    >>> [one.data.kind for one in drawn]
+    >>> found = figures.loci(scene, [[0.0, -0.26, 5.0], [0.0, 0.0, 5.0]], tilted)
+    >>> [one.kind for one in found.paths]
     ['loop', 'cusp']
     """
     rates, _ = rows("omega", omega, 3)
@@ -329,11 +270,5 @@ def loci(
     if start.shape not in ((4,), (len(rates), 4)):
         raise ValueError(f"attitude: expected shape (4,) or {(len(rates), 4)}, got {start.shape}")
     starts = np.broadcast_to(start, (len(rates), 4))
-    places = panels(axes, ["space"] * len(rates), columns=min(2, len(rates)))
-    drawn = []
-    for ax, one, quaternion in zip(places, rates, starts, strict=True):
-        drawn.append(locus(scene, one, quaternion, ax=ax))
-        data = drawn[-1].data
-        title = f"{data.kind}, retrograde" if data.retrograde else data.kind
-        ax.set_title(title, fontsize="medium")
-    return tuple(drawn)
+    paths = (locus(scene, one, other) for one, other in zip(rates, starts, strict=True))
+    return Loci(paths=tuple(paths))

@@ -12,19 +12,17 @@ from .. import free
 from .._checks.arguments import brief
 from ..animation.states import scene_of, states_of
 from ..drawing import colours
-from ..drawing.axes3d import arrow, curve, fit, in_space, label
-from ..drawing.colours import on_ground
+from ..drawing.axes3d import arrow, curve, dots, fit, label
 from ..drawing.shapes import across, ellipsoid_faces, plane_face
 from ..drawing.sides import eye, sides, surface
 from ..model.scene import FreeBody, require_unforced
 from ..rotations.apply import to_space
 from ..solve.run import Run
+from .picture import Picture
 
 __all__ = [
-    "PoinsotArtists",
     "PoinsotPicture",
     "poinsot",
-    "poinsot_data",
 ]
 
 Floats = NDArray[np.float64]
@@ -35,13 +33,15 @@ POLHODE, HERPOLHODE = colours.HUES["blue"], colours.HUES["black"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class PoinsotPicture:
+class PoinsotPicture(Picture):
     """The inertia ellipsoid at one time of a motion, and the plane on which it rolls.
 
     All points (rad/s) have components along axes of space; the third axis is parallel to L.
 
     Attributes
     ----------
+    frame : int
+        Index of the time.
     t : float
         The time (s).
     semi_axes : ndarray, shape (3,)
@@ -58,6 +58,7 @@ class PoinsotPicture:
         The point of contact at the time, which is omega.
     """
 
+    frame: int
     t: float
     semi_axes: Floats
     axes: Floats
@@ -66,42 +67,64 @@ class PoinsotPicture:
     herpolhode: Floats
     contact: Floats
 
+    def _draw(self, ax: Any) -> None:
+        faces = ellipsoid_faces(self.semi_axes, rings=30, sectors=60) @ self.axes
+        towards = eye(ELEV, AZIM)
+        style: dict[str, Any] = {"alpha": 0.7, "linewidths": 0.0, "gid": "ellipsoid"}
+        surface(ax, faces, colours.BODY_FACE, towards, **style)
+        foot = self.distance * UP
+        radius = float(np.linalg.norm(self.herpolhode - foot, axis=1).max())
+        square = plane_face(foot, UP, 1.25 * max(radius, 0.3 * self.distance))
+        style = {"alpha": 0.4, "zorder": 2, "linewidths": 0.0, "gid": "plane"}
+        surface(ax, square, colours.FAINT, towards, **style)
+        outward = self.polhode @ self.axes.T / self.semi_axes**2 @ self.axes
+        near, far = sides(self.polhode, outward, towards)
+        curve(ax, near, POLHODE, linewidth=1.6, zorder=3, gid="polhode")
+        curve(ax, far, POLHODE, linewidth=0.8, alpha=0.5, zorder=3, gid="polhode_hidden")
+        later = self.herpolhode[self.frame :]
+        curve(ax, later, HERPOLHODE, linewidth=0.9, alpha=0.6, zorder=4)
+        done = self.herpolhode[: self.frame + 1]
+        curve(ax, done, HERPOLHODE, linewidth=1.6, zorder=4, gid="herpolhode")
+        dots(ax, done[0], HERPOLHODE, markersize=4, zorder=4)
+        # Inside the ellipsoid arrows are dashed: omega ends on it, L leaves it.
+        inside: dict[str, Any] = {"linestyle": "dashed", "zorder": 3}
+        omega, momentum = colours.OMEGA, colours.L
+        arrow(ax, self.contact, omega.colour, linewidth=1.6, gid="omega", **inside)
+        leaves = UP / np.linalg.norm(self.axes @ UP / self.semi_axes)
+        curve(ax, np.array([0.0 * UP, leaves]), momentum.colour, linewidth=1.6, **inside)
+        outside: dict[str, Any] = {"start": leaves, "zorder": 4, "gid": "momentum"}
+        arrow(ax, 1.4 * foot - leaves, momentum.colour, momentum.label, **outside)
+        dots(ax, self.contact, omega.colour, markersize=6, zorder=6, gid="contact")
+        right = np.cross(UP, towards)
+        right /= np.linalg.norm(right)
+        away = 1.0 if self.contact @ right < 0.0 else -1.0
+        beside = 0.6 * self.contact - 0.07 * away * self.distance * right
+        label(ax, beside, omega.label, omega.colour)
+        # The names stand outside the curves, the name of the herpolhode on the side without the
+        # contact.
+        side = float(np.sign(near[np.nanargmax(np.abs(near @ right))] @ right))
+        aside = away * right + np.cross(towards, right)
+        for path, towards_name, name, colour, sign in (
+            (near, side * right, "polhode", POLHODE, side),
+            (self.herpolhode, aside, "herpolhode", HERPOLHODE, away),
+        ):
+            end = path[np.nanargmax(path @ towards_name)] + 0.03 * self.distance * sign * right
+            align = "left" if sign > 0.0 else "right"
+            label(ax, end, name, colour, fontsize="medium", ha=align, va="bottom")
+        corner = square[0, (-away * square[0] @ right).argmax()]
+        corner = corner - 0.03 * self.distance * away * right
+        align = "right" if away > 0.0 else "left"
+        label(ax, corner, "invariable plane", colours.NEUTRAL, fontsize="medium", ha=align)
+        fit(ax, faces, square, 1.5 * foot, elev=ELEV, azim=AZIM)
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class PoinsotArtists:
-    """Artists of the figure :func:`poinsot`.
 
-    Attributes
-    ----------
-    ax : Axes3D
-        Axes of the figure.
-    data : PoinsotPicture
-        Data of the figure.
-    ellipsoid, plane : Poly3DCollection
-        The ellipsoid and the invariable plane.
-    polhode, hidden : Line3D
-        The polhode on the visible and on the hidden side of the ellipsoid.
-    herpolhode, contact : Line3D
-        The herpolhode up to the time, and the point of contact.
-    omega, momentum : SpaceArrow
-        Arrows of the angular velocity, which ends at the contact, and of the direction of L outside
-        the ellipsoid.
-    """
+def poinsot(run: Run, *, frame: int = 0) -> PoinsotPicture:
+    """Poinsot's construction: the inertia ellipsoid rolls on a plane that is fixed in space.
 
-    ax: Any
-    data: PoinsotPicture
-    ellipsoid: Any
-    plane: Any
-    polhode: Any
-    hidden: Any
-    herpolhode: Any
-    contact: Any
-    omega: Any
-    momentum: Any
-
-
-def poinsot_data(run: Run, *, frame: int = 0) -> PoinsotPicture:
-    """Data of the figure :func:`poinsot`.
+    The ellipsoid touches the plane at omega, on the momentary axis of rotation. The point of
+    contact moves along the polhode on the ellipsoid and along the herpolhode in the plane (Landau
+    and Lifshitz, *Mechanics*, § 37; Goldstein, *Classical Mechanics*, § 5.6; lecture notes,
+    fig. 5.3). From its first point the herpolhode is bold up to the contact, and thin after it.
 
     Parameters
     ----------
@@ -128,7 +151,7 @@ def poinsot_data(run: Run, *, frame: int = 0) -> PoinsotPicture:
     >>> from rigid import figures
     >>> body = rigid.FreeBody(rigid.Body((1.0, 2.0, 2.5)))
     >>> run = rigid.simulate(body, [1.1, 0.3, 0.4], t=np.linspace(0.0, 20.0, 401))
-    >>> data = figures.poinsot_data(run, frame=100)
+    >>> data = figures.poinsot(run, frame=100)
     >>> bool(abs(data.contact[2] - data.distance) < 1e-14)
     True
     """
@@ -145,6 +168,7 @@ def poinsot_data(run: Run, *, frame: int = 0) -> PoinsotPicture:
     assert rolled.contact is not None
     level = np.stack(across(rolled.normal))
     return PoinsotPicture(
+        frame=k % len(run.t),
         t=float(run.t[k]),
         semi_axes=rolled.semi_axes,
         axes=to_space(attitude[k], np.eye(3)) @ level.T,
@@ -152,110 +176,6 @@ def poinsot_data(run: Run, *, frame: int = 0) -> PoinsotPicture:
         polhode=to_space(attitude[k], rolled.polhode) @ level.T,
         herpolhode=rolled.contact @ level.T,
         contact=rolled.contact[k] @ level.T,
-    )
-
-
-def poinsot(run: Run, *, frame: int = 0, ax: Any | None = None) -> PoinsotArtists:
-    """Draw Poinsot's construction: the inertia ellipsoid rolls on a plane that is fixed in space.
-
-    The ellipsoid touches the plane at omega, on the momentary axis of rotation. The point of
-    contact moves along the polhode on the ellipsoid and along the herpolhode in the plane (Landau
-    and Lifshitz, *Mechanics*, § 37; Goldstein, *Classical Mechanics*, § 5.6; lecture notes,
-    fig. 5.3). From its first point the herpolhode is bold up to the contact, and thin after it.
-
-    Parameters
-    ----------
-    run, frame
-        As in :func:`poinsot_data`.
-    ax : Axes3D, optional
-        Axes to draw on; by default the axes of a new figure.
-
-    Returns
-    -------
-    PoinsotArtists
-
-    Raises
-    ------
-    TypeError, ValueError
-        As in :func:`poinsot_data`, and if the axes are not three-dimensional.
-    ImportError
-        If Matplotlib is not installed.
-
-    Examples
-    --------
-    >>> import numpy as np, rigid
-    >>> from rigid import figures
-    >>> body = rigid.FreeBody(rigid.Body((1.0, 2.0, 2.5)))
-    >>> run = rigid.simulate(body, [1.1, 0.3, 0.4], t=np.linspace(0.0, 20.0, 401))
-    >>> drawn = figures.poinsot(run)
-    >>> drawn.ax.figure.savefig("poinsot.png")  # doctest: +SKIP
-    """
-    data = poinsot_data(run, frame=frame)
-    ax = in_space(ax)
-    faces = ellipsoid_faces(data.semi_axes, rings=30, sectors=60) @ data.axes
-    towards = eye(ELEV, AZIM)
-    ellipsoid = surface(ax, faces, colours.BODY_FACE, towards, alpha=0.7, linewidths=0.0)
-    foot = data.distance * UP
-    radius = float(np.linalg.norm(data.herpolhode - foot, axis=1).max())
-    square = plane_face(foot, UP, 1.25 * max(radius, 0.3 * data.distance))
-    plane = surface(ax, square, colours.FAINT, towards, alpha=0.4, zorder=2, linewidths=0.0)
-    outward = data.polhode @ data.axes.T / data.semi_axes**2 @ data.axes
-    near, far = sides(data.polhode, outward, towards)
-    polhode = curve(ax, near, POLHODE, linewidth=1.6, zorder=3)
-    hidden = curve(ax, far, POLHODE, linewidth=0.8, alpha=0.5, zorder=3)
-    drawn, later = np.split(data.herpolhode, [frame % len(run.t) + 1])
-    curve(ax, np.concatenate([drawn[-1:], later]), HERPOLHODE, linewidth=0.9, alpha=0.6, zorder=4)
-    herpolhode = curve(ax, drawn, HERPOLHODE, linewidth=1.6, zorder=4)
-    ax.plot(*data.herpolhode[:1].T, "o", color=on_ground(ax, HERPOLHODE), markersize=4, zorder=4)
-    # Inside the ellipsoid arrows are dashed: omega ends on it, L leaves it.
-    inside: dict[str, Any] = {"linestyle": "dashed", "zorder": 3}
-    omega = arrow(ax, data.contact, colours.OMEGA.colour, linewidth=1.6, **inside)
-    leaves = UP / np.linalg.norm(data.axes @ UP / data.semi_axes)
-    curve(ax, np.array([0.0 * UP, leaves]), colours.L.colour, linewidth=1.6, **inside)
-    momentum = arrow(
-        ax, 1.4 * foot - leaves, colours.L.colour, colours.L.label, start=leaves, zorder=4
-    )
-    (contact,) = ax.plot(
-        *data.contact[:, np.newaxis],
-        "o",
-        color=on_ground(ax, colours.OMEGA.colour),
-        markersize=6,
-        zorder=6,
-    )
-    right = np.cross(UP, towards)
-    right /= np.linalg.norm(right)
-    away = 1.0 if data.contact @ right < 0.0 else -1.0
-    label(
-        ax,
-        0.6 * data.contact - 0.07 * away * data.distance * right,
-        colours.OMEGA.label,
-        colours.OMEGA.colour,
-    )
-    # The names stand outside the curves, the name of the herpolhode on the side without the
-    # contact.
-    side = float(np.sign(near[np.nanargmax(np.abs(near @ right))] @ right))
-    for path, towards_name, name, colour, sign in (
-        (near, side * right, "polhode", POLHODE, side),
-        (data.herpolhode, away * right + np.cross(towards, right), "herpolhode", HERPOLHODE, away),
-    ):
-        end = path[np.nanargmax(path @ towards_name)] + 0.03 * data.distance * sign * right
-        align = "left" if sign > 0.0 else "right"
-        label(ax, end, name, colour, fontsize="medium", ha=align, va="bottom")
-    corner = square[0, (-away * square[0] @ right).argmax()] - 0.03 * data.distance * away * right
-    align = "right" if away > 0.0 else "left"
-    label(ax, corner, "invariable plane", colours.NEUTRAL, fontsize="medium", ha=align)
-    fit(ax, faces, square, 1.5 * foot, elev=ELEV, azim=AZIM)
-    return PoinsotArtists(
-        ax=ax,
-        data=data,
-        ellipsoid=ellipsoid,
-        plane=plane,
-        polhode=polhode,
-        hidden=hidden,
-        herpolhode=herpolhode,
-        contact=contact,
-        omega=omega,
-        momentum=momentum,
     )
 
 

@@ -17,29 +17,25 @@ from ..drawing.axes3d import (
     arrow_in_plane,
     curve,
     fit,
-    in_space,
     label,
-    panels,
 )
 from ..free import symmetric_free_top
 from ..model.body_like import BodyLike, moments_of
+from .picture import Kind, Picture
 
 __all__ = [
     "CoplanarVectors",
-    "CoplanarVectorsArtists",
     "FreeTopOmega",
-    "FreeTopOmegaArtists",
+    "TopVectors",
     "coplanar_vectors",
-    "coplanar_vectors_data",
     "free_top_omega",
-    "free_top_omega_data",
 ]
 
 Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class FreeTopOmega:
+class FreeTopOmega(Picture):
     """The angular velocity of a free symmetric top in the body frame.
 
     Attributes
@@ -66,37 +62,46 @@ class FreeTopOmega:
     start: Floats
     now: Floats
 
+    def _draw(self, ax: Any) -> None:
+        size = float(np.linalg.norm(self.start))
+        purple, black = colours.OMEGA.colour, colours.HUES["black"]
+        along = (self.start @ self.axis) * self.axis
+        reach = np.maximum(1.3 * self.amplitude, 0.6 * size) * np.ones(3)
+        which = int(self.axis.argmax())
+        reach[which] = 1.25 * size
+        for axis, ink in enumerate(colours.AXES):
+            arrow(ax, reach[axis] * np.eye(3)[axis], ink.colour, ink.label, linewidth=1.4)
+        curve(ax, self.path, purple, linewidth=1.4, gid="path")
+        shadow = self.path - along
+        curve(ax, shadow, colours.FAINT, linewidth=1.4, gid="projection")
+        _tips(ax, self.path, purple)
+        drop = np.array([self.now, self.now - along])
+        dashed: dict[str, Any] = {"linestyle": "dashed"}
+        curve(ax, drop, colours.FAINT, linewidth=1.0, **dashed)
+        # Draw the vector at time 0 only if it differs from the vector at time t.
+        arrow(ax, self.start, purple, linewidth=1.2, alpha=0.7, gid="start", **dashed)
+        arrow(ax, self.now, purple, r"$\boldsymbol{\omega}(t)$", linewidth=2.4, gid="now")
+        arrow(ax, self.now - along, black, "$A$", linewidth=1.8, gid="amplitude")
+        curve(ax, np.array([np.zeros(3), self.start - along]), black, linewidth=0.9, **dashed)
+        if self.amplitude > 0.0:
+            first = 0.5 * (self.start - along)
+            arc(ax, self.axis, first, self.angle, black, "$k\\,t$", beyond=1.5)
+            centre = np.array([self.now, along])
+            curve(ax, centre, colours.FAINT, linewidth=1.0, **dashed)
+        name = r"$\omega_" + str(which + 1) + "$"
+        aside = np.roll(np.array([0.0, -0.14 * size, 0.0]), which - 2)
+        label(ax, along + aside, name, colours.AXES[which].colour)
+        fit(ax, self.path, shadow, np.diag(reach), np.zeros(3), elev=20.0, azim=35.0)
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class FreeTopOmegaArtists:
-    """Artists of the figure :func:`free_top_omega`.
 
-    Attributes
-    ----------
-    ax : Axes3D
-        Axes of the figure.
-    data : FreeTopOmega
-        Data of the figure.
-    start, now, amplitude : SpaceArrow
-        Arrows of omega at both times and of its component perpendicular to the axis, with the
-        attributes ``start`` and ``vector``.
-    path, projection : Line3D
-        The circle of omega, and the circle of its component perpendicular to the axis.
-    """
-
-    ax: Any
-    data: FreeTopOmega
-    start: Any
-    now: Any
-    amplitude: Any
-    path: Any
-    projection: Any
-
-
-def free_top_omega_data(
+def free_top_omega(
     body: BodyLike, omega: ArrayLike, *, t: float = 0.0, samples: int = 121
 ) -> FreeTopOmega:
-    """Vectors of the figure :func:`free_top_omega`.
+    """How omega turns about the axis of a free symmetric top in the body frame.
+
+    The component along the axis is constant; the perpendicular component turns by ``k t`` on a
+    circle of radius ``A``, in opposite directions for oblate and prolate tops (Ercan 2016, fig. 10,
+    eqs. (43)-(45)).
 
     Parameters
     ----------
@@ -121,7 +126,7 @@ def free_top_omega_data(
     Examples
     --------
     >>> from rigid import figures
-    >>> data = figures.free_top_omega_data((1.0, 1.0, 1.6), [0.9, 0.0, 2.3], t=1.0)
+    >>> data = figures.free_top_omega((1.0, 1.0, 1.6), [0.9, 0.0, 2.3], t=1.0)
     >>> round(data.angle, 12), data.amplitude
     (1.38, 0.9)
     """
@@ -143,82 +148,8 @@ def free_top_omega_data(
     )
 
 
-def free_top_omega(
-    body: BodyLike, omega: ArrayLike, *, t: float = 0.0, ax: Any | None = None
-) -> FreeTopOmegaArtists:
-    """Draw how omega turns about the axis of a free symmetric top in the body frame.
-
-    The component along the axis is constant; the perpendicular component turns by ``k t`` on a
-    circle of radius ``A``, in opposite directions for oblate and prolate tops (Ercan 2016, fig. 10,
-    eqs. (43)-(45)).
-
-    Parameters
-    ----------
-    body, omega, t
-        As in :func:`free_top_omega_data`.
-    ax : Axes3D, optional
-        Axes to draw on; by default the axes of a new figure.
-
-    Returns
-    -------
-    FreeTopOmegaArtists
-
-    Raises
-    ------
-    ValueError
-        As in :func:`free_top_omega_data`, and if the axes are not three-dimensional.
-    ImportError
-        If Matplotlib is not installed.
-
-    Examples
-    --------
-    >>> from rigid import figures
-    >>> drawn = figures.free_top_omega((1.0, 1.0, 1.6), [0.9, 0.0, 1.3], t=0.9)
-    >>> drawn.ax.figure.savefig("omega.png")  # doctest: +SKIP
-    """
-    data = free_top_omega_data(body, omega, t=t)
-    ax = in_space(ax)
-    size = float(np.linalg.norm(data.start))
-    purple, black = colours.OMEGA.colour, colours.HUES["black"]
-    along = (data.start @ data.axis) * data.axis
-    reach = np.maximum(1.3 * data.amplitude, 0.6 * size) * np.ones(3)
-    which = int(data.axis.argmax())
-    reach[which] = 1.25 * size
-    for axis, ink in enumerate(colours.AXES):
-        arrow(ax, reach[axis] * np.eye(3)[axis], ink.colour, ink.label, linewidth=1.4)
-    path = curve(ax, data.path, purple, linewidth=1.4)
-    shadow = data.path - along
-    projection = curve(ax, shadow, colours.FAINT, linewidth=1.4)
-    _tips(ax, data.path, purple)
-    drop = np.array([data.now, data.now - along])
-    curve(ax, drop, colours.FAINT, linewidth=1.0, linestyle="dashed")
-    # Draw the vector at time 0 only if it differs from the vector at time t.
-    start = arrow(ax, data.start, purple, linewidth=1.2, linestyle="dashed", alpha=0.7)
-    now = arrow(ax, data.now, purple, r"$\boldsymbol{\omega}(t)$", linewidth=2.4)
-    amplitude = arrow(ax, data.now - along, black, "$A$", linewidth=1.8)
-    curve(ax, np.array([np.zeros(3), data.start - along]), black, linewidth=0.9, linestyle="dashed")
-    if data.amplitude > 0.0:
-        first = 0.5 * (data.start - along)
-        arc(ax, data.axis, first, data.angle, black, "$k\\,t$", beyond=1.5)
-        centre = np.array([data.now, along])
-        curve(ax, centre, colours.FAINT, linewidth=1.0, linestyle="dashed")
-    name = r"$\omega_" + str(which + 1) + "$"
-    aside = np.roll(np.array([0.0, -0.14 * size, 0.0]), which - 2)
-    label(ax, along + aside, name, colours.AXES[which].colour)
-    fit(ax, data.path, shadow, np.diag(reach), np.zeros(3), elev=20.0, azim=35.0)
-    return FreeTopOmegaArtists(
-        ax=ax,
-        data=data,
-        start=start,
-        now=now,
-        amplitude=amplitude,
-        path=path,
-        projection=projection,
-    )
-
-
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class CoplanarVectors:
+class TopVectors:
     """L, omega and the axis of a free symmetric top, in their common plane.
 
     Attributes
@@ -240,35 +171,38 @@ class CoplanarVectors:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class CoplanarVectorsArtists:
-    """Artists of the figure :func:`coplanar_vectors`, which has a panel for each body.
+class CoplanarVectors(Picture):
+    """L, omega and the axis of free symmetric tops, each in their common plane.
 
     Attributes
     ----------
-    axes : tuple of Axes
-        The panels.
-    data : tuple of CoplanarVectors
-        Data of the figure.
-    omega, momentum : tuple of PlaneArrow
-        Arrows of omega, and of L scaled to a comparable length, with the attributes ``start`` and
-        ``vector``.
+    tops : tuple of TopVectors
+        The vectors of each body.
     """
 
-    axes: tuple[Any, ...]
-    data: tuple[CoplanarVectors, ...]
-    omega: tuple[Any, ...]
-    momentum: tuple[Any, ...]
+    tops: tuple[TopVectors, ...]
+
+    def _kinds(self) -> list[Kind]:
+        return ["plane"] * len(self.tops)
+
+    def _draw(self, *panels: Any) -> None:
+        for ax, one in zip(panels, self.tops, strict=True):
+            _draw_coplanar(ax, one)
 
 
-def coplanar_vectors_data(body: BodyLike, omega: ArrayLike) -> CoplanarVectors:
-    """Vectors of one panel of the figure :func:`coplanar_vectors`.
+def coplanar_vectors(bodies: Sequence[BodyLike], omega: ArrayLike) -> CoplanarVectors:
+    """L, omega and the axis of free symmetric tops in their common plane.
+
+    ``tan theta = (I / I3) tan alpha``: L lies between the axis and omega if the top is oblate, and
+    omega between the axis and L if it is prolate (Ercan 2016, figs. 11a, b, eqs. (47), (48)).
 
     Parameters
     ----------
-    body : Body, FreeBody or array_like, shape (3,)
-        The body, or principal moments (kg m²), two of them exactly equal.
+    bodies : sequence of Body, FreeBody or array_like, shape (3,)
+        A body for each panel, for example an oblate and a prolate top; or its principal moments
+        (kg m²), two of them exactly equal.
     omega : array_like, shape (3,)
-        Angular velocity in the body (rad/s), not zero.
+        Angular velocity in the body (rad/s), not zero, used for all bodies.
 
     Returns
     -------
@@ -277,21 +211,27 @@ def coplanar_vectors_data(body: BodyLike, omega: ArrayLike) -> CoplanarVectors:
     Raises
     ------
     ValueError
-        If the top is not symmetric, does not turn, or an argument is not finite.
+        If there are no bodies, a top is not symmetric, does not turn, or an argument is not finite.
 
     Examples
     --------
     >>> from rigid import figures
-    >>> data = figures.coplanar_vectors_data((1.0, 1.0, 1.6), [0.9, 0.0, 2.3])
-    >>> data.theta < data.alpha  # oblate
-    True
+    >>> oblate, prolate = figures.coplanar_vectors([(1, 1, 1.6), (1, 1, 0.55)], [0.9, 0, 2.3]).tops
+    >>> oblate.theta < oblate.alpha, prolate.theta < prolate.alpha
+    (True, False)
     """
+    if len(bodies) == 0:
+        raise ValueError("bodies: expected at least one, got none")
+    return CoplanarVectors(tops=tuple(_vectors_of(body, omega) for body in bodies))
+
+
+def _vectors_of(body: BodyLike, omega: ArrayLike) -> TopVectors:
     rates = turning(omega)
     top = symmetric_free_top(body, rates)
     moments, which = moments_of(body), int(top.axis) - 1
     across, along = float(moments[which - 2]), float(moments[which])
     flat = np.array([float(top.amplitude), rates[which]])
-    return CoplanarVectors(
+    return TopVectors(
         along=along,
         across=across,
         omega=flat,
@@ -301,60 +241,16 @@ def coplanar_vectors_data(body: BodyLike, omega: ArrayLike) -> CoplanarVectors:
     )
 
 
-def coplanar_vectors(
-    bodies: Sequence[BodyLike], omega: ArrayLike, *, axes: Sequence[Any] | None = None
-) -> CoplanarVectorsArtists:
-    """Draw L, omega and the axis of free symmetric tops in their common plane.
-
-    ``tan theta = (I / I3) tan alpha``: L lies between the axis and omega if the top is oblate, and
-    omega between the axis and L if it is prolate (Ercan 2016, figs. 11a, b, eqs. (47), (48)).
-
-    Parameters
-    ----------
-    bodies : sequence of Body, FreeBody or array_like, shape (3,)
-        A body for each panel, for example an oblate and a prolate top.
-    omega : array_like, shape (3,)
-        Angular velocity in the body (rad/s), used for all bodies.
-    axes : sequence of Axes, optional
-        Axes to draw on; by default the axes of a new figure.
-
-    Returns
-    -------
-    CoplanarVectorsArtists
-
-    Raises
-    ------
-    ValueError
-        As in :func:`coplanar_vectors_data`, and if there are no bodies, or not one axes for each.
-    ImportError
-        If Matplotlib is not installed.
-
-    Examples
-    --------
-    >>> from rigid import figures
-    >>> drawn = figures.coplanar_vectors([(1, 1, 1.6), (1, 1, 0.55)], [0.9, 0.0, 1.3])
-    >>> drawn.axes[0].figure.savefig("coplanar.png")  # doctest: +SKIP
-    """
-    if len(bodies) == 0:
-        raise ValueError("bodies: expected at least one, got none")
-    data = tuple(coplanar_vectors_data(body, omega) for body in bodies)
-    found = panels(axes, ["plane"] * len(data))
-    drawn = [_draw_coplanar(ax, one) for ax, one in zip(found, data, strict=True)]
-    return CoplanarVectorsArtists(
-        axes=tuple(found),
-        data=data,
-        omega=tuple(one for one, _ in drawn),
-        momentum=tuple(one for _, one in drawn),
-    )
-
-
-def _draw_coplanar(ax: Any, data: CoplanarVectors) -> tuple[Any, Any]:
+def _draw_coplanar(ax: Any, data: TopVectors) -> None:
     size = float(np.linalg.norm(data.omega))
     longer = 1.25 * size
     arrow_in_plane(ax, np.array([0.0, longer]), colours.Z.colour, "axis", linewidth=1.6)
-    spin = arrow_in_plane(ax, data.omega, colours.OMEGA.colour, colours.OMEGA.label, linewidth=2.4)
-    shown = longer * data.momentum / np.linalg.norm(data.momentum)
-    momentum = arrow_in_plane(ax, shown, colours.L.colour, colours.L.label, linewidth=2.4)
+    momentum = longer * data.momentum / np.linalg.norm(data.momentum)
+    for name, arrow_of, ink in (
+        ("omega", data.omega, colours.OMEGA),
+        ("momentum", momentum, colours.L),
+    ):
+        arrow_in_plane(ax, arrow_of, ink.colour, ink.label, linewidth=2.4, gid=name)
     for angle, radius, text in ((data.alpha, 0.62, r"$\alpha$"), (data.theta, 0.4, r"$\theta$")):
         turn = np.linspace(0.0, angle, 49)[:, np.newaxis]
         points = radius * size * np.hstack([np.sin(turn), np.cos(turn)])
@@ -369,7 +265,6 @@ def _draw_coplanar(ax: Any, data: CoplanarVectors) -> tuple[Any, Any]:
     ax.set_aspect("equal")
     ax.set(xlim=(-0.25 * size, 1.3 * size), ylim=(low * size, 1.55 * size))
     ax.set_axis_off()
-    return spin, momentum
 
 
 def turning(omega: ArrayLike) -> Floats:

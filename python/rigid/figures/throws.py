@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,18 +12,17 @@ from .. import free
 from .._checks.arguments import brief
 from ..animation.states import scene_of
 from ..drawing import colours
-from ..drawing.axes3d import KEY, in_plane, panels
+from ..drawing.axes3d import KEY, curve, dots
 from ..drawing.colours import on_ground
 from ..exact.symmetry import symmetry_of
 from ..model.scene import HeavyTop
 from ..solve.run import Run
+from .picture import Kind, Picture
 
 __all__ = [
     "Drift",
-    "DriftArtists",
-    "ThrowArtists",
+    "Throw",
     "invariants",
-    "invariants_data",
     "throw",
 ]
 
@@ -35,29 +33,57 @@ DASHES = ("solid", "dashed", "dotted")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class ThrowArtists:
-    """Artists of the figure :func:`throw`.
+class Throw(Picture):
+    """A body thrown about the axes 1, 2, 3 without noise, then with noise: six panels.
 
     Attributes
     ----------
-    axes : tuple of 6 Axes
-        Axes of the runs about the axes 1, 2, 3 without noise, then with noise.
-    data : ThrowExperiment
-        Data of the figure.
-    omega : tuple of 6 tuples of 3 Line2D
-        The rates about the axes of the body.
-    dots : tuple of 6 Line2D
-        The local indicator at whole seconds.
+    experiment : ThrowExperiment
+        Result of :func:`rigid.free.throw_experiment`, whose attributes the artists show.
     """
 
-    axes: tuple[Any, ...]
-    data: free.ThrowExperiment
-    omega: tuple[tuple[Any, ...], ...]
-    dots: tuple[Any, ...]
+    _columns: ClassVar[int | None] = 3
+    _panel_size: ClassVar[tuple[float, float] | None] = (11.0 / 3.0, 3.0)
+
+    experiment: free.ThrowExperiment
+
+    def _kinds(self) -> list[Kind]:
+        return ["plane"] * 6
+
+    def _draw(self, *places: Any) -> None:
+        data = self.experiment
+        low, high = min(data.omega.min(), 0.0), max(data.omega.max(), data.dots.max())
+        room = 0.08 * (high - low)
+        for k, ax in enumerate(places):
+            rates = [
+                curve(
+                    ax,
+                    np.stack([data.t, rate], axis=1),
+                    ink.colour,
+                    linewidth=1.6,
+                    linestyle=dash,
+                    gid="omega",
+                )
+                for rate, ink, dash in zip(data.omega[k].T, colours.AXES, DASHES, strict=True)
+            ]
+            growth = np.stack([data.dots_t, data.dots[k]], axis=1)
+            points = dots(ax, growth, colours.HUES["black"], markersize=3, gid="dots")
+            ax.axhline(0.0, color=on_ground(ax, colours.FAINT), linewidth=0.7, zorder=1)
+            ax.set(xlim=(0.0, data.t[-1]), ylim=(low - room, high + room))
+            how = "exactly" if k < 3 else "with noise"
+            ax.set_title(f"{how} about axis {k % 3 + 1}", fontsize="medium", loc="left")
+            if k >= 3:
+                ax.set_xlabel("$t$ (s)")
+        for row in (0, 3):
+            places[row].set_ylabel(r"$\omega$ (rad/s), growth rate (1/s)")
+        names = [*(rf"$\omega_{k}$" for k in (1, 2, 3)), r"growth rate: largest Re $\lambda$"]
+        places[0].figure.legend(
+            handles=[*rates, points], labels=names, loc="outside lower center", ncols=4, **KEY
+        )
 
 
-def throw(experiment: free.ThrowExperiment, *, axes: Sequence[Any] | None = None) -> ThrowArtists:
-    """Draw the rates of a body thrown about each of its axes, with and without noise.
+def throw(experiment: free.ThrowExperiment) -> Throw:
+    """The rates of a body thrown about each of its axes, with and without noise.
 
     The dots are the largest real part of an eigenvalue of the Jacobian at whole seconds: the growth
     rate of a disturbance if the angular velocity were constant. The value is positive on stable
@@ -68,81 +94,37 @@ def throw(experiment: free.ThrowExperiment, *, axes: Sequence[Any] | None = None
     ----------
     experiment : ThrowExperiment
         Result of :func:`rigid.free.throw_experiment`.
-    axes : sequence of 6 Axes, optional
-        Axes to draw on; by default the axes of a new figure.
 
     Returns
     -------
-    ThrowArtists
+    Throw
 
     Raises
     ------
     TypeError
         If ``experiment`` is no :class:`rigid.free.ThrowExperiment`.
-    ValueError
-        If there are not six axes.
-    ImportError
-        If Matplotlib is not installed.
 
     Examples
     --------
     >>> import rigid
     >>> from rigid import figures, free
     >>> thrown = free.throw_experiment(rigid.Body.box(0.01, 0.08, 0.25), [0.05, 0.05, 0.05])
-    >>> drawn = figures.throw(thrown)
-    >>> drawn.axes[0].figure.savefig("throw.png")  # doctest: +SKIP
+    >>> axes = figures.throw(thrown).plot()
+    >>> axes[0].figure.savefig("throw.png")  # doctest: +SKIP
     """
     if not isinstance(experiment, free.ThrowExperiment):
         raise TypeError(f"experiment = {brief(experiment)}: must be a rigid.free.ThrowExperiment")
-    places = panels(axes, ["plane"] * 6, columns=3)
-    if axes is None:
-        places[0].figure.set_size_inches(11.0, 6.0)
-    low = min(experiment.omega.min(), 0.0)
-    high = max(experiment.omega.max(), experiment.dots.max())
-    room = 0.08 * (high - low)
-    lines, dots = [], []
-    for k, ax in enumerate(places):
-        rates = experiment.omega[k].T
-        lines.append(
-            tuple(
-                ax.plot(
-                    experiment.t,
-                    rate,
-                    color=on_ground(ax, ink.colour),
-                    linewidth=1.6,
-                    linestyle=dash,
-                )[0]
-                for rate, ink, dash in zip(rates, colours.AXES, DASHES, strict=True)
-            )
-        )
-        dots += ax.plot(
-            experiment.dots_t,
-            experiment.dots[k],
-            "o",
-            color=on_ground(ax, colours.HUES["black"]),
-            markersize=3,
-        )
-        ax.axhline(0.0, color=on_ground(ax, colours.FAINT), linewidth=0.7, zorder=1)
-        ax.set(xlim=(0.0, experiment.t[-1]), ylim=(low - room, high + room))
-        how = "exactly" if k < 3 else "with noise"
-        ax.set_title(f"{how} about axis {k % 3 + 1}", fontsize="medium", loc="left")
-        if k >= 3:
-            ax.set_xlabel("$t$ (s)")
-    for row in (0, 3):
-        places[row].set_ylabel(r"$\omega$ (rad/s), growth rate (1/s)")
-    names = [*(rf"$\omega_{k}$" for k in (1, 2, 3)), r"growth rate: largest Re $\lambda$"]
-    places[0].figure.legend(
-        handles=[*lines[0], dots[0]], labels=names, loc="outside lower center", ncols=4, **KEY
-    )
-    return ThrowArtists(axes=tuple(places), data=experiment, omega=tuple(lines), dots=tuple(dots))
+    return Throw(experiment=experiment)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Drift:
+class Drift(Picture):
     """Drift of the constants of motion from their first values.
 
     Attributes
     ----------
+    method : str
+        Method of the run.
     t : ndarray, shape (m,)
         Times (s).
     names : tuple of str of length k
@@ -155,28 +137,28 @@ class Drift:
         start plus ``sqrt(mgl I_max)``.
     """
 
+    method: str
     t: Floats
     names: tuple[str, ...]
     drift: Floats
 
+    def _kinds(self) -> list[Kind]:
+        return ["plane"]
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class DriftArtists:
-    """Artists of the figure :func:`invariants`.
-
-    Attributes
-    ----------
-    ax : Axes
-        Axes of the figure.
-    data : Drift
-        Data of the figure.
-    lines : tuple of k Line2D
-        The drifts, in the order of ``data.names``.
-    """
-
-    ax: Any
-    data: Drift
-    lines: tuple[Any, ...]
+    def _draw(self, ax: Any) -> None:
+        rounding = ax.axhline(ROUNDING, color=on_ground(ax, colours.FAINT), linewidth=1.0, zorder=1)
+        rounding.set_label("rounding")
+        floor = 0.02 * ROUNDING
+        for name, values in zip(self.names, self.drift, strict=True):
+            words, colour = NAMES[name]
+            seen = np.stack([self.t, np.maximum(values, floor)], axis=1)
+            curve(ax, seen, colour, linewidth=1.2, label=words, gid="drift")
+        ax.set(
+            yscale="log", xlim=(self.t[0], self.t[-1]), xlabel="$t$ (s)", ylabel="relative drift"
+        )
+        ax.set_ylim(0.7 * floor, 10.0 * max(float(self.drift.max()), ROUNDING))
+        ax.set_title(self.method, fontsize="medium", loc="left")
+        ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False)
 
 
 NAMES = {
@@ -192,8 +174,11 @@ NAMES = {
 ROUNDING = float(np.finfo(np.float64).eps)
 
 
-def invariants_data(run: Run) -> Drift:
-    """Data of the figure :func:`invariants`, by :func:`rigid.free.invariants`.
+def invariants(run: Run) -> Drift:
+    """The drift of energy and angular momentum of a run, on a logarithmic scale.
+
+    The grey line is the rounding of a single number; a drift of exactly zero is drawn at the lower
+    edge. A constant that a method conserves remains near the grey line; other constants drift.
 
     Parameters
     ----------
@@ -220,7 +205,7 @@ def invariants_data(run: Run) -> Drift:
     >>> run = rigid.simulate(
     ...     scene, [1.0, 1.0, 1.0], t=np.linspace(0.0, 50.0, 101), method="rk4", step=0.05
     ... )
-    >>> data = figures.invariants_data(run)
+    >>> data = figures.invariants(run)
     >>> data.names, bool(data.drift[0].max() > 1e-9)
     (('energy', 'L', 'L_space'), True)
     """
@@ -255,59 +240,7 @@ def invariants_data(run: Run) -> Drift:
         change = values - values[:1]
         size = np.linalg.norm(change, axis=-1) if change.ndim == 2 else np.abs(change)
         drift.append(size / (energy if name.startswith("energy") else momentum))
-    return Drift(t=run.t, names=tuple(constants), drift=np.array(drift))
-
-
-def invariants(run: Run, *, ax: Any | None = None) -> DriftArtists:
-    """Draw the drift of energy and angular momentum of a run, on a logarithmic scale.
-
-    The grey line is the rounding of a single number; a drift of exactly zero is drawn at the lower
-    edge. A constant that a method conserves remains near the grey line; other constants drift.
-
-    Parameters
-    ----------
-    run
-        As in :func:`invariants_data`.
-    ax : Axes, optional
-        Axes to draw on; by default the axes of a new figure.
-
-    Returns
-    -------
-    DriftArtists
-
-    Raises
-    ------
-    TypeError, ValueError
-        As in :func:`invariants_data`, and if the axes are not two-dimensional.
-    ImportError
-        If Matplotlib is not installed.
-
-    Examples
-    --------
-    >>> import numpy as np, rigid
-    >>> from rigid import figures
-    >>> scene = rigid.FreeBody(rigid.Body((1.0, 2.0, 3.0)))
-    >>> run = rigid.simulate(
-    ...     scene, [1.0, 1.0, 1.0], t=np.linspace(0.0, 50.0, 101), method="rk4", step=0.05
-    ... )
-    >>> drawn = figures.invariants(run)
-    >>> drawn.ax.figure.savefig("drift.png")  # doctest: +SKIP
-    """
-    data = invariants_data(run)
-    ax = in_plane(ax)
-    rounding = ax.axhline(ROUNDING, color=on_ground(ax, colours.FAINT), linewidth=1.0, zorder=1)
-    rounding.set_label("rounding")
-    lines, floor = [], 0.02 * ROUNDING
-    for name, values in zip(data.names, data.drift, strict=True):
-        words, colour = NAMES[name]
-        seen = np.maximum(values, floor)
-        lines += ax.plot(data.t, seen, color=on_ground(ax, colour), linewidth=1.2, label=words)
-    ax.set(yscale="log", xlim=(data.t[0], data.t[-1]), xlabel="$t$ (s)", ylabel="relative drift")
-    ax.set_ylim(0.7 * floor, 10.0 * max(float(data.drift.max()), ROUNDING))
-    method = run.spec["method"]
-    ax.set_title(method, fontsize="medium", loc="left")
-    ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False)
-    return DriftArtists(ax=ax, data=data, lines=tuple(lines))
+    return Drift(method=run.spec["method"], t=run.t, names=tuple(constants), drift=np.array(drift))
 
 
 def _known(values: Floats | None) -> Floats:

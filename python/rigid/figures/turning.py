@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -17,30 +16,26 @@ from ..drawing.axes3d import (
     arrow_in_plane,
     curve,
     fit,
-    in_space,
     label,
-    panels,
+    triad,
 )
 from ..model.start import body_axis
 from ..rotations.euler import rotation_z
 from ..rotations.so3 import rotate
+from .picture import Kind, Picture
 
 __all__ = [
     "ActivePassive",
-    "ActivePassiveArtists",
     "UnitVectorChange",
-    "UnitVectorChangeArtists",
     "active_passive",
-    "active_passive_data",
     "unit_vector_change",
-    "unit_vector_change_data",
 ]
 
 Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class ActivePassive:
+class ActivePassive(Picture):
     """A turn in a plane, passive and active.
 
     Attributes
@@ -66,33 +61,52 @@ class ActivePassive:
     turned: Floats
     first_order: Floats
 
+    def _kinds(self) -> list[Kind]:
+        return ["plane", "plane"]
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class ActivePassiveArtists:
-    """Artists of the figure :func:`active_passive`.
+    def _draw(self, passive: Any, active: Any) -> None:
+        length = 1.2 * float(np.linalg.norm(self.vector))
+        black = colours.HUES["black"]
+        thin: dict[str, Any] = {"linewidth": 1.0, "linestyle": "dashed"}
 
-    Attributes
-    ----------
-    axes : tuple of 2 Axes
-        The panels, passive and active.
-    data : ActivePassive
-        Data of the figure.
-    turned_axes : tuple of 2 PlaneArrow
-        Passive: the axes after the turn; an arrow has the attributes ``start`` and ``vector``.
-    vector, turned, change : PlaneArrow
-        Active: the vector before and after the turn, and its change to first order.
-    """
+        for along, old, ink in zip(self.axes, np.eye(2), colours.AXES[:2], strict=True):
+            name = ink.label.strip("$")
+            arrow_in_plane(passive, length * old, ink.colour, ink.label, **thin)
+            arrow_in_plane(passive, length * along, ink.colour, f"${name}'$", gid="axes")
+            arrow_in_plane(active, length * old, ink.colour, ink.label)
+        for component, along, ink in zip(self.seen, self.axes, colours.AXES[:2], strict=True):
+            foot = np.array([self.vector, component * along])
+            curve(passive, foot, ink.colour, linewidth=0.9, linestyle="dotted")
+        arrow_in_plane(passive, self.vector, black, colours.POSITION.label)
+        _flat_arc(passive, 0.0, self.angle, 0.42 * length)
 
-    axes: tuple[Any, ...]
-    data: ActivePassive
-    turned_axes: tuple[Any, ...]
-    vector: Any
-    turned: Any
-    change: Any
+        arrow_in_plane(active, self.vector, black, colours.POSITION.label, gid="vector", **thin)
+        arrow_in_plane(active, self.turned, black, r"$\mathbf{r}'$", gid="turned")
+        purple = colours.HUES["purple"]
+        tip: dict[str, Any] = {"start": self.vector, "linewidth": 1.4, "gid": "first_order"}
+        arrow_in_plane(active, self.first_order, purple, **tip)
+        beside = self.vector + 0.5 * self.first_order + 0.04 * self.vector
+        label(active, beside, r"$\varepsilon\,\mathbf{n}\times\mathbf{r}$", purple, ha="left")
+        start = float(np.arctan2(self.vector[1], self.vector[0]))
+        _flat_arc(active, start, start + self.angle, 0.42 * length)
+
+        shown = np.vstack(
+            [[[0.0, 0.0]], length * np.eye(2), length * self.axes, [self.vector, self.turned]]
+        )
+        for ax, title in (
+            (passive, "passive: the axes turn"),
+            (active, "active: the vector turns"),
+        ):
+            _flat(ax, shown, 0.18 * length)
+            ax.set_title(title, fontsize="medium")
 
 
-def active_passive_data(angle: float, *, vector: ArrayLike = (0.75, 0.6)) -> ActivePassive:
-    """Vectors of the figure :func:`active_passive`.
+def active_passive(angle: float = 0.35, *, vector: ArrayLike = (0.75, 0.6)) -> ActivePassive:
+    """A turn of the axes (passive) and a turn of the vector (active).
+
+    In the passive turn the axes turn and the components of the vector change. In the active turn
+    the vector turns and changes by ``angle n × r`` to first order. A passive turn gives the same
+    components as the active turn by the opposite angle (lecture notes, fig. 5.1).
 
     Parameters
     ----------
@@ -114,7 +128,7 @@ def active_passive_data(angle: float, *, vector: ArrayLike = (0.75, 0.6)) -> Act
     --------
     >>> import numpy as np
     >>> from rigid import figures
-    >>> data = figures.active_passive_data(np.pi / 2, vector=[1.0, 0.0])
+    >>> data = figures.active_passive(np.pi / 2, vector=[1.0, 0.0])
     >>> data.turned.round(12).tolist(), (data.seen.round(12) + 0.0).tolist()
     ([0.0, 1.0], [0.0, -1.0])
     """
@@ -131,87 +145,8 @@ def active_passive_data(angle: float, *, vector: ArrayLike = (0.75, 0.6)) -> Act
     )
 
 
-def active_passive(
-    angle: float = 0.35,
-    *,
-    vector: ArrayLike = (0.75, 0.6),
-    axes: Sequence[Any] | None = None,
-) -> ActivePassiveArtists:
-    """Draw a turn of the axes (passive) and a turn of the vector (active).
-
-    In the passive turn the axes turn and the components of the vector change. In the active turn
-    the vector turns and changes by ``angle n × r`` to first order. A passive turn gives the same
-    components as the active turn by the opposite angle (lecture notes, fig. 5.1).
-
-    Parameters
-    ----------
-    angle, vector
-        As in :func:`active_passive_data`.
-    axes : sequence of 2 Axes, optional
-        Axes to draw on; by default the axes of a new figure.
-
-    Returns
-    -------
-    ActivePassiveArtists
-
-    Raises
-    ------
-    ValueError
-        As in :func:`active_passive_data`, and if there are not two axes.
-    ImportError
-        If Matplotlib is not installed.
-
-    Examples
-    --------
-    >>> from rigid import figures
-    >>> drawn = figures.active_passive(0.3)
-    >>> drawn.axes[0].figure.savefig("turns.png")  # doctest: +SKIP
-    """
-    data = active_passive_data(angle, vector=vector)
-    passive, active = panels(axes, ["plane", "plane"])
-    length = 1.2 * float(np.linalg.norm(data.vector))
-    black = colours.HUES["black"]
-    thin: dict[str, Any] = {"linewidth": 1.0, "linestyle": "dashed"}
-
-    turned_axes = []
-    for along, old, ink in zip(data.axes, np.eye(2), colours.AXES[:2], strict=True):
-        name = ink.label.strip("$")
-        arrow_in_plane(passive, length * old, ink.colour, ink.label, **thin)
-        turned_axes.append(arrow_in_plane(passive, length * along, ink.colour, f"${name}'$"))
-        arrow_in_plane(active, length * old, ink.colour, ink.label)
-    for component, along, ink in zip(data.seen, data.axes, colours.AXES[:2], strict=True):
-        foot = np.array([data.vector, component * along])
-        curve(passive, foot, ink.colour, linewidth=0.9, linestyle="dotted")
-    arrow_in_plane(passive, data.vector, black, colours.POSITION.label)
-    _flat_arc(passive, 0.0, data.angle, 0.42 * length)
-
-    before = arrow_in_plane(active, data.vector, black, colours.POSITION.label, **thin)
-    after = arrow_in_plane(active, data.turned, black, r"$\mathbf{r}'$")
-    purple = colours.HUES["purple"]
-    change = arrow_in_plane(active, data.first_order, purple, start=data.vector, linewidth=1.4)
-    beside = data.vector + 0.5 * data.first_order + 0.04 * data.vector
-    label(active, beside, r"$\varepsilon\,\mathbf{n}\times\mathbf{r}$", purple, ha="left")
-    start = float(np.arctan2(data.vector[1], data.vector[0]))
-    _flat_arc(active, start, start + data.angle, 0.42 * length)
-
-    shown = np.vstack(
-        [[[0.0, 0.0]], length * np.eye(2), length * data.axes, [data.vector, data.turned]]
-    )
-    for ax, title in ((passive, "passive: the axes turn"), (active, "active: the vector turns")):
-        _flat(ax, shown, 0.18 * length)
-        ax.set_title(title, fontsize="medium")
-    return ActivePassiveArtists(
-        axes=(passive, active),
-        data=data,
-        turned_axes=tuple(turned_axes),
-        vector=before,
-        turned=after,
-        change=change,
-    )
-
-
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class UnitVectorChange:
+class UnitVectorChange(Picture):
     """A unit vector under a small turn about another.
 
     Attributes
@@ -235,33 +170,40 @@ class UnitVectorChange:
     change: Floats
     first_order: Floats
 
+    def _draw(self, ax: Any) -> None:
+        one, other = int(self.unit.argmax()), int(self.about.argmax())
+        names = [rf"$\mathbf{{e}}_{number}$" for number in (1, 2, 3)]
+        triad(ax, np.eye(3), np.zeros(3), names, linewidth=2.0, gid="axes")
+        third = 3 - one - other
+        toward = np.sign(self.first_order[third]) * np.eye(3)[third]
+        if toward.any():
+            part = np.array([np.zeros(3), 0.6 * toward])
+            curve(ax, part, colours.AXES[third].colour, linewidth=1.0, linestyle="dashed")
+        colour = colours.AXES[one].colour
+        arrow(ax, self.turned, colour, linestyle="dashed", gid="turned")
+        below = 0.95 * self.turned + 0.1 * toward
+        label(ax, below, rf"$\mathbf{{e}}_{one + 1}'$", colour)
+        black = colours.HUES["black"]
+        tip: dict[str, Any] = {"start": self.unit, "linewidth": 1.8}
+        arrow(ax, self.change, black, gid="change", **tip)
+        label(ax, 0.87 * self.unit + 0.6 * self.change, rf"$\Delta\mathbf{{e}}_{one + 1}$", black)
+        purple = colours.OMEGA.colour
+        arrow(ax, self.first_order, purple, gid="first_order", **tip)
+        product = rf"$\delta\,\mathbf{{e}}_{other + 1}\times\mathbf{{e}}_{one + 1}$"
+        label(ax, 1.04 * self.unit + 0.5 * self.first_order, product, purple, ha="left")
+        arc(ax, self.about, 0.45 * self.unit, self.angle, black, r"$\delta$")
+        # The sense of the turn: most of a circle about the axis.
+        sense = np.copysign(5.0, self.angle)
+        arc(ax, self.about, 0.12 * np.eye(3)[third], sense, purple, centre=0.6 * self.about)
+        shown = np.vstack([np.eye(3), self.turned, self.unit + self.first_order, np.zeros(3)])
+        fit(ax, shown, elev=18.0, azim=-58.0, filled=0.85)
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class UnitVectorChangeArtists:
-    """Artists of the figure :func:`unit_vector_change`.
 
-    Attributes
-    ----------
-    ax : Axes3D
-        Axes of the figure.
-    data : UnitVectorChange
-        Data of the figure.
-    axes : tuple of 3 SpaceArrow
-        The unit vectors before the turn; an arrow has the attributes ``start`` and ``vector``.
-    turned, change, first_order : SpaceArrow
-        The vector after the turn, the difference, and the difference to first order.
-    """
+def unit_vector_change(angle: float = 0.35, *, unit: int = 1, about: int = 2) -> UnitVectorChange:
+    """How a unit vector changes in a small turn about another: ``d e/dt = omega × e``.
 
-    ax: Any
-    data: UnitVectorChange
-    axes: tuple[Any, ...]
-    turned: Any
-    change: Any
-    first_order: Any
-
-
-def unit_vector_change_data(angle: float, *, unit: int = 1, about: int = 2) -> UnitVectorChange:
-    """Vectors of the figure :func:`unit_vector_change`.
+    A turn about axis 2 moves the first unit vector towards the negative third axis (Ercan 2016,
+    fig. 8, eqs. (13)-(15); the caption names the first axis instead, erratum D-05).
 
     Parameters
     ----------
@@ -282,7 +224,7 @@ def unit_vector_change_data(angle: float, *, unit: int = 1, about: int = 2) -> U
     Examples
     --------
     >>> from rigid import figures
-    >>> figures.unit_vector_change_data(1e-3).first_order.tolist()
+    >>> figures.unit_vector_change(1e-3).first_order.tolist()
     [0.0, 0.0, -0.001]
     """
     turn = finite_float("angle", angle)
@@ -298,82 +240,6 @@ def unit_vector_change_data(angle: float, *, unit: int = 1, about: int = 2) -> U
         turned=turned,
         change=turned - before,
         first_order=turn * np.cross(axis, before),
-    )
-
-
-def unit_vector_change(
-    angle: float = 0.35, *, unit: int = 1, about: int = 2, ax: Any | None = None
-) -> UnitVectorChangeArtists:
-    """Draw how a unit vector changes in a small turn about another: ``d e/dt = omega × e``.
-
-    A turn about axis 2 moves the first unit vector towards the negative third axis (Ercan 2016,
-    fig. 8, eqs. (13)-(15); the caption names the first axis instead, erratum D-05).
-
-    Parameters
-    ----------
-    angle, unit, about
-        As in :func:`unit_vector_change_data`.
-    ax : Axes3D, optional
-        Axes to draw on; by default the axes of a new figure.
-
-    Returns
-    -------
-    UnitVectorChangeArtists
-
-    Raises
-    ------
-    ValueError
-        As in :func:`unit_vector_change_data`, and if the axes are not three-dimensional.
-    ImportError
-        If Matplotlib is not installed.
-
-    Examples
-    --------
-    >>> from rigid import figures
-    >>> drawn = figures.unit_vector_change(0.3)
-    >>> drawn.ax.figure.savefig("change.png")  # doctest: +SKIP
-    """
-    data = unit_vector_change_data(angle, unit=unit, about=about)
-    ax = in_space(ax)
-    one, other = int(data.unit.argmax()), int(data.about.argmax())
-    axes = tuple(
-        arrow(ax, along, ink.colour, rf"$\mathbf{{e}}_{number}$", linewidth=2.0)
-        for number, along, ink in zip((1, 2, 3), np.eye(3), colours.AXES, strict=True)
-    )
-    third = 3 - one - other
-    toward = np.sign(data.first_order[third]) * np.eye(3)[third]
-    if toward.any():
-        curve(
-            ax,
-            np.array([np.zeros(3), 0.6 * toward]),
-            colours.AXES[third].colour,
-            linewidth=1.0,
-            linestyle="dashed",
-        )
-    colour = colours.AXES[one].colour
-    turned = arrow(ax, data.turned, colour, linestyle="dashed")
-    below = 0.95 * data.turned + 0.1 * toward
-    label(ax, below, rf"$\mathbf{{e}}_{one + 1}'$", colour)
-    black = colours.HUES["black"]
-    change = arrow(ax, data.change, black, start=data.unit, linewidth=1.8)
-    label(ax, 0.87 * data.unit + 0.6 * data.change, rf"$\Delta\mathbf{{e}}_{one + 1}$", black)
-    purple = colours.OMEGA.colour
-    first = arrow(ax, data.first_order, purple, start=data.unit, linewidth=1.8)
-    label(
-        ax,
-        1.04 * data.unit + 0.5 * data.first_order,
-        rf"$\delta\,\mathbf{{e}}_{other + 1}\times\mathbf{{e}}_{one + 1}$",
-        purple,
-        ha="left",
-    )
-    arc(ax, data.about, 0.45 * data.unit, data.angle, black, r"$\delta$")
-    # The sense of the turn: most of a circle about the axis.
-    sense = np.copysign(5.0, data.angle)
-    arc(ax, data.about, 0.12 * np.eye(3)[third], sense, purple, centre=0.6 * data.about)
-    shown = np.vstack([np.eye(3), data.turned, data.unit + data.first_order, np.zeros(3)])
-    fit(ax, shown, elev=18.0, azim=-58.0, filled=0.85)
-    return UnitVectorChangeArtists(
-        ax=ax, data=data, axes=axes, turned=turned, change=change, first_order=first
     )
 
 

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,24 +11,22 @@ from numpy.typing import ArrayLike, NDArray
 from .. import top
 from .._checks.arguments import finite_float, positive_int, shaped
 from ..drawing import colours
-from ..drawing.axes3d import panels
+from ..drawing.axes3d import curve
 from ..drawing.colours import on_ground
 from ..drawing.shapes import across
 from ..model.scene import HeavyTop, check_heavy_top, require_unforced
 from ..rotations.euler import rotation_x
 from ..rotations.quaternions import matrix_to_quaternion
 from .paths import UP
+from .picture import Kind, Picture
 
-if TYPE_CHECKING:
-    pass
-
-__all__ = ["Cycloids", "CycloidsArtists", "cycloids", "cycloids_data"]
+__all__ = ["Cycloids", "cycloids"]
 
 Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Cycloids:
+class Cycloids(Picture):
     """Paths of the axis of a fast top, unrolled, and the cycloids that approximate them.
 
     Attributes
@@ -48,6 +45,9 @@ class Cycloids:
         Azimuth and tilt to first order in the amplitude.
     """
 
+    _columns: ClassVar[int | None] = 1
+    _panel_size: ClassVar[tuple[float, float] | None] = (7.0, 2.2)
+
     t: Floats
     kind: NDArray[np.str_]
     tilt: float
@@ -57,28 +57,32 @@ class Cycloids:
     phi_approx: Floats
     theta_approx: Floats
 
+    def _kinds(self) -> list[Kind]:
+        return ["plane"] * len(self.kind)
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class CycloidsArtists:
-    """Artists of the figure :func:`cycloids`.
+    def _draw(self, *places: Any) -> None:
+        red, black = colours.HUES["vermilion"], colours.HUES["black"]
+        scale = np.sin(self.tilt)
+        dashed: dict[str, Any] = {"linewidth": 1.0, "linestyle": "dashed"}
+        for k, ax in enumerate(places):
+            path = np.degrees([scale * self.phi[k], self.theta[k]]).T
+            curve(ax, path, red, linewidth=1.8, gid="theta")
+            cycloid = np.degrees([scale * self.phi_approx[k], self.theta_approx[k]]).T
+            curve(ax, cycloid, black, gid="theta_approx", **dashed)
+            ax.axhline(
+                np.degrees(self.tilt), color=on_ground(ax, colours.FAINT), linewidth=0.8, zorder=1
+            )
+            ax.set_title(str(self.kind[k]), fontsize="medium", loc="left")
+            ax.set_aspect("equal", adjustable="datalim")
+            ax.invert_yaxis()
+            ax.set_ylabel(r"tilt $\theta$ (°)")
+        if places:
+            first_order = "dashed: the cycloid of first order"
+            places[0].set_title(first_order, fontsize="small", loc="right")
+            places[-1].set_xlabel(r"azimuth $\phi\,\sin\theta_0$ (°)")
 
-    Attributes
-    ----------
-    axes : tuple of k Axes
-        Axes of the figure.
-    data : Cycloids
-        Data of the figure.
-    exact, approximate : tuple of k Line2D
-        The paths and the cycloids.
-    """
 
-    axes: tuple[Any, ...]
-    data: Cycloids
-    exact: tuple[Any, ...]
-    approximate: tuple[Any, ...]
-
-
-def cycloids_data(
+def cycloids(
     scene: HeavyTop,
     tilt: float,
     spin: float,
@@ -87,7 +91,10 @@ def cycloids_data(
     periods: float = 4.0,
     samples: int = 801,
 ) -> Cycloids:
-    """Data of the figure :func:`cycloids`.
+    """The path of the axis of a fast top, unrolled, and the cycloid that approximates it.
+
+    Goldstein, *Classical Mechanics*, § 5.7; Ercan 2016, fig. 16 and eqs. (65)-(68): monotone, cusp
+    or loop as ``|omega_P - omega_0|`` is below, at or above ``omega_P``.
 
     Parameters
     ----------
@@ -120,7 +127,7 @@ def cycloids_data(
     >>> import rigid
     >>> from rigid import figures
     >>> scene = rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0)
-    >>> figures.cycloids_data(scene, 1.0, 40.0).kind.tolist()
+    >>> figures.cycloids(scene, 1.0, 40.0).kind.tolist()
     ['monotone', 'cusp', 'loop']
     """
     require_unforced(check_heavy_top(scene), "a picture of cycloids")
@@ -161,83 +168,3 @@ def _turning_point(
     about = side * spin - precession * along[2]
     rates = precession[:, np.newaxis] * UP + about[:, np.newaxis] * along
     return matrix_to_quaternion(matrix), rates @ matrix
-
-
-def cycloids(
-    scene: HeavyTop,
-    tilt: float,
-    spin: float,
-    *,
-    pushes: ArrayLike = (0.5, 0.0, -1.0),
-    periods: float = 4.0,
-    axes: Sequence[Any] | None = None,
-) -> CycloidsArtists:
-    """Draw the path of the axis of a fast top, unrolled, and the cycloid that approximates it.
-
-    Goldstein, *Classical Mechanics*, § 5.7; Ercan 2016, fig. 16 and eqs. (65)-(68): monotone, cusp
-    or loop as ``|omega_P - omega_0|`` is below, at or above ``omega_P``.
-
-    Parameters
-    ----------
-    scene, tilt, spin, pushes, periods
-        As in :func:`cycloids_data`.
-    axes : sequence of k Axes, optional
-        Axes to draw on; by default the axes of a new figure, one above the other.
-
-    Returns
-    -------
-    CycloidsArtists
-
-    Raises
-    ------
-    ValueError
-        As in :func:`cycloids_data`, and if there are not k axes.
-    ImportError
-        If Matplotlib is not installed.
-
-    Examples
-    --------
-    >>> import rigid
-    >>> from rigid import figures
-    >>> scene = rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0)
-    >>> drawn = figures.cycloids(scene, 1.0, 40.0)
-    >>> drawn.axes[0].figure.savefig("cycloids.png")  # doctest: +SKIP
-    """
-    data = cycloids_data(scene, tilt, spin, pushes=pushes, periods=periods)
-    places = panels(axes, ["plane"] * len(data.kind), columns=1)
-    if axes is None and places:
-        places[0].figure.set_size_inches(7.0, 2.2 * len(places))
-    red, black = colours.HUES["vermilion"], colours.HUES["black"]
-    scale = np.sin(data.tilt)
-    exact_lines: list[Any] = []
-    approximate: list[Any] = []
-    for k, ax in enumerate(places):
-        for phi, theta, lines, style in (
-            (
-                data.phi[k],
-                data.theta[k],
-                exact_lines,
-                {"color": on_ground(ax, red), "linewidth": 1.8},
-            ),
-            (
-                data.phi_approx[k],
-                data.theta_approx[k],
-                approximate,
-                {"color": on_ground(ax, black), "linewidth": 1.0, "linestyle": "dashed"},
-            ),
-        ):
-            lines += ax.plot(np.degrees(scale * phi), np.degrees(theta), **style)
-        ax.axhline(
-            np.degrees(data.tilt), color=on_ground(ax, colours.FAINT), linewidth=0.8, zorder=1
-        )
-        ax.set_title(str(data.kind[k]), fontsize="medium", loc="left")
-        ax.set_aspect("equal", adjustable="datalim")
-        ax.invert_yaxis()
-        ax.set_ylabel(r"tilt $\theta$ (°)")
-    if places:
-        first_order = "dashed: the cycloid of first order"
-        places[0].set_title(first_order, fontsize="small", loc="right")
-        places[-1].set_xlabel(r"azimuth $\phi\,\sin\theta_0$ (°)")
-    return CycloidsArtists(
-        axes=tuple(places), data=data, exact=tuple(exact_lines), approximate=tuple(approximate)
-    )

@@ -10,7 +10,7 @@ from types import ModuleType
 import pytest
 
 import rigid
-from rigid.figures.colours import Ink
+from rigid.drawing import colours
 
 ROOT = Path(__file__).parents[3]
 TESTS = ROOT / "tests" / "python"
@@ -214,7 +214,7 @@ def test_a_symbol_has_one_meaning_and_pictures_use_it() -> None:
         for symbol in re.findall(r"\$(.*?)\$", cell)
     ]
     assert len(set(symbols)) == len(symbols)
-    inks = [ink for ink in vars(rigid.figures.colours).values() if isinstance(ink, Ink)]
+    inks = [ink for ink in vars(colours).values() if isinstance(ink, colours.Ink)]
     labels = {ink.label[1:-1] for ink in inks if ink.label.startswith("$")}
     assert len(labels) >= 8
     assert labels <= set(symbols)

@@ -165,7 +165,7 @@ def test_pyplot_shows_the_pictures_of_a_script_that_imports_it() -> None:
     python_process(
         CODE + "import matplotlib; matplotlib.use('agg'); import matplotlib.pyplot as plt\n"
         "ax = points.plot(); assert [ax.figure.number] == plt.get_fignums()\n"
-        "rigid.figures.box(rigid.Body.box(0.25, 0.08, 0.01))\n"
+        "rigid.figures.box(rigid.Body.box(0.25, 0.08, 0.01)).plot()\n"
         "assert len(plt.get_fignums()) == 2\n"
         "points._repr_html_(); assert len(plt.get_fignums()) == 2\n"
     )

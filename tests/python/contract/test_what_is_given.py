@@ -129,7 +129,7 @@ TAKES_A_TOP: dict[str, Callable[[Any], Any]] = {
     "stability_map": lambda scene: rigid.stability_map(
         scene, axes={"spin": [1.0, 2.0]}, samples=1, t_end=1.0, stable=rigid.no_flip()
     ),
-    "heavy_top": lambda scene: figures.heavy_top_data(scene, (0.1, 0.2, 0.3)),
+    "heavy_top": lambda scene: figures.heavy_top(scene, (0.1, 0.2, 0.3)),
     **{name: call for name, call in OF_TOPS.items() if name != "on_surface"},
 }
 
@@ -148,7 +148,7 @@ def test_a_pair_of_a_top_and_its_axes_is_recognised(name: str) -> None:
         lambda body: rigid.HeavyTop.from_mass(body, com=(0, 0, 1.0), mass=1.0),
         lambda body: rigid.simulate(body, RATES, t=[1.0]),
         lambda body: particles.propagate_body(body, [0, 0, 0], [0, 0, 0], RATES, t=[1.0]),
-        figures.box_data,
+        figures.box,
         *OF_BODIES.values(),
     ],
 )
@@ -171,7 +171,7 @@ def test_a_pair_of_numbers_is_no_body_with_axes() -> None:
     [
         lambda ax: rigid.simulate(BODY, RATES, t=[0.0, 1.0]).plot(ax),
         lambda ax: rigid.lyapunov(BODY, RATES, t=[1.0, 2.0], check=False).plot(ax=ax),
-        lambda ax: figures.polhodes((1.0, 2.0, 2.5), ax=ax),
+        lambda ax: figures.polhodes((1.0, 2.0, 2.5)).plot(ax),
     ],
 )
 def test_axes_are_those_of_matplotlib(draw: Callable[[Any], Any]) -> None:

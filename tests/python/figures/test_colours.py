@@ -18,7 +18,7 @@ from matplotlib.text import Text
 
 import rigid
 from rigid.drawing import colours
-from rigid.figures.colours import DARK_STYLE, on_ground
+from rigid.drawing.colours import DARK_STYLE, on_ground
 from rigid.reports.plot import FAMILIES, OTHERS
 
 SOURCES = Path(rigid.__file__).parent
@@ -138,12 +138,12 @@ def drawn_map() -> Any:
 
 
 def drawn_frame() -> Any:
-    return rigid.figures.node_frame([0.9, 0.7, 0.8]).ax
+    return rigid.figures.node_frame([0.9, 0.7, 0.8]).plot()
 
 
 def drawn_cubic() -> Any:
     top = rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0)
-    return rigid.figures.upright_cubic(top, [1.0, 2.0, 3.0]).axes[0]
+    return rigid.figures.upright_cubic(top, [1.0, 2.0, 3.0]).plot()[0]
 
 
 @contextmanager

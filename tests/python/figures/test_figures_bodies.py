@@ -12,6 +12,7 @@ import pytest
 from matplotlib.colors import to_hex
 
 import rigid
+from figure_cases import artist, artists, data_of, drawn
 from rigid import figures, fixed_axis, free, rotations, springs
 from rigid.drawing import colours
 
@@ -25,17 +26,8 @@ MASSES = np.array([1.0, 2.0, 1.0, 1.5, 1.0])
 TILTED = np.array([[2.0, 0.0, -0.5], [0.0, 2.0, 0.2], [-0.5, 0.2, 1.5]])
 
 
-def drawn(ax: Any) -> None:
-    """Draws the figure; a warning is an error."""
-    ax.figure.savefig(BytesIO(), format="png", dpi=40)
-
-
 def unit(vector: Any) -> Any:
     return vector / np.linalg.norm(vector, axis=-1, keepdims=True)
-
-
-def points_of(line: Any) -> Any:
-    return np.array(line.get_data_3d()).T
 
 
 def heavy(mgl: float = 2.0) -> rigid.HeavyTop:
@@ -45,7 +37,7 @@ def heavy(mgl: float = 2.0) -> rigid.HeavyTop:
 @pytest.mark.parametrize(("body", "omega"), TOPS)
 def test_omega_turns_by_k_t_on_a_circle_about_the_axis(body: Any, omega: Any) -> None:
     t = 0.8
-    data = figures.free_top_omega_data(body, omega, t=t)
+    data = figures.free_top_omega(body, omega, t=t)
     run = rigid.simulate(rigid.FreeBody(rigid.Body(body)), omega, t=[0.0, t])
     np.testing.assert_allclose(data.now, run.omega[..., -1, :].reshape(3), rtol=0, atol=1e-12)
     turned = rotations.rotate(data.start, data.axis, data.angle)
@@ -58,27 +50,28 @@ def test_omega_turns_by_k_t_on_a_circle_about_the_axis(body: Any, omega: Any) ->
 
 
 def test_the_sense_of_the_turn_tells_oblate_from_prolate() -> None:
-    assert figures.free_top_omega_data(OBLATE, OMEGA).k == pytest.approx(1.38, abs=1e-15)
-    assert figures.free_top_omega_data(PROLATE, OMEGA).k == pytest.approx(-1.035, abs=1e-15)
+    assert figures.free_top_omega(OBLATE, OMEGA).k == pytest.approx(1.38, abs=1e-15)
+    assert figures.free_top_omega(PROLATE, OMEGA).k == pytest.approx(-1.035, abs=1e-15)
 
 
 def test_omega_is_drawn_with_its_circle_and_the_part_across() -> None:
-    found = figures.free_top_omega(OBLATE, OMEGA, t=0.9)
-    data = found.data
-    np.testing.assert_array_equal(found.start.vector, OMEGA)
-    np.testing.assert_array_equal(found.now.vector, data.now)
-    np.testing.assert_array_equal(points_of(found.path), data.path)
-    assert np.abs(points_of(found.projection) @ data.axis).max() < 1e-15
-    assert np.linalg.norm(found.amplitude.vector) == pytest.approx(data.amplitude, rel=1e-14)
-    assert to_hex(found.now.get_edgecolor()) == colours.OMEGA.colour
-    drawn(found.ax)
-    drawn(figures.free_top_omega((1, 1, 1), OMEGA, t=3.0).ax)  # k = 0: nothing turns
-    drawn(figures.free_top_omega(OBLATE, (0.0, 0.0, -2.0)).ax)  # nothing across the axis
+    data = figures.free_top_omega(OBLATE, OMEGA, t=0.9)
+    ax = drawn(data)
+    np.testing.assert_array_equal(artist(ax, "start").vector, OMEGA)
+    np.testing.assert_array_equal(artist(ax, "now").vector, data.now)
+    np.testing.assert_array_equal(data_of(artist(ax, "path")), data.path)
+    assert np.abs(data_of(artist(ax, "projection")) @ data.axis).max() < 1e-15
+    assert np.linalg.norm(artist(ax, "amplitude").vector) == pytest.approx(
+        data.amplitude, rel=1e-14
+    )
+    assert to_hex(artist(ax, "now").get_edgecolor()) == colours.OMEGA.colour
+    drawn(figures.free_top_omega((1, 1, 1), OMEGA, t=3.0))  # k = 0: nothing turns
+    drawn(figures.free_top_omega(OBLATE, (0.0, 0.0, -2.0)))  # nothing across the axis
 
 
 def test_momentum_lies_on_one_side_of_omega_or_on_the_other() -> None:
     for body, sign in ((OBLATE, -1.0), (PROLATE, 1.0)):
-        data = figures.coplanar_vectors_data(body, OMEGA)
+        (data,) = figures.coplanar_vectors([body], OMEGA).tops
         ratio = data.across / data.along
         assert np.tan(data.theta) == pytest.approx(ratio * np.tan(data.alpha), rel=1e-14)
         assert np.sign(data.theta - data.alpha) == sign
@@ -88,21 +81,22 @@ def test_momentum_lies_on_one_side_of_omega_or_on_the_other() -> None:
 
 def test_each_body_has_its_panel() -> None:
     found = figures.coplanar_vectors([OBLATE, PROLATE, (1, 1, 1)], OMEGA)
-    titles = [ax.get_title() for ax in found.axes]
+    axes = drawn(found)
+    titles = [ax.get_title() for ax in axes]
     assert ["oblate" in titles[0], "prolate" in titles[1], "spherical" in titles[2]] == [True] * 3
-    for data, omega, momentum in zip(found.data, found.omega, found.momentum, strict=True):
+    for data, ax in zip(found.tops, axes, strict=True):
+        omega, momentum = artist(ax, "omega"), artist(ax, "momentum")
         np.testing.assert_array_equal(omega.vector, data.omega)
         np.testing.assert_allclose(unit(momentum.vector), unit(data.momentum), atol=2e-16)
         assert np.arctan2(*momentum.vector) == pytest.approx(data.theta, abs=1e-15)
         assert to_hex(momentum.get_edgecolor()) == colours.L.colour
-    drawn(found.axes[0])
-    drawn(figures.coplanar_vectors([OBLATE], (0.9, 0.0, -1.0)).axes[0])
+    drawn(figures.coplanar_vectors([OBLATE], (0.9, 0.0, -1.0)))
 
 
 @pytest.mark.parametrize(("body", "omega"), TOPS)
 @pytest.mark.parametrize("t", [0.0, 1.7])
 def test_cones_touch_along_omega(body: Any, omega: Any, t: float) -> None:
-    data = figures.cones_data(body, omega, t=t)
+    data = figures.cones(body, omega, t=t)
     for axis, half in ((data.axis, data.body_cone), (data.momentum, data.space_cone)):
         angle = np.arccos(unit(axis) @ unit(data.omega))
         assert angle == pytest.approx(half, abs=1e-13)
@@ -119,10 +113,10 @@ def test_the_body_cone_rolls_and_does_not_slip(body: Any, omega: Any) -> None:
     top = free.symmetric_free_top(body, omega)
     number, samples = 30, 121
     t = float(top.period) * number / (samples - 1)
-    data = figures.cones_data(body, omega, t=t, samples=samples)
+    data = figures.cones(body, omega, t=t, samples=samples)
     # The generator that the body carries to omega at t, and how far the contact has gone on both.
     np.testing.assert_allclose(data.body_rim[number], data.omega, rtol=0, atol=1e-12)
-    start = figures.cones_data(body, omega)
+    start = figures.cones(body, omega)
     rate = float(np.linalg.norm(omega))
     on_body = abs(float(top.k)) * t * rate * np.sin(data.body_cone)
     on_space = float(top.precession) * t * rate * np.sin(data.space_cone)
@@ -138,7 +132,7 @@ def test_the_space_cone_is_inside_or_outside_and_its_angle_is_not_theta() -> Non
         (OBLATE, "inside", 0.239857068984),
         (PROLATE, "outside", 0.618377530101),
     ):
-        data = figures.cones_data(body, OMEGA)
+        data = figures.cones(body, OMEGA)
         theta = float(np.arccos(data.axis[2]))
         assert data.rolling == rolling
         sign = 1.0 if rolling == "inside" else -1.0
@@ -149,25 +143,25 @@ def test_the_space_cone_is_inside_or_outside_and_its_angle_is_not_theta() -> Non
 
 
 def test_cones_are_drawn_from_their_rims() -> None:
-    found = figures.cones(PROLATE, OMEGA, t=0.4)
-    np.testing.assert_array_equal(points_of(found.body_rim), found.data.body_rim)
-    np.testing.assert_array_equal(points_of(found.space_rim), found.data.space_rim)
+    data = figures.cones(PROLATE, OMEGA, t=0.4)
+    ax = drawn(data)
+    np.testing.assert_array_equal(data_of(artist(ax, "body_rim")), data.body_rim)
+    np.testing.assert_array_equal(data_of(artist(ax, "space_rim")), data.space_rim)
     for arrow, true in (
-        (found.omega, found.data.omega),
-        (found.momentum, found.data.momentum),
-        (found.axis, found.data.axis),
+        (artist(ax, "omega"), data.omega),
+        (artist(ax, "momentum"), data.momentum),
+        (artist(ax, "axis"), data.axis),
     ):
         np.testing.assert_allclose(unit(arrow.vector), unit(true), rtol=0, atol=4e-16)
-    names = " ".join(text.get_text() for text in found.ax.texts)
-    assert f"body cone\n{np.degrees(found.data.body_cone):.1f}°" in names
-    drawn(found.ax)
-    drawn(figures.cones(OBLATE, OMEGA).ax)
+    names = " ".join(text.get_text() for text in ax.texts)
+    assert f"body cone\n{np.degrees(data.body_cone):.1f}°" in names
+    drawn(figures.cones(OBLATE, OMEGA))
 
 
 @pytest.mark.parametrize("angles", [(0.9, 0.6, 0.8), (0.3, 2.0, -1.0), (0.0, 0.0, 0.0)])
 def test_the_torque_of_the_weight_is_along_the_line_of_nodes(angles: Any) -> None:
     length, mgl = 0.7, 2.0
-    data = figures.heavy_top_data(heavy(mgl), angles, length=length)
+    data = figures.heavy_top(heavy(mgl), angles, length=length)
     np.testing.assert_allclose(data.torque, np.cross(data.com, data.weight), rtol=0, atol=1e-15)
     wanted = mgl * np.sin(angles[1]) * data.frame.node[0]
     np.testing.assert_allclose(data.torque, wanted, rtol=0, atol=1e-15)
@@ -182,55 +176,55 @@ def test_the_torque_of_the_weight_is_along_the_line_of_nodes(angles: Any) -> Non
 
 
 def test_the_top_is_drawn_with_weight_and_angles() -> None:
-    found = figures.heavy_top(heavy(), [0.9, 0.6, 0.8])
-    data = found.data
-    assert found.weight is not None
-    assert found.torque is not None
-    np.testing.assert_array_equal(found.weight.start, data.com)
-    np.testing.assert_allclose(unit(found.weight.vector), unit(data.weight), atol=1e-16)
-    np.testing.assert_allclose(unit(found.torque.vector), unit(data.torque), atol=2e-16)
-    ends = [points_of(line)[[0, -1]] for line in found.arcs]
+    data = figures.heavy_top(heavy(), [0.9, 0.6, 0.8])
+    ax = drawn(data)
+    np.testing.assert_array_equal(artist(ax, "weight").start, data.com)
+    np.testing.assert_allclose(unit(artist(ax, "weight").vector), unit(data.weight), atol=1e-16)
+    np.testing.assert_allclose(unit(artist(ax, "torque").vector), unit(data.torque), atol=2e-16)
+    ends = [data_of(line)[[0, -1]] for line in artists(ax, "angles")]
     np.testing.assert_allclose(unit(ends[1]), [[0, 0, 1], data.frame.body[2]], atol=2e-16)
     centre = data.rim[:-1].mean(axis=0)
     spins = unit(ends[2] - centre)
     np.testing.assert_allclose(spins, [data.frame.node[0], data.frame.body[0]], atol=1e-14)
-    drawn(found.ax)
-    upright = figures.heavy_top(heavy(0.0), [0.0, 0.0, 0.0])
-    assert upright.weight is upright.torque is None
-    drawn(upright.ax)
+    ax = drawn(figures.heavy_top(heavy(0.0), [0.0, 0.0, 0.0]))
+    assert not artists(ax, "weight") + artists(ax, "torque")
 
 
 def test_the_box_of_the_throw() -> None:
-    data = figures.box_data(rigid.Body.box(0.01, 0.08, 0.25, mass=12.0))
+    data = figures.box(rigid.Body.box(0.01, 0.08, 0.25, mass=12.0))
     np.testing.assert_allclose(data.moments, np.array([689, 626, 65]) * 1e-4, rtol=1e-14)
     assert data.kinds == ("stable", "unstable", "stable")
     assert len({tuple(corner) for corner in data.corners.tolist()}) == 8
     np.testing.assert_allclose(np.abs(data.corners), 0.5 * data.sides * np.ones((8, 1)), rtol=0)
     lengths = np.linalg.norm(np.diff(data.corners[data.edges], axis=1)[:, 0], axis=-1)
     np.testing.assert_allclose(np.sort(lengths), np.repeat([0.01, 0.08, 0.25], 4), rtol=1e-15)
-    neutral = figures.box_data(rigid.Body.box(0.1, 0.1, 0.3))
+    neutral = figures.box(rigid.Body.box(0.1, 0.1, 0.3))
     assert neutral.kinds == ("neutral", "neutral", "stable")
 
 
 def test_the_axes_of_the_box_start_on_its_faces() -> None:
-    found = figures.box(rigid.Body.box(0.1, 0.2, 0.3))
-    np.testing.assert_allclose([a.start for a in found.axes], np.diag([0.05, 0.1, 0.15]), rtol=0)
-    directions = unit(np.array([a.vector for a in found.axes]))
+    data = figures.box(rigid.Body.box(0.1, 0.2, 0.3))
+    ax = drawn(data)
+    np.testing.assert_allclose(
+        [a.start for a in artists(ax, "axes")], np.diag([0.05, 0.1, 0.15]), rtol=0
+    )
+    directions = unit(np.array([a.vector for a in artists(ax, "axes")]))
     np.testing.assert_allclose(directions, np.eye(3), rtol=0, atol=0)
-    shown = np.array([points_of(edge) for edge in found.edges])
-    np.testing.assert_array_equal(shown, found.data.corners[found.data.edges])
-    faint = [edge for edge in found.edges if edge.get_color() == colours.FAINT]
+    shown = np.array([data_of(edge) for edge in artists(ax, "edges")])
+    np.testing.assert_array_equal(shown, data.corners[data.edges])
+    faint = [edge for edge in artists(ax, "edges") if edge.get_color() == colours.FAINT]
     assert len(faint) == 3  # those at the corner behind
-    drawn(found.ax)
 
 
 @pytest.fixture(scope="module")
-def spring_figure() -> Any:
+def springs_of_a_body() -> Any:
     return figures.spring_modes(MASSES, CORNER, [0.0, 1.0, 0.3], stiffness=[1e2, 1e3, 1e4])
 
 
-def test_six_modes_have_no_frequency_and_distance_falls_as_one_over_k(spring_figure: Any) -> None:
-    data = spring_figure.data
+def test_six_modes_have_no_frequency_and_distance_falls_as_one_over_k(
+    springs_of_a_body: Any,
+) -> None:
+    data = springs_of_a_body
     assert data.zero == 6
     assert not data.frequencies[:6].any()
     assert (data.frequencies[6:] > 0.0).all()
@@ -242,28 +236,25 @@ def test_six_modes_have_no_frequency_and_distance_falls_as_one_over_k(spring_fig
     assert np.abs(printed / data.frequencies[6:] - 1.0).max() > 0.1
 
 
-def test_springs_are_drawn_as_spectrum_and_limit(spring_figure: Any) -> None:
-    data = spring_figure.data
-    modes = np.concatenate(
-        [line.get_xydata() for line in (spring_figure.rigid, spring_figure.elastic)]
-    )
+def test_springs_are_drawn_as_spectrum_and_limit(springs_of_a_body: Any) -> None:
+    data = springs_of_a_body
+    axes = drawn(data)
+    modes = np.concatenate([data_of(line) for line in artists(axes, "frequencies")])
     np.testing.assert_array_equal(modes, np.stack([np.arange(1, 16), data.frequencies], axis=1))
-    np.testing.assert_array_equal(
-        spring_figure.distance.get_xydata(), np.stack([data.stiffness, data.distance], axis=1)
-    )
-    slope = spring_figure.slope.get_xydata()
+    distances = np.stack([data.stiffness, data.distance], axis=1)
+    np.testing.assert_array_equal(data_of(artist(axes, "distance")), distances)
+    slope = data_of(artist(axes, "slope"))
     assert np.ptp(slope[:, 0] * slope[:, 1]) < 1e-12 * slope[0, 0] * slope[0, 1]
-    spectrum, limit = spring_figure.axes
+    spectrum, limit = axes
     assert "rad/s" in spectrum.get_ylabel()
     assert "(N/m)" in limit.get_xlabel()
     assert "(m)" in limit.get_ylabel()
     assert (limit.get_xscale(), limit.get_yscale()) == ("log", "log")
-    drawn(spectrum)
 
 
 def test_torque_in_space_is_the_rate_of_change_of_the_angular_momentum() -> None:
     omega, omega_dot, step = 10.0, 8.0, 1e-5
-    data = figures.bearing_torque_data(TILTED, omega, omega_dot=omega_dot)
+    data = figures.bearing_torque(TILTED, omega, omega_dot=omega_dot)
     ends = [
         fixed_axis.bearing_torques(
             TILTED,
@@ -279,43 +270,44 @@ def test_torque_in_space_is_the_rate_of_change_of_the_angular_momentum() -> None
 
 
 def test_the_bearings_feel_the_square_of_the_rate() -> None:
-    data = figures.bearing_torque_data(TILTED, 10.0)
+    data = figures.bearing_torque(TILTED, 10.0)
     product = np.hypot(TILTED[0, 2], TILTED[1, 2])
     np.testing.assert_allclose(data.size, product * data.omega**2, rtol=1e-14)
-    balanced = figures.bearing_torque_data(np.diag([2.0, 2.0, 1.5]), 10.0)
+    balanced = figures.bearing_torque(np.diag([2.0, 2.0, 1.5]), 10.0)
     assert not balanced.size.any()
 
 
 def test_bearing_torques_are_drawn_with_units() -> None:
-    found = figures.bearing_torque(TILTED, -10.0, omega_dot=8.0)
-    for line, values, ink in zip(found.components, found.data.torque.T, colours.AXES, strict=True):
+    data = figures.bearing_torque(TILTED, -10.0, omega_dot=8.0)
+    ax = drawn(data)
+    components = artists(ax, "torque")
+    for line, values, ink in zip(components, data.torque.T, colours.AXES, strict=True):
         np.testing.assert_array_equal(line.get_ydata(), values)
-        np.testing.assert_array_equal(line.get_xdata(), np.degrees(found.data.angle))
+        np.testing.assert_array_equal(line.get_xdata(), np.degrees(data.angle))
         assert line.get_color() == ink.colour
-    np.testing.assert_array_equal(found.size.get_ydata(), found.data.size)
-    turning, rising = found.axes
+    np.testing.assert_array_equal(artist(ax, "size").get_ydata(), data.size)
+    turning, rising = ax
     assert "degrees" in turning.get_xlabel()
     assert "(N m)" in turning.get_ylabel()
     assert "(rad/s)" in rising.get_xlabel()
     assert "(N m)" in rising.get_ylabel()
-    drawn(turning)
 
 
 def test_no_size_is_too_small_or_too_large_to_draw() -> None:
     """The Earth: cones of 0.2" and of 0.0007"; then tops of atoms and of stars."""
     earth, tilt = (1.0, 1.0, 1.00329), 9.69627e-7
-    data = figures.cones_data(earth, [7.292e-5 * tilt, 0.0, 7.292e-5])
+    data = figures.cones(earth, [7.292e-5 * tilt, 0.0, 7.292e-5])
     assert data.body_cone == pytest.approx(tilt, rel=1e-9)
     assert data.space_cone == pytest.approx(tilt * (1.0 - 1.0 / 1.00329), rel=1e-9)
-    drawn(figures.cones(earth, [7.292e-5 * tilt, 0.0, 7.292e-5]).ax)
+    drawn(figures.cones(earth, [7.292e-5 * tilt, 0.0, 7.292e-5]))
     for scale in (1e-12, 1e12):
         moments = scale * np.array(OBLATE)
-        drawn(figures.cones(moments, [0.9 / scale, 0.0, 1.3 / scale]).ax)
-        drawn(figures.free_top_omega(moments, [0.9 / scale, 0.0, 1.3 / scale], t=scale).ax)
-        drawn(figures.coplanar_vectors([moments], [0.9 / scale, 0.0, 1.3 / scale]).axes[0])
-        drawn(figures.box(rigid.Body.box(scale, 2 * scale, 3 * scale)).ax)
-        drawn(figures.heavy_top(heavy(scale), [0.3, 0.4, 0.5], length=scale).ax)
-        drawn(figures.bearing_torque(scale * TILTED, 10.0).axes[0])
+        drawn(figures.cones(moments, [0.9 / scale, 0.0, 1.3 / scale]))
+        drawn(figures.free_top_omega(moments, [0.9 / scale, 0.0, 1.3 / scale], t=scale))
+        drawn(figures.coplanar_vectors([moments], [0.9 / scale, 0.0, 1.3 / scale]))
+        drawn(figures.box(rigid.Body.box(scale, 2 * scale, 3 * scale)))
+        drawn(figures.heavy_top(heavy(scale), [0.3, 0.4, 0.5], length=scale))
+        drawn(figures.bearing_torque(scale * TILTED, 10.0))
 
 
 @pytest.mark.parametrize(
@@ -326,7 +318,7 @@ def test_no_size_is_too_small_or_too_large_to_draw() -> None:
         (lambda: figures.free_top_omega(OBLATE, OMEGA, t=np.inf), ValueError, "t = inf"),
         (lambda: figures.coplanar_vectors([], OMEGA), ValueError, "bodies: expected at least"),
         (lambda: figures.coplanar_vectors([(1, 1, 9)], OMEGA), ValueError, "triangle"),
-        (lambda: figures.coplanar_vectors([OBLATE], OMEGA, axes=[]), ValueError, "1 panels"),
+        (lambda: figures.coplanar_vectors([OBLATE], OMEGA).plot([]), ValueError, "1 panels"),
         (lambda: figures.cones(OBLATE, [0, 0, 2]), ValueError, "no cone rolls"),
         (lambda: figures.cones(OBLATE, [2, 0, 0]), ValueError, "no cone rolls"),
         (lambda: figures.cones((1, 1, 1), OMEGA), ValueError, "no cone rolls"),

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import sys
-from io import BytesIO
 from typing import Any
 
 import numpy as np
@@ -11,16 +10,12 @@ import pytest
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 
+from figure_cases import artist, artists, data_of, drawn, texts
 from processes import python_process
 from rigid import figures, rotations
 from rigid.drawing import colours
 
 ANGLES = (0.7, 0.6, 0.8)
-
-
-def drawn(ax: Any) -> None:
-    """Draws the figure; a warning is an error."""
-    ax.figure.savefig(BytesIO(), format="png", dpi=40)
 
 
 def vectors(arrows: Any) -> Any:
@@ -31,16 +26,12 @@ def hues(artists: Any) -> list[str]:
     return [to_hex(artist.get_edgecolor()) for artist in artists]
 
 
-def texts(ax: Any) -> str:
-    return " ".join(text.get_text() for text in ax.texts)
-
-
 XYZ = [ink.colour for ink in colours.AXES]
 
 
 def test_a_point_is_at_the_sum_of_origin_and_relative_position() -> None:
     point = np.array([0.5, -0.9, 0.3])
-    data = figures.frames_data(ANGLES, origin=[1.0, 2.0, 3.0], point=point)
+    data = figures.frames(ANGLES, origin=[1.0, 2.0, 3.0], point=point)
     assert data.relative is not None
     assert data.position is not None
     np.testing.assert_allclose(data.position, data.origin + data.relative, rtol=0, atol=1e-15)
@@ -49,30 +40,31 @@ def test_a_point_is_at_the_sum_of_origin_and_relative_position() -> None:
 
 
 def test_frames_are_drawn_where_they_are() -> None:
-    found = figures.frames(ANGLES, origin=[1.0, 2.0, 3.0], point=[0.5, -0.9, 0.3])
-    data = found.data
-    assert found.origin is not None
-    assert found.relative is not None
-    assert found.position is not None
-    np.testing.assert_array_equal(vectors(found.space), np.eye(3))
-    np.testing.assert_array_equal(vectors(found.parallel), np.eye(3))
-    np.testing.assert_array_equal(vectors(found.body), data.body)
-    for arrow in (*found.parallel, *found.body, found.relative):
+    data = figures.frames(ANGLES, origin=[1.0, 2.0, 3.0], point=[0.5, -0.9, 0.3])
+    ax = drawn(data)
+    np.testing.assert_array_equal(vectors(artists(ax, "space")), np.eye(3))
+    np.testing.assert_array_equal(vectors(artists(ax, "parallel")), np.eye(3))
+    np.testing.assert_array_equal(vectors(artists(ax, "body")), data.body)
+    for arrow in (*artists(ax, "parallel"), *artists(ax, "body"), artist(ax, "relative")):
         np.testing.assert_array_equal(arrow.start, data.origin)
-    np.testing.assert_array_equal(found.position.vector, data.position)
-    assert hues(found.space) == hues(found.parallel) == hues(found.body) == XYZ
-    drawn(found.ax)
+    np.testing.assert_array_equal(artist(ax, "position").vector, data.position)
+    assert (
+        hues(artists(ax, "space"))
+        == hues(artists(ax, "parallel"))
+        == hues(artists(ax, "body"))
+        == XYZ
+    )
 
 
 def test_frames_with_one_origin_and_no_point() -> None:
-    found = figures.frames(ANGLES, origin=[0, 0, 0])
-    assert found.origin is found.relative is found.position is None
-    drawn(found.ax)
+    data = figures.frames(ANGLES, origin=[0, 0, 0])
+    ax = drawn(data)
+    assert not artists(ax, "origin") + artists(ax, "relative") + artists(ax, "position")
 
 
 @pytest.mark.parametrize("angles", [ANGLES, (-2.5, 2.0, -1.0), (0.4, 0.0, 0.0)])
 def test_each_turn_of_euler_is_one_about_its_axis(angles: tuple[float, float, float]) -> None:
-    data = figures.euler_steps_data(angles)
+    data = figures.euler_steps(angles)
     for step in range(3):
         turn = rotations.axis_angle_matrix(data.turned_about[step], angles[step])
         np.testing.assert_allclose(
@@ -89,7 +81,7 @@ def test_each_turn_of_euler_is_one_about_its_axis(angles: tuple[float, float, fl
 
 def test_coordinates_in_the_plane_of_the_first_turn() -> None:
     (x, y), phi = (0.35, 0.85), ANGLES[0]
-    data = figures.euler_steps_data(ANGLES, point=(x, y))
+    data = figures.euler_steps(ANGLES, point=(x, y))
     wanted = [x * np.cos(phi) + y * np.sin(phi), y * np.cos(phi) - x * np.sin(phi)]
     np.testing.assert_allclose(data.seen, wanted, rtol=0, atol=2e-16)
     np.testing.assert_allclose(data.seen @ data.axes[1, :2, :2], (x, y), rtol=0, atol=2e-16)
@@ -100,20 +92,20 @@ def test_coordinates_in_the_plane_of_the_first_turn() -> None:
 
 
 def test_the_steps_are_drawn_in_three_panels_and_a_plane() -> None:
-    found = figures.euler_steps(ANGLES)
+    data = figures.euler_steps(ANGLES)
+    axes = drawn(data)
     for step in range(3):
-        np.testing.assert_array_equal(vectors(found.before[step]), found.data.axes[step])
-        np.testing.assert_array_equal(vectors(found.after[step]), found.data.axes[step + 1])
-        line = np.array(found.nodes[step].get_data_3d()).T
+        before_and_after = vectors(artists(axes[step], "axes")).reshape(2, 3, 3)
+        np.testing.assert_array_equal(before_and_after, data.axes[step : step + 2])
+        line = data_of(artist(axes[step], "node"))
         line = line[np.isfinite(line).all(axis=1)]  # with a gap for the name of axis 1
-        assert np.abs(np.cross(line, found.data.turned_about[1])).max() < 1e-15
-    np.testing.assert_array_equal(found.point.vector, found.data.point)
-    assert [ax.name for ax in found.axes] == ["3d", "3d", "3d", "rectilinear"]
-    drawn(found.axes[0])
+        assert np.abs(np.cross(line, data.turned_about[1])).max() < 1e-15
+    np.testing.assert_array_equal(artist(axes, "point").vector, data.point)
+    assert [ax.name for ax in axes] == ["3d", "3d", "3d", "rectilinear"]
 
 
 def test_omega_in_the_frame_of_the_line_of_nodes() -> None:
-    data = figures.node_frame_data(ANGLES)
+    data = figures.node_frame(ANGLES)
     rates = np.array([0.6, -0.4, 1.9])
     omega = rotations.omega_from_euler_rates(ANGLES, rates, frame="space")
     node = rotations.omega_from_euler_rates(ANGLES, rates, frame="node")
@@ -130,28 +122,28 @@ def test_omega_in_the_frame_of_the_line_of_nodes() -> None:
 
 
 def test_the_node_frame_is_drawn_with_its_angles() -> None:
-    found = figures.node_frame(ANGLES)
-    np.testing.assert_array_equal(vectors(found.space), np.eye(3))
-    np.testing.assert_array_equal(vectors(found.body), found.data.body)
-    np.testing.assert_array_equal(vectors(found.node), found.data.node[:2])
+    data = figures.node_frame(ANGLES)
+    ax = drawn(data)
+    np.testing.assert_array_equal(vectors(artists(ax, "space")), np.eye(3))
+    np.testing.assert_array_equal(vectors(artists(ax, "body")), data.body)
+    np.testing.assert_array_equal(vectors(artists(ax, "node")), data.node[:2])
     for line, first, last, angle in zip(
-        found.arcs,
-        (found.data.space[0], found.data.space[2], found.data.node[0]),
-        (found.data.node[0], found.data.body[2], found.data.body[0]),
+        artists(ax, "angles"),
+        (data.space[0], data.space[2], data.node[0]),
+        (data.node[0], data.body[2], data.body[0]),
         ANGLES,
         strict=True,
     ):
-        points = np.array(line.get_data_3d()).T
+        points = data_of(line)
         np.testing.assert_allclose(points[[0, -1]], [0.5 * first, 0.5 * last], rtol=0, atol=4e-16)
         length = np.linalg.norm(np.diff(points, axis=0), axis=1).sum()
         assert length == pytest.approx(0.5 * angle, rel=1e-4)
-    assert r"\dot{\phi}" in texts(found.ax)
-    drawn(found.ax)
+    assert r"\dot{\phi}" in " ".join(texts(ax))
 
 
 def test_passive_is_active_by_the_opposite_angle() -> None:
-    data = figures.active_passive_data(0.3, vector=[0.9, 0.4])
-    opposite = figures.active_passive_data(-0.3, vector=[0.9, 0.4])
+    data = figures.active_passive(0.3, vector=[0.9, 0.4])
+    opposite = figures.active_passive(-0.3, vector=[0.9, 0.4])
     np.testing.assert_allclose(data.seen, opposite.turned, rtol=0, atol=1e-16)
     np.testing.assert_allclose(data.seen @ data.axes, data.vector, rtol=0, atol=2e-16)
 
@@ -159,55 +151,56 @@ def test_passive_is_active_by_the_opposite_angle() -> None:
 def test_the_first_order_of_a_turn_leaves_the_second() -> None:
     size = np.hypot(0.9, 0.4)
     for angle in (0.1, 0.05):
-        data = figures.active_passive_data(angle, vector=[0.9, 0.4])
+        data = figures.active_passive(angle, vector=[0.9, 0.4])
         left = np.linalg.norm(data.turned - data.vector - data.first_order)
         assert left == pytest.approx(0.5 * angle**2 * size, rel=1e-3)
 
 
 def test_both_readings_of_a_turn_are_drawn() -> None:
-    found = figures.active_passive(0.3)
-    np.testing.assert_array_equal(found.turned.vector, found.data.turned)
-    np.testing.assert_array_equal(found.change.start, found.data.vector)
-    np.testing.assert_array_equal(found.change.vector, found.data.first_order)
-    turned = vectors(found.turned_axes)
+    data = figures.active_passive(0.3)
+    ax = drawn(data)
+    np.testing.assert_array_equal(artist(ax, "turned").vector, data.turned)
+    np.testing.assert_array_equal(artist(ax, "first_order").start, data.vector)
+    np.testing.assert_array_equal(artist(ax, "first_order").vector, data.first_order)
+    turned = vectors(artists(ax, "axes"))
     np.testing.assert_allclose(
-        turned / np.linalg.norm(turned, axis=1, keepdims=True), found.data.axes, atol=2e-16
+        turned / np.linalg.norm(turned, axis=1, keepdims=True), data.axes, atol=2e-16
     )
-    assert hues(found.turned_axes) == XYZ[:2]
-    assert [ax.get_aspect() for ax in found.axes] == [1.0, 1.0]
-    drawn(found.axes[0])
+    assert hues(artists(ax, "axes")) == XYZ[:2]
+    assert [panel.get_aspect() for panel in ax] == [1.0, 1.0]
 
 
 def test_a_unit_vector_moves_across_itself_and_the_axis() -> None:
     angle = 1e-4
-    data = figures.unit_vector_change_data(angle)
+    data = figures.unit_vector_change(angle)
     np.testing.assert_array_equal(data.first_order, [0.0, 0.0, -angle])
     np.testing.assert_allclose(data.change, data.first_order, rtol=0, atol=0.51 * angle**2)
     # Erratum D-05: the caption lets it move along -x1, where the change is of second order.
     assert abs(data.change[0]) < 1e-4 * abs(data.change[2])
     for unit in (1, 2, 3):
         for about in {1, 2, 3} - {unit}:
-            other = figures.unit_vector_change_data(angle, unit=unit, about=about)
+            other = figures.unit_vector_change(angle, unit=unit, about=about)
             np.testing.assert_allclose(
                 other.change / angle, np.cross(other.about, other.unit), rtol=0, atol=angle
             )
 
 
 def test_the_change_of_a_unit_vector_is_drawn_at_its_tip() -> None:
-    found = figures.unit_vector_change(0.3, unit=2, about=3)
-    np.testing.assert_array_equal(vectors(found.axes), np.eye(3))
-    np.testing.assert_array_equal(found.change.start, [0.0, 1.0, 0.0])
+    data = figures.unit_vector_change(0.3, unit=2, about=3)
+    ax = drawn(data)
+    np.testing.assert_array_equal(vectors(artists(ax, "axes")), np.eye(3))
+    change = artist(ax, "change")
+    np.testing.assert_array_equal(change.start, [0.0, 1.0, 0.0])
     np.testing.assert_allclose(
-        found.change.start + found.change.vector, found.turned.vector, rtol=0, atol=1e-16
+        change.start + change.vector, artist(ax, "turned").vector, rtol=0, atol=1e-16
     )
-    np.testing.assert_array_equal(found.first_order.vector, found.data.first_order)
-    assert hues(found.axes) == XYZ
-    drawn(found.ax)
+    np.testing.assert_array_equal(artist(ax, "first_order").vector, data.first_order)
+    assert hues(artists(ax, "axes")) == XYZ
 
 
 def test_points_of_a_body_go_on_circles_about_the_axis() -> None:
     positions, omega = np.random.default_rng(7).normal(size=(6, 3)), np.array([0.3, -0.2, 1.2])
-    data = figures.rotating_body_data(positions, omega)
+    data = figures.rotating_body(positions, omega)
     for later in (1e-5, -1e-5):
         moved = rotations.rotate(positions, omega, later * np.linalg.norm(omega))
         np.testing.assert_allclose((moved - positions) / later, data.velocities, atol=2e-5)
@@ -223,44 +216,50 @@ def test_points_of_a_body_go_on_circles_about_the_axis() -> None:
 
 def test_velocities_are_drawn_to_one_scale() -> None:
     positions = [[1.0, 0.0, 0.0], [0.0, 2.0, 0.5], [0.0, 0.0, 1.0]]
-    found = figures.rotating_body(positions, [0.0, 0.0, 3.0])
-    shown, true = vectors(found.velocities), found.data.velocities
+    data = figures.rotating_body(positions, [0.0, 0.0, 3.0])
+    ax = drawn(data)
+    shown, true = vectors(artists(ax, "velocities")), data.velocities
     scale = np.linalg.norm(shown[1]) / np.linalg.norm(true[1])
     np.testing.assert_allclose(shown, scale * true, rtol=0, atol=1e-15)
-    np.testing.assert_array_equal(np.array(found.points.get_data_3d()).T, positions)
-    np.testing.assert_array_equal(found.position.vector, positions[1])  # farthest from the axis
-    assert not found.velocities[2].get_visible()  # on the axis
-    assert to_hex(found.omega.get_edgecolor()) == colours.OMEGA.colour
-    drawn(found.ax)
+    np.testing.assert_array_equal(data_of(artist(ax, "positions")), positions)
+    # The position of the point that is farthest from the axis.
+    np.testing.assert_array_equal(artist(ax, "position").vector, positions[1])
+    assert not artists(ax, "velocities")[2].get_visible()  # on the axis
+    assert to_hex(artist(ax, "omega").get_edgecolor()) == colours.OMEGA.colour
 
 
 def test_a_block_shows_the_body_of_the_points() -> None:
-    found = figures.rotating_body([[0.5, -1.0, 0.2]], [0.0, 0.0, 3.0], sides=(1.0, 2.0, 0.4))
-    faces = found.data.faces
+    data = figures.rotating_body([[0.5, -1.0, 0.2]], [0.0, 0.0, 3.0], sides=(1.0, 2.0, 0.4))
+    ax = drawn(data)
+    faces = data.faces
     assert faces is not None
-    assert found.block is not None
+    assert artist(ax, "faces") is not None
     corners = {tuple(corner) for corner in faces.reshape(-1, 3).round(12).tolist()}
     assert corners == {(x, y, z) for x in (-0.5, 0.5) for y in (-1.0, 1.0) for z in (-0.2, 0.2)}
-    assert figures.rotating_body([[1.0, 0.0, 0.0]], [0.0, 0.0, 3.0]).block is None
-    drawn(found.ax)
+    points_alone = figures.rotating_body([[1.0, 0.0, 0.0]], [0.0, 0.0, 3.0])
+    assert not artists(points_alone.plot(), "faces")
 
 
 def test_given_axes_are_used() -> None:
     figure = Figure()
     space, plane = figure.add_subplot(1, 2, 1, projection="3d"), figure.add_subplot(1, 2, 2)
-    assert figures.frames(ANGLES, ax=space).ax is space
-    assert figures.active_passive(0.2, axes=[plane, figure.add_subplot()]).axes[0] is plane
+    assert figures.frames(ANGLES).plot(space) is space
+    assert figures.active_passive(0.2).plot([plane, figure.add_subplot()])[0] is plane
+
+
+def panel_in_space(figure: Figure) -> Any:
+    return figure.add_axes((0.0, 0.0, 1.0, 1.0), projection="3d", proj_type="ortho")
 
 
 def test_bodies_are_seen_to_scale_and_whole() -> None:
     """A sphere of points is as wide as it is high, and fills the axes without leaving them."""
     from mpl_toolkits.mplot3d.proj3d import proj_transform
 
-    from rigid.drawing.axes3d import fit, in_space
+    from rigid.drawing.axes3d import fit
 
     points = np.random.default_rng(3).normal(size=(4000, 3))
     points *= 1e-6 / np.linalg.norm(points, axis=1, keepdims=True)
-    ax = in_space(None)
+    ax = panel_in_space(Figure(figsize=(8.0, 6.0)))
     fit(ax, points + 5e-6)
     ax.figure.canvas.draw()
     x, y, _ = proj_transform(*(points + 5e-6).T, ax.get_proj())
@@ -276,11 +275,11 @@ def test_wide_and_high_axes_are_filled(size: tuple[float, float]) -> None:
     """Axes in space are square; points that fill wide or high axes are drawn beyond the square."""
     from mpl_toolkits.mplot3d.proj3d import proj_transform
 
-    from rigid.drawing.axes3d import curve, fit, in_space
+    from rigid.drawing.axes3d import curve, fit
 
     page = np.array([[0.0, -size[0], -size[1]], [0.0, size[0], size[1]]])  # seen along x
     figure = Figure(figsize=size)
-    ax = in_space(figure.add_axes((0.0, 0.0, 1.0, 1.0), projection="3d"))
+    ax = panel_in_space(figure)
     line = curve(ax, page, "black")
     fit(ax, page, elev=0.0, azim=0.0)
     figure.draw_without_rendering()
@@ -292,11 +291,11 @@ def test_wide_and_high_axes_are_filled(size: tuple[float, float]) -> None:
 
 @pytest.mark.parametrize("angle", [0.0, np.pi, -4.0])
 def test_special_angles_draw_without_a_word(angle: float) -> None:
-    drawn(figures.frames([angle, angle, angle], point=[0, 0, 0]).ax)
-    drawn(figures.euler_steps([angle, angle, angle]).axes[0])
-    drawn(figures.node_frame([angle, angle, angle]).ax)
-    drawn(figures.active_passive(angle).axes[0])
-    drawn(figures.unit_vector_change(angle).ax)
+    drawn(figures.frames([angle, angle, angle], point=[0, 0, 0]))
+    drawn(figures.euler_steps([angle, angle, angle]))
+    drawn(figures.node_frame([angle, angle, angle]))
+    drawn(figures.active_passive(angle))
+    drawn(figures.unit_vector_change(angle))
 
 
 @pytest.mark.parametrize(
@@ -304,13 +303,13 @@ def test_special_angles_draw_without_a_word(angle: float) -> None:
     [
         (lambda: figures.frames([0, 1]), r"angles: expected shape \(3,\)"),
         (lambda: figures.frames([0, np.nan, 1]), r"angles\[1\] = nan: must be finite"),
-        (lambda: figures.frames(ANGLES, ax=Figure().add_subplot()), "needs 3-D axes"),
+        (lambda: figures.frames(ANGLES).plot(Figure().add_subplot()), "needs 3-D axes"),
         (lambda: figures.euler_steps(ANGLES, point=[1, 2, 3]), r"point: expected shape \(2,\)"),
-        (lambda: figures.euler_steps(ANGLES, axes=[]), "has 4 panels, got 0 axes"),
+        (lambda: figures.euler_steps(ANGLES).plot([]), "has 4 panels, got 0 axes"),
         (lambda: figures.active_passive(0.1, vector=[0, 0]), r"vector = \[0.0, 0.0\]: must not"),
         (
-            lambda: figures.active_passive(
-                0.1, axes=[Figure().add_subplot(projection="3d"), Figure().add_subplot()]
+            lambda: figures.active_passive(0.1).plot(
+                [Figure().add_subplot(projection="3d"), Figure().add_subplot()]
             ),
             "needs 2-D axes",
         ),
@@ -333,7 +332,7 @@ def test_what_cannot_be_drawn_is_refused(call: Any, message: str) -> None:
 def test_without_matplotlib_it_is_said_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "matplotlib.figure", None)
     with pytest.raises(ImportError, match=r"rigid-rotation\[maps\]"):
-        figures.frames(ANGLES)
+        figures.frames(ANGLES).plot()
 
 
 def test_importing_needs_no_matplotlib() -> None:

@@ -15,7 +15,10 @@ from figure_cases import (
     DAMPED,
     TILTED,
     TOP,
+    artist,
+    artists,
     data_of,
+    drawn,
     joined,
     omega_of,
     poinsot_run,
@@ -33,7 +36,7 @@ Floats = NDArray[np.float64]
 @pytest.mark.parametrize("frame", [0, 333, -1])
 def test_the_ellipsoid_touches_the_plane_in_the_contact(frame: int) -> None:
     run = poinsot_run()
-    data = figures.poinsot_data(run, frame=frame)
+    data = figures.poinsot(run, frame=frame)
     assert data.t == run.t[frame]
     assert data.contact[2] == pytest.approx(data.distance, rel=1e-14)
     np.testing.assert_allclose(data.herpolhode[:, 2], data.distance, rtol=1e-13)
@@ -58,7 +61,7 @@ def test_the_ellipsoid_touches_the_plane_in_the_contact(frame: int) -> None:
 def test_the_contact_is_at_rest_and_rolls() -> None:
     # The particle in contact, followed over a short time, does not move to first order.
     run = rigid.simulate(BODY, [1.1, 0.3, 0.4], t=np.array([0.0, 1e-4, 2e-4]), method="exact")
-    start, middle, end = (figures.poinsot_data(run, frame=k) for k in range(3))
+    start, middle, end = (figures.poinsot(run, frame=k) for k in range(3))
     particle = middle.contact @ middle.axes.T
     speed = (particle @ end.axes - particle @ start.axes) / 2e-4
     assert np.linalg.norm(speed) < 1e-7  # of second order in the step; omega² is 1.5
@@ -72,7 +75,7 @@ def test_radii_of_the_herpolhode() -> None:
     # rho² = omega² - distance². With E and L given, omega² is linear in the square of the rate
     # about the middle axis, so its extremes are where that is zero and where it is largest.
     run = rigid.simulate(BODY, [1.1, 0.3, 0.4], t=np.linspace(0.0, 30.0, 30001))
-    data = figures.poinsot_data(run)
+    data = figures.poinsot(run)
     radius = np.hypot(*data.herpolhode[:, :2].T)
     twice_energy, square = 1.1**2 + 2.0 * 0.3**2 + 3.0 * 0.4**2, 1.1**2 + 4 * 0.3**2 + 9 * 0.4**2
     assert data.distance == pytest.approx(twice_energy / np.sqrt(square), rel=1e-14)
@@ -86,19 +89,19 @@ def test_radii_of_the_herpolhode() -> None:
 
 
 def test_the_picture_of_poinsot_carries_its_curves() -> None:
-    drawn = figures.poinsot(poinsot_run(401), frame=100)
-    data = drawn.data
-    np.testing.assert_array_equal(joined(drawn.polhode, drawn.hidden), data.polhode)
-    np.testing.assert_array_equal(data_of(drawn.herpolhode), data.herpolhode[:101])
-    np.testing.assert_array_equal(data_of(drawn.contact), data.contact[np.newaxis])
-    np.testing.assert_array_equal(drawn.omega.vector, data.contact)
+    data = figures.poinsot(poinsot_run(401), frame=100)
+    ax = drawn(data)
+    np.testing.assert_array_equal(joined(ax, "polhode"), [data.polhode])
+    np.testing.assert_array_equal(data_of(artist(ax, "herpolhode")), data.herpolhode[:101])
+    np.testing.assert_array_equal(data_of(artist(ax, "contact")), data.contact[np.newaxis])
+    np.testing.assert_array_equal(artist(ax, "omega").vector, data.contact)
     # L is solid from where it leaves the ellipsoid.
-    np.testing.assert_allclose(drawn.momentum.vector[:2], 0.0)
-    leaves = data.axes @ drawn.momentum.start
+    np.testing.assert_allclose(artist(ax, "momentum").vector[:2], 0.0)
+    leaves = data.axes @ artist(ax, "momentum").start
     assert np.sum((leaves / data.semi_axes) ** 2) == pytest.approx(1.0, rel=1e-14)
-    assert "invariable plane" in [text.strip() for text in texts(drawn.ax)]
-    assert colours.L.label in texts(drawn.ax)
-    assert colours.OMEGA.label in texts(drawn.ax)
+    assert "invariable plane" in [text.strip() for text in texts(ax)]
+    assert colours.L.label in texts(ax)
+    assert colours.OMEGA.label in texts(ax)
 
 
 # Families of polhodes
@@ -108,7 +111,7 @@ ORDERS = [(1.0, 2.0, 3.0), (3.0, 1.2, 2.5), (2.0, 2.5, 0.9), (0.0109, 0.1044, 0.
 
 @pytest.mark.parametrize("moments", ORDERS)
 def test_polhodes_have_one_energy_and_each_its_momentum(moments: Any) -> None:
-    data = figures.polhodes_data(moments, count=4, samples=181)
+    data = figures.polhodes(moments, count=4, samples=181)
     own = np.array(moments)
     energy = (own * data.curves**2).sum(axis=-1)
     np.testing.assert_allclose(energy, own.min(), rtol=1e-13)
@@ -129,7 +132,7 @@ def test_polhodes_have_one_energy_and_each_its_momentum(moments: Any) -> None:
 
 
 def test_a_motion_stays_on_its_polhode() -> None:
-    data = figures.polhodes_data((1.0, 2.0, 3.0), count=3, samples=4001)
+    data = figures.polhodes((1.0, 2.0, 3.0), count=3, samples=4001)
     for curve in data.curves[[0, 4, 7]]:
         run = rigid.simulate(BODY, curve[0], t=np.linspace(0.0, 20.0, 60), record="rates")
         apart = np.linalg.norm(run.omega[:, np.newaxis] - curve, axis=-1).min(axis=1)
@@ -139,13 +142,12 @@ def test_a_motion_stays_on_its_polhode() -> None:
 def test_the_polhode_of_a_run_lies_on_the_ellipsoid_of_the_family() -> None:
     body = rigid.Body((1.0, 2.0, 3.0))
     run = rigid.simulate(body, [0.1, 5.0, 0.2], t=np.linspace(0.0, 9.0, 91), record="rates")
-    data = figures.polhodes_data(run)
+    data = figures.polhodes(run)
     assert data.path is not None
     moments = np.array(body.moments)
     assert np.allclose((data.path**2 * moments).sum(axis=1), 1.0, rtol=1e-13)
     assert np.allclose(data.path / run.omega, data.path[0, 0] / run.omega[0, 0], rtol=1e-12)
-    drawn = figures.polhodes(run)
-    assert drawn.path.get_color() == figures.colours.OMEGA.colour
+    assert artist(drawn(data), "path").get_color() == colours.OMEGA.colour
     assert figures.polhodes(body).path is None
 
 
@@ -160,18 +162,17 @@ def test_the_polhode_of_a_run_lies_on_the_ellipsoid_of_the_family() -> None:
 def test_runs_without_a_polhode_are_refused(scene: Any, omega: Any, message: str) -> None:
     run = rigid.simulate(scene, omega, t=[0.0, 1.0])
     with pytest.raises(ValueError, match=message):
-        figures.polhodes_data(run)
+        figures.polhodes(run)
 
 
 def test_the_picture_of_polhodes_carries_the_family() -> None:
-    drawn = figures.polhodes((1.0, 2.0, 3.0), count=3)
-    data = drawn.data
-    for k, points in enumerate(data.curves):
-        np.testing.assert_array_equal(joined(drawn.seen[k], drawn.hidden[k]), points)
-        colour = colours.AXES[abs(data.axis[k]) - 1].colour
-        assert drawn.seen[k].get_color() == colour
-    assert len(drawn.separatrix) == 2
-    words = texts(drawn.ax)
+    data = figures.polhodes((1.0, 2.0, 3.0), count=3)
+    ax = drawn(data)
+    np.testing.assert_array_equal(joined(ax, "curves"), data.curves)
+    for line, axis in zip(artists(ax, "curves"), data.axis, strict=True):
+        assert line.get_color() == colours.AXES[abs(axis) - 1].colour
+    np.testing.assert_array_equal(joined(ax, "separatrix"), data.separatrix)
+    words = texts(ax)
     assert words == ["1: least moment", "2: middle moment", "3: largest moment"]
     figures.polhodes(rigid.Body((3.0, 1.2, 2.5)))
 
@@ -181,34 +182,33 @@ def test_the_picture_of_polhodes_carries_the_family() -> None:
 
 def test_the_picture_of_the_throw_carries_the_experiment() -> None:
     thrown = free.throw_experiment(rigid.Body.box(0.01, 0.08, 0.25), [0.05, 0.05, 0.05])
-    drawn = figures.throw(thrown)
+    axes = drawn(figures.throw(thrown))
     for k in range(6):
-        for axis in range(3):
-            line = drawn.omega[k][axis]
+        for axis, line in enumerate(artists(axes[k], "omega")):
             np.testing.assert_array_equal(data_of(line)[:, 0], thrown.t)
             np.testing.assert_array_equal(data_of(line)[:, 1], thrown.omega[k, :, axis])
             assert line.get_color() == colours.AXES[axis].colour
         dots = np.stack([np.arange(31.0), thrown.dots[k]], axis=1)
-        np.testing.assert_array_equal(data_of(drawn.dots[k]), dots)
+        np.testing.assert_array_equal(data_of(artist(axes[k], "dots")), dots)
         assert dots[:, 1].min() >= 0.0  # never below zero (erratum S-14)
     # Clean runs stand still, and their dots are 0, the growth rate about the middle axis, 0.
     np.testing.assert_array_equal(np.ptp(thrown.omega[:3], axis=1), 0.0)
     np.testing.assert_allclose(thrown.dots[:3].T, [[0.0, 0.888352678, 0.0]] * 31, atol=1e-9)
     # On the lasting motions with noise most dots are positive too (erratum S-15).
     assert (thrown.dots[[3, 5]] > 1e-3).mean() > 0.5
-    seen = data_of(drawn.omega[4][1])[-1]
+    seen = data_of(artists(axes[4], "omega")[1])[-1]
     np.testing.assert_allclose(seen, [30.0, -1.04874988073], rtol=1e-10)
-    titles = [ax.get_title(loc="left") for ax in drawn.axes]
+    titles = [ax.get_title(loc="left") for ax in axes]
     assert titles[0] == "exactly about axis 1"
     assert titles[5] == "with noise about axis 3"
-    assert drawn.axes[3].get_xlabel() == "$t$ (s)"
-    assert drawn.axes[0].get_ylabel() == r"$\omega$ (rad/s), growth rate (1/s)"
-    (key,) = drawn.axes[0].figure.legends
+    assert axes[3].get_xlabel() == "$t$ (s)"
+    assert axes[0].get_ylabel() == r"$\omega$ (rad/s), growth rate (1/s)"
+    (key,) = axes[0].figure.legends
     names = [text.get_text() for text in key.get_texts()]
     assert names[:3] == [r"$\omega_1$", r"$\omega_2$", r"$\omega_3$"]
     assert names[3].startswith("growth rate")
     # Colour is not needed to tell the components apart.
-    assert len({str(line.get_linestyle()) for line in drawn.omega[4]}) == 3
+    assert len({str(line.get_linestyle()) for line in artists(axes[4], "omega")}) == 3
 
 
 # Drift
@@ -218,7 +218,7 @@ def test_the_largest_drift_is_that_of_the_run() -> None:
     free_run = rigid.simulate(
         BODY, [1.0, 1.0, 1.0], t=np.linspace(0.0, 50.0, 101), method="rk4", step=0.05
     )
-    data = figures.invariants_data(free_run)
+    data = figures.invariants(free_run)
     assert data.names == ("energy", "L", "L_space")
     assert data.drift[0].max() == pytest.approx(float(free_run.energy_drift), rel=1e-6)
     assert data.drift[1].max() == pytest.approx(float(free_run.momentum_drift), rel=1e-6)
@@ -233,7 +233,7 @@ def test_the_largest_drift_is_that_of_the_run() -> None:
         step=0.02,
         record="axis",
     )
-    data = figures.invariants_data(top_run)
+    data = figures.invariants(top_run)
     assert data.names == ("energy", "p_phi", "p_psi")
     assert data.drift[0].max() == pytest.approx(float(top_run.energy_drift), rel=1e-6)
     assert data.drift[1].max() == pytest.approx(float(top_run.momentum_drift), rel=1e-6)
@@ -244,11 +244,11 @@ def test_the_largest_drift_is_that_of_the_run() -> None:
 def test_what_is_kept_depends_on_the_scene() -> None:
     t = np.linspace(0.0, 10.0, 51)
     general = rigid.simulate(ASYMMETRIC, [0.2, 0.1, 5.0], TILTED, t=t)
-    assert figures.invariants_data(general).names == ("energy", "p_phi")
+    assert figures.invariants(general).names == ("energy", "p_phi")
     rates = rigid.simulate(BODY, [1.0, 1.0, 1.0], t=t, record="rates")
-    assert figures.invariants_data(rates).names == ("energy", "L")
+    assert figures.invariants(rates).names == ("energy", "L")
     driven = rigid.simulate(DAMPED, [0.1, 0.1, 5.0], TILTED, t=t, method="dop853", step=0.01)
-    data = figures.invariants_data(driven)
+    data = figures.invariants(driven)
     assert data.names == ("energy less work",)
     assert data.drift.max() < 1e-10  # the energy itself falls by more than a tenth
     kept = free.invariants(driven).energy
@@ -259,13 +259,14 @@ def test_the_picture_of_drift_carries_it() -> None:
     run = rigid.simulate(
         BODY, [1.0, 1.0, 1.0], t=np.linspace(0.0, 50.0, 101), method="splitting4", step=0.05
     )
-    drawn = figures.invariants(run)
+    data = figures.invariants(run)
+    ax = drawn(data)
     floor = 0.02 * np.finfo(float).eps
-    for line, values in zip(drawn.lines, drawn.data.drift, strict=True):
+    for line, values in zip(artists(ax, "drift"), data.drift, strict=True):
         np.testing.assert_array_equal(data_of(line)[:, 0], run.t)
         np.testing.assert_array_equal(data_of(line)[:, 1], np.maximum(values, floor))
-    assert drawn.ax.get_yscale() == "log"
-    assert drawn.ax.get_xlabel() == "$t$ (s)"
-    assert drawn.ax.get_ylabel() == "relative drift"
-    assert drawn.data.drift[1:].max() < 1e-13  # the method keeps L, in space too
-    assert drawn.data.drift[0].max() > 1e-10
+    assert ax.get_yscale() == "log"
+    assert ax.get_xlabel() == "$t$ (s)"
+    assert ax.get_ylabel() == "relative drift"
+    assert data.drift[1:].max() < 1e-13  # the method keeps L, in space too
+    assert data.drift[0].max() > 1e-10

@@ -18,7 +18,10 @@ from figure_cases import (
     STARTS,
     TILTED,
     TOP,
+    artist,
+    artists,
     data_of,
+    drawn,
     joined,
     omega_of,
     poinsot_run,
@@ -40,7 +43,7 @@ def wrong(value: Any) -> Any:
 
 @pytest.mark.parametrize("name", STARTS)
 def test_the_well_is_as_high_as_the_energy_at_the_circles(name: str) -> None:
-    data = figures.effective_potential_data(TOP, omega_of(name), TILTED)
+    data = figures.effective_potential(TOP, omega_of(name), TILTED)
     _, _, u1, u2, _ = STARTS[name]
     assert np.cos(data.theta_lower) == pytest.approx(u1, abs=2e-11)
     assert np.cos(data.theta_upper) == pytest.approx(u2, abs=2e-11)
@@ -56,7 +59,7 @@ def test_the_well_is_as_high_as_the_energy_at_the_circles(name: str) -> None:
 def test_the_path_moves_in_the_well() -> None:
     # E' - V'(theta) = ½ I1 theta'² along the motion; theta' from the rates across the axis.
     omega = omega_of("loop")
-    data = figures.effective_potential_data(TOP, omega, TILTED, samples=20001)
+    data = figures.effective_potential(TOP, omega, TILTED, samples=20001)
     run = rigid.simulate(TOP, omega, TILTED, t=np.linspace(0.0, 6.0, 400), record="axis")
     assert run.gamma is not None
     u_rate = np.cross(run.gamma, run.omega)[:, 2]
@@ -72,32 +75,33 @@ def keys(legend: Any) -> list[str]:
 
 
 def test_the_picture_of_the_well_carries_its_numbers() -> None:
-    drawn = figures.effective_potential(TOP, omega_of("cusp"), TILTED)
-    data = drawn.data
-    np.testing.assert_array_equal(data_of(drawn.curve)[:, 0], np.degrees(data.tilt))
-    np.testing.assert_array_equal(data_of(drawn.curve)[:, 1], data.potential)
+    data = figures.effective_potential(TOP, omega_of("cusp"), TILTED)
+    ax = drawn(data)
+    well = np.stack([np.degrees(data.tilt), data.potential], axis=1)
+    np.testing.assert_array_equal(data_of(artist(ax, "potential")), well)
     ends = np.degrees([data.theta_upper, data.theta_lower])
     np.testing.assert_allclose(ends, [60.0, np.degrees(np.arccos(0.191767987534))], rtol=1e-10)
-    for line in (drawn.level, drawn.turning):
+    for line in (artist(ax, "E_prime"), artist(ax, "turning")):
         np.testing.assert_array_equal(data_of(line), np.stack([ends, [data.E_prime] * 2], axis=1))
-    assert drawn.ax.get_xlabel() == r"tilt $\theta$ (°)"
-    assert drawn.ax.get_ylabel() == "energy (J)"
-    assert {"$E'$", r"$V'(\theta)$", r"$\theta_\mathrm{m}$"} < set(texts(drawn.ax))
-    low, high = drawn.ax.get_ylim()
+    assert ax.get_xlabel() == r"tilt $\theta$ (°)"
+    assert ax.get_ylabel() == "energy (J)"
+    assert {"$E'$", r"$V'(\theta)$", r"$\theta_\mathrm{m}$"} < set(texts(ax))
+    low, high = ax.get_ylim()
     assert low < data.lowest < data.E_prime < high
     # The well fills the half of the width, and a key says which circle is high.
     well = np.degrees(data.tilt[data.potential <= high])
-    left, right = drawn.ax.get_xlim()
+    left, right = ax.get_xlim()
     assert np.ptp(well) == pytest.approx(0.5 * (right - left), rel=1e-9)
-    assert keys(drawn.ax.get_legend())[0].startswith(r"highest ($\theta_\mathrm{upper}$)")
+    assert keys(ax.get_legend())[0].startswith(r"highest ($\theta_\mathrm{upper}$)")
 
 
 def test_a_steady_top_lies_at_the_bottom_of_the_well() -> None:
     slow = float(top.steady_precession(TOP, np.pi / 3, 5.0).slow)
-    drawn = figures.effective_potential(TOP, [0.0, slow * SIN60, 5.0], TILTED)
-    assert drawn.data.E_prime == pytest.approx(drawn.data.lowest, rel=1e-14)
-    assert drawn.data.theta_steady == pytest.approx(np.pi / 3, rel=1e-9)
-    assert r"$\theta_\mathrm{upper}$" not in texts(drawn.ax)
+    data = figures.effective_potential(TOP, [0.0, slow * SIN60, 5.0], TILTED)
+    ax = drawn(data)
+    assert data.E_prime == pytest.approx(data.lowest, rel=1e-14)
+    assert data.theta_steady == pytest.approx(np.pi / 3, rel=1e-9)
+    assert r"$\theta_\mathrm{upper}$" not in texts(ax)
 
 
 # The cubic
@@ -105,7 +109,7 @@ def test_a_steady_top_lies_at_the_bottom_of_the_well() -> None:
 
 @pytest.mark.parametrize("name", STARTS)
 def test_roots_of_the_cubic(name: str) -> None:
-    data = figures.cubic_data(TOP, omega_of(name), TILTED)
+    data = figures.cubic(TOP, omega_of(name), TILTED)
     np.testing.assert_allclose(data.roots, STARTS[name][2:], rtol=1e-11, atol=1e-12)
     assert (data.f_allowed >= -1e-13).all()
     outside = (data.near < data.roots[0]) | (data.near > data.roots[1])
@@ -122,7 +126,7 @@ def test_roots_of_the_cubic(name: str) -> None:
 
 def test_the_height_of_a_path_obeys_the_cubic() -> None:
     omega = omega_of("loop")
-    data = figures.cubic_data(TOP, omega, TILTED, samples=4001)
+    data = figures.cubic(TOP, omega, TILTED, samples=4001)
     run = rigid.simulate(TOP, omega, TILTED, t=np.linspace(0.0, 6.0, 300), record="axis")
     assert run.gamma is not None
     u_rate = np.cross(run.gamma, run.omega)[:, 2]
@@ -135,45 +139,45 @@ def test_the_height_of_a_path_obeys_the_cubic() -> None:
 
 
 def test_the_picture_of_the_cubic_carries_its_numbers() -> None:
-    drawn = figures.cubic(TOP, omega_of("loop"), TILTED)
-    data = drawn.data
-    np.testing.assert_array_equal(data_of(drawn.curve), np.stack([data.u, data.f], axis=1))
+    data = figures.cubic(TOP, omega_of("loop"), TILTED)
+    ax = drawn(data)
+    np.testing.assert_array_equal(data_of(artist(ax, "f")), np.stack([data.u, data.f], axis=1))
     allowed = np.stack([data.allowed, data.f_allowed], axis=1)
-    np.testing.assert_array_equal(data_of(drawn.allowed), allowed)
-    np.testing.assert_array_equal(data_of(drawn.roots)[:, 0], data.roots)
-    assert drawn.close is not drawn.ax
-    assert drawn.still is not None
-    assert drawn.still.get_xdata()[0] == data.still
-    assert drawn.ax.get_xlabel() == r"height $u = \cos\theta$"
-    assert drawn.ax.get_ylabel() == r"$f(u) = \dot u^2$ (1/s²)"
-    assert "$u_3$" in texts(drawn.ax)
-    assert {"$u_1$", "$u_2$", "$a/b$"} <= set(texts(drawn.close))
-    defined = " ".join(keys(drawn.ax.get_legend()))
+    np.testing.assert_array_equal(data_of(artist(ax, "allowed")), allowed)
+    np.testing.assert_array_equal(data_of(artists(ax, "roots")[0])[:, 0], data.roots)
+    (close,) = ax.child_axes
+    assert artist(close, "still").get_xdata()[0] == data.still
+    assert ax.get_xlabel() == r"height $u = \cos\theta$"
+    assert ax.get_ylabel() == r"$f(u) = \dot u^2$ (1/s²)"
+    assert "$u_3$" in texts(ax)
+    assert {"$u_1$", "$u_2$", "$a/b$"} <= set(texts(close))
+    defined = " ".join(keys(ax.get_legend()))
     assert all(name in defined for name in ("$u_3$", r"$a = p_\phi/I_1$", r"$b = p_\psi/I_1$"))
     # The wide interval of the fourth kind needs no closer look, and its u3 is out of sight.
-    wide = figures.cubic(TOP, omega_of("monotone retrograde"), TILTED)
-    assert wide.close is wide.ax
-    assert len(data_of(wide.roots)) == 2
-    assert {"$u_1$", "$u_2$"} <= set(texts(wide.ax))
+    wide = figures.cubic(TOP, omega_of("monotone retrograde"), TILTED).plot()
+    assert not wide.child_axes
+    assert len(data_of(artist(wide, "roots"))) == 2
+    assert {"$u_1$", "$u_2$"} <= set(texts(wide))
     # A steady top has a double root (erratum G-21).
     slow = float(top.steady_precession(TOP, np.pi / 3, 5.0).slow)
-    steady = figures.cubic(TOP, [0.0, slow * SIN60, 5.0], TILTED)
-    assert "$u_1 = u_2$" in texts(steady.close)
+    (close,) = figures.cubic(TOP, [0.0, slow * SIN60, 5.0], TILTED).plot().child_axes
+    assert "$u_1 = u_2$" in texts(close)
 
 
 def test_a_top_without_weight_has_no_third_root() -> None:
     light = rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=0.0)
-    drawn = figures.cubic(light, [0.3, 0.2, 1.0], TILTED)
-    assert drawn.data.roots[2] == np.inf
-    assert len(data_of(drawn.roots)) == 2
+    data = figures.cubic(light, [0.3, 0.2, 1.0], TILTED)
+    ax = drawn(data)
+    assert data.roots[2] == np.inf
+    assert len(data_of(artists(ax, "roots")[0])) == 2
 
 
 # The upright top
 
 
 def test_an_upright_top_sleeps_where_f_is_negative() -> None:
-    drawn = figures.upright_cubic(TOP)
-    data = drawn.data
+    data = figures.upright_cubic(TOP)
+    axes = drawn(data)
     assert data.spin_min == 4.0
     np.testing.assert_allclose(data.spin, [3.6, 4.0, 4.4], rtol=1e-15)
     beside = data.u < 1.0
@@ -187,13 +191,13 @@ def test_an_upright_top_sleeps_where_f_is_negative() -> None:
     np.testing.assert_array_equal(data.approximate[1], 0.0)
     np.testing.assert_allclose(at, -2.0 * (1.0 - data.u) ** 3, atol=1e-15)
     np.testing.assert_array_equal(np.sign(data.approximate[[0, 2]][:, beside]).T[0], [1.0, -1.0])
-    for k in range(3):
-        np.testing.assert_array_equal(data_of(drawn.exact[k])[:, 1], data.exact[k])
-        np.testing.assert_array_equal(data_of(drawn.approximate[k])[:, 1], data.approximate[k])
-    titles = [ax.get_title() for ax in drawn.axes]
+    for name in ("exact", "approximate"):
+        curves = np.array([data_of(line)[:, 1] for line in artists(axes, name)])
+        np.testing.assert_array_equal(curves, getattr(data, name))
+    titles = [ax.get_title() for ax in axes]
     assert [title.split(": ")[1] for title in titles] == ["falls", "sleeps", "sleeps"]
-    assert drawn.axes[0].get_ylabel() == "$f(u)$ (1/s²)"
-    (key,) = drawn.axes[0].figure.legends
+    assert axes[0].get_ylabel() == "$f(u)$ (1/s²)"
+    (key,) = axes[0].figure.legends
     assert r"$\beta = 2mgl/I_1$, $b = I_3\omega_3/I_1$" in keys(key)[1]
 
 
@@ -202,7 +206,7 @@ def test_an_upright_top_sleeps_where_f_is_negative() -> None:
 
 @pytest.mark.parametrize("name", STARTS)
 def test_the_axis_stays_between_its_circles_and_touches_them(name: str) -> None:
-    data = figures.locus_data(TOP, omega_of(name), TILTED)
+    data = figures.locus(TOP, omega_of(name), TILTED)
     assert data.kind == name.split()[0]
     assert data.theta_upper is not None
     assert data.theta_lower is not None
@@ -222,57 +226,55 @@ def test_the_axis_stays_between_its_circles_and_touches_them(name: str) -> None:
 
 
 def test_the_picture_of_the_locus_carries_its_path() -> None:
-    drawn = figures.locus(TOP, omega_of("cusp"), TILTED)
-    data = drawn.data
-    np.testing.assert_array_equal(joined(drawn.seen, drawn.hidden), data.point)
-    np.testing.assert_array_equal(data_of(drawn.start), data.point[:1])
-    assert [ring.get_label() for ring in drawn.circles] == ["upper", "lower"]
-    for ring, theta in zip(drawn.circles, (data.theta_upper, data.theta_lower), strict=True):
-        assert theta is not None
-        heights = data_of(ring)[:, 2]
-        np.testing.assert_allclose(heights[np.isfinite(heights)], np.cos(theta), rtol=1e-14)
+    data = figures.locus(TOP, omega_of("cusp"), TILTED)
+    ax = drawn(data)
+    np.testing.assert_array_equal(joined(ax, "point"), [data.point])
+    np.testing.assert_array_equal(data_of(artist(ax, "start")), data.point[:1])
+    for name in ("theta_upper", "theta_lower"):
+        heights = joined(ax, name)[..., 2]
+        np.testing.assert_allclose(heights, np.cos(getattr(data, name)), rtol=1e-14)
     # What is seen is in front.
-    elev, azim = np.radians([drawn.ax.elev, drawn.ax.azim])
+    elev, azim = np.radians([ax.elev, ax.azim])
     eye = np.array([np.cos(elev) * np.cos(azim), np.cos(elev) * np.sin(azim), np.sin(elev)])
-    assert np.nanmin(data_of(drawn.seen) @ eye) >= -1e-12
-    assert np.nanmax(data_of(drawn.hidden) @ eye) <= 1e-12
+    assert np.nanmin(data_of(artist(ax, "point")) @ eye) >= -1e-12
+    assert np.nanmax(data_of(artist(ax, "point_hidden")) @ eye) <= 1e-12
     assert {r"$\theta_\mathrm{upper}$", r"$\theta_\mathrm{lower}$"} <= {
-        text.strip() for text in texts(drawn.ax)
+        text.strip() for text in texts(ax)
     }
 
 
 def test_from_above_the_lower_circle_no_path_is_hidden() -> None:
     omega = omega_of("cusp")
-    lower = figures.locus_data(TOP, omega, TILTED).theta_lower
+    lower = figures.locus(TOP, omega, TILTED).theta_lower
     assert lower is not None
     for above, hidden in ((1.0, False), (-1.0, True)):
-        drawn = figures.locus(TOP, omega, TILTED, elev=np.degrees(lower) + above)
-        assert np.isfinite(data_of(drawn.hidden)).any() == hidden
+        ax = figures.locus(TOP, omega, TILTED, elev=np.degrees(lower) + above).plot()
+        assert np.isfinite(data_of(artist(ax, "point_hidden"))).any() == hidden
 
 
 def test_panels_of_loci_are_named() -> None:
     names = ["loop", "cusp", "monotone", "monotone retrograde"]
-    drawn = figures.loci(TOP, [omega_of(name) for name in names], TILTED)
-    assert [one.data.kind for one in drawn] == [name.split()[0] for name in names]
-    titles = [one.ax.get_title() for one in drawn]
+    found = figures.loci(TOP, [omega_of(name) for name in names], TILTED)
+    assert [one.kind for one in found.paths] == [name.split()[0] for name in names]
+    titles = [ax.get_title() for ax in drawn(found)]
     assert titles == ["loop", "cusp", "monotone", "monotone, retrograde"]
 
 
 def test_tops_without_circles_are_drawn_for_given_times() -> None:
     t = np.linspace(0.0, 5.0, 51)
     for scene in (ASYMMETRIC, DAMPED):
-        drawn = figures.locus(scene, [0.2, 0.1, 5.0], TILTED, t=t)
-        assert drawn.data.kind == "general"
-        assert drawn.circles == ()
+        data = figures.locus(scene, [0.2, 0.1, 5.0], TILTED, t=t)
+        assert data.kind == "general"
+        assert not artists(drawn(data), "theta_upper")
         path = top.locus(scene, [0.2, 0.1, 5.0], TILTED, t=t)
-        np.testing.assert_array_equal(drawn.data.point, path.point)
+        np.testing.assert_array_equal(data.point, path.point)
 
 
 # Cycloids
 
 
 def test_fast_tops_come_near_cycloids() -> None:
-    coarse, fine = (figures.cycloids_data(TOP, 1.0, spin, periods=2.0) for spin in (20.0, 40.0))
+    coarse, fine = (figures.cycloids(TOP, 1.0, spin, periods=2.0) for spin in (20.0, 40.0))
     assert coarse.kind.tolist() == ["monotone", "cusp", "loop"]
     np.testing.assert_allclose(coarse.precession, [0.05, 0.0, -0.1], rtol=1e-14)
     errors = []
@@ -292,30 +294,30 @@ def test_fast_tops_come_near_cycloids() -> None:
 
 
 def test_any_axis_may_be_that_of_a_cycloid() -> None:
-    plain = figures.cycloids_data(TOP, 1.0, 20.0)
+    plain = figures.cycloids(TOP, 1.0, 20.0)
     turned = rigid.HeavyTop(rigid.Body((0.5, 1.0, 1.0)), mgl=1.0, com=(1.0, 0.0, 0.0))
     against = rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0, com=(0.0, 0.0, -1.0))
     for scene, spin in ((turned, 20.0), (against, -20.0)):
-        data = figures.cycloids_data(scene, 1.0, spin)
+        data = figures.cycloids(scene, 1.0, spin)
         np.testing.assert_allclose(data.theta, plain.theta, rtol=1e-12)
         np.testing.assert_allclose(data.phi, plain.phi, atol=1e-12)
         np.testing.assert_allclose(data.theta_approx, plain.theta_approx, rtol=1e-14)
 
 
 def test_the_picture_of_cycloids_carries_both_curves() -> None:
-    drawn = figures.cycloids(TOP, 1.0, 20.0)
-    data = drawn.data
+    data = figures.cycloids(TOP, 1.0, 20.0)
+    axes = drawn(data)
     for k in range(3):
         for line, phi, theta in (
-            (drawn.exact[k], data.phi[k], data.theta[k]),
-            (drawn.approximate[k], data.phi_approx[k], data.theta_approx[k]),
+            (artist(axes[k], "theta"), data.phi[k], data.theta[k]),
+            (artist(axes[k], "theta_approx"), data.phi_approx[k], data.theta_approx[k]),
         ):
             expected = np.degrees(np.stack([np.sin(1.0) * phi, theta], axis=1))
             np.testing.assert_array_equal(data_of(line), expected)
-        assert drawn.axes[k].get_ylim()[0] > drawn.axes[k].get_ylim()[1]  # upward is up
-        assert drawn.axes[k].get_ylabel() == r"tilt $\theta$ (°)"
-    assert drawn.axes[2].get_xlabel() == r"azimuth $\phi\,\sin\theta_0$ (°)"
-    assert figures.cycloids(TOP, 1.0, 20.0, pushes=[]).axes == ()
+        assert axes[k].get_ylim()[0] > axes[k].get_ylim()[1]  # upward is up
+        assert axes[k].get_ylabel() == r"tilt $\theta$ (°)"
+    assert axes[2].get_xlabel() == r"azimuth $\phi\,\sin\theta_0$ (°)"
+    assert figures.cycloids(TOP, 1.0, 20.0, pushes=[]).plot() == ()
 
 
 # Refusals
@@ -428,17 +430,17 @@ def test_the_picture_of_cycloids_carries_both_curves() -> None:
             "the energy of a heavy top needs it",
         ),
         (
-            lambda: figures.poinsot(poinsot_run(3), ax=Figure().add_subplot()),
+            lambda: figures.poinsot(poinsot_run(3)).plot(Figure().add_subplot()),
             ValueError,
             "needs 3-D axes",
         ),
         (
-            lambda: figures.cubic(TOP, [0, 0, 1], ax=Figure().add_subplot(projection="3d")),
+            lambda: figures.cubic(TOP, [0, 0, 1]).plot(Figure().add_subplot(projection="3d")),
             ValueError,
             "needs 2-D axes",
         ),
         (
-            lambda: figures.upright_cubic(TOP, axes=[Figure().add_subplot()]),
+            lambda: figures.upright_cubic(TOP).plot([Figure().add_subplot()]),
             ValueError,
             "has 3 panels, got 1 axes",
         ),
@@ -453,9 +455,9 @@ def test_without_matplotlib_it_is_said_what_is_missing() -> None:
     code = (
         "import sys; sys.modules['matplotlib'] = sys.modules['matplotlib.figure'] = None\n"
         "from rigid import figures\n"
-        "figures.polhodes_data((1.0, 2.0, 3.0))\n"
+        "found = figures.polhodes((1.0, 2.0, 3.0))\n"
         "try:\n"
-        "    figures.polhodes((1.0, 2.0, 3.0))\n"
+        "    found.plot()\n"
         "except ImportError as error:\n"
         "    print(error)\n"
     )

@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 
 from rigid.cli.toml_map import read_spec
 from rigid.cli.toml_table import names_of
-from rigid.figures.colours import DARK_STYLE
+from rigid.drawing.colours import DARK_STYLE
 from rigid.store.call import run_map
 
 IMAGES = Path(__file__).parents[3] / "docs" / "images"

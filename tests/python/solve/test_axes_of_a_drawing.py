@@ -185,8 +185,8 @@ def test_a_run_in_a_frame_is_kept(tmp_path: Path) -> None:
 
 def test_pictures_show_the_principal_axes() -> None:
     run = rigid.simulate(BODY, OMEGA, t=TIMES, frame=AXES)
-    drawn = rigid.figures.poinsot_data(run)
-    principal = rigid.figures.poinsot_data(run.in_frame(None))
+    drawn = rigid.figures.poinsot(run)
+    principal = rigid.figures.poinsot(run.in_frame(None))
     assert np.allclose(drawn.polhode, principal.polhode, rtol=0, atol=1e-14)
 
 

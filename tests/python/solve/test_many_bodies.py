@@ -492,7 +492,7 @@ REFUSED: list[tuple[Callable[[], Any], type[Exception], str]] = [
     ),
     (lambda: rigid.report(FREE, OMEGA[0], t_end=1.0), ValueError, "scene: expected one body, got"),
     (
-        lambda: figures.upright_cubic_data(TOPS),
+        lambda: figures.upright_cubic(TOPS),
         ValueError,
         "scene: expected one body, got bodies of shape (37,); take one of them, scene[0]",
     ),
@@ -504,7 +504,7 @@ REFUSED: list[tuple[Callable[[], Any], type[Exception], str]] = [
         "body: expected one body, got bodies of shape (37,)",
     ),
     (
-        lambda: figures.cycloids_data(TOPS, 1.0, 40.0),
+        lambda: figures.cycloids(TOPS, 1.0, 40.0),
         ValueError,
         "scene: expected one body, got bodies of shape (37,)",
     ),
