@@ -18,8 +18,11 @@ if TYPE_CHECKING:
     from .arrows import PlaneArrow, SpaceArrow
 
 __all__ = [
+    "AZIM",
     "BELOW",
+    "ELEV",
     "KEY",
+    "UP",
     "arc",
     "arc_between",
     "arrow",
@@ -35,6 +38,11 @@ __all__ = [
 
 Floats = NDArray[np.float64]
 
+UP = np.array([0.0, 0.0, 1.0])
+
+ELEV, AZIM = 22.0, -60.0
+"""The usual view (degrees)."""
+
 KEY: dict[str, Any] = {"frameon": False, "handlelength": 3.0}
 """Style of a legend that belongs to a whole figure."""
 
@@ -48,8 +56,8 @@ FILLED = 0.88
 def fit(
     ax: Any,
     *points: Floats,
-    elev: float = 22.0,
-    azim: float = -60.0,
+    elev: float = ELEV,
+    azim: float = AZIM,
     filled: float = FILLED,
 ) -> None:
     """Set view and limits so that the points (..., 3) fill the axes, with equal scales.

@@ -1,4 +1,4 @@
-"""Figures of the textbook, each drawn by one call.
+"""Figures of the textbook: the data of each, and its drawing.
 
 A function, such as :func:`poinsot`, computes a figure: a frozen dataclass of arrays with a method
 ``plot``, which draws these data on your Matplotlib axes, or on new axes, and returns the axes. Each

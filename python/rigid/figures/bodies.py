@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import brief, finite_float
 from ..drawing import colours
-from ..drawing.axes3d import arc, arc_between, arrow, circle, cone, curve, dots, fit, label
+from ..drawing.axes3d import UP, arc, arc_between, arrow, circle, cone, curve, dots, fit, label
 from ..drawing.colours import on_ground
 from ..free import permanent_rotation
 from ..model.body import Body, check_body
@@ -29,8 +29,6 @@ __all__ = [
 ]
 
 Floats = NDArray[np.float64]
-
-_UP = np.array([0.0, 0.0, 1.0])
 
 _OUTER_EDGES = np.array([[0.0, 1.0, -1.0], [1.0, 0.0, -1.0], [-1.0, 1.0, 0.0]])
 """For each axis, the direction of its parallel edge at the outline of the visible faces."""
@@ -175,7 +173,7 @@ class HeavyTopStill(Picture):
         centre = self.rim[:-1].mean(axis=0)
         cone(ax, self.rim, on_ground(ax, colours.BODY.colour), 0.3, gid="top")
         curve(ax, self.rim, colours.BODY.colour, linewidth=1.6, gid="rim")
-        curve(ax, circle(origin, _UP, 0.9 * size), colours.FAINT, linewidth=1.0, zorder=1)
+        curve(ax, circle(origin, UP, 0.9 * size), colours.FAINT, linewidth=1.0, zorder=1)
 
         for along, ink, name in zip(frame.space, colours.AXES, ("x'", "y'", "z'"), strict=True):
             longer = size * (1.9 if name == "z'" else 1.1)
@@ -191,16 +189,16 @@ class HeavyTopStill(Picture):
         phi, theta, psi = frame.angles.tolist()
         named: dict[str, Any] = {"gid": "angles"}
         first = 0.66 * size * frame.space[0]
-        arc(ax, _UP, first, phi, black, r"$\phi$", beyond=0.68, **named)
+        arc(ax, UP, first, phi, black, r"$\phi$", beyond=0.68, **named)
         if theta:
-            arc_between(ax, _UP, axis, 1.6 * size, black, r"$\theta$", beyond=1.08, **named)
+            arc_between(ax, UP, axis, 1.6 * size, black, r"$\theta$", beyond=1.08, **named)
         else:
-            arc(ax, _UP, frame.space[0], 0.0, black, **named)
+            arc(ax, UP, frame.space[0], 0.0, black, **named)
         first = 0.65 * radius * node
         arc(ax, axis, first, psi, black, r"$\psi$", centre=centre, beyond=1.35, **named)
         dots(ax, origin, black, markersize=5.0, zorder=7)
         dots(ax, self.com, black, markersize=6.0, zorder=7, gid="com")
-        label(ax, -0.15 * size * np.cross(_UP, node), "$O$")
+        label(ax, -0.15 * size * np.cross(UP, node), "$O$")
         beside = 0.13 * size * frame.node[1]
         label(ax, 0.5 * self.com + beside, "$l$")
         label(ax, self.com + beside, "$C$")
@@ -211,10 +209,10 @@ class HeavyTopStill(Picture):
         if self.mgl * abs(np.sin(theta)) > 0.0:
             along, ink = 0.8 * size * self.torque / self.mgl, colours.TORQUE
             arrow(ax, along, ink.colour, linewidth=2.6, zorder=6, gid="torque")
-            label(ax, along + 0.13 * size * _UP, ink.label, ink.colour)
-        ends = np.array([1.9 * size * _UP, 2.0 * size * axis, beside_lid + centre])
+            label(ax, along + 0.13 * size * UP, ink.label, ink.colour)
+        ends = np.array([1.9 * size * UP, 2.0 * size * axis, beside_lid + centre])
         azim = float(np.degrees(phi)) - 20.0
-        fit(ax, self.rim, circle(origin, _UP, 1.1 * size), ends, elev=16.0, azim=azim, filled=0.86)
+        fit(ax, self.rim, circle(origin, UP, 1.1 * size), ends, elev=16.0, azim=azim, filled=0.86)
 
 
 def heavy_top(scene: HeavyTop, angles: ArrayLike, *, length: float = 1.0) -> HeavyTopStill:
@@ -264,7 +262,7 @@ def heavy_top(scene: HeavyTop, angles: ArrayLike, *, length: float = 1.0) -> Hea
         frame=frame,
         mgl=float(scene.mgl),
         com=distance * axis,
-        weight=-scene.mgl / distance * _UP,
+        weight=-scene.mgl / distance * UP,
         torque=gravity_torque(scene, euler_to_quaternion(frame.angles), frame="space"),
         rim=circle(height * axis, axis, 0.45 * height, frame.body[0]),
     )

@@ -248,7 +248,7 @@ class UprightCubic(Picture):
 def upright_cubic(
     scene: HeavyTop, spins: ArrayLike = (0.9, 1.0, 1.1), *, lowest: float = 0.6, samples: int = 301
 ) -> UprightCubic:
-    """F near the vertical for a top with a spin below, at and above the bound of sleeping.
+    """The cubic near the vertical for a top with a spin below, at and above the bound of sleeping.
 
     The top reaches heights with positive f. At the bound the approximation is zero and does
     not decide; there ``f = -beta (1 - u)³`` is negative, so the top sleeps (lecture notes,

@@ -12,7 +12,7 @@ from .. import exact, free
 from .._checks.arguments import brief, positive_int
 from ..animation.states import rates_of, scene_of
 from ..drawing import colours
-from ..drawing.axes3d import arrow, curve, fit, label
+from ..drawing.axes3d import UP, arrow, curve, fit, label
 from ..drawing.shapes import ellipsoid_faces
 from ..drawing.sides import sides, surface
 from ..model.body_like import BodyLike, moments_of
@@ -23,8 +23,6 @@ from .picture import Picture
 __all__ = ["Polhodes", "polhodes"]
 
 Floats = NDArray[np.float64]
-
-UP = np.array([0.0, 0.0, 1.0])
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

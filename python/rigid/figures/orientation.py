@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import vector
 from ..drawing import colours
-from ..drawing.axes3d import arc, arrow, circle, curve, dots, fit, label, triad
+from ..drawing.axes3d import UP, arc, arrow, circle, curve, dots, fit, label, triad
 from ..rotations.euler import euler_to_matrix
 from .eulersteps import TURNS, azimuth, euler_steps
 from .picture import Picture
@@ -25,7 +25,6 @@ __all__ = [
 Floats = NDArray[np.float64]
 
 _X = np.array([1.0, 0.0, 0.0])
-_Z = np.array([0.0, 0.0, 1.0])
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -59,11 +58,11 @@ class Frames(Picture):
         triad(ax, self.body, self.origin, ("$x$", "$y$", "$z$"), linewidth=2.6, gid="body")
         label(ax, np.array([-0.09, -0.09, -0.09]), "$O'$" if apart else "$O$", colours.NEUTRAL)
         # Write the names outside the triangle of R, r' and r.
-        aside = _apart(self.origin, self.position) if apart and self.position is not None else -_Z
+        aside = _apart(self.origin, self.position) if apart and self.position is not None else -UP
         if apart:
             arrow(ax, self.origin, colours.SPACE.colour, linewidth=1.6, gid="origin")
             label(ax, 0.5 * self.origin + 0.12 * aside, r"$\mathbf{R}$", colours.SPACE.colour)
-            label(ax, self.origin - 0.13 * _Z, "$O$", colours.NEUTRAL)
+            label(ax, self.origin - 0.13 * UP, "$O$", colours.NEUTRAL)
         shown = [np.zeros((1, 3)), self.space, self.origin + self.space, self.origin + self.body]
         if self.relative is not None and self.position is not None:
             colour = colours.BODY.colour
@@ -72,7 +71,7 @@ class Frames(Picture):
             arrow(ax, self.relative, colour, start=start, linewidth=1.6, gid="relative")
             arrow(ax, self.position, black, linewidth=1.6, gid="position")
             dots(ax, self.position, black, markersize=5, zorder=6)
-            label(ax, self.position + 0.12 * _Z, "$P$")
+            label(ax, self.position + 0.12 * UP, "$P$")
             label(ax, self.origin + 0.6 * self.relative + 0.1 * aside, r"$\mathbf{r}'$", colour)
             label(ax, 0.45 * self.position - 0.12 * aside, colours.POSITION.label)
             shown.append(self.position)
@@ -158,7 +157,7 @@ class NodeFrame(Picture):
         ):
             arrow(ax, along, colours.NODE.colour, name, linewidth=2.0, gid="node")
         for about, start, angle, name in zip(
-            (_Z, self.node[0], self.node[2]),
+            (UP, self.node[0], self.node[2]),
             (_X, self.space[2], self.node[0]),
             self.angles,
             TURNS,
@@ -166,7 +165,7 @@ class NodeFrame(Picture):
         ):
             arc(ax, about, 0.5 * start, float(angle), colours.ANGLE.colour, name, gid="angles")
         label(ax, np.array([-0.06, -0.06, -0.09]), "$O$", colours.NEUTRAL)
-        circles = circle(origin, _Z, 1.0), circle(origin, self.body[2], 1.0)
+        circles = circle(origin, UP, 1.0), circle(origin, self.body[2], 1.0)
         fit(ax, *circles, self.space, self.body, elev=24.0, azim=azimuth(self.angles[0]))
 
 
@@ -208,4 +207,4 @@ def _apart(first: Floats, second: Floats) -> Floats:
     """Unit vector perpendicular to the bisector, on the side of ``first``; or downwards."""
     gap = first / np.linalg.norm(first) - second / (np.linalg.norm(second) or 1.0)
     size = float(np.linalg.norm(gap))
-    return np.asarray(gap / size) if size > 1e-9 else -_Z
+    return np.asarray(gap / size) if size > 1e-9 else -UP

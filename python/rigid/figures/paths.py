@@ -12,7 +12,7 @@ from .. import exact, top
 from .._checks.arguments import finite_float, positive_int, rows, sorted_times, vector
 from .._checks.arrays import attitudes
 from ..drawing import colours
-from ..drawing.axes3d import arrow, circle, curve, dots, fit, label
+from ..drawing.axes3d import AZIM, UP, arrow, circle, curve, dots, fit, label
 from ..drawing.shapes import ellipsoid_faces
 from ..drawing.sides import eye, sides, surface
 from ..model.scene import HeavyTop, check_heavy_top
@@ -31,8 +31,7 @@ __all__ = [
 
 Floats = NDArray[np.float64]
 
-ELEV, AZIM = 24.0, -60.0
-UP = np.array([0.0, 0.0, 1.0])
+ELEV = 24.0
 UPRIGHT = [1.0, 0.0, 0.0, 0.0]
 
 

@@ -12,7 +12,7 @@ from .. import free
 from .._checks.arguments import brief
 from ..animation.states import scene_of, states_of
 from ..drawing import colours
-from ..drawing.axes3d import arrow, curve, dots, fit, label
+from ..drawing.axes3d import AZIM, ELEV, UP, arrow, curve, dots, fit, label
 from ..drawing.shapes import across, ellipsoid_faces, plane_face
 from ..drawing.sides import eye, sides, surface
 from ..model.scene import FreeBody, require_unforced
@@ -27,8 +27,6 @@ __all__ = [
 
 Floats = NDArray[np.float64]
 
-UP = np.array([0.0, 0.0, 1.0])
-ELEV, AZIM = 22.0, -60.0
 POLHODE, HERPOLHODE = colours.HUES["blue"], colours.HUES["black"]
 
 

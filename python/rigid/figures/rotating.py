@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import positive_int, shaped, vector
 from ..drawing import colours
-from ..drawing.axes3d import arrow, curve, dots, fit
+from ..drawing.axes3d import AZIM, ELEV, arrow, curve, dots, fit
 from ..drawing.shapes import box_faces
 from ..drawing.sides import eye, surface
 from ..particles import velocity_field
@@ -21,10 +21,6 @@ from .symmetric import turning
 __all__ = ["RotatingBody", "rotating_body"]
 
 Floats = NDArray[np.float64]
-
-ELEV, AZIM = 22.0, -60.0
-FACE = colours.BODY_FACE
-"""A light tint of the colour of the body."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -62,7 +58,7 @@ class RotatingBody(Picture):
         if self.faces is not None:
             style: dict[str, Any] = {"alpha": 0.6, "linewidths": 1.2, "gid": "faces"}
             towards = eye(ELEV, AZIM)
-            surface(ax, self.faces, FACE, towards, edgecolors=colours.NEUTRAL, **style)
+            surface(ax, self.faces, colours.BODY_FACE, towards, edgecolors=colours.NEUTRAL, **style)
             shown.append(self.faces)
         omega, axis = colours.OMEGA, reach[:, np.newaxis] * direction
         curve(ax, axis, omega.colour, linewidth=1.0, linestyle="dashdot", zorder=1)

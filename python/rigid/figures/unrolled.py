@@ -11,13 +11,12 @@ from numpy.typing import ArrayLike, NDArray
 from .. import top
 from .._checks.arguments import finite_float, positive_int, shaped
 from ..drawing import colours
-from ..drawing.axes3d import curve
+from ..drawing.axes3d import UP, curve
 from ..drawing.colours import on_ground
 from ..drawing.shapes import across
 from ..model.scene import HeavyTop, check_heavy_top, require_unforced
 from ..rotations.euler import rotation_x
 from ..rotations.quaternions import matrix_to_quaternion
-from .paths import UP
 from .picture import Kind, Picture
 
 __all__ = ["Cycloids", "cycloids"]

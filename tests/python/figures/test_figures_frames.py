@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from typing import Any
 
 import numpy as np
@@ -11,7 +10,6 @@ from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 
 from figure_cases import artist, artists, data_of, drawn, texts
-from processes import python_process
 from rigid import figures, rotations
 from rigid.drawing import colours
 
@@ -327,14 +325,3 @@ def test_special_angles_draw_without_a_word(angle: float) -> None:
 def test_what_cannot_be_drawn_is_refused(call: Any, message: str) -> None:
     with pytest.raises(ValueError, match=message):
         call()
-
-
-def test_without_matplotlib_it_is_said_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "matplotlib.figure", None)
-    with pytest.raises(ImportError, match=r"rigid-rotation\[maps\]"):
-        figures.frames(ANGLES).plot()
-
-
-def test_importing_needs_no_matplotlib() -> None:
-    code = "import sys; sys.modules['matplotlib'] = None; import rigid.figures"
-    python_process(code)
