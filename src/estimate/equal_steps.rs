@@ -111,7 +111,7 @@ fn second_difference(run: &Run) -> f64 {
         let change = [0, 1, 2].map(|k| (torque[k] - super::dot(&matrix[k], omega)) / moments[k]);
         (length(&change) / length(omega)).powi(2)
     });
-    turning.fold(f64::INFINITY, |a, b| smaller(a, b)) + by_weight
+    turning.fold(f64::INFINITY, smaller) + by_weight
 }
 
 /// Whether an error of a run depends on how a torque changes the rates.
@@ -203,5 +203,82 @@ pub fn of_steps_beyond_damping(known: &Sized, error: &mut [f64]) {
     let is_damped = run.tolerance.is_none() && !run.forces.is_none() && run.method.is_stiff();
     if is_damped && larger(known.bound * known.span, 0.0) > PI * run.taken {
         error.fill(f64::INFINITY);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::estimate::Recorded;
+    use crate::forces::{BodyForces, Damping};
+    use crate::method::{DEFAULT, Method, SPLITTING};
+
+    const TIMES: [f64; 2] = [0.5, 1.0];
+
+    /// The errors of a term, of a body that spins about an axis all along, with its starting rate in two steps of 1 s.
+    fn errors(
+        term: fn(&Sized, &mut [f64]),
+        method: &'static Method,
+        body: &Body,
+        damping: [f64; 6],
+    ) -> [f64; 2] {
+        let forces = BodyForces { damping: Damping(damping), ..BodyForces::NONE };
+        let omega = [body.omega; 2];
+        let states = Recorded { omega: &omega, gamma: None, attitude: None, work: None };
+        let run = Run {
+            body,
+            forces,
+            times: &TIMES,
+            states,
+            drift: 0.0,
+            steps: 2.0,
+            taken: 2.0,
+            change: None,
+            method,
+            tolerance: None,
+            coarser_tolerance: None,
+        };
+        let mut error = [0.0; 2];
+        term(&Sized::new(Isa::current().unwrap(), &run), &mut error);
+        error
+    }
+
+    fn spinning(moments: [f64; 3]) -> Body {
+        Body { moments, weight: [0.0; 3], omega: [0.0, 0.0, 3.0], attitude: [1.0, 0.0, 0.0, 0.0] }
+    }
+
+    const DAMPED: [f64; 6] = [10.0, 10.0, 10.0, 0.0, 0.0, 0.0];
+
+    #[test]
+    fn steady_rates_lose_half_a_unit_in_each_step() {
+        let body = spinning([1.0, 2.0, 2.5]);
+        assert_eq!(errors(of_equal_steps, DEFAULT, &body, [0.0; 6]), [2.0 * DRIFT * (1.0 + 0.5 * 3.0); 2]);
+    }
+
+    #[test]
+    fn rotations_of_a_splitting_err_alike_and_a_symmetric_body_turns_by_equal_angles() {
+        let of = |moments| errors(of_equal_steps, &SPLITTING, &spinning(moments), [0.0; 6])[0];
+        let rotations = 2.0 * ROTATION * SPLITTING.facts.stages as f64;
+        let steady = 2.0 * DRIFT * (1.0 + 0.5 * 3.0);
+        assert!((of([1.0, 2.0, 2.5]) - rotations - steady).abs() < 1e-30);
+        assert!((of([1.0, 1.0, 2.5]) - rotations - steady - 0.5 * DRIFT * 2.0 * 3.0).abs() < 1e-30);
+    }
+
+    #[test]
+    fn rates_of_the_midpoint_rule_change_their_sign_and_remain() {
+        // Of h c / (2 I) = 2.5 a step keeps (1 - 2.5) / (1 + 2.5) of the rates.
+        let [first, second] = errors(of_ringing, &MIDPOINT, &spinning([1.0; 3]), DAMPED);
+        assert!((first - 1.5 / 3.5).abs() < 1e-15 && (second - (1.5_f64 / 3.5).powi(2)).abs() < 1e-15);
+        assert_eq!(errors(of_ringing, STIFF, &spinning([1.0; 3]), DAMPED), [0.0; 2]);
+        assert_eq!(errors(of_ringing, &MIDPOINT, &spinning([1.0; 3]), [0.0; 6]), [0.0; 2]);
+    }
+
+    #[test]
+    fn a_body_that_may_turn_by_more_than_a_half_in_a_step_under_strong_damping_is_unknown() {
+        let fast = Body { omega: [0.0, 0.0, 2.001 * PI], ..spinning([1.0; 3]) };
+        let slow = Body { omega: [0.0, 0.0, 1.999 * PI], ..fast };
+        assert_eq!(errors(of_steps_beyond_damping, STIFF, &fast, DAMPED), [f64::INFINITY; 2]);
+        assert_eq!(errors(of_steps_beyond_damping, STIFF, &slow, DAMPED), [0.0; 2]);
+        assert_eq!(errors(of_steps_beyond_damping, DEFAULT, &fast, DAMPED), [0.0; 2]);
     }
 }
