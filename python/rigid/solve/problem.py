@@ -120,7 +120,8 @@ class Problem:
         begin = self.begin[some] if isinstance(self.begin, np.ndarray) else self.begin
         end = self.end[some] if isinstance(self.end, np.ndarray) else self.end
         own = replace(chosen, may_stop=may_stop)
-        return replace(self, scene=scene, bodies=own, begin=begin, end=end)
+        number = None if self.number is None else round(self.number * len(some) / len(bodies))
+        return replace(self, scene=scene, bodies=own, begin=begin, end=end, number=number)
 
     def inertia(self) -> tuple[Floats, Floats]:
         """Moments and weight of the bodies in rows, in any unit; one row may hold for all."""

@@ -113,18 +113,6 @@ def solve(
     return _merged(problem, parts, groups)
 
 
-def closed_form_states(
-    request: Request, target: Target
-) -> tuple[MutableMapping[str, Any], ErrorEstimate | _core.States]:
-    """The states in closed form, and their errors."""
-    exact = request.states(None, out=target.given or None, single=target.single)
-    if exact.worst is not None:
-        return exact, exact
-    bodies = request.bodies
-    bodies.note_rates(exact.pop("fastest_rate"))
-    return exact, closed_form_error(bodies, request.times, exact["omega"])
-
-
 def _solve_alike(
     scene: Scene,
     problem: Problem | None,
@@ -241,8 +229,8 @@ def _by_steps(
         made.plan.amend(f"{some} of {len(by_series)} bodies by {SERIES}")
     accurate = (estimate.error <= choice.accuracy) & ~by_series
     if problem.accuracy is not None and accurate.any():
-        made_step, most = made_steps(states["steps"], time_span(request.times), accurate)
-        made.plan.amend(step=made_step, steps=most)
+        step, most = made_steps(states["steps"], time_span(request.times), accurate)
+        made.plan.amend(step=step, steps=most)
     return made
 
 
