@@ -175,3 +175,30 @@ def test_roots_of_the_orders_of_most_methods_are_exact_where_they_can_be(order: 
     whole: Floats = np.ldexp(np.ones(41), np.arange(-20, 21))
     powers: Floats = whole**order
     assert (roots(powers, order) == whole).all()
+
+
+BODY = rigid.Body((1.0, 1.1, 1.2))
+
+STEADY: dict[str, tuple[rigid.FreeBody, float]] = {
+    "rotor": (rigid.FreeBody(BODY, rotor=(0.0, 0.0, 0.3)), 0.0),
+    "sink": (rigid.FreeBody(BODY, dissipation=rigid.EnergySink(0.05)), 0.0),
+    "orbit": (rigid.FreeBody(rigid.Body((1.0, 1.0, 1.2)), orbit=rigid.Orbit(rate=1.0)), 0.0),
+    "torque": (rigid.FreeBody(BODY, torque=rigid.Torque.body([0.0, 0.0, 1e-9])), 1e-9 / 1.2),
+}
+"""Bodies that spin about axis 3, and the acceleration of the spin (rad/s²)."""
+
+
+@pytest.mark.parametrize("name", STEADY)
+def test_a_steady_spin_of_twenty_thousand_radians_is_accurate(name: str) -> None:
+    """Rounding of equal steps, all alike, exceeds the accuracy; a series does not add it up."""
+    scene, acceleration = STEADY[name]
+    t = 12566.0
+    run = rigid.simulate(scene, [0.0, 0.0, 2.0], t=[t], accuracy=1e-8)
+    half = t + 0.25 * acceleration * t * t
+    turn = np.array([np.cos(half), 0.0, 0.0, np.sin(half)])
+    assert run.attitude is not None
+    apart = 2.0 * min(
+        np.linalg.norm(run.attitude[0] - turn), np.linalg.norm(run.attitude[0] + turn)
+    )
+    assert run.status == rigid.Status.OK
+    assert apart <= float(run.error) < 1e-8
