@@ -39,10 +39,12 @@ def parse_report(
     scene = read_scene(document.table("scene"))
     start = read_start(document.table("start"), (), noise=None, attitude_noise=None)
     grid = document.build(lambda: nominal_starts(scene, start))
-    return document.table("run").call(
+    run = document.table("run")
+    return run.call(
         make_spec,
         read={"t_end": _nothing} if long else {},
         defaults={"revolutions": REVOLUTIONS} if long else {},
+        needed=() if long or "revolutions" in run else ("t_end",),
         scene=scene,
         omega=grid.omega[0],
         attitude=grid.attitude[0],

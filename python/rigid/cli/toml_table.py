@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 import tomllib
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from functools import partial
 from importlib import resources
 from inspect import Parameter, signature
@@ -204,6 +204,7 @@ class Table:
         *beside: str,
         read: Mapping[str, Callable[[Table, str], Any]] = MappingProxyType({}),
         defaults: Mapping[str, Any] = MappingProxyType({}),
+        needed: Collection[str] = (),
         **given: Any,
     ) -> _T:
         """The result of a function whose arguments are the keys of this table.
@@ -218,6 +219,8 @@ class Table:
             How the values of some keys become arguments: functions of the table and the key.
         defaults : mapping
             Arguments in place of keys that are omitted, as far as the function has them.
+        needed : collection of str
+            Keys that may not be omitted, although the function has a default.
         **given
             Arguments that are no keys.
         """
@@ -230,7 +233,7 @@ class Table:
                 arguments[parameter.name] = self.build(partial(value, self, key))
             elif key in defaults:
                 arguments[parameter.name] = defaults[key]
-            elif parameter.default is Parameter.empty:
+            elif parameter.default is Parameter.empty or key in needed:
                 raise self.error(f"needs the key {key!r}")
         return self.build(lambda: make(**arguments))
 

@@ -40,6 +40,7 @@ class Pixels:
     scene : FreeBody or HeavyTop
         The scene of P bodies. A sphere stands where no body can have the moments.
     moments : (P, 3) principal moments, possible or not
+    weight : (P, 3) ``mgl * com``; zero for free bodies
     omega, omega_size : (P, 3) nominal rates and size of their noise, rad/s
     attitude : (P, 4) nominal attitude (w, x, y, z)
     tilt : (P,) rad
@@ -49,6 +50,7 @@ class Pixels:
 
     scene: Scene
     moments: Floats
+    weight: Floats
     omega: Floats
     omega_size: Floats
     attitude: Floats
@@ -82,11 +84,6 @@ class Pixels:
         """Where a body can have the moments."""
         known: NDArray[np.bool_] = self.status == 0
         return known
-
-    @cached_property
-    def weight(self) -> Floats:
-        """``mgl * com``, shape (P, 3); zero for free bodies."""
-        return _each(self.scene.weight, 1, len(self.moments))
 
     @property
     def damping(self) -> Floats:
@@ -227,6 +224,7 @@ def nominal_starts(
     return Pixels(
         scene=scene,
         moments=moments,
+        weight=weight,
         omega=omega,
         omega_size=values["noise"],
         attitude=attitude,

@@ -237,7 +237,8 @@ def test_the_page_of_files_has_a_row_for_every_key() -> None:
     assert rows("axis") == {"name", "values", "from", "to", "count", "scale"}
     run = "samples", "half_width", "refine", "budget", "method", "step", "check", "max_steps"
     assert rows("map_run") == {"t_end", *run, "seed", "measure"}
-    assert rows("report_run") == {"t_end", "unit", "bodies", "errors", "seed", "methods"}
+    report_run = "t_end", "revolutions", "unit", "bodies", "errors", "seed", "methods"
+    assert rows("report_run") == {*report_run}
     assert rows("surface") == keys(rigid.section).keys()
     assert rows("section_start") == {"energy", "l_gamma", "bodies", "seed"}
     assert rows("section_run", "plot") == {"points", "t_end", "x", "y"}

@@ -154,14 +154,6 @@ def test_each_body_has_its_orbit() -> None:
     assert "orbit of each" in scene.words()
 
 
-def test_a_circle_is_that_of_older_files() -> None:
-    old = {"rate": 0.7, "towards": [0.0, 1.0, 0.0], "ahead": [-1.0, 0.0, 0.0]}
-    data = rigid.FreeBody(rigid.Body((1.0, 1.4, 1.9))).to_dict()
-    torque = {"times": [], "in_body": [[0.0] * 3], "in_space": [[0.0] * 3], "orbit": old}
-    orbit = scene_from_dict({**data, "torque": torque}).orbit
-    assert orbit == rigid.Orbit(0.7, periapsis=(0.0, -1.0, 0.0))
-
-
 FORCES: dict[str, dict[str, Any]] = {
     "orbit": {"orbit": rigid.Orbit(0.7, 0.4, 1.0, normal=(0.0, 0.6, 0.8))},
     "rotor": {"rotor": (0.3, -0.2, 0.5)},
