@@ -78,9 +78,9 @@ def simulate(
     The closed form is used where there is one: for a free body, and for a top with two equal
     moments and its centre of mass on the third axis. It is evaluated at each given time and takes
     no steps. A top that swings as a pendulum about a principal axis has one too. All other bodies
-    are integrated, and bodies under torque or damping are. Each body is solved as if it were alone:
-    its states and its error have the same bits in any batch, on any processor and for any number of
-    threads.
+    are integrated, and bodies under forces unless their only force is damping that is a multiple of
+    their inertia. Each body is solved as if it were alone: its states and its error have the same
+    bits in any batch, on any processor and for any number of threads.
 
     Parameters
     ----------

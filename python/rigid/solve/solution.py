@@ -221,7 +221,7 @@ def _by_steps(
         return made
     if by_series is None:
         by_series = np.zeros(len(request.bodies), dtype=bool)
-    if by_series.all():
+    if by_series.size and by_series.all():
         made.method, made.tolerance = SERIES, SERIES_TOLERANCE
         made.plan.amend(method=SERIES, tolerance=SERIES_TOLERANCE, step=None, steps=None)
     elif by_series.any():

@@ -49,7 +49,7 @@ twice the stated error with a factor of 30."""
 
 SHARE = 2e-4
 """First tolerance over the accuracy. The tolerance of the coarser run is a fifth of the accuracy:
-the stated error is below the accuracy unless the motion magnifies errors three times."""
+the stated error is half of the accuracy unless the motion magnifies errors."""
 
 SHARE_UNDER_FUNCTION = 0.01
 """The same under a function: some steps err, and three times the distance is stated."""
@@ -61,7 +61,8 @@ LARGEST = 1e-6
 def first_tolerance(accuracy: float, method: str) -> float:
     """The tolerance of the first run for an accuracy."""
     if method == FUNCTION:
-        return max(SHARE_UNDER_FUNCTION * accuracy, LEAST_TOLERANCE)
+        # A body whose error is 1 is lost.
+        return max(SHARE_UNDER_FUNCTION * min(accuracy, 1.0), LEAST_TOLERANCE)
     return min(max(SHARE * accuracy, SERIES_TOLERANCE), LARGEST)
 
 
@@ -81,5 +82,12 @@ def coarser_run(request: Request, tolerance: float) -> _core.States:
 
     Two series of high order may err alike: their errors do not fall evenly with the tolerance.
     """
-    bodies = request.bodies.rounded_otherwise()
-    return replace(request, bodies=bodies, method=TO_ROUNDING, tolerance=tolerance).states(None)
+    # A series of lower order may need more steps than the run whose limit this is.
+    coarser = replace(
+        request,
+        bodies=request.bodies.rounded_otherwise(),
+        method=TO_ROUNDING,
+        tolerance=tolerance,
+        max_steps=min(64 * request.max_steps, 2**63),
+    )
+    return coarser.states(None)

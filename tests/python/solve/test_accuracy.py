@@ -177,13 +177,13 @@ def test_roots_of_the_orders_of_most_methods_are_exact_where_they_can_be(order: 
     assert (roots(powers, order) == whole).all()
 
 
-BODY = rigid.Body((1.0, 1.1, 1.2))
+SPUN = rigid.Body((1.0, 1.1, 1.2))
 
 STEADY: dict[str, tuple[rigid.FreeBody, float]] = {
-    "rotor": (rigid.FreeBody(BODY, rotor=(0.0, 0.0, 0.3)), 0.0),
-    "sink": (rigid.FreeBody(BODY, dissipation=rigid.EnergySink(0.05)), 0.0),
+    "rotor": (rigid.FreeBody(SPUN, rotor=(0.0, 0.0, 0.3)), 0.0),
+    "sink": (rigid.FreeBody(SPUN, dissipation=rigid.EnergySink(0.05)), 0.0),
     "orbit": (rigid.FreeBody(rigid.Body((1.0, 1.0, 1.2)), orbit=rigid.Orbit(rate=1.0)), 0.0),
-    "torque": (rigid.FreeBody(BODY, torque=rigid.Torque.body([0.0, 0.0, 1e-9])), 1e-9 / 1.2),
+    "torque": (rigid.FreeBody(SPUN, torque=rigid.Torque.body([0.0, 0.0, 1e-9])), 1e-9 / 1.2),
 }
 """Bodies that spin about axis 3, and the acceleration of the spin (rad/s²)."""
 
@@ -202,3 +202,28 @@ def test_a_steady_spin_of_twenty_thousand_radians_is_accurate(name: str) -> None
     )
     assert run.status == rigid.Status.OK
     assert apart <= float(run.error) < 1e-8
+
+
+def test_the_limit_of_steps_holds_for_the_run_and_not_for_its_check() -> None:
+    """A series of order 16 needs more steps for the check than one of order 26 for the run."""
+    options: dict[str, Any] = {"t": [20.0], "method": "taylor26", "accuracy": 1e-8}
+    free = rigid.simulate(TOP, [0.3, 0.4, 1.0], **options)
+    limited = rigid.simulate(TOP, [0.3, 0.4, 1.0], **options, max_steps=int(free.steps))
+    assert (limited.status, limited.error) == (rigid.Status.OK, free.error)
+
+
+def test_no_body_is_planned_by_the_method_that_was_asked_for() -> None:
+    none = rigid.simulate(TOP, np.zeros((0, 3)), t=[1.0], method="rk4", accuracy=1e-6)
+    assert (none.plan.method, none.plan.tolerance) == ("rk4", None)
+
+
+def test_an_accuracy_above_one_is_as_one_under_a_function() -> None:
+    def brake(t: float, omega: Floats, attitude: Floats, data: Floats, torque: Floats) -> None:
+        torque[:] = -0.1 * omega
+
+    scene = rigid.FreeBody(rigid.Body((1.0, 1.6, 2.0)), torque=rigid.Torque.call(brake))
+    run, same = (
+        rigid.simulate(scene, [0.3, 0.4, 1.0], t=[1.0], accuracy=accuracy)
+        for accuracy in (200.0, 1.0)
+    )
+    assert run.omega.tobytes() == same.omega.tobytes()
