@@ -48,7 +48,15 @@ from .tolerances import SERIES, SERIES_TOLERANCE, first_tolerance
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
 
-__all__ = ["NO_BOUND", "Choice", "bodies_alike", "choose_method", "has_closed_form", "plan_states"]
+__all__ = [
+    "NO_BOUND",
+    "Choice",
+    "bodies_alike",
+    "choose_method",
+    "has_closed_form",
+    "parts_of",
+    "plan_states",
+]
 
 Floats = NDArray[np.float64]
 

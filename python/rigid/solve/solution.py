@@ -17,7 +17,7 @@ from .. import _core
 from ..model.events import Event
 from ..model.scene import Scene
 from .arrays import largest, time_ranges, time_span
-from .choose_method import Choice, bodies_alike, choose_method
+from .choose_method import Choice, bodies_alike, choose_method, parts_of
 from .error_estimate import ErrorEstimate, closed_form_error
 from .events import FoundEvents, events_of_parts, find_events
 from .integrate import BY_SERIES, integrate
@@ -101,14 +101,16 @@ def solve(
         Arrays for the states.
     """
     options = check, watched, parameters
-    groups = None if problem is None else bodies_alike(problem)
-    if problem is None or groups is None or len(groups) == 1:
+    if problem is None:
+        return _solve_alike(scene, None, request, *options, target)
+    groups = bodies_alike(problem)
+    if len(groups) == 1:
         return _solve_alike(scene, problem, request, *options, target)
     parts = []
-    for some in groups:
-        own = problem.select(some)
+    for own, some in zip(parts_of(problem, groups), groups, strict=True):
         assert own.bodies is not None
-        part = replace(request.select(some), bodies=own.bodies)
+        times = request.times if request.times.ndim == 1 else request.times[some]
+        part = replace(request, bodies=own.bodies, times=times)
         parts.append(_solve_alike(own.scene, own, part, *options, PLAIN))
     return _merged(problem, parts, groups)
 
