@@ -102,8 +102,10 @@ class Opened:
     def close(self) -> None:
         """Close the page, which has neither complained nor asked for anything."""
         # Drivers say in the console how they read pixels; that is no fault of a page.
-        assert [text for text in self.said if "GL Driver Message" not in text] == []
-        assert [url for url in self.asked if not url.startswith(("file:", "data:"))] == []
+        said = [text for text in self.said if "GL Driver Message" not in text]
+        assert not said, f"the page said {said}"
+        asked = [url for url in self.asked if not url.startswith(("file:", "data:"))]
+        assert not asked, f"the page asked for {asked}"
         self.page.close()
 
 

@@ -371,3 +371,22 @@ def test_a_moved_frame_shows_the_map_and_the_body_again(browser: Any, tmp_path: 
     notebook.page.evaluate("clean()")
     assert notebook.page.evaluate("Object.values(calls).flat().length") == 0
     notebook.opened.close()
+
+
+@pytest.mark.browser
+def test_a_frame_moved_while_it_zooms_asks_for_the_finer_map(browser: Any, tmp_path: Path) -> None:
+    notebook = Notebook(browser, MAP.widget(), tmp_path)
+    notebook.frame.evaluate("explorer.view = [2, 6, -6, -3]; explorer.kept()")
+    # The new page is slower than the pause after a zoom of the old one.
+    notebook.page.evaluate("""() => {
+      const moved = el.firstChild;
+      moved.addEventListener("load", () => {
+        for (const begun = performance.now(); performance.now() < begun + 700;);
+      });
+      moved.remove();
+      el.append(moved);
+    }""")
+    notebook.page.wait_for_function("el.firstChild.contentWindow.explorer?.map?.region")
+    (frame,) = notebook.page.frames[1:]
+    assert frame.evaluate("explorer.map.region.view") == [2, 6, -6, -3]
+    notebook.opened.close()

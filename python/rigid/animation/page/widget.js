@@ -28,7 +28,10 @@ export default {
       answer(bodies ? explorer.bodiesIn(await explorer.read(bodies), 0) : null);
       if (error) explorer.empty(error);
     };
-    frame.onload = () => {  // and again, where a notebook has moved the frame
+    frame.onload = async () => {  // and again, where a notebook has moved the frame
+      const zooming = timer !== null;
+      clearTimeout(timer);
+      timer = waiting = null;  // they belong to the page that is gone
       ({explorer} = frame.contentWindow);
       explorer.kept = () => {
         ({address} = explorer);
@@ -39,8 +42,9 @@ export default {
         waiting = {pixel, answer};
         model.send({pixel, zoom: explorer.map.zoom});
       });
-      load(address);
       say();
+      await load(address);
+      if (zooming) explorer.kept();
     };
     const events = [["change:_content", show], ["change:_said", say], ["msg:custom", hear]];
     for (const [name, act] of events) model.on(name, act);
