@@ -6,9 +6,10 @@
 //! real ← simd        real ← special ← kinematics        kinematics ← series ← forces ← {body, start}
 //! {kinematics, forces} ← scene ← method ← observe ← kernel        {special, start} ← exact
 //! special ← sample        memory ← {forces, kernel, parallel}        float_environment ← {parallel, python}
-//! {kernel, exact, sample, parallel} ← trajectory ← {estimate, map} ← python
+//! {kernel, exact, sample, parallel} ← trajectory ← {estimate ← accuracy, map} ← python
 //! ```
 
+pub mod accuracy;
 pub mod body;
 pub mod error;
 pub mod estimate;

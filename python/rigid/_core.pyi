@@ -15,10 +15,12 @@ __all__ = [
     "BODIES_OF_A_ROW",
     "CHECKPOINT_PARTS",
     "DRIFT_LIMIT",
+    "ELSEWHERE",
     "FEWEST_STEPS",
     "FIXED_POINT",
+    "LEAST_UNDER_FUNCTION",
     "ROUNDING",
-    "ROUNDINGS",
+    "SERIES_TOLERANCE",
     "Forces",
     "MapJob",
     "MapStatistics",
@@ -42,10 +44,10 @@ __all__ = [
     "distances",
     "elliptic",
     "errors_of_closed_forms",
-    "estimate",
     "fastest_rates",
     "first_not_finite",
     "first_slow",
+    "first_tolerance",
     "flip_times",
     "free_quantities",
     "generic_deviations",
@@ -60,15 +62,13 @@ __all__ = [
     "moment_status_names",
     "nearest_possible",
     "orbit_anomalies",
-    "phase_errors",
     "plain_numbers",
     "principal_axes",
     "rate_units",
-    "retired_methods",
-    "rounded_otherwise",
     "saddles",
     "section",
     "simulate",
+    "solve",
     "state_bytes",
     "status_names",
     "tilt_times",
@@ -82,10 +82,12 @@ BODIES_OF_A_FUNCTION: int
 BODIES_OF_A_ROW: int
 CHECKPOINT_PARTS: Sequence[int]
 DRIFT_LIMIT: float
+ELSEWHERE: float
 FEWEST_STEPS: float
 FIXED_POINT: float
+LEAST_UNDER_FUNCTION: float
 ROUNDING: float
-ROUNDINGS: int
+SERIES_TOLERANCE: float
 __version__: str
 
 def available_threads() -> int: ...
@@ -93,7 +95,6 @@ def is_set(variable: str) -> bool: ...
 def build_info() -> dict[str, Any]: ...
 def methods() -> list[dict[str, Any]]: ...
 def chosen_methods() -> dict[str, str]: ...
-def retired_methods() -> dict[str, str]: ...
 def map_columns() -> list[dict[str, Any]]: ...
 def class_names() -> list[str]: ...
 def agreed_classes() -> list[list[int]]: ...
@@ -127,6 +128,15 @@ def simulate(
     out: Mapping[str, NDArray[Any]] | None = None,
     single: bool = False,
 ) -> States: ...
+def solve(
+    request: Request,
+    step: NDArray[np.float64] | None,
+    accuracy: float | None,
+    check: bool,
+    free: bool,
+    out: Mapping[str, NDArray[Any]] | None = None,
+) -> States: ...
+def first_tolerance(accuracy: float, method: str) -> float: ...
 def state_bytes(
     *, scene: str, record: str, bodies: int, times: int, forces: Forces | None = None
 ) -> int: ...
@@ -212,15 +222,6 @@ def closed_forms_for(
     weight: NDArray[np.float64],
     axis: int | None = None,
 ) -> NDArray[np.uint8]: ...
-def estimate(
-    request: Request,
-    states: Mapping[str, Any],
-    others: Sequence[Mapping[str, Any]],
-    taken: NDArray[np.uint64],
-    safety: float,
-    coarser_tolerance: float | None = None,
-    alone: bool = False,
-) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]: ...
 def distances(
     states: Mapping[str, Any],
     other: Mapping[str, Any],
@@ -228,12 +229,6 @@ def distances(
 ) -> NDArray[np.float64]: ...
 def errors_of_closed_forms(
     bodies: Bodies, times: NDArray[np.float64], omega: NDArray[Any]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]: ...
-def phase_errors(
-    bodies: Bodies, times: NDArray[np.float64], states: Mapping[str, Any]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]] | None: ...
-def rounded_otherwise(
-    omega: NDArray[np.float64], attitude: NDArray[np.float64], rounding: int
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]: ...
 def lagrange_axes(
     moments: NDArray[np.float64], weight: NDArray[np.float64]
@@ -301,7 +296,6 @@ class Forces:
     @property
     def calls(self) -> bool: ...
     def kinds(self, bodies: int) -> NDArray[np.uint64]: ...
-    def rounded_otherwise(self, rounding: int) -> Forces: ...
     def damping_rates(self, moments: NDArray[np.float64]) -> NDArray[np.float64]: ...
 
 @final

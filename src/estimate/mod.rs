@@ -19,6 +19,7 @@ pub use distance::distances;
 pub use equal_steps::{Change, depends_on_change, measured_change};
 pub use rounded_start::{ROUNDINGS, round_otherwise, sign_of_forces};
 pub use separatrix::{PhaseError, phase_error};
+pub use turns::longest_interval;
 
 use crate::forces::BodyForces;
 use crate::kinematics::plain_dot as dot;

@@ -26,7 +26,7 @@ pub fn looks(known: &Sized) -> f64 {
 }
 
 /// The longest interval between ascending times and 0.
-fn longest_interval(times: &[f64]) -> f64 {
+pub fn longest_interval(times: &[f64]) -> f64 {
     let (mut last, mut longest) = (times.first().map_or(0.0, |first| first.min(0.0)), 0.0_f64);
     for &time in times {
         if last < 0.0 && time > 0.0 {

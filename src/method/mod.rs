@@ -62,20 +62,6 @@ methods! {
     midpoint: MIDPOINT;
 }
 
-/// Names of methods of earlier versions, each with the method that takes its place.
-pub const RETIRED: [(&str, &str); 10] = [
-    ("taylor8", "taylor12"),
-    ("taylor14", "taylor16"),
-    ("splitting6", "splitting8"),
-    ("srkn6", "chin4a"),
-    ("srkn11", "pmlf6"),
-    ("srkn14", "pmlf6"),
-    ("dmv4", "dmv10"),
-    ("dmv6", "dmv10"),
-    ("dmv8", "dmv10"),
-    ("hermite9", "dop853"),
-];
-
 /// Every step of every method, each once.
 pub fn steps() -> Vec<Step> {
     let mut all: Vec<Step> = Vec::new();
@@ -100,6 +86,12 @@ pub const MANY_TIMES: &Method = &TAYLOR12;
 
 /// The method of motions that are asked for to rounding.
 pub const TO_ROUNDING: &Method = &TAYLOR16;
+
+/// The series that leaves rounding alone.
+pub const SERIES: &Method = &TAYLOR20;
+
+/// The method that knows its motion inside steps under the torque of a function, and adapts its steps there.
+pub const FUNCTION: &Method = &DOP853;
 
 /// The method for strong damping; without damping it is the default method.
 pub const STIFF: &Method = &ETD4;

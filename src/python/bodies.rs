@@ -19,6 +19,8 @@ pub struct Bodies<'py> {
     omega: Bound<'py, PyArray2<f64>>,
     attitude: Bound<'py, PyArray2<f64>>,
     forces: Option<Bound<'py, PyForces>>,
+    /// Whether a torque or weight may stop them, on which drag acts.
+    pub may_stop: bool,
 }
 
 impl Bodies<'_> {

@@ -1,19 +1,12 @@
 //! The errors of runs: states of two runs in, errors out.
 
 use super::bodies::Bodies;
-use super::convert::{
-    Aligned1, Aligned2, at_once, copied_numbers, interruptible_calls, rows, same_length, times_of_bodies,
-};
+use super::convert::{Aligned1, copied_numbers, same_length, times_of_bodies};
 use super::states::{of_bodies, shaped};
 use crate::error::Error;
-use crate::estimate::{
-    PhaseError, ROUNDINGS, Recorded, Run, depends_on_change, distances as distances_of, error_of_closed_form,
-    fastest, measured_change, phase_error, round_otherwise, stated,
-};
+use crate::estimate::{Recorded, distances as distances_of, error_of_closed_form, fastest};
 use crate::float_environment::FloatEnvironment;
 use crate::memory;
-use crate::method::Method;
-use crate::parallel::Interrupt;
 use crate::simd::Isa;
 use crate::start::Body;
 use crate::trajectory::{Schedule, time_range};
@@ -26,91 +19,11 @@ use pyo3::prelude::*;
 use pyo3::types::PyString;
 use std::ops::Range;
 
-/// What an estimate needs of `rigid.solve.request.Request`.
-#[derive(FromPyObject)]
-pub struct Judged<'py> {
-    bodies: Bodies<'py>,
-    times: Bound<'py, PyArrayDyn<f64>>,
-    method: Bound<'py, PyString>,
-    tolerance: Option<f64>,
-}
-
 /// Rows of numbers.
 type Rows<'py> = Bound<'py, PyArray2<f64>>;
 
 /// A number of each body.
 type Column<'py> = Bound<'py, PyArray1<f64>>;
-
-/// The errors that are stated for the states of a request, from those of other runs: `safety` times the distance of the
-/// farthest, and what all may have in common; or the distance `alone`. `taken` are the steps of the run with the longer ones;
-/// a coarser run by a tolerance names it. Of each body there is the largest error, the output time nearest to 0 from which on
-/// its error is 1 or more, and how many more times show whether its runs differ by whole turns, or 0.
-#[pyfunction]
-#[pyo3(signature = (request, states, others, taken, safety, coarser_tolerance=None, alone=false))]
-#[allow(clippy::too_many_arguments)] // What differs between the estimates of one request.
-pub fn estimate<'py>(
-    py: Python<'py>,
-    request: Judged<'py>,
-    states: &Bound<'py, PyAny>,
-    others: Vec<Bound<'py, PyAny>>,
-    taken: Aligned1<'py, u64>,
-    safety: f64,
-    coarser_tolerance: Option<f64>,
-    alone: bool,
-) -> PyResult<(Column<'py>, Column<'py>, Column<'py>)> {
-    let _standard = FloatEnvironment::standard();
-    let (isa, method, n) = (Isa::current()?, Method::parse(request.method.to_str()?)?, request.bodies.len()?);
-    let (times, forces) = (copied_numbers("times", &request.times)?, request.bodies.forces(n)?);
-    let times = times_of_bodies(&times, request.times.shape(), n)?;
-    let m = times.len();
-    let drift: Aligned1<'py, f64> = states.get_item(intern!(py, "energy_drift"))?.extract()?;
-    let steps: Aligned1<'py, u64> = states.get_item(intern!(py, "steps"))?.extract()?;
-    let states = Columns::read(states, [n, m])?;
-    let others = others.iter().map(|other| Columns::read(other, [n, m])).collect::<PyResult<Vec<_>>>()?;
-    let lengths =
-        [("taken", &taken), ("steps", &steps)].map(|(name, column)| (name, column.as_array().len()));
-    for (argument, length) in lengths.into_iter().chain([("energy_drift", drift.as_array().len())]) {
-        same_length(argument, n, length)?;
-    }
-    let scene = request.bodies.scene()?;
-    let mut errors_of_body = memory::zeros("errors of a body", m.saturating_mul(2))?;
-    let (error, apart) = errors_of_body.split_at_mut(m);
-    let reserved = || memory::reserved("errors of the bodies", n);
-    let (mut errors, mut lost_from, mut looks) = (reserved()?, reserved()?, reserved()?);
-    in_parts(py, &request.bodies, |bodies, part| {
-        let states = states.recorded()?;
-        let others = others.iter().map(Columns::recorded).collect::<PyResult<Vec<_>>>()?;
-        for (body, index) in bodies.iter().zip(part) {
-            let mut run = Run {
-                body,
-                forces: forces.of(index),
-                times: own_times(&times, index),
-                states: states.of(index, m),
-                drift: drift.as_array()[index],
-                steps: steps.as_array()[index] as f64,
-                taken: taken.as_array()[index] as f64,
-                change: None,
-                method,
-                tolerance: request.tolerance,
-                coarser_tolerance,
-            };
-            if !alone && depends_on_change(&run) {
-                let change = |stop: &Interrupt| measured_change(&run, (scene, forces, index), isa, stop);
-                let calls = run.forces.function.is_some();
-                let measured =
-                    if calls { interruptible_calls(py, None, calls, change)? } else { at_once(change) };
-                run.change = Some(measured?);
-            }
-            let others = others.iter().map(|other| other.of(index, m));
-            let own = stated(isa, &run, others, safety, alone, [&mut *error, &mut *apart]);
-            errors.push(own.error);
-            lost_from.push(own.lost_from);
-            looks.push(own.looks);
-        }
-        Ok(())
-    })?;
-    Ok((of_bodies(py, errors), of_bodies(py, lost_from), of_bodies(py, looks)))
-}
 
 /// The relative distances of the states of two runs, (n, m); see `rigid.solve.error_estimate`. Rates that
 /// are rest beside a `scale` of their body are compared with it, and without one no rates are rest.
@@ -189,72 +102,6 @@ impl Rates<'_> {
             Rates::Double(rates) => fastest(&chunks::<f64, 3>(rates)?[own]),
         })
     }
-}
-
-/// The phase errors of free bodies next to their separatrix and the times from which on their phase is lost, (n,) each, at
-/// these times, (m,) or (n, m), from their states; None if no body has one.
-#[pyfunction]
-pub fn phase_errors<'py>(
-    py: Python<'py>,
-    bodies: Bodies<'py>,
-    times: Bound<'py, PyArrayDyn<f64>>,
-    states: &Bound<'py, PyAny>,
-) -> PyResult<Option<(Column<'py>, Column<'py>)>> {
-    let _standard = FloatEnvironment::standard();
-    let (isa, n) = (Isa::current()?, bodies.len()?);
-    let numbers_of_times = copied_numbers("times", &times)?;
-    let times = times_of_bodies(&numbers_of_times, times.shape(), n)?;
-    let m = times.len();
-    let states = Columns::read(states, [n, m])?;
-    let mut errors = memory::reserved("errors of the bodies", n)?;
-    in_parts(py, &bodies, |bodies, part| {
-        let recorded = states.recorded()?;
-        for (body, index) in bodies.iter().zip(part) {
-            let own = recorded.of(index, m);
-            errors.push(phase_error(isa, body, own.omega, own.work, time_range(own_times(&times, index))));
-        }
-        Ok(())
-    })?;
-    if errors.iter().all(|&error| error == PhaseError::NONE) {
-        return Ok(None);
-    }
-    let column = |of: fn(&PhaseError) -> f64| {
-        PyResult::Ok(of_bodies(py, memory::collected("errors of the bodies", n, errors.iter().map(of))?))
-    };
-    Ok(Some((column(|error| error.delay)?, column(|error| error.lost_from)?)))
-}
-
-/// Rates, (n, 3), and attitudes, (n, 4), of starts that are rounded otherwise, in one of `ROUNDINGS` ways.
-#[pyfunction]
-pub fn rounded_otherwise<'py>(
-    py: Python<'py>,
-    omega: Aligned2<'py, f64>,
-    attitude: Aligned2<'py, f64>,
-    rounding: usize,
-) -> PyResult<(Rows<'py>, Rows<'py>)> {
-    check_rounding(rounding)?;
-    let (omega, attitude) = (rows::<3>("omega", &omega)?, rows::<4>("attitude", &attitude)?);
-    Ok((all_rounded(py, omega, rounding)?, all_rounded(py, attitude, rounding)?))
-}
-
-/// Refuses what is none of the ways to round.
-pub(super) fn check_rounding(rounding: usize) -> Result<(), Error> {
-    if rounding < ROUNDINGS {
-        return Ok(());
-    }
-    let (value, rule) = (rounding.to_string(), "there is no such way to round");
-    Err(Error::Value { argument: "rounding", value, rule })
-}
-
-fn all_rounded<'py, const N: usize>(
-    py: Python<'py>,
-    rows: &[[f64; N]],
-    rounding: usize,
-) -> PyResult<Rows<'py>> {
-    let _standard = FloatEnvironment::standard();
-    let rounded = rows.iter().map(|&row| round_otherwise(row, rounding));
-    let rounded = memory::collected("starts", rows.len(), rounded)?.into_flattened();
-    shaped(py, rounded, [rows.len(), N])
 }
 
 /// Bodies judged between two looks at signals.

@@ -1,9 +1,7 @@
 //! Forces from Python.
 
 use super::convert::{Aligned1, Aligned2, copied, copied_rows, rows, same_length};
-use super::estimate::check_rounding;
 use crate::error::Error;
-use crate::estimate::sign_of_forces;
 use crate::float_environment::FloatEnvironment;
 use crate::forces::{BodyForces, Bounded, Forces, Further, Orbit, ParameterChange, TorqueFunction};
 use crate::memory;
@@ -103,12 +101,6 @@ impl PyForces {
         let indices = bodies.iter().map(|&body| usize::try_from(body).unwrap_or(usize::MAX));
         let indices = memory::collected("bodies", bodies.len(), indices)?;
         Ok(PyForces(self.0.of_some(&indices)?))
-    }
-
-    /// The same with damping and orbits that are rounded otherwise, in one of `ROUNDINGS` ways.
-    fn rounded_otherwise(&self, rounding: usize) -> PyResult<Self> {
-        check_rounding(rounding)?;
-        Ok(PyForces(self.0.rounded_otherwise(sign_of_forces(rounding))?))
     }
 
     /// The rate k of each body with these moments, if nothing acts but a damping `D = k I`, else NaN.

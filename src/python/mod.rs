@@ -28,7 +28,6 @@ use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods};
 use pyo3::exceptions::{PyImportError, PyMemoryError, PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
-use std::collections::BTreeMap;
 use std::sync::OnceLock;
 
 impl From<Error> for PyErr {
@@ -50,7 +49,7 @@ mod _core {
     #[pymodule_export]
     use super::convert::{first_not_finite, first_slow, listen, plain_numbers};
     #[pymodule_export]
-    use super::estimate::{distances, errors_of_closed_forms, estimate, phase_errors, rounded_otherwise};
+    use super::estimate::{distances, errors_of_closed_forms};
     #[pymodule_export]
     use super::exact::{closed_form_names, closed_forms, closed_forms_for, lagrange_axes};
     #[pymodule_export]
@@ -68,14 +67,16 @@ mod _core {
     #[pymodule_export]
     use super::section::section;
     #[pymodule_export]
-    use super::simulate::{default_steps, fastest_rates, simulate, state_bytes, status_names};
+    use super::simulate::{
+        default_steps, fastest_rates, first_tolerance, simulate, solve, state_bytes, status_names,
+    };
     #[pymodule_export]
     use super::states::PyStates;
     #[pymodule_export]
     use super::{
         available_threads, build_info, check_method, check_moments, chosen_methods, in_standard_floats,
         is_set, methods, moment_status, moment_status_names, nearest_possible, principal_axes,
-        retired_methods, unit_quaternions,
+        unit_quaternions,
     };
     /// Largest relative error of energy, momentum or unit lengths of a motion that has not drifted.
     #[pymodule_export]
@@ -94,9 +95,15 @@ mod _core {
     #[pymodule_export]
     const ROUNDING: f64 = crate::trajectory::ROUNDING;
 
-    /// Number of ways in which starts are rounded otherwise.
+    /// The tolerance with which a series leaves rounding alone, and the least under a function.
     #[pymodule_export]
-    const ROUNDINGS: usize = crate::estimate::ROUNDINGS;
+    const SERIES_TOLERANCE: f64 = crate::accuracy::SERIES_TOLERANCE;
+    #[pymodule_export]
+    const LEAST_UNDER_FUNCTION: f64 = crate::accuracy::LEAST_UNDER_FUNCTION;
+
+    /// Factor by which the longest step under a function is shorter in a check run by a tolerance.
+    #[pymodule_export]
+    const ELSEWHERE: f64 = crate::accuracy::ELSEWHERE;
 
     /// The horizon over the times at which the mean MEGNO is read to tell whether a motion is regular.
     #[pymodule_export]
@@ -179,26 +186,21 @@ fn methods(py: Python<'_>) -> PyResult<Vec<Bound<'_, PyDict>>> {
 }
 
 /// The names of the methods that are chosen by default: without a closed form, for the samples of a map, to cross-check
-/// them and the growth of deviation vectors, under the torque of a function, for many times, to rounding, and under strong
-/// damping.
+/// them and the growth of deviation vectors, under the torque of a function, for many times, to rounding, where only rounding
+/// is left to err, and under strong damping.
 #[pyfunction]
 fn chosen_methods(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
     let names = PyDict::new(py);
     names.set_item("default", method::DEFAULT.facts.name)?;
     names.set_item("map", MethodChoice::Auto.by_steps().facts.name)?;
     names.set_item("second", method::SECOND.facts.name)?;
-    names.set_item("function", method::DOP853.facts.name)?;
+    names.set_item("function", method::FUNCTION.facts.name)?;
     names.set_item("many_times", method::MANY_TIMES.facts.name)?;
     names.set_item("to_rounding", method::TO_ROUNDING.facts.name)?;
+    names.set_item("series", method::SERIES.facts.name)?;
     names.set_item("second_growth", SECOND_OF_GROWTH.facts.name)?;
     names.set_item("stiff", method::STIFF.facts.name)?;
     Ok(names)
-}
-
-/// Methods of earlier versions, each with the method that takes its place.
-#[pyfunction]
-fn retired_methods() -> BTreeMap<&'static str, &'static str> {
-    method::RETIRED.into()
 }
 
 /// Calls a function while its thread rounds to nearest and keeps subnormal numbers.

@@ -8,17 +8,18 @@ use super::convert::{
 use super::forces::PyForces;
 use super::states::{PyStates, of_bodies};
 use super::target::Target;
+use crate::accuracy::{self, Asked, Estimate, Solved};
 use crate::float_environment::FloatEnvironment;
 use crate::forces::{Forces, ParameterChange};
 use crate::map::MethodChoice;
 use crate::memory;
-use crate::method::{AnyMethod, Method, default_step};
+use crate::method::{AnyMethod, Method};
 use crate::parallel::Interrupt;
 use crate::scene::Scene;
 use crate::simd::Isa;
 use crate::start::Body;
 use crate::status::Status;
-use crate::trajectory::{self, Record, Request, Schedule, States, time_range};
+use crate::trajectory::{self, Record, Request, Schedule, States, default_steps as default_steps_of};
 use numpy::{PyArray1, PyArrayDyn, PyUntypedArrayMethods};
 use pyo3::intern;
 use pyo3::prelude::*;
@@ -62,7 +63,18 @@ struct Given<'py> {
     tolerance: Option<f64>,
 }
 
-/// States of bodies at given times; see `rigid.simulate`.
+/// How a request is run.
+struct Run<'py> {
+    step: Option<Aligned1<'py, f64>>,
+    refinement: f64,
+    deviations: Option<Aligned2<'py, f64>>,
+    changes: Option<Aligned2<'py, f64>>,
+    single: bool,
+    /// How accurate the states shall be; otherwise there is one run.
+    asked: Option<Asked>,
+}
+
+/// States of bodies at given times by one run; see `rigid.solve.request.Request.states`.
 #[pyfunction]
 #[pyo3(signature = (request, step, refinement=1.0, deviations=None, changes=None, out=None, single=false))]
 #[allow(clippy::too_many_arguments)] // What differs between the runs of one request.
@@ -76,9 +88,44 @@ pub fn simulate<'py>(
     out: Option<&Bound<'py, PyDict>>,
     single: bool,
 ) -> PyResult<PyStates> {
-    let _standard = FloatEnvironment::standard();
+    let run = Run { step, refinement, deviations, changes, single, asked: None };
+    states_of(py, request.extract()?, run, out)
+}
+
+/// States of bodies at given times by steps, as accurate as asked for, with their errors; see
+/// `rigid.solve.request.Request.solve`.
+#[pyfunction]
+#[pyo3(signature = (request, step, accuracy, check, free, out=None))]
+pub fn solve<'py>(
+    py: Python<'py>,
+    request: &Bound<'py, PyAny>,
+    step: Option<Aligned1<'py, f64>>,
+    accuracy: Option<f64>,
+    check: bool,
+    free: bool,
+    out: Option<&Bound<'py, PyDict>>,
+) -> PyResult<PyStates> {
     let given: Given<'_> = request.extract()?;
+    let asked = Some(Asked { accuracy, check, free, may_stop: given.bodies.may_stop });
+    let run = Run { step, refinement: 1.0, deviations: None, changes: None, single: false, asked };
+    states_of(py, given, run, out)
+}
+
+/// The tolerance of the first run for an accuracy.
+#[pyfunction]
+pub fn first_tolerance(accuracy: f64, method: &str) -> PyResult<f64> {
+    Ok(accuracy::first_tolerance(accuracy, Method::parse(method)?))
+}
+
+fn states_of<'py>(
+    py: Python<'py>,
+    given: Given<'py>,
+    run: Run<'py>,
+    out: Option<&Bound<'py, PyDict>>,
+) -> PyResult<PyStates> {
+    let _standard = FloatEnvironment::standard();
     let Given { max_steps, threads, tolerance, .. } = given;
+    let Run { step, refinement, deviations, changes, single, asked } = run;
     let (scene, method, isa) =
         (given.bodies.scene()?, AnyMethod::parse(given.method.to_str()?)?, Isa::current()?);
     let n = given.bodies.len()?;
@@ -118,6 +165,10 @@ pub fn simulate<'py>(
     let elsewhere: Vec<_> = targets.iter().map(|target| target.name).collect();
     let mut states = States::reserved(&request, n, &elsewhere)?;
     let (mut rest, mut nanoseconds) = (states.whole(), 0);
+    let judged = if asked.is_some() { n } else { 0 };
+    let reserved = || memory::reserved("errors of the bodies", judged);
+    let mut estimates = [reserved()?, reserved()?];
+    let mut series_made = memory::reserved("errors of the bodies", judged)?;
     let mut turns_alone = method == AnyMethod::Exact && forces.is_none();
     for part in BodyColumns::parts(n, threads) {
         let bodies = &given.bodies.of(part.clone())?;
@@ -129,16 +180,10 @@ pub fn simulate<'py>(
                 let steps = step.as_array();
                 memory::collected("steps", part.len(), part.clone().map(|index| steps[index]))?
             }
-            (None, AnyMethod::Steps(method)) => {
-                let step = |(index, body): (usize, &Body)| {
-                    let span = schedule.times_of(index).map_or([0.0; 2], time_range);
-                    let forces = forces.of(index);
-                    default_step(method, body.step_rate(method, forces, span))
-                        .min(forces.longest_unseen(span))
-                };
-                memory::collected("steps", part.len(), bodies.iter().enumerate().map(step))?
+            (None, AnyMethod::Steps(method)) if asked.is_none() => {
+                default_steps_of(method, bodies, forces, &schedule)?
             }
-            (None, AnyMethod::Exact) => Vec::new(),
+            _ => Vec::new(),
         };
         let record = match record {
             Record::Tangent(deviations) => Record::Tangent(&deviations[part.clone()]),
@@ -151,13 +196,26 @@ pub fn simulate<'py>(
             states.give(target.name, target.part(part.clone())?);
         }
         let run = |stop: &Interrupt| {
-            stop.expect(n, part.start);
-            trajectory::simulate_into(request, states, threads, isa, stop)
+            // A check takes about as long as the run.
+            let runs = 1 + usize::from(asked.is_some_and(|asked| asked.check));
+            stop.expect(runs * n, runs * part.start);
+            match (asked, method) {
+                (Some(asked), AnyMethod::Steps(method)) => {
+                    accuracy::solve(request, method, asked, states, threads, (isa, stop))
+                }
+                _ => Ok(Solved::unjudged(trajectory::simulate_into(request, states, threads, isa, stop)?)),
+            }
         };
         let calls = forces.of(0).function.is_some();
         let is_brief = request.is_brief() && !calls;
-        let effort = if is_brief { at_once(run) } else { interruptible_calls(py, None, calls, run)? };
-        nanoseconds += effort.map_err(|error| error.of_part(part.start))?.nanoseconds;
+        let solved = if is_brief { at_once(run) } else { interruptible_calls(py, None, calls, run)? };
+        let solved = solved.map_err(|error| error.of_part(part.start))?;
+        nanoseconds += solved.effort.nanoseconds;
+        for (Estimate { error, lost_from }, by_series) in solved.estimates.into_iter().zip(solved.by_series) {
+            estimates[0].push(error);
+            estimates[1].push(lost_from);
+            series_made.push(by_series);
+        }
         for target in &mut targets {
             target.finish(part.clone())?;
         }
@@ -167,6 +225,10 @@ pub fn simulate<'py>(
         if turns_alone { trajectory::rounding_errors(&schedule, &states.fastest_rate)? } else { None };
     let arrived = states.status.iter().all(|&status| status == Status::Finished);
     let (mut columns, mut worst) = (states.into_columns(), None);
+    if asked.is_some() {
+        let [error, lost_from] = estimates;
+        columns.extend([("error", error.into()), ("lost_from", lost_from.into())]);
+    }
     if let Some(errors) = errors {
         worst = arrived.then(|| errors.iter().copied().fold(0.0, f64::max));
         let never = memory::filled("times from which bodies are lost", n, f64::INFINITY)?;
@@ -178,6 +240,9 @@ pub fn simulate<'py>(
     }
     let states = PyStates::new(py, [n, schedule.len()], columns, worst)?;
     states.insert(intern!(py, "nanoseconds"), nanoseconds)?;
+    if series_made.iter().any(|&made| made) {
+        states.insert(intern!(py, "by_series"), PyArray1::from_vec(py, series_made))?;
+    }
     for target in targets {
         states.insert(&PyString::new(py, target.name), target.shaped()?)?;
     }

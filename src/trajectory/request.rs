@@ -3,7 +3,8 @@
 use crate::error::Error;
 use crate::forces::ForceSet;
 use crate::forces::{BodyForces, Forces, ForcesInterval, ParameterChange};
-use crate::method::AnyMethod;
+use crate::memory;
+use crate::method::{AnyMethod, Method, default_step};
 use crate::scene::Scene;
 use crate::start::Body;
 use std::ops::Range;
@@ -181,6 +182,24 @@ impl Request<'_> {
     pub fn range_of(&self, body: usize) -> [f64; 2] {
         self.schedule.times_of(body).map_or([0.0, f64::INFINITY], time_range)
     }
+}
+
+/// The longest steps that a method takes by default; infinite at rest.
+///
+/// # Errors
+/// If they do not fit into memory.
+pub fn default_steps(
+    method: &Method,
+    bodies: &[Body],
+    forces: &Forces,
+    schedule: &Schedule,
+) -> Result<Vec<f64>, Error> {
+    let step = |(index, body): (usize, &Body)| {
+        let span = schedule.times_of(index).map_or([0.0; 2], time_range);
+        let forces = forces.of(index);
+        default_step(method, body.step_rate(method, forces, span)).min(forces.longest_unseen(span))
+    };
+    memory::collected("steps", bodies.len(), bodies.iter().enumerate().map(step))
 }
 
 /// The time range of a motion that starts at 0: the first and the last of ascending times and 0.

@@ -55,8 +55,8 @@ macro_rules! states {
 
         /// The states of some neighbouring bodies.
         pub struct StatesPart<'a> {
-            $(pub(super) $time: Option<&'a mut [f64]>,)*
-            $(pub(super) $body: &'a mut [$type],)*
+            $($(#[$time_doc])* pub $time: Option<&'a mut [f64]>,)*
+            $($(#[$body_doc])* pub $body: &'a mut [$type],)*
         }
 
         impl States {
@@ -148,8 +148,17 @@ macro_rules! states {
                 }
             }
 
+            /// Copies the states of a body from those of another run at as many times.
+            pub fn copy(&mut self, times: usize, body: usize, others: &StatesPart, from: usize) {
+                $(if let (Some(values), Some(others)) = (&mut self.$time, &others.$time) {
+                    let length = $width * times;
+                    values[length * body..][..length].copy_from_slice(&others[length * from..][..length]);
+                })*
+                $(self.$body[body] = others.$body[from];)*
+            }
+
             /// The same states.
-            pub(super) fn again(&mut self) -> StatesPart<'_> {
+            pub fn again(&mut self) -> StatesPart<'_> {
                 StatesPart {
                     $($time: self.$time.as_deref_mut(),)*
                     $($body: &mut *self.$body,)*

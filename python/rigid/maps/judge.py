@@ -19,7 +19,6 @@ from ..rotations.apply import to_body
 from ..solve.closed_form import NO_FORM, closed_forms
 from ..solve.methods import AUTO, EXACT, TO_ROUNDING, adaptive_methods
 from ..solve.request import Request
-from ..solve.second_run import ELSEWHERE
 from ..solve.status import Status
 from .core_request import CoreRequest
 from .spec import MapSpec
@@ -227,7 +226,7 @@ class CustomJob:
             max_steps=self._spec.max_steps,
             threads=threads,
             tolerance=tolerance,
-        ).states(steps, ELSEWHERE if is_second and steps is None else 1.0)
+        ).states(steps, _core.ELSEWHERE if is_second and steps is None else 1.0)
         nothing = np.full(count, np.nan)
         drifts = {name: nothing if part[name] is None else part[name] for name in _DRIFTS}
         worst = np.fmax.reduce([np.zeros(count), *drifts.values()])

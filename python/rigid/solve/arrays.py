@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 __all__ = [
     "Range",
     "in_rows",
-    "intervals",
     "largest",
     "lengths",
     "roots",
@@ -73,16 +72,6 @@ def time_span(times: Floats) -> float | Floats:
     """Sum of the times covered from 0 backward and forward (s), for all bodies or for each."""
     first, last = time_ranges(times)
     return last - first
-
-
-def intervals(times: Floats) -> Floats:
-    """Lengths of the intervals between ascending times and 0 (s), of all bodies or of each.
-
-    Equal times have intervals of 0.
-    """
-    every = np.concatenate([times, np.zeros((*times.shape[:-1], 1))], axis=-1)
-    lengths: Floats = np.diff(np.sort(every, axis=-1), axis=-1)
-    return lengths
 
 
 def spread_indices(count: int, most: int) -> NDArray[np.intp]:

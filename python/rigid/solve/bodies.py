@@ -154,18 +154,6 @@ class Bodies:
         shape, omega = (len(bodies),), self.omega[bodies]
         return replace(self, **columns, shape=shape, omega=omega, forces=forces)
 
-    def rounded_otherwise(self, rounding: int = 0) -> Self:
-        """The bodies with differently rounded starts, damping and orbits, in one of three ways.
-
-        Two runs from one start would share its rounding, magnified at a saddle. Two runs with one
-        matrix would share the rounding of its least rate, and two runs on one orbit the rounding of
-        each step. Zeros stay and equal sizes stay equal, so that a start exactly in equilibrium
-        stays one.
-        """
-        omega, attitude = _core.rounded_otherwise(self.omega, self.attitude, rounding)
-        forces = None if self.forces is None else self.forces.rounded_otherwise(rounding)
-        return replace(self, omega=omega, attitude=attitude, forces=forces)
-
     def kinds_of_forces(self) -> NDArray[np.uint64]:
         """Which forces act on each body, as bits in the order of the core; 0 if none does."""
         if self.forces is None:

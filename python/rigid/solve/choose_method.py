@@ -35,6 +35,8 @@ from .methods import (
     FALLBACK,
     FUNCTION,
     MAP_FALLBACK,
+    SERIES,
+    SERIES_TOLERANCE,
     STIFF,
     adaptive_methods,
     order_of,
@@ -43,7 +45,6 @@ from .plan import LazyPlan, Plan, plan_of_parts
 from .planned import UNKNOWN, Reason, damping_rate, plan_of, why_unforeseen
 from .problem import USUAL_ACCURACY, Problem
 from .starts import bodies_of
-from .tolerances import SERIES, SERIES_TOLERANCE, first_tolerance
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
@@ -208,7 +209,7 @@ def choose_method(problem: Problem) -> Choice:
                 f"{SERIES} leaves rounding alone, by steps that are short near the periapsis"
             )
         else:
-            problem = replace(problem, tolerance=first_tolerance(accuracy, method))
+            problem = replace(problem, tolerance=_core.first_tolerance(accuracy, method))
             why.append(f"the tolerance follows from the error of {accuracy:g}")
     else:
         _check_rates_are_known(problem)

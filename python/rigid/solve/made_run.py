@@ -54,7 +54,8 @@ def to_run(
     found: FoundEvents | None = None,
 ) -> Run:
     """The run of these bodies, from the columns of the core."""
-    if not (isinstance(estimate, _core.States) and is_accurate(estimate.worst, accuracy)):
+    worst = estimate.worst if isinstance(estimate, _core.States) else None
+    if worst is None or not is_accurate(worst, accuracy):
         error, lost_from = estimate.error, estimate.lost_from
         if np.count_nonzero(states["status"]):
             unknown = np.isin(states["status"], (Status.STEP_LIMIT, Status.NOT_FINITE))

@@ -20,6 +20,8 @@ __all__ = [
     "MANY_TIMES",
     "MAP_FALLBACK",
     "SECOND",
+    "SERIES",
+    "SERIES_TOLERANCE",
     "STIFF",
     "TO_ROUNDING",
     "Method",
@@ -61,6 +63,9 @@ MANY_TIMES = _CHOSEN["many_times"]
 
 TO_ROUNDING = _CHOSEN["to_rounding"]
 """The method of motions that are asked for to rounding; it classifies judged motions again."""
+
+SERIES, SERIES_TOLERANCE = _CHOSEN["series"], _core.SERIES_TOLERANCE
+"""The series, with its tolerance, that leaves rounding alone."""
 
 SECOND = _CHOSEN["second"]
 """The method that classifies the samples of a map again."""

@@ -9,6 +9,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
+from .. import _core
 from .._checks.arguments import finite_float
 from ..model.scene import Scene
 from .arrays import Range
@@ -23,7 +24,7 @@ Floats = NDArray[np.float64]
 USUAL_ACCURACY = 1e-8
 """The accuracy of states if neither a method nor a step is given."""
 
-LEAST_TOLERANCE = 1e-14
+LEAST_TOLERANCE = _core.LEAST_UNDER_FUNCTION
 """The least tolerance of Runge-Kutta steps: the second run has a smaller tolerance."""
 
 

@@ -14,7 +14,7 @@ from .bodies import Bodies
 
 MutableMapping.register(_core.States)
 
-__all__ = ["Request", "replace_states", "select_states"]
+__all__ = ["Request"]
 
 Floats = NDArray[np.float64]
 
@@ -69,22 +69,35 @@ class Request:
         """
         return _core.simulate(self, steps, refinement, deviations, changes, out, single)
 
+    def solve(
+        self,
+        steps: Floats | None,
+        accuracy: float | None,
+        *,
+        check: bool,
+        free: bool = False,
+        out: Mapping[str, NDArray[Any]] | None = None,
+    ) -> _core.States:
+        """The states by steps, as accurate as asked for, with ``error`` and ``lost_from``.
+
+        Parameters
+        ----------
+        steps : ndarray, shape (n,), or None
+            The longest step of each body (s); None leaves them to the core.
+        accuracy : float or None
+            Largest error: tolerance or steps of a body are made smaller until its estimated error
+            is smaller. None for a tolerance or a step that the user chose.
+        check : bool
+            Whether errors are estimated; without it there is one run.
+        free : bool
+            Whether no method was given: a series follows where equal steps are not accurate. The
+            column ``by_series`` says of which bodies, if of any.
+        out : mapping, optional
+            Arrays for columns, in double precision.
+        """
+        return _core.solve(self, steps, accuracy, check, free, out)
+
     def select(self, some: NDArray[np.intp]) -> Self:
         """The request for some of the bodies."""
         times = self.times if self.times.ndim == 1 else self.times[some]
         return replace(self, bodies=self.bodies.select(some), times=times)
-
-
-def select_states(states: Mapping[str, Any], bodies: NDArray[np.intp]) -> dict[str, Any]:
-    """The states of some bodies, as :meth:`Request.states` gives them."""
-    columns = ((name, values) for name, values in states.items() if name != "nanoseconds")
-    return {name: None if values is None else values[bodies] for name, values in columns}
-
-
-def replace_states(
-    states: MutableMapping[str, Any], bodies: NDArray[np.intp], others: Mapping[str, Any]
-) -> None:
-    """Replace the states of some bodies."""
-    for name, values in others.items():
-        if values is not None:
-            states[name][bodies] = values

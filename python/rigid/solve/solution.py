@@ -20,9 +20,8 @@ from .arrays import largest, time_ranges, time_span
 from .choose_method import Choice, bodies_alike, choose_method, parts_of
 from .error_estimate import ErrorEstimate, closed_form_error
 from .events import FoundEvents, events_of_parts, find_events
-from .integrate import BY_SERIES, integrate
 from .made_run import made_steps
-from .methods import EXACT, adaptive_methods, series_methods
+from .methods import EXACT, SERIES, SERIES_TOLERANCE, adaptive_methods, series_methods
 from .parameters import parameter_changes
 from .plan import LazyPlan, Plan, plan_of_parts
 from .problem import Problem
@@ -30,7 +29,6 @@ from .request import Request
 from .surfaces import default_method
 from .tangent import tangent_of
 from .target import PLAIN, Target
-from .tolerances import SERIES, SERIES_TOLERANCE
 
 __all__ = ["Solution", "Watched", "solve"]
 
@@ -209,16 +207,15 @@ def _by_steps(
     problem: Problem, request: Request, choice: Choice, *, check: bool, target: Target
 ) -> Solution:
     """The motion by steps; the plan tells which."""
-    states, estimate = integrate(
-        request,
+    states = request.solve(
         choice.steps,
         choice.accuracy,
         check=check or problem.accuracy is not None,
         free=problem.method is None,
         out=target.exact,
     )
-    by_series = states.pop(BY_SERIES, None)
-    made = Solution(states, estimate, choice.method, choice.tolerance, choice.plan)
+    by_series = states.pop("by_series", None)
+    made = Solution(states, states, choice.method, choice.tolerance, choice.plan)
     if choice.accuracy is None or choice.steps is None:
         return made
     if by_series is None:
@@ -229,7 +226,7 @@ def _by_steps(
     elif by_series.any():
         some = np.count_nonzero(by_series)
         made.plan.amend(f"{some} of {len(by_series)} bodies by {SERIES}")
-    accurate = (estimate.error <= choice.accuracy) & ~by_series
+    accurate = (states.error <= choice.accuracy) & ~by_series
     if problem.accuracy is not None and accurate.any():
         step, most = made_steps(states["steps"], time_span(request.times), accurate)
         made.plan.amend(step=step, steps=most)

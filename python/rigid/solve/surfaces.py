@@ -15,7 +15,6 @@ from .bodies import Bodies
 from .error_estimate import closed_form_error, known_rates
 from .methods import FUNCTION
 from .request import Request
-from .second_run import ELSEWHERE
 
 __all__ = [
     "LOST",
@@ -216,7 +215,7 @@ class Search:
                 max_steps=self.max_steps,
                 threads=self.threads,
                 tolerance=max(1e-3 * self.tolerance, min(self.tolerance, TOLERANCE)),
-            ).states(None, ELSEWHERE if self.method == FUNCTION else 1.0)
+            ).states(None, _core.ELSEWHERE if self.method == FUNCTION else 1.0)
             known = {name: found[name][places] for name in ("omega", "gamma", "attitude", "kind")}
             values = self._values(bodies, some, states, known)
             # Errors grow along a motion; where two runs agree by chance, those before still count.

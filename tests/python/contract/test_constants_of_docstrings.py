@@ -25,7 +25,6 @@ from rigid.solve import (
     problem,
     run,
     status,
-    tolerances,
 )
 
 CORE = Path(__file__).parents[3] / "src"
@@ -103,9 +102,21 @@ SAID: list[tuple[object, str, tuple[float | str, ...]]] = [
     (StabilityMap.explore, "need {} MB, at least 1", (PAGE,)),
     (StabilityMap.explore, "at least 1 and at most {}", (explorer.MOST_SAMPLES,)),
     (rigid.simulate, "method and a step: {}", (problem.USUAL_ACCURACY,)),
-    (rigid.simulate, "begins with a tolerance of {} times", (tolerances.SHARE,)),
-    (rigid.simulate, "times the accuracy, at most {}, and", (tolerances.LARGEST,)),
-    (rigid.simulate, "with {} times the accuracy; a body", (tolerances.SHARE_UNDER_FUNCTION,)),
+    (
+        rigid.simulate,
+        "begins with a tolerance of {} times",
+        (of_core("accuracy/tolerances.rs", "SHARE"),),
+    ),
+    (
+        rigid.simulate,
+        "times the accuracy, at most {}, and",
+        (of_core("accuracy/tolerances.rs", "LARGEST"),),
+    ),
+    (
+        rigid.simulate,
+        "with {} times the accuracy; a body",
+        (of_core("accuracy/tolerances.rs", "SHARE_UNDER_FUNCTION"),),
+    ),
     (rigid.simulate, '``"{}"`` if a step is given', (CHOSEN["default"],)),
     (rigid.simulate, '``"{}"`` if damping is ten times as fast', (CHOSEN["stiff"],)),
     (rigid.plan, "samples of the pixel; default: {}", (planning.SAMPLES,)),

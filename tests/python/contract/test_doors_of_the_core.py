@@ -133,63 +133,52 @@ def test_a_part_that_is_refused_changes_no_statistics(part: dict[str, Any], word
     assert np.array_equal(statistics.bins(), bins)
 
 
-def runs(**changes: Any) -> tuple[Any, ...]:
-    """The arguments of an estimate for two runs; a value that changes is not of their shape."""
-    request = Request(
-        bodies=bodies_of(SCENE, OMEGA, None),
-        times=np.array([1.0, 2.0]),
-        method="taylor16",
-        record="attitude",
-        max_steps=1000,
-        threads=1,
-        tolerance=1e-12,
-    )
-    states = {**request.states(None)}
-    other = {**states, **{name: changes[name] for name in changes if name in states}}
-    taken = changes.get("taken", states["steps"])
-    states = {**states, "steps": changes.get("steps", states["steps"])}
-    return request, states, [other], taken, 3.0
+REQUEST = Request(
+    bodies=bodies_of(SCENE, OMEGA, None),
+    times=np.array([1.0, 2.0]),
+    method="taylor16",
+    record="attitude",
+    max_steps=1000,
+    threads=1,
+    tolerance=1e-12,
+)
 
 
 @pytest.mark.parametrize(
-    ("name", "value"),
+    ("changes", "step", "words"),
     [
-        ("omega", np.ones((2, 3, 3))),
+        ({}, np.ones(3), r"step: expected shape \(2, "),
+        ({"times": np.ones((3, 2))}, None, r"t: expected shape \(2, "),
+        ({"times": np.ones((1, 1, 1))}, None, r"t: expected shape \(m,\)"),
+        ({"method": "euler"}, None, "method = 'euler'"),
+        ({"method": "rk4"}, None, "tolerance = "),
+    ],
+)
+def test_states_of_an_accuracy_are_refused_where_the_request_does_not_fit(
+    changes: dict[str, Any], step: Any, words: str
+) -> None:
+    with pytest.raises(ValueError, match=words):
+        _core.solve(replace(REQUEST, **changes), step, 1e-8, True, False)
+
+
+def test_errors_and_distances_are_refused_for_states_of_another_shape() -> None:
+    states = REQUEST.states(None)
+    with pytest.raises(ValueError, match="omega: expected shape"):
+        _core.errors_of_closed_forms(REQUEST.bodies, REQUEST.times, np.ones((2, 1, 3)))
+    with pytest.raises(ValueError, match="scale: expected shape"):
+        _core.distances(states, states, np.ones(3))
+    for name, value in [
         ("omega", np.ones((2, 2, 4))),
         ("gamma", np.ones((1, 2, 3))),
         ("attitude", np.ones((2, 2, 3))),
         ("work", np.ones((2, 3))),
-        ("steps", np.ones(3, np.uint64)),
-        ("taken", np.ones(3, np.uint64)),
-    ],
-)
-def test_an_estimate_of_states_of_other_shapes_is_refused(name: str, value: Any) -> None:
-    with pytest.raises(ValueError, match=rf"{name}: expected shape"):
-        _core.estimate(*runs(**{name: value}))
-
-
-def test_estimates_are_refused_for_other_bodies_times_and_roundings() -> None:
-    request, states, *rest = runs()
-    error, lost_from, looks = _core.estimate(request, states, *rest)
-    assert (error.shape, lost_from.tolist(), looks.tolist()) == ((2,), [np.inf] * 2, [0.0] * 2)
-    for times in (np.ones((3, 2)), np.ones((1, 1, 1)), np.ones(1)):
-        with pytest.raises(ValueError, match="expected shape"):
-            _core.estimate(replace(request, times=times), states, *rest)
-    with pytest.raises(ValueError, match="method = 'exact'"):
-        _core.estimate(replace(request, method="exact"), states, *rest)
-    bodies = request.bodies
-    with pytest.raises(ValueError, match="omega: expected shape"):
-        _core.errors_of_closed_forms(bodies, request.times, np.ones((2, 1, 3)))
-    with pytest.raises(ValueError, match="omega: expected shape"):
-        _core.phase_errors(bodies, np.ones(3), states)
-    with pytest.raises(ValueError, match="scale: expected shape"):
-        _core.distances(states, states, np.ones(3))
-    with pytest.raises(ValueError, match="rounding = 3: there is no such way"):
-        _core.rounded_otherwise(bodies.omega, bodies.attitude, 3)
+    ]:
+        with pytest.raises(ValueError, match=rf"{name}: expected shape"):
+            _core.distances(states, {**states, name: value})
 
 
 def test_distances_of_states_in_another_order_of_memory_are_the_same() -> None:
-    _, states, *_ = runs()
+    states = {**REQUEST.states(None)}
     other = {**states, "omega": states["omega"] + 0.1}
     turned = {**other, "omega": np.asfortranarray(other["omega"])}
     plain = _core.distances(states, other)
