@@ -108,11 +108,11 @@ def test_a_run_of_a_single_step_is_checked_by_another_series(
 def test_a_body_that_hit_the_step_limit_is_not_run_again(check: bool) -> None:
     calls: list[float] = []
 
-    def torque(t: float, omega: Any, attitude: Any) -> Any:
+    def look(t: float, omega: Any, attitude: Any, data: Any, torque: Any) -> None:
         calls.append(omega[2])
-        return (0.0, 0.0, 0.0)
+        torque[:] = 0.0
 
-    scene = rigid.FreeBody(TOP.body, torque=rigid.Torque.call(torque))
+    scene = rigid.FreeBody(TOP.body, torque=rigid.Torque.call(look))
     options: dict[str, Any] = {"method": "dop853", "tolerance": 1e-12, "max_steps": 100}
     run = rigid.simulate(
         scene, [[0.1, 0.2, 2.0], [1.0, 2.0, 200.0]], t=[2.0], check=check, **options
