@@ -231,8 +231,7 @@ fn between(times: &[f64], looks: usize) -> Result<Vec<f64>, Error> {
     let [first, last] = time_range(times);
     let step = (last - first) / (looks + 1) as f64;
     let more = (1..=looks).map(|k| k as f64 * step + first);
-    let mut all =
-        memory::collected("times", times.len() + looks, times.iter().copied().chain(more))?;
+    let mut all = memory::collected("times", times.len() + looks, times.iter().copied().chain(more))?;
     all.sort_by(f64::total_cmp);
     all.dedup();
     Ok(all)
@@ -244,8 +243,7 @@ pub fn add_phase_errors(batch: &Batch, states: Rows, all: &mut [Estimate]) {
     for (index, own) in all.iter_mut().enumerate() {
         let recorded = states.recorded(index, m);
         let reached = time_range(batch.times_of(index));
-        let near =
-            phase_error(batch.job.isa, &batch.bodies[index], recorded.omega, recorded.work, reached);
+        let near = phase_error(batch.job.isa, &batch.bodies[index], recorded.omega, recorded.work, reached);
         // Of a body that was not run again no error is known, but that its phase is lost.
         if own.error.is_nan() && !near.lost_from.is_finite() {
             continue;
@@ -263,5 +261,16 @@ pub fn add_phase_errors(batch: &Batch, states: Rows, all: &mut [Estimate]) {
 pub fn write(all: &mut [Estimate], some: &[usize], own: &[Estimate]) {
     for (&body, &own) in some.iter().zip(own) {
         all[body] = own;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_between_are_spread_evenly_and_keep_the_output_times() {
+        assert_eq!(between(&[1.0, 4.0], 3).unwrap(), [1.0, 2.0, 3.0, 4.0]);
+        assert_eq!(between(&[-1.0, 2.0], 1).unwrap(), [-1.0, 0.5, 2.0]);
     }
 }

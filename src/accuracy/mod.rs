@@ -5,12 +5,12 @@
 //! depends on the bodies beside it.
 
 mod batch;
-mod second_run;
 mod comparison;
+mod second_run;
 mod tolerances;
 
-pub use second_run::ELSEWHERE;
 pub use comparison::Estimate;
+pub use second_run::ELSEWHERE;
 pub use tolerances::{LEAST_UNDER_FUNCTION, SERIES_TOLERANCE, first_tolerance};
 
 use crate::error::Error;
@@ -22,10 +22,10 @@ use crate::parallel::Interrupt;
 use crate::simd::Isa;
 use crate::trajectory::{Effort, Request, StatesPart};
 use batch::{Batch, Job, Way, picked};
+use comparison::{Coarser, Rows, add_phase_errors, estimate, write};
 use second_run::{
     HALVINGS, HALVINGS_AGAIN, RUNGE_KUTTA, Steps, is_damped_stiffly, is_refined_alike, step_ratio,
 };
-use comparison::{Coarser, Rows, add_phase_errors, estimate, write};
 use std::cell::Cell;
 use tolerances::{APART, COARSER_TOLERANCE, coarser_run, finest_tolerance, is_ruled_by_rounding};
 
@@ -98,12 +98,8 @@ pub fn solve(
     let effort = Cell::new(Effort::default());
     let job = Job { scene: request.scene, record: request.record, threads, isa, stop, effort: &effort };
     let batch = Batch::of(request, job);
-    let way = Way {
-        method,
-        tolerance: request.tolerance,
-        max_steps: request.max_steps,
-        may_stop: asked.may_stop,
-    };
+    let way =
+        Way { method, tolerance: request.tolerance, max_steps: request.max_steps, may_stop: asked.may_stop };
     let longest = (!request.steps.is_empty()).then_some(request.steps);
     let mut series_made = memory::filled("bodies by a series", batch.len(), false)?;
     let estimates = match (asked.accuracy, longest) {
@@ -208,8 +204,7 @@ fn compared(
     };
     let mut coarser = coarser_run(batch, way, tolerance)?;
     let coarser = coarser.whole();
-    let coarser =
-        Coarser { states: Rows::all(&coarser), tolerance: (!to_rounding).then_some(tolerance) };
+    let coarser = Coarser { states: Rows::all(&coarser), tolerance: (!to_rounding).then_some(tolerance) };
     let again = Steps { halvings: HALVINGS_AGAIN, ..Steps::ADAPTIVE };
     let mut all = estimate(batch, way, states, again, Some(coarser))?;
     if to_rounding {
@@ -384,4 +379,17 @@ fn unknown(batch: &Batch) -> Result<Vec<Estimate>, Error> {
 fn with_phase_errors(batch: &Batch, states: Rows, mut all: Vec<Estimate>) -> Vec<Estimate> {
     add_phase_errors(batch, states, &mut all);
     all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn steps_shrink_by_the_root_of_the_excess() {
+        // The excess is 4 error / accuracy.
+        assert_eq!(step_reduction(4.0, 1.0, 4), 2.0);
+        assert!((step_reduction(16.0, 1.0, 6) - 2.0).abs() < 1e-15);
+        assert_eq!([0.0, f64::INFINITY].map(|error| step_reduction(error, 1.0, 2)), SHORTENED);
+    }
 }

@@ -70,3 +70,20 @@ pub fn coarser_run(batch: &Batch, way: Way, tolerance: f64) -> Result<States, Er
     let coarser = Way { method: TO_ROUNDING, tolerance: Some(tolerance), ..way.with_more_steps() };
     batch.rounded_otherwise(0)?.run(coarser, None, 1.0)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::method::{DOP853, TAYLOR12};
+
+    #[test]
+    fn a_first_tolerance_lies_between_what_rounding_and_what_orders_allow() {
+        assert_eq!(first_tolerance(1e-8, &TAYLOR12), 2e-12);
+        assert_eq!(
+            [1.0, 1e-15].map(|accuracy| first_tolerance(accuracy, &TAYLOR12)),
+            [LARGEST, SERIES_TOLERANCE]
+        );
+        let under_function = [200.0, 1.0, 1e-15].map(|accuracy| first_tolerance(accuracy, &DOP853));
+        assert_eq!(under_function, [0.01, 0.01, LEAST_UNDER_FUNCTION]);
+    }
+}

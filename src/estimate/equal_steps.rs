@@ -106,7 +106,8 @@ fn second_difference(run: &Run) -> f64 {
     }
     let [d11, d22, d33, d23, d31, d12] = run.forces.damping.0;
     let matrix = [[d11, d12, d31], [d12, d22, d23], [d31, d23, d33]];
-    let turning = run.states.omega.iter().map(|omega| {
+    // At rest there are no rates to be rounded.
+    let turning = run.states.omega.iter().filter(|omega| length(omega) > 0.0).map(|omega| {
         let torque = cross(&[0, 1, 2].map(|k| moments[k] * omega[k]), omega);
         let change = [0, 1, 2].map(|k| (torque[k] - super::dot(&matrix[k], omega)) / moments[k]);
         (length(&change) / length(omega)).powi(2)
@@ -222,8 +223,17 @@ mod tests {
         body: &Body,
         damping: [f64; 6],
     ) -> [f64; 2] {
+        errors_with(term, method, (body, [body.omega; 2]), damping)
+    }
+
+    /// The same of a body with these rates at its two times.
+    fn errors_with(
+        term: fn(&Sized, &mut [f64]),
+        method: &'static Method,
+        (body, omega): (&Body, [[f64; 3]; 2]),
+        damping: [f64; 6],
+    ) -> [f64; 2] {
         let forces = BodyForces { damping: Damping(damping), ..BodyForces::NONE };
-        let omega = [body.omega; 2];
         let states = Recorded { omega: &omega, gamma: None, attitude: None, work: None };
         let run = Run {
             body,
@@ -253,6 +263,14 @@ mod tests {
     fn steady_rates_lose_half_a_unit_in_each_step() {
         let body = spinning([1.0, 2.0, 2.5]);
         assert_eq!(errors(of_equal_steps, DEFAULT, &body, [0.0; 6]), [2.0 * DRIFT * (1.0 + 0.5 * 3.0); 2]);
+    }
+
+    #[test]
+    fn rest_at_one_output_time_hides_no_loss() {
+        let body = spinning([1.0, 2.0, 2.5]);
+        let at_rest = (&body, [body.omega, [0.0; 3]]);
+        let lost = errors(of_equal_steps, DEFAULT, &body, [0.0; 6]);
+        assert_eq!(errors_with(of_equal_steps, DEFAULT, at_rest, [0.0; 6]), lost);
     }
 
     #[test]

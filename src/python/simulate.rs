@@ -227,6 +227,8 @@ fn states_of<'py>(
     let (mut columns, mut worst) = (states.into_columns(), None);
     if asked.is_some() {
         let [error, lost_from] = estimates;
+        let is_known = arrived && !error.iter().any(|error: &f64| error.is_nan());
+        worst = is_known.then(|| error.iter().copied().fold(0.0, f64::max));
         columns.extend([("error", error.into()), ("lost_from", lost_from.into())]);
     }
     if let Some(errors) = errors {

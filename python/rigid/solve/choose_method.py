@@ -45,6 +45,7 @@ from .plan import LazyPlan, Plan, plan_of_parts
 from .planned import UNKNOWN, Reason, damping_rate, plan_of, why_unforeseen
 from .problem import USUAL_ACCURACY, Problem
 from .starts import bodies_of
+from .surfaces import default_method
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
@@ -205,9 +206,10 @@ def choose_method(problem: Problem) -> Choice:
     elif method in adaptive_methods(scene.forces):
         if asked is None and method == SERIES:
             problem = replace(problem, tolerance=SERIES_TOLERANCE)
-            why.append(
-                f"{SERIES} leaves rounding alone, by steps that are short near the periapsis"
+            short = (
+                ", by steps that are short near the periapsis" if "orbit" in scene.forces else ""
             )
+            why.append(f"{SERIES} leaves rounding alone{short}")
         else:
             problem = replace(problem, tolerance=_core.first_tolerance(accuracy, method))
             why.append(f"the tolerance follows from the error of {accuracy:g}")
@@ -217,7 +219,10 @@ def choose_method(problem: Problem) -> Choice:
             steps = _first_steps(problem, accuracy, method)
         why.append(f"the step follows from the error of {accuracy:g} at the end")
         if asked is None and method != STIFF:
-            why.append(f"a body above it: {SERIES}, down to rounding")
+            why.append(f"a body that its check finds above it: {SERIES}, down to rounding")
+    if problem.tolerance is not None:
+        what = "last terms" if method != FUNCTION else "the error of each"
+        why.append(f"each body takes its own steps, {what} below {problem.tolerance:g}")
     _check_attainable(problem)
     plan = LazyPlan(plan_of, problem, method, steps, forms, accuracy, tuple(why))
     return Choice(method, steps, problem.tolerance, accuracy, plan)
@@ -302,6 +307,15 @@ def _known_closed_forms(problem: Problem) -> Codes:
 
 def _preferred(problem: Problem, forms: Codes) -> tuple[str, list[Reason]]:
     """The method unless an accuracy needs another one, and the reasons."""
+    method, why = _usual(problem, forms)
+    if problem.inside and method not in (EXACT, *adaptive_methods(problem.scene.forces)):
+        method = default_method(problem.scene.forces)
+        why.append(f"{method} knows the motion inside its steps, where events are")
+    return method, why
+
+
+def _usual(problem: Problem, forms: Codes) -> tuple[str, list[Reason]]:
+    """The method of a motion that is not looked at inside its steps, and the reasons."""
     scene = problem.scene
     if problem.method is not None:
         return problem.method, [f"method = {problem.method!r} was asked for"]

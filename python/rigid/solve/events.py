@@ -17,9 +17,9 @@ from ..model.scene import Scene
 from .arrays import in_rows
 from .bodies import Bodies
 from .columns import Column, Columns, HasColumns
-from .methods import EXACT, adaptive_methods
+from .methods import EXACT, SERIES, adaptive_methods
 from .status import Status
-from .surfaces import METHOD, Search, Surfaces, default_tolerance
+from .surfaces import Search, Surfaces, default_tolerance
 
 __all__ = ["Events", "Points", "check_event_method", "events_of_parts", "find_events"]
 
@@ -265,7 +265,7 @@ def find_events(
         surfaces=_surfaces(scene, bodies, events, counted, frame),
         ends=np.broadcast_to(ends, (n,)).astype(np.float64),
         count=count,
-        method=METHOD if method == EXACT else method,
+        method=SERIES if method == EXACT else method,
         closed=method == EXACT and bodies.forces is None,
         tolerance=default_tolerance(scene.forces) if tolerance is None else tolerance,
         max_steps=max_steps,

@@ -98,8 +98,8 @@ def simulate(
     method : str, optional
         ``"exact"``, the closed form, or one of :func:`rigid.methods`. Default for each body:
         ``"exact"`` if it has a closed form and no step is given; ``"rk4"`` if a step is given;
-        ``"etd4"`` if damping is ten times as fast as its turning; on an orbit ``"taylor20"`` with a
-        tolerance of 1e-16, and ``"dop853"`` for a body that drag stops there; else ``"dop853"``.
+        ``"taylor20"`` with a tolerance of 1e-16 on an orbit or with events, ``"etd4"`` if damping
+        is ten times as fast as its turning; else, and for a body that drag stops, ``"dop853"``.
     step : float, optional
         Largest step (s). Default with a method: each body turns by at most the ``angle_per_step``
         of the method a step, from a bound of its rates.

@@ -21,12 +21,11 @@ from .choose_method import Choice, bodies_alike, choose_method, parts_of
 from .error_estimate import ErrorEstimate, closed_form_error
 from .events import FoundEvents, events_of_parts, find_events
 from .made_run import made_steps
-from .methods import EXACT, SERIES, SERIES_TOLERANCE, adaptive_methods, series_methods
+from .methods import EXACT, SERIES, SERIES_TOLERANCE
 from .parameters import parameter_changes
 from .plan import LazyPlan, Plan, plan_of_parts
 from .problem import Problem
 from .request import Request
-from .surfaces import default_method
 from .tangent import tangent_of
 from .target import PLAIN, Target
 
@@ -123,7 +122,7 @@ def _solve_alike(
     target: Target,
 ) -> Solution:
     """The motion of bodies that one method solves."""
-    choice = None if problem is None else _chosen(problem)
+    choice = None if problem is None else choose_method(problem)
     if choice is not None:
         request = replace(request, method=choice.method, tolerance=choice.tolerance)
     found = None
@@ -158,19 +157,6 @@ def _solve_alike(
         states["tangent"], states["sensitivity"] = matrices, sensitivity
         made.plan.amend(words)
     return made
-
-
-def _chosen(problem: Problem) -> Choice:
-    """The method, one that knows the motion inside its steps where that is asked for."""
-    choice, known = choose_method(problem), adaptive_methods(problem.scene.forces)
-    if problem.inside and choice.method not in (EXACT, *known):
-        choice = choose_method(replace(problem, method=default_method(problem.scene.forces)))
-        series = "a Taylor series" if choice.method in series_methods() else choice.method
-        choice.plan.amend(why=(f"{series} knows the events inside its steps",))
-    if problem.tolerance is not None:
-        what = "last terms" if choice.method in series_methods() else "the error of each"
-        choice.plan.amend(f"each body takes its own steps, {what} below {problem.tolerance:g}")
-    return choice
 
 
 def _by_closed_form(

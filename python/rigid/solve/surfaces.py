@@ -13,12 +13,11 @@ from .. import _core
 from .arrays import lengths
 from .bodies import Bodies
 from .error_estimate import closed_form_error, known_rates
-from .methods import FUNCTION
+from .methods import FUNCTION, SERIES, TO_ROUNDING
 from .request import Request
 
 __all__ = [
     "LOST",
-    "METHOD",
     "TOLERANCE",
     "Search",
     "Surfaces",
@@ -27,9 +26,6 @@ __all__ = [
 ]
 
 Floats = NDArray[np.float64]
-
-METHOD, ANOTHER = "taylor20", "taylor16"
-"""The default method, and the method of the second run of all others."""
 
 TOLERANCE = 2.0**-57
 """Size of the last terms of a step: a sixteenth of rounding, which alone is left then."""
@@ -51,7 +47,7 @@ ROUNDINGS = 4.0
 
 def default_method(forces: Collection[str]) -> str:
     """The method that finds points under these forces."""
-    return FUNCTION if "function" in forces else METHOD
+    return FUNCTION if "function" in forces else SERIES
 
 
 def default_tolerance(forces: Collection[str]) -> float:
@@ -196,7 +192,7 @@ class Search:
         """The method of the second run."""
         if self.method == FUNCTION:
             return self.method  # no other is known inside its steps under a function
-        return ANOTHER if self.method != ANOTHER else METHOD
+        return TO_ROUNDING if self.method != TO_ROUNDING else SERIES
 
     def _second_run(self, found: dict[str, NDArray[Any]], counts: NDArray[np.intp]) -> Floats:
         """The largest value on the surface in a second run until each point, (p,)."""

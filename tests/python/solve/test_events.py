@@ -12,6 +12,7 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.special import ellipk, ellipkinc
 
+import quad_motion
 import rigid
 from physics import METHODS, Floats
 from processes import python_process
@@ -668,3 +669,18 @@ def test_a_momentum_that_is_constant_and_never_crosses_disturbs_no_other_event()
     for event, same in zip(alone.events, both.events[:2], strict=True):
         np.testing.assert_array_equal(event.t, same.t)
         assert (same.error < 1e-10).all()
+
+
+def test_a_run_with_events_keeps_the_accuracy_of_a_run_without_them() -> None:
+    omega, times = np.array([0.3, 0.4, 3.0]), np.linspace(0.0, 10.0, 11)
+    run = rigid.simulate(ASYMMETRIC, omega, TILTED, t=times, events=rigid.crosses("omega2"))
+    truth = quad_motion.motion(ASYMMETRIC, omega, TILTED, times)
+    assert truth is not None
+    true = truth.rates_off(run.omega) / np.linalg.norm(truth.omega, axis=-1).max()
+    assert max(true.max(), truth.attitude_off(run.attitude).max()) <= run.error <= 1e-8
+    assert (run.plan.method, run.plan.tolerance) == ("taylor20", 1e-16)
+    assert any("inside its steps, where events are" in reason for reason in run.plan.why)
+    asked = rigid.simulate(
+        ASYMMETRIC, omega, TILTED, t=times, events=rigid.crosses("omega2"), accuracy=1e-5
+    )
+    assert asked.omega.tobytes() == run.omega.tobytes()
