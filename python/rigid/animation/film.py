@@ -4,25 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .. import free
 from .._checks.arguments import finite_float, one_of, one_time
 from .._checks.arrays import attitudes
 from ..drawing import colours
 from ..drawing.shapes import STEM, box_faces, cone_faces, ellipsoid_faces, plane_face, top_faces
-from ..model.body import Moments
+from ..model.body import Moments, refuse_rods
 from ..model.scene import FreeBody, HeavyTop, Scene, check_heavy_top, require_unforced
 from ..rotations.apply import to_space
 from .mesh import faces_of
-from .states import scene_of, states_of
+from .recording import Recording
 from .story import story_of, tilt_of
-
-if TYPE_CHECKING:
-    from ..solve.run import Run
 
 __all__ = ["VIEWS", "Film", "Part", "film_of", "side_by_side"]
 
@@ -190,28 +185,15 @@ class Film:
 
 
 def film_of(
-    run: Run,
+    one: Recording,
     *,
     view: str | None = None,
     speed: float | None = None,
-    body: int | None = None,
     trail: float | None = None,
     shape: tuple[ArrayLike, ArrayLike] | None = None,
 ) -> Film:
-    """The frames of an animation of a run, with the arguments of :meth:`rigid.Run.animate`.
-
-    Examples
-    --------
-    >>> import numpy as np, rigid
-    >>> from rigid.animation.film import film_of
-    >>> book = rigid.FreeBody(rigid.Body.box(0.01, 0.08, 0.25, mass=0.3))
-    >>> run = rigid.simulate(book, [0.01, 1.0, 0.01], t=np.linspace(0.0, 10.0, 101))
-    >>> film = film_of(run, speed=2.0)
-    >>> film.view, len(film.t), float(film.shown.sum().round(9))
-    ('box', 101, 5.05)
-    """
-    omega, attitude = states_of(run, body)
-    t = run.t[: len(omega)]
+    """The frames of an animation of a body, with the arguments of :meth:`rigid.Run.animate`."""
+    scene, t, omega, attitude = one.scene, one.t, one.omega, one.attitude
     if trail is not None and trail != np.inf:
         trail = finite_float("trail", trail, positive=True)
     if len(t) < 2:
@@ -220,9 +202,8 @@ def film_of(
     if speed is None:
         speed = max(1.0, span / LONGEST)
     speed = finite_float("speed", speed, positive=True)
-    scene = scene_of(run, body)
     view = _chosen(scene, view, shape is not None)
-    solid = None if shape is None else faces_of(shape, frame=run.frame)
+    solid = None if shape is None else faces_of(shape, frame=one.frame)
     momentum = to_space(attitude, np.array(scene.body.moments) * omega)
     size = float(np.linalg.norm(momentum[0]))
     if view == "top":
@@ -246,7 +227,7 @@ def film_of(
     return Film(
         view=view,
         title=scene.words(),
-        story=story_of(scene, view, t, omega, attitude),
+        story=story_of(one, view),
         name=f"ω = ({', '.join(f'{rate:.3g}' for rate in omega[0])}) rad/s",
         t=t,
         shown=np.append(steps, steps[-1]) / speed,
@@ -379,13 +360,14 @@ def _box(
 
 def _cones(scene: Scene, omega: Floats, attitude: Floats, momentum: Floats) -> tuple[Part, ...]:
     """Body cone and space cone, which touch along omega."""
-    rolled = free.cones(scene.body, omega[0], attitude[0])
-    top = free.symmetric_free_top(scene.body, omega[0])
-    axis = np.eye(3)[int(top.axis) - 1] * (1.0 if top.alpha <= 0.5 * np.pi else -1.0)
+    moments = np.array(scene.body.moments)
+    refuse_rods(moments)
+    k = _symmetry_axis(moments)
+    axis = np.eye(3)[k] * (1.0 if omega[0, k] >= 0.0 else -1.0)
     parts = [
         Part(
             kind="faces",
-            points=cone_faces(axis, float(rolled.body_cone)),
+            points=cone_faces(axis, _angle(omega[0], axis)),
             colours=(BODY, colours.FACE_STRIPE),
             opacity=0.55,
             carried=True,
@@ -393,7 +375,7 @@ def _cones(scene: Scene, omega: Floats, attitude: Floats, momentum: Floats) -> t
         ),
         Part(
             kind="faces",
-            points=cone_faces(momentum[0], float(rolled.space_cone)),
+            points=cone_faces(momentum[0], _angle(omega[0], moments * omega[0])),
             colours=(colours.FAINT, colours.BAND),
             opacity=0.75,
             meaning="cone of ω in space",
@@ -410,19 +392,37 @@ def _cones(scene: Scene, omega: Floats, attitude: Floats, momentum: Floats) -> t
     return (*parts, *_vectors(omega, attitude, momentum, length=1.3))
 
 
+def _symmetry_axis(moments: Floats) -> int:
+    """The axis of the other moment of two equal ones; of a sphere the third."""
+    for axis in (2, 1, 0):
+        if moments[axis - 2] == moments[axis - 1]:
+            return axis
+    raise ValueError(f"moments = {moments.tolist()}: a symmetric top has two exactly equal moments")
+
+
+def _angle(one: Floats, other: Floats) -> float:
+    """Angle between two vectors, without loss of digits near zero."""
+    one, other = (vector / np.linalg.norm(vector) for vector in (one, other))
+    return float(np.arctan2(np.linalg.norm(np.cross(one, other)), one @ other))
+
+
 def _poinsot(scene: Scene, omega: Floats, attitude: Floats, momentum: Floats) -> tuple[Part, ...]:
     """The inertia ellipsoid, which rolls on the invariable plane: polhode and herpolhode."""
-    rolled = free.poinsot(scene.body, omega, attitude)
-    assert rolled.normal is not None
-    assert rolled.contact is not None
-    unit = float(rolled.semi_axes.max())
-    contact = rolled.contact / unit
-    foot = rolled.normal * (float(rolled.distance) / unit)
+    moments = np.array(scene.body.moments)
+    in_body = moments * omega[0]
+    size = np.linalg.norm(in_body)
+    twice_energy = (in_body * omega[0]).sum()
+    with np.errstate(divide="ignore"):  # along a rod the ellipsoid has no end
+        semi_axes = np.sqrt(twice_energy / moments)
+    unit = float(semi_axes.max())
+    contact = to_space(attitudes(attitude), omega) / unit
+    normal = to_space(attitude[0], in_body) / size
+    foot = normal * (float(twice_energy / size) / unit)
     width = 1.25 * max(float(np.linalg.norm(contact - foot, axis=-1).max()), 0.4)
     return (
         Part(
             kind="faces",
-            points=ellipsoid_faces(rolled.semi_axes / unit, rings=18, sectors=36),
+            points=ellipsoid_faces(semi_axes / unit, rings=18, sectors=36),
             colours=(BODY,) * 9 + (colours.FACE_STRIPE,) * 9,
             opacity=0.7,
             carried=True,
@@ -430,14 +430,14 @@ def _poinsot(scene: Scene, omega: Floats, attitude: Floats, momentum: Floats) ->
         ),
         Part(
             kind="faces",
-            points=plane_face(foot, rolled.normal, width),
+            points=plane_face(foot, normal, width),
             colours=(SPACE,),
             opacity=0.25,
             meaning="plane at rest",
         ),
         Part(
             kind="line",
-            points=rolled.polhode / unit,
+            points=omega / unit,
             colours=(colours.ON_FACE,),
             carried=True,
             meaning="polhode",

@@ -6,12 +6,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._checks.arrays import attitudes
-from ..exact.flips import flip_times
 from ..model.forces import forces_in_words
 from ..model.scene import HeavyTop, Scene, check_heavy_top
 from ..rotations.apply import to_space
+from .recording import Recording
 
-__all__ = ["story_of", "story_of_two", "tilt_of", "turns_over"]
+__all__ = ["story_of", "story_of_two", "tilt_of"]
 
 Floats = NDArray[np.float64]
 
@@ -19,35 +19,16 @@ ALONG = 0.9
 """A body spins about an axis if the rate along the axis is at least this share of the rate."""
 
 
-def story_of(scene: Scene, view: str, t: Floats, omega: Floats, attitude: Floats) -> str:
-    """What happens in a motion, in words.
-
-    Parameters
-    ----------
-    scene : Scene
-        The scene of one body.
-    view : str
-        The view of the film.
-    t : ndarray, shape (m,)
-    omega : ndarray, shape (m, 3)
-    attitude : ndarray, shape (m, 4)
-
-    Examples
-    --------
-    >>> import numpy as np, rigid
-    >>> from rigid.animation.story import story_of
-    >>> box = rigid.FreeBody(rigid.Body.box(0.25, 0.08, 0.01, mass=0.3))
-    >>> run = rigid.simulate(box, [0.01, 10.0, 0.01], t=np.linspace(0.0, 6.0, 361))
-    >>> print(story_of(box, "box", run.t, run.omega, run.attitude))
-    A box spins at 10 rad/s about its middle axis, and turns over 3 times in 6 s.
-    """
-    span = f"{abs(t[-1] - t[0]):.3g} s"
+def story_of(one: Recording, view: str) -> str:
+    """What happens in a motion, in words, for a view of the film."""
+    scene, omega = one.scene, one.omega
+    span = f"{one.t[-1] - one.t[0]:.3g} s"
     if view == "cones":
         return "A symmetric body turns freely: its cone rolls on a cone that is at rest in space."
     if view == "poinsot":
         return "A body turns freely: its inertia ellipsoid rolls on a plane that is at rest."
     if view == "top":
-        tilt = tilt_of(check_heavy_top(scene), attitude)
+        tilt = tilt_of(check_heavy_top(scene), one.attitude)
         least, most = _degrees(tilt.min()), _degrees(tilt.max())
         if least == most:
             return (
@@ -64,42 +45,39 @@ def story_of(scene: Scene, view: str, t: Floats, omega: Floats, attitude: Floats
     if axis is None:
         return f"{what} turns freely for {span}: L is at rest in space, and ω moves."
     rate = f"{np.linalg.norm(omega[0]):.3g} rad/s"
-    _, count = turns_over(scene, t, omega)
-    over = f"turns over {_times(count)}" if count else "does not turn over"
+    over = f"turns over {_times(one.flips)}" if one.flips else "does not turn over"
     return f"{what} spins at {rate} about {_named(scene, axis)}, and {over} in {span}."
 
 
-def story_of_two(scenes: tuple[Scene, Scene], t: Floats, omega: Floats, attitude: Floats) -> str:
-    """What tells two motions apart, in words; the arrays have an axis of the two bodies first."""
+def story_of_two(left: Recording, right: Recording) -> str:
+    """What tells two motions apart, in words."""
     both = "Two motions side by side"
-    if scenes[0] == scenes[1] and (attitude[0, 0] == attitude[1, 0]).all():
-        if (omega[0, 0] == omega[1, 0]).all():
+    if left.scene == right.scene and (left.attitude[0] == right.attitude[0]).all():
+        apart = np.linalg.norm(right.omega[0] - left.omega[0])
+        if apart == 0.0:
             return "The same motion on both sides."
-        both = f"Two starts that differ by {np.linalg.norm(omega[1, 0] - omega[0, 0]):.3g} rad/s"
-    if all(isinstance(scene, HeavyTop) for scene in scenes):
-        left, right = (
-            _degrees(tilt_of(check_heavy_top(scene), one).max())
-            for scene, one in zip(scenes, attitude, strict=True)
+        both = f"Two starts that differ by {apart:.3g} rad/s"
+    if isinstance(left.scene, HeavyTop) and isinstance(right.scene, HeavyTop):
+        first, second = (
+            _degrees(tilt_of(check_heavy_top(one.scene), one.attitude).max())
+            for one in (left, right)
         )
-        tilts = f"the left top tilts up to {left}, the right top up to {right}"
+        tilts = f"the left top tilts up to {first}, the right top up to {second}"
         return f"{both}: in the frames {tilts}."
-    axes = {_axis_of_spin(one) for one in omega}
-    if any(scene.forces for scene in scenes) or len(axes) != 1 or None in axes:
+    axes = {_axis_of_spin(one.omega) for one in (left, right)}
+    if left.scene.forces or right.scene.forces or len(axes) != 1 or None in axes:
         return f"{both}."
     if both.startswith("Two starts"):
         both = both.replace("starts", "throws")
-    (first, flips), (second, others) = (
-        turns_over(scene, t, one) for scene, one in zip(scenes, omega, strict=True)
-    )
-    what = "body" if scenes[0].body.sides is None else "box"
-    if not flips and not others:
-        return f"{both}: neither {what} turns over in {abs(t[-1] - t[0]):.3g} s."
-    if flips and others:
-        times = f"at {first:.2g} s, the right {what} at {second:.2g} s"
+    what = "body" if left.scene.body.sides is None else "box"
+    if not left.flips and not right.flips:
+        return f"{both}: neither {what} turns over in {left.t[-1] - left.t[0]:.3g} s."
+    if left.flips and right.flips:
+        times = f"at {left.flip:.2g} s, the right {what} at {right.flip:.2g} s"
         return f"{both}: the left {what} turns over {times}."
-    one, other = ("left", "right") if flips else ("right", "left")
-    when = first if flips else second
-    return f"{both}: the {one} {what} turns over at {when:.2g} s, the {other} {what} does not."
+    side, other = ("left", "right") if left.flips else ("right", "left")
+    when = left.flip if left.flips else right.flip
+    return f"{both}: the {side} {what} turns over at {when:.2g} s, the {other} {what} does not."
 
 
 def tilt_of(scene: HeavyTop, attitude: Floats) -> Floats:
@@ -107,33 +85,6 @@ def tilt_of(scene: HeavyTop, attitude: Floats) -> Floats:
     axis = to_space(attitudes(attitude), np.array(scene.com))
     tilt: Floats = np.rad2deg(np.arctan2(np.hypot(axis[:, 0], axis[:, 1]), axis[:, 2]))
     return tilt
-
-
-def turns_over(scene: Scene, t: Floats, omega: Floats) -> tuple[float, int]:
-    """When a free body first turns over, and how many times it does, by the closed form.
-
-    A body turns over when the rate along the axis of its first spin changes its sign; the times
-    of a film may be too far apart to show it.
-
-    Examples
-    --------
-    >>> import numpy as np, rigid
-    >>> from rigid.animation.story import turns_over
-    >>> box = rigid.FreeBody(rigid.Body.box(0.25, 0.08, 0.01, mass=0.3))
-    >>> run = rigid.simulate(box, [0.01, 10.0, 0.01], t=[0.0, 4.1])
-    >>> first, count = turns_over(box, run.t, run.omega)
-    >>> round(first, 3), count
-    (1.202, 2)
-    """
-    span = float(t[-1] - t[0])
-    # Backward in time a free body moves as with the opposite rates.
-    start = omega[0] if span > 0.0 else -omega[0]
-    axis = int(np.abs(start).argmax()) + 1
-    first, second = flip_times(scene, start, axis=axis, count=2).tolist()
-    at = float(t[0] + np.copysign(first, span))
-    if first > abs(span):
-        return at, 0
-    return at, 1 + int((abs(span) - first) / (second - first))  # the times are equally spaced
 
 
 def _axis_of_spin(omega: Floats) -> int | None:

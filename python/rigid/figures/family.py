@@ -10,14 +10,13 @@ from numpy.typing import NDArray
 
 from .. import exact, free
 from .._checks.arguments import brief, positive_int
-from ..animation.states import rates_of, scene_of
 from ..drawing import colours
 from ..drawing.axes3d import UP, arrow, curve, fit, label
 from ..drawing.shapes import ellipsoid_faces
 from ..drawing.sides import sides, surface
 from ..model.body_like import BodyLike, moments_of
 from ..model.scene import FreeBody, require_unforced
-from ..solve.run import Run
+from ..solve.run import Run, scene_of, states_of
 from .picture import Picture
 
 __all__ = ["Polhodes", "polhodes"]
@@ -180,7 +179,7 @@ def _path_of(run: Run) -> tuple[Floats, FreeBody]:
             f"scene = {brief(scene)}: must be a rigid.FreeBody, whose rates follow polhodes"
         )
     require_unforced(scene, "a polhode")
-    omega = rates_of(run)
+    (omega,) = states_of(run, names=["omega"])
     moments = np.array(scene.body.moments)
     size = np.sqrt((omega[0] ** 2 * moments).sum() / moments.min())
     if size == 0.0:

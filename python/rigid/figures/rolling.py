@@ -10,14 +10,13 @@ from numpy.typing import NDArray
 
 from .. import free
 from .._checks.arguments import brief
-from ..animation.states import scene_of, states_of
 from ..drawing import colours
 from ..drawing.axes3d import AZIM, ELEV, UP, arrow, curve, dots, fit, label
 from ..drawing.shapes import across, ellipsoid_faces, plane_face
 from ..drawing.sides import eye, sides, surface
 from ..model.scene import FreeBody, require_unforced
 from ..rotations.apply import to_space
-from ..solve.run import Run
+from ..solve.run import Run, scene_of, states_of
 from .picture import Picture
 
 __all__ = [

@@ -10,13 +10,12 @@ from numpy.typing import NDArray
 
 from .. import free
 from .._checks.arguments import brief
-from ..animation.states import scene_of
 from ..drawing import colours
 from ..drawing.axes3d import KEY, curve, dots
 from ..drawing.colours import on_ground
 from ..exact.symmetry import symmetry_of
 from ..model.scene import HeavyTop
-from ..solve.run import Run
+from ..solve.run import Run, scene_of
 from .picture import Kind, Picture
 
 __all__ = [

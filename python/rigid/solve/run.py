@@ -4,29 +4,47 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, MutableMapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
-from .._checks.arguments import brief, one_line, one_of, one_time
+from .._checks.arguments import brief, one_line, one_of, one_time, resolve_threads
+from .._checks.arrays import finite_array
 from .._checks.inputs import described
+from .._checks.progress import ProgressOption
 from ..model.events import Event
 from ..model.frame import attitudes_in_frame, attitudes_in_principal_axes, checked_frame, turned
 from ..model.leading import Shape
-from ..model.scene import scene_from_dict
+from ..model.scene import FreeBody, Scene, scene_from_dict
 from .archive import Archive
+from .arrays import Range, in_rows, time_ranges
 from .attitude_ephemeris import write_aem
+from .bodies import Bodies
 from .columns import Column, Columns, Result
 from .dataset import take_numbers
-from .events import Events
+from .error_estimate import ErrorEstimate
+from .events import Events, FoundEvents
 from .lazy import Lazy
+from .made_run import end_records
 from .methods import EXACT
 from .plan import LazyPlan, Plan
-from .status import COARSE_ERROR, Status, error_limit, sentences
+from .problem import Problem
+from .request import Request
+from .solution import solve
+from .starts import bodies_of
+from .status import (
+    COARSE_ERROR,
+    Status,
+    error_limit,
+    is_accurate,
+    sentences,
+    status_by_error,
+)
+from .target import COLUMNS
 
 if TYPE_CHECKING:
     from datetime import datetime
@@ -36,9 +54,12 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from scipy.spatial.transform import Rotation
 
+    from ..animation import Animation
+    from ..animation.recording import Recording
+
 Floats = NDArray[np.float64]
 
-__all__ = ["Run", "load_run"]
+__all__ = ["Run", "load_run", "recording_of", "scene_of", "states_of", "to_run"]
 
 FORMAT = "rigid run 1"
 
@@ -441,9 +462,7 @@ an accuracy
         >>> run.at([50.0, 7.0])
         Run(one body at 2 times; exact; error 7.8e-14; ok)
         """
-        from .other_times import states_at
-
-        return states_at(self, t)
+        return _states_at(self, t)
 
     def energy(self) -> NDArray[np.float64]:
         """Kinetic and potential energy ``omega·I omega / 2 + mgl com·gamma`` (J), shape (n, m).
@@ -663,16 +682,8 @@ an accuracy
         self, body: int | None, values: NDArray[np.float64]
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Times and values (m, ...) of one body."""
-        if self.status.ndim == 0 and body is None:
-            return self.t, values
-        if self.status.ndim != 1 or body is None:
-            raise ValueError(
-                f"body = {brief(body)}: must be the index of one of the bodies of shape "
-                f"{self.status.shape}"
-            )
-        if not -len(self.status) <= body < len(self.status):
-            raise ValueError(f"body = {body}: there are {len(self.status)} bodies")
-        return (self.t if self.t.ndim == 1 else self.t[body]), values[body]
+        index = self._index(body)
+        return (self.t if self.t.ndim == 1 else self.t[index]), values[index]
 
     def rotation(self) -> Rotation:
         """The attitudes as a SciPy ``Rotation`` of shape ``(n, m)`` (active, body to space).
@@ -698,38 +709,378 @@ an accuracy
 
         return Rotation.from_quat(attitude, scalar_first=True)
 
-    def animate(self, path: str | PathLike[str] | None = None, **options: Any) -> Any:
-        """Show the motion as a film, or write the film: :func:`rigid.animation.animate`.
+    @overload
+    def animate(
+        self,
+        path: None = None,
+        *,
+        view: str | None = None,
+        speed: float | None = None,
+        body: int | Sequence[int] | None = None,
+        trail: float | None = None,
+        shape: tuple[ArrayLike, ArrayLike] | None = None,
+        caption: str | None = None,
+    ) -> Animation: ...
+
+    @overload
+    def animate(
+        self,
+        path: str | PathLike[str],
+        *,
+        view: str | None = None,
+        speed: float | None = None,
+        body: int | Sequence[int] | None = None,
+        trail: float | None = None,
+        shape: tuple[ArrayLike, ArrayLike] | None = None,
+        caption: str | None = None,
+        fps: float = 25.0,
+        size: int = 480,
+        progress: ProgressOption = None,
+    ) -> Path: ...
+
+    def animate(
+        self,
+        path: str | PathLike[str] | None = None,
+        *,
+        view: str | None = None,
+        speed: float | None = None,
+        body: int | Sequence[int] | None = None,
+        trail: float | None = None,
+        shape: tuple[ArrayLike, ArrayLike] | None = None,
+        caption: str | None = None,
+        fps: float = 25.0,
+        size: int = 480,
+        progress: ProgressOption = None,
+    ) -> Path | Animation:
+        """Show the motion as a film, or write the film.
+
+        The run needs attitudes at two times or more. Each time becomes a frame; there is no
+        interpolation between the times.
 
         Parameters
         ----------
-        path : path-like, optional
-            File to write, such as ``"film.html"`` or ``"film.gif"``; without a path a notebook
-            shows the film.
-        **options
-            Options of :func:`rigid.animation.animate`.
+        path : path, optional
+            ``.html`` for a page that a browser plays without a network, and whose view you turn
+            with the pointer; ``.gif``, ``.webp`` or ``.mp4`` for a moving picture, which needs
+            Matplotlib and Pillow, and ffmpeg or imageio-ffmpeg for ``.mp4``. Without a path the
+            film is returned and a notebook shows it.
+        view : str, optional
+            For a free body ``"box"``, the box (or the box with equal moments) with omega and L;
+            ``"cones"``, the body cone of a symmetric top rolling on the space cone; or
+            ``"poinsot"``, the inertia ellipsoid rolling on the invariable plane. For a heavy top
+            ``"top"``, with the path of its axis. Default for a free body: the box for a
+            :meth:`rigid.Body.box` and for a body under torque or damping, else the cones if two
+            moments are equal, else the ellipsoid.
+        speed : float, optional
+            Factor by which the film is faster than the motion. Default: 1, and for a motion of more
+            than 20 s so that the film lasts 20 s.
+        body : int or two int, optional
+            Index of the body to show, if the run has many bodies; two indices show two bodies side
+            by side, with one scale. Default: both bodies of a run of two.
+        trail : float, optional
+            Length of trails in seconds of the run, ``math.inf`` for trails without end. Default: a
+            quarter of the run, and without end in the view ``"poinsot"``.
+        shape : tuple (vertices, faces), optional
+            The surface of the body, to be shown instead of a box or a top: corners of shape (v, 3),
+            and for each polygon the indices of its corners, shape (f, n) with n >= 3;
+            :func:`rigid.meshes.read_mesh` returns both. The origin of the corners is the centre of
+            mass, or the fixed point of a heavy top. The corners have the axes of the run: the
+            principal axes, or ``frame``, if the run has one.
+        caption : str, optional
+            The sentence above the film. Default: what happens in the motion.
+        fps : float
+            Most frames in a second of a moving picture: closer frames are omitted. At most 50,
+            which is what browsers show of a GIF.
+        size : int
+            Height of a moving picture in pixels, 64 or more.
+        progress : None, bool or callable
+            Progress of a moving picture, as in :func:`rigid.stability_map`.
 
         Returns
         -------
-        Animation or Path
-            The film, or the file.
+        Path or rigid.animation.Animation
+            Path of the new file; without a path, the film.
 
         Raises
         ------
-        TypeError, ValueError, OSError
-            As for :func:`rigid.animation.animate`.
+        ImportError
+            If what a moving picture needs is not installed.
+        OSError
+            If the file cannot be written, or the path names something other than a file, or ffmpeg
+            fails. An older file stays as it was.
+        TypeError, ValueError
+            Naming the argument, its value and the rule: an unknown suffix or view, a run without
+            attitudes, of one time or not finite, a body at rest, cones of an asymmetric body or one
+            under torque, a shape that is no mesh, frames too long for a picture.
+
+        Warns
+        -----
+        UserWarning
+            If the body turns by more than half a turn from one frame to the next, as frames are
+            seen: the film shows another motion.
 
         Examples
         --------
         >>> import numpy as np, rigid
-        >>> box = rigid.Body.box(0.25, 0.08, 0.01)
-        >>> run = rigid.simulate(box, [0.05, 6.0, 0.05], t=np.linspace(0.0, 3.0, 91))
-        >>> type(run.animate()).__name__
-        'Animation'
-        """
-        from ..animation import animate
+        >>> top = rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0)
+        >>> tilted = [np.cos(np.pi / 6), np.sin(np.pi / 6), 0.0, 0.0]
+        >>> run = rigid.simulate(top, [0.0, 0.0, 5.0], tilted, t=np.linspace(0.0, 10.0, 301))
+        >>> run.animate("top.html").name
+        'top.html'
 
-        return animate(self, path, **options)
+        A body from a mesh: the corners move to the centre of mass.
+
+        >>> corners = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1.5]])
+        >>> faces = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]
+        >>> solid = rigid.meshes.mesh_properties(corners, faces, mass=1.0)
+        >>> body, axes = rigid.Body.from_properties(solid)
+        >>> run = rigid.simulate(body, [0.1, 5.0, 0.1], t=np.linspace(0.0, 4.0, 201), frame=axes)
+        >>> run.animate("mesh.html", shape=(corners - solid.centre, faces)).name
+        'mesh.html'
+        """
+        from ..animation import animate  # takes long to import, as all that draws
+
+        bodies: Sequence[int | None]
+        if isinstance(body, Sequence):
+            if not 1 <= len(body) <= 2:
+                raise ValueError(f"body = {brief(body)}: must be one index or two")
+            bodies = body
+        else:
+            bodies = (0, 1) if body is None and self.status.shape == (2,) else (body,)
+        recordings = [recording_of(self, one) for one in bodies]
+        if len({len(one.t) for one in recordings}) > 1:
+            raise ValueError(f"body = {brief(bodies)}: their records end at different times")
+        return animate(
+            recordings,
+            path,
+            view=view,
+            speed=speed,
+            trail=trail,
+            shape=shape,
+            caption=caption,
+            fps=fps,
+            size=size,
+            progress=progress,
+        )
+
+    def _index(self, body: int | None) -> tuple[int, ...]:
+        """The index of one body: empty if the run has a single one."""
+        shape = self.status.shape
+        if len(shape) > 1:
+            raise ValueError(
+                f"omega of shape {self.omega.shape}: needs one axis of bodies, (n, m, 3)"
+            )
+        if not shape:
+            if body is not None:
+                raise ValueError(f"body = {body}: the run has a single body")
+            return ()
+        bodies = len(self.status)
+        if body is None and bodies != 1:
+            raise ValueError(f"body = None: the run has {bodies} bodies, choose one by its index")
+        index = 0 if body is None else body
+        if isinstance(index, bool) or not isinstance(index, (int, np.integer)):
+            raise TypeError(f"body = {brief(body)}: must be a whole number")
+        if not -bodies <= index < bodies:
+            raise ValueError(f"body = {brief(body)}: the run has {bodies} bodies")
+        return (int(index),)
+
+
+def scene_of(run: object, body: int | None = None) -> Scene:
+    """The scene of a run, of one body of many; TypeError if the run is none."""
+    if not isinstance(run, Run):
+        raise TypeError(f"run = {brief(run)}: must be a rigid.Run, which rigid.simulate returns")
+    scene = scene_from_dict(run.spec["scene"])
+    if not scene.shape:
+        return scene
+    return scene[0 if len(scene) == 1 else body or 0]
+
+
+def states_of(
+    run: Run, body: int | None = None, names: Sequence[str] = ("omega", "attitude")
+) -> list[Floats]:
+    """States (m, ...) of one body of a run, in principal axes.
+
+    They end where an event of ``until`` ended the body.
+    """
+    if "attitude" in names and run.attitude is None:
+        raise ValueError(
+            f"record = {run.spec['record']!r}: record = 'attitude' is needed to show the motion"
+        )
+    index = run._index(body)
+    if run.t.ndim > 1:
+        raise ValueError(f"t of shape {run.t.shape}: needs times that all bodies share, (m,)")
+    plain = run if run.frame is None else run.in_frame(None)
+    states: list[Floats] = [getattr(plain, name)[index] for name in names]
+    if run.status[index] == Status.STOPPED:
+        known = int(np.isfinite(states[0]).all(axis=-1).cumprod().sum())
+        states = [values[:known] for values in states]
+    if not all(np.isfinite(values).all() for values in states):
+        raise ValueError("status: states that are not finite cannot be shown")
+    return states
+
+
+def recording_of(run: Run, body: int | None = None) -> Recording:
+    """The motion of one body of a run, for a film."""
+    from ..animation.recording import Recording
+
+    omega, attitude = states_of(run, body)
+    scene, t = scene_of(run, body), run.t[: len(omega)]
+    is_free = isinstance(scene, FreeBody) and not scene.forces and len(t) > 1 and omega[0].any()
+    flip, flips = turns_over(scene, t, omega) if is_free else (np.inf, 0)
+    return Recording(
+        scene=scene,
+        t=t,
+        omega=omega,
+        attitude=attitude,
+        frame=run.frame,
+        flip=flip,
+        flips=flips,
+    )
+
+
+def turns_over(scene: Scene, t: Floats, omega: Floats) -> tuple[float, int]:
+    """When a free body first turns over, and how many times it does, by the closed form.
+
+    A body turns over when the rate along the axis of its first spin changes its sign; the times
+    of a film may be too far apart to show it.
+
+    Examples
+    --------
+    >>> import numpy as np, rigid
+    >>> from rigid.solve.run import turns_over
+    >>> box = rigid.FreeBody(rigid.Body.box(0.25, 0.08, 0.01, mass=0.3))
+    >>> run = rigid.simulate(box, [0.01, 10.0, 0.01], t=[0.0, 4.1])
+    >>> first, count = turns_over(box, run.t, run.omega)
+    >>> round(first, 3), count
+    (1.202, 2)
+    """
+    span = float(t[-1] - t[0])
+    axis = int(np.abs(omega[0]).argmax()) + 1
+    bodies = bodies_of(scene, omega[0], None, rod=True)
+    first, second = bodies.in_axes(_core.flip_times(bodies, axis, 2)).tolist()
+    at = float(t[0]) + first
+    if first > span:
+        return at, 0
+    return at, 1 + int((span - first) / (second - first))  # the times are equally spaced
+
+
+def to_run(
+    states: MutableMapping[str, Any],
+    times: NDArray[np.float64],
+    estimate: ErrorEstimate | _core.States,
+    accuracy: float | None,
+    spec: Lazy[dict[str, Any]],
+    plan: LazyPlan,
+    bodies: Bodies,
+    parameters: tuple[str, ...] = (),
+    found: FoundEvents | None = None,
+) -> Run:
+    """The run of these bodies, from the columns of the core."""
+    worst = estimate.worst if isinstance(estimate, _core.States) else None
+    if worst is None or not is_accurate(worst, accuracy):
+        error, lost_from = estimate.error, estimate.lost_from
+        if np.count_nonzero(states["status"]):
+            unknown = np.isin(states["status"], (Status.STEP_LIMIT, Status.NOT_FINITE))
+            error, lost_from = (np.where(unknown, np.nan, values) for values in (error, lost_from))
+        states["status"] = status_by_error(states["status"], error, accuracy)
+        states["error"], states["lost_from"] = error, lost_from
+    if found is not None:
+        ended = found.stopped & np.isin(states["status"], (Status.OK, Status.UNCHECKED))
+        states["status"] = np.where(ended, Status.STOPPED, states["status"]).astype(np.uint8)
+        states["end"] = found.end
+    attitude, count = bodies.attitude, len(bodies.omega)
+    if len(attitude) != count:
+        attitude = np.broadcast_to(attitude, (count, 4))
+    states["t"], states["start_omega"], states["start_attitude"] = times, bodies.omega, attitude
+    return Run(
+        _parameters=parameters,
+        _events=() if found is None else found.events,
+        _spec=spec,
+        _shape=bodies.shape,
+        _columns=states,
+        _plan=plan,
+    )
+
+
+def _states_at(run: Run, t: ArrayLike) -> Run:
+    """The run at other output times; see :meth:`Run.at`."""
+    shape, given = run.status.shape, np.atleast_1d(finite_array("t", t))
+    if given.ndim > 1 and given.shape[:-1] != shape:
+        raise ValueError(
+            f"t: expected shape (k,) or {(*shape, 'k')} for bodies of shape {shape}, "
+            f"got {given.shape}"
+        )
+    order = np.argsort(given, axis=-1, kind="stable")
+    ascending = np.take_along_axis(given, order, axis=-1)
+    reached = time_ranges(run.t if run.t.ndim == 1 else in_rows(run.t, shape))
+    times = ascending if given.ndim == 1 else in_rows(ascending, shape)
+    _check_inside(times, reached)
+    spec = {name: value for name, value in run.spec.items() if name != "frame"}
+    scene = scene_from_dict(spec["scene"])
+    if "function" in scene.forces:
+        raise ValueError(
+            "t: a run under a function keeps no function; give these times to rigid.simulate"
+        )
+    bodies = Bodies.of_scene(scene, run.start_omega, run.start_attitude, shape)
+    last = np.array([[np.inf]]) if run.end is None else np.reshape(run.end, (-1, 1))
+    request = Request(
+        bodies=bodies,
+        times=np.minimum(times, last) if (times > last).any() else times,
+        method=EXACT,
+        record=spec["record"],
+        max_steps=10**9,
+        threads=resolve_threads(None),
+    )
+    accuracy, named = spec["accuracy"], spec["asked"] is not None
+    problem = Problem(
+        scene=scene,
+        record=spec["record"],
+        bodies=bodies,
+        begin=reached[0],
+        end=reached[1],
+        accuracy=accuracy,
+        method=spec["asked"],
+        step=spec["step"],
+        tolerance=spec["tolerance"] if named and accuracy is None else None,
+        states=times.shape[-1],
+        inside=bool(run.events),
+    )
+    check = accuracy is not None or not np.isnan(run.error).all()
+    solution = solve(scene, problem, request, check=check)
+    states, estimate = solution.states, solution.estimate
+    end_records(states, times, last)
+    made = to_run(states, ascending, estimate, accuracy, Lazy.of(spec), run._plan, bodies)
+    if (order[..., 1:] < order[..., :-1]).any():
+        made = _in_order(made, given, order)
+    return made if run.frame is None else made.in_frame(run.frame)
+
+
+def _check_inside(times: NDArray[np.float64], reached: Range) -> None:
+    """Raise ValueError for a time outside the run."""
+    first, last = (np.reshape(bound, (-1, 1)) for bound in reached)
+    outside = np.argwhere((times < first) | (times > last))
+    if len(outside):
+        body = outside[0, 0] if len(first) > 1 else 0
+        raise ValueError(
+            f"t = {np.atleast_2d(times)[tuple(outside[0])]}: must be inside the run, which is from "
+            f"t = {first[body, 0]} to {last[body, 0]}"
+        )
+
+
+def _in_order(run: Run, times: NDArray[np.float64], order: NDArray[np.intp]) -> Run:
+    """The states of ascending times, in the order of the requested times."""
+    place = np.argsort(order, axis=-1)
+
+    def moved(array: NDArray[Any] | None, width: int) -> NDArray[Any] | None:
+        if array is None:
+            return None
+        axis = array.ndim - 1 - (width > 1)
+        shape = (*place.shape, 1) if width > 1 else place.shape
+        index = place.reshape((1,) * (array.ndim - len(shape)) + shape)
+        return np.take_along_axis(array, index, axis=axis)
+
+    states = {name: moved(getattr(run, name), width) for name, width in COLUMNS.items()}
+    return run.with_arrays(**states, t=times)
 
 
 def _largest(error: Floats) -> float | None:

@@ -30,12 +30,12 @@ from .closed_form import RECORDS
 from .error_estimate import ErrorEstimate, unknown_error
 from .events import check_event_method
 from .lazy import Lazy
-from .made_run import end_records, to_run
+from .made_run import end_records
 from .methods import EXACT, FUNCTION, adaptive_methods
 from .parameters import check_parameters
 from .problem import LEAST_TOLERANCE, Problem
 from .request import Request
-from .run import Run
+from .run import Run, to_run
 from .solution import Watched, solve
 from .starts import bodies_of
 from .tangent import check_tangent

@@ -19,11 +19,11 @@ from PIL import Image, ImageSequence
 from scipy.spatial.transform import Rotation
 
 import rigid
-from films import ASYMMETRIC, BOX, OBLATE, PROLATE, TILTED, TOP, T, part, run_of
+from films import ASYMMETRIC, BOX, OBLATE, PROLATE, TILTED, TOP, T, film_of, part, run_of
 from processes import PATIENCE, python_process
 from rigid import top
 from rigid.animation import Animation
-from rigid.animation.film import film_of, side_by_side
+from rigid.animation.film import side_by_side
 from rigid.animation.raster import frame_picture
 from rigid.animation.web import film_page
 from rigid.drawing.shapes import STEM

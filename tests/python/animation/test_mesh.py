@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 import rigid
-from films import BOX, TILTED, TOP, part, run_of
-from rigid.animation.film import film_of
+from films import BOX, TILTED, TOP, film_of, part, run_of
 
 
 def test_a_mesh_is_shown_where_the_body_is() -> None:

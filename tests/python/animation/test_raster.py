@@ -7,8 +7,8 @@ import tracemalloc
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from films import BOX, TOP, part, run_of
-from rigid.animation.film import Part, film_of
+from films import BOX, TOP, film_of, part, run_of
+from rigid.animation.film import Part
 from rigid.animation.raster import Buffer, Camera, _from_segment, corner_normals, label_places
 from rigid.drawing.shapes import ellipsoid_faces
 

@@ -205,5 +205,5 @@ def test_what_needs_a_body_says_so() -> None:
     with pytest.raises(ValueError, match=r"free = 'I1': the search stays within moments that a"):
         rigid.fit(scene, run.t, omega=run.omega, free="I1", sigma=0.01)
     assert "physical=False" in scene.words()
-    page = rigid.animation.animate(run, view="box").page
+    page = run.animate(view="box").page
     assert "flat box: no body has the moments" in page

@@ -258,8 +258,8 @@ def test_what_messages_and_pictures_refuse(tmp_path: Path) -> None:
         ("epoch = 3: must be", one, {"epoch": 3}),
         ("object_name = ''", one, {"epoch": "2026-01-31", "object_name": ""}),
         ("frame = ", one, {"epoch": "2026-01-31", "frame": "a\nb"}),
-        ("body = None: must be the index", many, {"epoch": "2026-01-31"}),
-        ("body = 2: there are 2 bodies", many, {"epoch": "2026-01-31", "body": 2}),
+        ("body = None: the run has 2 bodies", many, {"epoch": "2026-01-31"}),
+        ("body = 2: the run has 2 bodies", many, {"epoch": "2026-01-31", "body": 2}),
         ("beyond the calendar", one, {"epoch": "9999-12-31T23:59:59"}),
         ("record = 'attitude' was not", RUNS["rates"], {"epoch": "2026-01-31"}),
     ]
