@@ -23,7 +23,6 @@ from ._moments import MomentsWarning
 from .citing import cite
 from .info import build_info
 from .maps.replay import Replay
-from .maps.result import StabilityMap, load_map
 from .maps.samples import Outcomes, Starts
 from .maps.spec import MapSpec
 from .model.body import Body
@@ -87,6 +86,7 @@ from .solve.sensitivity import condition
 from .solve.simulate import simulate
 from .solve.status import Status
 from .store.call import stability_map
+from .store.result import StabilityMap, load_map
 
 if TYPE_CHECKING:
     from . import (

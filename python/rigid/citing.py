@@ -11,12 +11,12 @@ from .solve.methods import AUTO, EXACT, MAP_FALLBACK, Method, methods
 from .solve.plan import Plan
 
 if TYPE_CHECKING:
-    from .maps.result import StabilityMap
     from .reports.result import Report
     from .sections.crossings import Crossings
     from .solve.frequencies import FrequencyDrift, Lines
     from .solve.growth import Growth
     from .solve.run import Run
+    from .store.result import StabilityMap
 
 __all__ = ["cite"]
 

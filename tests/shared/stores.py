@@ -67,7 +67,7 @@ def numbers(path: Path) -> bytes:
 
 def stored_map(path: Path) -> rigid.StabilityMap:
     """The map of the rows that a folder holds."""
-    return result_of(Folder(path))
+    return result_of(Folder(path), rigid.StabilityMap)
 
 
 class FailingDisk(Disk):

@@ -27,7 +27,7 @@ from .web import Page, film_page
 if TYPE_CHECKING:
     from os import PathLike
 
-__all__ = ["Animation", "Recording", "animate"]
+__all__ = ["Animation"]
 
 REFRESH = 60.0
 """Frames in a second that a page shows, the rate of most displays."""

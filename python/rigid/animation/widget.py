@@ -7,23 +7,12 @@ zooms with new maps, and its clicks with the bodies of a pixel.
 from __future__ import annotations
 
 import threading
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
-from .._checks.arguments import resolve_threads
 from .._checks.extras import install_extra
-from ..maps.result import StabilityMap
-from ..store.call import stability_map
-from .explorer import (
-    MOST_SAMPLES,
-    content_of_map,
-    content_of_outcomes,
-    content_of_starts,
-    drawn_edges,
-    page_of,
-)
+from .._checks.progress import Progress
+from .explorer import page_of
 from .web import as_json, template
 
 try:
@@ -32,12 +21,10 @@ try:
 except ImportError:
     raise ImportError(install_extra("a widget needs anywidget", "notebook")) from None
 
-if TYPE_CHECKING:
-    from .._checks.progress import Progress
-    from ..maps.parameters import Axis
-    from ..maps.spec import MapSpec
+__all__ = ["MapWidget"]
 
-__all__ = ["MapWidget", "zoomed"]
+Region = dict[str, Any]
+"""The ``view`` of a zoom, as least and largest x, then y, and the places ``at`` on other axes."""
 
 
 class MapWidget(anywidget.AnyWidget):
@@ -45,21 +32,19 @@ class MapWidget(anywidget.AnyWidget):
 
     Parameters
     ----------
-    result : StabilityMap
+    result : object
         The whole map.
-    threads : int, optional
-        Threads that compute finer maps. Default: ``RIGID_NUM_THREADS``, else the cores that this
-        process may use.
+    content : callable
+        ``content(result, region)`` is the page content of a map, the whole one or a finer one.
+    finer : callable
+        ``finer(region, tell)`` is the finer map of a region; ``tell`` gets the progress.
+    bodies : callable
+        ``bodies(result, pixel)`` is the page content of the bodies of a pixel.
 
     Attributes
     ----------
     result : StabilityMap
         The map that the view shows: the whole map, or the finer map of the last zoom.
-
-    Raises
-    ------
-    TypeError, ValueError
-        If ``threads`` is no positive integer, or a function that the map needs is not known.
 
     Examples
     --------
@@ -82,17 +67,23 @@ class MapWidget(anywidget.AnyWidget):
     _said = traitlets.Unicode().tag(sync=True)
     """What the view shows the reader about a computation."""
 
-    def __init__(self, result: StabilityMap, *, threads: int | None = None) -> None:
-        result.spec.require_functions()
+    def __init__(
+        self,
+        result: Any,
+        *,
+        content: Callable[[Any, Region | None], dict[str, Any]],
+        finer: Callable[[Region, Callable[[Progress], None]], Any],
+        bodies: Callable[[Any, int], dict[str, Any]],
+    ) -> None:
         self._result = self._whole = result
-        self._threads = resolve_threads(threads)
+        self._held, self._finer, self._bodies = content, finer, bodies
         self._zooms = self._shown = 0  # how many there were, and the number of that which is shown
         self._one_answer = threading.Lock()
         super().__init__(_page=page_of(None), _content=self._as_content(0, result, None))
         self.on_msg(self._list_bodies)
 
     @property
-    def result(self) -> StabilityMap:
+    def result(self) -> Any:
         """The map that is shown."""
         return self._result
 
@@ -107,7 +98,7 @@ class MapWidget(anywidget.AnyWidget):
         else:
             threading.Thread(target=self._compute, args=(number, change.new), daemon=True).start()
 
-    def _compute(self, number: int, region: dict[str, Any]) -> None:
+    def _compute(self, number: int, region: Region) -> None:
         """Compute the finer map of a region. The view shows any error."""
 
         def tell(progress: Progress) -> None:
@@ -117,15 +108,13 @@ class MapWidget(anywidget.AnyWidget):
 
         self._say(number, "computing the finer map")
         try:
-            spec = zoomed(self._whole.spec, region["view"], region["at"])
-            finer = stability_map(spec, threads=self._threads, progress=tell)
-            self._show(number, finer, region)
+            self._show(number, self._finer(region, tell), region)
         except _OvertakenError:
             return
         except Exception as error:
             self._say(number, f"The finer map cannot be computed: {error}")
 
-    def _show(self, number: int, result: StabilityMap, region: dict[str, Any] | None) -> None:
+    def _show(self, number: int, result: Any, region: Region | None) -> None:
         """Let the view show a map, unless there was another zoom."""
         content = self._as_content(number, result, region)
         with self._one_answer:
@@ -138,20 +127,8 @@ class MapWidget(anywidget.AnyWidget):
             if number == self._zooms:
                 self._said = words
 
-    def _as_content(self, number: int, result: StabilityMap, region: dict[str, Any] | None) -> str:
-        whole = self._whole.spec
-        content = content_of_map(result, self._count, python="widget.result", whole=whole)
-        content |= {"zoom": number, "region": region}
-        if region is not None:
-            # How far the reader may zoom out: to the borders of the whole map.
-            edges = [drawn_edges(axis, axis.geometric) for axis in whole.axes[:2]]
-            ends = [[float(edge.min()), float(edge.max())] for edge in edges]
-            content["all"] = [*ends[0], *(ends[1] if len(ends) > 1 else [0.0, 1.0])]
-        return as_json(content)
-
-    @property
-    def _count(self) -> int:
-        return min(self._whole.spec.samples, MOST_SAMPLES)
+    def _as_content(self, number: int, result: Any, region: Region | None) -> str:
+        return as_json(self._held(result, region) | {"zoom": number, "region": region})
 
     def _list_bodies(self, _widget: object, asked: dict[str, Any], _buffers: object) -> None:
         """Answer a click on a pixel with its bodies, unless its map is shown no longer."""
@@ -161,74 +138,10 @@ class MapWidget(anywidget.AnyWidget):
         if asked["zoom"] != shown:
             return
         try:
-            numbers = range(self._count)
-            start = result.starts(numbers, pixel=pixel)
-            seen = result.outcomes(numbers, pixel=pixel, threads=self._threads)
-            held = content_of_starts(start) | content_of_outcomes(seen)
-            self.send(asked | {"bodies": as_json(held)})
+            self.send(asked | {"bodies": as_json(self._bodies(result, pixel))})
         except Exception as error:
             self.send(asked | {"error": f"The bodies cannot be computed: {error}"})
 
 
 class _OvertakenError(Exception):
     """A newer zoom makes a computation needless."""
-
-
-def zoomed(spec: MapSpec, view: list[float], at: list[int]) -> MapSpec:
-    """The specification of the finer map of a region, with as many pixels.
-
-    Parameters
-    ----------
-    spec : MapSpec
-        The specification of the whole map.
-    view : list of float
-        Least and largest x, then y, between the borders of cells; logarithms on an axis whose
-        values form a geometric progression.
-    at : list of int
-        Indices of the values of the other axes, of which the finer map has these alone.
-
-    Returns
-    -------
-    MapSpec
-        Its values lie between the least and the largest value of the whole map. Seed and samples
-        are taken from the whole map. Random numbers follow from the number of a pixel, so the
-        bodies are others.
-
-    Raises
-    ------
-    ValueError
-        If the values are too close to each other.
-
-    Examples
-    --------
-    >>> import rigid
-    >>> from rigid.animation.widget import zoomed
-    >>> result = rigid.stability_map(
-    ...     rigid.FreeBody, axes={"spin": [1.0, 2.0, 3.0, 4.0]}, samples=10, t_end=50.0,
-    ...     stable=rigid.no_flip(), rng=2026,
-    ... )
-    >>> zoomed(result.spec, [2.0, 3.0, 0.0, 1.0], []).axes[0].values
-    (2.125, 2.375, 2.625, 2.875)
-    """
-    axes: dict[str, Any] = {
-        axis.name: _finer(axis, *view[2 * place : 2 * place + 2])
-        for place, axis in enumerate(spec.axes[:2])
-    }
-    for axis, index in zip(spec.axes[2:], at, strict=True):
-        axes[axis.name] = [axis.values[index]]
-    return spec.replace(axes=axes)
-
-
-def _finer(axis: Axis, low: float, high: float) -> NDArray[np.float64]:
-    """As many values as the axis has, in the middles of cells between these borders."""
-    values: NDArray[np.float64] = np.array(axis.values)
-    count = len(values)
-    if count == 1:
-        return values
-    drawn = np.log(values) if axis.geometric else values
-    half = 0.5 * (high - low) / count
-    least, most = np.clip([low + half, high - half], drawn.min(), drawn.max())
-    finer = np.linspace(least, most, count)
-    if axis.geometric:
-        finer = np.clip(np.exp(finer), values.min(), values.max())
-    return finer if values[0] < values[-1] else finer[::-1]

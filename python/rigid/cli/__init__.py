@@ -28,7 +28,6 @@ from ..maps.data import CLASSES, FAILURES
 from ..maps.file import file_size
 from ..maps.plan import map_plan
 from ..maps.plot import SHARE, check_what
-from ..maps.result import StabilityMap, load_map
 from ..maps.sequential import checked_half_width, stop_table
 from ..maps.spec import MapSpec
 from ..model.seed import seed_from
@@ -39,6 +38,7 @@ from ..sections.poincare import poincare
 from ..sections.starts import on_surface
 from ..solve.plan import Plan, memory_words
 from ..store.call import foreseen, run_map
+from ..store.result import StabilityMap, load_map
 from .exit_codes import DONE, REFUSED, SAYS_NO, WRITE_ERROR
 from .output import (
     Target,

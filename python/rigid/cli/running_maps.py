@@ -13,9 +13,9 @@ from .._checks.extras import install_extra
 from .._checks.inputs import require_readable
 from .._checks.progress import Interrupted, terminated
 from .._files import MAP, require_ending
-from ..maps.result import StabilityMap
 from ..maps.spec import MapSpec
 from ..store.call import run_map
+from ..store.result import StabilityMap
 from .exit_codes import DONE, SAYS_NO, UNFINISHED
 from .output import complain, require_new, say
 
@@ -163,7 +163,7 @@ def _stored(path: str, result: StabilityMap | None = None) -> str:
     from ..store.running import Folder
 
     folder = Folder(path)
-    return pixels_done(folder, result_of(folder) if result is None else result)
+    return pixels_done(folder, result_of(folder, StabilityMap) if result is None else result)
 
 
 def _stored_in(path: str) -> str:

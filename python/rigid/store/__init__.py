@@ -1,4 +1,4 @@
-"""The computation of maps, in memory or in folders.
+"""The computation of maps, in memory or in folders, and their results.
 
 A running map is computed in many sittings, by many processes, on many machines. It is a folder of a
 specification, ``head.json``, and of logs, one for each process that has computed rows. What is done
@@ -8,7 +8,8 @@ From low to high: ``disk`` (every operation on files), ``head`` and ``rows`` (th
 the numbers of a unit of work), ``log`` (the tar files), ``running`` (the rows of a folder, or of
 the memory), ``compute`` (rows of units), ``drive`` (blocks of work on threads or executors),
 ``resume`` (what is missing, and whether this machine computes the rows that there are),
-``foresee`` (what a call would compute, and how long), ``status``, ``merge``, ``verify`` and
-``diff``, ``store`` with :class:`rigid.Store`, and ``call`` with :func:`rigid.stability_map`. Uses
-``maps``; the command line uses it.
+``foresee`` (what a call would compute, and how long), ``status``, ``merge``, ``zooms`` (the finer
+maps of the widget), ``result`` with :class:`rigid.StabilityMap`, ``verify`` and ``diff``, ``store``
+with :class:`rigid.Store`, and ``call`` with :func:`rigid.stability_map`. Uses ``maps``; the command
+line uses it.
 """

@@ -12,7 +12,6 @@ from numpy.typing import ArrayLike
 from .._checks.arguments import brief
 from .._checks.progress import ProgressOption
 from ..maps.request import as_it_is, spec_of
-from ..maps.result import StabilityMap
 from ..maps.spec import MapSpec
 from ..model.body import Body
 from ..model.criteria import Criterion
@@ -20,6 +19,7 @@ from ..model.measures import Measure, make_measures
 from ..model.mixture import Mixture
 from ..model.scene import Scene
 from ..model.start import Start
+from .result import StabilityMap
 
 if TYPE_CHECKING:
     from .foresee import Foreseen

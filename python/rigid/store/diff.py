@@ -10,7 +10,7 @@ import numpy as np
 
 from ..maps.data import COLUMNS, MapData
 from ..maps.identity import head_of, key_of, spec_differences
-from ..maps.result import StabilityMap, load_map
+from .result import StabilityMap, load_map
 from .resume import result_of
 from .running import Folder
 
@@ -42,7 +42,7 @@ class Difference:
 
 def read_any(path: str | os.PathLike[str]) -> StabilityMap:
     """The map in a folder of a running map or in a saved file."""
-    return result_of(Folder(path)) if Path(path).is_dir() else load_map(path)
+    return result_of(Folder(path), StabilityMap) if Path(path).is_dir() else load_map(path)
 
 
 def diff(one: StabilityMap, other: StabilityMap) -> Difference:

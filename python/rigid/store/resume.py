@@ -7,16 +7,15 @@ import time
 from collections.abc import Callable
 from concurrent.futures import BrokenExecutor
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .._checks.arguments import brief
 from .._checks.progress import Progress, ProgressOption, reporting, terminated
-from ..maps.data import CLASSES
+from ..maps.data import CLASSES, MapData
 from ..maps.refine import lattice_level, refined, stages
-from ..maps.result import StabilityMap
 from .compute import compute
 from .drive import Intake, Poison, Task, drive, executor_of, own_build, run_here
 from .head import StoreError
@@ -24,6 +23,8 @@ from .rows import Rows, unequal
 from .running import Folder, Memory
 
 __all__ = ["Outcome", "Part", "carry_on", "missing", "pixels_done", "result_of"]
+
+Data = TypeVar("Data", bound=MapData)
 
 GOLDEN = np.uint64(0x9E3779B97F4A7C15)
 """The golden ratio: the upper bits of its multiples follow no pattern of a grid."""
@@ -115,7 +116,7 @@ def missing(running: Folder | Memory) -> NDArray[np.int64]:
     """
     spec, status = running.head.spec, running.status
     if refined(spec):
-        data = result_of(running)
+        data = result_of(running, MapData)
         ends = [data.lower, data.upper]
         pixels = stages(spec, data.status, data.finished, data.samples, ends).wanted
     else:
@@ -257,11 +258,11 @@ def _compute_again(running: Folder | Memory, threads: int, stop: Callable[[], bo
 
 
 def result_of(
-    running: Folder | Memory, *, elapsed: float = np.nan, threads: int = 0
-) -> StabilityMap:
-    """The map of the rows that are stored."""
+    running: Folder | Memory, kind: type[Data], *, elapsed: float = np.nan, threads: int = 0
+) -> Data:
+    """The map of the rows that are stored, as an object of a class."""
     columns, bins = running.table.merged()
-    return StabilityMap.from_arrays(
+    return kind.from_arrays(
         running.head.spec,
         {**columns, "status": running.status},
         bins,
@@ -272,7 +273,7 @@ def result_of(
     )
 
 
-def pixels_done(running: Folder | Memory, result: StabilityMap, how: str = "stored") -> str:
+def pixels_done(running: Folder | Memory, result: MapData, how: str = "stored") -> str:
     """How many pixels have all their bodies, in words, and pieces of divided ones."""
     possible, segments = result.status == 0, running.head.segments
     done, pixels = int((result.finished & possible).sum()), int(possible.sum())

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..maps.data import CLASSES
+from ..maps.data import CLASSES, MapData
 from .resume import Part, missing, result_of
 from .running import Folder, LogFacts
 
@@ -142,7 +142,7 @@ def status_of(folder: Folder) -> Status:
         units=int((folder.status == 0).sum()) * folder.head.segments,
         done=len(rows),
         missing=left,
-        cut=result_of(folder).cut,
+        cut=result_of(folder, MapData).cut,
         bodies=sum(int(rows[name].sum()) for name in CLASSES),
         failed=int(rows["failed"].sum()),
         twice=table.twice,

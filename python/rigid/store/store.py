@@ -12,7 +12,6 @@ from typing import Any
 from .._checks.arguments import brief, positive_int, resolve_threads
 from .._checks.progress import Interrupted, ProgressOption, checked_progress, interruptible
 from ..maps.dataset import write_zarr_url
-from ..maps.result import StabilityMap
 from ..maps.spec import MapSpec
 from ..model.scene import Scene
 from .diff import Difference, read_any
@@ -20,6 +19,7 @@ from .diff import diff as diff_maps
 from .drive import executor_of
 from .foresee import Foreseen, foresee
 from .merge import merge_into
+from .result import StabilityMap
 from .resume import Outcome, Part, carry_on, pixels_done, result_of
 from .running import Folder, Memory
 from .status import Status, status_of
@@ -143,7 +143,7 @@ class Store:
         [64, 0]
         """
         self._folder.read()
-        return result_of(self._folder)
+        return result_of(self._folder, StabilityMap)
 
     def resume(
         self,
@@ -482,7 +482,7 @@ def _run(
                 raise  # the second Ctrl-C
             interrupted, outcome = True, None
         elapsed = time.perf_counter() - begun
-        result = result_of(running, elapsed=elapsed, threads=workers)
+        result = result_of(running, StabilityMap, elapsed=elapsed, threads=workers)
     if (interrupted or stop.is_set()) and not partial:
         raise Interrupted(_interrupted_words(running, result), result)
     if outcome is not None and outcome.poison.units:

@@ -12,9 +12,9 @@ import numpy as np
 from .._checks.arguments import finite_float
 from .._checks.progress import Progress, ProgressOption, reporting
 from ..maps.job import of_pixels
-from ..maps.result import load_map
 from ..maps.spec import MapSpec
 from .compute import compute
+from .result import load_map
 from .rows import FIELDS, Block, bins_of, differences, rows_of
 from .running import Folder
 

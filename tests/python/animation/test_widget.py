@@ -17,7 +17,8 @@ import pytest
 import rigid
 from browsers import Opened
 from pages import unpacked
-from rigid.animation.widget import MapWidget, zoomed
+from rigid.animation.widget import MapWidget
+from rigid.store.zooms import zoomed
 
 ASK: dict[str, Any] = {
     "samples": 70,
@@ -150,7 +151,7 @@ def test_a_newer_zoom_overtakes_a_computation(monkeypatch: pytest.MonkeyPatch) -
             begun.set()
 
     monkeypatch.setattr(widget, "_say", said)
-    monkeypatch.setattr("rigid.animation.widget.zoomed", lambda *_: slow)
+    monkeypatch.setattr("rigid.store.zooms.zoomed", lambda *_: slow)
     before = set(threading.enumerate())
     widget.set_state({"_region": {"view": [2.0, 2.5, 0.0, 1.0], "at": []}})
     (first,) = set(threading.enumerate()) - before
@@ -345,7 +346,7 @@ def test_the_view_says_why_there_is_no_finer_map(
     def fail(*_: object) -> None:
         raise ValueError("axes: too fine")
 
-    monkeypatch.setattr("rigid.animation.widget.zoomed", fail)
+    monkeypatch.setattr("rigid.store.zooms.zoomed", fail)
     notebook = Notebook(browser, MAP.widget(), tmp_path)
     notebook.frame.evaluate("explorer.view = [2, 3, -6, -5]; explorer.kept()")
     notebook.frame.wait_for_selector(".said:not(:empty)")

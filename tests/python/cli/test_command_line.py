@@ -371,8 +371,8 @@ def test_data_is_saved_before_it_is_printed_and_drawn(
         raise ZeroDivisionError
 
     names = {
-        ("map", "print"): "rigid.maps.result.summary",
-        ("map", "plot"): "rigid.maps.result.plot_map",
+        ("map", "print"): "rigid.store.result.summary",
+        ("map", "plot"): "rigid.store.result.plot_map",
         ("report", "print"): "rigid.reports.result.report_text",
         ("report", "plot"): "rigid.reports.result.plot_report",
     }
@@ -390,7 +390,7 @@ def test_ctrl_c_while_the_picture_is_drawn_leaves_the_data(
     def press(*_: object, **__: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("rigid.maps.result.plot_map", press)
+    monkeypatch.setattr("rigid.store.result.plot_map", press)
     assert main(["map", "small.toml"]) == 130
     output, errors = capsys.readouterr()
     assert errors == "rigid: interrupted; the map is safe in small.npz, there is no picture\n"
@@ -448,7 +448,7 @@ def test_a_signal_while_the_data_is_saved_waits_for_it(
         os.kill(os.getpid(), number)
         return write_map(data, path)
 
-    monkeypatch.setattr("rigid.maps.result.write_map", pressed)
+    monkeypatch.setattr("rigid.store.result.write_map", pressed)
     with sigint(signal.default_int_handler):
         assert main(["map", "small.toml"]) == code
     assert "the map is safe in small.npz, there is no picture" in capsys.readouterr().err

@@ -10,9 +10,7 @@ import pytest
 
 import rigid
 from rigid import _core, planning
-from rigid.animation import explorer
-from rigid.maps import data, sequential, spec
-from rigid.maps.result import StabilityMap
+from rigid.maps import data, page, sequential, spec
 from rigid.reports import compute, ensemble, stress, sweep
 from rigid.reports import data as report_data
 from rigid.reports import spec as report_spec
@@ -26,13 +24,14 @@ from rigid.solve import (
     run,
     status,
 )
+from rigid.store.result import StabilityMap
 
 CORE = Path(__file__).parents[3] / "src"
 
 ANGLES = {method.name: method.angle_per_step for method in rigid.methods()}
 CHOSEN = _core.chosen_methods()
 #: The bytes of bodies in a page as text, 4 characters for 3 bytes, in MB.
-PAGE = round(4e-6 / 3.0 * explorer.MOST_BYTES, 1)
+PAGE = round(4e-6 / 3.0 * page.MOST_BYTES, 1)
 
 
 def of_core(file: str, name: str) -> float:
@@ -97,10 +96,8 @@ SAID: list[tuple[object, str, tuple[float | str, ...]]] = [
     (spec.MapSpec, "At most {} characters", (spec.MOST_TITLE,)),
     (StabilityMap, "a drift above {} is", (_core.DRIFT_LIMIT,)),
     (data.interval, "by default of {} %", (100.0 * data.CONFIDENCE,)),
-    (explorer.explore, "as many as need {} MB", (PAGE,)),
-    (explorer.explore, "at least 1 and at most {}", (explorer.MOST_SAMPLES,)),
     (StabilityMap.explore, "need {} MB, at least 1", (PAGE,)),
-    (StabilityMap.explore, "at least 1 and at most {}", (explorer.MOST_SAMPLES,)),
+    (StabilityMap.explore, "at least 1 and at most {}", (page.MOST_SAMPLES,)),
     (rigid.simulate, "method and a step: {}", (problem.USUAL_ACCURACY,)),
     (
         rigid.simulate,

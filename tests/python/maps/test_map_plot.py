@@ -16,8 +16,8 @@ from matplotlib.patches import PathPatch
 
 import rigid
 from processes import python_process
-from rigid.animation.explorer import content_of_map
 from rigid.maps.data import FAILURES
+from rigid.maps.page import content_of_map
 from small_maps import Floats, small_map, spec_of
 
 X, Y = np.linspace(1.01, 1.99, 7), np.geomspace(1e-3, 0.1, 5)

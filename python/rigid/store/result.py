@@ -1,6 +1,6 @@
 """The result of a stability map: named arrays, with pictures, files, replays and theory.
 
-This module combines the data of a map with its pictures, files, theory and replays.
+This module combines the data of a map with its pictures, files, theory, replays and finer maps.
 """
 
 from __future__ import annotations
@@ -16,22 +16,22 @@ from .._checks.arguments import brief, positive_int, resolve_threads
 from .._checks.progress import ProgressOption
 from .._files import MAP, require_ending
 from ..drawing.figure import html_with_picture
+from ..maps.counts import counted
+from ..maps.data import CLASSES, MapData
+from ..maps.dataset import map_dataset, map_table, write_zarr
+from ..maps.file import read_map, write_map
+from ..maps.identity import receipt
+from ..maps.plan import map_plan
+from ..maps.plot import SHARE, plot_map
+from ..maps.replay import Replay, replay
+from ..maps.samples import Outcomes, Starts, outcomes, starts
+from ..maps.sensitivity import map_condition
+from ..maps.spec import MapSpec
+from ..maps.summary import summary
+from ..maps.theory import Theory, disagreement, predict
 from ..model.scene import Scene
 from ..solve.columns import write_table
 from ..solve.plan import Plan
-from .counts import counted
-from .data import CLASSES, MapData
-from .dataset import map_dataset, map_table, write_zarr
-from .file import read_map, write_map
-from .identity import receipt
-from .plan import map_plan
-from .plot import SHARE, plot_map
-from .replay import Replay, replay
-from .samples import Outcomes, Starts, outcomes, starts
-from .sensitivity import map_condition
-from .spec import MapSpec
-from .summary import summary
-from .theory import Theory, disagreement, predict
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -559,7 +559,7 @@ class StabilityMap(MapData):
         ...     result.explore(os.path.join(folder, "map.html")).name
         'map.html'
         """
-        from ..animation.explorer import explore
+        from ..maps.page import explore  # takes long to import, as all that draws
 
         return explore(
             self, path, samples=samples, threads=threads, saved_as=saved_as, progress=progress
@@ -591,9 +591,9 @@ class StabilityMap(MapData):
         ValueError
             If a function that the map needs is not known; see :func:`load_map`.
         """
-        from ..animation.widget import MapWidget
+        from .zooms import widget_of
 
-        return MapWidget(self, threads=threads)
+        return widget_of(self, threads)
 
     def to_csv(self, path: str | os.PathLike[str]) -> Path:
         """Write a tidy table: a row for each pixel, with its axes, share, interval and counts.

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,9 +15,7 @@ from numpy.typing import NDArray
 from ..model.bounds import NearStart, RateWithin, ReturnsNear, SpinAbove, TiltBetween
 from ..model.criteria import Criterion, NoFlip, TiltBelow
 from ..model.scene import HeavyTop
-
-if TYPE_CHECKING:
-    from ..maps.spec import MapSpec
+from .spec import MapSpec
 
 __all__ = ["watched"]
 

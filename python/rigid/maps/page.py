@@ -1,0 +1,331 @@
+"""What the page of a map holds: the map, the starts and the outcomes of bodies, as plain data."""
+
+from __future__ import annotations
+
+import math
+import operator
+import os
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .._checks.arguments import brief, resolve_threads
+from .._checks.progress import Listening, ProgressOption
+from .._files import published, require_ending
+from ..animation.explorer import Explorer, compressed, packed, page_of
+from ..animation.raster import AZIMUTH, ELEVATION
+from ..drawing import colours
+from ..model.criteria import Regular
+from ..model.mixture import Mixture
+from ..model.start import Samples
+from .data import CLASSES, STATUS, MapData
+from .parameters import Axis
+from .plot import cell_edges
+from .samples import Outcomes, Starts, outcomes, starts
+from .spec import MapSpec
+from .theory import predict
+from .watched import watched
+from .words import class_words, default_title
+
+__all__ = [
+    "MOST_SAMPLES",
+    "content_of_map",
+    "content_of_outcomes",
+    "content_of_starts",
+    "drawn_edges",
+    "explore",
+]
+
+MOST_BYTES = 500_000
+"""Most compressed bytes of the bodies in a page, unless a number of bodies is given."""
+
+MOST_SAMPLES = 64
+"""Most bodies of each pixel in a page, unless a number is given."""
+
+
+def explore(
+    data: MapData,
+    path: str | os.PathLike[str] | None,
+    *,
+    samples: int | None,
+    threads: int | None,
+    saved_as: str | os.PathLike[str] | None,
+    progress: ProgressOption,
+) -> Path | Explorer:
+    """The page of a map, or its new file; see :meth:`rigid.StabilityMap.explore`."""
+    target = None if path is None else Path(path)
+    if target is not None:
+        require_ending(target, [".html"])
+    most = data.spec.samples
+    if samples is not None:
+        samples = operator.index(samples)
+        if not 1 <= samples <= most:
+            raise ValueError(f"samples = {brief(samples)}: must lie in 1 .. {most}, as in the map")
+    count = samples or _affordable(data)
+    with Listening(progress):
+        seen = outcomes(data, range(count), None, resolve_threads(threads))
+    draw = _draw(data.spec)
+    drawn = content_of_starts(starts(data, range(count))) if draw is None else {"draw": draw}
+    if saved_as is None:
+        saved_as = "map.npz" if target is None else target.with_suffix(".npz").name
+    held = content_of_map(data, count, load=_load(os.fspath(saved_as), data.spec))
+    page = page_of(held | drawn | content_of_outcomes(seen))
+    if target is None:
+        return Explorer(page)
+    with published(target) as file:
+        file.write(page.encode())
+    return target
+
+
+def _load(file: str, spec: MapSpec) -> str:
+    """Python code that reads the map as ``result``, and says what must be defined before."""
+    names = {
+        argument: name if name.isidentifier() else argument
+        for argument, name in spec.left_out.items()
+    }
+    given = "".join(f", {argument}={name}" for argument, name in names.items())
+    note = f"# First define {' and '.join(names.values())} as for the map: no file has functions.\n"
+    return (
+        f"import rigid\n\n{note if names else ''}"
+        f"result = rigid.load_map({file!r}{given})  # the file of result.save\n"
+    )
+
+
+def content_of_starts(start: Starts) -> dict[str, Any]:
+    """The starts of bodies as plain data."""
+    return {
+        "omega": packed(start.omega, np.float64),
+        "attitude": packed(start.attitude, np.float64),
+    }
+
+
+def content_of_outcomes(seen: Outcomes) -> dict[str, Any]:
+    """The outcomes of bodies as plain data."""
+    outcome = np.full(seen.outcome.shape, len(CLASSES), dtype=np.uint8)
+    for code, name in enumerate(CLASSES):
+        outcome[seen.outcome == name] = code
+    return {
+        "outcome": packed(outcome, np.uint8),
+        "left": packed(seen.left, np.float32),  # the page shows four digits
+    }
+
+
+def content_of_map(
+    data: MapData,
+    count: int,
+    *,
+    load: str = "",
+    python: str = "result",
+    whole: MapSpec | None = None,
+) -> dict[str, Any]:
+    """A map as plain data, without the bodies.
+
+    Parameters
+    ----------
+    data : MapData
+    count : int
+        Bodies of each pixel that the page has.
+    load : str
+        Python code that makes the map, in front of the code of a body.
+    python : str
+        The name of the map in the Python code of a body.
+    whole : MapSpec, optional
+        The map that this one is a finer part of: its axes say which scales are logarithmic.
+    """
+    spec = data.spec
+    theory = predict(spec)
+    shape = spec.shape if len(spec.shape) > 1 else (1, *spec.shape)
+    is_regular = isinstance(spec.stable, Regular)
+    asks = "criterion" if is_regular else "stable"
+    return {
+        "title": spec.title or default_title(spec),
+        "load": load,
+        "python": python,
+        "detail": f"{asks}: {spec.criterion}; {spec.samples} bodies per pixel"
+        + ("" if spec.half_width is None else " at most"),
+        "complete": data.complete,
+        "shape": shape,
+        "dimensions": len(spec.shape),
+        "axes": [
+            _axis(axis, drawn.geometric)
+            for axis, drawn in zip(spec.axes, (whole or spec).axes, strict=True)
+        ],
+        "layers": _layers(data),
+        "status": packed(data.status, np.uint8),
+        "statuses": STATUS,
+        "counts": {name: packed(getattr(data, name), np.int32) for name in ("samples", *CLASSES)},
+        "curves": []
+        if theory is None
+        else [
+            {"label": _plain_words(curve.label), "field": packed(curve.field, np.float32)}
+            for curve in theory.curves
+        ],
+        "samples": count,
+        "of": spec.samples,
+        "classes": CLASSES,
+        "words": class_words(spec),
+        "leaves": not is_regular,
+        "horizon": packed(spec.horizons, np.float64),
+        "motion": _motion(spec),
+        "charts": [
+            chart | {"limits": [packed(limits, np.float64) for limits in of_chart]}
+            for chart, of_chart in watched(spec)
+        ],
+        "scene": spec.scene.title,
+        "inks": {
+            "outcomes": colours.OUTCOMES,
+            "axes": [ink.colour for ink in colours.AXES],
+            "body": colours.FACE,
+            "space": colours.SPACE.colour,
+            "omega": colours.OMEGA.colour,
+            "L": colours.L.colour,
+            "vertical": colours.VERTICAL.colour,
+        },
+        "camera": [AZIMUTH, ELEVATION],
+    }
+
+
+def _affordable(data: MapData) -> int:
+    """The number of bodies per pixel that fit into a page."""
+    # Times of leaving are hardly compressed, and a class takes two bits at most.
+    done = max(int(data.samples.sum()), 1)
+    size = data.status.size * (4.0 * int(data.unstable.sum()) / done + 0.25)
+    if _draw(data.spec) is None:
+        first = starts(data, 0)
+        size += len(compressed(first.omega)) + len(compressed(first.attitude))
+    return int(max(1, min(MOST_BYTES // size, MOST_SAMPLES, data.spec.samples)))
+
+
+def _draw(spec: MapSpec) -> dict[str, Any] | None:
+    """What ``page/draw.js`` draws the starts from; None if it lacks a distribution of this map."""
+    start = spec.start
+    if isinstance(start, Mixture) or isinstance(start.noise, Samples) or start.joint:
+        return None
+    laws = []
+    for noise in (start.noise, start.attitude_noise):
+        if noise is not None and (noise.cov is not None or noise.is_direction):
+            return None
+        laws.append(None if noise is None else noise.kind)
+    numbers = np.empty(math.prod(spec.shape), dtype=np.int32)  # by which each pixel draws
+    for part in spec.parts:
+        numbers[part.pixels] = np.arange(len(part.pixels))
+    grid = spec.grid
+    columns = ("omega", "omega_size", "attitude", "attitude_size")
+    return {
+        "key": [str(spec.seed % 2**64), str(spec.seed >> 64)],
+        "laws": laws,
+        "numbers": packed(numbers, np.int32),
+        **{name: packed(getattr(grid, name), np.float64) for name in columns},
+    }
+
+
+def _axis(axis: Axis, geometric: bool) -> dict[str, Any]:
+    return {
+        "name": _plain_words(axis.parameter.symbol),
+        "label": _plain_words(axis.label),
+        "unit": "" if axis.unit == "1" else axis.unit,
+        "values": list(axis.values),
+        "edges": drawn_edges(axis, geometric).tolist(),
+        "geometric": geometric,
+    }
+
+
+def drawn_edges(axis: Axis, geometric: bool) -> NDArray[np.float64]:
+    """The borders of the cells of an axis as the page draws them; logarithms where geometric."""
+    edges = cell_edges(axis)
+    return np.log(edges) if geometric else edges
+
+
+def _layers(data: MapData) -> list[dict[str, Any]]:
+    """The quantities to draw, with the ranges of their colours; empty ones are omitted."""
+    done = np.where(data.samples > 0, data.samples, np.nan).astype(np.float64)
+    shares: dict[str, ArrayLike] = {
+        "share": data.filled,
+        "lower": data.lower,
+        "upper": data.upper,
+        "undecided": data.undecided / done,
+        "failed": data.failed / done,
+    }
+    is_regular = isinstance(data.spec.stable, Regular)
+    first = "a body was found chaotic" if is_regular else "a body left"
+    values: dict[str, tuple[str, ArrayLike, bool]] = {
+        "earliest": (f"earliest time at which {first} (s)", data.earliest, False),
+        "energy_drift": ("worst drift of the energy", data.energy_drift, True),
+        "momentum_drift": ("worst drift of the momentum", data.momentum_drift, True),
+        "unit_drift": ("worst drift of unit lengths", data.unit_drift, True),
+    }
+    if is_regular:
+        values["exponent"] = ("mean exponent (1/s)", data.exponent, False)
+        values["largest_exponent"] = ("largest exponent (1/s)", data.largest_exponent, False)
+        values["mean_megno"] = ("mean MEGNO", data.mean_megno, False)
+    for name, measured in data.measures.items():
+        unit = "" if measured.measure.unit == "1" else f" ({measured.measure.unit})"
+        for of in ("mean", "least", "largest"):
+            label = f"{measured.measure.words}{unit}, {of} of the pixel"
+            values[f"{name}.{of}"] = (label, getattr(measured, of), False)
+    words = {
+        "share": "share regular" if is_regular else "share stable",
+        "lower": "lower end of the 95 % interval",
+        "upper": "upper end of the 95 % interval",
+        "undecided": "share undecided",
+        "failed": "share failed",
+    }
+    layers = [
+        {"name": name, "label": words[name], "low": 0.0, "high": 1.0, "log": False}
+        | {"data": packed(np.asarray(array), np.float32)}
+        for name, array in shares.items()
+    ]
+    for name, (label, given, log) in values.items():
+        array = np.array(given, dtype=np.float64)
+        array[~np.isfinite(array) | (log & (array <= 0.0))] = np.nan
+        known = array[np.isfinite(array)]
+        if not known.size:
+            continue
+        low, high = float(known.min()), float(known.max())
+        layers.append(
+            {"name": name, "label": label, "low": low, "high": high, "log": log}
+            | {"data": packed(array, np.float32)}
+        )
+    return layers
+
+
+def _motion(spec: MapSpec) -> dict[str, Any] | None:
+    """The numbers of the equations of motion of each pixel; None if the page cannot solve them."""
+    grid = spec.grid
+    if spec.whole.torque is not None or not {*spec.forces} <= {"torque", "damping"}:
+        return None
+    count, torque = len(grid.moments), grid.scene.torque
+    in_body = np.zeros((count, 3)) if torque is None else np.asarray(torque.in_body)[:, 0]
+    columns = (grid.moments, grid.weight, grid.damping.reshape(-1, 9), in_body)
+    return {"numbers": packed(np.concatenate(columns, axis=1), np.float64)}
+
+
+_TEX = {
+    r"\omega": "ω",
+    r"\gamma": "γ",
+    r"\kappa": "κ",
+    r"\cdot": "·",
+    r"\sqrt": "√",
+    r"\,": " ",
+    "_{end}": "_end",
+    "{": "(",
+    "}": ")",
+    "$": "",
+}
+
+SUBSCRIPTS = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
+
+
+def _plain_words(label: str) -> str:
+    """A label without TeX."""
+    label = re.sub(r"_(?:\{(\d+)\}|(\d+))", _subscript, label)
+    for tex, plain in _TEX.items():
+        label = label.replace(tex, plain)
+    return label
+
+
+def _subscript(found: re.Match[str]) -> str:
+    return (found[1] or found[2]).translate(SUBSCRIPTS)
