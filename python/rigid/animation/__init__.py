@@ -86,8 +86,8 @@ def animate(
     if size < 64:
         raise ValueError(f"size = {size}: must be at least 64")
     films = [film_of(one, view=view, speed=speed, trail=trail, shape=shape) for one in recordings]
-    rates = [np.linalg.norm(one.omega, axis=1) for one in recordings]
-    _warn_of_aliases(films[0], rates, fps if suffix != ".html" else REFRESH)
+    rate = np.max([np.linalg.norm(one.omega, axis=1) for one in recordings], axis=0)
+    _warn_of_aliases(films[0], rate, fps if suffix != ".html" else REFRESH)
     if len(films) == 2:
         story = story_of_two(*recordings)
         films = [replace(film, story=story) for film in side_by_side(films)]
@@ -112,9 +112,8 @@ def animate(
     return target
 
 
-def _warn_of_aliases(film: Film, rates: Sequence[NDArray[np.float64]], fps: float) -> None:
+def _warn_of_aliases(film: Film, rate: NDArray[np.float64], fps: float) -> None:
     """Warn if a body turns by more than half a turn between frames that are seen."""
-    rate = np.maximum.reduce(rates)
     steps = np.abs(np.diff(film.t))
     turns = np.maximum(rate[1:], rate[:-1]) * np.maximum(steps, film.speed / fps)
     k = int(turns.argmax())

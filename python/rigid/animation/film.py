@@ -209,16 +209,16 @@ def film_of(
     if view == "top":
         parts, up = _top(check_heavy_top(scene), attitude, solid), UP
     elif scene.forces:
-        parts, up = _box(scene, omega, attitude, momentum, solid), UP
+        parts, up = _box(one, momentum, solid), UP
     else:
         if size == 0.0:
             raise ValueError("omega = [0, 0, 0]: a free body at rest does not move")
         up = momentum[0] / size
         if view == "box":
-            parts = _box(scene, omega, attitude, momentum[:1], solid)
+            parts = _box(one, momentum[:1], solid)
         else:
             show = {"cones": _cones, "poinsot": _poinsot}[view]
-            parts = show(scene, omega, attitude, momentum[:1])
+            parts = show(one, momentum[:1])
     steps = np.diff(t)
     if trail is None:
         trail = np.inf if view == "poinsot" else 0.25 * span
@@ -238,7 +238,7 @@ def film_of(
         centre=centre,
         reach=reach,
         trail=float(trail),
-        chart=_rates(omega) if is_free else _tilt(check_heavy_top(scene), attitude),
+        chart=_rates(omega) if is_free else _tilt(tilt_of(one)),
         polhode=_polhode(scene.body.moments, omega) if is_free and not scene.forces else None,
         grounded=not is_free and _lowest(parts[0], attitude) > -0.02,
     )
@@ -259,9 +259,7 @@ def _rates(omega: Floats) -> Chart:
     return Chart(label="ω (rad/s)", names=("ω₁", "ω₂", "ω₃"), colours=AXES, values=omega.T)
 
 
-def _tilt(scene: HeavyTop, attitude: Floats) -> Chart:
-    """Angle between the vertical and the direction to the centre of mass."""
-    tilt = tilt_of(scene, attitude)
+def _tilt(tilt: Floats) -> Chart:
     return Chart(label="tilt (°)", names=(), colours=(AXES[2],), values=tilt[np.newaxis])
 
 
@@ -324,17 +322,15 @@ def _chosen(scene: Scene, view: str | None, has_shape: bool) -> str:
     return "cones" if len(set(scene.body.moments)) == 2 else "poinsot"
 
 
-def _box(
-    scene: Scene, omega: Floats, attitude: Floats, momentum: Floats, solid: Floats | None
-) -> tuple[Part, ...]:
+def _box(one: Recording, momentum: Floats, solid: Floats | None) -> tuple[Part, ...]:
     """A thrown box, or a solid, with its axes, omega and L, relative to the centre of mass."""
     meaning = ""
     if solid is None:
-        sides = scene.body.sides
+        sides = one.scene.body.sides
         if sides is None:
             # The homogeneous box with these moments: squared sides are proportional to second
             # moments.
-            spread = _spread(scene.body.moments)
+            spread = _spread(one.scene.body.moments)
             meaning = "" if (spread >= 0.0).all() else "flat box: no body has the moments"
             sides = tuple(np.sqrt(np.maximum(spread, 0.0)))
         half = np.maximum(np.array(sides) / max(sides), 0.02)
@@ -354,20 +350,20 @@ def _box(
             )
             for axis in range(3)
         ),
-        *_vectors(omega, attitude, momentum, length=1.5),
+        *_vectors(one, momentum, length=1.5),
     )
 
 
-def _cones(scene: Scene, omega: Floats, attitude: Floats, momentum: Floats) -> tuple[Part, ...]:
+def _cones(one: Recording, momentum: Floats) -> tuple[Part, ...]:
     """Body cone and space cone, which touch along omega."""
-    moments = np.array(scene.body.moments)
+    moments, omega = np.array(one.scene.body.moments), one.omega[0]
     refuse_rods(moments)
     k = _symmetry_axis(moments)
-    axis = np.eye(3)[k] * (1.0 if omega[0, k] >= 0.0 else -1.0)
+    axis = np.eye(3)[k] * (1.0 if omega[k] >= 0.0 else -1.0)
     parts = [
         Part(
             kind="faces",
-            points=cone_faces(axis, _angle(omega[0], axis)),
+            points=cone_faces(axis, _angle(omega, axis)),
             colours=(BODY, colours.FACE_STRIPE),
             opacity=0.55,
             carried=True,
@@ -375,7 +371,7 @@ def _cones(scene: Scene, omega: Floats, attitude: Floats, momentum: Floats) -> t
         ),
         Part(
             kind="faces",
-            points=cone_faces(momentum[0], _angle(omega[0], moments * omega[0])),
+            points=cone_faces(momentum[0], _angle(omega, moments * omega)),
             colours=(colours.FAINT, colours.BAND),
             opacity=0.75,
             meaning="cone of ω in space",
@@ -389,7 +385,7 @@ def _cones(scene: Scene, omega: Floats, attitude: Floats, momentum: Floats) -> t
             meaning="symmetry axis",
         ),
     ]
-    return (*parts, *_vectors(omega, attitude, momentum, length=1.3))
+    return (*parts, *_vectors(one, momentum, length=1.3))
 
 
 def _symmetry_axis(moments: Floats) -> int:
@@ -406,17 +402,17 @@ def _angle(one: Floats, other: Floats) -> float:
     return float(np.arctan2(np.linalg.norm(np.cross(one, other)), one @ other))
 
 
-def _poinsot(scene: Scene, omega: Floats, attitude: Floats, momentum: Floats) -> tuple[Part, ...]:
+def _poinsot(one: Recording, momentum: Floats) -> tuple[Part, ...]:
     """The inertia ellipsoid, which rolls on the invariable plane: polhode and herpolhode."""
-    moments = np.array(scene.body.moments)
+    moments, omega = np.array(one.scene.body.moments), one.omega
     in_body = moments * omega[0]
     size = np.linalg.norm(in_body)
     twice_energy = (in_body * omega[0]).sum()
     with np.errstate(divide="ignore"):  # along a rod the ellipsoid has no end
         semi_axes = np.sqrt(twice_energy / moments)
     unit = float(semi_axes.max())
-    contact = to_space(attitudes(attitude), omega) / unit
-    normal = to_space(attitude[0], in_body) / size
+    contact = to_space(attitudes(one.attitude), omega) / unit
+    normal = to_space(one.attitude[0], in_body) / size
     foot = normal * (float(twice_energy / size) / unit)
     width = 1.25 * max(float(np.linalg.norm(contact - foot, axis=-1).max()), 0.4)
     return (
@@ -480,11 +476,9 @@ def _top(scene: HeavyTop, attitude: Floats, solid: Floats | None) -> tuple[Part,
     )
 
 
-def _vectors(
-    omega: Floats, attitude: Floats, momentum: Floats, *, length: float
-) -> tuple[Part, ...]:
+def _vectors(one: Recording, momentum: Floats, *, length: float) -> tuple[Part, ...]:
     """Omega and its path, and L, in space; L is at most ``length`` long, omega 0.8 ``length``."""
-    rates = to_space(attitudes(attitude), omega)
+    rates = to_space(attitudes(one.attitude), one.omega)
     rates = 0.8 * length / np.linalg.norm(rates, axis=-1).max() * rates
     arrow = length / np.linalg.norm(momentum, axis=-1).max() * momentum
     return (

@@ -28,7 +28,7 @@ def story_of(one: Recording, view: str) -> str:
     if view == "poinsot":
         return "A body turns freely: its inertia ellipsoid rolls on a plane that is at rest."
     if view == "top":
-        tilt = tilt_of(check_heavy_top(scene), one.attitude)
+        tilt = tilt_of(one)
         least, most = _degrees(tilt.min()), _degrees(tilt.max())
         if least == most:
             return (
@@ -58,10 +58,7 @@ def story_of_two(left: Recording, right: Recording) -> str:
             return "The same motion on both sides."
         both = f"Two starts that differ by {apart:.3g} rad/s"
     if isinstance(left.scene, HeavyTop) and isinstance(right.scene, HeavyTop):
-        first, second = (
-            _degrees(tilt_of(check_heavy_top(one.scene), one.attitude).max())
-            for one in (left, right)
-        )
+        first, second = (_degrees(tilt_of(one).max()) for one in (left, right))
         tilts = f"the left top tilts up to {first}, the right top up to {second}"
         return f"{both}: in the frames {tilts}."
     axes = {_axis_of_spin(one.omega) for one in (left, right)}
@@ -80,9 +77,9 @@ def story_of_two(left: Recording, right: Recording) -> str:
     return f"{both}: the {side} {what} turns over at {when:.2g} s, the {other} {what} does not."
 
 
-def tilt_of(scene: HeavyTop, attitude: Floats) -> Floats:
+def tilt_of(top: Recording) -> Floats:
     """Angle in degrees between the vertical and the direction to the centre of mass."""
-    axis = to_space(attitudes(attitude), np.array(scene.com))
+    axis = to_space(attitudes(top.attitude), np.array(check_heavy_top(top.scene).com))
     tilt: Floats = np.rad2deg(np.arctan2(np.hypot(axis[:, 0], axis[:, 1]), axis[:, 2]))
     return tilt
 

@@ -242,14 +242,14 @@ def drawn_edges(axis: Axis, geometric: bool) -> NDArray[np.float64]:
 def _layers(data: MapData) -> list[dict[str, Any]]:
     """The quantities to draw, with the ranges of their colours; empty ones are omitted."""
     done = np.where(data.samples > 0, data.samples, np.nan).astype(np.float64)
-    shares: dict[str, ArrayLike] = {
-        "share": data.filled,
-        "lower": data.lower,
-        "upper": data.upper,
-        "undecided": data.undecided / done,
-        "failed": data.failed / done,
-    }
     is_regular = isinstance(data.spec.stable, Regular)
+    shares: dict[str, tuple[str, ArrayLike]] = {
+        "share": ("share regular" if is_regular else "share stable", data.filled),
+        "lower": ("lower end of the 95 % interval", data.lower),
+        "upper": ("upper end of the 95 % interval", data.upper),
+        "undecided": ("share undecided", data.undecided / done),
+        "failed": ("share failed", data.failed / done),
+    }
     first = "a body was found chaotic" if is_regular else "a body left"
     values: dict[str, tuple[str, ArrayLike, bool]] = {
         "earliest": (f"earliest time at which {first} (s)", data.earliest, False),
@@ -266,17 +266,10 @@ def _layers(data: MapData) -> list[dict[str, Any]]:
         for of in ("mean", "least", "largest"):
             label = f"{measured.measure.words}{unit}, {of} of the pixel"
             values[f"{name}.{of}"] = (label, getattr(measured, of), False)
-    words = {
-        "share": "share regular" if is_regular else "share stable",
-        "lower": "lower end of the 95 % interval",
-        "upper": "upper end of the 95 % interval",
-        "undecided": "share undecided",
-        "failed": "share failed",
-    }
     layers = [
-        {"name": name, "label": words[name], "low": 0.0, "high": 1.0, "log": False}
+        {"name": name, "label": label, "low": 0.0, "high": 1.0, "log": False}
         | {"data": packed(np.asarray(array), np.float32)}
-        for name, array in shares.items()
+        for name, (label, array) in shares.items()
     ]
     for name, (label, given, log) in values.items():
         array = np.array(given, dtype=np.float64)

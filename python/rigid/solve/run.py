@@ -462,7 +462,55 @@ an accuracy
         >>> run.at([50.0, 7.0])
         Run(one body at 2 times; exact; error 7.8e-14; ok)
         """
-        return _states_at(self, t)
+        shape, given = self.status.shape, np.atleast_1d(finite_array("t", t))
+        if given.ndim > 1 and given.shape[:-1] != shape:
+            raise ValueError(
+                f"t: expected shape (k,) or {(*shape, 'k')} for bodies of shape {shape}, "
+                f"got {given.shape}"
+            )
+        order = np.argsort(given, axis=-1, kind="stable")
+        ascending = np.take_along_axis(given, order, axis=-1)
+        reached = time_ranges(self.t if self.t.ndim == 1 else in_rows(self.t, shape))
+        times = ascending if given.ndim == 1 else in_rows(ascending, shape)
+        _check_inside(times, reached)
+        spec = {name: value for name, value in self.spec.items() if name != "frame"}
+        scene = scene_from_dict(spec["scene"])
+        if "function" in scene.forces:
+            raise ValueError(
+                "t: a run under a function keeps no function; give these times to rigid.simulate"
+            )
+        bodies = Bodies.of_scene(scene, self.start_omega, self.start_attitude, shape)
+        last = np.array([[np.inf]]) if self.end is None else np.reshape(self.end, (-1, 1))
+        request = Request(
+            bodies=bodies,
+            times=np.minimum(times, last) if (times > last).any() else times,
+            method=EXACT,
+            record=spec["record"],
+            max_steps=10**9,
+            threads=resolve_threads(None),
+        )
+        accuracy, named = spec["accuracy"], spec["asked"] is not None
+        problem = Problem(
+            scene=scene,
+            record=spec["record"],
+            bodies=bodies,
+            begin=reached[0],
+            end=reached[1],
+            accuracy=accuracy,
+            method=spec["asked"],
+            step=spec["step"],
+            tolerance=spec["tolerance"] if named and accuracy is None else None,
+            states=times.shape[-1],
+            inside=bool(self.events),
+        )
+        check = accuracy is not None or not np.isnan(self.error).all()
+        solution = solve(scene, problem, request, check=check)
+        states, estimate = solution.states, solution.estimate
+        end_records(states, times, last)
+        made = to_run(states, ascending, estimate, accuracy, Lazy.of(spec), self._plan, bodies)
+        if (order[..., 1:] < order[..., :-1]).any():
+            made = _in_order(made, given, order)
+        return made if self.frame is None else made.in_frame(self.frame)
 
     def energy(self) -> NDArray[np.float64]:
         """Kinetic and potential energy ``omega·I omega / 2 + mgl com·gamma`` (J), shape (n, m).
@@ -1000,59 +1048,6 @@ def to_run(
         _columns=states,
         _plan=plan,
     )
-
-
-def _states_at(run: Run, t: ArrayLike) -> Run:
-    """The run at other output times; see :meth:`Run.at`."""
-    shape, given = run.status.shape, np.atleast_1d(finite_array("t", t))
-    if given.ndim > 1 and given.shape[:-1] != shape:
-        raise ValueError(
-            f"t: expected shape (k,) or {(*shape, 'k')} for bodies of shape {shape}, "
-            f"got {given.shape}"
-        )
-    order = np.argsort(given, axis=-1, kind="stable")
-    ascending = np.take_along_axis(given, order, axis=-1)
-    reached = time_ranges(run.t if run.t.ndim == 1 else in_rows(run.t, shape))
-    times = ascending if given.ndim == 1 else in_rows(ascending, shape)
-    _check_inside(times, reached)
-    spec = {name: value for name, value in run.spec.items() if name != "frame"}
-    scene = scene_from_dict(spec["scene"])
-    if "function" in scene.forces:
-        raise ValueError(
-            "t: a run under a function keeps no function; give these times to rigid.simulate"
-        )
-    bodies = Bodies.of_scene(scene, run.start_omega, run.start_attitude, shape)
-    last = np.array([[np.inf]]) if run.end is None else np.reshape(run.end, (-1, 1))
-    request = Request(
-        bodies=bodies,
-        times=np.minimum(times, last) if (times > last).any() else times,
-        method=EXACT,
-        record=spec["record"],
-        max_steps=10**9,
-        threads=resolve_threads(None),
-    )
-    accuracy, named = spec["accuracy"], spec["asked"] is not None
-    problem = Problem(
-        scene=scene,
-        record=spec["record"],
-        bodies=bodies,
-        begin=reached[0],
-        end=reached[1],
-        accuracy=accuracy,
-        method=spec["asked"],
-        step=spec["step"],
-        tolerance=spec["tolerance"] if named and accuracy is None else None,
-        states=times.shape[-1],
-        inside=bool(run.events),
-    )
-    check = accuracy is not None or not np.isnan(run.error).all()
-    solution = solve(scene, problem, request, check=check)
-    states, estimate = solution.states, solution.estimate
-    end_records(states, times, last)
-    made = to_run(states, ascending, estimate, accuracy, Lazy.of(spec), run._plan, bodies)
-    if (order[..., 1:] < order[..., :-1]).any():
-        made = _in_order(made, given, order)
-    return made if run.frame is None else made.in_frame(run.frame)
 
 
 def _check_inside(times: NDArray[np.float64], reached: Range) -> None:
