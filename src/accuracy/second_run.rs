@@ -41,7 +41,7 @@ const COMPENSATED: &Method = &TAYLOR16;
 /// Factor by which the longest step under a function is shorter in the second run by a tolerance: the golden ratio.
 ///
 /// It is no ratio of small whole numbers: both runs look at the torque in different places.
-pub const ELSEWHERE: f64 = std::f64::consts::GOLDEN_RATIO;
+pub const ELSEWHERE: f64 = 1.618_033_988_749_895;
 
 /// The longest steps of a run (s); None for those of its method. A leg takes `refinement` times as many, and the second run
 /// halves the truncation error so many times.
@@ -147,7 +147,7 @@ pub fn step_ratio(batch: &Batch, method: &Method, halvings: f64) -> f64 {
 /// damping.
 pub fn is_refined_alike(batch: &Batch, way: Way) -> bool {
     let has_its_order = batch.is_free() || !(way.may_stop || way.method.is_stiff());
-    has_its_order && !(way.method.is_series() && !way.method.any.is_compensated())
+    has_its_order && (!way.method.is_series() || way.method.any.is_compensated())
 }
 
 /// Whether a method for strong damping integrates forced bodies.

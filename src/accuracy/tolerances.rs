@@ -47,7 +47,7 @@ const LARGEST: f64 = 1e-6;
 /// The tolerance of the first run for an accuracy.
 pub fn first_tolerance(accuracy: f64, method: &Method) -> f64 {
     if method.is_series() {
-        return (SHARE * accuracy).max(SERIES_TOLERANCE).min(LARGEST);
+        return (SHARE * accuracy).clamp(SERIES_TOLERANCE, LARGEST);
     }
     // A body whose error is 1 is lost.
     (SHARE_UNDER_FUNCTION * accuracy.min(1.0)).max(LEAST_UNDER_FUNCTION)
