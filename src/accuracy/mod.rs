@@ -59,7 +59,7 @@ pub struct Asked {
     pub accuracy: Option<f64>,
     /// Whether errors are estimated; without it there is one run.
     pub check: bool,
-    /// Whether no method was given: a series follows where equal steps are not accurate.
+    /// Whether no method was asked for: a series follows where equal steps are not accurate.
     pub free: bool,
     /// Whether a torque or weight may stop the bodies, on which drag acts.
     pub may_stop: bool,
@@ -318,8 +318,8 @@ fn by_equal_steps(
     Ok(all)
 }
 
-/// Writes the states of a run whose steps are shorter than these, and estimates their errors from a run by these. Where a check
-/// run differs in more than shorter steps, the states are those of the run by these steps.
+/// Writes the states of a run whose steps are shorter than these, and estimates their errors from a run by these. Where the
+/// second run differs in more than shorter steps, the states are those of the run by these steps.
 fn checked(batch: &Batch, way: Way, steps: Steps, states: &mut StatesPart) -> Result<Vec<Estimate>, Error> {
     let Steps { longest, refinement, halvings } = steps;
     let own = if is_refined_alike(batch, way) {

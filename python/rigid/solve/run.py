@@ -273,9 +273,10 @@ class Run(Result):
 
     @property
     def nanoseconds(self) -> int:
-        """Processor time of the states (ns), of all threads together, without the second run.
+        """Processor time of the states (ns), of all threads together and of all runs.
 
-        Of a run in closed form of some microseconds it is the time that passed.
+        A second run is among them; ``check=False`` makes none. Of a run in closed form of some
+        microseconds it is the time that passed.
         """
         nanoseconds: Any = self._columns["nanoseconds"]
         return int(nanoseconds)
