@@ -5,6 +5,7 @@ use crate::float_environment::FloatEnvironment;
 use crate::memory;
 use std::any::Any;
 use std::cell::Cell;
+use std::ops::Range;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
@@ -28,6 +29,8 @@ pub struct Interrupt<'a> {
     done: AtomicU64,
     /// All bodies; 0 if nobody counts.
     bodies: AtomicUsize,
+    /// Bodies that are done in the end.
+    most: AtomicUsize,
 }
 
 /// A question whether work shall stop, which only one thread may ask; the question tells the share that is done.
@@ -53,14 +56,15 @@ impl<'a> Interrupt<'a> {
     }
 
     const fn with(watch: Option<Watch<'a>>) -> Interrupt<'a> {
-        let (done, bodies) = (AtomicU64::new(0), AtomicUsize::new(0));
-        Interrupt { wanted: AtomicBool::new(false), watch, done, bodies }
+        let (done, bodies, most) = (AtomicU64::new(0), AtomicUsize::new(0), AtomicUsize::new(0));
+        Interrupt { wanted: AtomicBool::new(false), watch, done, bodies, most }
     }
 
-    /// The work has so many bodies, of which some are done.
-    pub fn expect(&self, bodies: usize, done: usize) {
+    /// This part of so many bodies follows: those before it are done.
+    pub fn expect(&self, bodies: usize, part: Range<usize>) {
         self.bodies.store(bodies, Ordering::Relaxed);
-        self.tell(done as f64);
+        self.most.store(part.end, Ordering::Relaxed);
+        self.tell(part.start as f64);
     }
 
     /// So many bodies more are done, or a share of one.
@@ -73,8 +77,9 @@ impl<'a> Interrupt<'a> {
     /// The share of the work that is done; 0 if it is not known.
     fn share(&self) -> f64 {
         let all = self.bodies.load(Ordering::Relaxed) as f64 * PARTS;
-        let done = self.done.load(Ordering::Relaxed) as f64;
-        if all > 0.0 { (done / all).min(1.0) } else { 0.0 }
+        let most = self.most.load(Ordering::Relaxed) as f64 * PARTS;
+        let done = (self.done.load(Ordering::Relaxed) as f64).min(most);
+        if all > 0.0 { done / all } else { 0.0 }
     }
 
     /// Ends the work.
@@ -356,7 +361,7 @@ mod tests {
         };
         let stop = Interrupt::when(&ask);
         for (bodies, more) in [(4, 1.0), (4, 0.5), (4, f64::NAN), (4, 99.0)] {
-            stop.expect(bodies, 0);
+            stop.expect(bodies, 0..bodies);
             stop.tell(more);
             thread::sleep(BETWEEN_QUESTIONS);
             stop.is_wanted();

@@ -137,17 +137,17 @@ pub fn estimate(
         Some(coarser) => vec![coarser.states],
         None => checks.iter().map(Rows::all).collect(),
     };
-    let compared = compared(batch, way, states, &taken, &others, (safety, tolerance), false)?;
-    let mut all = memory::collected("errors of the bodies", n, compared.iter().map(Estimate::of))?;
-    if compared.iter().any(|stated| stated.looks > 0.0) {
-        count_turns(batch, way, &taken, &compared, &mut all)?;
+    let told = stated_of_all(batch, way, states, &taken, &others, (safety, tolerance), false)?;
+    let mut all = memory::collected("errors of the bodies", n, told.iter().map(Estimate::of))?;
+    if told.iter().any(|stated| stated.looks > 0.0) {
+        count_turns(batch, way, &taken, &told, &mut all)?;
     }
     Ok(all)
 }
 
 /// What is stated of states from those of other runs: safety times the distance of the farthest, and what all may have in
 /// common; or the distance alone. `taken` are the steps of the run with the longer ones; a coarser run names its tolerance.
-fn compared(
+fn stated_of_all(
     batch: &Batch,
     way: Way,
     states: Rows,
@@ -203,7 +203,8 @@ fn count_turns(
     let mut groups: BTreeMap<(usize, usize), Vec<usize>> = BTreeMap::new();
     for (body, own) in stated.iter().enumerate().filter(|(_, own)| own.looks > 0.0) {
         let alone = if batch.shares_times() { 0 } else { body };
-        groups.entry((own.looks.min(BETWEEN) as usize, alone)).or_default().push(body);
+        let group = groups.entry((own.looks.min(BETWEEN) as usize, alone)).or_default();
+        memory::push("bodies with whole turns", group, body)?;
     }
     for ((looks, _), some) in groups {
         let times = between(batch.times_of(some[0]), looks)?;
@@ -211,12 +212,13 @@ fn count_turns(
         let taken = picked("steps", taken, &some)?;
         let step = |body: usize| dense.span_of(body) / taken[body] as f64;
         let longest = memory::collected("steps", some.len(), (0..some.len()).map(step))?;
-        let mut states = dense.run(way, Some(&longest), 1.0)?;
+        // It stops at more times.
+        let mut states = dense.run(way.with_more_steps(), Some(&longest), 1.0)?;
         let steps = Steps { longest: Some(&longest), refinement: 1.0, halvings: HALVINGS };
         let mut other = second_run(&dense, way, steps, &taken, 0)?;
         let (states, other) = (states.whole(), other.whole());
         let [states, other] = [&states, &other].map(Rows::all);
-        let own = compared(&dense, way, states, &taken, &[other], (SAFETY, None), true)?;
+        let own = stated_of_all(&dense, way, states, &taken, &[other], (SAFETY, None), true)?;
         for (own, body) in own.iter().zip(some) {
             if own.error > all[body].error {
                 all[body] = Estimate::of(own);
@@ -232,7 +234,7 @@ fn between(times: &[f64], looks: usize) -> Result<Vec<f64>, Error> {
     let step = (last - first) / (looks + 1) as f64;
     let more = (1..=looks).map(|k| k as f64 * step + first);
     let mut all = memory::collected("times", times.len() + looks, times.iter().copied().chain(more))?;
-    all.sort_by(f64::total_cmp);
+    all.sort_unstable_by(f64::total_cmp);
     all.dedup();
     Ok(all)
 }

@@ -2,7 +2,7 @@
 //!
 //! A run is compared with another one, by shorter steps or by a larger tolerance (`second_run`, `tolerances`); from their
 //! distance its error follows (`comparison`). A body whose error is above the accuracy is run again. No number of a body
-//! depends on the bodies beside it.
+//! depends on the bodies beside it: the same kinds of forces act on all of a request.
 
 mod batch;
 mod comparison;
@@ -136,13 +136,13 @@ fn by_tolerance(
     if !check {
         return Ok(with_phase_errors(batch, Rows::all(states), unknown(batch)?));
     }
-    let mut all = compared(batch, way, Rows::all(states), accuracy, None)?;
+    let mut all = errors_by_tolerance(batch, way, Rows::all(states), accuracy, None)?;
     let (finest, pending) = (finest_tolerance(way.method), above(&all, accuracy)?);
     if !pending.is_empty() && way.tolerance > Some(finest) {
         let (some, finer) = (batch.select(&pending)?, Way { tolerance: Some(finest), ..way });
         let mut others = some.run(finer, None, 1.0)?;
         let others = others.whole();
-        let own = compared(&some, finer, Rows::all(&others), accuracy, None)?;
+        let own = errors_by_tolerance(&some, finer, Rows::all(&others), accuracy, None)?;
         take_better(batch, (states, &mut all), &pending, (&others, &own))?;
     }
     Ok(all)
@@ -164,7 +164,7 @@ fn by_series(
     let mut all = unknown(batch)?;
     if check {
         let smooth = Way { may_stop: false, ..way };
-        all = compared(batch, smooth, Rows::all(states), accuracy, Some(&stops))?;
+        all = errors_by_tolerance(batch, smooth, Rows::all(states), accuracy, Some(&stops))?;
     }
     if !stops.is_empty() {
         let some = batch.select(&stops)?;
@@ -186,7 +186,7 @@ fn by_series(
 ///
 /// Where rounding is the error, and the coarser run does not show that a body is accurate, several finer runs do; not for bodies
 /// that drag stops, whose errors are found otherwise. Where a torque or a stop by drag may have corners, one finer run does.
-fn compared(
+fn errors_by_tolerance(
     batch: &Batch,
     way: Way,
     states: Rows,

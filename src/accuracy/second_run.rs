@@ -95,7 +95,8 @@ pub fn second_run(
         return again.run(Way { method: other, tolerance, ..way }, None, refinement);
     }
     let ratio = step_ratio(batch, method, steps.halvings);
-    let (mut way, mut longest) = (way, steps.longest.map(<[f64]>::to_vec));
+    let own = |longest: &[f64]| memory::collected("steps", longest.len(), longest.iter().copied());
+    let (mut way, mut longest) = (way, steps.longest.map(own).transpose()?);
     if method.is_series() && !method.any.is_compensated() {
         // Rounding that is alike in each step shows against none only.
         longest = Some(longest.map_or_else(|| again.longest_steps(method), Ok)?);

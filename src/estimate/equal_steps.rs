@@ -170,7 +170,8 @@ pub fn measured_change(
         stop,
     )?;
     let mut slowest = f64::INFINITY;
-    for (body, now) in bodies.iter().zip(moved.rates().as_chunks::<3>().0) {
+    let moved = bodies.iter().zip(moved.rates().as_chunks::<3>().0);
+    for (body, now) in moved.filter(|(body, _)| length(&body.omega) > 0.0) {
         let change = [0, 1, 2].map(|k| now[k] - body.omega[k]);
         slowest = smaller(slowest, length(&change) / time.abs() / length(&body.omega));
     }

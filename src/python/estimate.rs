@@ -1,4 +1,4 @@
-//! The errors of runs: states of two runs in, errors out.
+//! The errors of closed forms, and the distances of the states of two runs.
 
 use super::bodies::Bodies;
 use super::convert::{Aligned1, copied_numbers, same_length, times_of_bodies};
@@ -25,7 +25,7 @@ type Rows<'py> = Bound<'py, PyArray2<f64>>;
 /// A number of each body.
 type Column<'py> = Bound<'py, PyArray1<f64>>;
 
-/// The relative distances of the states of two runs, (n, m); see `rigid.solve.error_estimate`. Rates that
+/// The relative distances of the states of two runs, (n, m); the larger of those of rates, relative to the fastest rate, and of directions. Rates that
 /// are rest beside a `scale` of their body are compared with it, and without one no rates are rest.
 #[pyfunction]
 #[pyo3(signature = (states, other, scale=None))]

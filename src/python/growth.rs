@@ -82,7 +82,7 @@ pub fn growth<'py>(
     };
     let deviations = Deviations { each: &each, count };
     let run = |stop: &Interrupt| {
-        stop.expect(n, 0);
+        stop.expect(n, 0..n);
         trajectory::growth(&request, method, deviations, threads, isa, stop)
     };
     to_dict(py, interruptible(py, None, run)??, n, times.len(), count)

@@ -596,7 +596,7 @@ impl MapJob {
         let flat = self.ascending(&samples)?;
         let calls = self.map.calls_functions();
         let ((all, parts), (values, _)) = interruptible_calls(py, None, calls, |interrupt| {
-            interrupt.expect(flat.len(), 0);
+            interrupt.expect(flat.len(), 0..flat.len());
             let known = self.map.samples_at(&flat, threads.max(1), self.isa, interrupt)?;
             let values = self.map.values_at(&flat, &known.0, threads.max(1), self.isa, interrupt)?;
             Ok::<_, Error>((known, values))

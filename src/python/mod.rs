@@ -101,7 +101,7 @@ mod _core {
     #[pymodule_export]
     const LEAST_UNDER_FUNCTION: f64 = crate::accuracy::LEAST_UNDER_FUNCTION;
 
-    /// Factor by which the longest step under a function is shorter in a check run by a tolerance.
+    /// Factor by which the longest step under a function is shorter in a second run by a tolerance.
     #[pymodule_export]
     const ELSEWHERE: f64 = crate::accuracy::ELSEWHERE;
 

@@ -79,7 +79,7 @@ pub fn section<'py>(
     };
     let section = Section { kinds, surfaces, count, ends: &ends, closed };
     let run = |stop: &Interrupt| {
-        stop.expect(n, 0);
+        stop.expect(n, 0..n);
         trajectory::section(&request, method, &section, threads, isa, stop)
     };
     let calls = forces.of(0).function.is_some();

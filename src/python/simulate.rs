@@ -9,6 +9,7 @@ use super::forces::PyForces;
 use super::states::{PyStates, of_bodies};
 use super::target::Target;
 use crate::accuracy::{self, Asked, Estimate, Solved};
+use crate::error::Error;
 use crate::float_environment::FloatEnvironment;
 use crate::forces::{Forces, ParameterChange};
 use crate::map::MethodChoice;
@@ -106,6 +107,11 @@ pub fn solve<'py>(
     out: Option<&Bound<'py, PyDict>>,
 ) -> PyResult<PyStates> {
     let given: Given<'_> = request.extract()?;
+    Method::parse(given.method.to_str()?)?;
+    if given.strides.is_some() {
+        let (argument, rule) = ("strides", "an accuracy is of states at times");
+        return Err(Error::Value { argument, value: "given".into(), rule }.into());
+    }
     let asked = Some(Asked { accuracy, check, free, may_stop: given.bodies.may_stop });
     let run = Run { step, refinement: 1.0, deviations: None, changes: None, single: false, asked };
     states_of(py, given, run, out)
@@ -114,6 +120,7 @@ pub fn solve<'py>(
 /// The tolerance of the first run for an accuracy.
 #[pyfunction]
 pub fn first_tolerance(accuracy: f64, method: &str) -> PyResult<f64> {
+    let _standard = FloatEnvironment::standard();
     Ok(accuracy::first_tolerance(accuracy, Method::parse(method)?))
 }
 
@@ -168,7 +175,7 @@ fn states_of<'py>(
     let judged = if asked.is_some() { n } else { 0 };
     let reserved = || memory::reserved("errors of the bodies", judged);
     let mut estimates = [reserved()?, reserved()?];
-    let mut series_made = memory::reserved("errors of the bodies", judged)?;
+    let mut series_made = memory::reserved("bodies by a series", judged)?;
     let mut turns_alone = method == AnyMethod::Exact && forces.is_none();
     for part in BodyColumns::parts(n, threads) {
         let bodies = &given.bodies.of(part.clone())?;
@@ -196,9 +203,9 @@ fn states_of<'py>(
             states.give(target.name, target.part(part.clone())?);
         }
         let run = |stop: &Interrupt| {
-            // A check takes about as long as the run.
+            // A second run takes about as long as the run.
             let runs = 1 + usize::from(asked.is_some_and(|asked| asked.check));
-            stop.expect(runs * n, runs * part.start);
+            stop.expect(runs * n, runs * part.start..runs * part.end);
             match (asked, method) {
                 (Some(asked), AnyMethod::Steps(method)) => {
                     accuracy::solve(request, method, asked, states, threads, (isa, stop))

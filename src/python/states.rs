@@ -106,7 +106,7 @@ impl PyStates {
         self.all(name.py())?.contains(name)
     }
 
-    /// The errors of bodies in closed form, if nothing but rounding makes them.
+    /// The errors of the bodies, if they are known.
     #[getter]
     fn error<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         self.__getitem__(intern!(py, "error"))

@@ -81,14 +81,13 @@ CORE: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "src/map/interval.rs": (("maps/test_map_intervals.py",), ("interval", "incomplete_beta")),
     "src/sample.rs": (("maps/test_draws.py",), ("random_starts",)),
     "src/exact/": (_CLOSED, ("closed_forms", "exact")),
+    "src/accuracy/": (_ERRORS, ("accuracy",)),
     "src/estimate/": (_ERRORS, ("estimate",)),
 }
 
 #: Modules, and their tests in `tests/python`.
 PYTHON: dict[str, tuple[str, ...]] = {
     "python/rigid/solve/error_estimate.py": _ERRORS,
-    "python/rigid/solve/integrate.py": _ERRORS,
-    "python/rigid/solve/second_run.py": _ERRORS,
     "python/rigid/exact/elliptic.py": _EXACT,
     "python/rigid/exact/flips.py": _EXACT,
     "python/rigid/exact/free.py": _EXACT,

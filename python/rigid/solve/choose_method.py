@@ -219,10 +219,13 @@ def choose_method(problem: Problem) -> Choice:
             steps = _first_steps(problem, accuracy, method)
         why.append(f"the step follows from the error of {accuracy:g} at the end")
         if asked is None and method != STIFF:
-            why.append(f"a body that its check finds above it: {SERIES}, down to rounding")
+            finer = "shorter steps" if scene.may_stop else f"{SERIES}, down to rounding"
+            why.append(f"a body that its second run finds above it: {finer}")
     if problem.tolerance is not None:
         what = "last terms" if method != FUNCTION else "the error of each"
         why.append(f"each body takes its own steps, {what} below {problem.tolerance:g}")
+        if asked is None and method == SERIES and scene.may_stop:
+            why.append(f"a body that drag stops: {MAP_FALLBACK} in equal steps")
     _check_attainable(problem)
     plan = LazyPlan(plan_of, problem, method, steps, forms, accuracy, tuple(why))
     return Choice(method, steps, problem.tolerance, accuracy, plan)
@@ -309,6 +312,7 @@ def _preferred(problem: Problem, forms: Codes) -> tuple[str, list[Reason]]:
     """The method unless an accuracy needs another one, and the reasons."""
     method, why = _usual(problem, forms)
     if problem.inside and method not in (EXACT, *adaptive_methods(problem.scene.forces)):
+        why = why[:-1] if method == STIFF else why
         method = default_method(problem.scene.forces)
         why.append(f"{method} knows the motion inside its steps, where events are")
     return method, why

@@ -171,7 +171,7 @@ def lyapunov(
     check_tangent(method, forces=scene.forces)
     bodies = bodies_of(scene, omega, attitude)
     # The second run has two bodies for each, and the motion alone is checked last.
-    with Listening(progress, 4 if check else 1):
+    with Listening(progress, 3 if check else 1):
         return growth_of(
             scene,
             bodies,

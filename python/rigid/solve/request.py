@@ -35,7 +35,7 @@ class Request:
         A body that needs more is not run to its end.
     threads : int
     tolerance : float or None
-        Tolerance of adaptive steps, for a Taylor method.
+        Tolerance of adaptive steps, for a Taylor method, and for ``dop853`` under a function.
     strides : sequence of int, optional
         The states are those after these numbers of further steps of exactly the longest step.
     """

@@ -97,15 +97,16 @@ def simulate(
         each body its times.
     method : str, optional
         ``"exact"``, the closed form, or one of :func:`rigid.methods`. Default for each body:
-        ``"exact"`` if it has a closed form and no step is given; ``"rk4"`` if a step is given;
-        ``"taylor20"`` with a tolerance of 1e-16 on an orbit or with events, ``"etd4"`` if damping
-        is ten times as fast as its turning; else, and for a body that drag stops, ``"dop853"``.
+        ``"exact"`` if it has a closed form and no step is given; ``"dop853"`` under
+        :meth:`Torque.call`; ``"taylor20"`` on an orbit or with events, with a tolerance of 1e-16 if
+        no step is given; else ``"rk4"`` if a step is given, ``"etd4"`` if damping is ten times as
+        fast as its turning, and ``"dop853"``, as for a body that drag stops.
     step : float, optional
         Largest step (s). Default with a method: each body turns by at most the ``angle_per_step``
         of the method a step, from a bound of its rates.
     accuracy : float, optional
         Largest error of all states (see :attr:`Run.error`), instead of a step. Default without a
-        method and a step: 1e-8. First ``"dop853"`` takes equal steps, whose angle follows from the
+        method and a step: 1e-8. ``"dop853"`` first takes equal steps, whose angle follows from the
         accuracy. A body whose estimated error is above the accuracy is integrated again, by
         ``"taylor20"`` with a tolerance of 1e-16, which leaves rounding alone. A named Taylor
         method begins with a tolerance of 0.0002 times the accuracy, at most 1e-6, and ``"dop853"``
@@ -291,7 +292,8 @@ def simulate(
             states=times.shape[-1],
             inside=watched is not None,
         )
-    with Listening(progress, (2 if check else 1) * (1 if watched is None else 2)):
+    # The events are found in a run of their own, with a second one.
+    with Listening(progress, 1 if watched is None else 3 if check else 2):
         made = solve(
             scene,
             problem,

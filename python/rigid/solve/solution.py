@@ -52,8 +52,7 @@ class Solution:
     states : mapping
         The columns of the core.
     estimate : ErrorEstimate or States
-        The estimated errors; the states themselves where the core knows the errors, and that all
-        bodies have arrived.
+        The estimated errors; the states themselves where the core gives both.
     method : str
         The method of bodies without a closed form; ``"exact"`` if all have one.
     tolerance : float or None

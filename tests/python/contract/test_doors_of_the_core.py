@@ -152,6 +152,8 @@ REQUEST = Request(
         ({"times": np.ones((1, 1, 1))}, None, r"t: expected shape \(m,\)"),
         ({"method": "euler"}, None, "method = 'euler'"),
         ({"method": "rk4"}, None, "tolerance = "),
+        ({"method": "exact"}, None, "method = 'exact'"),
+        ({"strides": [1, 2]}, None, "strides = given: an accuracy is of states at times"),
     ],
 )
 def test_states_of_an_accuracy_are_refused_where_the_request_does_not_fit(

@@ -72,6 +72,13 @@ def test_a_long_call_tells_what_is_done(name: str) -> None:
     assert found.tobytes() == CALLS[name](progress=False).tobytes()
 
 
+@pytest.mark.parametrize("name", ["steps", "tolerance", "events"])
+def test_what_is_done_grows_to_the_end(name: str) -> None:
+    done: list[int] = []
+    CALLS[name](progress=lambda record: done.append(record.done))
+    assert done[-2] > 60
+
+
 @pytest.mark.parametrize("name", ["steps", "tolerance", "growth", "section", "page"])
 def test_what_a_listener_raises_ends_the_call(name: str) -> None:
     def stop(_: rigid.Progress) -> None:
