@@ -57,7 +57,7 @@ def overhead(name: str, spec: MapSpec, repeats: int) -> None:
             return folder
 
         def check(done: StabilityMap | Folder) -> None:
-            result = result_of(done) if isinstance(done, Folder) else done
+            result = result_of(done, StabilityMap) if isinstance(done, Folder) else done
             counted(result.columns, result.samples.size * spec.samples)
 
         times = in_turns({"plain": unstored, "stored": stored}, check, repeats=repeats)
