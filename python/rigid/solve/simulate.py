@@ -292,7 +292,7 @@ def simulate(
             states=times.shape[-1],
             inside=watched is not None,
         )
-    # The events are found in a run of their own, with a second one.
+    # One more run, and its second run, find the events.
     with Listening(progress, 1 if watched is None else 3 if check else 2):
         made = solve(
             scene,
