@@ -29,7 +29,6 @@ from .dataset import take_numbers
 from .error_estimate import ErrorEstimate
 from .events import Events, FoundEvents
 from .lazy import Lazy
-from .made_run import end_records
 from .methods import EXACT
 from .plan import LazyPlan, Plan
 from .problem import Problem
@@ -44,7 +43,7 @@ from .status import (
     sentences,
     status_by_error,
 )
-from .target import COLUMNS
+from .target import COLUMNS, end_records
 
 if TYPE_CHECKING:
     from datetime import datetime

@@ -30,7 +30,6 @@ from .closed_form import RECORDS
 from .error_estimate import ErrorEstimate, unknown_error
 from .events import check_event_method
 from .lazy import Lazy
-from .made_run import end_records
 from .methods import EXACT, FUNCTION, adaptive_methods
 from .parameters import check_parameters
 from .problem import LEAST_TOLERANCE, Problem
@@ -39,7 +38,7 @@ from .run import Run, to_run
 from .solution import Watched, solve
 from .starts import bodies_of
 from .tangent import check_tangent
-from .target import PLAIN, Target
+from .target import PLAIN, Target, end_records
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation

@@ -20,7 +20,6 @@ from .arrays import largest, time_ranges, time_span
 from .choose_method import Choice, bodies_alike, choose_method, parts_of
 from .error_estimate import ErrorEstimate, closed_form_error
 from .events import FoundEvents, events_of_parts, find_events
-from .made_run import made_steps
 from .methods import EXACT, SERIES, SERIES_TOLERANCE
 from .parameters import parameter_changes
 from .plan import LazyPlan, Plan, plan_of_parts
@@ -213,9 +212,18 @@ def _by_steps(
         made.plan.amend(f"{some} of {len(by_series)} bodies by {SERIES}")
     accurate = (states.error <= choice.accuracy) & ~by_series
     if problem.accuracy is not None and accurate.any():
-        step, most = made_steps(states["steps"], time_span(request.times), accurate)
+        step, most = _made_steps(states["steps"], time_span(request.times), accurate)
         made.plan.amend(step=step, steps=most)
     return made
+
+
+def _made_steps(
+    taken: NDArray[np.uint64], span: float | Floats, accurate: NDArray[np.bool_]
+) -> tuple[float | None, int]:
+    """The shortest step (s) of the accurate bodies that cover this time, and the most steps."""
+    moved = accurate & (taken > 0)
+    made = np.broadcast_to(span, taken.shape)[moved] / taken[moved]
+    return float(made.min()) if len(made) else None, int(taken[accurate].max(initial=0))
 
 
 def _merged(

@@ -14,7 +14,7 @@ from .._checks.arguments import brief, one_of, two_digits_above
 from .arrays import Range
 from .bodies import Bodies
 
-__all__ = ["PLAIN", "Target"]
+__all__ = ["COLUMNS", "PLAIN", "Target", "end_records"]
 
 Floats = NDArray[np.float64]
 
@@ -139,3 +139,15 @@ def _fillable(name: str, array: object, shape: tuple[int, ...]) -> NDArray[Any]:
             f"float32; got {array.shape} of {array.dtype}"
         )
     return array
+
+
+def end_records(
+    states: MutableMapping[str, Any], times: NDArray[np.float64], last: NDArray[np.float64]
+) -> None:
+    """Write NaN over the states at times (m,) or (n, m) after the last of each body, (n, 1)."""
+    after = times > last
+    if not after.any():
+        return
+    for name in (*COLUMNS, "tangent", "sensitivity"):
+        if states.get(name) is not None:
+            states[name][after] = np.nan
