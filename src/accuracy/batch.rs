@@ -4,13 +4,13 @@ use crate::error::Error;
 use crate::estimate::{round_otherwise, sign_of_forces};
 use crate::forces::Forces;
 use crate::memory;
-use crate::method::{AnyMethod, Method, default_step};
+use crate::method::{AnyMethod, Method};
 use crate::parallel::Interrupt;
 use crate::scene::Scene;
 use crate::simd::Isa;
 use crate::start::Body;
 use crate::trajectory::{
-    Effort, Record, Request, Schedule, States, StatesPart, default_steps, simulate_into, time_range,
+    Record, Request, Schedule, States, StatesPart, default_steps, simulate_into, time_range,
 };
 use std::borrow::Cow;
 use std::cell::Cell;
@@ -24,8 +24,8 @@ pub struct Job<'a> {
     pub threads: usize,
     pub isa: Isa,
     pub stop: &'a Interrupt<'a>,
-    /// The effort of all runs.
-    pub effort: &'a Cell<Effort>,
+    /// Processor time of all runs.
+    pub nanoseconds: &'a Cell<u64>,
 }
 
 /// How bodies are run.
@@ -173,11 +173,7 @@ impl<'a> Batch<'a> {
 
     /// The longest steps that a method takes by default; infinite at rest.
     pub fn longest_steps(&self, method: &Method) -> Result<Vec<f64>, Error> {
-        let step = |(index, body): (usize, &Body)| {
-            let span = time_range(self.times_of(index));
-            default_step(method, body.step_rate(method, self.forces.of(index), span))
-        };
-        memory::collected("steps", self.len(), self.bodies.iter().enumerate().map(step))
+        default_steps(method, &self.bodies, &self.forces, &self.schedule())
     }
 
     /// Memory for the states of a run.
@@ -201,17 +197,13 @@ impl<'a> Batch<'a> {
         refinement: f64,
         states: StatesPart,
     ) -> Result<(), Error> {
-        let Job { threads, isa, stop, effort, .. } = self.job;
+        let Job { threads, isa, stop, nanoseconds, .. } = self.job;
         let steps = match longest {
             Some(longest) => Cow::Borrowed(longest),
-            None => Cow::Owned(default_steps(way.method, &self.bodies, &self.forces, &self.schedule())?),
+            None => Cow::Owned(self.longest_steps(way.method)?),
         };
-        let own = simulate_into(&self.request(way, &steps, refinement), states, threads, isa, stop)?;
-        let all = effort.get();
-        effort.set(Effort {
-            nanoseconds: all.nanoseconds + own.nanoseconds,
-            lane_steps: all.lane_steps + own.lane_steps,
-        });
+        let effort = simulate_into(&self.request(way, &steps, refinement), states, threads, isa, stop)?;
+        nanoseconds.set(nanoseconds.get() + effort.nanoseconds);
         Ok(())
     }
 

@@ -239,8 +239,8 @@ fn between(times: &[f64], looks: usize) -> Result<Vec<f64>, Error> {
     Ok(all)
 }
 
-/// Raises the errors to the phase errors that drift causes beside the separatrix.
-pub fn add_phase_errors(batch: &Batch, states: Rows, all: &mut [Estimate]) {
+/// The errors, raised to the phase errors that drift causes beside the separatrix.
+pub fn with_phase_errors(batch: &Batch, states: Rows, mut all: Vec<Estimate>) -> Vec<Estimate> {
     let m = batch.number_of_times();
     for (index, own) in all.iter_mut().enumerate() {
         let recorded = states.recorded(index, m);
@@ -257,6 +257,7 @@ pub fn add_phase_errors(batch: &Batch, states: Rows, all: &mut [Estimate]) {
             own.lost_from = near.lost_from;
         }
     }
+    all
 }
 
 /// Writes the estimates of some bodies.

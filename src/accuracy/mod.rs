@@ -22,7 +22,7 @@ use crate::parallel::Interrupt;
 use crate::simd::Isa;
 use crate::trajectory::{Effort, Request, StatesPart};
 use batch::{Batch, Job, Way, picked};
-use comparison::{Coarser, Rows, add_phase_errors, estimate, write};
+use comparison::{Coarser, Rows, estimate, with_phase_errors, write};
 use second_run::{
     HALVINGS, HALVINGS_AGAIN, RUNGE_KUTTA, Steps, is_damped_stiffly, is_refined_alike, step_ratio,
 };
@@ -71,14 +71,14 @@ pub struct Solved {
     pub estimates: Vec<Estimate>,
     /// Which of them a series made, where steps did not.
     pub by_series: Vec<bool>,
-    /// The effort of all runs.
-    pub effort: Effort,
+    /// Processor time of all runs.
+    pub nanoseconds: u64,
 }
 
 impl Solved {
     /// Of a run without estimates.
     pub fn unjudged(effort: Effort) -> Self {
-        Solved { estimates: Vec::new(), by_series: Vec::new(), effort }
+        Solved { estimates: Vec::new(), by_series: Vec::new(), nanoseconds: effort.nanoseconds }
     }
 }
 
@@ -95,8 +95,9 @@ pub fn solve(
     threads: usize,
     (isa, stop): (Isa, &Interrupt),
 ) -> Result<Solved, Error> {
-    let effort = Cell::new(Effort::default());
-    let job = Job { scene: request.scene, record: request.record, threads, isa, stop, effort: &effort };
+    let nanoseconds = Cell::new(0);
+    let job =
+        Job { scene: request.scene, record: request.record, threads, isa, stop, nanoseconds: &nanoseconds };
     let batch = Batch::of(request, job);
     let way =
         Way { method, tolerance: request.tolerance, max_steps: request.max_steps, may_stop: asked.may_stop };
@@ -121,7 +122,7 @@ pub fn solve(
             with_phase_errors(&batch, rows, own)
         }
     };
-    Ok(Solved { estimates, by_series: series_made, effort: effort.get() })
+    Ok(Solved { estimates, by_series: series_made, nanoseconds: nanoseconds.get() })
 }
 
 /// The states by the tolerance of the request, or down to rounding.
@@ -161,11 +162,13 @@ fn by_series(
     let way = Way { method: SERIES, tolerance: Some(SERIES_TOLERANCE), ..way };
     batch.run_into(way, None, 1.0, states.again())?;
     let stops = stopping(batch, way, states)?;
-    let mut all = unknown(batch)?;
-    if check {
+    let rows = Rows::all(states);
+    let mut all = if check {
         let smooth = Way { may_stop: false, ..way };
-        all = errors_by_tolerance(batch, smooth, Rows::all(states), accuracy, Some(&stops))?;
-    }
+        errors_by_tolerance(batch, smooth, rows, accuracy, Some(&stops))?
+    } else {
+        with_phase_errors(batch, rows, unknown(batch)?)
+    };
     if !stops.is_empty() {
         let some = batch.select(&stops)?;
         let equal = Way { method: RUNGE_KUTTA, tolerance: None, ..way };
@@ -179,7 +182,7 @@ fn by_series(
         }
         write(&mut all, &stops, &own);
     }
-    Ok(with_phase_errors(batch, Rows::all(states), all))
+    Ok(all)
 }
 
 /// The errors of states by a tolerance, from a run by a larger one.
@@ -374,11 +377,6 @@ fn above(all: &[Estimate], accuracy: f64) -> Result<Vec<usize>, Error> {
 
 fn unknown(batch: &Batch) -> Result<Vec<Estimate>, Error> {
     memory::filled("errors of the bodies", batch.len(), Estimate::UNKNOWN)
-}
-
-fn with_phase_errors(batch: &Batch, states: Rows, mut all: Vec<Estimate>) -> Vec<Estimate> {
-    add_phase_errors(batch, states, &mut all);
-    all
 }
 
 #[cfg(test)]

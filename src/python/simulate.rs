@@ -217,7 +217,7 @@ fn states_of<'py>(
         let is_brief = request.is_brief() && !calls;
         let solved = if is_brief { at_once(run) } else { interruptible_calls(py, None, calls, run)? };
         let solved = solved.map_err(|error| error.of_part(part.start))?;
-        nanoseconds += solved.effort.nanoseconds;
+        nanoseconds += solved.nanoseconds;
         for (Estimate { error, lost_from }, by_series) in solved.estimates.into_iter().zip(solved.by_series) {
             estimates[0].push(error);
             estimates[1].push(lost_from);
