@@ -358,7 +358,11 @@ def _cones(one: Recording, momentum: Floats) -> tuple[Part, ...]:
     """Body cone and space cone, which touch along omega."""
     moments, omega = np.array(one.scene.body.moments), one.omega[0]
     refuse_rods(moments)
-    k = _symmetry_axis(moments)
+    number = one.scene.body.symmetry_axis
+    if number is None:
+        found = moments.tolist()
+        raise ValueError(f"moments = {found}: a symmetric top has two exactly equal moments")
+    k = number - 1
     axis = np.eye(3)[k] * (1.0 if omega[k] >= 0.0 else -1.0)
     parts = [
         Part(
@@ -386,14 +390,6 @@ def _cones(one: Recording, momentum: Floats) -> tuple[Part, ...]:
         ),
     ]
     return (*parts, *_vectors(one, momentum, length=1.3))
-
-
-def _symmetry_axis(moments: Floats) -> int:
-    """The axis of the other moment of two equal ones; of a sphere the third."""
-    for axis in (2, 1, 0):
-        if moments[axis - 2] == moments[axis - 1]:
-            return axis
-    raise ValueError(f"moments = {moments.tolist()}: a symmetric top has two exactly equal moments")
 
 
 def _angle(one: Floats, other: Floats) -> float:
