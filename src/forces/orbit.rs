@@ -4,7 +4,9 @@
 //!
 //! With the eccentric anomaly E the position is `(cos E - e) a + sin E b`, `a` and `b` the semi-axes of the ellipse, and
 //! the distance is `1 - e cos E`, both in units of the semi-major axis; `E' = n / (1 - e cos E)` (Murray and Dermott,
-//! Solar System Dynamics, 1999, §2.4).
+//! Solar System Dynamics, 1999, §2.4). On a hyperbola cosh and sinh take the place of cos and sin, the semi-axis `a`
+//! leads away from the periapsis, and the distance and the mean anomaly `E - e sin E` change their signs (Battin, An
+//! Introduction to the Mathematics and Methods of Astrodynamics, 1999, §4.4).
 
 use super::{AtStart, Bounded, Force, Order, Pace, Varied, deviation, length, range};
 use crate::error::Error;
@@ -12,11 +14,11 @@ use crate::kinematics::{add_cross, cross, direction, dot, put, to_body_frame};
 use crate::real::{Apart, Real};
 use crate::series::{Coefficients, VectorSeries};
 use crate::simd::with_fma;
-use crate::special::sincos;
+use crate::special::{ln, sincos, sinhcosh};
 
-/// The mean motion n, 0 without an orbit; the eccentricity e; the mean anomaly at time 0; the semi-axes of the ellipse
-/// in space, in units of the semi-major axis, the first towards the periapsis. The variables are cosine and sine of the
-/// eccentric anomaly.
+/// The mean motion n, 0 without an orbit; the eccentricity e; the mean anomaly at time 0; the semi-axes in space, in
+/// units of the semi-major axis, the first towards the periapsis of an ellipse, away from that of a hyperbola. The
+/// variables are cosine and sine of the eccentric anomaly, hyperbolic on a hyperbola.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Orbit<R>(pub [R; 9]);
 
@@ -63,7 +65,13 @@ impl<R: Real> Orbit<R> {
         self.0[1]
     }
 
-    /// The semi-axes of the ellipse in space, over the semi-major axis.
+    /// See [`conic_sign`].
+    #[inline(always)]
+    fn sign(&self) -> R {
+        conic_sign(self.eccentricity())
+    }
+
+    /// The semi-axes in space, over the semi-major axis.
     #[inline(always)]
     pub fn semi_axes(&self) -> [[R; 3]; 2] {
         let [.., a1, a2, a3, b1, b2, b3] = self.0;
@@ -84,8 +92,7 @@ impl<R: Real> Orbit<R> {
     /// `u = a/r`, from the cosine of the eccentric anomaly.
     #[inline(always)]
     fn inverse(&self, cos: R) -> R {
-        let one = R::splat(1.0);
-        one / self.eccentricity().fnma(cos, one)
+        self.sign() / self.eccentricity().fnma(cos, R::splat(1.0))
     }
 
     /// The direction o from the planet in the body, and `u^3 o`, at a state.
@@ -115,12 +122,13 @@ impl<R: Real> Orbit<R> {
     /// The rates of change of cosine and sine, from both times u; linear.
     #[inline(always)]
     fn turn(&self, [cos, sin]: [R; 2]) -> [R; 2] {
-        [-(self.rate() * sin), self.rate() * cos]
+        [-(self.sign() * self.rate()) * sin, self.rate() * cos]
     }
 }
 
 /// Changes of an orbit, which are the numbers of another. With `M = n t + M0 = E - e sin E` the eccentric anomaly changes
-/// by `u (dn t + dM0 + sin E de)`, and u by `u^2 (cos E de + e d(cos E))`.
+/// by `u (dn t + dM0 + sin E de)`, and u by `u^2 (cos E de + e d(cos E))`; on a hyperbola sin E de and both changes of
+/// u have another sign.
 impl<R: Real> Orbit<R> {
     /// Which bodies have a change.
     #[inline(always)]
@@ -132,10 +140,10 @@ impl<R: Real> Orbit<R> {
         R::splat(0.0).lt(sum)
     }
 
-    /// The change of the mean anomaly, and of `e sin E` by the eccentricity alone.
+    /// The change of the mean anomaly, and of `e sin E` by the eccentricity alone, on an orbit of that sign.
     #[inline(always)]
-    fn mean_anomaly(&self, time: R, one: R, sin: R) -> R {
-        self.rate().fma(time, self.0[2].fma(one, self.eccentricity() * sin))
+    fn mean_anomaly(&self, time: R, one: R, sign: R, sin: R) -> R {
+        self.rate().fma(time, self.0[2].fma(one, self.eccentricity() * (sign * sin)))
     }
 }
 
@@ -247,7 +255,7 @@ impl<R: Real> Force<R> for Orbit<R> {
         } else {
             // SAFETY: as above.
             let [.., first] = unsafe { *plane.order(0) };
-            self.eccentricity() * first * cos
+            self.sign() * self.eccentricity() * first * cos
         };
         let begin = c.order(0);
         (cos, sin) = (begin[own].fma(u, cos), begin[own + 1].fma(u, sin));
@@ -319,9 +327,10 @@ impl<R: Real> Force<R> for Orbit<R> {
             let [cos, sin, time] = [y[own], y[own + 1], y[body.time]];
             let u = self.inverse(cos);
             let place = [(cos - self.eccentricity()) * u, sin * u];
-            let anomaly = by.mean_anomaly(time, R::splat(1.0), sin) * u;
-            let [of_cos, of_sin] = [-(sin * anomaly), cos * anomaly];
-            stretch = by.eccentricity().fma(cos, self.eccentricity() * of_cos) * u;
+            let sign = self.sign();
+            let anomaly = by.mean_anomaly(time, R::splat(1.0), sign, sin) * u;
+            let [of_cos, of_sin] = [-(sin * (sign * anomaly)), cos * anomaly];
+            stretch = by.eccentricity().fma(cos, self.eccentricity() * of_cos) * (sign * u);
             let moved =
                 [place[0].fma(stretch, (of_cos - by.eccentricity()) * u), place[1].fma(stretch, of_sin * u)];
             let (by_place, by_axes) = (self.in_body(moved, y), by.in_body(place, y));
@@ -372,7 +381,8 @@ impl<R: Real> Force<R> for Orbit<R> {
             } else {
                 zero[0]
             };
-            let mean = by.mean_anomaly(time, one, row[own + 1]);
+            let sign = self.sign();
+            let mean = by.mean_anomaly(time, one, sign, row[own + 1]);
             varied.means.push(k, [mean; 3]);
             let mut anomaly = zero[0];
             for j in 0..=k {
@@ -386,10 +396,10 @@ impl<R: Real> Force<R> for Orbit<R> {
                 // SAFETY: as above.
                 let [anomaly, ..] = unsafe { *varied.anomalies.order(k - j) };
                 let row = c.order(j);
-                (cos, sin) = (row[own + 1].fnma(anomaly, cos), row[own].fma(anomaly, sin));
+                (cos, sin) = ((sign * row[own + 1]).fnma(anomaly, cos), row[own].fma(anomaly, sin));
             }
             // The change of the distance is less by this.
-            let nearer = by.eccentricity().fma(row[own], self.eccentricity() * cos);
+            let nearer = sign * by.eccentricity().fma(row[own], self.eccentricity() * cos);
             varied.places.push(k, [by.eccentricity().fnma(one, cos), sin, nearer]);
             let mut moved = zero;
             for j in 0..=k {
@@ -446,13 +456,38 @@ impl<R: Real> Force<R> for Orbit<R> {
     }
 }
 
+/// The sign of `1 - e`: 1 of an ellipse, -1 of a hyperbola.
+#[inline(always)]
+pub fn conic_sign<R: Real>(eccentricity: R) -> R {
+    let one = R::splat(1.0);
+    R::select(one.lt(eccentricity), -one, one)
+}
+
+/// Cosine and sine of an eccentric anomaly, hyperbolic on a hyperbola.
+#[inline(always)]
+pub fn anomaly_cos_sin<R: Real>(eccentricity: R, anomaly: R) -> [R; 2] {
+    let is_open = R::splat(1.0).lt(eccentricity);
+    let (mut sin, mut cos) = sincos(anomaly);
+    if R::any(is_open) {
+        let (sinh, cosh) = sinhcosh(anomaly);
+        (sin, cos) = (R::select(is_open, sinh, sin), R::select(is_open, cosh, cos));
+    }
+    [cos, sin]
+}
+
 impl Orbit<f64> {
     /// Rounds the rate otherwise, by more than the rates of a body: one that turns with its orbit does so no longer. And
-    /// the mean anomaly, by a rounding of the eccentric one, with which all runs begin. A body at the periapsis stays.
+    /// the mean anomaly, by a rounding of the eccentric one, with which all runs begin. A body at the periapsis stays. Far
+    /// out on a hyperbola a rounding of its cosh E moves a body that comes by `e^|E|` as much.
     pub fn round_otherwise(&mut self, sign: f64) {
         let unit = sign * f64::EPSILON;
         self.0[0] *= 1.0 + 3.0 * unit;
-        self.0[2] += unit * self.0[2].clamp(-1.0, 1.0);
+        let mean = self.0[2];
+        self.0[2] += unit * mean.clamp(-1.0, 1.0);
+        if self.is_open() {
+            let [cos, sin] = anomaly_cos_sin(self.eccentricity(), self.eccentric_anomaly(mean));
+            self.0[2] += unit * mean.signum() * self.distance_at(cos) * (cos + sin.abs()) * sin.abs();
+        }
     }
 
     /// Makes a change of an orbit that of the same orbit whose time begins then: its mean anomaly grows with the time.
@@ -460,18 +495,50 @@ impl Orbit<f64> {
         self.0[2] = self.0[0].mul_add(time, self.0[2]);
     }
 
+    /// Whether it is a hyperbola.
+    pub fn is_open(&self) -> bool {
+        self.eccentricity() > 1.0
+    }
+
     /// The normal of the orbit in space, if there is one.
     pub fn normal(&self) -> Option<[f64; 3]> {
         let [a, b] = self.semi_axes();
         let normal = cross(&a, &b);
-        let length = dot(&normal, &normal).sqrt();
+        let length = self.sign() * dot(&normal, &normal).sqrt();
         (!self.is_none()).then(|| normal.map(|x| x / length))
     }
 
-    /// The rate at which the direction turns at a distance, `n sqrt(1 - e^2) (a/r)^2`.
-    fn turning(&self, distance: f64) -> f64 {
+    /// The first semi-minor axis over the semi-major one: `sqrt |1 - e^2|`.
+    pub fn semi_minor(&self) -> f64 {
         let e = self.eccentricity();
-        self.rate() * ((1.0 - e) * (1.0 + e)).sqrt() / (distance * distance)
+        ((1.0 - e) * (1.0 + e)).abs().sqrt()
+    }
+
+    /// The distance at the periapsis.
+    pub fn periapsis(&self) -> f64 {
+        (1.0 - self.eccentricity()).abs()
+    }
+
+    /// The distance where the cosine of the anomaly is known.
+    fn distance_at(&self, cos: f64) -> f64 {
+        self.sign() * self.eccentricity().mul_add(-cos, 1.0)
+    }
+
+    /// The rate at which the direction turns at a distance, `n sqrt |1 - e^2| (a/r)^2`.
+    fn turning(&self, distance: f64) -> f64 {
+        self.rate() * self.semi_minor() / (distance * distance)
+    }
+
+    /// The pace of the anomaly by which a step of the time in a range becomes one of the anomaly: the mean motion, with which
+    /// an ellipse has as many steps of either kind; on a hyperbola the slowest, so that no step takes longer.
+    pub fn pace(&self, range: [f64; 2]) -> f64 {
+        self.rate() / self.farthest(range).unwrap_or(1.0)
+    }
+
+    /// The largest distance of a hyperbola in a range of times.
+    pub fn farthest(&self, range: [f64; 2]) -> Option<f64> {
+        let distance = |time| self.distance_at(anomaly_cos_sin(self.eccentricity(), self.anomaly_at(time))[0]);
+        self.is_open().then(|| distance(range[0]).max(distance(range[1])))
     }
 
     /// The eccentric anomaly over the mean anomaly.
@@ -484,11 +551,14 @@ impl Orbit<f64> {
     }
 }
 
-/// The growth of the mean anomaly where the eccentric one grows: `d - e (sin(E + d) - sin E)` without cancellation.
+/// The growth of the mean anomaly where the eccentric one grows: `d - e (sin(E + d) - sin E)` without cancellation, of an
+/// ellipse.
 #[inline(always)]
 fn mean_growth(e: f64, anomaly: f64, growth: f64) -> f64 {
     let half = 0.5 * growth;
-    (2.0 * e * sincos(anomaly + half).1).mul_add(-sincos(half).0, growth)
+    let ([cos, _], [_, sin]) = (anomaly_cos_sin(e, anomaly + half), anomaly_cos_sin(e, half));
+    let grown = (2.0 * e * cos).mul_add(-sin, growth);
+    if e > 1.0 { -grown } else { grown }
 }
 
 /// The growth of an eccentric anomaly from that of the mean one, by two of Newton's steps: it is known to rounding of the
@@ -505,35 +575,57 @@ impl Apart for Growth<'_> {
     fn run(self) {
         let Growth { eccentricity: e, anomaly, mean, growth } = self;
         for _ in 0..2 {
-            let slope = e.mul_add(-sincos(anomaly + *growth).1, 1.0);
+            let slope = e.mul_add(-anomaly_cos_sin(e, anomaly + *growth)[0], 1.0).abs();
             *growth -= (mean_growth(e, anomaly, *growth) - mean) / slope;
         }
     }
 }
 
-/// Kepler's equation, by Newton's steps inside brackets: `f = E - e sin E - M` ascends.
+/// Kepler's equation, by Newton's steps inside brackets: `E - e sin E - M` ascends, and so does `e sinh E - E - M`.
 struct Kepler<'a> {
     eccentricity: f64,
     mean: f64,
     anomaly: &'a mut f64,
 }
 
+impl Kepler<'_> {
+    /// Numbers below and above the anomaly, and one to begin with.
+    #[inline(always)]
+    fn brackets(&self) -> [f64; 3] {
+        let (e, mean) = (self.eccentricity, self.mean);
+        if e < 1.0 {
+            return [mean - e, mean + e, mean];
+        }
+        // `(e - 1) sinh E` is nearer to zero than M, `e sinh E` is not; wider by rounding.
+        let [near, far] = [mean / e, mean / (e - 1.0)].map(area_sinh);
+        let (low, high) = if mean < 0.0 { (far, near) } else { (near, far) };
+        let wider = 1e-12 * (1.0 + far.abs());
+        [low - wider, high + wider, near]
+    }
+}
+
+/// The number whose sinh is known.
+#[inline(always)]
+fn area_sinh(x: f64) -> f64 {
+    ln(x.abs() + x.mul_add(x, 1.0).sqrt()).copysign(x)
+}
+
 impl Apart for Kepler<'_> {
     #[inline(always)]
     fn run(self) {
         let (e, mean) = (self.eccentricity, self.mean);
-        let (mut low, mut high) = (mean - e, mean + e);
-        let mut anomaly = mean;
+        let [mut low, mut high, mut anomaly] = self.brackets();
+        let sign = if e > 1.0 { -1.0 } else { 1.0 };
         // 64 halvings leave nothing; Newton's steps end long before.
         for _ in 0..64 {
-            let (sin, cos) = sincos(anomaly);
-            let miss = e.mul_add(-sin, anomaly - mean);
+            let [cos, sin] = anomaly_cos_sin(e, anomaly);
+            let miss = e.mul_add(-sin, anomaly - sign * mean) * sign;
             if miss > 0.0 {
                 high = anomaly;
             } else {
                 low = anomaly;
             }
-            let mut next = anomaly - miss / e.mul_add(-cos, 1.0);
+            let mut next = anomaly - miss / (e.mul_add(-cos, 1.0) * sign);
             // Before the brackets, which a step that changes nothing does not leave.
             if next == anomaly {
                 break;
@@ -556,12 +648,13 @@ impl Bounded for Orbit<f64> {
             return Ok(());
         }
         let e = self.eccentricity();
-        if !(0.0..=Orbit::MOST_ECCENTRIC).contains(&e) {
-            let rule = "must be from 0 to 0.95: this is no parabola, and steps would be too short near one";
+        let [closed, open] = Orbit::OF_PARABOLA;
+        if !(0.0..=closed).contains(&e) && !(open..=Orbit::MOST_ECCENTRIC).contains(&e) {
+            let rule = "must be from 0 to 0.95, or from 1.05 to 1e6: near a parabola the anomaly does not tell the place";
             return Err(Error::Value { argument: "eccentricity", value: e.to_string(), rule });
         }
-        let [a, b] = self.semi_axes();
-        let off = [dot(&a, &a) - 1.0, dot(&b, &b) - (1.0 - e) * (1.0 + e), dot(&a, &b)];
+        let ([a, b], minor) = (self.semi_axes(), self.semi_minor());
+        let off = [dot(&a, &a) - 1.0, dot(&b, &b) / (minor * minor) - 1.0, dot(&a, &b) / minor];
         if off.iter().any(|x| x.abs() > 1e-12) {
             let (value, rule) = (format!("{a:?}"), "must be a unit vector across the normal of the orbit");
             return Err(Error::Value { argument: "periapsis", value, rule });
@@ -579,7 +672,7 @@ impl Bounded for Orbit<f64> {
 
     fn strength(&self, moments: [f64; 3]) -> f64 {
         let [least, largest] = range(moments);
-        let left = 1.0 - self.eccentricity();
+        let left = self.periapsis();
         1.5 * self.rate() * self.rate() * (largest - least) / (left * left * left * least.sqrt())
     }
 
@@ -591,12 +684,13 @@ impl Bounded for Orbit<f64> {
         let Some(normal) = self.normal() else { return [root, 0.0] };
         let (moments, wheel) = (&start.moments, length(start.rotor));
         let [least, largest] = range(start.moments);
-        let (fastest, slowest) =
-            (self.turning(1.0 - self.eccentricity()), self.turning(1.0 + self.eccentricity()));
+        // On a hyperbola the direction turns as slowly as the body is far.
+        let farthest = if self.is_open() { f64::INFINITY } else { 1.0 + self.eccentricity() };
+        let [fastest, slowest] = [self.periapsis(), farthest].map(|distance| self.turning(distance));
         let mut variables = [0.0; 2];
         self.start(0.0, &mut variables);
         let [cos, sin] = variables;
-        let (distance, [a, b]) = (self.eccentricity().mul_add(-cos, 1.0), self.semi_axes());
+        let (distance, [a, b]) = (self.distance_at(cos), self.semi_axes());
         let place = [0, 1, 2].map(|k| ((cos - self.eccentricity()) * a[k] + sin * b[k]) / distance);
         let [n, o] = [normal, place].map(|axis| to_body_frame(&start.attitude, &axis));
         let now = self.turning(distance);
@@ -615,9 +709,11 @@ impl Bounded for Orbit<f64> {
     }
 
     /// Near a periapsis a series in time converges up to `arcosh(1/e) - sqrt(1 - e^2)` over n, which is 1.3 over the rate
-    /// there: less than that of a rotation, which is pi/2 over its rate. A circle adds nothing.
+    /// there: less than that of a rotation, which is pi/2 over its rate. A circle adds nothing. On a hyperbola the way to the
+    /// distance zero is `sqrt(e^2 - 1) - arccos(1/e)` over n, from 1.3 down to 1 over the rate.
     fn step_rate(&self, _pace: &Pace) -> f64 {
-        0.2 * (self.turning(1.0 - self.eccentricity()) - self.rate())
+        let fastest = self.turning(self.periapsis());
+        if self.is_open() { 0.6 * fastest } else { 0.2 * (fastest - self.rate()) }
     }
 
     fn start(&self, time: f64, variables: &mut [f64]) {
@@ -627,8 +723,7 @@ impl Bounded for Orbit<f64> {
             return;
         }
         let mean = self.rate().mul_add(time, self.0[2]);
-        let (sin, cos) = sincos(self.eccentric_anomaly(mean));
-        variables[..2].copy_from_slice(&[cos, sin]);
+        variables[..2].copy_from_slice(&anomaly_cos_sin(self.eccentricity(), self.eccentric_anomaly(mean)));
     }
 }
 
@@ -638,10 +733,12 @@ impl Orbit<f64> {
         self.eccentric_anomaly(self.rate().mul_add(time, self.0[2]))
     }
 
-    /// `e cos E` and `e sin E` at an eccentric anomaly E.
+    /// `e cos E` and `e sin E` at an eccentric anomaly E; `-e cosh E` and `e sinh E` of a hyperbola, so that the second is
+    /// the slope of the distance, and less by the change of the first.
     pub fn clock_at(&self, anomaly: f64) -> [f64; 2] {
-        let (sin, cos) = sincos(anomaly);
-        [self.eccentricity() * cos, self.eccentricity() * sin]
+        let e = self.eccentricity();
+        let [cos, sin] = anomaly_cos_sin(e, anomaly);
+        [self.sign() * e * cos, e * sin]
     }
 
     /// The growth of an eccentric anomaly in a time. On a slow orbit it is small beside the anomaly, and the difference of
@@ -651,7 +748,7 @@ impl Orbit<f64> {
         if e == 0.0 {
             return mean;
         }
-        let begin = e.mul_add(-sincos(anomaly).0, anomaly);
+        let begin = e.mul_add(-anomaly_cos_sin(e, anomaly)[1], anomaly) * self.sign();
         let mut growth = self.eccentric_anomaly(begin + mean) - anomaly;
         with_fma(Growth { eccentricity: e, anomaly, mean, growth: &mut growth });
         growth
@@ -664,6 +761,8 @@ impl Orbit<f64> {
 }
 
 impl Orbit<f64> {
+    /// The largest eccentricity of an ellipse, and the least of a hyperbola.
+    pub const OF_PARABOLA: [f64; 2] = [0.95, 1.05];
     /// The largest eccentricity.
-    pub const MOST_ECCENTRIC: f64 = 0.95;
+    pub const MOST_ECCENTRIC: f64 = 1e6;
 }

@@ -1,30 +1,31 @@
 //! The way along an orbit in eccentric anomaly, which the steps of a body on an orbit alone take for the time.
 
-use super::Orbit;
+use super::orbit::{Orbit, anomaly_cos_sin, conic_sign};
 use crate::kinematics::{attitude_of_rows, cross, quaternion_product, to_body_frame};
 use crate::real::Real;
-use crate::special::sincos;
 
-/// A part of the way along an orbit, in eccentric anomaly: how it moves `e cos E` and `e sin E`. Of a hyperbola the law
-/// of addition has another sign.
+/// A part of the way along an orbit, in eccentric anomaly: how it moves the numbers of [`Orbit::clock_at`]. Of a hyperbola
+/// the law of addition has another sign.
 #[derive(Clone, Copy)]
 pub struct Along<R> {
     cos: R,
     sin: R,
+    /// The sine with the sign of the orbit.
+    signed: R,
 }
 
 impl<R: Real> Along<R> {
-    /// So much of the anomaly.
+    /// So much of the anomaly of an orbit.
     #[inline(always)]
-    pub fn of(anomaly: R) -> Self {
-        let (sin, cos) = sincos(anomaly);
-        Along { cos, sin }
+    pub fn of(eccentricity: R, anomaly: R) -> Self {
+        let [cos, sin] = anomaly_cos_sin(eccentricity, anomaly);
+        Along { cos, sin, signed: conic_sign(eccentricity) * sin }
     }
 
-    /// `e cos E` and `e sin E` after it.
+    /// The numbers after it.
     #[inline(always)]
     pub fn after(&self, [cos, sin]: [R; 2]) -> [R; 2] {
-        [sin.fnma(self.sin, cos * self.cos), cos.fma(self.sin, sin * self.cos)]
+        [sin.fnma(self.sin, cos * self.cos), cos.fma(self.signed, sin * self.cos)]
     }
 }
 
@@ -33,20 +34,22 @@ impl<R: Real> Along<R> {
 pub struct StepAlong<R> {
     versine: R,
     sin: R,
+    signed: R,
 }
 
 impl<R: Real> StepAlong<R> {
-    /// So much of the anomaly.
+    /// So much of the anomaly of an orbit.
     #[inline(always)]
-    pub fn of(anomaly: R) -> Self {
-        let (half, _) = sincos(anomaly * R::splat(0.5));
-        StepAlong { versine: (half + half) * half, sin: sincos(anomaly).0 }
+    pub fn of(e: R, anomaly: R) -> Self {
+        let sign = conic_sign(e);
+        let ([_, half], [_, sin]) = (anomaly_cos_sin(e, anomaly * R::splat(0.5)), anomaly_cos_sin(e, anomaly));
+        StepAlong { versine: (half + half) * (sign * half), sin, signed: sign * sin }
     }
 
-    /// `e cos E` and `e sin E` after it.
+    /// The numbers after it.
     #[inline(always)]
     pub fn after(&self, [cos, sin]: [R; 2]) -> [R; 2] {
-        [cos - sin.fma(self.sin, cos * self.versine), sin + cos.fma(self.sin, -(sin * self.versine))]
+        [cos - sin.fma(self.sin, cos * self.versine), sin + cos.fma(self.signed, -(sin * self.versine))]
     }
 }
 
@@ -64,15 +67,17 @@ pub struct OrbitPlace {
 impl OrbitPlace {
     /// The place with an eccentric anomaly.
     pub fn of(orbit: Orbit<f64>, anomaly: f64) -> OrbitPlace {
-        let (e, (sin, cos)) = (orbit.eccentricity(), sincos(0.5 * anomaly));
-        // Without cancellation near the periapsis: 1 - e cos E.
-        let distance = ((1.0 - e) * cos).mul_add(cos, ((1.0 + e) * sin) * sin);
+        let (e, nearest) = (orbit.eccentricity(), orbit.periapsis());
+        let [cos, sin] = anomaly_cos_sin(e, 0.5 * anomaly);
+        // Without cancellation near the periapsis: |1 - e cos E|.
+        let distance = (nearest * cos).mul_add(cos, ((1.0 + e) * sin) * sin);
         let [first, _] = orbit.semi_axes();
+        let first = first.map(|x| conic_sign(e) * x);
         let normal = orbit.normal().expect("there is an orbit");
         let second = cross(&normal, &first);
-        // The half of the true anomaly v: tan(v/2) = sqrt((1 + e) / (1 - e)) tan(E/2).
+        // The half of the true anomaly v: tan(v/2) = sqrt((1 + e) / |1 - e|) tan(E/2).
         let root = distance.sqrt();
-        let turn = [(1.0 - e).sqrt() * cos / root, 0.0, 0.0, (1.0 + e).sqrt() * sin / root];
+        let turn = [nearest.sqrt() * cos / root, 0.0, 0.0, (1.0 + e).sqrt() * sin / root];
         let plane = attitude_of_rows(&[first[0], second[0], normal[0]], &[first[2], second[2], normal[2]]);
         OrbitPlace { orbit, anomaly, distance, frame: quaternion_product(&plane, &turn) }
     }
@@ -101,18 +106,21 @@ impl OrbitPlace {
             [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]].map(|axis| to_body_frame(&[w, -x, -y, -z], &axis));
         let [a, b, c] = first;
         let [d, f, g] = second;
-        Orbit([((1.0 + e) / (1.0 - e)).sqrt(), 0.0, 0.0, a, b, c, d, f, g])
+        Orbit([((1.0 + e) / self.orbit.periapsis()).sqrt(), 0.0, 0.0, a, b, c, d, f, g])
     }
 
-    /// Rates over the pace of the anomaly if the rates are the same at the apoapsis.
-    pub fn to_slowest_pace(&self, omega: [f64; 3]) -> [f64; 3] {
-        omega.map(|rate| rate * (1.0 + self.orbit.eccentricity()) / self.orbit.rate())
+    /// Rates over the pace of the anomaly if the rates are the same at the apoapsis, or where a hyperbola is farthest in the
+    /// time until then.
+    pub fn to_slowest_pace(&self, omega: [f64; 3], time: f64) -> [f64; 3] {
+        let farthest = self.orbit.farthest([0.0, time]).unwrap_or(1.0 + self.orbit.eccentricity());
+        omega.map(|rate| rate * farthest / self.orbit.rate())
     }
 
     /// Cosine and sine of the true anomaly.
     pub fn direction(&self) -> [f64; 2] {
-        let (e, (sin, cos)) = (self.orbit.eccentricity(), sincos(self.anomaly));
-        [(cos - e) / self.distance, ((1.0 - e) * (1.0 + e)).sqrt() * sin / self.distance]
+        let e = self.orbit.eccentricity();
+        let [cos, sin] = anomaly_cos_sin(e, self.anomaly);
+        [conic_sign(e) * (cos - e) / self.distance, self.orbit.semi_minor() * sin / self.distance]
     }
 
     /// Whether the orbit is circular.
@@ -130,7 +138,7 @@ impl OrbitPlace {
         self.anomaly
     }
 
-    /// `e cos E` and `e sin E`.
+    /// See [`Orbit::clock_at`].
     pub fn clock(&self) -> [f64; 2] {
         self.orbit.clock_at(self.anomaly)
     }

@@ -25,7 +25,7 @@ struct LaneTask {
     /// How many times the steps of the sample it makes, where its rates pass their bound over an anomaly.
     times: u64,
     /// Its place on the orbit at the start, if it is integrated over its anomaly.
-    place: Option<OrbitPlace>,
+    on_orbit: Option<OnOrbit>,
     course: Option<Course>,
 }
 
@@ -81,14 +81,14 @@ impl Watched<'_> {
 
     /// Translates an outcome over the anomaly of an orbit to the time. On an orbit no component of the momentum is constant;
     /// the Jacobi integral is on a circle.
-    fn translate(&self, place: &OrbitPlace, outcome: &mut Outcome) {
+    fn translate(&self, OnOrbit { place, pace, .. }: &OnOrbit, outcome: &mut Outcome) {
         if outcome.left < f64::INFINITY {
             outcome.left = place.time_until(outcome.left).clamp(0.0, self.t_end);
         }
         let turned = outcome.step * outcome.steps as f64;
         // The integral of the rates over the pace is that of the rates over the time.
         outcome.mean_rate *= turned / place.time_until(turned);
-        outcome.step /= place.rate();
+        outcome.step /= pace;
         outcome.momentum_drift = f64::NAN;
         if !place.is_on_circle() {
             outcome.energy_drift = f64::NAN;
@@ -169,7 +169,7 @@ impl MapJob<'_> {
         let is_on_clock = self.compiled.kernel().system.is_on_clock();
         let on_orbit = is_on_clock.then(|| {
             let place = OrbitPlace::of(*orbit, orbit.anomaly_at(0.0));
-            OnOrbit { place, rate: body.pace_rate(&place) }
+            OnOrbit { place, rate: body.pace_rate(&place, map.t_end), pace: orbit.pace([0.0, map.t_end]) }
         });
         let place = on_orbit.map(|on_orbit| on_orbit.place);
         // A time, or the anomaly until then.
@@ -211,7 +211,7 @@ impl MapJob<'_> {
             course.settle(&mut self.group, self.compiled.kernel().system, lane);
         }
         self.target[lane] = course.map_or(steps as f64, |course| course.next());
-        Some(LaneTask { index, step, times, place, course })
+        Some(LaneTask { index, step, times, on_orbit, course })
     }
 }
 
@@ -256,7 +256,7 @@ impl Job for MapJob<'_> {
             return Ok(true);
         }
         let kernel = self.compiled.kernel();
-        if task.place.is_some() && !(self.group.momentum.worst.0[lane] <= DRIFT_LIMIT) {
+        if task.on_orbit.is_some() && !(self.group.momentum.worst.0[lane] <= DRIFT_LIMIT) {
             // The body is faster than its bound, and its steps are too long.
             if let Some(again) = self.begin(lane, task.index, 2 * task.times) {
                 *task = again;
@@ -267,8 +267,8 @@ impl Job for MapJob<'_> {
             return Ok(false);
         }
         let mut outcome = self.map.outcome(&self.group, lane, kernel.observed, task.step);
-        if let Some(place) = &task.place {
-            self.map.translate(place, &mut outcome);
+        if let Some(on_orbit) = &task.on_orbit {
+            self.map.translate(on_orbit, &mut outcome);
         }
         if self.map.criterion == Criterion::MeanRateOverMotion {
             let forces = self.map.forces_of((self.first + task.index as u64) / self.map.samples);

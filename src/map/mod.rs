@@ -58,6 +58,8 @@ struct OnOrbit {
     place: OrbitPlace,
     /// The bound of its rates over the pace of the anomaly.
     rate: f64,
+    /// The pace by which a step of the time becomes one of the anomaly; see [`crate::forces::Orbit::pace`].
+    pace: f64,
 }
 
 /// Cost of a classification in closed form in units of RK4 steps, to share the processor time of a block.
@@ -419,8 +421,7 @@ impl Watched<'_> {
         let method = self.method(cross_check);
         let (is_ruled, is_auto) = (self.criterion.rule().is_some(), self.map.method == MethodChoice::Auto);
         let is_alike = method == self.method(false);
-        // Over an anomaly steps of a time are those of the mean motion.
-        let pace = on_orbit.map_or(1.0, |on_orbit| on_orbit.place.rate());
+        let pace = on_orbit.map_or(1.0, |on_orbit| on_orbit.pace);
         let rate = match on_orbit {
             Some(on_orbit) => on_orbit.rate,
             None if forces.is_none() => body.neighbours_rate(),

@@ -1,15 +1,16 @@
 //! Explicit Runge-Kutta steps of a body on an orbit on which nothing else acts. The eccentric anomaly E takes the place
 //! of the time: equal steps in E are short near the periapsis, where the body turns fast.
 //!
-//! The distance is `r = 1 - e cos E`. The rates over the pace of the anomaly are `Q = omega r / n`, with
+//! The distance is `r = 1 - e cos E`, or `e cosh E - 1` of a hyperbola. The rates over the pace of the anomaly are `Q = omega r / n`, with
 //! `Q' = (I2 - I3) / I1 (Q2 Q3 - 3 o2 o3 / r) + (e sin E / r) Q1` and so on, o the direction from the planet in the
 //! body. The quaternion q leads from the body to the frame of the orbit, whose third axis k is the normal:
-//! `q' = q (0, Q) / 2 - (sqrt(1 - e^2) / 2r) k q`.
+//! `q' = q (0, Q) / 2 - (sqrt |1 - e^2| / 2r) k q`. On a hyperbola -e cosh E and e sinh E take the place of e cos E and
+//! e sin E, and the distance is their sum with -1.
 
 use super::runge_kutta::{add_times, for_stages, powers, times};
 use super::tableau::{ALL_STAGES, MAX_STAGES, Tableau, coefficient, node, time, weight};
 use super::{Coefficients, Engine, EngineName, Numbers, Step, Variables, cubic_inside};
-use crate::forces::{Along, ForcesInterval, StepAlong};
+use crate::forces::{Along, ForcesInterval, StepAlong, conic_sign};
 use crate::kinematics;
 use crate::real::Real;
 use crate::scene::{Layout, Model, Parameters};
@@ -24,11 +25,14 @@ pub struct OrbitSteps<T, R> {
     /// `(I2 - I3) / I1` and its cyclic neighbours, times the unit.
     ratios: [R; 3],
     unit: R,
-    /// Half of the unit, and that times `sqrt(1 - e^2)`.
+    /// Half of the unit, and that times `sqrt |1 - e^2|`.
     half: R,
     turn: R,
-    /// Twice `sqrt(1 - e^2)`, for halves of the normal.
+    /// Twice `sqrt |1 - e^2|`, for halves of the normal.
     frame: R,
+    /// 1 of an ellipse, -1 of a hyperbola.
+    sign: R,
+    eccentricity: R,
     /// To the stages, and over the step.
     along: [Along<R>; MAX_STAGES],
     step: StepAlong<R>,
@@ -74,7 +78,7 @@ macro_rules! stages {
     )*};
 }
 
-/// The variables that change by slopes, and `e cos E`, `e sin E`.
+/// The variables that change by slopes, and the numbers of `Orbit::clock_at`.
 #[expect(clippy::manual_memcpy, reason = "a copy of slices is a call")]
 #[inline(always)]
 fn parts<R: Real, const D: usize>(y: &[R; D]) -> ([R; TURNING], [R; 2]) {
@@ -86,11 +90,11 @@ fn parts<R: Real, const D: usize>(y: &[R; D]) -> ([R; TURNING], [R; 2]) {
 }
 
 impl<T: Tableau, R: Real> OrbitSteps<T, R> {
-    /// The equations of motion, times the unit, where `e cos E` and `e sin E` are known.
+    /// The equations of motion, times the unit, at the numbers of `Orbit::clock_at`.
     #[inline(always)]
     fn rate(&self, [cos, sin]: [R; 2], y: &[R; TURNING]) -> [R; TURNING] {
         let (one, half) = (R::splat(1.0), R::splat(0.5));
-        let near = one / (one - cos);
+        let near = one / (self.sign - cos);
         let stretch = (self.unit * sin) * near;
         let turn = self.turn * near;
         let [a, b, c, q0, q1, q2, q3] = *y;
@@ -136,7 +140,7 @@ impl<T: Tableau, R: Real> OrbitSteps<T, R> {
                     at[d] = R::splat(number).fma(slopes[i][d], at[d]);
                 }
             }
-            let part = Along::of(step * R::splat(node(row)));
+            let part = Along::of(self.eccentricity, step * R::splat(node(row)));
             slopes[MAX_STAGES + 1 + stage] = self.rate(part.after(clock), &at);
         }
         powers::<T, R, TURNING>(&before, after, &slopes)
@@ -155,11 +159,11 @@ impl<T: Tableau, R: Real, M: Model<R>, L: Layout, const D: usize> Engine<R, M, L
         let unit = p.step * R::splat(T::UNIT);
         let half = unit * R::splat(0.5);
         let [a, b, c] = M::new(p).ratios();
-        let root = ((one - e) * (one + e)).sqrt();
-        let mut along = [Along::of(R::splat(0.0)); MAX_STAGES];
+        let root = ((one - e) * (one + e)).abs().sqrt();
+        let mut along = [Along::of(e, R::splat(0.0)); MAX_STAGES];
         for_stages!(I => {
             if const { I + 1 < T::STAGES } {
-                along[I + 1] = Along::of(p.step * R::splat(const { time::<T>(I + 1) * T::UNIT }));
+                along[I + 1] = Along::of(e, p.step * R::splat(const { time::<T>(I + 1) * T::UNIT }));
             }
         });
         OrbitSteps {
@@ -168,8 +172,10 @@ impl<T: Tableau, R: Real, M: Model<R>, L: Layout, const D: usize> Engine<R, M, L
             half,
             turn: half * root,
             frame: root + root,
+            sign: conic_sign(e),
+            eccentricity: e,
             along,
-            step: StepAlong::of(p.step),
+            step: StepAlong::of(e, p.step),
             tableau: PhantomData,
         }
     }
@@ -220,7 +226,7 @@ impl<T: Tableau, R: Real, M: Model<R>, L: Layout, const D: usize> Engine<R, M, L
         let (turning, [cos, _]) = parts(y);
         let [a, b, c, q0, q1, q2, q3] = turning;
         let [_, _, normal] = kinematics::half_rows(&[q0, q1, q2, q3]);
-        let rate = self.frame / (R::splat(1.0) - cos);
+        let rate = self.frame / (self.sign - cos);
         [rate.fnma(normal[0], a), rate.fnma(normal[1], b), rate.fnma(normal[2], c)]
     }
 
@@ -230,7 +236,7 @@ impl<T: Tableau, R: Real, M: Model<R>, L: Layout, const D: usize> Engine<R, M, L
     fn turning_rate(&self, p: &Parameters<R>, y: &[R; D]) -> [R; 3] {
         let turning = Engine::<R, M, L, D>::turning(self, p, y);
         let frame = [y[0] - turning[0], y[1] - turning[1], y[2] - turning[2]];
-        let slower = y[TURNING + 1] / (R::splat(1.0) - y[TURNING]);
+        let slower = y[TURNING + 1] / (self.sign - y[TURNING]);
         let turned = kinematics::cross(&frame, &turning);
         let mut change = Engine::<R, M, L, D>::velocity(self, p, y);
         for k in 0..3 {

@@ -4,7 +4,7 @@ use super::inside::{self, Inside, crossing, state};
 use super::{
     EXIT_TIME, Observable, Rows, Segment, Start, Update, angle_of, chord2, look_inside, motion_inside, three,
 };
-use crate::forces::Orbit;
+use crate::forces::{Orbit, anomaly_cos_sin, conic_sign};
 use crate::kinematics::{cross, direction, dot, half_rows};
 use crate::method::{Coefficients, Engine, Variables};
 use crate::real::{Apart, Real};
@@ -248,10 +248,12 @@ impl<R: Real, const D: usize> OnOrbit<'_, R, D> {
     #[inline(always)]
     fn seen(&self, fraction: R, y: &[R; D]) -> [R; FRAME] {
         let (one, zero, e) = (R::splat(1.0), R::splat(0.0), self.eccentricity);
-        let (sin, cos) = sincos(self.step.fma(fraction, self.anomaly));
-        let near = one / e.fnma(cos, one);
+        let [cos, sin] = anomaly_cos_sin(e, self.step.fma(fraction, self.anomaly));
+        // One over the distance, with the sign of an ellipse or a hyperbola.
+        let signed = one / e.fnma(cos, one);
+        let near = conic_sign(e) * signed;
         let pace = self.rate * near;
-        let place = [(cos - e) * near, ((one - e) * (one + e)).sqrt() * sin * near];
+        let place = [(cos - e) * signed, ((one - e) * (one + e)).abs().sqrt() * sin * near];
         let [outward, along, normal] = half_rows(&[y[3], y[4], y[5], y[6]]);
         let [first, second] = plane_axes(&outward, &along, place);
         let mut all = [zero; FRAME];

@@ -353,7 +353,7 @@ impl<'a> LegGroup<'a> {
         let index = self.index(b);
         (self.is_forced() && is_timed)
             .then(|| self.body(b).fastest_rate(self.request.forces_of(index), self.request.range_of(index)))
-            .map(|rate| rate / self.orbit(b).map_or(1.0, |orbit| orbit.rate()))
+            .map(|rate| rate / self.orbit(b).map_or(1.0, |orbit| orbit.pace(self.request.range_of(index))))
     }
 
     /// Puts the stops of all bodies at the begin of a direction of time. Whether there are any.
@@ -436,7 +436,7 @@ impl<'a> LegGroup<'a> {
         GroupStops::new(self.request, self.members.iter().map(|&member| first + member), backward)
     }
 
-    /// The legs of all bodies to those stops. The steps over an anomaly are those in the time, times the mean motion.
+    /// The legs of all bodies to those stops. The steps over an anomaly are those in the time, times a pace of the orbit.
     fn legs_to(&mut self, stops: &[Stop; LANES]) -> [Leg; LANES] {
         let (mut legs, mut before) = ([Leg::NONE; LANES], None);
         for b in 0..self.members.len() {
@@ -453,7 +453,8 @@ impl<'a> LegGroup<'a> {
                 (Some(orbit), End::At(time)) => {
                     let span = orbit.anomaly_in(time - stops[b].from, self.anomalies[b]);
                     self.anomalies[b] = orbit.anomaly_at(time);
-                    leg(0.0, span, largest * orbit.rate(), refinement)
+                    let pace = orbit.pace(self.request.range_of(self.index(b)));
+                    leg(0.0, span, largest * pace, refinement)
                 }
                 _ => stops[b].leg(largest, refinement),
             };

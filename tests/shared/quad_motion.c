@@ -79,17 +79,18 @@ static quad product(const quad *a, const quad *b, int n)
     return sum;
 }
 
-/* The coefficients n of the powers of a/r, and n + 1 of cosine and sine of the eccentric anomaly. */
+/* The coefficients n of the powers of a/r, and n + 1 of cosine and sine of the eccentric anomaly, which are hyperbolic
+   on a hyperbola. */
 static void expand_orbit(const double *orbit, int n, Series *x)
 {
-    const quad rate = orbit[0], e = orbit[1];
-    quad sum = n == 0;
+    const quad rate = orbit[0], e = orbit[1], sign = e > 1 ? -1 : 1;
+    quad sum = n == 0 ? sign : 0;
     for (int k = 1; k <= n; k++)
         sum += e * x->u[0][0][k] * x->near[0][n - k];
     x->near[0][n] = sum / (1 - e * x->u[0][0][0]);
     for (int power = 1; power < 5; power++)
         x->near[power][n] = product(x->near[power - 1], x->near[0], n);
-    x->u[0][0][n + 1] = -rate * product(x->u[0][1], x->near[0], n) / (n + 1);
+    x->u[0][0][n + 1] = -sign * rate * product(x->u[0][1], x->near[0], n) / (n + 1);
     x->u[0][1][n + 1] = rate * product(x->u[0][0], x->near[0], n) / (n + 1);
 }
 

@@ -88,9 +88,11 @@ def averaged_torque(p: float, eccentricity: Floats) -> Floats:
 
 
 def _orbit_alone(spec: MapSpec) -> Orbit | None:
-    """The orbit of a free body on which nothing else acts."""
+    """The orbit of a free body, an ellipse, on which nothing else acts."""
     orbit = spec.scene.orbit
-    return None if orbit is None or orbit.shape or {*spec.forces} != {"orbit"} else orbit
+    if orbit is None or orbit.shape or orbit.eccentricity > 1.0 or {*spec.forces} != {"orbit"}:
+        return None
+    return orbit
 
 
 def _faces_planet(spec: MapSpec, orbit: Orbit) -> bool:

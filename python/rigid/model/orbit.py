@@ -20,9 +20,19 @@ Floats = NDArray[np.float64]
 Vector: TypeAlias = tuple[float, float, float]
 
 MOST_ECCENTRIC = 0.95
+"""Largest eccentricity of an ellipse."""
+
+_OF_HYPERBOLA = 1.05, 1e6
+"""Least and largest eccentricity of a hyperbola."""
 
 _LARGEST_ANOMALY = 1e3
-"""Largest anomaly (rad); the rounding of a larger one exceeds the error of steps."""
+"""Largest anomaly (rad) of an ellipse; the rounding of a larger one exceeds the error of steps."""
+
+_LARGEST_OF_HYPERBOLA = 1e6
+"""Largest anomaly of a hyperbola: about the distance in semi-major axes.
+
+A rounding of the place there moves the passage by the square of the distance.
+"""
 
 _LARGEST_ANGLE = 1e15
 """Largest angle (rad); the place on the orbit is lost in the rounding of a larger one."""
@@ -33,7 +43,7 @@ _ROUNDED = 4.0 * np.finfo(np.float64).eps
 
 @dataclass(frozen=True, slots=True, init=False, eq=False, repr=False)
 class Orbit:
-    """A Keplerian orbit about a point mass, whose gravity gradient turns the body.
+    """A Keplerian orbit about a point mass, or a flyby, whose gravity gradient turns the body.
 
     The torque is ``3 n² (a/r)³ o × I o``, with the mean motion ``n``, the semi-major axis ``a``,
     the distance ``r``, and the direction ``o`` from the planet to the body (Hughes, *Spacecraft
@@ -45,18 +55,22 @@ class Orbit:
     Parameters
     ----------
     rate : float or array_like, shape (...)
-        Mean motion ``n`` (rad/s), positive: 2π over the period.
+        Mean motion ``n`` (rad/s), positive: 2π over the period of an ellipse, ``sqrt(μ/|a|³)`` of
+        both. :meth:`flyby` computes it from a speed and a distance.
     eccentricity : float or array_like, shape (...)
-        From 0, a circle, to 0.95. A parabola is no orbit of this class.
+        Of an ellipse from 0, a circle, to 0.95; of a hyperbola from 1.05 to 10⁶. A parabola, 1, is
+        no orbit of this class.
     anomaly : float or array_like, shape (...)
-        Mean anomaly at ``t = 0`` (rad): 0 at the periapsis.
+        Mean anomaly at ``t = 0`` (rad): 0 at the periapsis, negative before it. On a hyperbola it
+        is ``e sinh H - H``, which grows by ``n`` a second, too.
     normal : array_like, shape (3,) or (..., 3)
         Unit vector about which the body goes around, in space.
     periapsis : array_like, shape (3,) or (..., 3)
         Unit vector from the planet to the periapsis, in space, at right angles to ``normal``. On a
         circle it is where the body is at the anomaly 0.
     true_anomaly : float or array_like, shape (...), optional
-        Angle from the periapsis at ``t = 0`` (rad), instead of ``anomaly``.
+        Angle from the periapsis at ``t = 0`` (rad), instead of ``anomaly``. On a hyperbola it is
+        within the asymptotes, ``cos f > -1/e``.
 
     Leading axes give each body its orbit.
 
@@ -68,13 +82,15 @@ class Orbit:
     Raises
     ------
     ValueError
-        If the rate is not positive; if the eccentricity is not from 0 to 0.95; if a direction is no
-        unit vector, or the two are not perpendicular; if an anomaly is above 1000 rad, or both
-        anomalies are given; if the shapes do not broadcast.
+        If the rate is not positive; if the eccentricity is none of an ellipse or a hyperbola; if a
+        direction is no unit vector, or the two are not perpendicular; if an anomaly is above
+        1000 rad, or 10⁶ on a hyperbola, or beyond an asymptote, or both anomalies are given; if the
+        shapes do not broadcast.
 
     References
     ----------
-    C. D. Murray, S. F. Dermott, *Solar System Dynamics*, 1999, § 2.4.
+    C. D. Murray, S. F. Dermott, *Solar System Dynamics*, 1999, § 2.4; R. H. Battin, *An
+    Introduction to the Mathematics and Methods of Astrodynamics*, 1999, § 4.4 (the hyperbola).
 
     Examples
     --------
@@ -106,13 +122,14 @@ class Orbit:
     ) -> None:
         rates = shaped("rate", rate, positive=True, unit="rad/s")
         e = shaped("eccentricity", eccentricity, nonnegative=True)
-        if np.any(e > MOST_ECCENTRIC):
-            index, place = first_place(e > MOST_ECCENTRIC)
-            why = "near a parabola (1) the steps at the periapsis would be too short"
-            if e[index] >= 1.0:
-                why = "from 1 on a body passes once and does not return"
+        least, largest = _OF_HYPERBOLA
+        outside = (e > MOST_ECCENTRIC) & (e < least) | (e > largest)
+        if np.any(outside):
+            index, place = first_place(outside)
             raise ValueError(
-                f"eccentricity{place} = {e[index]:g}: must be at most {MOST_ECCENTRIC}; {why}"
+                f"eccentricity{place} = {e[index]:g}: must be at most {MOST_ECCENTRIC} (an ellipse), "
+                f"or from {least} to {largest:g} (a hyperbola); near a parabola, 1, the anomaly does "
+                "not tell the place well enough"
             )
         mean = shaped("anomaly", 0.0 if anomaly is None else anomaly, unit="rad")
         if true_anomaly is not None:
@@ -133,11 +150,15 @@ class Orbit:
         turned = begin - along * axis
         turned = turned / np.linalg.norm(turned, axis=-1, keepdims=True)
         begin = np.where(np.abs(along) > _ROUNDED, turned, begin)
-        if np.any(np.abs(mean) > _LARGEST_ANOMALY):
-            index, place = first_place(np.abs(mean) > _LARGEST_ANOMALY)
+        most = np.where(e > 1.0, _LARGEST_OF_HYPERBOLA, _LARGEST_ANOMALY)
+        if np.any(np.abs(mean) > most):
+            beyond = np.abs(mean) > most
+            index, place = first_place(beyond)
+            open_ = bool(np.broadcast_to(e > 1.0, beyond.shape)[index])
+            todo = "begin nearer to the periapsis" if open_ else "leave out whole revolutions of 2π"
             raise ValueError(
-                f"anomaly{place} = {mean[index]:g}: must be within {_LARGEST_ANOMALY:g} rad; leave "
-                "out whole revolutions of 2π"
+                f"anomaly{place} = {np.broadcast_to(mean, beyond.shape)[index]:g}: must be within "
+                f"{np.broadcast_to(most, beyond.shape)[index]:g} rad; {todo}"
             )
         set_field = object.__setattr__  # the dataclass is frozen
         for name, array in (("rate", rates), ("eccentricity", e), ("anomaly", mean)):
@@ -156,8 +177,64 @@ class Orbit:
 
     @property
     def period(self) -> float | Floats:
-        """Time of a revolution (s), shape (...)."""
-        return 2.0 * np.pi / self.rate
+        """Time of a revolution (s), shape (...); infinite on a hyperbola."""
+        period = np.where(np.asarray(self.eccentricity) > 1.0, np.inf, 2.0 * np.pi / self.rate)
+        return period if self.shape else float(period)
+
+    @classmethod
+    def flyby(
+        cls,
+        gm: ArrayLike,
+        periapsis: ArrayLike,
+        speed: ArrayLike,
+        time: ArrayLike = 0.0,
+        normal: ArrayLike = (0.0, 0.0, 1.0),
+        towards: ArrayLike = (1.0, 0.0, 0.0),
+    ) -> Self:
+        """The hyperbola of a body that passes a planet once.
+
+        The semi-major axis is ``a = gm / speed²``, the eccentricity ``1 + periapsis / a`` and the
+        mean motion ``speed³ / gm`` (Battin 1999, § 4.4). Lengths and times are in any units, if
+        they are the same everywhere.
+
+        Parameters
+        ----------
+        gm : float or array_like, shape (...)
+            Gravitational parameter of the planet (m³/s²).
+        periapsis : float or array_like, shape (...)
+            Least distance from the centre of the planet (m).
+        speed : float or array_like, shape (...)
+            Speed at infinity (m/s).
+        time : float or array_like, shape (...)
+            Time of the passage through the periapsis (s).
+        normal, towards : array_like, shape (3,) or (..., 3)
+            Unit vectors in space at right angles: about which the body passes, and from the planet
+            to the periapsis.
+
+        Returns
+        -------
+        Orbit
+
+        Raises
+        ------
+        ValueError
+            If ``gm``, ``periapsis`` or ``speed`` is not positive, or as for :class:`Orbit`.
+
+        Examples
+        --------
+        Apophis passes the Earth on 13 April 2029, with 5.84 km/s at infinity, at 38 011 km:
+
+        >>> import rigid
+        >>> orbit = rigid.Orbit.flyby(gm=398600.4, periapsis=38011.0, speed=5.8414, time=86400.0)
+        >>> round(orbit.eccentricity, 3)
+        4.254
+        """
+        mu = shaped("gm", gm, positive=True, unit="m³/s²")
+        nearest = shaped("periapsis", periapsis, positive=True, unit="m")
+        fast = shaped("speed", speed, positive=True, unit="m/s")
+        passage = shaped("time", time, unit="s")
+        rate = fast**3 / mu
+        return cls(rate, 1.0 + nearest * fast**2 / mu, -rate * passage, normal, towards)
 
     def position(self, t: ArrayLike) -> Floats:
         """Vector from the planet to the body in space, divided by the semi-major axis.
@@ -248,17 +325,18 @@ class Orbit:
             np.broadcast_to(np.asarray(axis), (*shape, 3)) for axis in (self.periapsis, self.normal)
         )
         e = scalars[1]
-        second = np.sqrt((1.0 - e) * (1.0 + e)) * np.cross(normal, first)
-        return np.concatenate([*scalars, first, second], axis=-1)
+        second = np.sqrt(np.abs((1.0 - e) * (1.0 + e))) * np.cross(normal, first)
+        return np.concatenate([*scalars, _sign(e) * first, second], axis=-1)
 
     @classmethod
     def of_numbers(cls, numbers: ArrayLike) -> Self:
         """The orbit with these :attr:`numbers`, shape (..., 9)."""
         every = np.asarray(numbers, dtype=np.float64)
         rate, e, mean = (every[..., k] for k in range(3))
-        normal = np.cross(every[..., 3:6], every[..., 6:])
+        first = _sign(every[..., 1:2]) * every[..., 3:6]
+        normal = np.cross(first, every[..., 6:])
         normal = normal / np.linalg.norm(normal, axis=-1, keepdims=True)
-        return cls(rate, e, mean, normal, every[..., 3:6])
+        return cls(rate, e, mean, normal, first)
 
     def to_dict(self) -> dict[str, Any]:
         """The orbit as a dict of numbers; :meth:`from_dict` reads it.
@@ -316,7 +394,8 @@ class Orbit:
         path = f"eccentricity {self.eccentricity:g}" if self.eccentricity else "circular"
         if "eccentricity" in varied:
             path = "eccentricity varied"
-        return f"orbit at {self.rate:g} rad/s, {path}"
+        kind = "flyby" if self.eccentricity > 1.0 else "orbit"
+        return f"{kind} at {self.rate:g} rad/s, {path}"
 
 
 _USUAL: Mapping[str, Any] = {
@@ -329,12 +408,34 @@ _USUAL: Mapping[str, Any] = {
 """Default values, which ``repr`` omits."""
 
 
+def _sign(e: Floats) -> Floats:
+    """1 of an ellipse, -1 of a hyperbola, whose first semi-axis leads away from the periapsis."""
+    return np.where(e > 1.0, -1.0, 1.0)
+
+
 def _mean_anomaly(true: Floats, e: Floats) -> Floats:
-    """The mean anomaly at a true anomaly, of the same revolution (Murray and Dermott, eq. 2.46)."""
+    """The mean anomaly at a true anomaly, of the same revolution (Murray and Dermott, eq. 2.46).
+
+    On a hyperbola ``tanh`` takes the place of ``tan`` (Battin 1999, eq. 4.35).
+    """
     half = 0.5 * np.remainder(true + np.pi, 2.0 * np.pi) - 0.5 * np.pi
     turns = true - 2.0 * half
-    eccentric = 2.0 * np.arctan2(np.sqrt(1.0 - e) * np.sin(half), np.sqrt(1.0 + e) * np.cos(half))
-    mean: Floats = eccentric - e * np.sin(eccentric) + turns
+    across, along = np.sqrt(np.abs(1.0 - e)) * np.sin(half), np.sqrt(1.0 + e) * np.cos(half)
+    beyond = (e > 1.0) & (np.abs(across) >= along)
+    if np.any(beyond):
+        index, place = first_place(beyond)
+        angle = np.broadcast_to(true, beyond.shape)[index]
+        asymptote = np.arccos(-1.0 / np.broadcast_to(e, beyond.shape)[index])
+        raise ValueError(
+            f"true_anomaly{place} = {angle:g}: must be within the asymptotes of the hyperbola, "
+            f"{asymptote:g} rad from the periapsis"
+        )
+    eccentric = 2.0 * np.arctan2(across, along)
+    ratio = np.where(e > 1.0, across / along, 0.0)
+    hyperbolic = 2.0 * np.arctanh(ratio)
+    mean: Floats = np.where(
+        e > 1.0, e * np.sinh(hyperbolic) - hyperbolic, eccentric - e * np.sin(eccentric) + turns
+    )
     return mean
 
 
