@@ -14,11 +14,13 @@ use crate::kinematics::{add_cross, cross, direction, dot, put, to_body_frame};
 use crate::real::{Apart, Real};
 use crate::series::{Coefficients, VectorSeries};
 use crate::simd::with_fma;
-use crate::special::{ln, sincos, sinhcosh};
+use crate::special::{exp, ln, sincos, sinhcosh};
 
 /// The mean motion n, 0 without an orbit; the eccentricity e; the mean anomaly at time 0; the semi-axes in space, in
-/// units of the semi-major axis, the first towards the periapsis of an ellipse, away from that of a hyperbola. The
-/// variables are cosine and sine of the eccentric anomaly, hyperbolic on a hyperbola.
+/// units of the semi-major axis, the first towards the periapsis of an ellipse, away from that of a hyperbola.
+///
+/// The variables are cosine and sine of the eccentric anomaly of an ellipse, `exp(E) / 2` and `exp(-E) / 2` of a
+/// hyperbola: their difference sinh E would round the small one, with which a body comes in.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Orbit<R>(pub [R; 9]);
 
@@ -71,6 +73,20 @@ impl<R: Real> Orbit<R> {
         conic_sign(self.eccentricity())
     }
 
+    /// 0 of an ellipse, 1 of a hyperbola.
+    #[inline(always)]
+    fn openness(&self) -> R {
+        let (zero, one) = (R::splat(0.0), R::splat(1.0));
+        R::select(one.lt(self.eccentricity()), one, zero)
+    }
+
+    /// Cosine and sine of the eccentric anomaly, from the variables; linear.
+    #[inline(always)]
+    pub fn cos_sin(&self, [first, second]: [R; 2]) -> [R; 2] {
+        let open = self.openness();
+        [open.fma(second, first), open.fma(first, self.sign() * second)]
+    }
+
     /// The semi-axes in space, over the semi-major axis.
     #[inline(always)]
     pub fn semi_axes(&self) -> [[R; 3]; 2] {
@@ -98,8 +114,9 @@ impl<R: Real> Orbit<R> {
     /// The direction o from the planet in the body, and `u^3 o`, at a state.
     #[inline(always)]
     fn direction<const D: usize>(&self, y: &[R; D], own: usize) -> [[R; 3]; 2] {
-        let u = self.inverse(y[own]);
-        let o = self.in_body([(y[own] - self.eccentricity()) * u, y[own + 1] * u], y);
+        let [cos, sin] = self.cos_sin([y[own], y[own + 1]]);
+        let u = self.inverse(cos);
+        let o = self.in_body([(cos - self.eccentricity()) * u, sin * u], y);
         let cube = u * u * u;
         [o, [o[0] * cube, o[1] * cube, o[2] * cube]]
     }
@@ -119,10 +136,12 @@ impl<R: Real> Orbit<R> {
         torque[2] = torque[2] + strength * (*i2 - *i1) * products[2];
     }
 
-    /// The rates of change of cosine and sine, from both times u; linear.
+    /// The rates of change of the variables, from both times u; linear.
     #[inline(always)]
-    fn turn(&self, [cos, sin]: [R; 2]) -> [R; 2] {
-        [-(self.sign() * self.rate()) * sin, self.rate() * cos]
+    fn turn(&self, [first, second]: [R; 2]) -> [R; 2] {
+        let open = self.openness();
+        let closed = R::splat(1.0) - open;
+        [self.rate() * closed.fnma(second, open * first), self.rate() * open.fnma(second, closed * first)]
     }
 }
 
@@ -243,24 +262,26 @@ impl<R: Real> Force<R> for Orbit<R> {
         // k - 1, and this call pushes each row k before it reads the row.
         let zero = R::splat(0.0);
         let row = c.order(k);
-        let (mut cos, mut sin) = (zero, zero);
+        let mut sums = [zero; 2];
         for j in 1..=k {
             // SAFETY: as above.
             let [.., u] = unsafe { *plane.order(k - j) };
             let row = c.order(j);
-            (cos, sin) = (row[own].fma(u, cos), row[own + 1].fma(u, sin));
+            sums = [row[own].fma(u, sums[0]), row[own + 1].fma(u, sums[1])];
         }
         let u = if k == 0 {
-            self.inverse(row[own])
+            self.inverse(self.cos_sin([row[own], row[own + 1]])[0])
         } else {
+            let [cos, _] = self.cos_sin(sums);
             // SAFETY: as above.
             let [.., first] = unsafe { *plane.order(0) };
             self.sign() * self.eccentricity() * first * cos
         };
         let begin = c.order(0);
-        (cos, sin) = (begin[own].fma(u, cos), begin[own + 1].fma(u, sin));
-        let [of_cos, of_sin] = self.turn([cos, sin]);
-        put(next, own, [factor * of_cos, factor * of_sin]);
+        sums = [begin[own].fma(u, sums[0]), begin[own + 1].fma(u, sums[1])];
+        let [of_first, of_second] = self.turn(sums);
+        put(next, own, [factor * of_first, factor * of_second]);
+        let [cos, sin] = self.cos_sin(sums);
         plane.push(k, [self.eccentricity().fnma(u, cos), sin, u]);
 
         let [a, b] = self.semi_axes();
@@ -306,7 +327,7 @@ impl<R: Real> Force<R> for Orbit<R> {
 
     #[inline(always)]
     fn change<const D: usize>(&self, y: &[R; D], own: usize, change: &mut [R; D]) {
-        let u = self.inverse(y[own]);
+        let u = self.inverse(self.cos_sin([y[own], y[own + 1]])[0]);
         put(change, own, self.turn([y[own] * u, y[own + 1] * u]));
     }
 
@@ -324,7 +345,7 @@ impl<R: Real> Force<R> for Orbit<R> {
         let mut change = cross(&o, &deviation(y, body.tangent)[1]);
         let (zero, mut stretch) = ([R::splat(0.0); 3], R::splat(0.0));
         if R::any(by.acts()) {
-            let [cos, sin, time] = [y[own], y[own + 1], y[body.time]];
+            let ([cos, sin], time) = (self.cos_sin([y[own], y[own + 1]]), y[body.time]);
             let u = self.inverse(cos);
             let place = [(cos - self.eccentricity()) * u, sin * u];
             let sign = self.sign();
@@ -381,8 +402,8 @@ impl<R: Real> Force<R> for Orbit<R> {
             } else {
                 zero[0]
             };
-            let sign = self.sign();
-            let mean = by.mean_anomaly(time, one, sign, row[own + 1]);
+            let (sign, [of_cos, of_sin]) = (self.sign(), self.cos_sin([row[own], row[own + 1]]));
+            let mean = by.mean_anomaly(time, one, sign, of_sin);
             varied.means.push(k, [mean; 3]);
             let mut anomaly = zero[0];
             for j in 0..=k {
@@ -396,10 +417,11 @@ impl<R: Real> Force<R> for Orbit<R> {
                 // SAFETY: as above.
                 let [anomaly, ..] = unsafe { *varied.anomalies.order(k - j) };
                 let row = c.order(j);
-                (cos, sin) = ((sign * row[own + 1]).fnma(anomaly, cos), row[own].fma(anomaly, sin));
+                let [of_cos, of_sin] = self.cos_sin([row[own], row[own + 1]]);
+                (cos, sin) = ((sign * of_sin).fnma(anomaly, cos), of_cos.fma(anomaly, sin));
             }
             // The change of the distance is less by this.
-            let nearer = sign * by.eccentricity().fma(row[own], self.eccentricity() * cos);
+            let nearer = sign * by.eccentricity().fma(of_cos, self.eccentricity() * cos);
             varied.places.push(k, [by.eccentricity().fnma(one, cos), sin, nearer]);
             let mut moved = zero;
             for j in 0..=k {
@@ -478,15 +500,15 @@ pub fn anomaly_cos_sin<R: Real>(eccentricity: R, anomaly: R) -> [R; 2] {
 impl Orbit<f64> {
     /// Rounds the rate otherwise, by more than the rates of a body: one that turns with its orbit does so no longer. And
     /// the mean anomaly, by a rounding of the eccentric one, with which all runs begin. A body at the periapsis stays. Far
-    /// out on a hyperbola a rounding of its cosh E moves a body that comes by `e^|E|` as much.
+    /// out on a hyperbola a rounding of the place is as many times as long as the mean anomaly, and two runs may share those
+    /// of their steps by chance: 1000 add up at random to 32.
     pub fn round_otherwise(&mut self, sign: f64) {
         let unit = sign * f64::EPSILON;
         self.0[0] *= 1.0 + 3.0 * unit;
         let mean = self.0[2];
         self.0[2] += unit * mean.clamp(-1.0, 1.0);
         if self.is_open() {
-            let [cos, sin] = anomaly_cos_sin(self.eccentricity(), self.eccentric_anomaly(mean));
-            self.0[2] += unit * mean.signum() * self.distance_at(cos) * (cos + sin.abs()) * sin.abs();
+            self.0[2] += 32.0 * unit * mean;
         }
     }
 
@@ -537,7 +559,8 @@ impl Orbit<f64> {
 
     /// The largest distance of a hyperbola in a range of times.
     pub fn farthest(&self, range: [f64; 2]) -> Option<f64> {
-        let distance = |time| self.distance_at(anomaly_cos_sin(self.eccentricity(), self.anomaly_at(time))[0]);
+        let distance =
+            |time| self.distance_at(anomaly_cos_sin(self.eccentricity(), self.anomaly_at(time))[0]);
         self.is_open().then(|| distance(range[0]).max(distance(range[1])))
     }
 
@@ -689,7 +712,7 @@ impl Bounded for Orbit<f64> {
         let [fastest, slowest] = [self.periapsis(), farthest].map(|distance| self.turning(distance));
         let mut variables = [0.0; 2];
         self.start(0.0, &mut variables);
-        let [cos, sin] = variables;
+        let [cos, sin] = self.cos_sin(variables);
         let (distance, [a, b]) = (self.distance_at(cos), self.semi_axes());
         let place = [0, 1, 2].map(|k| ((cos - self.eccentricity()) * a[k] + sin * b[k]) / distance);
         let [n, o] = [normal, place].map(|axis| to_body_frame(&start.attitude, &axis));
@@ -723,7 +746,7 @@ impl Bounded for Orbit<f64> {
             return;
         }
         let mean = self.rate().mul_add(time, self.0[2]);
-        variables[..2].copy_from_slice(&anomaly_cos_sin(self.eccentricity(), self.eccentric_anomaly(mean)));
+        variables[..2].copy_from_slice(&self.variables_at(self.eccentric_anomaly(mean)));
     }
 }
 
@@ -733,12 +756,19 @@ impl Orbit<f64> {
         self.eccentric_anomaly(self.rate().mul_add(time, self.0[2]))
     }
 
-    /// `e cos E` and `e sin E` at an eccentric anomaly E; `-e cosh E` and `e sinh E` of a hyperbola, so that the second is
-    /// the slope of the distance, and less by the change of the first.
+    /// The variables at an eccentric anomaly.
+    fn variables_at(&self, anomaly: f64) -> [f64; 2] {
+        if self.is_open() {
+            let up = 0.5 * exp(anomaly);
+            return [up, 0.25 / up];
+        }
+        let (sin, cos) = sincos(anomaly);
+        [cos, sin]
+    }
+
+    /// The variables at an eccentric anomaly, times e: with which steps over the anomaly tell the place.
     pub fn clock_at(&self, anomaly: f64) -> [f64; 2] {
-        let e = self.eccentricity();
-        let [cos, sin] = anomaly_cos_sin(e, anomaly);
-        [self.sign() * e * cos, e * sin]
+        self.variables_at(anomaly).map(|variable| self.eccentricity() * variable)
     }
 
     /// The growth of an eccentric anomaly in a time. On a slow orbit it is small beside the anomaly, and the difference of

@@ -3,53 +3,73 @@
 use super::orbit::{Orbit, anomaly_cos_sin, conic_sign};
 use crate::kinematics::{attitude_of_rows, cross, quaternion_product, to_body_frame};
 use crate::real::Real;
+use crate::special::{exp, exp_m1, sincos};
 
-/// A part of the way along an orbit, in eccentric anomaly: how it moves the numbers of [`Orbit::clock_at`]. Of a hyperbola
-/// the law of addition has another sign.
+/// A part of the way along an orbit, in eccentric anomaly: the slope and the change of the distance behind it, linear in
+/// the numbers of [`Orbit::clock_at`] before it.
 #[derive(Clone, Copy)]
-pub struct Along<R> {
-    cos: R,
-    sin: R,
-    /// The sine with the sign of the orbit.
-    signed: R,
-}
+pub struct Along<R>([R; 4]);
 
 impl<R: Real> Along<R> {
-    /// So much of the anomaly of an orbit.
+    /// So much of the anomaly.
     #[inline(always)]
     pub fn of(eccentricity: R, anomaly: R) -> Self {
-        let [cos, sin] = anomaly_cos_sin(eccentricity, anomaly);
-        Along { cos, sin, signed: conic_sign(eccentricity) * sin }
+        let is_open = R::splat(1.0).lt(eccentricity);
+        let (sin, cos) = sincos(anomaly);
+        let mut numbers = [cos, -sin, sin, cos];
+        if R::any(is_open) {
+            let (up, down) = (exp(anomaly), exp(-anomaly));
+            for (number, open) in numbers.iter_mut().zip([-up, -down, up, -down]) {
+                *number = R::select(is_open, open, *number);
+            }
+        }
+        Along(numbers)
     }
 
-    /// The numbers after it.
+    /// `e cos E` and `e sin E` after it; of a hyperbola `-e cosh E` and `e sinh E`, so that the second is the slope of the
+    /// distance, too.
     #[inline(always)]
-    pub fn after(&self, [cos, sin]: [R; 2]) -> [R; 2] {
-        [sin.fnma(self.sin, cos * self.cos), cos.fma(self.signed, sin * self.cos)]
+    pub fn after(&self, [first, second]: [R; 2]) -> [R; 2] {
+        let [a, b, c, d] = self.0;
+        [second.fma(b, first * a), first.fma(c, second * d)]
     }
 }
 
-/// The same for equal steps: with `1 - cos` in place of the cosine the rounding of a constant does not add up.
+/// How a step along an orbit moves the numbers of [`Orbit::clock_at`]. With `1 - cos` in place of the cosine the rounding of a
+/// constant does not add up; of a hyperbola the numbers grow and fall, by themselves.
 #[derive(Clone, Copy)]
 pub struct StepAlong<R> {
-    versine: R,
+    lost: [R; 2],
     sin: R,
-    signed: R,
 }
 
 impl<R: Real> StepAlong<R> {
-    /// So much of the anomaly of an orbit.
+    /// So much of the anomaly.
     #[inline(always)]
-    pub fn of(e: R, anomaly: R) -> Self {
-        let sign = conic_sign(e);
-        let ([_, half], [_, sin]) = (anomaly_cos_sin(e, anomaly * R::splat(0.5)), anomaly_cos_sin(e, anomaly));
-        StepAlong { versine: (half + half) * (sign * half), sin, signed: sign * sin }
+    pub fn of(eccentricity: R, anomaly: R) -> Self {
+        let is_open = R::splat(1.0).lt(eccentricity);
+        let (half, _) = sincos(anomaly * R::splat(0.5));
+        let versine = (half + half) * half;
+        let (mut lost, mut sin) = ([versine; 2], sincos(anomaly).0);
+        if R::any(is_open) {
+            let zero = R::splat(0.0);
+            let falls = exp_m1(-anomaly.abs());
+            let grows = -falls / (R::splat(1.0) + falls);
+            let ahead = zero.lt(anomaly);
+            let (first, second) = (R::select(ahead, grows, falls), R::select(ahead, falls, grows));
+            lost = [R::select(is_open, -first, versine), R::select(is_open, -second, versine)];
+            sin = R::select(is_open, zero, sin);
+        }
+        StepAlong { lost, sin }
     }
 
     /// The numbers after it.
     #[inline(always)]
-    pub fn after(&self, [cos, sin]: [R; 2]) -> [R; 2] {
-        [cos - sin.fma(self.sin, cos * self.versine), sin + cos.fma(self.signed, -(sin * self.versine))]
+    pub fn after(&self, [first, second]: [R; 2]) -> [R; 2] {
+        [
+            first - second.fma(self.sin, first * self.lost[0]),
+            second + first.fma(self.sin, -(second * self.lost[1])),
+        ]
     }
 }
 

@@ -5,7 +5,7 @@
 //! `Q' = (I2 - I3) / I1 (Q2 Q3 - 3 o2 o3 / r) + (e sin E / r) Q1` and so on, o the direction from the planet in the
 //! body. The quaternion q leads from the body to the frame of the orbit, whose third axis k is the normal:
 //! `q' = q (0, Q) / 2 - (sqrt |1 - e^2| / 2r) k q`. On a hyperbola -e cosh E and e sinh E take the place of e cos E and
-//! e sin E, and the distance is their sum with -1.
+//! e sin E, and -1 that of 1 in the distance. Steps move the numbers of `Orbit::clock_at`, from which both follow.
 
 use super::runge_kutta::{add_times, for_stages, powers, times};
 use super::tableau::{ALL_STAGES, MAX_STAGES, Tableau, coefficient, node, time, weight};
@@ -61,7 +61,7 @@ macro_rules! stages {
     ($engine:ident, $clock:ident, $y:ident, $k:ident, $sum:ident: $($i:literal)*) => {$(
         if const { $i < T::STAGES } {
             $k[$i] = if const { $i == 0 } {
-                $engine.rate($clock, &$y)
+                $engine.rate($engine.place($clock), &$y)
             } else {
                 $engine.rate($engine.along[$i].after($clock), &stage_state::<T, R, $i>(&$y, &$k))
             };
@@ -90,7 +90,13 @@ fn parts<R: Real, const D: usize>(y: &[R; D]) -> ([R; TURNING], [R; 2]) {
 }
 
 impl<T: Tableau, R: Real> OrbitSteps<T, R> {
-    /// The equations of motion, times the unit, at the numbers of `Orbit::clock_at`.
+    /// `e cos E` and `e sin E` at the numbers of the clock; see [`Along::after`].
+    #[inline(always)]
+    fn place(&self, clock: [R; 2]) -> [R; 2] {
+        self.along[0].after(clock)
+    }
+
+    /// The equations of motion, times the unit, where `e cos E` and `e sin E` are known.
     #[inline(always)]
     fn rate(&self, [cos, sin]: [R; 2], y: &[R; TURNING]) -> [R; TURNING] {
         let (one, half) = (R::splat(1.0), R::splat(0.5));
@@ -132,7 +138,7 @@ impl<T: Tableau, R: Real> OrbitSteps<T, R> {
         for i in 0..MAX_STAGES {
             slopes[i] = k[i];
         }
-        slopes[MAX_STAGES] = self.rate(self.step.after(clock), after);
+        slopes[MAX_STAGES] = self.rate(self.place(self.step.after(clock)), after);
         for (stage, row) in T::INSIDE.stages.iter().enumerate() {
             let mut at = before;
             for (i, &number) in row.iter().enumerate() {
@@ -208,7 +214,7 @@ impl<T: Tableau, R: Real, M: Model<R>, L: Layout, const D: usize> Engine<R, M, L
     ) {
         let ((before, clock), (after, end)) = (parts(before), parts(after));
         if const { !T::INSIDE.is_known } {
-            let slopes = [self.rate(clock, &before), self.rate(end, &after)];
+            let slopes = [self.rate(self.place(clock), &before), self.rate(self.place(end), &after)];
             cubic_inside(R::splat(1.0 / T::UNIT), [&before, &after], &slopes, dense);
             return;
         }
@@ -223,7 +229,8 @@ impl<T: Tableau, R: Real, M: Model<R>, L: Layout, const D: usize> Engine<R, M, L
     /// The angular velocity of the body against the frame of the orbit.
     #[inline(always)]
     fn turning(&self, _p: &Parameters<R>, y: &[R; D]) -> [R; 3] {
-        let (turning, [cos, _]) = parts(y);
+        let (turning, clock) = parts(y);
+        let [cos, _] = self.place(clock);
         let [a, b, c, q0, q1, q2, q3] = turning;
         let [_, _, normal] = kinematics::half_rows(&[q0, q1, q2, q3]);
         let rate = self.frame / (self.sign - cos);
@@ -236,7 +243,8 @@ impl<T: Tableau, R: Real, M: Model<R>, L: Layout, const D: usize> Engine<R, M, L
     fn turning_rate(&self, p: &Parameters<R>, y: &[R; D]) -> [R; 3] {
         let turning = Engine::<R, M, L, D>::turning(self, p, y);
         let frame = [y[0] - turning[0], y[1] - turning[1], y[2] - turning[2]];
-        let slower = y[TURNING + 1] / (self.sign - y[TURNING]);
+        let [cos, sin] = self.place([y[TURNING], y[TURNING + 1]]);
+        let slower = sin / (self.sign - cos);
         let turned = kinematics::cross(&frame, &turning);
         let mut change = Engine::<R, M, L, D>::velocity(self, p, y);
         for k in 0..3 {
@@ -248,7 +256,7 @@ impl<T: Tableau, R: Real, M: Model<R>, L: Layout, const D: usize> Engine<R, M, L
     #[inline(always)]
     fn velocity(&self, p: &Parameters<R>, y: &[R; D]) -> [R; 3] {
         let (turning, clock) = parts(y);
-        let [a, b, c, ..] = self.rate(clock, &turning);
+        let [a, b, c, ..] = self.rate(self.place(clock), &turning);
         let share = R::splat(1.0) / (p.step * R::splat(T::UNIT));
         [a * share, b * share, c * share]
     }

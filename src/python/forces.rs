@@ -46,7 +46,7 @@ pub fn change_places() -> (HashMap<&'static str, usize>, usize) {
     (places.collect(), ParameterChange::LEN)
 }
 
-/// Cosine and sine of the eccentric anomaly, (n, 2), of orbits with these numbers at these times, (n, 9) and (n,).
+/// Cosine and sine of the eccentric anomaly, hyperbolic on a hyperbola, (n, 2), of orbits with these numbers at these times, (n, 9) and (n,).
 #[pyfunction]
 pub fn orbit_anomalies<'py>(
     py: Python<'py>,
@@ -57,9 +57,9 @@ pub fn orbit_anomalies<'py>(
     let (numbers, times) = (rows::<9>("orbit", &numbers)?, copied("t", &times)?);
     same_length("t", numbers.len(), times.len())?;
     let anomalies = numbers.iter().zip(&times).map(|(numbers, &time)| {
-        let mut variables = [0.0; 2];
-        Orbit(*numbers).start(time, &mut variables);
-        variables
+        let (orbit, mut variables) = (Orbit(*numbers), [0.0; 2]);
+        orbit.start(time, &mut variables);
+        orbit.cos_sin(variables)
     });
     let anomalies = memory::collected("anomalies", times.len(), anomalies)?.into_flattened();
     anomalies.into_pyarray(py).reshape([times.len(), 2])

@@ -115,7 +115,7 @@ layouts! {
     FurtherTurns as FurtherFrame: QUATERNION = true, TURNS = true, BALANCE = true, FURTHER = true;
     /// A body on an orbit on which nothing else acts, over the eccentric anomaly E: the rates over the pace of the
     /// anomaly, `Q = omega r / n`, the quaternion from the body to the frame of the orbit (radial, along, normal), and
-    /// `e cos E`, `e sin E`.
+    /// the numbers of `Orbit::clock_at`.
     OrbitTurns: QUATERNION = true, CLOCK = true;
     /// The same as `FurtherFrame` with a deviation vector, and a change of the parameters.
     FurtherFrameTangent: VECTORS = 3, BALANCE = true, TANGENT = true, CHANGED = true, FURTHER = true;

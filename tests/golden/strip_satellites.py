@@ -1,4 +1,6 @@
-"""Copies reference satellites to what the tests read: `python strip_satellites.py FOLDER`.
+"""Copies reference satellites or flybys to what the tests read.
+
+    python strip_satellites.py FOLDER satellites.json
 
 Each file of the folder is a scene as README.md describes `satellites.json`. Numbers are rounded to
 doubles.
@@ -20,4 +22,4 @@ if __name__ == "__main__":
         own = {key: rounded(scene[key]) for key in SCENE}
         at = [{key: rounded(state[key]) for key in STATE} for state in scene["at"]]
         lines.append(json.dumps({"name": scene["name"], **own, "at": at}))
-    Path("satellites.json").write_text("[\n" + ",\n".join(lines) + "\n]\n")
+    Path(sys.argv[2]).write_text("[\n" + ",\n".join(lines) + "\n]\n")

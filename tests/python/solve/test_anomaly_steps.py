@@ -11,7 +11,7 @@ from scipy.optimize import brentq
 import rigid
 from physics import Floats
 
-RATE, ECCENTRICITIES = 0.7, (0.0, 0.1, 0.5, 0.9, 0.95)
+RATE, ECCENTRICITIES = 0.7, (0.0, 0.1, 0.5, 0.9, 0.95, 1.05, 1.5, 4.0)
 ORDERS = {"rk4": 4, "dop853": 8}
 TIMES = np.array([-3.0, 0.0, 1.0, 4.0, 9.0])
 

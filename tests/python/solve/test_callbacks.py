@@ -402,3 +402,13 @@ def test_a_saved_run_has_its_states_but_no_function(tmp_path: Path) -> None:
     assert np.array_equal(read.energy(), run.energy())
     with pytest.raises(ValueError, match="a run under a function keeps no function"):
         read.at([0.5])
+
+
+def test_a_run_ends_whose_rates_grow_beyond_all_numbers() -> None:
+    # The torque grows with the rates, and the steps are far too long.
+    scene = rigid.FreeBody(BODY, torque=rigid.Torque.call(damping, [-50.0] * 3))
+    t = np.linspace(0.1, 1.6, 16)
+    run = states(scene, [0.0, 0.0, 1e-3], t=t, method="rk4", step=0.1)
+    finite = np.abs(run.omega[np.isfinite(run.omega)])
+    assert finite.max() > 1e12
+    assert run.status != rigid.Status.OK
