@@ -410,5 +410,5 @@ def test_a_run_ends_whose_rates_grow_beyond_all_numbers() -> None:
     t = np.linspace(0.1, 1.6, 16)
     run = states(scene, [0.0, 0.0, 1e-3], t=t, method="rk4", step=0.1)
     finite = np.abs(run.omega[np.isfinite(run.omega)])
-    assert finite.max() > 1e12
+    assert finite.max() > 1e10
     assert run.status != rigid.Status.OK
