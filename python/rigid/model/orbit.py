@@ -127,9 +127,9 @@ class Orbit:
         if np.any(outside):
             index, place = first_place(outside)
             raise ValueError(
-                f"eccentricity{place} = {e[index]:g}: must be at most {MOST_ECCENTRIC} (an ellipse), "
-                f"or from {least} to {largest:g} (a hyperbola); near a parabola, 1, the anomaly does "
-                "not tell the place well enough"
+                f"eccentricity{place} = {e[index]:g}: must be at most {MOST_ECCENTRIC} (an "
+                f"ellipse), or from {least} to {largest:g} (a hyperbola); near a parabola, 1, the "
+                "anomaly does not tell the place well enough"
             )
         mean = shaped("anomaly", 0.0 if anomaly is None else anomaly, unit="rad")
         if true_anomaly is not None:

@@ -306,7 +306,10 @@ def test_wisdoms_hyperion_is_chaotic_and_a_distant_orbit_is_not() -> None:
 
 BAD: list[tuple[Any, str]] = [
     (lambda: rigid.Orbit(0.0), r"rate = 0.0: must be positive"),
-    (lambda: rigid.Orbit(1.0, 1.0), r"eccentricity = 1: must be at most 0.95 \(an ellipse\), or from"),
+    (
+        lambda: rigid.Orbit(1.0, 1.0),
+        r"eccentricity = 1: must be at most 0.95 \(an ellipse\), or from",
+    ),
     (lambda: rigid.Orbit(1.0, 2e6), r"eccentricity = 2e\+06: .* 1e\+06 \(a hyperbola\)"),
     (lambda: rigid.Orbit(1.0, 2.0, -2e6), "anomaly = -2e\\+06: must be within 1e\\+06 rad; begin"),
     (
