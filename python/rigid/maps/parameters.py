@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import brief, numbers, of_known
-from ..model.orbit import MOST_ECCENTRIC
+from ..model.orbit import HYPERBOLA
 from ..model.scene import Scene
 from ..model.start import Noise, Start, cos_sin
 
@@ -382,7 +382,7 @@ PARAMETERS: Mapping[str, Parameter] = {
         "orbit",
         (0,),
         lowest=0.0,
-        highest=MOST_ECCENTRIC,
+        highest=HYPERBOLA[1],
     ),
     "anomaly": Parameter("$M_0$", "rad", "mean anomaly of the orbit at t = 0", "orbit", (1,)),
     "spin": Parameter("spin", "rad/s", "rate about the axis of the start", "spin"),

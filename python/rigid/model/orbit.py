@@ -14,7 +14,7 @@ from .._checks.arguments import first_place, shaped
 from .._checks.arrays import UNIT, unit_vectors
 from .leading import Shape, frozen, leading_shape, same
 
-__all__ = ["MOST_ECCENTRIC", "Orbit"]
+__all__ = ["HYPERBOLA", "Orbit"]
 
 Floats = NDArray[np.float64]
 Vector: TypeAlias = tuple[float, float, float]
@@ -22,13 +22,13 @@ Vector: TypeAlias = tuple[float, float, float]
 MOST_ECCENTRIC = 0.95
 """Largest eccentricity of an ellipse."""
 
-_OF_HYPERBOLA = 1.05, 1e6
+HYPERBOLA = 1.05, 1e6
 """Least and largest eccentricity of a hyperbola."""
 
 _LARGEST_ANOMALY = 1e3
 """Largest anomaly (rad) of an ellipse; the rounding of a larger one exceeds the error of steps."""
 
-_LARGEST_OF_HYPERBOLA = 1e6
+_LARGESTHYPERBOLA = 1e6
 """Largest anomaly of a hyperbola: about the distance in semi-major axes.
 
 A rounding of the place there moves the passage by the square of the distance.
@@ -122,7 +122,7 @@ class Orbit:
     ) -> None:
         rates = shaped("rate", rate, positive=True, unit="rad/s")
         e = shaped("eccentricity", eccentricity, nonnegative=True)
-        least, largest = _OF_HYPERBOLA
+        least, largest = HYPERBOLA
         outside = (e > MOST_ECCENTRIC) & (e < least) | (e > largest)
         if np.any(outside):
             index, place = first_place(outside)
@@ -150,7 +150,7 @@ class Orbit:
         turned = begin - along * axis
         turned = turned / np.linalg.norm(turned, axis=-1, keepdims=True)
         begin = np.where(np.abs(along) > _ROUNDED, turned, begin)
-        most = np.where(e > 1.0, _LARGEST_OF_HYPERBOLA, _LARGEST_ANOMALY)
+        most = np.where(e > 1.0, _LARGESTHYPERBOLA, _LARGEST_ANOMALY)
         if np.any(np.abs(mean) > most):
             beyond = np.abs(mean) > most
             index, place = first_place(beyond)

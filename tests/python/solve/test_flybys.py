@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
@@ -139,3 +141,43 @@ def test_a_map_of_a_flyby_is_what_its_bodies_do() -> None:
         assert np.abs(largest - most).min() > 1e-5
         assert result.stable[pixel] == np.count_nonzero(largest < most)
     assert 0 < result.stable.sum() < 96
+
+
+def test_a_map_holds_ellipses_beside_hyperbolas() -> None:
+    """Each pixel is the map of its orbit alone, but for the bodies that are drawn."""
+    noise = rigid.samples([[0.0, 0.0, 0.5], [0.1, 0.2, 0.4], [0.3, 0.0, 0.9]], in_order=True)
+
+    def share(axes: dict[str, list[float]], e: float) -> Floats:
+        found: Floats = rigid.stability_map(
+            rigid.FreeBody(BODY, orbit=rigid.Orbit(1.0, e, -5.0)),
+            axes=axes,
+            start=rigid.Start(omega=(0.0, 0.0, 0.0), noise=noise),
+            stable=rigid.rate_within(0.5),
+            t_end=10.0,
+            samples=3,
+            progress=False,
+        ).stable
+        return found
+
+    values = [0.0, 0.5, 0.95, 1.05, 1.5, 4.0, 50.0]
+    together = share({"eccentricity": values}, 0.1)
+    alone = [share({"omega3": [0.0]}, e)[0] for e in values]
+    np.testing.assert_array_equal(together, alone)
+    assert 0 < together.sum() < 3 * len(values)
+
+
+@pytest.mark.parametrize("name", ["rate", "eccentricity", "anomaly"])
+def test_sensitivities_of_a_flyby_are_differences(name: str) -> None:
+    usual = {"rate": 1.0, "eccentricity": 2.5, "anomaly": -6.0}
+
+    def run(value: float, **options: Any) -> rigid.Run:
+        orbit = rigid.Orbit(**{**usual, name: value}, normal=NORMAL, periapsis=TOWARDS)
+        scene = rigid.FreeBody(BODY, orbit=orbit)
+        return rigid.simulate(scene, [0.3, 0.2, 0.5], t=[12.0], method="taylor20", **options)
+
+    found = run(usual[name], tangent=name).sensitivity
+    assert found is not None
+    # Central differences: the error of h² is below 1e-7, rounding is below 1e-9.
+    h = 1e-5
+    ahead, behind = (run(usual[name] + part, check=False).omega[0] for part in (h, -h))
+    np.testing.assert_allclose(found[0, :3, 0], (ahead - behind) / (2.0 * h), atol=1e-7)
