@@ -219,8 +219,9 @@ def place_on_orbit(orbit: rigid.Orbit, t: float) -> NDArray[np.float64]:
         ends = min(2.0 * far, -1e-300), max(2.0 * far, 1e-300)
         anomaly = brentq(lambda at: e * np.sinh(at) - at - mean, *ends, xtol=1e-15)
         across = np.cross(orbit.normal, orbit.periapsis) * np.sqrt(e**2 - 1.0)
-        open_: NDArray[np.float64] = (e - np.cosh(anomaly)) * np.array(orbit.periapsis)
-        return open_ + np.sinh(anomaly) * across
+        passing: NDArray[np.float64] = (e - np.cosh(anomaly)) * np.array(orbit.periapsis)
+        passing += np.sinh(anomaly) * across
+        return passing
     anomaly = brentq(lambda at: at - e * np.sin(at) - mean, mean - 1.0, mean + 1.0, xtol=1e-15)
     across = np.cross(orbit.normal, orbit.periapsis) * np.sqrt(1.0 - e**2)
     along = (np.cos(anomaly) - e) * np.array(orbit.periapsis)
