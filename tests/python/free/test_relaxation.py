@@ -75,6 +75,27 @@ def test_a_symmetric_body_relaxes_by_its_closed_form(moments: Any, omega: Any) -
     assert found.separatrix == (0.0 if own == 2 else np.inf)
 
 
+@pytest.mark.parametrize("tilt", [1e-4, 1e-3])
+def test_a_sink_about_the_axis_of_the_spin_alone_damps_a_nutation_as_one_over_the_time(
+    tilt: float,
+) -> None:
+    """Only ``I3 w3' = (I1 - I2) w1 w2`` loses energy, at twice the frequency of the nutation.
+
+    With ``w1 = a cos``, ``w2 = b sin`` and the energy X above the least one, ``I1 (I3 - I1) a² =
+    I2 (I3 - I2) b² = 2 X I3``, and the mean of ``w3'²`` is ``((I1 - I2) a b / I3)²/8``: so ``X' =
+    -k X²``.
+    """
+    (i1, i2, i3), spin, sink = (1.0, 2.0, 2.5), 1.0, 3e-3
+    k = 0.5 * sink * (i1 - i2) ** 2 / (i1 * i2 * (i3 - i1) * (i3 - i2))
+    start = 0.5 * i1 * tilt**2 * (i3 - i1) / i3
+    t = np.array([0.0, 0.5, 3.0]) / (k * start)
+    found = free.relaxation((i1, i2, i3), [tilt, 0.0, spin], t, rigid.EnergySink((0, 0, sink)))
+    above = found.states.energy - 1.0
+    # Further terms are smaller by the square of the tilt; a rounding of 1 is 1e-16 of X.
+    slack = 10.0 * tilt**2 + 1e-14 / above[-1]
+    np.testing.assert_allclose(above / above[0], 1.0 / (1.0 + k * start * t), rtol=slack)
+
+
 def test_l_is_constant_and_the_modes_follow_each_other() -> None:
     moments, omega = (4.2, 1.0, 4.0), (0.0, 2.0, 0.01)
     t = np.linspace(0.0, 5e3, 101)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from fractions import Fraction
 from typing import Any
 
 import numpy as np
@@ -73,13 +74,16 @@ def test_printed_sums_over_the_wrong_index() -> None:
 
 
 def test_point_masses_know_their_centre_far_from_the_origin() -> None:
-    near = inertia.point_masses(MASSES, POINTS)
-    for offset in (1e3, 1e6):
-        shift = offset * np.array([1.0, -2.0, 0.5])
-        far = inertia.point_masses(MASSES, POINTS + shift)
-        # The points themselves are rounded there.
-        assert np.abs(far.tensor - near.tensor).max() < 100 * ROUNDOFF * offset * MASSES.sum()
-        assert far.centre == pytest.approx(near.centre + shift, rel=4 * ROUNDOFF)
+    """Points on a grid of 1/1024 m, which are exact numbers 2^40 m away too."""
+    points, shift = np.round(1024.0 * POINTS) / 1024.0, 2.0**40
+    far = inertia.point_masses(MASSES, points + shift)
+    for masses, cloud, centre in zip(MASSES, points, far.centre, strict=True):
+        exact = [Fraction(mass) for mass in masses]
+        for column, found in zip(cloud.T, centre, strict=True):
+            sums = [mass * Fraction(x) for mass, x in zip(exact, column, strict=True)]
+            truth = Fraction(shift) + sum(sums) / sum(exact)
+            # Half a unit in the last place: one mean of such numbers alone errs by some units.
+            assert abs(Fraction(found) - truth) <= 1.01 * ROUNDOFF * 2.0**40
 
 
 # Composition

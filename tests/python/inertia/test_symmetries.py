@@ -65,6 +65,15 @@ def test_a_mirror_plane_holds_the_centre_and_two_principal_axes() -> None:
     assert inertia.symmetry_check(points, masses).size == 1
 
 
+@pytest.mark.parametrize(("off", "size"), [(0.5, 8), (20.0, 1)])
+def test_a_point_20_tolerances_off_its_image_breaks_the_symmetry(off: float, size: int) -> None:
+    """Of a brick's corners one is moved, at right angles to its radius, by tolerances of 1e-9."""
+    points = solid("brick")
+    across = np.cross(points[5], [0.0, 0.0, 1.0])
+    points[5] += off * 1e-9 * np.linalg.norm(points[5]) * across / np.linalg.norm(across)
+    assert inertia.symmetry_check(points).size == size
+
+
 #: Order of the group, axes by order, planes, inversion (Schoenflies: D2h, Oh, Td, Ih, D3h).
 GROUPS = {
     "brick": (8, {2: 3}, 3, True),

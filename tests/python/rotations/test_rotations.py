@@ -215,6 +215,8 @@ def test_orthogonality_error_and_the_nearest_rotation() -> None:
             assert np.all(np.linalg.norm(found @ turn - bent, axis=(-2, -1)) > distance)
     stretched = rotations.nearest_rotation(clean @ np.diag([2.0, 1.0, 0.1]))
     assert stretched == pytest.approx(clean, abs=ROUNDED)
+    flat = rotations.nearest_rotation(np.diag([1.0, 1.0, 1e-6]))
+    assert flat == pytest.approx(np.eye(3), abs=ROUNDED)
 
 
 def test_empty_batches() -> None:

@@ -295,6 +295,24 @@ def test_wisdoms_hyperion_is_chaotic_and_a_distant_orbit_is_not() -> None:
         assert int(result.unstable[0]) == 4 - expected
 
 
+def test_moments_that_differ_by_a_thousandth_have_no_long_axis_in_common() -> None:
+    """Of one pixel axis 1 is the long one, of the other axis 2: which one librates?"""
+
+    def shapes(excess: Floats) -> rigid.FreeBody:
+        moments = np.stack([1.0 + excess, np.ones_like(excess), np.full_like(excess, 1.9)], axis=-1)
+        return rigid.FreeBody(rigid.Body(moments), orbit=rigid.Orbit(1.0))
+
+    with pytest.raises(ValueError, match="axis: is needed, because the long axis of the bodies"):
+        rigid.stability_map(
+            shapes,
+            axes={"excess": [-5e-4, 5e-4]},
+            stable=rigid.librates(),
+            samples=1,
+            t_end=1.0,
+            progress=False,
+        )
+
+
 BAD: list[tuple[Any, str]] = [
     (lambda: rigid.Orbit(0.0), r"rate = 0.0: must be positive"),
     (lambda: rigid.Orbit(1.0, 1.0), r"eccentricity = 1: .* passes once and does not return"),

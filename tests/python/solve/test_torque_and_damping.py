@@ -374,6 +374,11 @@ REFUSED: list[tuple[Any, type[Exception], list[str]]] = [
     (free(damping="much"), TypeError, ["damping = 'much': must be real numbers"]),
     (free(damping=[[1, 2, 0], [0, 1, 0], [0, 0, 1]]), ValueError, ["must be a symmetric matrix"]),
     (
+        free(damping=[[1, 0.1, 0], [0.1 + 1e-6, 1, 0], [0, 0, 1]]),
+        ValueError,
+        ["must be a symmetric matrix"],
+    ),
+    (
         free(damping=[[1, 2, 0], [2, 1, 0], [0, 0, 1]]),
         ValueError,
         ["damping = [[1.0, 2.0, 0.0], [2.0, 1.0, 0.0]", "must be positive semi-definite"],
