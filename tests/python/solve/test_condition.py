@@ -112,5 +112,6 @@ def test_impossible_pixels_have_no_condition() -> None:
         result.condition(3)
 
 
-def test_what_overflows_has_none() -> None:
+def test_what_overflows_has_none_and_nobody_has_no_rows() -> None:
+    assert rigid.condition(BOX, np.zeros((0, 3)), t=[1.0]).shape == (0, 1)
     assert np.isnan(rigid.condition(BOX, [1e200, 1e200, 1.0], t=[1e200]))[0]

@@ -145,15 +145,6 @@ def test_every_body_of_a_large_call_with_a_step_is_checked() -> None:
     assert unchecked.omega.tobytes() == run.omega.tobytes()
 
 
-def test_a_body_does_not_know_its_neighbours_when_an_accuracy_is_asked() -> None:
-    omega = np.array([[0.1, 0.2, 0.3], [3.0, 1.0, -2.0], [0.0, 0.5, 8.0]])
-    together = rigid.simulate(TOP, omega, tilted(0.5), t=[4.0], method="dop853", accuracy=1e-9)
-    for k in range(3):
-        alone = rigid.simulate(TOP, omega[k], tilted(0.5), t=[4.0], method="dop853", accuracy=1e-9)
-        assert alone.omega.tobytes() == together.omega[k].tobytes()
-        assert alone.error == together.error[k]
-
-
 def test_nothing_to_check() -> None:
     at_start = rigid.simulate(TOP, [1.0, 2.0, 3.0], t=[0.0], method="rk4")
     assert at_start.error == 0.0

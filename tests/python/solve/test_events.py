@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 import pint
 import pytest
-from scipy.integrate import solve_ivp
 from scipy.special import ellipk, ellipkinc
 
 import quad_motion
@@ -189,16 +188,6 @@ def test_a_constant_torque_in_space_changes_the_momentum_evenly() -> None:
     np.testing.assert_allclose([one.slope[0] for one in run.events[:3]], torque, rtol=1e-12)
 
 
-def test_the_momentum_of_a_gyrostat_includes_its_rotor() -> None:
-    rotor = np.array([0.2, 0.1, 1.5])
-    torque = rigid.Torque.space((0.5, 0.0, 0.0))
-    scene = rigid.FreeBody(rigid.Body(MOMENTS), rotor=tuple(rotor), torque=torque)
-    start = np.array([0.4, 0.5, -0.6])
-    begin = quaternion_to_matrix(TILTED)[0] @ (MOMENTS * start + rotor)
-    run = rigid.simulate(scene, start, TILTED, t=[5.0], events=rigid.crosses("L1", begin + 2.0))
-    np.testing.assert_allclose(run.events[0].t, [4.0], rtol=1e-12)
-
-
 def test_even_damping_slows_as_an_exponential() -> None:
     # A sphere turns as exp(-D t / I).
     scene = rigid.FreeBody(rigid.Body((2.0, 2.0, 2.0)), damping=0.1)
@@ -206,71 +195,6 @@ def test_even_damping_slows_as_an_exponential() -> None:
     expected = 20.0 * np.log(3.0)
     np.testing.assert_allclose(run.events[0].t, [expected], rtol=1e-12)
     assert abs(run.events[0].t[0] - expected) <= run.events[0].error[0]
-
-
-def equations(_: float, y: Floats) -> Floats:
-    """The asymmetric top: rates and vertical."""
-    moments, weight = np.array(ASYMMETRIC.body.moments), np.reshape(ASYMMETRIC.weight, 3)
-    omega, gamma = y[:3], y[3:]
-    torque = np.cross(moments * omega, omega) + np.cross(gamma, weight)
-    return np.concatenate([torque / moments, np.cross(gamma, omega)])
-
-
-def test_solve_ivp_finds_the_same_events_of_an_asymmetric_top() -> None:
-    start = np.array([0.3, 0.4, 1.0])
-    vertical = quaternion_to_matrix(TILTED)[2]
-
-    def rate(_: float, y: Floats) -> float:
-        return float(y[1] - 0.2)
-
-    def plane(_: float, y: Floats) -> float:
-        return float(y[0] + 0.5 * y[5] - 0.3)
-
-    plane.direction = -1.0  # type: ignore[attr-defined]
-    reference = solve_ivp(
-        equations,
-        (0.0, 20.0),
-        np.concatenate([start, vertical]),
-        method="DOP853",
-        rtol=1e-13,
-        atol=1e-14,
-        events=[rate, plane],
-        max_step=0.05,
-    )
-    run = rigid.simulate(
-        ASYMMETRIC,
-        start,
-        TILTED,
-        t=[20.0],
-        events=[
-            rigid.crosses("omega2", 0.2),
-            rigid.crosses(omega=(1, 0, 0), gamma=(0, 0, 0.5), value=0.3, direction=-1),
-        ],
-    )
-    for mine, theirs in zip(run.events, reference.t_events, strict=True):
-        assert len(mine) >= 2
-        # The reference is good to some 1e-11.
-        np.testing.assert_allclose(mine.t, theirs, rtol=0.0, atol=1e-9)
-    assert (run.events[1].direction == -1).all()
-
-
-def test_no_change_of_sign_between_fine_samples_is_missed() -> None:
-    times = np.linspace(0.0, 20.0, 20_001)
-    for scene in (BOX, LAGRANGE, ASYMMETRIC):
-        events = [rigid.crosses("omega1", 0.2), rigid.crosses("gamma2", -0.3)]
-        run = rigid.simulate(scene, STARTS[:20], TILTED, t=times, events=events, record="attitude")
-        assert run.attitude is not None
-        gamma = quaternion_to_matrix(run.attitude)[..., 2, :]
-        for found, values in zip(
-            run.events, (run.omega[..., 0] - 0.2, gamma[..., 1] + 0.3), strict=True
-        ):
-            body, place = np.nonzero(np.diff(np.sign(values), axis=1))
-            assert len(body) > 40
-            for of, first in zip(body, place, strict=True):
-                inside = (found.t > times[first] - 1e-9) & (found.t < times[first + 1] + 1e-9)
-                assert (inside & (found.body == of)).any()
-            # Pairs inside a sample are the only others.
-            assert 0 <= len(found) - len(body) < 4
 
 
 def test_random_events_agree_with_those_of_another_method() -> None:

@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import copy
-import pickle
 from collections.abc import MutableMapping
-from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import numpy as np
@@ -58,25 +55,6 @@ def test_states_are_a_mapping() -> None:
     with pytest.raises(KeyError, match="status"):
         few["status"]
     assert len(few) == len(dict(few)) == len({**few})
-
-
-def test_a_small_run_is_copied_before_it_is_read() -> None:
-    for made in (pickle.dumps, copy.deepcopy):
-        run = rigid.simulate(FREE, RATES, t=[1.0])
-        again: Any = made(run)
-        again = pickle.loads(again) if isinstance(again, bytes) else again
-        assert np.array_equal(again.start_attitude, run.start_attitude)
-        assert np.array_equal(again.omega, run.omega)
-        assert again.nanoseconds == run.nanoseconds
-        assert again.spec == run.spec
-
-
-def test_threads_read_one_run() -> None:
-    for _ in range(20):
-        run = rigid.simulate(FREE, RATES, t=[1.0])
-        with ThreadPoolExecutor(8) as pool:
-            read = list(pool.map(lambda _, run=run: run.omega, range(8)))
-        assert all(np.array_equal(omega, read[0]) for omega in read)
 
 
 def test_the_attributes_of_a_run_are_read_only() -> None:

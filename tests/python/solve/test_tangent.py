@@ -291,25 +291,6 @@ def test_on_the_separatrix_it_is_elementary() -> None:
         assert (matrix[:3, 3:] == 0.0).all()
 
 
-def test_neighbours_follow_it() -> None:
-    """Runs whose starts differ by 1e-7: the quotient is right to the curvature of the motion."""
-    for scene in (TOP, BOX, DAMPED):
-        omega, t = np.array([0.3, 0.4, 1.0]), [-1.0, 2.0]
-        matrix = tangent(scene, omega, t=t, method="taylor16")
-        for k in range(3):
-            ends = []
-            for sign in (1.0, -1.0):
-                aside = omega.copy()
-                aside[k] += sign * 1e-7
-                run = rigid.simulate(scene, aside, t=t, method="taylor16", check=False)
-                ends.append((run.omega, present(run.attitude)))
-            (w1, q1), (w2, q2) = ends
-            back = q2 * [1.0, -1.0, -1.0, -1.0]
-            turn = 2.0 * rigid.rotations.quaternion_product(back, q1)[:, 1:]
-            quotient = np.concatenate([w1 - w2, turn], axis=1) / 2e-7
-            np.testing.assert_allclose(quotient, matrix[:, :, k], rtol=1e-6, atol=1e-6)
-
-
 # --- Interface -----------------------------------------------------------------------------------
 
 
