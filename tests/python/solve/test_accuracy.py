@@ -69,46 +69,6 @@ def test_the_shortest_step_of_many_tops_is_that_of_the_plan() -> None:
     assert (run.plan.step, run.plan.steps) == (9.0 / run.steps[1], run.steps[1])
 
 
-def drag(t: float, omega: Floats, attitude: Floats, data: Floats, torque: Floats) -> None:
-    """A torque against each rate, as the square of the rate."""
-    for axis in range(3):
-        torque[axis] = -0.1 * abs(omega[axis]) * omega[axis]
-
-
-FORCED = rigid.FreeBody(
-    BODY, torque=rigid.Torque.body((0.02, 0.01, -0.03)), damping=0.02, rotor=(0.0, 0.1, 0.2)
-)
-ORBITING = rigid.FreeBody(BODY, orbit=rigid.Orbit(1.0, 0.7, 2.0))
-CALLED = rigid.FreeBody(BODY, torque=rigid.Torque.call(drag))
-
-
-@pytest.mark.parametrize(
-    "scene", [TOP, FORCED, ORBITING, CALLED], ids=["top", "forced", "orbit", "called"]
-)
-@pytest.mark.parametrize("accuracy", [None, 1e-4, 1e-11])
-@pytest.mark.parametrize("method", [None, "dop853"])
-def test_the_bits_of_a_body_depend_on_no_companion(
-    scene: Any, accuracy: float | None, method: str | None
-) -> None:
-    """Regular and chaotic bodies, of which each is repeated until it is accurate."""
-    count = 8 if scene is CALLED else 300
-    chaotic = np.random.default_rng(5).normal(size=(count, 3))
-    rates = np.concatenate([cloud(4.0, count), chaotic])
-    options: dict[str, Any] = {
-        "t": [5.0 if scene is CALLED else 20.0],
-        "accuracy": accuracy,
-        "method": method,
-    }
-    run = rigid.simulate(scene, rates, threads=2, **options)
-    backward = rigid.simulate(scene, rates[::-1], threads=1, **options)
-    assert backward.omega[::-1].tobytes() == run.omega.tobytes()
-    for body in (0, count - 1, count, 2 * count - 1):
-        alone = rigid.simulate(scene, rates[body], **options)
-        assert alone.omega.tobytes() == run.omega[body].tobytes()
-        assert present(alone.attitude).tobytes() == present(run.attitude)[body].tobytes()
-        assert alone.error == run.error[body] or np.isnan(run.error[body])
-
-
 @pytest.mark.parametrize("method", ["chin4a", "pmlf4"])
 def test_free_motions_and_kicks_err_in_proportion_to_the_weight_over_the_spin(method: str) -> None:
     """At equal angles a step, four times the spin leaves a sixteenth of ``mgl / (I omega²)``."""

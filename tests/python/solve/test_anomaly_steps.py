@@ -76,31 +76,6 @@ def test_a_step_is_the_mean_motion_times_the_given_time(e: float) -> None:
     assert run.steps[0] == np.ceil(legs / (RATE * step) - 1e-9).sum()
 
 
-@pytest.mark.parametrize("record", ["rates", "attitude"])
-def test_bits_do_not_depend_on_companions(record: str) -> None:
-    rates, attitudes = cloud(70)
-    es = np.linspace(0.0, 0.95, 70)
-    options: dict[str, Any] = {
-        "t": TIMES, "method": "dop853", "step": 0.05, "check": False, "record": record
-    }  # fmt: skip
-    # Drag of some bodies beside the orbit, which others have not.
-    drag = np.where(np.arange(70)[:, np.newaxis] % 3 == 0, 0.1, 0.0) * np.ones(3)
-
-    def made(k: Any) -> rigid.FreeBody:
-        return rigid.FreeBody(
-            rigid.Body((0.9, 1.3, 1.1)), orbit=rigid.Orbit(RATE, es[k], 2.0), drag=drag[k]
-        )
-
-    together = rigid.simulate(made(slice(None)), rates, attitudes, **options)
-    for k in (0, 1, 2, 33, 69):
-        alone = rigid.simulate(made(k), rates[k], attitudes[k], **options)
-        assert alone.omega.tobytes() == together.omega[k].tobytes()
-        if record == "attitude":
-            assert alone.attitude is not None
-            assert together.attitude is not None
-            assert alone.attitude.tobytes() == together.attitude[k].tobytes()
-
-
 @pytest.mark.parametrize("method", ORDERS)
 def test_the_jacobi_integral_is_the_drift_on_a_circle(method: str) -> None:
     step = 0.2 if method == "dop853" else 0.01

@@ -101,19 +101,6 @@ def test_a_function_acts_beside_each_force(acting: Any, steps: Any) -> None:
     assert run.energy_drift < 1e-8
 
 
-def test_a_function_beside_a_rotor_does_not_see_the_neighbours() -> None:
-    # The neighbours have rotors and drag, which are left out where no lane has them.
-    count = 11
-    rotor, drag = np.zeros((count, 3)), np.zeros((count, 3))
-    rotor[3::2], drag[3::3] = (0.1, -0.2, 0.3), 0.07
-    torque = rigid.Torque.call(damping, (0.02, 0.03, 0.05), fastest=3.0)
-    given: dict[str, Any] = {"t": [0.0, 7.0], "method": "dop853", "step": 0.1}
-    together = states(rigid.FreeBody(BODY, torque=torque, rotor=rotor, drag=drag), OMEGA, **given)
-    for body in range(count):
-        alone = rigid.FreeBody(BODY, torque=torque, rotor=rotor[body], drag=drag[body])
-        assert np.array_equal(states(alone, OMEGA, **given).omega, together.omega[body])
-
-
 @pytest.mark.parametrize("method", METHODS)
 def test_a_function_is_told_time_and_attitude_in_the_order_of_the_method(method: str) -> None:
     # A ramp in space; its table has knots at which steps end, as the output times do.
@@ -145,19 +132,6 @@ def test_each_body_has_data_of_its_own() -> None:
         assert np.abs(one.omega - twin.omega).max() < 1e-9
 
 
-def test_units_of_the_body_do_not_change_the_motion() -> None:
-    # Moments, weight and torque 2^40 times as large: the same rates, bit by bit.
-    scale = 2.0**40
-    small = rigid.FreeBody(BODY, torque=rigid.Torque.call(damping, [0.1] * 3))
-    large = rigid.FreeBody(
-        rigid.Body(scale * np.array(BODY.moments)),
-        torque=rigid.Torque.call(damping, [0.1 * scale] * 3),
-    )
-    runs = [states(one, OMEGA, t=[2.0], method="rk4", step=0.1) for one in (small, large)]
-    assert runs[0].omega.tobytes() == runs[1].omega.tobytes()
-    assert runs[1].work[-1] == scale * runs[0].work[-1]
-
-
 def test_a_motion_calls_the_function_at_its_time() -> None:
     scene = top(torque=rigid.Torque.call(ramp_in_space))
     motion = rigid.Motion(scene, OMEGA, TILTED, method="dop853")
@@ -165,24 +139,6 @@ def test_a_motion_calls_the_function_at_its_time() -> None:
         motion.step(0.1)
     run = states(scene, OMEGA, TILTED, t=[3.0], method="dop853", step=0.1)
     assert np.abs(motion.omega - run.omega[-1]).max() < 1e-13
-
-
-def test_bodies_of_one_motion_have_data_and_moments_of_their_own() -> None:
-    rng = np.random.default_rng(5)
-    scales = 2.0 ** np.arange(11)
-    moments = scales[:, np.newaxis] * (np.array(BODY.moments) + rng.uniform(0.0, 0.1, (11, 3)))
-    data, omega = rng.uniform(0.0, 0.2, (11, 3)) * moments, rng.normal(size=(11, 3))
-    scene = rigid.FreeBody(rigid.Body(moments), torque=rigid.Torque.call(damping, data))
-    together = rigid.Motion(scene, omega, method="rk4")
-    torque = 0.1 * moments
-    for push in (None, torque):
-        together.step(2.0**-6, push)
-    for body in range(11):
-        alone = rigid.Motion(scene[body], omega[body], method="rk4")
-        for push in (None, torque[body]):
-            alone.step(2.0**-6, push)
-        assert together.omega[body].tobytes() == alone.omega.tobytes()
-        assert together.attitude[body].tobytes() == alone.attitude.tobytes()
 
 
 def test_a_function_adds_to_other_torques() -> None:

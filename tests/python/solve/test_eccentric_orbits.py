@@ -60,20 +60,6 @@ def test_rounding_that_a_periapsis_magnifies_is_in_the_stated_error(
     assert true < float(run.error) < 1e-6
 
 
-def test_the_bits_and_errors_of_a_body_on_an_orbit_do_not_depend_on_companions() -> None:
-    rates = cloud(600)
-    every: list[dict[str, Any]] = [{}, {"accuracy": 1e-9}]
-    for options in every:
-        together = rigid.simulate(TUMBLING, rates, t=[5.0, 20.0], **options)
-        for k in (0, 17, 599):
-            alone = rigid.simulate(TUMBLING, rates[k], t=[5.0, 20.0], **options)
-            assert alone.omega.tobytes() == together.omega[k].tobytes()
-            assert alone.attitude is not None
-            assert together.attitude is not None
-            assert alone.attitude.tobytes() == together.attitude[k].tobytes()
-            assert (alone.error, alone.status) == (together.error[k], together.status[k])
-
-
 def test_the_accuracy_that_is_asked_for_changes_no_bit_on_an_orbit() -> None:
     every: list[dict[str, Any]] = [{}, {"accuracy": 1e-4}, {"accuracy": 1e-11}, {"check": False}]
     runs = [rigid.simulate(TUMBLING, [1.0, 0.3, 0.2], t=[20.0], **options) for options in every]

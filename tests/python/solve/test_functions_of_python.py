@@ -84,21 +84,6 @@ def test_a_function_without_data_is_told_time_and_attitude(way: str) -> None:
 
 
 @pytest.mark.parametrize("method", METHODS)
-def test_a_body_among_others_moves_as_it_moves_alone(way: str, method: str) -> None:
-    # Thirteen bodies fill a pack and a part of another; their steps of 0.9 rad and more are
-    # divided by the midpoint rule for some.
-    data = np.outer(np.linspace(0.0, 0.4, 13), (1.0, 2.0, 0.5))
-    omega = OMEGA * np.linspace(0.1, 4.0, 13)[:, np.newaxis]
-    asked: dict[str, Any] = {"t": [0.0, 0.7, 3.1], "method": method, "step": 0.3, "check": False}
-    scene = top(torque=rigid.Torque.call(damping, data))
-    together = rigid.simulate(scene, omega, TILTED, **asked)
-    for k in range(13):
-        alone = rigid.simulate(scene[k], omega[k], TILTED, **asked)
-        for name in ("omega", "attitude", "work"):
-            assert getattr(alone, name).tobytes() == getattr(together, name)[k].tobytes()
-
-
-@pytest.mark.parametrize("method", METHODS)
 def test_only_bodies_that_move_are_called(method: str) -> None:
     # As many calls of all bodies together as of each alone: none of a body that is not there.
     told: list[tuple[float, float]] = []

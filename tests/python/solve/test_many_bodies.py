@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import rigid
-from physics import METHODS, ROUNDOFF
+from physics import ROUNDOFF
 from rigid import exact, figures
 from rigid.model.scene import Scene, scene_from_dict
 
@@ -57,7 +57,6 @@ DRIVEN = rigid.HeavyTop(
 EVENLY = rigid.FreeBody(
     BODY, damping=(DAMPING / SIZE)[:, None, None] * MOMENTS[:, None] * np.eye(3)
 )
-NUMBERS = ("omega", "gamma", "attitude", "work", "energy_drift", "momentum_drift", "unit_drift")
 
 
 def assert_alone(run: rigid.Run, one: rigid.Run, body: int, names: tuple[str, ...]) -> None:
@@ -72,89 +71,10 @@ def assert_alone(run: rigid.Run, one: rigid.Run, body: int, names: tuple[str, ..
             assert together[body].tobytes() == np.asarray(alone).tobytes(), (name, body)
 
 
-def movable(scene: Scene) -> list[str]:
-    fit = (
-        m for m in METHODS if (m.forces or not scene.forces) and (m.tops or not scene.directions)
-    )
-    return [method.name for method in fit]
-
-
-CASES = [("free", FREE), ("tops", TOPS), ("damped", DAMPED), ("driven", DRIVEN)]
-
-
-@pytest.mark.parametrize(
-    ("scene", "method"),
-    [pytest.param(scene, m, id=f"{name}-{m}") for name, scene in CASES for m in movable(scene)],
-)
-def test_a_body_among_others_has_the_bits_of_one_alone(scene: Scene, method: str) -> None:
-    run = rigid.simulate(scene, OMEGA, ATTITUDE, t=T, method=method, step=0.05, check=False)
-    for body in (0, 1, 5, 31, 32, COUNT - 1):
-        one = rigid.simulate(
-            scene[body], OMEGA[body], ATTITUDE[body], t=T, method=method, step=0.05, check=False
-        )
-        assert_alone(run, one, body, (*NUMBERS, "status", "steps"))
-
-
-@pytest.mark.parametrize("scene", [FREE, EVENLY, TOPS[::2][:0:5], TOPS[0:31:10]])
-def test_closed_forms_of_bodies_that_differ(scene: Scene) -> None:
-    count = len(scene)
-    omega, attitude = OMEGA[:count], ATTITUDE[:count]
-    run = rigid.simulate(scene, omega, attitude, t=T, method="exact")
-    for body in range(count):
-        one = rigid.simulate(scene[body], omega[body], attitude[body], t=T, method="exact")
-        assert_alone(run, one, body, (*NUMBERS, "status", "steps", "error", "lost_from"))
-
-
-@pytest.mark.parametrize("scene", [FREE, TOPS, DAMPED, DRIVEN])
-def test_own_steps_and_accuracies_depend_on_no_other_body(scene: Scene) -> None:
-    names = (*NUMBERS, "status", "steps", "error", "lost_from")
-    for options in ({"method": "taylor12", "tolerance": 1e-9}, {"method": "rk4", "accuracy": 1e-7}):
-        check = "accuracy" in options
-        run = rigid.simulate(scene, OMEGA, ATTITUDE, t=T, check=check, **options)  # type: ignore[arg-type]
-        for body in (0, 3, 5, 7, COUNT - 1):
-            one = rigid.simulate(
-                scene[body],
-                OMEGA[body],
-                ATTITUDE[body],
-                t=T,
-                check=check,
-                **options,  # type: ignore[arg-type]
-            )
-            assert_alone(run, one, body, names if check else names[:-2])
-
-
 OWN_T = np.sort(np.random.default_rng(9).uniform(-2.0, 2.0, (COUNT, 6)), axis=1)
 OWN_T[3] = [-1.0, -1.0, 0.0, 0.0, 0.5, 0.5]
 OWN_T[4] = np.abs(OWN_T[4])[np.argsort(np.abs(OWN_T[4]))]
 OWN_T[5] = -OWN_T[4, ::-1]
-
-
-@pytest.mark.parametrize("scene", [FREE, TOPS, DAMPED, DRIVEN, EVENLY])
-@pytest.mark.parametrize(
-    "options",
-    [
-        {"method": "exact"},
-        {"method": "rk4", "check": False},
-        {"method": "rk4", "step": 0.03, "check": False},
-        {"method": "rk4", "accuracy": 1e-6},
-        {"method": "taylor12", "tolerance": 1e-9, "check": False},
-        {"method": "taylor12", "accuracy": 1e-9},
-    ],
-    ids=str,
-)
-def test_times_of_each_body_are_those_of_a_call_of_its_own(
-    scene: Scene, options: dict[str, Any]
-) -> None:
-    if options["method"] == "exact" and scene not in (FREE, EVENLY):
-        scene = rigid.HeavyTop(rigid.Body(np.sort(MOMENTS)[:, [0, 0, 1]]), mgl=SHARES * SIZE)
-    if options["method"] == "rk4" and scene == EVENLY:
-        options = {**options, "record": "rates"}
-    run = rigid.simulate(scene, OMEGA, ATTITUDE, t=OWN_T, **options)
-    assert run.t.shape == OWN_T.shape
-    for body in (0, 3, 4, 5, 6, COUNT - 1):
-        one = rigid.simulate(scene[body], OMEGA[body], ATTITUDE[body], t=OWN_T[body], **options)
-        names = (*NUMBERS, "status", "steps", "error", "lost_from")
-        assert_alone(run, one, body, names if options.get("check", True) else names[:-1])
 
 
 def test_times_of_each_body_broadcast() -> None:
@@ -612,3 +532,23 @@ def test_power_of_a_sweep_has_the_axes_of_the_bodies() -> None:
     assert found.power.shape == found.rate.shape == found.residual.shape == (3, 2, 5)
     # The rates are constant: the motors, at the same rates, differ by 0.1 N m at 3 rad/s.
     np.testing.assert_allclose(found.power[:, 1] - found.power[:, 0], 0.3, rtol=1e-13)
+
+
+def test_bodies_of_one_call_have_the_methods_that_they_need() -> None:
+    moments = [[1.0, 1.0, 2.0], [1.0, 1.5, 2.2], [1.0, 1.5, 2.2], [1.0, 1.2, 1.4]]
+    omega, bodies = np.random.default_rng(3).normal(size=(4, 3)), rigid.Body(moments)
+    # A Lagrange top, a top without symmetry, a body without weight, and another top.
+    tops = rigid.HeavyTop(bodies, mgl=[1.0, 1.0, 0.0, 2.0])
+    # Damped not at all, weakly, strongly, and evenly.
+    strengths = [[0.0, 0.0, 0.0], [0.1, 0.2, 0.3], [50.0, 90.0, 80.0], [0.125, 0.15, 0.175]]
+    damped = rigid.FreeBody(bodies, damping=[np.diag(strength) for strength in strengths])
+    for scene, methods in (
+        (tops, ["exact", "dop853", "exact", "dop853"]),
+        (damped, ["exact", "dop853", "etd4", "exact"]),
+    ):
+        alone = [rigid.simulate(scene[k], omega[k], t=[0.0, 7.0]).plan.method for k in range(4)]
+        assert alone == methods
+    plan = rigid.simulate(damped, omega, t=[0.0, 7.0]).plan
+    assert plan.method == "dop853"
+    assert plan.why[-2:] == ("2 of 4 bodies in closed form", "1 of 4 bodies by etd4")
+    assert rigid.plan(damped, "attitude", omega=omega, t_end=7.0).why[-2:] == plan.why[-2:]

@@ -325,16 +325,6 @@ def test_bodies_of_any_shape_and_with_times_of_their_own() -> None:
     assert tangent(TOP, omega[:0], t=[1.0]).shape == (0, 3, 1, 6, 6)
 
 
-@pytest.mark.parametrize("method", [None, "taylor16", "dop853", "splitting4"])
-def test_the_unit_of_time_and_of_moments_changes_no_digit(method: str | None) -> None:
-    omega = np.array([0.5, 0.4, 2.0])
-    found = tangent(TOP, omega, t=TIMES, method=method)
-    other = rigid.HeavyTop(rigid.Body((4.0, 6.4, 2.8)), mgl=1.2 * 4.0 / 64.0, com=(0.6, 0.0, 0.8))
-    scaled = tangent(other, omega / 8.0, t=np.array(TIMES) * 8.0, method=method)
-    unit = np.array([8.0] * 3 + [1.0] * 3)
-    assert (scaled * unit[:, None] / unit == found).all()
-
-
 @pytest.mark.parametrize("method", SPLITTINGS)
 def test_splittings_have_no_tangent_under_damping(method: str) -> None:
     with pytest.raises(ValueError, match=f"'{method}': has no tangent under torque and damping; '"):
