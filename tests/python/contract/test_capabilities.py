@@ -34,7 +34,9 @@ ROWS = [row(line) for line in LINES if re.match(r"\| (?!subject \||figure \|)\w"
 def functions(file: str) -> set[str]:
     (path,) = TESTS.rglob(file)
     tree = ast.parse(path.read_text(encoding="utf-8"))
-    return {node.name for node in tree.body if isinstance(node, ast.FunctionDef)}
+    made = (target for node in tree.body if isinstance(node, ast.Assign) for target in node.targets)
+    named = {target.id for target in made if isinstance(target, ast.Name)}
+    return named | {node.name for node in tree.body if isinstance(node, ast.FunctionDef)}
 
 
 def resolve(name: str) -> object:

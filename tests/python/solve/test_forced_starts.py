@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import rigid
+from refusals import refuses
 
 SPHERE = rigid.Body((1.0, 1.0, 1.0))
 BOX = rigid.Body((1.0, 1.2, 1.5))
@@ -127,8 +128,7 @@ def test_the_map_layer_knows_of_damping_that_differs_by_pixel() -> None:
     assert result.condition(1)[1] == pytest.approx(alone[0], rel=1e-4)
 
 
-@pytest.mark.parametrize(
-    ("make", "message"),
+test_what_is_refused = refuses(
     [
         (lambda: rigid.Torque.body(np.zeros((0, 3)), times=[]), "a table has at least two times"),
         (lambda: rigid.Torque.body([(0, 0, 1)] * 2, times=[0, 2]).at(np.nan), "t = nan: must be"),
@@ -151,6 +151,3 @@ def test_the_map_layer_knows_of_damping_that_differs_by_pixel() -> None:
         ),
     ],
 )
-def test_what_is_refused(make: Any, message: str) -> None:
-    with pytest.raises(ValueError, match=message):
-        make()

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import json
 import pickle
-import re
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -13,6 +11,7 @@ import pytest
 
 import rigid
 from physics import ROUNDOFF
+from refusals import refuses
 from rigid import exact, figures
 from rigid.model.scene import Scene, scene_from_dict
 
@@ -270,79 +269,67 @@ def test_the_error_of_a_body_among_others_is_its_own(method: str) -> None:
 ONE = rigid.Body((1.0, 1.2, 1.5))
 BAD = MOMENTS / SIZE[:, None]
 BAD[17] = (1.0, 1.0, 2.5)
-REFUSED: list[tuple[Callable[[], Any], type[Exception], str]] = [
-    (lambda: rigid.Body(BAD), ValueError, "moments[17] = (1, 1, 2.5): no moment may exceed"),
+REFUSED: list[tuple[Any, ...]] = [
+    (lambda: rigid.Body(BAD), "moments[17] = (1, 1, 2.5): no moment may exceed"),
     (
         lambda: rigid.Body([[2.0, 0.1, 0.1], [0.1, 3.0, 0.2], [0.1, 0.2, 4.0]]),
-        ValueError,
         "moments = [[2.0, 0.1, 0.1], [0.1, 3.0, 0.2], [0.1, 0.2, 4.0]]: a symmetric matrix is a "
         "tensor of inertia, and here rows are bodies; take rigid.Body.from_tensor, or give three",
     ),
     (
         lambda: rigid.Body(BAD.reshape(1, COUNT, 3)),
-        ValueError,
         "moments[0, 17] = (1, 1, 2.5): no moment may exceed",
     ),
-    (lambda: rigid.Body([[1, 1, np.nan]]), ValueError, "moments[0] = (1, 1, NaN): "),
-    (lambda: rigid.Body(MOMENTS, mass=[1.0, 2.0]), ValueError, "moments (37,), mass (2,): "),
-    (lambda: rigid.Body((1, 1, 1), mass=[1.0]), ValueError, "mass: expected shape () or (), got"),
-    (lambda: rigid.Body(MOMENTS, mass=-1.0), ValueError, "mass = -1.0: must be positive"),
-    (lambda: rigid.Body(MOMENTS[:1], sides=(1, 1, 1)), ValueError, "sides: belong to one body"),
-    (lambda: rigid.HeavyTop(ONE, mgl=[1.0, -2.0]), ValueError, "mgl[1] = -2.0: must not be neg"),
+    (lambda: rigid.Body([[1, 1, np.nan]]), "moments[0] = (1, 1, NaN): "),
+    (lambda: rigid.Body(MOMENTS, mass=[1.0, 2.0]), "moments (37,), mass (2,): "),
+    (lambda: rigid.Body((1, 1, 1), mass=[1.0]), "mass: expected shape () or (), got"),
+    (lambda: rigid.Body(MOMENTS, mass=-1.0), "mass = -1.0: must be positive"),
+    (lambda: rigid.Body(MOMENTS[:1], sides=(1, 1, 1)), "sides: belong to one body"),
+    (lambda: rigid.HeavyTop(ONE, mgl=[1.0, -2.0]), "mgl[1] = -2.0: must not be neg"),
     (
         lambda: rigid.HeavyTop(ONE, mgl=1.0, com=[[0, 0, 1], [0, 0, 2]]),
-        ValueError,
         "com[1] = [0.0, 0.0, 2.0]: must be a unit vector to 0.0001, its length is 2",
     ),
     (
         lambda: rigid.HeavyTop(rigid.Body(MOMENTS[:4]), mgl=np.ones(5)),
-        ValueError,
         "moments (4,), mgl (5,): the axes of the bodies do not broadcast",
     ),
     (
         lambda: rigid.FreeBody(BODY, damping=np.where(np.arange(COUNT) == 7, -1.0, 1.0)),
-        ValueError,
         "damping[7] = -1.0: must not be negative",
     ),
     (
         lambda: rigid.FreeBody(
             ONE, damping=np.array([np.eye(3), [[1, 2, 0], [2, 1, 0], [0, 0, 1]]])
         ),
-        ValueError,
         "damping[1] = [[1.0, 2.0, 0.0], [2.0, 1.0, 0.0], [0.0, 0.0, 1.0]]: must be positive semi",
     ),
     (
         lambda: rigid.FreeBody(
             ONE, damping=np.array([np.eye(3), [[1, 1, 0], [0, 1, 0], [0, 0, 1]]])
         ),
-        ValueError,
         "damping[1] = [[1.0, 1.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]: must be a symmetric",
     ),
     (
         lambda: rigid.FreeBody(rigid.Body(MOMENTS[:3]), damping=[1.0, 2.0, 3.0]),
-        ValueError,
         "damping: shape (3,) can be read in two ways for bodies of shape (3,); write (3, 3, 3)",
     ),
     (
         lambda: rigid.FreeBody(rigid.Body(MOMENTS[:4]), damping=np.ones(5)),
-        ValueError,
         "damping: expected shape (), (3,) or (3, 3) after the axes (4,) of the bodies, got (5,)",
     ),
     (
         lambda: rigid.Torque.body(np.ones((4, 3))) + rigid.Torque.space(np.ones((5, 3))),
-        ValueError,
         "torque (4,), other torque (5,): the axes of the bodies do not broadcast",
     ),
     (
         lambda: rigid.simulate(FREE, OMEGA[:3], t=[1.0]),
-        ValueError,
         "scene (37,), omega (3,): the axes of the bodies do not broadcast",
     ),
     (
         lambda: rigid.simulate(
             FREE, np.where(np.arange(COUNT) == 9, 1e-200, 1.0)[:, None] * OMEGA, t=1
         ),
-        ValueError,
         "omega[9]: the rates of the body are",
     ),
     (
@@ -352,7 +339,6 @@ REFUSED: list[tuple[Callable[[], Any], type[Exception], str]] = [
             t=[1.0],
             method="rk4",
         ),
-        ValueError,
         "mgl[1] = 1e+308: must be below 1e+153 times the least moment, 0.001",
     ),
     (
@@ -363,94 +349,76 @@ REFUSED: list[tuple[Callable[[], Any], type[Exception], str]] = [
             method="rk4",
             step=0.1,
         ),
-        ValueError,
         "step = 1e-1 of body 1: 'rk4' is unstable",
     ),
     (
         lambda: rigid.simulate(
             FREE, OMEGA, t=np.where(np.arange(COUNT)[:, None] == 5, [2, 1], [1, 2])
         ),
-        ValueError,
         "t[5, 0] = 2.0 > t[5, 1] = 1.0: times must be ascending",
     ),
     (
         lambda: rigid.simulate(FREE, OMEGA, t=np.ones((4, 2))),
-        ValueError,
         "scene (37,), omega (37,), t (4,): the axes of the bodies do not broadcast",
     ),
-    (
-        lambda: rigid.condition(FREE, OMEGA, t=OWN_T),
-        ValueError,
-        "t: expected shape (m,), got (37, 6)",
-    ),
+    (lambda: rigid.condition(FREE, OMEGA, t=OWN_T), "t: expected shape (m,), got (37, 6)"),
     (
         lambda: rigid.simulate(TOPS, OMEGA, t=[1.0], method="exact"),
-        ValueError,
         "method = 'exact': no closed form of rates and attitude at output times for body 1 of the",
     ),
     (
         lambda: exact.lagrange_top(rigid.HeavyTop(rigid.Body(MOMENTS[:2]), mgl=1.0), OMEGA[0]),
-        ValueError,
         "moments[1] = ",
     ),
     (
         lambda: exact.sleeping_spin(rigid.HeavyTop(rigid.Body((1, 1, 0.5)), mgl=[1.0, 0.0])),
-        ValueError,
         "mgl[1] = 0: a top without weight is a free body; use exact.free_body",
     ),
     (
         lambda: exact.pendulum_period(rigid.HeavyTop(ONE, mgl=[1.0, 0.0]), 0.1, axis=1),
-        ValueError,
         "mgl[1] = 0, com[1] = (0.0, 0.0, 1.0): a pendulum about axis 1 needs a weight",
     ),
     (
         lambda: rigid.stability_map(
             FREE, axes={"tilt": [0.1]}, samples=1, t_end=1.0, stable=rigid.no_flip()
         ),
-        ValueError,
         "scene: expected one body, got bodies of shape (37,); take one of them, scene[0]",
     ),
-    (lambda: rigid.report(FREE, OMEGA[0], t_end=1.0), ValueError, "scene: expected one body, got"),
+    (lambda: rigid.report(FREE, OMEGA[0], t_end=1.0), "scene: expected one body, got"),
     (
         lambda: figures.upright_cubic(TOPS),
-        ValueError,
         "scene: expected one body, got bodies of shape (37,); take one of them, scene[0]",
     ),
     (
         lambda: rigid.particles.propagate_body(
             BODY, np.zeros(3), np.zeros(3), OMEGA, force=np.zeros(3), t=[1.0]
         ),
-        ValueError,
         "body: expected one body, got bodies of shape (37,)",
     ),
     (
         lambda: figures.cycloids(TOPS, 1.0, 40.0),
-        ValueError,
         "scene: expected one body, got bodies of shape (37,)",
     ),
     (
         lambda: rigid.free.power_balance(rigid.simulate(FREE, OMEGA, t=OWN_T)),
-        ValueError,
         "t[3, 0] = -1.0: is given twice; the rate of the kinetic energy needs distinct times",
     ),
     (
         lambda: rigid.free.power_balance(FREE, OMEGA[:4, None] * np.ones((3, 1)), t=T[:3]),
-        ValueError,
         "scene (37,), omega (4,): the axes of the bodies do not broadcast",
     ),
     (
         lambda: rigid.free.invariants(TOPS, OMEGA[:3], ATTITUDE),
-        ValueError,
         "omega (3,), attitude (37,): the axes of the bodies do not broadcast",
     ),
-    (lambda: BODY.symmetry_axis, ValueError, "body: expected one body, got bodies of shape (37,)"),
+    (lambda: BODY.symmetry_axis, "body: expected one body, got bodies of shape (37,)"),
 ]
 
 
-@pytest.mark.parametrize(("call", "kind", "message"), REFUSED, ids=[row[2] for row in REFUSED])
-def test_the_bad_one_is_named(call: Callable[[], Any], kind: type[Exception], message: str) -> None:
-    with pytest.raises(kind, match=re.escape(message)):
-        call()
+test_the_bad_one_is_named = refuses(
+    REFUSED,
+    literal=True,
+)
 
 
 def test_the_textbook_of_bodies_that_differ() -> None:

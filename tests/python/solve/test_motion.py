@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 
 import rigid
+from refusals import refuses
 from rigid.model.scene import Scene
 from rigid.solve.methods import longest_angle
 
@@ -274,48 +275,37 @@ def stepped(
     return lambda: rigid.Motion(SCENES[name], omega, **options).step(dt, torque)
 
 
-@pytest.mark.parametrize(
-    ("call", "error", "words"),
+test_refused = refuses(
     [
         (stepped(dt="1"), TypeError, "dt = '1': must be a real number"),
         (stepped(dt=True), TypeError, "dt = True: must be a real number"),
-        (stepped(dt=math.nan), ValueError, "dt = NaN: must be finite"),
+        (stepped(dt=math.nan), "dt = NaN: must be finite"),
         (
             stepped(torque=(1.0, "a", 2.0)),
             TypeError,
             "torque = (1.0, 'a', 2.0): must be real numbers",
         ),
-        (stepped(torque=(1.0, math.inf, 2.0)), ValueError, "torque = inf: must be finite"),
-        (
-            stepped(torque=np.ones((2, 3))),
-            ValueError,
-            "torque: expected shape (3,) or (3, 3), got (2, 3)",
-        ),
-        (stepped(torque=[1.0, 2.0]), ValueError, "torque: expected shape (3,) or (n, 3), got (2,)"),
+        (stepped(torque=(1.0, math.inf, 2.0)), "torque = inf: must be finite"),
+        (stepped(torque=np.ones((2, 3))), "torque: expected shape (3,) or (3, 3), got (2, 3)"),
+        (stepped(torque=[1.0, 2.0]), "torque: expected shape (3,) or (n, 3), got (2,)"),
         (
             stepped(torque=TORQUES[0], method="chin4a"),
-            ValueError,
             "method = 'chin4a': moves bodies without torque and damping only",
         ),
-        (stepped(method="exact"), ValueError, "method = 'exact': must be one of 'rk4'"),
+        (stepped(method="exact"), "method = 'exact': must be one of 'rk4'"),
         (
             stepped("damped", method="chin4a"),
-            ValueError,
             "method = 'chin4a': does not integrate damping; use one of",
         ),
-        (stepped("damped", dt=40.0), ValueError, "step = 4e1: 'dop853' is unstable under damping"),
+        (stepped("damped", dt=40.0), "step = 4e1: 'dop853' is unstable under damping"),
         (
             stepped("pushed", dt=-STEP),
-            ValueError,
             "t = -0.015625: the table of the torque does not reach this time",
         ),
         (lambda: rigid.Motion(None, START), TypeError, "scene = None: must be a rigid.FreeBody"),  # type: ignore[arg-type]
     ],
+    literal=True,
 )
-def test_refused(call: Callable[[], Any], error: type[Exception], words: str) -> None:
-    with pytest.raises(error) as caught:
-        call()
-    assert str(caught.value).startswith(words)
 
 
 def test_a_refused_step_leaves_the_motion_as_it_was() -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable
 from itertools import pairwise
 
 import numpy as np
@@ -16,6 +15,7 @@ import quad_motion
 import rigid
 from adversarial import KINDS
 from physics import place_on_orbit
+from refusals import refuses
 from rigid.model.scene import scene_from_dict
 from rigid.solve.starts import bodies_of
 from verdicts import judge
@@ -579,10 +579,9 @@ BAD = [
 ]
 
 
-@pytest.mark.parametrize(("call", "message"), BAD)
-def test_bad_numbers_are_refused(call: Callable[[], object], message: str) -> None:
-    with pytest.raises(ValueError, match=message):
-        call()
+test_bad_numbers_are_refused = refuses(
+    BAD,
+)
 
 
 def test_what_is_no_sink_is_refused() -> None:
