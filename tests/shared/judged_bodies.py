@@ -140,7 +140,7 @@ def judge_mesh(number: int, seed: int) -> Judged:
         return Judged(spoilt, "UNDETECTED", words="accepted")
     volume, centre, tensor = exact_properties(corners, faces)
     length = np.ptp(corners[np.unique(faces)], axis=0).max()
-    # As in test_exact_meshes.py; the centre is rounded as the coordinates are.
+    # As in test_mesh_files.py; the centre is rounded as the coordinates are.
     allowed = 32.0 * ROUNDING * slenderness
     worst = max(off(found.mass.reshape(1, 1), [[volume]]), off(found.tensor, tensor))
     aside = max(

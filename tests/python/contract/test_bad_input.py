@@ -5,13 +5,17 @@ from __future__ import annotations
 import functools
 import re
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
 import rigid
+from fuzz_targets import TARGETS
 from physics import LISTED, METHODS
+from processes import run_python
+from refusals import refuses
 from rigid import springs
 from rigid.model.scene import scene_from_dict
 from small_maps import small_map
@@ -52,53 +56,43 @@ POSITIVE = "every moment of inertia must be positive (a thin rod has zero about 
 TRIANGLE = "no moment may exceed the sum of the other two (triangle inequality; "
 UNSYMMETRIC = "a tensor of inertia is symmetric, to 1e-05 of the largest entry"
 
-REFUSED: list[tuple[Callable[[], Any], type[Exception], list[str]]] = [
+REFUSED: list[tuple[Any, ...]] = [
     # Bodies.
-    (moments(NAN, 1, 1), ValueError, ["moments = (NaN, 1, 1): ", "must be finite"]),
-    (moments(1, INF, 1), ValueError, ["moments = (1, inf, 1): ", "must be finite"]),
-    (moments(1, -2, 1), ValueError, ["moments = (1, -2, 1): ", POSITIVE]),
-    (moments(0, 0, 0), ValueError, ["moments = (0, 0, 0): ", "a mass point has no rotation"]),
-    (moments(1, 1.1, 0), ValueError, ["moments = (1, 1.1, 0): ", POSITIVE]),
-    (moments(1, 1, 2.5), ValueError, ["moments = (1, 1, 2.5): ", TRIANGLE]),
-    (moments(5, 1, 2), ValueError, ["moments = (5, 1, 2): ", TRIANGLE]),
-    (moments(1e308, 1, -0.0), ValueError, ["moments = (1e308, 1, -0): ", POSITIVE]),
-    (moments(1, 1e-320, 1e9), ValueError, ["moments = (1, 1e-320, 1000000000): ", TRIANGLE]),
-    (moments(1, 4, 2), ValueError, ["moments = (1, 4, 2): ", TRIANGLE]),
-    (moments(1, 2), ValueError, ["moments: expected shape (3,) or (..., 3), got (2,)"]),
-    (
-        lambda: rigid.Body(np.eye(2)),
-        ValueError,
-        ["moments: expected shape (3,) or (..., 3), got (2, 2)"],
-    ),
+    (moments(NAN, 1, 1), ["moments = (NaN, 1, 1): ", "must be finite"]),
+    (moments(1, INF, 1), ["moments = (1, inf, 1): ", "must be finite"]),
+    (moments(1, -2, 1), ["moments = (1, -2, 1): ", POSITIVE]),
+    (moments(0, 0, 0), ["moments = (0, 0, 0): ", "a mass point has no rotation"]),
+    (moments(1, 1.1, 0), ["moments = (1, 1.1, 0): ", POSITIVE]),
+    (moments(1, 1, 2.5), ["moments = (1, 1, 2.5): ", TRIANGLE]),
+    (moments(5, 1, 2), ["moments = (5, 1, 2): ", TRIANGLE]),
+    (moments(1e308, 1, -0.0), ["moments = (1e308, 1, -0): ", POSITIVE]),
+    (moments(1, 1e-320, 1e9), ["moments = (1, 1e-320, 1000000000): ", TRIANGLE]),
+    (moments(1, 4, 2), ["moments = (1, 4, 2): ", TRIANGLE]),
+    (moments(1, 2), ["moments: expected shape (3,) or (..., 3), got (2,)"]),
+    (lambda: rigid.Body(np.eye(2)), ["moments: expected shape (3,) or (..., 3), got (2, 2)"]),
     (lambda: rigid.Body("abc"), TypeError, ["moments = 'abc': must be real numbers"]),
     (lambda: rigid.Body([1j, 1, 1]), TypeError, ["moments = [1j, 1, 1]: must be real numbers"]),
-    (moments(1, [2], 3), ValueError, ["moments = (1, [2], 3): ", "must be"]),
-    (body(mass=0.0), ValueError, ["mass = 0.0: must be positive"]),
-    (body(mass=NAN), ValueError, ["mass = nan: must be finite"]),
+    (moments(1, [2], 3), ["moments = (1, [2], 3): ", "must be"]),
+    (body(mass=0.0), ["mass = 0.0: must be positive"]),
+    (body(mass=NAN), ["mass = nan: must be finite"]),
     (body(mass="heavy"), TypeError, ["mass = 'heavy': must be a real number"]),
     (body(mass=True), TypeError, ["mass = True: must be a real number"]),
-    (body(sides=(1, 2)), ValueError, ["sides: expected shape (3,), got (2,)"]),
-    (body(sides=(1, NAN, 2)), ValueError, ["sides[1] = nan: must be finite"]),
-    (body(sides=(1, -1, 2)), ValueError, ["sides", "-1", "must be positive"]),
-    (box(0.1, -0.2, 0.3), ValueError, ["b = -0.2: must be positive"]),
-    (box(0.1, 0.2, INF), ValueError, ["c = inf: must be finite"]),
+    (body(sides=(1, 2)), ["sides: expected shape (3,), got (2,)"]),
+    (body(sides=(1, NAN, 2)), ["sides[1] = nan: must be finite"]),
+    (body(sides=(1, -1, 2)), ["sides", "-1", "must be positive"]),
+    (box(0.1, -0.2, 0.3), ["b = -0.2: must be positive"]),
+    (box(0.1, 0.2, INF), ["c = inf: must be finite"]),
     (box("wide", 0.2, 0.3), TypeError, ["a = 'wide': must be a real number"]),
-    (box(np.ones(2), np.ones(3), 0.3), ValueError, ["a (2,), b (3,)", "do not broadcast"]),
-    (box(0.1, 0.2, 0.3, mass=-1), ValueError, ["mass = -1.0: must be positive"]),
-    (tensor([[1, 2], [2, 1]]), ValueError, ["tensor: expected shape (3, 3), got (2, 2)"]),
-    (
-        tensor(np.diag([1.0, NAN, 1.0])),
-        ValueError,
-        ["tensor[1, 1] = nan: must be finite"],
-    ),
+    (box(np.ones(2), np.ones(3), 0.3), ["a (2,), b (3,)", "do not broadcast"]),
+    (box(0.1, 0.2, 0.3, mass=-1), ["mass = -1.0: must be positive"]),
+    (tensor([[1, 2], [2, 1]]), ["tensor: expected shape (3, 3), got (2, 2)"]),
+    (tensor(np.diag([1.0, NAN, 1.0])), ["tensor[1, 1] = nan: must be finite"]),
     (
         tensor([[2, 1, 0], [0, 2, 0], [0, 0, 2]]),
-        ValueError,
         ["tensor[0, 1] = 1.0, but its mirror entry is 0.0: ", UNSYMMETRIC],
     ),
     (
         tensor(np.diag([1.0, 1.0, 5.0])),
-        ValueError,
         [
             "moments = (1, 1, 5): ",
             TRIANGLE,
@@ -111,63 +105,44 @@ REFUSED: list[tuple[Callable[[], Any], type[Exception], list[str]]] = [
         TypeError,
         ["physical = 1: must be True or False"],
     ),
-    (
-        lambda: rigid.Body((3, -5, 9), physical=False),
-        ValueError,
-        ["moments = (3, -5, 9): ", POSITIVE],
-    ),
+    (lambda: rigid.Body((3, -5, 9), physical=False), ["moments = (3, -5, 9): ", POSITIVE]),
     (tensor("abc"), TypeError, ["tensor = 'abc': must be real numbers"]),
-    (tensor([[1, 2], [3]]), ValueError, ["tensor = [[1, 2], [3]]: must be"]),
+    (tensor([[1, 2], [3]]), ["tensor = [[1, 2], [3]]: must be"]),
     (tensor(1j * np.eye(3)), TypeError, ["tensor = ", "must be real numbers"]),
     # Scenes.
     (lambda: rigid.FreeBody((1, 2, 3)), TypeError, ["body = (1, 2, 3): must be a rigid.Body"]),  # type: ignore[arg-type]
     (top((1, 2, 3)), TypeError, ["body = (1, 2, 3): must be a rigid.Body"]),
-    (top(mgl=-1.0), ValueError, ["mgl = -1.0: must not be negative"]),
-    (top(mgl=INF), ValueError, ["mgl = inf: must be finite"]),
+    (top(mgl=-1.0), ["mgl = -1.0: must not be negative"]),
+    (top(mgl=INF), ["mgl = inf: must be finite"]),
     (top(mgl=None), TypeError, ["mgl = None: must be a real number"]),
     (top(mgl=np.complex64(1)), TypeError, ["mgl = ", "must be a real number"]),
     (top(mgl=np.True_), TypeError, ["mgl = ", "must be a real number"]),
     (
         top(com=(0, 0, 2)),
-        ValueError,
         ["com = [0.0, 0.0, 2.0]: must be a unit vector to 0.0001, its length is 2"],
     ),
     (
         top(com=(0, 0, 0)),
-        ValueError,
         ["com = [0.0, 0.0, 0.0]: must be a unit vector to 0.0001, its length is 0"],
     ),
-    (
-        top(com=(0, 0, 1.0002)),
-        ValueError,
-        ["com = ", "must be a unit vector to 0.0001, its length is 1.0002"],
-    ),
-    (top(com=(0, NAN, 1)), ValueError, ["com[1] = nan: must be finite"]),
-    (top(com=(0, 1)), ValueError, ["com: expected shape (..., 3), got (2,)"]),
-    (top(com=(1e300, 0, 0)), ValueError, ["com = [1e+300, 0.0, 0.0]: must be a unit vector"]),
+    (top(com=(0, 0, 1.0002)), ["com = ", "must be a unit vector to 0.0001, its length is 1.0002"]),
+    (top(com=(0, NAN, 1)), ["com[1] = nan: must be finite"]),
+    (top(com=(0, 1)), ["com: expected shape (..., 3), got (2,)"]),
+    (top(com=(1e300, 0, 0)), ["com = [1e+300, 0.0, 0.0]: must be a unit vector"]),
     (
         lambda: scene_from_dict({"kind": "tops", "body": BODY.to_dict()}),
-        ValueError,
         ["kind = 'tops': must be one of 'free', 'top'; did you mean 'top'?"],
     ),
-    (
-        lambda: scene_from_dict({"body": BODY.to_dict()}),
-        ValueError,
-        ["kind = None: must be one of "],
-    ),
+    (lambda: scene_from_dict({"body": BODY.to_dict()}), ["kind = None: must be one of "]),
     # Scene and rates of a run.
     (run(scene=3), TypeError, ["scene = 3", "must be a rigid.FreeBody or rigid.HeavyTop"]),
-    (run([1, NAN, 3]), ValueError, ["omega[1] = nan: must be finite"]),
-    (run([RATES, [1, 2, INF]]), ValueError, ["omega[1, 2] = inf: must be finite"]),
-    (run([1, 2]), ValueError, ["omega: expected shape (..., 3), got (2,)"]),
-    (run(np.ones((2, 4))), ValueError, ["omega: expected shape (..., 3), got (2, 4)"]),
-    (run(5.0), ValueError, ["omega: expected shape (..., 3), got ()"]),
-    (run(np.ones((0, 5))), ValueError, ["omega: expected shape (..., 3), got (0, 5)"]),
-    (
-        run([[1, 2, 3], [1, 2]]),
-        ValueError,
-        ["omega = [[1, 2, 3], [1, 2]]: must be an array of real numbers"],
-    ),
+    (run([1, NAN, 3]), ["omega[1] = nan: must be finite"]),
+    (run([RATES, [1, 2, INF]]), ["omega[1, 2] = inf: must be finite"]),
+    (run([1, 2]), ["omega: expected shape (..., 3), got (2,)"]),
+    (run(np.ones((2, 4))), ["omega: expected shape (..., 3), got (2, 4)"]),
+    (run(5.0), ["omega: expected shape (..., 3), got ()"]),
+    (run(np.ones((0, 5))), ["omega: expected shape (..., 3), got (0, 5)"]),
+    (run([[1, 2, 3], [1, 2]]), ["omega = [[1, 2, 3], [1, 2]]: must be an array of real numbers"]),
     (run("fast"), TypeError, ["omega = 'fast': must be real numbers in rad/s, not a text"]),
     (
         run([True, False, True]),
@@ -177,16 +152,11 @@ REFUSED: list[tuple[Callable[[], Any], type[Exception], list[str]]] = [
     (run([1j, 0, 0]), TypeError, ["omega = [1j, 0, 0]: must be real numbers, got complex128"]),
     (run(None), TypeError, ["omega = None: must be real numbers, got object"]),
     # Attitude.
-    (run(RATES, [0, 0, 0, 0]), ValueError, ["attitude", "[0.0, 0.0, 0.0, 0.0]: a zero quaternion"]),
-    (
-        run(RATES, [[1, 0, 0, 0], [0, 0, 0, 0]]),
-        ValueError,
-        ["attitude[1] = [0.0, 0.0, 0.0, 0.0]: a zero "],
-    ),
-    (run(RATES, [1, 0, NAN, 0]), ValueError, ["attitude[2] = nan: must be finite"]),
+    (run(RATES, [0, 0, 0, 0]), ["attitude", "[0.0, 0.0, 0.0, 0.0]: a zero quaternion"]),
+    (run(RATES, [[1, 0, 0, 0], [0, 0, 0, 0]]), ["attitude[1] = [0.0, 0.0, 0.0, 0.0]: a zero "]),
+    (run(RATES, [1, 0, NAN, 0]), ["attitude[2] = nan: must be finite"]),
     (
         run(RATES, [1, 0, 0]),
-        ValueError,
         ["attitude: expected shape (..., 4), got (3,); rigid.rotations.euler_to_quaternion takes"],
     ),
     (
@@ -196,64 +166,47 @@ REFUSED: list[tuple[Callable[[], Any], type[Exception], list[str]]] = [
     ),
     (
         lambda: rigid.Orbit(1.0, 1.01),
-        ValueError,
         ["eccentricity = 1.01: must be at most 0.95 (an ellipse), or from 1.05 to 1e+06"],
     ),
     (
         lambda: rigid.Orbit(1.0, 0.97),
-        ValueError,
         ["eccentricity = 0.97: must be at most 0.95", "near a parabola, 1, the anomaly does not"],
     ),
     (
         run(np.ones((3, 3)), np.ones((2, 4))),
-        ValueError,
         ["omega (3,), attitude (2,): the axes of the bodies do not broadcast"],
     ),
     # Times.
-    (run(t=[0.0, 2.0, 1.0]), ValueError, ["t[1] = 2.0 > t[2] = 1.0: times must be ascending"]),
-    (run(t=[0.0, NAN]), ValueError, ["t[1] = nan: must be finite"]),
-    (run(t=INF), ValueError, ["t[0] = inf: must be finite"]),
+    (run(t=[0.0, 2.0, 1.0]), ["t[1] = 2.0 > t[2] = 1.0: times must be ascending"]),
+    (run(t=[0.0, NAN]), ["t[1] = nan: must be finite"]),
+    (run(t=INF), ["t[0] = inf: must be finite"]),
     (run(t="now"), TypeError, ["t = 'now': must be real numbers in s, not a text"]),
     # Names.
-    (
-        run(method="rk5"),
-        ValueError,
-        [f"method = 'rk5': did you mean 'rk4'? must be one of {LISTED}"],
-    ),
-    (run(method="spliting"), ValueError, ["method = 'spliting': ", "did you mean 'splitting'?"]),
-    (run(method=4), ValueError, [f"method = 4: must be one of {LISTED}"]),
+    (run(method="rk5"), [f"method = 'rk5': did you mean 'rk4'? must be one of {LISTED}"]),
+    (run(method="spliting"), ["method = 'spliting': ", "did you mean 'splitting'?"]),
+    (run(method=4), [f"method = 4: must be one of {LISTED}"]),
     (
         run(record="atitude"),
-        ValueError,
         ["record = 'atitude': must be one of 'rates', 'axis', 'attitude'; did you mean 'att"],
     ),
-    (run(record=None), ValueError, ["record = None: must be one of 'rates', 'axis', 'attitude'"]),
+    (run(record=None), ["record = None: must be one of 'rates', 'axis', 'attitude'"]),
     # Numbers.
-    (run(step=0.0), ValueError, ["step = 0.0: must be positive"]),
-    (run(step=-0.1), ValueError, ["step = -0.1: must be positive"]),
-    (run(step=NAN), ValueError, ["step = nan: must be finite"]),
-    (run(step=INF), ValueError, ["step = inf: must be finite"]),
+    (run(step=0.0), ["step = 0.0: must be positive"]),
+    (run(step=-0.1), ["step = -0.1: must be positive"]),
+    (run(step=NAN), ["step = nan: must be finite"]),
+    (run(step=INF), ["step = inf: must be finite"]),
     (run(step="short"), TypeError, ["step = 'short': must be a real number"]),
     (run(step=True), TypeError, ["step = True: must be a real number"]),
     (run(step=np.array([0.1, 0.2])), TypeError, ["step = ", "must be a real number"]),
-    (run(max_steps=0), ValueError, ["max_steps = 0: must be at least 1"]),
+    (run(max_steps=0), ["max_steps = 0: must be at least 1"]),
     (run(max_steps=1e3), TypeError, ["max_steps = 1000.0: must be a whole number"]),
     (run(max_steps=True), TypeError, ["max_steps = True: must be a whole number"]),
-    (run(threads=0), ValueError, ["threads = 0: must be at least 1"]),
+    (run(threads=0), ["threads = 0: must be at least 1"]),
     (run(threads=1.5), TypeError, ["threads = 1.5: must be a whole number"]),
 ]
 
 
-@pytest.mark.parametrize(
-    ("call", "error", "parts"), REFUSED, ids=[f"{k}: {row[2][0]}" for k, row in enumerate(REFUSED)]
-)
-def test_refused(call: Callable[[], Any], error: type[Exception], parts: list[str]) -> None:
-    with pytest.raises(error) as caught:
-        call()
-    message = str(caught.value)
-    assert type(caught.value) is error
-    assert "\n" not in message
-    assert re.search(".*".join(map(re.escape, parts)), message), message
+test_refused = refuses(REFUSED)
 
 
 @pytest.mark.parametrize("value", ["0", "-1", "many", "1.5"])
@@ -516,3 +469,17 @@ def test_scenes_and_bodies_are_values() -> None:
         with pytest.raises(AttributeError):
             scene.body = BODY  # type: ignore[misc]
     assert rigid.Body((1, 2, 3)) != rigid.Body((2, 1, 3))
+
+
+# Odd arguments and damaged files: refused in words, or a result that is one. Some of many
+
+
+SCRIPT = Path(__file__).parents[2] / "long" / "fuzz.py"
+
+
+@pytest.mark.parametrize("target", TARGETS)
+def test_whatever_comes_in_is_refused_or_understood(target: str) -> None:
+    done = run_python(str(SCRIPT), "--target", target, "--cases", "150", check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+    _, _, accepted, refused, _, _ = done.stdout.splitlines()[1].split()
+    assert int(accepted) > int(refused) > 0  # most cases get past the door

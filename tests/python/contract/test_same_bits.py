@@ -1,80 +1,110 @@
-"""The same request gives the same bits on any instruction set, thread count and in any company."""
+"""The same request gives the same bits: of any body, whoever is beside it, on any machine.
+
+Every door (a way to ask for motions) is asked for bodies that differ, alone and together, in
+another order, on other threads and instruction sets, in other units, and after another library has
+left the processor in another mode.
+"""
 
 from __future__ import annotations
 
 import hashlib
+import signal
+from collections.abc import Callable
+from functools import partial
+from types import FrameType
 from typing import Any
 
 import numpy as np
 import pytest
 
 import rigid
-from physics import METHODS
+from doors import CASES, COUNT, DOORS, OMEGA, SCENES, asked, opens
+from float_modes import CAN_BE_SET, MODES, control_word, float_mode
+from physics import Floats
 from processes import python_process
+from rigid import _core
 from rigid.model.scene import Scene
-from rigid.solve.status import ARRIVED
 
-TOP = rigid.HeavyTop(rigid.Body((1.0, 1.5, 2.0)), mgl=3.0, com=(0.48, -0.64, 0.6))
-SCENES: dict[str, Scene] = {
-    "free": rigid.FreeBody(rigid.Body((1.0, 1.5, 2.0))),
-    "symmetric": rigid.FreeBody(rigid.Body((1.5, 1.0, 1.5))),
-    "top": TOP,
-    "symmetric top": rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=3.0),
-}
+every_case = pytest.mark.parametrize(("scene", "door"), CASES)
 
 
-def batch(scene: Scene, method: str, n: int = 103, **options: Any) -> rigid.Run:
-    """Slow and fast bodies: own steps, large angles, and some that overflow with a step of one."""
-    rng = np.random.default_rng(3)
-    omega = rng.standard_normal((n, 3)) * 10.0 ** rng.uniform(-2, 1.5, (n, 1))
-    attitude = rng.standard_normal((n, 4))
-    return rigid.simulate(scene, omega, attitude, t=[-0.3, 0.0, 0.5, 1.0], method=method, **options)
+def assert_equal(one: dict[str, Any], other: dict[str, Any], of: object) -> None:
+    """The bits of one body; without a force on any body of a call there is no work."""
+    for name in one.keys() | other.keys():
+        if name in one and name in other:
+            assert np.asarray(one[name]).tobytes() == np.asarray(other[name]).tobytes(), (of, name)
+        else:
+            assert name == "work"
+            assert not (one | other)[name].any(), of
 
 
-def columns(run: rigid.Run) -> dict[str, np.ndarray]:
-    names = [
-        "omega",
-        "gamma",
-        "attitude",
-        "energy_drift",
-        "momentum_drift",
-        "unit_drift",
-        "status",
-        "steps",
-    ]
-    found = {name: getattr(run, name) for name in names if getattr(run, name) is not None}
-    # Whether the error of a body is estimated depends on its batch; how the body ended does not.
-    found["status"] = np.where(np.isin(run.status, ARRIVED), rigid.Status.OK, run.status)
-    return found
+@every_case
+def test_a_body_alone_is_the_body_among_others(scene: str, door: str) -> None:
+    together = asked(scene, door, slice(None))
+    for k in (0, 1, 5, 31, 32, COUNT - 1):
+        (alone,) = asked(scene, door, k)
+        assert_equal(alone, together[k], k)
 
 
-def content(run: rigid.Run) -> dict[str, bytes]:
-    return {name: array.tobytes() for name, array in columns(run).items()}
+@every_case
+def test_neither_threads_nor_the_order_of_the_bodies_matter(scene: str, door: str) -> None:
+    together = asked(scene, door, slice(None))
+    backward = asked(scene, door, slice(None, None, -1), threads=3)
+    for k, arrays in enumerate(together):
+        assert_equal(arrays, backward[-1 - k], k)
+
+
+UNITS = {
+    "omega": (0, -1), "work": (1, -2), "start_omega": (0, -1), "lost_from": (0, 1), "end": (0, 1),
+    "t": (0, 1), "error of an event": (0, 1), "spectrum": (0, -1),
+}  # fmt: skip
+"""Powers of the units of mass and of time; all other arrays are pure numbers."""
+
+
+@pytest.mark.parametrize(("mass", "time"), [(2.0**40, 1.0), (1.0, 2.0**-20), (2.0**-20, 2.0**10)])
+@pytest.mark.parametrize(
+    ("scene", "door"),
+    [case for case in CASES if case[0] in ("lagrange", "tops", "satellites")],
+)
+def test_units_of_mass_and_time_change_no_digit(
+    scene: str, door: str, mass: float, time: float
+) -> None:
+    """They are powers of two: numbers change their exponents only."""
+    rows, rate = slice(0, 6), np.array([1.0 / time] * 3 + [1.0] * 3)
+    scaled_bodies = asked(scene, door, rows, mass, time)
+    for here, there in zip(asked(scene, door, rows), scaled_bodies, strict=True):
+        for name, array in here.items():
+            if name == "sensitivity":  # each parameter has another unit
+                continue
+            kind = "error of an event" if "error of" in name else name.split(" of ")[0]
+            of_mass, of_time = UNITS.get(kind, (0, 0))
+            scaled = np.asarray(array)
+            if scaled.dtype.kind == "f":
+                scaled = scaled * mass**of_mass * time**of_time
+            if name == "tangent":
+                scaled = array * rate[:, None] / rate
+            np.testing.assert_array_equal(there[name], scaled, name)
 
 
 def print_digests() -> None:
-    """In a process of its own: the instruction set, and what every mixed batch comes to."""
+    """In a process of its own: the instruction set, and what every door comes to."""
     print(rigid.build_info()["isa"])
-    for method in METHODS:
-        for name, scene in SCENES.items():
-            for step in (None, 1.0):
-                for record in ("rates", "axis", "attitude"):
-                    run = batch(scene, method.name, step=step, record=record)
-                    arrays = content(run)
-                    digest = hashlib.sha256(b"".join(arrays.values())).hexdigest()
-                    print(method.name, name, step, record, *arrays, digest)
+    for scene, door in CASES:
+        digest = hashlib.sha256()
+        for arrays in asked(scene, door, slice(None)):
+            digest.update(b"".join(np.asarray(arrays[name]).tobytes() for name in sorted(arrays)))
+        print(scene, door, digest.hexdigest())
 
 
 def test_every_instruction_set_gives_the_same_bytes() -> None:
-    available = rigid.build_info()["isa_available"]
     output = {}
-    for isa in available:
+    for isa in rigid.build_info()["isa_available"]:
         code = "import test_same_bits; test_same_bits.print_digests()"
         used, *output[isa] = python_process(code, RIGID_ISA=isa).stdout.splitlines()
         assert used == isa
-    for isa in available:
-        assert len(output[isa]) == len(METHODS) * len(SCENES) * 2 * 3
-        assert output[isa] == output[available[0]], isa
+        assert len(output[isa]) == len(CASES) > 200
+    first, *others = output.values()
+    assert all(lines == first for lines in others)
 
 
 @pytest.mark.parametrize("call", ["rigid.build_info()", "rigid.simulate(scene, [1, 2, 3], t=1.0)"])
@@ -99,48 +129,114 @@ def test_an_empty_variable_is_no_choice() -> None:
     assert done.stdout.strip() == rigid.build_info()["isa_available"][0]
 
 
-@pytest.mark.parametrize("scene", SCENES)
-@pytest.mark.parametrize("method", METHODS, ids=lambda method: method.name)
-def test_the_number_of_threads_does_not_matter(method: rigid.Method, scene: str) -> None:
-    one = content(batch(SCENES[scene], method.name, threads=1))
-    for threads in (2, 3, 7):
-        assert content(batch(SCENES[scene], method.name, threads=threads)) == one
-
-
 def test_threads_of_the_environment(monkeypatch: pytest.MonkeyPatch) -> None:
-    one = content(batch(TOP, "rk4", threads=1))
     monkeypatch.setenv("RIGID_NUM_THREADS", "3")
     assert rigid.build_info()["threads"] == 3
-    assert content(batch(TOP, "rk4")) == one
+    top = SCENES["top"](1.0, 1.0)
+    asked_for: dict[str, Any] = {"t": [1.0], "method": "rk4", "check": False}
+    there = rigid.simulate(top, OMEGA, **asked_for).omega
+    assert there.tobytes() == rigid.simulate(top, OMEGA, threads=1, **asked_for).omega.tobytes()
 
 
-@pytest.mark.parametrize("step", [None, 1.0])
-@pytest.mark.parametrize("scene", SCENES)
-@pytest.mark.parametrize("method", METHODS, ids=lambda method: method.name)
-def test_a_body_alone_is_the_body_in_the_batch(
-    method: rigid.Method, scene: str, step: float | None
-) -> None:
-    rng = np.random.default_rng(5)
-    n = 67
-    omega = rng.standard_normal((n, 3)) * 10.0 ** rng.uniform(-2, 1.5, (n, 1))
-    attitude = rng.standard_normal((n, 4))
-    options: dict[str, Any] = {"t": [-0.3, 0.0, 1.0], "method": method.name, "step": step}
-    whole = columns(rigid.simulate(SCENES[scene], omega, attitude, **options))
-    for k in (0, 1, 7, 8, 31, 32, 63, 66):
-        alone = columns(rigid.simulate(SCENES[scene], omega[k], attitude[k], **options))
-        ragged = columns(
-            rigid.simulate(SCENES[scene], omega[: k + 1], attitude[: k + 1], **options)
-        )
-        for name, array in whole.items():
-            assert array[k].tobytes() == alone[name].tobytes(), name
-            assert array[: k + 1].tobytes() == ragged[name].tobytes(), name
+# Modes of rounding and of flushing
+
+with_modes = pytest.mark.skipif(not CAN_BE_SET, reason="needs glibc on x86-64")
+
+#: Rates near the least normal number, beside rates of one: flushed, they would stop.
+TINY = np.array([[1e-308, 1.0, 3e-308], [2e-308, 1e-309, 1.0]])
+BOX = rigid.FreeBody(rigid.Body((1.0, 2.0, 3.0)))
+TOP = rigid.HeavyTop(rigid.Body((1.0, 1.6, 0.7)), mgl=1.2, com=(0.6, 0.0, 0.8))
+LAGRANGE = rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.7)), mgl=1.2)
+FORCED = rigid.FreeBody(
+    rigid.Body((1.0, 2.0, 3.0)),
+    torque=rigid.Torque.space((0.1, 0.2, 0.3)),
+    damping=np.diag([0.1, 0.2, 0.3]),
+)
+MAP: dict[str, Any] = {
+    "axes": {"spin": np.linspace(2.0, 6.0, 4)},
+    "start": rigid.Start(spin=5.0, attitude_noise=rigid.normal(0.1)),
+    "t_end": 20.0,
+    "samples": 64,
+    "rng": 2026,
+    "progress": False,
+}
+TENSOR = [[2.0, 0.1, 0.3], [0.1, 3.0, 0.2], [0.3, 0.2, 4.0]]
+COUNTS = np.arange(1, 4000)
 
 
-def test_the_order_of_the_bodies_does_not_matter() -> None:
-    rng = np.random.default_rng(6)
-    omega, order = rng.standard_normal((50, 3)), rng.permutation(50)
-    for method in METHODS:
-        there = columns(rigid.simulate(TOP, omega, t=[0.5, 2.0], method=method.name))
-        other = columns(rigid.simulate(TOP, omega[order], t=[0.5, 2.0], method=method.name))
-        for name, array in there.items():
-            assert array[order].tobytes() == other[name].tobytes()
+def mapped(stable: Any) -> list[Floats]:
+    result = rigid.stability_map(TOP, stable=stable, **MAP)
+    names = ["share", "lower", "upper", "energy_drift", "earliest"]
+    return [np.asarray(getattr(result, name)) for name in names]
+
+
+def through(scene: Scene, door: str) -> list[Floats]:
+    bodies = DOORS[door](scene, slice(0, 2), 1.0, 1.0, 1)
+    return [np.asarray(array) for body in bodies for array in body.values()]
+
+
+COMPUTED: dict[str, Callable[[], list[Floats]]] = {
+    "tiny rates": lambda: [rigid.simulate(BOX, TINY, t=[0.0, 20.0], check=False).omega],
+    "flips": lambda: [np.asarray(rigid.exact.flip_times(BOX, [0.1, 1.0, 2.0], count=3))],
+    "map": lambda: mapped(rigid.tilt_below(0.5)),
+    "map of verdicts": lambda: mapped(rigid.regular()),
+    "principal axes": lambda: [np.array(_core.principal_axes(TENSOR)[1])],
+    "unit quaternions": lambda: [_core.unit_quaternions(np.array([[0.9, 0.3, 0.2, 0.1]]))],
+    "intervals": lambda: list(_core.clopper_pearson(COUNTS, np.full_like(COUNTS, 4000), 0.95)),
+    "closed form": lambda: through(BOX, "chosen method"),
+    "closed form of a top": lambda: through(LAGRANGE, "chosen method"),
+    **{
+        f"{door} of a top": partial(through, TOP, door)
+        for door in DOORS
+        if opens(door, TOP) and door != "other times"
+    },
+    **{
+        f"{door} under forces": partial(through, FORCED, door)
+        for door in DOORS
+        if opens(door, FORCED)
+    },
+}
+
+
+@with_modes
+@pytest.mark.parametrize("mode", MODES)
+@pytest.mark.parametrize("name", COMPUTED)
+def test_no_bit_follows_the_mode_of_the_processor(name: str, mode: str) -> None:
+    expected = COMPUTED[name]()
+    with float_mode(mode):
+        before = control_word()
+        found = COMPUTED[name]()
+        assert control_word() == before
+    for array, same in zip(found, expected, strict=True):
+        assert array.tobytes() == same.tobytes()
+
+
+@with_modes
+def test_the_modes_are_those_of_the_thread() -> None:
+    # Else the test above would show nothing.
+    one, three, tiny = np.float64(1.0), np.float64(3.0), np.float64(2.0**-1022)
+    thirds = {}
+    for mode in MODES:
+        with float_mode(mode):
+            thirds[mode] = (one / three, tiny * np.float64(0.5) == 0.0, -one / three)
+    assert thirds["up"][0] > thirds["down"][0] == thirds["to zero"][0]
+    assert thirds["down"][2] < thirds["to zero"][2]
+    assert thirds["flush"][1]
+    assert not thirds["up"][1]
+
+
+def test_intervals_hear_an_interrupt() -> None:
+    # A second of work for each ten thousand intervals of so many trials.
+    successes = np.arange(1, 1_000_000)
+
+    def interrupt(_signal: int, _frame: FrameType | None) -> None:
+        raise KeyboardInterrupt
+
+    previous = signal.signal(signal.SIGALRM, interrupt)
+    signal.setitimer(signal.ITIMER_REAL, 0.05)
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            _core.clopper_pearson(successes, np.full_like(successes, 2**50), 0.95)
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        signal.signal(signal.SIGALRM, previous)

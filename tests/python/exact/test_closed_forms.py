@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 import pytest
+from scipy.special import ellipj, ellipk, elliprc, elliprd, elliprf, elliprj
 
 import rigid
-from physics import GOLDEN, ROUNDOFF, Floats, present, quaternion_product, rotation_angle
+from physics import GOLDEN, ROUNDOFF, Floats, gamma_of, present, quaternion_product, rotation_angle
+from random_scenes import Scenes, batches, compared, free, tops
+from rigid import _core, exact
 from rigid.model.scene import Scene
 
 with np.load(GOLDEN / "closed_forms.npz") as _file:
@@ -293,3 +297,135 @@ def test_a_top_at_a_pole_moves_as_one_beside_it() -> None:
             allowed = 4e-13 * np.exp(abs(t))
             assert np.abs(rates - other[0]).max() <= allowed
             assert rotation_angle(attitude, other[1]) <= allowed
+
+
+# Closed forms against Runge-Kutta steps, a small part of what tests/long does with a million
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_random_scenes_move_as_rk4_steps_them(seed: int) -> None:
+    """All within the rounding of RK4 added up, nine in ten within that of random roundings."""
+    expected = []
+    for scenes, times in batches(np.random.default_rng(seed), 1000, 200):
+        result = compared(scenes, times)
+        worst = int(result.allowed.argmax())
+        assert result.allowed[worst] <= 1.0, scenes.written(worst)
+        expected.append(result.expected)
+    assert np.quantile(np.concatenate(expected), 0.9) <= 1.0
+
+
+def test_a_motion_that_is_off_by_a_part_in_a_billion_is_found(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The bars are narrow: closed forms of slightly faster starts lie beyond them."""
+    states = Scenes.states
+
+    def faster(
+        self: Scenes, times: Floats, method: str, step: float, threads: int
+    ) -> tuple[Floats, Floats]:
+        off = 1.0 + 1e-9 * (method == "exact")
+        return states(replace(self, omega=off * self.omega), times, method, step, threads)
+
+    monkeypatch.setattr(Scenes, "states", faster)
+    scenes, times = next(batches(np.random.default_rng(1), 1000, 400))
+    assert (compared(scenes, times).allowed > 1.0).mean() > 0.99
+
+
+def test_random_scenes_are_of_all_classes() -> None:
+    rng = np.random.default_rng(1)
+    found: set[str] = set()
+    for scenes, _ in batches(rng, 2000, 2000):
+        forms = _core.closed_forms(scenes.bodies)
+        found.update(_core.closed_form_names()[code] for code in np.unique(forms))
+    assert found == {"axis spin", "free symmetric", "free asymmetric", "lagrange", "pendulum"}
+
+
+def test_random_moments_span_what_bodies_can_be() -> None:
+    """Ratios over six decades, needles, flat bodies, and differences down to the last digits."""
+    moments = np.sort(free(np.random.default_rng(1), 4000, equal=False).moments, axis=1)
+    least, middle, largest = moments.T
+    ratio, excess = least / largest, (least + middle - largest) / largest
+    assert (excess >= -1e-15).all()
+    assert ratio.min() < 1e-5
+    assert ratio.max() > 0.99
+    for small in (excess, (largest - middle) / largest, (middle - least) / largest):
+        assert (abs(small) < 1e-12).sum() > 40
+
+
+def test_random_tops_stand_hang_and_lie_on_every_axis() -> None:
+    scenes = tops(np.random.default_rng(1), 4000)
+    axis = np.abs(scenes.weight).argmax(axis=1)
+    one = np.arange(len(axis))
+    upward = np.sign(scenes.weight[one, axis]) * gamma_of(scenes.attitude)[one, axis]
+    for k in range(3):
+        for sign in (-1.0, 1.0):
+            here = (axis == k) & (np.sign(scenes.weight[one, k]) == sign)
+            assert here.sum() > 400
+            for low, high in ((-1.1, -0.999), (-0.5, 0.5), (0.999, 1.1)):
+                assert ((upward > low) & (upward < high) & here).sum() > 40
+
+
+# Elliptic integrals and functions, against printed tables and identities
+
+
+# Elliptic functions
+
+POSITIVE = 10.0 ** np.random.default_rng(1).uniform(-2.0, 2.0, (4, 200))
+
+
+@pytest.mark.parametrize(
+    ("ours", "theirs", "count"),
+    [
+        (exact.carlson_rf, elliprf, 3),
+        (exact.carlson_rc, elliprc, 2),
+        (exact.carlson_rd, elliprd, 3),
+        (exact.carlson_rj, elliprj, 4),
+    ],
+)
+def test_carlson_integrals(
+    ours: Callable[..., Any], theirs: Callable[..., Any], count: int
+) -> None:
+    arguments = POSITIVE[:count]
+    # Both are within some ulp of the truth, SciPy's third kind only for arguments of like size.
+    np.testing.assert_allclose(ours(*arguments), theirs(*arguments), rtol=4e-15)
+    assert np.shape(ours(*arguments[:, 0])) == ()
+    assert ours(arguments[0][:, None], *arguments[1:, :1, None]).shape == (200, 1)
+    zero = (0.0, *arguments[1:, 0])
+    assert ours(*zero) == pytest.approx(theirs(*zero), rel=4e-15)
+
+
+def test_jacobi_functions() -> None:
+    u, mc = np.linspace(-20.0, 20.0, 101)[:, None], np.array([0.0, 1e-3, 0.3, 0.9, 1.0])
+    found = exact.jacobi(u, mc)
+    for mine, theirs in zip(found, ellipj(u, 1.0 - mc)[:3], strict=True):
+        assert mine.shape == (101, 5)
+        # SciPy rounds 1 - mc, which counts near mc = 0, and the argument u twenty times.
+        np.testing.assert_allclose(mine, theirs, atol=1e-12)
+    sn, cn, dn = exact.jacobi(5.0, mc=0.0)
+    assert sn == pytest.approx(np.tanh(5.0), rel=4 * ROUNDOFF)
+    assert cn == dn == pytest.approx(1.0 / np.cosh(5.0), rel=16 * ROUNDOFF)
+
+
+@pytest.mark.parametrize("u", [1000.0, -1e12, np.nextafter(2.0**50, 0.0)])
+def test_jacobi_functions_of_the_parameter_zero_are_sine_and_cosine(u: float) -> None:
+    sn, cn, dn = exact.jacobi(u, mc=1.0)
+    np.testing.assert_allclose([sn, cn], [np.sin(u), np.cos(u)], rtol=4 * ROUNDOFF)
+    assert dn == 1.0
+
+
+def test_carlson_integrals_of_the_largest_arguments() -> None:
+    """`R_D(x, x, x) = R_J(x, x, x, x) = x^(-3/2)`."""
+    x = 1e200
+    for found in (exact.carlson_rd(x, x, x), exact.carlson_rj(x, x, x, x)):
+        assert found == pytest.approx(1e-300, rel=16 * ROUNDOFF)
+
+
+def test_the_mean_is_gauss_s() -> None:
+    # Gauss, 1799: 1 / agm(1, sqrt 2) = 0.8346268416740731...
+    assert 1.0 / exact.agm(1.0, np.sqrt(2.0)) == pytest.approx(0.8346268416740731, rel=4 * ROUNDOFF)
+    assert exact.agm([1.0, 4.0], [[1.0], [4.0]]).shape == (2, 2)
+    assert exact.agm(3.0, 3.0) == 3.0
+    mc = np.array([1e-6, 0.5, 1.0])
+    np.testing.assert_allclose(
+        np.pi / 2 / exact.agm(1.0, np.sqrt(mc)), ellipk(1.0 - mc), rtol=1e-10
+    )

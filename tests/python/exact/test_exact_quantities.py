@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -12,6 +11,7 @@ from scipy.special import ellipk
 
 import rigid
 from physics import ROUNDOFF, Floats, angular_momentum, gamma_of, present, rotation_matrix, tilted
+from refusals import refuses
 from rigid import exact
 
 STANDARD = rigid.FreeBody(rigid.Body((1.0, 2.0, 3.0)))
@@ -415,57 +415,49 @@ def test_the_period_of_a_pendulum() -> None:
 HEAVY = rigid.HeavyTop(rigid.Body((1.0, 1.4, 0.7)), mgl=1.0, com=(0.6, 0.0, 0.8))
 HEAVY_TOP: Any = TOP
 FREE: Any = STANDARD
-BODY: Any = STANDARD.body
 NO_LAGRANGE = "a Lagrange top has two exactly equal moments and its centre of mass exactly"
 
 
-@pytest.mark.parametrize(
-    ("call", "kind", "message"),
+test_what_has_no_answer_is_refused = refuses(
     [
         (lambda: exact.free_body(HEAVY_TOP, [1, 2, 3]), TypeError, "must be a rigid.Body"),
-        (lambda: exact.free_body(STANDARD, [1, 2]), ValueError, "omega: expected shape (..., 3)"),
-        (lambda: exact.free_body(STANDARD, [1, 2, np.inf]), ValueError, "omega[2] = inf: must be"),
+        (lambda: exact.free_body(STANDARD, [1, 2]), "omega: expected shape (..., 3)"),
+        (lambda: exact.free_body(STANDARD, [1, 2, np.inf]), "omega[2] = inf: must be"),
         (lambda: exact.flip_times("box", [1, 2, 3]), TypeError, "must be a rigid.Free"),  # type: ignore[arg-type]
-        (lambda: exact.flip_times(STANDARD, [1, 2, 3], axis=0), ValueError, "axis = 0: must be"),
-        (lambda: exact.flip_times(STANDARD, [1, 2, 3], count=0), ValueError, "count = 0: must be"),
-        (lambda: exact.flip_times(STANDARD, [1, -1, 0]), ValueError, "omega[0] = [1.0, -1.0, 0.0]"),
-        (lambda: exact.flip_times(HEAVY, [1, 2, 3]), ValueError, "axis = 3: no closed form"),
-        (lambda: exact.flip_times(TOP, [1, 2, 3], axis=1), ValueError, "axis = 1: no closed form"),
+        (lambda: exact.flip_times(STANDARD, [1, 2, 3], axis=0), "axis = 0: must be"),
+        (lambda: exact.flip_times(STANDARD, [1, 2, 3], count=0), "count = 0: must be"),
+        (lambda: exact.flip_times(STANDARD, [1, -1, 0]), "omega[0] = [1.0, -1.0, 0.0]"),
+        (lambda: exact.flip_times(HEAVY, [1, 2, 3]), "axis = 3: no closed form"),
+        (lambda: exact.flip_times(TOP, [1, 2, 3], axis=1), "axis = 1: no closed form"),
         (lambda: exact.lagrange_top(FREE, [1, 2, 3]), TypeError, "must be a rigid.HeavyTop"),
-        (lambda: exact.lagrange_top(HEAVY, [1, 2, 3]), ValueError, NO_LAGRANGE),
-        (lambda: exact.tilt_time(HEAVY, [1, 2, 3], limit=1.0), ValueError, NO_LAGRANGE),
-        (lambda: exact.tilt_time(TOP, [1, 2, 3], limit=0.0), ValueError, "limit = 0.0: must be"),
-        (lambda: exact.tilt_time(TOP, [1, 2, 3], limit=4.0), ValueError, "limit = 4.0: must lie"),
-        (lambda: exact.sleeping_spin(HEAVY), ValueError, NO_LAGRANGE),
+        (lambda: exact.lagrange_top(HEAVY, [1, 2, 3]), NO_LAGRANGE),
+        (lambda: exact.tilt_time(HEAVY, [1, 2, 3], limit=1.0), NO_LAGRANGE),
+        (lambda: exact.tilt_time(TOP, [1, 2, 3], limit=0.0), "limit = 0.0: must be"),
+        (lambda: exact.tilt_time(TOP, [1, 2, 3], limit=4.0), "limit = 4.0: must lie"),
+        (lambda: exact.sleeping_spin(HEAVY), NO_LAGRANGE),
         (
             lambda: exact.sleeping_spin(rigid.HeavyTop(TOP.body, mgl=0.0)),
-            ValueError,
             "mgl = 0: a top without weight is a free body",
         ),
-        (lambda: exact.steady_precession(TOP, -0.1, 1.0), ValueError, "tilt = -0.1: must lie in"),
-        (lambda: exact.steady_precession(TOP, [0.1, 4.0], 1.0), ValueError, "tilt[1] = 4.0: must"),
-        (lambda: exact.steady_precession(TOP, 0.1, np.nan), ValueError, "spin = nan: must be"),
+        (lambda: exact.steady_precession(TOP, -0.1, 1.0), "tilt = -0.1: must lie in"),
+        (lambda: exact.steady_precession(TOP, [0.1, 4.0], 1.0), "tilt[1] = 4.0: must"),
+        (lambda: exact.steady_precession(TOP, 0.1, np.nan), "spin = nan: must be"),
         (lambda: exact.pendulum_period(FREE, 1.0, axis=1), TypeError, "must be a rigid.Heavy"),
-        (lambda: exact.pendulum_period(HEAVY, 1.0, axis=1), ValueError, "exactly across that"),
-        (lambda: exact.pendulum_period(HEAVY, 4.0, axis=2), ValueError, "amplitude = 4.0: must"),
-        (lambda: exact.carlson_rf(-1.0, 1.0, 1.0), ValueError, "x = -1.0: must not be negative"),
-        (lambda: exact.carlson_rf(0.0, 0.0, 1.0), ValueError, "number of zeros among x, y, z = 2"),
-        (lambda: exact.carlson_rf(np.inf, 1.0, 1.0), ValueError, "x = inf: must be finite"),
+        (lambda: exact.pendulum_period(HEAVY, 1.0, axis=1), "exactly across that"),
+        (lambda: exact.pendulum_period(HEAVY, 4.0, axis=2), "amplitude = 4.0: must"),
+        (lambda: exact.carlson_rf(-1.0, 1.0, 1.0), "x = -1.0: must not be negative"),
+        (lambda: exact.carlson_rf(0.0, 0.0, 1.0), "number of zeros among x, y, z = 2"),
+        (lambda: exact.carlson_rf(np.inf, 1.0, 1.0), "x = inf: must be finite"),
         (lambda: exact.carlson_rf("a", 1.0, 1.0), TypeError, "x = 'a': must be real numbers"),
-        (lambda: exact.carlson_rc(1.0, 0.0), ValueError, "y = 0.0: must not be zero"),
-        (lambda: exact.carlson_rc(0.0, -1.0), ValueError, "x = 0.0: must be positive where y is"),
-        (lambda: exact.carlson_rd(1.0, 1.0, 0.0), ValueError, "z = 0.0: must be positive"),
-        (lambda: exact.carlson_rj(1.0, 1.0, 1.0, [1.0, -2.0]), ValueError, "p[1] = -2.0: must be"),
-        (lambda: exact.carlson_rd(1.0, 2.0, 1e308), ValueError, "z = 1e+308: must be at most"),
-        (lambda: exact.carlson_rj(1.0, 1e206, 2.0, 1.0), ValueError, "y = 1e+206: must be at most"),
-        (lambda: exact.agm(-1.0, 1.0), ValueError, "a = -1.0: must not be negative"),
-        (lambda: exact.jacobi(1.0, 1.5), ValueError, "mc = 1.5: must lie in [0, 1]"),
-        (lambda: exact.jacobi(1e16, 0.5), ValueError, "u = 1e+16: must lie below 2**50 in size"),
+        (lambda: exact.carlson_rc(1.0, 0.0), "y = 0.0: must not be zero"),
+        (lambda: exact.carlson_rc(0.0, -1.0), "x = 0.0: must be positive where y is"),
+        (lambda: exact.carlson_rd(1.0, 1.0, 0.0), "z = 0.0: must be positive"),
+        (lambda: exact.carlson_rj(1.0, 1.0, 1.0, [1.0, -2.0]), "p[1] = -2.0: must be"),
+        (lambda: exact.carlson_rd(1.0, 2.0, 1e308), "z = 1e+308: must be at most"),
+        (lambda: exact.carlson_rj(1.0, 1e206, 2.0, 1.0), "y = 1e+206: must be at most"),
+        (lambda: exact.agm(-1.0, 1.0), "a = -1.0: must not be negative"),
+        (lambda: exact.jacobi(1.0, 1.5), "mc = 1.5: must lie in [0, 1]"),
+        (lambda: exact.jacobi(1e16, 0.5), "u = 1e+16: must lie below 2**50 in size"),
     ],
-)  # fmt: skip
-def test_what_has_no_answer_is_refused(
-    call: Callable[[], object], kind: type[Exception], message: str
-) -> None:
-    with pytest.raises(kind) as error:
-        call()
-    assert message in str(error.value)
+    literal=True,
+)

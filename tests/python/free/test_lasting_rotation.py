@@ -6,7 +6,6 @@ face; that report's numbers are compared where they are right, and shown to be w
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from fractions import Fraction
 from itertools import permutations
 from typing import Any
@@ -17,6 +16,7 @@ import pytest
 
 import rigid
 from physics import ROUNDOFF, Floats, golden_number
+from refusals import refuses
 from rigid import free
 
 BOX = rigid.Body.box(0.01, 0.08, 0.25)
@@ -289,28 +289,22 @@ def test_noise_comes_from_a_generator() -> None:
 NO_BODY: Any = (1.0, 2.0, 3.0)
 
 
-@pytest.mark.parametrize(
-    ("call", "kind", "message"),
+test_what_has_no_answer_is_refused = refuses(
     [
-        (lambda: free.permanent_rotation((1, 1, 3), 1), ValueError, "triangle inequality"),
-        (lambda: free.permanent_rotation(BOX, 4), ValueError, "axis = 4: must be one of 1, 2, 3"),
-        (lambda: free.permanent_rotation(BOX, 1, np.nan), ValueError, "rate = nan: must be finite"),
-        (lambda: free.gammas((1, 1, 0)), ValueError, "moments = (1, 1, 0)"),
-        (lambda: free.gamma_residual([1.0, np.inf, 0.0]), ValueError, "factors[1] = inf: must be"),
-        (lambda: free.jacobian([1.0, 0.0], [1, 2, 3]), ValueError, "factors: expected shape (...,"),
-        (lambda: free.local_stability(PRINTED, [1, 2]), ValueError, "omega: expected shape (..., "),
-        (lambda: free.circulation(BOX, [1, 2, np.nan]), ValueError, "omega[2] = nan: must be fini"),
+        (lambda: free.permanent_rotation((1, 1, 3), 1), "triangle inequality"),
+        (lambda: free.permanent_rotation(BOX, 4), "axis = 4: must be one of 1, 2, 3"),
+        (lambda: free.permanent_rotation(BOX, 1, np.nan), "rate = nan: must be finite"),
+        (lambda: free.gammas((1, 1, 0)), "moments = (1, 1, 0)"),
+        (lambda: free.gamma_residual([1.0, np.inf, 0.0]), "factors[1] = inf: must be"),
+        (lambda: free.jacobian([1.0, 0.0], [1, 2, 3]), "factors: expected shape (...,"),
+        (lambda: free.local_stability(PRINTED, [1, 2]), "omega: expected shape (..., "),
+        (lambda: free.circulation(BOX, [1, 2, np.nan]), "omega[2] = nan: must be fini"),
         (lambda: free.crossings(NO_BODY, [1, 2, 3]), TypeError, "must be a rigid.Body"),
-        (lambda: free.crossings(BOX, [1, 2, 3], count=0), ValueError, "count = 0: must be"),
-        (lambda: free.throw_experiment(BOX, [1, 2]), ValueError, "noise: expected shape (3,) or"),
+        (lambda: free.crossings(BOX, [1, 2, 3], count=0), "count = 0: must be"),
+        (lambda: free.throw_experiment(BOX, [1, 2]), "noise: expected shape (3,) or"),
         (lambda: free.throw_experiment(NO_BODY, [1, 2, 3]), TypeError, "must be a rigid.Body"),
-        (lambda: free.throw_experiment(BOX, [1, 2, 3], t_end=0.0), ValueError, "t_end = 0.0: must"),
-        (lambda: free.throw_experiment(BOX, [1, 2, 3], samples=1), ValueError, "samples = 1: must"),
+        (lambda: free.throw_experiment(BOX, [1, 2, 3], t_end=0.0), "t_end = 0.0: must"),
+        (lambda: free.throw_experiment(BOX, [1, 2, 3], samples=1), "samples = 1: must"),
     ],
-)  # fmt: skip
-def test_what_has_no_answer_is_refused(
-    call: Callable[[], object], kind: type[Exception], message: str
-) -> None:
-    with pytest.raises(kind) as error:
-        call()
-    assert message in str(error.value)
+    literal=True,
+)

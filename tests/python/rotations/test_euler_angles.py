@@ -79,6 +79,10 @@ def test_on_the_vertical_psi_is_zero() -> None:
     assert np.array_equal(rotations.matrix_to_euler(half), [0.0, pi, 0.0])
     assert np.array_equal(rotations.quaternion_to_euler([0, 1, 0, 0]), [0.0, pi, 0.0])
     assert np.array_equal(rotations.quaternion_to_euler([1, 0, 0, 0]), [0.0, 0.0, 0.0])
+    # Half a turn back is half a turn: its angle is pi, never -pi.
+    back = rotations.matrix_to_euler([[-1.0, 0.0, -0.0], [0.0, 0.0, 1.0], [0.0, 1.0, 0.0]])
+    assert np.array_equal(np.abs(back), [pi, pi / 2.0, 0.0])
+    assert back[0] == pi
     # Rounding of a product of matrices is no tilt.
     noisy = rotations.rotation_z(0.3) @ rotations.rotation_x(1e-17) @ rotations.rotation_z(0.5)
     assert rotations.matrix_to_euler(noisy) == pytest.approx([0.8, 0.0, 0.0], abs=ROUNDED)

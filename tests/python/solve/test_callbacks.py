@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import ctypes
+import math
 import signal
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from types import SimpleNamespace
@@ -13,9 +14,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 import rigid
 from interrupts import sigint
+from rigid.model import compiling
 
 METHODS = [method.name for method in rigid.methods() if "function" in method.forces]
 BODY = rigid.Body((1.0, 1.5, 2.0))
@@ -101,19 +104,6 @@ def test_a_function_acts_beside_each_force(acting: Any, steps: Any) -> None:
     assert run.energy_drift < 1e-8
 
 
-def test_a_function_beside_a_rotor_does_not_see_the_neighbours() -> None:
-    # The neighbours have rotors and drag, which are left out where no lane has them.
-    count = 11
-    rotor, drag = np.zeros((count, 3)), np.zeros((count, 3))
-    rotor[3::2], drag[3::3] = (0.1, -0.2, 0.3), 0.07
-    torque = rigid.Torque.call(damping, (0.02, 0.03, 0.05), fastest=3.0)
-    given: dict[str, Any] = {"t": [0.0, 7.0], "method": "dop853", "step": 0.1}
-    together = states(rigid.FreeBody(BODY, torque=torque, rotor=rotor, drag=drag), OMEGA, **given)
-    for body in range(count):
-        alone = rigid.FreeBody(BODY, torque=torque, rotor=rotor[body], drag=drag[body])
-        assert np.array_equal(states(alone, OMEGA, **given).omega, together.omega[body])
-
-
 @pytest.mark.parametrize("method", METHODS)
 def test_a_function_is_told_time_and_attitude_in_the_order_of_the_method(method: str) -> None:
     # A ramp in space; its table has knots at which steps end, as the output times do.
@@ -145,19 +135,6 @@ def test_each_body_has_data_of_its_own() -> None:
         assert np.abs(one.omega - twin.omega).max() < 1e-9
 
 
-def test_units_of_the_body_do_not_change_the_motion() -> None:
-    # Moments, weight and torque 2^40 times as large: the same rates, bit by bit.
-    scale = 2.0**40
-    small = rigid.FreeBody(BODY, torque=rigid.Torque.call(damping, [0.1] * 3))
-    large = rigid.FreeBody(
-        rigid.Body(scale * np.array(BODY.moments)),
-        torque=rigid.Torque.call(damping, [0.1 * scale] * 3),
-    )
-    runs = [states(one, OMEGA, t=[2.0], method="rk4", step=0.1) for one in (small, large)]
-    assert runs[0].omega.tobytes() == runs[1].omega.tobytes()
-    assert runs[1].work[-1] == scale * runs[0].work[-1]
-
-
 def test_a_motion_calls_the_function_at_its_time() -> None:
     scene = top(torque=rigid.Torque.call(ramp_in_space))
     motion = rigid.Motion(scene, OMEGA, TILTED, method="dop853")
@@ -165,24 +142,6 @@ def test_a_motion_calls_the_function_at_its_time() -> None:
         motion.step(0.1)
     run = states(scene, OMEGA, TILTED, t=[3.0], method="dop853", step=0.1)
     assert np.abs(motion.omega - run.omega[-1]).max() < 1e-13
-
-
-def test_bodies_of_one_motion_have_data_and_moments_of_their_own() -> None:
-    rng = np.random.default_rng(5)
-    scales = 2.0 ** np.arange(11)
-    moments = scales[:, np.newaxis] * (np.array(BODY.moments) + rng.uniform(0.0, 0.1, (11, 3)))
-    data, omega = rng.uniform(0.0, 0.2, (11, 3)) * moments, rng.normal(size=(11, 3))
-    scene = rigid.FreeBody(rigid.Body(moments), torque=rigid.Torque.call(damping, data))
-    together = rigid.Motion(scene, omega, method="rk4")
-    torque = 0.1 * moments
-    for push in (None, torque):
-        together.step(2.0**-6, push)
-    for body in range(11):
-        alone = rigid.Motion(scene[body], omega[body], method="rk4")
-        for push in (None, torque[body]):
-            alone.step(2.0**-6, push)
-        assert together.omega[body].tobytes() == alone.omega.tobytes()
-        assert together.attitude[body].tobytes() == alone.attitude.tobytes()
 
 
 def test_a_function_adds_to_other_torques() -> None:
@@ -412,3 +371,540 @@ def test_a_run_ends_whose_rates_grow_beyond_all_numbers() -> None:
     finite = np.abs(run.omega[np.isfinite(run.omega)])
     assert finite.max() > 1e10
     assert run.status != rigid.Status.OK
+
+
+# Steps by a tolerance, events and sections under the torque of a function, against their twins
+
+
+TIMES = np.array([-1.0, -0.3, 0.0, 0.41, 1.7, 3.0, 6.0])
+DAMPING = (0.1, 0.2, 0.3)
+
+
+@SIGNATURE  # type: ignore[untyped-decorator]
+def in_space(t: float, omega: Any, attitude: Any, data: Any, torque: Any) -> None:
+    """The torque (0.1, 0.2, 0.3) in space, in body components."""
+    w, x, y, z = attitude[:4]
+    a, b, c = 0.1, 0.2, 0.3
+    torque[0] = (1 - 2 * (y * y + z * z)) * a + 2 * (x * y + w * z) * b + 2 * (x * z - w * y) * c
+    torque[1] = 2 * (x * y - w * z) * a + (1 - 2 * (x * x + z * z)) * b + 2 * (y * z + w * x) * c
+    torque[2] = 2 * (x * z + w * y) * a + 2 * (y * z - w * x) * b + (1 - 2 * (x * x + y * y)) * c
+
+
+@SIGNATURE  # type: ignore[untyped-decorator]
+def saturated(t: float, omega: Any, attitude: Any, data: Any, torque: Any) -> None:
+    for k in range(3):
+        torque[k] = max(-data[1], min(data[1], -data[0] * omega[k]))
+
+
+def pairs() -> list[tuple[str, rigid.HeavyTop, rigid.HeavyTop]]:
+    """Tops under a function, without a bound of their rates, and their twins."""
+    twin = top(torque=rigid.Torque.space((0.1, 0.2, 0.3)))
+    return [
+        ("damping", top(torque=rigid.Torque.call(damping, DAMPING)), top(damping=DAMPING)),
+        ("torque in space", top(torque=rigid.Torque.call(in_space)), twin),
+    ]
+
+
+PAIRS = pairs()
+NAMES = [name for name, *_ in PAIRS]
+
+
+def turn(one: Any, other: Any) -> Any:
+    """The angle between attitudes (rad)."""
+    apart = np.minimum(np.linalg.norm(one - other, axis=-1), np.linalg.norm(one + other, axis=-1))
+    return 2.0 * apart
+
+
+@pytest.mark.parametrize(("called", "twin"), [pair[1:] for pair in PAIRS], ids=NAMES)
+def test_a_tolerance_tells_the_error_that_the_run_states(called: Any, twin: Any) -> None:
+    truth = rigid.simulate(twin, OMEGA, TILTED, t=TIMES, accuracy=1e-13)
+    fastest = np.linalg.norm(truth.omega, axis=-1).max()
+    steps = []
+    for tolerance in (1e-4, 1e-7, 1e-10, 1e-13, 1e-14):
+        run = rigid.simulate(called, OMEGA, TILTED, t=TIMES, method="dop853", tolerance=tolerance)
+        off = max(
+            np.linalg.norm(run.omega - truth.omega, axis=-1).max() / fastest,
+            turn(run.attitude, truth.attitude).max(),
+        )
+        assert off <= float(run.error) + float(truth.error)
+        # Some twenty steps err by the tolerance each at most; three times the difference is stated.
+        assert float(run.error) < 1e3 * tolerance
+        steps.append(int(run.steps))
+    # Loose tolerances ask for fewer steps than the 64 that look at the torque often enough.
+    assert 64 <= steps[0] == steps[1] <= 64 + len(TIMES)
+    # A thousandth of the error of order 8 takes 1000^(1/8) = 2.4 times the steps, less where 64 are
+    # enough, and a tenth 10^(1/8) times; steps that are cut by output times are shorter.
+    assert np.all(np.divide(steps[1:], steps[:-1]) < 3.0)
+    assert np.all(np.diff(steps) >= 0)
+    assert steps[-1] / steps[-2] == pytest.approx(10.0 ** (1.0 / 8.0), rel=0.05)
+
+
+def test_a_tolerance_finds_the_corners_of_a_saturated_torque() -> None:
+    # SciPy's method of the same name, with steps that end nowhere near the corners.
+    moments, data = np.array(BODY.moments), (2.0, 0.3)
+
+    def rate(t: float, w: Any) -> Any:
+        return (np.cross(moments * w, w) + np.clip(-data[0] * w, -data[1], data[1])) / moments
+
+    truth = solve_ivp(rate, (0.0, 12.0), OMEGA, "DOP853", rtol=1e-13, atol=1e-15, max_step=1e-3)
+    scene = rigid.FreeBody(BODY, torque=rigid.Torque.call(saturated, data))
+    run = rigid.simulate(scene, OMEGA, t=[12.0], method="dop853", tolerance=1e-9)
+    off = np.linalg.norm(run.omega[-1] - truth.y[:, -1]) / np.linalg.norm(OMEGA)
+    # A step across a corner has no order, and there are three; its estimate is right to a hundred.
+    assert off <= float(run.error) < 1e-6
+
+
+@pytest.mark.parametrize(("called", "twin"), [pair[1:] for pair in PAIRS], ids=NAMES)
+def test_events_are_those_of_the_twin_within_their_stated_errors(called: Any, twin: Any) -> None:
+    passed = 2.0 if twin.damping is None else 0.0
+    watched = [rigid.crosses("omega1"), rigid.crosses("L2", passed), rigid.turns("gamma3")]
+    known = rigid.simulate(twin, OMEGA, TILTED, t=[12.0], events=watched).events
+    ways: list[dict[str, Any]] = [{"tolerance": 1e-6}, {"tolerance": 1e-10}, {"step": 0.05}]
+    for asked in ways:
+        run = rigid.simulate(
+            called, OMEGA, TILTED, t=[12.0], method="dop853", events=watched, **asked
+        )
+        assert sum(len(mine.t) for mine in run.events) > 6
+        for mine, truth in zip(run.events, known, strict=True):
+            assert len(mine.t) == len(truth.t) > 0
+            assert mine.complete
+            assert np.all(np.abs(mine.t - truth.t) <= mine.error + truth.error)
+            # A step of the default tolerance errs by 1e-12; some hundred of them, three times.
+            largest = 3e2 * asked.get("tolerance", 1e-12) * 3.0
+            assert mine.error.max() < largest / np.abs(mine.slope).min()
+
+
+def test_until_ends_the_record_of_a_body_at_its_event() -> None:
+    # Each of three bodies has its own coefficient; |omega3| of a wheel decays as exp(-k t / I3).
+    gain = np.array([0.2, 0.5, 1.0])
+    data = gain[:, np.newaxis] * np.ones(3)
+    wheel = rigid.FreeBody(BODY, torque=rigid.Torque.call(damping, data, fastest=2.0))
+    run = rigid.simulate(
+        wheel, [0.0, 0.0, 1.0], t=[0.0, 30.0], until=rigid.crosses("omega3", value=0.1)
+    )
+    assert run.plan.method == "dop853"
+    assert run.end is not None
+    assert np.abs(run.end - np.log(10.0) * 2.0 / gain).max() < 1e-10
+    assert np.isnan(run.omega[:, 1]).all()
+    assert np.all(run.status == rigid.Status.STOPPED)
+
+
+@pytest.mark.parametrize(("called", "twin"), [pair[1:] for pair in PAIRS], ids=NAMES)
+def test_a_section_has_the_points_of_its_twin(called: Any, twin: Any) -> None:
+    known = rigid.poincare(twin, OMEGA, TILTED, t_end=30.0)
+    points = rigid.poincare(called, OMEGA, TILTED, t_end=30.0)
+    assert len(points.t) == len(known.t) > 5
+    assert bool(points.complete)
+    assert np.all(np.abs(points.t - known.t) <= points.error + known.error)
+
+
+def test_a_run_without_a_method_chooses_steps_for_the_accuracy() -> None:
+    called, twin = PAIRS[1][1:]
+    truth = rigid.simulate(twin, OMEGA, TILTED, t=TIMES, accuracy=1e-13)
+    fastest = np.linalg.norm(truth.omega, axis=-1).max()
+    asked: list[tuple[dict[str, Any], float]] = [
+        ({}, 1e-8),
+        ({"accuracy": 1e-5}, 1e-5),
+        ({"accuracy": 1e-12}, 1e-12),
+        ({"tolerance": 1e-9}, 1e-7),
+    ]
+    for given, largest in asked:
+        run = rigid.simulate(called, OMEGA, TILTED, t=TIMES, **given)
+        assert run.plan.method == "dop853"
+        assert run.plan.step is None
+        off = np.linalg.norm(run.omega - truth.omega, axis=-1).max() / fastest
+        assert off <= float(run.error) + float(truth.error)
+        assert float(run.error) < largest
+        assert run.status == rigid.Status.OK
+    plan = rigid.plan(called, "attitude", omega=OMEGA, t_end=6.0, accuracy=1e-8)
+    assert "dop853 alone chooses its steps under the torque of a function" in plan.why
+
+
+def test_an_accuracy_is_reached_by_smaller_tolerances() -> None:
+    # Steps across corners err by some hundred times the tolerance.
+    scene = rigid.FreeBody(BODY, torque=rigid.Torque.call(saturated, (2.0, 0.3)))
+    loose = rigid.simulate(scene, OMEGA, t=[12.0], tolerance=1e-10)
+    accuracy = 0.1 * float(loose.error)
+    run = rigid.simulate(scene, OMEGA, t=[12.0], accuracy=accuracy)
+    assert float(run.error) <= accuracy
+    alone = rigid.simulate(scene, [OMEGA, 2.0 * OMEGA], t=[12.0], accuracy=accuracy)
+    assert alone.omega[0].tobytes() == run.omega.tobytes()
+
+
+def test_steps_are_made_shorter_where_the_first_one_is_wild() -> None:
+    # A body at rest has no time scale: the first step that is tried is the whole time.
+    scene = rigid.FreeBody(BODY, torque=rigid.Torque.call(in_space))
+    twin = rigid.FreeBody(BODY, torque=rigid.Torque.space((0.1, 0.2, 0.3)))
+    run = rigid.simulate(scene, np.zeros(3), t=[50.0], method="dop853", tolerance=1e-10)
+    truth = rigid.simulate(twin, np.zeros(3), t=[50.0], accuracy=1e-12)
+    fastest = np.linalg.norm(truth.omega[-1])
+    assert np.linalg.norm(run.omega - truth.omega) / fastest <= float(run.error) < 1e-7
+
+
+def test_a_table_that_jumps_adds_to_a_function() -> None:
+    motor = rigid.Torque.body([(0, 0, 1), (0, 0, 1), (0, 0, 0), (0, 0, 0)], times=[0, 2, 2, 9])
+    called = rigid.FreeBody(BODY, torque=rigid.Torque.call(damping, DAMPING) + motor)
+    known = rigid.FreeBody(BODY, torque=motor, damping=DAMPING)
+    run = rigid.simulate(called, OMEGA, t=[1.0, 4.0], method="dop853", tolerance=1e-11)
+    truth = rigid.simulate(known, OMEGA, t=[1.0, 4.0], accuracy=1e-13)
+    assert np.abs(run.omega - truth.omega).max() < 2.0 * float(run.error) + 1e-13
+    assert float(run.error) < 1e-9
+
+
+@pytest.mark.parametrize(
+    ("asked", "words"),
+    [
+        ({"method": "rk4", "tolerance": 1e-9}, "only 'dop853' chooses its steps by a tolerance"),
+        ({"method": "dop853", "tolerance": 1e-15}, "tolerance = 1e-15: must be at least 1e-14"),
+        (
+            {"method": "rk4", "step": 0.1, "events": rigid.crosses("omega1")},
+            "'rk4': has no events, because a function is known inside the steps of 'dop853' alone",
+        ),
+        ({"method": "rk4"}, "step: is needed.*or leave the method out: dop853 chooses its steps"),
+        (
+            {"step": 0.1, "tangent": True},
+            "the derivative of a function is not known",
+        ),
+    ],
+)
+def test_what_steps_under_a_function_cannot_do_is_refused(asked: Any, words: str) -> None:
+    with pytest.raises(ValueError, match=words):
+        rigid.simulate(PAIRS[0][1], OMEGA, t=[1.0], **asked)
+
+
+def test_other_sections_and_growth_are_refused() -> None:
+    scene = PAIRS[0][1]
+    with pytest.raises(ValueError, match="only 'dop853' under a function is a polynomial"):
+        rigid.poincare(scene, OMEGA, t_end=1.0, method="taylor16")
+    for method in (None, "dop853"):
+        with pytest.raises(ValueError, match="take starts that differ by 1e-6"):
+            rigid.lyapunov(scene, OMEGA, t=[1.0], method=method)
+
+
+# A torque of a function that acts for a short time is seen by runs, events and maps
+
+
+T_END = 100.0
+WAYS: list[dict[str, Any]] = [{}, {"accuracy": 1e-8}, {"tolerance": 1e-9}, {"tolerance": 1e-3}]
+
+
+@SIGNATURE  # type: ignore[untyped-decorator]
+def pulse(t: float, omega: Any, attitude: Any, data: Any, torque: Any) -> None:
+    """A torque about axis 3 between two times."""
+    torque[0] = torque[1] = 0.0
+    torque[2] = data[2] if data[0] <= t < data[1] else 0.0
+
+
+@SIGNATURE  # type: ignore[untyped-decorator]
+def smooth(t: float, omega: Any, attitude: Any, data: Any, torque: Any) -> None:
+    torque[0] = torque[1] = 0.0
+    torque[2] = 0.5 * math.exp(-(((t - 42.0) / 1.5) ** 2))
+
+
+@SIGNATURE  # type: ignore[untyped-decorator]
+def holds(t: float, omega: Any, attitude: Any, data: Any, torque: Any) -> None:
+    """Turns the body to the attitude of its data, and damps it."""
+    w, *v = attitude[:4]
+    at_w, *at = data[:4]
+    turned = np.subtract(np.multiply(at_w, v), np.multiply(w, at)) - np.cross(at, v)
+    for k in range(3):
+        torque[k] = -2.0 * turned[k] - 1.4 * omega[k]
+
+
+def pulsed(begin: Any, end: Any, size: Any) -> rigid.FreeBody:
+    data = np.stack(np.broadcast_arrays(begin, end, size), axis=-1)
+    return rigid.FreeBody(BODY, torque=rigid.Torque.call(pulse, data))
+
+
+@pytest.mark.parametrize("asked", WAYS, ids=str)
+@pytest.mark.parametrize("start", [0.0, 1e-9, 0.2])
+def test_a_pulse_changes_the_momentum_by_its_impulse(asked: dict[str, Any], start: float) -> None:
+    # Between the ends of the run a body at rest gives a step no reason to be short.
+    run = rigid.simulate(pulsed(35.0, 59.0, 0.5), [0.0, 0.0, start], t=[0.0, T_END], **asked)
+    gained = start + 0.5 * 24.0 / 2.0
+    assert abs(run.omega[-1, 2] - gained) <= (float(run.error) + 1e-15) * gained
+    # A step across a corner errs by some tens of times the tolerance; the body then turns for 65 s.
+    assert float(run.error) < 1e4 * asked.get("tolerance", 1e-8)
+
+
+def test_random_pulses_are_seen_or_the_error_says_so() -> None:
+    # Lengths from 0.5 % of the run on: a step of a 64th of it looks in gaps of 0.42 %.
+    rng = np.random.default_rng(39)
+    share = np.exp(rng.uniform(math.log(0.005), math.log(0.2), 40))
+    begin = rng.uniform(0.0, 1.0 - share) * T_END
+    size = rng.choice([-1.0, 1.0], 40) * np.exp(rng.uniform(math.log(1e-4), math.log(3.0), 40))
+    bodies = pulsed(begin, begin + share * T_END, size)
+    gained = size * share * T_END / 2.0
+    for tolerance in (None, 1e-6):
+        run = rigid.simulate(bodies, np.zeros(3), t=[T_END], tolerance=tolerance)
+        assert np.all(np.abs(run.omega[:, -1, 2] - gained) <= run.error * np.abs(gained))
+        assert np.all(np.isin(run.status, (rigid.Status.OK, rigid.Status.COARSE)))
+
+
+def test_a_run_looks_at_the_torque_at_every_output_time() -> None:
+    # A fifth of a second is 0.2 % of the run, but longer than the time between its states.
+    run = rigid.simulate(pulsed(41.03, 41.23, 5.0), np.zeros(3), t=np.linspace(0.0, T_END, 1001))
+    assert abs(run.omega[-1, 2] - 0.5) <= float(run.error) * 0.5 < 1e-6
+
+
+def test_events_and_criteria_see_the_pulse() -> None:
+    scene = pulsed(35.0, 59.0, 0.5)
+    run = rigid.simulate(scene, np.zeros(3), t=[0.0, T_END], until=rigid.crosses("omega3", 3.0))
+    # 3 rad/s after 12 s of 0.25 rad/s².
+    (event,) = run.events
+    assert event.complete
+    assert abs(event.t[0] - 47.0) <= event.error[0] + 1e-12
+    assert np.isinf(event.lost_from)
+    still = rigid.judged(lambda states: np.abs(states.omega[:, -1, 2]) < 1.0, t=[T_END])
+    result = rigid.stability_map(
+        lambda size: pulsed(35.0, 59.0, size),
+        axes={"size": [0.05, 0.5]},
+        start=rigid.Start(omega=(0.0, 0.0, 0.0)),
+        stable=still,
+        samples=1,
+    )
+    # The rates at the end are 0.6 and 6 rad/s.
+    assert result.stable.tolist() == [1, 0]
+
+
+def test_maps_by_equal_steps_see_the_pulse() -> None:
+    # For the bound of the rates 16 steps would do, in whose gap of 1.67 s the pulse lies.
+    def scene(size: Any) -> rigid.FreeBody:
+        data = np.stack(np.broadcast_arrays(71.0, 72.0, size), axis=-1)
+        return rigid.FreeBody(BODY, torque=rigid.Torque.call(pulse, data, fastest=0.02))
+
+    result = rigid.stability_map(
+        scene,
+        axes={"size": [0.002, 0.02]},
+        start=rigid.Start(omega=(0.0, 0.0, 0.0)),
+        stable=rigid.near_start(0.1),
+        t_end=T_END,
+        samples=1,
+    )
+    # At the end the bodies have turned by size / 2 times 28.5 s: 0.03 and 0.3 rad.
+    assert result.stable.tolist() == [1, 0]
+    assert result.unstable.tolist() == [0, 1]
+
+
+def test_a_smooth_torque_from_rest_costs_a_bounded_number_of_steps() -> None:
+    # It sets in at 1e-323 N m; a share of the rates there would ask for steps without end.
+    run = rigid.simulate(
+        rigid.FreeBody(BODY, torque=rigid.Torque.call(smooth)),
+        np.zeros(3),
+        t=[0.0, T_END],
+        tolerance=1e-9,
+    )
+    gained = 0.25 * 1.5 * math.sqrt(math.pi)
+    assert abs(run.omega[-1, 2] - gained) <= float(run.error) * gained < 1e-6
+    # The 64 of every run, five for each of 39 rad, and the onset.
+    assert int(run.steps) < 300
+
+
+def test_a_controller_that_holds_a_body_at_rest_is_no_noise_to_resolve() -> None:
+    # Rounding of the attitude gives torques of 1e-16 N m.
+    target = rigid.rotations.euler_to_quaternion([0.3, 0.5, 0.2])
+    scene = rigid.FreeBody(BODY, torque=rigid.Torque.call(holds, target))
+    run = rigid.simulate(scene, np.zeros(3), target, t=[0.0, T_END], tolerance=1e-9)
+    assert int(run.steps) < 100
+    assert float(run.energy_drift) < 1e-9
+    assert np.abs(run.omega).max() < 1e-14
+
+
+# The torque of a function of Python: called as it is, or compiled by numba
+
+
+COEFFICIENTS = (0.1, 0.2, 0.3)
+
+
+def plain_damping(t: float, omega: Any, attitude: Any, data: Any, torque: Any) -> None:
+    for k in range(3):
+        torque[k] = -data[k] * omega[k]
+
+
+def ramp_without_data(t: float, omega: Any, attitude: Any, data: Any, torque: Any) -> None:
+    """The torque (0.1, 0.2, 0.1 + 0.05 t) in space, in body components; without data."""
+    w, x, y, z = attitude[0], attitude[1], attitude[2], attitude[3]
+    a, b, c = 0.1, 0.2, 0.1 + 0.05 * t
+    torque[0] = (1 - 2 * (y * y + z * z)) * a + 2 * (x * y + w * z) * b + 2 * (x * z - w * y) * c
+    torque[1] = 2 * (x * y - w * z) * a + (1 - 2 * (x * x + z * z)) * b + 2 * (y * z + w * x) * c
+    torque[2] = 2 * (x * z + w * y) * a + 2 * (y * z - w * x) * b + (1 - 2 * (x * x + y * y)) * c
+
+
+@pytest.fixture
+def no_numba(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """As if numba were not installed."""
+    monkeypatch.setitem(sys.modules, "numba", None)
+    compiling._made.cache_clear()
+    yield
+    compiling._made.cache_clear()
+
+
+@pytest.fixture(params=["called", "compiled"])
+def way(request: pytest.FixtureRequest) -> str:
+    """With and without numba, if it is installed."""
+    if request.param == "called":
+        request.getfixturevalue("no_numba")
+    else:
+        pytest.importorskip("numba")
+    return str(request.param)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_function_of_python_is_its_twin_of_ctypes(way: str, method: str) -> None:
+    one = rigid.Torque.call(plain_damping, COEFFICIENTS)
+    pair = [one, rigid.Torque.call(SIGNATURE(plain_damping), COEFFICIENTS)]
+    assert one.function is not None
+    assert one.function.of_eight == (way == "compiled")
+    runs: list[Any] = [
+        rigid.simulate(top(torque=torque), OMEGA, TILTED, t=[-0.5, 3.0], method=method, step=0.02)
+        for torque in pair
+    ]
+    # The same products: numba contracts none.
+    assert runs[0].omega.tobytes() == runs[1].omega.tobytes()
+    assert runs[0].work.tobytes() == runs[1].work.tobytes()
+
+
+def test_a_function_without_data_is_told_time_and_attitude(way: str) -> None:
+    table = rigid.Torque.space([(0.1, 0.2, 0.1), (0.1, 0.2, 0.25)], times=[0.0, 3.0])
+    truth = rigid.simulate(top(torque=table), OMEGA, TILTED, t=[1.0, 3.0], accuracy=1e-13)
+    scene = top(torque=rigid.Torque.call(ramp_without_data))
+    run = rigid.simulate(scene, OMEGA, TILTED, t=[1.0, 3.0], accuracy=1e-11)
+    assert np.abs(run.omega - truth.omega).max() < 1e-11 * np.linalg.norm(OMEGA) * 3.0
+    assert float(run.error) < 1e-11
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_only_bodies_that_move_are_called(method: str) -> None:
+    # As many calls of all bodies together as of each alone: none of a body that is not there.
+    told: list[tuple[float, float]] = []
+
+    @SIGNATURE  # type: ignore[untyped-decorator]
+    def counted(t: float, omega: Any, attitude: Any, data: Any, torque: Any) -> None:
+        told.append((data[0], t))
+        torque[0] = torque[1] = torque[2] = -data[0]
+
+    data = np.array([[0.1], [0.2], [0.3]])
+    scene = rigid.FreeBody(BODY, torque=rigid.Torque.call(counted, data, fastest=1.0))
+    omega = OMEGA * np.array([[3.0], [12.0], [30.0]])  # 60 and more steps, which follow from rates
+    asked: dict[str, Any] = {"t": [0.0, 1.0], "method": method, "check": False}
+    steps = rigid.simulate(scene, omega, **asked).steps
+    assert len(set(steps)) == 3
+    together = sorted(told)
+    told.clear()
+    for k in range(3):
+        rigid.simulate(scene[k], omega[k], **asked)
+    assert sorted(told) == together
+
+
+def test_steps_by_a_tolerance_and_events_under_a_function_of_python(way: str) -> None:
+    twin = rigid.simulate(top(damping=COEFFICIENTS), OMEGA, TILTED, t=[3.0], accuracy=1e-13)
+    scene = top(torque=rigid.Torque.call(plain_damping, np.tile(COEFFICIENTS, (3, 1))))
+    run = rigid.simulate(
+        scene, OMEGA, TILTED, t=[3.0], tolerance=1e-10, events=rigid.crosses("omega1")
+    )
+    off = np.linalg.norm(run.omega - twin.omega, axis=-1).max() / np.linalg.norm(OMEGA)
+    assert off <= run.error.max() < 1e-8
+    assert all(len(run.events[0].of(body).t) > 0 for body in range(3))
+
+
+def test_a_motion_calls_a_function_of_python(way: str) -> None:
+    scene = top(torque=rigid.Torque.call(ramp_without_data))
+    motion = rigid.Motion(scene, OMEGA, TILTED)
+    for _ in range(10):
+        motion.step(0.1)
+    run = rigid.simulate(scene, OMEGA, TILTED, t=[1.0], method="dop853", step=0.1)
+    assert np.abs(motion.omega - run.omega[-1]).max() < 1e-13
+
+
+def test_the_plan_says_that_python_calls_and_what_would_compile(no_numba: None) -> None:
+    scene = rigid.FreeBody(BODY, torque=rigid.Torque.call(plain_damping, COEFFICIENTS, fastest=3.0))
+    words = "Python calls the torque, some 5 µs for each body and stage: to compile it needs numba"
+    told = rigid.plan(scene, omega=OMEGA, t_end=1.0)
+    of_map = rigid.plan(scene, rigid.spin_above(0.1), omega=OMEGA, t_end=1.0)
+    for plan in (told, of_map):
+        assert any(why.startswith(words) and "pip install" in why for why in plan.why)
+
+
+def test_a_compiled_function_is_not_called_slow() -> None:
+    pytest.importorskip("numba")
+    scene = rigid.FreeBody(BODY, torque=rigid.Torque.call(plain_damping, COEFFICIENTS, fastest=3.0))
+    assert not any("Python calls" in why for why in rigid.plan(scene, omega=OMEGA, t_end=1.0).why)
+
+
+def test_a_jitted_function_is_compiled_once() -> None:
+    numba: Any = pytest.importorskip("numba")
+    jitted = numba.njit(plain_damping)
+    pair = [rigid.Torque.call(jitted, row) for row in (COEFFICIENTS, (0.0, 0.0, 0.1))]
+    assert pair[0].function is not None
+    assert pair[1].function is not None
+    assert pair[0].function.of_eight
+    assert pair[0].function.address == pair[1].function.address
+    assert rigid.Torque.call(jitted, COEFFICIENTS) == pair[0]
+
+
+def test_what_numba_cannot_compile_is_called_and_said() -> None:
+    pytest.importorskip("numba")
+    known = {"gain": 0.1}
+
+    def by_dictionary(t: float, omega: Any, attitude: Any, data: Any, torque: Any) -> None:
+        torque[:] = -known["gain"] * np.asarray(list(map(float, omega)))
+
+    with pytest.warns(UserWarning, match="numba cannot compile it: .") as warned:
+        torque = rigid.Torque.call(by_dictionary)
+    assert warned[0].filename == __file__
+    scene = rigid.FreeBody(BODY, torque=torque)
+    run = rigid.simulate(scene, OMEGA, t=[1.0], method="dop853", step=0.1)
+    twin = rigid.simulate(rigid.FreeBody(BODY, damping=0.1), OMEGA, t=[1.0], accuracy=1e-12)
+    assert np.abs(run.omega - twin.omega).max() < 1e-9
+    assert any("numba cannot compile it" in why for why in run.plan.why)
+
+
+def raises(t: float, omega: Any, attitude: Any, data: Any, torque: Any) -> None:
+    torque[0] = torque[1] = torque[2] = 0.0
+    if t > 0.5:
+        raise ArithmeticError("too late")
+
+
+def test_what_a_function_of_python_raises_is_raised_by_the_call(way: str) -> None:
+    scene = rigid.FreeBody(BODY, torque=rigid.Torque.call(raises))
+    calls: list[Callable[[], object]] = [
+        lambda: rigid.simulate(scene, OMEGA, t=[1.0]),
+        lambda: rigid.simulate(scene, [OMEGA] * 40, t=[1.0], method="rk4", step=0.1, threads=2),
+    ]
+    for call in calls:
+        with pytest.raises(ArithmeticError, match="too late") as raised:
+            call()
+        if way == "called":
+            assert raised.traceback[-1].name == "raises"
+
+
+def test_a_map_under_a_function_of_python_is_that_of_its_twin(way: str) -> None:
+    def by_function(gain: Any) -> rigid.FreeBody:
+        torque = rigid.Torque.call(plain_damping, gain[:, np.newaxis] * np.ones(3), fastest=2.5)
+        return rigid.FreeBody(BODY, torque=torque)
+
+    def by_damping(gain: Any) -> rigid.FreeBody:
+        return rigid.FreeBody(BODY, damping=gain[:, np.newaxis] * np.ones(3))
+
+    maps = [
+        rigid.stability_map(
+            scene,
+            axes={"gain": [0.05, 0.1], "spin": [0.5, 1.5]},
+            start=rigid.Start(spin=1.0, axis=3, noise=rigid.normal(0.1)),
+            stable=~rigid.spin_above(0.2),
+            t_end=30.0,
+            samples=8,
+            rng=3,
+            progress=False,
+        )
+        for scene in (by_function, by_damping)
+    ]
+    assert np.array_equal(maps[0].stable, maps[1].stable)
+    assert 0 < maps[0].stable.sum() < maps[0].stable.size * 8
+
+
+@pytest.mark.parametrize("wrong", [lambda t, omega: None, len])
+def test_a_function_of_other_arguments_is_refused(wrong: Any) -> None:
+    words = r"must take \(t, omega, attitude, data, torque\), or be the address of a compiled"
+    with pytest.raises(TypeError, match=words):
+        rigid.Torque.call(wrong)

@@ -73,18 +73,6 @@ def test_the_energy_of_a_top_falls_by_the_power_of_the_drag(method: str) -> None
     assert np.abs(balance.residual).max() < 1e-2
 
 
-def test_a_body_without_drag_beside_one_with_drag_keeps_its_bits() -> None:
-    rotor = (0.3, -0.2, 0.5)
-    both = rigid.FreeBody(BODY, rotor=rotor, drag=[[0.0, 0.0, 0.0], [0.1, 0.0, 0.2]])
-    alone = rigid.FreeBody(BODY, rotor=rotor)
-    assert both[0] == alone
-    assert len(both) == 2
-    for method in ("dop853", "taylor16"):
-        run = rigid.simulate(both, [0.3, 1.0, 0.0], t=[7.0], method=method)
-        one = rigid.simulate(alone, [0.3, 1.0, 0.0], t=[7.0], method=method)
-        assert run.omega[0].tobytes() == one.omega.tobytes()
-
-
 def test_drag_acts_in_maps_motions_and_files() -> None:
     scene = rigid.FreeBody(rigid.Body((1.0, 1.5, 2.0)), drag=0.2)
     assert scene_from_dict(scene.to_dict()) == scene

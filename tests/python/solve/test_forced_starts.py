@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import rigid
+from refusals import refuses
 
 SPHERE = rigid.Body((1.0, 1.0, 1.0))
 BOX = rigid.Body((1.0, 1.2, 1.5))
@@ -104,13 +105,6 @@ def test_next_to_a_separatrix_what_hardly_acts_hides_nothing(scene: rigid.FreeBo
     assert run.status == rigid.Status.FLAGGED
 
 
-def test_no_bodies_are_no_error() -> None:
-    nobody = np.zeros((0, 3))
-    for scene in (rigid.FreeBody(BOX), rigid.FreeBody(BOX, damping=1.0)):
-        assert rigid.simulate(scene, nobody, t=[1.0], method="rk4").omega.shape == (0, 1, 3)
-        assert rigid.condition(scene, nobody, t=[1.0]).shape == (0, 1)
-
-
 def test_resting_bodies_under_damping_have_every_accuracy() -> None:
     run = rigid.simulate(rigid.FreeBody(BOX, damping=1.0), [0.0] * 3, t=[1.0], accuracy=1e-9)
     assert run.reasons() == ("ok",)
@@ -134,16 +128,7 @@ def test_the_map_layer_knows_of_damping_that_differs_by_pixel() -> None:
     assert result.condition(1)[1] == pytest.approx(alone[0], rel=1e-4)
 
 
-def test_power_balance_of_a_driven_run_closes() -> None:
-    scene = rigid.FreeBody(BOX, torque=rigid.Torque.space((0.0, 0.3, 0.5)), damping=0.3)
-    run = rigid.simulate(scene, [0.1, 0.2, 2.0], t=np.linspace(0.0, 2.0, 2001))
-    balance = rigid.free.power_balance(run)
-    # Differences of second order in 1e-3: a millionth, times third derivatives of some units.
-    assert np.abs(balance.residual).max() < 1e-5
-
-
-@pytest.mark.parametrize(
-    ("make", "message"),
+test_what_is_refused = refuses(
     [
         (lambda: rigid.Torque.body(np.zeros((0, 3)), times=[]), "a table has at least two times"),
         (lambda: rigid.Torque.body([(0, 0, 1)] * 2, times=[0, 2]).at(np.nan), "t = nan: must be"),
@@ -166,6 +151,3 @@ def test_power_balance_of_a_driven_run_closes() -> None:
         ),
     ],
 )
-def test_what_is_refused(make: Any, message: str) -> None:
-    with pytest.raises(ValueError, match=message):
-        make()

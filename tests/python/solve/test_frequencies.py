@@ -154,6 +154,21 @@ def test_a_free_body_keeps_its_frequency_where_lines_are_as_strong_as_each_other
         assert drift.drift <= drift.error < 1e-4 * 2.0 * np.pi / period
 
 
+def test_halves_of_31_times_share_the_one_in_the_middle() -> None:
+    """Each half has the 16 times that a line needs at least; those of 30 have 15."""
+    disc, rate = rigid.FreeBody(rigid.Body((1.0, 1.0, 1.5))), 0.5 * 2.0
+    for count in (31, 30):
+        t = np.linspace(0.0, 40.0, count)
+        run = rigid.simulate(disc, [0.3, 0.0, 2.0], t=t, method="exact")
+        if count == 30:
+            with pytest.raises(ValueError, match="t: 15 times, but lines need at least 16"):
+                rigid.frequency_drift(run)
+        else:
+            drift = rigid.frequency_drift(run)
+            for line in (drift.first, drift.second):
+                assert line.frequency == pytest.approx([rate], rel=1e-12)
+
+
 @pytest.mark.parametrize("power", [-1060, -600, 600, 1020])
 def test_the_size_of_a_signal_changes_no_digit_of_its_frequency(power: int) -> None:
     t = np.linspace(0.0, 200.0, 2001)

@@ -458,31 +458,6 @@ def test_bits_do_not_depend_on_the_call() -> None:
     assert together.sali is None
 
 
-@pytest.mark.parametrize("method", [None, "dop853"])
-@pytest.mark.parametrize("exponents", [1, 3])
-def test_bits_do_not_depend_on_the_other_bodies(exponents: int, method: str | None) -> None:
-    # With other steps: some bodies of a group end before others.
-    omega = np.random.default_rng(6).normal(size=(20, 3)) * np.linspace(2.0, 16.0, 20)[:, None]
-    options: dict[str, Any] = {"t": [5.0, 30.0], "exponents": exponents, "method": method}
-    together = rigid.lyapunov(TOP, omega, ATTITUDE, check=False, **options)
-    assert len(set(together.steps.tolist())) > 5
-    for body in range(20):
-        alone = rigid.lyapunov(TOP, omega[body], ATTITUDE, check=False, **options)
-        for name in ("log_growth", "mean_megno", "fli", "spectrum", "energy_drift"):
-            here, there = np.asarray(getattr(alone, name)), getattr(together, name)[body]
-            assert here.tobytes() == there.tobytes(), name
-
-
-def test_the_units_change_no_bit() -> None:
-    other = rigid.HeavyTop(rigid.Body((4.0, 6.4, 2.8)), mgl=1.2 * 4.0 / 64.0, com=(0.6, 0.0, 0.8))
-    here = rigid.lyapunov(TOP, CHAOTIC, ATTITUDE, t=[5.0, 30.0], check=False)
-    slow = np.array(CHAOTIC) / 8.0
-    there = rigid.lyapunov(other, slow, ATTITUDE, t=[40.0, 240.0], check=False)
-    for name in ("log_growth", "megno", "mean_megno", "fli"):
-        assert getattr(here, name).tobytes() == getattr(there, name).tobytes(), name
-    assert (there.exponent * 8.0 == here.exponent).all()
-
-
 def test_a_long_horizon_overflows_nothing() -> None:
     found = rigid.lyapunov(TOP, CHAOTIC, ATTITUDE, t=[5000.0], exponents=2, check=False)
     assert found.log_growth[0] > 1000.0

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import rigid
-from physics import LISTED, METHODS, present, rotation_angle, tilted
+from physics import LISTED, METHODS, tilted
 from rigid.model.scene import Scene
 from rigid.solve.starts import bodies_of
 from small_maps import small_map
@@ -344,32 +344,6 @@ def test_the_steps_that_are_planned_are_taken(scene: Scene, method: rigid.Method
         assert run.plan == plan
         # Both round the bound of the rates, perhaps across a whole number of steps.
         assert abs(int(run.steps) - (plan.steps or 0)) <= 1
-
-
-@pytest.mark.parametrize("method", METHODS, ids=lambda method: method.name)
-@pytest.mark.parametrize("scene", [FREE, SYMMETRIC, LAGRANGE], ids=["free", "symmetric", "top"])
-@pytest.mark.parametrize("accuracy", [1e-4, 1e-6, 1e-8])
-def test_the_step_for_an_accuracy_gives_it(
-    scene: Scene, method: rigid.Method, accuracy: float
-) -> None:
-    accuracy **= min(method.order, 4) / 4.0  # a method of order 2 would take a million steps
-    omega, t = [0.4, 0.3, 2.0], [20.0]
-    truth = rigid.simulate(scene, omega, tilted(0.7), t=t, method="exact")
-    run = rigid.simulate(scene, omega, tilted(0.7), t=t, method=method.name, accuracy=accuracy)
-    error = rotation_angle(present(run.attitude), present(truth.attitude))[0]
-    assert error < accuracy
-    assert error <= run.error <= accuracy
-    assert run.spec["accuracy"] == accuracy
-
-
-def test_a_body_has_the_step_of_its_own_rates() -> None:
-    omega = np.array([[0.1, 0.2, 0.3], [1.0, 2.0, 3.0], [0.0, 0.0, 0.0]])
-    options: dict[str, Any] = {"t": [3.0], "method": "rk4", "accuracy": 1e-6}
-    together = rigid.simulate(HEAVY, omega, tilted(0.5), **options)
-    for k in range(3):
-        alone = rigid.simulate(HEAVY, omega[k], tilted(0.5), **options)
-        assert alone.omega.tobytes() == together.omega[k].tobytes()
-    assert together.steps[1] > together.steps[0]
 
 
 @pytest.mark.parametrize("record", RECORDS)

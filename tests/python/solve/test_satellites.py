@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import hashlib
 import itertools
-from collections.abc import Callable
 from itertools import pairwise
 
 import numpy as np
@@ -17,7 +15,7 @@ import quad_motion
 import rigid
 from adversarial import KINDS
 from physics import place_on_orbit
-from processes import python_process
+from refusals import refuses
 from rigid.model.scene import scene_from_dict
 from rigid.solve.starts import bodies_of
 from verdicts import judge
@@ -499,52 +497,6 @@ def test_on_an_orbit_the_rates_are_bounded() -> None:
 # Requests.
 
 
-def print_digests() -> None:
-    """In a process of its own: what mixed bodies come to on an instruction set."""
-    rng = np.random.default_rng(8)
-    omega, attitude = rng.standard_normal((37, 3)), rng.standard_normal((37, 4))
-    for name, scene in SCENES.items():
-        for method in METHODS:
-            for record in ("rates", "axis", "attitude"):
-                run = rigid.simulate(
-                    scene, omega, attitude, t=[-0.2, 0.7], method=method, record=record, check=False
-                )
-                found = (run.omega, run.attitude, run.energy_drift, run.momentum_drift, run.work)
-                numbers = b"".join(np.asarray(part).tobytes() for part in found if part is not None)
-                print(name, method, record, hashlib.sha256(numbers).hexdigest())
-
-
-def test_every_instruction_set_gives_the_same_bytes() -> None:
-    code = "import test_satellites; test_satellites.print_digests()"
-    (output,) = {
-        python_process(code, RIGID_ISA=isa).stdout for isa in rigid.build_info()["isa_available"]
-    }
-    assert len(output.splitlines()) == 3 * len(SCENES) * len(METHODS)
-
-
-def test_thread_counts_change_no_bit() -> None:
-    omega = np.random.default_rng(9).standard_normal((200, 3))
-    runs = [
-        rigid.simulate(EVERYTHING, omega, t=[1.0], method="rk4", threads=threads, check=False)
-        for threads in (1, 3)
-    ]
-    np.testing.assert_array_equal(runs[0].omega, runs[1].omega)
-
-
-def test_bodies_in_one_call_have_the_bits_of_one_alone() -> None:
-    rotors = np.array([[0.3, -0.2, 0.5], [0.0, 0.0, 0.0], [1.0, 0.0, 0.0]])
-    sinks = np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 0.0], [0.01, 0.02, 0.03]])
-    many = rigid.FreeBody(BODY, rotor=rotors, dissipation=rigid.EnergySink(sinks))
-    assert many.shape == (3,)
-    assert [bool(one.forces) for one in many] == [True, False, True]
-    t = np.linspace(0.0, 3.0, 4)
-    run = rigid.simulate(many, OMEGA, t=t, method="dop853", step=0.01)
-    for index, scene in enumerate(many):
-        alone = rigid.simulate(scene, OMEGA, t=t, method="dop853", step=0.01)
-        np.testing.assert_array_equal(run.omega[index], alone.omega)
-        np.testing.assert_array_equal(attitude_of(run)[index], alone.attitude)
-
-
 def test_a_scene_is_read_back_as_it_was() -> None:
     for scene in (*SCENES.values(), rigid.FreeBody(BODY, rotor=np.ones((2, 3)))):
         again = scene_from_dict(scene.to_dict())
@@ -627,10 +579,9 @@ BAD = [
 ]
 
 
-@pytest.mark.parametrize(("call", "message"), BAD)
-def test_bad_numbers_are_refused(call: Callable[[], object], message: str) -> None:
-    with pytest.raises(ValueError, match=message):
-        call()
+test_bad_numbers_are_refused = refuses(
+    BAD,
+)
 
 
 def test_what_is_no_sink_is_refused() -> None:

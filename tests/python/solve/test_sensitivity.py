@@ -325,16 +325,6 @@ def test_units_change_no_digit(method: str | None) -> None:
     assert (scaled * rows[:, None] * columns == found).all()
 
 
-def test_bodies_have_parameters_of_their_own() -> None:
-    top, _, _, omega, attitude = random_driven(7)
-    together = rigid.simulate(top, omega, attitude, t=[2.0], tangent=OF_TOP, check=False)
-    for body in range(7):
-        one = rigid.simulate(
-            top[body], omega[body], attitude[body], t=[2.0], tangent=OF_TOP, check=False
-        )
-        assert (present(one.sensitivity) == present(together.sensitivity)[body]).all()
-
-
 def test_what_is_not_run_has_none() -> None:
     found = sensitivity(made("top"), OMEGA, "mgl", t=[1.0, 1e3], method="rk4", max_steps=20)
     assert np.isnan(found).all()

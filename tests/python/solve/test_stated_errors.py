@@ -6,9 +6,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+from numpy.typing import ArrayLike
 
 import rigid
-from physics import Floats, present, rotation_angle, tilted
+from physics import METHODS, Floats, present, rotation_angle, tilted
 from rigid import Status
 from rigid.model.scene import Scene
 
@@ -361,3 +362,194 @@ def test_no_bodies_and_no_times_have_no_errors() -> None:
         none = rigid.simulate(scene, np.zeros((0, 3)), t=[1.0, 2.0])
         assert none.error.shape == (0,)
         assert rigid.simulate(scene, [0.1, 0.2, 0.3], t=[]).error < 1e-14
+
+
+# A closed form errs by a rounding for each radian turned, and says so
+
+
+#: A ball: its rate is constant, so that the angle turned is known.
+BALL = rigid.FreeBody(rigid.Body((2.0, 2.0, 2.0)))
+OMEGA = np.array([1.0, -2.0, 2.0])
+RATE, ROUNDING = 3.0, 1e-15
+
+#: Each component of the rates is bounded by the energy.
+BOUND = np.sqrt(3.0) * RATE
+
+
+@pytest.mark.parametrize("t", [[0.0], [0.25], [1e3], [-7.0], [-40.0, 2.0], [1e3, 1e6]])
+def test_the_error_is_a_rounding_for_each_radian(t: list[float]) -> None:
+    run = rigid.simulate(BALL, OMEGA, t=t)
+    span = max(t[-1], 0.0) - min(t[0], 0.0)
+    assert run.error == pytest.approx(ROUNDING * (1.0 + BOUND * span), rel=1e-12, abs=0.0)
+    assert run.lost_from == np.inf
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_after_so_many_radians_the_phase_is_lost(sign: float) -> None:
+    run = rigid.simulate(BALL, OMEGA, t=np.sort(sign * np.array([1.0, 3e14])))
+    assert run.error >= 1.0
+    assert run.lost_from == pytest.approx(sign / (ROUNDING * BOUND), rel=1e-12)
+    assert run.flagged
+
+
+# What rounding leaves in a run and in its check alike is stated too
+
+
+ALMOST_A_SPHERE = (2.0 + 3e-9, 2.0 + 1e-9, 2.0 + 2.5e-9)
+
+
+@pytest.mark.parametrize("method", METHODS, ids=lambda method: method.name)
+def test_rates_of_almost_a_sphere_lose_the_same_rounding_each_step(method: rigid.Method) -> None:
+    """The closed form is the truth: it errs by 1e-15 for each radian."""
+    free = rigid.FreeBody(rigid.Body(ALMOST_A_SPHERE))
+    rng = np.random.default_rng(1)
+    for _ in range(6):
+        omega, attitude = rng.normal(size=3), rng.normal(size=4)
+        omega /= np.linalg.norm(omega)
+        t, step = [rng.uniform(100.0, 300.0)], 10.0 ** rng.uniform(-1.7, -1.0)
+        run = rigid.simulate(free, omega, attitude, t=t, method=method.name, step=step)
+        truth = rigid.simulate(free, omega, attitude, t=t, method="exact")
+        assert run.attitude is not None
+        assert truth.attitude is not None
+        # Quaternions are apart by half the angle.
+        apart = min(np.linalg.norm(run.attitude + sign * truth.attitude) for sign in (-1.0, 1.0))
+        assert 2.0 * apart <= run.error + truth.error
+
+
+def test_what_no_step_changes_is_lost_whatever_the_steps() -> None:
+    """Damping has ended the spin of a needle; the other rates change by less than a rounding."""
+    needle = rigid.Body((0.2303702143799708, 0.23036942072553382, 3.6645151054448544e-06))
+    scene = rigid.FreeBody(needle, damping=[0.0, 0.0, 103.57])
+    omega, t = [0.7318133169566279, -0.5486510356094831, -1.0492894760476998], [2.45e-5]
+    run = rigid.simulate(scene, omega, t=t, method="taylor12", record="rates")
+    truth = rigid.simulate(scene, omega, t=t, method="taylor16", tolerance=1e-15, record="rates")
+    off = np.linalg.norm(run.omega - truth.omega) / np.linalg.norm(truth.omega)
+    assert 1e-14 < off <= run.error < 1e-12
+
+
+def test_rates_of_a_top_that_hangs_all_but_still_carry_the_rounding_of_its_vertical() -> None:
+    """Its swing of 1e-9 rad/s moves the vertical by less than a rounding in many a step."""
+    body = rigid.Body((0.2954834774489046, 1.2173776693824097, 1.0451217024068815))
+    com = (-0.5916854832714615, 0.479999855994827, -0.6476947021018177)
+    top = rigid.HeavyTop(body, mgl=9.016663606144977, com=com)
+    omega = [-1.471321292828963e-09, 1.3140610169210498e-09, -8.337226829351962e-10]
+    attitude = [0.5873751745868392, -0.4196014785879164, -0.009340665928735975, -0.691981036883181]
+    t = [49.099960006262855]
+    run = rigid.simulate(top, omega, attitude, t=t, method="taylor12", step=0.0358662)
+    truth = rigid.simulate(top, omega, attitude, t=t, method="taylor26", tolerance=1e-17)
+    off = np.linalg.norm(run.omega - truth.omega) / np.linalg.norm(truth.omega)
+    assert 1e-7 < off < run.error < 1e-4
+
+
+# Stated errors of the midpoint rule where its own errors are known in closed form
+
+
+INERTIA = 2.0
+SPHERE = rigid.Body([INERTIA] * 3)
+
+FOURFOLD = 4.0
+"""Three times the difference of two runs, which is the whole error at most, and what rings."""
+
+
+def lag(steps: int, angle: float) -> float:
+    """By how much the rule is late after steps of this angle (rad)."""
+    return float(steps * (angle - 2.0 * np.arctan(angle / 2.0)))
+
+
+def spinning(steps: int, angle: float, times: list[float]) -> rigid.Run:
+    """A sphere after so many equal steps of this angle (rad)."""
+    spin = [0.0, 0.0, steps * angle / times[-1]]
+    step = times[-1] / steps
+    return rigid.simulate(rigid.FreeBody(SPHERE), spin, t=times, method="midpoint", step=step)
+
+
+@pytest.mark.parametrize("angle", [0.1, 0.2, 0.3, 0.35, 0.5])
+def test_the_lag_of_a_sphere_is_stated(angle: float) -> None:
+    """Also where the two runs are compared on the way: from 0.3 rad a step on."""
+    error = lag(100, angle)
+    run = spinning(100, angle, [1.0])
+    assert run.steps == 100
+    assert error < run.error < FOURFOLD * error
+
+
+@pytest.mark.parametrize("end", [0.05, 20.0])
+def test_two_runs_that_part_by_a_whole_turn_are_told_apart(end: float) -> None:
+    """In half the steps it is late by a quarter: both runs are about a third of a turn off."""
+    steps, low, high = 800, 0.1, 1.0
+    while high - low > 1e-15:
+        middle = 0.5 * (low + high)
+        parted = lag(steps, middle) - lag(2 * steps, 0.5 * middle)
+        low, high = (middle, high) if parted < 2.0 * np.pi else (low, middle)
+    off = lag(steps, low) % (2.0 * np.pi)
+    assert off > 2.0
+    # A time soon after the start does not show it.
+    assert spinning(steps, low, [end / steps, end]).error > off
+
+
+def damped(damping: ArrayLike, rates: ArrayLike, times: list[float], steps: int) -> rigid.Run:
+    scene = rigid.FreeBody(SPHERE, damping=damping)
+    step = times[-1] / steps
+    return rigid.simulate(scene, rates, t=times, method="midpoint", step=step, record="rates")
+
+
+@pytest.mark.parametrize(("product", "steps"), [(100, 64), (100, 16), (3, 8)])
+def test_rates_that_damping_should_have_ended_are_stated(product: float, steps: int) -> None:
+    """Of steps of so many damping times, of which some is left after an even number of them.
+
+    The truth is below 1e-5 of what is recorded, so that all of that is error. Stated is three times
+    by what two runs part, the second of twice the steps, and what is left of the first. What
+    they part by is relative to the rates of the first, which err by as much.
+    """
+    end, half = 1.4, 0.5 * product
+    strength = INERTIA * product * steps / end
+    run = damped(strength, [0.0, 0.0, 1e-3], [0.5 * end, end], steps)
+    taken = np.array([steps // 2, steps])
+    left = ((half - 1.0) / (half + 1.0)) ** taken
+    again = ((half / 2 - 1.0) / (half / 2 + 1.0)) ** (2 * taken)
+    np.testing.assert_allclose(run.omega[:, 2], 1e-3 * left, rtol=1e-9)
+    parted = 3.0 * np.abs(left - again) / left[0]
+    parted = np.where(parted < 1.0, parted / (1.0 - parted), parted)
+    assert run.error == pytest.approx(np.max(parted + left / left[0]), rel=1e-6)
+    assert run.flagged
+
+
+def test_rates_that_damping_leaves_alone_are_stated() -> None:
+    """Of steps of 1e7 damping times both runs leave the rates as they were."""
+    run = damped(INERTIA * 1e7 * 64, [0.0, 0.0, 1e-3], [1.0], 64)
+    assert run.omega[0, 2] == pytest.approx(1e-3, rel=1e-4)
+    assert 1.0 <= run.error < FOURFOLD
+    assert run.flagged
+
+
+def test_nothing_rings_at_the_start() -> None:
+    """Relative to the start, which is exact, the rest is small."""
+    steps, product = 64, 8.0
+    run = damped(INERTIA * product * steps, [0.0, 0.0, 1.0], [0.0, 1.0], steps)
+    off = abs(run.omega[1, 2])
+    assert off == pytest.approx((3.0 / 5.0) ** steps, rel=1e-6)
+    assert off < run.error < FOURFOLD * off + 1e-13
+
+
+def test_a_body_at_rest_does_not_ring() -> None:
+    assert damped(1e6, [0.0, 0.0, 0.0], [1.0], 4).error < 1e-14
+
+
+def test_a_small_rate_that_rings_beside_a_large_one_that_has_ended() -> None:
+    """The first rate falls below one, as it should; the third stays at one, and should not."""
+    steps, slow = 64, 10.0
+    run = damped(np.diag([slow, 1e8, 1e8]), [100.0, 0.0, 1.0], [1.0], steps)
+    truth = np.array([[100.0 * np.exp(-slow / INERTIA), 0.0, 0.0]])
+    np.testing.assert_allclose(run.omega[:, 0], truth[:, 0], rtol=0.01)
+    assert run.omega[0, 2] == pytest.approx(1.0, abs=1e-3)
+    off = np.linalg.norm(run.omega - truth) / np.linalg.norm(run.omega)
+    assert off > 0.8
+    assert run.error > off
+
+
+def test_a_step_that_resolves_the_damping_does_not_ring() -> None:
+    """`h k = 1/16`: the rate falls as it should, in five damping times."""
+    rate = 5.0
+    run = damped(INERTIA * rate, [0.0, 0.0, 1.0], [0.2, 1.0], 80)
+    truth = np.exp(-rate * np.array([0.2, 1.0]))
+    off = np.abs(run.omega[:, 2] - truth).max() / truth.max()
+    assert off < run.error < FOURFOLD * off

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import re
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 import rigid
+from physics import METHODS, Floats, gamma_of, present
 from rigid.model.scene import Scene
 from rigid.solve.request import Request
 from rigid.solve.starts import bodies_of
@@ -146,3 +150,165 @@ def test_the_core_refuses_arrays_that_it_cannot_fill(array: np.ndarray) -> None:
             max_steps=1,
             threads=1,
         ).states(None, out={"omega": array})
+
+
+# What is not asked for is not carried, and the rates do not notice: the same bits
+
+
+SCENES: dict[str, Scene] = {
+    "free": rigid.FreeBody(rigid.Body((1.0, 1.5, 2.0))),
+    "free symmetric about 1": rigid.FreeBody(rigid.Body((1.0, 1.5, 1.5))),
+    "free symmetric about 3": rigid.FreeBody(rigid.Body((1.0, 1.0, 0.5))),
+    "sphere": rigid.FreeBody(rigid.Body((1.0, 1.0, 1.0))),
+    "top": rigid.HeavyTop(rigid.Body((2.0, 1.5, 1.0)), mgl=3.0, com=(0.48, -0.64, 0.6)),
+    "symmetric top": rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=3.0),
+    "symmetric body off its axis": rigid.HeavyTop(
+        rigid.Body((2.0, 2.0, 1.0)), mgl=3.0, com=(1.0, 0.0, 0.0)
+    ),
+}
+
+EVERY = [
+    pytest.param(method, scene, id=f"{method.name}-{name}")
+    for method in METHODS
+    for name, scene in SCENES.items()
+]
+
+
+def starts(n: int) -> tuple[Floats, Floats]:
+    rng = np.random.default_rng(7)
+    return 2.0 * rng.standard_normal((n, 3)), rng.standard_normal((n, 4))
+
+
+def run(scene: Scene, method: str, record: str, step: float | None) -> rigid.Run:
+    omega, attitude = starts(11)
+    t = [-3.0, -0.5, 0.0, 1.0, 4.0]
+    return rigid.simulate(scene, omega, attitude, t=t, method=method, record=record, step=step)
+
+
+def follows_from_attitude(method: rigid.Method, scene: Scene) -> bool:
+    """Whether the vertical of a top follows from the quaternion: in Runge-Kutta steps."""
+    return method.name in ("rk4", "dop853") and isinstance(scene, rigid.HeavyTop)
+
+
+@pytest.mark.parametrize("step", [None, 0.03])
+@pytest.mark.parametrize(("method", "scene"), EVERY)
+def test_rates_are_the_same_bits_whatever_else_is_asked(
+    method: rigid.Method, scene: Scene, step: float | None
+) -> None:
+    rates, axis, attitude = (
+        run(scene, method.name, record, step) for record in ("rates", "axis", "attitude")
+    )
+    assert rates.omega.tobytes() == axis.omega.tobytes()
+    if follows_from_attitude(method, scene):
+        # Another error of the method: order 4, 0.1 rad a step, some turns.
+        assert attitude.omega == pytest.approx(rates.omega, abs=1e-3)
+    else:
+        assert attitude.omega.tobytes() == rates.omega.tobytes()
+    assert np.array_equal(rates.steps, axis.steps)
+    assert np.array_equal(rates.steps, attitude.steps)
+
+
+@pytest.mark.parametrize(("method", "scene"), EVERY)
+def test_what_was_not_asked_for_is_not_there(method: rigid.Method, scene: Scene) -> None:
+    rates, axis, attitude = (
+        run(scene, method.name, record, None) for record in ("rates", "axis", "attitude")
+    )
+    assert rates.gamma is None
+    assert rates.attitude is None
+    assert axis.gamma is not None
+    assert axis.attitude is None
+    assert attitude.attitude is not None
+    if follows_from_attitude(method, scene):
+        assert gamma_of(attitude.attitude) == pytest.approx(present(attitude.gamma), abs=2e-15)
+    elif isinstance(scene, rigid.HeavyTop):
+        assert axis.gamma.tobytes() == present(attitude.gamma).tobytes()
+    else:
+        # A free body has it from the attitude; carried alone it has another error of the method.
+        assert attitude.gamma is None
+        assert gamma_of(attitude.attitude) == pytest.approx(axis.gamma, abs=1e-4)
+
+
+def test_no_rotation_without_attitude() -> None:
+    with pytest.raises(ValueError, match="record = 'attitude' was not asked for"):
+        run(SCENES["free"], "rk4", "rates", None).rotation()
+
+
+# Many bodies in parts are the bodies of one run
+
+
+OMEGA_PARTS = RNG.normal(size=(70, 3))
+ATTITUDE = RNG.normal(size=(70, 4))
+
+
+@pytest.mark.parametrize("chunk", [1, 32, 69, 70, 1000])
+@pytest.mark.parametrize(("scene", "method"), [(FREE, "exact"), (TOP, "taylor12")])
+def test_parts_have_the_bits_of_one_run(scene: rigid.FreeBody, method: str, chunk: int) -> None:
+    options: dict[str, Any] = {"t": TIMES, "method": method, "check": False}
+    whole = rigid.simulate(scene, OMEGA_PARTS, ATTITUDE, **options)
+    parts = list(rigid.simulate_chunks(scene, OMEGA_PARTS, ATTITUDE, chunk=chunk, **options))
+    assert [len(part.omega) for part in parts[:-1]] == [chunk] * (len(parts) - 1)
+    for name in ("omega", "attitude", "energy_drift", "status"):
+        joined = np.concatenate([getattr(part, name) for part in parts])
+        assert joined.tobytes() == getattr(whole, name).tobytes()
+
+
+@pytest.mark.parametrize("attitude", [None, ATTITUDE[0], Rotation.from_quat(ATTITUDE[0])])
+def test_one_attitude_serves_all_bodies(attitude: Any) -> None:
+    whole = rigid.simulate(FREE, OMEGA_PARTS, attitude, t=TIMES)
+    parts = rigid.simulate_chunks(FREE, OMEGA_PARTS, attitude, t=TIMES, chunk=40)
+    joined = np.concatenate([part.attitude for part in parts if part.attitude is not None])
+    assert joined.tobytes() == (b"" if whole.attitude is None else whole.attitude.tobytes())
+
+
+def test_one_start_of_the_rates_serves_all_attitudes() -> None:
+    parts = list(rigid.simulate_chunks(FREE, OMEGA_PARTS[0], ATTITUDE, t=TIMES, chunk=64))
+    assert [part.omega.shape for part in parts] == [(64, 3, 3), (6, 3, 3)]
+
+
+def test_no_bodies_have_no_parts() -> None:
+    assert not list(rigid.simulate_chunks(FREE, np.empty((0, 3)), t=TIMES))
+
+
+def test_a_part_is_computed_when_it_is_asked_for() -> None:
+    """The states of all bodies together are beyond any memory."""
+    omega = np.broadcast_to([0.1, 1.0, 0.2], (10**6, 3))
+    times = np.linspace(0.0, 1.0, 10**5)
+    assert next(rigid.simulate_chunks(FREE, omega, t=times, chunk=2)).omega.shape == (2, 10**5, 3)
+    with pytest.raises(MemoryError, match="states of 1000000 bodies at 100000 times: "):
+        rigid.simulate(FREE, omega, t=times)
+
+
+def test_parts_that_cannot_be_made_are_refused() -> None:
+    with pytest.raises(ValueError, match=r"^chunk = 0: must be at least 1$"):
+        rigid.simulate_chunks(FREE, OMEGA_PARTS, t=TIMES, chunk=0)
+    with pytest.raises(ValueError, match=r"^omega\[0, 1\] = nan: must be finite$"):
+        rigid.simulate_chunks(FREE, [[0.0, np.nan, 0.0]], t=TIMES)
+    with pytest.raises(ValueError, match=r"^t\[0\] = 2.0 > t\[1\] = 1.0: times must be ascending$"):
+        next(rigid.simulate_chunks(FREE, OMEGA_PARTS, t=[2.0, 1.0]))
+
+
+def test_parts_fill_one_memory_map(tmp_path: Path) -> None:
+    """Arrays for all bodies, also on the disk, get the states of each part in its rows."""
+    whole = rigid.simulate(FREE, OMEGA_PARTS, ATTITUDE, t=TIMES)
+    rates = np.memmap(tmp_path / "omega", dtype="f8", mode="w+", shape=whole.omega.shape)
+    parts = list(
+        rigid.simulate_chunks(FREE, OMEGA_PARTS, ATTITUDE, t=TIMES, chunk=32, out={"omega": rates})
+    )
+    assert all(np.shares_memory(part.omega, rates) for part in parts)
+    assert rates.tobytes() == whole.omega.tobytes()
+
+
+@pytest.mark.parametrize(
+    ("out", "kind", "message"),
+    [
+        (3, TypeError, "out = 3: must be a dict of arrays by their names"),
+        (
+            {"omega": np.zeros((32, 3, 3))},
+            ValueError,
+            "out['omega']: expected a row for each of 70 bodies, got shape (32, 3, 3)",
+        ),
+    ],
+)
+def test_arrays_that_parts_cannot_fill(out: Any, kind: type[Exception], message: str) -> None:
+    with pytest.raises(kind, match=re.escape(message)):
+        rigid.simulate_chunks(FREE, OMEGA_PARTS, t=TIMES, chunk=32, out=out)

@@ -10,6 +10,7 @@ import pytest
 import rigid
 from physics import METHODS, Floats, present, tilted
 from processes import python_process
+from rigid import Status, _core
 
 BODY = rigid.Body((1.0, 1.5, 2.0))
 FREE = rigid.FreeBody(BODY)
@@ -252,3 +253,15 @@ def test_rates_whose_squares_would_vanish_are_refused() -> None:
     body = rigid.FreeBody(rigid.Body((1.0, 2.0, 3.0)))
     with pytest.raises(ValueError, match="count the time in another unit"):
         rigid.simulate(body, [1e-162, 1e-162, 2e-162], t=[0.0, 1e163], step=3e162)
+
+
+# The status of a body: one list of codes, that of the core
+
+
+def test_codes_are_those_of_the_core() -> None:
+    """Python adds the codes of an error estimate, which the core does not make."""
+    core = {name.upper().replace(" ", "_"): code for code, name in enumerate(_core.status_names())}
+    python = {name: int(status) for name, status in Status.__members__.items()}
+    assert core.items() <= python.items()
+    assert python.keys() - core.keys() == {"OK", "FLAGGED", "UNCHECKED", "COARSE"}
+    assert Status["OK"] is Status["FINISHED"]

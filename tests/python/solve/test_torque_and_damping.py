@@ -20,6 +20,7 @@ from physics import (
     rotation_angle,
     rotation_matrix,
 )
+from refusals import refuses
 from rigid.model.scene import Scene, scene_from_dict
 
 DRIVEN = [method for method in rigid.methods() if method.forces]
@@ -366,83 +367,54 @@ def run(scene: Scene, **options: Any) -> Any:
 
 
 STIFF = rigid.FreeBody(BODY, damping=1e4)
-TORQUE = rigid.Torque.body((0.0, 0.0, 1.0))
-REFUSED: list[tuple[Any, type[Exception], list[str]]] = [
-    (free(damping=-1.0), ValueError, ["damping = -1.0: must not be negative"]),
-    (free(damping=(1, -2, 1)), ValueError, ["damping = [1.0, -2.0, 1.0]", "must not be negative"]),
-    (free(damping=np.nan), ValueError, ["damping = nan: must be finite"]),
+REFUSED: list[tuple[Any, ...]] = [
+    (free(damping=-1.0), ["damping = -1.0: must not be negative"]),
+    (free(damping=(1, -2, 1)), ["damping = [1.0, -2.0, 1.0]", "must not be negative"]),
+    (free(damping=np.nan), ["damping = nan: must be finite"]),
     (free(damping="much"), TypeError, ["damping = 'much': must be real numbers"]),
-    (free(damping=[[1, 2, 0], [0, 1, 0], [0, 0, 1]]), ValueError, ["must be a symmetric matrix"]),
+    (free(damping=[[1, 2, 0], [0, 1, 0], [0, 0, 1]]), ["must be a symmetric matrix"]),
+    (free(damping=[[1, 0.1, 0], [0.1 + 1e-6, 1, 0], [0, 0, 1]]), ["must be a symmetric matrix"]),
     (
         free(damping=[[1, 2, 0], [2, 1, 0], [0, 0, 1]]),
-        ValueError,
         ["damping = [[1.0, 2.0, 0.0], [2.0, 1.0, 0.0]", "must be positive semi-definite"],
     ),
     (free(torque=(0, 0, 1)), TypeError, ["torque = (0, 0, 1): must be a rigid.Torque"]),
-    (lambda: rigid.Torque.body((1, 2)), ValueError, ["torque: expected shape (..., 3), got (2,)"]),
+    (lambda: rigid.Torque.body((1, 2)), ["torque: expected shape (..., 3), got (2,)"]),
     (
         lambda: rigid.Torque.body(TABLE, times=[0, 1, 2]),
-        ValueError,
         ["torque: expected shape (..., 3, 3), got (4, 3)"],
     ),
     (
         lambda: rigid.Torque.body(TABLE, times=[0, 1, 3, 2]),
-        ValueError,
         ["torque times[2] = 3.0 > torque times[3] = 2.0: times must be ascending"],
     ),
     (
         lambda: rigid.Torque.body(TABLE, times=[0, 1, 1, 1]),
-        ValueError,
         ["torque times = [1.0, 1.0, 1.0]: at most two values may share a time"],
     ),
     (
         lambda: rigid.Torque.body(TABLE[:1], times=[0]),
-        ValueError,
         ["torque times = [0.0]: a table has at least two times"],
     ),
-    (
-        lambda: rigid.Torque.body((0, np.inf, 0)),
-        ValueError,
-        ["torque[1] = inf: must be finite"],
-    ),
-    (
-        run(PUSHED, t=[4.5]),
-        ValueError,
-        ["t = 4.5: the table of the torque does not reach this time"],
-    ),
-    (
-        run(PUSHED, t=[-0.5, 1.0]),
-        ValueError,
-        ["t = -0.5: the table of the torque does not reach this time"],
-    ),
+    (lambda: rigid.Torque.body((0, np.inf, 0)), ["torque[1] = inf: must be finite"]),
+    (run(PUSHED, t=[4.5]), ["t = 4.5: the table of the torque does not reach this time"]),
+    (run(PUSHED, t=[-0.5, 1.0]), ["t = -0.5: the table of the torque does not reach this time"]),
     (
         run(STIFF, step=0.1, method="rk4"),
-        ValueError,
         ["step = 1e-1: 'rk4' is unstable under damping with steps beyond 2.78e-4", "1e4"],
     ),
     (
         run(STIFF, method="exact"),
-        ValueError,
         ["method = 'exact': no closed form", "under forces a closed form is known only"],
     ),
-    (
-        run(STIFF, method="chin4a"),
-        ValueError,
-        ["method = 'chin4a': does not integrate ", "'taylor16'"],
-    ),
+    (run(STIFF, method="chin4a"), ["method = 'chin4a': does not integrate ", "'taylor16'"]),
     (
         lambda: rigid.exact.free_body(STIFF, [1, 2, 3]),
-        ValueError,
         ["the free motion of scene.body needs a scene without damping; rigid.simulate"],
     ),
 ]
 
 
-@pytest.mark.parametrize(("call", "kind", "parts"), REFUSED)
-def test_refusals_name_the_argument_its_value_and_the_rule(
-    call: Any, kind: type[Exception], parts: list[str]
-) -> None:
-    with pytest.raises(kind) as caught:
-        call()
-    for part in parts:
-        assert part in str(caught.value)
+test_refusals_name_the_argument_its_value_and_the_rule = refuses(
+    REFUSED,
+)

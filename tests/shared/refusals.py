@@ -1,0 +1,45 @@
+"""Refusals as tables: a call, and the words of its message."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable
+from typing import Any
+
+import pytest
+
+
+def refuses(
+    rows: Iterable[tuple[Any, ...]],
+    *,
+    literal: bool = False,
+    kind: type[Exception] | tuple[type[Exception], ...] = ValueError,
+) -> Callable[..., None]:
+    """A test that each call raises an error with these words.
+
+    Parameters
+    ----------
+    rows : iterable of tuple
+        The call, the kind of the error if it is not that of all rows, and the words: a regular
+        expression, or a list of texts that are all in the message.
+    literal : bool
+        Whether words are texts too.
+    kind : type or tuple of type
+        The kind of the errors of rows that name none.
+    """
+    table = [(row[0], row[1] if len(row) > 2 else kind, row[-1]) for row in rows]
+    firsts = (words if isinstance(words, str) else words[0] for *_, words in table)
+    ids = [f"{number}: {first}" for number, first in enumerate(firsts)]
+
+    @pytest.mark.parametrize(("call", "error", "words"), table, ids=ids)
+    def test(call: Callable[[], object], error: type[Exception], words: str | list[str]) -> None:
+        with pytest.raises(error) as caught:
+            call()
+        message = str(caught.value)
+        assert "\n" not in message
+        if isinstance(words, str) and not literal:
+            assert re.search(words, message), message
+        for part in [words] if literal else words if isinstance(words, list) else []:
+            assert part in message
+
+    return test
