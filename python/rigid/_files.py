@@ -15,16 +15,6 @@ try:
 except ImportError:  # on Windows nothing tells whether a writer lives
     fcntl = None  # type: ignore[assignment]
 
-__all__ = [
-    "ARRAYS",
-    "MAP",
-    "TABLE",
-    "published",
-    "require_ending",
-    "require_replaceable",
-    "require_room",
-    "synchronise",
-]
 
 SCRATCH = ".rigid-"
 """How the names of scratch files begin."""

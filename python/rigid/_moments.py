@@ -11,19 +11,6 @@ from . import _core
 from ._checks.arguments import brief, first_place, shaped
 from ._checks.warned import warn_caller
 
-__all__ = [
-    "MomentsWarning",
-    "box_moments",
-    "checked_moments",
-    "possible",
-    "possible_moments",
-    "possible_tensor",
-    "refuse_tensor",
-    "rods",
-    "symmetric_tensor",
-    "without_spin",
-]
-
 Floats = NDArray[np.float64]
 
 MEASURED = 1e-2

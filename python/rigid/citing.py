@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from .solve.run import Run
     from .store.result import StabilityMap
 
-__all__ = ["cite"]
 
 CLOSED_FORMS: Mapping[str, tuple[str, str, str]] = {
     "free": (

@@ -8,8 +8,6 @@ from . import _core
 from ._checks.arguments import resolve_threads
 from ._checks.extras import DISTRIBUTION
 
-__all__ = ["build_info"]
-
 
 def build_info() -> dict[str, Any]:
     """Names and version of this library, its build, and the processor features that it uses.

@@ -16,7 +16,8 @@ from .maps.plan import map_plan
 from .maps.request import of_one_pixel, shortened
 from .maps.spec import MapSpec
 from .model.body import Body
-from .model.criteria import Criterion, known_criteria
+from .model.criteria import known_criteria
+from .model.criterion import Criterion
 from .model.mixture import Mixture
 from .model.scene import Scene, check_scene
 from .model.start import Start
@@ -33,7 +34,6 @@ from .store.call import run_map
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
 
-__all__ = ["plan"]
 
 SAMPLES = 1000
 """Bodies of a pixel if their number is not given."""

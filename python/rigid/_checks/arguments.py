@@ -14,30 +14,6 @@ from numpy.typing import ArrayLike, NDArray
 from .. import _core
 from .quantities import instead_of_a_text, plain, without_unit
 
-__all__ = [
-    "brief",
-    "finite_float",
-    "first_place",
-    "nearest",
-    "numbers",
-    "of_known",
-    "of_shape",
-    "one_line",
-    "one_of",
-    "one_time",
-    "positive_int",
-    "resolve_threads",
-    "rows",
-    "shaped",
-    "sorted_times",
-    "times_of_each",
-    "together",
-    "two_digits_above",
-    "vector",
-    "vectors",
-]
-
-
 _DOUBLE = np.dtype(np.float64)
 
 MOST_THREADS = 1024

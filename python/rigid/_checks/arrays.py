@@ -15,17 +15,6 @@ from .arguments import first_place, numbers, of_shape, shaped
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
 
-__all__ = [
-    "IDENTITY",
-    "UNIT",
-    "attitudes",
-    "finite_array",
-    "of_size_one",
-    "require",
-    "unit_quaternions",
-    "unit_vectors",
-    "vectors",
-]
 
 Floats = NDArray[np.float64]
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-__all__ = ["DISTRIBUTION", "install_extra"]
-
 DISTRIBUTION = "rigid-rotation"
 """The name on the package index, where ``rigid`` is another project; the import is ``rigid``."""
 

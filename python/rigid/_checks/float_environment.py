@@ -8,8 +8,6 @@ from typing import ParamSpec, TypeVar
 
 from .. import _core
 
-__all__ = ["in_standard_floats"]
-
 P = ParamSpec("P")
 T = TypeVar("T")
 

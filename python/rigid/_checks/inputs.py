@@ -7,8 +7,6 @@ import stat
 
 from .arguments import nearest
 
-__all__ = ["described", "require_readable", "unreadable"]
-
 
 def unreadable(path: str | os.PathLike[str], error: OSError) -> str:
     """Why a file cannot be read, with the name that was meant if the file is missing."""

@@ -11,8 +11,6 @@ import numpy as np
 
 from .arguments import brief
 
-__all__ = ["refuses_overflow"]
-
 P = ParamSpec("P")
 R = TypeVar("R")
 

@@ -19,20 +19,6 @@ from .arguments import brief
 from .extras import install_extra
 from .notebook import in_notebook
 
-__all__ = [
-    "Interrupted",
-    "Listening",
-    "Progress",
-    "ProgressOption",
-    "checked_progress",
-    "heeding_signals",
-    "interruptible",
-    "reporting",
-    "terminal_columns",
-    "terminated",
-]
-
-
 NARROW = 80
 """Columns of a terminal below which a bar has neither numbers of bodies nor a rate."""
 

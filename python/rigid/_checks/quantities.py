@@ -8,15 +8,6 @@ from collections.abc import Iterable, Mapping
 from math import pi
 from typing import Any
 
-__all__ = [
-    "LARGE_SIDE",
-    "LEAST_DENSITY",
-    "UNITS",
-    "instead_of_a_text",
-    "plain",
-    "without_unit",
-]
-
 LARGE_SIDE, LEAST_DENSITY = 5.0, 0.1
 """Above this side (m) a body below this density (kg/m³) has other units: aerogels have 0.16."""
 

@@ -9,8 +9,6 @@ import numpy as np
 
 from .arguments import brief
 
-__all__ = ["short_repr"]
-
 Class = TypeVar("Class", bound=type)
 
 MOST = 8

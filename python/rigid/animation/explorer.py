@@ -16,8 +16,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from .web import Page, assembled
 
-__all__ = ["Explorer", "compressed", "packed", "page_of"]
-
 SCRIPTS = (
     *("vectors.js", "stage.js", "charts.js", "player.js"),
     *("motion.js", "draw.js", "quantities.js", "solids.js", "map.js", "explorer.js"),

@@ -19,8 +19,6 @@ from .mesh import faces_of
 from .recording import Recording
 from .story import story_of, tilt_of
 
-__all__ = ["VIEWS", "Film", "Part", "film_of", "side_by_side"]
-
 Floats = NDArray[np.float64]
 
 VIEWS = {FreeBody.kind: ("box", "cones", "poinsot"), HeavyTop.kind: ("top",)}

@@ -8,8 +8,6 @@ from numpy.typing import ArrayLike, NDArray
 from .._checks.arguments import brief, shaped
 from .._checks.quantities import plain
 
-__all__ = ["faces_of"]
-
 Floats = NDArray[np.float64]
 
 

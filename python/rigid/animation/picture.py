@@ -24,7 +24,6 @@ from .raster import frame_picture
 if TYPE_CHECKING:
     from PIL.Image import Image
 
-__all__ = ["SUFFIXES", "moving_picture"]
 
 SUFFIXES = (".gif", ".webp", ".mp4")
 

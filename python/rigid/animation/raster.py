@@ -9,8 +9,6 @@ from ..drawing.shapes import across
 from ..rotations.apply import to_space
 from .film import Film, Part
 
-__all__ = ["AZIMUTH", "ELEVATION", "Camera", "frame_picture"]
-
 Floats = NDArray[np.float64]
 
 AZIMUTH, ELEVATION = float(np.deg2rad(35.0)), float(np.deg2rad(26.0))

@@ -9,8 +9,6 @@ from numpy.typing import NDArray
 
 from ..model.scene import Scene
 
-__all__ = ["Recording"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Recording:

@@ -11,8 +11,6 @@ from ..model.scene import HeavyTop, Scene, check_heavy_top
 from ..rotations.apply import to_space
 from .recording import Recording
 
-__all__ = ["story_of", "story_of_two", "tilt_of"]
-
 Floats = NDArray[np.float64]
 
 ALONG = 0.9

@@ -15,8 +15,6 @@ from ..drawing.shapes import across
 from .film import Film
 from .raster import AZIMUTH, ELEVATION
 
-__all__ = ["Page", "as_json", "assembled", "film_page", "plain", "template"]
-
 SHADERS = ("surface.vert", "surface.frag", "line.vert", "line.frag")
 
 

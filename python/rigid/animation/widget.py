@@ -21,7 +21,6 @@ try:
 except ImportError:
     raise ImportError(install_extra("a widget needs anywidget", "notebook")) from None
 
-__all__ = ["MapWidget"]
 
 Region = dict[str, Any]
 """The ``view`` of a zoom, as least and largest x, then y, and the places ``at`` on other axes."""

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-__all__ = ["DONE", "EXIT_CODES", "REFUSED", "SAYS_NO", "UNFINISHED", "WRITE_ERROR"]
-
 DONE, SAYS_NO, REFUSED, WRITE_ERROR, UNFINISHED = 0, 1, 2, 74, 75
 
 EXIT_CODES: Mapping[str, str] = {

@@ -17,17 +17,6 @@ import numpy as np
 from .._checks.progress import interruptible, terminal_columns
 from .._files import published, require_replaceable
 
-__all__ = [
-    "PICTURES",
-    "Target",
-    "complain",
-    "finished",
-    "print_list",
-    "require_new",
-    "say",
-    "target_of",
-]
-
 PICTURES = (".png", ".pdf", ".svg", ".eps", ".jpg", ".jpeg", ".tif", ".tiff", ".webp")
 """Suffixes of pictures that Matplotlib can write."""
 

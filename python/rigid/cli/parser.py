@@ -14,8 +14,6 @@ from ..reports.compute import LONG_SECONDS, SECONDS
 from .exit_codes import EXIT_CODES, REFUSED
 from .output import complain
 
-__all__ = ["Parser", "make_parser"]
-
 _FOLDER = "folder of a running map"
 
 _EXAMPLES = {

@@ -19,14 +19,6 @@ from ..store.result import StabilityMap
 from .exit_codes import DONE, SAYS_NO, UNFINISHED
 from .output import complain, require_new, say
 
-__all__ = [
-    "compute_stored",
-    "default_stem",
-    "open_and_go_on",
-    "require_shared",
-    "run",
-]
-
 
 def run(options: Namespace) -> int:
     """Run ``status``, ``merge``, ``diff``, ``verify`` or ``pack``; returns the exit code."""

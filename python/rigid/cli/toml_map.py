@@ -28,8 +28,6 @@ from ..model.seed import seed_from
 from .toml_scene import read_criterion, read_scene, read_starts
 from .toml_table import Table, parsed, read_source
 
-__all__ = ["NamedSpec", "parse_spec", "read_spec"]
-
 MAKES: Mapping[str, Callable[..., Measure]] = {name: getattr(measures, name) for name in MEASURES}
 """The functions that make the measures, by their names."""
 

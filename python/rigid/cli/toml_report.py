@@ -9,8 +9,6 @@ from ..reports.spec import REVOLUTIONS, ReportSpec, make_spec
 from .toml_scene import read_scene, read_start
 from .toml_table import parsed, read_source
 
-__all__ = ["parse_report", "read_report"]
-
 
 def read_report(
     source: str, changes: Sequence[str] = (), *, long: bool = False

@@ -12,7 +12,8 @@ from numpy.typing import ArrayLike
 
 from .._checks.arguments import finite_float, vector
 from ..model.body import Body
-from ..model.criteria import CRITERIA, Criterion
+from ..model.criteria import CRITERIA
+from ..model.criterion import Criterion
 from ..model.forces import FORCES
 from ..model.mixture import Mixture, mixture
 from ..model.orbit import Orbit
@@ -28,16 +29,6 @@ from ..model.start import (
 )
 from ..model.torque import Torque
 from .toml_table import Table, keys
-
-__all__ = [
-    "KINDS",
-    "NOISES",
-    "read_criterion",
-    "read_scene",
-    "read_start",
-    "read_starts",
-    "scene_of_keys",
-]
 
 MOST_DEPTH = 16
 """Most levels of joined criteria: at most eight criteria can be joined."""

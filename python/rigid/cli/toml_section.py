@@ -14,8 +14,6 @@ from ..sections.surface import Section, section
 from .toml_scene import read_scene
 from .toml_table import parsed, read_source
 
-__all__ = ["SectionSpec", "read_section"]
-
 
 @dataclass(frozen=True, slots=True)
 class SectionSpec:

@@ -19,8 +19,6 @@ from typing import Any, TypeVar
 from .._checks.arguments import brief, of_known, one_line, one_of
 from .._checks.inputs import unreadable
 
-__all__ = ["SpecError", "Table", "keys", "names_of", "parsed", "read_source"]
-
 _T = TypeVar("_T")
 
 _BUILTIN = resources.files("rigid") / "builtin"

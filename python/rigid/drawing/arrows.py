@@ -10,8 +10,6 @@ from matplotlib.patches import FancyArrowPatch
 from mpl_toolkits.mplot3d.proj3d import proj_transform
 from numpy.typing import NDArray
 
-__all__ = ["PlaneArrow", "SpaceArrow"]
-
 _STYLE: dict[str, Any] = {
     "arrowstyle": "-|>",
     "mutation_scale": 13.0,

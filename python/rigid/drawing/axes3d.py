@@ -17,24 +17,6 @@ from .colours import HUES, on_ground
 if TYPE_CHECKING:
     from .arrows import PlaneArrow, SpaceArrow
 
-__all__ = [
-    "AZIM",
-    "BELOW",
-    "ELEV",
-    "KEY",
-    "UP",
-    "arc",
-    "arc_between",
-    "arrow",
-    "arrow_in_plane",
-    "circle",
-    "cone",
-    "curve",
-    "dots",
-    "fit",
-    "label",
-    "triad",
-]
 
 Floats = NDArray[np.float64]
 

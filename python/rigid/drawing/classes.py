@@ -8,8 +8,6 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["name_classes"]
-
 
 def name_classes(ax: Axes, of_word: Mapping[str, str]) -> None:
     """Draw a legend with a dot in the colour of each class."""

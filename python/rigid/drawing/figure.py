@@ -16,15 +16,6 @@ from .._checks.notebook import in_notebook
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = [
-    "axes_to_draw_on",
-    "check_axes",
-    "html_table",
-    "html_text",
-    "html_with_picture",
-    "new_figure",
-    "shown_figure",
-]
 
 _SIZE: Mapping[str, Any] = {"figsize": (8.0, 6.0), "dpi": 150, "layout": "constrained"}
 

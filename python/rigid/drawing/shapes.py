@@ -5,16 +5,6 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-__all__ = [
-    "STEM",
-    "across",
-    "box_faces",
-    "cone_faces",
-    "ellipsoid_faces",
-    "plane_face",
-    "top_faces",
-]
-
 Floats = NDArray[np.float64]
 
 STEM = 1.45

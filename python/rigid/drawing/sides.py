@@ -9,8 +9,6 @@ from numpy.typing import NDArray
 
 from .colours import on_ground
 
-__all__ = ["eye", "sides", "surface"]
-
 Floats = NDArray[np.float64]
 
 

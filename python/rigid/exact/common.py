@@ -6,8 +6,6 @@ from typing import Any
 
 from ..model.leading import Shape
 
-__all__ = ["in_shape"]
-
 
 def in_shape(values: dict[str, Any], shape: Shape) -> dict[str, Any]:
     """Arrays with a row for each body, reshaped to the axes of the bodies."""

@@ -12,8 +12,6 @@ from numpy.typing import ArrayLike, NDArray
 from .. import _core
 from .._checks.arrays import finite_array, require
 
-__all__ = ["agm", "carlson_rc", "carlson_rd", "carlson_rf", "carlson_rj", "jacobi"]
-
 Floats = NDArray[np.float64]
 
 LARGEST = 1e200

@@ -20,7 +20,6 @@ from ..solve.starts import bodies_of
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
 
-__all__ = ["flip_times"]
 
 Floats = NDArray[np.float64]
 

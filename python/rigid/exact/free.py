@@ -18,8 +18,6 @@ from ..model.scene import FreeBody
 from ..solve.arrays import in_rows, rows_of_each
 from .common import in_shape
 
-__all__ = ["FreeMotion", "free_body"]
-
 Floats = NDArray[np.float64]
 
 

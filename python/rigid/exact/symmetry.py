@@ -14,8 +14,6 @@ from ..model.scene import HeavyTop
 from ..solve.arrays import in_rows
 from ..solve.closed_form import lagrange_axes
 
-__all__ = ["Symmetry", "require_each", "symmetry_of"]
-
 Floats = NDArray[np.float64]
 
 

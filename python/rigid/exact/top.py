@@ -26,15 +26,6 @@ from .symmetry import Symmetry, require_each, symmetry_of
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
 
-__all__ = [
-    "SteadyPrecession",
-    "TopMotion",
-    "lagrange_top",
-    "pendulum_period",
-    "sleeping_spin",
-    "steady_precession",
-    "tilt_time",
-]
 
 Floats = NDArray[np.float64]
 

@@ -21,13 +21,6 @@ from ..top import gravity_torque
 from .orientation import NodeFrame, node_frame
 from .picture import Picture
 
-__all__ = [
-    "BoxWithAxes",
-    "HeavyTopStill",
-    "box",
-    "heavy_top",
-]
-
 Floats = NDArray[np.float64]
 
 _OUTER_EDGES = np.array([[0.0, 1.0, -1.0], [1.0, 0.0, -1.0], [-1.0, 1.0, 0.0]])

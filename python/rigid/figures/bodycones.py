@@ -19,8 +19,6 @@ from ..rotations.so3 import rotate
 from .picture import Picture
 from .symmetric import turning
 
-__all__ = ["RollingCones", "cones"]
-
 Floats = NDArray[np.float64]
 
 

@@ -20,12 +20,6 @@ from .potential import constants_of
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
 
-__all__ = [
-    "Cubic",
-    "UprightCubic",
-    "cubic",
-    "upright_cubic",
-]
 
 Floats = NDArray[np.float64]
 

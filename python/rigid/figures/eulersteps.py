@@ -14,8 +14,6 @@ from ..drawing.axes3d import arc, arrow_in_plane, curve, fit, label, triad
 from ..rotations.euler import euler_to_matrix, rotation_z
 from .picture import Kind, Picture
 
-__all__ = ["EulerSteps", "euler_steps"]
-
 Floats = NDArray[np.float64]
 
 

@@ -19,8 +19,6 @@ from ..model.scene import FreeBody, require_unforced
 from ..solve.run import Run, scene_of, states_of
 from .picture import Picture
 
-__all__ = ["Polhodes", "polhodes"]
-
 Floats = NDArray[np.float64]
 
 

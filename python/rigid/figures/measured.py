@@ -17,13 +17,6 @@ from ..fixed_axis import bearing_torques
 from ..springs import pair_system, spring_body
 from .picture import Kind, Picture
 
-__all__ = [
-    "BearingTorque",
-    "SpringModes",
-    "bearing_torque",
-    "spring_modes",
-]
-
 Floats = NDArray[np.float64]
 
 

@@ -15,13 +15,6 @@ from ..rotations.euler import euler_to_matrix
 from .eulersteps import TURNS, azimuth, euler_steps
 from .picture import Picture
 
-__all__ = [
-    "Frames",
-    "NodeFrame",
-    "frames",
-    "node_frame",
-]
-
 Floats = NDArray[np.float64]
 
 _X = np.array([1.0, 0.0, 0.0])

@@ -22,12 +22,6 @@ from .picture import Kind, Picture
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
 
-__all__ = [
-    "Loci",
-    "Locus",
-    "loci",
-    "locus",
-]
 
 Floats = NDArray[np.float64]
 

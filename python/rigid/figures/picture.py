@@ -10,8 +10,6 @@ import numpy as np
 
 from ..drawing.figure import check_axes, shown_figure
 
-__all__ = ["Kind", "Picture"]
-
 Kind = Literal["space", "plane"]
 
 

@@ -19,11 +19,6 @@ from .picture import Kind, Picture
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
 
-__all__ = [
-    "PotentialWell",
-    "constants_of",
-    "effective_potential",
-]
 
 Floats = NDArray[np.float64]
 

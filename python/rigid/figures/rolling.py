@@ -19,11 +19,6 @@ from ..rotations.apply import to_space
 from ..solve.run import Run, scene_of, states_of
 from .picture import Picture
 
-__all__ = [
-    "PoinsotPicture",
-    "poinsot",
-]
-
 Floats = NDArray[np.float64]
 
 POLHODE, HERPOLHODE = colours.HUES["blue"], colours.HUES["black"]

@@ -18,8 +18,6 @@ from ..rotations.so3 import rotate
 from .picture import Picture
 from .symmetric import turning
 
-__all__ = ["RotatingBody", "rotating_body"]
-
 Floats = NDArray[np.float64]
 
 

@@ -23,14 +23,6 @@ from ..free import symmetric_free_top
 from ..model.body_like import BodyLike, moments_of
 from .picture import Kind, Picture
 
-__all__ = [
-    "CoplanarVectors",
-    "FreeTopOmega",
-    "TopVectors",
-    "coplanar_vectors",
-    "free_top_omega",
-]
-
 Floats = NDArray[np.float64]
 
 

@@ -18,13 +18,6 @@ from ..model.scene import HeavyTop
 from ..solve.run import Run, scene_of
 from .picture import Kind, Picture
 
-__all__ = [
-    "Drift",
-    "Throw",
-    "invariants",
-    "throw",
-]
-
 Floats = NDArray[np.float64]
 
 DASHES = ("solid", "dashed", "dotted")

@@ -24,13 +24,6 @@ from ..rotations.euler import rotation_z
 from ..rotations.so3 import rotate
 from .picture import Kind, Picture
 
-__all__ = [
-    "ActivePassive",
-    "UnitVectorChange",
-    "active_passive",
-    "unit_vector_change",
-]
-
 Floats = NDArray[np.float64]
 
 

@@ -19,8 +19,6 @@ from ..rotations.euler import rotation_x
 from ..rotations.quaternions import matrix_to_quaternion
 from .picture import Kind, Picture
 
-__all__ = ["Cycloids", "cycloids"]
-
 Floats = NDArray[np.float64]
 
 

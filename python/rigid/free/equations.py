@@ -20,7 +20,6 @@ from ..solve.run import Run
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
 
-__all__ = ["Invariants", "PowerBalance", "euler_rhs", "invariants", "power_balance"]
 
 Floats = NDArray[np.float64]
 

@@ -16,8 +16,6 @@ from ..model.forces import EnergySink
 from ..solve.energy_loss import mean_loss
 from .tumbling import SpinState, momentum_near, spin_periods
 
-__all__ = ["Relaxation", "damping_time", "relaxation", "sink_of_damping"]
-
 Floats = NDArray[np.float64]
 
 SEPARATRIX, END = 36.0, -80.0

@@ -19,7 +19,6 @@ from .tops import symmetric_free_top
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
 
-__all__ = ["Cones", "Poinsot", "cones", "poinsot"]
 
 Floats = NDArray[np.float64]
 

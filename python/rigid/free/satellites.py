@@ -20,7 +20,6 @@ from ..rotations.apply import to_body
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
 
-__all__ = ["Libration", "jacobi_integral", "libration", "radial", "roll_pitch_yaw"]
 
 Floats = NDArray[np.float64]
 

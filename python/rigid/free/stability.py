@@ -18,18 +18,6 @@ from ..model.start import body_axis
 from ..solve.separatrix import circulation_terms
 from .tops import asymmetric_free_top
 
-__all__ = [
-    "Circulation",
-    "PermanentRotation",
-    "circulation",
-    "crossings",
-    "gamma_residual",
-    "gammas",
-    "jacobian",
-    "local_stability",
-    "permanent_rotation",
-]
-
 Floats = NDArray[np.float64]
 
 NEXT, AFTER = [1, 2, 0], [2, 0, 1]

@@ -14,8 +14,6 @@ from ..model.scene import FreeBody
 from ..solve.simulate import simulate
 from .stability import gammas, local_stability
 
-__all__ = ["ThrowExperiment", "throw_experiment"]
-
 Floats = NDArray[np.float64]
 
 NOISE = 0.1

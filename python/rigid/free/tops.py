@@ -26,14 +26,6 @@ from ..solve.request import Request
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
 
-__all__ = [
-    "AsymmetricTop",
-    "SymmetricTop",
-    "asymmetric_free_top",
-    "steady_axis_frame",
-    "steady_axis_spin",
-    "symmetric_free_top",
-]
 
 Floats = NDArray[np.float64]
 

@@ -15,8 +15,6 @@ from .._checks.shown import short_repr
 from ..model.body_like import BodyLike, moments_of
 from .tops import asymmetric_free_top
 
-__all__ = ["SpinState", "momentum_near", "spin_periods", "spin_state"]
-
 Floats = NDArray[np.float64]
 
 MODES = ("SAM", "LAM")

@@ -12,15 +12,6 @@ from .._checks.arguments import brief, first_place, shaped
 from .._moments import possible_tensor, symmetric_tensor
 from ..rotations.so3 import rotation_matrices
 
-__all__ = [
-    "MassProperties",
-    "compose",
-    "inertia_tensor",
-    "point_masses",
-    "rotate_tensor",
-    "steiner",
-]
-
 Floats = NDArray[np.float64]
 
 

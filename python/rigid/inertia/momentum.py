@@ -15,13 +15,6 @@ from .mass_properties import MassProperties
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
 
-__all__ = [
-    "angular_momentum",
-    "energy_from_momentum",
-    "kinetic_energy",
-    "omega_from_momentum",
-    "rotational_energy",
-]
 
 Floats = NDArray[np.float64]
 

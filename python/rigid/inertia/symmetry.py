@@ -12,8 +12,6 @@ from .._checks.overflow import refuses_overflow
 from ..rotations.quaternions import log_so3
 from .mass_properties import point_masses
 
-__all__ = ["Symmetry", "symmetry_check"]
-
 Floats = NDArray[np.float64]
 
 _AT_ONCE = 1_000_000

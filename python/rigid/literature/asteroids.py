@@ -9,8 +9,6 @@ import numpy as np
 from ..free import SpinState, damping_time, spin_periods, spin_state
 from .entry import Entry
 
-__all__ = ["ENTRIES"]
-
 HUDSON = (
     "R. S. Hudson, S. J. Ostro, Shape and non-principal axis spin state of asteroid 4179 Toutatis, "
     "Science 270 (1995) 84-86, doi 10.1126/science.270.5233.84"

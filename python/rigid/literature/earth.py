@@ -13,8 +13,6 @@ from ..model.scene import FreeBody
 from ..solve.simulate import simulate
 from .entry import Entry
 
-__all__ = ["ENTRIES"]
-
 SMITH = (
     "M. L. Smith, A normal mode study of wobble and nutation, in: Nutation and the Earth's "
     "Rotation, IAU Symposium 78 (1980) 195-202"

@@ -7,8 +7,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from math import nan
 
-__all__ = ["Entry"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Entry:

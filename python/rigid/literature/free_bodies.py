@@ -16,8 +16,6 @@ from ..solve.frequencies import frequencies
 from ..solve.simulate import simulate
 from .entry import Entry
 
-__all__ = ["ENTRIES"]
-
 RACKET = (0.00121, 0.01638, 0.01748)
 """Moments of a tennis racket (kg m²)."""
 RACKET_SEEN = (

@@ -15,8 +15,6 @@ from ..solve.run import Run
 from ..solve.simulate import simulate
 from .entry import Entry
 
-__all__ = ["ENTRIES", "goryachev_chaplygin_change", "kovalevskaya_change"]
-
 Floats = NDArray[np.float64]
 
 TOP = HeavyTop(Body((1.0, 1.0, 0.5)), mgl=1.0)

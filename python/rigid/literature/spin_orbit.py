@@ -20,8 +20,6 @@ from ..solve.simulate import simulate
 from ..store.call import stability_map
 from .entry import Entry
 
-__all__ = ["ENTRIES"]
-
 Floats = NDArray[np.float64]
 
 WISDOM = (

@@ -13,8 +13,6 @@ from ..drawing.figure import html_table
 from . import asteroids, earth, free_bodies, heavy_tops, moons, spin_orbit
 from .entry import Entry
 
-__all__ = ["Compared", "Validation", "entries", "validation"]
-
 HEADER = ("name", "published", "here", "difference", "interval", "unit", "verdict")
 
 

@@ -10,8 +10,6 @@ from numpy.typing import NDArray
 
 from .. import _core
 
-__all__ = ["CoreRequest", "CoreStarts"]
-
 Floats = NDArray[np.float64]
 
 

@@ -13,8 +13,6 @@ from .data import CLASSES, COLUMNS, FAILURES, STATUS, STORED
 from .job import to_core
 from .spec import MapSpec
 
-__all__ = ["GROWTH", "check_counts", "counted"]
-
 GROWTH = frozenset({"growth", "megno", "largest_exponent"})
 """Columns of the deviation vectors; they may be negative."""
 

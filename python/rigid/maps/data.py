@@ -21,8 +21,6 @@ from .measured import Measures
 from .refine import Stages, filled, refined, stages
 from .spec import MapSpec
 
-__all__ = ["CLASSES", "COLUMNS", "FAILURES", "STATUS", "STORED", "Column", "MapData", "interval"]
-
 STATUS = tuple(_core.moment_status_names())
 """The meaning of each ``status``."""
 

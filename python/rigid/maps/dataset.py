@@ -20,8 +20,6 @@ from .refine import refined
 if TYPE_CHECKING:
     import xarray
 
-__all__ = ["map_dataset", "map_table", "write_zarr", "write_zarr_url"]
-
 
 def map_dataset(data: MapData) -> xarray.Dataset:
     """The map as an xarray Dataset; see :meth:`rigid.StabilityMap.to_xarray`."""

@@ -24,8 +24,6 @@ from .measured import BIN
 from .parameters import MOST_AXES, axis_letter
 from .spec import MapSpec
 
-__all__ = ["file_size", "read_map", "write_map"]
-
 FORMAT = "rigid stability map"
 FORMAT_VERSION = 1
 

@@ -26,8 +26,6 @@ from ..rotations.apply import to_body
 from ..solve.bodies import Bodies
 from .parameters import PLACES, Axis, in_order
 
-__all__ = ["Pixels", "acting_forces", "grid_shape", "nominal_starts"]
-
 Floats = NDArray[np.float64]
 
 

@@ -13,16 +13,6 @@ from .data import COLUMNS, STORED, MapData
 from .parameters import Axis, axis_letter
 from .spec import MapSpec
 
-__all__ = [
-    "canonical",
-    "fingerprint",
-    "head_of",
-    "key_of",
-    "receipt",
-    "segment_of",
-    "spec_differences",
-]
-
 FORMAT = "rigid running map"
 FORMAT_VERSIONS = (1, 2, 3)
 """Version 2 is written for maps with measures, whose logs have bins beside the rows. Version 3 is

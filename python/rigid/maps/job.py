@@ -19,8 +19,6 @@ from .judge import CustomJob
 from .sequential import LOOK
 from .spec import MapSpec
 
-__all__ = ["Job", "Jobs", "of_pixels", "spans", "to_core"]
-
 Ints = NDArray[np.int64]
 
 

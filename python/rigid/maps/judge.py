@@ -23,8 +23,6 @@ from ..solve.status import Status
 from .core_request import CoreRequest
 from .spec import MapSpec
 
-__all__ = ["TOLERANCE", "CustomJob", "is_adaptive"]
-
 Floats = NDArray[np.float64]
 
 ROWS = 2**16

@@ -17,8 +17,6 @@ from numpy.typing import ArrayLike, NDArray
 from .._checks.arguments import brief, numbers
 from ..model.measures import Measure
 
-__all__ = ["BIN", "NUMBERS", "Measured", "Measures"]
-
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 

@@ -30,8 +30,6 @@ from ..rotations import quaternion_to_matrix
 from .satellites import Predicted
 from .spec import MapSpec
 
-__all__ = ["attitude_resonances", "averaged_torque", "spin_orbit_resonances"]
-
 Floats = NDArray[np.float64]
 
 PLACES = 256

@@ -18,8 +18,6 @@ from ..model.start import Start
 from ..model.torque import require_constant
 from .parameters import Axis, make_axes
 
-__all__ = ["OwnScene", "own_scene"]
-
 Floats = NDArray[np.float64]
 
 

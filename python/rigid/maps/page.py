@@ -30,15 +30,6 @@ from .theory import predict
 from .watched import watched
 from .words import class_words, default_title
 
-__all__ = [
-    "MOST_SAMPLES",
-    "content_of_map",
-    "content_of_outcomes",
-    "content_of_starts",
-    "drawn_edges",
-    "explore",
-]
-
 MOST_BYTES = 500_000
 """Most compressed bytes of the bodies in a page, unless a number of bodies is given."""
 

@@ -18,20 +18,6 @@ from ..model.orbit import HYPERBOLA
 from ..model.scene import Scene
 from ..model.start import Noise, Start, cos_sin
 
-__all__ = [
-    "MOST_AXES",
-    "OF_RUN",
-    "PARAMETERS",
-    "PLACES",
-    "Axis",
-    "Parameter",
-    "axis_letter",
-    "check_applicable",
-    "check_axis_name",
-    "in_order",
-    "make_axes",
-]
-
 Floats = NDArray[np.float64]
 
 OF_RUN = "run"

@@ -17,8 +17,6 @@ from ..solve.planned import UNKNOWN, closed_form_error, shortest_and_most, why_u
 from .judge import TOLERANCE, is_adaptive
 from .spec import MapSpec
 
-__all__ = ["map_plan"]
-
 Floats = NDArray[np.float64]
 
 

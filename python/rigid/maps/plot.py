@@ -28,7 +28,6 @@ from .words import class_words, default_title
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["SHARE", "cell_edges", "check_what", "plot_map"]
 
 Floats = NDArray[np.float64]
 

@@ -19,8 +19,6 @@ from numpy.typing import NDArray
 
 from .spec import MapSpec
 
-__all__ = ["LEFT_OUT", "Stages", "filled", "lattice_level", "refined", "stages"]
-
 LEFT_OUT = 255
 """The stage of a pixel that is not computed."""
 

@@ -33,7 +33,6 @@ from .spec import MapSpec
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["Replay", "pixel_index", "replay"]
 
 MOST_STEPS = 10_000_000
 """Most steps of a pixel that is computed again before a replay: some tenths of a second."""

@@ -8,7 +8,7 @@ from typing import Any
 
 from .._checks.arguments import brief
 from ..model.body import Body
-from ..model.criteria import Criterion
+from ..model.criterion import Criterion
 from ..model.judged import Custom
 from ..model.mixture import Mixture
 from ..model.scene import Scene, check_scene
@@ -19,8 +19,6 @@ from .own import own_scene
 from .parameters import Axis, check_axis_name, make_axes
 from .sequential import checked_half_width, stop_table
 from .spec import MapSpec
-
-__all__ = ["as_it_is", "of_one_pixel", "shortened", "spec_of"]
 
 
 def as_it_is(spec: MapSpec, given: Mapping[str, Any]) -> MapSpec:

@@ -17,8 +17,6 @@ from .data import MapData
 from .job import to_core
 from .replay import named_outcomes, pixel_index
 
-__all__ = ["Outcomes", "Starts", "outcomes", "starts"]
-
 Floats = NDArray[np.float64]
 
 

@@ -34,8 +34,6 @@ from ..rotations import quaternion_to_matrix
 from ..solve.energy_loss import mean_loss
 from .spec import MapSpec
 
-__all__ = ["flat_spin", "on_orbit", "time_to_separatrix"]
-
 Floats = NDArray[np.float64]
 Predicted: TypeAlias = tuple[str, Floats, dict[str, Floats]]
 """Label, share of each pixel, and the lines where a number of each pixel is zero."""

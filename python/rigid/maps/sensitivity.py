@@ -11,8 +11,6 @@ from ..solve.sensitivity import amplification
 from .job import to_core
 from .spec import MapSpec
 
-__all__ = ["map_condition"]
-
 Floats = NDArray[np.float64]
 
 

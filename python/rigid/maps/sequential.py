@@ -22,8 +22,6 @@ from numpy.typing import NDArray
 from .. import _core
 from .._checks.arguments import finite_float
 
-__all__ = ["CONFIDENCE", "LOOK", "Looks", "checked_half_width", "stop_table"]
-
 LOOK = 64
 """Samples between two looks; a multiple of the samples with common audits."""
 

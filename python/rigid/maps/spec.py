@@ -17,8 +17,8 @@ from .. import _core
 from .._checks.arguments import brief, finite_float, of_known, positive_int
 from ..model.body import Body, refuse_rods
 from ..model.bounds import RateWithin
-from ..model.criteria import Criterion, check_criterion, criterion_from_dict
-from ..model.criterion import can_be_left
+from ..model.criteria import check_criterion, criterion_from_dict
+from ..model.criterion import Criterion, can_be_left
 from ..model.function import TorqueFunction
 from ..model.judged import Custom
 from ..model.measures import Measure, asks_for_an_axis, check_distinct, make_measures
@@ -50,8 +50,6 @@ from .grid import Pixels, acting_forces, grid_shape, nominal_starts
 from .own import OwnScene, own_scene
 from .parameters import OF_RUN, Axis, check_applicable, make_axes
 from .sequential import Looks, checked_half_width, stop_table
-
-__all__ = ["MapPart", "MapSpec"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

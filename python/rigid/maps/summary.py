@@ -16,8 +16,6 @@ from .refine import LEFT_OUT, refined
 from .spec import MapSpec
 from .theory import agreement, predict
 
-__all__ = ["summary"]
-
 
 def summary(data: MapData) -> str:
     """Summary of computation, largest drift, undecided samples and comparison with theory."""

@@ -61,8 +61,6 @@ from .moons import attitude_resonances, spin_orbit_resonances
 from .satellites import NORMAL_REACH, RAYLEIGH_HALF, flat_spin, on_orbit
 from .spec import MapSpec
 
-__all__ = ["Agreement", "Curve", "Theory", "agreement", "disagreement", "predict"]
-
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 

@@ -13,11 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..model.bounds import NearStart, RateWithin, ReturnsNear, SpinAbove, TiltBetween
-from ..model.criteria import Criterion, NoFlip, TiltBelow
+from ..model.criteria import NoFlip, TiltBelow
+from ..model.criterion import Criterion
 from ..model.scene import HeavyTop
 from .spec import MapSpec
-
-__all__ = ["watched"]
 
 RATES = {"what": "rates", "label": "ω (rad/s)"}
 TURN = {"what": "turn", "label": "rotation from the start (°)"}

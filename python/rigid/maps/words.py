@@ -5,8 +5,6 @@ from __future__ import annotations
 from ..model.criteria import Regular
 from .spec import MapSpec
 
-__all__ = ["class_words", "default_title"]
-
 
 def class_words(spec: MapSpec) -> dict[str, str]:
     """The word for each class of bodies: by a growth of deviations they are regular or chaotic."""

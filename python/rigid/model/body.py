@@ -40,13 +40,6 @@ if TYPE_CHECKING:
 
     from ..inertia.mass_properties import MassProperties
 
-__all__ = [
-    "Body",
-    "Moments",
-    "check_body",
-    "pair_hint",
-    "require_one",
-]
 
 Floats = NDArray[np.float64]
 

@@ -13,8 +13,6 @@ from .._moments import checked_moments, refuse_tensor
 from .body import Body, pair_hint, refuse_rods
 from .scene import FreeBody, Scene, require_unforced
 
-__all__ = ["BodyLike", "body_of", "moments_of"]
-
 Floats = NDArray[np.float64]
 
 BodyLike: TypeAlias = Body | FreeBody | ArrayLike

@@ -14,24 +14,6 @@ from .criterion import Condition, Criterion
 from .scene import Scene
 from .start import Start, body_axis
 
-__all__ = [
-    "NearStart",
-    "PointingWithin",
-    "RateWithin",
-    "ReturnsNear",
-    "SpinAbove",
-    "TiltBetween",
-    "extreme_axis",
-    "librates",
-    "near_start",
-    "pointing_within",
-    "rate_within",
-    "require_orbit",
-    "returns",
-    "spin_above",
-    "tilt_between",
-]
-
 VECTORS = {"omega": "omega", "L": "momentum"}
 FRAMES = ("space", "body")
 DIRECTIONS: Mapping[str, str] = {

@@ -20,8 +20,6 @@ from .._checks.extras import install_extra
 from .._checks.warned import warn_caller
 from .._core import BODIES_OF_A_FUNCTION, BODIES_OF_A_ROW
 
-__all__ = ["DOUBLES", "Callback", "of_python"]
-
 DOUBLES = ctypes.POINTER(ctypes.c_double)
 
 _ARGUMENTS = "t, omega, attitude, data, torque"

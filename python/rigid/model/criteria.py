@@ -21,21 +21,6 @@ from .judged import Custom
 from .scene import Scene
 from .start import Start, body_axis
 
-__all__ = [
-    "CRITERIA",
-    "NORMS",
-    "Criterion",
-    "NoFlip",
-    "Regular",
-    "TiltBelow",
-    "check_criterion",
-    "criterion_from_dict",
-    "known_criteria",
-    "no_flip",
-    "regular",
-    "tilt_below",
-]
-
 REFERENCES = ("start", "vertical")
 
 NORMS = ("rates", "attitude")

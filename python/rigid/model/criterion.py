@@ -14,8 +14,6 @@ from .._checks.arguments import brief
 from .scene import Scene
 from .start import Start
 
-__all__ = ["MOST_LEAVES", "Condition", "Criterion", "Joined", "can_be_left"]
-
 Condition: TypeAlias = tuple[str, int, tuple[float, ...]]
 """Name, axis and limits of one condition as the core takes them."""
 

@@ -27,8 +27,6 @@ import numpy as np
 
 from .._checks.arguments import one_line
 
-__all__ = ["code_of", "digest", "source_of", "taken"]
-
 MOST = 256
 """Most values of a function; further ones share a digest, so that a file stays small."""
 

@@ -12,16 +12,6 @@ from numpy.typing import ArrayLike, NDArray
 from .._checks.arguments import brief, finite_float, one_of, vector
 from .._checks.quantities import without_unit
 
-__all__ = [
-    "COMPONENTS",
-    "Event",
-    "check_reached",
-    "checked_direction",
-    "checked_events",
-    "crosses",
-    "turns",
-]
-
 Floats = NDArray[np.float64]
 
 COMPONENTS = ("omega1", "omega2", "omega3", "gamma1", "gamma2", "gamma3")

@@ -20,18 +20,6 @@ from .frame import turned
 from .leading import Index, Shape, axes_of, frozen, same, taken
 from .orbit import Orbit
 
-__all__ = [
-    "FORCES",
-    "EnergySink",
-    "Force",
-    "FreeForces",
-    "HasForces",
-    "TopForces",
-    "checked_forces",
-    "forces_in_words",
-    "with_forces",
-]
-
 Floats = NDArray[np.float64]
 Vector: TypeAlias = tuple[float, float, float]
 Value = TypeVar("Value")

@@ -13,14 +13,6 @@ from numpy.typing import ArrayLike, NDArray
 from ..rotations import matrix_to_quaternion, quaternion_to_matrix
 from ..rotations.quaternions import product_of_checked
 
-__all__ = [
-    "attitudes_in_frame",
-    "attitudes_in_principal_axes",
-    "checked_frame",
-    "turned",
-    "turned_matrix",
-]
-
 Floats = NDArray[np.float64]
 
 

@@ -15,8 +15,6 @@ from .._checks.arguments import brief, finite_float, shaped
 from .compiling import Callback, of_python
 from .leading import Index, Shape, axes_of, frozen, same, taken
 
-__all__ = ["TorqueFunction"]
-
 Floats = NDArray[np.float64]
 
 

@@ -8,8 +8,6 @@ from numpy.typing import ArrayLike, NDArray
 from .. import _core
 from .._checks.arguments import brief, finite_float, vector
 
-__all__ = ["about_pivot", "checked_properties"]
-
 Floats = NDArray[np.float64]
 
 

@@ -16,8 +16,6 @@ from .scene import Scene
 from .sourced import Sourced
 from .start import Start
 
-__all__ = ["Custom", "States", "judged"]
-
 Floats = NDArray[np.float64]
 
 RECORDS = ("attitude", "axis", "rates")

@@ -12,18 +12,6 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = [
-    "Index",
-    "Shape",
-    "axes_of",
-    "frozen",
-    "holds",
-    "index_of_bodies",
-    "leading_shape",
-    "same",
-    "taken",
-]
-
 Shape: TypeAlias = tuple[int, ...]
 Index: TypeAlias = Any
 """Whatever NumPy takes as an index of the leading axes."""

@@ -12,21 +12,6 @@ from .criteria import REFERENCES, no_flip, tilt_below
 from .scene import Scene
 from .start import Start, body_axis
 
-__all__ = [
-    "MEASURES",
-    "Measure",
-    "asks_for_an_axis",
-    "drift",
-    "flips",
-    "largest_tilt",
-    "libration_amplitude",
-    "make_measures",
-    "mean_rate",
-    "obliquity",
-    "spin_orbit_ratio",
-    "time_to_leave",
-]
-
 MEASURES: Mapping[str, tuple[str, str]] = {
     "time_to_leave": ("s", "time of leaving stability"),
     "flips": ("1", "sign changes of the rate"),

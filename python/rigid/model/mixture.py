@@ -12,8 +12,6 @@ from numpy.typing import ArrayLike, NDArray
 from .._checks.arguments import brief, numbers
 from .start import Start
 
-__all__ = ["Mixture", "mixture", "start_from_dict"]
-
 MOST_STARTS = 16
 
 

@@ -14,8 +14,6 @@ from .._checks.arguments import first_place, shaped
 from .._checks.arrays import UNIT, unit_vectors
 from .leading import Shape, frozen, leading_shape, same
 
-__all__ = ["HYPERBOLA", "Orbit"]
-
 Floats = NDArray[np.float64]
 Vector: TypeAlias = tuple[float, float, float]
 

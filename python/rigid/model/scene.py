@@ -55,17 +55,6 @@ from .torque import (
 if TYPE_CHECKING:
     from ..inertia.mass_properties import MassProperties
 
-__all__ = [
-    "SCENES",
-    "Field",
-    "FreeBody",
-    "HeavyTop",
-    "Scene",
-    "check_heavy_top",
-    "check_scene",
-    "require_unforced",
-    "scene_from_dict",
-]
 
 Floats = NDArray[np.float64]
 Vector: TypeAlias = tuple[float, float, float]

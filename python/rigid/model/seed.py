@@ -6,8 +6,6 @@ import numpy as np
 
 from .._checks.arguments import brief
 
-__all__ = ["checked_seed", "seed_from"]
-
 
 def seed_from(rng: int | np.random.Generator | np.random.SeedSequence | None) -> int:
     """The 128-bit key of the random numbers that ``rng`` specifies."""

@@ -10,8 +10,6 @@ from typing import Any, Self
 from .._checks.arguments import brief
 from .digest import code_of, digest, source_of, taken
 
-__all__ = ["Sourced"]
-
 
 @dataclass(frozen=True, slots=True)
 class Sourced:

@@ -15,18 +15,6 @@ from numpy.typing import ArrayLike, NDArray
 from .._checks.arguments import brief, finite_float, first_place, numbers, one_of, vector
 from .._checks.arrays import attitudes, unit_quaternions
 
-__all__ = [
-    "Noise",
-    "Samples",
-    "Start",
-    "direction",
-    "normal",
-    "samples",
-    "uniform",
-    "uniform_attitude",
-    "von_mises_fisher",
-]
-
 NOISE_KINDS = ("normal", "uniform", "direction", "uniform_attitude", "von_mises_fisher")
 
 MOST_SAMPLES = 100_000

@@ -18,17 +18,6 @@ from .frame import turned
 from .function import TorqueFunction
 from .leading import Index, Shape, axes_of, frozen, leading_shape, same, taken
 
-__all__ = [
-    "Damping",
-    "Torque",
-    "checked_damping",
-    "checked_torque",
-    "damping_words",
-    "forces_of",
-    "matrices_of",
-    "require_constant",
-]
-
 Floats = NDArray[np.float64]
 Vector: TypeAlias = tuple[float, float, float]
 Damping: TypeAlias = tuple[Vector, Vector, Vector] | Floats

@@ -15,16 +15,6 @@ from .._checks.arguments import shaped, together, vectors
 from .._checks.overflow import refuses_overflow
 from ..rotations.so3 import rotation_matrices
 
-__all__ = [
-    "Displacement",
-    "OmegaFit",
-    "Screw",
-    "fit_omega",
-    "rigid_motion",
-    "screw",
-    "velocity_field",
-]
-
 Floats = NDArray[np.float64]
 
 SMALL = 1e-9

@@ -20,7 +20,6 @@ from ..solve.simulate import simulate
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
 
-__all__ = ["BodyPath", "propagate_body"]
 
 Floats = NDArray[np.float64]
 

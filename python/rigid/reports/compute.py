@@ -26,7 +26,6 @@ from .sweep import ANGLES, Sweep, lengthen, sweep_methods, time_sweeps
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
 
-__all__ = ["LONG_SECONDS", "SECONDS", "report", "run_report"]
 
 SECONDS, LONG_SECONDS = 30.0, 120.0
 """Time limits (s) of a report until ``t_end`` and of one over revolutions."""

@@ -19,16 +19,6 @@ from .spec import ReportSpec
 if TYPE_CHECKING:
     from pathlib import Path
 
-__all__ = [
-    "AT_UNCERTAINTY",
-    "FAILED",
-    "REFERENCE",
-    "REPEATS",
-    "USELESS",
-    "ReportData",
-    "Row",
-    "at_common_time",
-]
 
 FORMAT, FORMAT_VERSION = "rigid report", 1
 

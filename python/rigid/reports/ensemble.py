@@ -17,8 +17,6 @@ from ..solve.starts import bodies_of
 from ..solve.status import ARRIVED
 from .spec import ReportSpec
 
-__all__ = ["Ensemble", "attitude_angle", "ensemble_of", "probe", "same_steps"]
-
 Floats = NDArray[np.float64]
 
 PERTURBATION = 1e-3

@@ -20,7 +20,6 @@ from .table import ERRORS, in_short, known_errors, time_text
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["FAMILIES", "OTHERS", "family_of", "plot_report"]
 
 Floats = NDArray[np.float64]
 

@@ -17,8 +17,6 @@ from ..solve.simulate import simulate
 from .ensemble import SHORT, Ensemble, ensemble_of
 from .spec import ReportSpec
 
-__all__ = ["UNKNOWN", "Horizon", "Reference", "find_horizons", "find_reference"]
-
 Floats = NDArray[np.float64]
 
 FIRST_ANGLE = 0.5

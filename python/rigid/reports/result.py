@@ -12,8 +12,6 @@ from .table import report_text
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["Report"]
-
 
 class Report(ReportData):
     """Error against run time of all methods for one scene; made by :func:`rigid.report`.

@@ -21,7 +21,6 @@ from ..solve.starts import bodies_of
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
 
-__all__ = ["BODIES", "REVOLUTIONS", "ReportSpec", "make_spec"]
 
 REVOLUTIONS = (1e3, 1e4, 1e5, 1e6)
 """Revolutions of ``rigid report --long``."""

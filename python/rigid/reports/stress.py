@@ -24,8 +24,6 @@ from ..solve.starts import bodies_of
 from ..solve.status import Status
 from .stress_cases import Case, cases
 
-__all__ = ["Cell", "Extremes", "extremes"]
-
 Floats = NDArray[np.float64]
 
 ACCURACY = 1e-8

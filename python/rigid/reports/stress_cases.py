@@ -19,8 +19,6 @@ from ..model.orbit import Orbit
 from ..model.scene import FreeBody, HeavyTop, Scene
 from ..model.torque import Torque
 
-__all__ = ["Case", "cases"]
-
 Floats = NDArray[np.float64]
 
 

@@ -29,8 +29,6 @@ from .data import AT_UNCERTAINTY, FAILED, REFERENCE, USELESS, Row, at_common_tim
 from .ensemble import Ensemble
 from .reference import LOST, Horizon, Reference
 
-__all__ = ["Sweep", "lengthen", "sweep_methods", "time_sweeps"]
-
 Floats = NDArray[np.float64]
 
 WORK = 4e6

@@ -13,8 +13,6 @@ from ..solve.methods import EXACT, methods
 from ..solve.plan import carried, left_out, not_left_out
 from .data import REPEATS, ReportData, Row
 
-__all__ = ["ERRORS", "in_short", "known_errors", "report_text", "time_text"]
-
 NAMES = 60
 """Characters of a line of other names."""
 

@@ -17,20 +17,6 @@ from .._checks.arguments import first_place, one_of, shaped
 from .quaternions import canonical_quaternion
 from .so3 import rotation_matrices
 
-__all__ = [
-    "EulerRates",
-    "euler_axes",
-    "euler_rates_from_omega",
-    "euler_to_matrix",
-    "euler_to_quaternion",
-    "matrix_to_euler",
-    "omega_from_euler_rates",
-    "quaternion_to_euler",
-    "rotation_x",
-    "rotation_y",
-    "rotation_z",
-]
-
 Floats = NDArray[np.float64]
 
 FRAMES = ("body", "space", "node")

@@ -19,15 +19,6 @@ from .so3 import over, rodrigues, rotation_matrices, vee
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
 
-__all__ = [
-    "canonical_quaternion",
-    "exp_quaternion",
-    "log_quaternion",
-    "log_so3",
-    "matrix_to_quaternion",
-    "quaternion_product",
-    "quaternion_to_matrix",
-]
 
 Floats = NDArray[np.float64]
 

@@ -20,7 +20,6 @@ from .quaternions import conjugate, exp_quaternion, log_quaternion, quaternion_p
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
 
-__all__ = ["AttitudePath", "attitude_from_omega", "omega_from_attitudes"]
 
 Floats = NDArray[np.float64]
 

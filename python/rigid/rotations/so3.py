@@ -14,17 +14,6 @@ from numpy.typing import ArrayLike, NDArray
 from .._checks.arguments import first_place, shaped
 from .._checks.overflow import refuses_overflow
 
-__all__ = [
-    "Orthogonality",
-    "axis_angle_matrix",
-    "exp_so3",
-    "hat",
-    "nearest_rotation",
-    "orthogonality_error",
-    "rotate",
-    "vee",
-]
-
 Floats = NDArray[np.float64]
 
 _ROTATION_SLACK = 3.1e-4

@@ -26,7 +26,6 @@ from .surface import Section
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["Crossings"]
 
 Floats = NDArray[np.float64]
 

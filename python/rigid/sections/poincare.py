@@ -30,7 +30,6 @@ if TYPE_CHECKING:
 
     from ..solve.run import Run
 
-__all__ = ["poincare"]
 
 Floats = NDArray[np.float64]
 

@@ -12,8 +12,6 @@ from ..model.seed import seed_from
 from .surface import Section
 from .surface import section as make_section
 
-__all__ = ["least_energy", "on_surface"]
-
 Floats = NDArray[np.float64]
 
 DRAWS = 4096

@@ -12,8 +12,6 @@ from .._checks.arguments import brief, finite_float, one_of, vector
 from ..model.events import COMPONENTS, check_reached, checked_direction
 from ..model.scene import HeavyTop, Scene
 
-__all__ = ["EQUAL_TIMES", "HEIGHT", "Section", "at_equal_times", "section"]
-
 Floats = NDArray[np.float64]
 
 HEIGHT = "height"

@@ -12,16 +12,6 @@ from numpy.typing import ArrayLike, NDArray
 from .._checks.arguments import brief, finite_float, shaped, vector
 from ..inertia.mass_properties import MassProperties, point_masses
 
-__all__ = [
-    "DensityIntegral",
-    "Region",
-    "box_region",
-    "cylinder_region",
-    "density_integral",
-    "ellipsoid_region",
-    "sampled_density",
-]
-
 Floats = NDArray[np.float64]
 
 ORDERS = (4, 6, 8, 12, 16, 24, 32, 48, 64)

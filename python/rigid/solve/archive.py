@@ -17,8 +17,6 @@ from numpy.typing import NDArray
 
 from .._files import ARRAYS, published
 
-__all__ = ["Archive", "DamageError", "FileError", "ForeignError", "write_archive"]
-
 _EPOCH = (1980, 1, 1, 0, 0, 0)
 
 _SEAL = b"sha256 "

@@ -13,8 +13,6 @@ from numpy.typing import NDArray
 from .least_squares import Minimum, descents, minimum
 from .unknowns import Unknowns
 
-__all__ = ["Arcs", "largest_chi2", "largest_of", "overtaken"]
-
 Floats = NDArray[np.float64]
 
 _CHANCE = 1e-6

@@ -8,19 +8,6 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = [
-    "Range",
-    "in_rows",
-    "largest",
-    "lengths",
-    "roots",
-    "rows_of_each",
-    "spread_indices",
-    "time_range",
-    "time_ranges",
-    "time_span",
-]
-
 Floats = NDArray[np.float64]
 
 

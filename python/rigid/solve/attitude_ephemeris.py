@@ -12,8 +12,6 @@ from numpy.typing import NDArray
 from .._checks.arguments import brief
 from .._files import published
 
-__all__ = ["write_aem"]
-
 
 def write_aem(
     path: str | os.PathLike[str],

@@ -17,8 +17,6 @@ from ..model.scene import Scene
 from ..model.torque import NO_EXPONENT, forces_of
 from .arrays import Range, in_rows, rows_of_each
 
-__all__ = ["Bodies"]
-
 Floats = NDArray[np.float64]
 
 SLOWEST = 1e-140

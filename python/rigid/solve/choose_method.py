@@ -50,15 +50,6 @@ from .surfaces import default_method
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
 
-__all__ = [
-    "NO_BOUND",
-    "Choice",
-    "bodies_alike",
-    "choose_method",
-    "has_closed_form",
-    "parts_of",
-    "plan_states",
-]
 
 Floats = NDArray[np.float64]
 

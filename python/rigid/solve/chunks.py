@@ -21,7 +21,6 @@ from .starts import bodies_of
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
 
-__all__ = ["simulate_chunks"]
 
 Floats = NDArray[np.float64]
 

@@ -14,25 +14,6 @@ from ..model.criterion import Criterion, Joined
 from ..model.scene import Scene
 from .arrays import in_rows
 
-__all__ = [
-    "FORCED_RULE",
-    "NO_FORM",
-    "RECORDS",
-    "Codes",
-    "Question",
-    "all_have",
-    "are_slowed_evenly",
-    "closed_forms",
-    "lagrange_axes",
-    "lagrange_axis_of",
-    "moment_rows",
-    "names",
-    "question_words",
-    "rule",
-    "weight_rows",
-    "why_not",
-]
-
 Floats = NDArray[np.float64]
 
 Codes: TypeAlias = NDArray[np.uint8]

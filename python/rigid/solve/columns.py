@@ -28,7 +28,6 @@ from .archive import write_archive
 if TYPE_CHECKING:
     import xarray
 
-__all__ = ["Column", "Columns", "HasColumns", "Result", "as_dataset", "write_table"]
 
 Columns: TypeAlias = Mapping[str, Any]
 """Arrays by their names, None if not recorded; arrays of bodies have a row for each, (n, ...)."""

@@ -10,8 +10,6 @@ import numpy as np
 from ..model.forces import FORCES
 from ..model.leading import Shape
 
-__all__ = ["take_numbers"]
-
 _TORQUE = ("torque_time", "axis")
 _OF_SCENE: Mapping[str, tuple[tuple[str, ...], str, tuple[str, ...], str]] = {
     "moments": (("body", "moments"), "kg m²", ("axis",), "principal moments of inertia"),

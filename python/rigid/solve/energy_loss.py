@@ -9,8 +9,6 @@ from numpy.typing import NDArray
 
 from .. import _core
 
-__all__ = ["mean_loss"]
-
 Floats = NDArray[np.float64]
 
 

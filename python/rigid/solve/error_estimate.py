@@ -12,8 +12,6 @@ from .. import _core
 from .arrays import Range
 from .bodies import Bodies
 
-__all__ = ["ErrorEstimate", "closed_form_error", "known_rates", "unknown_error"]
-
 Floats = NDArray[np.float64]
 
 

@@ -21,8 +21,6 @@ from .methods import EXACT, SERIES, adaptive_methods
 from .status import Status
 from .surfaces import Search, Surfaces, default_tolerance
 
-__all__ = ["Events", "Points", "check_event_method", "events_of_parts", "find_events"]
-
 Floats = NDArray[np.float64]
 
 

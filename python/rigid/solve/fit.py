@@ -24,7 +24,6 @@ from .unknowns import BIAS, MOMENTS, RATIOS, SCALE, START, Unknowns
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
 
-__all__ = ["Fit", "FitWarning", "fit"]
 
 Floats = NDArray[np.float64]
 

@@ -13,8 +13,6 @@ from .._checks.quantities import plain
 from .._checks.shown import short_repr
 from .run import Run
 
-__all__ = ["FrequencyDrift", "Lines", "frequencies", "frequency_drift"]
-
 Floats = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 

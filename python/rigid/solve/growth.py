@@ -23,7 +23,6 @@ from .status import Status, sentences
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["Growth"]
 
 Floats = NDArray[np.float64]
 

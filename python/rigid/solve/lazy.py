@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, Generic, Self, TypeVar
 
-__all__ = ["Lazy"]
-
 Made = TypeVar("Made")
 
 

@@ -8,8 +8,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["UNTOLD", "Minimum", "descents", "minimum"]
-
 Floats = NDArray[np.float64]
 
 UNTOLD = 1.0

@@ -31,7 +31,6 @@ from .tangent import check_tangent, rate_scale
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
 
-__all__ = ["growth_of", "lyapunov"]
 
 Floats = NDArray[np.float64]
 

@@ -11,36 +11,6 @@ from .._checks.arguments import one_of
 from ..drawing.figure import html_table
 from ..model.forces import forces_in_words
 
-__all__ = [
-    "AUTO",
-    "EXACT",
-    "FALLBACK",
-    "FUNCTION",
-    "GROWTH_SECOND",
-    "MANY_TIMES",
-    "MAP_FALLBACK",
-    "SECOND",
-    "SERIES",
-    "SERIES_TOLERANCE",
-    "STIFF",
-    "TO_ROUNDING",
-    "Method",
-    "adaptive_methods",
-    "angle_per_step",
-    "check_method",
-    "is_compensated",
-    "is_stiff",
-    "known_method",
-    "longest_angle",
-    "map_methods",
-    "methods",
-    "methods_under",
-    "order_of",
-    "run_methods",
-    "series_methods",
-    "tangent_methods",
-]
-
 EXACT = "exact"
 """The closed form of the motion, where there is one."""
 

@@ -20,7 +20,6 @@ from .starts import bodies_of, holds_rods
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
 
-__all__ = ["Motion"]
 
 Floats = NDArray[np.float64]
 

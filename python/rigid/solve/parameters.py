@@ -15,8 +15,6 @@ from ..model.scene import Scene
 from .arrays import in_rows
 from .bodies import Bodies
 
-__all__ = ["check_parameters", "checked_names", "parameter_changes"]
-
 Floats = NDArray[np.float64]
 
 _PLACES, _LEN = _core.change_places()

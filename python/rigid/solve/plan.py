@@ -20,8 +20,6 @@ from .closed_form import Codes, Question, names
 from .lazy import Lazy
 from .methods import EXACT
 
-__all__ = ["LazyPlan", "Plan", "carried", "left_out", "not_left_out", "plan_of_parts"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Plan:

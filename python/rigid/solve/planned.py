@@ -18,16 +18,6 @@ from .methods import EXACT
 from .plan import Plan, carried, left_out, not_left_out
 from .problem import Problem
 
-__all__ = [
-    "UNKNOWN",
-    "Reason",
-    "closed_form_error",
-    "damping_rate",
-    "plan_of",
-    "shortest_and_most",
-    "why_unforeseen",
-]
-
 Floats = NDArray[np.float64]
 
 Reason: TypeAlias = str | Callable[[], str]

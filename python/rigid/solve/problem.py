@@ -17,8 +17,6 @@ from .bodies import Bodies
 from .closed_form import moment_rows, weight_rows
 from .methods import check_method, known_method, run_methods
 
-__all__ = ["LEAST_TOLERANCE", "USUAL_ACCURACY", "Problem"]
-
 Floats = NDArray[np.float64]
 
 USUAL_ACCURACY = 1e-8

@@ -14,7 +14,6 @@ from .bodies import Bodies
 
 MutableMapping.register(_core.States)
 
-__all__ = ["Request"]
 
 Floats = NDArray[np.float64]
 

@@ -58,7 +58,6 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 
-__all__ = ["Run", "load_run", "recording_of", "scene_of", "states_of", "to_run"]
 
 FORMAT = "rigid run 1"
 

@@ -19,10 +19,6 @@ from .tangent import ROUNDING, rate_scale, tangent_matrices
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
 
-__all__ = [
-    "amplification",
-    "condition",
-]
 
 Floats = NDArray[np.float64]
 

@@ -43,10 +43,6 @@ from .target import PLAIN, Target, end_records
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
 
-__all__ = [
-    "simulate",
-]
-
 
 @in_standard_floats
 def simulate(

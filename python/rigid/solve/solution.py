@@ -28,8 +28,6 @@ from .request import Request
 from .tangent import tangent_of
 from .target import PLAIN, Target
 
-__all__ = ["Solution", "Watched", "solve"]
-
 Floats = NDArray[np.float64]
 
 

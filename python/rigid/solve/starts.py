@@ -19,7 +19,6 @@ from .bodies import Bodies
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
 
-__all__ = ["bodies_of", "holds_rods"]
 
 Floats = NDArray[np.float64]
 

@@ -9,16 +9,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = [
-    "ARRIVED",
-    "COARSE_ERROR",
-    "Status",
-    "error_limit",
-    "is_accurate",
-    "sentences",
-    "status_by_error",
-]
-
 COARSE_ERROR = 1e-3
 """Largest error of a body with status ``OK`` if no accuracy is requested."""
 

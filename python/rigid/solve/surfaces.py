@@ -16,15 +16,6 @@ from .error_estimate import closed_form_error, known_rates
 from .methods import FUNCTION, SERIES, TO_ROUNDING
 from .request import Request
 
-__all__ = [
-    "LOST",
-    "TOLERANCE",
-    "Search",
-    "Surfaces",
-    "default_method",
-    "default_tolerance",
-]
-
 Floats = NDArray[np.float64]
 
 TOLERANCE = 2.0**-57

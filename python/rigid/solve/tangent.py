@@ -22,7 +22,6 @@ from .status import Status
 if TYPE_CHECKING:
     from .bodies import Bodies
 
-__all__ = ["ROUNDING", "check_tangent", "rate_scale", "tangent_matrices", "tangent_of"]
 
 Floats = NDArray[np.float64]
 

@@ -14,8 +14,6 @@ from .._checks.arguments import brief, one_of, two_digits_above
 from .arrays import Range
 from .bodies import Bodies
 
-__all__ = ["COLUMNS", "PLAIN", "Target", "end_records"]
-
 Floats = NDArray[np.float64]
 
 COLUMNS: Mapping[str, int] = {"omega": 3, "gamma": 3, "attitude": 4, "work": 1}

@@ -8,8 +8,6 @@ from collections.abc import Callable
 from statistics import median
 from typing import TypeVar
 
-__all__ = ["FEW", "LEAST_SHARE", "LEAST_STEPS", "seconds_of_one"]
-
 Result = TypeVar("Result")
 
 BUDGET = 0.4

@@ -20,7 +20,6 @@ if TYPE_CHECKING:
 
     from .run import Run
 
-__all__ = ["BIAS", "MOMENTS", "RATIOS", "SCALE", "START", "Unknowns"]
 
 Floats = NDArray[np.float64]
 

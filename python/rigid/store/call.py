@@ -14,7 +14,7 @@ from .._checks.progress import ProgressOption
 from ..maps.request import as_it_is, spec_of
 from ..maps.spec import MapSpec
 from ..model.body import Body
-from ..model.criteria import Criterion
+from ..model.criterion import Criterion
 from ..model.measures import Measure, make_measures
 from ..model.mixture import Mixture
 from ..model.scene import Scene
@@ -23,8 +23,6 @@ from .result import StabilityMap
 
 if TYPE_CHECKING:
     from .foresee import Foreseen
-
-__all__ = ["foreseen", "run_map", "stability_map"]
 
 
 def stability_map(

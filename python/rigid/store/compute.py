@@ -14,8 +14,6 @@ from ..maps.sequential import Looks
 from ..maps.spec import MapSpec
 from .rows import Block, bins_of, rows_of
 
-__all__ = ["compute"]
-
 Ints = NDArray[np.int64]
 Columns = dict[str, Any]
 """Arrays by the name of their column, and the bins of the ``measures``."""

@@ -14,8 +14,6 @@ from .result import StabilityMap, load_map
 from .resume import result_of
 from .running import Folder
 
-__all__ = ["Difference", "diff", "read_any"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Difference:

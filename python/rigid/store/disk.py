@@ -10,8 +10,6 @@ from typing import BinaryIO, TypeAlias
 
 from .._files import published
 
-__all__ = ["DISK", "Disk"]
-
 Buffer: TypeAlias = bytes | memoryview
 
 

@@ -28,8 +28,6 @@ from .compute import compute
 from .head import StoreError
 from .rows import Bins, Block, Rows
 
-__all__ = ["Intake", "Poison", "Sink", "Task", "drive", "executor_of", "run_here"]
-
 Units = NDArray[np.int64]
 
 SHORTEST, LONGEST = 0.3, 60.0

@@ -24,8 +24,6 @@ from .resume import Part, missing
 from .rows import BIN_ROW, ROW, Table
 from .running import Folder, Memory
 
-__all__ = ["Foreseen", "foresee"]
-
 QUICK = 40_000
 """Most steps of the bodies of a look that are run to the horizon at once: eight such looks take
 some hundredths of a second."""

@@ -22,8 +22,6 @@ from ..maps.identity import (
 from ..maps.sequential import LOOK
 from ..maps.spec import MapSpec
 
-__all__ = ["Head", "StoreError", "divided", "divided_in_memory", "moment_status"]
-
 UNITS = 1024
 """A map of fewer pixels is divided into about so many units, so that many parts can share it."""
 

@@ -30,8 +30,6 @@ from ..maps.identity import canonical
 from .disk import Buffer, Disk
 from .rows import BIN_ROW, NO_BINS, ROW, Bins, Rows
 
-__all__ = ["LOG_NAME", "Found", "Log", "gone", "read_log"]
-
 BLOCK = 512
 """Bytes of a header, and what the length of content is rounded up to."""
 

@@ -12,8 +12,6 @@ from .._files import published
 from .head import StoreError
 from .running import Folder
 
-__all__ = ["merge_into"]
-
 
 def merge_into(sources: Sequence[str | os.PathLike[str]], into: str | os.PathLike[str]) -> Folder:
     """Copy the logs of running maps into one; all rows are compared before anything is written."""

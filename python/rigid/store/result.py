@@ -41,8 +41,6 @@ if TYPE_CHECKING:
 
     from ..animation.explorer import Explorer
 
-__all__ = ["StabilityMap", "load_map"]
-
 
 class StabilityMap(MapData):
     """Result of :func:`stability_map`: named arrays of grid shape, indexed ``[..., y, x]``.

@@ -22,8 +22,6 @@ from .head import StoreError
 from .rows import Rows, unequal
 from .running import Folder, Memory
 
-__all__ = ["Outcome", "Part", "carry_on", "missing", "pixels_done", "result_of"]
-
 Data = TypeVar("Data", bound=MapData)
 
 GOLDEN = np.uint64(0x9E3779B97F4A7C15)

@@ -17,21 +17,6 @@ from ..maps.job import of_pixels
 from ..maps.measured import BIN
 from .head import Head, StoreError
 
-__all__ = [
-    "BIN_ROW",
-    "FIELDS",
-    "ROW",
-    "Bins",
-    "Block",
-    "Rows",
-    "Table",
-    "bins_of",
-    "differences",
-    "rows_of",
-    "unequal",
-]
-
-
 FIELDS = tuple(column.name for column in COLUMNS if column.reproducible)
 """The columns of a row."""
 

@@ -25,8 +25,6 @@ from .head import Head, StoreError, divided_in_memory, moment_status
 from .log import LOG_NAME, Found, Log, gone, read_log
 from .rows import Bins, Rows, Table
 
-__all__ = ["Folder", "Memory", "claims_result", "receipt"]
-
 
 def receipt(**facts: Any) -> dict[str, Any]:
     """The identity of a writer: build, machine and process."""

@@ -14,8 +14,6 @@ from ..maps.data import CLASSES, MapData
 from .resume import Part, missing, result_of
 from .running import Folder, LogFacts
 
-__all__ = ["Status", "status_of"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Status:

@@ -25,8 +25,6 @@ from .running import Folder, Memory
 from .status import Status, status_of
 from .verify import Verification, verify
 
-__all__ = ["PoisonedError", "Store", "diff", "merge", "open_store"]
-
 
 class PoisonedError(RuntimeError):
     """Tasks of some units have failed three times; the rest of the map is stored.

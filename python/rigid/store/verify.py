@@ -18,8 +18,6 @@ from .result import load_map
 from .rows import FIELDS, Block, bins_of, differences, rows_of
 from .running import Folder
 
-__all__ = ["Verification", "verify"]
-
 TOGETHER = 1024
 """Number of units that are computed at once."""
 

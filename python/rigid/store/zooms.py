@@ -26,8 +26,6 @@ from ..maps.spec import MapSpec
 from .resume import carry_on, result_of
 from .running import Memory
 
-__all__ = ["widget_of", "zoomed"]
-
 
 def widget_of(whole: MapData, threads: int | None) -> MapWidget:
     """The widget of a map, whose finer maps are results of the same class."""

@@ -20,15 +20,6 @@ from ..rotations.apply import to_body, to_space
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
 
-__all__ = [
-    "HeavyConstants",
-    "gravity_torque",
-    "heavy_constants",
-    "over_tops",
-    "precession_spin_rates",
-    "symmetric",
-    "tilts",
-]
 
 Floats = NDArray[np.float64]
 

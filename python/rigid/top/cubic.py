@@ -17,8 +17,6 @@ from .._checks.arrays import finite_array, require
 from .._checks.overflow import refuses_overflow
 from ..exact import agm, carlson_rf, jacobi
 
-__all__ = ["Roots", "f_roots", "f_u", "nutation_period", "time_of", "u_of"]
-
 Floats = NDArray[np.float64]
 
 SLACK = 1e-12

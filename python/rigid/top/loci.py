@@ -19,15 +19,6 @@ from .constants import over_tops, symmetric, tilts
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
 
-__all__ = [
-    "Advance",
-    "FastTop",
-    "Locus",
-    "advance",
-    "classify_locus",
-    "fast_top_approx",
-    "locus",
-]
 
 Floats = NDArray[np.float64]
 

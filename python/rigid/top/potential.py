@@ -14,13 +14,6 @@ from ..model.scene import HeavyTop
 from .constants import over_tops, symmetric, tilts
 from .cubic import f_roots
 
-__all__ = [
-    "EffectivePotential",
-    "effective_minimum",
-    "effective_potential",
-    "turning_angles",
-]
-
 Floats = NDArray[np.float64]
 
 

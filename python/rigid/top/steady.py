@@ -14,15 +14,6 @@ from .._checks.overflow import refuses_overflow
 from ..model.scene import HeavyTop
 from .constants import over_tops, symmetric, tilts
 
-__all__ = [
-    "SleepingTop",
-    "SpinDown",
-    "sleeping_top",
-    "spin_down",
-    "spin_from_precession",
-    "upright_f",
-]
-
 Floats = NDArray[np.float64]
 
 

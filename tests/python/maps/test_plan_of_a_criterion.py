@@ -13,7 +13,7 @@ import rigid
 from rigid._moments import possible
 from rigid.cli.toml_map import read_spec
 from rigid.cli.toml_table import names_of
-from rigid.model.criteria import Criterion
+from rigid.model.criterion import Criterion
 from rigid.model.scene import Scene
 
 FREE = rigid.FreeBody(rigid.Body((1.0, 2.0, 3.0)))
