@@ -39,7 +39,8 @@ def refuses(
         assert "\n" not in message
         if isinstance(words, str) and not literal:
             assert re.search(words, message), message
-        for part in [words] if literal else words if isinstance(words, list) else []:
-            assert part in message
+        else:
+            for part in [words] if isinstance(words, str) else words:
+                assert part in message
 
     return test

@@ -76,9 +76,9 @@ def test_point_masses_know_their_centre_far_from_the_origin() -> None:
         exact = [Fraction(mass) for mass in masses]
         for column, found in zip(cloud.T, centre, strict=True):
             sums = [mass * Fraction(x) for mass, x in zip(exact, column, strict=True)]
-            truth = Fraction(shift) + sum(sums) / sum(exact)
+            truth = Fraction(shift) + sum(sums, Fraction()) / sum(exact, Fraction())
             # Half a unit in the last place: one mean of such numbers alone errs by some units.
-            assert abs(Fraction(found) - truth) <= 1.01 * ROUNDOFF * 2.0**40
+            assert abs(Fraction(float(found)) - truth) <= 1.01 * ROUNDOFF * 2.0**40
 
 
 # Composition

@@ -12,10 +12,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
 
 import rigid
 from physics import METHODS, Floats
+from printed_equations import solved
 
 SERIES = [method.name for method in METHODS if method.series]
 UNTIL = 12.0
@@ -30,42 +30,15 @@ class Motion:
 
     scene: rigid.FreeBody | rigid.HeavyTop
     methods: tuple[str | None, ...]
-    weight: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    in_body: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    in_space: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    damping: float = 0.0
-    rotor: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    orbit: float = 0.0
-    """Rate of a circular orbit about space axis 3, on which the centre begins at axis 1."""
     omega: tuple[float, float, float] = (0.5, 0.8, -1.1)
     attitude: tuple[float, float, float, float] = (0.9, 0.3, 0.2, 0.1)
 
     def states(self) -> tuple[Floats, Floats, Floats]:
         """Rates, verticals in the body and momenta in space at all times."""
-        moments, rotor = np.array(self.scene.body.moments), np.array(self.rotor)
-
-        def rate(t: float, y: Floats) -> Floats:
-            omega, axes = y[:3], y[3:].reshape(3, 3)  # rows: the axes of space in the body
-            momentum = moments * omega + rotor
-            torque = np.cross(momentum, omega) + np.cross(axes[2], self.weight) + self.in_body
-            torque = torque + np.array(self.in_space) @ axes - self.damping * omega
-            centre = np.array([np.cos(self.orbit * t), np.sin(self.orbit * t), 0.0]) @ axes
-            torque = torque + 3.0 * self.orbit**2 * np.cross(centre, moments * centre)
-            return np.concatenate([torque / moments, np.cross(axes, omega).ravel()])
-
-        w, x, y, z = np.array(self.attitude) / np.linalg.norm(self.attitude)
-        matrix = [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-        ]
-        start = np.concatenate([self.omega, np.ravel(matrix)])
-        found = solve_ivp(
-            rate, (0.0, UNTIL), start, t_eval=TIMES, method="DOP853", rtol=1e-13, atol=1e-14
-        )
-        omega, axes = found.y[:3].T, found.y[3:].T.reshape(-1, 3, 3)
-        momenta = np.einsum("tij,tj->ti", axes, omega * moments + rotor)
-        return omega, axes[:, 2], momenta
+        omega, matrices = solved(self.scene, self.omega, self.attitude, TIMES)
+        rotor = 0.0 if self.scene.rotor is None else np.array(self.scene.rotor)
+        momenta = np.matvec(matrices, omega * self.scene.body.moments + rotor)
+        return omega, matrices[:, 2], momenta
 
 
 ASYMMETRIC, SYMMETRIC = rigid.Body((1.0, 1.6, 0.7)), rigid.Body((1.0, 1.0, 0.5))
@@ -74,11 +47,10 @@ TORQUES = ((0.1, -0.2, 0.05), (-0.15, 0.1, 0.2))
 MOTIONS = {
     "free": Motion(rigid.FreeBody(ASYMMETRIC), (None, *SERIES)),
     "free symmetric": Motion(rigid.FreeBody(SYMMETRIC), (None, "taylor16")),
-    "lagrange": Motion(rigid.HeavyTop(SYMMETRIC, mgl=1.2), (None, *SERIES), weight=(0.0, 0.0, 1.2)),
+    "lagrange": Motion(rigid.HeavyTop(SYMMETRIC, mgl=1.2), (None, *SERIES)),
     "asymmetric": Motion(
         rigid.HeavyTop(ASYMMETRIC, mgl=1.2, com=(0.6, 0.0, 0.8)),
         (None, *SERIES),
-        weight=(0.72, 0.0, 0.96),
     ),
     "forced": Motion(
         rigid.FreeBody(
@@ -87,28 +59,16 @@ MOTIONS = {
             damping=0.05,
         ),
         (None, *SERIES),
-        in_body=TORQUES[0],
-        in_space=TORQUES[1],
-        damping=0.05,
     ),
     "damped top": Motion(
         rigid.HeavyTop(ASYMMETRIC, mgl=1.2, com=(0.6, 0.0, 0.8), damping=0.05),
         (None, "taylor16"),
-        weight=(0.72, 0.0, 0.96),
-        damping=0.05,
     ),
     "satellite": Motion(
-        rigid.FreeBody(
-            ASYMMETRIC,
-            rotor=ROTOR,
-            orbit=rigid.Orbit(0.7),
-        ),
+        rigid.FreeBody(ASYMMETRIC, rotor=ROTOR, orbit=rigid.Orbit(0.7)),
         (None, *SERIES),
-        rotor=ROTOR,
-        orbit=0.7,
     ),
 }
-UNITS = np.eye(3)
 DIRECTIONS = {"omega": (0.3, -0.7, 0.4), "gamma": (0.5, 0.6, -0.9), "momentum": (-0.4, 0.8, 0.3)}
 
 

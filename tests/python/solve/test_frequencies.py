@@ -289,7 +289,7 @@ def test_a_line_of_noise_at_the_frequency_of_nyquist_is_as_small_as_the_noise() 
 def test_weak_lines_beside_strong_ones_are_covered() -> None:
     rng = np.random.default_rng(4)
     t = np.linspace(0.0, 200.0, 2001)
-    for _ in range(40):
+    for _ in range(20):
         frequency = rng.uniform(-8.0, 8.0, 4)
         while np.diff(np.sort(frequency)).min() < 8.2 * np.pi / 200.0:
             frequency = rng.uniform(-8.0, 8.0, 4)

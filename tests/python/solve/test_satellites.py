@@ -8,13 +8,12 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from numpy.typing import ArrayLike, NDArray
-from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
 import quad_motion
 import rigid
 from adversarial import KINDS
-from physics import place_on_orbit
+from printed_equations import solved
 from refusals import refuses
 from rigid.model.scene import scene_from_dict
 from rigid.solve.starts import bodies_of
@@ -41,39 +40,6 @@ def attitude_of(run: rigid.Run) -> Floats:
     return run.attitude
 
 
-def truth(
-    scene: rigid.FreeBody, omega: Floats, attitude: Floats, times: Floats
-) -> tuple[Floats, Floats]:
-    """The motion by SciPy's Dormand-Prince of order 8, from the equations as they are printed."""
-    moments = np.array(scene.body.moments)
-    h = np.zeros(3) if scene.rotor is None else np.array(scene.rotor)
-    sink = np.zeros(3) if scene.dissipation is None else np.array(scene.dissipation.coefficient)
-    damping = np.zeros((3, 3)) if scene.damping is None else np.array(scene.damping)
-    torque, orbit = scene.torque, scene.orbit
-
-    def rate(t: float, y: Floats) -> Floats:
-        w, matrix = y[:3], y[3:].reshape(3, 3)
-        momentum = moments * w + h
-        acting = np.cross(momentum, w) - damping @ w
-        if torque is not None:
-            acting = acting + torque.in_body[0] + matrix.T @ np.array(torque.in_space[0])
-        if orbit is not None:
-            place = place_on_orbit(orbit, t)
-            o = matrix.T @ place
-            cube = 3.0 * orbit.rate**2 / np.linalg.norm(place) ** 5
-            acting = acting + cube * np.cross(o, moments * o)
-        e = sink / moments * (acting / moments)
-        acting = acting + np.cross(momentum, e)
-        v1, v2, v3 = w + e
-        hat = np.array([[0.0, -v3, v2], [v3, 0.0, -v1], [-v2, v1, 0.0]])
-        return np.concatenate([acting / moments, (matrix @ hat).ravel()])
-
-    matrix = Rotation.from_quat(attitude, scalar_first=True).as_matrix()
-    start = np.concatenate([omega, matrix.ravel()])
-    found = solve_ivp(rate, (0.0, times[-1]), start, "DOP853", t_eval=times, rtol=1e-13, atol=1e-14)
-    return found.y[:3].T, found.y[3:].T.reshape(-1, 3, 3)
-
-
 CIRCLE = rigid.Orbit(0.7)
 EVERYTHING = rigid.FreeBody(
     BODY,
@@ -97,7 +63,7 @@ def test_a_fine_integration_of_the_printed_equations_agrees(name: str, method: s
     times = np.linspace(0.0, 8.0, 5)
     scene = SCENES[name]
     run = rigid.simulate(scene, OMEGA, ATTITUDE, t=times, method=method, step=1.0 / 256.0)
-    omega, matrices = truth(scene, OMEGA, ATTITUDE, times)
+    omega, matrices = solved(scene, OMEGA, ATTITUDE, times)
     # RK4 has an error of some (step)^4, the others of rounding.
     allowed = 3e-9 if method == "rk4" else 3e-12
     assert np.abs(run.omega - omega).max() < allowed
@@ -119,7 +85,7 @@ def test_errors_fall_with_the_order(method: str) -> None:
     # Few enough steps that the error is above that of rounding.
     few = {4: 16, 8: 16, 12: 8, 14: 8, 16: 8, 20: 6, 26: 4}[order]
     times = np.array([0.0, 4.0])
-    exact, _ = truth(EVERYTHING, OMEGA, ATTITUDE, times)
+    exact, _ = solved(EVERYTHING, OMEGA, ATTITUDE, times)
     errors = [
         np.abs(
             rigid.simulate(
@@ -135,7 +101,7 @@ def test_errors_fall_with_the_order(method: str) -> None:
 @pytest.mark.parametrize("name", SCENES)
 def test_adaptive_steps_keep_their_tolerance(name: str) -> None:
     times = np.linspace(0.0, 8.0, 5)
-    exact, _ = truth(SCENES[name], OMEGA, ATTITUDE, times)
+    exact, _ = solved(SCENES[name], OMEGA, ATTITUDE, times)
     run = rigid.simulate(SCENES[name], OMEGA, ATTITUDE, t=times, method="taylor16", tolerance=1e-12)
     assert np.abs(run.omega - exact).max() < 1e-11
 
@@ -145,7 +111,7 @@ def test_adaptive_steps_keep_their_tolerance(name: str) -> None:
 def test_the_stated_error_is_no_less_than_the_true_one(name: str, accuracy: float) -> None:
     times = np.linspace(0.0, 12.0, 7)
     run = rigid.simulate(SCENES[name], OMEGA, ATTITUDE, t=times, accuracy=accuracy)
-    omega, matrices = truth(SCENES[name], OMEGA, ATTITUDE, times)
+    omega, matrices = solved(SCENES[name], OMEGA, ATTITUDE, times)
     turn = Rotation.from_matrix(matrices).inv() * run.rotation()
     fastest = np.linalg.norm(omega, axis=1).max()
     error = max(turn.magnitude().max(), np.linalg.norm(run.omega - omega, axis=1).max() / fastest)
@@ -604,7 +570,7 @@ def test_energies_fall_in_order_of_the_sink() -> None:
 def test_points_of_a_section_lie_on_it(name: str) -> None:
     points = rigid.poincare(SCENES[name], OMEGA, ATTITUDE, "omega2", t_end=40.0)
     assert len(points.t) >= 3
-    omega, _ = truth(SCENES[name], OMEGA, ATTITUDE, np.array([0.0, *points.t]))
+    omega, _ = solved(SCENES[name], OMEGA, ATTITUDE, np.array([0.0, *points.t]))
     assert np.abs(omega[1:, 1]).max() < 1e-10
 
 
@@ -615,7 +581,7 @@ def test_stated_errors_of_random_satellites_are_true() -> None:
     ``tests/long/stated_errors.py --kinds satellite`` runs more of them.
     """
     kinds = {"satellite": KINDS["satellite"]}
-    findings = [judge(number, 1, kinds) for number in range(40)]
+    findings = [judge(number, 1, kinds) for number in range(20)]
     verdicts = [one.verdict for one in findings]
     assert verdicts.count("UNDETECTED") == 0
-    assert verdicts.count("right") > 30
+    assert verdicts.count("right") > 15
