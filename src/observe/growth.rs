@@ -230,6 +230,10 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Gro
             [y[at + 3], y[at + 4], y[at + 5]],
             direction(y, 0),
         );
+        // A lane that waits for others keeps the logarithm of its last step: since then its deviation vector may have lost
+        // what the norm does not see, and its logarithm is rounded otherwise.
+        let (moves, last) = (R::splat(0.0).lt(p.step.abs()), rows[Growth::LOG]);
+        let log = R::select(moves, log, last);
         if const { S::IS_SERIES } {
             let dense = segment.dense;
             let mut logs = [log; 4];
@@ -237,7 +241,7 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Gro
                 let node = R::splat(NODES[i]);
                 let y = state(dense, node);
                 let (d, x) = ([y[at], y[at + 1], y[at + 2]], [y[at + 3], y[at + 4], y[at + 5]]);
-                logs[i] = Growth::log(rows, d, x, direction(&y, 0));
+                logs[i] = R::select(moves, Growth::log(rows, d, x, direction(&y, 0)), last);
                 rows[Growth::LARGEST] = rows[Growth::LARGEST].max(logs[i]);
             }
             Growth::add_gauss(rows, p.step, &logs);

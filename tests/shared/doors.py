@@ -234,6 +234,7 @@ DOORS: dict[str, Door] = {
     "motion by splitting4": partial(stepped, method="splitting4"),
     "growth": grown,
     "growth by steps": partial(grown, exponents=3, method="dop853", check=False),
+    "growth of rates": partial(grown, of="rates", exponents=3, method="dop853", check=False),
 }
 
 
