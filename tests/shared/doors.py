@@ -248,6 +248,8 @@ def opens(name: str, scene: Scene) -> bool:
         return name == "motion"  # the others take seconds in Python
     if "splittings" in words:
         return not forces
+    if name == "growth of rates":
+        return forces <= {"damping"}
     return name != "too long steps" or forces <= {"torque", "damping"}
 
 
