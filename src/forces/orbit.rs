@@ -530,7 +530,7 @@ impl Orbit<f64> {
         (!self.is_none()).then(|| normal.map(|x| x / length))
     }
 
-    /// The first semi-minor axis over the semi-major one: `sqrt |1 - e^2|`.
+    /// The semi-minor axis over the semi-major one: `sqrt |1 - e^2|`.
     pub fn semi_minor(&self) -> f64 {
         let e = self.eccentricity();
         ((1.0 - e) * (1.0 + e)).abs().sqrt()

@@ -26,10 +26,10 @@ HYPERBOLA = 1.05, 1e6
 _LARGEST_ANOMALY = 1e3
 """Largest anomaly (rad) of an ellipse; the rounding of a larger one exceeds the error of steps."""
 
-_LARGESTHYPERBOLA = 1e6
+_LARGEST_OF_HYPERBOLA = 1e6
 """Largest anomaly of a hyperbola: about the distance in semi-major axes.
 
-A rounding of the place there moves the passage by the square of the distance.
+A rounding of the place there moves the passage by as many roundings.
 """
 
 _LARGEST_ANGLE = 1e15
@@ -148,7 +148,7 @@ class Orbit:
         turned = begin - along * axis
         turned = turned / np.linalg.norm(turned, axis=-1, keepdims=True)
         begin = np.where(np.abs(along) > _ROUNDED, turned, begin)
-        most = np.where(e > 1.0, _LARGESTHYPERBOLA, _LARGEST_ANOMALY)
+        most = np.where(e > 1.0, _LARGEST_OF_HYPERBOLA, _LARGEST_ANOMALY)
         if np.any(np.abs(mean) > most):
             beyond = np.abs(mean) > most
             index, place = first_place(beyond)
