@@ -67,24 +67,23 @@ impl<R: Real> Orbit<R> {
         self.0[1]
     }
 
+    /// See [`is_open`].
+    #[inline(always)]
+    pub fn is_open(&self) -> R::Mask {
+        is_open(self.eccentricity())
+    }
+
     /// See [`conic_sign`].
     #[inline(always)]
     fn sign(&self) -> R {
         conic_sign(self.eccentricity())
     }
 
-    /// 0 of an ellipse, 1 of a hyperbola.
-    #[inline(always)]
-    fn openness(&self) -> R {
-        let (zero, one) = (R::splat(0.0), R::splat(1.0));
-        R::select(one.lt(self.eccentricity()), one, zero)
-    }
-
     /// Cosine and sine of the eccentric anomaly, from the variables; linear.
     #[inline(always)]
     pub fn cos_sin(&self, [first, second]: [R; 2]) -> [R; 2] {
-        let open = self.openness();
-        [open.fma(second, first), open.fma(first, self.sign() * second)]
+        let open = self.is_open();
+        [R::select(open, first + second, first), R::select(open, first - second, second)]
     }
 
     /// The semi-axes in space, over the semi-major axis.
@@ -139,9 +138,8 @@ impl<R: Real> Orbit<R> {
     /// The rates of change of the variables, from both times u; linear.
     #[inline(always)]
     fn turn(&self, [first, second]: [R; 2]) -> [R; 2] {
-        let open = self.openness();
-        let closed = R::splat(1.0) - open;
-        [self.rate() * closed.fnma(second, open * first), self.rate() * open.fnma(second, closed * first)]
+        let open = self.is_open();
+        [self.rate() * R::select(open, first, -second), self.rate() * R::select(open, -second, first)]
     }
 }
 
@@ -478,21 +476,27 @@ impl<R: Real> Force<R> for Orbit<R> {
     }
 }
 
+/// Whether an orbit with this eccentricity is a hyperbola.
+#[inline(always)]
+pub fn is_open<R: Real>(eccentricity: R) -> R::Mask {
+    R::splat(1.0).lt(eccentricity)
+}
+
 /// The sign of `1 - e`: 1 of an ellipse, -1 of a hyperbola.
 #[inline(always)]
 pub fn conic_sign<R: Real>(eccentricity: R) -> R {
     let one = R::splat(1.0);
-    R::select(one.lt(eccentricity), -one, one)
+    R::select(is_open(eccentricity), -one, one)
 }
 
 /// Cosine and sine of an eccentric anomaly, hyperbolic on a hyperbola.
 #[inline(always)]
 pub fn anomaly_cos_sin<R: Real>(eccentricity: R, anomaly: R) -> [R; 2] {
-    let is_open = R::splat(1.0).lt(eccentricity);
+    let open = is_open(eccentricity);
     let (mut sin, mut cos) = sincos(anomaly);
-    if R::any(is_open) {
+    if R::any(open) {
         let (sinh, cosh) = sinhcosh(anomaly);
-        (sin, cos) = (R::select(is_open, sinh, sin), R::select(is_open, cosh, cos));
+        (sin, cos) = (R::select(open, sinh, sin), R::select(open, cosh, cos));
     }
     [cos, sin]
 }
@@ -515,11 +519,6 @@ impl Orbit<f64> {
     /// Makes a change of an orbit that of the same orbit whose time begins then: its mean anomaly grows with the time.
     pub fn begin_at(&mut self, time: f64) {
         self.0[2] = self.0[0].mul_add(time, self.0[2]);
-    }
-
-    /// Whether it is a hyperbola.
-    pub fn is_open(&self) -> bool {
-        self.eccentricity() > 1.0
     }
 
     /// The normal of the orbit in space, if there is one.
@@ -551,17 +550,20 @@ impl Orbit<f64> {
         self.rate() * self.semi_minor() / (distance * distance)
     }
 
-    /// The pace of the anomaly by which a step of the time in a range becomes one of the anomaly: the mean motion, with which
-    /// an ellipse has as many steps of either kind; on a hyperbola the slowest, so that no step takes longer.
-    pub fn pace(&self, range: [f64; 2]) -> f64 {
-        self.rate() / self.farthest(range).unwrap_or(1.0)
+    /// The pace of the anomaly by which a step of the time becomes one of the anomaly, where the distance is at most this: the
+    /// mean motion, with which an ellipse has as many steps of either kind; on a hyperbola the slowest, so that no step takes
+    /// longer.
+    pub fn pace(&self, farthest: f64) -> f64 {
+        if self.is_open() { self.rate() / farthest } else { self.rate() }
     }
 
-    /// The largest distance of a hyperbola in a range of times.
-    pub fn farthest(&self, range: [f64; 2]) -> Option<f64> {
-        let distance =
-            |time| self.distance_at(anomaly_cos_sin(self.eccentricity(), self.anomaly_at(time))[0]);
-        self.is_open().then(|| distance(range[0]).max(distance(range[1])))
+    /// The distance at the apoapsis, or the largest one of a hyperbola in a range of times.
+    pub fn farthest(&self, range: [f64; 2]) -> f64 {
+        if !self.is_open() {
+            return 1.0 + self.eccentricity();
+        }
+        let [first, last] = range.map(|time| anomaly_cos_sin(self.eccentricity(), self.anomaly_at(time))[0]);
+        self.distance_at(first.max(last))
     }
 
     /// The eccentric anomaly over the mean anomaly.
@@ -581,7 +583,7 @@ fn mean_growth(e: f64, anomaly: f64, growth: f64) -> f64 {
     let half = 0.5 * growth;
     let ([cos, _], [_, sin]) = (anomaly_cos_sin(e, anomaly + half), anomaly_cos_sin(e, half));
     let grown = (2.0 * e * cos).mul_add(-sin, growth);
-    if e > 1.0 { -grown } else { grown }
+    conic_sign(e) * grown
 }
 
 /// The growth of an eccentric anomaly from that of the mean one, by two of Newton's steps: it is known to rounding of the
@@ -638,7 +640,7 @@ impl Apart for Kepler<'_> {
     fn run(self) {
         let (e, mean) = (self.eccentricity, self.mean);
         let [mut low, mut high, mut anomaly] = self.brackets();
-        let sign = if e > 1.0 { -1.0 } else { 1.0 };
+        let sign = conic_sign(e);
         // 64 halvings leave nothing; Newton's steps end long before.
         for _ in 0..64 {
             let [cos, sin] = anomaly_cos_sin(e, anomaly);

@@ -1,6 +1,6 @@
 //! The way along an orbit in eccentric anomaly, which the steps of a body on an orbit alone take for the time.
 
-use super::orbit::{Orbit, anomaly_cos_sin, conic_sign};
+use super::orbit::{Orbit, anomaly_cos_sin, conic_sign, is_open};
 use crate::kinematics::{attitude_of_rows, cross, quaternion_product, to_body_frame};
 use crate::real::Real;
 use crate::special::{exp, exp_m1, sincos};
@@ -14,13 +14,13 @@ impl<R: Real> Along<R> {
     /// So much of the anomaly.
     #[inline(always)]
     pub fn of(eccentricity: R, anomaly: R) -> Self {
-        let is_open = R::splat(1.0).lt(eccentricity);
+        let open = is_open(eccentricity);
         let (sin, cos) = sincos(anomaly);
         let mut numbers = [cos, -sin, sin, cos];
-        if R::any(is_open) {
+        if R::any(open) {
             let (up, down) = (exp(anomaly), exp(-anomaly));
-            for (number, open) in numbers.iter_mut().zip([-up, -down, up, -down]) {
-                *number = R::select(is_open, open, *number);
+            for (number, of_hyperbola) in numbers.iter_mut().zip([-up, -down, up, -down]) {
+                *number = R::select(open, of_hyperbola, *number);
             }
         }
         Along(numbers)
@@ -47,18 +47,18 @@ impl<R: Real> StepAlong<R> {
     /// So much of the anomaly.
     #[inline(always)]
     pub fn of(eccentricity: R, anomaly: R) -> Self {
-        let is_open = R::splat(1.0).lt(eccentricity);
+        let open = is_open(eccentricity);
         let (half, _) = sincos(anomaly * R::splat(0.5));
         let versine = (half + half) * half;
         let (mut lost, mut sin) = ([versine; 2], sincos(anomaly).0);
-        if R::any(is_open) {
+        if R::any(open) {
             let zero = R::splat(0.0);
             let falls = exp_m1(-anomaly.abs());
             let grows = -falls / (R::splat(1.0) + falls);
             let ahead = zero.lt(anomaly);
             let (first, second) = (R::select(ahead, grows, falls), R::select(ahead, falls, grows));
-            lost = [R::select(is_open, -first, versine), R::select(is_open, -second, versine)];
-            sin = R::select(is_open, zero, sin);
+            lost = [R::select(open, -first, versine), R::select(open, -second, versine)];
+            sin = R::select(open, zero, sin);
         }
         StepAlong { lost, sin }
     }
@@ -129,10 +129,8 @@ impl OrbitPlace {
         Orbit([((1.0 + e) / self.orbit.periapsis()).sqrt(), 0.0, 0.0, a, b, c, d, f, g])
     }
 
-    /// Rates over the pace of the anomaly if the rates are the same at the apoapsis, or where a hyperbola is farthest in the
-    /// time until then.
-    pub fn to_slowest_pace(&self, omega: [f64; 3], time: f64) -> [f64; 3] {
-        let farthest = self.orbit.farthest([0.0, time]).unwrap_or(1.0 + self.orbit.eccentricity());
+    /// Rates over the pace of the anomaly if the rates are the same where the distance is the largest.
+    pub fn to_slowest_pace(&self, omega: [f64; 3], farthest: f64) -> [f64; 3] {
         omega.map(|rate| rate * farthest / self.orbit.rate())
     }
 

@@ -28,12 +28,12 @@ impl Body {
 
 impl Body {
     /// The rate over the pace of the anomaly that determines the steps over the anomaly of an orbit on which nothing else
-    /// acts until a time: a bound on a circle. On an eccentric orbit it is that of the circle of [`OrbitPlace::circle`] for a
-    /// body that begins with its rates at the apoapsis; a body whose rates grow in many orbits may be faster.
-    pub fn pace_rate(&self, place: &OrbitPlace, time: f64) -> f64 {
+    /// acts: a bound on a circle. On an eccentric orbit it is that of the circle of [`OrbitPlace::circle`] for a body that
+    /// begins with its rates at the largest distance; a body whose rates grow in many orbits may be faster.
+    pub fn pace_rate(&self, place: &OrbitPlace, farthest: f64) -> f64 {
         let further = Further { orbit: place.circle(), ..Further::NONE };
         let forces = BodyForces { further: &further, ..BodyForces::NONE };
-        Body { omega: place.to_slowest_pace(self.omega, time), ..*self }.fastest_rate(forces, [0.0; 2])
+        Body { omega: place.to_slowest_pace(self.omega, farthest), ..*self }.fastest_rate(forces, [0.0; 2])
     }
 }
 

@@ -169,7 +169,8 @@ impl MapJob<'_> {
         let is_on_clock = self.compiled.kernel().system.is_on_clock();
         let on_orbit = is_on_clock.then(|| {
             let place = OrbitPlace::of(*orbit, orbit.anomaly_at(0.0));
-            OnOrbit { place, rate: body.pace_rate(&place, map.t_end), pace: orbit.pace([0.0, map.t_end]) }
+            let farthest = orbit.farthest([0.0, map.t_end]);
+            OnOrbit { place, rate: body.pace_rate(&place, farthest), pace: orbit.pace(farthest) }
         });
         let place = on_orbit.map(|on_orbit| on_orbit.place);
         // A time, or the anomaly until then.

@@ -253,6 +253,8 @@ pub(super) struct LegGroup<'a> {
     /// The eccentric anomalies of such bodies at their start, and at the present stops.
     first_anomalies: [f64; LANES],
     anomalies: [f64; LANES],
+    /// By which a step of the time becomes one of the anomaly, of such bodies; 1 of others.
+    paces: [f64; LANES],
 }
 
 impl<'a> LegGroup<'a> {
@@ -289,9 +291,13 @@ impl<'a> LegGroup<'a> {
             is_on_clock: compiled.kernel().system.is_on_clock(),
             first_anomalies: [0.0; LANES],
             anomalies: [0.0; LANES],
+            paces: [1.0; LANES],
         };
         for b in 0..members.len() {
-            group.first_anomalies[b] = group.orbit(b).map_or(0.0, |orbit| orbit.anomaly_at(0.0));
+            if let Some(orbit) = group.orbit(b) {
+                group.first_anomalies[b] = orbit.anomaly_at(0.0);
+                group.paces[b] = orbit.pace(orbit.farthest(request.range_of(group.index(b))));
+            }
         }
         let mut totals = [0_u64; LANES];
         for backward in [false, true] {
@@ -353,7 +359,7 @@ impl<'a> LegGroup<'a> {
         let index = self.index(b);
         (self.is_forced() && is_timed)
             .then(|| self.body(b).fastest_rate(self.request.forces_of(index), self.request.range_of(index)))
-            .map(|rate| rate / self.orbit(b).map_or(1.0, |orbit| orbit.pace(self.request.range_of(index))))
+            .map(|rate| rate / self.paces[b])
     }
 
     /// Puts the stops of all bodies at the begin of a direction of time. Whether there are any.
@@ -442,7 +448,7 @@ impl<'a> LegGroup<'a> {
         for b in 0..self.members.len() {
             let (orbit, largest) = (self.orbit(b), self.request.steps[self.index(b)]);
             // Neighbours mostly have the same step, and the same orbit.
-            let now = Some((largest, stops[b], orbit, self.anomalies[b]));
+            let now = Some((largest, stops[b], orbit, self.anomalies[b], self.paces[b]));
             if before == now {
                 (legs[b], self.anomalies[b]) = (legs[b - 1], self.anomalies[b - 1]);
                 continue;
@@ -453,8 +459,7 @@ impl<'a> LegGroup<'a> {
                 (Some(orbit), End::At(time)) => {
                     let span = orbit.anomaly_in(time - stops[b].from, self.anomalies[b]);
                     self.anomalies[b] = orbit.anomaly_at(time);
-                    let pace = orbit.pace(self.request.range_of(self.index(b)));
-                    leg(0.0, span, largest * pace, refinement)
+                    leg(0.0, span, largest * self.paces[b], refinement)
                 }
                 _ => stops[b].leg(largest, refinement),
             };

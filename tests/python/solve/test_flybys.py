@@ -117,6 +117,18 @@ def test_equal_steps_follow_the_anomaly_of_a_hyperbola(method: str) -> None:
     assert alone.steps > beside.steps
 
 
+def test_steps_over_a_hyperbola_follow_the_own_times_of_a_body() -> None:
+    """Bodies that share the orbit and the next time, but not the last one."""
+    scene = rigid.FreeBody(BODY, orbit=rigid.Orbit(1.0, 2.0, -10.0, NORMAL, TOWARDS))
+    omega, t = [0.3, 0.2, 0.5], np.array([[5.0, 12.0], [5.0, 60.0], [5.0, 400.0]])
+    options: dict[str, Any] = {"method": "dop853", "step": 0.05}
+    together = rigid.simulate(scene, np.tile(omega, (3, 1)), t=t, **options)
+    for body, own in enumerate(t):
+        alone = rigid.simulate(scene, omega, t=own, **options)
+        assert alone.steps == together.steps[body]
+        assert alone.omega.tobytes() == together.omega[body].tobytes()
+
+
 def test_events_past_a_planet_are_where_the_motion_is() -> None:
     scene = rigid.FreeBody(BODY, orbit=rigid.Orbit(1.0, 3.0, -20.0, NORMAL, TOWARDS))
     omega = [0.3, 0.2, 0.5]
