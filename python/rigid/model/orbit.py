@@ -148,15 +148,16 @@ class Orbit:
         turned = begin - along * axis
         turned = turned / np.linalg.norm(turned, axis=-1, keepdims=True)
         begin = np.where(np.abs(along) > _ROUNDED, turned, begin)
-        most = np.where(e > 1.0, _LARGEST_OF_HYPERBOLA, _LARGEST_ANOMALY)
-        if np.any(np.abs(mean) > most):
-            beyond = np.abs(mean) > most
-            index, place = first_place(beyond)
-            open_ = bool(np.broadcast_to(e > 1.0, beyond.shape)[index])
-            todo = "begin nearer to the periapsis" if open_ else "leave out whole revolutions of 2π"
+        of_each, most = np.broadcast_arrays(
+            mean, np.where(e > 1.0, _LARGEST_OF_HYPERBOLA, _LARGEST_ANOMALY)
+        )
+        if np.any(np.abs(of_each) > most):
+            index, place = first_place(np.abs(of_each) > most)
+            todo = "leave out whole revolutions of 2π"
+            if most[index] == _LARGEST_OF_HYPERBOLA:
+                todo = "begin nearer to the periapsis"
             raise ValueError(
-                f"anomaly{place} = {np.broadcast_to(mean, beyond.shape)[index]:g}: must be within "
-                f"{np.broadcast_to(most, beyond.shape)[index]:g} rad; {todo}"
+                f"anomaly{place} = {of_each[index]:g}: must be within {most[index]:g} rad; {todo}"
             )
         set_field = object.__setattr__  # the dataclass is frozen
         for name, array in (("rate", rates), ("eccentricity", e), ("anomaly", mean)):
@@ -176,8 +177,11 @@ class Orbit:
     @property
     def period(self) -> float | Floats:
         """Time of a revolution (s), shape (...); infinite on a hyperbola."""
-        period = np.where(np.asarray(self.eccentricity) > 1.0, np.inf, 2.0 * np.pi / self.rate)
-        return period if self.shape else float(period)
+        of_ellipse = 2.0 * np.pi / self.rate
+        period: float | Floats = np.where(np.greater(self.eccentricity, 1.0), np.inf, of_ellipse)[
+            ()
+        ]
+        return period
 
     @classmethod
     def flyby(
@@ -416,17 +420,16 @@ def _mean_anomaly(true: Floats, e: Floats) -> Floats:
 
     On a hyperbola ``tanh`` takes the place of ``tan`` (Battin 1999, eq. 4.35).
     """
+    true, e = np.broadcast_arrays(true, e)
     half = 0.5 * np.remainder(true + np.pi, 2.0 * np.pi) - 0.5 * np.pi
     turns = true - 2.0 * half
     across, along = np.sqrt(np.abs(1.0 - e)) * np.sin(half), np.sqrt(1.0 + e) * np.cos(half)
     beyond = (e > 1.0) & (np.abs(across) >= along)
     if np.any(beyond):
         index, place = first_place(beyond)
-        angle = np.broadcast_to(true, beyond.shape)[index]
-        asymptote = np.arccos(-1.0 / np.broadcast_to(e, beyond.shape)[index])
         raise ValueError(
-            f"true_anomaly{place} = {angle:g}: must be within the asymptotes of the hyperbola, "
-            f"{asymptote:g} rad from the periapsis"
+            f"true_anomaly{place} = {true[index]:g}: must be within the asymptotes of the "
+            f"hyperbola, {np.arccos(-1.0 / e[index]):g} rad from the periapsis"
         )
     eccentric = 2.0 * np.arctan2(across, along)
     ratio = np.where(e > 1.0, across / along, 0.0)
