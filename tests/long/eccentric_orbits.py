@@ -59,27 +59,34 @@ def beside(rng: np.random.Generator, moments: Floats) -> dict[str, Any]:
     return acting
 
 
-def case(rng: np.random.Generator) -> tuple[Case, float]:
-    """A body that tumbles on an orbit of period 2 pi, and the eccentricity."""
+def any_moments(rng: np.random.Generator) -> Floats:
+    """Moments of a body that is no rod."""
     moments = np.sort(rng.uniform(0.3, 1.6, 3))
     moments[2] = min(moments[2], 0.98 * (moments[0] + moments[1]))
-    moments = rng.permutation(moments)
+    return rng.permutation(moments)
+
+
+def output_times(rng: np.random.Generator, last: float) -> Floats:
+    """The last time alone, or some times until then."""
+    if rng.random() < 0.5:
+        return np.sort(rng.uniform(0.0, last, int(rng.integers(2, 20))))
+    return np.array([last])
+
+
+def case(rng: np.random.Generator) -> tuple[Case, float]:
+    """A body that tumbles on an orbit of period 2 pi, and the eccentricity."""
+    moments = any_moments(rng)
     e = float(rng.uniform(0.0, 0.95))
     scene = rigid.FreeBody(
         rigid.Body(moments), orbit=forced.orbit(rng, 1.0, e), **beside(rng, moments)
     )
-    last = rng.uniform(12.0, 30.0)
-    t = np.array([last])
-    if rng.random() < 0.5:
-        t = np.sort(rng.uniform(0.0, last, int(rng.integers(2, 20))))
+    t = output_times(rng, rng.uniform(12.0, 30.0))
     return Case("orbit", scene, 2.0 * rng.normal(size=3), rng.normal(size=4), t, {}), e
 
 
 def flyby(rng: np.random.Generator) -> tuple[Case, float]:
     """A body that passes a planet, and the distance at which it begins over the least one."""
-    moments = np.sort(rng.uniform(0.3, 1.6, 3))
-    moments[2] = min(moments[2], 0.98 * (moments[0] + moments[1]))
-    moments = rng.permutation(moments)
+    moments = any_moments(rng)
     e, far = 1.0 + decades(rng, np.log10(0.05), 1.3), decades(rng, 0.0, 3.0)
     nearest, around = e - 1.0, forced.orbit(rng, 1.0)
     along = np.arccosh((far * nearest + 1.0) / e)
@@ -91,9 +98,7 @@ def flyby(rng: np.random.Generator) -> tuple[Case, float]:
     # The other forces act at rates of about 1.
     acting = beside(rng, moments) if last < 30.0 else {}
     scene = rigid.FreeBody(rigid.Body(moments), orbit=orbit, **acting)
-    t = np.array([last])
-    if rng.random() < 0.5:
-        t = np.sort(rng.uniform(0.0, last, int(rng.integers(2, 20))))
+    t = output_times(rng, last)
     return Case("flyby", scene, spin * rng.normal(size=3) / 1.7, rng.normal(size=4), t, {}), far
 
 
