@@ -46,15 +46,20 @@ def rods(moments: Floats) -> NDArray[np.bool_]:
     return thin
 
 
+def hold_rods(moments: Floats) -> bool:
+    """Whether a rod is among the bodies of these moments, shape (..., 3)."""
+    return not moments.all() and bool(rods(moments).any())
+
+
 def without_spin(moments: Floats) -> Floats:
     """Moments, shape (..., 3), with which a rod moves by Euler's equations.
 
     A body with two equal moments that does not spin about its axis never begins to, and the third
     moment has no part in its motion: the core computes a rod as a sphere.
     """
-    thin = rods(moments)
-    if not thin.any():
+    if not hold_rods(moments):
         return moments
+    thin = rods(moments)
     whole: Floats = np.where(thin[..., None], moments.max(axis=-1, keepdims=True), moments)
     return whole
 

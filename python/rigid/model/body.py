@@ -16,6 +16,7 @@ from .._checks.warned import warn_caller
 from .._moments import (
     box_moments,
     checked_moments,
+    hold_rods,
     possible_moments,
     refuse_tensor,
     rods,
@@ -895,9 +896,9 @@ def rates_of_rods(
     ValueError
         Where a rod would spin about its axis, or begin to.
     """
-    along = rods(moments)[..., np.newaxis] & (moments == 0.0)
-    if not along.any():
+    if not hold_rods(moments):
         return rates
+    along = rods(moments)[..., np.newaxis] & (moments == 0.0)
     size = np.abs(rates).max(axis=-1, keepdims=True)
     spins = along & (np.abs(rates) > ROUNDING * size)
     if spins.any():

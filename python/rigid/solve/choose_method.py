@@ -111,7 +111,7 @@ def plan_states(
     else:
         groups = bodies_alike(problem)
         plans = [choose_method(one).plan for one in parts_of(problem, groups)]
-        chosen = plan_of_parts(scene, plans, groups)
+        chosen = plans[0]() if len(plans) == 1 else plan_of_parts(scene, plans, groups)
     if known is not None and chosen.method == EXACT and chosen.error is not None:
         unforeseen = why_unforeseen(known, problem.times)
         if unforeseen is not None:

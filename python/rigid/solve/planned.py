@@ -124,12 +124,16 @@ def shortest_and_most(
     return shortest if shortest < np.inf else None, int(most) if most < 2.0**63 else None
 
 
-@np.errstate(all="ignore")
 def closed_form_error(rates: Floats | None, span: float | Floats | None) -> float | None:
     """The largest error of closed forms (rad) for bounds of the rates, shape (n,), if known."""
     if rates is None or span is None:
         return None
-    worst = float((_core.ROUNDING * (1.0 + rates * span)).max(initial=0.0))
+    if isinstance(span, float):
+        angle = float(rates.max(initial=0.0)) * span
+    else:
+        with np.errstate(all="ignore"):
+            angle = float((rates * span).max(initial=0.0))
+    worst = _core.ROUNDING * (1.0 + angle)
     return worst if worst < np.inf else None
 
 
@@ -143,6 +147,8 @@ def why_unforeseen(bodies: Bodies, times: Range) -> str | None:
     times : tuple of float, or of ndarray of shape (n,)
         First and last time (s).
     """
+    if not np.count_nonzero(bodies.weight):
+        return None
     tops = np.flatnonzero(np.broadcast_to(bodies.weight.any(axis=1), len(bodies)))
     if not len(tops):
         return None

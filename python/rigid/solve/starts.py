@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
 from .._checks.arrays import IDENTITY, attitudes, unit_quaternions, vectors
-from .._moments import rods
+from .._moments import hold_rods
 from ..model.body import rates_of_rods, refuse_rods
 from ..model.frame import attitudes_in_principal_axes, turned
 from ..model.leading import Shape, leading_shape
@@ -87,4 +87,4 @@ def bodies_of(
 
 def holds_rods(scene: Scene) -> bool:
     """Whether a body of the scene is a rod, without a moment about its axis."""
-    return bool(rods(np.asarray(scene.body.moments)).any())
+    return hold_rods(np.asarray(scene.body.moments))
