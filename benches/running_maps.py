@@ -17,7 +17,7 @@ from timing import counted, in_turns, over, parser, required, sized
 
 from rigid import StabilityMap
 from rigid.cli.toml_map import read_spec
-from rigid.maps.parameters import make_axes
+from rigid.maps.axes import make_axes
 from rigid.maps.spec import MapSpec
 from rigid.store.call import run_map
 from rigid.store.compute import compute

@@ -16,9 +16,9 @@ from rigid.cli import toml_map, toml_section
 from rigid.cli.parser import make_parser
 from rigid.cli.toml_scene import KINDS, NOISES, scene_of_keys
 from rigid.cli.toml_table import keys
-from rigid.maps.parameters import PARAMETERS
 from rigid.maps.spec import MapSpec
 from rigid.model.criteria import CRITERIA
+from rigid.model.parameters import PARAMETERS
 from rigid.reports.spec import ReportSpec
 
 __all__ = ["write_generated_pages"]

@@ -19,8 +19,8 @@ import numpy as np
 import rigid
 from rigid.cli.toml_map import read_spec
 from rigid.cli.toml_table import names_of
+from rigid.maps.axes import make_axes
 from rigid.maps.data import COLUMNS
-from rigid.maps.parameters import make_axes
 from rigid.maps.sequential import stop_table
 from rigid.store.store import run_map
 

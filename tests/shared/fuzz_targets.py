@@ -21,7 +21,7 @@ import rigid
 from rigid.cli.toml_map import parse_spec
 from rigid.cli.toml_report import parse_report
 from rigid.cli.toml_table import SpecError
-from rigid.maps.parameters import PARAMETERS
+from rigid.model.parameters import PARAMETERS
 
 MAX_STEPS = 3000
 

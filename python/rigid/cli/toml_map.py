@@ -12,9 +12,8 @@ from numpy.typing import ArrayLike
 
 from .._checks.arguments import brief, finite_float, one_of, positive_int
 from .._core import __version__
-from ..maps.parameters import (
+from ..maps.axes import (
     MOST_AXES,
-    PARAMETERS,
     Axis,
     axis_letter,
     check_applicable,
@@ -24,6 +23,7 @@ from ..maps.sequential import checked_half_width, stop_table
 from ..maps.spec import MapSpec
 from ..model import measures
 from ..model.measures import MEASURES, Measure
+from ..model.parameters import PARAMETERS
 from ..model.seed import seed_from
 from .toml_scene import read_criterion, read_scene, read_starts
 from .toml_table import Table, parsed, read_source

@@ -18,10 +18,10 @@ from numpy.typing import NDArray
 from .._checks.arguments import one_line
 from .._checks.inputs import described
 from ..solve.archive import Archive, DamageError, FileError, ForeignError, write_archive
+from .axes import MOST_AXES, axis_letter
 from .counts import check_counts
 from .data import CLASSES, STORED, MapData
 from .measured import BIN
-from .parameters import MOST_AXES, axis_letter
 from .spec import MapSpec
 
 FORMAT = "rigid stability map"

@@ -14,17 +14,17 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
 from .._checks.float_environment import in_standard_floats
-from .._moments import box_moments, rods, without_spin
-from ..model.body import Body, rates_of_rods
-from ..model.forces import FORCES, EnergySink
+from .._moments import rods, without_spin
+from ..model.body import rates_of_rods
+from ..model.forces import FORCES
 from ..model.leading import axes_of
-from ..model.orbit import Orbit
+from ..model.parameters import PLACES, moments_of, numbers_of, scene_of
 from ..model.scene import Scene
 from ..model.start import Noise, Start, tilted_attitude, tilted_rates
 from ..model.torque import Torque, forces_of
 from ..rotations.apply import to_body
 from ..solve.bodies import Bodies
-from .parameters import PLACES, Axis, in_order
+from .axes import Axis, in_order
 
 Floats = NDArray[np.float64]
 
@@ -158,6 +158,10 @@ class Pixels:
         return replace(self, scene=self.scene[pixels], **some)
 
 
+_NEEDED = {"moments", "spin", "tilt", "energy", "l_gamma", "omega", "noise", "attitude_noise"}
+"""The places whose numbers every pixel has."""
+
+
 def grid_shape(axes: tuple[Axis, ...]) -> tuple[int, ...]:
     """Shape of the arrays of a map: ``(..., ny, nx)``, the first axis last."""
     return tuple(len(axis.values) for axis in reversed(axes))
@@ -191,19 +195,16 @@ def nominal_starts(
     if index is not None:
         scene = scene[index] if scene.shape else scene
         given = {name: rows[index] for name, rows in given.items()}
-    values = _values(scene, start, {axis.parameter.place for axis in axes}, count)
+    varied = {axis.parameter.place for axis in axes}
+    values = numbers_of(scene, start, PLACES.keys() & (varied | _NEEDED), count)
     if "omega" in given:
         values["omega"] = given["omega"].copy()
     places = list(reversed(np.unravel_index(flat, shape))) if axes else []
     for k in in_order(axes):
         axes[k].parameter.put(values, np.array(axes[k].values)[places[k]])
-    moments = _moments(values)
+    moments = moments_of(values)
     possible = _core.moment_status(without_spin(moments), scene.body.physical) == 0
-    body = Body(np.where(possible[:, np.newaxis], moments, 1.0), physical=scene.body.physical)
-    damping = values.get("damping", scene.damping)
-    if damping is not None:
-        damping = _each(damping, 2, count)
-    scene = scene.replaced(body, damping, **_changes(scene, values))
+    scene = scene_of(scene, values, np.where(possible[:, np.newaxis], moments, 1.0))
     upright = np.zeros(count)
     if scene.directions:
         attitude, rates_tilt = tilted_attitude(start.axis, values["tilt"]), upright
@@ -236,58 +237,6 @@ def _each(value: ArrayLike, width: int, count: int) -> Floats:
     """A copy of a value of all bodies, or of each; ``width`` counts the axes of one body."""
     array = np.asarray(value, dtype=np.float64)
     return np.broadcast_to(array, (count, *array.shape[array.ndim - width :])).copy()
-
-
-def _values(scene: Scene, start: Start, varied: set[str], count: int) -> dict[str, Floats]:
-    """The numbers of moments and start, and the others that axes set, in every pixel."""
-    needed = {"moments", "spin", "tilt", "energy", "l_gamma", "omega", "noise", "attitude_noise"}
-    return {
-        name: _each(place.read(scene, start), place.width, count)
-        for name, place in PLACES.items()
-        if name in needed | varied
-    }
-
-
-def _moments(values: Mapping[str, Floats]) -> Floats:
-    """The principal moments that the axes give."""
-    if "box" in values:
-        return box_moments(*values["box"].T)
-    moments = values["moments"]
-    if "semi-axes" in values:
-        a, c = values["semi-axes"].T
-        long, short, largest = a * a, c * c, moments[:, 2].copy()
-        moments[:, 0] = largest * (1.0 + short) / (1.0 + long)
-        moments[:, 1] = largest * (long + short) / (1.0 + long)
-    return moments
-
-
-def _changes(scene: Scene, values: Mapping[str, Floats]) -> dict[str, Any]:
-    """The parts of the scene that the axes set, besides body and damping."""
-    changes: dict[str, Any] = {name: values[name] for name in ("mgl", "rotor") if name in values}
-    if "com angles" in values:
-        (along, across), (first, second) = np.moveaxis(values["com angles"], 0, -1)
-        changes["com"] = np.stack([across * first, across * second, along], axis=1)
-    if "com" in values:
-        first, second, third = values["com"].T
-        with np.errstate(invalid="ignore", over="ignore"):
-            length = np.sqrt(first * first + second * second + third * third)
-            changes["com"] = values["com"] / length[:, np.newaxis]
-        if not np.isfinite(changes["com"]).all():
-            raise ValueError("axes: com1, com2 and com3 must not all be zero: they are a direction")
-    if "torque" in values:
-        part = Torque.body(values["torque"])
-        if scene.torque is not None:
-            in_space = np.broadcast_to(scene.torque.in_space, np.shape(part.in_body))
-            part = replace(part, in_space=in_space, function=scene.torque.function)
-        changes["torque"] = part
-    if "dissipation" in values:
-        changes["dissipation"] = EnergySink(values["dissipation"])
-    if "orbit" in values:
-        known = scene.orbit
-        assert known is not None
-        e, anomaly = values["orbit"].T
-        changes["orbit"] = Orbit(known.rate, e, anomaly, known.normal, known.periapsis)
-    return changes
 
 
 def _check_noise_of_rods(moments: Floats, size: Floats, noise: object) -> None:

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from .. import _core
+from .axes import Axis, axis_letter
 from .data import COLUMNS, STORED, MapData
-from .parameters import Axis, axis_letter
 from .spec import MapSpec
 
 FORMAT = "rigid running map"

@@ -16,7 +16,7 @@ from ..model.scene import SCENES, Scene
 from ..model.sourced import Sourced
 from ..model.start import Start
 from ..model.torque import require_constant
-from .parameters import Axis, make_axes
+from .axes import Axis, make_axes
 
 Floats = NDArray[np.float64]
 

@@ -21,8 +21,8 @@ from ..drawing import colours
 from ..model.criteria import Regular
 from ..model.mixture import Mixture
 from ..model.start import Samples
+from .axes import Axis
 from .data import CLASSES, STATUS, MapData
-from .parameters import Axis
 from .plot import cell_edges
 from .samples import Outcomes, Starts, outcomes, starts
 from .spec import MapSpec

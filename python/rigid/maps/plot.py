@@ -18,9 +18,9 @@ from ..drawing.colours import on_ground
 from ..drawing.figure import axes_to_draw_on, shown_figure
 from ..model.criteria import Regular
 from ..solve.methods import AUTO
+from .axes import Axis
 from .data import MapData
 from .measured import NUMBERS, Measures
-from .parameters import Axis
 from .spec import MapSpec
 from .theory import Curve, Theory, predict
 from .words import class_words, default_title

@@ -15,8 +15,8 @@ from ..model.scene import Scene, check_scene
 from ..model.seed import seed_from
 from ..model.start import Start
 from ..solve.timing import LEAST_STEPS
+from .axes import Axis, check_axis_name, make_axes
 from .own import own_scene
-from .parameters import Axis, check_axis_name, make_axes
 from .sequential import checked_half_width, stop_table
 from .spec import MapSpec
 

@@ -24,6 +24,7 @@ from ..model.judged import Custom
 from ..model.measures import Measure, asks_for_an_axis, check_distinct, make_measures
 from ..model.mixture import Mixture, start_from_dict
 from ..model.orbit import Orbit
+from ..model.parameters import OF_RUN
 from ..model.scene import FreeBody, Scene, scene_from_dict
 from ..model.seed import checked_seed
 from ..model.sourced import Sourced
@@ -46,9 +47,9 @@ from ..solve.methods import (
     map_methods,
 )
 from ..solve.tangent import check_tangent
+from .axes import Axis, check_applicable, make_axes
 from .grid import Pixels, acting_forces, grid_shape, nominal_starts
 from .own import OwnScene, own_scene
-from .parameters import OF_RUN, Axis, check_applicable, make_axes
 from .sequential import Looks, checked_half_width, stop_table
 
 

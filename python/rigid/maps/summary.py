@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 from ..model.start import Start
 from ..solve.methods import AUTO, EXACT
+from .axes import axis_letter
 from .data import CLASSES, FAILURES, MapData
 from .measured import Measured
-from .parameters import axis_letter
 from .refine import LEFT_OUT, refined
 from .spec import MapSpec
 from .theory import agreement, predict

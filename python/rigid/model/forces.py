@@ -249,8 +249,10 @@ class Force(Generic[Value]):
             )
         return value
 
-    def words(self, value: Value, _varied: Container[str] = ()) -> str:
-        """The force in a few words; ``_varied`` names the numbers that the axes of a map set."""
+    def words(self, value: Value, varied: Container[str] = ()) -> str:
+        """The force in a few words; ``varied`` names the numbers that the axes of a map set."""
+        if self.name in varied:
+            return f"{self.name} varied"
         numbers = self.numbers(value)
         if isinstance(numbers, np.ndarray):
             return f"{self.name} of each"

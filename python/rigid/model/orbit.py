@@ -397,7 +397,8 @@ class Orbit:
         if "eccentricity" in varied:
             path = "eccentricity varied"
         kind = "flyby" if self.eccentricity > 1.0 else "orbit"
-        return f"{kind} at {self.rate:g} rad/s, {path}"
+        rate = "a varied rate" if "rate" in varied else f"{self.rate:g} rad/s"
+        return f"{kind} at {rate}, {path}"
 
 
 _USUAL: Mapping[str, Any] = {

@@ -1,4 +1,4 @@
-"""Moments, damping, weight and start of a body, and a gyroscope's errors, from measured rates."""
+"""Parameters and start of a body, and a gyroscope's errors, from measured rates."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from ..model.frame import checked_frame
 from ..model.scene import Scene, check_scene
 from .arcs import Arcs, largest_of, overtaken
 from .least_squares import UNTOLD, Minimum
-from .unknowns import BIAS, MOMENTS, RATIOS, SCALE, START, Unknowns
+from .unknowns import BIAS, DAMPING, MOMENTS, RATIOS, SCALE, START, Unknowns
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
@@ -131,7 +131,7 @@ def fit(
     frame: ArrayLike | None = None,
     progress: ProgressOption = False,
 ) -> Fit:
-    """Fit moments, damping, weight and start of a body, and gyroscope errors, to measured rates.
+    """Fit parameters and start of a body, and errors of a gyroscope, to measured rates.
 
     Least squares by Levenberg and Marquardt's method with geodesic acceleration (Transtrum and
     Sethna, arXiv:1201.5885, 2012). The derivative is the tangent of the motion: see
@@ -164,7 +164,9 @@ def fit(
     free : str or sequence of str
         The free parameters: ``"I1"``, ``"I2"``, ``"I3"`` (kg m²) or ratios such as ``"I2/I1"``, of
         which the first moment varies; ``"damping"`` or ``"damping1"`` to ``"damping3"`` (N m s);
-        ``"mgl"`` of a top (J); ``"omega"``, the rates at the first time; of the gyroscope, which
+        ``"mgl"`` of a top (J); ``"torque1"`` to ``"torque3"`` (N m); the numbers of forces that the
+        scene has, by the names of maps: ``"rotor1"``, ``"drag"``, ``"dissipation"``, ``"rate"``,
+        ``"eccentricity"``; ``"omega"``, the rates at the first time; of the gyroscope, which
         measures ``scale * omega + bias`` along each axis, ``"bias"`` or ``"bias1"`` to ``"bias3"``
         (rad/s, else 0) and ``"scale"`` or ``"scale1"`` to ``"scale3"`` (else 1).
     start : array_like, shape (3,), optional
@@ -194,9 +196,9 @@ def fit(
     ValueError
         Naming the argument and the rule: an unknown or repeated parameter; shapes that do not fit;
         a sigma that is not positive; fewer measurements than parameters; ratios that follow from
-        each other; damping that is not diagonal; a first time other than 0 of a scene with a clock,
-        the table of a torque or an orbit; derivatives that overflow in a long
-        chaotic motion.
+        each other; damping that is not diagonal; a torque that is a table; a first time other than
+        0 of a scene with a clock, the table of a torque or an orbit; derivatives that overflow in a
+        long chaotic motion.
 
     Examples
     --------
@@ -389,8 +391,10 @@ def _covariance(
             least = 0.0
         elif name in (*START, *BIAS):
             least = rate
+        elif name in DAMPING:
+            least = mass / (span or 1.0)
         else:
-            least = mass * rate**2 if name == "mgl" else mass / (span or 1.0)
+            least = mass * rate**2 if name == "mgl" else unknowns.sizes[k]
         sizes[k] = max(abs(values[k]), least)
     _, strengths, turns = np.linalg.svd(by_value * sizes, full_matrices=False)
     told = strengths > 1.0 / UNTOLD

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from math import prod
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import brief
-from ..model.body import Body
+from ..model.orbit import HYPERBOLA, MOST_ECCENTRIC
+from ..model.parameters import PARAMETERS, numbers_of, scene_of
 from ..model.scene import Scene
-from .parameters import checked_names
+from ..model.start import Start
+from .parameters import checked_names, differentiable, why_not
 from .simulate import simulate
 
 if TYPE_CHECKING:
@@ -26,10 +29,10 @@ Floats = NDArray[np.float64]
 MOMENTS = ("I1", "I2", "I3")
 RATIOS = tuple(f"{a}/{b}" for a in MOMENTS for b in MOMENTS if a != b)
 START = ("omega1", "omega2", "omega3")
-_DAMPING = ("damping1", "damping2", "damping3")
 BIAS = ("bias1", "bias2", "bias3")
 SCALE = ("scale1", "scale2", "scale3")
-_GROUPS = {"damping": _DAMPING, "omega": START, "bias": BIAS, "scale": SCALE}
+DAMPING = ("damping1", "damping2", "damping3")
+_GROUPS = {"damping": DAMPING, "omega": START, "bias": BIAS, "scale": SCALE}
 
 _EDGE = 1e-9
 """Share of the moments by which a body stays thicker than a rod or a plate."""
@@ -46,13 +49,29 @@ Without this bound a trial far off could turn so fast that its run would hardly 
 _SENSOR = 0.1
 """Bias that a gyroscope adds to the rates, or its scale, as a share of the rates."""
 
+_SIZES = {
+    "mgl": (1.0, 2),
+    "damping": (0.1, 1),
+    "torque": (0.1, 2),
+    "rotor": (0.1, 1),
+    "dissipation": (0.1, -1),
+    "drag": (0.1, 0),
+}
+"""How far off a first guess may be: this share of the largest moment times a power of the rates."""
+
+_AT_REST = Start(omega=(0.0, 0.0, 0.0))
+"""A start for what asks for one: free rates are no numbers of the scene."""
+
+_OF_ORBIT = (0.1, 0.1, 1.0)
+"""The same of an orbit: of its rate as a share, of its eccentricity and its anomaly."""
+
 
 class Unknowns:
     """The free parameters, and the numbers inside a box by which they vary.
 
-    The base numbers are free moments, damping, weight, rates, biases and scales; ``base + steer @
-    x`` gives them from coordinates ``x`` inside the box. The ``sizes`` of the coordinates are how
-    far off a first guess may be.
+    The base numbers are free moments and other parameters of the scene, rates, biases and scales;
+    ``base + steer @ x`` gives them from coordinates ``x`` inside the box. The ``sizes`` of the
+    coordinates are how far off a first guess may be.
     """
 
     def __init__(
@@ -81,16 +100,10 @@ class Unknowns:
             raise ValueError(f"free = {brief(free)}: one of the ratios follows from the others")
         # The base numbers, in the order of the names, each moment in the place of its name.
         self.numbers = tuple(name[:2] if name in moments else name for name in self.names)
-        matrix = np.zeros((3, 3)) if scene.damping is None else np.array(scene.damping)
-        if any(name in _DAMPING for name in self.names) and np.any(
-            matrix - np.diag(np.diagonal(matrix))
-        ):
-            raise ValueError(
-                "free: only damping along the axes is fitted; the scene has a full matrix"
-            )
-        self._damping = matrix
         of_run = (*START, *BIAS, *SCALE)
         self._by_run = tuple(name for name in self.numbers if name not in of_run)
+        self._rows = {name: PARAMETERS[name] for name in self._by_run if name not in MOMENTS}
+        self._places = {"moments", *(row.place for row in self._rows.values())}
         known = (*self._by_run, *of_run)
         self._columns = [known.index(name) for name in self.numbers]
         self._boxes()
@@ -112,12 +125,23 @@ class Unknowns:
                 sizes[k] = _SENSOR * mean
             elif name in SCALE:
                 first[k], low[k], sizes[k] = 1.0, 0.0, _SENSOR
-            elif name in _DAMPING:
-                j = _DAMPING.index(name)
-                first[k], low[k], sizes[k] = self._damping[j, j], 0.0, 0.1 * unit * mean
-            elif name == "mgl":
-                first[k] = self.scene.mgl  # type: ignore[attr-defined]
-                low[k], sizes[k] = 0.0, first[k] or unit * mean**2
+            elif name in self._rows:
+                row = self._rows[name]
+                every = numbers_of(self.scene, _AT_REST, {row.place}, 1)[row.place]
+                first[k] = every[0, *row.index].mean()
+                low[k], high[k] = row.lowest, row.highest
+                if row.place == "orbit":
+                    (which,) = row.index
+                    sizes[k] = _OF_ORBIT[which] * (1.0 if which else first[k])
+                    if name == "rate":
+                        low[k] = _EDGE * first[k]
+                    elif name == "eccentricity":
+                        low[k], high[k] = HYPERBOLA if first[k] > 1.0 else (0.0, MOST_ECCENTRIC)
+                else:
+                    share, power = _SIZES[row.place]
+                    sizes[k] = share * unit * mean**power
+                    if name == "mgl":
+                        sizes[k] = first[k] or sizes[k]
         place = {j: self.numbers.index(MOMENTS[j]) for j in self._moving}
         squares = 0.5 * i.sum() - i  # the integrals of x², y², z² over the mass
         edge = _EDGE * unit
@@ -173,17 +197,12 @@ class Unknowns:
     def at(self, x: Floats) -> tuple[Scene, Floats]:
         """Scene and start that belong to coordinates, shape (k,), or of n bodies to (n, k)."""
         values, bodies = self._values(x), x.shape[:-1]
-        moments = _taken(values, MOMENTS, self.scene.body.moments, bodies)
-        damping = self.scene.damping
-        if any(name in values for name in _DAMPING):
-            own = _taken(values, _DAMPING, np.diagonal(self._damping), bodies)
-            damping = own[..., np.newaxis] * np.eye(3)
-        elif damping is not None:
-            damping = np.broadcast_to(damping, (*bodies, 3, 3))
-        weight = {"mgl": values["mgl"]} if "mgl" in values else {}
-        body = Body(moments, physical=self.scene.body.physical)
-        varied = self.scene.replaced(body, damping, **weight)
-        return varied, _taken(values, START, self.start, bodies)
+        numbers = numbers_of(self.scene, _AT_REST, self._places, prod(bodies))
+        moments = _taken(values, MOMENTS, self.scene.body.moments, bodies).reshape(-1, 3)
+        for name, row in self._rows.items():
+            row.put(numbers, values[name].ravel())
+        varied = scene_of(self.scene, numbers, moments)
+        return varied if bodies else varied[0], _taken(values, START, self.start, bodies)
 
     def steps(self, t: Floats) -> int:
         """Steps of a run of the first guess."""
@@ -248,12 +267,15 @@ class Unknowns:
     def edges(self, x: Floats) -> tuple[str, ...]:
         """The parameters at their bounds, in words."""
         low, high = self.box
-        near = (x - low < 1e-6 * self.sizes) | (high - x < 1e-6 * self.sizes)
-        words = [
-            f"{name} is zero, the least that it can be"
-            for name, is_near in zip(self.numbers, near, strict=True)
-            if is_near and name not in (*MOMENTS, *START)
-        ]
+        below, above = x - low < 1e-6 * self.sizes, high - x < 1e-6 * self.sizes
+        near = below | above
+        words = []
+        for k, name in enumerate(self.numbers):
+            if near[k] and name not in (*MOMENTS, *START):
+                end = low[k] if below[k] else high[k]
+                value = "zero" if end == 0.0 else f"{end:g}"
+                which = "least" if below[k] else "most"
+                words.append(f"{name} is {value}, the {which} that it can be")
         if any(near[k] for k, name in enumerate(self.numbers) if name in MOMENTS):
             words.append("the moments belong to a flat body, the edge of what a body can have")
         return tuple(words)
@@ -269,7 +291,21 @@ def _taken(
 
 
 def _checked_names(scene: Scene, free: str | Sequence[str]) -> tuple[str, ...]:
-    weight = ("mgl",) if "mgl" in scene.fields else ()
-    known = (*MOMENTS, *RATIOS, *_DAMPING, *weight, *_GROUPS, *BIAS, *SCALE)
-    what = f"is no parameter of a {scene.title}"
-    return checked_names("free", free, known, _GROUPS, lambda _: what)
+    """The names of the free parameters: not of the direction to a centre of mass alone."""
+    rows = {
+        name: PARAMETERS[name]
+        for name in differentiable(scene)
+        if name not in (*MOMENTS, "damping") and PARAMETERS[name].place != "com"
+    }
+    known = (*MOMENTS, *RATIOS, *rows, *_GROUPS, *START, *BIAS, *SCALE)
+    names = checked_names(
+        "free", free, known, _GROUPS, lambda name: why_not(name, scene, f" of a {scene.title}")
+    )
+    for name in names:
+        reason = rows[name].why_not(scene, _AT_REST) if name in rows else ""
+        if reason:
+            raise ValueError(f"free = {name!r}: {reason}")
+        whole = rows[name].place if name in rows else name
+        if whole != name and whole in names:
+            raise ValueError(f"free = {brief(free)}: {whole!r} and {name!r} exclude each other")
+    return names

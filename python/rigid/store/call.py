@@ -86,9 +86,11 @@ def stability_map(
           one component ``noise1``, ``noise2``, ``noise3``, ``attitude_noise1``,
           ``attitude_noise2``, ``attitude_noise3``; ``kappa`` and ``attitude_kappa``, the
           concentrations of :func:`von_mises_fisher`.
-        * Forces: ``damping1``, ``damping2``, ``damping3`` (N m s) of the rates about the axes;
-          ``torque1``, ``torque2``, ``torque3`` (N m), constant in the body; ``rotor1``,
-          ``rotor2``, ``rotor3``; ``dissipation``; ``eccentricity`` and ``anomaly`` of the orbit.
+        * Forces: ``damping`` (N m s) of the rates about all axes, or ``damping1``, ``damping2``,
+          ``damping3``; ``torque1``, ``torque2``, ``torque3`` (N m), constant in the body;
+          ``rotor1``, ``rotor2``, ``rotor3``; ``dissipation``, or ``dissipation1``,
+          ``dissipation2``, ``dissipation3``; ``drag``, or ``drag1``, ``drag2``, ``drag3``;
+          ``rate``, ``eccentricity`` and ``anomaly`` of the orbit.
         * Criterion: ``limit``, its angle (rad), and ``t_end``, the horizon (s).
     samples : int
         Bodies per pixel. Give this number or ``half_width``. A map needs it, ``axes``, ``t_end``

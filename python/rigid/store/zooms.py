@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from .._checks.arguments import resolve_threads
 from .._checks.progress import Progress
 from ..animation.widget import MapWidget, Region
+from ..maps.axes import Axis
 from ..maps.data import MapData
 from ..maps.page import (
     MOST_SAMPLES,
@@ -20,7 +21,6 @@ from ..maps.page import (
     content_of_starts,
     drawn_edges,
 )
-from ..maps.parameters import Axis
 from ..maps.samples import outcomes, starts
 from ..maps.spec import MapSpec
 from .resume import carry_on, result_of

@@ -13,6 +13,7 @@ import pytest
 import rigid
 from rigid import solids, units
 from rigid._checks.quantities import UNITS
+from rigid.model.parameters import PARAMETERS
 
 REGISTRY: Any = pint.UnitRegistry()
 Q: Any = REGISTRY.Quantity
@@ -25,7 +26,7 @@ def test_constants_are_those_of_pint() -> None:
 
 def test_pint_knows_every_unit_of_the_tables() -> None:
     known = [unit for some in UNITS.values() for unit in some]
-    known += [row.unit for row in rigid.maps.parameters.PARAMETERS.values() if row.unit != "1"]
+    known += [row.unit for row in PARAMETERS.values() if row.unit != "1"]
     base = {str(REGISTRY.parse_units(unit).dimensionality) for unit in known}
     assert len(base) > 8
     for unit in known:
@@ -158,11 +159,11 @@ REFUSED: dict[str, tuple[Callable[[], object], str]] = {
         r"torque in percent: must be in N m or a unit of its kind",
     ),
     "an axis": (
-        lambda: rigid.maps.parameters.make_axes({"spin": Q([1.0], "N")}),
+        lambda: rigid.maps.axes.make_axes({"spin": Q([1.0], "N")}),
         r"axes\['spin'\] in newton: must be in rad/s",
     ),
     "a ratio": (
-        lambda: rigid.maps.parameters.make_axes({"I2/I1": Q([1.0], "kg")}),
+        lambda: rigid.maps.axes.make_axes({"I2/I1": Q([1.0], "kg")}),
         r"axes\['I2/I1'\] in kilogram: takes numbers without units",
     ),
     "no unit": (

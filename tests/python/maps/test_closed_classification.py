@@ -14,11 +14,11 @@ from random_scenes import Scenes, free, tops
 from rigid import _core
 from rigid.cli.toml_map import read_spec
 from rigid.cli.toml_table import names_of
+from rigid.maps.axes import make_axes
 from rigid.maps.core_request import CoreRequest, CoreStarts
 from rigid.maps.data import CLASSES
 from rigid.maps.job import to_core
 from rigid.maps.judge import UNDECIDED
-from rigid.maps.parameters import make_axes
 from small_maps import Floats, small_map, spec_of
 
 #: Horizon of random scenes, whose fastest rate lies between 1/2 and 1 rad/s, and the step of RK4.

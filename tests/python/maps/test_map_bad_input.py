@@ -13,9 +13,9 @@ import rigid
 from physics import LISTED, NAMES
 from rigid import _core
 from rigid.maps.core_request import CoreRequest, CoreStarts
-from rigid.maps.parameters import PARAMETERS
 from rigid.model.criteria import NoFlip, TiltBelow
 from rigid.model.criterion import Criterion
+from rigid.model.parameters import PARAMETERS
 from small_maps import small_map
 
 FREE = rigid.FreeBody(rigid.Body((1.0, 1.5, 2.0)))

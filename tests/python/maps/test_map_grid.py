@@ -12,7 +12,7 @@ import pytest
 
 import rigid
 from physics import gamma_of, rotation_matrix
-from rigid.maps.parameters import PARAMETERS
+from rigid.model.parameters import PARAMETERS
 from rigid.model.scene import Scene, scene_from_dict
 from small_maps import NAMED, Floats, in_blocks, small_map
 
@@ -147,6 +147,45 @@ def test_damping_about_an_axis_replaces_that_of_the_scene() -> None:
     assert np.array(scene.damping).tolist() == np.diag([0.0, 0.5, 0.0]).tolist()
 
 
+def test_coefficients_are_set_one_by_one_or_all_alike() -> None:
+    """An axis adds a force that the scene does not have; the other coefficients stay."""
+    scene = rigid.FreeBody(
+        rigid.Body((1.0, 1.5, 2.0)), dissipation=rigid.EnergySink((0.01, 0.02, 0.03)), drag=0.5
+    )
+    for axes, sink, drag, damping in (
+        ({"dissipation2": 0.04}, (0.01, 0.04, 0.03), (0.5, 0.5, 0.5), None),
+        ({"dissipation": 0.04}, (0.04, 0.04, 0.04), (0.5, 0.5, 0.5), None),
+        ({"drag3": 0.1}, (0.01, 0.02, 0.03), (0.5, 0.5, 0.1), None),
+        ({"drag": 0.1}, (0.01, 0.02, 0.03), (0.1, 0.1, 0.1), None),
+        ({"damping": 0.2}, (0.01, 0.02, 0.03), (0.5, 0.5, 0.5), 0.2 * np.eye(3)),
+    ):
+        _, found, _ = first_body(scene, SPIN, **axes)
+        assert isinstance(found, rigid.FreeBody)
+        assert found.dissipation is not None
+        assert found.dissipation.coefficient == sink
+        assert found.drag == drag
+        assert np.array_equal(np.array(found.damping or 0.0), 0.0 if damping is None else damping)
+    _, found, _ = first_body(TOP, CLOUD, drag2=0.25)
+    assert isinstance(found, rigid.HeavyTop)
+    assert found.drag == (0.0, 0.25, 0.0)
+
+
+def test_the_rate_of_an_orbit_is_set() -> None:
+    orbit = rigid.Orbit(0.1, 0.3, 0.2)
+    scene = rigid.FreeBody(rigid.Body((1.0, 1.5, 2.0)), orbit=orbit)
+    _, found, result = first_body(scene, rigid.Start(omega=(0.0, 0.0, 0.1)), rate=0.4)
+    assert isinstance(found, rigid.FreeBody)
+    assert found.orbit == rigid.Orbit(0.4, 0.3, 0.2)
+    assert "orbit at a varied rate, eccentricity 0.3" in str(result.plan)
+
+
+@pytest.mark.parametrize("name", ["damping", "dissipation", "drag"])
+def test_coefficients_are_not_set_twice(name: str) -> None:
+    expected = f"axes: '{name}2' and '{name}' exclude each other: both set the {name}"
+    with pytest.raises(ValueError, match=re.escape(expected)):
+        first_body(FREE, SPIN, **{name: 0.1, f"{name}2": 0.2})
+
+
 def test_the_centre_of_mass_has_two_angles() -> None:
     """Each keeps the other; on axis 3 the azimuth is 0."""
     leaning = rigid.HeavyTop(TOP.body, mgl=2.0, com=(0.48, 0.36, 0.8))
@@ -189,6 +228,12 @@ def test_every_parameter_is_tested_here() -> None:
     tested |= {"kappa", "attitude_kappa"}  # in test_directions.py
     # In test_own_starts.py:
     tested |= {"eccentricity", "anomaly"}  # in test_frame_of_the_orbit.py
+    tested |= {
+        "rate",
+        "damping",
+        "drag",
+        *(f"{of}{i}" for of in ("drag", "dissipation") for i in (1, 2, 3)),
+    }
     tested |= {"a/b", "b/c", "dissipation", "energy", "l_gamma"} | {f"rotor{i}" for i in (1, 2, 3)}
     tested |= {f"I{i}/I{j}" for i in (1, 2, 3) for j in (1, 2, 3) if i != j}
     assert set(PARAMETERS) == tested

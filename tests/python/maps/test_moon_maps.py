@@ -10,8 +10,8 @@ import pytest
 
 import rigid
 from rigid.cli.toml_map import read_spec
+from rigid.maps.axes import make_axes
 from rigid.maps.moons import averaged_torque
-from rigid.maps.parameters import make_axes
 from rigid.maps.spec import MapSpec
 from rigid.maps.theory import predict
 from rigid.store.call import run_map

@@ -10,8 +10,8 @@ import pytest
 
 import rigid
 from rigid import _core
-from rigid.maps.parameters import PARAMETERS
 from rigid.model.criteria import criterion_from_dict
+from rigid.model.parameters import PARAMETERS
 from small_maps import NAMED, assert_same_map, in_blocks, saved_bytes
 
 COM = np.array([0.3, 0.2, 0.93]) / np.linalg.norm([0.3, 0.2, 0.93])

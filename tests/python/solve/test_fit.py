@@ -180,7 +180,8 @@ def test_other_guesses_are_bodies_all_over_what_can_be(free: tuple[str, ...]) ->
     ("options", "message"),
     [
         ({"free": "I4"}, r"free = 'I4': is no parameter of a free body \(known: I1"),
-        ({"free": "mgl"}, "free = 'mgl': is no parameter of a free body"),
+        ({"free": "mgl"}, "free = 'mgl': a free body has no weight"),
+        ({"free": "drag"}, "free = 'drag': the scene has no drag"),
         ({"free": ()}, "must be names of parameters"),
         ({"free": ("I1", "I1")}, "'I1' is named twice"),
         ({"free": ("I1", "I1/I2")}, "one moment varies by two"),
@@ -208,8 +209,71 @@ def test_what_a_fit_refuses(options: dict[str, Any], message: str) -> None:
 
 def test_damping_across_axes_is_not_fitted() -> None:
     scene = rigid.FreeBody(BODY, damping=[[0.1, 0.05, 0.0], [0.05, 0.1, 0.0], [0.0, 0.0, 0.1]])
-    with pytest.raises(ValueError, match="only damping along the axes is fitted"):
+    expected = "free = 'damping1': the damping of the scene is not along the body axes"
+    with pytest.raises(ValueError, match=expected):
         rigid.fit(scene, T, omega=np.ones((150, 3)), sigma=0.1, free="damping1")
+
+
+def test_what_all_coefficients_have_is_not_free_beside_one_of_them() -> None:
+    scene = rigid.FreeBody(BODY, drag=0.1)
+    with pytest.raises(ValueError, match="'drag' and 'drag2' exclude each other"):
+        rigid.fit(scene, T, omega=np.ones((150, 3)), sigma=0.1, free=("drag2", "drag"))
+
+
+FORCED = {
+    "torque of a thruster": (
+        rigid.FreeBody(BODY, torque=rigid.Torque.body((0.01, 0.02, -0.03))),
+        rigid.FreeBody(BODY),
+        ("torque1", "torque2", "torque3"),
+    ),
+    "drag": (rigid.FreeBody(BODY, drag=0.03), rigid.FreeBody(BODY, drag=0.01), ("drag",)),
+    "drag of each axis": (
+        rigid.FreeBody(BODY, drag=(0.01, 0.02, 0.03)),
+        rigid.FreeBody(BODY, drag=0.02),
+        ("drag1", "drag2", "drag3"),
+    ),
+    "rotor": (
+        rigid.FreeBody(BODY, rotor=(0.1, 0.2, 0.3)),
+        rigid.FreeBody(BODY, rotor=(0.1, 0.1, 0.1)),
+        ("rotor1", "rotor2", "rotor3", "I2/I1"),
+    ),
+    "energy sink": (
+        rigid.FreeBody(BODY, dissipation=rigid.EnergySink(0.02)),
+        rigid.FreeBody(BODY, dissipation=rigid.EnergySink(0.01)),
+        ("dissipation",),
+    ),
+    "orbit": (
+        rigid.FreeBody(BODY, orbit=rigid.Orbit(0.4, 0.3, 0.5)),
+        rigid.FreeBody(BODY, orbit=rigid.Orbit(0.42, 0.25, 0.4)),
+        ("rate", "eccentricity", "anomaly"),
+    ),
+}
+
+
+@pytest.mark.parametrize("force", FORCED)
+def test_a_fit_finds_the_numbers_of_every_force(force: str) -> None:
+    truth, guess, free = FORCED[force]
+    rates = measured(truth, 0.0, 0, accuracy=1e-11)
+    found = rigid.fit(guess, T, omega=rates, sigma=1e-4, free=free, start=START)
+    right = [numbers_of_name(truth, name) for name in free]
+    assert found.success
+    assert not found.undetermined
+    assert np.allclose(found.values, right, rtol=0.0, atol=1e-7)
+    assert np.allclose([numbers_of_name(found.scene, name) for name in free], found.values)
+
+
+def numbers_of_name(scene: Any, name: str) -> float:
+    """The value of a parameter, read from the attributes of the scene."""
+    if name in ("rate", "eccentricity", "anomaly"):
+        return float(getattr(scene.orbit, name))
+    if "/" in name:
+        moments = scene.body.moments
+        return float(moments[int(name[1]) - 1] / moments[int(name[4]) - 1])
+    of, k = (name[:-1], int(name[-1]) - 1) if name[-1].isdigit() else (name, 0)
+    value = getattr(scene, of)
+    if of == "torque":
+        return float(value.in_body[0][k])
+    return float(value.coefficient[k] if of == "dissipation" else value[k])
 
 
 def test_a_scene_with_its_own_clock_starts_at_0() -> None:

@@ -20,8 +20,8 @@ import pytest
 import rigid
 from processes import environment, python_command, python_process
 from rigid._checks.progress import heeding_signals
+from rigid.maps.axes import make_axes
 from rigid.maps.data import COLUMNS
-from rigid.maps.parameters import make_axes
 from rigid.maps.refine import lattice_level
 from rigid.store import drive as driving
 from rigid.store.compute import compute

@@ -1,22 +1,27 @@
-"""The parameters that an axis of a map may vary: unit, range, and the number that they set.
+"""The parameters of scenes and starts: unit, range, the numbers that they set, and derivatives.
 
-A new parameter is one row of :data:`PARAMETERS`.
+Axes of maps, tangents and fits know a parameter by its name. A new parameter is one row of
+:data:`PARAMETERS`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Container, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, replace
 from math import pi
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._checks.arguments import brief, numbers, of_known
-from ..model.orbit import HYPERBOLA
-from ..model.scene import Scene
-from ..model.start import Noise, Start, cos_sin
+from .. import _core
+from .._moments import box_moments
+from .body import Body
+from .forces import FORCES, EnergySink, TopForces
+from .orbit import HYPERBOLA, Orbit
+from .scene import Scene
+from .start import Noise, Start, cos_sin
+from .torque import Torque
 
 Floats = NDArray[np.float64]
 
@@ -26,7 +31,7 @@ OF_RUN = "run"
 
 @dataclass(frozen=True, slots=True)
 class Parameter:
-    """A parameter that an axis of a map can set.
+    """A parameter of a scene or a start.
 
     Attributes
     ----------
@@ -73,8 +78,28 @@ class Parameter:
         return rejected
 
     def why_not(self, scene: Scene, start: Start) -> str:
-        """The reason why the parameter does not apply to a scene and start; empty if it does."""
+        """The reason why an axis cannot set it for a scene and start; empty if it can."""
         return PLACES[self.place].why_not(scene, start, self) if self.place in PLACES else ""
+
+    def has_derivative(self, scene: Scene) -> bool:
+        """Whether the motion of a scene has a derivative by the parameter."""
+        place = PLACES.get(self.place)
+        if place is None or place.first is None or self.times is not None:
+            return False
+        if self.place in FORCES:
+            return self.place in scene.forces
+        return self.place not in OF_WEIGHT or "mgl" in scene.fields
+
+    def change(self, scene: Scene) -> tuple[int, Floats]:
+        """The change of the numbers of the core by the parameter.
+
+        Returns the place of the first number, and the derivatives of the numbers from there on,
+        shape (..., k).
+        """
+        place = PLACES[self.place]
+        assert place.first is not None
+        slopes = place.slopes(scene)
+        return place.first, slopes[..., self.index[0]] if self.index else slopes.sum(axis=-1)
 
     def sets(self, name: str) -> tuple[str, ...]:
         """The names of the numbers that the parameter of this name sets."""
@@ -96,7 +121,7 @@ class Parameter:
 
 # Where each parameter applies
 
-_ATTITUDE_UNFELT = "the attitude of a free body without a torque in space has no effect"
+ATTITUDE_UNFELT = "the attitude of a free body without a torque in space has no effect"
 
 
 def _anywhere(_scene: Scene, _start: Start, _asked: Parameter) -> str:
@@ -126,8 +151,7 @@ def _needs_weight(scene: Scene, _start: Start, _asked: Parameter) -> str:
 
 
 def _needs_diagonal_damping(scene: Scene, _start: Start, _asked: Parameter) -> str:
-    matrix = _or_zero(scene.damping, 3, 3)
-    if np.any(matrix - np.diag(np.diag(matrix))):
+    if scene.damping is not None and np.any(np.asarray(scene.damping) * (1.0 - np.eye(3))):
         return "the damping of the scene is not along the body axes"
     return ""
 
@@ -161,7 +185,7 @@ def _needs_noise(scene: Scene, start: Start, asked: Parameter) -> str:
     noise = start.attitude_noise if of_attitude else start.noise
     what = f"the {kind}" if of_attitude else f"the {kind} of the start"
     if of_attitude and not scene.rates_need_attitude:
-        return f"{_ATTITUDE_UNFELT}; use {'kappa' if is_kappa else 'noise'}"
+        return f"{ATTITUDE_UNFELT}; use {'kappa' if is_kappa else 'noise'}"
     is_direction = isinstance(noise, Noise) and noise.is_direction
     if is_kappa:
         return "" if is_direction else f"the start has no {name}=rigid.von_mises_fisher(0)"
@@ -183,9 +207,13 @@ def _needs_noise(scene: Scene, start: Start, asked: Parameter) -> str:
 # Where the numbers of each parameter are
 
 
+def _alike(_scene: Scene) -> Floats:
+    return np.eye(3)
+
+
 @dataclass(frozen=True, slots=True)
 class Place:
-    """Numbers of a scene or a start that axes set.
+    """Numbers of a scene or a start that parameters set.
 
     Attributes
     ----------
@@ -197,12 +225,19 @@ class Place:
         ``why_not(scene, start, parameter)`` is the reason why an axis cannot set them, or empty.
     sets : tuple of str
         The names of what an axis sets; empty if it is the name of the axis.
+    first : int or None
+        Where the core keeps the first of the numbers that they change; None if a motion has no
+        derivative by them.
+    slopes : callable
+        ``slopes(scene)``: the derivatives of these numbers of the core, shape (..., k, numbers).
     """
 
     read: Callable[[Any, Start], ArrayLike]
     width: int
     why_not: Callable[[Scene, Start, Parameter], str] = _anywhere
     sets: tuple[str, ...] = ()
+    first: int | None = None
+    slopes: Callable[[Any], Floats] = _alike
 
 
 def _or_zero(value: ArrayLike | None, *shape: int) -> Floats:
@@ -234,8 +269,38 @@ def _torque_in_body(scene: Scene, _start: Start) -> Floats:
     return np.zeros(3) if torque is None else np.asarray(torque.in_body)[..., 0, :]
 
 
-def _coefficient(scene: Scene, _start: Start) -> Floats:
-    return _or_zero(None if scene.dissipation is None else scene.dissipation.coefficient, 3)
+def _damping(scene: Scene, _start: Start) -> Floats:
+    return np.diagonal(_or_zero(scene.damping, 3, 3), axis1=-2, axis2=-1)
+
+
+def _further(name: str) -> Place:
+    """The place of the coefficients, or of the vector, of a further force."""
+    force = FORCES[name]
+
+    def read(scene: Scene, _start: Start) -> Floats:
+        value = getattr(scene, name)
+        return np.zeros(3) if value is None else np.asarray(force.numbers(value))
+
+    why_not = _anywhere if name in TopForces.__annotations__ else _needs_free_body
+    return Place(read, 1, why_not, (name,), _OF_FORCES[name])
+
+
+def _slopes_of_weight(scene: Any) -> Floats:
+    return np.asarray(scene.com)[..., np.newaxis]
+
+
+def _slopes_of_com(scene: Any) -> Floats:
+    return np.asarray(scene.mgl)[..., np.newaxis, np.newaxis] * np.eye(3)
+
+
+def _slopes_of_orbit(scene: Scene) -> Floats:
+    """Of rate, eccentricity and anomaly; the second semi-axis, sqrt(1 - e²) long, changes too."""
+    assert scene.orbit is not None
+    numbers = np.asarray(scene.orbit.numbers)
+    e = numbers[..., 1:2]
+    slopes = np.broadcast_to(np.eye(9, 3), (*numbers.shape, 3)).copy()
+    slopes[..., 6:, 1] = -e / (1.0 - e * e) * numbers[..., 6:]
+    return slopes
 
 
 def _size_of_noise(_scene: Scene, start: Start) -> Floats:
@@ -247,18 +312,30 @@ def _size_of_attitude_noise(_scene: Scene, start: Start) -> Floats:
     return np.broadcast_to(1.0 if start.joint else size, 3)
 
 
+_OF_FORCES, CHANGES = _core.change_places()
+"""Where the core keeps the numbers of each further force of a body, and how many numbers it keeps.
+Before them are moments, ``mgl com``, damping 11, 22, 33, 23, 31, 12, and torque in the body."""
+
+OF_WEIGHT = ("mgl", "com")
+"""Places that only a scene with weight has."""
+
 PLACES: Mapping[str, Place] = {
-    "moments": Place(lambda scene, _: scene.body.moments, 1),
+    "moments": Place(lambda scene, _: scene.body.moments, 1, first=0),
     "box": Place(lambda scene, _: (*scene.body.sides, scene.body.mass), 1, _needs_box),
     "semi-axes": Place(_semi_axes, 1, sets=("I1", "I2")),
-    "mgl": Place(lambda scene, _: scene.mgl, 0, _needs_weight),
-    "com": Place(lambda scene, _: scene.com, 1, _needs_weight, ("com",)),
+    "mgl": Place(lambda scene, _: scene.mgl, 0, _needs_weight, first=3, slopes=_slopes_of_weight),
+    "com": Place(lambda scene, _: scene.com, 1, _needs_weight, ("com",), 3, _slopes_of_com),
     "com angles": Place(_angles_of_com, 2, _needs_weight, ("com",)),
-    "damping": Place(lambda scene, _: _or_zero(scene.damping, 3, 3), 2, _needs_diagonal_damping),
-    "torque": Place(_torque_in_body, 1, _needs_constant_torque),
-    "rotor": Place(lambda scene, _: _or_zero(scene.rotor, 3), 1, _needs_free_body, ("rotor",)),
-    "dissipation": Place(_coefficient, 1, _needs_free_body),
-    "orbit": Place(lambda scene, _: scene.orbit.numbers[..., 1:3], 1, _needs_orbit),
+    "damping": Place(_damping, 1, _needs_diagonal_damping, first=6),
+    "torque": Place(_torque_in_body, 1, _needs_constant_torque, first=12),
+    **{name: _further(name) for name in ("rotor", "dissipation", "drag")},
+    "orbit": Place(
+        lambda scene, _: scene.orbit.numbers[..., :3],
+        1,
+        _needs_orbit,
+        first=_OF_FORCES["orbit"],
+        slopes=_slopes_of_orbit,
+    ),
     "spin": Place(lambda _, start: start.spin or 0.0, 0, _needs_spin),
     "tilt": Place(lambda _, start: start.tilt, 0, _needs_spin_or_attitude),
     "energy": Place(lambda _, _start: np.nan, 0),
@@ -277,8 +354,7 @@ def _of_each_axis(
     found = {}
     for k in range(3):
         own, *words = (text.replace("#", str(k + 1)) for text in (name, symbol, unit, meaning))
-        index = (k, k) if place == "damping" else (k,)
-        found[own] = Parameter(words[0], words[1], words[2], place, index, lowest=lowest)
+        found[own] = Parameter(words[0], words[1], words[2], place, (k,), lowest=lowest)
     return found
 
 
@@ -342,6 +418,9 @@ PARAMETERS: Mapping[str, Parameter] = {
         lowest=-2.0 * pi,
         highest=2.0 * pi,
     ),
+    "damping": Parameter(
+        "damping", "N m s", "damping, the same about all body axes", "damping", lowest=0.0
+    ),
     **_of_each_axis(
         "damping#",
         "damping about axis #, $D_{##}$",
@@ -361,16 +440,37 @@ PARAMETERS: Mapping[str, Parameter] = {
         "dissipation",
         lowest=0.0,
     ),
+    **_of_each_axis(
+        "dissipation#",
+        "$P_#$",
+        "kg m² s",
+        "coefficient of the energy sink along axis #",
+        "dissipation",
+        lowest=0.0,
+    ),
+    "drag": Parameter(
+        "drag $C$",
+        "N m s²",
+        "coefficient of the quadratic drag, the same about all axes",
+        "drag",
+        lowest=0.0,
+    ),
+    **_of_each_axis(
+        "drag#", "$C_#$", "N m s²", "coefficient of the quadratic drag about axis #", "drag", 0.0
+    ),
+    "rate": Parameter(
+        "rate $n$", "rad/s", "rate of the orbit", "orbit", (0,), lowest=0.0, open_end=True
+    ),
     "eccentricity": Parameter(
         "eccentricity $e$",
         "1",
         "eccentricity of the orbit",
         "orbit",
-        (0,),
+        (1,),
         lowest=0.0,
         highest=HYPERBOLA[1],
     ),
-    "anomaly": Parameter("$M_0$", "rad", "mean anomaly of the orbit at t = 0", "orbit", (1,)),
+    "anomaly": Parameter("$M_0$", "rad", "mean anomaly of the orbit at t = 0", "orbit", (2,)),
     "spin": Parameter("spin", "rad/s", "rate about the axis of the start", "spin"),
     "tilt": Parameter(
         "tilt", "rad", "angle to the axis of the start", "tilt", lowest=-pi, highest=pi
@@ -438,178 +538,72 @@ PARAMETERS: Mapping[str, Parameter] = {
 }
 """The parameters by name, in the order of messages and of the documentation."""
 
-MOST_AXES = 32
-"""Most axes of a map: all versions of NumPy allow as many."""
 
-EXCLUSIVE = (
-    ("box", "moments", "the moments of a box follow from its sides"),
-    ("semi-axes", "moments", "the moments of an ellipsoid follow from its semi-axes"),
-    ("semi-axes", "box", "both say which shape the body has"),
-    ("com angles", "com", "both say where the centre of mass is"),
-)
-"""Places whose parameters exclude each other, and why."""
+# Scenes from numbers
 
 
-@dataclass(frozen=True, slots=True)
-class Axis:
-    """One axis of a map: a parameter name and its values, increasing or decreasing."""
-
-    name: str
-    values: tuple[float, ...]
-    own: bool = False
-    """Whether the axis is an argument of the function that makes the scene."""
-
-    @property
-    def parameter(self) -> Parameter:
-        """The row of :data:`PARAMETERS` that the axis varies."""
-        return _own_parameter(self.name) if self.own else PARAMETERS[self.name]
-
-    @property
-    def unit(self) -> str:
-        """Unit of the values (SI, or any consistent set)."""
-        return self.parameter.unit
-
-    @property
-    def label(self) -> str:
-        """Symbol and unit for a plot."""
-        symbol = self.parameter.symbol
-        return symbol if self.unit == "1" else f"{symbol} ({self.unit})"
-
-    @property
-    def geometric(self) -> bool:
-        """Whether the values form a geometric progression, which is drawn on a logarithmic axis."""
-        values = np.array(self.values)
-        if values.size < 3 or values.min() <= 0.0:
-            return False
-        steps = np.diff(np.log(values))
-        return bool(np.ptp(steps) <= 1e-6 * abs(steps[0]))
-
-    def __str__(self) -> str:
-        unit = "" if self.unit == "1" else f" {self.unit}"
-        count = f"{len(self.values)} values{', geometric' if self.geometric else ''}"
-        return f"{self.name} from {self.values[0]:g} to {self.values[-1]:g}{unit} ({count})"
+def numbers_of(scene: Scene, start: Start, places: Iterable[str], count: int) -> dict[str, Floats]:
+    """A copy of the numbers in these places, a row for each of so many bodies."""
+    found = {}
+    for name in places:
+        place = PLACES[name]
+        array = np.asarray(place.read(scene, start), dtype=np.float64)
+        own = array.shape[array.ndim - place.width :]
+        found[name] = np.broadcast_to(array, (count, *own)).copy()
+    return found
 
 
-def _own_parameter(name: str) -> Parameter:
-    """The parameter of a function that makes the scene."""
-    return Parameter(name, "1", "argument of the function of the scene", "function")
+def moments_of(numbers: Mapping[str, Floats]) -> Floats:
+    """The principal moments of the bodies with these numbers."""
+    if "box" in numbers:
+        return box_moments(*numbers["box"].T)
+    moments = numbers["moments"]
+    if "semi-axes" in numbers:
+        a, c = numbers["semi-axes"].T
+        long, short, largest = a * a, c * c, moments[:, 2].copy()
+        moments[:, 0] = largest * (1.0 + short) / (1.0 + long)
+        moments[:, 1] = largest * (long + short) / (1.0 + long)
+    return moments
 
 
-def make_axes(axes: Mapping[str, ArrayLike], own: Container[str] = ()) -> tuple[Axis, ...]:
-    """The axes of a map from names and values; x first, then y.
-
-    The names in ``own`` are arguments of the function that makes the scene.
+def scene_of(scene: Scene, numbers: Mapping[str, Floats], moments: Floats) -> Scene:
+    """The scene of the bodies with these moments and numbers, like a scene in all else.
 
     Raises
     ------
     ValueError
-        For an unknown name, no axes or more than 32, or values that are not finite, not
-        one-dimensional, not strictly increasing or decreasing, or out of range.
+        If all components of the direction to a centre of mass are zero.
     """
-    if not isinstance(axes, Mapping):
-        raise TypeError(f"axes = {brief(axes)}: must be a dict of names and values")
-    if not 1 <= len(axes) <= MOST_AXES:
-        raise ValueError(
-            f"axes: expected 1 to {MOST_AXES} parameters (x, then y, ...), got {len(axes)}"
-        )
-    return tuple(_axis(name, values, name in own) for name, values in axes.items())
-
-
-def check_axis_name(name: str) -> None:
-    """Raise ValueError if no parameter of a map has this name."""
-    if name not in PARAMETERS:
-        raise ValueError(f"axes: unknown parameter {brief(name)}{of_known(name, PARAMETERS)}")
-
-
-def _axis(name: str, values: ArrayLike, own: bool) -> Axis:
-    if not own:
-        check_axis_name(name)
-    array = numbers(f"axes[{name!r}]", values, None if own else PARAMETERS[name].unit)
-    if array.ndim != 1 or array.size == 0:
-        raise ValueError(f"axes[{name!r}]: expected shape (n,) with n >= 1, got {array.shape}")
-    if not np.isfinite(array).all():
-        bad = int(np.flatnonzero(~np.isfinite(array))[0])
-        raise ValueError(f"axes[{name!r}][{bad}] = {array[bad]}: must be finite")
-    steps = np.diff(array)
-    if not ((steps > 0).all() or (steps < 0).all()):
-        raise ValueError(f"axes[{name!r}]: must increase or decrease strictly")
-    axis = Axis(name, tuple(array.tolist()), own)
-    rejected = np.flatnonzero(axis.parameter.rejects(array))
-    if rejected.size:
-        bad = int(rejected[0])
-        raise ValueError(f"axes[{name!r}][{bad}] = {array[bad]:g}: {axis.parameter.rule}")
-    return axis
-
-
-def check_applicable(scene: Scene, start: Start, axes: Iterable[Axis]) -> None:
-    """Raise ValueError, with the reason, if an axis or a part of the start has no meaning here."""
-    if not scene.rates_need_attitude and start.attitude_noise is not None:
-        raise ValueError(f"attitude_noise = {start.attitude_noise.describe()}: {_ATTITUDE_UNFELT}")
-    if not scene.rates_need_attitude and start.noise is not None and start.joint:
-        raise ValueError(f"noise = {start.noise.describe()}: {_ATTITUDE_UNFELT}")
-    if not scene.directions and start.omega is not None and start.tilt != 0.0:
-        raise ValueError("tilt: has no effect on a free body started by omega; use Start(spin=...)")
-    axes = tuple(axes)
-    for axis in axes:
-        reason = axis.parameter.why_not(scene, start)
-        if reason:
-            raise ValueError(f"axes: {axis.name!r} does not apply: {reason}")
-    for one, other, reason in EXCLUSIVE:
-        _check_exclusive(_at(axes, one), _at(axes, other), reason)
-    for place in ("noise", "attitude_noise"):
-        mine = _at(axes, place)
-        whole, parts = (
-            [a for a in mine if bool(a.parameter.index) is part] for part in (False, True)
-        )
-        _check_exclusive(whole, parts, "both say how large the noise is")
-    _check_moments(_at(axes, "moments"))
-
-
-def _at(axes: Iterable[Axis], place: str) -> list[Axis]:
-    """The axes whose numbers are in this place."""
-    return [axis for axis in axes if axis.parameter.place == place]
-
-
-def _check_exclusive(first: Sequence[Axis], second: Sequence[Axis], reason: str) -> None:
-    """Raise ValueError if there are axes of both kinds."""
-    if first and second:
-        raise ValueError(
-            f"axes: {second[0].name!r} and {first[0].name!r} exclude each other: {reason}"
-        )
-
-
-def _check_moments(axes: Sequence[Axis]) -> None:
-    """Raise ValueError if axes set one moment twice or give a ratio of moments twice."""
-    setters: dict[int | None, Axis] = {}
-    for axis in axes:
-        (moment,) = axis.parameter.index
-        if moment in setters:
-            both = f"{setters[moment].name!r} and {axis.name!r}"
-            raise ValueError(f"axes: {both} both set I{moment + 1}")
-        setters[moment] = axis
-    for axis in axes:
-        seen, at = [axis.name], axis.parameter.times
-        while at in setters:
-            if setters[at] is axis:
-                both = " and ".join(map(repr, seen))
-                what = "the same ratio" if len(seen) == 2 else "ratios that depend on each other"
-                raise ValueError(f"axes: {both} set {what}")
-            seen.append(setters[at].name)
-            at = setters[at].parameter.times
-
-
-def in_order(axes: Sequence[Axis]) -> list[int]:
-    """Positions of axes in an order in which each moment is set before it is read."""
-    setters = {axis.parameter.index: axis for axis in _at(axes, "moments")}
-
-    def depth(axis: Axis) -> int:
-        read = axis.parameter.times
-        before = None if read is None else setters.get((read,))
-        return 0 if before is None else 1 + depth(before)
-
-    return sorted(range(len(axes)), key=lambda place: depth(axes[place]))
-
-
-def axis_letter(place: int) -> str:
-    """The name of an axis by its place, for tables, files and pictures: x, y, z, axis4, ..."""
-    return "xyz"[place] if place < 3 else f"axis{place + 1}"
+    count = len(moments)
+    damping = None
+    if "damping" in numbers:
+        damping = numbers["damping"][:, :, np.newaxis] * np.eye(3)
+    elif scene.damping is not None:
+        damping = np.broadcast_to(np.asarray(scene.damping), (count, 3, 3))
+    own: dict[str, Any] = {
+        name: numbers[name] for name in ("mgl", "rotor", "drag") if name in numbers
+    }
+    if "com angles" in numbers:
+        (along, across), (first, second) = np.moveaxis(numbers["com angles"], 0, -1)
+        own["com"] = np.stack([across * first, across * second, along], axis=1)
+    if "com" in numbers:
+        first, second, third = numbers["com"].T
+        with np.errstate(invalid="ignore", over="ignore"):
+            length = np.sqrt(first * first + second * second + third * third)
+            own["com"] = numbers["com"] / length[:, np.newaxis]
+        if not np.isfinite(own["com"]).all():
+            raise ValueError("axes: com1, com2 and com3 must not all be zero: they are a direction")
+    if "torque" in numbers:
+        part = Torque.body(numbers["torque"])
+        if scene.torque is not None:
+            in_space = np.broadcast_to(scene.torque.in_space, np.shape(part.in_body))
+            part = replace(part, in_space=in_space, function=scene.torque.function)
+        own["torque"] = part
+    if "dissipation" in numbers:
+        own["dissipation"] = EnergySink(numbers["dissipation"])
+    if "orbit" in numbers:
+        known = scene.orbit
+        assert known is not None
+        rate, e, anomaly = numbers["orbit"].T
+        own["orbit"] = Orbit(rate, e, anomaly, known.normal, known.periapsis)
+    return scene.replaced(Body(moments, physical=scene.body.physical), damping, **own)

@@ -1,0 +1,196 @@
+"""The axes of a map: parameters with their values, and which of them go together."""
+
+from __future__ import annotations
+
+from collections.abc import Container, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from .._checks.arguments import brief, numbers, of_known
+from ..model.parameters import ATTITUDE_UNFELT, PARAMETERS, Parameter
+from ..model.scene import Scene
+from ..model.start import Start
+
+MOST_AXES = 32
+"""Most axes of a map: all versions of NumPy allow as many."""
+
+EXCLUSIVE = (
+    ("box", "moments", "the moments of a box follow from its sides"),
+    ("semi-axes", "moments", "the moments of an ellipsoid follow from its semi-axes"),
+    ("semi-axes", "box", "both say which shape the body has"),
+    ("com angles", "com", "both say where the centre of mass is"),
+)
+"""Places whose parameters exclude each other, and why."""
+
+_OF_ALL = {
+    **dict.fromkeys(("noise", "attitude_noise"), "both say how large the noise is"),
+    **{name: f"both set the {name}" for name in ("damping", "dissipation", "drag")},
+}
+"""Places of which a parameter sets all numbers, or one, and why not both."""
+
+
+@dataclass(frozen=True, slots=True)
+class Axis:
+    """One axis of a map: a parameter name and its values, increasing or decreasing."""
+
+    name: str
+    values: tuple[float, ...]
+    own: bool = False
+    """Whether the axis is an argument of the function that makes the scene."""
+
+    @property
+    def parameter(self) -> Parameter:
+        """The row of :data:`PARAMETERS` that the axis varies."""
+        return _own_parameter(self.name) if self.own else PARAMETERS[self.name]
+
+    @property
+    def unit(self) -> str:
+        """Unit of the values (SI, or any consistent set)."""
+        return self.parameter.unit
+
+    @property
+    def label(self) -> str:
+        """Symbol and unit for a plot."""
+        symbol = self.parameter.symbol
+        return symbol if self.unit == "1" else f"{symbol} ({self.unit})"
+
+    @property
+    def geometric(self) -> bool:
+        """Whether the values form a geometric progression, which is drawn on a logarithmic axis."""
+        values = np.array(self.values)
+        if values.size < 3 or values.min() <= 0.0:
+            return False
+        steps = np.diff(np.log(values))
+        return bool(np.ptp(steps) <= 1e-6 * abs(steps[0]))
+
+    def __str__(self) -> str:
+        unit = "" if self.unit == "1" else f" {self.unit}"
+        count = f"{len(self.values)} values{', geometric' if self.geometric else ''}"
+        return f"{self.name} from {self.values[0]:g} to {self.values[-1]:g}{unit} ({count})"
+
+
+def _own_parameter(name: str) -> Parameter:
+    """The parameter of a function that makes the scene."""
+    return Parameter(name, "1", "argument of the function of the scene", "function")
+
+
+def make_axes(axes: Mapping[str, ArrayLike], own: Container[str] = ()) -> tuple[Axis, ...]:
+    """The axes of a map from names and values; x first, then y.
+
+    The names in ``own`` are arguments of the function that makes the scene.
+
+    Raises
+    ------
+    ValueError
+        For an unknown name, no axes or more than 32, or values that are not finite, not
+        one-dimensional, not strictly increasing or decreasing, or out of range.
+    """
+    if not isinstance(axes, Mapping):
+        raise TypeError(f"axes = {brief(axes)}: must be a dict of names and values")
+    if not 1 <= len(axes) <= MOST_AXES:
+        raise ValueError(
+            f"axes: expected 1 to {MOST_AXES} parameters (x, then y, ...), got {len(axes)}"
+        )
+    return tuple(_axis(name, values, name in own) for name, values in axes.items())
+
+
+def check_axis_name(name: str) -> None:
+    """Raise ValueError if no parameter of a map has this name."""
+    if name not in PARAMETERS:
+        raise ValueError(f"axes: unknown parameter {brief(name)}{of_known(name, PARAMETERS)}")
+
+
+def _axis(name: str, values: ArrayLike, own: bool) -> Axis:
+    if not own:
+        check_axis_name(name)
+    array = numbers(f"axes[{name!r}]", values, None if own else PARAMETERS[name].unit)
+    if array.ndim != 1 or array.size == 0:
+        raise ValueError(f"axes[{name!r}]: expected shape (n,) with n >= 1, got {array.shape}")
+    if not np.isfinite(array).all():
+        bad = int(np.flatnonzero(~np.isfinite(array))[0])
+        raise ValueError(f"axes[{name!r}][{bad}] = {array[bad]}: must be finite")
+    steps = np.diff(array)
+    if not ((steps > 0).all() or (steps < 0).all()):
+        raise ValueError(f"axes[{name!r}]: must increase or decrease strictly")
+    axis = Axis(name, tuple(array.tolist()), own)
+    rejected = np.flatnonzero(axis.parameter.rejects(array))
+    if rejected.size:
+        bad = int(rejected[0])
+        raise ValueError(f"axes[{name!r}][{bad}] = {array[bad]:g}: {axis.parameter.rule}")
+    return axis
+
+
+def check_applicable(scene: Scene, start: Start, axes: Iterable[Axis]) -> None:
+    """Raise ValueError, with the reason, if an axis or a part of the start has no meaning here."""
+    if not scene.rates_need_attitude and start.attitude_noise is not None:
+        raise ValueError(f"attitude_noise = {start.attitude_noise.describe()}: {ATTITUDE_UNFELT}")
+    if not scene.rates_need_attitude and start.noise is not None and start.joint:
+        raise ValueError(f"noise = {start.noise.describe()}: {ATTITUDE_UNFELT}")
+    if not scene.directions and start.omega is not None and start.tilt != 0.0:
+        raise ValueError("tilt: has no effect on a free body started by omega; use Start(spin=...)")
+    axes = tuple(axes)
+    for axis in axes:
+        reason = axis.parameter.why_not(scene, start)
+        if reason:
+            raise ValueError(f"axes: {axis.name!r} does not apply: {reason}")
+    for one, other, reason in EXCLUSIVE:
+        _check_exclusive(_at(axes, one), _at(axes, other), reason)
+    for place, reason in _OF_ALL.items():
+        mine = _at(axes, place)
+        whole, parts = (
+            [a for a in mine if bool(a.parameter.index) is part] for part in (False, True)
+        )
+        _check_exclusive(whole, parts, reason)
+    _check_moments(_at(axes, "moments"))
+
+
+def _at(axes: Iterable[Axis], place: str) -> list[Axis]:
+    """The axes whose numbers are in this place."""
+    return [axis for axis in axes if axis.parameter.place == place]
+
+
+def _check_exclusive(first: Sequence[Axis], second: Sequence[Axis], reason: str) -> None:
+    """Raise ValueError if there are axes of both kinds."""
+    if first and second:
+        raise ValueError(
+            f"axes: {second[0].name!r} and {first[0].name!r} exclude each other: {reason}"
+        )
+
+
+def _check_moments(axes: Sequence[Axis]) -> None:
+    """Raise ValueError if axes set one moment twice or give a ratio of moments twice."""
+    setters: dict[int | None, Axis] = {}
+    for axis in axes:
+        (moment,) = axis.parameter.index
+        if moment in setters:
+            both = f"{setters[moment].name!r} and {axis.name!r}"
+            raise ValueError(f"axes: {both} both set I{moment + 1}")
+        setters[moment] = axis
+    for axis in axes:
+        seen, at = [axis.name], axis.parameter.times
+        while at in setters:
+            if setters[at] is axis:
+                both = " and ".join(map(repr, seen))
+                what = "the same ratio" if len(seen) == 2 else "ratios that depend on each other"
+                raise ValueError(f"axes: {both} set {what}")
+            seen.append(setters[at].name)
+            at = setters[at].parameter.times
+
+
+def in_order(axes: Sequence[Axis]) -> list[int]:
+    """Positions of axes in an order in which each moment is set before it is read."""
+    setters = {axis.parameter.index: axis for axis in _at(axes, "moments")}
+
+    def depth(axis: Axis) -> int:
+        read = axis.parameter.times
+        before = None if read is None else setters.get((read,))
+        return 0 if before is None else 1 + depth(before)
+
+    return sorted(range(len(axes)), key=lambda place: depth(axes[place]))
+
+
+def axis_letter(place: int) -> str:
+    """The name of an axis by its place, for tables, files and pictures: x, y, z, axis4, ..."""
+    return "xyz"[place] if place < 3 else f"axis{place + 1}"
