@@ -25,6 +25,7 @@ from .info import build_info
 from .maps.replay import Replay
 from .maps.samples import Outcomes, Starts
 from .maps.spec import MapSpec
+from .maps.vary import sample_bodies
 from .model.body import Body
 from .model.bounds import (
     librates,
@@ -195,6 +196,7 @@ __all__ = [
     "report",
     "returns",
     "rotations",
+    "sample_bodies",
     "samples",
     "section",
     "simulate",

@@ -40,6 +40,7 @@ __all__ = [
     "closed_forms",
     "closed_forms_for",
     "default_steps",
+    "deviates",
     "deviation_starts",
     "distances",
     "elliptic",
@@ -102,6 +103,9 @@ def unknown_outcomes(count: int) -> dict[str, NDArray[Any]]: ...
 def clopper_pearson(
     successes: NDArray[np.int64], trials: NDArray[np.int64], confidence: float
 ) -> list[NDArray[np.float64]]: ...
+def deviates(
+    law: str, seed: int, block: int, pixels: NDArray[np.uint64], samples: NDArray[np.uint64]
+) -> NDArray[np.float64]: ...
 def in_standard_floats(
     function: Callable[..., Any], args: tuple[Any, ...], kwargs: dict[str, Any]
 ) -> Any: ...

@@ -167,11 +167,6 @@ impl<'a> TorqueCall<'a> {
     pub fn width(&self) -> usize {
         self.data.map_or(0, <[f64]>::len)
     }
-
-    /// Whether the functions of two bodies differ in their data only.
-    pub fn is_like(&self, other: &TorqueCall) -> bool {
-        self.code == other.code && self.width() == other.width()
-    }
 }
 
 /// The functions of the bodies of a group, which differ in their data only.

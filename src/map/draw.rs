@@ -47,6 +47,9 @@ pub struct Mixed {
 /// The block of draws that tells which start of a mixture a sample takes; those before are of the rates and the attitude.
 const OF_MIXTURE: u64 = 2;
 
+/// Number of blocks of draws of a start.
+pub const OF_START: u64 = 3;
+
 /// Samples whose random bits are drawn in turn: together they take two thirds of their time one by one.
 const TOGETHER: usize = 4;
 

@@ -83,8 +83,8 @@ const GROWTH_STEPS: f64 = 12.5;
 pub struct Map {
     /// What moves the bodies.
     pub scene: &'static Scene,
-    /// The forces on each pixel; empty if nothing acts.
-    pub forces: Vec<Forces>,
+    /// The forces on the pixels, or those on all; none if nothing acts.
+    pub forces: Option<Forces>,
     /// How the samples are classified.
     pub method: MethodChoice,
     /// The pixels.
@@ -138,9 +138,9 @@ impl Map {
             let value = format!("{} in each of {} pixels", self.samples, self.pixels.len());
             return refuse("samples", value, "a map must have fewer than 2**63");
         }
-        if let Some(first) =
-            self.first.iter().find(|first| !first.is_multiple_of(GROUP) || **first >= 1 << 63)
-        {
+        // A sample alone is its own group.
+        let begins_group = |first: u64| self.samples == 1 || first.is_multiple_of(GROUP);
+        if let Some(first) = self.first.iter().find(|first| !begins_group(**first) || **first >= 1 << 63) {
             return refuse("first", first.to_string(), "must be a multiple of 64 below 2**63");
         }
         let all_laws = self.mixture.iter().map(|mixed| &mixed.laws).chain([&self.laws]);
@@ -186,7 +186,11 @@ impl Map {
         if of_measures.count() > 0 {
             self.method.by_steps().check_observed()?;
         }
-        if self.is_forced() {
+        if let Some(forces) = &self.forces {
+            if forces.bodies() > 1 && forces.bodies() != self.pixels.len() {
+                let rule = "must be of one body, or of each pixel";
+                return refuse("forces", format!("of {} bodies", forces.bodies()), rule);
+            }
             self.check_forced()?;
         }
         match self.first_without_closed_form().filter(|_| is_exact) {
@@ -204,28 +208,29 @@ impl Map {
     /// Whether torque or damping is applied.
     #[inline]
     pub(super) fn is_forced(&self) -> bool {
-        !self.forces.is_empty()
+        self.forces.is_some()
     }
 
     /// Whether functions of the user act on the samples: on all or none.
     pub fn calls_functions(&self) -> bool {
-        self.forces.first().is_some_and(|forces| forces.of(0).function.is_some())
+        self.forces.as_ref().is_some_and(|forces| forces.function().is_some())
     }
 
     /// How many numbers a function is given for each body.
     pub(super) fn function_width(&self) -> usize {
-        self.forces.first().map_or(0, Forces::function_width)
+        self.forces.as_ref().map_or(0, Forces::function_width)
     }
 
     /// The forces on any of the samples.
     pub(super) fn forces(&self) -> ForceSet {
-        let all = self.forces.iter().map(|forces| ForceSet::from(forces.of(0)));
-        ForceSet { act: self.is_forced(), ..all.fold(ForceSet::NONE, ForceSet::and) }
+        let Some(forces) = &self.forces else { return ForceSet::NONE };
+        let all = (0..forces.bodies()).map(|body| ForceSet::from(forces.of(body)));
+        ForceSet { act: true, ..all.fold(ForceSet::NONE, ForceSet::and) }
     }
 
     /// The forces on a pixel.
     pub(super) fn forces_of(&self, pixel: u64) -> BodyForces<'_> {
-        self.forces.get(pixel as usize).unwrap_or(Forces::NONE).of(0)
+        self.forces.as_ref().map_or(BodyForces::NONE, |forces| forces.of(pixel as usize))
     }
 
     /// Refuses forces that a criterion or the method cannot handle.
@@ -245,21 +250,14 @@ impl Map {
             let rule = "under torque and damping only the tilt from the vertical is watched";
             return refuse("reference", "'start'".to_string(), rule);
         }
-        if self.forces.iter().any(|forces| !forces.of(0).table.times.is_empty()) {
+        if !self.forces_of(0).table.times.is_empty() {
             return refuse("torque", "a table".to_string(), "must be constant in a map");
         }
-        let is_like_first = |forces: &Forces| match (forces.of(0).function, self.forces[0].of(0).function) {
-            (Some(function), Some(first)) => function.is_like(&first),
-            (function, first) => function.is_none() && first.is_none(),
-        };
-        if !self.forces.iter().all(is_like_first) {
-            let rule = "one function with as many numbers moves the bodies of all pixels";
-            return refuse("torque", "functions that differ".to_string(), rule);
-        }
-        for (pixel, forces) in self.pixels.iter().zip(&self.forces).filter(|(pixel, _)| pixel.possible) {
-            forces.of(0).damping.check_rates(pixel.body.moments)?;
+        for (pixel, number) in self.pixels.iter().zip(0..).filter(|(pixel, _)| pixel.possible) {
+            let damping = self.forces_of(number).damping;
+            damping.check_rates(pixel.body.moments)?;
             if let Some(step) = self.step {
-                let [.., rate] = forces.of(0).damping.rates(pixel.body.moments);
+                let [.., rate] = damping.rates(pixel.body.moments);
                 method.check_damping(None, step, rate)?;
             }
         }
@@ -279,13 +277,12 @@ impl Watched<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::forces::TorqueFunction;
     use crate::scene::FREE;
 
     fn map() -> Map {
         Map {
             scene: &FREE,
-            forces: Vec::new(),
+            forces: None,
             method: MethodChoice::Auto,
             pixels: Vec::new(),
             laws: Laws::NONE,
@@ -313,39 +310,18 @@ mod tests {
                 "axis = 0",
             ),
             (Map { samples: 0, ..map() }, "samples = 0"),
-            (Map { first: vec![0, 32], ..map() }, "first = 32"),
+            (Map { samples: 64, first: vec![0, 32], ..map() }, "first = 32"),
             (
                 Map { mixture: vec![Mixed { until: 0.5, laws: Laws::NONE, pixels: Vec::new() }], ..map() },
                 "mixture = 1",
             ),
-            (Map { first: vec![1 << 63], ..map() }, "first = 9223372036854775808"),
+            (Map { samples: 64, first: vec![1 << 63], ..map() }, "first = 9223372036854775808"),
             (Map { t_end: f64::NAN, ..map() }, "t_end = NaN"),
             (Map { t_end: -1.0, ..map() }, "t_end = -1"),
         ];
         for (map, words) in refused {
             let message = map.checked().unwrap_err().to_string();
             assert!(message.starts_with(words), "{message}");
-        }
-    }
-
-    #[test]
-    fn a_map_has_one_function() {
-        let called = |address, width| {
-            // SAFETY: nothing is called.
-            let function = unsafe {
-                TorqueFunction::new(address, true, vec![0.0; width], width, vec![1.0], 1.0).unwrap()
-            };
-            Forces::new(&[], &[], &[], &[]).unwrap().with_function(function).unwrap()
-        };
-        for (forces, is_right) in [
-            (vec![called(8, 2), called(8, 2)], true),
-            (vec![called(8, 2), called(16, 2)], false),
-            (vec![called(8, 2), called(8, 3)], false),
-            (vec![called(8, 2), Forces::new(&[], &[[0.0; 3]], &[[0.0; 3]], &[]).unwrap()], false),
-        ] {
-            let checked = Map { forces, ..map() }.check_forced();
-            let message = checked.err().map_or(String::new(), |error| error.to_string());
-            assert_eq!(!message.starts_with("torque = functions that differ: "), is_right, "{message}");
         }
     }
 

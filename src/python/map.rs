@@ -7,13 +7,12 @@ use super::forces::PyForces;
 use crate::body::MomentStatus;
 use crate::error::Error;
 use crate::float_environment::FloatEnvironment;
-use crate::forces::Forces;
 use crate::map::{
     Bin, Check, Class, Column, Condition, Criterion, Field, Laws, Logic, Map, Measure, MethodChoice, Mixed,
-    NO_VERDICT, Outcome, Pixel, Sketch, Statistics, Value, Verdict, clopper_pearson_of_each,
+    NO_VERDICT, OF_START, Outcome, Pixel, Sketch, Statistics, Value, Verdict, clopper_pearson_of_each,
 };
 use crate::memory;
-use crate::sample::{Given, Law};
+use crate::sample::{self, Given, Law};
 use crate::scene::Scene;
 use crate::simd::Isa;
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods};
@@ -24,6 +23,26 @@ use std::sync::Mutex;
 /// What the columns of a map are called if they do not fit into memory.
 const PIXELS: &str = "pixels of the map";
 const GIVEN: &str = "given samples";
+
+/// A deviate of unit size for each sample of a pixel, from a block of draws that is neither of its rates nor of its attitude.
+#[pyfunction]
+pub fn deviates<'py>(
+    py: Python<'py>,
+    law: &str,
+    seed: u128,
+    block: u64,
+    pixels: Aligned1<'py, u64>,
+    samples: Aligned1<'py, u64>,
+) -> PyResult<Bound<'py, PyArray1<f64>>> {
+    let (law, key) = (Law::parse("law", law)?, [seed as u64, (seed >> 64) as u64]);
+    let (pixels, samples) = (pixels.as_array(), samples.as_array());
+    same_length("samples", pixels.len(), samples.len())?;
+    let drawn = pixels.iter().zip(samples).map(|(&pixel, &sample)| {
+        let [first, ..] = sample::vector(law, sample::uniforms(key, OF_START + block, sample, pixel));
+        first
+    });
+    Ok(memory::collected("deviates", pixels.len(), drawn)?.into_pyarray(py))
+}
 
 /// A checked request for a map; its samples are run in ranges and one by one.
 #[pyclass(frozen, module = "rigid._core")]
@@ -286,7 +305,7 @@ struct MapRequest<'py> {
     samples: u64,
     checked: Option<u64>,
     seed: u128,
-    forces: Option<Vec<PyRef<'py, PyForces>>>,
+    forces: Option<PyRef<'py, PyForces>>,
     numbers: Option<Aligned1<'py, u64>>,
     first: Option<Aligned1<'py, u64>>,
 }
@@ -395,17 +414,7 @@ impl MapRequest<'_> {
             let (pixels, laws) = starts.pixels(moments, weight, &status)?;
             memory::push(PIXELS, &mut mixture, Mixed { until, laws, pixels })?;
         }
-        let forces: Vec<Forces> = match self.forces {
-            Some(all) => {
-                same_length("forces", pixels, all.len())?;
-                let mut copies = memory::reserved(PIXELS, pixels)?;
-                for one in &all {
-                    copies.push(one.0.copied()?);
-                }
-                copies
-            }
-            None => Vec::new(),
-        };
+        let forces = self.forces.as_ref().map(|forces| forces.0.copied()).transpose()?;
         let of_each = |name, numbers: &Option<Aligned1<'_, u64>>| -> PyResult<Vec<u64>> {
             let Some(numbers) = numbers.as_ref().map(|numbers| numbers.as_array()) else {
                 return Ok(Vec::new());

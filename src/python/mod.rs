@@ -60,7 +60,8 @@ mod _core {
     use super::growth::{deviation_starts, generic_deviations, growth, rate_units, verdicts};
     #[pymodule_export]
     use super::map::{
-        MapJob, MapStatistics, agreed_classes, class_names, clopper_pearson, map_columns, unknown_outcomes,
+        MapJob, MapStatistics, agreed_classes, class_names, clopper_pearson, deviates, map_columns,
+        unknown_outcomes,
     };
     #[pymodule_export]
     use super::motion::PyMotion;

@@ -72,11 +72,11 @@ class CoreRequest:
     max_steps, samples, seed : int
     checked : int or None
         Samples with smaller numbers are classified twice; None: the doubtful.
-    forces : sequence of Forces, optional
-        Those on each pixel.
+    forces : Forces, optional
+        Those on the pixels, or those on all.
     numbers, first : ndarray of uint64, shape (P,), optional
         The number of each pixel in the whole map, and the number of its first sample, a multiple of
-        64.
+        64 unless there is one sample of each.
     """
 
     scene: str
@@ -95,6 +95,6 @@ class CoreRequest:
     samples: int
     checked: int | None
     seed: int
-    forces: Sequence[_core.Forces] | None = None
+    forces: _core.Forces | None = None
     numbers: NDArray[np.uint64] | None = None
     first: NDArray[np.uint64] | None = None

@@ -17,7 +17,6 @@ from .._checks.float_environment import in_standard_floats
 from .._moments import rods, without_spin
 from ..model.body import rates_of_rods
 from ..model.forces import FORCES
-from ..model.leading import axes_of
 from ..model.parameters import PLACES, moments_of, numbers_of, scene_of
 from ..model.scene import Scene
 from ..model.start import Noise, Start, tilted_attitude, tilted_rates
@@ -25,6 +24,7 @@ from ..model.torque import Torque, forces_of
 from ..rotations.apply import to_body
 from ..solve.bodies import Bodies
 from .axes import Axis, in_order
+from .vary import Draws, Varied
 
 Floats = NDArray[np.float64]
 
@@ -44,6 +44,8 @@ class Pixels:
     tilt : (P,) rad
     attitude_size : (P, 3) sizes of the rotation vectors of the attitude noise, rad
     acting : the names of the forces that act in some pixel of the whole map
+    drawn : the values, shape (P,), of the parameters that were drawn at random
+    draws : (P,) int64, the draws of these parameters until a body could have them
     """
 
     scene: Scene
@@ -55,6 +57,8 @@ class Pixels:
     tilt: Floats
     attitude_size: Floats
     acting: tuple[str, ...]
+    drawn: Mapping[str, Floats]
+    draws: NDArray[np.int64] | None
 
     def __post_init__(self) -> None:
         for column in fields(self):
@@ -90,8 +94,8 @@ class Pixels:
         return _each(np.zeros((3, 3)) if known is None else known, 2, len(self.moments))
 
     @cached_property
-    def _forces(self) -> _core.Forces | None:
-        """The forces on all pixels; None if no pixel has any."""
+    def forces(self) -> _core.Forces | None:
+        """The forces on the pixels, or those on all; None if no pixel has any."""
         if not self.acting:
             return None
         scene, torque = self.scene, self.scene.torque
@@ -100,28 +104,6 @@ class Pixels:
         if torque is None and {*self.acting} != {"orbit"}:
             torque = Torque.body((0.0, 0.0, 0.0))
         return forces_of(torque, scene.damping, scene.shape, further=scene.further_numbers())
-
-    @cached_property
-    def forces(self) -> list[_core.Forces] | None:
-        """The forces on each pixel; None if no pixel has any."""
-        if self._forces is None:
-            return None
-        torque, count = self.scene.torque, len(self.moments)
-        parts: list[tuple[Any, int]] = [
-            (self.scene.damping, 2),
-            *((n, 1) for n in self.scene.further_numbers().values()),
-        ]
-        if torque is not None:
-            parts += [(torque.in_body, 2), (torque.in_space, 2)]
-            parts += [] if torque.function is None else [(torque.function.data, 1)]
-        rows = [_each(part, width, count) for part, width in parts if axes_of(part, width)]
-        if not rows:
-            return [self._forces] * count
-        # Pixels of a row mostly share theirs.
-        every = np.concatenate([row.reshape(count, -1) for row in rows], axis=1)
-        _, first, of_pixel = np.unique(every, axis=0, return_index=True, return_inverse=True)
-        known = [self._forces.select(np.array([pixel])) for pixel in first]
-        return [known[k] for k in of_pixel.ravel()]
 
     def bodies(self, of_pixel: NDArray[np.intp], omega: Floats, attitude: Floats) -> Bodies:
         """Bodies of these pixels, shape (n,), with their starts.
@@ -144,7 +126,7 @@ class Pixels:
             weight=self.weight[of_pixel],
             omega=omega,
             attitude=attitude,
-            forces=None if self._forces is None else self._forces.select(of_pixel),
+            forces=None if self.forces is None else self.forces.select(of_pixel),
         )
 
     def of_pixels(self, pixels: NDArray[np.int64]) -> Pixels:
@@ -167,9 +149,12 @@ def grid_shape(axes: tuple[Axis, ...]) -> tuple[int, ...]:
     return tuple(len(axis.values) for axis in reversed(axes))
 
 
-def acting_forces(scene: Scene, axes: tuple[Axis, ...]) -> tuple[str, ...]:
-    """The names of the forces of a scene, and of those that axes set."""
-    varied = {axis.parameter.place for axis in axes}
+def acting_forces(
+    scene: Scene, axes: tuple[Axis, ...], vary: tuple[Varied, ...] = ()
+) -> tuple[str, ...]:
+    """The names of the forces of a scene, and of those that axes set or that vary."""
+    every: tuple[Axis | Varied, ...] = (*axes, *vary)
+    varied = {one.parameter.place for one in every}
     further = (name for name in ("torque", "damping", *FORCES) if name in varied)
     return tuple(dict.fromkeys((*scene.forces, *further)))
 
@@ -181,27 +166,31 @@ def nominal_starts(
     axes: tuple[Axis, ...] = (),
     index: NDArray[np.int64] | None = None,
     given: Mapping[str, Floats] = MappingProxyType({}),
+    draws: Draws | None = None,
 ) -> Pixels:
     """The pixels of a grid that :func:`check_applicable` accepts.
 
     Without axes there is one pixel: the nominal start of the scene. With ``index`` only the pixels
     with these numbers in C order are made, a row for each. If a function of the user makes the
     scene, it is the scene of all pixels, and ``given`` has the rates and attitudes of all pixels
-    that the function gives.
+    that the function gives. With ``draws`` each row is a body whose parameters are drawn.
     """
     shape = grid_shape(axes)
     flat = np.arange(prod(shape)) if index is None else index
-    count, forces, acting = len(flat), scene.forces, acting_forces(scene, axes)
+    vary = () if draws is None else draws.vary
+    count, forces, acting = len(flat), scene.forces, acting_forces(scene, axes, vary)
     if index is not None:
         scene = scene[index] if scene.shape else scene
         given = {name: rows[index] for name, rows in given.items()}
-    varied = {axis.parameter.place for axis in axes}
+    every: tuple[Axis | Varied, ...] = (*axes, *vary)
+    varied = {one.parameter.place for one in every}
     values = numbers_of(scene, start, PLACES.keys() & (varied | _NEEDED), count)
     if "omega" in given:
         values["omega"] = given["omega"].copy()
     places = list(reversed(np.unravel_index(flat, shape))) if axes else []
     for k in in_order(axes):
         axes[k].parameter.put(values, np.array(axes[k].values)[places[k]])
+    drawn, number = ({}, None) if draws is None else draws.put(values, scene.body.physical)
     moments = moments_of(values)
     possible = _core.moment_status(without_spin(moments), scene.body.physical) == 0
     scene = scene_of(scene, values, np.where(possible[:, np.newaxis], moments, 1.0))
@@ -230,6 +219,8 @@ def nominal_starts(
         tilt=values["tilt"],
         attitude_size=values["attitude_noise"],
         acting=acting,
+        drawn=drawn,
+        draws=number,
     )
 
 

@@ -33,7 +33,9 @@ class Jobs:
         Samples of each row.
     """
 
-    def __init__(self, jobs: list[tuple[_core.MapJob | CustomJob, Ints]], samples: int) -> None:
+    def __init__(
+        self, jobs: list[tuple[_core.MapJob | CustomJob | VaryingJob, Ints]], samples: int
+    ) -> None:
         self._jobs, self._samples = jobs, samples
         self.status = np.empty(sum(len(rows) for _, rows in jobs), dtype=np.uint8)
         for job, rows in jobs:
@@ -83,7 +85,9 @@ class Jobs:
 
     def _split(
         self, samples: NDArray[np.uint64]
-    ) -> Iterator[tuple[_core.MapJob | CustomJob, NDArray[np.intp], NDArray[np.uint64]]]:
+    ) -> Iterator[
+        tuple[_core.MapJob | CustomJob | VaryingJob, NDArray[np.intp], NDArray[np.uint64]]
+    ]:
         """The request of each part with its own of the samples, and their numbers there."""
         pixel, within = np.divmod(samples.astype(np.int64), self._samples)
         for job, rows in self._jobs:
@@ -92,12 +96,92 @@ class Jobs:
             yield job, mine, own.astype(np.uint64)
 
 
+BLOCK = 2**14
+"""Bodies of a varying map that a request to the core has: some tens of milliseconds or more."""
+
+
+class VaryingJob:
+    """The request of a map whose bodies vary: in the core each body is a pixel with one sample.
+
+    Parameters
+    ----------
+    spec : MapSpec
+        Of one horizon and one limit.
+    pixels : ndarray of int64, shape (P,)
+        Numbers of the pixels, a row for each.
+    count : int
+        Samples of each row.
+    first : ndarray of int64, shape (P,)
+        Number of the first sample of each row.
+    fixed : dict of str to float
+        Values of further axes of the whole map.
+    """
+
+    def __init__(
+        self, spec: MapSpec, pixels: Ints, count: int, first: Ints, fixed: Mapping[str, float]
+    ) -> None:
+        self._spec, self._pixels, self._fixed = spec, pixels, fixed
+        self._count, self._first = count, first
+        self._checked = spec.checked_before(count, first)
+        self.status = spec.grid.status[pixels]
+
+    def run(
+        self,
+        start: int,
+        stop: int,
+        threads: int,
+        interrupted: Callable[[], bool] | None = None,
+    ) -> dict[str, Any] | None:
+        """As ``MapJob.run``."""
+        first, last = start // self._count, -(-stop // self._count)
+        statistics = _core.MapStatistics(last - first, len(self._spec.measure))
+        for begin in range(start, stop, BLOCK):
+            flat = np.arange(begin, min(begin + BLOCK, stop))
+            flat = flat[self.status[flat // self._count] == 0]
+            if not len(flat):
+                continue
+            part = self._of(flat).run(0, len(flat), threads, interrupted)
+            if part is None:
+                return None
+            statistics.merge({**part, "pixels": flat // self._count - first})
+        return {
+            "pixels": np.arange(first, last),
+            "measures": statistics.bins(),
+            **statistics.arrays(),
+        }
+
+    def starts(self, samples: NDArray[np.uint64]) -> list[NDArray[np.float64]]:
+        """As ``MapJob.starts``."""
+        parts = [job.starts(every) for job, every in self._parts(samples)]
+        return [np.concatenate(columns) for columns in zip(*parts, strict=True)]
+
+    def outcomes(self, samples: NDArray[np.uint64], threads: int) -> dict[str, NDArray[Any]]:
+        """As ``MapJob.outcomes``."""
+        parts = [job.outcomes(every, threads) for job, every in self._parts(samples)]
+        return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+
+    def _parts(
+        self, samples: NDArray[np.uint64]
+    ) -> Iterator[tuple[_core.MapJob | CustomJob, NDArray[np.uint64]]]:
+        """Requests for these samples, and the numbers of the samples there."""
+        for begin in range(0, max(len(samples), 1), BLOCK):
+            flat = samples[begin : begin + BLOCK].astype(np.int64)
+            yield self._of(flat), np.arange(len(flat), dtype=np.uint64)
+
+    def _of(self, flat: Ints) -> _core.MapJob | CustomJob:
+        """The request of these samples."""
+        row, within = np.divmod(flat, self._count)
+        spec, pixels, number = self._spec, self._pixels[row], self._first[row] + within
+        grids = [spec.bodies(start, pixels, number) for start in spec.start.starts]
+        return _of_rows(spec, grids, pixels, (1, number), self._checked, self._fixed)
+
+
 def of_pixels(bins: NDArray[np.int64], pixels: NDArray[np.int64]) -> NDArray[np.int64]:
     """Bins of some pixels, numbered from 0, renumbered to these numbers of pixels."""
     return np.concatenate([pixels[bins[:, :1]], bins[:, 1:]], axis=1)
 
 
-Job: TypeAlias = _core.MapJob | CustomJob | Jobs
+Job: TypeAlias = _core.MapJob | CustomJob | VaryingJob | Jobs
 
 
 def to_core(
@@ -146,11 +230,27 @@ def _one(
     count: int,
     first: int | Ints,
     fixed: Mapping[str, float] | None = None,
-) -> _core.MapJob | CustomJob:
+) -> _core.MapJob | CustomJob | VaryingJob:
     """The request of a map with one horizon and one limit."""
+    every = np.arange(math.prod(spec.shape)) if pixels is None else pixels
+    begins = np.broadcast_to(first, every.shape)
+    if spec.vary:
+        return VaryingJob(spec, every, count, begins, fixed or {})
     grids = [spec.starting(start, pixels) for start in spec.start.starts]
-    grid = grids[0]
-    begins = np.broadcast_to(first, len(grid.moments))
+    checked = spec.checked_before(count, begins)
+    return _of_rows(spec, grids, every, (count, begins), checked, fixed or {})
+
+
+def _of_rows(
+    spec: MapSpec,
+    grids: list[Pixels],
+    pixels: Ints,
+    samples: tuple[int, Ints],
+    checked: int | None,
+    fixed: Mapping[str, float],
+) -> _core.MapJob | CustomJob:
+    """The request of rows of so many samples, each from the number of its first sample on."""
+    grid, (count, first) = grids[0], samples
     # What draws for a function classifies nothing, may have no closed form, and measures.
     is_left = spec.is_judged and spec.method in (EXACT, *series_methods())
     request = CoreRequest(
@@ -168,17 +268,14 @@ def _one(
         step=spec.step,
         max_steps=spec.max_steps,
         samples=count,
-        checked=spec.checked_before(count, begins),
+        checked=checked,
         seed=spec.seed,
         forces=grid.forces,
-        numbers=None if pixels is None else pixels.astype(np.uint64),
-        first=begins.astype(np.uint64),
+        numbers=pixels.astype(np.uint64),
+        first=first.astype(np.uint64),
     )
     job = _core.MapJob(request)
-    if not spec.is_judged:
-        return job
-    all_pixels = np.arange(math.prod(spec.shape)) if pixels is None else pixels
-    return CustomJob(spec, job, request, all_pixels, fixed or {})
+    return CustomJob(spec, job, request, pixels, fixed, grid) if spec.is_judged else job
 
 
 def _starts(start: Start, grid: Pixels) -> CoreStarts:

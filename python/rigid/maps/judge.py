@@ -21,6 +21,7 @@ from ..solve.methods import AUTO, EXACT, TO_ROUNDING, adaptive_methods
 from ..solve.request import Request
 from ..solve.status import Status
 from .core_request import CoreRequest
+from .grid import Pixels
 from .spec import MapSpec
 
 Floats = NDArray[np.float64]
@@ -67,6 +68,8 @@ class CustomJob:
         Numbers of the pixels in the grid of the map.
     fixed : dict of str to float
         Values of further axes of the whole map.
+    grid : Pixels
+        The nominal starts of the rows.
     """
 
     def __init__(
@@ -76,12 +79,12 @@ class CustomJob:
         request: CoreRequest,
         pixels: NDArray[np.int64],
         fixed: Mapping[str, float],
+        grid: Pixels,
     ) -> None:
         assert isinstance(spec.stable, Custom)
         self._spec, self._drawing, self._request = spec, drawing, request
         self._stable, self._pixels, self._fixed = spec.stable, pixels, fixed
-        self.status = drawing.status
-        grid = spec.grid
+        self.status, self._grid = drawing.status, grid
         self._closed = np.zeros(len(grid.moments), dtype=np.bool_)
         if spec.method in (AUTO, EXACT) and not spec.forces:
             self._closed = closed_forms("states", grid.moments, grid.weight) != NO_FORM
@@ -148,7 +151,6 @@ class CustomJob:
         """The outcomes of bodies by their numbers, as arrays with one number for each body."""
         count, spec = len(flat), self._spec
         row, within = np.divmod(flat, self._request.samples)
-        pixel = self._pixels[row]
         omega, attitude = self._drawing.starts(flat.astype(np.uint64))
         starts = omega.reshape(-1, 3), attitude.reshape(-1, 4)
         found: dict[str, NDArray[Any]] = {
@@ -162,11 +164,11 @@ class CustomJob:
         begins, checked = self._request.first, self._request.checked
         number = within if begins is None else within + begins[row].astype(np.int64)
         for closed in (True, False):
-            mine = np.flatnonzero(possible & (self._closed[pixel] == closed))
+            mine = np.flatnonzero(possible & (self._closed[row] == closed))
             if not len(mine):
                 continue
             method = EXACT if closed else spec.scheme
-            first = self._judge(method, mine, pixel, starts, threads, is_second=False)
+            first = self._judge(method, mine, row, starts, threads, is_second=False)
             for name, values in first.items():
                 found[name][mine] = values
             found["steps_of_both"][mine] = first["steps"]
@@ -178,7 +180,7 @@ class CustomJob:
             again = mine if checked is None else mine[number[mine] < checked]
             if not len(again):
                 continue
-            second = self._judge(spec.second, again, pixel, starts, threads, is_second=True)
+            second = self._judge(spec.second, again, row, starts, threads, is_second=True)
             was_run = second["status"] != Status.STEP_LIMIT
             before = found["class"][again]
             both = _AGREED[before, second["class"]]
@@ -205,7 +207,7 @@ class CustomJob:
         self,
         method: str,
         mine: NDArray[np.intp],
-        pixel: NDArray[np.int64],
+        row: NDArray[np.int64],
         starts: tuple[Floats, Floats],
         threads: int,
         *,
@@ -214,7 +216,7 @@ class CustomJob:
         """Classes, statuses, drifts and steps of some bodies by one method."""
         times, count = np.array(self._stable.times), len(mine)
         omega, attitude = (values[mine] for values in starts)
-        bodies = self._spec.grid.bodies(pixel[mine], omega, attitude)
+        bodies = self._grid.bodies(row[mine], omega, attitude)
         tolerance, steps = self._steps(method, bodies, times[-1], is_second=is_second)
         part = Request(
             bodies=bodies,
@@ -255,7 +257,7 @@ class CustomJob:
                 omega=of_kept[0],
                 gamma=of_kept[1],
                 attitude=of_kept[2],
-                parameters=self._parameters(pixel[mine][kept]),
+                parameters=self._parameters(row[mine][kept]),
             )
         )
         known = np.where(verdict > 0.0, STABLE, UNSTABLE)
@@ -277,16 +279,17 @@ class CustomJob:
             return None, 0.5 * own if is_second and method == spec.scheme else own
         return None, np.minimum(own, 0.5 * spec.step) if is_second else np.full_like(own, spec.step)
 
-    def _parameters(self, pixel: NDArray[np.int64]) -> dict[str, Floats]:
-        """Values of the axes at these pixels."""
+    def _parameters(self, row: NDArray[np.int64]) -> dict[str, Floats]:
+        """Values of the axes and of what varies, in these rows."""
         shape = self._spec.shape
-        places = reversed(np.unravel_index(pixel, shape)) if shape else ()
+        places = reversed(np.unravel_index(self._pixels[row], shape)) if shape else ()
         values = {
             axis.name: np.array(axis.values)[place]
             for axis, place in zip(self._spec.axes, places, strict=True)
         }
-        fixed = {name: np.full(len(pixel), value) for name, value in self._fixed.items()}
-        return {**values, **fixed}
+        fixed = {name: np.full(len(row), value) for name, value in self._fixed.items()}
+        drawn = {name: every[row] for name, every in self._grid.drawn.items()}
+        return {**values, **fixed, **drawn}
 
     def _counted(self, flat: NDArray[np.int64], found: dict[str, NDArray[Any]]) -> dict[str, Any]:
         """The columns of a map from the outcomes of bodies whose numbers follow each other."""

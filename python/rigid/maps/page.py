@@ -279,7 +279,8 @@ def _layers(data: MapData) -> list[dict[str, Any]]:
 def _motion(spec: MapSpec) -> dict[str, Any] | None:
     """The numbers of the equations of motion of each pixel; None if the page cannot solve them."""
     grid = spec.grid
-    if spec.whole.torque is not None or not {*spec.forces} <= {"torque", "damping"}:
+    solved = spec.whole.torque is None and {*spec.forces} <= {"torque", "damping"}
+    if spec.vary or not solved:
         return None
     count, torque = len(grid.moments), grid.scene.torque
     in_body = np.zeros((count, 3)) if torque is None else np.asarray(torque.in_body)[:, 0]

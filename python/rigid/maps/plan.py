@@ -82,6 +82,8 @@ def _choice(spec: MapSpec, moments: Floats, weight: Floats, forms: Codes) -> tup
     """The method of the possible pixels and the reason; ``"auto"`` if two methods are needed."""
     if spec.method not in (AUTO, EXACT):
         return spec.method, f"method = {spec.method!r} was asked for"
+    if spec.vary and not spec.forces:
+        return AUTO, "parameters vary: in closed form each body that has one"
     closed = forms != NO_FORM
     if not closed.size:
         return EXACT, "no pixel has a possible body: nothing is done"

@@ -26,6 +26,7 @@ from ..solve.methods import EXACT, GROWTH_SECOND
 from ..solve.run import Run
 from ..solve.simulate import replay_states, replay_steps, simulate
 from .data import CLASSES, COLUMNS, STATUS, MapData
+from .grid import Pixels
 from .job import spans, to_core
 from .judge import TOLERANCE, is_adaptive
 from .spec import MapSpec
@@ -74,7 +75,7 @@ class Replay:
     sample : int
         Number of the body in its pixel, from 0.
     parameters : dict
-        Values of the axes at this pixel.
+        Values of the axes at this pixel, and of the parameters that vary.
     omega, attitude : ndarray, shapes (3,), (4,)
         Start of the body: rad/s in the body; quaternion (w, x, y, z).
     method : str
@@ -186,11 +187,12 @@ def replay(
     measures = {name: values.item() for name, values in named.pop("measures").items()}
     record = {name: values.item() for name, values in named.items()}
     record["status"] = _core.status_names()[record["status"]]
-    scene = part.grid.scene[own]
+    body = part.bodies(part.start.starts[0], np.array([own]), np.array([number]))
+    scene = body.scene[0]
     step, method = record["step"], record["method"]
     run: Any
     if isinstance(spec.stable, Regular):
-        run = _growth(part, own, start, record, t)
+        run = _growth(part, body, start, record, t)
     elif isinstance(part.stable, Custom):
         run = replay_states(
             scene,
@@ -217,8 +219,11 @@ def replay(
         pixel=index,
         sample=number,
         parameters={
-            axis.name: axis.values[position]
-            for axis, position in zip(spec.axes, reversed(index), strict=True)
+            **{
+                axis.name: axis.values[position]
+                for axis, position in zip(spec.axes, reversed(index), strict=True)
+            },
+            **{name: values.item() for name, values in body.drawn.items()},
         },
         omega=omega,
         attitude=attitude,
@@ -258,7 +263,7 @@ def _parts(stable: Criterion, conditions: Iterable[tuple[str, float]]) -> tuple[
 
 def _growth(
     spec: MapSpec,
-    pixel: int,
+    body: Pixels,
     start: Sequence[NDArray[np.float64]],
     record: Mapping[str, Any],
     t: ArrayLike | None,
@@ -274,9 +279,9 @@ def _growth(
             raise ValueError("t: must be positive times")
     # Of the very start of the map: an attitude given by a user would be normalised first.
     omega, attitude = (rows[np.newaxis] for rows in start)
-    batch = spec.grid.bodies(np.array([pixel]), omega, attitude)
+    batch = body.bodies(np.array([0]), omega, attitude)
     return growth_of(
-        spec.grid.scene[pixel],
+        body.scene[0],
         replace(batch, shape=()),
         times,
         of=norm_of(spec.stable.of, spec.scene),

@@ -16,6 +16,7 @@ from ..solve.status import Status
 from .data import MapData
 from .job import to_core
 from .replay import named_outcomes, pixel_index
+from .spec import MapSpec
 
 Floats = NDArray[np.float64]
 
@@ -31,10 +32,16 @@ class Starts:
         Rates in the body, rad/s.
     attitude : ndarray, shape ``(*grid, *sample, 4)``, of one pixel ``(*sample, 4)``
         Quaternions (w, x, y, z).
+    parameters : dict of str to ndarray, shape ``(*grid, *sample)``, of one pixel ``sample``
+        The values of the parameters that vary, by their names.
+    draws : ndarray of int64 of this shape, or None
+        How often these parameters were drawn until a body could have them; None if none varies.
     """
 
     omega: Floats
     attitude: Floats
+    parameters: dict[str, Floats]
+    draws: NDArray[np.int64] | None
 
 
 @short_repr
@@ -95,12 +102,35 @@ def starts(data: MapData, sample: ArrayLike, pixel: int | tuple[int, ...] | None
         part.reshape(-1, width)
         for part, width in zip(to_core(spec).starts(flat), (3, 4), strict=True)
     ]
-    arrays = []
-    for part in found:
-        every = np.full((possible.size, part.shape[1]), np.nan)
-        every[possible.ravel()] = part
-        arrays.append(every.reshape(*shape, part.shape[1]))
-    return Starts(omega=arrays[0], attitude=arrays[1])
+
+    def each(values: NDArray[Any], nothing: float) -> NDArray[Any]:
+        every = np.full((possible.size, *values.shape[1:]), nothing, dtype=values.dtype)
+        every[possible] = values
+        return every.reshape((*shape, *values.shape[1:]))
+
+    drawn, draws = _drawn(spec, flat.astype(np.int64))
+    return Starts(
+        omega=each(found[0], np.nan),
+        attitude=each(found[1], np.nan),
+        parameters={name: each(values, np.nan) for name, values in drawn.items()},
+        draws=each(draws, 0) if spec.vary else None,
+    )
+
+
+def _drawn(spec: MapSpec, flat: NDArray[np.int64]) -> tuple[dict[str, Floats], NDArray[np.int64]]:
+    """The values of the parameters that vary, of bodies by their numbers, and their draws."""
+    values = {one.name: np.empty(len(flat)) for one in spec.vary}
+    draws = np.zeros(len(flat), dtype=np.int64)
+    pixel, sample = np.divmod(flat, spec.samples)
+    for part in spec.parts if spec.vary else ():
+        mine = np.flatnonzero(np.isin(pixel, part.pixels))
+        own = np.searchsorted(part.pixels, pixel[mine])
+        bodies = part.spec.bodies(part.spec.start.starts[0], own, sample[mine])
+        assert bodies.draws is not None
+        draws[mine] = bodies.draws
+        for name, every in bodies.drawn.items():
+            values[name][mine] = every
+    return values, draws
 
 
 def outcomes(

@@ -27,7 +27,9 @@ def map_condition(spec: MapSpec, samples: int, threads: int) -> Floats:
     drawn = of_pixel * spec.samples + np.tile(np.arange(samples), len(possible))
     rates, rotations = job.starts(drawn.astype(np.uint64))
     omega, attitude = rates.reshape(-1, 3), rotations.reshape(-1, 4)
-    bodies = spec.grid.bodies(of_pixel, omega, attitude)
+    sample = np.tile(np.arange(samples), len(possible))
+    every = spec.bodies(spec.start.starts[0], of_pixel, sample)
+    bodies = every.bodies(np.arange(len(of_pixel)), omega, attitude)
     factors = amplification(bodies, np.array([spec.t_end]), threads)[:, 0]
     layer = np.full(spec.shape, np.nan)
     layer.flat[possible] = np.median(factors.reshape(-1, samples), axis=1)

@@ -28,7 +28,7 @@ from ..model.parameters import OF_RUN
 from ..model.scene import FreeBody, Scene, scene_from_dict
 from ..model.seed import checked_seed
 from ..model.sourced import Sourced
-from ..model.start import Start
+from ..model.start import Noise, Start
 from ..model.torque import require_constant
 from ..solve.choose_method import NO_BOUND
 from ..solve.closed_form import FORCED_RULE, NO_FORM, closed_forms, question_words, rule
@@ -51,6 +51,7 @@ from .axes import Axis, check_applicable, make_axes
 from .grid import Pixels, acting_forces, grid_shape, nominal_starts
 from .own import OwnScene, own_scene
 from .sequential import Looks, checked_half_width, stop_table
+from .vary import Draws, Varied, check_varied, make_varied
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -124,6 +125,9 @@ class MapSpec:
         then the scene of the first pixel.
     measure : tuple of Measure
         The measures of each body besides its class, with all defaults filled in.
+    vary : tuple of Varied
+        The parameters that each body has at random; the constructor takes a dict of names and
+        distributions too.
     version : str
         Version of rigid.
     """
@@ -145,6 +149,7 @@ class MapSpec:
     title: str | None = None
     own: OwnScene | None = None
     measure: tuple[Measure, ...] = ()
+    vary: tuple[Varied, ...] = ()
     version: str = field(default_factory=lambda: str(_core.build_info()["version"]))
 
     def __post_init__(self) -> None:
@@ -167,8 +172,11 @@ class MapSpec:
             if name not in (axis.name for axis in self.axes):
                 raise ValueError(f"axes: the function of the scene needs an axis {name!r}")
         check_criterion("stable", self.stable)
+        if not isinstance(self.vary, tuple):
+            put("vary", make_varied(self.vary))
         for start in self.start.starts:
             check_applicable(self.scene, start, self.axes)
+            check_varied(self.scene, start, self.vary, self.axes)
         asked, measures = self.stable, make_measures(self.measure)
         put("stable", self._resolved("stable", asked, self.scene))
         put("measure", tuple(self._resolved("measure", one, self.scene) for one in measures))
@@ -294,7 +302,7 @@ class MapSpec:
     @property
     def forces(self) -> tuple[str, ...]:
         """The names of the forces that act in some pixel."""
-        return acting_forces(self.whole, self.axes)
+        return acting_forces(self.whole, self.axes, self.vary)
 
     @property
     def is_called(self) -> bool:
@@ -511,6 +519,13 @@ class MapSpec:
         """The nominal start of every pixel, computed once; for a mixture its first start."""
         return self._nominal(self.start.starts[0])
 
+    def bodies(self, start: Start, pixels: NDArray[np.int64], samples: NDArray[np.int64]) -> Pixels:
+        """The nominal starts of bodies by pixel and sample, with the parameters that they have."""
+        if not self.vary:
+            return self.starting(start, pixels)
+        draws = Draws(self.vary, self.seed, pixels.astype(np.uint64), samples.astype(np.uint64))
+        return self._nominal(start, pixels, draws)
+
     def starting(self, start: Start, pixels: NDArray[np.int64] | None = None) -> Pixels:
         """The nominal start of every pixel, or of some, by one of the starts of a mixture."""
         if start is self.start.starts[0] and (pixels is None or "grid" in self.__dict__):
@@ -518,10 +533,15 @@ class MapSpec:
         # Not the starts of other pixels, of which there may be millions.
         return self._nominal(start, pixels)
 
-    def _nominal(self, start: Start, pixels: NDArray[np.int64] | None = None) -> Pixels:
+    def _nominal(
+        self,
+        start: Start,
+        pixels: NDArray[np.int64] | None = None,
+        draws: Draws | None = None,
+    ) -> Pixels:
         self.require_scene()
         scene, given = self._made
-        return nominal_starts(scene, start, self.axes, pixels, given)
+        return nominal_starts(scene, start, self.axes, pixels, given, draws)
 
     def __getstate__(self) -> dict[str, Any]:
         """The fields without the values that follow from them."""
@@ -534,8 +554,9 @@ class MapSpec:
 
     @property
     def varied(self) -> tuple[str, ...]:
-        """The numbers of the scene and the start that the axes set; a ratio sets its numerator."""
-        return tuple(name for axis in self.axes for name in axis.parameter.sets(axis.name))
+        """The numbers of scene and start that axes set or that vary; a ratio sets its numerator."""
+        every: tuple[Axis | Varied, ...] = (*self.axes, *self.vary)
+        return tuple(name for one in every for name in one.parameter.sets(one.name))
 
     def checked_before(self, count: int, first: NDArray[np.int64]) -> int | None:
         """Bodies of a pixel with a smaller number are classified by the second method, too.
@@ -644,8 +665,10 @@ class MapSpec:
         dict
         """
         measured = {"measure": [one.to_dict() for one in self.measure]} if self.measure else {}
+        vary = {one.name: one.noise.to_dict() for one in self.vary}
         return {
             **measured,
+            **({"vary": vary} if vary else {}),
             "scene": self.scene.to_dict(),
             "start": self.start.to_dict(),
             "axes": [{"name": axis.name, "values": list(axis.values)} for axis in self.axes],
@@ -691,6 +714,8 @@ class MapSpec:
         values["axes"] = make_axes(axes, names)
         values["stable"] = criterion_from_dict(values["stable"])
         values["measure"] = tuple(Measure(**one) for one in values.get("measure", ()))
+        vary = values.get("vary", {})
+        values["vary"] = make_varied({name: Noise(**one) for name, one in vary.items()})
         return cls(**values)
 
     def to_json(self) -> str:

@@ -24,6 +24,7 @@ def summary(data: MapData) -> str:
         ("scene", spec.scene_words),
         ("start", spec.start.describe([axis.name for axis in spec.axes])),
         *((axis_letter(place), str(axis)) for place, axis in enumerate(spec.axes)),
+        *([("varied", ", ".join(map(str, spec.vary)))] if spec.vary else []),
         ("stable", spec.criterion),
         ("method", _method(data)),
         ("samples", _samples(data)),

@@ -118,7 +118,7 @@ def predict(spec: MapSpec) -> Theory | None:
     -------
     Theory or None
     """
-    if spec.misses_functions or not isinstance(spec.start, Start):
+    if spec.misses_functions or spec.vary or not isinstance(spec.start, Start):
         return None
     if len(spec.parts) > 1:
         return _of_parts(spec)

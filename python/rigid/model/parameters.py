@@ -107,6 +107,15 @@ class Parameter:
             return (f"I{self.index[0] + 1}",)
         return (self.place in PLACES and PLACES[self.place].sets) or (name,)
 
+    def get(self, numbers: Mapping[str, Floats]) -> Floats:
+        """Its values among the numbers of all bodies; of all components, shape (components, n).
+
+        A parameter whose number is not its value is not asked for.
+        """
+        every: Any = numbers[self.place]
+        found: Floats = every[:, *self.index].T.copy()
+        return found if self.times is None else found / every[:, self.times]
+
     def put(self, numbers: Mapping[str, Floats], values: Floats) -> None:
         """Write a value for each pixel into the numbers of all pixels, by their places."""
         if self.place not in numbers:
@@ -318,6 +327,12 @@ Before them are moments, ``mgl com``, damping 11, 22, 33, 23, 31, 12, and torque
 
 OF_WEIGHT = ("mgl", "com")
 """Places that only a scene with weight has."""
+
+AT_REST = Start(omega=(0.0, 0.0, 0.0))
+"""A start for numbers of the scene alone."""
+
+OF_START = ("spin", "tilt", "energy", "l_gamma", "omega", "noise", "attitude_noise")
+"""Places of numbers of a start."""
 
 PLACES: Mapping[str, Place] = {
     "moments": Place(lambda scene, _: scene.body.moments, 1, first=0),

@@ -38,11 +38,14 @@ class Noise:
     cov : tuple of tuples of float, or None
         Covariance of normal deviates that hang together, 3 x 3, or 6 x 6 of the rates and then the
         attitude. The size is 1 then.
+    relative : bool
+        Whether the size is a share of the nominal value, for the parameters of bodies.
     """
 
     kind: str
     size: float | tuple[float, float, float] = 1.0
     cov: tuple[tuple[float, ...], ...] | None = None
+    relative: bool = False
 
     def __post_init__(self) -> None:
         one_of("kind", self.kind, NOISE_KINDS)
@@ -81,7 +84,8 @@ class Noise:
         size = list(self.size) if isinstance(self.size, tuple) else self.size
         if self.cov is not None:
             return {"kind": self.kind, "cov": [list(row) for row in self.cov]}
-        return {"kind": self.kind, "size": size}
+        relative = {"relative": True} if self.relative else {}
+        return {"kind": self.kind, "size": size, **relative}
 
     def describe(self, *, varied: bool = False) -> str:
         """The noise in words; ``varied`` if an axis of a map sets its size."""
@@ -92,7 +96,8 @@ class Noise:
         if self.cov is not None:
             return f"{self.kind}(cov {len(self.cov)} x {len(self.cov)})"
         sizes = self.size if isinstance(self.size, tuple) else (self.size,)
-        return f"{self.kind}({', '.join(f'{size:g}' for size in sizes)})"
+        relative = ", relative" if self.relative else ""
+        return f"{self.kind}({', '.join(f'{size:g}' for size in sizes)}{relative})"
 
 
 def _size(value: Any) -> float | tuple[float, float, float]:
@@ -157,7 +162,12 @@ def _lower_factor(cov: tuple[tuple[float, ...], ...]) -> NDArray[np.float64]:
     return factor
 
 
-def normal(size: float | ArrayLike | None = None, *, cov: ArrayLike | None = None) -> Noise:
+def normal(
+    size: float | ArrayLike | None = None,
+    *,
+    cov: ArrayLike | None = None,
+    relative: bool = False,
+) -> Noise:
     """Normal perturbations, ``size * N(0, 1)`` of each body component, or ``N(0, cov)``.
 
     Parameters
@@ -169,6 +179,8 @@ def normal(size: float | ArrayLike | None = None, *, cov: ArrayLike | None = Non
         Instead of a size, the covariance of the components. One of shape (6, 6), of the three rates
         and then the three components of the rotation vector, is given as the ``noise`` of a start
         without an ``attitude_noise``.
+    relative : bool
+        The size is a share of the nominal value: for ``vary=`` of :func:`stability_map`.
 
     Returns
     -------
@@ -183,8 +195,8 @@ def normal(size: float | ArrayLike | None = None, *, cov: ArrayLike | None = Non
     Examples
     --------
     >>> import rigid
-    >>> rigid.normal(1e-3)
-    Noise(kind='normal', size=0.001, cov=None)
+    >>> rigid.normal(1e-3).size
+    0.001
     >>> rigid.normal([1e-3, 0.0, 1e-3]).size
     (0.001, 0.0, 0.001)
     >>> rigid.normal(cov=[[4e-6, 2e-6, 0.0], [2e-6, 4e-6, 0.0], [0.0, 0.0, 1e-8]]).describe()
@@ -194,10 +206,10 @@ def normal(size: float | ArrayLike | None = None, *, cov: ArrayLike | None = Non
         raise ValueError("size, cov: give one of the two to normal()")
     if size is None:
         return Noise("normal", cov=cov)  # type: ignore[arg-type]  # normalised in __post_init__
-    return Noise("normal", size)  # type: ignore[arg-type]
+    return Noise("normal", size, relative=relative)  # type: ignore[arg-type]
 
 
-def uniform(size: float | ArrayLike) -> Noise:
+def uniform(size: float | ArrayLike, *, relative: bool = False) -> Noise:
     """Independent uniform perturbations ``size * U(-1, 1)`` of each body component.
 
     The size is as in :func:`normal`.
@@ -207,6 +219,8 @@ def uniform(size: float | ArrayLike) -> Noise:
     size : float or array_like, shape (3,)
         Largest deviation: rad/s for rates; rad for an attitude, where the deviates are the
         components of a rotation vector applied on the body side.
+    relative : bool
+        The size is a share of the nominal value: for ``vary=`` of :func:`stability_map`.
 
     Returns
     -------
@@ -223,7 +237,7 @@ def uniform(size: float | ArrayLike) -> Noise:
     >>> rigid.Start(spin=1.0, noise=rigid.uniform([0.1, 0.0, 0.1])).noise.size
     (0.1, 0.0, 0.1)
     """
-    return Noise("uniform", size)  # type: ignore[arg-type]
+    return Noise("uniform", size, relative=relative)  # type: ignore[arg-type]
 
 
 @dataclass(frozen=True, slots=True)
@@ -555,6 +569,11 @@ class Start:
             if noise is not None and not isinstance(noise, Noise) and not given:
                 raise TypeError(
                     f"{name} = {brief(noise)}: must be a Noise such as rigid.normal(1e-3)"
+                )
+            if isinstance(noise, Noise) and noise.relative:
+                raise ValueError(
+                    f"{name} = {noise.describe()}: a start has absolute noise; a relative size is "
+                    "for vary="
                 )
         if isinstance(self.noise, Noise) and self.noise.kind == "uniform_attitude":
             raise ValueError(

@@ -12,9 +12,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import brief
 from ..model.orbit import HYPERBOLA, MOST_ECCENTRIC
-from ..model.parameters import PARAMETERS, numbers_of, scene_of
+from ..model.parameters import AT_REST, PARAMETERS, numbers_of, scene_of
 from ..model.scene import Scene
-from ..model.start import Start
 from .parameters import checked_names, differentiable, why_not
 from .simulate import simulate
 
@@ -58,9 +57,6 @@ _SIZES = {
     "drag": (0.1, 0),
 }
 """How far off a first guess may be: this share of the largest moment times a power of the rates."""
-
-_AT_REST = Start(omega=(0.0, 0.0, 0.0))
-"""A start for what asks for one: free rates are no numbers of the scene."""
 
 _OF_ORBIT = (0.1, 0.1, 1.0)
 """The same of an orbit: of its rate as a share, of its eccentricity and its anomaly."""
@@ -127,7 +123,7 @@ class Unknowns:
                 first[k], low[k], sizes[k] = 1.0, 0.0, _SENSOR
             elif name in self._rows:
                 row = self._rows[name]
-                every = numbers_of(self.scene, _AT_REST, {row.place}, 1)[row.place]
+                every = numbers_of(self.scene, AT_REST, {row.place}, 1)[row.place]
                 first[k] = every[0, *row.index].mean()
                 low[k], high[k] = row.lowest, row.highest
                 if row.place == "orbit":
@@ -197,7 +193,7 @@ class Unknowns:
     def at(self, x: Floats) -> tuple[Scene, Floats]:
         """Scene and start that belong to coordinates, shape (k,), or of n bodies to (n, k)."""
         values, bodies = self._values(x), x.shape[:-1]
-        numbers = numbers_of(self.scene, _AT_REST, self._places, prod(bodies))
+        numbers = numbers_of(self.scene, AT_REST, self._places, prod(bodies))
         moments = _taken(values, MOMENTS, self.scene.body.moments, bodies).reshape(-1, 3)
         for name, row in self._rows.items():
             row.put(numbers, values[name].ravel())
@@ -302,7 +298,7 @@ def _checked_names(scene: Scene, free: str | Sequence[str]) -> tuple[str, ...]:
         "free", free, known, _GROUPS, lambda name: why_not(name, scene, f" of a {scene.title}")
     )
     for name in names:
-        reason = rows[name].why_not(scene, _AT_REST) if name in rows else ""
+        reason = rows[name].why_not(scene, AT_REST) if name in rows else ""
         if reason:
             raise ValueError(f"free = {name!r}: {reason}")
         whole = rows[name].place if name in rows else name

@@ -13,12 +13,13 @@ from .._checks.arguments import brief
 from .._checks.progress import ProgressOption
 from ..maps.request import as_it_is, spec_of
 from ..maps.spec import MapSpec
+from ..maps.vary import make_varied
 from ..model.body import Body
 from ..model.criterion import Criterion
 from ..model.measures import Measure, make_measures
 from ..model.mixture import Mixture
 from ..model.scene import Scene
-from ..model.start import Start
+from ..model.start import Noise, Start
 from .result import StabilityMap
 
 if TYPE_CHECKING:
@@ -42,6 +43,7 @@ def stability_map(
     max_steps: int | None = None,
     title: str | None = None,
     measure: Measure | Iterable[Measure] | None = None,
+    vary: Mapping[str, Noise] | None = None,
     partial: bool = False,
     store: str | os.PathLike[str] | None = None,
     executor: Any = None,
@@ -152,6 +154,11 @@ def stability_map(
         :func:`largest_tilt`, :func:`mean_rate`, :func:`drift`, :func:`libration_amplitude`,
         :func:`obliquity`, :func:`spin_orbit_ratio`. The result holds them as ``result.measures``.
         Checked bodies are measured by both runs, whose difference is the error.
+    vary : dict of str to Noise, optional
+        Parameters that each body has at random, as ``{"I1": normal(0.05, relative=True)}``: names
+        of body and forces as in ``axes``, with deviations from the value that the pixel has, by
+        :func:`normal` or :func:`uniform`. A draw that no body can have is repeated;
+        :meth:`StabilityMap.starts` has the values, and how often each body was drawn.
     partial : bool
         After Ctrl-C return the map of the finished pieces instead of raising :class:`Interrupted`;
         the program goes on. ``result.ended`` says whether the map is finished.
@@ -236,6 +243,7 @@ def stability_map(
         "budget": budget,
         "title": title,
         "measure": None if measure is None else make_measures(measure),
+        "vary": None if vary is None else make_varied(vary),
     }
     given = {name: value for name, value in asked.items() if value is not None}
     spec = as_it_is(scene, given) if isinstance(scene, MapSpec) else spec_of(scene, given)

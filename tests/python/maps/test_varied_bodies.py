@@ -1,0 +1,289 @@
+"""Bodies whose parameters are random: distributions, verdicts, bits, replays, refusals."""
+
+from __future__ import annotations
+
+import re
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import rigid
+from rigid.maps import job
+from rigid.maps.theory import predict
+from rigid.model.parameters import PARAMETERS
+
+BOX = rigid.FreeBody(rigid.Body((1.0, 2.0, 2.5)))
+SEED = 2**70 + 11
+
+
+def uniforms(block: int, pixel: int, count: int) -> Any:
+    """The first uniform of a block of draws of each sample, as NumPy's Philox has it."""
+    key = np.array([SEED % 2**64, SEED >> 64], dtype=np.uint64)
+    found = []
+    for sample in range(count):
+        counter = np.array([block, sample, pixel, 0], dtype=np.uint64)
+        found.append(np.random.Generator(np.random.Philox(key=key, counter=counter)).random())
+    return np.array(found)
+
+
+def flipping(vary: Any, **options: Any) -> rigid.StabilityMap:
+    """A map of boxes that spin about their middle axis."""
+    asked: dict[str, Any] = {
+        "axes": {"spin": [1.0, 1.5]},
+        "samples": 70,
+        "t_end": 20.0,
+        "stable": rigid.no_flip(2),
+        "start": rigid.Start(spin=1.0, axis=2, noise=rigid.normal(1e-3)),
+        "rng": SEED,
+    }
+    return rigid.stability_map(BOX, vary=vary, **{**asked, **options})
+
+
+def test_a_uniform_parameter_is_what_numpy_draws() -> None:
+    result = flipping({"I1": rigid.uniform(0.2), "I3": rigid.uniform(0.1, relative=True)})
+    for pixel in (0, 1):
+        drawn = result.starts(np.arange(70), pixel=pixel)
+        assert drawn.draws is not None
+        once = drawn.draws == 1
+        first, third = (2.0 * uniforms(3 + k, pixel, 70) - 1.0 for k in (0, 1))
+        # The third block of draws belongs to the first parameter; NumPy counts blocks from one.
+        assert np.array_equal(drawn.parameters["I1"][once], (1.0 + 0.2 * first)[once])
+        assert np.array_equal(drawn.parameters["I3"][once], (2.5 * (1.0 + 0.1 * third))[once])
+        assert once.mean() > 0.8
+
+
+def test_a_normal_parameter_has_mean_and_deviation() -> None:
+    result = flipping({"I2": rigid.normal(0.02, relative=True)}, samples=4000)
+    values = result.starts(np.arange(4000), pixel=0).parameters["I2"]
+    # Four standard errors of a mean and of a standard deviation.
+    assert abs(values.mean() - 2.0) < 4.0 * 0.04 / np.sqrt(4000)
+    assert abs(values.std() - 0.04) < 4.0 * 0.04 / np.sqrt(2 * 4000)
+
+
+def test_each_verdict_is_that_of_the_drawn_body() -> None:
+    """The truth is the closed form of the first flip of each body."""
+    vary = {"I1": rigid.normal(0.1), "I3": rigid.normal(0.05, relative=True)}
+    result = flipping(vary, samples=200)
+    stable = np.zeros(2, dtype=int)
+    for pixel in (0, 1):
+        drawn = result.starts(np.arange(200), pixel=pixel)
+        moments = np.column_stack(
+            [drawn.parameters["I1"], np.full(200, 2.0), drawn.parameters["I3"]]
+        )
+        flips = rigid.exact.flip_times(rigid.Body(moments), drawn.omega, axis=2)[:, 0]
+        stable[pixel] = np.count_nonzero(flips > 20.0)
+        seen = result.outcomes(np.arange(200), pixel=pixel).outcome == "stable"
+        assert np.array_equal(seen, flips > 20.0)
+    assert result.stable.tolist() == stable.tolist()
+    assert 0 < stable[0] < 200
+
+
+def test_draws_that_no_body_can_have_are_repeated_and_counted() -> None:
+    flat = rigid.FreeBody(rigid.Body((1.0, 1.5, 2.45)))  # I3 of 2.5 at most
+    result = rigid.stability_map(
+        flat,
+        axes={"spin": [1.0]},
+        vary={"I3": rigid.uniform(0.2)},
+        samples=400,
+        t_end=1.0,
+        stable=rigid.no_flip(),
+        rng=SEED,
+    )
+    drawn = result.starts(np.arange(400), pixel=0)
+    assert drawn.draws is not None
+    assert drawn.parameters["I3"].max() <= 2.5
+    values = np.array([2.45 + 0.2 * (2.0 * uniforms(3 + k, 0, 400) - 1.0) for k in range(5)])
+    first = np.argmax(values <= 2.5, axis=0)
+    known = (values <= 2.5).any(axis=0)
+    assert np.array_equal(drawn.draws[known], first[known] + 1)
+    assert np.array_equal(drawn.parameters["I3"][known], values[first, np.arange(400)][known])
+
+
+def test_bits_do_not_depend_on_blocks_threads_and_executors(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    vary = {"I1": rigid.normal(0.1), "damping2": rigid.uniform(0.02), "mgl": rigid.uniform(0.5)}
+    scene = rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.7)), mgl=1.2, damping=0.03)
+    asked: dict[str, Any] = {
+        "axes": {"spin": [3.0, 3.6], "t_end": [5.0, 10.0]},
+        "samples": 70,
+        "stable": rigid.tilt_below(0.5),
+        "vary": vary,
+        "rng": SEED,
+    }
+    whole = rigid.stability_map(scene, threads=1, **asked)
+    assert 0 < whole.stable.sum() < 280
+    monkeypatch.setattr(job, "BLOCK", 19)
+    others = [rigid.stability_map(scene, threads=2, **asked)]
+    others.append(rigid.stability_map(scene, store=tmp_path / "map.rigid", **asked))
+    with ThreadPoolExecutor(2) as pool:
+        others.append(rigid.stability_map(scene, executor=pool, **asked))
+    for other in others:
+        for name in ("stable", "unstable", "undecided", "failed", "checked", "steps"):
+            assert np.array_equal(getattr(other, name), getattr(whole, name)), name
+        assert np.array_equal(other.energy_drift, whole.energy_drift, equal_nan=True)
+
+
+@pytest.mark.parametrize("stable", [rigid.tilt_below(0.5), rigid.regular()])
+def test_a_replay_is_the_body_that_was_drawn(stable: Any) -> None:
+    result = flipping({"I1": rigid.normal(0.05)}, stable=stable, samples=3)
+    for sample in range(3):
+        body = result.replay((1,), sample)
+        drawn = result.starts(sample, pixel=1)
+        assert body.parameters == {"spin": 1.5, "I1": drawn.parameters["I1"].item()}
+        assert body.run.spec["scene"]["body"]["moments"][0] == body.parameters["I1"]
+        assert body.omega.tolist() == drawn.omega.tolist()
+
+
+def test_a_criterion_of_ones_own_reads_the_drawn_parameters() -> None:
+    seen: list[Any] = []
+
+    def judge(states: Any) -> Any:
+        seen.append(states.parameters["I1"].copy())
+        return states.parameters["I1"] > 1.0
+
+    stable = rigid.judged(judge, t=[1.0])
+    result = flipping({"I1": rigid.uniform(0.1)}, stable=stable, t_end=None)
+    values = result.starts(np.arange(70)).parameters["I1"]
+    assert np.array_equal(result.stable, np.count_nonzero(values > 1.0, axis=-1))
+    assert np.unique(np.concatenate(seen)).size > 100
+
+
+def test_measures_and_more_samples_until_an_interval_is_narrow() -> None:
+    vary = {"I1": rigid.uniform(0.3)}
+    result = flipping(vary, samples=None, half_width=0.2, measure=rigid.flips())
+    alone = flipping(vary, samples=int(result.samples[0]), axes={"spin": [1.0]})
+    assert alone.stable[0] == result.stable[0]
+    assert result.measures["flips"].count.tolist() == result.samples.tolist()
+
+
+def test_a_file_keeps_what_varies(tmp_path: Path) -> None:
+    result = flipping({"I1": rigid.normal(0.05, relative=True)})
+    result.save(tmp_path / "map.npz")
+    again = rigid.load_map(tmp_path / "map.npz")
+    assert again.spec == result.spec
+    assert again.spec.vary[0].noise == rigid.normal(0.05, relative=True)
+    assert again.replay((0,), 5).omega.tolist() == result.replay((0,), 5).omega.tolist()
+
+
+def test_ratios_follow_the_moment_that_is_drawn_too() -> None:
+    vary = {"I2/I1": rigid.uniform(0.1), "I1": rigid.uniform(0.2)}
+    result = flipping(vary)
+    body = result.replay((0,), 2)
+    i1, i2, _ = body.run.spec["scene"]["body"]["moments"]
+    assert i1 == body.parameters["I1"]
+    assert i2 == body.parameters["I2/I1"] * i1
+
+
+def test_no_theory_is_claimed_of_bodies_that_vary() -> None:
+    assert predict(flipping(None).spec) is not None
+    assert predict(flipping({"I1": rigid.normal(0.01)}).spec) is None
+
+
+@pytest.mark.parametrize(
+    ("vary", "message"),
+    [
+        ({"spin": rigid.normal(0.1)}, "vary: 'spin' belongs to the start; give the start a noise"),
+        ({"t_end": rigid.normal(0.1)}, "vary: 't_end' cannot vary from body to body"),
+        ({"com_tilt": rigid.normal(0.1)}, "vary: 'com_tilt' cannot vary from body to body"),
+        ({"I4": rigid.normal(0.1)}, "vary: 'I4' is no parameter (known: I1"),
+        ({"mgl": rigid.normal(0.1)}, "vary: 'mgl' does not apply: a free body feels no weight"),
+        ({"a": rigid.normal(0.1)}, "vary: 'a' does not apply: the sides of the body are not known"),
+        (
+            {"I1": rigid.normal(1e9)},
+            "vary: none of 1000 draws gave a body that can exist, in pixel",
+        ),
+    ],
+)
+def test_what_cannot_vary(vary: dict[str, Any], message: str) -> None:
+    with pytest.raises(ValueError, match="^" + re.escape(message)):
+        flipping(vary)
+
+
+@pytest.mark.parametrize(
+    ("vary", "message"),
+    [
+        (["I1"], "vary = ['I1']: must be a dict of names and distributions"),
+        ({"I1": 0.1}, "vary['I1'] = 0.1: must be rigid.normal(size) or rigid.uniform(size)"),
+        ({"I1": rigid.normal([1.0, 2.0, 3.0])}, "vary['I1'] = normal(1, 2, 3): must be"),
+        ({"I1": rigid.direction(0.1)}, "vary['I1'] = direction(0.1): must be"),
+    ],
+)
+def test_what_is_no_distribution_of_a_parameter(vary: Any, message: str) -> None:
+    with pytest.raises(TypeError, match="^" + re.escape(message)):
+        flipping(vary)
+
+
+def test_shapes_are_told_in_one_way() -> None:
+    box = rigid.FreeBody(rigid.Body.box(0.3, 0.2, 0.1, mass=1.0))
+    with pytest.raises(ValueError, match="'I1' and 'a' exclude each other: the moments of a box"):
+        rigid.stability_map(
+            box,
+            axes={"I1": [0.004]},
+            vary={"a": rigid.normal(0.01)},
+            samples=1,
+            t_end=1.0,
+            stable=rigid.no_flip(),
+        )
+
+
+def test_a_start_has_no_relative_noise() -> None:
+    with pytest.raises(ValueError, match=r"noise = normal\(0.1, relative\): a start has absolute"):
+        rigid.Start(spin=1.0, noise=rigid.normal(0.1, relative=True))
+
+
+def test_every_parameter_of_a_body_can_vary() -> None:
+    scenes: dict[str, rigid.FreeBody | rigid.HeavyTop] = {
+        "free": rigid.FreeBody(
+            rigid.Body((1.0, 1.5, 2.0)),
+            orbit=rigid.Orbit(0.1, 0.1),
+            rotor=(0.1, 0.2, 0.3),
+            drag=0.1,
+            dissipation=rigid.EnergySink(0.01),
+            torque=rigid.Torque.body((0.1, 0.1, 0.1)),
+            damping=0.1,
+        ),
+        "box": rigid.FreeBody(rigid.Body.box(0.3, 0.2, 0.1, mass=1.0)),
+        "top": rigid.HeavyTop(rigid.Body((1.0, 1.5, 2.0)), mgl=1.0, com=(0.6, 0.0, 0.8)),
+    }
+    of_start = {"spin", "tilt", "energy", "l_gamma", "kappa", "attitude_kappa", "limit", "t_end"}
+    for name, row in PARAMETERS.items():
+        if row.number is not None or row.place in ("omega", "noise", "attitude_noise"):
+            continue
+        if name in of_start:
+            continue
+        scene = "top" if row.place in ("mgl", "com") else "box" if row.place == "box" else "free"
+        result = rigid.stability_map(
+            scenes[scene],
+            axes={"spin": [0.5]},
+            vary={name: rigid.uniform(1e-3)},
+            samples=4,
+            t_end=0.5,
+            stable=rigid.spin_above(0.1),
+        )
+        assert np.unique(result.starts(np.arange(4), pixel=0).parameters[name]).size == 4, name
+        assert result.failed.sum() == 0, name
+
+
+def test_sampled_bodies_are_the_bodies_of_a_map() -> None:
+    vary = {"I1": rigid.normal(0.1), "damping": rigid.uniform(0.5, relative=True)}
+    scene = rigid.FreeBody(BOX.body, damping=0.02)
+    bodies = rigid.sample_bodies(scene, vary, 70, rng=SEED)
+    result = rigid.stability_map(
+        scene,
+        axes={"spin": [1.0]},
+        vary=vary,
+        samples=70,
+        t_end=1.0,
+        stable=rigid.no_flip(),
+        rng=SEED,
+    )
+    drawn = result.starts(np.arange(70), pixel=0).parameters
+    assert np.array_equal(np.asarray(bodies.body.moments)[:, 0], drawn["I1"])
+    damping = np.asarray(bodies.damping)
+    assert np.array_equal(damping, drawn["damping"][:, np.newaxis, np.newaxis] * np.eye(3))
+    with pytest.raises(ValueError, match="count = 0"):
+        rigid.sample_bodies(scene, vary, 0)
