@@ -5,6 +5,7 @@ from __future__ import annotations
 import difflib
 import math
 import os
+import re
 from collections.abc import Iterable
 from numbers import Real
 
@@ -20,6 +21,9 @@ MOST_THREADS = 1024
 
 LONG_LIST = 120
 """Characters of a list of names from which on a hint precedes the list."""
+
+LONGEST_LIST = 500
+"""Characters of a list of names from which on names 1, 2 and 3 are listed as one."""
 
 MESSAGE = 800
 """Most characters of a message that quotes the content of a file."""
@@ -37,7 +41,20 @@ def nearest(name: object, known: Iterable[str]) -> str:
 def of_known(name: object, known: Iterable[str]) -> str:
     """What follows a name that is not known: the hint, and then the names."""
     names = list(known)
-    return f"{nearest(name, names)} (known: {', '.join(names)})"
+    return f"{nearest(name, names)} (known: {_listed(names)})"
+
+
+def _listed(names: Iterable[str]) -> str:
+    """The names, with commas; in a long list ``x1``, ``x2`` and ``x3`` are ``x1 to x3``."""
+    text = ", ".join(names)
+    if len(text) < LONGEST_LIST:
+        return text
+    return _NUMBERED.sub(r"\g<q>\g<name>1\g<q> to \g<q>\g<name>3\g<q>", text)
+
+
+_NUMBERED = re.compile(
+    r"(?P<q>'?)(?P<name>[^\s,']+)1(?P=q), (?P=q)(?P=name)2(?P=q), (?P=q)(?P=name)3(?P=q)(?=,|$)"
+)
 
 
 def brief(value: object) -> str:
@@ -60,7 +77,7 @@ def one_of(argument: str, value: object, known: Iterable[str]) -> str:
     names = known if hasattr(known, "__len__") else list(known)
     if isinstance(value, str) and value in names:
         return value
-    rule = f"must be one of {', '.join(map(repr, names))}"
+    rule = f"must be one of {_listed(map(repr, names))}"
     hint = nearest(value, names).removeprefix("; ")
     if hint and len(rule) > LONG_LIST:
         rule = f"{hint} {rule}"  # nobody reads to the end of a long list

@@ -652,7 +652,7 @@ def test_an_unknown_key_is_told_before_a_missing_one(
 
 def test_a_hint_precedes_a_long_list(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     said = fails(["map", "small.toml", "--set", "y.name=nosie"], capsys)
-    assert "[y] name = 'nosie': did you mean 'noise'? must be one of 'I1', 'I2', " in said
+    assert "[y] name = 'nosie': did you mean 'noise'? must be one of 'I1' to 'I3', " in said
 
 
 def test_the_unit_of_an_axis_is_told(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
