@@ -172,7 +172,7 @@ def toml_tables() -> dict[str, str]:
     only_free = [key for key in free if key not in top]
     outside = [key for key in keys(rigid.FreeBody) if key not in free]
     scene: list[Callable[..., object]] = [scene_of_keys, rigid.FreeBody, rigid.HeavyTop]
-    not_in_run = ("scene", "start", "axes", "stable", "title", "own", "version")
+    not_in_run = ("scene", "start", "axes", "vary", "stable", "title", "own", "version")
     not_in_report = ("scene", "omega", "attitude", "title", "version")
     return {
         "axis": key_table(

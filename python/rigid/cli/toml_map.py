@@ -21,15 +21,20 @@ from ..maps.axes import (
 )
 from ..maps.sequential import checked_half_width, stop_table
 from ..maps.spec import MapSpec
+from ..maps.vary import Varied, make_varied
 from ..model import measures
 from ..model.measures import MEASURES, Measure
 from ..model.parameters import PARAMETERS
 from ..model.seed import seed_from
+from ..model.start import Noise, normal, uniform
 from .toml_scene import read_criterion, read_scene, read_starts
 from .toml_table import Table, parsed, read_source
 
 MAKES: Mapping[str, Callable[..., Measure]] = {name: getattr(measures, name) for name in MEASURES}
 """The functions that make the measures, by their names."""
+
+VARIATIONS: Mapping[str, Callable[..., Noise]] = {"normal": normal, "uniform": uniform}
+"""What the key ``kind`` of a parameter that varies names."""
 
 MOST_VALUES = 100_000
 """Most values of an axis that is given by its ends and a number."""
@@ -93,13 +98,14 @@ def parse_spec(content: str, file: str, changes: Sequence[str] = ()) -> MapSpec:
     document = parsed(content, file, changes)
     letters = [axis_letter(place) for place in range(MOST_AXES)]
     given = [letter for letter in letters if letter in document]
-    document.only("title", "scene", *letters[: len(given) + 1], "start", "stable", "run")
+    document.only("title", "scene", *letters[: len(given) + 1], "start", "vary", "stable", "run")
     scene = read_scene(document.table("scene"))
     axes = _axes([document.table(letter) for letter in letters[: max(1, len(given))]])
     names = [axis.name for axis in axes]
     start = read_starts(document, names)
     for one in start.starts:
         document.build(partial(check_applicable, scene, one, axes))
+    vary = _varied(document.table("vary")) if "vary" in document else ()
     criterion = document.table("stable")
     stable = read_criterion(criterion)
     criterion.build(lambda: stable.resolved(scene, start.starts[0]))
@@ -120,6 +126,7 @@ def parse_spec(content: str, file: str, changes: Sequence[str] = ()) -> MapSpec:
         scene=scene,
         start=start,
         axes=axes,
+        vary=vary,
         stable=stable,
         title=document.text("title"),
         own=None,
@@ -130,6 +137,12 @@ def parse_spec(content: str, file: str, changes: Sequence[str] = ()) -> MapSpec:
 def _measures(table: Table, key: str) -> tuple[Measure, ...]:
     """The measures of a list of names and of tables with a name."""
     return tuple(one.choose("name", MAKES) for one in table.tables(key, "name"))
+
+
+def _varied(table: Table) -> tuple[Varied, ...]:
+    """The parameters that vary from body to body, each with a table of its distribution."""
+    noises = {name: table.table(name).choose("kind", VARIATIONS) for name in table}
+    return table.build(lambda: make_varied(noises))
 
 
 def _axes(tables: list[Table]) -> tuple[Axis, ...]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import re
 import runpy
 from pathlib import Path
 from typing import Any
@@ -242,6 +243,23 @@ def test_the_page_of_files_has_a_row_for_every_key() -> None:
     assert rows("surface") == keys(rigid.section).keys()
     assert rows("section_start") == {"energy", "l_gamma", "bodies", "seed"}
     assert rows("section_run", "plot") == {"points", "t_end", "x", "y"}
+
+
+def test_parameters_vary_from_body_to_body() -> None:
+    vary = '[vary]\nmass = { kind = "normal", size = 0.05, relative = true }\n'
+    spec = parse_spec(BOX.replace("[stable]", f"{vary}[stable]"), "x.toml")
+    (one,) = spec.vary
+    assert (one.name, one.noise) == ("mass", rigid.normal(0.05, relative=True))
+    for wrong, words in (
+        ('spin = { kind = "normal", size = 1.0 }', "[vary] vary: 'spin' belongs to the start"),
+        (
+            'mass = { kind = "direction", size = 1.0 }',
+            "[vary.mass] kind = 'direction': must",
+        ),
+        ("mass = 0.1", "[vary] mass = 0.1: must be a table"),
+    ):
+        with pytest.raises(SpecError, match=re.escape(words)):
+            parse_spec(BOX.replace("[stable]", f"[vary]\n{wrong}\n[stable]"), "x.toml")
 
 
 def test_large_seeds_can_be_said() -> None:
