@@ -1,27 +1,27 @@
-"""The path of the axis of a top on the unit sphere."""
+"""The path of the axis of a top on the unit sphere, and unrolled as a cycloid."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import exact, top
-from .._checks.arguments import finite_float, positive_int, rows, sorted_times, vector
+from .._checks.arguments import finite_float, positive_int, rows, shaped, sorted_times, vector
 from .._checks.arrays import attitudes
 from ..drawing import colours
 from ..drawing.axes3d import AZIM, UP, arrow, circle, curve, dots, fit, label
-from ..drawing.shapes import ellipsoid_faces
+from ..drawing.colours import on_ground
+from ..drawing.shapes import across, ellipsoid_faces
 from ..drawing.sides import eye, sides, surface
-from ..model.scene import HeavyTop, check_heavy_top
-from ..rotations.euler import rotation_z
-from .picture import Kind, Picture
+from ..model.scene import HeavyTop, check_heavy_top, require_unforced
+from ..rotations.euler import rotation_x, rotation_z
+from ..rotations.quaternions import matrix_to_quaternion
+from .picture import Picture
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
-
 
 Floats = NDArray[np.float64]
 
@@ -29,63 +29,30 @@ ELEV = 24.0
 UPRIGHT = [1.0, 0.0, 0.0, 0.0]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Locus(Picture):
-    """The path of the axis of a top on the unit sphere.
-
-    Attributes
-    ----------
-    kind : str
-        Kind of path, as in :func:`rigid.top.classify_locus`; ``"general"`` for a top that is not
-        symmetric or is under torque or damping.
-    retrograde : bool
-        Whether the mean precession is against the spin.
-    t : ndarray, shape (m,)
-        Times (s).
-    point : ndarray, shape (m, 3)
-        Unit vector to the centre of mass in space.
-    theta, phi : ndarray, shape (m,)
-        Tilt of the axis, and azimuth of the node line (rad).
-    theta_upper, theta_lower : float or None
-        Tilts of the circles between which the axis moves (rad); None for the kind ``"general"``.
-    elev : float
-        Elevation of the viewer (degrees).
-    """
-
-    kind: str
-    retrograde: bool
-    t: Floats
-    point: Floats
-    theta: Floats
-    phi: Floats
-    theta_upper: float | None
-    theta_lower: float | None
-    elev: float
-
-    def _draw(self, ax: Any) -> None:
-        towards = eye(self.elev, AZIM)
-        faces = ellipsoid_faces(np.ones(3), rings=24, sectors=48)
-        surface(ax, faces, colours.SURFACE, towards, gid="sphere")
-        curve(ax, circle(np.zeros(3), towards, 1.0), colours.FAINT, linewidth=1.0, zorder=2)
-        red, blue = colours.HUES["vermilion"], colours.HUES["blue"]
-        upper, lower = self.theta_upper, self.theta_lower
-        if upper is not None and lower is not None:
-            gap = (np.cos(upper) - np.cos(lower)) * np.cos(np.radians(self.elev))
-            for theta, name, align in ((upper, "upper", "bottom"), (lower, "lower", "top")):
-                ring = circle(np.cos(theta) * UP, UP, float(np.sin(theta)))
-                near, far = sides(ring, ring, towards)
-                gid = f"theta_{name}"
-                curve(ax, near, blue, linewidth=1.0, zorder=3, gid=gid)
-                dotted: dict[str, Any] = {"linewidth": 0.6, "linestyle": "dotted", "zorder": 2}
-                curve(ax, far, blue, gid=f"{gid}_hidden", **dotted)
-                _name_circle(ax, ring, name, blue, towards, "center" if gap > 0.1 else align)
-        near, far = sides(self.point, self.point, towards)
-        curve(ax, far, red, linewidth=0.8, alpha=0.45, zorder=2, gid="point_hidden")
-        curve(ax, near, red, linewidth=1.8, zorder=4, gid="point")
-        dots(ax, self.point[0], red, markersize=5, zorder=5, gid="start")
-        up = colours.VERTICAL
-        arrow(ax, 0.35 * UP, up.colour, up.label, start=UP, linewidth=1.4)
-        fit(ax, faces, 1.4 * UP, elev=self.elev, azim=AZIM)
+def _draw_locus(data: Picture, ax: Any) -> None:
+    towards = eye(data.elev, AZIM)
+    faces = ellipsoid_faces(np.ones(3), rings=24, sectors=48)
+    surface(ax, faces, colours.SURFACE, towards, gid="sphere")
+    curve(ax, circle(np.zeros(3), towards, 1.0), colours.FAINT, linewidth=1.0, zorder=2)
+    red, blue = colours.HUES["vermilion"], colours.HUES["blue"]
+    upper, lower = data.theta_upper, data.theta_lower
+    if upper is not None and lower is not None:
+        gap = (np.cos(upper) - np.cos(lower)) * np.cos(np.radians(data.elev))
+        for theta, name, align in ((upper, "upper", "bottom"), (lower, "lower", "top")):
+            ring = circle(np.cos(theta) * UP, UP, float(np.sin(theta)))
+            near, far = sides(ring, ring, towards)
+            gid = f"theta_{name}"
+            curve(ax, near, blue, linewidth=1.0, zorder=3, gid=gid)
+            dotted: dict[str, Any] = {"linewidth": 0.6, "linestyle": "dotted", "zorder": 2}
+            curve(ax, far, blue, gid=f"{gid}_hidden", **dotted)
+            _name_circle(ax, ring, name, blue, towards, "center" if gap > 0.1 else align)
+    near, far = sides(data.point, data.point, towards)
+    curve(ax, far, red, linewidth=0.8, alpha=0.45, zorder=2, gid="point_hidden")
+    curve(ax, near, red, linewidth=1.8, zorder=4, gid="point")
+    dots(ax, data.point[0], red, markersize=5, zorder=5, gid="start")
+    up = colours.VERTICAL
+    arrow(ax, 0.35 * UP, up.colour, up.label, start=UP, linewidth=1.4)
+    fit(ax, faces, 1.4 * UP, elev=data.elev, azim=AZIM)
 
 
 def locus(
@@ -96,7 +63,7 @@ def locus(
     t: ArrayLike | None = None,
     samples: int = 1201,
     elev: float = ELEV,
-) -> Locus:
+) -> Picture:
     """The path of the axis of a top on the unit sphere, between its two circles.
 
     Landau and Lifshitz, *Mechanics*, § 35; Ercan 2016, fig. 16; lecture notes, fig. 5.5. The figure
@@ -121,7 +88,25 @@ def locus(
 
     Returns
     -------
-    Locus
+    Picture
+        The path of the axis of a top on the unit sphere.
+
+        kind : str
+            Kind of path, as in :func:`rigid.top.classify_locus`; ``"general"`` for a top that is
+            not symmetric or is under torque or damping.
+        retrograde : bool
+            Whether the mean precession is against the spin.
+        t : ndarray, shape (m,)
+            Times (s).
+        point : ndarray, shape (m, 3)
+            Unit vector to the centre of mass in space.
+        theta, phi : ndarray, shape (m,)
+            Tilt of the axis, and azimuth of the node line (rad).
+        theta_upper, theta_lower : float or None
+            Tilts of the circles between which the axis moves (rad); None for the kind
+            ``"general"``.
+        elev : float
+            Elevation of the viewer (degrees).
 
     Raises
     ------
@@ -155,7 +140,8 @@ def locus(
         t = np.linspace(0.0, length, positive_int("samples", samples, minimum=2))
     times = sorted_times("t", t)
     path = top.locus(scene, rates, attitude, t=times)
-    return Locus(
+    return Picture(
+        _draw_locus,
         kind=kind,
         retrograde=motion is not None and bool(motion.retrograde),
         t=times,
@@ -200,31 +186,16 @@ def _name_circle(
     label(ax, place, text, colour, fontsize="medium", ha="left", va=align)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Loci(Picture):
-    """The paths of several starts.
-
-    Attributes
-    ----------
-    paths : tuple of Locus
-        The paths.
-    """
-
-    _columns: ClassVar[int | None] = 2
-
-    paths: tuple[Locus, ...]
-
-    def _kinds(self) -> list[Kind]:
-        return ["space"] * len(self.paths)
-
-    def _draw(self, *panels: Any) -> None:
-        for ax, one in zip(panels, self.paths, strict=True):
-            one._draw(ax)
-            title = f"{one.kind}, retrograde" if one.retrograde else one.kind
-            ax.set_title(title, fontsize="medium")
+def _draw_loci(data: Picture, *panels: Any) -> None:
+    for ax, one in zip(panels, data.paths, strict=True):
+        _draw_locus(one, ax)
+        title = f"{one.kind}, retrograde" if one.retrograde else one.kind
+        ax.set_title(title, fontsize="medium")
 
 
-def loci(scene: HeavyTop, omega: ArrayLike, attitude: ArrayLike | Rotation | None = None) -> Loci:
+def loci(
+    scene: HeavyTop, omega: ArrayLike, attitude: ArrayLike | Rotation | None = None
+) -> Picture:
     """The paths of several starts side by side, each with its kind.
 
     :func:`rigid.top.classify_locus` says the kind; ``retrograde`` is added if the mean precession
@@ -241,7 +212,11 @@ def loci(scene: HeavyTop, omega: ArrayLike, attitude: ArrayLike | Rotation | Non
 
     Returns
     -------
-    Loci
+    Picture
+        The paths of several starts.
+
+        paths : tuple of Picture
+            The figure of each path, as :func:`locus` makes it.
 
     Raises
     ------
@@ -264,4 +239,132 @@ def loci(scene: HeavyTop, omega: ArrayLike, attitude: ArrayLike | Rotation | Non
         raise ValueError(f"attitude: expected shape (4,) or {(len(rates), 4)}, got {start.shape}")
     starts = np.broadcast_to(start, (len(rates), 4))
     paths = (locus(scene, one, other) for one, other in zip(rates, starts, strict=True))
-    return Loci(paths=tuple(paths))
+    return Picture(_draw_loci, panels=["space"] * len(rates), columns=2, paths=tuple(paths))
+
+
+def _draw_cycloids(data: Picture, *places: Any) -> None:
+    red, black = colours.HUES["vermilion"], colours.HUES["black"]
+    scale = np.sin(data.tilt)
+    dashed: dict[str, Any] = {"linewidth": 1.0, "linestyle": "dashed"}
+    for k, ax in enumerate(places):
+        path = np.degrees([scale * data.phi[k], data.theta[k]]).T
+        curve(ax, path, red, linewidth=1.8, gid="theta")
+        cycloid = np.degrees([scale * data.phi_approx[k], data.theta_approx[k]]).T
+        curve(ax, cycloid, black, gid="theta_approx", **dashed)
+        ax.axhline(
+            np.degrees(data.tilt), color=on_ground(ax, colours.FAINT), linewidth=0.8, zorder=1
+        )
+        ax.set_title(str(data.kind[k]), fontsize="medium", loc="left")
+        ax.set_aspect("equal", adjustable="datalim")
+        ax.invert_yaxis()
+        ax.set_ylabel(r"tilt $\theta$ (°)")
+    if places:
+        first_order = "dashed: the cycloid of first order"
+        places[0].set_title(first_order, fontsize="small", loc="right")
+        places[-1].set_xlabel(r"azimuth $\phi\,\sin\theta_0$ (°)")
+
+
+def cycloids(
+    scene: HeavyTop,
+    tilt: float,
+    spin: float,
+    *,
+    pushes: ArrayLike = (0.5, 0.0, -1.0),
+    periods: float = 4.0,
+    samples: int = 801,
+) -> Picture:
+    """The path of the axis of a fast top, unrolled, and the cycloid that approximates it.
+
+    Goldstein, *Classical Mechanics*, § 5.7; Ercan 2016, fig. 16 and eqs. (65)-(68): monotone, cusp
+    or loop as ``|omega_P - omega_0|`` is below, at or above ``omega_P``.
+
+    Parameters
+    ----------
+    scene : HeavyTop
+        A Lagrange top with weight.
+    tilt : float
+        Tilt at the start (rad), a turning point.
+    spin : float
+        Rate about the body axis through the centre of mass (rad/s), not zero.
+    pushes : array_like, shape (k,)
+        Rates of precession at the start, in units of ``omega_P = mgl / (I3 omega3)``: 0 for a top
+        released from rest, 1 for steady precession, less than 0 for loops.
+    periods : float
+        Duration, in periods of the nutation to first order.
+    samples : int
+        Number of times.
+
+    Returns
+    -------
+    Picture
+        Paths of the axis of a fast top, unrolled, and the cycloids that approximate them.
+
+        t : ndarray, shape (m,)
+            Times (s).
+        kind : ndarray of str, shape (k,)
+            Kind of the cycloid, from :func:`rigid.top.fast_top_approx`.
+        tilt : float
+            At the start (rad).
+        precession : ndarray, shape (k,)
+            Rates at the start (rad/s).
+        phi, theta : ndarray, shape (k, m)
+            Azimuth relative to the start and tilt (rad), by closed form.
+        phi_approx, theta_approx : ndarray, shape (k, m)
+            Azimuth and tilt to first order in the amplitude.
+
+    Raises
+    ------
+    ValueError
+        If the top is not symmetric, torque or damping acts, the spin is zero, or an argument is out
+        of range.
+
+    Examples
+    --------
+    >>> import rigid
+    >>> from rigid import figures
+    >>> scene = rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0)
+    >>> figures.cycloids(scene, 1.0, 40.0).kind.tolist()
+    ['monotone', 'cusp', 'loop']
+    """
+    require_unforced(check_heavy_top(scene), "a picture of cycloids")
+    angle = finite_float("tilt", tilt)
+    rate = finite_float("spin", spin)
+    shares = shaped("pushes", pushes, None)
+    if shares.ndim != 1:
+        raise ValueError(f"pushes: expected shape (k,), got {shares.shape}")
+    mean = top.fast_top_approx(scene, angle, rate)
+    length = finite_float("periods", periods, positive=True) * 2.0 * np.pi / abs(mean.nutation)
+    t = np.linspace(0.0, length, positive_int("samples", samples, minimum=2))
+    precession = shares * mean.mean_precession
+    found = top.fast_top_approx(scene, angle, rate, precession=precession, t=t)
+    assert found.phi is not None
+    assert found.theta is not None
+    attitude, omega = _turning_point(scene, angle, rate, precession)
+    path = top.locus(scene, omega, attitude, t=t)
+    return Picture(
+        _draw_cycloids,
+        panels=["plane"] * len(shares),
+        columns=1,
+        panel_size=(7.0, 2.2),
+        t=t,
+        kind=np.asarray(found.kind),
+        tilt=angle,
+        precession=precession,
+        phi=path.phi - path.phi[:, :1],
+        theta=path.theta,
+        phi_approx=found.phi,
+        theta_approx=found.theta,
+    )
+
+
+def _turning_point(
+    scene: HeavyTop, tilt: float, spin: float, precession: Floats
+) -> tuple[Floats, Floats]:
+    """Attitude (4,) with the node line along the first axis of space, and rates (k, 3)."""
+    com = np.array(scene.com)
+    matrix = rotation_x(tilt) @ np.stack(across(com))
+    along = matrix @ com
+    side = float(np.sign(com.sum()))
+    about = side * spin - precession * along[2]
+    rates = precession[:, np.newaxis] * UP + about[:, np.newaxis] * along
+    return matrix_to_quaternion(matrix), rates @ matrix

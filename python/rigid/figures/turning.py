@@ -1,100 +1,76 @@
-"""Small turns of a vector or of the axes, and of a unit vector about another."""
+"""Small turns of vectors and axes, and the points of a rotating body."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._checks.arguments import finite_float, vector
+from .._checks.arguments import finite_float, positive_int, shaped, vector
 from ..drawing import colours
 from ..drawing.axes3d import (
+    AZIM,
+    ELEV,
     arc,
     arrow,
     arrow_in_plane,
     curve,
+    dots,
     fit,
     label,
     triad,
 )
+from ..drawing.shapes import box_faces
+from ..drawing.sides import eye, surface
 from ..model.start import body_axis
+from ..particles import velocity_field
 from ..rotations.euler import rotation_z
 from ..rotations.so3 import rotate
-from .picture import Kind, Picture
+from .picture import Picture
+from .symmetric import turning
 
 Floats = NDArray[np.float64]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class ActivePassive(Picture):
-    """A turn in a plane, passive and active.
+def _draw_active_passive(data: Picture, passive: Any, active: Any) -> None:
+    length = 1.2 * float(np.linalg.norm(data.vector))
+    black = colours.HUES["black"]
+    thin: dict[str, Any] = {"linewidth": 1.0, "linestyle": "dashed"}
 
-    Attributes
-    ----------
-    angle : float
-        Angle of the turn (rad).
-    vector : ndarray, shape (2,)
-        The vector before the turn.
-    axes : ndarray, shape (2, 2)
-        Passive: unit vectors along the turned axes, one in a row.
-    seen : ndarray, shape (2,)
-        Passive: components of the vector along the turned axes.
-    turned : ndarray, shape (2,)
-        Active: the turned vector.
-    first_order : ndarray, shape (2,)
-        Change of the vector by the active turn to first order, ``angle n × r``.
-    """
+    for along, old, ink in zip(data.axes, np.eye(2), colours.AXES[:2], strict=True):
+        name = ink.label.strip("$")
+        arrow_in_plane(passive, length * old, ink.colour, ink.label, **thin)
+        arrow_in_plane(passive, length * along, ink.colour, f"${name}'$", gid="axes")
+        arrow_in_plane(active, length * old, ink.colour, ink.label)
+    for component, along, ink in zip(data.seen, data.axes, colours.AXES[:2], strict=True):
+        foot = np.array([data.vector, component * along])
+        curve(passive, foot, ink.colour, linewidth=0.9, linestyle="dotted")
+    arrow_in_plane(passive, data.vector, black, colours.POSITION.label)
+    _flat_arc(passive, 0.0, data.angle, 0.42 * length)
 
-    angle: float
-    vector: Floats
-    axes: Floats
-    seen: Floats
-    turned: Floats
-    first_order: Floats
+    arrow_in_plane(active, data.vector, black, colours.POSITION.label, gid="vector", **thin)
+    arrow_in_plane(active, data.turned, black, r"$\mathbf{r}'$", gid="turned")
+    purple = colours.HUES["purple"]
+    tip: dict[str, Any] = {"start": data.vector, "linewidth": 1.4, "gid": "first_order"}
+    arrow_in_plane(active, data.first_order, purple, **tip)
+    beside = data.vector + 0.5 * data.first_order + 0.04 * data.vector
+    label(active, beside, r"$\varepsilon\,\mathbf{n}\times\mathbf{r}$", purple, ha="left")
+    start = float(np.arctan2(data.vector[1], data.vector[0]))
+    _flat_arc(active, start, start + data.angle, 0.42 * length)
 
-    def _kinds(self) -> list[Kind]:
-        return ["plane", "plane"]
-
-    def _draw(self, passive: Any, active: Any) -> None:
-        length = 1.2 * float(np.linalg.norm(self.vector))
-        black = colours.HUES["black"]
-        thin: dict[str, Any] = {"linewidth": 1.0, "linestyle": "dashed"}
-
-        for along, old, ink in zip(self.axes, np.eye(2), colours.AXES[:2], strict=True):
-            name = ink.label.strip("$")
-            arrow_in_plane(passive, length * old, ink.colour, ink.label, **thin)
-            arrow_in_plane(passive, length * along, ink.colour, f"${name}'$", gid="axes")
-            arrow_in_plane(active, length * old, ink.colour, ink.label)
-        for component, along, ink in zip(self.seen, self.axes, colours.AXES[:2], strict=True):
-            foot = np.array([self.vector, component * along])
-            curve(passive, foot, ink.colour, linewidth=0.9, linestyle="dotted")
-        arrow_in_plane(passive, self.vector, black, colours.POSITION.label)
-        _flat_arc(passive, 0.0, self.angle, 0.42 * length)
-
-        arrow_in_plane(active, self.vector, black, colours.POSITION.label, gid="vector", **thin)
-        arrow_in_plane(active, self.turned, black, r"$\mathbf{r}'$", gid="turned")
-        purple = colours.HUES["purple"]
-        tip: dict[str, Any] = {"start": self.vector, "linewidth": 1.4, "gid": "first_order"}
-        arrow_in_plane(active, self.first_order, purple, **tip)
-        beside = self.vector + 0.5 * self.first_order + 0.04 * self.vector
-        label(active, beside, r"$\varepsilon\,\mathbf{n}\times\mathbf{r}$", purple, ha="left")
-        start = float(np.arctan2(self.vector[1], self.vector[0]))
-        _flat_arc(active, start, start + self.angle, 0.42 * length)
-
-        shown = np.vstack(
-            [[[0.0, 0.0]], length * np.eye(2), length * self.axes, [self.vector, self.turned]]
-        )
-        for ax, title in (
-            (passive, "passive: the axes turn"),
-            (active, "active: the vector turns"),
-        ):
-            _flat(ax, shown, 0.18 * length)
-            ax.set_title(title, fontsize="medium")
+    shown = np.vstack(
+        [[[0.0, 0.0]], length * np.eye(2), length * data.axes, [data.vector, data.turned]]
+    )
+    for ax, title in (
+        (passive, "passive: the axes turn"),
+        (active, "active: the vector turns"),
+    ):
+        _flat(ax, shown, 0.18 * length)
+        ax.set_title(title, fontsize="medium")
 
 
-def active_passive(angle: float = 0.35, *, vector: ArrayLike = (0.75, 0.6)) -> ActivePassive:
+def active_passive(angle: float = 0.35, *, vector: ArrayLike = (0.75, 0.6)) -> Picture:
     """A turn of the axes (passive) and a turn of the vector (active).
 
     In the passive turn the axes turn and the components of the vector change. In the active turn
@@ -110,7 +86,21 @@ def active_passive(angle: float = 0.35, *, vector: ArrayLike = (0.75, 0.6)) -> A
 
     Returns
     -------
-    ActivePassive
+    Picture
+        A turn in a plane, passive and active.
+
+        angle : float
+            Angle of the turn (rad).
+        vector : ndarray, shape (2,)
+            The vector before the turn.
+        axes : ndarray, shape (2, 2)
+            Passive: unit vectors along the turned axes, one in a row.
+        seen : ndarray, shape (2,)
+            Passive: components of the vector along the turned axes.
+        turned : ndarray, shape (2,)
+            Active: the turned vector.
+        first_order : ndarray, shape (2,)
+            Change of the vector by the active turn to first order, ``angle n × r``.
 
     Raises
     ------
@@ -128,7 +118,9 @@ def active_passive(angle: float = 0.35, *, vector: ArrayLike = (0.75, 0.6)) -> A
     turn = finite_float("angle", angle)
     before = _nonzero("vector", vector, 2)
     active = rotation_z(turn)[:2, :2]
-    return ActivePassive(
+    return Picture(
+        _draw_active_passive,
+        panels=["plane", "plane"],
         angle=turn,
         vector=before,
         axes=active.T,
@@ -138,61 +130,36 @@ def active_passive(angle: float = 0.35, *, vector: ArrayLike = (0.75, 0.6)) -> A
     )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class UnitVectorChange(Picture):
-    """A unit vector under a small turn about another.
-
-    Attributes
-    ----------
-    angle : float
-        Angle of the turn (rad).
-    unit, about : ndarray, shape (3,)
-        The vector before the turn, and the axis of the turn.
-    turned : ndarray, shape (3,)
-        The vector after the turn.
-    change : ndarray, shape (3,)
-        Difference of the vector after and before the turn.
-    first_order : ndarray, shape (3,)
-        ``angle about × unit``.
-    """
-
-    angle: float
-    unit: Floats
-    about: Floats
-    turned: Floats
-    change: Floats
-    first_order: Floats
-
-    def _draw(self, ax: Any) -> None:
-        one, other = int(self.unit.argmax()), int(self.about.argmax())
-        names = [rf"$\mathbf{{e}}_{number}$" for number in (1, 2, 3)]
-        triad(ax, np.eye(3), np.zeros(3), names, linewidth=2.0, gid="axes")
-        third = 3 - one - other
-        toward = np.sign(self.first_order[third]) * np.eye(3)[third]
-        if toward.any():
-            part = np.array([np.zeros(3), 0.6 * toward])
-            curve(ax, part, colours.AXES[third].colour, linewidth=1.0, linestyle="dashed")
-        colour = colours.AXES[one].colour
-        arrow(ax, self.turned, colour, linestyle="dashed", gid="turned")
-        below = 0.95 * self.turned + 0.1 * toward
-        label(ax, below, rf"$\mathbf{{e}}_{one + 1}'$", colour)
-        black = colours.HUES["black"]
-        tip: dict[str, Any] = {"start": self.unit, "linewidth": 1.8}
-        arrow(ax, self.change, black, gid="change", **tip)
-        label(ax, 0.87 * self.unit + 0.6 * self.change, rf"$\Delta\mathbf{{e}}_{one + 1}$", black)
-        purple = colours.OMEGA.colour
-        arrow(ax, self.first_order, purple, gid="first_order", **tip)
-        product = rf"$\delta\,\mathbf{{e}}_{other + 1}\times\mathbf{{e}}_{one + 1}$"
-        label(ax, 1.04 * self.unit + 0.5 * self.first_order, product, purple, ha="left")
-        arc(ax, self.about, 0.45 * self.unit, self.angle, black, r"$\delta$")
-        # The sense of the turn: most of a circle about the axis.
-        sense = np.copysign(5.0, self.angle)
-        arc(ax, self.about, 0.12 * np.eye(3)[third], sense, purple, centre=0.6 * self.about)
-        shown = np.vstack([np.eye(3), self.turned, self.unit + self.first_order, np.zeros(3)])
-        fit(ax, shown, elev=18.0, azim=-58.0, filled=0.85)
+def _draw_unit_vector_change(data: Picture, ax: Any) -> None:
+    one, other = int(data.unit.argmax()), int(data.about.argmax())
+    names = [rf"$\mathbf{{e}}_{number}$" for number in (1, 2, 3)]
+    triad(ax, np.eye(3), np.zeros(3), names, linewidth=2.0, gid="axes")
+    third = 3 - one - other
+    toward = np.sign(data.first_order[third]) * np.eye(3)[third]
+    if toward.any():
+        part = np.array([np.zeros(3), 0.6 * toward])
+        curve(ax, part, colours.AXES[third].colour, linewidth=1.0, linestyle="dashed")
+    colour = colours.AXES[one].colour
+    arrow(ax, data.turned, colour, linestyle="dashed", gid="turned")
+    below = 0.95 * data.turned + 0.1 * toward
+    label(ax, below, rf"$\mathbf{{e}}_{one + 1}'$", colour)
+    black = colours.HUES["black"]
+    tip: dict[str, Any] = {"start": data.unit, "linewidth": 1.8}
+    arrow(ax, data.change, black, gid="change", **tip)
+    label(ax, 0.87 * data.unit + 0.6 * data.change, rf"$\Delta\mathbf{{e}}_{one + 1}$", black)
+    purple = colours.OMEGA.colour
+    arrow(ax, data.first_order, purple, gid="first_order", **tip)
+    product = rf"$\delta\,\mathbf{{e}}_{other + 1}\times\mathbf{{e}}_{one + 1}$"
+    label(ax, 1.04 * data.unit + 0.5 * data.first_order, product, purple, ha="left")
+    arc(ax, data.about, 0.45 * data.unit, data.angle, black, r"$\delta$")
+    # The sense of the turn: most of a circle about the axis.
+    sense = np.copysign(5.0, data.angle)
+    arc(ax, data.about, 0.12 * np.eye(3)[third], sense, purple, centre=0.6 * data.about)
+    shown = np.vstack([np.eye(3), data.turned, data.unit + data.first_order, np.zeros(3)])
+    fit(ax, shown, elev=18.0, azim=-58.0, filled=0.85)
 
 
-def unit_vector_change(angle: float = 0.35, *, unit: int = 1, about: int = 2) -> UnitVectorChange:
+def unit_vector_change(angle: float = 0.35, *, unit: int = 1, about: int = 2) -> Picture:
     """How a unit vector changes in a small turn about another: ``d e/dt = omega × e``.
 
     A turn about axis 2 moves the first unit vector towards the negative third axis (Ercan 2016,
@@ -207,7 +174,19 @@ def unit_vector_change(angle: float = 0.35, *, unit: int = 1, about: int = 2) ->
 
     Returns
     -------
-    UnitVectorChange
+    Picture
+        A unit vector under a small turn about another.
+
+        angle : float
+            Angle of the turn (rad).
+        unit, about : ndarray, shape (3,)
+            The vector before the turn, and the axis of the turn.
+        turned : ndarray, shape (3,)
+            The vector after the turn.
+        change : ndarray, shape (3,)
+            Difference of the vector after and before the turn.
+        first_order : ndarray, shape (3,)
+            ``angle about × unit``.
 
     Raises
     ------
@@ -226,7 +205,8 @@ def unit_vector_change(angle: float = 0.35, *, unit: int = 1, about: int = 2) ->
         raise ValueError(f"unit = {unit}, about = {about}: a vector does not turn about itself")
     before, axis = np.eye(3)[[one, other]]
     turned = rotate(before, axis, turn)
-    return UnitVectorChange(
+    return Picture(
+        _draw_unit_vector_change,
         angle=turn,
         unit=before,
         about=axis,
@@ -257,3 +237,104 @@ def _flat(ax: Any, points: Floats, margin: float) -> None:
     ax.set_aspect("equal")
     ax.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
     ax.set_axis_off()
+
+
+def _draw_rotating_body(data: Picture, ax: Any) -> None:
+    size = float(np.linalg.norm(data.positions, axis=-1).max()) or 1.0
+    speeds = np.linalg.norm(data.velocities, axis=-1)
+    farthest = int(speeds.argmax())
+    direction = data.omega / np.linalg.norm(data.omega)
+    heights = data.positions @ direction
+    reach = np.array([min(heights.min(), 0.0) - 0.25 * size, max(heights.max(), 0.0) + 0.6 * size])
+    shown = [data.circles]
+    if data.faces is not None:
+        style: dict[str, Any] = {"alpha": 0.6, "linewidths": 1.2, "gid": "faces"}
+        towards = eye(ELEV, AZIM)
+        surface(ax, data.faces, colours.BODY_FACE, towards, edgecolors=colours.NEUTRAL, **style)
+        shown.append(data.faces)
+    omega, axis = colours.OMEGA, reach[:, np.newaxis] * direction
+    curve(ax, axis, omega.colour, linewidth=1.0, linestyle="dashdot", zorder=1)
+    for ring in data.circles:
+        curve(ax, ring, colours.FAINT, linewidth=0.9, zorder=1, gid="circles")
+    style = {"start": axis[1], "linewidth": 2.6, "gid": "omega"}
+    arrow(ax, 0.55 * size * direction, omega.colour, omega.label, **style)
+    dots(ax, data.positions, colours.NEUTRAL, markersize=6.0, zorder=6, gid="positions")
+    scale = 0.55 * size / speeds[farthest] if speeds[farthest] > 0.0 else 0.0
+    law = r"$\mathbf{v} = \boldsymbol{\omega}\times\mathbf{r}$"
+    for k, (place, velocity) in enumerate(zip(data.positions, data.velocities, strict=True)):
+        name = law if k == farthest else ""
+        style = {"start": place, "linewidth": 2.0, "gid": "velocities"}
+        arrow(ax, scale * velocity, colours.VELOCITY.colour, name, **style)
+    ink, style = colours.POSITION, {"linewidth": 1.6, "zorder": 5, "gid": "position"}
+    arrow(ax, data.positions[farthest], ink.colour, ink.label, **style)
+    dots(ax, np.zeros(3), colours.HUES["black"], markersize=4.0, zorder=6)
+    ends = data.positions + scale * data.velocities
+    top = np.outer([reach[0], reach[1] + 0.55 * size], direction)
+    fit(ax, *shown, ends, top, elev=ELEV, azim=AZIM)
+
+
+def rotating_body(
+    positions: ArrayLike,
+    omega: ArrayLike,
+    *,
+    sides: ArrayLike | None = None,
+    samples: int = 97,
+) -> Picture:
+    """The points of a rotating body with their velocities ``v = omega × r``.
+
+    Every point moves on a circle about the axis; the point that is farthest from the axis has
+    labels (Ercan 2016, fig. 9).
+
+    Parameters
+    ----------
+    positions : array_like, shape (N, 3)
+        Points (m), at least one.
+    omega : array_like, shape (3,)
+        Angular velocity (rad/s), not zero.
+    sides : array_like, shape (3,), optional
+        Sides of the block that represents the body (m), positive; its centre is the origin.
+    samples : int
+        Number of points of a circle; the first and the last point coincide.
+
+    Returns
+    -------
+    Picture
+        Points of a body that turns about an axis through the origin.
+
+        omega : ndarray, shape (3,)
+            Angular velocity (rad/s).
+        positions, velocities : ndarray, shape (N, 3)
+            Positions and velocities of the points (m, m/s): ``v = omega × r``.
+        circles : ndarray, shape (N, m, 3)
+            The circle on which each point moves (m).
+        faces : ndarray, shape (6, 4, 3), or None
+            Corners of the faces of the block that represents the body (m).
+
+    Raises
+    ------
+    ValueError
+        If there are no points, the body does not turn, a side is not positive, or an argument is
+        not finite.
+
+    Examples
+    --------
+    >>> from rigid import figures
+    >>> figures.rotating_body([[2, 0, 5]], [0, 0, 3]).velocities.tolist()
+    [[0.0, 6.0, 0.0]]
+    """
+    r = shaped("positions", positions, None, 3)
+    if r.ndim != 2 or len(r) == 0:
+        raise ValueError(f"positions: expected shape (N, 3) of one or more, got {r.shape}")
+    w = turning(omega)
+    block = None if sides is None else 0.5 * vector("sides", sides, 3)
+    if block is not None and not (block > 0.0).all():
+        raise ValueError(f"sides = {(2.0 * block).tolist()}: must be positive")
+    turns = np.linspace(0.0, 2.0 * np.pi, positive_int("samples", samples, minimum=2))
+    return Picture(
+        _draw_rotating_body,
+        omega=w,
+        positions=r,
+        velocities=velocity_field(w, r),
+        circles=rotate(r[:, np.newaxis, :], w, turns),
+        faces=None if block is None else box_faces(block),
+    )
