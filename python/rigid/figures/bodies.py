@@ -12,6 +12,7 @@ from .._checks.arguments import brief, finite_float
 from ..drawing import colours
 from ..drawing.axes3d import UP, arc, arc_between, arrow, circle, cone, curve, dots, fit, label
 from ..drawing.colours import on_ground
+from ..drawing.shapes import box_faces
 from ..free import permanent_rotation
 from ..model.body import Body, check_body
 from ..model.scene import HeavyTop, check_heavy_top
@@ -34,7 +35,7 @@ def _draw_box(data: Picture, ax: Any) -> None:
 
     elev, azim = 20.0, 35.0
     behind = -0.5 * data.sides  # the corner that this direction hides
-    faces = [_face(data.sides, axis, sign) for axis in range(3) for sign in (-1.0, 1.0)]
+    faces = box_faces(0.5 * data.sides)
     ax.add_collection3d(
         Poly3DCollection(faces, facecolor=colours.FACE, alpha=0.12, linewidth=0.0, zorder=1)
     )
@@ -259,12 +260,6 @@ def _dimension(ax: Any, sides: Floats, axis: int, longest: float) -> None:
         ha="right" if axis == 1 else "left",
         va="center" if axis == 2 else "top",
     )
-
-
-def _face(sides: Floats, axis: int, sign: float) -> Floats:
-    """The corners, in order, of the face of a box that is perpendicular to an axis."""
-    around = np.array([[-0.5, -0.5], [-0.5, 0.5], [0.5, 0.5], [0.5, -0.5]])
-    return np.asarray(np.insert(around, axis, 0.5 * sign, axis=1) * sides)
 
 
 def _rounded(value: float) -> str:

@@ -188,14 +188,14 @@ def invariants(run: Run) -> Picture:
     scene = scene_of(run)
     kept = free.invariants(run)
     energy, momentum = float(kept.kinetic[0]), float(kept.L[0])
-    constants = {"energy": kept.energy}
+    constants: dict[str, Any] = {"energy": kept.energy}
     if run.work is not None:
         constants = {"energy less work": kept.energy - run.work}
         energy = float(kept.kinetic.max())
     elif isinstance(scene, HeavyTop):
-        constants["p_phi"] = _known(kept.p_phi)
+        constants["p_phi"] = kept.p_phi  # invariants() raises for a heavy top without vertical
         if symmetry_of(scene).axis:
-            constants["p_psi"] = _known(kept.p_psi)
+            constants["p_psi"] = kept.p_psi
     else:
         constants["L"] = kept.L
         if kept.L_space is not None:
@@ -218,11 +218,6 @@ def invariants(run: Run) -> Picture:
         names=tuple(constants),
         drift=np.array(drift),
     )
-
-
-def _known(values: Floats | None) -> Floats:
-    assert values is not None  # invariants() raises for a heavy top without vertical
-    return values
 
 
 def _draw_spring_modes(data: Picture, spectrum: Any, limit: Any) -> None:
@@ -331,15 +326,10 @@ def spring_modes(
     6
     """
     k = numbers("stiffness", stiffness)
-    if (
-        k.ndim != 1
-        or len(k) < 2
-        or not np.isfinite(k).all()
-        or (np.diff(k, prepend=0.0) <= 0).any()
-    ):
-        raise ValueError(
-            f"stiffness = {np.ravel(k).tolist()}: must be two or more, positive and ascending"
-        )
+    known = k.ndim == 1 and len(k) > 1 and np.isfinite(k).all()
+    if not known or (np.diff(k, prepend=0.0) <= 0.0).any():
+        found = np.ravel(k).tolist()
+        raise ValueError(f"stiffness = {found}: must be two or more, positive and ascending")
     times = np.linspace(0.0, finite_float("t_end", t_end, positive=True), samples)
     modes = pair_system(masses, positions, stiffness=float(k[0])).modes()
     squared = np.where(np.arange(modes.omega_squared.size) < modes.zero, 0.0, modes.omega_squared)

@@ -9,7 +9,19 @@ from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import vector
 from ..drawing import colours
-from ..drawing.axes3d import UP, arc, arrow, arrow_in_plane, circle, curve, dots, fit, label, triad
+from ..drawing.axes3d import (
+    UP,
+    arc,
+    arc_in_plane,
+    arrow,
+    circle,
+    curve,
+    dots,
+    fit,
+    fit_in_plane,
+    label,
+    triad,
+)
 from ..rotations.euler import euler_to_matrix, rotation_z
 from .picture import Picture
 
@@ -128,37 +140,20 @@ def _draw_turned_plane(ax: Any, data: Picture) -> None:
     ):
         for axis, ink in enumerate(colours.AXES[:2]):
             along = longest * data.axes[step, axis, :2]
-            arrow_in_plane(ax, along, ink.colour, f"${names[axis]}$", **style)
+            arrow(ax, along, ink.colour, f"${names[axis]}$", **style)
             foot = (data.point, data.seen)[step][axis] * data.axes[step, axis, :2]
             curve(ax, np.array([data.point, foot]), ink.colour, linewidth=0.9, linestyle="dotted")
-    turned = np.linspace(0.0, data.angles[0], 49)[:, np.newaxis]
-    curve(
-        ax,
-        0.35 * longest * np.hstack([np.cos(turned), np.sin(turned)]),
-        colours.ANGLE.colour,
-    )
-    half = 0.5 * data.angles[0]
-    label(ax, 0.44 * longest * np.array([np.cos(half), np.sin(half)]), _TURNS[0])
-    arrow_in_plane(ax, data.point, colours.HUES["black"], "$P$", linewidth=1.6, gid="point")
+    arc_in_plane(ax, 0.35 * longest, 0.0, data.angles[0], _TURNS[0], beyond=0.44 / 0.35)
+    arrow(ax, data.point, colours.HUES["black"], "$P$", linewidth=1.6, gid="point")
     corners = np.vstack([np.zeros((1, 2)), longest * data.axes[:2, :2, :2].reshape(-1, 2)])
-    low, high = corners.min(axis=0), corners.max(axis=0)
-    margin = 0.14 * longest
-    ax.set_aspect("equal", anchor="N")  # its title as high as the titles of the other panels
-    ax.set(
-        xlim=(low[0] - margin, high[0] + margin),
-        ylim=(low[1] - margin, high[1] + margin),
-        title="the first turn seen from $z'$",
-    )
-    ax.title.set_fontsize("medium")
-    ax.set_axis_off()
+    fit_in_plane(ax, corners, 0.14 * longest)
+    ax.set_anchor("N")  # its title as high as the titles of the other panels
+    ax.set_title("the first turn seen from $z'$", fontsize="medium")
 
 
 def _azimuth(phi: float) -> float:
     """Azimuth of the view (degrees): between the first axis of space and the line of nodes."""
     return float(np.degrees(0.5 * phi)) - 16.0  # aside, so that it does not hide body axis z
-
-
-_X = np.array([1.0, 0.0, 0.0])
 
 
 def _draw_frames(data: Picture, ax: Any) -> None:
@@ -262,7 +257,7 @@ def _draw_node_frame(data: Picture, ax: Any) -> None:
         arrow(ax, along, colours.NODE.colour, name, linewidth=2.0, gid="node")
     for about, start, angle, name in zip(
         (UP, data.node[0], data.node[2]),
-        (_X, data.space[2], data.node[0]),
+        (data.space[0], data.space[2], data.node[0]),
         data.angles,
         _TURNS,
         strict=True,

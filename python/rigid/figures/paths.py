@@ -11,10 +11,9 @@ from .. import exact, top
 from .._checks.arguments import finite_float, positive_int, rows, shaped, sorted_times, vector
 from .._checks.arrays import attitudes
 from ..drawing import colours
-from ..drawing.axes3d import AZIM, UP, arrow, circle, curve, dots, fit, label
+from ..drawing.axes3d import AZIM, UP, arrow, circle, curve, dots, eye, fit, label, sides, surface
 from ..drawing.colours import on_ground
 from ..drawing.shapes import across, ellipsoid_faces
-from ..drawing.sides import eye, sides, surface
 from ..model.scene import HeavyTop, check_heavy_top, require_unforced
 from ..rotations.euler import rotation_x, rotation_z
 from ..rotations.quaternions import matrix_to_quaternion

@@ -10,9 +10,8 @@ from numpy.typing import NDArray
 from .. import exact, free
 from .._checks.arguments import brief, positive_int
 from ..drawing import colours
-from ..drawing.axes3d import AZIM, ELEV, UP, arrow, curve, dots, fit, label
+from ..drawing.axes3d import AZIM, ELEV, UP, arrow, curve, dots, eye, fit, label, sides, surface
 from ..drawing.shapes import across, ellipsoid_faces, plane_face
-from ..drawing.sides import eye, sides, surface
 from ..model.body_like import BodyLike, moments_of
 from ..model.scene import FreeBody, require_unforced
 from ..rotations.apply import to_space

@@ -12,8 +12,8 @@ from .._checks.arguments import finite_float, vector
 from ..drawing import colours
 from ..drawing.axes3d import (
     arc,
+    arc_in_plane,
     arrow,
-    arrow_in_plane,
     cone,
     curve,
     fit,
@@ -208,18 +208,16 @@ def _vectors_of(body: BodyLike, omega: ArrayLike) -> Picture:
 def _draw_coplanar(data: Picture, ax: Any) -> None:
     size = float(np.linalg.norm(data.omega))
     longer = 1.25 * size
-    arrow_in_plane(ax, np.array([0.0, longer]), colours.Z.colour, "axis", linewidth=1.6)
+    arrow(ax, np.array([0.0, longer]), colours.Z.colour, "axis", linewidth=1.6)
     momentum = longer * data.momentum / np.linalg.norm(data.momentum)
     for name, arrow_of, ink in (
         ("omega", data.omega, colours.OMEGA),
         ("momentum", momentum, colours.L),
     ):
-        arrow_in_plane(ax, arrow_of, ink.colour, ink.label, linewidth=2.4, gid=name)
+        arrow(ax, arrow_of, ink.colour, ink.label, linewidth=2.4, gid=name)
     for angle, radius, text in ((data.alpha, 0.62, r"$\alpha$"), (data.theta, 0.4, r"$\theta$")):
-        turn = np.linspace(0.0, angle, 49)[:, np.newaxis]
-        points = radius * size * np.hstack([np.sin(turn), np.cos(turn)])
-        curve(ax, points, colours.ANGLE.colour)
-        label(ax, points[24] * (1.0 + 0.06 / radius), text)
+        end = 0.5 * np.pi - angle
+        arc_in_plane(ax, radius * size, 0.5 * np.pi, end, text, beyond=1.0 + 0.06 / radius)
     kind = "oblate: $I_3 > I$" if data.along > data.across else "prolate: $I_3 < I$"
     sign = "<" if data.theta < data.alpha else ">"
     if data.along == data.across:

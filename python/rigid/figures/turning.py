@@ -7,22 +7,25 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._checks.arguments import finite_float, positive_int, shaped, vector
+from .._checks.arguments import finite_float, positive_int, shaped
+from .._checks.arguments import vector as vector_of
 from ..drawing import colours
 from ..drawing.axes3d import (
     AZIM,
     ELEV,
     arc,
+    arc_in_plane,
     arrow,
-    arrow_in_plane,
     curve,
     dots,
+    eye,
     fit,
+    fit_in_plane,
     label,
+    surface,
     triad,
 )
 from ..drawing.shapes import box_faces
-from ..drawing.sides import eye, surface
 from ..model.start import body_axis
 from ..particles import velocity_field
 from ..rotations.euler import rotation_z
@@ -40,33 +43,30 @@ def _draw_active_passive(data: Picture, passive: Any, active: Any) -> None:
 
     for along, old, ink in zip(data.axes, np.eye(2), colours.AXES[:2], strict=True):
         name = ink.label.strip("$")
-        arrow_in_plane(passive, length * old, ink.colour, ink.label, **thin)
-        arrow_in_plane(passive, length * along, ink.colour, f"${name}'$", gid="axes")
-        arrow_in_plane(active, length * old, ink.colour, ink.label)
+        arrow(passive, length * old, ink.colour, ink.label, **thin)
+        arrow(passive, length * along, ink.colour, f"${name}'$", gid="axes")
+        arrow(active, length * old, ink.colour, ink.label)
     for component, along, ink in zip(data.seen, data.axes, colours.AXES[:2], strict=True):
         foot = np.array([data.vector, component * along])
         curve(passive, foot, ink.colour, linewidth=0.9, linestyle="dotted")
-    arrow_in_plane(passive, data.vector, black, colours.POSITION.label)
-    _flat_arc(passive, 0.0, data.angle, 0.42 * length)
+    arrow(passive, data.vector, black, colours.POSITION.label)
+    arc_in_plane(passive, 0.42 * length, 0.0, data.angle, r"$\varepsilon$")
 
-    arrow_in_plane(active, data.vector, black, colours.POSITION.label, gid="vector", **thin)
-    arrow_in_plane(active, data.turned, black, r"$\mathbf{r}'$", gid="turned")
+    arrow(active, data.vector, black, colours.POSITION.label, gid="vector", **thin)
+    arrow(active, data.turned, black, r"$\mathbf{r}'$", gid="turned")
     purple = colours.HUES["purple"]
     tip: dict[str, Any] = {"start": data.vector, "linewidth": 1.4, "gid": "first_order"}
-    arrow_in_plane(active, data.first_order, purple, **tip)
+    arrow(active, data.first_order, purple, **tip)
     beside = data.vector + 0.5 * data.first_order + 0.04 * data.vector
     label(active, beside, r"$\varepsilon\,\mathbf{n}\times\mathbf{r}$", purple, ha="left")
     start = float(np.arctan2(data.vector[1], data.vector[0]))
-    _flat_arc(active, start, start + data.angle, 0.42 * length)
+    arc_in_plane(active, 0.42 * length, start, start + data.angle, r"$\varepsilon$")
 
     shown = np.vstack(
         [[[0.0, 0.0]], length * np.eye(2), length * data.axes, [data.vector, data.turned]]
     )
-    for ax, title in (
-        (passive, "passive: the axes turn"),
-        (active, "active: the vector turns"),
-    ):
-        _flat(ax, shown, 0.18 * length)
+    for ax, title in ((passive, "passive: the axes turn"), (active, "active: the vector turns")):
+        fit_in_plane(ax, shown, 0.18 * length)
         ax.set_title(title, fontsize="medium")
 
 
@@ -116,7 +116,9 @@ def active_passive(angle: float = 0.35, *, vector: ArrayLike = (0.75, 0.6)) -> P
     ([0.0, 1.0], [0.0, -1.0])
     """
     turn = finite_float("angle", angle)
-    before = _nonzero("vector", vector, 2)
+    before = vector_of("vector", vector, 2)
+    if not before.any():
+        raise ValueError(f"vector = {before.tolist()}: must not be zero")
     active = rotation_z(turn)[:2, :2]
     return Picture(
         _draw_active_passive,
@@ -216,29 +218,6 @@ def unit_vector_change(angle: float = 0.35, *, unit: int = 1, about: int = 2) ->
     )
 
 
-def _nonzero(name: str, value: ArrayLike, length: int) -> Floats:
-    found = vector(name, value, length)
-    if not found.any():
-        raise ValueError(f"{name} = {found.tolist()}: must not be zero")
-    return found
-
-
-def _flat_arc(ax: Any, start: float, end: float, radius: float) -> None:
-    """The angle epsilon in a plane."""
-    angles = np.linspace(start, end, 49)[:, np.newaxis]
-    points = radius * np.hstack([np.cos(angles), np.sin(angles)])
-    curve(ax, points, colours.ANGLE.colour)
-    label(ax, 1.2 * points[24], r"$\varepsilon$")
-
-
-def _flat(ax: Any, points: Floats, margin: float) -> None:
-    """Prepare axes with equal scales and without frame."""
-    low, high = points.min(axis=0) - margin, points.max(axis=0) + margin
-    ax.set_aspect("equal")
-    ax.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
-    ax.set_axis_off()
-
-
 def _draw_rotating_body(data: Picture, ax: Any) -> None:
     size = float(np.linalg.norm(data.positions, axis=-1).max()) or 1.0
     speeds = np.linalg.norm(data.velocities, axis=-1)
@@ -326,7 +305,7 @@ def rotating_body(
     if r.ndim != 2 or len(r) == 0:
         raise ValueError(f"positions: expected shape (N, 3) of one or more, got {r.shape}")
     w = turning(omega)
-    block = None if sides is None else 0.5 * vector("sides", sides, 3)
+    block = None if sides is None else 0.5 * vector_of("sides", sides, 3)
     if block is not None and not (block > 0.0).all():
         raise ValueError(f"sides = {(2.0 * block).tolist()}: must be positive")
     turns = np.linspace(0.0, 2.0 * np.pi, positive_int("samples", samples, minimum=2))
