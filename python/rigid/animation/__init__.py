@@ -88,17 +88,16 @@ def animate(
     films = [film_of(one, view=view, speed=speed, trail=trail, shape=shape) for one in recordings]
     rate = np.max([np.linalg.norm(one.omega, axis=1) for one in recordings], axis=0)
     _warn_of_aliases(films[0], rate, fps if suffix != ".html" else REFRESH)
+    story, speed = films[0].story, films[0].speed
     if len(films) == 2:
-        story = story_of_two(*recordings)
-        films = [replace(film, story=story) for film in side_by_side(films)]
-    speed = films[0].speed
-    if caption is None and speed != 1.0:
-        faster = f"The film plays {speed:.3g} times as fast as the motion."
-        films = [replace(film, story=f"{film.story} {faster}") for film in films]
+        story, films = story_of_two(*recordings), side_by_side(films)
     if caption is not None:
         if not isinstance(caption, str):
             raise TypeError(f"caption = {brief(caption)}: must be a text")
-        films = [replace(film, story=caption) for film in films]
+        story = caption
+    elif speed != 1.0:
+        story = f"{story} The film plays {speed:.3g} times as fast as the motion."
+    films = [replace(film, story=story) for film in films]
     if suffix == ".html":
         page = film_page(films)
         if target is None:

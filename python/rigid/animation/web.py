@@ -6,7 +6,7 @@ import html
 import json
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from importlib import resources
 from typing import Any, ClassVar
 
@@ -97,22 +97,9 @@ def plain(film: Film) -> dict[str, Any]:
         "reach": film.reach,
         "grounded": film.grounded,
         "camera": [AZIMUTH, ELEVATION],
-        "parts": [
-            {
-                "kind": part.kind,
-                "points": part.points.round(5).tolist(),
-                "colours": part.colours,
-                "opacity": part.opacity,
-                "carried": part.carried,
-                "label": part.label,
-                "meaning": part.meaning,
-            }
-            for part in film.parts
-        ],
-        "chart": {
-            "label": chart.label,
-            "names": chart.names,
-            "colours": chart.colours,
+        "parts": [asdict(part) | {"points": part.points.round(5).tolist()} for part in film.parts],
+        "chart": asdict(chart)
+        | {
             "axes": [ink.colour for ink in colours.AXES],
             "values": [[float(f"{value:.6g}") for value in row] for row in chart.values],
         },
