@@ -27,6 +27,9 @@ KEY: dict[str, Any] = {"frameon": False, "handlelength": 3.0}
 BELOW: dict[str, Any] = {**KEY, "loc": "upper center", "bbox_to_anchor": (0.5, -0.12)}
 """Style and place of a legend below its axes."""
 
+DASHED: dict[str, Any] = {"linewidth": 1.0, "linestyle": "dashed"}
+"""Style of thin lines beside those that matter."""
+
 FILLED = 0.88
 """Fraction of the axes that the drawing fills; labels need the rest."""
 

@@ -13,15 +13,18 @@ The package uses all physics modules and ``drawing``. No other module uses it.
 
 from __future__ import annotations
 
-from .bodies import box, heavy_top
 from .curves import bearing_torque, invariants, spring_modes, throw
-from .heights import cubic, effective_potential, upright_cubic
-from .orientation import euler_steps, frames, node_frame
-from .paths import cycloids, loci, locus
+from .free import box, cones, coplanar_vectors, free_top_omega, poinsot, polhodes
 from .picture import Picture
-from .polhodes import poinsot, polhodes
-from .symmetric import cones, coplanar_vectors, free_top_omega
-from .turning import active_passive, rotating_body, unit_vector_change
+from .rotations import (
+    active_passive,
+    euler_steps,
+    frames,
+    node_frame,
+    rotating_body,
+    unit_vector_change,
+)
+from .tops import cubic, cycloids, effective_potential, heavy_top, loci, locus, upright_cubic
 
 __all__ = [
     "Picture",
