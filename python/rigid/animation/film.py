@@ -299,8 +299,7 @@ def faces_of(shape: tuple[ArrayLike, ArrayLike], *, frame: Floats | None) -> Flo
     farthest = float(np.linalg.norm(polygons, axis=-1).max())
     if farthest == 0.0:
         raise ValueError("shape[0]: all corners of the faces are at the origin")
-    solid: Floats = polygons / farthest
-    return solid
+    return np.asarray(polygons / farthest)
 
 
 def side_by_side(films: Sequence[Film]) -> list[Film]:
@@ -498,5 +497,4 @@ def _momentum(points: Floats) -> Part:
 def _spread(moments: Moments) -> Floats:
     """``∫ x_i² dm`` along each principal axis."""
     array = np.array(moments)
-    spread: Floats = 0.5 * array.sum() - array
-    return spread
+    return np.asarray(0.5 * array.sum() - array)

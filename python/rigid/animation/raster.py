@@ -86,9 +86,8 @@ class Buffer:
         towards = self.camera.at - faces.mean(axis=1, keepdims=True)
         side = np.sign((flat * towards).sum(axis=-1, keepdims=True))
         normals = side * np.broadcast_to(_unit(flat) if normals is None else normals, faces.shape)
-        light: Floats = 0.52 + 0.12 * normals @ self.camera.up
-        light += 0.48 * np.maximum(normals @ self.camera.lamp, 0.0)
-        return light
+        lit = np.maximum(normals @ self.camera.lamp, 0.0)
+        return np.asarray(0.52 + 0.12 * normals @ self.camera.up + 0.48 * lit)
 
     def _triangles(
         self,
@@ -184,8 +183,7 @@ class Buffer:
             for j in range(DOTS):
                 total += self.colour[i::DOTS, j::DOTS]
         total *= np.float32(255.0 / DOTS**2)
-        rounded: NDArray[np.uint8] = np.rint(np.clip(total, 0.0, 255.0)).astype(np.uint8)
-        return rounded
+        return np.rint(np.clip(total, 0.0, 255.0)).astype(np.uint8)
 
 
 def frame_picture(
@@ -304,13 +302,11 @@ def corner_normals(part: Part) -> Floats:
 
 def _normals(faces: Floats) -> Floats:
     """Normals of polygons, of the length of twice their areas or so."""
-    normals: Floats = np.cross(faces[:, 2] - faces[:, 0], faces[:, -1] - faces[:, 1])
-    return normals
+    return np.cross(faces[:, 2] - faces[:, 0], faces[:, -1] - faces[:, 1])
 
 
 def _unit(vectors: Floats) -> Floats:
-    units: Floats = vectors / np.maximum(np.linalg.norm(vectors, axis=-1, keepdims=True), 1e-300)
-    return units
+    return np.asarray(vectors / np.maximum(np.linalg.norm(vectors, axis=-1, keepdims=True), 1e-300))
 
 
 def arrow_faces(tip: Floats, reach: float, *, sides: int = 12) -> Floats:

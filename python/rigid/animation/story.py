@@ -78,8 +78,7 @@ def story_of_two(left: Recording, right: Recording) -> str:
 def tilt_of(top: Recording) -> Floats:
     """Angle in degrees between the vertical and the direction to the centre of mass."""
     axis = to_space(attitudes(top.attitude), np.array(check_heavy_top(top.scene).com))
-    tilt: Floats = np.rad2deg(np.arctan2(np.hypot(axis[:, 0], axis[:, 1]), axis[:, 2]))
-    return tilt
+    return np.rad2deg(np.arctan2(np.hypot(axis[:, 0], axis[:, 1]), axis[:, 2]))
 
 
 def _axis_of_spin(omega: Floats) -> int | None:
