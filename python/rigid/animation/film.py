@@ -16,8 +16,7 @@ from ..drawing.shapes import STEM, box_faces, cone_faces, ellipsoid_faces, plane
 from ..model.body import Moments, refuse_rods
 from ..model.scene import FreeBody, HeavyTop, Scene, check_heavy_top, require_unforced
 from ..rotations.apply import to_space
-from .recording import Recording
-from .story import story_of, tilt_of
+from .story import Recording, story_of, tilt_of
 
 Floats = NDArray[np.float64]
 

@@ -107,16 +107,16 @@ def label(ax: Any, place: Floats, text: str, colour: str = HUES["black"], **styl
     ax.text(*place, text, **(_text(ax, colour) | style))
 
 
-def curve(ax: Any, points: Floats, colour: str, **style: Any) -> Any:
-    """A line through points (m, 3) or (m, 2)."""
-    (line,) = ax.plot(*points.T, **({"color": on_ground(ax, colour), "linewidth": 1.3} | style))
+def curve(ax: Any, points: Floats | tuple[Any, ...], colour: str, **style: Any) -> Any:
+    """A line through points (m, 3) or (m, 2), or through a tuple of their coordinates."""
+    along = points if isinstance(points, tuple) else points.T
+    (line,) = ax.plot(*along, **({"color": on_ground(ax, colour), "linewidth": 1.3} | style))
     return line
 
 
-def dots(ax: Any, points: Floats, colour: str, **style: Any) -> Any:
-    """Dots at points (m, 3) or (m, 2), or at one point."""
-    (line,) = ax.plot(*np.atleast_2d(points).T, "o", color=on_ground(ax, colour), **style)
-    return line
+def dots(ax: Any, points: Floats | tuple[Any, ...], colour: str, **style: Any) -> Any:
+    """Dots at points (m, 3) or (m, 2), at one point, or at a tuple of coordinates."""
+    return curve(ax, points, colour, marker="o", linestyle="", **style)
 
 
 def cone(ax: Any, rim: Floats, colour: Any, alpha: float, **style: Any) -> None:

@@ -1,4 +1,4 @@
-"""New figures, shown where a display or a notebook shows them, and HTML for notebooks."""
+"""New figures, shown where a display or a notebook shows them, legends, and HTML for notebooks."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from .._checks.extras import install_extra
 from .._checks.notebook import in_notebook
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 
@@ -62,6 +63,17 @@ def check_axes(ax: Any) -> Any:
     if not hasattr(ax, "add_line"):
         raise TypeError(f"ax = {brief(ax)}: must be axes of Matplotlib, or left out")
     return ax
+
+
+def name_classes(ax: Axes, of_word: Mapping[str, str]) -> None:
+    """Draw a legend with a dot in the colour of each class."""
+    from matplotlib.lines import Line2D
+
+    dots = [
+        Line2D([], [], color=colour, marker="o", linestyle="", markersize=5.0, label=word)
+        for word, colour in of_word.items()
+    ]
+    ax.legend(handles=dots, loc="best", framealpha=0.9)
 
 
 def html_with_picture(draw: Callable[[Any], object], text: str, *, height: float = 6.0) -> str:

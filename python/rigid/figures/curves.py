@@ -32,17 +32,10 @@ def _draw_throw(data: Picture, *places: Any) -> None:
     room = 0.08 * (high - low)
     for k, ax in enumerate(places):
         rates = [
-            curve(
-                ax,
-                np.stack([data.t, rate], axis=1),
-                ink.colour,
-                linewidth=1.6,
-                linestyle=dash,
-                gid="omega",
-            )
+            curve(ax, (data.t, rate), ink.colour, linewidth=1.6, linestyle=dash, gid="omega")
             for rate, ink, dash in zip(data.omega[k].T, colours.AXES, DASHES, strict=True)
         ]
-        growth = np.stack([data.dots_t, data.dots[k]], axis=1)
+        growth = data.dots_t, data.dots[k]
         points = dots(ax, growth, colours.HUES["black"], markersize=3, gid="dots")
         ax.axhline(0.0, color=on_ground(ax, colours.FAINT), linewidth=0.7, zorder=1)
         ax.set(xlim=(0.0, data.t[-1]), ylim=(low - room, high + room))
@@ -109,7 +102,7 @@ def _draw_invariants(data: Picture, ax: Any) -> None:
     floor = 0.02 * ROUNDING
     for name, values in zip(data.names, data.drift, strict=True):
         words, colour = NAMES[name]
-        seen = np.stack([data.t, np.maximum(values, floor)], axis=1)
+        seen = data.t, np.maximum(values, floor)
         curve(ax, seen, colour, linewidth=1.2, label=words, gid="drift")
     ax.set(yscale="log", xlim=(data.t[0], data.t[-1]), xlabel="$t$ (s)", ylabel="relative drift")
     ax.set_ylim(0.7 * floor, 10.0 * max(float(data.drift.max()), ROUNDING))
@@ -227,9 +220,9 @@ def _draw_spring_modes(data: Picture, spectrum: Any, limit: Any) -> None:
         number, 0.0, data.frequencies, color=on_ground(spectrum, blue), linewidth=1.2
     )
     stems.set_zorder(1)
-    modes = np.stack([number, data.frequencies], axis=1)
-    dots(spectrum, modes[: data.zero], vermilion, clip_on=False, gid="frequencies")
-    dots(spectrum, modes[data.zero :], blue, clip_on=False, gid="frequencies")
+    for which, ink in ((slice(data.zero), vermilion), (slice(data.zero, None), blue)):
+        modes = number[which], data.frequencies[which]
+        dots(spectrum, modes, ink, clip_on=False, gid="frequencies")
     highest = float(data.frequencies.max())
     words = f"{data.zero} at zero:\ntranslations\nand rotations"
     place = np.array([0.7, 0.06 * highest])
@@ -245,7 +238,7 @@ def _draw_spring_modes(data: Picture, spectrum: Any, limit: Any) -> None:
     measured = {"color": on_ground(limit, blue), "gid": "distance"}
     limit.plot(data.stiffness, data.distance, "o-", **measured)
     law = data.distance[-1] * data.stiffness[-1] / data.stiffness
-    slope = np.stack([data.stiffness, 0.4 * law], axis=1)
+    slope = data.stiffness, 0.4 * law
     curve(limit, slope, colours.NEUTRAL, linestyle="--", linewidth=1.2, gid="slope")
     limit.set(
         xscale="log",
@@ -348,8 +341,7 @@ def spring_modes(
 def _draw_bearing_torque(data: Picture, turning: Any, rising: Any) -> None:
     degrees, rate = np.degrees(data.angle), float(data.omega[-1])
     for values, ink, name in zip(data.torque.T, colours.AXES, "xyz", strict=True):
-        points = np.stack([degrees, values], axis=1)
-        curve(turning, points, ink.colour, linewidth=1.8, gid="torque")
+        curve(turning, (degrees, values), ink.colour, linewidth=1.8, gid="torque")
         # Above a crest; a constant has none.
         place = int(values.argmax()) or len(values) * 9 // 10
         turning.annotate(
@@ -368,8 +360,7 @@ def _draw_bearing_torque(data: Picture, turning: Any, rising: Any) -> None:
         xticks=np.arange(0.0, 361.0, 90.0),
     )
     turning.margins(y=0.12)
-    points = np.stack([data.omega, data.size], axis=1)
-    curve(rising, points, colours.TORQUE.colour, linewidth=1.8, gid="size")
+    curve(rising, (data.omega, data.size), colours.TORQUE.colour, linewidth=1.8, gid="size")
     rising.set(
         xlabel=r"rate $\omega$ (rad/s)",
         ylabel="torque of the bearings, across the axis (N m)",

@@ -175,10 +175,9 @@ UPRIGHT = (1.0, 0.0, 0.0, 0.0)
 
 def _draw_effective_potential(data: Picture, ax: Any) -> None:
     blue, level_colour = colours.HUES["blue"], colours.HUES["vermilion"]
-    well_curve = np.stack([np.degrees(data.tilt), data.potential], axis=1)
-    curve(ax, well_curve, blue, linewidth=1.8, gid="potential")
+    curve(ax, (np.degrees(data.tilt), data.potential), blue, linewidth=1.8, gid="potential")
     ends = np.degrees([data.theta_upper, data.theta_lower])
-    level = np.stack([ends, np.full(2, data.E_prime)], axis=1)
+    level = ends, np.full(2, data.E_prime)
     curve(ax, level, level_colour, linewidth=1.8, gid="E_prime")
     ink = on_ground(ax, level_colour)
     ax.axhline(data.E_prime, color=ink, linewidth=0.8, linestyle="dashed", zorder=1)
@@ -199,8 +198,7 @@ def _draw_effective_potential(data: Picture, ax: Any) -> None:
         marks.append((data.theta_lower, data.E_prime, r"$\theta_\mathrm{lower}$", 0.06))
     for theta, value, name, share in marks:
         place = np.degrees(theta)
-        drop = np.array([[place, low], [place, value]])
-        curve(ax, drop, colours.FAINT, linewidth=0.9, zorder=1)
+        curve(ax, ([place, place], [low, value]), colours.FAINT, linewidth=0.9, zorder=1)
         # Outside the well, but inside the axes.
         room = 0.12 * wide
         left = (first + room < place and theta < data.theta_steady) or place >= last - room
@@ -344,8 +342,7 @@ def _draw_cubic(data: Picture, ax: Any) -> None:
         close.tick_params(labelsize="small")
         close.locator_params(nbins=4)
         ax.indicate_inset_zoom(close, edgecolor=on_ground(ax, colours.NEUTRAL))
-    points = np.stack([data.allowed, data.f_allowed], axis=1)
-    allowed = curve(close, points, red, linewidth=2.4, gid="allowed")
+    allowed = curve(close, (data.allowed, data.f_allowed), red, linewidth=2.4, gid="allowed")
     handles, names = [allowed], ["the top moves from $u_1$ to $u_2$"]
     if data.near[0] < data.still < data.near[-1]:
         ink = on_ground(close, black)
@@ -443,10 +440,10 @@ def cubic(
 
 def _with_roots(ax: Any, u: Floats, f: Floats, roots: Floats, name: str) -> Any:
     """Draw f, the line f = 0, and the roots as dots, which are returned."""
-    curve(ax, np.stack([u, f], axis=1), colours.HUES["blue"], linewidth=1.6, gid=name)
+    curve(ax, (u, f), colours.HUES["blue"], linewidth=1.6, gid=name)
     ax.axhline(0.0, color=on_ground(ax, colours.NEUTRAL), linewidth=0.8, zorder=1)
-    points = np.stack([roots, np.zeros_like(roots)], axis=1)
-    return dots(ax, points, colours.HUES["vermilion"], markersize=5, zorder=4, gid="roots")
+    red = colours.HUES["vermilion"]
+    return dots(ax, (roots, 0.0 * roots), red, markersize=5, zorder=4, gid="roots")
 
 
 def _draw_upright_cubic(data: Picture, *places: Any) -> None:
@@ -458,12 +455,10 @@ def _draw_upright_cubic(data: Picture, *places: Any) -> None:
             data.u, positive, color=on_ground(ax, blue), alpha=0.2, linewidth=0.0
         )
         ax.axhline(0.0, color=on_ground(ax, colours.NEUTRAL), linewidth=0.8, zorder=1)
-        near = np.stack([data.u, data.approximate[k]], axis=1)
+        near = data.u, data.approximate[k]
         approximate = curve(ax, near, orange, linewidth=1.6, linestyle="dashed", gid="approximate")
-        true = np.stack([data.u, data.exact[k]], axis=1)
-        exact = curve(ax, true, blue, linewidth=1.8, gid="exact")
-        upright = np.array([1.0, 0.0])
-        dots(ax, upright, colours.HUES["black"], markersize=5, clip_on=False, zorder=5)
+        exact = curve(ax, (data.u, data.exact[k]), blue, linewidth=1.8, gid="exact")
+        dots(ax, (1.0, 0.0), colours.HUES["black"], markersize=5, clip_on=False, zorder=5)
         share = data.spin[k] / data.spin_min
         words = "sleeps" if data.stable[k] else "falls"
         ax.set_title(f"spin {share:.3g} × the least: {words}", fontsize="medium")
@@ -769,9 +764,9 @@ def _draw_cycloids(data: Picture, *places: Any) -> None:
     red, black = colours.HUES["vermilion"], colours.HUES["black"]
     scale = np.sin(data.tilt)
     for k, ax in enumerate(places):
-        path = np.degrees([scale * data.phi[k], data.theta[k]]).T
+        path = np.degrees(scale * data.phi[k]), np.degrees(data.theta[k])
         curve(ax, path, red, linewidth=1.8, gid="theta")
-        cycloid = np.degrees([scale * data.phi_approx[k], data.theta_approx[k]]).T
+        cycloid = np.degrees(scale * data.phi_approx[k]), np.degrees(data.theta_approx[k])
         curve(ax, cycloid, black, gid="theta_approx", **DASHED)
         faint = on_ground(ax, colours.FAINT)
         ax.axhline(np.degrees(data.tilt), color=faint, linewidth=0.8, zorder=1)
