@@ -203,27 +203,26 @@ def film_of(
     solid = None if shape is None else faces_of(shape, frame=one.frame)
     momentum = to_space(attitude, np.array(scene.body.moments) * omega)
     size = float(np.linalg.norm(momentum[0]))
+    chart, polhode = Chart("ω (rad/s)", ("ω₁", "ω₂", "ω₃"), AXES, omega.T), None
+    grounded = False
     if view == "top":
         parts, up = _top(check_heavy_top(scene), attitude, solid), UP
+        chart = Chart("tilt (°)", (), (AXES[2],), tilt_of(one)[np.newaxis])
+        body = (parts[0].placed(attitude[k], k) for k in _some_frames(attitude))
+        grounded = min(float(corners[..., 2].min()) for corners in body) > -0.02
     elif scene.forces:
         parts, up = _box(one, momentum, solid), UP
     else:
         if size == 0.0:
             raise ValueError("omega = [0, 0, 0]: a free body at rest does not move")
-        up = momentum[0] / size
+        up, polhode = momentum[0] / size, _polhode(scene.body.moments, omega)
         if view == "box":
             parts = _box(one, momentum[:1], solid)
         else:
-            show = {"cones": _cones, "poinsot": _poinsot}[view]
-            parts = show(one, momentum[:1])
+            parts = (_cones if view == "cones" else _poinsot)(one, momentum[:1])
     steps = np.diff(t)
     if trail is None:
         trail = np.inf if view == "poinsot" else 0.25 * span
-    is_free = view != "top"
-    if is_free:
-        chart = Chart("ω (rad/s)", ("ω₁", "ω₂", "ω₃"), AXES, omega.T)
-    else:
-        chart = Chart("tilt (°)", (), (AXES[2],), tilt_of(one)[np.newaxis])
     centre, reach = _room(parts, attitude, up)
     return Film(
         view=view,
@@ -240,8 +239,8 @@ def film_of(
         reach=reach,
         trail=float(trail),
         chart=chart,
-        polhode=_polhode(scene.body.moments, omega) if is_free and not scene.forces else None,
-        grounded=not is_free and _lowest(parts[0], attitude) > -0.02,
+        polhode=polhode,
+        grounded=grounded,
     )
 
 
@@ -339,11 +338,6 @@ def _room(parts: tuple[Part, ...], attitude: Floats, up: Floats) -> tuple[Floats
     heights = cloud @ up
     centre = 0.5 * (heights.min() + heights.max()) * up
     return centre, float(np.linalg.norm(cloud - centre, axis=1).max())
-
-
-def _lowest(part: Part, attitude: Floats) -> float:
-    """The least height of a part that the body carries, from at most 64 frames."""
-    return min(float(part.placed(attitude[k], k)[..., 2].min()) for k in _some_frames(attitude))
 
 
 def _some_frames(attitude: Floats) -> NDArray[np.int64]:

@@ -198,18 +198,6 @@ def arc_in_plane(
     label(ax, beyond * points[24], text)
 
 
-def arc_between(
-    ax: Any, first: Floats, second: Floats, radius: float, colour: str, text: str = "", **style: Any
-) -> None:
-    """The shorter arc from one direction to another."""
-    a, b = first / np.linalg.norm(first), second / np.linalg.norm(second)
-    normal = np.cross(a, b)
-    sine = np.linalg.norm(normal)
-    angle = float(np.arctan2(sine, a @ b))
-    axis = normal / sine if sine > 0.0 else np.cross(a, np.eye(3)[np.argmin(np.abs(a))])
-    arc(ax, axis, radius * a, angle, colour, text, **style)
-
-
 def _text(ax: Any, colour: str) -> dict[str, Any]:
     from matplotlib.patheffects import Normal, Stroke
 

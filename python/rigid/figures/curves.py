@@ -10,8 +10,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import free
 from .._checks.arguments import brief, finite_float, numbers
+from ..drawing import axes3d as draw
 from ..drawing import colours
-from ..drawing.axes3d import KEY, curve, dots, label
 from ..drawing.colours import on_ground
 from ..exact.symmetry import symmetry_of
 from ..fixed_axis import bearing_torques
@@ -32,11 +32,11 @@ def _draw_throw(data: Picture, *places: Any) -> None:
     room = 0.08 * (high - low)
     for k, ax in enumerate(places):
         rates = [
-            curve(ax, (data.t, rate), ink.colour, linewidth=1.6, linestyle=dash, gid="omega")
+            draw.curve(ax, (data.t, rate), ink.colour, linewidth=1.6, linestyle=dash, gid="omega")
             for rate, ink, dash in zip(data.omega[k].T, colours.AXES, DASHES, strict=True)
         ]
         growth = data.dots_t, data.dots[k]
-        points = dots(ax, growth, colours.HUES["black"], markersize=3, gid="dots")
+        points = draw.dots(ax, growth, colours.HUES["black"], markersize=3, gid="dots")
         ax.axhline(0.0, color=on_ground(ax, colours.FAINT), linewidth=0.7, zorder=1)
         ax.set(xlim=(0.0, data.t[-1]), ylim=(low - room, high + room))
         how = "exactly" if k < 3 else "with noise"
@@ -47,7 +47,7 @@ def _draw_throw(data: Picture, *places: Any) -> None:
         places[row].set_ylabel(r"$\omega$ (rad/s), growth rate (1/s)")
     names = [*(rf"$\omega_{k}$" for k in (1, 2, 3)), r"growth rate: largest Re $\lambda$"]
     places[0].figure.legend(
-        handles=[*rates, points], labels=names, loc="outside lower center", ncols=4, **KEY
+        handles=[*rates, points], labels=names, loc="outside lower center", ncols=4, **draw.KEY
     )
 
 
@@ -103,7 +103,7 @@ def _draw_invariants(data: Picture, ax: Any) -> None:
     for name, values in zip(data.names, data.drift, strict=True):
         words, colour = NAMES[name]
         seen = data.t, np.maximum(values, floor)
-        curve(ax, seen, colour, linewidth=1.2, label=words, gid="drift")
+        draw.curve(ax, seen, colour, linewidth=1.2, label=words, gid="drift")
     ax.set(yscale="log", xlim=(data.t[0], data.t[-1]), xlabel="$t$ (s)", ylabel="relative drift")
     ax.set_ylim(0.7 * floor, 10.0 * max(float(data.drift.max()), ROUNDING))
     ax.set_title(data.method, fontsize="medium", loc="left")
@@ -222,11 +222,11 @@ def _draw_spring_modes(data: Picture, spectrum: Any, limit: Any) -> None:
     stems.set_zorder(1)
     for which, ink in ((slice(data.zero), vermilion), (slice(data.zero, None), blue)):
         modes = number[which], data.frequencies[which]
-        dots(spectrum, modes, ink, clip_on=False, gid="frequencies")
+        draw.dots(spectrum, modes, ink, clip_on=False, gid="frequencies")
     highest = float(data.frequencies.max())
     words = f"{data.zero} at zero:\ntranslations\nand rotations"
     place = np.array([0.7, 0.06 * highest])
-    label(spectrum, place, words, vermilion, fontsize="medium", ha="left", va="bottom")
+    draw.label(spectrum, place, words, vermilion, fontsize="medium", ha="left", va="bottom")
     spectrum.set(
         xlabel="mode",
         ylabel=f"frequency for $k$ = {data.stiffness[0]:g} N/m (rad/s)",
@@ -239,7 +239,7 @@ def _draw_spring_modes(data: Picture, spectrum: Any, limit: Any) -> None:
     limit.plot(data.stiffness, data.distance, "o-", **measured)
     law = data.distance[-1] * data.stiffness[-1] / data.stiffness
     slope = data.stiffness, 0.4 * law
-    curve(limit, slope, colours.NEUTRAL, linestyle="--", linewidth=1.2, gid="slope")
+    draw.curve(limit, slope, colours.NEUTRAL, linestyle="--", linewidth=1.2, gid="slope")
     limit.set(
         xscale="log",
         yscale="log",
@@ -341,7 +341,7 @@ def spring_modes(
 def _draw_bearing_torque(data: Picture, turning: Any, rising: Any) -> None:
     degrees, rate = np.degrees(data.angle), float(data.omega[-1])
     for values, ink, name in zip(data.torque.T, colours.AXES, "xyz", strict=True):
-        curve(turning, (degrees, values), ink.colour, linewidth=1.8, gid="torque")
+        draw.curve(turning, (degrees, values), ink.colour, linewidth=1.8, gid="torque")
         # Above a crest; a constant has none.
         place = int(values.argmax()) or len(values) * 9 // 10
         turning.annotate(
@@ -360,7 +360,7 @@ def _draw_bearing_torque(data: Picture, turning: Any, rising: Any) -> None:
         xticks=np.arange(0.0, 361.0, 90.0),
     )
     turning.margins(y=0.12)
-    curve(rising, (data.omega, data.size), colours.TORQUE.colour, linewidth=1.8, gid="size")
+    draw.curve(rising, (data.omega, data.size), colours.TORQUE.colour, linewidth=1.8, gid="size")
     rising.set(
         xlabel=r"rate $\omega$ (rad/s)",
         ylabel="torque of the bearings, across the axis (N m)",

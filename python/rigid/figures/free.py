@@ -11,23 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import exact, free
 from .._checks.arguments import brief, finite_float, positive_int, vector
+from ..drawing import axes3d as draw
 from ..drawing import colours
-from ..drawing.axes3d import (
-    AZIM,
-    ELEV,
-    UP,
-    arc,
-    arc_in_plane,
-    arrow,
-    cone,
-    curve,
-    dots,
-    eye,
-    fit,
-    label,
-    sides,
-    surface,
-)
 from ..drawing.shapes import across, box_faces, ellipsoid_faces, plane_face
 from ..free import cones as cones_of
 from ..free import permanent_rotation, symmetric_free_top
@@ -64,21 +49,23 @@ def _draw_box(data: Picture, ax: Any) -> None:
         colour, width, dash = (
             (colours.FAINT, 1.0, "dashed") if hidden else (colours.NEUTRAL, 1.5, "solid")
         )
-        curve(ax, ends, colour, linewidth=width, linestyle=dash, zorder=2, gid="edges")
+        draw.curve(ax, ends, colour, linewidth=width, linestyle=dash, zorder=2, gid="edges")
     longest = float(data.sides.max())
     for axis, ink in enumerate(colours.AXES):
         unit = np.eye(3)[axis]
         start = 0.5 * data.sides[axis] * unit
-        curve(ax, np.array([np.zeros(3), start]), ink.colour, linewidth=1.2, linestyle="dotted")
+        draw.curve(
+            ax, np.array([np.zeros(3), start]), ink.colour, linewidth=1.2, linestyle="dotted"
+        )
         name = (
             f"{ink.label}: {data.kinds[axis]}\n"
             rf"$I_{axis + 1} = ${_rounded(data.moments[axis])} kg m²"
         )
         tip = 0.3 * longest * unit
-        arrow(ax, tip, ink.colour, name, start=start, linewidth=2.4, gid="axes")
+        draw.arrow(ax, tip, ink.colour, name, start=start, linewidth=2.4, gid="axes")
         _dimension(ax, data.sides, axis, longest)
     tips = np.diag(0.5 * data.sides + 0.3 * longest)
-    fit(ax, data.corners, tips, elev=elev, azim=azim, filled=0.8)
+    draw.fit(ax, data.corners, tips, elev=elev, azim=azim, filled=0.8)
 
 
 def box(body: Body) -> Picture:
@@ -147,13 +134,13 @@ def _dimension(ax: Any, sides: Floats, axis: int, longest: float) -> None:
     middle = 0.5 * sides * _OUTER_EDGES[axis]
     along = sides[axis] * np.eye(3)[axis]
     for end in (middle - 0.5 * along, middle + 0.5 * along):
-        curve(ax, end + np.outer([0.02, 0.09], away), grey, linewidth=0.8)
+        draw.curve(ax, end + np.outer([0.02, 0.09], away), grey, linewidth=0.8)
     start = middle - 0.5 * along + 0.07 * away
     heads = "<|-|>" if sides[axis] > 0.2 * longest else "-"
-    arrow(ax, along, grey, start=start, linewidth=0.8, arrowstyle=heads, mutation_scale=8.0)
+    draw.arrow(ax, along, grey, start=start, linewidth=0.8, arrowstyle=heads, mutation_scale=8.0)
     # Above the arrow of axis 2, and below the box on the outer sides of its nearest corner.
     place = middle + 0.25 * along if axis == 2 else middle
-    label(
+    draw.label(
         ax,
         place + 0.1 * away,
         f"{sides[axis]:g} m",
@@ -175,36 +162,36 @@ POLHODE, HERPOLHODE = colours.HUES["blue"], colours.HUES["black"]
 
 def _draw_poinsot(data: Picture, ax: Any) -> None:
     faces = ellipsoid_faces(data.semi_axes, rings=30, sectors=60) @ data.axes
-    towards = eye(ELEV, AZIM)
-    surface(ax, faces, colours.BODY_FACE, towards, alpha=0.7, linewidths=0.0, gid="ellipsoid")
-    foot = data.distance * UP
+    towards = draw.eye(draw.ELEV, draw.AZIM)
+    draw.surface(ax, faces, colours.BODY_FACE, towards, alpha=0.7, linewidths=0.0, gid="ellipsoid")
+    foot = data.distance * draw.UP
     radius = float(np.linalg.norm(data.herpolhode - foot, axis=1).max())
-    square = plane_face(foot, UP, 1.25 * max(radius, 0.3 * data.distance))
+    square = plane_face(foot, draw.UP, 1.25 * max(radius, 0.3 * data.distance))
     faint = colours.FAINT
-    surface(ax, square, faint, towards, alpha=0.4, zorder=2, linewidths=0.0, gid="plane")
+    draw.surface(ax, square, faint, towards, alpha=0.4, zorder=2, linewidths=0.0, gid="plane")
     outward = data.polhode @ data.axes.T / data.semi_axes**2 @ data.axes
-    near, far = sides(data.polhode, outward, towards)
-    curve(ax, near, POLHODE, linewidth=1.6, zorder=3, gid="polhode")
-    curve(ax, far, POLHODE, linewidth=0.8, alpha=0.5, zorder=3, gid="polhode_hidden")
+    near, far = draw.sides(data.polhode, outward, towards)
+    draw.curve(ax, near, POLHODE, linewidth=1.6, zorder=3, gid="polhode")
+    draw.curve(ax, far, POLHODE, linewidth=0.8, alpha=0.5, zorder=3, gid="polhode_hidden")
     later = data.herpolhode[data.frame :]
-    curve(ax, later, HERPOLHODE, linewidth=0.9, alpha=0.6, zorder=4)
+    draw.curve(ax, later, HERPOLHODE, linewidth=0.9, alpha=0.6, zorder=4)
     done = data.herpolhode[: data.frame + 1]
-    curve(ax, done, HERPOLHODE, linewidth=1.6, zorder=4, gid="herpolhode")
-    dots(ax, done[0], HERPOLHODE, markersize=4, zorder=4)
+    draw.curve(ax, done, HERPOLHODE, linewidth=1.6, zorder=4, gid="herpolhode")
+    draw.dots(ax, done[0], HERPOLHODE, markersize=4, zorder=4)
     # Inside the ellipsoid arrows are dashed: omega ends on it, L leaves it.
     inside: dict[str, Any] = {"linestyle": "dashed", "zorder": 3}
     omega, momentum = colours.OMEGA, colours.L
-    arrow(ax, data.contact, omega.colour, linewidth=1.6, gid="omega", **inside)
-    leaves = UP / np.linalg.norm(data.axes @ UP / data.semi_axes)
-    curve(ax, np.array([0.0 * UP, leaves]), momentum.colour, linewidth=1.6, **inside)
+    draw.arrow(ax, data.contact, omega.colour, linewidth=1.6, gid="omega", **inside)
+    leaves = draw.UP / np.linalg.norm(data.axes @ draw.UP / data.semi_axes)
+    draw.curve(ax, np.array([0.0 * draw.UP, leaves]), momentum.colour, linewidth=1.6, **inside)
     outside: dict[str, Any] = {"start": leaves, "zorder": 4, "gid": "momentum"}
-    arrow(ax, 1.4 * foot - leaves, momentum.colour, momentum.label, **outside)
-    dots(ax, data.contact, omega.colour, markersize=6, zorder=6, gid="contact")
-    right = np.cross(UP, towards)
+    draw.arrow(ax, 1.4 * foot - leaves, momentum.colour, momentum.label, **outside)
+    draw.dots(ax, data.contact, omega.colour, markersize=6, zorder=6, gid="contact")
+    right = np.cross(draw.UP, towards)
     right /= np.linalg.norm(right)
     away = 1.0 if data.contact @ right < 0.0 else -1.0
     beside = 0.6 * data.contact - 0.07 * away * data.distance * right
-    label(ax, beside, omega.label, omega.colour)
+    draw.label(ax, beside, omega.label, omega.colour)
     # The names stand outside the curves, the name of the herpolhode on the side without the
     # contact.
     side = float(np.sign(near[np.nanargmax(np.abs(near @ right))] @ right))
@@ -215,12 +202,12 @@ def _draw_poinsot(data: Picture, ax: Any) -> None:
     ):
         end = path[np.nanargmax(path @ towards_name)] + 0.03 * data.distance * sign * right
         align = "left" if sign > 0.0 else "right"
-        label(ax, end, name, colour, fontsize="medium", ha=align, va="bottom")
+        draw.label(ax, end, name, colour, fontsize="medium", ha=align, va="bottom")
     corner = square[0, (-away * square[0] @ right).argmax()]
     corner = corner - 0.03 * data.distance * away * right
     align = "right" if away > 0.0 else "left"
-    label(ax, corner, "invariable plane", colours.NEUTRAL, fontsize="medium", ha=align)
-    fit(ax, faces, square, 1.5 * foot, elev=ELEV, azim=AZIM)
+    draw.label(ax, corner, "invariable plane", colours.NEUTRAL, fontsize="medium", ha=align)
+    draw.fit(ax, faces, square, 1.5 * foot, elev=draw.ELEV, azim=draw.AZIM)
 
 
 def poinsot(run: Run, *, frame: int = 0) -> Picture:
@@ -281,14 +268,13 @@ def poinsot(run: Run, *, frame: int = 0) -> Picture:
     >>> bool(abs(data.contact[2] - data.distance) < 1e-14)
     True
     """
-    scene = scene_of(run)
-    if not isinstance(scene, FreeBody):
-        raise TypeError(
-            f"scene = {brief(scene)}: must be a rigid.FreeBody, which Poinsot's picture shows"
-        )
-    require_unforced(scene, "Poinsot's picture")
+    scene = _free_body(run, "which Poinsot's picture shows", "Poinsot's picture")
     omega, attitude = states_of(run)
-    k = _index("frame", frame, len(omega))
+    if isinstance(frame, bool) or not isinstance(frame, (int, np.integer)):
+        raise TypeError(f"frame = {brief(frame)}: must be a whole number")
+    if not -len(omega) <= frame < len(omega):
+        raise ValueError(f"frame = {frame}: the run has {len(omega)} times")
+    k = int(frame)
     rolled: Any = free.poinsot(scene, omega, attitude)
     level = np.stack(across(rolled.normal))
     return Picture(
@@ -304,12 +290,13 @@ def poinsot(run: Run, *, frame: int = 0) -> Picture:
     )
 
 
-def _index(name: str, value: int, length: int) -> int:
-    if isinstance(value, bool) or not isinstance(value, (int, np.integer)):
-        raise TypeError(f"{name} = {brief(value)}: must be a whole number")
-    if not -length <= value < length:
-        raise ValueError(f"{name} = {value}: the run has {length} times")
-    return int(value)
+def _free_body(run: Run, why: str, picture: str) -> FreeBody:
+    """The scene of a run without torque and damping."""
+    scene = scene_of(run)
+    if not isinstance(scene, FreeBody):
+        raise TypeError(f"scene = {brief(scene)}: must be a rigid.FreeBody, {why}")
+    require_unforced(scene, picture)
+    return scene
 
 
 def _draw_polhodes(data: Picture, ax: Any) -> None:
@@ -320,21 +307,21 @@ def _draw_polhodes(data: Picture, ax: Any) -> None:
     elev = float(np.degrees(np.arcsin(towards[2])))
     azim = float(np.degrees(np.arctan2(towards[1], towards[0])))
     faces = ellipsoid_faces(data.semi_axes, rings=30, sectors=60)
-    surface(ax, faces, colours.SURFACE, towards, gid="ellipsoid")
+    draw.surface(ax, faces, colours.SURFACE, towards, gid="ellipsoid")
     for points, axis in zip(data.curves, data.axis, strict=True):
         colour = colours.AXES[abs(int(axis)) - 1].colour
-        near, far = sides(points, data.moments * points, towards)
-        curve(ax, near, colour, linewidth=1.5, zorder=4, gid="curves")
-        curve(ax, far, colour, linewidth=0.7, alpha=0.35, zorder=2, gid="curves_hidden")
+        near, far = draw.sides(points, data.moments * points, towards)
+        draw.curve(ax, near, colour, linewidth=1.5, zorder=4, gid="curves")
+        draw.curve(ax, far, colour, linewidth=0.7, alpha=0.35, zorder=2, gid="curves_hidden")
     black, purple = colours.HUES["black"], colours.OMEGA.colour
     for ellipse in data.separatrix:
-        near, far = sides(ellipse, data.moments * ellipse, towards)
-        curve(ax, near, black, linewidth=2.0, zorder=5, gid="separatrix")
-        curve(ax, far, black, linewidth=0.8, alpha=0.35, zorder=2, gid="separatrix_hidden")
+        near, far = draw.sides(ellipse, data.moments * ellipse, towards)
+        draw.curve(ax, near, black, linewidth=2.0, zorder=5, gid="separatrix")
+        draw.curve(ax, far, black, linewidth=0.8, alpha=0.35, zorder=2, gid="separatrix_hidden")
     if data.path is not None:
-        near, far = sides(data.path, data.moments * data.path, towards)
-        curve(ax, near, purple, linewidth=3.0, zorder=5.5, gid="path")
-        curve(ax, far, purple, linewidth=1.5, alpha=0.5, zorder=2, gid="path_hidden")
+        near, far = draw.sides(data.path, data.moments * data.path, towards)
+        draw.curve(ax, near, purple, linewidth=3.0, zorder=5.5, gid="path")
+        draw.curve(ax, far, purple, linewidth=1.5, alpha=0.5, zorder=2, gid="path_hidden")
     names = {int(order[0]): "least", int(order[1]): "middle", int(order[2]): "largest"}
     length = np.full(3, 0.3)
     length[order[1]] = 1.1  # foreshortened
@@ -342,12 +329,12 @@ def _draw_polhodes(data: Picture, ax: Any) -> None:
     for k, ink in enumerate(colours.AXES):
         start = np.diag(data.semi_axes)[k]
         along = tips[k] - start
-        arrow(ax, along, ink.colour, start=start, linewidth=1.6, zorder=6, gid="axes")
+        draw.arrow(ax, along, ink.colour, start=start, linewidth=1.6, zorder=6, gid="axes")
         words = f"{k + 1}: {names[k]} moment"
-        sideways = float(np.cross(UP, towards)[k])
+        sideways = float(np.cross(draw.UP, towards)[k])
         align = "left" if sideways > 0.1 else "right" if sideways < -0.1 else "center"
-        label(ax, tips[k] + 0.1 * np.eye(3)[k], words, ink.colour, fontsize="medium", ha=align)
-    fit(ax, faces, 1.05 * tips, elev=elev, azim=azim, filled=0.62)
+        draw.label(ax, tips[k] + 0.1 * np.eye(3)[k], words, ink.colour, fontsize="medium", ha=align)
+    draw.fit(ax, faces, 1.05 * tips, elev=elev, azim=azim, filled=0.62)
 
 
 def polhodes(body: BodyLike | Run, *, count: int = 5, samples: int = 361) -> Picture:
@@ -403,8 +390,14 @@ def polhodes(body: BodyLike | Run, *, count: int = 5, samples: int = 361) -> Pic
     """
     path = None
     if isinstance(body, Run):
-        path, body = _path_of(body)
+        run, body = body, _free_body(body, "whose rates follow polhodes", "a polhode")
+        (path,) = states_of(run, names=["omega"])
     moments = moments_of(body)
+    if path is not None:
+        size = np.sqrt((path[0] ** 2 * moments).sum() / moments.min())
+        if size == 0.0:
+            raise ValueError("omega = [0, 0, 0]: a body at rest has no polhode")
+        path = path / size
     if moments.shape != (3,) or len(set(moments.tolist())) < 3:
         raise ValueError(
             f"moments = {moments.tolist()}: polhodes of both kinds need three different moments"
@@ -449,22 +442,6 @@ def polhodes(body: BodyLike | Run, *, count: int = 5, samples: int = 361) -> Pic
     )
 
 
-def _path_of(run: Run) -> tuple[Floats, FreeBody]:
-    """The rates of a run on the ellipsoid whose largest semi-axis is 1 rad/s, and its scene."""
-    scene = scene_of(run)
-    if not isinstance(scene, FreeBody):
-        raise TypeError(
-            f"scene = {brief(scene)}: must be a rigid.FreeBody, whose rates follow polhodes"
-        )
-    require_unforced(scene, "a polhode")
-    (omega,) = states_of(run, names=["omega"])
-    moments = np.array(scene.body.moments)
-    size = np.sqrt((omega[0] ** 2 * moments).sum() / moments.min())
-    if size == 0.0:
-        raise ValueError("omega = [0, 0, 0]: a body at rest has no polhode")
-    return omega / size, scene
-
-
 def _draw_free_top_omega(data: Picture, ax: Any) -> None:
     size = float(np.linalg.norm(data.start))
     purple, black = colours.OMEGA.colour, colours.HUES["black"]
@@ -473,28 +450,28 @@ def _draw_free_top_omega(data: Picture, ax: Any) -> None:
     which = int(data.axis.argmax())
     reach[which] = 1.25 * size
     for axis, ink in enumerate(colours.AXES):
-        arrow(ax, reach[axis] * np.eye(3)[axis], ink.colour, ink.label, linewidth=1.4)
-    curve(ax, data.path, purple, linewidth=1.4, gid="path")
+        draw.arrow(ax, reach[axis] * np.eye(3)[axis], ink.colour, ink.label, linewidth=1.4)
+    draw.curve(ax, data.path, purple, linewidth=1.4, gid="path")
     shadow = data.path - along
-    curve(ax, shadow, colours.FAINT, linewidth=1.4, gid="projection")
+    draw.curve(ax, shadow, colours.FAINT, linewidth=1.4, gid="projection")
     _tips(ax, data.path, purple)
     drop = np.array([data.now, data.now - along])
     dashed: dict[str, Any] = {"linestyle": "dashed"}
-    curve(ax, drop, colours.FAINT, linewidth=1.0, **dashed)
+    draw.curve(ax, drop, colours.FAINT, linewidth=1.0, **dashed)
     # Draw the vector at time 0 only if it differs from the vector at time t.
-    arrow(ax, data.start, purple, linewidth=1.2, alpha=0.7, gid="start", **dashed)
-    arrow(ax, data.now, purple, r"$\boldsymbol{\omega}(t)$", linewidth=2.4, gid="now")
-    arrow(ax, data.now - along, black, "$A$", linewidth=1.8, gid="amplitude")
-    curve(ax, np.array([np.zeros(3), data.start - along]), black, linewidth=0.9, **dashed)
+    draw.arrow(ax, data.start, purple, linewidth=1.2, alpha=0.7, gid="start", **dashed)
+    draw.arrow(ax, data.now, purple, r"$\boldsymbol{\omega}(t)$", linewidth=2.4, gid="now")
+    draw.arrow(ax, data.now - along, black, "$A$", linewidth=1.8, gid="amplitude")
+    draw.curve(ax, np.array([np.zeros(3), data.start - along]), black, linewidth=0.9, **dashed)
     if data.amplitude > 0.0:
         first = 0.5 * (data.start - along)
-        arc(ax, data.axis, first, data.angle, black, "$k\\,t$", beyond=1.5)
+        draw.arc(ax, data.axis, first, data.angle, black, "$k\\,t$", beyond=1.5)
         centre = np.array([data.now, along])
-        curve(ax, centre, colours.FAINT, linewidth=1.0, **dashed)
+        draw.curve(ax, centre, colours.FAINT, linewidth=1.0, **dashed)
     name = r"$\omega_" + str(which + 1) + "$"
     aside = np.roll(np.array([0.0, -0.14 * size, 0.0]), which - 2)
-    label(ax, along + aside, name, colours.AXES[which].colour)
-    fit(ax, data.path, shadow, np.diag(reach), np.zeros(3), elev=20.0, azim=35.0)
+    draw.label(ax, along + aside, name, colours.AXES[which].colour)
+    draw.fit(ax, data.path, shadow, np.diag(reach), np.zeros(3), elev=20.0, azim=35.0)
 
 
 def free_top_omega(
@@ -643,16 +620,16 @@ def _vectors_of(body: BodyLike, omega: ArrayLike) -> Picture:
 def _draw_coplanar(data: Picture, ax: Any) -> None:
     size = float(np.linalg.norm(data.omega))
     longer = 1.25 * size
-    arrow(ax, np.array([0.0, longer]), colours.Z.colour, "axis", linewidth=1.6)
+    draw.arrow(ax, np.array([0.0, longer]), colours.Z.colour, "axis", linewidth=1.6)
     momentum = longer * data.momentum / np.linalg.norm(data.momentum)
     for name, arrow_of, ink in (
         ("omega", data.omega, colours.OMEGA),
         ("momentum", momentum, colours.L),
     ):
-        arrow(ax, arrow_of, ink.colour, ink.label, linewidth=2.4, gid=name)
+        draw.arrow(ax, arrow_of, ink.colour, ink.label, linewidth=2.4, gid=name)
     for angle, radius, text in ((data.alpha, 0.62, r"$\alpha$"), (data.theta, 0.4, r"$\theta$")):
         end = 0.5 * np.pi - angle
-        arc_in_plane(ax, radius * size, 0.5 * np.pi, end, text, beyond=1.0 + 0.06 / radius)
+        draw.arc_in_plane(ax, radius * size, 0.5 * np.pi, end, text, beyond=1.0 + 0.06 / radius)
     kind = "oblate: $I_3 > I$" if data.along > data.across else "prolate: $I_3 < I$"
     sign = "<" if data.theta < data.alpha else ">"
     if data.along == data.across:
@@ -677,7 +654,7 @@ def _tips(ax: Any, path: Floats, colour: str) -> None:
     for place in range(len(path) // 6, len(path) - 2, len(path) // 3):
         step = path[place + 1] - path[place]
         if step.any():
-            arrow(ax, step, colour, start=path[place], linewidth=0.0, mutation_scale=14.0)
+            draw.arrow(ax, step, colour, start=path[place], linewidth=0.0, mutation_scale=14.0)
 
 
 def _draw_cones(data: Picture, ax: Any) -> None:
@@ -685,11 +662,11 @@ def _draw_cones(data: Picture, ax: Any) -> None:
         ("space", data.space_rim, colours.SPACE, 0.35),
         ("body", data.body_rim, colours.BODY, 0.25),
     ):
-        cone(ax, rim, ink.colour, alpha, gid=f"{name}_cone")
-        curve(ax, rim, ink.colour, linewidth=1.8, zorder=2, gid=f"{name}_rim")
+        draw.cone(ax, rim, ink.colour, alpha, gid=f"{name}_cone")
+        draw.curve(ax, rim, ink.colour, linewidth=1.8, zorder=2, gid=f"{name}_rim")
     # Generators of the body cone show the rotation of the body.
     for end in data.body_rim[:-1:10]:
-        curve(ax, np.array([np.zeros(3), end]), colours.BODY.colour, linewidth=0.7, zorder=2)
+        draw.curve(ax, np.array([np.zeros(3), end]), colours.BODY.colour, linewidth=0.7, zorder=2)
     size = float(np.linalg.norm(data.omega))
     omega, axis = 1.12 * data.omega, 1.3 * size * data.axis
     momentum = 1.4 * size * data.momentum / np.linalg.norm(data.momentum)
@@ -698,7 +675,7 @@ def _draw_cones(data: Picture, ax: Any) -> None:
         ("momentum", momentum, colours.L.colour, colours.L.label, 2.2),
         ("axis", axis, colours.Z.colour, "axis", 2.2),
     ):
-        arrow(ax, along, colour, text, linewidth=width, gid=name)
+        draw.arrow(ax, along, colour, text, linewidth=width, gid=name)
     azim = float(np.degrees(np.arctan2(*data.space_rim[0, 1::-1]))) - 90.0
     # The names stand outside the cones, each on its own side of the page.
     right = rotate(np.array([0.0, 1.0, 0.0]), [0.0, 0.0, 1.0], np.radians(azim))
@@ -713,11 +690,11 @@ def _draw_cones(data: Picture, ax: Any) -> None:
             place[2] -= 0.06 * size
         text = f"{name}\n{np.degrees(angle):.1f}°"
         align = "left" if side > 0.0 else "right"
-        label(ax, place, text, colours.NEUTRAL, fontsize="medium", va=height, ha=align)
+        draw.label(ax, place, text, colours.NEUTRAL, fontsize="medium", va=height, ha=align)
     # Room for the whole motion around L and a fixed view, so that all frames have equal scales.
     shown = np.vstack([data.body_rim, data.space_rim, momentum, axis, omega])
     swept = rotate(shown[:, np.newaxis, :], [0.0, 0.0, 1.0], np.linspace(0.0, 2.0 * np.pi, 25))
-    fit(ax, swept, np.zeros(3), elev=16.0, azim=azim, filled=0.84)
+    draw.fit(ax, swept, np.zeros(3), elev=16.0, azim=azim, filled=0.84)
 
 
 def cones(body: BodyLike, omega: ArrayLike, *, t: float = 0.0, samples: int = 121) -> Picture:

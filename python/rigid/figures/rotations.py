@@ -9,25 +9,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import finite_float, positive_int, shaped, vector
 from .._checks.arguments import vector as vector_of
+from ..drawing import axes3d as draw
 from ..drawing import colours
-from ..drawing.axes3d import (
-    AZIM,
-    DASHED,
-    ELEV,
-    UP,
-    arc,
-    arc_in_plane,
-    arrow,
-    circle,
-    curve,
-    dots,
-    eye,
-    fit,
-    fit_in_plane,
-    label,
-    surface,
-    triad,
-)
 from ..drawing.shapes import box_faces
 from ..model.start import body_axis
 from ..particles import velocity_field
@@ -47,15 +30,15 @@ def _draw_euler_steps(data: Picture, *panels: Any) -> None:
         new[kept] = f"{old[kept][:-1]} = {new[kept][1:]}"
         old[kept] = ""
         origin = np.zeros(3)
-        triad(ax, data.axes[step], origin, old, gid="axes", **DASHED)
-        triad(ax, data.axes[step + 1], origin, new, linewidth=2.4, gid="axes")
+        draw.triad(ax, data.axes[step], origin, old, gid="axes", **draw.DASHED)
+        draw.triad(ax, data.axes[step + 1], origin, new, linewidth=2.4, gid="axes")
         # Beyond the tip of axis 1 is its name.
         node = data.turned_about[1] * np.array([[-0.4], [1.0], [np.nan], [1.35], [1.6]])
         ink = colours.NODE.colour
-        curve(ax, node, ink, linewidth=1.2, linestyle="dashdot", zorder=3, gid="node")
+        draw.curve(ax, node, ink, linewidth=1.2, linestyle="dashdot", zorder=3, gid="node")
         turned = [axis for axis in range(3) if axis != kept]
         for axis, radius in zip(turned, (0.55, 0.7), strict=True):
-            arc(
+            draw.arc(
                 ax,
                 data.turned_about[step],
                 radius * data.axes[step, axis],
@@ -63,9 +46,9 @@ def _draw_euler_steps(data: Picture, *panels: Any) -> None:
                 colours.ANGLE.colour,
                 _TURNS[step],
             )
-        label(ax, 1.72 * data.turned_about[1], "$N$", ink)
+        draw.label(ax, 1.72 * data.turned_about[1], "$N$", ink)
         ax.set_title(f"{step + 1}.  {_TURNS[step]} {_ABOUT[step]}", fontsize="medium")
-        fit(ax, data.axes, node[[0, -1]], elev=24.0, azim=_azimuth(data.angles[0]), filled=0.8)
+        draw.fit(ax, data.axes, node[[0, -1]], elev=24.0, azim=_azimuth(data.angles[0]), filled=0.8)
     _draw_turned_plane(plane, data)
 
 
@@ -154,13 +137,15 @@ def _draw_turned_plane(ax: Any, data: Picture) -> None:
     ):
         for axis, ink in enumerate(colours.AXES[:2]):
             along = longest * data.axes[step, axis, :2]
-            arrow(ax, along, ink.colour, f"${names[axis]}$", **style)
+            draw.arrow(ax, along, ink.colour, f"${names[axis]}$", **style)
             foot = (data.point, data.seen)[step][axis] * data.axes[step, axis, :2]
-            curve(ax, np.array([data.point, foot]), ink.colour, linewidth=0.9, linestyle="dotted")
-    arc_in_plane(ax, 0.35 * longest, 0.0, data.angles[0], _TURNS[0], beyond=0.44 / 0.35)
-    arrow(ax, data.point, colours.HUES["black"], "$P$", linewidth=1.6, gid="point")
+            draw.curve(
+                ax, np.array([data.point, foot]), ink.colour, linewidth=0.9, linestyle="dotted"
+            )
+    draw.arc_in_plane(ax, 0.35 * longest, 0.0, data.angles[0], _TURNS[0], beyond=0.44 / 0.35)
+    draw.arrow(ax, data.point, colours.HUES["black"], "$P$", linewidth=1.6, gid="point")
     corners = np.vstack([np.zeros((1, 2)), longest * data.axes[:2, :2, :2].reshape(-1, 2)])
-    fit_in_plane(ax, corners, 0.14 * longest)
+    draw.fit_in_plane(ax, corners, 0.14 * longest)
     ax.set_anchor("N")  # its title as high as the titles of the other panels
     ax.set_title("the first turn seen from $z'$", fontsize="medium")
 
@@ -172,31 +157,31 @@ def _azimuth(phi: float) -> float:
 
 def _draw_frames(data: Picture, ax: Any) -> None:
     names = ("$X'$", "$Y'$", "$Z'$")
-    triad(ax, data.space, np.zeros(3), names, linewidth=1.2, gid="space")
+    draw.triad(ax, data.space, np.zeros(3), names, linewidth=1.2, gid="space")
     apart = bool(data.origin.any())
     names = ("$x'$", "$y'$", "$z'$") if apart else ("", "", "")
-    triad(ax, data.space, data.origin, names, gid="parallel", **DASHED)
-    triad(ax, data.body, data.origin, ("$x$", "$y$", "$z$"), linewidth=2.6, gid="body")
-    label(ax, np.array([-0.09, -0.09, -0.09]), "$O'$" if apart else "$O$", colours.NEUTRAL)
+    draw.triad(ax, data.space, data.origin, names, gid="parallel", **draw.DASHED)
+    draw.triad(ax, data.body, data.origin, ("$x$", "$y$", "$z$"), linewidth=2.6, gid="body")
+    draw.label(ax, np.array([-0.09, -0.09, -0.09]), "$O'$" if apart else "$O$", colours.NEUTRAL)
     # Write the names outside the triangle of R, r' and r.
-    aside = _apart(data.origin, data.position) if apart and data.position is not None else -UP
+    aside = _apart(data.origin, data.position) if apart and data.position is not None else -draw.UP
     if apart:
-        arrow(ax, data.origin, colours.SPACE.colour, linewidth=1.6, gid="origin")
-        label(ax, 0.5 * data.origin + 0.12 * aside, r"$\mathbf{R}$", colours.SPACE.colour)
-        label(ax, data.origin - 0.13 * UP, "$O$", colours.NEUTRAL)
+        draw.arrow(ax, data.origin, colours.SPACE.colour, linewidth=1.6, gid="origin")
+        draw.label(ax, 0.5 * data.origin + 0.12 * aside, r"$\mathbf{R}$", colours.SPACE.colour)
+        draw.label(ax, data.origin - 0.13 * draw.UP, "$O$", colours.NEUTRAL)
     shown = [np.zeros((1, 3)), data.space, data.origin + data.space, data.origin + data.body]
     if data.relative is not None and data.position is not None:
         colour = colours.BODY.colour
         black = colours.POSITION.colour
         start = data.origin
-        arrow(ax, data.relative, colour, start=start, linewidth=1.6, gid="relative")
-        arrow(ax, data.position, black, linewidth=1.6, gid="position")
-        dots(ax, data.position, black, markersize=5, zorder=6)
-        label(ax, data.position + 0.12 * UP, "$P$")
-        label(ax, data.origin + 0.6 * data.relative + 0.1 * aside, r"$\mathbf{r}'$", colour)
-        label(ax, 0.45 * data.position - 0.12 * aside, colours.POSITION.label)
+        draw.arrow(ax, data.relative, colour, start=start, linewidth=1.6, gid="relative")
+        draw.arrow(ax, data.position, black, linewidth=1.6, gid="position")
+        draw.dots(ax, data.position, black, markersize=5, zorder=6)
+        draw.label(ax, data.position + 0.12 * draw.UP, "$P$")
+        draw.label(ax, data.origin + 0.6 * data.relative + 0.1 * aside, r"$\mathbf{r}'$", colour)
+        draw.label(ax, 0.45 * data.position - 0.12 * aside, colours.POSITION.label)
         shown.append(data.position)
-    fit(ax, *shown, elev=20.0, azim=-65.0)
+    draw.fit(ax, *shown, elev=20.0, azim=-65.0)
 
 
 def frames(
@@ -258,26 +243,26 @@ def frames(
 def _draw_node_frame(data: Picture, ax: Any) -> None:
     origin = np.zeros(3)
     for normal in (data.space[2], data.body[2]):
-        curve(ax, circle(origin, normal, 1.0), colours.FAINT, linewidth=1.0, zorder=1)
+        draw.curve(ax, draw.circle(origin, normal, 1.0), colours.FAINT, linewidth=1.0, zorder=1)
     names = ("$x'$", "$y'$", r"$z',\ \dot{\phi}$")
-    triad(ax, data.space, origin, names, gid="space", **DASHED)
+    draw.triad(ax, data.space, origin, names, gid="space", **draw.DASHED)
     names = ("$x$", "$y$", r"$z = \zeta,\ \dot{\psi}$")
-    triad(ax, data.body, origin, names, linewidth=2.4, gid="body")
+    draw.triad(ax, data.body, origin, names, linewidth=2.4, gid="body")
     for along, name in zip(
         data.node[:2], (r"$N,\ \xi,\ \dot{\theta}$", r"$M,\ \eta$"), strict=True
     ):
-        arrow(ax, along, colours.NODE.colour, name, linewidth=2.0, gid="node")
+        draw.arrow(ax, along, colours.NODE.colour, name, linewidth=2.0, gid="node")
     for about, start, angle, name in zip(
-        (UP, data.node[0], data.node[2]),
+        (draw.UP, data.node[0], data.node[2]),
         (data.space[0], data.space[2], data.node[0]),
         data.angles,
         _TURNS,
         strict=True,
     ):
-        arc(ax, about, 0.5 * start, float(angle), colours.ANGLE.colour, name, gid="angles")
-    label(ax, np.array([-0.06, -0.06, -0.09]), "$O$", colours.NEUTRAL)
-    circles = circle(origin, UP, 1.0), circle(origin, data.body[2], 1.0)
-    fit(ax, *circles, data.space, data.body, elev=24.0, azim=_azimuth(data.angles[0]))
+        draw.arc(ax, about, 0.5 * start, float(angle), colours.ANGLE.colour, name, gid="angles")
+    draw.label(ax, np.array([-0.06, -0.06, -0.09]), "$O$", colours.NEUTRAL)
+    circles = draw.circle(origin, draw.UP, 1.0), draw.circle(origin, data.body[2], 1.0)
+    draw.fit(ax, *circles, data.space, data.body, elev=24.0, azim=_azimuth(data.angles[0]))
 
 
 def node_frame(angles: ArrayLike) -> Picture:
@@ -330,7 +315,7 @@ def _apart(first: Floats, second: Floats) -> Floats:
     """Unit vector perpendicular to the bisector, on the side of ``first``; or downwards."""
     gap = first / np.linalg.norm(first) - second / (np.linalg.norm(second) or 1.0)
     size = float(np.linalg.norm(gap))
-    return np.asarray(gap / size) if size > 1e-9 else -UP
+    return np.asarray(gap / size) if size > 1e-9 else -draw.UP
 
 
 def _draw_active_passive(data: Picture, passive: Any, active: Any) -> None:
@@ -338,29 +323,29 @@ def _draw_active_passive(data: Picture, passive: Any, active: Any) -> None:
     black = colours.HUES["black"]
     for along, old, ink in zip(data.axes, np.eye(2), colours.AXES[:2], strict=True):
         name = ink.label.strip("$")
-        arrow(passive, length * old, ink.colour, ink.label, **DASHED)
-        arrow(passive, length * along, ink.colour, f"${name}'$", gid="axes")
-        arrow(active, length * old, ink.colour, ink.label)
+        draw.arrow(passive, length * old, ink.colour, ink.label, **draw.DASHED)
+        draw.arrow(passive, length * along, ink.colour, f"${name}'$", gid="axes")
+        draw.arrow(active, length * old, ink.colour, ink.label)
     for component, along, ink in zip(data.seen, data.axes, colours.AXES[:2], strict=True):
         foot = np.array([data.vector, component * along])
-        curve(passive, foot, ink.colour, linewidth=0.9, linestyle="dotted")
-    arrow(passive, data.vector, black, colours.POSITION.label)
-    arc_in_plane(passive, 0.42 * length, 0.0, data.angle, r"$\varepsilon$")
+        draw.curve(passive, foot, ink.colour, linewidth=0.9, linestyle="dotted")
+    draw.arrow(passive, data.vector, black, colours.POSITION.label)
+    draw.arc_in_plane(passive, 0.42 * length, 0.0, data.angle, r"$\varepsilon$")
 
-    arrow(active, data.vector, black, colours.POSITION.label, gid="vector", **DASHED)
-    arrow(active, data.turned, black, r"$\mathbf{r}'$", gid="turned")
+    draw.arrow(active, data.vector, black, colours.POSITION.label, gid="vector", **draw.DASHED)
+    draw.arrow(active, data.turned, black, r"$\mathbf{r}'$", gid="turned")
     purple, tip = colours.HUES["purple"], data.vector
-    arrow(active, data.first_order, purple, start=tip, linewidth=1.4, gid="first_order")
+    draw.arrow(active, data.first_order, purple, start=tip, linewidth=1.4, gid="first_order")
     beside = data.vector + 0.5 * data.first_order + 0.04 * data.vector
-    label(active, beside, r"$\varepsilon\,\mathbf{n}\times\mathbf{r}$", purple, ha="left")
+    draw.label(active, beside, r"$\varepsilon\,\mathbf{n}\times\mathbf{r}$", purple, ha="left")
     start = float(np.arctan2(data.vector[1], data.vector[0]))
-    arc_in_plane(active, 0.42 * length, start, start + data.angle, r"$\varepsilon$")
+    draw.arc_in_plane(active, 0.42 * length, start, start + data.angle, r"$\varepsilon$")
 
     shown = np.vstack(
         [[[0.0, 0.0]], length * np.eye(2), length * data.axes, [data.vector, data.turned]]
     )
     for ax, title in ((passive, "passive: the axes turn"), (active, "active: the vector turns")):
-        fit_in_plane(ax, shown, 0.18 * length)
+        draw.fit_in_plane(ax, shown, 0.18 * length)
         ax.set_title(title, fontsize="medium")
 
 
@@ -429,29 +414,29 @@ def active_passive(angle: float = 0.35, *, vector: ArrayLike = (0.75, 0.6)) -> P
 def _draw_unit_vector_change(data: Picture, ax: Any) -> None:
     one, other = int(data.unit.argmax()), int(data.about.argmax())
     names = [rf"$\mathbf{{e}}_{number}$" for number in (1, 2, 3)]
-    triad(ax, np.eye(3), np.zeros(3), names, linewidth=2.0, gid="axes")
+    draw.triad(ax, np.eye(3), np.zeros(3), names, linewidth=2.0, gid="axes")
     third = 3 - one - other
     toward = np.sign(data.first_order[third]) * np.eye(3)[third]
     if toward.any():
         part = np.array([np.zeros(3), 0.6 * toward])
-        curve(ax, part, colours.AXES[third].colour, linewidth=1.0, linestyle="dashed")
+        draw.curve(ax, part, colours.AXES[third].colour, linewidth=1.0, linestyle="dashed")
     colour = colours.AXES[one].colour
-    arrow(ax, data.turned, colour, linestyle="dashed", gid="turned")
+    draw.arrow(ax, data.turned, colour, linestyle="dashed", gid="turned")
     below = 0.95 * data.turned + 0.1 * toward
-    label(ax, below, rf"$\mathbf{{e}}_{one + 1}'$", colour)
+    draw.label(ax, below, rf"$\mathbf{{e}}_{one + 1}'$", colour)
     black, tip = colours.HUES["black"], data.unit
-    arrow(ax, data.change, black, start=tip, linewidth=1.8, gid="change")
-    label(ax, 0.87 * data.unit + 0.6 * data.change, rf"$\Delta\mathbf{{e}}_{one + 1}$", black)
+    draw.arrow(ax, data.change, black, start=tip, linewidth=1.8, gid="change")
+    draw.label(ax, 0.87 * data.unit + 0.6 * data.change, rf"$\Delta\mathbf{{e}}_{one + 1}$", black)
     purple = colours.OMEGA.colour
-    arrow(ax, data.first_order, purple, start=tip, linewidth=1.8, gid="first_order")
+    draw.arrow(ax, data.first_order, purple, start=tip, linewidth=1.8, gid="first_order")
     product = rf"$\delta\,\mathbf{{e}}_{other + 1}\times\mathbf{{e}}_{one + 1}$"
-    label(ax, 1.04 * data.unit + 0.5 * data.first_order, product, purple, ha="left")
-    arc(ax, data.about, 0.45 * data.unit, data.angle, black, r"$\delta$")
+    draw.label(ax, 1.04 * data.unit + 0.5 * data.first_order, product, purple, ha="left")
+    draw.arc(ax, data.about, 0.45 * data.unit, data.angle, black, r"$\delta$")
     # The sense of the turn: most of a circle about the axis.
     sense = np.copysign(5.0, data.angle)
-    arc(ax, data.about, 0.12 * np.eye(3)[third], sense, purple, centre=0.6 * data.about)
+    draw.arc(ax, data.about, 0.12 * np.eye(3)[third], sense, purple, centre=0.6 * data.about)
     shown = np.vstack([np.eye(3), data.turned, data.unit + data.first_order, np.zeros(3)])
-    fit(ax, shown, elev=18.0, azim=-58.0, filled=0.85)
+    draw.fit(ax, shown, elev=18.0, azim=-58.0, filled=0.85)
 
 
 def unit_vector_change(angle: float = 0.35, *, unit: int = 1, about: int = 2) -> Picture:
@@ -521,28 +506,30 @@ def _draw_rotating_body(data: Picture, ax: Any) -> None:
     shown = [data.circles]
     if data.faces is not None:
         style: dict[str, Any] = {"alpha": 0.6, "linewidths": 1.2, "gid": "faces"}
-        towards = eye(ELEV, AZIM)
-        surface(ax, data.faces, colours.BODY_FACE, towards, edgecolors=colours.NEUTRAL, **style)
+        towards = draw.eye(draw.ELEV, draw.AZIM)
+        draw.surface(
+            ax, data.faces, colours.BODY_FACE, towards, edgecolors=colours.NEUTRAL, **style
+        )
         shown.append(data.faces)
     omega, axis = colours.OMEGA, reach[:, np.newaxis] * direction
-    curve(ax, axis, omega.colour, linewidth=1.0, linestyle="dashdot", zorder=1)
+    draw.curve(ax, axis, omega.colour, linewidth=1.0, linestyle="dashdot", zorder=1)
     for ring in data.circles:
-        curve(ax, ring, colours.FAINT, linewidth=0.9, zorder=1, gid="circles")
+        draw.curve(ax, ring, colours.FAINT, linewidth=0.9, zorder=1, gid="circles")
     style = {"start": axis[1], "linewidth": 2.6, "gid": "omega"}
-    arrow(ax, 0.55 * size * direction, omega.colour, omega.label, **style)
-    dots(ax, data.positions, colours.NEUTRAL, markersize=6.0, zorder=6, gid="positions")
+    draw.arrow(ax, 0.55 * size * direction, omega.colour, omega.label, **style)
+    draw.dots(ax, data.positions, colours.NEUTRAL, markersize=6.0, zorder=6, gid="positions")
     scale = 0.55 * size / speeds[farthest] if speeds[farthest] > 0.0 else 0.0
     law = r"$\mathbf{v} = \boldsymbol{\omega}\times\mathbf{r}$"
     for k, (place, velocity) in enumerate(zip(data.positions, data.velocities, strict=True)):
         name = law if k == farthest else ""
         style = {"start": place, "linewidth": 2.0, "gid": "velocities"}
-        arrow(ax, scale * velocity, colours.VELOCITY.colour, name, **style)
+        draw.arrow(ax, scale * velocity, colours.VELOCITY.colour, name, **style)
     ink, style = colours.POSITION, {"linewidth": 1.6, "zorder": 5, "gid": "position"}
-    arrow(ax, data.positions[farthest], ink.colour, ink.label, **style)
-    dots(ax, np.zeros(3), colours.HUES["black"], markersize=4.0, zorder=6)
+    draw.arrow(ax, data.positions[farthest], ink.colour, ink.label, **style)
+    draw.dots(ax, np.zeros(3), colours.HUES["black"], markersize=4.0, zorder=6)
     ends = data.positions + scale * data.velocities
     top = np.outer([reach[0], reach[1] + 0.55 * size], direction)
-    fit(ax, *shown, ends, top, elev=ELEV, azim=AZIM)
+    draw.fit(ax, *shown, ends, top, elev=draw.ELEV, azim=draw.AZIM)
 
 
 def rotating_body(

@@ -17,26 +17,8 @@ from .._checks.arguments import (
     vector,
 )
 from .._checks.arrays import attitudes
+from ..drawing import axes3d as draw
 from ..drawing import colours
-from ..drawing.axes3d import (
-    AZIM,
-    BELOW,
-    DASHED,
-    KEY,
-    UP,
-    arc,
-    arc_between,
-    arrow,
-    circle,
-    cone,
-    curve,
-    dots,
-    eye,
-    fit,
-    label,
-    sides,
-    surface,
-)
 from ..drawing.colours import on_ground
 from ..drawing.shapes import across, ellipsoid_faces
 from ..model.scene import HeavyTop, check_heavy_top, require_unforced
@@ -57,48 +39,54 @@ def _draw_heavy_top(data: Picture, ax: Any) -> None:
     origin, black = np.zeros(3), colours.HUES["black"]
     axis, node = frame.body[2], frame.node[0]
     centre = data.rim[:-1].mean(axis=0)
-    cone(ax, data.rim, on_ground(ax, colours.BODY.colour), 0.3, gid="top")
-    curve(ax, data.rim, colours.BODY.colour, linewidth=1.6, gid="rim")
-    curve(ax, circle(origin, UP, 0.9 * size), colours.FAINT, linewidth=1.0, zorder=1)
+    draw.cone(ax, data.rim, on_ground(ax, colours.BODY.colour), 0.3, gid="top")
+    draw.curve(ax, data.rim, colours.BODY.colour, linewidth=1.6, gid="rim")
+    draw.curve(ax, draw.circle(origin, draw.UP, 0.9 * size), colours.FAINT, linewidth=1.0, zorder=1)
 
     for along, ink, name in zip(frame.space, colours.AXES, ("x'", "y'", "z'"), strict=True):
         longer = size * (1.9 if name == "z'" else 1.1)
-        arrow(ax, longer * along, ink.colour, f"${name}$", **DASHED)
-    arrow(ax, 2.0 * size * axis, colours.Z.colour, "$z$", linewidth=2.0)
-    arrow(ax, 1.1 * size * node, colours.NODE.colour, colours.NODE.label, linewidth=1.4)
+        draw.arrow(ax, longer * along, ink.colour, f"${name}$", **draw.DASHED)
+    draw.arrow(ax, 2.0 * size * axis, colours.Z.colour, "$z$", linewidth=2.0)
+    draw.arrow(ax, 1.1 * size * node, colours.NODE.colour, colours.NODE.label, linewidth=1.4)
     # psi is told on the lid, from the direction of the line of nodes to axis x of the body.
     radius = float(np.linalg.norm(data.rim[0] - centre))
     on_lid = np.array([centre, centre + radius * node])
-    curve(ax, on_lid, colours.NODE.colour, linewidth=1.2, linestyle="dashed")
+    draw.curve(ax, on_lid, colours.NODE.colour, linewidth=1.2, linestyle="dashed")
     beside_lid = 1.35 * radius * frame.body[0]
-    arrow(ax, beside_lid, colours.X.colour, "$x$", start=centre, linewidth=1.8)
+    draw.arrow(ax, beside_lid, colours.X.colour, "$x$", start=centre, linewidth=1.8)
     phi, theta, psi = frame.angles.tolist()
     named: dict[str, Any] = {"gid": "angles"}
     first = 0.66 * size * frame.space[0]
-    arc(ax, UP, first, phi, black, r"$\phi$", beyond=0.68, **named)
-    if theta:
-        arc_between(ax, UP, axis, 1.6 * size, black, r"$\theta$", beyond=1.08, **named)
-    else:
-        arc(ax, UP, frame.space[0], 0.0, black, **named)
+    draw.arc(ax, draw.UP, first, phi, black, r"$\phi$", beyond=0.68, **named)
+    name = r"$\theta$" if theta else ""
+    draw.arc(ax, node, 1.6 * size * draw.UP, theta, black, name, beyond=1.08, **named)
     first = 0.65 * radius * node
-    arc(ax, axis, first, psi, black, r"$\psi$", centre=centre, beyond=1.35, **named)
-    dots(ax, origin, black, markersize=5.0, zorder=7)
-    dots(ax, data.com, black, markersize=6.0, zorder=7, gid="com")
-    label(ax, -0.15 * size * np.cross(UP, node), "$O$")
+    draw.arc(ax, axis, first, psi, black, r"$\psi$", centre=centre, beyond=1.35, **named)
+    draw.dots(ax, origin, black, markersize=5.0, zorder=7)
+    draw.dots(ax, data.com, black, markersize=6.0, zorder=7, gid="com")
+    draw.label(ax, -0.15 * size * np.cross(draw.UP, node), "$O$")
     beside = 0.13 * size * frame.node[1]
-    label(ax, 0.5 * data.com + beside, "$l$")
-    label(ax, data.com + beside, "$C$")
+    draw.label(ax, 0.5 * data.com + beside, "$l$")
+    draw.label(ax, data.com + beside, "$C$")
     if data.weight.any():
         down = 0.75 * size * data.weight / np.linalg.norm(data.weight)
         name = r"$m\mathbf{g}$"
-        arrow(ax, down, black, name, start=data.com, linewidth=2.2, gid="weight")
+        draw.arrow(ax, down, black, name, start=data.com, linewidth=2.2, gid="weight")
     if data.mgl * abs(np.sin(theta)) > 0.0:
         along, ink = 0.8 * size * data.torque / data.mgl, colours.TORQUE
-        arrow(ax, along, ink.colour, linewidth=2.6, zorder=6, gid="torque")
-        label(ax, along + 0.13 * size * UP, ink.label, ink.colour)
-    ends = np.array([1.9 * size * UP, 2.0 * size * axis, beside_lid + centre])
+        draw.arrow(ax, along, ink.colour, linewidth=2.6, zorder=6, gid="torque")
+        draw.label(ax, along + 0.13 * size * draw.UP, ink.label, ink.colour)
+    ends = np.array([1.9 * size * draw.UP, 2.0 * size * axis, beside_lid + centre])
     azim = float(np.degrees(phi)) - 20.0
-    fit(ax, data.rim, circle(origin, UP, 1.1 * size), ends, elev=16.0, azim=azim, filled=0.86)
+    draw.fit(
+        ax,
+        data.rim,
+        draw.circle(origin, draw.UP, 1.1 * size),
+        ends,
+        elev=16.0,
+        azim=azim,
+        filled=0.86,
+    )
 
 
 def heavy_top(scene: HeavyTop, angles: ArrayLike, *, length: float = 1.0) -> Picture:
@@ -164,9 +152,9 @@ def heavy_top(scene: HeavyTop, angles: ArrayLike, *, length: float = 1.0) -> Pic
         frame=frame,
         mgl=float(scene.mgl),
         com=distance * axis,
-        weight=-scene.mgl / distance * UP,
+        weight=-scene.mgl / distance * draw.UP,
         torque=gravity_torque(scene, euler_to_quaternion(frame.angles), frame="space"),
-        rim=circle(height * axis, axis, 0.45 * height, frame.body[0]),
+        rim=draw.circle(height * axis, axis, 0.45 * height, frame.body[0]),
     )
 
 
@@ -175,15 +163,15 @@ UPRIGHT = (1.0, 0.0, 0.0, 0.0)
 
 def _draw_effective_potential(data: Picture, ax: Any) -> None:
     blue, level_colour = colours.HUES["blue"], colours.HUES["vermilion"]
-    curve(ax, (np.degrees(data.tilt), data.potential), blue, linewidth=1.8, gid="potential")
+    draw.curve(ax, (np.degrees(data.tilt), data.potential), blue, linewidth=1.8, gid="potential")
     ends = np.degrees([data.theta_upper, data.theta_lower])
     level = ends, np.full(2, data.E_prime)
-    curve(ax, level, level_colour, linewidth=1.8, gid="E_prime")
+    draw.curve(ax, level, level_colour, linewidth=1.8, gid="E_prime")
     ink = on_ground(ax, level_colour)
     ax.axhline(data.E_prime, color=ink, linewidth=0.8, linestyle="dashed", zorder=1)
-    turning = dots(ax, level, level_colour, markersize=6, gid="turning")
+    turning = draw.dots(ax, level, level_colour, markersize=6, gid="turning")
     bottom = np.array([np.degrees(data.theta_steady), data.lowest])
-    steady = dots(ax, bottom, blue, markersize=6, gid="lowest")
+    steady = draw.dots(ax, bottom, blue, markersize=6, gid="lowest")
 
     height = max(data.E_prime - data.lowest, 0.2 * data.mgl, 0.05 * abs(data.lowest))
     low, high = data.lowest - 0.75 * height, data.E_prime + 1.6 * height
@@ -198,22 +186,22 @@ def _draw_effective_potential(data: Picture, ax: Any) -> None:
         marks.append((data.theta_lower, data.E_prime, r"$\theta_\mathrm{lower}$", 0.06))
     for theta, value, name, share in marks:
         place = np.degrees(theta)
-        curve(ax, ([place, place], [low, value]), colours.FAINT, linewidth=0.9, zorder=1)
+        draw.curve(ax, ([place, place], [low, value]), colours.FAINT, linewidth=0.9, zorder=1)
         # Outside the well, but inside the axes.
         room = 0.12 * wide
         left = (first + room < place and theta < data.theta_steady) or place >= last - room
         beside = np.array([place + 0.01 * wide * (-1 if left else 1), low + share * (high - low)])
-        label(ax, beside, name, ha="right" if left else "left")
+        draw.label(ax, beside, name, ha="right" if left else "left")
     # Write the names beside the lines, outside the well, on the side that has room.
     right = well[-1] + margin <= 180.0 or well[0] - margin < 0.0
     end = last - 0.03 * wide if right else first + 0.03 * wide
-    label(ax, np.array([end, data.E_prime]), "$E'$", level_colour, va="bottom")
+    draw.label(ax, np.array([end, data.E_prime]), "$E'$", level_colour, va="bottom")
     near = low + 0.88 * (high - low)
     seen = np.flatnonzero(data.potential <= max(near, data.potential.min()))
     place, off, side = (seen[-1], 0.02, "left") if right else (seen[0], -0.02, "right")
     across = np.degrees(data.tilt[place]) + off * wide
     beside = np.array([across, np.minimum(data.potential[place], near)])
-    label(ax, beside, r"$V'(\theta)$", blue, ha=side, va="top")
+    draw.label(ax, beside, r"$V'(\theta)$", blue, ha=side, va="top")
     ax.set(
         xlim=(first, last),
         ylim=(low, high),
@@ -225,7 +213,7 @@ def _draw_effective_potential(data: Picture, ax: Any) -> None:
         "$V' = E'$",
         r"steady precession ($\theta_\mathrm{m}$): the least $V'$",
     )
-    ax.legend(handles=[turning, steady], labels=names, **BELOW)
+    ax.legend(handles=[turning, steady], labels=names, **draw.BELOW)
 
 
 def effective_potential(
@@ -330,7 +318,7 @@ def _draw_cubic(data: Picture, ax: Any) -> None:
     ax.set(xlim=(data.u[0], data.u[-1]), ylim=(-1.08 * depth, high))
     ax.set(xlabel=r"height $u = \cos\theta$", ylabel=r"$f(u) = \dot u^2$ (1/s²)")
     if len(seen) == 3:
-        label(ax, np.array([seen[2], 0.07 * depth]), "$u_3$", ha="right")
+        draw.label(ax, np.array([seen[2], 0.07 * depth]), "$u_3$", ha="right")
 
     close, unit = ax, high
     if highest < 0.2 * depth:
@@ -342,24 +330,24 @@ def _draw_cubic(data: Picture, ax: Any) -> None:
         close.tick_params(labelsize="small")
         close.locator_params(nbins=4)
         ax.indicate_inset_zoom(close, edgecolor=on_ground(ax, colours.NEUTRAL))
-    allowed = curve(close, (data.allowed, data.f_allowed), red, linewidth=2.4, gid="allowed")
+    allowed = draw.curve(close, (data.allowed, data.f_allowed), red, linewidth=2.4, gid="allowed")
     handles, names = [allowed], ["the top moves from $u_1$ to $u_2$"]
     if data.near[0] < data.still < data.near[-1]:
         ink = on_ground(close, black)
-        still = close.axvline(data.still, color=ink, zorder=2, gid="still", **DASHED)
-        label(close, np.array([data.still, 0.85 * unit]), "$a/b$", black)
+        still = close.axvline(data.still, color=ink, zorder=2, gid="still", **draw.DASHED)
+        draw.label(close, np.array([data.still, 0.85 * unit]), "$a/b$", black)
         handles.append(still)
         names.append(r"$u = a/b$: no precession; $a = p_\phi/I_1$, $b = p_\psi/I_1$")
     if seen[1] - seen[0] < 1e-3:
-        label(close, np.array([seen[0], 0.25 * unit]), "$u_1 = u_2$")
+        draw.label(close, np.array([seen[0], 0.25 * unit]), "$u_1 = u_2$")
     else:
         # Between the roots the curve is above their names.
         for place, name, align in ((seen[0], "$u_1$", "left"), (seen[1], "$u_2$", "right")):
-            label(close, np.array([place, -0.2 * unit]), name, ha=align)
+            draw.label(close, np.array([place, -0.2 * unit]), name, ha=align)
     if len(seen) == 3:
         handles.append(roots)
         names.append("$u_1$, $u_2$, $u_3$: roots of $f$; the top never reaches $u_3$")
-    ax.legend(handles=handles, labels=names, **BELOW)
+    ax.legend(handles=handles, labels=names, **draw.BELOW)
 
 
 FARTHEST = 4.0
@@ -440,10 +428,10 @@ def cubic(
 
 def _with_roots(ax: Any, u: Floats, f: Floats, roots: Floats, name: str) -> Any:
     """Draw f, the line f = 0, and the roots as dots, which are returned."""
-    curve(ax, (u, f), colours.HUES["blue"], linewidth=1.6, gid=name)
+    draw.curve(ax, (u, f), colours.HUES["blue"], linewidth=1.6, gid=name)
     ax.axhline(0.0, color=on_ground(ax, colours.NEUTRAL), linewidth=0.8, zorder=1)
     red = colours.HUES["vermilion"]
-    return dots(ax, (roots, 0.0 * roots), red, markersize=5, zorder=4, gid="roots")
+    return draw.dots(ax, (roots, 0.0 * roots), red, markersize=5, zorder=4, gid="roots")
 
 
 def _draw_upright_cubic(data: Picture, *places: Any) -> None:
@@ -456,9 +444,11 @@ def _draw_upright_cubic(data: Picture, *places: Any) -> None:
         )
         ax.axhline(0.0, color=on_ground(ax, colours.NEUTRAL), linewidth=0.8, zorder=1)
         near = data.u, data.approximate[k]
-        approximate = curve(ax, near, orange, linewidth=1.6, linestyle="dashed", gid="approximate")
-        exact = curve(ax, (data.u, data.exact[k]), blue, linewidth=1.8, gid="exact")
-        dots(ax, (1.0, 0.0), colours.HUES["black"], markersize=5, clip_on=False, zorder=5)
+        approximate = draw.curve(
+            ax, near, orange, linewidth=1.6, linestyle="dashed", gid="approximate"
+        )
+        exact = draw.curve(ax, (data.u, data.exact[k]), blue, linewidth=1.8, gid="exact")
+        draw.dots(ax, (1.0, 0.0), colours.HUES["black"], markersize=5, clip_on=False, zorder=5)
         share = data.spin[k] / data.spin_min
         words = "sleeps" if data.stable[k] else "falls"
         ax.set_title(f"spin {share:.3g} × the least: {words}", fontsize="medium")
@@ -475,7 +465,7 @@ def _draw_upright_cubic(data: Picture, *places: Any) -> None:
         labels=names,
         loc="outside lower center",
         ncols=3,
-        **KEY,
+        **draw.KEY,
     )
 
 
@@ -548,29 +538,29 @@ ELEV = 24.0
 
 
 def _draw_locus(data: Picture, ax: Any) -> None:
-    towards = eye(data.elev, AZIM)
+    towards = draw.eye(data.elev, draw.AZIM)
     faces = ellipsoid_faces(np.ones(3), rings=24, sectors=48)
-    surface(ax, faces, colours.SURFACE, towards, gid="sphere")
-    curve(ax, circle(np.zeros(3), towards, 1.0), colours.FAINT, linewidth=1.0, zorder=2)
+    draw.surface(ax, faces, colours.SURFACE, towards, gid="sphere")
+    draw.curve(ax, draw.circle(np.zeros(3), towards, 1.0), colours.FAINT, linewidth=1.0, zorder=2)
     red, blue = colours.HUES["vermilion"], colours.HUES["blue"]
     upper, lower = data.theta_upper, data.theta_lower
     if upper is not None and lower is not None:
         gap = (np.cos(upper) - np.cos(lower)) * np.cos(np.radians(data.elev))
         for theta, name, align in ((upper, "upper", "bottom"), (lower, "lower", "top")):
-            ring = circle(np.cos(theta) * UP, UP, float(np.sin(theta)))
-            near, far = sides(ring, ring, towards)
+            ring = draw.circle(np.cos(theta) * draw.UP, draw.UP, float(np.sin(theta)))
+            near, far = draw.sides(ring, ring, towards)
             gid = f"theta_{name}"
-            curve(ax, near, blue, linewidth=1.0, zorder=3, gid=gid)
+            draw.curve(ax, near, blue, linewidth=1.0, zorder=3, gid=gid)
             hidden = f"{gid}_hidden"
-            curve(ax, far, blue, linewidth=0.6, linestyle="dotted", zorder=2, gid=hidden)
+            draw.curve(ax, far, blue, linewidth=0.6, linestyle="dotted", zorder=2, gid=hidden)
             _name_circle(ax, ring, name, blue, towards, "center" if gap > 0.1 else align)
-    near, far = sides(data.point, data.point, towards)
-    curve(ax, far, red, linewidth=0.8, alpha=0.45, zorder=2, gid="point_hidden")
-    curve(ax, near, red, linewidth=1.8, zorder=4, gid="point")
-    dots(ax, data.point[0], red, markersize=5, zorder=5, gid="start")
+    near, far = draw.sides(data.point, data.point, towards)
+    draw.curve(ax, far, red, linewidth=0.8, alpha=0.45, zorder=2, gid="point_hidden")
+    draw.curve(ax, near, red, linewidth=1.8, zorder=4, gid="point")
+    draw.dots(ax, data.point[0], red, markersize=5, zorder=5, gid="start")
     up = colours.VERTICAL
-    arrow(ax, 0.35 * UP, up.colour, up.label, start=UP, linewidth=1.4)
-    fit(ax, faces, 1.4 * UP, elev=data.elev, azim=AZIM)
+    draw.arrow(ax, 0.35 * draw.UP, up.colour, up.label, start=draw.UP, linewidth=1.4)
+    draw.fit(ax, faces, 1.4 * draw.UP, elev=data.elev, azim=draw.AZIM)
 
 
 def locus(
@@ -693,15 +683,15 @@ def _name_circle(
     ax: Any, ring: Floats, name: str, colour: str, towards: Floats, align: str
 ) -> None:
     """Name a circle beside the sphere."""
-    right = rotation_z(np.radians(AZIM))[:, 1]
+    right = rotation_z(np.radians(draw.AZIM))[:, 1]
     page_up = np.cross(towards, right)
     end = ring[np.argmax(ring @ right)]
     # The edge of the sphere at this height on the page.
     height = float(end @ page_up)
     place = np.sqrt(max(1.0 - height**2, 0.0)) * right + height * page_up
-    curve(ax, np.array([end, place + 0.04 * right]), colour, linewidth=0.5, zorder=3)
+    draw.curve(ax, np.array([end, place + 0.04 * right]), colour, linewidth=0.5, zorder=3)
     text = f"  $\\theta_\\mathrm{{{name}}}$"
-    label(ax, place, text, colour, fontsize="medium", ha="left", va=align)
+    draw.label(ax, place, text, colour, fontsize="medium", ha="left", va=align)
 
 
 def _draw_loci(data: Picture, *panels: Any) -> None:
@@ -765,9 +755,9 @@ def _draw_cycloids(data: Picture, *places: Any) -> None:
     scale = np.sin(data.tilt)
     for k, ax in enumerate(places):
         path = np.degrees(scale * data.phi[k]), np.degrees(data.theta[k])
-        curve(ax, path, red, linewidth=1.8, gid="theta")
+        draw.curve(ax, path, red, linewidth=1.8, gid="theta")
         cycloid = np.degrees(scale * data.phi_approx[k]), np.degrees(data.theta_approx[k])
-        curve(ax, cycloid, black, gid="theta_approx", **DASHED)
+        draw.curve(ax, cycloid, black, gid="theta_approx", **draw.DASHED)
         faint = on_ground(ax, colours.FAINT)
         ax.axhline(np.degrees(data.tilt), color=faint, linewidth=0.8, zorder=1)
         ax.set_title(str(data.kind[k]), fontsize="medium", loc="left")
@@ -880,5 +870,5 @@ def _turning_point(
     along = matrix @ com
     side = float(np.sign(com.sum()))
     about = side * spin - precession * along[2]
-    rates = precession[:, np.newaxis] * UP + about[:, np.newaxis] * along
+    rates = precession[:, np.newaxis] * draw.UP + about[:, np.newaxis] * along
     return matrix_to_quaternion(matrix), rates @ matrix
