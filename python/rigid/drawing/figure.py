@@ -29,15 +29,11 @@ def new_figure(height: float = 6.0) -> Figure:
     ImportError
         If Matplotlib is not installed.
     """
-    return _figure_class()(**{**_SIZE, "figsize": (8.0, height)})
-
-
-def _figure_class() -> type[Figure]:
     try:
         from matplotlib.figure import Figure
     except ImportError:
         raise ImportError(install_extra("plotting needs matplotlib", "maps")) from None
-    return Figure
+    return Figure(**{**_SIZE, "figsize": (8.0, height)})
 
 
 def shown_figure() -> Figure:
@@ -46,11 +42,11 @@ def shown_figure() -> Figure:
     pyplot manages it if the program has imported pyplot, or if this is a notebook. Otherwise
     :func:`new_figure` makes the figure, which needs no display and is deleted with its last name.
     """
-    _figure_class()
+    plain = new_figure()
     if in_notebook():
         import matplotlib.pyplot  # noqa: F401
     pyplot: Any = sys.modules.get("matplotlib.pyplot")
-    return new_figure() if pyplot is None else pyplot.figure(**_SIZE)
+    return plain if pyplot is None else pyplot.figure(**_SIZE)
 
 
 def axes_to_draw_on(ax: Any | None) -> Any:

@@ -454,7 +454,11 @@ def _draw_free_top_omega(data: Picture, ax: Any) -> None:
     draw.curve(ax, data.path, purple, linewidth=1.4, gid="path")
     shadow = data.path - along
     draw.curve(ax, shadow, colours.FAINT, linewidth=1.4, gid="projection")
-    _tips(ax, data.path, purple)
+    # Arrow heads show the direction along the path.
+    for place in range(len(data.path) // 6, len(data.path) - 2, len(data.path) // 3):
+        start = data.path[place]
+        step = data.path[place + 1] - start
+        draw.arrow(ax, step, purple, start=start, linewidth=0.0, mutation_scale=14.0)
     drop = np.array([data.now, data.now - along])
     dashed: dict[str, Any] = {"linestyle": "dashed"}
     draw.curve(ax, drop, colours.FAINT, linewidth=1.0, **dashed)
@@ -592,29 +596,24 @@ def coplanar_vectors(bodies: Sequence[BodyLike], omega: ArrayLike) -> Picture:
     """
     if len(bodies) == 0:
         raise ValueError("bodies: expected at least one, got none")
-    return Picture(
-        _draw_coplanar_vectors,
-        panels=["plane"] * len(bodies),
-        tops=tuple(_vectors_of(body, omega) for body in bodies),
-    )
-
-
-def _vectors_of(body: BodyLike, omega: ArrayLike) -> Picture:
-    rates = turning(omega)
-    top = symmetric_free_top(body, rates)
-    moments, which = moments_of(body), int(top.axis) - 1
-    across, along = float(moments[which - 2]), float(moments[which])
-    flat = np.array([float(top.amplitude), rates[which]])
-    return Picture(
-        _draw_coplanar,
-        ["plane"],
-        along=along,
-        across=across,
-        omega=flat,
-        momentum=np.array([across, along]) * flat,
-        alpha=float(top.alpha),
-        theta=float(top.theta),
-    )
+    rates, tops = turning(omega), []
+    for body in bodies:
+        top = symmetric_free_top(body, rates)
+        moments, which = moments_of(body), int(top.axis) - 1
+        across, along = float(moments[which - 2]), float(moments[which])
+        flat = np.array([float(top.amplitude), rates[which]])
+        one = Picture(
+            _draw_coplanar,
+            panels=["plane"],
+            along=along,
+            across=across,
+            omega=flat,
+            momentum=np.array([across, along]) * flat,
+            alpha=float(top.alpha),
+            theta=float(top.theta),
+        )
+        tops.append(one)
+    return Picture(_draw_coplanar_vectors, panels=["plane"] * len(tops), tops=tuple(tops))
 
 
 def _draw_coplanar(data: Picture, ax: Any) -> None:
@@ -647,14 +646,6 @@ def turning(omega: ArrayLike) -> Floats:
     if not rates.any():
         raise ValueError(f"omega = {rates.tolist()}: must not be zero, a body at rest has no axis")
     return rates
-
-
-def _tips(ax: Any, path: Floats, colour: str) -> None:
-    """Arrow heads that show the direction along a closed path."""
-    for place in range(len(path) // 6, len(path) - 2, len(path) // 3):
-        step = path[place + 1] - path[place]
-        if step.any():
-            draw.arrow(ax, step, colour, start=path[place], linewidth=0.0, mutation_scale=14.0)
 
 
 def _draw_cones(data: Picture, ax: Any) -> None:

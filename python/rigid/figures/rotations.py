@@ -170,11 +170,9 @@ def _draw_frames(data: Picture, ax: Any) -> None:
         draw.label(ax, 0.5 * data.origin + 0.12 * aside, r"$\mathbf{R}$", colours.SPACE.colour)
         draw.label(ax, data.origin - 0.13 * draw.UP, "$O$", colours.NEUTRAL)
     shown = [np.zeros((1, 3)), data.space, data.origin + data.space, data.origin + data.body]
-    if data.relative is not None and data.position is not None:
-        colour = colours.BODY.colour
-        black = colours.POSITION.colour
-        start = data.origin
-        draw.arrow(ax, data.relative, colour, start=start, linewidth=1.6, gid="relative")
+    if data.position is not None:
+        colour, black = colours.BODY.colour, colours.POSITION.colour
+        draw.arrow(ax, data.relative, colour, start=data.origin, linewidth=1.6, gid="relative")
         draw.arrow(ax, data.position, black, linewidth=1.6, gid="position")
         draw.dots(ax, data.position, black, markersize=5, zorder=6)
         draw.label(ax, data.position + 0.12 * draw.UP, "$P$")

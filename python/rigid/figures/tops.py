@@ -55,13 +55,12 @@ def _draw_heavy_top(data: Picture, ax: Any) -> None:
     beside_lid = 1.35 * radius * frame.body[0]
     draw.arrow(ax, beside_lid, colours.X.colour, "$x$", start=centre, linewidth=1.8)
     phi, theta, psi = frame.angles.tolist()
-    named: dict[str, Any] = {"gid": "angles"}
     first = 0.66 * size * frame.space[0]
-    draw.arc(ax, draw.UP, first, phi, black, r"$\phi$", beyond=0.68, **named)
+    draw.arc(ax, draw.UP, first, phi, black, r"$\phi$", beyond=0.68, gid="angles")
     name = r"$\theta$" if theta else ""
-    draw.arc(ax, node, 1.6 * size * draw.UP, theta, black, name, beyond=1.08, **named)
+    draw.arc(ax, node, 1.6 * size * draw.UP, theta, black, name, beyond=1.08, gid="angles")
     first = 0.65 * radius * node
-    draw.arc(ax, axis, first, psi, black, r"$\psi$", centre=centre, beyond=1.35, **named)
+    draw.arc(ax, axis, first, psi, black, r"$\psi$", centre=centre, beyond=1.35, gid="angles")
     draw.dots(ax, origin, black, markersize=5.0, zorder=7)
     draw.dots(ax, data.com, black, markersize=6.0, zorder=7, gid="com")
     draw.label(ax, -0.15 * size * np.cross(draw.UP, node), "$O$")
@@ -642,7 +641,11 @@ def locus(
         kind = str(motion.kind)
         upper, lower = float(motion.tilt_min), float(motion.tilt_max)
     if t is None:
-        length = 0.0 if motion is None else _once_around(motion)
+        length = 0.0
+        if motion is not None:
+            period, rate = float(motion.period), abs(float(motion.precession))
+            turn = 2.0 * np.pi / rate if rate > 0.0 else 0.0
+            length = max(turn, 4.0 * period) if np.isfinite(period) else turn
         if not 0.0 < length < np.inf:
             raise ValueError(f"t = None: the axis of this top has no period ({kind}), give times")
         t = np.linspace(0.0, length, positive_int("samples", samples, minimum=2))
@@ -670,13 +673,6 @@ def _motion(scene: HeavyTop, omega: Floats, attitude: Floats | None) -> exact.To
     if top.heavy_constants(scene, omega, UPRIGHT).a is None:
         return None
     return exact.lagrange_top(scene, omega, attitude)
-
-
-def _once_around(motion: exact.TopMotion) -> float:
-    """The time of a turn about the vertical, but at least four nutations."""
-    period, rate = float(motion.period), abs(float(motion.precession))
-    turn = 2.0 * np.pi / rate if rate > 0.0 else 0.0
-    return max(turn, 4.0 * period) if np.isfinite(period) else turn
 
 
 def _name_circle(
