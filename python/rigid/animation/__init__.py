@@ -80,9 +80,7 @@ def animate(
     fps = finite_float("fps", fps, positive=True)
     if fps > 50.0:
         raise ValueError(f"fps = {fps:g}: must be at most 50")
-    size = positive_int("size", size)
-    if size < 64:
-        raise ValueError(f"size = {size}: must be at least 64")
+    size = positive_int("size", size, minimum=64)
     films = [film_of(one, **shown) for one in recordings]
     rate = np.max([np.linalg.norm(one.omega, axis=1) for one in recordings], axis=0)
     _warn_of_aliases(films[0], rate, fps if suffix != ".html" else REFRESH)

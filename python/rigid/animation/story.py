@@ -75,7 +75,8 @@ def story_of(one: Recording, view: str) -> str:
     if axis is None:
         return f"{what} turns freely for {span}: L is at rest in space, and ω moves."
     rate = f"{np.linalg.norm(omega[0]):.3g} rad/s"
-    over = f"turns over {_times(one.flips)}" if one.flips else "does not turn over"
+    times = {1: "once", 2: "twice"}.get(one.flips, f"{one.flips} times")
+    over = f"turns over {times}" if one.flips else "does not turn over"
     return f"{what} spins at {rate} about {_named(scene, axis)}, and {over} in {span}."
 
 
@@ -126,10 +127,6 @@ def _named(scene: Scene, axis: int) -> str:
         smaller = int((moments < moments[axis]).sum())
         return f"its {('longest', 'middle', 'shortest')[smaller]} axis"
     return f"axis {axis + 1}" if same > 1 else "its symmetry axis"
-
-
-def _times(count: int) -> str:
-    return {1: "once", 2: "twice"}.get(count, f"{count} times")
 
 
 def _degrees(angle: float) -> str:

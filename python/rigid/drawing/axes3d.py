@@ -102,7 +102,7 @@ def triad(ax: Any, axes: Floats, origin: Floats, names: Sequence[str], **style: 
         arrow(ax, along, ink.colour, name, start=origin, **style)
 
 
-def label(ax: Any, place: Floats, text: str, colour: str = HUES["black"], **style: Any) -> None:
+def label(ax: Any, place: Any, text: str, colour: str = HUES["black"], **style: Any) -> None:
     """Text that is centred at a point in space or in the plane, and legible over lines."""
     ax.text(*place, text, **(_text(ax, colour) | style))
 

@@ -25,6 +25,18 @@ Floats = NDArray[np.float64]
 DASHES = ("solid", "dashed", "dotted")
 """Line styles of the components 1, 2, 3, for readers who cannot distinguish the colours."""
 
+NAMES = {
+    "energy": ("$E$", colours.HUES["black"]),
+    "energy less work": ("$E - W$", colours.HUES["black"]),
+    "L": (r"$|\mathbf{L}|$", colours.HUES["sky"]),
+    "L_space": (r"$\mathbf{L}$ in space", colours.L.colour),
+    "p_phi": (r"$p_\phi$", colours.HUES["sky"]),
+    "p_psi": (r"$p_\psi$", colours.L.colour),
+}
+"""Labels and colours of the constants."""
+
+ROUNDING = float(np.finfo(np.float64).eps)
+
 
 def _draw_throw(data: Picture, *places: Any) -> None:
     data = data.experiment
@@ -108,19 +120,6 @@ def _draw_invariants(data: Picture, ax: Any) -> None:
     ax.set_ylim(0.7 * floor, 10.0 * max(float(data.drift.max()), ROUNDING))
     ax.set_title(data.method, fontsize="medium", loc="left")
     ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False)
-
-
-NAMES = {
-    "energy": ("$E$", colours.HUES["black"]),
-    "energy less work": ("$E - W$", colours.HUES["black"]),
-    "L": (r"$|\mathbf{L}|$", colours.HUES["sky"]),
-    "L_space": (r"$\mathbf{L}$ in space", colours.L.colour),
-    "p_phi": (r"$p_\phi$", colours.HUES["sky"]),
-    "p_psi": (r"$p_\psi$", colours.L.colour),
-}
-"""Labels and colours of the constants."""
-
-ROUNDING = float(np.finfo(np.float64).eps)
 
 
 def invariants(run: Run) -> Picture:
@@ -216,10 +215,8 @@ def invariants(run: Run) -> Picture:
 def _draw_spring_modes(data: Picture, spectrum: Any, limit: Any) -> None:
     number = np.arange(1, data.frequencies.size + 1)
     blue, vermilion = colours.HUES["blue"], colours.HUES["vermilion"]
-    stems = spectrum.vlines(
-        number, 0.0, data.frequencies, color=on_ground(spectrum, blue), linewidth=1.2
-    )
-    stems.set_zorder(1)
+    ink = on_ground(spectrum, blue)
+    spectrum.vlines(number, 0.0, data.frequencies, color=ink, linewidth=1.2, zorder=1)
     for which, ink in ((slice(data.zero), vermilion), (slice(data.zero, None), blue)):
         modes = number[which], data.frequencies[which]
         draw.dots(spectrum, modes, ink, clip_on=False, gid="frequencies")
@@ -232,11 +229,11 @@ def _draw_spring_modes(data: Picture, spectrum: Any, limit: Any) -> None:
         ylabel=f"frequency for $k$ = {data.stiffness[0]:g} N/m (rad/s)",
         ylim=(0.0, 1.08 * highest),
         xlim=(0.3, number[-1] + 0.7),
+        xticks=number[:: max(1, number.size // 12)],
     )
-    spectrum.set_xticks(number[:: max(1, number.size // 12)])
 
-    measured = {"color": on_ground(limit, blue), "gid": "distance"}
-    limit.plot(data.stiffness, data.distance, "o-", **measured)
+    measured = data.stiffness, data.distance
+    draw.curve(limit, measured, blue, marker="o", linewidth=1.5, gid="distance")
     law = data.distance[-1] * data.stiffness[-1] / data.stiffness
     slope = data.stiffness, 0.4 * law
     draw.curve(limit, slope, colours.NEUTRAL, linestyle="--", linewidth=1.2, gid="slope")
@@ -365,8 +362,8 @@ def _draw_bearing_torque(data: Picture, turning: Any, rising: Any) -> None:
         xlabel=r"rate $\omega$ (rad/s)",
         ylabel="torque of the bearings, across the axis (N m)",
         xlim=sorted((0.0, rate)),
+        ylim=(0.0, None),
     )
-    rising.set_ylim(bottom=0.0)
     _grid(turning)
     _grid(rising)
 

@@ -27,6 +27,8 @@ from .picture import Picture
 
 Floats = NDArray[np.float64]
 
+POLHODE, HERPOLHODE = colours.HUES["blue"], colours.HUES["black"]
+
 _OUTER_EDGES = np.array([[0.0, 1.0, -1.0], [1.0, 0.0, -1.0], [-1.0, 1.0, 0.0]])
 """For each axis, the direction of its parallel edge at the outline of the visible faces."""
 
@@ -155,9 +157,6 @@ def _rounded(value: float) -> str:
     """A number with three digits, in TeX if it has a power of ten."""
     mantissa, _, exponent = f"{value:.3g}".partition("e")
     return rf"${mantissa}\cdot 10^{{{int(exponent)}}}$" if exponent else mantissa
-
-
-POLHODE, HERPOLHODE = colours.HUES["blue"], colours.HUES["black"]
 
 
 def _draw_poinsot(data: Picture, ax: Any) -> None:

@@ -34,9 +34,11 @@ class Picture:
         **data: Any,
     ) -> None:
         # ``draw`` gets the picture, and axes for each panel, whose size is in inches.
-        self._draw, self._panels = draw, panels
-        self._columns, self._panel_size = columns, panel_size
-        vars(self).update(data)
+        own = {"_draw": draw, "_panels": panels, "_columns": columns, "_panel_size": panel_size}
+        vars(self).update(own | data)
+
+    def __setattr__(self, name: str, value: object) -> None:
+        raise AttributeError(f"{name}: the data of a figure do not change")
 
     if TYPE_CHECKING:
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._checks.arguments import finite_float, positive_int, shaped, vector
+from .._checks.arguments import finite_float, positive_int, shaped
 from .._checks.arguments import vector as vector_of
 from ..drawing import axes3d as draw
 from ..drawing import colours
@@ -20,6 +20,11 @@ from .free import turning
 from .picture import Picture
 
 Floats = NDArray[np.float64]
+
+_NAMES = (("x'", "y'", "z'"), ("x''", "y''", "z''"), ("X", "Y", "Z"), ("x", "y", "z"))
+_TURNS = (r"$\phi$", r"$\theta$", r"$\psi$")
+_ABOUT = ("about $z'$", "about the line of nodes", "about $z$")
+"""Axes before the first turn and after each turn; Euler's angles; axes of the turns."""
 
 
 def _draw_euler_steps(data: Picture, *panels: Any) -> None:
@@ -96,12 +101,12 @@ def euler_steps(angles: ArrayLike, *, point: ArrayLike = (0.35, 0.85)) -> Pictur
     >>> data.seen.round(12).tolist(), data.turned_about[1].round(12).tolist()
     ([2.0, 0.0], [0.0, 1.0, 0.0])
     """
-    phi, theta, psi = vector("angles", angles, 3).tolist()
+    phi, theta, psi = vector_of("angles", angles, 3).tolist()
     steps = euler_to_matrix(
         [[0.0, 0.0, 0.0], [phi, 0.0, 0.0], [phi, theta, 0.0], [phi, theta, psi]]
     )
     axes = np.swapaxes(steps, -1, -2)
-    seen_from = vector("point", point, 2)
+    seen_from = vector_of("point", point, 2)
     return Picture(
         _draw_euler_steps,
         panels=["space", "space", "space", "plane"],
@@ -114,34 +119,15 @@ def euler_steps(angles: ArrayLike, *, point: ArrayLike = (0.35, 0.85)) -> Pictur
     )
 
 
-_NAMES = (
-    ("x'", "y'", "z'"),
-    ("x''", "y''", "z''"),
-    ("X", "Y", "Z"),
-    ("x", "y", "z"),
-)
-
-
-_TURNS = (r"$\phi$", r"$\theta$", r"$\psi$")
-
-
-_ABOUT = ("about $z'$", "about the line of nodes", "about $z$")
-
-
 def _draw_turned_plane(ax: Any, data: Picture) -> None:
     """The plane of the first turn, with the coordinates of a point along both pairs of axes."""
     longest = max(1.0, 1.15 * float(np.linalg.norm(data.point)))
-    for step, names, style in (
-        (0, _NAMES[0], {"linewidth": 1.0, "linestyle": "dashed"}),
-        (1, _NAMES[1], {"linewidth": 2.4}),
-    ):
+    for step, seen, style in ((0, data.point, draw.DASHED), (1, data.seen, {"linewidth": 2.4})):
         for axis, ink in enumerate(colours.AXES[:2]):
-            along = longest * data.axes[step, axis, :2]
-            draw.arrow(ax, along, ink.colour, f"${names[axis]}$", **style)
-            foot = (data.point, data.seen)[step][axis] * data.axes[step, axis, :2]
-            draw.curve(
-                ax, np.array([data.point, foot]), ink.colour, linewidth=0.9, linestyle="dotted"
-            )
+            along = data.axes[step, axis, :2]
+            draw.arrow(ax, longest * along, ink.colour, f"${_NAMES[step][axis]}$", **style)
+            foot = np.array([data.point, seen[axis] * along])
+            draw.curve(ax, foot, ink.colour, linewidth=0.9, linestyle="dotted")
     draw.arc_in_plane(ax, 0.35 * longest, 0.0, data.angles[0], _TURNS[0], beyond=0.44 / 0.35)
     draw.arrow(ax, data.point, colours.HUES["black"], "$P$", linewidth=1.6, gid="point")
     corners = np.vstack([np.zeros((1, 2)), longest * data.axes[:2, :2, :2].reshape(-1, 2)])
@@ -162,9 +148,13 @@ def _draw_frames(data: Picture, ax: Any) -> None:
     names = ("$x'$", "$y'$", "$z'$") if apart else ("", "", "")
     draw.triad(ax, data.space, data.origin, names, gid="parallel", **draw.DASHED)
     draw.triad(ax, data.body, data.origin, ("$x$", "$y$", "$z$"), linewidth=2.6, gid="body")
-    draw.label(ax, np.array([-0.09, -0.09, -0.09]), "$O'$" if apart else "$O$", colours.NEUTRAL)
+    draw.label(ax, (-0.09, -0.09, -0.09), "$O'$" if apart else "$O$", colours.NEUTRAL)
     # Write the names outside the triangle of R, r' and r.
-    aside = _apart(data.origin, data.position) if apart and data.position is not None else -draw.UP
+    aside = -draw.UP
+    if apart and data.position is not None:  # away from the bisector of R and r, if there is one
+        size = np.linalg.norm(data.position) or 1.0
+        gap = data.origin / np.linalg.norm(data.origin) - data.position / size
+        aside = gap / np.linalg.norm(gap) if np.linalg.norm(gap) > 1e-9 else aside
     if apart:
         draw.arrow(ax, data.origin, colours.SPACE.colour, linewidth=1.6, gid="origin")
         draw.label(ax, 0.5 * data.origin + 0.12 * aside, r"$\mathbf{R}$", colours.SPACE.colour)
@@ -225,9 +215,9 @@ def frames(
     >>> data.position.round(12).tolist()
     [3.0, 1.0, 0.0]
     """
-    body = euler_to_matrix(vector("angles", angles, 3)).T
-    place = vector("origin", origin, 3)
-    relative = None if point is None else vector("point", point, 3) @ body
+    body = euler_to_matrix(vector_of("angles", angles, 3)).T
+    place = vector_of("origin", origin, 3)
+    relative = None if point is None else vector_of("point", point, 3) @ body
     return Picture(
         _draw_frames,
         space=np.eye(3),
@@ -258,7 +248,7 @@ def _draw_node_frame(data: Picture, ax: Any) -> None:
         strict=True,
     ):
         draw.arc(ax, about, 0.5 * start, float(angle), colours.ANGLE.colour, name, gid="angles")
-    draw.label(ax, np.array([-0.06, -0.06, -0.09]), "$O$", colours.NEUTRAL)
+    draw.label(ax, (-0.06, -0.06, -0.09), "$O$", colours.NEUTRAL)
     circles = draw.circle(origin, draw.UP, 1.0), draw.circle(origin, data.body[2], 1.0)
     draw.fit(ax, *circles, data.space, data.body, elev=24.0, azim=_azimuth(data.angles[0]))
 
@@ -307,13 +297,6 @@ def node_frame(angles: ArrayLike) -> Picture:
         node=steps.axes[2],
         body=steps.axes[3],
     )
-
-
-def _apart(first: Floats, second: Floats) -> Floats:
-    """Unit vector perpendicular to the bisector, on the side of ``first``; or downwards."""
-    gap = first / np.linalg.norm(first) - second / (np.linalg.norm(second) or 1.0)
-    size = float(np.linalg.norm(gap))
-    return np.asarray(gap / size) if size > 1e-9 else -draw.UP
 
 
 def _draw_active_passive(data: Picture, passive: Any, active: Any) -> None:

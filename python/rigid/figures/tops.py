@@ -33,6 +33,15 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 
+UPRIGHT = (1.0, 0.0, 0.0, 0.0)
+"""The attitude in which body and space axes coincide."""
+
+ELEV = 24.0
+"""Elevation of the viewer of a path (degrees)."""
+
+FARTHEST = 4.0
+"""A third root beyond this height is not drawn, because the other roots would be invisible."""
+
 
 def _draw_heavy_top(data: Picture, ax: Any) -> None:
     frame, size = data.frame, float(np.linalg.norm(data.com))
@@ -157,9 +166,6 @@ def heavy_top(scene: HeavyTop, angles: ArrayLike, *, length: float = 1.0) -> Pic
     )
 
 
-UPRIGHT = (1.0, 0.0, 0.0, 0.0)
-
-
 def _draw_effective_potential(data: Picture, ax: Any) -> None:
     blue, level_colour = colours.HUES["blue"], colours.HUES["vermilion"]
     draw.curve(ax, (np.degrees(data.tilt), data.potential), blue, linewidth=1.8, gid="potential")
@@ -194,7 +200,7 @@ def _draw_effective_potential(data: Picture, ax: Any) -> None:
     # Write the names beside the lines, outside the well, on the side that has room.
     right = well[-1] + margin <= 180.0 or well[0] - margin < 0.0
     end = last - 0.03 * wide if right else first + 0.03 * wide
-    draw.label(ax, np.array([end, data.E_prime]), "$E'$", level_colour, va="bottom")
+    draw.label(ax, (end, data.E_prime), "$E'$", level_colour, va="bottom")
     near = low + 0.88 * (high - low)
     seen = np.flatnonzero(data.potential <= max(near, data.potential.min()))
     place, off, side = (seen[-1], 0.02, "left") if right else (seen[0], -0.02, "right")
@@ -317,7 +323,7 @@ def _draw_cubic(data: Picture, ax: Any) -> None:
     ax.set(xlim=(data.u[0], data.u[-1]), ylim=(-1.08 * depth, high))
     ax.set(xlabel=r"height $u = \cos\theta$", ylabel=r"$f(u) = \dot u^2$ (1/s²)")
     if len(seen) == 3:
-        draw.label(ax, np.array([seen[2], 0.07 * depth]), "$u_3$", ha="right")
+        draw.label(ax, (seen[2], 0.07 * depth), "$u_3$", ha="right")
 
     close, unit = ax, high
     if highest < 0.2 * depth:
@@ -334,23 +340,19 @@ def _draw_cubic(data: Picture, ax: Any) -> None:
     if data.near[0] < data.still < data.near[-1]:
         ink = on_ground(close, black)
         still = close.axvline(data.still, color=ink, zorder=2, gid="still", **draw.DASHED)
-        draw.label(close, np.array([data.still, 0.85 * unit]), "$a/b$", black)
+        draw.label(close, (data.still, 0.85 * unit), "$a/b$", black)
         handles.append(still)
         names.append(r"$u = a/b$: no precession; $a = p_\phi/I_1$, $b = p_\psi/I_1$")
     if seen[1] - seen[0] < 1e-3:
-        draw.label(close, np.array([seen[0], 0.25 * unit]), "$u_1 = u_2$")
+        draw.label(close, (seen[0], 0.25 * unit), "$u_1 = u_2$")
     else:
         # Between the roots the curve is above their names.
         for place, name, align in ((seen[0], "$u_1$", "left"), (seen[1], "$u_2$", "right")):
-            draw.label(close, np.array([place, -0.2 * unit]), name, ha=align)
+            draw.label(close, (place, -0.2 * unit), name, ha=align)
     if len(seen) == 3:
         handles.append(roots)
         names.append("$u_1$, $u_2$, $u_3$: roots of $f$; the top never reaches $u_3$")
     ax.legend(handles=handles, labels=names, **draw.BELOW)
-
-
-FARTHEST = 4.0
-"""A third root beyond this height is not drawn, because the other roots would be invisible."""
 
 
 def cubic(
@@ -438,9 +440,8 @@ def _draw_upright_cubic(data: Picture, *places: Any) -> None:
     size = 1.15 * max(np.abs(data.exact).max(), np.abs(data.approximate).max())
     for k, ax in enumerate(places):
         positive = np.maximum(data.exact[k], 0.0)
-        reached = ax.fill_between(
-            data.u, positive, color=on_ground(ax, blue), alpha=0.2, linewidth=0.0
-        )
+        faint = on_ground(ax, blue)
+        reached = ax.fill_between(data.u, positive, color=faint, alpha=0.2, linewidth=0.0)
         ax.axhline(0.0, color=on_ground(ax, colours.NEUTRAL), linewidth=0.8, zorder=1)
         near = data.u, data.approximate[k]
         approximate = draw.curve(
@@ -531,9 +532,6 @@ def upright_cubic(
         approximate=approximate,
         stable=top.sleeping_top(scene, spin).stable,
     )
-
-
-ELEV = 24.0
 
 
 def _draw_locus(data: Picture, ax: Any) -> None:
