@@ -426,10 +426,9 @@ def polhodes(body: BodyLike | Run, *, count: int = 5, samples: int = 361) -> Pic
     curves *= known.amplitude[:, np.newaxis, :]
     phase = 2.0 * np.pi * turn
     separatrix = np.empty((2, points, 3))
-    for side, ellipse in zip((1.0, -1.0), separatrix, strict=True):
-        ellipse[:, small] = semi[small] * np.cos(parting) * np.cos(phase)
-        ellipse[:, large] = side * semi[large] * np.sin(parting) * np.cos(phase)
-        ellipse[:, middle] = semi[middle] * np.sin(phase)
+    separatrix[..., small] = semi[small] * np.cos(parting) * np.cos(phase)
+    separatrix[..., middle] = semi[middle] * np.sin(phase)
+    separatrix[..., large] = np.outer([1.0, -1.0], semi[large] * np.sin(parting) * np.cos(phase))
     return Picture(
         _draw_polhodes,
         moments=moments,
