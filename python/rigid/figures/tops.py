@@ -540,6 +540,8 @@ def _draw_locus(data: Picture, ax: Any) -> None:
     draw.surface(ax, faces, colours.SURFACE, towards, gid="sphere")
     draw.curve(ax, draw.circle(np.zeros(3), towards, 1.0), colours.FAINT, linewidth=1.0, zorder=2)
     red, blue = colours.HUES["vermilion"], colours.HUES["blue"]
+    right = rotation_z(np.radians(draw.AZIM))[:, 1]
+    page_up = np.cross(towards, right)
     upper, lower = data.theta_upper, data.theta_lower
     if upper is not None and lower is not None:
         gap = (np.cos(upper) - np.cos(lower)) * np.cos(np.radians(data.elev))
@@ -550,7 +552,14 @@ def _draw_locus(data: Picture, ax: Any) -> None:
             draw.curve(ax, near, blue, linewidth=1.0, zorder=3, gid=gid)
             hidden = f"{gid}_hidden"
             draw.curve(ax, far, blue, linewidth=0.6, linestyle="dotted", zorder=2, gid=hidden)
-            _name_circle(ax, ring, name, blue, towards, "center" if gap > 0.1 else align)
+            # The name stands beside the sphere, whose edge is there at this height on the page.
+            end = ring[np.argmax(ring @ right)]
+            height = float(end @ page_up)
+            place = np.sqrt(max(1.0 - height**2, 0.0)) * right + height * page_up
+            thread = np.array([end, place + 0.04 * right])
+            draw.curve(ax, thread, blue, linewidth=0.5, zorder=3)
+            text, va = f"  $\\theta_\\mathrm{{{name}}}$", "center" if gap > 0.1 else align
+            draw.label(ax, place, text, blue, fontsize="medium", ha="left", va=va)
     near, far = draw.sides(data.point, data.point, towards)
     draw.curve(ax, far, red, linewidth=0.8, alpha=0.45, zorder=2, gid="point_hidden")
     draw.curve(ax, near, red, linewidth=1.8, zorder=4, gid="point")
@@ -633,9 +642,10 @@ def locus(
         attitude = attitudes(attitude)
         if attitude.shape != (4,):
             raise ValueError(f"attitude: expected shape (4,), got {attitude.shape}")
-    motion = _motion(scene, rates, attitude)
-    kind, upper, lower = "general", None, None
-    if motion is not None:
+    motion, kind, upper, lower = None, "general", None, None
+    unforced = not check_heavy_top(scene).forces and scene.mgl != 0.0
+    if unforced and top.heavy_constants(scene, rates, UPRIGHT).a is not None:
+        motion = exact.lagrange_top(scene, rates, attitude)
         kind = str(motion.kind)
         upper, lower = float(motion.tilt_min), float(motion.tilt_max)
     if t is None:
@@ -661,31 +671,6 @@ def locus(
         theta_lower=lower,
         elev=elevation,
     )
-
-
-def _motion(scene: HeavyTop, omega: Floats, attitude: Floats | None) -> exact.TopMotion | None:
-    """The motion of a Lagrange top; None for other tops."""
-    check_heavy_top(scene)
-    if scene.forces or scene.mgl == 0.0:
-        return None
-    if top.heavy_constants(scene, omega, UPRIGHT).a is None:
-        return None
-    return exact.lagrange_top(scene, omega, attitude)
-
-
-def _name_circle(
-    ax: Any, ring: Floats, name: str, colour: str, towards: Floats, align: str
-) -> None:
-    """Name a circle beside the sphere."""
-    right = rotation_z(np.radians(draw.AZIM))[:, 1]
-    page_up = np.cross(towards, right)
-    end = ring[np.argmax(ring @ right)]
-    # The edge of the sphere at this height on the page.
-    height = float(end @ page_up)
-    place = np.sqrt(max(1.0 - height**2, 0.0)) * right + height * page_up
-    draw.curve(ax, np.array([end, place + 0.04 * right]), colour, linewidth=0.5, zorder=3)
-    text = f"  $\\theta_\\mathrm{{{name}}}$"
-    draw.label(ax, place, text, colour, fontsize="medium", ha="left", va=align)
 
 
 def _draw_loci(data: Picture, *panels: Any) -> None:
