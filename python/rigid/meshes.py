@@ -371,15 +371,14 @@ def _check_closed(triangles: Indices) -> None:
         k = int(np.argmax(bad))
         return f"faces[{k // 3}] = {triangles[k // 3].tolist()}, edge {start[k]}-{end[k]}"
 
-    both = counts[inverse] + _count(edges, counts, back)
+    place = np.minimum(np.searchsorted(edges, back), len(edges) - 1)
+    both = counts[inverse] + np.where(edges[place] == back, counts[place], 0)
     if np.any(both > 2):
-        bad = both > 2
-        raise ValueError(f"{said(bad)}: an edge of more than two triangles")
+        raise ValueError(f"{said(both > 2)}: an edge of more than two triangles")
     if np.any(counts > 1):
-        bad = counts[inverse] > 1
         raise ValueError(
-            f"{said(bad)}: the neighbour runs through the edge in the same direction; the faces "
-            "are not consistently oriented"
+            f"{said(counts[inverse] > 1)}: the neighbour runs through the edge in the same "
+            "direction; the faces are not consistently oriented"
         )
     if np.any(both < 2):
         bad = both < 2
@@ -387,12 +386,6 @@ def _check_closed(triangles: Indices) -> None:
             f"{said(bad)}: no triangle on its other side; the mesh is open ({int(bad.sum())} such "
             "edges; corners stored several times must be merged first)"
         )
-
-
-def _count(known: Indices, counts: Indices, wanted: Indices) -> Indices:
-    """The count of each requested value."""
-    place = np.minimum(np.searchsorted(known, wanted), len(known) - 1)
-    return np.where(known[place] == wanted, counts[place], 0)
 
 
 def _check_areas(local: Floats, triangles: Indices) -> None:
@@ -489,12 +482,10 @@ def _moments(r: Floats, triangles: Indices) -> tuple[Floats, Floats, Floats, Flo
     a, b, c = _bluntest_first(r, triangles)
     d = _volumes(a, b, c)
     s = a + b + c
-    corners = np.concatenate([a, b, c, s], axis=-2)
-    weights = np.concatenate([d, d, d, d], axis=-1)
-    second: Floats = np.swapaxes(corners, -1, -2) @ (weights[..., None] * corners) / 120.0
-    first: Floats = (d[..., None] * s).sum(axis=-2) / 24.0
-    volume: Floats = np.asarray(d.sum(axis=-1) / 6.0)
-    return volume, first, second, _ROUNDING * np.abs(d).sum(axis=-1)
+    corners, weights = np.concatenate([a, b, c, s], axis=-2), np.tile(d, 4)
+    second = np.swapaxes(corners, -1, -2) @ (weights[..., None] * corners) / 120.0
+    first = (d[..., None] * s).sum(axis=-2) / 24.0
+    return np.asarray(d.sum(axis=-1) / 6.0), first, second, _ROUNDING * np.abs(d).sum(axis=-1)
 
 
 def _bluntest_first(r: Floats, triangles: Indices) -> tuple[Floats, Floats, Floats]:
@@ -508,8 +499,7 @@ def _bluntest_first(r: Floats, triangles: Indices) -> tuple[Floats, Floats, Floa
 
 def _volumes(a: Floats, b: Floats, c: Floats) -> Floats:
     """``a·b×c``: products of sides keep the digits that products of far corners lose."""
-    volumes: Floats = np.vecdot(a, np.cross(b - a, c - a))
-    return volumes
+    return np.asarray(np.vecdot(a, np.cross(b - a, c - a)))
 
 
 def _mass(density: ArrayLike | None, mass: ArrayLike | None, volume: Floats) -> Floats:
@@ -517,5 +507,4 @@ def _mass(density: ArrayLike | None, mass: ArrayLike | None, volume: Floats) -> 
         raise ValueError("density and mass: give one of them, the other follows")
     if mass is not None:
         return np.broadcast_to(shaped("mass", mass, positive=True), volume.shape)
-    total: Floats = shaped("density", 1.0 if density is None else density, positive=True) * volume
-    return total
+    return shaped("density", 1.0 if density is None else density, positive=True) * volume

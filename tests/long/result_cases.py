@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import rigid
-from rigid import cli
+from rigid import cli, figures
 from rigid.model.criteria import Regular
 from rigid.solve.status import ARRIVED
 
@@ -110,6 +110,8 @@ def digest(values: Any, *, flip: bool = False) -> str:
 def _bytes(values: Any) -> Iterator[bytes]:
     if dataclasses.is_dataclass(values) and not isinstance(values, type):
         values = {item.name: getattr(values, item.name) for item in dataclasses.fields(values)}
+    if isinstance(values, figures.Picture):
+        values = {name: value for name, value in vars(values).items() if name[0] != "_"}
     if isinstance(values, dict):
         for name, value in values.items():
             yield str(name).encode()

@@ -9,10 +9,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from .._checks.arguments import brief, finite_float, positive_int
 from .._checks.progress import ProgressOption
@@ -20,8 +20,7 @@ from .._checks.warned import warn_caller
 from .._files import published
 from .film import Film, film_of, side_by_side
 from .picture import SUFFIXES, moving_picture
-from .recording import Recording
-from .story import story_of_two
+from .story import Recording, story_of_two
 from .web import Page, film_page
 
 if TYPE_CHECKING:
@@ -52,14 +51,11 @@ def animate(
     recordings: Sequence[Recording],
     path: str | PathLike[str] | None,
     *,
-    view: str | None,
-    speed: float | None,
-    trail: float | None,
-    shape: tuple[ArrayLike, ArrayLike] | None,
     caption: str | None,
     fps: float,
     size: int,
     progress: ProgressOption,
+    **shown: Any,
 ) -> Path | Animation:
     """Show one motion or two as a film, or write the film; :meth:`rigid.Run.animate` calls this.
 
@@ -67,8 +63,10 @@ def animate(
     ----------
     recordings : sequence of Recording
         The motion, or two of one length.
-    path, view, speed, trail, shape, caption, fps, size, progress
+    path, caption, fps, size, progress
         As in :meth:`rigid.Run.animate`.
+    **shown
+        The other arguments of :meth:`rigid.Run.animate`, for :func:`~rigid.animation.film.film_of`.
 
     Returns
     -------
@@ -82,23 +80,20 @@ def animate(
     fps = finite_float("fps", fps, positive=True)
     if fps > 50.0:
         raise ValueError(f"fps = {fps:g}: must be at most 50")
-    size = positive_int("size", size)
-    if size < 64:
-        raise ValueError(f"size = {size}: must be at least 64")
-    films = [film_of(one, view=view, speed=speed, trail=trail, shape=shape) for one in recordings]
+    size = positive_int("size", size, minimum=64)
+    films = [film_of(one, **shown) for one in recordings]
     rate = np.max([np.linalg.norm(one.omega, axis=1) for one in recordings], axis=0)
     _warn_of_aliases(films[0], rate, fps if suffix != ".html" else REFRESH)
+    story, speed = films[0].story, films[0].speed
     if len(films) == 2:
-        story = story_of_two(*recordings)
-        films = [replace(film, story=story) for film in side_by_side(films)]
-    speed = films[0].speed
-    if caption is None and speed != 1.0:
-        faster = f"The film plays {speed:.3g} times as fast as the motion."
-        films = [replace(film, story=f"{film.story} {faster}") for film in films]
+        story, films = story_of_two(*recordings), side_by_side(films)
     if caption is not None:
         if not isinstance(caption, str):
             raise TypeError(f"caption = {brief(caption)}: must be a text")
-        films = [replace(film, story=caption) for film in films]
+        story = caption
+    elif speed != 1.0:
+        story = f"{story} The film plays {speed:.3g} times as fast as the motion."
+    films = [replace(film, story=story) for film in films]
     if suffix == ".html":
         page = film_page(films)
         if target is None:

@@ -52,7 +52,4 @@ def compressed(array: NDArray[Any]) -> bytes:
 def packed(array: ArrayLike, dtype: Any) -> dict[str, Any]:
     """An array for ``unpacked`` of the page."""
     plain = np.asarray(array).astype(dtype)
-    return {
-        "type": plain.dtype.name,
-        "data": base64.b64encode(compressed(plain)).decode(),
-    }
+    return {"type": plain.dtype.name, "data": base64.b64encode(compressed(plain)).decode()}

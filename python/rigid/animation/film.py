@@ -8,16 +8,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._checks.arguments import finite_float, one_of, one_time
+from .._checks.arguments import brief, finite_float, one_of, one_time, shaped
 from .._checks.arrays import attitudes
+from .._checks.quantities import plain
 from ..drawing import colours
 from ..drawing.shapes import STEM, box_faces, cone_faces, ellipsoid_faces, plane_face, top_faces
 from ..model.body import Moments, refuse_rods
 from ..model.scene import FreeBody, HeavyTop, Scene, check_heavy_top, require_unforced
 from ..rotations.apply import to_space
-from .mesh import faces_of
-from .recording import Recording
-from .story import story_of, tilt_of
+from .story import Recording, story_of, tilt_of
 
 Floats = NDArray[np.float64]
 
@@ -33,7 +32,7 @@ AXES = tuple(ink.colour for ink in colours.AXES)
 BODY, SPACE = colours.FACE, colours.SPACE.colour
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False)
 class Part:
     """A part of the drawing.
 
@@ -74,7 +73,7 @@ class Part:
         return to_space(attitude, points) if self.carried else points
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False)
 class Chart:
     """A strip chart beside a film: some quantities against time.
 
@@ -94,7 +93,7 @@ class Chart:
     values: Floats
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False)
 class Polhode:
     """The direction of L in the body, and the separatrix on the sphere of directions.
 
@@ -204,23 +203,26 @@ def film_of(
     solid = None if shape is None else faces_of(shape, frame=one.frame)
     momentum = to_space(attitude, np.array(scene.body.moments) * omega)
     size = float(np.linalg.norm(momentum[0]))
+    chart, polhode = Chart("ω (rad/s)", ("ω₁", "ω₂", "ω₃"), AXES, omega.T), None
+    grounded = False
     if view == "top":
         parts, up = _top(check_heavy_top(scene), attitude, solid), UP
+        chart = Chart("tilt (°)", (), (AXES[2],), tilt_of(one)[np.newaxis])
+        body = (parts[0].placed(attitude[k], k) for k in _some_frames(attitude))
+        grounded = min(float(corners[..., 2].min()) for corners in body) > -0.02
     elif scene.forces:
         parts, up = _box(one, momentum, solid), UP
     else:
         if size == 0.0:
             raise ValueError("omega = [0, 0, 0]: a free body at rest does not move")
-        up = momentum[0] / size
+        up, polhode = momentum[0] / size, _polhode(scene.body.moments, omega)
         if view == "box":
             parts = _box(one, momentum[:1], solid)
         else:
-            show = {"cones": _cones, "poinsot": _poinsot}[view]
-            parts = show(one, momentum[:1])
+            parts = (_cones if view == "cones" else _poinsot)(one, momentum[:1])
     steps = np.diff(t)
     if trail is None:
         trail = np.inf if view == "poinsot" else 0.25 * span
-    is_free = view != "top"
     centre, reach = _room(parts, attitude, up)
     return Film(
         view=view,
@@ -236,10 +238,66 @@ def film_of(
         centre=centre,
         reach=reach,
         trail=float(trail),
-        chart=_rates(omega) if is_free else _tilt(tilt_of(one)),
-        polhode=_polhode(scene.body.moments, omega) if is_free and not scene.forces else None,
-        grounded=not is_free and _lowest(parts[0], attitude) > -0.02,
+        chart=chart,
+        polhode=polhode,
+        grounded=grounded,
     )
+
+
+def faces_of(shape: tuple[ArrayLike, ArrayLike], *, frame: Floats | None) -> Floats:
+    """The polygons of a mesh along the principal axes, with its farthest corner at distance one.
+
+    Parameters
+    ----------
+    shape : tuple (vertices, faces)
+        Corners of shape (v, 3) in any unit of length, from the origin of the body, and the indices
+        of the corners of each polygon, from 0, whole numbers of shape (f, n) with n >= 3.
+    frame : ndarray, shape (3, 3), or None
+        The axes of the corners, as :attr:`rigid.Run.frame`; None if they are principal axes.
+
+    Returns
+    -------
+    ndarray, shape (f, n, 3)
+
+    Raises
+    ------
+    TypeError
+        If it is no pair.
+    ValueError
+        If the arrays have other shapes, a face names a corner that is not there, or all used
+        corners are at the origin.
+
+    Examples
+    --------
+    >>> from rigid.animation.film import faces_of
+    >>> corners = [[0, 0, 0], [4, 0, 0], [0, 2, 0], [0, 0, 2]]
+    >>> faces_of((corners, [[0, 2, 1]]), frame=None)[0]
+    array([[0. , 0. , 0. ],
+           [0. , 0.5, 0. ],
+           [1. , 0. , 0. ]])
+    """
+    if not isinstance(shape, (tuple, list)) or len(shape) != 2:
+        raise TypeError(f"shape = {brief(shape)}: must be a pair, (vertices, faces)")
+    vertices, faces = shape
+    points = shaped("shape[0]", vertices, 3)
+    if points.ndim != 2:
+        raise ValueError(f"shape[0]: the corners need the shape (v, 3), not {points.shape}")
+    index = np.asarray(plain("shape[1]", faces))
+    if index.ndim != 2 or index.dtype.kind not in "iu" or not len(index) or index.shape[1] < 3:
+        raise ValueError(
+            f"shape[1]: the faces need whole numbers of shape (f, n) with n >= 3, not "
+            f"{index.dtype} of shape {index.shape}"
+        )
+    if index.min() < 0 or index.max() >= len(points):
+        bad = int(index.max() if index.max() >= len(points) else index.min())
+        raise ValueError(f"shape[1]: no corner {brief(bad)} among {len(points)} corners")
+    if frame is not None:
+        points = points @ frame  # back from the axes of the drawing
+    polygons = points[index]
+    farthest = float(np.linalg.norm(polygons, axis=-1).max())
+    if farthest == 0.0:
+        raise ValueError("shape[0]: all corners of the faces are at the origin")
+    return np.asarray(polygons / farthest)
 
 
 def side_by_side(films: Sequence[Film]) -> list[Film]:
@@ -253,14 +311,6 @@ def side_by_side(films: Sequence[Film]) -> list[Film]:
     ]
 
 
-def _rates(omega: Floats) -> Chart:
-    return Chart(label="ω (rad/s)", names=("ω₁", "ω₂", "ω₃"), colours=AXES, values=omega.T)
-
-
-def _tilt(tilt: Floats) -> Chart:
-    return Chart(label="tilt (°)", names=(), colours=(AXES[2],), values=tilt[np.newaxis])
-
-
 def _polhode(moments: Moments, omega: Floats) -> Polhode:
     """Path and separatrix; on the separatrix the energy is ``L² / (2 I)`` of the middle axis."""
     momentum = np.array(moments) * omega
@@ -269,7 +319,7 @@ def _polhode(moments: Moments, omega: Floats) -> Polhode:
     inverse = 1.0 / np.array(moments)
     first, last = inverse[low] - inverse[mid], inverse[mid] - inverse[high]
     if first <= 0.0 or last <= 0.0:
-        return Polhode(points=points, separatrix=())
+        return Polhode(points, ())
     turn = np.linspace(0.0, 2.0 * np.pi, 97)
     circles = []
     for sign in (1.0, -1.0):
@@ -278,26 +328,16 @@ def _polhode(moments: Moments, omega: Floats) -> Polhode:
         circle[:, low] = np.sin(turn) * np.sqrt(last / (first + last))
         circle[:, high] = sign * np.sin(turn) * np.sqrt(first / (first + last))
         circles.append(circle)
-    return Polhode(points=points, separatrix=tuple(circles))
+    return Polhode(points, tuple(circles))
 
 
 def _room(parts: tuple[Part, ...], attitude: Floats, up: Floats) -> tuple[Floats, float]:
     """Centre and radius of a sphere around all parts, from at most 64 frames."""
-    cloud = np.concatenate(
-        [
-            part.placed(attitude[k], k).reshape(-1, 3)
-            for k in _some_frames(attitude)
-            for part in parts
-        ]
-    )
+    places = (part.placed(attitude[k], k) for k in _some_frames(attitude) for part in parts)
+    cloud = np.concatenate([points.reshape(-1, 3) for points in places])
     heights = cloud @ up
     centre = 0.5 * (heights.min() + heights.max()) * up
     return centre, float(np.linalg.norm(cloud - centre, axis=1).max())
-
-
-def _lowest(part: Part, attitude: Floats) -> float:
-    """The least height of a part that the body carries, from at most 64 frames."""
-    return min(float(part.placed(attitude[k], k)[..., 2].min()) for k in _some_frames(attitude))
 
 
 def _some_frames(attitude: Floats) -> NDArray[np.int64]:
@@ -336,17 +376,12 @@ def _box(one: Recording, momentum: Floats, solid: Floats | None) -> tuple[Part, 
     else:
         half, inks = np.abs(solid).max(axis=(0, 1)), (BODY,)
     return (
-        Part(kind="faces", points=solid, colours=inks, carried=True, meaning=meaning),
+        Part("faces", solid, inks, carried=True, meaning=meaning),
         *(
             Part(
-                kind="arrow",
-                points=(half[axis] + 0.35) * np.eye(3)[axis : axis + 1],
-                colours=(AXES[axis],),
-                carried=True,
-                label=str(axis + 1),
-                meaning="principal axes",
+                "arrow", tip[np.newaxis], (ink,), carried=True, label=name, meaning="principal axes"
             )
-            for axis in range(3)
+            for tip, ink, name in zip(np.diag(half + 0.35), AXES, "123", strict=True)
         ),
         *_vectors(one, momentum, length=1.5),
     )
@@ -362,32 +397,16 @@ def _cones(one: Recording, momentum: Floats) -> tuple[Part, ...]:
         raise ValueError(f"moments = {found}: a symmetric top has two exactly equal moments")
     k = number - 1
     axis = np.eye(3)[k] * (1.0 if omega[k] >= 0.0 else -1.0)
-    parts = [
-        Part(
-            kind="faces",
-            points=cone_faces(axis, _angle(omega, axis)),
-            colours=(BODY, colours.FACE_STRIPE),
-            opacity=0.55,
-            carried=True,
-            meaning="cone of ω in the body",
-        ),
-        Part(
-            kind="faces",
-            points=cone_faces(momentum[0], _angle(omega, moments * omega)),
-            colours=(colours.FAINT, colours.BAND),
-            opacity=0.75,
-            meaning="cone of ω in space",
-        ),
-        Part(
-            kind="arrow",
-            points=1.15 * axis[np.newaxis],
-            colours=(colours.HUES["black"],),
-            carried=True,
-            label="axis",
-            meaning="symmetry axis",
-        ),
-    ]
-    return (*parts, *_vectors(one, momentum, length=1.3))
+    in_body, in_space = (BODY, colours.FACE_STRIPE), (colours.FAINT, colours.BAND)
+    body = cone_faces(axis, _angle(omega, axis))
+    space = cone_faces(momentum[0], _angle(omega, moments * omega))
+    tip, ink = 1.15 * axis[np.newaxis], (colours.HUES["black"],)
+    return (
+        Part("faces", body, in_body, opacity=0.55, carried=True, meaning="cone of ω in the body"),
+        Part("faces", space, in_space, opacity=0.75, meaning="cone of ω in space"),
+        Part("arrow", tip, ink, carried=True, label="axis", meaning="symmetry axis"),
+        *_vectors(one, momentum, length=1.3),
+    )
 
 
 def _angle(one: Floats, other: Floats) -> float:
@@ -409,31 +428,20 @@ def _poinsot(one: Recording, momentum: Floats) -> tuple[Part, ...]:
     normal = to_space(one.attitude[0], in_body) / size
     foot = normal * (float(twice_energy / size) / unit)
     width = 1.25 * max(float(np.linalg.norm(contact - foot, axis=-1).max()), 0.4)
+    solid = ellipsoid_faces(semi_axes / unit, rings=18, sectors=36)
+    stripes = (BODY,) * 9 + (colours.FACE_STRIPE,) * 9
     return (
+        Part("faces", solid, stripes, opacity=0.7, carried=True, meaning="inertia ellipsoid"),
         Part(
-            kind="faces",
-            points=ellipsoid_faces(semi_axes / unit, rings=18, sectors=36),
-            colours=(BODY,) * 9 + (colours.FACE_STRIPE,) * 9,
-            opacity=0.7,
-            carried=True,
-            meaning="inertia ellipsoid",
-        ),
-        Part(
-            kind="faces",
-            points=plane_face(foot, normal, width),
-            colours=(SPACE,),
+            "faces",
+            plane_face(foot, normal, width),
+            (SPACE,),
             opacity=0.25,
             meaning="plane at rest",
         ),
-        Part(
-            kind="line",
-            points=omega / unit,
-            colours=(colours.ON_FACE,),
-            carried=True,
-            meaning="polhode",
-        ),
-        Part(kind="trail", points=contact, colours=(SPACE,), meaning="herpolhode"),
-        Part(kind="dot", points=contact, colours=(colours.OMEGA.colour,)),
+        Part("line", omega / unit, (colours.ON_FACE,), carried=True, meaning="polhode"),
+        Part("trail", contact, (SPACE,), meaning="herpolhode"),
+        Part("dot", contact, (colours.OMEGA.colour,)),
         _omega(contact),
         _momentum(1.35 * foot[np.newaxis]),
     )
@@ -443,30 +451,17 @@ def _top(scene: HeavyTop, attitude: Floats, solid: Floats | None) -> tuple[Part,
     """A top on its fixed point, and the path of the tip of its stem on a sphere."""
     direction = np.array(scene.com)
     inks: tuple[str, ...] = (BODY,)
-    tip = 1.0
+    tip, path = 1.0, "path of the axis through the centre of mass"
     if solid is None:
-        solid, inks = (
-            top_faces(direction, _spread(scene.body.moments), sectors=48),
-            (BODY,) * 6 + (AXES[0],) * 6,
-        )
-        tip = STEM
+        solid = top_faces(direction, _spread(scene.body.moments), sectors=48)
+        inks, tip = (BODY,) * 6 + (AXES[0],) * 6, STEM
     turn = np.linspace(0.0, 2.0 * np.pi, 49)
     ring = np.stack([np.cos(turn), np.sin(turn), 0.0 * turn], axis=1)  # marks the fixed point
     return (
-        Part(kind="faces", points=solid, colours=inks, carried=True),
-        Part(
-            kind="trail",
-            points=tip * to_space(attitudes(attitude), direction),
-            colours=(AXES[2],),
-            meaning="path of the axis through the centre of mass",
-        ),
-        Part(
-            kind="arrow",
-            points=1.6 * UP[np.newaxis],
-            colours=(colours.VERTICAL.colour,),
-            label="vertical",
-        ),
-        Part(kind="line", points=0.12 * ring, colours=(SPACE,), meaning="fixed point"),
+        Part("faces", solid, inks, carried=True),
+        Part("trail", tip * to_space(attitudes(attitude), direction), (AXES[2],), meaning=path),
+        Part("arrow", 1.6 * UP[np.newaxis], (colours.VERTICAL.colour,), label="vertical"),
+        Part("line", 0.12 * ring, (SPACE,), meaning="fixed point"),
     )
 
 
@@ -476,7 +471,7 @@ def _vectors(one: Recording, momentum: Floats, *, length: float) -> tuple[Part, 
     rates = 0.8 * length / np.linalg.norm(rates, axis=-1).max() * rates
     arrow = length / np.linalg.norm(momentum, axis=-1).max() * momentum
     return (
-        Part(kind="trail", points=rates, colours=(SPACE,), meaning="path of ω"),
+        Part("trail", rates, (SPACE,), meaning="path of ω"),
         _omega(rates),
         _momentum(arrow),
     )
@@ -484,16 +479,15 @@ def _vectors(one: Recording, momentum: Floats, *, length: float) -> tuple[Part, 
 
 def _omega(points: Floats) -> Part:
     ink = colours.OMEGA.colour
-    return Part(kind="arrow", points=points, colours=(ink,), label="ω", meaning="angular velocity")
+    return Part("arrow", points, (ink,), label="ω", meaning="angular velocity")
 
 
 def _momentum(points: Floats) -> Part:
     ink = colours.L.colour
-    return Part(kind="arrow", points=points, colours=(ink,), label="L", meaning="angular momentum")
+    return Part("arrow", points, (ink,), label="L", meaning="angular momentum")
 
 
 def _spread(moments: Moments) -> Floats:
     """``∫ x_i² dm`` along each principal axis."""
     array = np.array(moments)
-    spread: Floats = 0.5 * array.sum() - array
-    return spread
+    return np.asarray(0.5 * array.sum() - array)

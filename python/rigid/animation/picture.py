@@ -27,8 +27,8 @@ if TYPE_CHECKING:
 
 SUFFIXES = (".gif", ".webp", ".mp4")
 
-SHOWN = (0.02, 655.0)
-"""Shortest and longest time of a GIF frame (s), limits of browsers and of the format."""
+LONGEST = 655.0
+"""Longest time of a GIF frame (s), a limit of the format."""
 
 Ints = NDArray[np.int64]
 
@@ -45,12 +45,11 @@ def moving_picture(
         return _encoded(command, _images(films, frames, size, progress), fps, size * len(films))
     frames = _thinned(due, fps)
     hundredths = np.diff(np.rint(100.0 * due[np.append(frames, len(shown))])).astype(np.int64)
-    longest = SHOWN[1]
-    if (hundredths > 100.0 * longest).any():
+    if (hundredths > 100.0 * LONGEST).any():
         k = int(frames[hundredths.argmax()])
         raise ValueError(
             f"t: frame {k} of a picture would be shown for {hundredths.max() / 100.0:g} s: must be "
-            f"at most {longest:g} s; choose other times or another speed"
+            f"at most {LONGEST:g} s; choose other times or another speed"
         )
     images = _images(films, frames, size, progress)
     content = BytesIO()
@@ -96,16 +95,8 @@ def _images(
                 image.paste(Image.fromarray(pixels), (place * size, 0))
                 pen = ImageDraw.Draw(image)
                 for part, (x, y) in names:
-                    at = (place * size + x, y)
-                    pen.text(
-                        at,
-                        part.label,
-                        part.colours[0],
-                        large,
-                        "mm",
-                        stroke_width=2,
-                        stroke_fill="white",
-                    )
+                    at, ink = (place * size + x, y), part.colours[0]
+                    pen.text(at, part.label, ink, large, "mm", stroke_width=2, stroke_fill="white")
             pen = ImageDraw.Draw(image)
             pen.text((8, 6), fill(films[0].story, 72 * len(films)), NEUTRAL, small)
             clock = f"t = {films[0].t[k]:.{films[0].digits}f} s"

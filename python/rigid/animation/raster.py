@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ..drawing.shapes import across
+from ..drawing.shapes import across, ellipsoid_faces, quads
 from ..rotations.apply import to_space
 from .film import Film, Part
 
@@ -86,9 +86,8 @@ class Buffer:
         towards = self.camera.at - faces.mean(axis=1, keepdims=True)
         side = np.sign((flat * towards).sum(axis=-1, keepdims=True))
         normals = side * np.broadcast_to(_unit(flat) if normals is None else normals, faces.shape)
-        light: Floats = 0.52 + 0.12 * normals @ self.camera.up
-        light += 0.48 * np.maximum(normals @ self.camera.lamp, 0.0)
-        return light
+        lit = np.maximum(normals @ self.camera.lamp, 0.0)
+        return np.asarray(0.52 + 0.12 * normals @ self.camera.up + 0.48 * lit)
 
     def _triangles(
         self,
@@ -184,54 +183,51 @@ class Buffer:
             for j in range(DOTS):
                 total += self.colour[i::DOTS, j::DOTS]
         total *= np.float32(255.0 / DOTS**2)
-        rounded: NDArray[np.uint8] = np.rint(np.clip(total, 0.0, 255.0)).astype(np.uint8)
-        return rounded
+        return np.rint(np.clip(total, 0.0, 255.0)).astype(np.uint8)
 
 
 def frame_picture(
     film: Film, frame: int, size: int
 ) -> tuple[NDArray[np.uint8], list[tuple[Part, Floats]]]:
     """The pixels of a frame, and the places of the labels."""
+    from matplotlib.colors import to_rgba_array
+
     camera = Camera(film, DOTS * size)
     buffer = Buffer(camera)
-    labelled = []
-    see_through = []
+    attitude, begin = film.attitude[frame], film.trail_begin(frame)
+    placed = [(part, part.placed(attitude, frame, begin)) for part in film.parts]
     if film.grounded:
-        body = next(part for part in film.parts if part.kind == "faces")
-        buffer.ground(body.placed(film.attitude[frame], frame))
-    for part in film.parts:
-        points = part.placed(film.attitude[frame], frame, film.trail_begin(frame))
-        rgb = np.array([rgb_of(ink) for ink in part.colours])
+        buffer.ground(next(points for part, points in placed if part.kind == "faces"))
+    see_through = []
+    for part, points in placed:
+        rgb = to_rgba_array(part.colours)[:, :3]
         if part.kind == "faces":
-            inks = np.resize(rgb, (len(points), 3))
             normals = corner_normals(part)
             if part.carried:
-                normals = to_space(film.attitude[frame], normals)
+                normals = to_space(attitude, normals)
+            inks = np.resize(rgb, (len(points), 3))
             if part.opacity < 1.0:
                 see_through.append((points, inks, part.opacity, normals))
             else:
                 buffer.faces(points, inks, normals=normals)
-        elif part.kind == "arrow":
-            solid = arrow_faces(points[0], film.reach)
+        elif part.kind in ("arrow", "dot"):
+            solid = (
+                arrow_faces(points[0], film.reach)
+                if part.kind == "arrow"
+                else points[0] + ellipsoid_faces([0.03 * film.reach] * 3, rings=8, sectors=16)
+            )
             buffer.faces(solid, np.resize(rgb, (len(solid), 3)))
-        elif part.kind == "dot":
-            solid = ball_faces(points[0], 0.03 * film.reach)
-            buffer.faces(solid, np.resize(rgb, (len(solid), 3)))
-        if part.label:
-            labelled.append((part, camera.project(points[0])[:2] / DOTS))
-    for part in film.parts:
-        if part.kind in ("line", "trail"):
-            points = part.placed(film.attitude[frame], frame, film.trail_begin(frame))
+    for part, points in placed:
+        if part.kind in ("line", "trail") and len(points) > 1:
             ends = np.isfinite(film.trail) and part.kind == "trail"
             strength = np.linspace(0.0 if ends else 1.0, 1.0, len(points))
-            ink = np.array(rgb_of(part.colours[0]))
-            if len(points) > 1:
-                buffer.curve(points, ink, strength)
+            buffer.curve(points, to_rgba_array(part.colours)[0, :3], strength)
     for faces, inks, opacity, normals in see_through:
         buffer.faces(faces, inks, opacity, normals)
-    parts = [part for part, _ in labelled]
+    parts = [part for part in film.parts if part.label]
+    tips = [camera.project(points[0])[:2] / DOTS for part, points in placed if part.label]
     origin = camera.project(np.zeros(3))[:2] / DOTS
-    places = label_places(origin, [tip for _, tip in labelled], [len(p.label) for p in parts])
+    places = label_places(origin, tips, [len(part.label) for part in parts])
     return buffer.picture(), list(zip(parts, places, strict=True))
 
 
@@ -306,18 +302,11 @@ def corner_normals(part: Part) -> Floats:
 
 def _normals(faces: Floats) -> Floats:
     """Normals of polygons, of the length of twice their areas or so."""
-    normals: Floats = np.cross(faces[:, 2] - faces[:, 0], faces[:, -1] - faces[:, 1])
-    return normals
+    return np.cross(faces[:, 2] - faces[:, 0], faces[:, -1] - faces[:, 1])
 
 
 def _unit(vectors: Floats) -> Floats:
-    units: Floats = vectors / np.maximum(np.linalg.norm(vectors, axis=-1, keepdims=True), 1e-300)
-    return units
-
-
-def rgb_of(colour: str) -> list[float]:
-    """Red, green and blue of #rrggbb, from 0 to 1."""
-    return [int(colour[i : i + 2], 16) / 255.0 for i in (1, 3, 5)]
+    return np.asarray(vectors / np.maximum(np.linalg.norm(vectors, axis=-1, keepdims=True), 1e-300))
 
 
 def arrow_faces(tip: Floats, reach: float, *, sides: int = 12) -> Floats:
@@ -331,18 +320,4 @@ def arrow_faces(tip: Floats, reach: float, *, sides: int = 12) -> Floats:
     neck = length - min(0.11 * reach, 0.6 * length)
     profile = ((0.014, 0.0), (0.014, neck), (0.036, neck), (1e-4, length))
     rings = np.stack([radius * reach * circle + height * along for radius, height in profile])
-    return _between(rings)
-
-
-def ball_faces(centre: Floats, radius: float) -> Floats:
-    """A ball, shape (faces, 4, 3)."""
-    tilt = np.linspace(0.0, np.pi, 9)[:, np.newaxis]
-    turn = np.linspace(0.0, 2.0 * np.pi, 17)
-    sine = np.sin(tilt)
-    x, y, z = np.broadcast_arrays(sine * np.cos(turn), sine * np.sin(turn), np.cos(tilt))
-    return _between(centre + radius * np.stack([x, y, z], axis=-1))
-
-
-def _between(grid: Floats) -> Floats:
-    corners = grid[:-1, :-1], grid[:-1, 1:], grid[1:, 1:], grid[1:, :-1]
-    return np.stack(corners, axis=-2).reshape(-1, 4, 3)
+    return quads(rings)

@@ -1,6 +1,8 @@
-"""One sentence on a motion, or on two that a film shows side by side."""
+"""What a film shows, and a sentence on one motion, or on two that stand side by side."""
 
 from __future__ import annotations
+
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,12 +11,42 @@ from .._checks.arrays import attitudes
 from ..model.forces import forces_in_words
 from ..model.scene import HeavyTop, Scene, check_heavy_top
 from ..rotations.apply import to_space
-from .recording import Recording
 
 Floats = NDArray[np.float64]
 
 ALONG = 0.9
 """A body spins about an axis if the rate along the axis is at least this share of the rate."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Recording:
+    """The motion of one body at some times, in principal axes.
+
+    Attributes
+    ----------
+    scene : Scene
+        The scene of the body alone.
+    t : ndarray, shape (m,)
+        Times (s).
+    omega : ndarray, shape (m, 3)
+        Angular velocities in the body (rad/s).
+    attitude : ndarray, shape (m, 4)
+        Attitudes.
+    frame : ndarray, shape (3, 3), or None
+        The axes of a mesh of the body, as :attr:`rigid.Run.frame`; None: the principal axes.
+    flip : float
+        The time (s) at which a free body first turns over.
+    flips : int
+        How many times the body turns over; 0 if it is not free.
+    """
+
+    scene: Scene
+    t: NDArray[np.float64]
+    omega: NDArray[np.float64]
+    attitude: NDArray[np.float64]
+    frame: NDArray[np.float64] | None
+    flip: float
+    flips: int
 
 
 def story_of(one: Recording, view: str) -> str:
@@ -43,7 +75,8 @@ def story_of(one: Recording, view: str) -> str:
     if axis is None:
         return f"{what} turns freely for {span}: L is at rest in space, and ω moves."
     rate = f"{np.linalg.norm(omega[0]):.3g} rad/s"
-    over = f"turns over {_times(one.flips)}" if one.flips else "does not turn over"
+    times = {1: "once", 2: "twice"}.get(one.flips, f"{one.flips} times")
+    over = f"turns over {times}" if one.flips else "does not turn over"
     return f"{what} spins at {rate} about {_named(scene, axis)}, and {over} in {span}."
 
 
@@ -78,8 +111,7 @@ def story_of_two(left: Recording, right: Recording) -> str:
 def tilt_of(top: Recording) -> Floats:
     """Angle in degrees between the vertical and the direction to the centre of mass."""
     axis = to_space(attitudes(top.attitude), np.array(check_heavy_top(top.scene).com))
-    tilt: Floats = np.rad2deg(np.arctan2(np.hypot(axis[:, 0], axis[:, 1]), axis[:, 2]))
-    return tilt
+    return np.rad2deg(np.arctan2(np.hypot(axis[:, 0], axis[:, 1]), axis[:, 2]))
 
 
 def _axis_of_spin(omega: Floats) -> int | None:
@@ -95,10 +127,6 @@ def _named(scene: Scene, axis: int) -> str:
         smaller = int((moments < moments[axis]).sum())
         return f"its {('longest', 'middle', 'shortest')[smaller]} axis"
     return f"axis {axis + 1}" if same > 1 else "its symmetry axis"
-
-
-def _times(count: int) -> str:
-    return {1: "once", 2: "twice"}.get(count, f"{count} times")
 
 
 def _degrees(angle: float) -> str:

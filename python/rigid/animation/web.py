@@ -6,7 +6,7 @@ import html
 import json
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from importlib import resources
 from typing import Any, ClassVar
 
@@ -46,8 +46,8 @@ class Page:
 
 def film_page(films: Sequence[Film]) -> str:
     """A page with the films side by side and the player that draws them."""
-    content: dict[str, Any] = {"title": films[0].title, "story": films[0].story}
-    content["films"] = [plain(film) for film in films]
+    parts = [plain(film) for film in films]
+    content = {"title": films[0].title, "story": films[0].story, "films": parts}
     scripts = ("vectors.js", "stage.js", "charts.js", "save.js", "player.js", "film.js")
     return assembled("film.html", ("film.css",), scripts, film=content)
 
@@ -83,36 +83,18 @@ def template(name: str) -> str:
 def plain(film: Film) -> dict[str, Any]:
     """The film as plain data: exact attitudes, other numbers rounded to visible digits."""
     chart, polhode = film.chart, film.polhode
-    return {
-        "view": film.view,
-        "title": film.title,
-        "name": film.name,
+    kept = ("view", "title", "name", "digits", "reach", "grounded")
+    return {name: getattr(film, name) for name in kept} | {
         "t": film.t.round(film.digits + 5).tolist(),
-        "digits": film.digits,
         "shown": [float(f"{value:.7g}") for value in film.shown],
         "trail": film.trail if math.isfinite(film.trail) else None,
         "attitude": film.attitude.tolist(),
         "frame": [axis.tolist() for axis in across(film.up)],
         "centre": film.centre.tolist(),
-        "reach": film.reach,
-        "grounded": film.grounded,
         "camera": [AZIMUTH, ELEVATION],
-        "parts": [
-            {
-                "kind": part.kind,
-                "points": part.points.round(5).tolist(),
-                "colours": part.colours,
-                "opacity": part.opacity,
-                "carried": part.carried,
-                "label": part.label,
-                "meaning": part.meaning,
-            }
-            for part in film.parts
-        ],
-        "chart": {
-            "label": chart.label,
-            "names": chart.names,
-            "colours": chart.colours,
+        "parts": [asdict(part) | {"points": part.points.round(5).tolist()} for part in film.parts],
+        "chart": asdict(chart)
+        | {
             "axes": [ink.colour for ink in colours.AXES],
             "values": [[float(f"{value:.6g}") for value in row] for row in chart.values],
         },

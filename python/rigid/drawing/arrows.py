@@ -23,20 +23,25 @@ GAP = 5.0
 """Distance between the tip of an arrow and its name (points)."""
 
 
-class PlaneArrow(FancyArrowPatch):
-    """An arrow in a plane from ``start`` along ``vector``, both (2,)."""
+class Arrow(FancyArrowPatch):
+    """An arrow from ``start`` along ``vector``, (2,) in a plane or (3,) in space."""
 
     def __init__(
         self, start: NDArray[np.float64], vector: NDArray[np.float64], **style: Any
     ) -> None:
         self.start, self.vector = start, vector
         self._name: Any = None
-        super().__init__(tuple(start), tuple(start + vector), **(_STYLE | style))
+        super().__init__(tuple(start[:2]), tuple((start + vector)[:2]), **(_STYLE | style))
 
     def write(self, ax: Any, text: str, **style: Any) -> None:
-        """Name the arrow, beyond its tip."""
-        self._name = ax.annotate(text, (0.0, 0.0), (0.0, 0.0), textcoords="offset points", **style)
-        self._place(self.start, self.start + self.vector)
+        """Name the arrow, beyond its tip, which in space is placed when the arrow is drawn."""
+        style |= {"textcoords": "offset points"}
+        if len(self.vector) == 3:
+            self._name = ax.annotate(text, (0.0, 0.0), (0.0, 0.0), annotation_clip=False, **style)
+            self._name.set_in_layout(False)
+        else:
+            self._name = ax.annotate(text, (0.0, 0.0), (0.0, 0.0), **style)
+            self._place(self.start, self.start + self.vector)
 
     def _place(self, start: Any, tip: Any) -> None:
         if self._name is None:
@@ -50,28 +55,6 @@ class PlaneArrow(FancyArrowPatch):
             ha="left" if x > 0.4 else "right" if x < -0.4 else "center",
             va="bottom" if y > 0.4 else "top" if y < -0.4 else "center",
         )
-
-
-class SpaceArrow(PlaneArrow):
-    """An arrow in space from ``start`` along ``vector``, both (3,)."""
-
-    def __init__(
-        self, start: NDArray[np.float64], vector: NDArray[np.float64], **style: Any
-    ) -> None:
-        super().__init__(np.zeros(2), np.ones(2), **style)
-        self.start, self.vector = start, vector
-
-    def write(self, ax: Any, text: str, **style: Any) -> None:
-        """Name the arrow; the place of its tip on the page is known when the arrow is drawn."""
-        self._name = ax.annotate(
-            text,
-            (0.0, 0.0),
-            (0.0, 0.0),
-            textcoords="offset points",
-            annotation_clip=False,
-            **style,
-        )
-        self._name.set_in_layout(False)
 
     def do_3d_projection(self, renderer: Any = None) -> float:
         """Project the arrow and its name to the page; returns the depth of the arrow."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from math import pi, radians
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,10 +13,6 @@ from ..rotations.euler import rotation_y, rotation_z
 from ..rotations.so3 import rotate
 from . import colours
 from .colours import HUES, on_ground
-
-if TYPE_CHECKING:
-    from .arrows import PlaneArrow, SpaceArrow
-
 
 Floats = NDArray[np.float64]
 
@@ -30,6 +26,9 @@ KEY: dict[str, Any] = {"frameon": False, "handlelength": 3.0}
 
 BELOW: dict[str, Any] = {**KEY, "loc": "upper center", "bbox_to_anchor": (0.5, -0.12)}
 """Style and place of a legend below its axes."""
+
+DASHED: dict[str, Any] = {"linewidth": 1.0, "linestyle": "dashed"}
+"""Style of thin lines beside those that matter."""
 
 FILLED = 0.88
 """Fraction of the axes that the drawing fills; labels need the rest."""
@@ -55,12 +54,8 @@ def fit(
     seen = cloud @ page.T
     middle = 0.5 * (seen.min(axis=0) + seen.max(axis=0)) @ page
     side = max(float(np.ptp(cloud, axis=0).max()), 1e-300)
-    ax.set(
-        **{
-            f"{name}lim": (c - 0.5 * side, c + 0.5 * side)
-            for name, c in zip("xyz", middle, strict=True)
-        }
-    )
+    limits = np.stack([middle - 0.5 * side, middle + 0.5 * side], axis=1)
+    ax.set(xlim=limits[0], ylim=limits[1], zlim=limits[2])
     ax.view_init(elev=elev, azim=azim)
     ax.set_box_aspect((1.0, 1.0, 1.0))
     x, y, _ = proj_transform(*cloud.T, ax.get_proj())
@@ -73,6 +68,13 @@ def fit(
         artist.set_in_layout(False)
 
 
+def fit_in_plane(ax: Any, points: Floats, margin: float) -> None:
+    """Set limits with this margin around the points (m, 2), equal scales, and no frame."""
+    low, high = points.min(axis=0) - margin, points.max(axis=0) + margin
+    ax.set(aspect="equal", xlim=(low[0], high[0]), ylim=(low[1], high[1]))
+    ax.set_axis_off()
+
+
 def arrow(
     ax: Any,
     vector: Floats,
@@ -81,90 +83,82 @@ def arrow(
     *,
     start: Floats | None = None,
     **style: Any,
-) -> SpaceArrow:
-    """An arrow in space with its name beyond the tip; invisible if the vector is zero."""
-    from .arrows import SpaceArrow
+) -> None:
+    """An arrow in space or in the plane with its name beyond the tip; no arrow along zero."""
+    from .arrows import Arrow
 
-    one = SpaceArrow(np.zeros(3) if start is None else start, vector, **_arrow(ax, colour, style))
-    one.set_in_layout(False)
+    style = {"color": on_ground(ax, colour), "linewidth": 2.0, "zorder": 5} | style
+    one = Arrow(np.zeros(len(vector)) if start is None else start, vector, **style)
+    one.set_in_layout(len(vector) == 2)
+    one.set_visible(bool(vector.any()))
     ax.add_artist(one)
-    _finish(one, ax, text, colour)
-    return one
-
-
-def arrow_in_plane(
-    ax: Any,
-    vector: Floats,
-    colour: str,
-    text: str = "",
-    *,
-    start: Floats | None = None,
-    **style: Any,
-) -> PlaneArrow:
-    """An arrow in the plane with its name beyond the tip; invisible if the vector is zero."""
-    from .arrows import PlaneArrow
-
-    one = PlaneArrow(np.zeros(2) if start is None else start, vector, **_arrow(ax, colour, style))
-    ax.add_patch(one)
-    _finish(one, ax, text, colour)
-    return one
-
-
-def _arrow(ax: Any, colour: str, style: dict[str, Any]) -> dict[str, Any]:
-    return {"color": on_ground(ax, colour), "linewidth": 2.0, "zorder": 5} | style
-
-
-def _finish(one: PlaneArrow, ax: Any, text: str, colour: str) -> None:
-    """Show and name an arrow, unless its vector is zero and has no direction."""
-    one.set_visible(bool(one.vector.any()))
-    if text and one.vector.any():
+    if text and vector.any():
         one.write(ax, text, **_text(ax, colour))
 
 
-def triad(
-    ax: Any, axes: Floats, origin: Floats, names: Sequence[str], **style: Any
-) -> tuple[Any, ...]:
+def triad(ax: Any, axes: Floats, origin: Floats, names: Sequence[str], **style: Any) -> None:
     """Three axes with their names, from an origin, in the colours of x, y, z."""
-    return tuple(
+    for along, ink, name in zip(axes, colours.AXES, names, strict=True):
         arrow(ax, along, ink.colour, name, start=origin, **style)
-        for along, ink, name in zip(axes, colours.AXES, names, strict=True)
-    )
 
 
-def label(ax: Any, place: Floats, text: str, colour: str = HUES["black"], **style: Any) -> Any:
+def label(ax: Any, place: Any, text: str, colour: str = HUES["black"], **style: Any) -> None:
     """Text that is centred at a point in space or in the plane, and legible over lines."""
-    return ax.text(*place, text, **(_text(ax, colour) | style))
+    ax.text(*place, text, **(_text(ax, colour) | style))
 
 
-def curve(ax: Any, points: Floats, colour: str, **style: Any) -> Any:
-    """A line through points (m, 3) or (m, 2)."""
-    (line,) = ax.plot(*points.T, **({"color": on_ground(ax, colour), "linewidth": 1.3} | style))
+def curve(ax: Any, points: Floats | tuple[Any, ...], colour: str, **style: Any) -> Any:
+    """A line through points (m, 3) or (m, 2), or through a tuple of their coordinates."""
+    along = points if isinstance(points, tuple) else points.T
+    (line,) = ax.plot(*along, **({"color": on_ground(ax, colour), "linewidth": 1.3} | style))
     return line
 
 
-def dots(ax: Any, points: Floats, colour: str, **style: Any) -> Any:
-    """Dots at points (m, 3) or (m, 2), or at one point."""
-    (line,) = ax.plot(*np.atleast_2d(points).T, "o", color=on_ground(ax, colour), **style)
-    return line
+def dots(ax: Any, points: Floats | tuple[Any, ...], colour: str, **style: Any) -> Any:
+    """Dots at points (m, 3) or (m, 2), at one point, or at a tuple of coordinates."""
+    return curve(ax, points, colour, marker="o", linestyle="", **style)
 
 
-def cone(ax: Any, rim: Floats, colour: Any, alpha: float, **style: Any) -> Any:
+def cone(ax: Any, rim: Floats, colour: Any, alpha: float, **style: Any) -> None:
     """The transparent surface from the origin to a closed rim (m, 3), below all curves."""
     sheet = np.array([0.0, 1.0])[:, np.newaxis, np.newaxis] * rim
-    given: dict[str, Any] = {"linewidth": 0.0, "rcount": 2, "ccount": len(rim), "zorder": 1}
+    style |= {"linewidth": 0.0, "rcount": 2, "ccount": len(rim), "zorder": 1}
     xyz = np.moveaxis(sheet, -1, 0)
-    return ax.plot_surface(*xyz, color=colour, alpha=alpha, shade=False, **(given | style))
+    ax.plot_surface(*xyz, color=colour, alpha=alpha, shade=False, **style)
 
 
-def circle(
-    centre: Floats, normal: Floats, radius: float, start: Floats | None = None, *, samples: int = 97
-) -> Floats:
-    """Points (samples, 3) of a circle in space, closed."""
+def eye(elev: float, azim: float) -> Floats:
+    """Unit vector towards a viewer at this elevation and azimuth (degrees)."""
+    e, a = np.radians([elev, azim])
+    return np.array([np.cos(e) * np.cos(a), np.cos(e) * np.sin(a), np.sin(e)])
+
+
+def sides(points: Floats, outward: Floats, towards: Floats) -> tuple[Floats, Floats]:
+    """Visible and hidden points (m, 3) of a curve on a surface; the other points are NaN."""
+    seen = (outward @ towards >= 0.0)[:, np.newaxis]
+    return np.where(seen, points, np.nan), np.where(seen, np.nan, points)
+
+
+def surface(ax: Any, faces: Floats, colour: str, towards: Floats, **style: Any) -> None:
+    """Draw polygons (k, 4, 3), shaded by their angle to the viewer, below all curves."""
+    from matplotlib.colors import to_rgb
+    from mpl_toolkits.mplot3d.art3d import Poly3DCollection
+
+    normal = np.cross(faces[:, 2] - faces[:, 0], faces[:, 3] - faces[:, 1])
+    size = np.linalg.norm(normal, axis=1)
+    light = 0.8 + 0.2 * np.abs(normal @ towards) / np.where(size > 0.0, size, 1.0)
+    shades = light[:, np.newaxis] * np.array(to_rgb(on_ground(ax, colour)))
+    given: dict[str, Any] = {"edgecolors": shades, "linewidths": 0.4, "zorder": 1}
+    ax.add_collection3d(Poly3DCollection(faces, facecolors=shades, **(given | style)))
+
+
+def circle(centre: Floats, normal: Floats, radius: float, start: Floats | None = None) -> Floats:
+    """Points (97, 3) of a circle in space, closed."""
     unit = normal / np.linalg.norm(normal)
     if start is None:
         start = np.cross(unit, np.eye(3)[np.argmin(np.abs(unit))])
     start = start / np.linalg.norm(start)
-    angles = np.linspace(0.0, 2.0 * pi, samples)
+    angles = np.linspace(0.0, 2.0 * pi, 97)
     return np.asarray(centre + radius * rotate(start, unit, angles))
 
 
@@ -179,32 +173,29 @@ def arc(
     centre: Floats | None = None,
     beyond: float = 1.22,
     **style: Any,
-) -> Any:
+) -> None:
     """The arc of ``start``, a vector from the centre, turning about ``axis``, with an arrow tip.
 
     The name is written at half the angle and at ``beyond`` times the radius.
     """
     middle = np.zeros(3) if centre is None else centre
     points = middle + rotate(start, axis, np.linspace(0.0, angle, 49))
-    line = curve(ax, points, colour, **style)
+    curve(ax, points, colour, **style)
     if abs(angle) * np.linalg.norm(start) > 1e-9:
         tip = points[-1] - points[-5]
         arrow(ax, tip, colour, start=points[-5], linewidth=0.0, mutation_scale=9.0)
     if text:
         label(ax, middle + beyond * (points[24] - middle), text, colour)
-    return line
 
 
-def arc_between(
-    ax: Any, first: Floats, second: Floats, radius: float, colour: str, text: str = "", **style: Any
-) -> Any:
-    """The shorter arc from one direction to another."""
-    a, b = first / np.linalg.norm(first), second / np.linalg.norm(second)
-    normal = np.cross(a, b)
-    sine = np.linalg.norm(normal)
-    angle = float(np.arctan2(sine, a @ b))
-    axis = normal / sine if sine > 0.0 else np.cross(a, np.eye(3)[np.argmin(np.abs(a))])
-    return arc(ax, axis, radius * a, angle, colour, text, **style)
+def arc_in_plane(
+    ax: Any, radius: float, start: float, end: float, text: str, *, beyond: float = 1.2
+) -> None:
+    """An angle about the origin of a plane; its name is at ``beyond`` times the radius."""
+    angles = np.linspace(start, end, 49)
+    points = radius * np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    curve(ax, points, colours.ANGLE.colour)
+    label(ax, beyond * points[24], text)
 
 
 def _text(ax: Any, colour: str) -> dict[str, Any]:

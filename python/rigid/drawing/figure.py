@@ -1,4 +1,4 @@
-"""New figures, shown where a display or a notebook shows them, and HTML for notebooks."""
+"""New figures, shown where a display or a notebook shows them, legends, and HTML for notebooks."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from .._checks.extras import install_extra
 from .._checks.notebook import in_notebook
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 
@@ -28,15 +29,11 @@ def new_figure(height: float = 6.0) -> Figure:
     ImportError
         If Matplotlib is not installed.
     """
-    return _figure_class()(**{**_SIZE, "figsize": (8.0, height)})
-
-
-def _figure_class() -> type[Figure]:
     try:
         from matplotlib.figure import Figure
     except ImportError:
         raise ImportError(install_extra("plotting needs matplotlib", "maps")) from None
-    return Figure
+    return Figure(**{**_SIZE, "figsize": (8.0, height)})
 
 
 def shown_figure() -> Figure:
@@ -45,11 +42,11 @@ def shown_figure() -> Figure:
     pyplot manages it if the program has imported pyplot, or if this is a notebook. Otherwise
     :func:`new_figure` makes the figure, which needs no display and is deleted with its last name.
     """
-    _figure_class()
+    plain = new_figure()
     if in_notebook():
         import matplotlib.pyplot  # noqa: F401
     pyplot: Any = sys.modules.get("matplotlib.pyplot")
-    return new_figure() if pyplot is None else pyplot.figure(**_SIZE)
+    return plain if pyplot is None else pyplot.figure(**_SIZE)
 
 
 def axes_to_draw_on(ax: Any | None) -> Any:
@@ -62,6 +59,17 @@ def check_axes(ax: Any) -> Any:
     if not hasattr(ax, "add_line"):
         raise TypeError(f"ax = {brief(ax)}: must be axes of Matplotlib, or left out")
     return ax
+
+
+def name_classes(ax: Axes, of_word: Mapping[str, str]) -> None:
+    """Draw a legend with a dot in the colour of each class."""
+    from matplotlib.lines import Line2D
+
+    dots = [
+        Line2D([], [], color=colour, marker="o", linestyle="", markersize=5.0, label=word)
+        for word, colour in of_word.items()
+    ]
+    ax.legend(handles=dots, loc="best", framealpha=0.9)
 
 
 def html_with_picture(draw: Callable[[Any], object], text: str, *, height: float = 6.0) -> str:

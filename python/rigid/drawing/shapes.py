@@ -51,7 +51,7 @@ def ellipsoid_faces(semi_axes: ArrayLike, *, rings: int = 14, sectors: int = 28)
     turn = np.linspace(0.0, 2.0 * np.pi, sectors + 1)
     sine = np.sin(tilt)
     x, y, z = np.broadcast_arrays(sine * np.cos(turn), sine * np.sin(turn), np.cos(tilt))
-    return _quads(np.stack([x, y, z], axis=-1) * np.asarray(semi_axes))
+    return quads(np.stack([x, y, z], axis=-1) * np.asarray(semi_axes))
 
 
 def cone_faces(
@@ -63,7 +63,7 @@ def cone_faces(
     rim = np.cos(half_angle) * along + np.sin(half_angle) * (
         np.cos(turn) * first + np.sin(turn) * second
     )
-    return _quads(np.linspace(0.0, slant, rings + 1)[:, np.newaxis, np.newaxis] * rim)
+    return quads(np.linspace(0.0, slant, rings + 1)[:, np.newaxis, np.newaxis] * rim)
 
 
 def plane_face(centre: ArrayLike, normal: ArrayLike, half_width: float) -> Floats:
@@ -97,10 +97,10 @@ def top_faces(direction: ArrayLike, spread: ArrayLike, *, sectors: int = 32) -> 
     axes = turned.T @ plane
     turn = np.linspace(0.0, 2.0 * np.pi, sectors + 1)[:, np.newaxis]
     rim = widths[0] * np.cos(turn) * axes[0] + widths[1] * np.sin(turn) * axes[1]
-    return _quads(np.stack([radius * rim + height * along for radius, height in _PROFILE]))
+    return quads(np.stack([radius * rim + height * along for radius, height in _PROFILE]))
 
 
-def _quads(grid: Floats) -> Floats:
+def quads(grid: Floats) -> Floats:
     """The faces between the points of a grid, shape (rows columns, 4, 3), row by row."""
     corners = grid[:-1, :-1], grid[:-1, 1:], grid[1:, 1:], grid[1:, :-1]
     return np.stack(corners, axis=-2).reshape(-1, 4, 3)

@@ -10,9 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import one_of
-from ..drawing.classes import name_classes
 from ..drawing.colours import CLASSES, HUES, on_ground
-from ..drawing.figure import axes_to_draw_on, html_with_picture
+from ..drawing.figure import axes_to_draw_on, html_with_picture, name_classes
 from ..model.events import COMPONENTS
 from ..model.leading import Shape
 from ..model.orbit import Orbit

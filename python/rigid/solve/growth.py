@@ -10,9 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._checks.arguments import one_of, one_time
-from ..drawing.classes import name_classes
 from ..drawing.colours import CLASSES, on_ground
-from ..drawing.figure import axes_to_draw_on, html_with_picture
+from ..drawing.figure import axes_to_draw_on, html_with_picture, name_classes
 from ..model.criteria import Regular
 from ..model.leading import Shape
 from ..model.scene import scene_from_dict

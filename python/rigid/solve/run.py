@@ -54,7 +54,7 @@ if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
 
     from ..animation import Animation
-    from ..animation.recording import Recording
+    from ..animation.story import Recording
 
 Floats = NDArray[np.float64]
 
@@ -968,7 +968,7 @@ def states_of(
 
 def recording_of(run: Run, body: int | None = None) -> Recording:
     """The motion of one body of a run, for a film."""
-    from ..animation.recording import Recording
+    from ..animation.story import Recording
 
     omega, attitude = states_of(run, body)
     scene, t = scene_of(run, body), run.t[: len(omega)]
