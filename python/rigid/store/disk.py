@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager, suppress
+from collections.abc import Sequence
 from pathlib import Path
 from typing import BinaryIO, TypeAlias
 
-from .._files import published
+from .._files import published, synchronise
 
 Buffer: TypeAlias = bytes | memoryview
 
@@ -57,14 +56,7 @@ class Disk:
 
     def synchronise_folder(self, path: Path) -> None:
         """Write the names in a folder through to the disk, where the system can."""
-        if os.name != "posix":
-            return
-        descriptor = os.open(path, os.O_RDONLY)
-        try:
-            with suppress(OSError):  # not all file systems know it
-                os.fsync(descriptor)
-        finally:
-            os.close(descriptor)
+        synchronise(path)
 
     def close(self, descriptor: int) -> None:
         """Close a file."""
@@ -85,11 +77,9 @@ class Disk:
         """When a file was last written, in seconds of ``time.time``."""
         return path.stat().st_mtime
 
-    @contextmanager
-    def opened(self, path: Path) -> Iterator[BinaryIO]:
+    def opened(self, path: Path) -> BinaryIO:
         """A file to read."""
-        with path.open("rb") as file:
-            yield file
+        return path.open("rb")
 
 
 def _full_synchronise(descriptor: int) -> None:

@@ -18,10 +18,10 @@ from ..maps.sequential import LOOK
 from ..maps.spec import MapSpec
 from ..solve.plan import Plan
 from ..solve.timing import FEW, LEAST_SHARE, seconds_of_one
-from .head import Head
+from .head import divided
 from .log import COST
 from .resume import Part, missing
-from .rows import BIN_ROW, ROW, Table
+from .rows import BIN_ROW, ROW
 from .running import Folder, Memory
 
 QUICK = 40_000
@@ -65,13 +65,13 @@ def foresee(
         As the call.
     """
     begin = time.process_time()  # other programs may be busy
-    running: Folder | Memory = Memory(spec)
-    if store is not None and Folder.is_at(store):
+    if store is None:
+        running = Memory(spec)
+    elif Folder.is_at(store):
         running = Folder.at(store, spec)
-    elif store is not None:
+    else:
         Folder.require_empty(store)
-        running.head = Head.of(spec)
-        running.table = Table(running.head)
+        running = Memory(spec, divided(spec))
     spec, head = running.head.spec, running.head
     spec.require_functions()
     todo = missing(running)

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import errno
 import io
+import json
 import os
 import re
 import tarfile
@@ -41,6 +42,9 @@ MOST_MEMBER = 2**30
 
 COST = np.dtype("<f4")
 """The type of a processor time."""
+
+UTC = "%Y-%m-%dT%H:%M:%SZ"
+"""How receipts write times."""
 
 LOG_NAME = re.compile(r"\d{8}T\d{6}Z-[0-9a-f]{12}\.tar")
 WRITER, END = "writer.json", "end.json"
@@ -79,10 +83,52 @@ def _digest(key: bytes, *content: Buffer) -> str:
     return digest.hexdigest()
 
 
+def utc() -> str:
+    """The time now, to the second."""
+    return time.strftime(UTC, time.gmtime())
+
+
 def gone(path: Path) -> FileNotFoundError:
     """The error of a file of a running map that somebody has removed or renamed."""
     words = "removed or renamed while the map was computed"
     return FileNotFoundError(errno.ENOENT, words, str(path))
+
+
+@dataclass(slots=True)
+class Found:
+    """The content of a log besides its rows.
+
+    Attributes
+    ----------
+    name : str
+        The name of the file.
+    writer, end : dict or None
+        The receipt of the writer; why it ended.
+    written : float
+        When the log was last written, in seconds of :func:`time.time`.
+    damage : list of str
+        What could not be read, and where.
+    records, units : int
+        Records that were read, and their rows.
+    seconds : float
+        The processor time of the rows.
+    """
+
+    name: str = ""
+    writer: dict[str, Any] | None = None
+    end: dict[str, Any] | None = None
+    written: float = np.nan
+    damage: list[str] = field(default_factory=list)
+    records: int = 0
+    units: int = 0
+    seconds: float = 0.0
+
+    def count(self, rows: Rows, nanoseconds: NDArray[np.float32] | None) -> None:
+        """Count a record."""
+        self.records += 1
+        self.units += len(rows)
+        if nanoseconds is not None:
+            self.seconds += 1e-9 * float(np.nansum(nanoseconds, dtype=np.float64))
 
 
 class Log:
@@ -96,12 +142,19 @@ class Log:
         The key of the map.
     receipt : dict
         Who writes.
+
+    Attributes
+    ----------
+    path : Path
+    found : Found
+        What the log holds.
     """
 
     def __init__(self, folder: Path, key: bytes, receipt: dict[str, Any], disk: Disk) -> None:
-        self._disk, self._key, self._size, self.records = disk, key, 0, 0
+        self._disk, self._key, self._size = disk, key, 0
         stamp = time.strftime("%Y%m%dT%H%M%SZ", time.gmtime())
         self.path = folder / f"{stamp}-{os.urandom(6).hex()}.tar"
+        self.found = Found(self.path.name, receipt)
         self._file = disk.create(self.path)
         try:
             self._append(self._member(WRITER, canonical(receipt)))
@@ -139,15 +192,15 @@ class Log:
         """Append a record; its bins if the map measures something."""
         table: list[Buffer] = [_npy_header(ROW, len(rows)), rows.view(np.uint8).data]
         costs: list[Buffer] = [_npy_header(COST, len(rows)), nanoseconds.view(np.uint8).data]
-        digest = _digest(self._key, *table)
-        members = self._member(f"{self.records:08d}-{digest}.npy", *table)
+        digest, number = _digest(self._key, *table), f"{self.found.records:08d}"
+        members = self._member(f"{number}-{digest}.npy", *table)
         if bins is not None:
             little = np.ascontiguousarray(bins, "<i8").ravel()
             values: list[Buffer] = [_npy_header(BIN_ROW, len(bins)), little.view(np.uint8).data]
             name = _digest(self._key, digest.encode(), *values)
-            members += self._member(f"{self.records:08d}-{name}.bins.npy", *values)
-        self._append([*members, *self._member(f"{self.records:08d}.ns.npy", *costs)])
-        self.records += 1
+            members += self._member(f"{number}-{name}.bins.npy", *values)
+        self._append([*members, *self._member(f"{number}.ns.npy", *costs)])
+        self.found.count(rows, nanoseconds)
         if time.monotonic() - self._synchronised >= SYNC_SECONDS:
             self.synchronise()
 
@@ -164,43 +217,18 @@ class Log:
             raise gone(self.path)
         self._synchronised = time.monotonic()
 
-    def close(self, end: dict[str, Any] | None) -> None:
+    def close(self, reason: str | None) -> None:
         """End the log with a reason; without a reason if it could not be written."""
+        found = self.found
+        found.written = time.time()
         try:
-            if end is not None:
-                self._append([*self._member(END, canonical(end)), bytes(2 * BLOCK)])
+            if reason is not None:
+                found.end = {"blocks": found.records, "units": found.units}
+                found.end |= {"reason": reason, "end": utc()}
+                self._append([*self._member(END, canonical(found.end)), bytes(2 * BLOCK)])
                 self.synchronise()
         finally:
             self._disk.close(self._file)
-
-
-@dataclass
-class Found:
-    """The content of a log besides its rows.
-
-    Attributes
-    ----------
-    writer, end : dict or None
-        The receipt of the writer; why it ended.
-    damage : list of str
-        What could not be read, and where.
-    records : int
-        Records that were read.
-    """
-
-    writer: dict[str, Any] | None = None
-    end: dict[str, Any] | None = None
-    damage: list[str] = field(default_factory=list)
-    records: int = 0
-
-
-@dataclass(slots=True)
-class _Pending:
-    """A record of which not all members are read."""
-
-    rows: Rows
-    digest: str
-    bins: Bins | None = None
 
 
 Record: TypeAlias = tuple[Rows, NDArray[np.float32] | None, Bins | None]
@@ -213,7 +241,7 @@ def read_log(
     """The whole records of a log, whatever happened to the rest."""
     length = file.seek(0, os.SEEK_END)
     at, number, searching = 0, 0, False
-    pending: _Pending | None = None
+    pending: tuple[Rows, str, Bins | None] | None = None  # rows, their digest, bins
 
     def note(what: str) -> None:
         nonlocal searching
@@ -227,12 +255,13 @@ def read_log(
         record, pending = pending, None
         if record is None:
             return
-        if measured and record.bins is None:
+        rows, _, bins = record
+        if measured and bins is None:
             note("a record without its values")
             return
-        found.records += 1
-        vector = None if costs is None else _vector(costs, COST, len(record.rows))
-        yield record.rows, vector, record.bins
+        vector = None if costs is None else _vector(costs, COST, len(rows))
+        found.count(rows, vector)
+        yield rows, vector, bins
 
     while at < length:
         file.seek(at)
@@ -252,11 +281,12 @@ def read_log(
             continue
         searching = False
         bins = _BINS.fullmatch(name)
-        if bins and measured and pending is not None and pending.bins is None:
-            if bins[1] == _digest(key, pending.digest.encode(), content):
+        if bins and measured and pending is not None and pending[2] is None:
+            before, digest, _ = pending
+            if bins[1] == _digest(key, digest.encode(), content):
                 values = _vector(content, BIN_ROW)
                 if values is not None:
-                    pending.bins = values.view("<i8").reshape(-1, NO_BINS.shape[1])
+                    pending = before, digest, values.view("<i8").reshape(-1, NO_BINS.shape[1])
             at += BLOCK + size + len(_padding(size))
             continue
         yield from taken(content if _COSTS.fullmatch(name) else None)
@@ -268,7 +298,7 @@ def read_log(
             if rows is None:
                 note("a record of another kind of rows")
             else:
-                pending = _Pending(rows, record[2])
+                pending = rows, record[2], None
         elif name == WRITER:
             found.writer = _json(content)
         elif name == END:
@@ -307,8 +337,6 @@ def _vector(content: bytes, dtype: np.dtype[Any], count: int | None = None) -> N
 
 
 def _json(content: bytes) -> dict[str, Any] | None:
-    import json
-
     try:
         value = json.loads(content)
     except (ValueError, RecursionError):

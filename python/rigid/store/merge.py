@@ -9,7 +9,6 @@ from collections.abc import Sequence
 import numpy as np
 
 from .._files import published
-from .head import StoreError
 from .running import Folder
 
 
@@ -22,15 +21,10 @@ def merge_into(sources: Sequence[str | os.PathLike[str]], into: str | os.PathLik
     if Folder.is_at(into):
         folders.append(Folder(into))
     for folder in folders[1:]:
-        if folder.head.seal != first.head.seal:
-            folder.head.require_spec(first.head.spec, folder.path)
-            raise StoreError(
-                f"{folder.path} and {first.path}: the same map, but made by versions of rigid that "
-                "store it differently"
-            )
+        folder.head.require_spec(first.head.spec, folder.path)
         rows, _, bins = folder.table.block(np.flatnonzero(folder.table.known))
         first.table.add(rows, None, bins, folder.path)
-    target = Folder.at(into, first.head.spec, head=first.head)
+    target = Folder.at(into, first.head.spec)
     for folder in folders:
         for log in folder.logs:
             source, copy = folder.path / "logs" / log.name, target.path / "logs" / log.name

@@ -11,8 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..maps.data import CLASSES, MapData
+from .log import UTC, Found
 from .resume import Part, missing, result_of
-from .running import Folder, LogFacts
+from .running import Folder
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -102,20 +103,12 @@ def _how(writer: dict[str, Any]) -> str:
     return f"running or killed, wrote {writer['silent']:.0f} s ago, {left}"
 
 
-def _writers(folder: Folder, left: NDArray[np.int64]) -> list[dict[str, Any]]:
-    """The receipts of the logs, with the remaining work of each writer that has not ended."""
-    return [
-        writer if log.found.end else {**writer, **_pace(folder, log, left)}
-        for writer, log in zip(folder.writers(), folder.logs, strict=True)
-    ]
-
-
-def _pace(folder: Folder, log: LogFacts, left: NDArray[np.int64]) -> dict[str, Any]:
+def _pace(folder: Folder, log: Found, left: NDArray[np.int64]) -> dict[str, Any]:
     """How long a writer has been silent, and how many units its part lacks."""
-    receipt = log.found.writer or {}
+    receipt = log.writer or {}
     try:
         lacks = int(Part.of(receipt.get("part")).has(left, folder).sum())
-        begun = float(timegm(time.strptime(receipt["begin"], "%Y-%m-%dT%H:%M:%SZ")))
+        begun = float(timegm(time.strptime(receipt["begin"], UTC)))
     except (KeyError, TypeError, ValueError):  # a damaged log may have no receipt
         lacks, begun = len(left), log.written
     pace = log.units / (log.written - begun) if log.written > begun else 0.0
@@ -144,8 +137,11 @@ def status_of(folder: Folder) -> Status:
         bodies=sum(int(rows[name].sum()) for name in CLASSES),
         failed=int(rows["failed"].sum()),
         twice=table.twice,
-        damage=[f"{log.name}: {text}" for log in folder.logs for text in log.found.damage],
-        writers=_writers(folder, todo),
+        damage=folder.damage,
+        writers=[
+            writer if log.end else {**writer, **_pace(folder, log, todo)}
+            for writer, log in zip(folder.writers(), folder.logs, strict=True)
+        ],
         seconds=seconds,
         remaining=mean * left if left else 0.0,
     )

@@ -20,7 +20,7 @@ from .drive import executor_of
 from .foresee import Foreseen, foresee
 from .merge import merge_into
 from .result import StabilityMap
-from .resume import Outcome, Part, carry_on, pixels_done, result_of
+from .resume import Part, carry_on, pixels_done, result_of
 from .running import Folder, Memory
 from .status import Status, status_of
 from .verify import Verification, verify
@@ -444,7 +444,7 @@ def _seeded(spec: MapSpec, store: str | os.PathLike[str], seeded: bool) -> MapSp
 
 
 def _run(
-    opened: Callable[[], Folder | Memory],
+    opened: Callable[[], Memory],
     *,
     executor: Any = None,
     threads: int | None = None,
@@ -463,7 +463,7 @@ def _run(
     begun = time.perf_counter()
     running = opened()
     with interruptible() as stop:
-        interrupted = False
+        outcome = None
         try:
             outcome = carry_on(
                 running,
@@ -478,27 +478,25 @@ def _run(
         except KeyboardInterrupt:
             if stop.is_set():
                 raise  # the second Ctrl-C
-            interrupted, outcome = True, None
         elapsed = time.perf_counter() - begun
         result = result_of(running, StabilityMap, elapsed=elapsed, threads=workers)
-    if (interrupted or stop.is_set()) and not partial:
+    if (outcome is None or stop.is_set()) and not partial:
         raise Interrupted(_interrupted_words(running, result), result)
-    if outcome is not None and outcome.poison.units:
-        raise PoisonedError(_poison_words(outcome), outcome.poison.units, result)
+    if outcome is not None and outcome.poison:
+        raise PoisonedError(_poison_words(outcome.poison), list(outcome.poison), result)
     return result
 
 
-def _interrupted_words(running: Folder | Memory, result: StabilityMap) -> str:
-    if isinstance(running, Memory):
-        done = pixels_done(running, result, "done")
-        return f"{done}; the attribute 'partial' of this exception is their map"
-    return f"{pixels_done(running, result)}; the same call goes on"
+def _interrupted_words(running: Memory, result: StabilityMap) -> str:
+    if isinstance(running, Folder):
+        return f"{pixels_done(running, result)}; the same call goes on"
+    done = pixels_done(running, result, "done")
+    return f"{done}; the attribute 'partial' of this exception is their map"
 
 
-def _poison_words(outcome: Outcome) -> str:
-    units, errors = outcome.poison.units, outcome.poison.errors
-    shown = ", ".join(map(str, units[:10])) + (", ..." if units[10:] else "")
+def _poison_words(poison: dict[int, str]) -> str:
+    shown = ", ".join(map(str, [*poison][:10])) + (", ..." if len(poison) > 10 else "")
     return (
-        f"{len(units):,} units were given up, their tasks failed three times: {shown}; "
-        f"the last error: {errors[-1]}"
+        f"{len(poison):,} units were given up, their tasks failed three times: {shown}; "
+        f"the last error: {[*poison.values()][-1]}"
     )

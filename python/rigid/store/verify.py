@@ -106,9 +106,8 @@ def _rows(
     if isinstance(stored, Folder) or Path(stored).is_dir():
         folder = stored if isinstance(stored, Folder) else Folder(stored)
         folder.read()
-        damage = [f"{log.name}: {text}" for log in folder.logs for text in log.found.damage]
         block = folder.table.block(np.flatnonzero(folder.table.known))
-        return block, folder.head.spec, folder.head.segment, damage
+        return block, folder.head.spec, folder.head.segment, folder.damage
     result = load_map(stored)
     pixels = np.flatnonzero((result.finished & (result.status == 0)).ravel())
     columns = {name: result.columns[name].ravel()[pixels] for name in FIELDS}

@@ -269,5 +269,5 @@ def test_two_logs_never_have_one_name(tmp_path: Path) -> None:
     logs = [Log(folder.path / "logs", folder.head.seal, {}, folder._disk) for _ in range(3)]
     assert len({log.path for log in logs}) == 3
     for log in logs:
-        log.close({})
+        log.close("complete")
     assert numbers(folder.path) == Folder(folder.path).table.rows.tobytes()

@@ -307,7 +307,7 @@ def test_a_worker_of_another_version_is_refused(tmp_path: Path) -> None:
     folder = Folder.at(tmp_path / "run", SPEC)
     folder.begin()
     task = Task(SPEC.to_json(), 1, ("0.0.0", None), {})
-    intake = Intake(folder, lambda _: None, 20, 1)
+    intake = Intake(folder, lambda _: None, 100, 1)
     with ThreadPoolExecutor(1) as pool, pytest.raises(ValueError, match="a worker has rigid"):
         drive(task, np.arange(160, 165), intake, pool, 1, lambda: False)
     task = Task(SPEC.to_json(), 1, own_build(), {})
@@ -348,15 +348,13 @@ import sys, time
 from pathlib import Path
 from stores import SPEC, Folder, carry_on
 from rigid.store import resume
-def one_by_one(spec, samples, todo, sink, threads, stop, note):
+def one_by_one(head, todo, intake, threads, stop):
     print("begun", flush=True)
     for unit in todo:
-        sink.append(*resume_compute(spec, [unit]))
+        intake.take(compute(head.spec, np.array([unit])))
         time.sleep(0.001)
 import numpy as np
 from rigid.store.compute import compute
-def resume_compute(spec, units):
-    return compute(spec, np.array(units))
 resume.run_here = one_by_one
 carry_on(Folder.at(Path(sys.argv[1]), SPEC), threads=1, stop=lambda: False, progress=False)
 """
