@@ -9,6 +9,7 @@ from typing import Any
 
 from .._checks.arguments import one_of
 from .._checks.progress import Progress, ProgressOption, reporting
+from .._checks.shown import aligned
 from ..drawing.figure import html_table
 from . import asteroids, earth, free_bodies, heavy_tops, moons, spin_orbit
 from .entry import Entry
@@ -112,14 +113,7 @@ class Validation:
     def __str__(self) -> str:
         """A table: a row for each number; below, why models differ."""
         table = [HEADER, *(row.cells() for row in self.rows)]
-        widths = [max(len(cells[k]) for cells in table) for k in range(len(HEADER))]
-        lines = [
-            "  ".join(
-                cell.rjust(width) if 1 <= k <= 4 else cell.ljust(width)
-                for k, (cell, width) in enumerate(zip(cells, widths, strict=True))
-            ).rstrip()
-            for cells in table
-        ]
+        lines = aligned(table, right=range(1, 5))
         reasons = [f"{row.entry.name}: {row.entry.reason}" for row in self.rows if row.entry.reason]
         return "\n".join([*lines, *([""] if reasons else []), *reasons])
 

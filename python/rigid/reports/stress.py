@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from .. import _core
 from .._checks.arguments import one_of
 from .._checks.progress import Progress, ProgressOption, reporting
+from .._checks.shown import aligned
 from ..drawing.figure import html_text
 from ..solve.methods import EXACT, known_method, run_methods
 from ..solve.run import Run
@@ -105,15 +106,7 @@ class Extremes:
                 family = mine[0].case.family
                 rows.append((family, *[""] * 6))
             rows.append(_row(mine))
-        widths = [max(len(row[k]) for row in rows) for k in range(7)]
-        lines = [
-            "  ".join(
-                part.ljust(width) if k == 0 else part.rjust(width)
-                for k, (part, width) in enumerate(zip(row, widths, strict=True))
-            ).rstrip()
-            for row in rows
-        ]
-        return "\n".join([*lines, "", self.conclusion()])
+        return "\n".join([*aligned(rows, right=range(1, 7)), "", self.conclusion()])
 
     def conclusion(self) -> str:
         """The last line: how many undetected errors there are, and what the other runs say."""

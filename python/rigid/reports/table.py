@@ -8,6 +8,7 @@ from textwrap import wrap
 
 import numpy as np
 
+from .._checks.shown import aligned
 from ..model.scene import Scene
 from ..solve.methods import EXACT, methods
 from ..solve.plan import carried, left_out, not_left_out
@@ -159,16 +160,10 @@ def _brief(method: str, why: str) -> str:
 
 
 def _aligned(table: Sequence[Sequence[str]]) -> list[str]:
-    """Columns side by side: the first to the left, numbers to the right, marks unchanged."""
-    widths = [max(map(len, column)) for column in zip(*table, strict=True)]
-    lines = []
-    for cells in table:
-        first = f"{cells[0]:<{max(widths[0], 10)}}"
-        rest = [f"{cell:>{width}}" for cell, width in zip(cells[1:], widths[1:], strict=True)]
-        if not table[0][-1]:
-            rest[-1] = cells[-1]
-        lines.append("  ".join([first, *rest]).rstrip())
-    return lines
+    """Columns side by side: names to the left, numbers to the right; marks have no heading."""
+    first, *rest = table
+    wide = [first[0].ljust(10), *first[1:]]
+    return aligned([wide, *rest], right=range(1, len(first) - (not first[-1])))
 
 
 def known_errors(report: ReportData) -> list[str]:
