@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping
 from io import BytesIO
 from pathlib import Path
 from textwrap import fill
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -21,7 +21,7 @@ PICTURES = (".png", ".pdf", ".svg", ".eps", ".jpg", ".jpeg", ".tif", ".tiff", ".
 """Suffixes of pictures that Matplotlib can write."""
 
 
-class Target:
+class Target(NamedTuple):
     """The two files of a command.
 
     Attributes
@@ -29,11 +29,8 @@ class Target:
     data, picture : Path
     """
 
-    __slots__ = ("data", "picture")
-
-    def __init__(self, stem: Path, data: str, picture: str) -> None:
-        self.data = stem.with_name(stem.name + data)
-        self.picture = stem.with_name(stem.name + picture)
+    data: Path
+    picture: Path
 
 
 def target_of(out: str | None, name: str, data: str, *, force: bool) -> Target:
@@ -54,8 +51,8 @@ def target_of(out: str | None, name: str, data: str, *, force: bool) -> Target:
         stem = stem.with_suffix("")
     if not stem.name:
         raise ValueError(f"--out: {str(stem)!r} names a directory, not a file")
-    target = Target(stem, data, picture)
-    for path in (target.data, target.picture):
+    target = Target(*(stem.with_name(stem.name + suffix) for suffix in (data, picture)))
+    for path in target:
         require_new(path, "--out", force=force)
     if not stem.parent.is_dir():
         raise ValueError(f"--out: there is no directory {str(stem.parent)!r}")

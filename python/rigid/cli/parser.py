@@ -74,12 +74,6 @@ class Parser(argparse.ArgumentParser):
             for name, parser in action.choices.items()
         }
 
-    def _options(self) -> list[str]:
-        """The long options of this parser and of its commands."""
-        own = [name for name in self._option_string_actions if name.startswith("--")]
-        parsers = self.commands().values()
-        return own + [name for parser in parsers for name in parser._option_string_actions]
-
     def error(self, message: str) -> NoReturn:
         """End with exit code 2 and one line."""
         if found := re.fullmatch(
@@ -91,7 +85,8 @@ class Parser(argparse.ArgumentParser):
             kind = "whole" if found[2] == "int" else "real"
             message = f"{found[1]} = {found[3]}: must be a {kind} number"
         elif found := re.fullmatch(r"unrecognized arguments: (-\S+).*", message):
-            options = self._options()
+            parsers = [self, *self.commands().values()]
+            options = [name for one in parsers for name in one._option_string_actions]
             hint = "" if found[1] in options else nearest(found[1], options)
             message = f"{found[1]}: this command has no such option{hint}"
         elif found := re.fullmatch(r"the following arguments are required: (.*)", message):

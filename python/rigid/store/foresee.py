@@ -55,7 +55,12 @@ class Foreseen:
 
 
 def foresee(
-    spec: MapSpec, *, threads: int, store: str | os.PathLike[str] | None, part: Part
+    spec: MapSpec,
+    *,
+    store: str | os.PathLike[str] | None,
+    seeded: bool,
+    threads: int,
+    part: str | None,
 ) -> Foreseen:
     """Foresee a call, by the computation of some bodies of random pixels, with their cross-check.
 
@@ -64,6 +69,9 @@ def foresee(
     StoreError
         As the call.
     """
+    share = Part.of(part)
+    if store is not None and not seeded:
+        spec = Folder.seeded(spec, store)
     begin = time.process_time()  # other programs may be busy
     if store is None:
         running = Memory(spec)
@@ -75,12 +83,12 @@ def foresee(
     spec, head = running.head.spec, running.head
     spec.require_functions()
     todo = missing(running)
-    mine = todo[part.has(todo, running)]
+    mine = todo[share.has(todo, running)]
     pixels = np.unique(mine // head.segments)
     bodies = int(head.samples_of(mine).sum())
     if refined(spec):  # later stages follow from the rows of earlier ones
         possible = np.flatnonzero(running.status == 0)
-        pixels, bodies = possible, len(possible) * spec.samples // part.count
+        pixels, bodies = possible, len(possible) * spec.samples // share.count
     bodies = min(bodies, spec.budget or bodies)
     made = map_plan(spec)
     prepared = time.process_time() - begin

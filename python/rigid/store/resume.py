@@ -265,8 +265,9 @@ def result_of(
     )
 
 
-def pixels_done(running: Memory, result: MapData, how: str = "stored") -> str:
+def pixels_done(running: Memory, how: str = "stored") -> str:
     """How many pixels have all their bodies, in words, and pieces of divided ones."""
+    result = result_of(running, MapData)
     possible, segments = result.status == 0, running.head.segments
     done, pixels = int((result.finished & possible).sum()), int(possible.sum())
     text = f"{done:,} of {pixels:,} pixels"

@@ -43,10 +43,10 @@ def receipt(**facts: Any) -> dict[str, Any]:
     }
 
 
-def claims_result(path: str | os.PathLike[str], disk: Disk = DISK) -> bool:
+def claims_result(path: str | os.PathLike[str]) -> bool:
     """Whether this process is the first to ask: of parts that end together one writes the map."""
     try:
-        disk.close(disk.create(Path(path, "claimed")))
+        DISK.close(DISK.create(Path(path, "claimed")))
     except FileExistsError:
         return False
     return True
@@ -138,6 +138,11 @@ class Folder(Memory):
         found.head.require_spec(spec, folder)
         found.give(**spec.functions)
         return found
+
+    @classmethod
+    def seeded(cls, spec: MapSpec, path: str | os.PathLike[str]) -> MapSpec:
+        """A specification whose seed was drawn, with the seed of the first call, if there is one."""
+        return replace(spec, seed=cls(path).head.spec.seed) if cls.is_at(path) else spec
 
     @staticmethod
     def require_empty(path: str | os.PathLike[str], disk: Disk = DISK) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import os
 import time
 from collections.abc import Callable, Sequence
@@ -17,7 +16,6 @@ from ..model.scene import Scene
 from .diff import Difference, read_any
 from .diff import diff as diff_maps
 from .drive import executor_of
-from .foresee import Foreseen, foresee
 from .merge import merge_into
 from .result import StabilityMap
 from .resume import Part, carry_on, pixels_done, result_of
@@ -37,9 +35,13 @@ class PoisonedError(RuntimeError):
         The map without them.
     """
 
-    def __init__(self, message: str, units: list[int], partial: StabilityMap) -> None:
-        super().__init__(message)
-        self.units, self.partial = units, partial
+    def __init__(self, poison: dict[int, str], partial: StabilityMap) -> None:
+        self.units, self.partial = list(poison), partial
+        shown = ", ".join(map(str, self.units[:10])) + (", ..." if self.units[10:] else "")
+        super().__init__(
+            f"{len(poison):,} units were given up, their tasks failed three times: {shown}; "
+            f"the last error: {poison[self.units[-1]]}"
+        )
 
 
 class Store:
@@ -191,8 +193,9 @@ class Store:
         True
         """
         self._folder.read()
-        return _run(
-            lambda: self._folder,
+        return run_map(
+            self.spec,
+            running=self._folder,
             executor=executor,
             threads=threads,
             threads_per_task=threads_per_task,
@@ -415,37 +418,7 @@ def run_map(
     *,
     store: str | os.PathLike[str] | None = None,
     seeded: bool = True,
-    **options: Any,
-) -> StabilityMap:
-    """The map of a specification, in a folder or in memory; see :func:`rigid.stability_map`."""
-    if store is None:
-        return _run(lambda: Memory(spec), **options)
-    return _run(lambda: Folder.at(store, _seeded(spec, store, seeded)), **options)
-
-
-def foreseen(
-    spec: MapSpec,
-    *,
-    store: str | os.PathLike[str] | None,
-    seeded: bool,
-    threads: int,
-    part: str | None,
-) -> Foreseen:
-    """What :func:`run_map` would compute, and how long it would take."""
-    spec = spec if store is None else _seeded(spec, store, seeded)
-    return foresee(spec, threads=threads, store=store, part=Part.of(part))
-
-
-def _seeded(spec: MapSpec, store: str | os.PathLike[str], seeded: bool) -> MapSpec:
-    """The specification; if no seed was given, with the seed that was drawn at the first call."""
-    if seeded or not Folder.is_at(store):
-        return spec
-    return dataclasses.replace(spec, seed=Folder(store).head.spec.seed)
-
-
-def _run(
-    opened: Callable[[], Memory],
-    *,
+    running: Memory | None = None,
     executor: Any = None,
     threads: int | None = None,
     threads_per_task: int = 1,
@@ -454,6 +427,10 @@ def _run(
     partial: bool = False,
     allow_mixed: bool = False,
 ) -> StabilityMap:
+    """The map of a specification, in a folder or in memory; see :func:`rigid.stability_map`.
+
+    A map that is ``running`` goes on.
+    """
     # Whatever is refused leaves no new folder.
     workers, each = resolve_threads(threads), positive_int("threads_per_task", threads_per_task)
     share = Part.of(part)
@@ -461,7 +438,10 @@ def _run(
         executor_of(executor)
     checked_progress(progress)
     begun = time.perf_counter()
-    running = opened()
+    if running is None and store is None:
+        running = Memory(spec)
+    elif running is None:
+        running = Folder.at(store, spec if seeded else Folder.seeded(spec, store))
     with interruptible() as stop:
         outcome = None
         try:
@@ -481,22 +461,12 @@ def _run(
         elapsed = time.perf_counter() - begun
         result = result_of(running, StabilityMap, elapsed=elapsed, threads=workers)
     if (outcome is None or stop.is_set()) and not partial:
-        raise Interrupted(_interrupted_words(running, result), result)
+        if isinstance(running, Folder):
+            words = f"{pixels_done(running)}; the same call goes on"
+        else:
+            done = pixels_done(running, "done")
+            words = f"{done}; the attribute 'partial' of this exception is their map"
+        raise Interrupted(words, result)
     if outcome is not None and outcome.poison:
-        raise PoisonedError(_poison_words(outcome.poison), list(outcome.poison), result)
+        raise PoisonedError(outcome.poison, result)
     return result
-
-
-def _interrupted_words(running: Memory, result: StabilityMap) -> str:
-    if isinstance(running, Folder):
-        return f"{pixels_done(running, result)}; the same call goes on"
-    done = pixels_done(running, result, "done")
-    return f"{done}; the attribute 'partial' of this exception is their map"
-
-
-def _poison_words(poison: dict[int, str]) -> str:
-    shown = ", ".join(map(str, [*poison][:10])) + (", ..." if len(poison) > 10 else "")
-    return (
-        f"{len(poison):,} units were given up, their tasks failed three times: {shown}; "
-        f"the last error: {[*poison.values()][-1]}"
-    )
