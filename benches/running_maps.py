@@ -20,10 +20,9 @@ from rigid.cli.toml_map import read_spec
 from rigid.maps.parameters import make_axes
 from rigid.maps.spec import MapSpec
 from rigid.store.call import run_map
-from rigid.store.compute import compute
 from rigid.store.log import Log
 from rigid.store.resume import carry_on, result_of
-from rigid.store.rows import ROW, Block
+from rigid.store.rows import ROW, Block, compute
 from rigid.store.running import Folder
 
 SIDE = sized(1000, 100)

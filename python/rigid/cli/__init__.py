@@ -39,8 +39,11 @@ from ..sections.starts import on_surface
 from ..solve.plan import Plan, memory_words
 from ..store.call import run_map
 from ..store.result import StabilityMap, load_map
-from .exit_codes import DONE, REFUSED, SAYS_NO, WRITE_ERROR
 from .output import (
+    DONE,
+    REFUSED,
+    SAYS_NO,
+    WRITE_ERROR,
     Target,
     complain,
     finished,
@@ -82,7 +85,7 @@ _COPIED = {"map": "thrown-box", "section": "kovalevskaya", "report": "lagrange-t
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command line; returns the exit code, one of :data:`.exit_codes.EXIT_CODES`.
+    """Run the command line; returns the exit code, one of :data:`.output.EXIT_CODES`.
 
     Parameters
     ----------
@@ -166,7 +169,7 @@ def _checked(
     seeded: bool,
 ) -> int:
     """Tell the plan of a map, its cost by some bodies, and the files that it would write."""
-    from ..store.foresee import foresee
+    from ..store.status import foresee
 
     call = foresee(spec, store=options.store, seeded=seeded, threads=threads, part=options.part)
     sizes = {"data": file_size(spec)}

@@ -1,4 +1,4 @@
-"""What a command prints and writes: the data first, then words, then the picture."""
+"""What a command prints, writes and returns: the data first, then words, then the picture."""
 
 from __future__ import annotations
 
@@ -16,6 +16,25 @@ import numpy as np
 
 from .._checks.progress import interruptible, terminal_columns
 from .._files import published, require_replaceable
+
+DONE, SAYS_NO, REFUSED, WRITE_ERROR, UNFINISHED = 0, 1, 2, 74, 75
+
+EXIT_CODES: Mapping[str, str] = {
+    f"{DONE}": "done; also a map whose budget is spent",
+    f"{SAYS_NO}": (
+        "done, and the result says no: extremes found an undetected error, validation an "
+        "unexplained difference, diff a difference, verify other numbers or damage, status "
+        "damage; or units of a stored map were given up"
+    ),
+    f"{REFUSED}": "refused before any work: the call or its input is wrong, or a file is missing",
+    f"{WRITE_ERROR}": "a file or the output could not be written: the disk is full, for example",
+    f"{UNFINISHED}": (
+        "not finished: other parts of a stored map are missing, or pack wrote nothing because "
+        "pixels are missing (--partial writes them)"
+    ),
+    "130, 143": "ended by Ctrl-C or SIGTERM; what was done is written",
+}
+"""What each exit code says; an interrupted command ends with 128 and the number of the signal."""
 
 PICTURES = (".png", ".pdf", ".svg", ".eps", ".jpg", ".jpeg", ".tif", ".tiff", ".webp")
 """Suffixes of pictures that Matplotlib can write."""
@@ -163,7 +182,7 @@ def finished(
         raise OSError(f"{error}; {safe}") from None
     if not ended:
         raise KeyboardInterrupt(f"interrupted; the {what} written is partial")
-    return 0
+    return DONE
 
 
 def _saved(save: Callable[[Path], Path], data: Path, what: str) -> Path:

@@ -11,8 +11,7 @@ from typing import NoReturn
 from .._checks.arguments import nearest, of_known
 from .._core import __version__
 from ..reports.compute import LONG_SECONDS, SECONDS
-from .exit_codes import EXIT_CODES, REFUSED
-from .output import complain
+from .output import EXIT_CODES, REFUSED, complain
 
 _FOLDER = "folder of a running map"
 

@@ -14,14 +14,13 @@ from .._checks.inputs import require_readable
 from .._checks.progress import Interrupted, terminated
 from .._files import MAP, require_ending
 from ..store.result import StabilityMap
-from .exit_codes import DONE, SAYS_NO, UNFINISHED
-from .output import complain, require_new, say
+from .output import DONE, SAYS_NO, UNFINISHED, complain, require_new, say
 
 
 def run(options: Namespace) -> int:
     """Run ``status``, ``merge``, ``diff``, ``verify`` or ``pack``; returns the exit code."""
-    from ..store.store import diff, merge, open_store
-    from ..store.verify import verify
+    from ..store.compare import diff, verify
+    from ..store.store import merge, open_store
 
     code = DONE
     inputs = [getattr(options, name, None) for name in ("store", "map", "one", "other")]
@@ -108,8 +107,8 @@ def computed(
     except Interrupted as stopped:
         if stopped.partial.ended:
             return stopped.partial  # type: ignore[no-any-return]
-        how = "terminated" if terminated() else "interrupted"
-        raise KeyboardInterrupt(f"{how}; {str(stopped).partition(';')[0]}; {goes_on}") from None
+        word = "terminated" if terminated() else "interrupted"
+        raise KeyboardInterrupt(f"{word}; {str(stopped).partition(';')[0]}; {goes_on}") from None
     except PoisonedError as error:
         complain(f"{error}; {goes_on}")
         return SAYS_NO

@@ -171,7 +171,8 @@ def read_criterion(table: Table, depth: int = 1) -> Criterion:
             parts = [read_criterion(part, depth + 1) for part in table.tables(key)]
             if len(parts) < 2:
                 raise table.error(f"{key}: joins two criteria or more")
-            return table.build(partial(reduce, join, parts))
+            joined: Criterion = table.build(partial(reduce, join, parts))
+            return joined
     if "not" in table:
         table.only("not")
         part = read_criterion(table.table("not"), depth + 1)

@@ -25,9 +25,8 @@ from .._checks.progress import Progress
 from ..maps.data import CLASSES
 from ..maps.spec import MapSpec
 from ..model.scene import Scene
-from .compute import compute
 from .head import Head, StoreError
-from .rows import Block
+from .rows import Block, compute
 from .running import Memory
 
 Units = NDArray[np.int64]

@@ -15,10 +15,9 @@ from .._checks.arguments import brief
 from .._checks.progress import ProgressOption, reporting, terminated
 from ..maps.data import MapData
 from ..maps.refine import lattice_level, refined, stages
-from .compute import compute
 from .drive import Intake, Task, drive, executor_of, own_build, run_here
 from .head import StoreError
-from .rows import unequal
+from .rows import compute, unequal
 from .running import Memory
 
 Data = TypeVar("Data", bound=MapData)

@@ -3,25 +3,27 @@
 from __future__ import annotations
 
 import os
+import shutil
 import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from .._checks.arguments import brief, positive_int, resolve_threads
 from .._checks.progress import Interrupted, ProgressOption, checked_progress, interruptible
+from .._files import published
 from ..maps.dataset import write_zarr_url
 from ..maps.spec import MapSpec
 from ..model.scene import Scene
-from .diff import Difference, read_any
-from .diff import diff as diff_maps
+from .compare import Verification, verify
+from .compare import diff as diff
 from .drive import executor_of
-from .merge import merge_into
 from .result import StabilityMap
 from .resume import Part, carry_on, pixels_done, result_of
 from .running import Folder, Memory
 from .status import Status, status_of
-from .verify import Verification, verify
 
 
 class PoisonedError(RuntimeError):
@@ -371,46 +373,25 @@ def merge(paths: Sequence[str | os.PathLike[str]], into: str | os.PathLike[str])
     """
     if isinstance(paths, (str, bytes)):
         raise TypeError(f"paths = {brief(paths)}: must be a sequence of folders")
-    return Store(merge_into(paths, into))
-
-
-def diff(
-    one: StabilityMap | str | os.PathLike[str], other: StabilityMap | str | os.PathLike[str]
-) -> Difference:
-    """Compare two maps: their specifications and their numbers.
-
-    Maps of one specification are compared bit by bit, in the pixels that both have. Maps with the
-    same axes are compared by the intervals of their shares.
-
-    Parameters
-    ----------
-    one, other : StabilityMap or path-like
-        Results, saved files, or folders of running maps.
-
-    Returns
-    -------
-    Difference
-        ``same``, ``specification``, ``numbers``; ``str()`` describes them.
-
-    Raises
-    ------
-    ValueError
-        If a path holds neither a map nor a running map, or the content is damaged.
-    OSError
-        If a file cannot be read.
-
-    Examples
-    --------
-    >>> import rigid
-    >>> ask = dict(axes={"spin": [1.0, 2.0]}, samples=10, t_end=50.0, stable=rigid.no_flip())
-    >>> one, other = (rigid.stability_map(rigid.FreeBody, rng=rng, **ask) for rng in (1, 2))
-    >>> rigid.diff(one, one).same
-    True
-    >>> rigid.diff(one, other).specification
-    ['seed: 1 and 2']
-    """
-    maps = [data if isinstance(data, StabilityMap) else read_any(data) for data in (one, other)]
-    return diff_maps(*maps)
+    folders = [Folder(path) for path in paths]
+    if not folders:
+        raise ValueError("paths: must name at least one running map")
+    first = folders[0]
+    if Folder.is_at(into):
+        folders.append(Folder(into))
+    for folder in folders[1:]:
+        folder.head.require_spec(first.head.spec, folder.path)
+        rows, _, bins = folder.table.block(np.flatnonzero(folder.table.known))
+        first.table.add(rows, None, bins, folder.path)
+    target = Folder.at(into, first.head.spec)
+    for folder in folders:
+        for log in folder.logs:
+            source, copy = folder.path / "logs" / log.name, target.path / "logs" / log.name
+            if not (copy.exists() and copy.stat().st_size >= source.stat().st_size):
+                with source.open("rb") as file, published(copy) as whole:
+                    shutil.copyfileobj(file, whole)
+    target.read()
+    return Store(target)
 
 
 def run_map(
@@ -438,10 +419,9 @@ def run_map(
         executor_of(executor)
     checked_progress(progress)
     begun = time.perf_counter()
-    if running is None and store is None:
-        running = Memory(spec)
-    elif running is None:
+    if store is not None:
         running = Folder.at(store, spec if seeded else Folder.seeded(spec, store))
+    running = running or Memory(spec)
     with interruptible() as stop:
         outcome = None
         try:

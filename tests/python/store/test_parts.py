@@ -123,7 +123,7 @@ def test_divided_pixels_have_the_bits_of_whole_ones(tmp_path: Path, count: int) 
     assert store.key == store.status().key == receipt["key"]
     assert store.verify(1.0).ok
     file = whole.save(tmp_path / "map.npz")
-    from rigid.store.verify import verify
+    from rigid.store.compare import verify
 
     assert verify(file, share=1.0).ok
 

@@ -24,10 +24,9 @@ from rigid.maps.data import COLUMNS
 from rigid.maps.parameters import make_axes
 from rigid.maps.refine import lattice_level
 from rigid.store import drive as driving
-from rigid.store.compute import compute
 from rigid.store.drive import Intake, Task, drive, own_build
 from rigid.store.resume import Part, carry_on, missing
-from rigid.store.rows import FIELDS, ROW, Table
+from rigid.store.rows import FIELDS, ROW, Table, compute
 from rigid.store.running import Folder, Memory
 from small_maps import assert_same_map, saved_bytes, small_map
 from stores import SPEC, go_on, numbers, request, stops_after, stored_map
@@ -354,7 +353,7 @@ def one_by_one(head, todo, intake, threads, stop):
         intake.take(compute(head.spec, np.array([unit])))
         time.sleep(0.001)
 import numpy as np
-from rigid.store.compute import compute
+from rigid.store.rows import compute
 resume.run_here = one_by_one
 carry_on(Folder.at(Path(sys.argv[1]), SPEC), threads=1, stop=lambda: False, progress=False)
 """
