@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import os
-import time
 from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 
 from .._checks.arguments import finite_float
-from .._checks.progress import Progress, ProgressOption, reporting
+from .._checks.progress import ProgressOption, reporting
 from ..maps.data import COLUMNS, MapData
 from ..maps.identity import head_of, key_of, spec_differences
 from ..maps.job import of_pixels
@@ -204,7 +203,6 @@ def verify(
     chosen[np.random.default_rng(seed).choice(units, count, replace=False)] = True
     places = np.flatnonzero(chosen)
     wrong: list[str] = []
-    begun = time.perf_counter()
     with reporting(progress, count, unit=" units") as report:
         for begin in range(0, count, TOGETHER):
             mine = np.zeros(units, np.bool_)
@@ -221,8 +219,7 @@ def verify(
                 )
                 if text
             ]
-            done, elapsed = min(begin + TOGETHER, count), time.perf_counter() - begun
-            report(Progress(done=done, total=count, elapsed=elapsed, failures=len(wrong)))
+            report(min(begin + TOGETHER, count), len(wrong))
     return Verification(units=units, checked=count, wrong=wrong, damage=damage)
 
 

@@ -21,7 +21,6 @@ from numpy.typing import NDArray
 
 from .. import _core
 from .._checks.arguments import brief, one_line
-from .._checks.progress import Progress
 from ..maps.data import CLASSES
 from ..maps.spec import MapSpec
 from ..model.scene import Scene
@@ -175,19 +174,15 @@ class Intake:
     running : Memory
         Gets the rows.
     report : callable
-        Called with the progress after each block.
-    total : int
-        Most bodies of all blocks.
+        Called with the numbers of bodies and of failed ones after each block.
     threads : int
         Threads that compute a block.
     """
 
-    def __init__(
-        self, running: Memory, report: Callable[[Progress], object], total: int, threads: int
-    ) -> None:
-        self._running, self._report, self._total, self._threads = running, report, total, threads
+    def __init__(self, running: Memory, report: Callable[[int, int], object], threads: int) -> None:
+        self._running, self._report, self._threads = running, report, threads
         self.units = max(1, 16 * threads // min(running.head.segment, running.head.spec.samples))
-        self._costliest, self._begun, self._done, self._failures = 0.0, time.perf_counter(), 0, 0
+        self._costliest, self._done, self._failures = 0.0, 0, 0
 
     def take(self, block: Block, seconds: float | None = None) -> None:
         """Keep a block, which took so many seconds; by default its processor time."""
@@ -205,14 +200,7 @@ class Intake:
         self._running.computed += bodies
         self._done += bodies
         self._failures += int(block.rows["failed"].sum())
-        self._report(
-            Progress(
-                done=self._done,
-                total=max(self._total, self._done),
-                elapsed=time.perf_counter() - self._begun,
-                failures=self._failures,
-            )
-        )
+        self._report(self._done, self._failures)
 
 
 def run_here(

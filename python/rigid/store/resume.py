@@ -195,7 +195,7 @@ def carry_on(
             total = int(running.head.samples_of(mine).sum())
             who = "" if part.count == 1 else f"part {part}: "
             with reporting(progress, total, who=who) as report:
-                intake = Intake(running, report, total, each)
+                intake = Intake(running, report, each)
                 if not checked:
                     _compute_again(running, threads, stop)
                     checked = True

@@ -143,7 +143,7 @@ class Nowhere(Memory):
 
 def test_blocks_settle_near_a_third_of_a_second_and_stay_short() -> None:
     # A machine that needs 1 ms a unit in the first half and 1 ms / 100 in the second.
-    intake = Intake(Nowhere(spec_of(samples=1)), lambda _: None, total=1, threads=1)
+    intake = Intake(Nowhere(spec_of(samples=1)), lambda *_: None, threads=1)
     seconds = []
     for round_ in range(60):
         cost, units = (1e-3 if round_ < 30 else 1e-5), intake.units

@@ -306,7 +306,7 @@ def test_a_worker_of_another_version_is_refused(tmp_path: Path) -> None:
     folder = Folder.at(tmp_path / "run", SPEC)
     folder.begin()
     task = Task(SPEC.to_json(), 1, ("0.0.0", None), {})
-    intake = Intake(folder, lambda _: None, 100, 1)
+    intake = Intake(folder, lambda *_: None, 1)
     with ThreadPoolExecutor(1) as pool, pytest.raises(ValueError, match="a worker has rigid"):
         drive(task, np.arange(160, 165), intake, pool, 1, lambda: False)
     task = Task(SPEC.to_json(), 1, own_build(), {})
