@@ -20,6 +20,7 @@ from rigid.cli.toml_map import read_spec
 from rigid.maps.parameters import make_axes
 from rigid.maps.spec import MapSpec
 from rigid.store.call import run_map
+from rigid.store.head import Head
 from rigid.store.log import Log
 from rigid.store.resume import carry_on, result_of
 from rigid.store.rows import ROW, Block, compute
@@ -84,7 +85,7 @@ def append(log: Log, block: Block, count: int, repeats: int) -> None:
 
 def appends(spec: MapSpec, repeats: int) -> None:
     """Records of some sizes in one log."""
-    block = compute(spec, np.arange(APPENDS[-1]))
+    block = compute(Head.of(spec), np.arange(APPENDS[-1]))
     assert block is not None
     with tempfile.TemporaryDirectory() as place:
         folder = Folder.at(Path(place, "run"), spec)

@@ -13,7 +13,7 @@ from .._checks.progress import ProgressOption, reporting
 from ..maps.data import COLUMNS, MapData
 from ..maps.identity import head_of, key_of, spec_differences
 from ..maps.job import of_pixels
-from ..maps.spec import MapSpec
+from .head import Head
 from .result import StabilityMap, load_map
 from .resume import result_of
 from .rows import FIELDS, Block, bins_of, compute, differences, rows_of
@@ -195,8 +195,7 @@ def verify(
     share = finite_float("share", share, positive=True)
     if share > 1.0:
         raise ValueError(f"share = {share}: must be at most 1")
-    block, spec, segment, damage = _rows(stored)
-    segments = 1 if segment is None else -(-spec.samples // segment)
+    block, head, damage = _rows(stored)
     units = len(block.rows)
     count = min(units, int(np.ceil(share * units * (1.0 - 1e-12))))
     chosen = np.zeros(units, np.bool_)
@@ -208,13 +207,13 @@ def verify(
             mine = np.zeros(units, np.bool_)
             mine[places[begin : begin + TOGETHER]] = True
             old = block.some(mine)
-            again = compute(spec, old.rows["unit"].copy(), threads, segment=segment)
+            again = compute(head, old.rows["unit"].copy(), threads)
             assert again is not None
             wrong += [
-                f"pixel {int(unit) // segments}: {text}"
+                f"pixel {int(unit) // head.segments}: {text}"
                 for unit, text in zip(
                     old.rows["unit"],
-                    differences(old, again, spec.measure, "{} is {}, computed {}"),
+                    differences(old, again, head.spec.measure, "{} is {}, computed {}"),
                     strict=True,
                 )
                 if text
@@ -223,15 +222,13 @@ def verify(
     return Verification(units=units, checked=count, wrong=wrong, damage=damage)
 
 
-def _rows(
-    stored: str | os.PathLike[str] | Folder,
-) -> tuple[Block, MapSpec, int | None, list[str]]:
-    """The rows of complete units, the specification, samples of a unit, and the damaged rows."""
+def _rows(stored: str | os.PathLike[str] | Folder) -> tuple[Block, Head, list[str]]:
+    """The rows of complete units, their head, and the damaged rows."""
     if isinstance(stored, Folder) or Path(stored).is_dir():
         folder = stored if isinstance(stored, Folder) else Folder(stored)
         folder.read()
         block = folder.table.block(np.flatnonzero(folder.table.known))
-        return block, folder.head.spec, folder.head.segment, folder.damage
+        return block, folder.head, folder.damage
     result = load_map(stored)
     pixels = np.flatnonzero((result.finished & (result.status == 0)).ravel())
     columns = {name: result.columns[name].ravel()[pixels] for name in FIELDS}
@@ -242,4 +239,5 @@ def _rows(
     ]
     bins = bins_of(pixels, [of_pixels(one, place) for one in finished])
     costs = np.full(len(pixels), np.nan, np.float32)
-    return Block(rows_of(pixels, columns), costs, bins), result.spec, None, []
+    head = Head(result.spec, result.spec.samples)
+    return Block(rows_of(pixels, columns), costs, bins), head, []

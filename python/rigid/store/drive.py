@@ -60,8 +60,8 @@ class Task:
         Version and commit of the driver, which a worker must have; None accepts any.
     functions : dict of str to callable, or bytes
         The functions of the specification; as pickled, unless the executor pickles them itself.
-    segment : int or None
-        Most samples of a unit; by default all samples of a pixel.
+    segment : int
+        Most samples of a unit.
     whole : MapSpec or None
         The specification itself, for threads of this process.
     """
@@ -70,27 +70,23 @@ class Task:
     threads: int
     build: tuple[str, str | None] | None
     functions: Mapping[str, Callable[..., Any] | Scene] | bytes
-    segment: int | None = None
+    segment: int
     whole: MapSpec | None = None
 
     @classmethod
     def of(
-        cls,
-        spec: MapSpec,
-        threads: int,
-        build: tuple[str, str | None] | None,
-        executor: Any,
-        segment: int | None = None,
+        cls, head: Head, threads: int, build: tuple[str, str | None] | None, executor: Any
     ) -> Task:
-        """The task of a specification for an executor.
+        """The task of a running map for an executor.
 
         Raises
         ------
         ValueError
             If workers of the executor cannot import a function.
         """
+        spec = head.spec
         if isinstance(executor, ThreadPoolExecutor):
-            return cls(spec.to_json(), threads, build, {}, segment, spec)
+            return cls(spec.to_json(), threads, build, {}, head.segment, spec)
         functions: Mapping[str, Callable[..., Any] | Scene] | bytes = spec.functions
         if isinstance(spec.functions.get("scene"), Scene):
             raise ValueError(
@@ -107,7 +103,7 @@ class Task:
                         f"name; define the function in a module ({one_line(error)})"
                     ) from None
             functions = pickle.dumps(dict(spec.functions))
-        return cls(spec.to_json(), threads, build, functions, segment)
+        return cls(spec.to_json(), threads, build, functions, head.segment)
 
     @property
     def spec(self) -> MapSpec:
@@ -158,7 +154,7 @@ def work(task: Task, units: Units) -> Block:
             f"a worker has rigid {own_build()}, the driver {task.build}: install one version, or "
             "pass allow_mixed=True"
         )
-    block = compute(task.spec, units, task.threads, segment=task.segment)
+    block = compute(Head(task.spec, task.segment), units, task.threads)
     assert block is not None
     return block
 
@@ -211,7 +207,7 @@ def run_here(
     while at < len(todo) and not stop():
         units = todo[at : at + intake.units]
         begin = time.perf_counter()
-        block = compute(head.spec, units, threads, stop, segment=head.segment)
+        block = compute(head, units, threads, stop)
         if block is None:
             return
         intake.take(block, time.perf_counter() - begin)

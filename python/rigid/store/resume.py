@@ -203,7 +203,7 @@ def carry_on(
                     run_here(running.head, mine, intake, threads, stop)
                 else:
                     build = None if allow_mixed else own_build()
-                    task = Task.of(spec, threads_per_task, build, executor, running.head.segment)
+                    task = Task.of(running.head, threads_per_task, build, executor)
                     poison |= drive(task, mine, intake, pool, workers, stop)
         if stop() and len(todo):
             reason = "terminated" if terminated() else "interrupted"
@@ -241,7 +241,7 @@ def _compute_again(running: Memory, threads: int, stop: Callable[[], bool]) -> N
     if not len(stored.rows):
         return
     units = stored.rows["unit"].copy()
-    again = compute(spec, units, threads, stop, segment=running.head.segment)
+    again = compute(running.head, units, threads, stop)
     found = "" if again is None else unequal(stored, again, spec.measure)
     if found:
         who = "this build of rigid, or this machine, does not compute the numbers that are stored"

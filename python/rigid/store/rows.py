@@ -116,45 +116,42 @@ def _sorted(bins: Bins) -> Bins:
 
 
 def compute(
-    spec: MapSpec,
-    units: NDArray[np.int64],
-    threads: int = 1,
-    stop: Callable[[], bool] | None = None,
-    *,
-    segment: int | None = None,
+    head: Head, units: Ints, threads: int = 1, stop: Callable[[], bool] | None = None
 ) -> Block | None:
     """The rows of units, sorted, with their processor time.
 
     Parameters
     ----------
-    spec : MapSpec
-        The specification, with its functions.
+    head : Head
+        The specification, with its functions, and its units.
     units : ndarray of int64
         Numbers of possible units.
     threads : int
         Threads of the core.
     stop : callable, optional
         Asked twenty times a second; True ends the work.
-    segment : int, optional
-        Most samples of a unit; by default all samples of a pixel.
 
     Returns
     -------
     Block or None
         None if ``stop()`` was true.
     """
-    units = np.sort(units)
-    size = spec.samples if segment is None else segment
-    pixels, place = np.divmod(units, -(-spec.samples // size))
-    first = place * size
-    counts = np.minimum(spec.samples - first, size)
+    spec, units = head.spec, np.sort(units)
+    pixels, place = np.divmod(units, head.segments)
+    first, counts = place * head.segment, head.samples_of(units)
+
+    def columns_of(pixels: Ints, first: int | Ints, count: int) -> Columns | None:
+        """The columns of so many samples of pixels, from the first."""
+        job = to_core(spec, pixels, count, first)
+        return job.run(0, len(pixels) * count, threads, stop)
+
     blocks = []
     for count in np.unique(counts).tolist():  # the last unit of a pixel may be shorter
         mine = counts == count
         if spec.looks is None:
-            columns = _columns(spec, pixels[mine], first[mine], count, threads, stop)
+            columns = columns_of(pixels[mine], first[mine], count)
         else:
-            columns = _sequential(spec, spec.looks, pixels, threads, stop)
+            columns = _sequential(spec, spec.looks, pixels, columns_of)
         if columns is None:
             return None
         costs = columns["nanoseconds"].astype("<f4")
@@ -167,25 +164,11 @@ def compute(
     return Block(rows[order], costs[order], bins[np.argsort(bins[:, 0], kind="stable")])
 
 
-def _columns(
-    spec: MapSpec,
-    pixels: Ints,
-    first: int | Ints,
-    count: int,
-    threads: int,
-    stop: Callable[[], bool] | None,
-) -> Columns | None:
-    """The columns of so many samples of pixels, from the first; None if ``stop()`` was true."""
-    job = to_core(spec, pixels, count, first)
-    return job.run(0, len(pixels) * count, threads, stop)
-
-
 def _sequential(
     spec: MapSpec,
     looks: Looks,
     pixels: Ints,
-    threads: int,
-    stop: Callable[[], bool] | None,
+    columns_of: Callable[[Ints, int, int], Columns | None],
 ) -> Columns | None:
     """The columns of pixels, each with as many samples as it needs.
 
@@ -203,7 +186,7 @@ def _sequential(
         for begin, end in pairs:
             mine = np.flatnonzero(active & (samples == begin) & (until == end))
             for span in spans(spec, range(begin, end)):
-                part = _columns(spec, pixels[mine], span.start, len(span), threads, stop)
+                part = columns_of(pixels[mine], span.start, len(span))
                 if part is None:
                     return None
                 statistics.merge({**part, "pixels": mine})
