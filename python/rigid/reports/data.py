@@ -109,12 +109,12 @@ class ReportData:
     """The numbers of a report; :class:`rigid.Report` describes the attributes."""
 
     spec: ReportSpec
+    machine: Mapping[str, str]
+    references: tuple[Reference, ...]
     rows: tuple[Row, ...]
     same: Mapping[str, tuple[str, ...]]
-    references: tuple[Reference, ...]
     refused: Mapping[str, str]
     ended: Mapping[str, str]
-    machine: Mapping[str, str]
     complete: bool
     rounds: int
     elapsed: float
@@ -250,16 +250,11 @@ class ReportData:
         return {
             "format": FORMAT,
             "format_version": FORMAT_VERSION,
+            **{field.name: getattr(self, field.name) for field in dataclasses.fields(self)},
             "spec": self.spec.to_dict(),
-            "machine": dict(self.machine),
             "references": [_bounded(reference) for reference in self.references],
             "rows": [_bounded(row) for row in self.rows],
             "same": {name: list(others) for name, others in self.same.items()},
-            "refused": dict(self.refused),
-            "ended": dict(self.ended),
-            "complete": self.complete,
-            "rounds": self.rounds,
-            "elapsed": self.elapsed,
         }
 
     def to_json(self) -> str:

@@ -382,13 +382,8 @@ def _title(report: ReportData) -> str:
     if spec.revolutions:
         which, title = "largest", f"{spec.title or spec.scene.words()}: the long run"
         bands = "grey bands: Pareto fronts"
-    detail = f"{which} of {spec.bodies} bodies, {_machine(report.machine)}"
+    cpu, isa = report.machine.get("cpu", "?"), report.machine.get("isa")
+    detail = f"{which} of {spec.bodies} bodies, one core of {cpu}{f' ({isa})' if isa else ''}"
     if not report.complete:
         detail += "; partial"
     return f"{title}\n{detail}; {bands}"
-
-
-def _machine(machine: Mapping[str, str]) -> str:
-    """The core that measured."""
-    isa = f" ({machine['isa']})" if machine.get("isa") else ""
-    return f"one core of {machine.get('cpu', '?')}{isa}"

@@ -35,7 +35,7 @@ def report_text(report: ReportData) -> str:
 def _head(report: ReportData) -> list[str]:
     spec, reference = report.spec, report.reference
     how = "closed form" if reference.method == EXACT else f"{reference.steps:,} steps"
-    time = f"processor time, ns per body and {spec.unit} of motion; {_repeats(report.rounds)}"
+    too_few = ", too few to tell the cheapest" if report.rounds < REPEATS else ""
     lines = {
         "bodies": f"{spec.bodies} close to it, seed {spec.seed}; t = {spec.t_end:g} {spec.unit}",
         "reference": (
@@ -43,7 +43,10 @@ def _head(report: ReportData) -> list[str]:
             f"worst {reference.worst:.1e}"
         ),
         "error": "median of the bodies: of the rates, relative, or of the attitude, rad",
-        "time": time,
+        "time": (
+            f"processor time, ns per body and {spec.unit} of motion; "
+            f"median of {report.rounds}{too_few}"
+        ),
     }
     return _heading(report, "report", "error against run time", lines)
 
@@ -78,11 +81,6 @@ def _carried(scene: Scene) -> list[tuple[str, str]]:
     ]
 
 
-def _repeats(rounds: int) -> str:
-    too_few = ", too few to tell the cheapest" if rounds < REPEATS else ""
-    return f"median of {rounds}{too_few}"
-
-
 def _costs(report: ReportData) -> list[str]:
     """For each method its order, the time for each error, and its other names.
 
@@ -93,7 +91,7 @@ def _costs(report: ReportData) -> list[str]:
     orders = {method.name: method.order for method in methods()}
     # The numbers below are times: `ns/s at 1e-06` is the time that an error of 1e-6 needs.
     table = [
-        ["* cheapest", "order", "measured", *(f"{_rate(report)} at " for _ in wanted), ""],
+        ["* cheapest", "order", "measured", *(f"ns/{report.spec.unit} at " for _ in wanted), ""],
         ["", "", "order", *(f"{error:.0e} " for error in wanted), ""],
     ]
     winners = [{*report.cheapest(error), *report.cheapest(error, schemes=True)} for error in wanted]
@@ -111,7 +109,7 @@ def _costs(report: ReportData) -> list[str]:
 
 
 def _front(report: ReportData) -> list[str]:
-    time = _rate(report)
+    time = f"ns/{report.spec.unit}"
     head = ["front", "steps", "rad/step", "time", "±", "total", "error", "worst", "energy"]
     table = [
         [*head, "momentum", ""],
@@ -135,11 +133,6 @@ def _front(report: ReportData) -> list[str]:
             ]
         )
     return _aligned(table)
-
-
-def _rate(report: ReportData) -> str:
-    """The unit of time of a computation by time of the motion."""
-    return f"ns/{report.spec.unit}"
 
 
 def _listed(values: Sequence[float]) -> str:

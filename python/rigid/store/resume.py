@@ -117,9 +117,7 @@ def missing(running: Memory) -> NDArray[np.int64]:
         pixels = stages(spec, data.status, data.finished, data.samples, ends).wanted
     else:
         # Of most maps: nothing is sorted that is done.
-        known = running.table.known[:: running.head.segments]
-        for segment in range(1, running.head.segments):
-            known = known & running.table.known[segment :: running.head.segments]
+        known = running.table.known.reshape(-1, running.head.segments).all(axis=1)
         pixels = np.flatnonzero((status == 0) & ~known)
         level = lattice_level(spec.shape, pixels)
         if running.table.known.any():
