@@ -161,7 +161,7 @@ class Log:
             disk.synchronise(self._file)
             disk.synchronise_folder(folder)
         except BaseException:
-            disk.close(self._file)
+            os.close(self._file)
             raise
         self._synchronised = time.monotonic()
 
@@ -213,7 +213,11 @@ class Log:
             If the log has been removed: the records are nowhere.
         """
         self._disk.synchronise(self._file)
-        if not self._disk.is_at(self._file, self.path):
+        try:
+            is_here = os.path.samestat(os.fstat(self._file), os.stat(self.path))
+        except FileNotFoundError:
+            is_here = False
+        if not is_here:
             raise gone(self.path)
         self._synchronised = time.monotonic()
 
@@ -228,7 +232,7 @@ class Log:
                 self._append([*self._member(END, canonical(found.end)), bytes(2 * BLOCK)])
                 self.synchronise()
         finally:
-            self._disk.close(self._file)
+            os.close(self._file)
 
 
 Record: TypeAlias = tuple[Rows, NDArray[np.float32] | None, Bins | None]

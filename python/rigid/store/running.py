@@ -46,7 +46,7 @@ def receipt(**facts: Any) -> dict[str, Any]:
 def claims_result(path: str | os.PathLike[str]) -> bool:
     """Whether this process is the first to ask: of parts that end together one writes the map."""
     try:
-        DISK.close(DISK.create(Path(path, "claimed")))
+        Path(path, "claimed").touch(exist_ok=False)
     except FileExistsError:
         return False
     return True
@@ -187,8 +187,8 @@ class Folder(Memory):
         for name in self._disk.names(folder):
             if not LOG_NAME.fullmatch(name) or not (folder / name).is_file():
                 continue
-            found = Found(name, written=self._disk.modified(folder / name))
-            with self._disk.opened(folder / name) as file:
+            found = Found(name, written=(folder / name).stat().st_mtime)
+            with (folder / name).open("rb") as file:
                 measured = bool(self.head.spec.measure)
                 for record in read_log(file, self.head.seal, found, measured=measured):
                     self.table.add(*record, folder / name)
