@@ -245,7 +245,6 @@ def read_log(
     """The whole records of a log, whatever happened to the rest."""
     length = file.seek(0, os.SEEK_END)
     at, number, searching = 0, 0, False
-    pending: tuple[Rows, str, Bins | None] | None = None  # rows, their digest, bins
 
     def note(what: str) -> None:
         nonlocal searching
@@ -253,65 +252,62 @@ def read_log(
             found.damage.append(f"{what} at byte {at}")
         searching = True
 
-    def taken(costs: bytes | None = None) -> Iterator[Record]:
-        """The record that ends here, if there is one and nothing of it is missing."""
-        nonlocal pending
-        record, pending = pending, None
-        if record is None:
-            return
-        rows, _, bins = record
-        if measured and bins is None:
-            note("a record without its values")
-            return
-        vector = None if costs is None else _vector(costs, COST, len(rows))
-        found.count(rows, vector)
-        yield rows, vector, bins
-
-    while at < length:
+    def member(at: int) -> tuple[str, bytes | None, int]:
+        """Name, content and end of a member; no name for other bytes, no content if it is torn."""
         file.seek(at)
         block = file.read(BLOCK)
         name, size = _name_and_size(block)
-        record = _RECORD.fullmatch(name)
         if not name:
-            if any(block) or found.end is None:  # zeros end a log, and follow nothing else
-                note("no header")
+            return "", block, at + BLOCK
+        whole = at + BLOCK + size <= length and size <= MOST_MEMBER
+        end = at + BLOCK + size + len(_padding(size))
+        return name, file.read(size) if whole else None, end
+
+    while at < length:
+        name, content, end = member(at)
+        record = _RECORD.fullmatch(name)
+        if content is None or (record and _digest(key, content) != record[2]):
+            kind = "torn" if content is None else "damaged"
+            note(f"a {kind} {'record' if record else name}")
             at += BLOCK
             continue
-        whole = at + BLOCK + size <= length and size <= MOST_MEMBER
-        content = file.read(size) if whole else b""
-        if not whole or (record and _digest(key, content) != record[2]):
-            note(f"a {'damaged' if whole else 'torn'} {'record' if record else name}")
-            at += BLOCK
+        if not name:
+            if any(content) or found.end is None:  # zeros end a log, and follow nothing else
+                note("no header")
+            at = end
             continue
         searching = False
-        bins = _BINS.fullmatch(name)
-        if bins and measured and pending is not None and pending[2] is None:
-            before, digest, _ = pending
-            if bins[1] == _digest(key, digest.encode(), content):
-                values = _vector(content, BIN_ROW)
-                if values is not None:
-                    pending = before, digest, values.view("<i8").reshape(-1, NO_BINS.shape[1])
-            at += BLOCK + size + len(_padding(size))
-            continue
-        yield from taken(content if _COSTS.fullmatch(name) else None)
         if record:
             if int(record[1]) > number:
                 note(f"no record {number}")
             number = int(record[1]) + 1
-            rows = _vector(content, ROW)
+            rows, bins, costs = _vector(content, ROW), None, None
+            name, content, after = member(end)
+            digest = _BINS.fullmatch(name)
+            if digest and measured and content is not None:
+                if digest[1] == _digest(key, record[2].encode(), content):
+                    bins = _vector(content, BIN_ROW)
+                end = after
+                name, content, after = member(end)
             if rows is None:
                 note("a record of another kind of rows")
+            elif measured and bins is None:
+                note("a record without its values")
             else:
-                pending = rows, record[2], None
+                if content is not None and _COSTS.fullmatch(name):
+                    costs = _vector(content, COST, len(rows))
+                    end = after
+                if bins is not None:
+                    bins = bins.view("<i8").reshape(-1, NO_BINS.shape[1])
+                found.count(rows, costs)
+                yield rows, costs, bins
         elif name == WRITER:
             found.writer = _json(content)
         elif name == END:
             found.end = _json(content)
         elif not _COSTS.fullmatch(name):
             note(f"an unknown member {name}")
-        searching = False
-        at += BLOCK + size + len(_padding(size))
-    yield from taken()
+        searching, at = False, end
 
 
 def _name_and_size(block: bytes) -> tuple[str, int]:
