@@ -22,28 +22,26 @@ def run(options: Namespace) -> int:
     from ..store.compare import diff, verify
     from ..store.store import merge, open_store
 
-    code = DONE
     inputs = [getattr(options, name, None) for name in ("store", "map", "one", "other")]
     for path in filter(None, inputs + getattr(options, "stores", [])):
         require_readable(path)
+    found: object
     if options.command == "status":
-        status = open_store(options.store).status()
-        say(str(status))
-        code = SAYS_NO if status.damage else DONE
+        found = status = open_store(options.store).status()
+        agrees = not status.damage
     elif options.command == "merge":
-        say(str(merge(options.stores, options.into).status()))
+        found, agrees = merge(options.stores, options.into).status(), True
     elif options.command == "diff":
-        difference = diff(options.one, options.other)
-        say(str(difference))
-        code = DONE if difference.same else SAYS_NO
+        found = difference = diff(options.one, options.other)
+        agrees = difference.same
     elif options.command == "verify":
         threads = resolve_threads(options.threads)
-        found = verify(options.map, share=options.share, seed=options.seed, threads=threads)
-        say(str(found))
-        code = DONE if found.ok else SAYS_NO
+        found = again = verify(options.map, share=options.share, seed=options.seed, threads=threads)
+        agrees = again.ok
     else:
-        code = _pack(options)
-    return code
+        return _pack(options)
+    say(str(found))
+    return DONE if agrees else SAYS_NO
 
 
 def _pack(options: Namespace) -> int:

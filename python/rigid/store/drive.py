@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pickle
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from concurrent.futures import (
     FIRST_COMPLETED,
     BrokenExecutor,
@@ -254,19 +254,14 @@ def drive(
     poison: dict[int, str] = {}
     failures, succeeded = 0, False
 
-    def submit() -> Iterator[tuple[Units, int]]:
-        nonlocal at
-        while len(waiting) < 2 * workers and (again or at < len(todo)):
-            if again:
-                yield again.pop()
-            else:
-                units = todo[at : at + intake.units]
-                at += len(units)
-                yield units, 0
-
     try:
         while (again or waiting or at < len(todo)) and not stop():
-            for units, tried in submit():
+            while len(waiting) < 2 * workers and (again or at < len(todo)):
+                if again:
+                    units, tried = again.pop()
+                else:
+                    units, tried = todo[at : at + intake.units], 0
+                    at += len(units)
                 waiting[executor.submit(work, task, units)] = units, tried
             for future in wait(waiting, timeout=0.1, return_when=FIRST_COMPLETED).done:
                 units, tried = waiting.pop(future)
