@@ -116,13 +116,9 @@ def print_list(lines: Mapping[str, Any], *, as_json: bool) -> None:
         say(_json(lines))
         return
     width = max(map(len, lines)) + 2
-    say("\n".join(f"{name:<{width}}{_words(value)}" for name, value in lines.items()))
-
-
-def _words(value: object) -> str:
-    if isinstance(value, (list, tuple)):
-        return ", ".join(map(str, value))
-    return "unknown" if value is None else str(value)
+    for name, value in lines.items():
+        words = ", ".join(map(str, value)) if isinstance(value, (list, tuple)) else value
+        say(f"{name:<{width}}{'unknown' if words is None else words}")
 
 
 def _json(facts: Mapping[str, Any]) -> str:

@@ -94,20 +94,16 @@ class Parser(argparse.ArgumentParser):
         self.exit(REFUSED)
 
 
-def _exit_codes() -> str:
-    """The table of exit codes, wrapped."""
-    return "\n".join(
+def make_parser() -> Parser:
+    """The parser of the command line."""
+    codes = "\n".join(
         fill(words, 78, initial_indent=f"  {code:<10}", subsequent_indent=" " * 12)
         for code, words in EXIT_CODES.items()
     )
-
-
-def make_parser() -> Parser:
-    """The parser of the command line."""
     parser = Parser(
         prog="rigid",
         description="How rigid bodies rotate, and which of these motions are stable.",
-        epilog=f"examples:\n{_EXAMPLES['']}\nexit codes:\n{_exit_codes()}",
+        epilog=f"examples:\n{_EXAMPLES['']}\nexit codes:\n{codes}",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("--version", action="version", version=f"rigid {__version__}")
