@@ -20,10 +20,10 @@ from rigid.cli.toml_map import read_spec
 from rigid.maps.axes import make_axes
 from rigid.maps.spec import MapSpec
 from rigid.store.call import run_map
-from rigid.store.compute import compute
+from rigid.store.head import Head
 from rigid.store.log import Log
 from rigid.store.resume import carry_on, result_of
-from rigid.store.rows import ROW, Block
+from rigid.store.rows import ROW, Block, compute
 from rigid.store.running import Folder
 
 SIDE = sized(1000, 100)
@@ -85,7 +85,7 @@ def append(log: Log, block: Block, count: int, repeats: int) -> None:
 
 def appends(spec: MapSpec, repeats: int) -> None:
     """Records of some sizes in one log."""
-    block = compute(spec, np.arange(APPENDS[-1]))
+    block = compute(Head.of(spec), np.arange(APPENDS[-1]))
     assert block is not None
     with tempfile.TemporaryDirectory() as place:
         folder = Folder.at(Path(place, "run"), spec)

@@ -19,25 +19,22 @@ if TYPE_CHECKING:
     from .store.result import StabilityMap
 
 
-CLOSED_FORMS: Mapping[str, tuple[str, str, str]] = {
-    "free": (
-        "jacobi",
+CLOSED_FORMS: Mapping[str, tuple[str, str]] = {
+    "exact-jacobi": (
         "C. G. J. Jacobi, Sur la rotation d'un corps, J. reine angew. Math. 39 (1850) 293-350",
         "10.1515/crll.1850.39.293",
     ),
-    "spin": (
-        "euler",
+    "exact-klein": (
+        "F. Klein, A. Sommerfeld, Über die Theorie des Kreisels, Teubner (1897-1910)",
+        "",
+    ),
+    "exact-euler": (
         "L. Euler, Du mouvement de rotation des corps solides autour d'un axe variable, "
         "Mém. Acad. Sci. Berlin 14 (1765) 154-193",
         "",
     ),
-    "lagrange": (
-        "klein",
-        "F. Klein, A. Sommerfeld, Über die Theorie des Kreisels, Teubner (1897-1910)",
-        "",
-    ),
 }
-"""Key, reference and DOI of the closed forms."""
+"""Reference and DOI of the closed forms."""
 
 INDICATORS: Mapping[str, tuple[str, str]] = {
     "lyapunov": (
@@ -107,11 +104,11 @@ LINES: Mapping[str, tuple[str, str]] = {
 """Reference and DOI of the method and the drift of :func:`frequencies`."""
 
 _OF_FORM: Mapping[str, str] = {
-    "axis spin": "spin",
-    "free symmetric": "spin",
-    "free asymmetric": "free",
-    "lagrange": "lagrange",
-    "pendulum": "lagrange",
+    "axis spin": "exact-euler",
+    "free symmetric": "exact-euler",
+    "free asymmetric": "exact-jacobi",
+    "lagrange": "exact-klein",
+    "pendulum": "exact-klein",
 }
 
 
@@ -147,24 +144,24 @@ def cite(used: Used) -> str:
     """
     names, forms = _used(used)
     known = {method.name: method for method in methods()}
-    entries = [_software()]
+    found: dict[str, tuple[str, str]] = {}
     for name in names:
         if name not in known:
             raise ValueError(
                 f"used = {brief(name)}: must be a result, a plan, 'exact' or one of "
                 f"{', '.join(known)}"
             )
-        entries.append(_entry(f"rigid-{name}", known[name].citation, known[name].doi))
-    for form in sorted({_OF_FORM[form] for form in forms}):
-        key, note, doi = CLOSED_FORMS[form]
-        entries.append(_entry(f"rigid-exact-{key}", note, doi))
+        found[name] = known[name].citation, known[name].doi
+    closed = {_OF_FORM[form] for form in forms}
+    found |= {key: of for key, of in CLOSED_FORMS.items() if key in closed}
     if hasattr(used, "log_growth") or _has_deviation(used):
-        entries += [_entry(f"rigid-{name}", *of) for name, of in INDICATORS.items()]
+        found |= INDICATORS
     if hasattr(used, "grazing"):
-        entries += [_entry(f"rigid-{name}", *of) for name, of in SECTIONS.items()]
+        found |= SECTIONS
     if _is_of_lines(used):
-        entries += [_entry(f"rigid-{name}", *of) for name, of in LINES.items()]
-    return "\n\n".join(entries)
+        found |= LINES
+    entries = [_entry(key, note, doi) for key, (note, doi) in found.items()]
+    return "\n\n".join([_software(), *entries])
 
 
 def _has_deviation(used: object) -> bool:
@@ -206,7 +203,7 @@ def _software() -> str:
 
 
 def _entry(key: str, note: str, doi: str) -> str:
-    lines = [f"@misc{{{key},", f"  note = {{{note}}},"]
+    lines = [f"@misc{{rigid-{key},", f"  note = {{{note}}},"]
     if doi:
         lines.append(f"  doi = {{{doi}}},")
     return "\n".join([*lines, "}"])

@@ -86,9 +86,14 @@ def checked_progress(option: object) -> None:
 
 @contextmanager
 def reporting(
-    option: ProgressOption, total: int, *, unit: str = " bodies", who: str = ""
-) -> Iterator[Callable[[Progress], object]]:
-    """The function to call with a :class:`Progress` after each part.
+    option: ProgressOption,
+    total: int,
+    *,
+    unit: str = " bodies",
+    who: str = "",
+    begun: float | None = None,
+) -> Iterator[Callable[..., None]]:
+    """The function to call with the number that is done, and of failures, after each part.
 
     Parameters
     ----------
@@ -102,6 +107,8 @@ def reporting(
         Name of the counted unit.
     who : str
         How a line begins.
+    begun : float, optional
+        When the work began, by ``time.perf_counter``; by default now.
 
     Raises
     ------
@@ -111,9 +118,16 @@ def reporting(
         For any other option.
     """
     checked_progress(option)
+    begun = time.perf_counter() if begun is None else begun
     _showing.depth = _depth() + 1
+
+    def tell(done: int, failures: int = 0) -> None:
+        elapsed = time.perf_counter() - begun
+        show(Progress(done=done, total=max(total, done), elapsed=elapsed, failures=failures))
+
     try:
-        yield from _reporters(option, total, unit, who)
+        with _shown(option, total, unit, who) as show:
+            yield tell
     finally:
         _showing.depth -= 1
 
@@ -126,7 +140,8 @@ def _depth() -> int:
     return getattr(_showing, "depth", 0)
 
 
-def _reporters(
+@contextmanager
+def _shown(
     option: ProgressOption, total: int, unit: str, who: str
 ) -> Iterator[Callable[[Progress], object]]:
     if callable(option):
@@ -203,7 +218,7 @@ class Listening:
         "_stack",
     )
 
-    _report: Callable[[Progress], object]
+    _report: Callable[..., None]
 
     def __init__(self, option: ProgressOption, runs: int = 1) -> None:
         if option is not None:
@@ -238,7 +253,8 @@ class Listening:
             if self._option is None and time.perf_counter() - self._begun < SHOWN_AFTER:
                 return
             self._stack = ExitStack()
-            self._report = self._stack.enter_context(reporting(self._option, 100, unit="%"))
+            shown = reporting(self._option, 100, unit="%", begun=self._begun)
+            self._report = self._stack.enter_context(shown)
             self._last, self._number, self._done = 0.0, 0, 0
         self._number += share < self._last
         self._last = share
@@ -246,8 +262,7 @@ class Listening:
 
     def _tell(self, done: int) -> None:
         self._done = max(done, self._done)
-        elapsed = time.perf_counter() - self._begun
-        self._report(Progress(done=self._done, total=100, elapsed=elapsed, failures=0))
+        self._report(self._done)
 
 
 class Interrupted(KeyboardInterrupt):

@@ -1,7 +1,8 @@
-"""How results with arrays print themselves: small numbers in full, large arrays by their shape."""
+"""How results print themselves: small arrays in full, large ones by their shape, tables aligned."""
 
 from __future__ import annotations
 
+from collections.abc import Container, Sequence
 from dataclasses import fields, is_dataclass
 from typing import Any, TypeVar
 
@@ -34,3 +35,15 @@ def _short(value: Any) -> str:
     if value.size > MOST:
         return f"<{value.dtype.name} of shape {value.shape}>"
     return repr(value.tolist())
+
+
+def aligned(rows: Sequence[Sequence[str]], right: Container[int] = ()) -> list[str]:
+    """Lines of the cells side by side, to the left, but those of some columns to the right."""
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    return [
+        "  ".join(
+            cell.rjust(width) if k in right else cell.ljust(width)
+            for k, (cell, width) in enumerate(zip(cells, widths, strict=True))
+        ).rstrip()
+        for cells in rows
+    ]

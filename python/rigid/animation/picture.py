@@ -5,7 +5,6 @@ from __future__ import annotations
 import shutil
 import subprocess
 import tempfile
-import time
 from collections.abc import Sequence
 from io import BytesIO
 from pathlib import Path
@@ -15,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from .._checks.progress import Progress, ProgressOption, reporting
+from .._checks.progress import ProgressOption, reporting
 from ..drawing.colours import NEUTRAL
 from ..drawing.figure import new_figure
 from .film import Film
@@ -83,7 +82,6 @@ def _images(
     font = findfont("DejaVu Sans")
     large, small = (ImageFont.truetype(font, round(share * size / 480)) for share in (15, 11))
     images: list[Image.Image] = []
-    started = time.monotonic()
     with reporting(progress, len(frames), unit=" frames") as report:
         for done, k in enumerate(frames.tolist(), 1):
             if done > 1 and k == frames[done - 2]:
@@ -102,8 +100,7 @@ def _images(
             clock = f"t = {films[0].t[k]:.{films[0].digits}f} s"
             pen.text((8, size - 8), clock, NEUTRAL, small, "ls")
             images.append(image)
-            passed = time.monotonic() - started
-            report(Progress(done=done, total=len(frames), elapsed=passed, failures=0))
+            report(done)
     return images
 
 

@@ -37,10 +37,13 @@ from ..sections.crossings import Crossings
 from ..sections.poincare import poincare
 from ..sections.starts import on_surface
 from ..solve.plan import Plan, memory_words
-from ..store.call import foreseen, run_map
+from ..store.call import run_map
 from ..store.result import StabilityMap, load_map
-from .exit_codes import DONE, REFUSED, SAYS_NO, WRITE_ERROR
 from .output import (
+    DONE,
+    REFUSED,
+    SAYS_NO,
+    WRITE_ERROR,
     Target,
     complain,
     finished,
@@ -50,7 +53,7 @@ from .output import (
     target_of,
 )
 from .parser import make_parser
-from .running_maps import compute_stored, default_stem, open_and_go_on, require_shared, run
+from .running_maps import computed, require_shared, run
 from .toml_map import NamedSpec, read_spec
 from .toml_report import read_report
 from .toml_section import SectionSpec, read_section
@@ -82,7 +85,7 @@ _COPIED = {"map": "thrown-box", "section": "kovalevskaya", "report": "lagrange-t
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command line; returns the exit code, one of :data:`.exit_codes.EXIT_CODES`.
+    """Run the command line; returns the exit code, one of :data:`.output.EXIT_CODES`.
 
     Parameters
     ----------
@@ -92,7 +95,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if isinstance(sys.stdout, TextIOWrapper):
         sys.stdout.reconfigure(errors="backslashreplace")  # as stderr: a terminal may be ASCII
     with heeding_signals() as interrupted, warnings.catch_warnings():
-        warnings.showwarning = _show_warning
+        # Without the place in the code of rigid.
+        warnings.showwarning = lambda message, *_, **__: complain(f"warning: {message}")
         try:
             parser = make_parser()
             options = parser.parse_args(arguments)
@@ -126,11 +130,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
             return interrupted()
 
 
-def _show_warning(message: Warning | str, *_where: object, **_more: object) -> None:
-    """A warning as a line of the command, without the place in the code of rigid."""
-    complain(f"warning: {message}")
-
-
 def _map(options: argparse.Namespace) -> int:
     named = _named_map(options.map, options.changes)
     spec = named.spec
@@ -155,8 +154,8 @@ def _map(options: argparse.Namespace) -> int:
     if not options.json:
         say(_lines(_planned(map_plan(spec))))
     if options.store is not None:
-        stored = compute_stored(spec, options, seeded=seeded)
-        return _finished_map(stored, target, named.name, options)
+        into = {"spec": spec, "store": options.store, "seeded": seeded}
+        return _finished_map(computed(options, run_map, **into), target, named.name, options)
     result = run_map(spec, threads=threads, progress=options.progress, partial=True)
     return _finished_map(result, target, named.name, options)
 
@@ -170,7 +169,9 @@ def _checked(
     seeded: bool,
 ) -> int:
     """Tell the plan of a map, its cost by some bodies, and the files that it would write."""
-    call = foreseen(spec, store=options.store, seeded=seeded, threads=threads, part=options.part)
+    from ..store.status import foresee
+
+    call = foresee(spec, store=options.store, seeded=seeded, threads=threads, part=options.part)
     sizes = {"data": file_size(spec)}
     files = {"data": str(target.data), "picture": str(target.picture), "store": options.store}
     if options.store is not None:
@@ -234,9 +235,13 @@ def _explore(options: argparse.Namespace) -> int:
 
 
 def _resume(options: argparse.Namespace) -> int:
-    stem = default_stem(options.store)
-    target = target_of(options.out, stem, ".npz", force=options.force)
-    return _finished_map(open_and_go_on(options), target, Path(stem).name, options)
+    from ..store.store import open_store
+
+    stem = Path(options.store.rstrip("/")).with_suffix("")
+    target = target_of(options.out, str(stem), ".npz", force=options.force)
+    require_readable(options.store)
+    result = computed(options, open_store(options.store).resume)
+    return _finished_map(result, target, stem.name, options)
 
 
 def _map_facts(name: str, result: StabilityMap) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""What a command prints and writes: the data first, then words, then the picture."""
+"""What a command prints, writes and returns: the data first, then words, then the picture."""
 
 from __future__ import annotations
 
@@ -10,18 +10,37 @@ from collections.abc import Callable, Mapping
 from io import BytesIO
 from pathlib import Path
 from textwrap import fill
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from .._checks.progress import interruptible, terminal_columns
 from .._files import published, require_replaceable
 
+DONE, SAYS_NO, REFUSED, WRITE_ERROR, UNFINISHED = 0, 1, 2, 74, 75
+
+EXIT_CODES: Mapping[str, str] = {
+    f"{DONE}": "done; also a map whose budget is spent",
+    f"{SAYS_NO}": (
+        "done, and the result says no: extremes found an undetected error, validation an "
+        "unexplained difference, diff a difference, verify other numbers or damage, status "
+        "damage; or units of a stored map were given up"
+    ),
+    f"{REFUSED}": "refused before any work: the call or its input is wrong, or a file is missing",
+    f"{WRITE_ERROR}": "a file or the output could not be written: the disk is full, for example",
+    f"{UNFINISHED}": (
+        "not finished: other parts of a stored map are missing, or pack wrote nothing because "
+        "pixels are missing (--partial writes them)"
+    ),
+    "130, 143": "ended by Ctrl-C or SIGTERM; what was done is written",
+}
+"""What each exit code says; an interrupted command ends with 128 and the number of the signal."""
+
 PICTURES = (".png", ".pdf", ".svg", ".eps", ".jpg", ".jpeg", ".tif", ".tiff", ".webp")
 """Suffixes of pictures that Matplotlib can write."""
 
 
-class Target:
+class Target(NamedTuple):
     """The two files of a command.
 
     Attributes
@@ -29,11 +48,8 @@ class Target:
     data, picture : Path
     """
 
-    __slots__ = ("data", "picture")
-
-    def __init__(self, stem: Path, data: str, picture: str) -> None:
-        self.data = stem.with_name(stem.name + data)
-        self.picture = stem.with_name(stem.name + picture)
+    data: Path
+    picture: Path
 
 
 def target_of(out: str | None, name: str, data: str, *, force: bool) -> Target:
@@ -54,8 +70,8 @@ def target_of(out: str | None, name: str, data: str, *, force: bool) -> Target:
         stem = stem.with_suffix("")
     if not stem.name:
         raise ValueError(f"--out: {str(stem)!r} names a directory, not a file")
-    target = Target(stem, data, picture)
-    for path in (target.data, target.picture):
+    target = Target(*(stem.with_name(stem.name + suffix) for suffix in (data, picture)))
+    for path in target:
         require_new(path, "--out", force=force)
     if not stem.parent.is_dir():
         raise ValueError(f"--out: there is no directory {str(stem.parent)!r}")
@@ -100,13 +116,9 @@ def print_list(lines: Mapping[str, Any], *, as_json: bool) -> None:
         say(_json(lines))
         return
     width = max(map(len, lines)) + 2
-    say("\n".join(f"{name:<{width}}{_words(value)}" for name, value in lines.items()))
-
-
-def _words(value: object) -> str:
-    if isinstance(value, (list, tuple)):
-        return ", ".join(map(str, value))
-    return "unknown" if value is None else str(value)
+    for name, value in lines.items():
+        words = ", ".join(map(str, value)) if isinstance(value, (list, tuple)) else value
+        say(f"{name:<{width}}{'unknown' if words is None else words}")
 
 
 def _json(facts: Mapping[str, Any]) -> str:
@@ -166,7 +178,7 @@ def finished(
         raise OSError(f"{error}; {safe}") from None
     if not ended:
         raise KeyboardInterrupt(f"interrupted; the {what} written is partial")
-    return 0
+    return DONE
 
 
 def _saved(save: Callable[[Path], Path], data: Path, what: str) -> Path:

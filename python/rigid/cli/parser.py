@@ -11,8 +11,7 @@ from typing import NoReturn
 from .._checks.arguments import nearest, of_known
 from .._core import __version__
 from ..reports.compute import LONG_SECONDS, SECONDS
-from .exit_codes import EXIT_CODES, REFUSED
-from .output import complain
+from .output import EXIT_CODES, REFUSED, complain
 
 _FOLDER = "folder of a running map"
 
@@ -74,12 +73,6 @@ class Parser(argparse.ArgumentParser):
             for name, parser in action.choices.items()
         }
 
-    def _options(self) -> list[str]:
-        """The long options of this parser and of its commands."""
-        own = [name for name in self._option_string_actions if name.startswith("--")]
-        parsers = self.commands().values()
-        return own + [name for parser in parsers for name in parser._option_string_actions]
-
     def error(self, message: str) -> NoReturn:
         """End with exit code 2 and one line."""
         if found := re.fullmatch(
@@ -91,7 +84,8 @@ class Parser(argparse.ArgumentParser):
             kind = "whole" if found[2] == "int" else "real"
             message = f"{found[1]} = {found[3]}: must be a {kind} number"
         elif found := re.fullmatch(r"unrecognized arguments: (-\S+).*", message):
-            options = self._options()
+            parsers = [self, *self.commands().values()]
+            options = [name for one in parsers for name in one._option_string_actions]
             hint = "" if found[1] in options else nearest(found[1], options)
             message = f"{found[1]}: this command has no such option{hint}"
         elif found := re.fullmatch(r"the following arguments are required: (.*)", message):
@@ -100,20 +94,16 @@ class Parser(argparse.ArgumentParser):
         self.exit(REFUSED)
 
 
-def _exit_codes() -> str:
-    """The table of exit codes, wrapped."""
-    return "\n".join(
+def make_parser() -> Parser:
+    """The parser of the command line."""
+    codes = "\n".join(
         fill(words, 78, initial_indent=f"  {code:<10}", subsequent_indent=" " * 12)
         for code, words in EXIT_CODES.items()
     )
-
-
-def make_parser() -> Parser:
-    """The parser of the command line."""
     parser = Parser(
         prog="rigid",
         description="How rigid bodies rotate, and which of these motions are stable.",
-        epilog=f"examples:\n{_EXAMPLES['']}\nexit codes:\n{_exit_codes()}",
+        epilog=f"examples:\n{_EXAMPLES['']}\nexit codes:\n{codes}",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("--version", action="version", version=f"rigid {__version__}")

@@ -40,7 +40,7 @@ def parse_report(
     run = document.table("run")
     return run.call(
         make_spec,
-        read={"t_end": _nothing} if long else {},
+        read={"t_end": lambda *_: None} if long else {},
         defaults={"revolutions": REVOLUTIONS} if long else {},
         needed=() if long or "revolutions" in run else ("t_end",),
         scene=scene,
@@ -48,7 +48,3 @@ def parse_report(
         attitude=grid.attitude[0],
         title=document.text("title"),
     )
-
-
-def _nothing(*_: object) -> None:
-    """The argument of a key that does not matter."""

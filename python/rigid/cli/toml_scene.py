@@ -106,13 +106,9 @@ KINDS: Mapping[str, Callable[..., Scene]] = {
 """What the key ``kind`` of a scene names."""
 
 
-def _orbit(table: Table, key: str) -> Orbit:
-    return table.table(key).call(Orbit)
-
-
 _READ: Mapping[str, Callable[[Table, str], Any]] = {
     **{name: lambda table, key: FORCES[key].of_data(table[key]) for name in FORCES},
-    "orbit": _orbit,
+    "orbit": lambda table, key: table.table(key).call(Orbit),
 }
 
 
@@ -165,10 +161,6 @@ def _noise(axes: Collection[str], kappa: str, table: Table, key: str) -> Noise:
     return noise.choose("kind", NOISES, defaults=varied)
 
 
-def _joined(join: Callable[[Criterion, Criterion], Criterion], parts: list[Criterion]) -> Criterion:
-    return reduce(join, parts)
-
-
 def read_criterion(table: Table, depth: int = 1) -> Criterion:
     """The criterion of a table, or the joined criteria under ``all``, ``any`` or ``not``."""
     if depth > MOST_DEPTH:
@@ -179,7 +171,8 @@ def read_criterion(table: Table, depth: int = 1) -> Criterion:
             parts = [read_criterion(part, depth + 1) for part in table.tables(key)]
             if len(parts) < 2:
                 raise table.error(f"{key}: joins two criteria or more")
-            return table.build(partial(_joined, join, parts))
+            joined: Criterion = table.build(partial(reduce, join, parts))
+            return joined
     if "not" in table:
         table.only("not")
         part = read_criterion(table.table("not"), depth + 1)

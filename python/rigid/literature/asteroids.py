@@ -60,9 +60,6 @@ ENTRIES = (
         quantity="(4179) Toutatis: period of the rotation about the long axis, from its state in "
         "1992",
         printed="5.38 ± 0.03",
-        value=5.38,
-        within=0.03,
-        interval="stated error",
         unit="d",
         source=ZHAO,
         seen=TAKAHASHI_STATE,
@@ -73,9 +70,6 @@ ENTRIES = (
         quantity="(4179) Toutatis: period of the precession of the long axis, from its state in "
         "1992",
         printed="7.40 ± 0.03",
-        value=7.40,
-        within=0.03,
-        interval="stated error",
         unit="d",
         source=ZHAO,
         seen=TAKAHASHI_STATE,
@@ -86,7 +80,6 @@ ENTRIES = (
         quantity="(4179) Toutatis: period of the rotation about the long axis, from the first "
         "published state",
         printed="5.41",
-        value=5.41,
         within=0.02,
         interval="error 0.01 of the ratios of moments, rounding of the rates",
         unit="d",
@@ -99,7 +92,6 @@ ENTRIES = (
         quantity="(4179) Toutatis: period of the precession of the long axis, from the first "
         "published state",
         printed="7.35",
-        value=7.35,
         within=0.02,
         interval="error 0.01 of the ratios of moments, rounding of the rates",
         unit="d",
@@ -112,8 +104,6 @@ ENTRIES = (
         quantity="(99942) Apophis: energy over the least energy with its angular momentum, from "
         "its periods 27.38 h and 263 h",
         printed="1.024 ± 0.013",
-        value=1.024,
-        within=0.013,
         interval="stated error (3 sigma)",
         source=PRAVEC,
         seen="energy: the abstract; ratios of moments 0.61 and 0.965 and the periods: from memory "
@@ -125,9 +115,6 @@ ENTRIES = (
         quantity="asteroid of 1 km, of 2000 kg/m³, mu Q = 5e11 Pa and K3² = 0.03: period of "
         "rotation whose nutation is damped in 1e9 years",
         printed="17",
-        value=17.0,
-        within=0.5,
-        interval="rounding",
         unit="h",
         source="A. W. Harris, Tumbling asteroids, Icarus 107 (1994) 209-211, from the formula of "
         "J. A. Burns, V. S. Safronov, Mon. Not. R. Astron. Soc. 165 (1973) 403-411",

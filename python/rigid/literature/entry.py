@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import nan
+from math import isnan, nan
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -21,9 +21,10 @@ class Entry:
     printed : str
         The number or the formula as the source has it.
     value : float
-        The number; of a formula its value for the body of the entry.
+        The number, by default the printed one; of a formula its value for the body of the entry.
     within : float
-        Largest difference from the number that counts as agreement.
+        Largest difference from the number that counts as agreement, by default the printed error,
+        or half a unit of the last printed digit.
     interval : str
         Where ``within`` comes from: the stated error, the rounding of the printed number, or the
         error of the computation.
@@ -44,15 +45,27 @@ class Entry:
     name: str
     quantity: str
     printed: str
-    value: float
-    within: float
-    interval: str
+    value: float = nan
+    within: float = nan
+    interval: str = ""
     unit: str = ""
     source: str
     seen: str
     compute: Callable[[], float]
     reason: str = ""
     model: float = nan
+
+    def __post_init__(self) -> None:
+        if self.digits is None:
+            return
+        _, _, error = self.printed.partition(" ± ")
+        decimals = len(self.digits.partition(".")[2])
+        if isnan(self.value):
+            object.__setattr__(self, "value", float(self.digits))
+        if isnan(self.within):
+            object.__setattr__(self, "within", float(error or f"5e-{decimals + 1}"))
+        if not self.interval:
+            object.__setattr__(self, "interval", "stated error" if error else "rounding")
 
     @property
     def digits(self) -> str | None:

@@ -155,7 +155,6 @@ ENTRIES = (
         quantity="thin plate, thrown with a small wobble: rate of the wobble over the spin, from "
         "its motion",
         printed="2",
-        value=2.0,
         within=WOBBLE**2,
         interval="size of the wobble",
         source="S. Tuleja, B. Gazovic, A. Tomori, J. Hanc, Feynman's wobbling plate, Am. J. Phys. "

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from .._checks.arguments import one_of
-from .._checks.progress import Progress, ProgressOption, reporting
+from .._checks.progress import ProgressOption, reporting
+from .._checks.shown import aligned
 from ..drawing.figure import html_table
 from . import asteroids, earth, free_bodies, heavy_tops, moons, spin_orbit
 from .entry import Entry
@@ -112,14 +113,7 @@ class Validation:
     def __str__(self) -> str:
         """A table: a row for each number; below, why models differ."""
         table = [HEADER, *(row.cells() for row in self.rows)]
-        widths = [max(len(cells[k]) for cells in table) for k in range(len(HEADER))]
-        lines = [
-            "  ".join(
-                cell.rjust(width) if 1 <= k <= 4 else cell.ljust(width)
-                for k, (cell, width) in enumerate(zip(cells, widths, strict=True))
-            ).rstrip()
-            for cells in table
-        ]
+        lines = aligned(table, right=range(1, 5))
         reasons = [f"{row.entry.name}: {row.entry.reason}" for row in self.rows if row.entry.reason]
         return "\n".join([*lines, *([""] if reasons else []), *reasons])
 
@@ -156,12 +150,11 @@ def validation(
     wanted = list(known) if names is None else [names] if isinstance(names, str) else list(names)
     chosen = [known[one_of("names", name, known)] for name in wanted]
     rows: list[Compared] = []
-    begun = time.perf_counter()
     with reporting(progress, len(chosen), unit=" numbers") as report:
         for done, entry in enumerate(chosen, start=1):
-            start = time.perf_counter()
+            begun = time.perf_counter()
             number = entry.compute()
-            now = time.perf_counter()
-            rows.append(Compared(entry=entry, number=number, seconds=now - start))
-            report(Progress(done=done, total=len(chosen), elapsed=now - begun, failures=0))
+            seconds = time.perf_counter() - begun
+            rows.append(Compared(entry=entry, number=number, seconds=seconds))
+            report(done)
     return Validation(tuple(rows))

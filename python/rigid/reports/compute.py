@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from .. import _core
 from .._checks.arguments import finite_float
-from .._checks.progress import Interrupted, Progress, ProgressOption, reporting
+from .._checks.progress import Interrupted, ProgressOption, reporting
 from ..model.scene import Scene
 from ..model.seed import seed_from
 from ..solve.methods import EXACT, run_methods
@@ -262,15 +262,14 @@ def hundredths(
 ) -> Iterator[Callable[[float], None]]:
     """The function to call with the completed share of the work; the share never decreases."""
     done = 0
-    with reporting(progress, 100, unit="%") as tell:
+    with reporting(progress, 100, unit="%", begun=begun) as tell:
 
         def told(share: float) -> None:
             nonlocal done
             hundredths = min(100, int(100.0 * share))
             if hundredths > done:
                 done = hundredths
-                elapsed = time.perf_counter() - begun
-                tell(Progress(done=done, total=100, elapsed=elapsed, failures=failures()))
+                tell(done, failures())
 
         yield told
 

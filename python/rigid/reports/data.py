@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Self, TypeVar
 from .._checks.arguments import brief, finite_float, one_line
 from .._files import published
 from ..solve.methods import EXACT
-from .reference import Reference
+from .reference import Reference, Unbounded
 from .spec import ReportSpec
 
 if TYPE_CHECKING:
@@ -79,13 +79,13 @@ class Row:
     nanoseconds: float
     spread: float | None
     total: float
-    error: float
-    worst: float
-    rates_error: float
-    attitude_error: float
-    phase: float
-    energy_drift: float
-    momentum_drift: float
+    error: Unbounded
+    worst: Unbounded
+    rates_error: Unbounded
+    attitude_error: Unbounded
+    phase: Unbounded
+    energy_drift: Unbounded
+    momentum_drift: Unbounded
     order: float | None
     mark: str
 
@@ -109,12 +109,12 @@ class ReportData:
     """The numbers of a report; :class:`rigid.Report` describes the attributes."""
 
     spec: ReportSpec
+    machine: Mapping[str, str]
+    references: tuple[Reference, ...]
     rows: tuple[Row, ...]
     same: Mapping[str, tuple[str, ...]]
-    references: tuple[Reference, ...]
     refused: Mapping[str, str]
     ended: Mapping[str, str]
-    machine: Mapping[str, str]
     complete: bool
     rounds: int
     elapsed: float
@@ -250,16 +250,11 @@ class ReportData:
         return {
             "format": FORMAT,
             "format_version": FORMAT_VERSION,
+            **{field.name: getattr(self, field.name) for field in dataclasses.fields(self)},
             "spec": self.spec.to_dict(),
-            "machine": dict(self.machine),
             "references": [_bounded(reference) for reference in self.references],
             "rows": [_bounded(row) for row in self.rows],
             "same": {name: list(others) for name, others in self.same.items()},
-            "refused": dict(self.refused),
-            "ended": dict(self.ended),
-            "complete": self.complete,
-            "rounds": self.rounds,
-            "elapsed": self.elapsed,
         }
 
     def to_json(self) -> str:
@@ -351,25 +346,11 @@ def _names(data: Mapping[str, Any]) -> dict[str, tuple[str, ...]]:
     return {method: tuple(names) for method, names in data.items()}
 
 
-_UNBOUNDED = (
-    "error",
-    "worst",
-    "rates_error",
-    "attitude_error",
-    "phase",
-    "energy_drift",
-    "momentum_drift",
-    "uncertainty",
-)
-
-_OPTIONAL = ("step", "angle", "spread", "order")
-
-
 def _bounded(one: Row | Reference) -> dict[str, Any]:
     """The fields of a row or a reference; what is infinite becomes None."""
-    fields = dataclasses.asdict(one)
-    lost = {n: None for n in _UNBOUNDED if n in fields and not math.isfinite(fields[n])}
-    return fields | lost
+    values = dataclasses.asdict(one)
+    lost = [k for k, v in values.items() if isinstance(v, float) and not math.isfinite(v)]
+    return values | dict.fromkeys(lost)
 
 
 Fields = TypeVar("Fields", Row, Reference)
@@ -377,15 +358,16 @@ Fields = TypeVar("Fields", Row, Reference)
 
 def _read(kind: type[Fields], data: Mapping[str, Any]) -> Fields:
     values = dict(data)
+    types = {field.name: str(field.type) for field in dataclasses.fields(kind)}
     for name, value in values.items():
-        if name in ("method", "mark"):
+        if types.get(name) == "str":
             if not isinstance(value, str):
                 raise TypeError(f"{name} = {brief(value)}: must be a string")
         elif value is not None:
             finite_float(name, value, nonnegative=name != "order", positive=name == "nanoseconds")
-        elif name in _UNBOUNDED:
+        elif types.get(name) == "Unbounded":
             values[name] = math.inf
-        elif name not in _OPTIONAL:
+        elif "None" not in types.get(name, ""):
             raise TypeError(f"{name} = None: must be a number")
     return kind(**values)
 

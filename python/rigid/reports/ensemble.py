@@ -9,7 +9,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .. import _core
 from ..solve.methods import EXACT, order_of
 from ..solve.run import Run
 from ..solve.simulate import simulate
@@ -120,11 +119,6 @@ class Ensemble:
         arrived = np.isin(run.status, ARRIVED)
         known = arrived & np.isfinite(of_rates) & np.isfinite(of_attitude)
         return np.where(known, of_rates, np.inf), np.where(known, of_attitude, np.inf)
-
-    def rounding(self) -> Floats:
-        """Rounding error of the attitude of each body at the end, as plans estimate it (rad)."""
-        left: Floats = _core.ROUNDING * (1.0 + self.rates * self.spec.t_end)
-        return left
 
 
 def ensemble_of(spec: ReportSpec, t_end: float | None = None) -> Ensemble:

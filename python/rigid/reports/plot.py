@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, TypeAlias
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,8 +30,7 @@ Name: TypeAlias = tuple[Floats, Floats]
 """The middle of a name and half its size, in shares of the axes."""
 
 
-@dataclass(frozen=True, slots=True)
-class Family:
+class Family(NamedTuple):
     """Methods of one kind, with one colour in all pictures."""
 
     name: str
@@ -103,11 +102,7 @@ def plot_report(report: ReportData, *, ax: Axes | None = None) -> Any:
     ax.set_xlabel(f"processor time per body and {spec.unit} of motion (ns)")
     ax.set_ylabel(f"error of the state at t = {spec.t_end:g} {spec.unit}")
     ax.set_title(_title(report), loc="left", fontsize="medium")
-    lines = {
-        method: [(row.nanoseconds, row.error) for row in report.of(method) if row.error > 0.0]
-        for method in report.methods
-    }
-    _draw_trade_off(ax, lines, reference=report.reference)
+    _draw_trade_off(ax, _lines(report, "error"), reference=report.reference)
     return ax
 
 
@@ -128,23 +123,30 @@ def _plot_growth(report: ReportData, ax: Axes | None) -> NDArray[Any]:
         upper.set_title(f"error of the {LABELS[name]}, {over}", fontsize="small")
         upper.set_xlabel("processor time per body and revolution (ns)", fontsize="small")
         lower.set_xlabel(f"revolutions, in at most {most} ns each", fontsize="small")
-        lines = {
-            method: [
-                (spec.time_of(row.nanoseconds), error)
-                for row in report.of(method)
-                if (error := getattr(row, ERRORS[name])) > 0.0
-            ]
-            for method in report.methods
-        }
         known = None
         if name == "phase" and reference.method:
             known = replace(reference, uncertainty=reference.worst)
         times = [spec.time_of(row.nanoseconds) for row in report.rows] or [1.0]
+        lines = _lines(report, ERRORS[name], spec.time_of)
         _draw_trade_off(upper, lines, reference=known, times=(min(times), max(times)))
         _draw_growth(lower, report, ERRORS[name])
         for one in (upper, lower):
             one.tick_params(labelsize="small")
     return grid
+
+
+def _lines(
+    report: ReportData, error: str, time_of: Callable[[float], float] = float
+) -> dict[str, Points]:
+    """Time, by default for a unit of time of the motion, and error of the rows of each method."""
+    return {
+        method: [
+            (time_of(row.nanoseconds), getattr(row, error))
+            for row in report.of(method)
+            if getattr(row, error) > 0.0
+        ]
+        for method in report.methods
+    }
 
 
 def _draw_growth(ax: Axes, report: ReportData, error: str) -> None:
@@ -382,13 +384,8 @@ def _title(report: ReportData) -> str:
     if spec.revolutions:
         which, title = "largest", f"{spec.title or spec.scene.words()}: the long run"
         bands = "grey bands: Pareto fronts"
-    detail = f"{which} of {spec.bodies} bodies, {_machine(report.machine)}"
+    cpu, isa = report.machine.get("cpu", "?"), report.machine.get("isa")
+    detail = f"{which} of {spec.bodies} bodies, one core of {cpu}{f' ({isa})' if isa else ''}"
     if not report.complete:
         detail += "; partial"
     return f"{title}\n{detail}; {bands}"
-
-
-def _machine(machine: Mapping[str, str]) -> str:
-    """The core that measured."""
-    isa = f" ({machine['isa']})" if machine.get("isa") else ""
-    return f"one core of {machine.get('cpu', '?')}{isa}"

@@ -6,11 +6,12 @@ import math
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
+from .. import _core
 from ..solve.methods import EXACT, order_of
 from ..solve.run import Run
 from ..solve.simulate import simulate
@@ -32,6 +33,10 @@ LOST = 1.0
 """A reference that may be off by more (rad) is lost, and none is looked for over a longer time."""
 
 
+Unbounded: TypeAlias = float
+"""An error, which is infinite where nothing is known; a file has null for it."""
+
+
 @dataclass(frozen=True, slots=True)
 class Reference:
     """The solution against which errors are measured.
@@ -51,8 +56,8 @@ class Reference:
 
     method: str
     steps: int
-    uncertainty: float
-    worst: float
+    uncertainty: Unbounded
+    worst: Unbounded
 
 
 UNKNOWN = Reference("", 0, math.inf, math.inf)
@@ -150,5 +155,6 @@ def _in_two_evaluations(ensemble: Ensemble, truth: Run) -> Floats:
 
 
 def _reference(method: str, steps: int, apart: Floats, ensemble: Ensemble) -> Reference:
-    off = np.maximum(apart, ensemble.rounding())
+    turned = ensemble.rates * ensemble.spec.t_end
+    off = np.maximum(apart, _core.ROUNDING * (1.0 + turned))  # as plans estimate rounding
     return Reference(method, steps, float(np.median(off)), float(off.max()))

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any
 
 from numpy.typing import ArrayLike
@@ -90,29 +90,16 @@ class ReportSpec:
 
     def to_dict(self) -> dict[str, Any]:
         """The specification as a JSON-able dictionary; :meth:`from_dict` reads it."""
-        return {
-            "scene": self.scene.to_dict(),
-            "omega": list(self.omega),
-            "attitude": list(self.attitude),
-            "t_end": self.t_end,
-            "methods": list(self.methods),
-            "bodies": self.bodies,
-            "errors": list(self.errors),
-            "seed": self.seed,
-            "unit": self.unit,
-            "title": self.title,
-            "revolutions": list(self.revolutions),
-            "version": self.version,
-        }
+        values = {field.name: getattr(self, field.name) for field in fields(self)}
+        lists = {name: list(one) for name, one in values.items() if isinstance(one, tuple)}
+        return {**values, **lists, "scene": self.scene.to_dict()}
 
     @classmethod
     def from_dict(cls, data: Mapping[str, Any]) -> ReportSpec:
         """The specification that :meth:`to_dict` described; its methods need not exist here."""
-        values = dict(data)
-        values["scene"] = scene_from_dict(values["scene"])
-        for name in ("omega", "attitude", "methods", "errors", "revolutions"):
-            values[name] = tuple(values[name])
-        return cls(**values)
+        scene = scene_from_dict(data["scene"])
+        tuples = {name: tuple(one) for name, one in data.items() if isinstance(one, list)}
+        return cls(**{**data, **tuples, "scene": scene})
 
     def to_json(self) -> str:
         """The specification as JSON text; floats keep all their digits."""
@@ -193,12 +180,7 @@ def _methods(methods: Iterable[str] | None, *, closed_form: bool) -> tuple[str, 
 
 
 def _revolutions(revolutions: ArrayLike) -> tuple[float, ...]:
-    array = numbers("revolutions", revolutions)
-    if array.ndim != 1 or not array.size:
-        raise ValueError(
-            f"revolutions: expected shape (m,) with at least one number, got {array.shape}"
-        )
-    values: list[float] = array.tolist()
+    values = _some("revolutions", "number", revolutions)
     for k, value in enumerate(values):
         before = values[k - 1] if k else 0.0
         if not before < value <= MOST_REVOLUTIONS:
@@ -210,10 +192,7 @@ def _revolutions(revolutions: ArrayLike) -> tuple[float, ...]:
 
 
 def _errors(errors: ArrayLike) -> tuple[float, ...]:
-    array = numbers("errors", errors)
-    if array.ndim != 1 or not array.size:
-        raise ValueError(f"errors: expected shape (m,) with at least one error, got {array.shape}")
-    values: Sequence[float] = array.tolist()
+    values = _some("errors", "error", errors)
     for k, error in enumerate(values):
         if not 1e-15 <= error < 1.0:
             raise ValueError(
@@ -221,3 +200,11 @@ def _errors(errors: ArrayLike) -> tuple[float, ...]:
                 "below which float64 cannot go and above which nothing is known"
             )
     return tuple(sorted(set(values), reverse=True))
+
+
+def _some(name: str, what: str, values: ArrayLike) -> list[float]:
+    array = numbers(name, values)
+    if array.ndim != 1 or not array.size:
+        raise ValueError(f"{name}: expected shape (m,) with at least one {what}, got {array.shape}")
+    some: list[float] = array.tolist()
+    return some

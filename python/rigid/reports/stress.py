@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 
 from .. import _core
 from .._checks.arguments import one_of
-from .._checks.progress import Progress, ProgressOption, reporting
+from .._checks.progress import ProgressOption, reporting
+from .._checks.shown import aligned
 from ..drawing.figure import html_text
 from ..solve.methods import EXACT, known_method, run_methods
 from ..solve.run import Run
@@ -105,15 +106,7 @@ class Extremes:
                 family = mine[0].case.family
                 rows.append((family, *[""] * 6))
             rows.append(_row(mine))
-        widths = [max(len(row[k]) for row in rows) for k in range(7)]
-        lines = [
-            "  ".join(
-                part.ljust(width) if k == 0 else part.rjust(width)
-                for k, (part, width) in enumerate(zip(row, widths, strict=True))
-            ).rstrip()
-            for row in rows
-        ]
-        return "\n".join([*lines, "", self.conclusion()])
+        return "\n".join([*aligned(rows, right=range(1, 7)), "", self.conclusion()])
 
     def conclusion(self) -> str:
         """The last line: how many undetected errors there are, and what the other runs say."""
@@ -181,23 +174,16 @@ def extremes(
     if method is not None:
         known_method("method", method, names)
     cells: list[Cell] = []
-    begun = time.perf_counter()
     with reporting(progress, len(wanted), unit=" cases") as report:
         for done, case in enumerate(wanted, start=1):
-            cells += _cells_of(case, [method] if method else list(names))
-            elapsed = time.perf_counter() - begun
-            report(Progress(done=done, total=len(wanted), elapsed=elapsed, failures=0))
+            truth = _truth(case)
+            for name in [method] if method else names:
+                run, reason, seconds = _run(case, name)
+                verdict = _verdict(case, run, truth)
+                cell = Cell(case=case, method=name, reason=reason, seconds=seconds, **verdict)
+                cells.append(cell)
+            report(done)
     return Extremes(tuple(cells))
-
-
-def _cells_of(case: Case, methods: list[str]) -> list[Cell]:
-    truth = _truth(case)
-    cells = []
-    for name in methods:
-        run, reason, seconds = _run(case, name)
-        verdict = _verdict(case, run, truth)
-        cells.append(Cell(case=case, method=name, reason=reason, seconds=seconds, **verdict))
-    return cells
 
 
 def _run(case: Case, method: str) -> tuple[Run | None, str, float]:

@@ -22,6 +22,13 @@ from ..model.torque import Torque
 Floats = NDArray[np.float64]
 
 
+TUMBLE = (0.3, -0.5, 1.1)
+"""Rates of a body that turns about no axis in particular (rad/s)."""
+
+TILTED = (0.8, 0.4, -0.4, 0.2)
+"""A generic attitude."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Case:
     """One extreme body with its start and the time at which its state is compared.
@@ -45,9 +52,9 @@ class Case:
     family: str
     name: str
     scene: Scene
-    omega: tuple[float, float, float]
-    attitude: tuple[float, float, float, float] = (1.0, 0.0, 0.0, 0.0)
-    t: float
+    omega: tuple[float, float, float] = TUMBLE
+    attitude: tuple[float, float, float, float] = TILTED
+    t: float = 10.0
     step: float | None = None
     truth: tuple[Floats, Floats] | None = None
 
@@ -57,20 +64,8 @@ def cases() -> tuple[Case, ...]:
     return tuple(case for family in _FAMILIES for case in family())
 
 
-TUMBLE = (0.3, -0.5, 1.1)
-"""Rates of a body that turns about no axis in particular (rad/s)."""
-
-TILTED = (0.8, 0.4, -0.4, 0.2)
-"""A generic attitude."""
-
-
-def _start(**parts: Any) -> dict[str, Any]:
-    return parts
-
-
 def _free(family: str, name: str, moments: tuple[float, float, float], **rest: Any) -> Case:
-    start = _start(omega=TUMBLE, attitude=TILTED, t=10.0) | rest
-    return Case(family=family, name=name, scene=FreeBody(Body(moments)), **start)
+    return Case(family=family, name=name, scene=FreeBody(Body(moments)), **rest)
 
 
 def _shapes() -> Iterator[Case]:
@@ -94,10 +89,8 @@ def _spherical() -> Iterator[Case]:
 def _separatrix() -> Iterator[Case]:
     for digits in (1, 2, 4, 6, 8, 10, 12, 14):
         aside = 10.0**-digits
-        start = _start(omega=(aside, 1.0, aside), t=8.0 * digits + 20.0)
-        yield _free(
-            "separatrix", f"omega = (1e-{digits}, 1, 1e-{digits})", (1.0, 2.0, 3.0), **start
-        )
+        name, rates = f"omega = (1e-{digits}, 1, 1e-{digits})", (aside, 1.0, aside)
+        yield _free("separatrix", name, (1.0, 2.0, 3.0), omega=rates, t=8.0 * digits + 20.0)
     yield _free("separatrix", "on the middle axis", (1.0, 2.0, 3.0), omega=(0.0, 1.0, 0.0), t=60.0)
 
 
@@ -105,8 +98,8 @@ def _sizes() -> Iterator[Case]:
     for power in (-12, -6, 6, 12):
         size = 10.0**power
         first, second, third = TUMBLE
-        start = _start(omega=(size * first, size * second, size * third), t=20.0 / size)
-        yield _free("spin", f"1e{power} rad/s", (1.0, 1.6, 2.0), **start)
+        rates = (size * first, size * second, size * third)
+        yield _free("spin", f"1e{power} rad/s", (1.0, 1.6, 2.0), omega=rates, t=20.0 / size)
     for unit in (-1060, -1000, 1000, 1020):
         scaled = tuple(math.ldexp(moment, unit) for moment in (1.0, 1.625, 2.0))
         yield _free("unit", f"moments near 2^{unit}", (scaled[0], scaled[1], scaled[2]))
@@ -122,35 +115,36 @@ def _leaning(tilt: float) -> tuple[float, float, float, float]:
     return (math.cos(0.5 * tilt), math.sin(0.5 * tilt), 0.0, 0.0)
 
 
+def _sleeping(name: str, spin: float, tilt: float) -> Case:
+    start: dict[str, Any] = {"omega": (0.0, 0.0, spin), "attitude": _leaning(tilt), "t": 30.0}
+    return _top("sleeping top", name, 1.0, lagrange=True, **start)
+
+
 def _tops() -> Iterator[Case]:
     for power in (-12, -6, 6, 12):
         mgl = 10.0**power
         for lagrange in (True, False):
             kind = "symmetric" if lagrange else "asymmetric"
-            start = _start(omega=TUMBLE, attitude=TILTED, t=10.0 / max(1.0, math.sqrt(mgl)))
-            yield _top("weight", f"mgl = 1e{power}, {kind}", mgl, lagrange=lagrange, **start)
+            t = 10.0 / max(1.0, math.sqrt(mgl))
+            yield _top("weight", f"mgl = 1e{power}, {kind}", mgl, lagrange=lagrange, t=t)
     for tilt in (1e-16, 1e-12, 1e-8, 1e-4, 1.0):
         for spin, state in ((3.0, "waking"), (6.0, "asleep")):
-            start = _start(omega=(0.0, 0.0, spin), attitude=_leaning(tilt), t=30.0)
-            yield _top("sleeping top", f"{state}, tilt {tilt:g}", 1.0, lagrange=True, **start)
+            yield _sleeping(f"{state}, tilt {tilt:g}", spin, tilt)
     for off in (-1e-12, 0.0, 1e-12):
-        spin = 4.0 * (1.0 + off)
-        start = _start(omega=(0.0, 0.0, spin), attitude=_leaning(1e-4), t=30.0)
         name = f"spin {off:+g} from the threshold" if off else "spin at the threshold"
-        yield _top("sleeping top", name, 1.0, lagrange=True, **start)
+        yield _sleeping(name, 4.0 * (1.0 + off), 1e-4)
     for tilt, pole in ((0.0, "upright"), (math.pi, "hanging")):
         for lagrange in (True, False):
             kind = "symmetric" if lagrange else "asymmetric"
-            start = _start(omega=TUMBLE, attitude=_leaning(tilt), t=10.0)
-            yield _top("pole", f"{pole}, {kind}", 1.0, lagrange=lagrange, **start)
+            lean = _leaning(tilt)
+            yield _top("pole", f"{pole}, {kind}", 1.0, lagrange=lagrange, attitude=lean)
 
 
 def _times() -> Iterator[Case]:
     for t, name in ((0.0, "t = 0"), (-20.0, "t = -20"), (1e12, "t = 1e12 rad"), (1e15, "t = 1e15")):
         yield _free("time", name, (1.0, 1.6, 2.0), t=t)
-        start = _start(omega=TUMBLE, attitude=TILTED, t=t)
-        yield _top("time", f"{name}, top", 1.0, lagrange=True, **start)
-        yield _top("time", f"{name}, asymmetric top", 1.0, lagrange=False, **start)
+        yield _top("time", f"{name}, top", 1.0, lagrange=True, t=t)
+        yield _top("time", f"{name}, asymmetric top", 1.0, lagrange=False, t=t)
     # Moments and rate of the Earth (IERS Conventions 2010), its axis 0.2 arc seconds off.
     day, off, years = 7.292115e-5, 1e-6, 26_000.0 * 365.25 * 86_400.0
     for moments, name in (
@@ -183,6 +177,7 @@ def _damped() -> Iterator[Case]:
                 name=f"c/I = 1e{power}" + (", with a motor" if torque else ""),
                 scene=scene,
                 omega=(0.0, 0.0, 1.5),
+                attitude=(1.0, 0.0, 0.0, 0.0),
                 t=t,
                 truth=(
                     np.array([0.0, 0.0, rate]),
@@ -197,8 +192,7 @@ def _coarse() -> Iterator[Case]:
         step = 2.0 * math.pi * turns
         name = f"{turns:g} turns a step"
         yield _free("long steps", name, (1.0, 1.6, 2.0), step=step, t=40.0 * step)
-        start = _start(omega=TUMBLE, attitude=TILTED, t=40.0 * step)
-        yield _top("long steps", f"{name}, top", 1.0, lagrange=False, step=step, **start)
+        yield _top("long steps", f"{name}, top", 1.0, lagrange=False, step=step, t=40.0 * step)
         if turns > 100.0:
             continue  # the truth would take minutes
         scene = FreeBody(Body((1.0, 1.6, 2.0)), damping=1.0)
@@ -206,8 +200,6 @@ def _coarse() -> Iterator[Case]:
             family="long steps",
             name=f"{name}, damped",
             scene=scene,
-            omega=TUMBLE,
-            attitude=TILTED,
             step=step,
             t=40.0 * step,
         )
@@ -237,7 +229,7 @@ def _satellites() -> Iterator[Case]:
 
 
 def _satellite(name: str, scene: FreeBody, t: float = 10.0) -> Case:
-    return Case(family="satellites", name=name, scene=scene, omega=TUMBLE, attitude=TILTED, t=t)
+    return Case(family="satellites", name=name, scene=scene, t=t)
 
 
 _FAMILIES = (

@@ -24,7 +24,6 @@ from numpy.typing import NDArray
 from ..model.scene import Scene
 from ..solve.methods import EXACT
 from ..solve.run import Run
-from ..solve.simulate import simulate
 from .data import AT_UNCERTAINTY, FAILED, REFERENCE, USELESS, Row, at_common_time
 from .ensemble import Ensemble
 from .reference import LOST, Horizon, Reference
@@ -398,7 +397,5 @@ def _time_steps(ensemble: Ensemble, method: str, steps: int, work: float) -> flo
 
 def _time_closed_form(ensemble: Ensemble) -> float:
     """Processor time of a body (ns)."""
-    spec = ensemble.spec
-    omega = np.resize(ensemble.omega, (CLOSED_FORM_BODIES, 3))
-    run = simulate(spec.scene, omega, spec.attitude, t=[spec.t_end], method=EXACT, threads=1)
-    return run.nanoseconds / CLOSED_FORM_BODIES
+    many = replace(ensemble, omega=np.resize(ensemble.omega, (CLOSED_FORM_BODIES, 3)))
+    return many.run(EXACT).nanoseconds / CLOSED_FORM_BODIES

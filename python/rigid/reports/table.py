@@ -8,6 +8,7 @@ from textwrap import wrap
 
 import numpy as np
 
+from .._checks.shown import aligned
 from ..model.scene import Scene
 from ..solve.methods import EXACT, methods
 from ..solve.plan import carried, left_out, not_left_out
@@ -34,7 +35,7 @@ def report_text(report: ReportData) -> str:
 def _head(report: ReportData) -> list[str]:
     spec, reference = report.spec, report.reference
     how = "closed form" if reference.method == EXACT else f"{reference.steps:,} steps"
-    time = f"processor time, ns per body and {spec.unit} of motion; {_repeats(report.rounds)}"
+    too_few = ", too few to tell the cheapest" if report.rounds < REPEATS else ""
     lines = {
         "bodies": f"{spec.bodies} close to it, seed {spec.seed}; t = {spec.t_end:g} {spec.unit}",
         "reference": (
@@ -42,7 +43,10 @@ def _head(report: ReportData) -> list[str]:
             f"worst {reference.worst:.1e}"
         ),
         "error": "median of the bodies: of the rates, relative, or of the attitude, rad",
-        "time": time,
+        "time": (
+            f"processor time, ns per body and {spec.unit} of motion; "
+            f"median of {report.rounds}{too_few}"
+        ),
     }
     return _heading(report, "report", "error against run time", lines)
 
@@ -77,11 +81,6 @@ def _carried(scene: Scene) -> list[tuple[str, str]]:
     ]
 
 
-def _repeats(rounds: int) -> str:
-    too_few = ", too few to tell the cheapest" if rounds < REPEATS else ""
-    return f"median of {rounds}{too_few}"
-
-
 def _costs(report: ReportData) -> list[str]:
     """For each method its order, the time for each error, and its other names.
 
@@ -92,7 +91,7 @@ def _costs(report: ReportData) -> list[str]:
     orders = {method.name: method.order for method in methods()}
     # The numbers below are times: `ns/s at 1e-06` is the time that an error of 1e-6 needs.
     table = [
-        ["* cheapest", "order", "measured", *(f"{_rate(report)} at " for _ in wanted), ""],
+        ["* cheapest", "order", "measured", *(f"ns/{report.spec.unit} at " for _ in wanted), ""],
         ["", "", "order", *(f"{error:.0e} " for error in wanted), ""],
     ]
     winners = [{*report.cheapest(error), *report.cheapest(error, schemes=True)} for error in wanted]
@@ -110,7 +109,7 @@ def _costs(report: ReportData) -> list[str]:
 
 
 def _front(report: ReportData) -> list[str]:
-    time = _rate(report)
+    time = f"ns/{report.spec.unit}"
     head = ["front", "steps", "rad/step", "time", "±", "total", "error", "worst", "energy"]
     table = [
         [*head, "momentum", ""],
@@ -136,11 +135,6 @@ def _front(report: ReportData) -> list[str]:
     return _aligned(table)
 
 
-def _rate(report: ReportData) -> str:
-    """The unit of time of a computation by time of the motion."""
-    return f"ns/{report.spec.unit}"
-
-
 def _listed(values: Sequence[float]) -> str:
     """The numbers of a vector."""
     return ", ".join(f"{value:g}" for value in values)
@@ -159,16 +153,10 @@ def _brief(method: str, why: str) -> str:
 
 
 def _aligned(table: Sequence[Sequence[str]]) -> list[str]:
-    """Columns side by side: the first to the left, numbers to the right, marks unchanged."""
-    widths = [max(map(len, column)) for column in zip(*table, strict=True)]
-    lines = []
-    for cells in table:
-        first = f"{cells[0]:<{max(widths[0], 10)}}"
-        rest = [f"{cell:>{width}}" for cell, width in zip(cells[1:], widths[1:], strict=True)]
-        if not table[0][-1]:
-            rest[-1] = cells[-1]
-        lines.append("  ".join([first, *rest]).rstrip())
-    return lines
+    """Columns side by side: names to the left, numbers to the right; marks have no heading."""
+    first, *rest = table
+    wide = [first[0].ljust(10), *first[1:]]
+    return aligned([wide, *rest], right=range(1, len(first) - (not first[-1])))
 
 
 def known_errors(report: ReportData) -> list[str]:

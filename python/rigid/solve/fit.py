@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from time import perf_counter
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import brief, shaped, sorted_times, vector
-from .._checks.progress import Progress, ProgressOption, reporting
+from .._checks.progress import ProgressOption, reporting
 from .._checks.shown import short_repr
 from .._checks.warned import warn_caller
 from ..model.body import Body, refuse_rods
@@ -249,21 +248,13 @@ def fit(
             "numbers"
         )
     # The difference of nearby numbers is exact, so a large first time costs no digit.
-    begun = perf_counter()
     with reporting(progress, len(times), unit=" measurements") as report:
         arcs = Arcs(
             unknowns,
             times - times[0],
             measured,
             spread,
-            lambda done: report(
-                Progress(
-                    done=min(done, len(times)),
-                    total=len(times),
-                    elapsed=perf_counter() - begun,
-                    failures=0,
-                )
-            ),
+            lambda done: report(min(done, len(times))),
         )
         found, *further = arcs.minima()
         arcs.report(len(times))

@@ -6,10 +6,10 @@ is what rows there are. Nothing is rewritten, nothing is locked.
 
 From low to high: ``disk`` (every operation on files), ``head`` and ``rows`` (the specification and
 the numbers of a unit of work), ``log`` (the tar files), ``running`` (the rows of a folder, or of
-the memory), ``compute`` (rows of units), ``drive`` (blocks of work on threads or executors),
-``resume`` (what is missing, and whether this machine computes the rows that there are),
-``foresee`` (what a call would compute, and how long), ``status``, ``merge``, ``zooms`` (the finer
-maps of the widget), ``result`` with :class:`rigid.StabilityMap`, ``verify`` and ``diff``, ``store``
-with :class:`rigid.Store`, and ``call`` with :func:`rigid.stability_map`. Uses ``maps``; the command
-line uses it.
+the memory), ``drive`` (blocks of work on threads or executors), ``resume`` (what is missing, and
+whether this machine computes the rows that there are), ``status`` (what a map has, and what a call
+would compute), ``zooms`` (the finer maps of the widget), ``result`` with
+:class:`rigid.StabilityMap`, ``compare`` (two maps, or a map and its numbers computed again),
+``store`` with :class:`rigid.Store`, and ``call`` with :func:`rigid.stability_map`. Uses ``maps``;
+the command line uses it.
 """

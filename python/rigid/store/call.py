@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterable, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -21,9 +21,6 @@ from ..model.mixture import Mixture
 from ..model.scene import Scene
 from ..model.start import Noise, Start
 from .result import StabilityMap
-
-if TYPE_CHECKING:
-    from .foresee import Foreseen
 
 
 def stability_map(
@@ -265,13 +262,6 @@ def stability_map(
 
 def run_map(spec: MapSpec, **options: Any) -> StabilityMap:
     """Compute the map of a specification; see :func:`rigid.store.store.run_map`."""
-    from .store import run_map  # here and below: what stores takes long to import
+    from .store import run_map  # what stores takes long to import
 
     return run_map(spec, **options)
-
-
-def foreseen(spec: MapSpec, **options: Any) -> Foreseen:
-    """What a call would compute, and how long; see :func:`rigid.store.store.foreseen`."""
-    from .store import foreseen
-
-    return foreseen(spec, **options)

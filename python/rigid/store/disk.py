@@ -1,14 +1,13 @@
-"""Every operation of a running map on files, in one place: a test can let each of them fail."""
+"""What a running map does with files and may fail, in one place: a test can let it fail."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager, suppress
+from collections.abc import Sequence
 from pathlib import Path
-from typing import BinaryIO, TypeAlias
+from typing import TypeAlias
 
-from .._files import published
+from .._files import published, synchronise
 
 Buffer: TypeAlias = bytes | memoryview
 
@@ -48,27 +47,9 @@ class Disk:
         else:
             _full_synchronise(descriptor)
 
-    def is_at(self, descriptor: int, path: Path) -> bool:
-        """Whether an open file still has this name: nobody removed or renamed it."""
-        try:
-            return os.path.samestat(os.fstat(descriptor), os.stat(path))
-        except FileNotFoundError:
-            return False
-
     def synchronise_folder(self, path: Path) -> None:
         """Write the names in a folder through to the disk, where the system can."""
-        if os.name != "posix":
-            return
-        descriptor = os.open(path, os.O_RDONLY)
-        try:
-            with suppress(OSError):  # not all file systems know it
-                os.fsync(descriptor)
-        finally:
-            os.close(descriptor)
-
-    def close(self, descriptor: int) -> None:
-        """Close a file."""
-        os.close(descriptor)
+        synchronise(path)
 
     def names(self, path: Path) -> list[str]:
         """The names in a folder, sorted; none if there is no folder."""
@@ -80,16 +61,6 @@ class Disk:
     def read(self, path: Path) -> bytes:
         """The content of a small file."""
         return path.read_bytes()
-
-    def modified(self, path: Path) -> float:
-        """When a file was last written, in seconds of ``time.time``."""
-        return path.stat().st_mtime
-
-    @contextmanager
-    def opened(self, path: Path) -> Iterator[BinaryIO]:
-        """A file to read."""
-        with path.open("rb") as file:
-            yield file
 
 
 def _full_synchronise(descriptor: int) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pickle
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from concurrent.futures import (
     FIRST_COMPLETED,
     BrokenExecutor,
@@ -13,20 +13,20 @@ from concurrent.futures import (
     ThreadPoolExecutor,
     wait,
 )
-from dataclasses import dataclass, field
-from functools import lru_cache
-from typing import Any, Protocol
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
 from .._checks.arguments import brief, one_line
+from ..maps.data import CLASSES
 from ..maps.spec import MapSpec
 from ..model.scene import Scene
-from .compute import compute
-from .head import StoreError
-from .rows import Bins, Block, Rows
+from .head import Head, StoreError
+from .rows import Block, compute
+from .running import Memory
 
 Units = NDArray[np.int64]
 
@@ -46,13 +46,6 @@ GROWTH = 8
 """A block has at most so many times the units of the one before."""
 
 
-class Sink(Protocol):
-    """The target of rows."""
-
-    def append(self, rows: Rows, nanoseconds: NDArray[np.float32], bins: Bins) -> None:
-        """Keep rows."""
-
-
 @dataclass(frozen=True, slots=True)
 class Task:
     """The data that a worker needs besides the units.
@@ -67,8 +60,8 @@ class Task:
         Version and commit of the driver, which a worker must have; None accepts any.
     functions : dict of str to callable, or bytes
         The functions of the specification; as pickled, unless the executor pickles them itself.
-    segment : int or None
-        Most samples of a unit; by default all samples of a pixel.
+    segment : int
+        Most samples of a unit.
     whole : MapSpec or None
         The specification itself, for threads of this process.
     """
@@ -77,27 +70,23 @@ class Task:
     threads: int
     build: tuple[str, str | None] | None
     functions: Mapping[str, Callable[..., Any] | Scene] | bytes
-    segment: int | None = None
+    segment: int
     whole: MapSpec | None = None
 
     @classmethod
     def of(
-        cls,
-        spec: MapSpec,
-        threads: int,
-        build: tuple[str, str | None] | None,
-        executor: Any,
-        segment: int | None = None,
+        cls, head: Head, threads: int, build: tuple[str, str | None] | None, executor: Any
     ) -> Task:
-        """The task of a specification for an executor.
+        """The task of a running map for an executor.
 
         Raises
         ------
         ValueError
             If workers of the executor cannot import a function.
         """
+        spec = head.spec
         if isinstance(executor, ThreadPoolExecutor):
-            return cls(spec.to_json(), threads, build, {}, segment, spec)
+            return cls(spec.to_json(), threads, build, {}, head.segment, spec)
         functions: Mapping[str, Callable[..., Any] | Scene] | bytes = spec.functions
         if isinstance(spec.functions.get("scene"), Scene):
             raise ValueError(
@@ -114,25 +103,23 @@ class Task:
                         f"name; define the function in a module ({one_line(error)})"
                     ) from None
             functions = pickle.dumps(dict(spec.functions))
-        return cls(spec.to_json(), threads, build, functions, segment)
+        return cls(spec.to_json(), threads, build, functions, head.segment)
 
     @property
     def spec(self) -> MapSpec:
         """The specification with its functions, in a worker."""
         if self.whole is not None:
             return self.whole
-        if not self.functions:
-            return _spec(self.text)
-        asked, known = (self.text, self.functions), _latest[:]
-        if known and known[0][0] == asked:
-            spec: MapSpec = known[0][1]
-            return spec
-        whole = self._whole()
-        _latest[:] = [(asked, whole)]  # with its grid, which is made once; threads see one or other
-        return whole
+        asked = self.text, self.functions
+        for known, spec in _latest[:]:
+            if known == asked:
+                return spec
+        spec = self._read()
+        _latest[:] = [(asked, spec)]  # with its grid, which is made once; threads see one or other
+        return spec
 
-    def _whole(self) -> MapSpec:
-        functions = self.functions
+    def _read(self) -> MapSpec:
+        functions, carried = self.functions, not isinstance(self.functions, bytes)
         if isinstance(functions, bytes):
             try:
                 functions = pickle.loads(functions)
@@ -140,32 +127,18 @@ class Task:
                 raise StoreError(
                     f"a worker cannot import a function of the map: {one_line(error)}"
                 ) from None
-        carried = not isinstance(self.functions, bytes)
         try:
-            return _spec(self.text).with_functions(**functions, carried=carried)
+            return MapSpec.from_json(self.text).with_functions(**functions, carried=carried)
         except ValueError as error:
             raise StoreError(f"a worker: {error}") from None
 
 
-_latest: list[tuple[tuple[str, object], MapSpec]] = []
+_latest: list[tuple[object, MapSpec]] = []
 """The latest text and functions in this process, with their specification."""
-
-
-@lru_cache(maxsize=4)
-def _spec(text: str) -> MapSpec:
-    return MapSpec.from_json(text)
 
 
 def _title(function: Any) -> str:
     return getattr(function, "__qualname__", "") or brief(function)
-
-
-@dataclass(slots=True)
-class Poison:
-    """Units that were given up, and the reasons."""
-
-    units: list[int] = field(default_factory=list)
-    errors: list[str] = field(default_factory=list)
 
 
 def own_build() -> tuple[str, str | None]:
@@ -181,7 +154,7 @@ def work(task: Task, units: Units) -> Block:
             f"a worker has rigid {own_build()}, the driver {task.build}: install one version, or "
             "pass allow_mixed=True"
         )
-    block = compute(task.spec, units, task.threads, segment=task.segment)
+    block = compute(Head(task.spec, task.segment), units, task.threads)
     assert block is not None
     return block
 
@@ -194,26 +167,23 @@ class Intake:
 
     Parameters
     ----------
-    sink : Sink
-    note : callable
-        Called with the rows of each block.
-    samples : int
-        Most samples of a unit.
+    running : Memory
+        Gets the rows.
+    report : callable
+        Called with the numbers of bodies and of failed ones after each block.
     threads : int
         Threads that compute a block.
     """
 
-    def __init__(
-        self, sink: Sink, note: Callable[[Rows], object], samples: int, threads: int
-    ) -> None:
-        self._sink, self._note, self._threads = sink, note, threads
-        self.units = max(1, 16 * threads // samples)
-        self._costliest = 0.0
+    def __init__(self, running: Memory, report: Callable[[int, int], object], threads: int) -> None:
+        self._running, self._report, self._threads = running, report, threads
+        self.units = max(1, 16 * threads // min(running.head.segment, running.head.spec.samples))
+        self._costliest, self._done, self._failures = 0.0, 0, 0
 
     def take(self, block: Block, seconds: float | None = None) -> None:
         """Keep a block, which took so many seconds; by default its processor time."""
         begin = time.perf_counter()
-        self._sink.append(*block)
+        self._running.append(*block)
         append = time.perf_counter() - begin
         costs = 1e-9 * block.nanoseconds.astype(np.float64) / self._threads
         self._costliest = max(self._costliest, float(costs.max()))
@@ -222,23 +192,22 @@ class Intake:
         fitting = wanted * len(costs) / max(taken, 1e-6)
         bounded = 4.0 * wanted / max(self._costliest, 1e-9)
         self.units = max(1, int(min(fitting, bounded, GROWTH * self.units)))
-        self._note(block.rows)
+        bodies = sum(int(block.rows[name].sum()) for name in CLASSES)
+        self._running.computed += bodies
+        self._done += bodies
+        self._failures += int(block.rows["failed"].sum())
+        self._report(self._done, self._failures)
 
 
 def run_here(
-    spec: MapSpec,
-    segment: int,
-    todo: Units,
-    intake: Intake,
-    threads: int,
-    stop: Callable[[], bool],
+    head: Head, todo: Units, intake: Intake, threads: int, stop: Callable[[], bool]
 ) -> None:
     """Compute units one block after the other, on threads of this process."""
     at = 0
     while at < len(todo) and not stop():
         units = todo[at : at + intake.units]
         begin = time.perf_counter()
-        block = compute(spec, units, threads, stop, segment=segment)
+        block = compute(head, units, threads, stop)
         if block is None:
             return
         intake.take(block, time.perf_counter() - begin)
@@ -271,8 +240,10 @@ def drive(
     executor: Executor,
     workers: int,
     stop: Callable[[], bool],
-) -> Poison:
+) -> dict[int, str]:
     """Compute units on the workers of an executor; only this process writes.
+
+    Returns the units that were given up, with the reasons.
 
     A block whose worker dies is halved and tried again. A pool that breaks ends the run; what was
     returned is kept.
@@ -280,22 +251,17 @@ def drive(
     at = 0
     waiting: dict[Future[Block], tuple[Units, int]] = {}
     again: list[tuple[Units, int]] = []
-    poison = Poison()
+    poison: dict[int, str] = {}
     failures, succeeded = 0, False
-
-    def submit() -> Iterator[tuple[Units, int]]:
-        nonlocal at
-        while len(waiting) < 2 * workers and (again or at < len(todo)):
-            if again:
-                yield again.pop()
-            else:
-                units = todo[at : at + intake.units]
-                at += len(units)
-                yield units, 0
 
     try:
         while (again or waiting or at < len(todo)) and not stop():
-            for units, tried in submit():
+            while len(waiting) < 2 * workers and (again or at < len(todo)):
+                if again:
+                    units, tried = again.pop()
+                else:
+                    units, tried = todo[at : at + intake.units], 0
+                    at += len(units)
                 waiting[executor.submit(work, task, units)] = units, tried
             for future in wait(waiting, timeout=0.1, return_when=FIRST_COMPLETED).done:
                 units, tried = waiting.pop(future)
@@ -308,10 +274,11 @@ def drive(
                     if failures > HOPELESS and not succeeded:
                         raise  # it is not the units
                     if tried + 1 >= TRIES and len(units) == 1:
-                        poison.units += units.tolist()
-                        poison.errors.append(f"{type(error).__name__}: {error}")
+                        poison[int(units[0])] = f"{type(error).__name__}: {error}"
                     else:
-                        again += [(half, tried + 1) for half in _halves(units)]
+                        middle = (len(units) + 1) // 2
+                        halves = units[:middle], units[middle:]
+                        again += [(half, tried + 1) for half in halves if len(half)]
                     continue
                 succeeded = True
                 intake.take(block)
@@ -319,8 +286,3 @@ def drive(
         for future in waiting:
             future.cancel()
     return poison
-
-
-def _halves(units: Units) -> list[Units]:
-    middle = (len(units) + 1) // 2
-    return [half for half in (units[:middle], units[middle:]) if len(half)]

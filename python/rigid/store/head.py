@@ -49,19 +49,22 @@ class Head:
     Attributes
     ----------
     spec : MapSpec
-    content : dict
-        All of ``head.json``.
+    segment : int
+        Most samples of a unit.
     """
 
     spec: MapSpec
-    content: dict[str, Any]
+    segment: int
+
+    @cached_property
+    def content(self) -> dict[str, Any]:
+        """All of ``head.json``."""
+        return head_of(self.spec, self.segment)
 
     @cached_property
     def key(self) -> bytes:
         """BLAKE2b-128 of what the numbers depend on, whatever the division into units."""
-        undivided = head_of(self.spec)
-        whole = {name: undivided[name] for name in ("segment", "units")}
-        return key_of({**self.content, **whole})
+        return key_of(head_of(self.spec))
 
     @cached_property
     def seal(self) -> bytes:
@@ -72,11 +75,6 @@ class Head:
     def units(self) -> int:
         """Number of the units: each pixel has as many as its samples have segments."""
         return int(self.content["units"])
-
-    @property
-    def segment(self) -> int:
-        """Most samples of a unit."""
-        return int(self.content["segment"])
 
     @property
     def segments(self) -> int:
@@ -90,9 +88,9 @@ class Head:
         return samples
 
     @classmethod
-    def of(cls, spec: MapSpec, segment: int | None = None) -> Head:
-        """The head of a new running map, by default divided as a folder."""
-        return cls(spec, head_of(spec, divided(spec) if segment is None else segment))
+    def of(cls, spec: MapSpec) -> Head:
+        """The head of a folder."""
+        return cls(spec, divided(spec))
 
     @classmethod
     def read(cls, text: bytes, path: object) -> Head:
@@ -119,10 +117,8 @@ class Head:
                 "another folder, or go on with the version that made this one"
             )
         try:
-            spec = MapSpec.from_dict(content["spec"])
-            segment = content.get("segment")
-            is_known = segment in (segment_of(spec), divided(spec))
-            expected = head_of(spec, segment if is_known else None)
+            head = cls.of(MapSpec.from_dict(content["spec"]))
+            expected = head.content
         except Exception as error:  # the text may hold anything
             raise StoreError(f"{path} holds a broken specification: {one_line(error)}") from None
         for name in ("columns", "format_version", "looks", "segment", "units"):
@@ -131,7 +127,7 @@ class Head:
                 raise StoreError(
                     f"{path}: {name} differ from this version of rigid; version {made} made the map"
                 )
-        return cls(spec, content)
+        return head
 
     def require_spec(self, spec: MapSpec, path: object) -> None:
         """Refuse a specification that differs from the stored one, and name the difference.
@@ -149,7 +145,7 @@ class Head:
 
 
 def divided(spec: MapSpec) -> int:
-    """Most samples of a unit of a new folder.
+    """Most samples of a unit of a folder.
 
     Whole pixels are one unit each, unless they are few, or have millions of samples. The looks of a
     pixel depend on those before: it is one unit.

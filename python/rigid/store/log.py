@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import errno
 import io
+import json
 import os
 import re
 import tarfile
@@ -41,6 +42,9 @@ MOST_MEMBER = 2**30
 
 COST = np.dtype("<f4")
 """The type of a processor time."""
+
+UTC = "%Y-%m-%dT%H:%M:%SZ"
+"""How receipts write times."""
 
 LOG_NAME = re.compile(r"\d{8}T\d{6}Z-[0-9a-f]{12}\.tar")
 WRITER, END = "writer.json", "end.json"
@@ -79,10 +83,52 @@ def _digest(key: bytes, *content: Buffer) -> str:
     return digest.hexdigest()
 
 
+def utc() -> str:
+    """The time now, to the second."""
+    return time.strftime(UTC, time.gmtime())
+
+
 def gone(path: Path) -> FileNotFoundError:
     """The error of a file of a running map that somebody has removed or renamed."""
     words = "removed or renamed while the map was computed"
     return FileNotFoundError(errno.ENOENT, words, str(path))
+
+
+@dataclass(slots=True)
+class Found:
+    """The content of a log besides its rows.
+
+    Attributes
+    ----------
+    name : str
+        The name of the file.
+    writer, end : dict or None
+        The receipt of the writer; why it ended.
+    written : float
+        When the log was last written, in seconds of :func:`time.time`.
+    damage : list of str
+        What could not be read, and where.
+    records, units : int
+        Records that were read, and their rows.
+    seconds : float
+        The processor time of the rows.
+    """
+
+    name: str = ""
+    writer: dict[str, Any] | None = None
+    end: dict[str, Any] | None = None
+    written: float = np.nan
+    damage: list[str] = field(default_factory=list)
+    records: int = 0
+    units: int = 0
+    seconds: float = 0.0
+
+    def count(self, rows: Rows, nanoseconds: NDArray[np.float32] | None) -> None:
+        """Count a record."""
+        self.records += 1
+        self.units += len(rows)
+        if nanoseconds is not None:
+            self.seconds += 1e-9 * float(np.nansum(nanoseconds, dtype=np.float64))
 
 
 class Log:
@@ -96,19 +142,26 @@ class Log:
         The key of the map.
     receipt : dict
         Who writes.
+
+    Attributes
+    ----------
+    path : Path
+    found : Found
+        What the log holds.
     """
 
     def __init__(self, folder: Path, key: bytes, receipt: dict[str, Any], disk: Disk) -> None:
-        self._disk, self._key, self._size, self.records = disk, key, 0, 0
+        self._disk, self._key, self._size = disk, key, 0
         stamp = time.strftime("%Y%m%dT%H%M%SZ", time.gmtime())
         self.path = folder / f"{stamp}-{os.urandom(6).hex()}.tar"
+        self.found = Found(self.path.name, receipt)
         self._file = disk.create(self.path)
         try:
             self._append(self._member(WRITER, canonical(receipt)))
             disk.synchronise(self._file)
             disk.synchronise_folder(folder)
         except BaseException:
-            disk.close(self._file)
+            os.close(self._file)
             raise
         self._synchronised = time.monotonic()
 
@@ -139,15 +192,15 @@ class Log:
         """Append a record; its bins if the map measures something."""
         table: list[Buffer] = [_npy_header(ROW, len(rows)), rows.view(np.uint8).data]
         costs: list[Buffer] = [_npy_header(COST, len(rows)), nanoseconds.view(np.uint8).data]
-        digest = _digest(self._key, *table)
-        members = self._member(f"{self.records:08d}-{digest}.npy", *table)
+        digest, number = _digest(self._key, *table), f"{self.found.records:08d}"
+        members = self._member(f"{number}-{digest}.npy", *table)
         if bins is not None:
             little = np.ascontiguousarray(bins, "<i8").ravel()
             values: list[Buffer] = [_npy_header(BIN_ROW, len(bins)), little.view(np.uint8).data]
             name = _digest(self._key, digest.encode(), *values)
-            members += self._member(f"{self.records:08d}-{name}.bins.npy", *values)
-        self._append([*members, *self._member(f"{self.records:08d}.ns.npy", *costs)])
-        self.records += 1
+            members += self._member(f"{number}-{name}.bins.npy", *values)
+        self._append([*members, *self._member(f"{number}.ns.npy", *costs)])
+        self.found.count(rows, nanoseconds)
         if time.monotonic() - self._synchronised >= SYNC_SECONDS:
             self.synchronise()
 
@@ -160,47 +213,26 @@ class Log:
             If the log has been removed: the records are nowhere.
         """
         self._disk.synchronise(self._file)
-        if not self._disk.is_at(self._file, self.path):
+        try:
+            is_here = os.path.samestat(os.fstat(self._file), os.stat(self.path))
+        except FileNotFoundError:
+            is_here = False
+        if not is_here:
             raise gone(self.path)
         self._synchronised = time.monotonic()
 
-    def close(self, end: dict[str, Any] | None) -> None:
+    def close(self, reason: str | None) -> None:
         """End the log with a reason; without a reason if it could not be written."""
+        found = self.found
+        found.written = time.time()
         try:
-            if end is not None:
-                self._append([*self._member(END, canonical(end)), bytes(2 * BLOCK)])
+            if reason is not None:
+                found.end = {"blocks": found.records, "units": found.units}
+                found.end |= {"reason": reason, "end": utc()}
+                self._append([*self._member(END, canonical(found.end)), bytes(2 * BLOCK)])
                 self.synchronise()
         finally:
-            self._disk.close(self._file)
-
-
-@dataclass
-class Found:
-    """The content of a log besides its rows.
-
-    Attributes
-    ----------
-    writer, end : dict or None
-        The receipt of the writer; why it ended.
-    damage : list of str
-        What could not be read, and where.
-    records : int
-        Records that were read.
-    """
-
-    writer: dict[str, Any] | None = None
-    end: dict[str, Any] | None = None
-    damage: list[str] = field(default_factory=list)
-    records: int = 0
-
-
-@dataclass(slots=True)
-class _Pending:
-    """A record of which not all members are read."""
-
-    rows: Rows
-    digest: str
-    bins: Bins | None = None
+            os.close(self._file)
 
 
 Record: TypeAlias = tuple[Rows, NDArray[np.float32] | None, Bins | None]
@@ -213,7 +245,6 @@ def read_log(
     """The whole records of a log, whatever happened to the rest."""
     length = file.seek(0, os.SEEK_END)
     at, number, searching = 0, 0, False
-    pending: _Pending | None = None
 
     def note(what: str) -> None:
         nonlocal searching
@@ -221,63 +252,62 @@ def read_log(
             found.damage.append(f"{what} at byte {at}")
         searching = True
 
-    def taken(costs: bytes | None = None) -> Iterator[Record]:
-        """The record that ends here, if there is one and nothing of it is missing."""
-        nonlocal pending
-        record, pending = pending, None
-        if record is None:
-            return
-        if measured and record.bins is None:
-            note("a record without its values")
-            return
-        found.records += 1
-        vector = None if costs is None else _vector(costs, COST, len(record.rows))
-        yield record.rows, vector, record.bins
-
-    while at < length:
+    def member(at: int) -> tuple[str, bytes | None, int]:
+        """Name, content and end of a member; no name for other bytes, no content if it is torn."""
         file.seek(at)
         block = file.read(BLOCK)
         name, size = _name_and_size(block)
-        record = _RECORD.fullmatch(name)
         if not name:
-            if any(block) or found.end is None:  # zeros end a log, and follow nothing else
-                note("no header")
+            return "", block, at + BLOCK
+        whole = at + BLOCK + size <= length and size <= MOST_MEMBER
+        end = at + BLOCK + size + len(_padding(size))
+        return name, file.read(size) if whole else None, end
+
+    while at < length:
+        name, content, end = member(at)
+        record = _RECORD.fullmatch(name)
+        if content is None or (record and _digest(key, content) != record[2]):
+            kind = "torn" if content is None else "damaged"
+            note(f"a {kind} {'record' if record else name}")
             at += BLOCK
             continue
-        whole = at + BLOCK + size <= length and size <= MOST_MEMBER
-        content = file.read(size) if whole else b""
-        if not whole or (record and _digest(key, content) != record[2]):
-            note(f"a {'damaged' if whole else 'torn'} {'record' if record else name}")
-            at += BLOCK
+        if not name:
+            if any(content) or found.end is None:  # zeros end a log, and follow nothing else
+                note("no header")
+            at = end
             continue
         searching = False
-        bins = _BINS.fullmatch(name)
-        if bins and measured and pending is not None and pending.bins is None:
-            if bins[1] == _digest(key, pending.digest.encode(), content):
-                values = _vector(content, BIN_ROW)
-                if values is not None:
-                    pending.bins = values.view("<i8").reshape(-1, NO_BINS.shape[1])
-            at += BLOCK + size + len(_padding(size))
-            continue
-        yield from taken(content if _COSTS.fullmatch(name) else None)
         if record:
             if int(record[1]) > number:
                 note(f"no record {number}")
             number = int(record[1]) + 1
-            rows = _vector(content, ROW)
+            rows, bins, costs = _vector(content, ROW), None, None
+            name, content, after = member(end)
+            digest = _BINS.fullmatch(name)
+            if digest and measured and content is not None:
+                if digest[1] == _digest(key, record[2].encode(), content):
+                    bins = _vector(content, BIN_ROW)
+                end = after
+                name, content, after = member(end)
             if rows is None:
                 note("a record of another kind of rows")
+            elif measured and bins is None:
+                note("a record without its values")
             else:
-                pending = _Pending(rows, record[2])
+                if content is not None and _COSTS.fullmatch(name):
+                    costs = _vector(content, COST, len(rows))
+                    end = after
+                if bins is not None:
+                    bins = bins.view("<i8").reshape(-1, NO_BINS.shape[1])
+                found.count(rows, costs)
+                yield rows, costs, bins
         elif name == WRITER:
             found.writer = _json(content)
         elif name == END:
             found.end = _json(content)
         elif not _COSTS.fullmatch(name):
             note(f"an unknown member {name}")
-        searching = False
-        at += BLOCK + size + len(_padding(size))
-    yield from taken()
+        searching, at = False, end
 
 
 def _name_and_size(block: bytes) -> tuple[str, int]:
@@ -307,8 +337,6 @@ def _vector(content: bytes, dtype: np.dtype[Any], count: int | None = None) -> N
 
 
 def _json(content: bytes) -> dict[str, Any] | None:
-    import json
-
     try:
         value = json.loads(content)
     except (ValueError, RecursionError):

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import operator
-import time
 from collections.abc import Callable
 from concurrent.futures import BrokenExecutor
 from dataclasses import dataclass
@@ -13,14 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._checks.arguments import brief
-from .._checks.progress import Progress, ProgressOption, reporting, terminated
-from ..maps.data import CLASSES, MapData
+from .._checks.progress import ProgressOption, reporting, terminated
+from ..maps.data import MapData
 from ..maps.refine import lattice_level, refined, stages
-from .compute import compute
-from .drive import Intake, Poison, Task, drive, executor_of, own_build, run_here
+from .drive import Intake, Task, drive, executor_of, own_build, run_here
 from .head import StoreError
-from .rows import Rows, unequal
-from .running import Folder, Memory
+from .rows import compute, unequal
+from .running import Memory
 
 Data = TypeVar("Data", bound=MapData)
 
@@ -73,7 +71,7 @@ class Part:
         except ValueError:
             raise ValueError(f"part = {brief(part)}: {_RULE}") from None
 
-    def has(self, units: NDArray[np.int64], running: Folder | Memory) -> NDArray[np.bool_]:
+    def has(self, units: NDArray[np.int64], running: Memory) -> NDArray[np.bool_]:
         """Which units belong to this part.
 
         Those with a possible body are dealt one after the other, a turn to all parts. Each turn
@@ -97,15 +95,15 @@ class Outcome:
     reason : str
         ``complete``, ``interrupted`` by Ctrl-C, ``terminated`` by SIGTERM, ``waiting`` for other
         parts, or ``poisoned`` units.
-    poison : Poison
-        Units whose tasks failed three times.
+    poison : dict of int to str
+        Units whose tasks failed three times, with the last error of each.
     """
 
     reason: str
-    poison: Poison
+    poison: dict[int, str]
 
 
-def missing(running: Folder | Memory) -> NDArray[np.int64]:
+def missing(running: Memory) -> NDArray[np.int64]:
     """The units that are to be computed now, in order.
 
     First comes a coarse lattice of pixels, so that an interrupted map is a coarse whole one. Within
@@ -119,9 +117,7 @@ def missing(running: Folder | Memory) -> NDArray[np.int64]:
         pixels = stages(spec, data.status, data.finished, data.samples, ends).wanted
     else:
         # Of most maps: nothing is sorted that is done.
-        known = running.table.known[:: running.head.segments]
-        for segment in range(1, running.head.segments):
-            known = known & running.table.known[segment :: running.head.segments]
+        known = running.table.known.reshape(-1, running.head.segments).all(axis=1)
         pixels = np.flatnonzero((status == 0) & ~known)
         level = lattice_level(spec.shape, pixels)
         if running.table.known.any():
@@ -135,7 +131,7 @@ def missing(running: Folder | Memory) -> NDArray[np.int64]:
 
 
 def _likely_cost(
-    running: Folder | Memory, pixels: NDArray[np.int64], level: NDArray[np.int64]
+    running: Memory, pixels: NDArray[np.int64], level: NDArray[np.int64]
 ) -> NDArray[np.float32]:
     """The processor time of the pixel of the next coarser lattice beside each, 0 if unknown."""
     shape, segments = running.head.spec.shape, running.head.segments
@@ -146,7 +142,7 @@ def _likely_cost(
 
 
 def carry_on(
-    running: Folder | Memory,
+    running: Memory,
     *,
     threads: int,
     stop: Callable[[], bool],
@@ -171,9 +167,7 @@ def carry_on(
     spec.require_functions()
     running.computed = 0
     checked = reread = False
-    poison = Poison()
-    segment = running.head.segment
-    samples = min(segment, spec.samples)
+    poison: dict[int, str] = {}
     pool, workers = (None, 1) if executor is None else executor_of(executor)
     each = threads if pool is None else threads_per_task
     reason = "error"
@@ -181,8 +175,8 @@ def carry_on(
         while True:
             todo = missing(running)
             mine = todo[part.has(todo, running)]
-            if poison.units:
-                mine = mine[~np.isin(mine, poison.units)]
+            if poison:
+                mine = mine[~np.isin(mine, list(poison))]
             if stop():
                 break
             if not len(mine):
@@ -199,22 +193,19 @@ def carry_on(
             total = int(running.head.samples_of(mine).sum())
             who = "" if part.count == 1 else f"part {part}: "
             with reporting(progress, total, who=who) as report:
-                note = _noting(running, report, total)
-                intake = Intake(running, note, samples, each)
+                intake = Intake(running, report, each)
                 if not checked:
                     _compute_again(running, threads, stop)
                     checked = True
                 if pool is None:
-                    run_here(spec, segment, mine, intake, threads, stop)
+                    run_here(running.head, mine, intake, threads, stop)
                 else:
                     build = None if allow_mixed else own_build()
-                    task = Task.of(spec, threads_per_task, build, executor, segment)
-                    found = drive(task, mine, intake, pool, workers, stop)
-                    poison.units += found.units
-                    poison.errors += found.errors
+                    task = Task.of(running.head, threads_per_task, build, executor)
+                    poison |= drive(task, mine, intake, pool, workers, stop)
         if stop() and len(todo):
             reason = "terminated" if terminated() else "interrupted"
-        elif poison.units:
+        elif poison:
             reason = "poisoned"
         else:
             reason = "waiting" if len(todo) else "complete"
@@ -230,7 +221,7 @@ def carry_on(
     return Outcome(reason, poison)
 
 
-def _compute_again(running: Folder | Memory, threads: int, stop: Callable[[], bool]) -> None:
+def _compute_again(running: Memory, threads: int, stop: Callable[[], bool]) -> None:
     """Compute some known rows again, before rows are added: another version may give others.
 
     Raises
@@ -248,7 +239,7 @@ def _compute_again(running: Folder | Memory, threads: int, stop: Callable[[], bo
     if not len(stored.rows):
         return
     units = stored.rows["unit"].copy()
-    again = compute(spec, units, threads, stop, segment=running.head.segment)
+    again = compute(running.head, units, threads, stop)
     found = "" if again is None else unequal(stored, again, spec.measure)
     if found:
         who = "this build of rigid, or this machine, does not compute the numbers that are stored"
@@ -256,7 +247,7 @@ def _compute_again(running: Folder | Memory, threads: int, stop: Callable[[], bo
 
 
 def result_of(
-    running: Folder | Memory, kind: type[Data], *, elapsed: float = np.nan, threads: int = 0
+    running: Memory, kind: type[Data], *, elapsed: float = np.nan, threads: int = 0
 ) -> Data:
     """The map of the rows that are stored, as an object of a class."""
     columns, bins = running.table.merged()
@@ -271,29 +262,12 @@ def result_of(
     )
 
 
-def pixels_done(running: Folder | Memory, result: MapData, how: str = "stored") -> str:
+def pixels_done(running: Memory, how: str = "stored") -> str:
     """How many pixels have all their bodies, in words, and pieces of divided ones."""
+    result = result_of(running, MapData)
     possible, segments = result.status == 0, running.head.segments
     done, pixels = int((result.finished & possible).sum()), int(possible.sum())
     text = f"{done:,} of {pixels:,} pixels"
     if segments > 1:
         text += f" ({int(running.table.known.sum()):,} of {pixels * segments:,} pieces)"
     return f"{text} are {how}"
-
-
-def _noting(
-    running: Folder | Memory, report: Callable[[Progress], object], total: int
-) -> Callable[[Rows], None]:
-    """A function that counts the bodies of rows."""
-    begin, done, failures = time.perf_counter(), 0, 0
-
-    def note(rows: Rows) -> None:
-        nonlocal done, failures
-        bodies = sum(int(rows[name].sum()) for name in CLASSES)
-        done += bodies
-        running.computed += bodies
-        failures += int(rows["failed"].sum())
-        elapsed = time.perf_counter() - begin
-        report(Progress(done=done, total=max(total, done), elapsed=elapsed, failures=failures))
-
-    return note

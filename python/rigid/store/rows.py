@@ -1,11 +1,11 @@
-"""Rows: the numbers of units of work. They follow from the columns of a map.
+"""Rows: the numbers of units of work, and their computation, which any process may repeat.
 
 The values of the measures of a map are bins, some for each unit, beside the rows.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -13,8 +13,10 @@ from numpy.typing import NDArray
 
 from .. import _core
 from ..maps.data import COLUMNS
-from ..maps.job import of_pixels
+from ..maps.job import of_pixels, spans, to_core
 from ..maps.measured import BIN
+from ..maps.sequential import Looks
+from ..maps.spec import MapSpec
 from .head import Head, StoreError
 
 FIELDS = tuple(column.name for column in COLUMNS if column.reproducible)
@@ -43,6 +45,10 @@ BIN_ROW = np.dtype(
 )
 """The type of a bin of a measure: number of the unit, place of the measure in the specification,
 numbers of the bin; see :mod:`rigid.maps.measured`."""
+
+Ints = NDArray[np.int64]
+Columns = dict[str, Any]
+"""Arrays by the name of their column, and the bins of the ``measures``."""
 
 Rows = NDArray[np.void]
 Bins = NDArray[np.int64]
@@ -107,6 +113,88 @@ def _sorted(bins: Bins) -> Bins:
     """In the order of the units."""
     ordered: Bins = bins[np.argsort(bins[:, 0], kind="stable")]
     return ordered
+
+
+def compute(
+    head: Head, units: Ints, threads: int = 1, stop: Callable[[], bool] | None = None
+) -> Block | None:
+    """The rows of units, sorted, with their processor time.
+
+    Parameters
+    ----------
+    head : Head
+        The specification, with its functions, and its units.
+    units : ndarray of int64
+        Numbers of possible units.
+    threads : int
+        Threads of the core.
+    stop : callable, optional
+        Asked twenty times a second; True ends the work.
+
+    Returns
+    -------
+    Block or None
+        None if ``stop()`` was true.
+    """
+    spec, units = head.spec, np.sort(units)
+    pixels, place = np.divmod(units, head.segments)
+    first, counts = place * head.segment, head.samples_of(units)
+
+    def columns_of(pixels: Ints, first: int | Ints, count: int) -> Columns | None:
+        """The columns of so many samples of pixels, from the first."""
+        job = to_core(spec, pixels, count, first)
+        return job.run(0, len(pixels) * count, threads, stop)
+
+    blocks = []
+    for count in np.unique(counts).tolist():  # the last unit of a pixel may be shorter
+        mine = counts == count
+        if spec.looks is None:
+            columns = columns_of(pixels[mine], first[mine], count)
+        else:
+            columns = _sequential(spec, spec.looks, pixels, columns_of)
+        if columns is None:
+            return None
+        costs = columns["nanoseconds"].astype("<f4")
+        bins = bins_of(units[mine], columns["measures"])
+        blocks.append(Block(rows_of(units[mine], columns), costs, bins))
+    if len(blocks) == 1:
+        return blocks[0]
+    rows, costs, bins = (np.concatenate(parts) for parts in zip(*blocks, strict=True))
+    order = np.argsort(rows["unit"], kind="stable")
+    return Block(rows[order], costs[order], bins[np.argsort(bins[:, 0], kind="stable")])
+
+
+def _sequential(
+    spec: MapSpec,
+    looks: Looks,
+    pixels: Ints,
+    columns_of: Callable[[Ints, int, int], Columns | None],
+) -> Columns | None:
+    """The columns of pixels, each with as many samples as it needs.
+
+    All samples until the next look at which a pixel can stop are computed at once: the looks
+    between cannot stop it.
+    """
+    statistics = _core.MapStatistics(len(pixels), len(spec.measure))
+    samples = np.zeros(len(pixels), np.int64)
+    active = np.ones(len(pixels), np.bool_)
+    while active.any():
+        columns = statistics.arrays()
+        stable, unknown = columns["stable"], columns["undecided"] + columns["failed"]
+        until = np.where(active, looks.following(stable, unknown, samples), 0)
+        pairs = np.unique(np.stack([samples[active], until[active]]), axis=1).T.tolist()
+        for begin, end in pairs:
+            mine = np.flatnonzero(active & (samples == begin) & (until == end))
+            for span in spans(spec, range(begin, end)):
+                part = columns_of(pixels[mine], span.start, len(span))
+                if part is None:
+                    return None
+                statistics.merge({**part, "pixels": mine})
+        samples = np.where(active, until, samples)
+        columns = statistics.arrays()
+        unknown = columns["undecided"] + columns["failed"]
+        active &= ~looks.stops(columns["stable"], unknown, samples)
+    return {**statistics.arrays(), "measures": statistics.bins()}
 
 
 class Table:

@@ -6,9 +6,8 @@ import os
 import platform
 import socket
 import sys
-import time
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -22,7 +21,7 @@ from ..maps.spec import MapSpec
 from ..model.scene import Scene
 from .disk import DISK, Disk
 from .head import Head, StoreError, divided_in_memory, moment_status
-from .log import LOG_NAME, Found, Log, gone, read_log
+from .log import LOG_NAME, Found, Log, gone, read_log, utc
 from .rows import Bins, Rows, Table
 
 
@@ -39,34 +38,35 @@ def receipt(**facts: Any) -> dict[str, Any]:
         "system": platform.platform(),
         "python": sys.version.split()[0],
         "numpy": np.__version__,
-        "begin": _utc(),
+        "begin": utc(),
         **facts,
     }
 
 
-def claims_result(path: str | os.PathLike[str], disk: Disk = DISK) -> bool:
+def claims_result(path: str | os.PathLike[str]) -> bool:
     """Whether this process is the first to ask: of parts that end together one writes the map."""
     try:
-        disk.close(disk.create(Path(path, "claimed")))
+        Path(path, "claimed").touch(exist_ok=False)
     except FileExistsError:
         return False
     return True
 
 
-def _utc() -> str:
-    return time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime())
-
-
-def _seconds(nanoseconds: NDArray[np.float32] | None) -> float:
-    return 0.0 if nanoseconds is None else 1e-9 * float(np.nansum(nanoseconds, dtype=np.float64))
-
-
 class Memory:
-    """A running map in memory alone."""
+    """A running map in memory alone.
 
-    def __init__(self, spec: MapSpec) -> None:
+    Attributes
+    ----------
+    head : Head
+    table : Table
+        The known rows.
+    computed : int
+        Bodies that this process computed in its last sitting.
+    """
+
+    def __init__(self, spec: MapSpec, segment: int | None = None) -> None:
         self.computed = 0
-        self.head = Head.of(spec, divided_in_memory(spec))
+        self.head = Head(spec, divided_in_memory(spec) if segment is None else segment)
         self.table = Table(self.head)
 
     @cached_property
@@ -94,32 +94,8 @@ class Memory:
         return []
 
 
-@dataclass(frozen=True, slots=True)
-class LogFacts:
-    """The content of a log besides its rows.
-
-    Attributes
-    ----------
-    name : str
-    units : int
-        Its rows.
-    seconds : float
-        Their processor time.
-    written : float
-        When it was last written, in seconds of :func:`time.time`.
-    found : Found
-        What else it holds.
-    """
-
-    name: str
-    units: int
-    seconds: float
-    written: float
-    found: Found
-
-
-class Folder:
-    """A folder of a running map.
+class Folder(Memory):
+    """A folder of a running map, whose rows are in memory too.
 
     Attributes
     ----------
@@ -127,25 +103,16 @@ class Folder:
     head : Head
     table : Table
         The rows of all logs, as last read.
-    logs : list of LogFacts
+    logs : list of Found
         What else they hold.
-    computed : int
-        Bodies that this process computed in its last sitting.
     """
 
     def __init__(self, path: str | os.PathLike[str], disk: Disk = DISK) -> None:
         self.path, self._disk = Path(path), disk
         self._log: Log | None = None
         self.computed = 0
-        self._receipt: dict[str, Any] = {}
-        self._blocks, self._units, self._seconds = 0, 0, 0.0
         self.head = self._read_head()
         self.read()
-
-    @cached_property
-    def status(self) -> NDArray[np.uint8]:
-        """The status of the moments of each pixel in C order."""
-        return moment_status(self.head.spec)
 
     @classmethod
     def at(
@@ -153,9 +120,8 @@ class Folder:
         path: str | os.PathLike[str],
         spec: MapSpec,
         disk: Disk = DISK,
-        head: Head | None = None,
     ) -> Folder:
-        """The folder of that map; a new one if there is none, by default as this version makes it.
+        """The folder of that map; a new one if there is none.
 
         Raises
         ------
@@ -166,12 +132,17 @@ class Folder:
         if not cls.is_at(folder):
             cls.require_empty(folder, disk)
             disk.make_folder(folder / "logs")
-            disk.publish(folder / "head.json", canonical((head or Head.of(spec)).content))
+            disk.publish(folder / "head.json", canonical(Head.of(spec).content))
             disk.synchronise_folder(folder.absolute().parent)
         found = cls(folder, disk)
         found.head.require_spec(spec, folder)
         found.give(**spec.functions)
         return found
+
+    @classmethod
+    def seeded(cls, spec: MapSpec, path: str | os.PathLike[str]) -> MapSpec:
+        """A specification whose seed was drawn; with that of the first call, if there is one."""
+        return replace(spec, seed=cls(path).head.spec.seed) if cls.is_at(path) else spec
 
     @staticmethod
     def require_empty(path: str | os.PathLike[str], disk: Disk = DISK) -> None:
@@ -216,24 +187,24 @@ class Folder:
         for name in self._disk.names(folder):
             if not LOG_NAME.fullmatch(name) or not (folder / name).is_file():
                 continue
-            found, units, seconds = Found(), 0, 0.0
-            written = self._disk.modified(folder / name)
-            with self._disk.opened(folder / name) as file:
+            found = Found(name, written=(folder / name).stat().st_mtime)
+            with (folder / name).open("rb") as file:
                 measured = bool(self.head.spec.measure)
-                for rows, nanoseconds, bins in read_log(
-                    file, self.head.seal, found, measured=measured
-                ):
-                    self.table.add(rows, nanoseconds, bins, folder / name)
-                    units += len(rows)
-                    seconds += _seconds(nanoseconds)
-            self.logs.append(LogFacts(name, units, seconds, written, found))
+                for record in read_log(file, self.head.seal, found, measured=measured):
+                    self.table.add(*record, folder / name)
+            self.logs.append(found)
+
+    @property
+    def damage(self) -> list[str]:
+        """What could not be read in the logs, and where."""
+        return [f"{log.name}: {text}" for log in self.logs for text in log.damage]
 
     def writers(self) -> list[dict[str, Any]]:
         """The receipt of each log, with its units, its processor time, and why it ended."""
         return [
             {
-                **(log.found.writer or {}),
-                **(log.found.end or {}),
+                **(log.writer or {}),
+                **(log.end or {}),
                 "log": log.name,
                 "units": log.units,
                 "seconds": log.seconds,
@@ -245,10 +216,8 @@ class Folder:
         """Open the log of this process, unless it is open."""
         if self._log is None:
             self._disk.make_folder(self.path / "logs")
-            self._receipt = {"key": self.head.key.hex(), **receipt(**facts)}
-            self._blocks = self._units = 0
-            self._seconds = 0.0
-            self._log = Log(self.path / "logs", self.head.seal, self._receipt, self._disk)
+            own = {"key": self.head.key.hex(), **receipt(**facts)}
+            self._log = Log(self.path / "logs", self.head.seal, own, self._disk)
 
     def append(
         self, rows: Rows, nanoseconds: NDArray[np.float32], bins: Bins | None = None
@@ -257,21 +226,14 @@ class Folder:
         assert self._log is not None
         self._log.append(rows, nanoseconds, bins if self.head.spec.measure else None)
         self.table.add(rows, nanoseconds, bins, self._log.path)
-        self._blocks += 1
-        self._units += len(rows)
-        self._seconds += _seconds(nanoseconds)
 
     def end(self, reason: str) -> None:
         """Close the log of this process, if there is one."""
         log, self._log = self._log, None
         if log is not None:
-            facts = {"blocks": self._blocks, "units": self._units, "reason": reason, "end": _utc()}
-            end = None if reason == "error" else facts
-            log.close(end)
-            found = Found(writer=self._receipt, end=end, records=self._blocks)
-            own = LogFacts(log.path.name, self._units, self._seconds, time.time(), found)
-            self.logs = [log for log in self.logs if log.name != own.name] + [own]
-            if end is not None:
+            log.close(None if reason == "error" else reason)
+            self.logs = [one for one in self.logs if one.name != log.path.name] + [log.found]
+            if reason != "error":
                 self._require_whole()
 
     def _require_whole(self) -> None:

@@ -1,18 +1,35 @@
-"""The stored and the missing parts of a running map."""
+"""What a running map has and lacks, and what a call would compute, and how long it would take."""
 
 from __future__ import annotations
 
+import os
 import time
 from calendar import timegm
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..maps.data import CLASSES, MapData
+from ..maps.job import to_core
+from ..maps.plan import map_plan
+from ..maps.refine import refined
+from ..maps.request import shortened
+from ..maps.sequential import LOOK
+from ..maps.spec import MapSpec
+from ..solve.plan import Plan
+from ..solve.timing import FEW, LEAST_SHARE, seconds_of_one
+from .head import divided
+from .log import COST, UTC, Found
 from .resume import Part, missing, result_of
-from .running import Folder, LogFacts
+from .rows import BIN_ROW, ROW
+from .running import Folder, Memory
+
+QUICK = 40_000
+"""Most steps of the bodies of a look that are run to the horizon at once: eight such looks take
+some hundredths of a second."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -102,20 +119,12 @@ def _how(writer: dict[str, Any]) -> str:
     return f"running or killed, wrote {writer['silent']:.0f} s ago, {left}"
 
 
-def _writers(folder: Folder, left: NDArray[np.int64]) -> list[dict[str, Any]]:
-    """The receipts of the logs, with the remaining work of each writer that has not ended."""
-    return [
-        writer if log.found.end else {**writer, **_pace(folder, log, left)}
-        for writer, log in zip(folder.writers(), folder.logs, strict=True)
-    ]
-
-
-def _pace(folder: Folder, log: LogFacts, left: NDArray[np.int64]) -> dict[str, Any]:
+def _pace(folder: Folder, log: Found, left: NDArray[np.int64]) -> dict[str, Any]:
     """How long a writer has been silent, and how many units its part lacks."""
-    receipt = log.found.writer or {}
+    receipt = log.writer or {}
     try:
         lacks = int(Part.of(receipt.get("part")).has(left, folder).sum())
-        begun = float(timegm(time.strptime(receipt["begin"], "%Y-%m-%dT%H:%M:%SZ")))
+        begun = float(timegm(time.strptime(receipt["begin"], UTC)))
     except (KeyError, TypeError, ValueError):  # a damaged log may have no receipt
         lacks, begun = len(left), log.written
     pace = log.units / (log.written - begun) if log.written > begun else 0.0
@@ -144,8 +153,112 @@ def status_of(folder: Folder) -> Status:
         bodies=sum(int(rows[name].sum()) for name in CLASSES),
         failed=int(rows["failed"].sum()),
         twice=table.twice,
-        damage=[f"{log.name}: {text}" for log in folder.logs for text in log.found.damage],
-        writers=_writers(folder, todo),
+        damage=folder.damage,
+        writers=[
+            writer if log.end else {**writer, **_pace(folder, log, todo)}
+            for writer, log in zip(folder.writers(), folder.logs, strict=True)
+        ],
         seconds=seconds,
         remaining=mean * left if left else 0.0,
     )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Foreseen:
+    """What a call would compute.
+
+    Attributes
+    ----------
+    plan : Plan
+    pixels, bodies : int
+        Of this call: without what is stored, and without other parts.
+    at_most : bool
+        Whether these are the largest possible numbers.
+    seconds : float
+        Wall time on free threads.
+    stored : int
+        Bytes of the rows that a folder gets.
+    """
+
+    plan: Plan
+    pixels: int
+    bodies: int
+    at_most: bool
+    seconds: float
+    stored: int
+
+
+def foresee(
+    spec: MapSpec,
+    *,
+    store: str | os.PathLike[str] | None,
+    seeded: bool,
+    threads: int,
+    part: str | None,
+) -> Foreseen:
+    """Foresee a call, by the computation of some bodies of random pixels, with their cross-check.
+
+    Raises
+    ------
+    StoreError
+        As the call.
+    """
+    share = Part.of(part)
+    if store is not None and not seeded:
+        spec = Folder.seeded(spec, store)
+    begin = time.process_time()  # other programs may be busy
+    if store is None:
+        running = Memory(spec)
+    elif Folder.is_at(store):
+        running = Folder.at(store, spec)
+    else:
+        Folder.require_empty(store)
+        running = Memory(spec, divided(spec))
+    spec, head = running.head.spec, running.head
+    spec.require_functions()
+    todo = missing(running)
+    mine = todo[share.has(todo, running)]
+    pixels = np.unique(mine // head.segments)
+    bodies = int(head.samples_of(mine).sum())
+    if refined(spec):  # later stages follow from the rows of earlier ones
+        possible = np.flatnonzero(running.status == 0)
+        pixels, bodies = possible, len(possible) * spec.samples // share.count
+    bodies = min(bodies, spec.budget or bodies)
+    made = map_plan(spec)
+    prepared = time.process_time() - begin
+    seconds = 0.0
+    if bodies:
+        seconds = bodies / threads * _seconds_of_one(spec, made.steps, pixels, threads)
+    bins = len(spec.measure) * BIN_ROW.itemsize  # one of each measure; most pixels have few
+    return Foreseen(
+        plan=made,
+        pixels=len(pixels),
+        bodies=bodies,
+        at_most=spec.looks is not None or refined(spec),
+        seconds=prepared + seconds,
+        stored=len(mine) * (ROW.itemsize + COST.itemsize + bins),
+    )
+
+
+def _seconds_of_one(
+    spec: MapSpec, steps: int | None, pixels: NDArray[np.int64], threads: int
+) -> float:
+    """Processor time of a body of these pixels (s), which takes so many steps, on so many threads.
+
+    Looks of random pixels are computed. The looks are random too: by default some bodies of each
+    look are cross-checked, but of a share to check it is the first bodies of a pixel.
+    """
+    samples = min(LOOK, spec.samples)
+    looks = spec.samples // samples if spec.looks is None else 1
+    until = cache(lambda share: shortened(spec, share))
+
+    def run(count: int, share: float) -> None:
+        rng = np.random.default_rng(0)
+        some = np.resize(rng.permutation(pixels), count)
+        job = to_core(until(share), some, samples, LOOK * rng.integers(looks, size=count))
+        job.run(0, count * samples, threads)
+
+    share = 1.0 if steps is not None and steps * samples <= QUICK else LEAST_SHARE
+    most, few = looks * len(pixels), max(1, FEW // samples)
+    seconds, _ = seconds_of_one(run, most, few, share)
+    return seconds / samples

@@ -2,28 +2,28 @@
 
 from __future__ import annotations
 
-import dataclasses
 import os
+import shutil
 import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from .._checks.arguments import brief, positive_int, resolve_threads
 from .._checks.progress import Interrupted, ProgressOption, checked_progress, interruptible
+from .._files import published
 from ..maps.dataset import write_zarr_url
 from ..maps.spec import MapSpec
 from ..model.scene import Scene
-from .diff import Difference, read_any
-from .diff import diff as diff_maps
+from .compare import Verification, verify
+from .compare import diff as diff
 from .drive import executor_of
-from .foresee import Foreseen, foresee
-from .merge import merge_into
 from .result import StabilityMap
-from .resume import Outcome, Part, carry_on, pixels_done, result_of
+from .resume import Part, carry_on, pixels_done, result_of
 from .running import Folder, Memory
 from .status import Status, status_of
-from .verify import Verification, verify
 
 
 class PoisonedError(RuntimeError):
@@ -37,9 +37,13 @@ class PoisonedError(RuntimeError):
         The map without them.
     """
 
-    def __init__(self, message: str, units: list[int], partial: StabilityMap) -> None:
-        super().__init__(message)
-        self.units, self.partial = units, partial
+    def __init__(self, poison: dict[int, str], partial: StabilityMap) -> None:
+        self.units, self.partial = list(poison), partial
+        shown = ", ".join(map(str, self.units[:10])) + (", ..." if self.units[10:] else "")
+        super().__init__(
+            f"{len(poison):,} units were given up, their tasks failed three times: {shown}; "
+            f"the last error: {poison[self.units[-1]]}"
+        )
 
 
 class Store:
@@ -191,8 +195,9 @@ class Store:
         True
         """
         self._folder.read()
-        return _run(
-            lambda: self._folder,
+        return run_map(
+            self.spec,
+            running=self._folder,
             executor=executor,
             threads=threads,
             threads_per_task=threads_per_task,
@@ -368,46 +373,25 @@ def merge(paths: Sequence[str | os.PathLike[str]], into: str | os.PathLike[str])
     """
     if isinstance(paths, (str, bytes)):
         raise TypeError(f"paths = {brief(paths)}: must be a sequence of folders")
-    return Store(merge_into(paths, into))
-
-
-def diff(
-    one: StabilityMap | str | os.PathLike[str], other: StabilityMap | str | os.PathLike[str]
-) -> Difference:
-    """Compare two maps: their specifications and their numbers.
-
-    Maps of one specification are compared bit by bit, in the pixels that both have. Maps with the
-    same axes are compared by the intervals of their shares.
-
-    Parameters
-    ----------
-    one, other : StabilityMap or path-like
-        Results, saved files, or folders of running maps.
-
-    Returns
-    -------
-    Difference
-        ``same``, ``specification``, ``numbers``; ``str()`` describes them.
-
-    Raises
-    ------
-    ValueError
-        If a path holds neither a map nor a running map, or the content is damaged.
-    OSError
-        If a file cannot be read.
-
-    Examples
-    --------
-    >>> import rigid
-    >>> ask = dict(axes={"spin": [1.0, 2.0]}, samples=10, t_end=50.0, stable=rigid.no_flip())
-    >>> one, other = (rigid.stability_map(rigid.FreeBody, rng=rng, **ask) for rng in (1, 2))
-    >>> rigid.diff(one, one).same
-    True
-    >>> rigid.diff(one, other).specification
-    ['seed: 1 and 2']
-    """
-    maps = [data if isinstance(data, StabilityMap) else read_any(data) for data in (one, other)]
-    return diff_maps(*maps)
+    folders = [Folder(path) for path in paths]
+    if not folders:
+        raise ValueError("paths: must name at least one running map")
+    first = folders[0]
+    if Folder.is_at(into):
+        folders.append(Folder(into))
+    for folder in folders[1:]:
+        folder.head.require_spec(first.head.spec, folder.path)
+        rows, _, bins = folder.table.block(np.flatnonzero(folder.table.known))
+        first.table.add(rows, None, bins, folder.path)
+    target = Folder.at(into, first.head.spec)
+    for folder in folders:
+        for log in folder.logs:
+            source, copy = folder.path / "logs" / log.name, target.path / "logs" / log.name
+            if not (copy.exists() and copy.stat().st_size >= source.stat().st_size):
+                with source.open("rb") as file, published(copy) as whole:
+                    shutil.copyfileobj(file, whole)
+    target.read()
+    return Store(target)
 
 
 def run_map(
@@ -415,37 +399,7 @@ def run_map(
     *,
     store: str | os.PathLike[str] | None = None,
     seeded: bool = True,
-    **options: Any,
-) -> StabilityMap:
-    """The map of a specification, in a folder or in memory; see :func:`rigid.stability_map`."""
-    if store is None:
-        return _run(lambda: Memory(spec), **options)
-    return _run(lambda: Folder.at(store, _seeded(spec, store, seeded)), **options)
-
-
-def foreseen(
-    spec: MapSpec,
-    *,
-    store: str | os.PathLike[str] | None,
-    seeded: bool,
-    threads: int,
-    part: str | None,
-) -> Foreseen:
-    """What :func:`run_map` would compute, and how long it would take."""
-    spec = spec if store is None else _seeded(spec, store, seeded)
-    return foresee(spec, threads=threads, store=store, part=Part.of(part))
-
-
-def _seeded(spec: MapSpec, store: str | os.PathLike[str], seeded: bool) -> MapSpec:
-    """The specification; if no seed was given, with the seed that was drawn at the first call."""
-    if seeded or not Folder.is_at(store):
-        return spec
-    return dataclasses.replace(spec, seed=Folder(store).head.spec.seed)
-
-
-def _run(
-    opened: Callable[[], Folder | Memory],
-    *,
+    running: Memory | None = None,
     executor: Any = None,
     threads: int | None = None,
     threads_per_task: int = 1,
@@ -454,6 +408,10 @@ def _run(
     partial: bool = False,
     allow_mixed: bool = False,
 ) -> StabilityMap:
+    """The map of a specification, in a folder or in memory; see :func:`rigid.stability_map`.
+
+    A map that is ``running`` goes on.
+    """
     # Whatever is refused leaves no new folder.
     workers, each = resolve_threads(threads), positive_int("threads_per_task", threads_per_task)
     share = Part.of(part)
@@ -461,9 +419,11 @@ def _run(
         executor_of(executor)
     checked_progress(progress)
     begun = time.perf_counter()
-    running = opened()
+    if store is not None:
+        running = Folder.at(store, spec if seeded else Folder.seeded(spec, store))
+    running = running or Memory(spec)
     with interruptible() as stop:
-        interrupted = False
+        outcome = None
         try:
             outcome = carry_on(
                 running,
@@ -478,27 +438,15 @@ def _run(
         except KeyboardInterrupt:
             if stop.is_set():
                 raise  # the second Ctrl-C
-            interrupted, outcome = True, None
         elapsed = time.perf_counter() - begun
         result = result_of(running, StabilityMap, elapsed=elapsed, threads=workers)
-    if (interrupted or stop.is_set()) and not partial:
-        raise Interrupted(_interrupted_words(running, result), result)
-    if outcome is not None and outcome.poison.units:
-        raise PoisonedError(_poison_words(outcome), outcome.poison.units, result)
+    if (outcome is None or stop.is_set()) and not partial:
+        if isinstance(running, Folder):
+            words = f"{pixels_done(running)}; the same call goes on"
+        else:
+            done = pixels_done(running, "done")
+            words = f"{done}; the attribute 'partial' of this exception is their map"
+        raise Interrupted(words, result)
+    if outcome is not None and outcome.poison:
+        raise PoisonedError(outcome.poison, result)
     return result
-
-
-def _interrupted_words(running: Folder | Memory, result: StabilityMap) -> str:
-    if isinstance(running, Memory):
-        done = pixels_done(running, result, "done")
-        return f"{done}; the attribute 'partial' of this exception is their map"
-    return f"{pixels_done(running, result)}; the same call goes on"
-
-
-def _poison_words(outcome: Outcome) -> str:
-    units, errors = outcome.poison.units, outcome.poison.errors
-    shown = ", ".join(map(str, units[:10])) + (", ..." if units[10:] else "")
-    return (
-        f"{len(units):,} units were given up, their tasks failed three times: {shown}; "
-        f"the last error: {errors[-1]}"
-    )

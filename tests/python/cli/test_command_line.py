@@ -19,7 +19,7 @@ import rigid
 from interrupts import sigint
 from processes import environment, python_command, python_process, run_python
 from rigid.cli import main
-from rigid.cli.exit_codes import (
+from rigid.cli.output import (
     DONE,
     EXIT_CODES,
     REFUSED,

@@ -99,7 +99,7 @@ def test_a_script_gets_lines_of_long_calls(
     CALLS["steps"]()
     assert capsys.readouterr().err == ""
     monkeypatch.setattr(progressing, "SHOWN_AFTER", 0.0)
-    monkeypatch.setattr("rigid.store.verify.TOGETHER", 4)
+    monkeypatch.setattr("rigid.store.compare.TOGETHER", 4)
     for call in (
         CALLS["steps"],
         CALLS["growth"],

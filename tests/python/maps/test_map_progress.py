@@ -11,7 +11,8 @@ import rigid
 from processes import PATIENCE, python_process
 from rigid.store.drive import SHORTEST, Intake
 from rigid.store.rows import NO_BINS, ROW, Block
-from small_maps import in_blocks, small_map
+from rigid.store.running import Memory
+from small_maps import in_blocks, small_map, spec_of
 from terminals import in_terminal, read
 
 IMPORTS = "import numpy as np, rigid, sys, time\n"
@@ -133,7 +134,7 @@ def test_a_record_before_the_first_body_promises_nothing() -> None:
 # Blocks
 
 
-class Nowhere:
+class Nowhere(Memory):
     """Keeps no rows."""
 
     def append(self, *_: object) -> None:
@@ -142,7 +143,7 @@ class Nowhere:
 
 def test_blocks_settle_near_a_third_of_a_second_and_stay_short() -> None:
     # A machine that needs 1 ms a unit in the first half and 1 ms / 100 in the second.
-    intake = Intake(Nowhere(), lambda _: None, samples=1, threads=1)
+    intake = Intake(Nowhere(spec_of(samples=1)), lambda *_: None, threads=1)
     seconds = []
     for round_ in range(60):
         cost, units = (1e-3 if round_ < 30 else 1e-5), intake.units

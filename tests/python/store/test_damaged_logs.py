@@ -115,7 +115,7 @@ def test_a_damaged_log_is_left_alone_and_its_rows_are_computed_again(
     content[len(log) // 2] ^= 1
     content[len(log) // 3] ^= 1
     damaged.write_bytes(content)
-    assert len(Folder(path).logs[0].found.damage) >= 1
+    assert len(Folder(path).logs[0].damage) >= 1
     go_on(path)
     assert numbers(path) == run.table.rows.tobytes()
     assert damaged.read_bytes() == content

@@ -10,13 +10,11 @@ import numpy as np
 import pytest
 
 import rigid
-from rigid.maps.identity import segment_of
-from rigid.store.head import Head
+from rigid.store.head import Head, divided
 from rigid.store.resume import Part, missing
-from rigid.store.rows import Table
 from rigid.store.running import Folder, Memory
 from small_maps import assert_same_map, saved_bytes, small_map, spec_of
-from stores import SPEC, go_on, numbers, stops_after, stored_map
+from stores import SPEC, go_on, stops_after, stored_map
 
 #: Three units for each of eight pixels.
 FEW: dict[str, Any] = {
@@ -33,9 +31,7 @@ def spec_of_grid(columns: int, rows: int, samples: int) -> rigid.MapSpec:
 
 def shares(spec: rigid.MapSpec, count: int) -> list[np.ndarray[Any, Any]]:
     """The units of each part of a map of which nothing is computed."""
-    running = Memory(spec)
-    running.head = Head.of(spec)  # divided as that of a folder
-    running.table = Table(running.head)
+    running = Memory(spec, divided(spec))  # as that of a folder
     todo = missing(running)
     return [todo[Part(k + 1, count).has(todo, running)] for k in range(count)]
 
@@ -127,7 +123,7 @@ def test_divided_pixels_have_the_bits_of_whole_ones(tmp_path: Path, count: int) 
     assert store.key == store.status().key == receipt["key"]
     assert store.verify(1.0).ok
     file = whole.save(tmp_path / "map.npz")
-    from rigid.store.verify import verify
+    from rigid.store.compare import verify
 
     assert verify(file, share=1.0).ok
 
@@ -175,32 +171,10 @@ def test_an_interruption_inside_of_pixels_counts_whole_ones(
     go_on(tmp_path / "run", spec=spec_of(**FEW), stop=stops_after(8))
     from rigid.store.resume import pixels_done
 
-    result = stored_map(tmp_path / "run")
     units = int(Folder(tmp_path / "run").table.known.sum())
     assert units % 3
     words = f"{units // 3} of 8 pixels ({units} of 24 pieces) are stored"
-    assert pixels_done(Folder(tmp_path / "run"), result) == words
-
-
-def test_a_store_of_undivided_pixels_goes_on(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Versions before stored a pixel as one unit, whatever its bodies."""
-    with monkeypatch.context() as before:
-        before.setattr("rigid.store.head.divided", segment_of)
-        for k in (1, 2):
-            go_on(tmp_path / f"{k}", spec=spec_of(**FEW), part=Part(k, 2))
-    old = Folder(tmp_path / "1")
-    assert old.head.segments == 1
-    assert 0 < old.table.known.sum() < 8
-    merged = rigid.merge([tmp_path / "1", tmp_path / "2"], tmp_path / "all")
-    assert merged.status().complete
-    go_on(tmp_path / "1", spec=spec_of(**FEW))
-    assert numbers(tmp_path / "1") == numbers(tmp_path / "all")
-    assert_same_map(stored_map(tmp_path / "1"), small_map(**FEW))
-    go_on(tmp_path / "new", spec=spec_of(**FEW))
-    with pytest.raises(ValueError, match="made by versions of rigid that store it differently"):
-        rigid.merge([tmp_path / "new", tmp_path / "1"], tmp_path / "both")
+    assert pixels_done(Folder(tmp_path / "run")) == words
 
 
 def test_the_status_never_tells_a_time_that_is_not_known(tmp_path: Path) -> None:

@@ -64,7 +64,7 @@ def test_verification_finds_every_altered_row(tmp_path: Path) -> None:
 
 def test_verification_reads_saved_maps(tmp_path: Path) -> None:
     path = small_map(samples=4).save(tmp_path / "map.npz")
-    from rigid.store.verify import verify
+    from rigid.store.compare import verify
 
     assert str(verify(path, share=1.0)) == "35 of 35 units were computed again: 0 differ"
 
@@ -269,5 +269,5 @@ def test_two_logs_never_have_one_name(tmp_path: Path) -> None:
     logs = [Log(folder.path / "logs", folder.head.seal, {}, folder._disk) for _ in range(3)]
     assert len({log.path for log in logs}) == 3
     for log in logs:
-        log.close({})
+        log.close("complete")
     assert numbers(folder.path) == Folder(folder.path).table.rows.tobytes()

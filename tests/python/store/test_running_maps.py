@@ -24,10 +24,10 @@ from rigid.maps.axes import make_axes
 from rigid.maps.data import COLUMNS
 from rigid.maps.refine import lattice_level
 from rigid.store import drive as driving
-from rigid.store.compute import compute
 from rigid.store.drive import Intake, Task, drive, own_build
+from rigid.store.head import Head
 from rigid.store.resume import Part, carry_on, missing
-from rigid.store.rows import FIELDS, ROW, Table
+from rigid.store.rows import FIELDS, ROW, Table, compute
 from rigid.store.running import Folder, Memory
 from small_maps import assert_same_map, saved_bytes, small_map
 from stores import SPEC, go_on, numbers, request, stops_after, stored_map
@@ -83,11 +83,11 @@ def test_a_worker_makes_only_its_own_rows_of_the_grid() -> None:
     ends = {axis.name: (axis.values[0], axis.values[-1]) for axis in SPEC.axes}
     axes = make_axes({name: np.geomspace(*two, 1000) for name, two in ends.items()})
     spec = SPEC.replace(axes=axes)
-    units = np.array([700_000, 700_007])
-    compute(spec, units)  # what is cached
+    head, units = Head.of(spec), np.array([700_000, 700_007])
+    compute(head, units)  # what is cached
     tracemalloc.start()
     try:
-        compute(spec, units)
+        compute(head, units)
         assert tracemalloc.get_traced_memory()[1] < 2**20
     finally:
         tracemalloc.stop()
@@ -306,11 +306,11 @@ def test_workers_that_cannot_work_end_the_run(tmp_path: Path) -> None:
 def test_a_worker_of_another_version_is_refused(tmp_path: Path) -> None:
     folder = Folder.at(tmp_path / "run", SPEC)
     folder.begin()
-    task = Task(SPEC.to_json(), 1, ("0.0.0", None), {})
-    intake = Intake(folder, lambda _: None, 20, 1)
+    task = Task(SPEC.to_json(), 1, ("0.0.0", None), {}, SPEC.samples)
+    intake = Intake(folder, lambda *_: None, 1)
     with ThreadPoolExecutor(1) as pool, pytest.raises(ValueError, match="a worker has rigid"):
         drive(task, np.arange(160, 165), intake, pool, 1, lambda: False)
-    task = Task(SPEC.to_json(), 1, own_build(), {})
+    task = Task(SPEC.to_json(), 1, own_build(), {}, SPEC.samples)
     with ThreadPoolExecutor(1) as pool:
         drive(task, np.arange(160, 165), intake, pool, 1, lambda: False)
     folder.end("interrupted")
@@ -348,15 +348,14 @@ import sys, time
 from pathlib import Path
 from stores import SPEC, Folder, carry_on
 from rigid.store import resume
-def one_by_one(spec, samples, todo, sink, threads, stop, note):
+def one_by_one(head, todo, intake, threads, stop):
     print("begun", flush=True)
     for unit in todo:
-        sink.append(*resume_compute(spec, [unit]))
+        intake.take(compute(head, np.array([unit])))
         time.sleep(0.001)
 import numpy as np
-from rigid.store.compute import compute
-def resume_compute(spec, units):
-    return compute(spec, np.array(units))
+from rigid.store.head import Head
+from rigid.store.rows import compute
 resume.run_here = one_by_one
 carry_on(Folder.at(Path(sys.argv[1]), SPEC), threads=1, stop=lambda: False, progress=False)
 """
