@@ -15,7 +15,6 @@ from ..model.body import Body
 from ..model.body_like import BodyLike, moments_of
 from ..model.scene import FreeBody
 from ..model.start import body_axis
-from ..solve.separatrix import circulation_terms
 from .tops import asymmetric_free_top
 
 Floats = NDArray[np.float64]
@@ -308,14 +307,12 @@ def circulation(body: BodyLike, omega: ArrayLike) -> Circulation:
     i1, i2, i3 = np.moveaxis(ascending, -1, 0)
     shape = np.broadcast_shapes(order.shape, rates.shape)
     order, rates = np.broadcast_to(order, shape), np.broadcast_to(rates, shape)
-    about_first, about_third = circulation_terms(
-        ascending, np.take_along_axis(rates, order, axis=-1)
-    )
+    w1, _, w3 = np.moveaxis(np.take_along_axis(rates, order, axis=-1), -1, 0)
     with np.errstate(divide="ignore"):
         ratio = np.sqrt(i3 * (i3 - i2) / (i1 * np.where(i2 > i1, i2 - i1, 1.0)))
     return Circulation(
         axis=asymmetric_free_top(moments, rates).axis,
-        margin=about_first - about_third,
+        margin=i1 * (i2 - i1) * w1**2 - i3 * (i3 - i2) * w3**2,
         separatrix=np.where(i2 > i1, ratio, np.inf)[()],
     )
 
