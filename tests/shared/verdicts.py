@@ -12,7 +12,7 @@ from adversarial import KINDS, Case, Kinds, random_case
 from physics import ROUNDOFF, Floats, energy, gamma_of
 from quad_motion import Motion
 from rigid.solve.arrays import time_range
-from rigid.solve.starts import bodies_of
+from rigid.solve.bodies import bodies_of
 
 VERDICTS = ("right", "within 4uκ", "flagged", "refused", "status", "no truth", "UNDETECTED")
 

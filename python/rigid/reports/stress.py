@@ -17,10 +17,10 @@ from .. import _core
 from .._checks.arguments import one_of
 from .._checks.progress import Progress, ProgressOption, reporting
 from ..drawing.figure import html_text
+from ..solve.bodies import bodies_of
 from ..solve.methods import EXACT, known_method, run_methods
 from ..solve.run import Run
 from ..solve.simulate import simulate
-from ..solve.starts import bodies_of
 from ..solve.status import Status
 from .stress_cases import Case, cases
 

@@ -14,11 +14,11 @@ from .._checks.progress import Listening, ProgressOption
 from ..model.body import Body
 from ..model.scene import Scene, check_scene
 from ..rotations.apply import to_body
+from ..solve.bodies import bodies_of
 from ..solve.choose_method import choose_method
 from ..solve.methods import EXACT, adaptive_methods, known_method
-from ..solve.problem import Problem
+from ..solve.request import Problem
 from ..solve.simulate import simulate
-from ..solve.starts import bodies_of
 from ..solve.status import Status
 from ..solve.surfaces import Search, Surfaces, default_method, default_tolerance
 from .crossings import Crossings

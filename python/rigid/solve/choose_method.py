@@ -16,6 +16,7 @@ from ..model.body import Body
 from ..model.forces import forces_in_words
 from ..model.scene import Scene, check_scene
 from .arrays import roots
+from .bodies import bodies_of
 from .closed_form import (
     FORCED_RULE,
     NO_FORM,
@@ -43,8 +44,7 @@ from .methods import (
 )
 from .plan import LazyPlan, Plan, plan_of_parts
 from .planned import UNKNOWN, Reason, damping_rate, plan_of, why_unforeseen
-from .problem import USUAL_ACCURACY, Problem
-from .starts import bodies_of
+from .request import USUAL_ACCURACY, Problem
 from .surfaces import default_method
 
 if TYPE_CHECKING:

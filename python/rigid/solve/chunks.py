@@ -13,10 +13,10 @@ from .._checks.arguments import brief, numbers, positive_int, times_of_each
 from ..model.body import Body
 from ..model.forces import FORCES
 from ..model.scene import Scene, check_scene
+from .bodies import bodies_of
 from .lazy import Lazy
 from .run import Run
 from .simulate import simulate
-from .starts import bodies_of
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation

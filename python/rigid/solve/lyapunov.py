@@ -16,15 +16,13 @@ from ..model.body import Body
 from ..model.criteria import Regular, norm_of
 from ..model.scene import Scene, check_scene
 from .arrays import time_span
-from .bodies import Bodies
+from .bodies import Bodies, bodies_of
 from .choose_method import choose_method
 from .closed_form import NO_FORM, closed_forms
 from .growth import Growth
 from .methods import EXACT, TO_ROUNDING
-from .problem import Problem
-from .request import Request
+from .request import Problem, Request
 from .solution import solve
-from .starts import bodies_of
 from .status import Status
 from .tangent import check_tangent, rate_scale
 

@@ -14,8 +14,8 @@ from .._checks.warned import warn_caller
 from ..model.body import Body
 from ..model.frame import attitudes_in_frame, checked_frame, turned
 from ..model.scene import Scene, check_scene
+from .bodies import bodies_of, holds_rods
 from .methods import check_method, known_method, longest_angle, methods
-from .starts import bodies_of, holds_rods
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation

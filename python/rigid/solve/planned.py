@@ -16,7 +16,7 @@ from .bodies import Bodies
 from .closed_form import Codes, moment_rows, names, question_words
 from .methods import EXACT
 from .plan import Plan, carried, left_out, not_left_out
-from .problem import Problem
+from .request import Problem
 
 Floats = NDArray[np.float64]
 

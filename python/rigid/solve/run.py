@@ -23,18 +23,14 @@ from ..model.scene import FreeBody, Scene, scene_from_dict
 from .archive import Archive
 from .arrays import Range, in_rows, time_ranges
 from .attitude_ephemeris import write_aem
-from .bodies import Bodies
-from .columns import Column, Columns, Result
-from .dataset import take_numbers
-from .error_estimate import ErrorEstimate
+from .bodies import Bodies, bodies_of
+from .columns import Column, Columns, Result, take_numbers
 from .events import Events, FoundEvents
 from .lazy import Lazy
 from .methods import EXACT
 from .plan import LazyPlan, Plan
-from .problem import Problem
-from .request import Request
-from .solution import solve
-from .starts import bodies_of
+from .request import Problem, Request
+from .solution import COLUMNS, ErrorEstimate, end_records, solve
 from .status import (
     COARSE_ERROR,
     Status,
@@ -43,7 +39,6 @@ from .status import (
     sentences,
     status_by_error,
 )
-from .target import COLUMNS, end_records
 
 if TYPE_CHECKING:
     from datetime import datetime

@@ -10,10 +10,9 @@ from numpy.typing import ArrayLike, NDArray
 from .._checks.arguments import resolve_threads, sorted_times
 from ..model.body import Body
 from ..model.scene import Scene, check_scene
-from .bodies import Bodies
+from .bodies import Bodies, bodies_of
 from .methods import TO_ROUNDING
 from .request import Request
-from .starts import bodies_of
 from .tangent import ROUNDING, rate_scale, tangent_matrices
 
 if TYPE_CHECKING:

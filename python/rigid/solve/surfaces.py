@@ -10,9 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
-from .arrays import lengths
+from .arrays import Range, lengths
 from .bodies import Bodies
-from .error_estimate import closed_form_error, known_rates
 from .methods import FUNCTION, SERIES, TO_ROUNDING
 from .request import Request
 
@@ -79,7 +78,7 @@ class Surfaces:
 
         Bodies under a function, which may have no bound, have met these rates, (n,).
         """
-        rate = known_rates(bodies, (np.zeros_like(ends), ends), met)[:, np.newaxis]
+        rate = _known_rates(bodies, (np.zeros_like(ends), ends), met)[:, np.newaxis]
         of_omega, of_gamma = np.split(np.abs(self.normal), 2, axis=-1)
         size = np.linalg.norm
         # A rate that overflows belongs to a body that is not run.
@@ -165,7 +164,8 @@ class Search:
         scale = self.surfaces.scales(self.bodies, self.ends, met)[body, kind]
         if self.closed:
             omega = found["omega"][:, np.newaxis]
-            error = closed_form_error(self.bodies.select(body), t[:, np.newaxis], omega).error
+            bodies = self.bodies.select(body)
+            error, _ = _core.errors_of_closed_forms(bodies, t[:, np.newaxis], omega)
             off = error * scale
         else:
             off = SAFETY * self._second_run(found, counts)
@@ -241,7 +241,7 @@ class Search:
         unknown = of_omega.any(axis=-1) | of_momentum.any(axis=-1)
         if (turning & unknown).any():
             met = lengths(known["omega"]).max(axis=1)
-            fastest = known_rates(bodies, (np.zeros(len(some)), self.ends[some]), met)
+            fastest = _known_rates(bodies, (np.zeros(len(some)), self.ends[some]), met)
             pair = [
                 {"omega": one["omega"], "gamma": turned, "attitude": None}
                 for one, turned in ((states, gamma), (known, known["gamma"]))
@@ -251,6 +251,13 @@ class Search:
                 unknown, apart * surfaces.scales(bodies, self.ends[some], met)[rows, kind], rate
             )
         return np.where(turning, rate, values)
+
+
+def _known_rates(bodies: Bodies, reached: Range, met: Floats) -> Floats:
+    """Bounds of the rates, under a function at least the rates met: it may have no bound."""
+    rates = bodies.fastest_rates(reached)
+    is_called = bodies.forces is not None and bodies.forces.calls
+    return np.fmax(rates, met) if is_called else rates
 
 
 def _dot(a: Floats, b: Floats) -> Floats:
