@@ -154,8 +154,7 @@ class PairSystem:
         [10.0, -10.0]
         """
         pulls = self._pulls(positions)
-        forces: Floats = -(self._incidence().T @ (pulls.tension[..., np.newaxis] * pulls.direction))
-        return forces
+        return -(self._incidence().T @ (pulls.tension[..., np.newaxis] * pulls.direction))
 
     def hessian(self, positions: ArrayLike | None = None) -> Floats:
         """Second derivatives ``∂²V/∂r∂r`` (N/m), shape (..., 3 N, 3 N).

@@ -75,8 +75,7 @@ def euler_rhs(
     moved = differences * rates[..., NEXT] * rates[..., AFTER]
     if torque is not None:
         moved = moved + _body_torque(torque, attitude, frame)
-    acceleration: Floats = moved / moments
-    return acceleration
+    return moved / moments
 
 
 def _body_torque(torque: ArrayLike, attitude: ArrayLike | Rotation | None, frame: str) -> Floats:

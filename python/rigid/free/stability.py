@@ -127,8 +127,7 @@ def gammas(body: BodyLike) -> Floats:
     array([ 0.814224, -0.996805,  0.969231])
     """
     moments = moments_of(body)
-    factors: Floats = (moments[..., NEXT] - moments[..., AFTER]) / moments
-    return factors
+    return (moments[..., NEXT] - moments[..., AFTER]) / moments
 
 
 @refuses_overflow

@@ -376,8 +376,7 @@ def steady_axis_spin(body: BodyLike, frame_rate: ArrayLike) -> Floats:
     -1.0
     """
     across, along = _third_axis(body)
-    spin: Floats = vectors("frame_rate", frame_rate)[..., 2] * (across - along) / along
-    return spin
+    return vectors("frame_rate", frame_rate)[..., 2] * (across - along) / along
 
 
 def _third_axis(body: BodyLike) -> tuple[Floats, Floats]:

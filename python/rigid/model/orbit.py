@@ -178,10 +178,7 @@ class Orbit:
     def period(self) -> float | Floats:
         """Time of a revolution (s), shape (...); infinite on a hyperbola."""
         of_ellipse = 2.0 * np.pi / self.rate
-        period: float | Floats = np.where(np.greater(self.eccentricity, 1.0), np.inf, of_ellipse)[
-            ()
-        ]
-        return period
+        return np.where(np.greater(self.eccentricity, 1.0), np.inf, of_ellipse)[()]
 
     @classmethod
     def flyby(
@@ -434,10 +431,9 @@ def _mean_anomaly(true: Floats, e: Floats) -> Floats:
     eccentric = 2.0 * np.arctan2(across, along)
     ratio = np.where(e > 1.0, across / along, 0.0)
     hyperbolic = 2.0 * np.arctanh(ratio)
-    mean: Floats = np.where(
+    return np.where(
         e > 1.0, e * np.sinh(hyperbolic) - hyperbolic, eccentric - e * np.sin(eccentric) + turns
     )
-    return mean
 
 
 def _tuple(values: ArrayLike) -> Vector:

@@ -65,8 +65,7 @@ def hat(vector: ArrayLike) -> Floats:
     a = shaped("vector", vector, 3)
     matrix = np.zeros((*a.shape, 3))
     matrix[..., 2, 1], matrix[..., 0, 2], matrix[..., 1, 0] = np.moveaxis(a, -1, 0)
-    antisymmetric: Floats = matrix - np.swapaxes(matrix, -1, -2)
-    return antisymmetric
+    return matrix - np.swapaxes(matrix, -1, -2)
 
 
 def vee(matrix: ArrayLike) -> Floats:
@@ -205,8 +204,7 @@ def rotate(x: ArrayLike, axis: ArrayLike, angle: ArrayLike, *, passive: bool = F
     vector = shaped("x", x, 3)
     n, sine, versine = _axis_angle(axis, angle, passive)
     across = np.cross(n, vector)
-    turned: Floats = vector + sine[..., None] * across + versine[..., None] * np.cross(n, across)
-    return turned
+    return vector + sine[..., None] * across + versine[..., None] * np.cross(n, across)
 
 
 def orthogonality_error(matrix: ArrayLike) -> Orthogonality:
@@ -303,16 +301,14 @@ def rotation_matrices(name: str, value: ArrayLike) -> Floats:
     near = r
     for _ in range(3):
         near = 1.5 * near - 0.5 * _product(near, _product(np.swapaxes(near, -1, -2), near))
-    nearest: Floats = np.where((how.error > _ROUNDED)[..., np.newaxis, np.newaxis], near, r)
-    return nearest
+    return np.where((how.error > _ROUNDED)[..., np.newaxis, np.newaxis], near, r)
 
 
 def _product(a: Floats, b: Floats) -> Floats:
     """``a @ b`` of 3×3 matrices; a BLAS has other bits on other machines."""
     parts = (a[..., :, k, np.newaxis] * b[..., np.newaxis, k, :] for k in range(3))
     first, second, third = parts
-    product: Floats = first + second + third
-    return product
+    return first + second + third
 
 
 def _axis_angle(axis: ArrayLike, angle: ArrayLike, passive: bool) -> tuple[Floats, Floats, Floats]:
@@ -348,5 +344,4 @@ def unit_vectors(name: str, array: Floats, rule: str) -> Floats:
 def over(numerator: Floats, denominator: Floats, limit: float) -> Floats:
     """The quotient, or ``limit`` if the denominator is zero."""
     zero = denominator == 0.0
-    quotient: Floats = np.where(zero, limit, numerator / np.where(zero, 1.0, denominator))
-    return quotient
+    return np.where(zero, limit, numerator / np.where(zero, 1.0, denominator))

@@ -164,10 +164,7 @@ class Crossings(Points, Result):
             return self.t
         if name.startswith("angle"):
             return self._angle(int(name[-1]) - 1)
-        column: Floats = (self.omega, self.gamma)[COMPONENTS.index(name) // 3][
-            :, COMPONENTS.index(name) % 3
-        ]
-        return column
+        return (self.omega, self.gamma)[COMPONENTS.index(name) // 3][:, COMPONENTS.index(name) % 3]
 
     def _angle(self, axis: int) -> Floats:
         pointing = quaternion_to_matrix(self.attitude)[..., axis]

@@ -65,8 +65,7 @@ def spread_indices(count: int, most: int) -> NDArray[np.intp]:
     """At most ``most`` indices below ``count``, evenly spread, the last one among them."""
     # From the last to the first: a single one is the last.
     spread = (count - 1) - np.linspace(0, count - 1, min(count, most))
-    indices: NDArray[np.intp] = np.unique(spread.round().astype(np.intp))
-    return indices
+    return np.unique(spread.round().astype(np.intp))
 
 
 def in_rows(array: Floats, shape: tuple[int, ...]) -> Floats:

@@ -382,5 +382,4 @@ def _first_steps(problem: Problem, accuracy: float, method: str) -> Floats:
     turn = np.minimum(FIRST * roots(accuracy / (rates * span), order_of(method)), LONGEST)
     # What does not turn needs no step.
     steps = np.where(rates > 0.0, turn / rates, np.inf)
-    shorter: Floats = np.minimum(steps, problem.bodies.longest_unseen(span))
-    return shorter
+    return np.minimum(steps, problem.bodies.longest_unseen(span))

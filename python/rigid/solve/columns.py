@@ -113,8 +113,7 @@ class HasColumns:
     def with_arrays(self, **arrays: Any) -> Self:
         """The result with other arrays, as its attributes have them, by their names."""
         rows = self._rows_of(arrays, self._shape)
-        changed: Self = replace(self, _columns={**self._columns, **rows})  # type: ignore[type-var]
-        return changed
+        return replace(self, _columns={**self._columns, **rows})  # type: ignore[type-var]
 
     @classmethod
     def _rows_of(cls, arrays: Mapping[str, Any], shape: Shape) -> dict[str, NDArray[Any] | None]:

@@ -104,14 +104,12 @@ class Events(Points):
     def count(self) -> NDArray[np.intp]:
         """Number of events of each body, shape (n,)."""
         counts = np.bincount(self.body, minlength=np.size(self.complete))
-        count: NDArray[np.intp] = counts.reshape(np.shape(self.complete))
-        return count
+        return counts.reshape(np.shape(self.complete))
 
     @property
     def offsets(self) -> NDArray[np.intp]:
         """First row of each body: its rows are ``offsets[i]`` to ``offsets[i + 1]``; (n + 1,)."""
-        offsets: NDArray[np.intp] = np.concatenate([[0], np.cumsum(np.ravel(self.count))])
-        return offsets
+        return np.concatenate([[0], np.cumsum(np.ravel(self.count))])
 
     def of(self, body: int | tuple[int, ...]) -> Self:
         """The events of one body, by its index or, with several leading axes, its indices.
@@ -189,10 +187,9 @@ class Events(Points):
         [1.0, 1.0, 1.0]
         """
         others = [k for k in range(3) if k != axis - 1]
-        tilt: Floats = np.arctan2(
+        return np.arctan2(
             np.hypot(self.gamma[:, others[0]], self.gamma[:, others[1]]), self.gamma[:, axis - 1]
         )
-        return tilt
 
 
 @dataclass(frozen=True, slots=True)

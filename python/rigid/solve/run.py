@@ -363,8 +363,7 @@ class Run(Result):
     @property
     def flagged(self) -> NDArray[np.bool_]:
         """Whether the estimated error is above the requested accuracy, or 1 or more without one."""
-        flagged: NDArray[np.bool_] = np.asarray(self.error) >= self._limit
-        return flagged
+        return np.asarray(self.error) >= self._limit
 
     @property
     def _limit(self) -> float:
@@ -1083,8 +1082,7 @@ def _along(vectors: NDArray[np.float64], of_bodies: NDArray[np.float64]) -> NDAr
     """Products of vectors (..., m, 3) with the vector of all bodies, or of each (..., 3)."""
     if of_bodies.ndim == 1:
         return vectors @ of_bodies
-    product: NDArray[np.float64] = (vectors @ of_bodies[..., np.newaxis])[..., 0]
-    return product
+    return (vectors @ of_bodies[..., np.newaxis])[..., 0]
 
 
 def _of_each(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -1105,8 +1103,7 @@ def _in_space(attitude: NDArray[np.float64], vectors: NDArray[np.float64]) -> ND
     """``q v q*`` of vectors (..., 3), for quaternions of any length near one."""
     scalar, axis = attitude[..., :1], attitude[..., 1:]
     twice = 2.0 * np.cross(axis, vectors)
-    moved: NDArray[np.float64] = vectors + scalar * twice + np.cross(axis, twice)
-    return moved
+    return vectors + scalar * twice + np.cross(axis, twice)
 
 
 def load_run(path: str | PathLike[str]) -> Run:

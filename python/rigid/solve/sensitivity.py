@@ -105,5 +105,4 @@ def amplification(bodies: Bodies, times: Floats, threads: int) -> Floats:
     finite = np.isfinite(matrices).all(axis=(-2, -1))
     lost = np.where(np.isnan(matrices).any(axis=(-2, -1)), np.nan, np.inf)
     matrices[~finite] = 0.0
-    found: Floats = np.where(finite, np.linalg.norm(matrices, 2, axis=(-2, -1)), lost)
-    return found
+    return np.where(finite, np.linalg.norm(matrices, 2, axis=(-2, -1)), lost)

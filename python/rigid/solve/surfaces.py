@@ -268,7 +268,7 @@ def _dot(a: Floats, b: Floats) -> Floats:
 def _space_axes(attitude: Floats) -> Floats:
     """The rows of the rotation matrices of quaternions: the space axes in the body."""
     w, x, y, z = np.moveaxis(attitude, -1, 0)
-    rows: Floats = np.stack(
+    return np.stack(
         [
             np.stack(
                 [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)], -1
@@ -282,7 +282,6 @@ def _space_axes(attitude: Floats) -> Floats:
         ],
         axis=-2,
     )
-    return rows
 
 
 def _alike(counts: NDArray[np.intp]) -> Iterator[NDArray[np.intp]]:

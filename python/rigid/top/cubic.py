@@ -73,8 +73,7 @@ def f_u(u: ArrayLike, *, a: ArrayLike, b: ArrayLike, alpha: ArrayLike, beta: Arr
     """
     u, a = finite_array("u", u), finite_array("a", a)
     b, alpha = finite_array("b", b), finite_array("alpha", alpha)
-    square: Floats = (alpha - finite_array("beta", beta) * u) * (1.0 - u * u) - (a - b * u) ** 2
-    return square
+    return (alpha - finite_array("beta", beta) * u) * (1.0 - u * u) - (a - b * u) ** 2
 
 
 @refuses_overflow
