@@ -14,7 +14,7 @@ from ..model.body import Body
 from ..model.forces import FORCES
 from ..model.scene import Scene, check_scene
 from .bodies import bodies_of
-from .lazy import Lazy
+from .plan import Lazy
 from .run import Run
 from .simulate import simulate
 

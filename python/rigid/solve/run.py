@@ -28,9 +28,8 @@ from .attitude_ephemeris import write_aem
 from .bodies import Bodies, bodies_of
 from .columns import Column, Columns, Result, take_numbers
 from .events import Events, FoundEvents
-from .lazy import Lazy
 from .methods import EXACT
-from .plan import LazyPlan, Plan
+from .plan import Lazy, LazyPlan, Plan
 from .request import Problem, Request
 from .solution import COLUMNS, ErrorEstimate, end_records, solve
 from .status import (

@@ -28,9 +28,9 @@ from .bodies import Bodies, bodies_of
 from .choose_method import choose_method, has_closed_form
 from .closed_form import RECORDS
 from .events import check_event_method
-from .lazy import Lazy
 from .methods import EXACT, FUNCTION, adaptive_methods
 from .parameters import check_parameters
+from .plan import Lazy
 from .request import LEAST_TOLERANCE, Problem, Request
 from .run import Run, to_run
 from .solution import PLAIN, ErrorEstimate, Target, Watched, end_records, solve, unknown_error
