@@ -20,7 +20,7 @@ from ..solve.methods import EXACT, adaptive_methods, known_method
 from ..solve.request import Problem
 from ..solve.simulate import simulate
 from ..solve.status import Status
-from ..solve.surfaces import Search, Surfaces, default_method, default_tolerance
+from ..solve.surfaces import Search, default_method, default_tolerance
 from .crossings import Crossings
 from .surface import Section, at_equal_times
 from .surface import section as make_section
@@ -185,13 +185,11 @@ def poincare(
     ).plan
     search = Search(
         bodies=bodies,
-        surfaces=Surfaces(
-            kinds=((surface.is_height, surface.direction, True),),
-            normal=normals[:, np.newaxis],
-            momentum=np.zeros((len(bodies), 1, 3)),
-            value=np.full((len(bodies), 1), surface.value),
-            rotor=np.zeros((len(bodies), 3)),
-        ),
+        kinds=((surface.is_height, surface.direction, True),),
+        normal=normals[:, np.newaxis],
+        momentum=np.zeros((len(bodies), 1, 3)),
+        value=np.full((len(bodies), 1), surface.value),
+        rotor=np.zeros((len(bodies), 3)),
         ends=np.full(len(bodies), end),
         count=most,
         method=chosen,
@@ -200,28 +198,20 @@ def poincare(
         max_steps=max_steps,
         threads=threads,
     )
-    lost_from = np.full(len(bodies), np.nan)
     with Listening(progress, 2 if check else 1):
-        found = search.points()
-        counts = found.pop("points").astype(np.intp)
-        body = np.repeat(np.arange(len(bodies)), counts)
-        error = np.full(len(body), np.nan)
-        if check:
-            error, lost_from = search.errors(found, counts, body)
+        found = search.found(check=check)
     status = found["status"]
     if check:
-        status = np.where((status == Status.OK) & np.isfinite(lost_from), Status.FLAGGED, status)
+        lost = np.isfinite(found["lost_from"])
+        status = np.where((status == Status.OK) & lost, Status.FLAGGED, status)
     else:
         status = np.where(status == Status.OK, Status.UNCHECKED, status)
     ended = found["status"] == Status.OK
-    grazing = np.bincount(body[found["grazing"]], minlength=len(bodies)) > 0
+    grazing = np.bincount(found["body"][found["grazing"]], minlength=len(bodies)) > 0
 
     columns = {
         **found,
-        "body": body,
-        "error": error,
         "complete": ended & ~grazing & (found["stays"] == 0),
-        "lost_from": lost_from,
         "status": status.astype(np.uint8),
         "stays": found["stays"] > 0,
     }

@@ -19,7 +19,7 @@ from .bodies import Bodies
 from .columns import Column, Columns, HasColumns
 from .methods import EXACT, SERIES, adaptive_methods
 from .status import Status
-from .surfaces import Search, Surfaces, default_tolerance
+from .surfaces import Search, default_tolerance
 
 Floats = NDArray[np.float64]
 
@@ -255,9 +255,21 @@ def find_events(
     under damping, the series goes on from step to step.
     """
     n = len(bodies)
-    search = Search(
+    normals = np.array([[event.omega, event.gamma] for event in events])
+    if frame is not None:
+        normals = turned(frame.T, normals)
+    # Moments are counted in this unit.
+    exponents = bodies.scale_exponent[:, np.newaxis]
+    rotor = in_rows(np.zeros(3) if scene.rotor is None else np.asarray(scene.rotor), bodies.shape)
+    momentum = _of_each([event.momentum for event in events], n, 3)
+    kinds = zip(events, counted, strict=True)
+    found: dict[str, Any] = Search(
         bodies=bodies,
-        surfaces=_surfaces(scene, bodies, events, counted, frame),
+        kinds=tuple((event.turns, event.direction, counts) for event, counts in kinds),
+        normal=_of_each(normals, n, 6),
+        momentum=np.ldexp(momentum, exponents[:, np.newaxis]),
+        value=_of_each([event.level for event in events], n),
+        rotor=np.broadcast_to(np.ldexp(rotor, -exponents), (n, 3)),
         ends=np.broadcast_to(ends, (n,)).astype(np.float64),
         count=count,
         method=SERIES if method == EXACT else method,
@@ -265,15 +277,8 @@ def find_events(
         tolerance=default_tolerance(scene.forces) if tolerance is None else tolerance,
         max_steps=max_steps,
         threads=threads,
-    )
-    found = search.points()
-    counts = found.pop("points").astype(np.intp)
-    body = np.repeat(np.arange(n), counts)
-    if check or search.closed:
-        error, lost_from = search.errors(found, counts, body)
-    else:
-        error, lost_from = np.full(len(body), np.nan), np.full(n, np.nan)
-    found |= {"error": error, "body": body}
+    ).found(check=check)
+    body = found["body"]
     ended = found["status"] == Status.OK
     records = []
     for k, event in enumerate(events):
@@ -282,7 +287,7 @@ def find_events(
         complete = ended & ~grazing & ((found["stays"] >> k) & 1 == 0)
         rows: dict[str, Any] = {name: found[name][mine] for name in Events._of_points()}
         rows["slope"] = rows["slope"] / event.slope_scale
-        rows |= {"complete": complete, "lost_from": lost_from}
+        rows |= {"complete": complete, "lost_from": found["lost_from"]}
         records.append(Events(event=event, _columns=rows, _shape=bodies.shape))
     return FoundEvents(tuple(records), found["end"], found["stopped"])
 
@@ -313,32 +318,6 @@ def _joined(bodies: Bodies, parts: Sequence[Events], groups: Sequence[NDArray[np
         complete[mine], lost_from[mine] = part.complete, part.lost_from
     rows |= {"body": body[order], "complete": complete, "lost_from": lost_from}
     return Events(event=parts[0].event, _columns=rows, _shape=bodies.shape)
-
-
-def _surfaces(
-    scene: Scene,
-    bodies: Bodies,
-    events: tuple[Event, ...],
-    counted: tuple[bool, ...],
-    frame: Floats | None,
-) -> Surfaces:
-    """The surfaces of the events, of each body."""
-    n = len(bodies)
-    normals = np.array([[event.omega, event.gamma] for event in events])
-    if frame is not None:
-        normals = turned(frame.T, normals)
-    kinds = zip(events, counted, strict=True)
-    # Moments are counted in this unit.
-    exponents = bodies.scale_exponent[:, np.newaxis]
-    rotor = in_rows(np.zeros(3) if scene.rotor is None else np.asarray(scene.rotor), bodies.shape)
-    momentum = _of_each([event.momentum for event in events], n, 3)
-    return Surfaces(
-        kinds=tuple((event.turns, event.direction, counts) for event, counts in kinds),
-        normal=_of_each(normals, n, 6),
-        momentum=np.ldexp(momentum, exponents[:, np.newaxis]),
-        value=_of_each([event.level for event in events], n),
-        rotor=np.broadcast_to(np.ldexp(rotor, -exponents), (n, 3)),
-    )
 
 
 def _of_each(values: Any, n: int, *width: int) -> Floats:
