@@ -149,7 +149,7 @@ class Scene(HasForces, ABC):
     @property
     def shape(self) -> Shape:
         """The axes of the bodies: ``()`` of one body, ``(n,)`` of n bodies."""
-        return self.once(_shape_of)
+        return self.once(Scene._shape_of_parts)
 
     def _shape_of_parts(self) -> Shape:
         shapes = {"moments": self.body.shape}
@@ -212,7 +212,13 @@ class Scene(HasForces, ABC):
     @property
     def forces(self) -> tuple[str, ...]:
         """The names of the forces that act on any body, as in :attr:`rigid.Method.forces`."""
-        return self.once(_forces_of)
+        return self.once(Scene._acting_forces)
+
+    def _acting_forces(self) -> tuple[str, ...]:
+        names = [name for name in ("torque", "damping") if getattr(self, name) is not None]
+        if self.torque is not None and self.torque.function is not None:
+            names.append("function")
+        return (*names, *self._further)
 
     @property
     def has_further(self) -> bool:
@@ -303,9 +309,9 @@ class Scene(HasForces, ABC):
 
     def words(self, varied: Container[str] = ()) -> str:
         """The scene in words; ``varied`` names the numbers that the axes of a map set."""
-        return self._in_words(varied) if varied else self.once(_words_of)
+        return self._in_words(varied) if varied else self.once(Scene._in_words)
 
-    def _in_words(self, varied: Container[str]) -> str:
+    def _in_words(self, varied: Container[str] = ()) -> str:
         bodies = (
             f"{self.shape} bodies"
             if len(self.shape) > 1
@@ -333,22 +339,6 @@ class Scene(HasForces, ABC):
             acts = f"{force.name} varied" if force.name in varied else force.words(value, varied)
             parts.append(acts)
         return ", ".join(parts)
-
-
-def _shape_of(scene: Scene) -> Shape:
-    return scene._shape_of_parts()
-
-
-def _words_of(scene: Scene) -> str:
-    return scene._in_words(())
-
-
-def _forces_of(scene: Scene) -> tuple[str, ...]:
-    names = [name for name in ("torque", "damping") if getattr(scene, name) is not None]
-    torque = scene.torque
-    if torque is not None and torque.function is not None:
-        names.append("function")
-    return (*names, *scene._further)
 
 
 def _body_words(body: Body, varied: Container[str]) -> str:
