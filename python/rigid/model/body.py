@@ -237,9 +237,7 @@ takes such moments as they are
             sides = (float(a), float(b), float(c))
             _warn_of_units(sides, float(mass))
             return cls(box_moments(a, b, c, mass), mass=mass, sides=sides)._marked("centre")
-        from .. import solids
-
-        return cls._upright(solids.box(a, b, c, mass=mass))
+        return cls._of_solid("box", mass, a=a, b=b, c=c)
 
     @classmethod
     def from_tensor(
@@ -319,11 +317,7 @@ takes such moments as they are
         >>> rigid.Body.ellipsoid(3.0, 2.0, 1.0, mass=5.0).moments
         (5.0, 10.0, 13.0)
         """
-        from .. import solids
-
-        a, b, c, mass = _length("a", a), _length("b", b), _length("c", c), _mass(mass)
-        _together(a=a, b=b, c=c, mass=mass)
-        return cls._upright(solids.ellipsoid(a, b, c, mass=mass))
+        return cls._of_solid("ellipsoid", mass, a=a, b=b, c=c)
 
     @classmethod
     def sphere(cls, radius: ArrayLike, *, inner: ArrayLike = 0.0, mass: ArrayLike = 1.0) -> Body:
@@ -354,12 +348,7 @@ takes such moments as they are
         >>> rigid.Body.sphere(1.0, mass=5.0).moments
         (2.0, 2.0, 2.0)
         """
-        from .. import solids
-
-        radius = _length("radius", radius)
-        inner, mass = _length("inner", inner, zero=True), _mass(mass)
-        _together(radius=radius, inner=inner, mass=mass)
-        return cls._upright(solids.sphere(radius, inner=inner, mass=mass))
+        return cls._of_solid("sphere", mass, ("inner",), radius=radius, inner=inner)
 
     @classmethod
     def rod(cls, length: ArrayLike, *, mass: ArrayLike = 1.0) -> Body:
@@ -397,11 +386,7 @@ takes such moments as they are
         >>> bool(np.isclose(small, 2.0 * np.pi * np.sqrt(4.0 / (3.0 * 9.81))))
         True
         """
-        from .. import solids
-
-        length, mass = _length("length", length), _mass(mass)
-        _together(length=length, mass=mass)
-        return cls._upright(solids.rod(length, mass=mass))
+        return cls._of_solid("rod", mass, length=length)
 
     @classmethod
     def cylinder(
@@ -441,13 +426,8 @@ takes such moments as they are
         >>> rigid.Body.cylinder(1.0, 3.0, mass=2.0).moments
         (2.0, 2.0, 1.0)
         """
-        from .. import solids
-
-        radius = _length("radius", radius)
-        height = _length("height", height, zero=True)
-        inner, mass = _length("inner", inner, zero=True), _mass(mass)
-        _together(radius=radius, height=height, inner=inner, mass=mass)
-        return cls._upright(solids.cylinder(radius, height, inner=inner, mass=mass))
+        sizes = {"radius": radius, "height": height, "inner": inner}
+        return cls._of_solid("cylinder", mass, ("height", "inner"), **sizes)
 
     @classmethod
     def cone(cls, radius: ArrayLike, height: ArrayLike, *, mass: ArrayLike = 1.0) -> Body:
@@ -479,12 +459,7 @@ takes such moments as they are
         >>> rigid.Body.cone(1.0, 4.0, mass=20.0).moments
         (15.0, 15.0, 6.0)
         """
-        from .. import solids
-
-        radius = _length("radius", radius)
-        height, mass = _length("height", height), _mass(mass)
-        _together(radius=radius, height=height, mass=mass)
-        return cls._upright(solids.cone(radius, height, mass=mass))
+        return cls._of_solid("cone", mass, radius=radius, height=height)
 
     @classmethod
     def from_properties(
@@ -726,8 +701,16 @@ takes such moments as they are
         return cls.from_properties(properties, about=about)
 
     @classmethod
-    def _upright(cls, properties: MassProperties) -> Body:
-        """A body whose axes are principal axes."""
+    def _of_solid(
+        cls, name: str, mass: ArrayLike, zero: tuple[str, ...] = (), **sizes: ArrayLike
+    ) -> Body:
+        """The body of a function of :mod:`rigid.solids`; of its sizes these may be zero."""
+        from .. import solids
+
+        known = {size: _length(size, sizes[size], zero=size in zero) for size in sizes}
+        known["mass"] = _mass(mass)
+        _together(**known)
+        properties = getattr(solids, name)(**known)
         moments = np.diagonal(properties.tensor, axis1=-2, axis2=-1)
         return cls(moments, mass=properties.mass)._marked("centre")
 
