@@ -34,6 +34,7 @@ from .leading import (
     leading_shape,
     same,
     taken,
+    vector_of,
 )
 
 if TYPE_CHECKING:
@@ -910,10 +911,7 @@ def _checked_moments(value: ArrayLike, physical: bool) -> Moments:
         raise ValueError(f"moments: expected shape (3,) or (..., 3), got {array.shape}")
     refuse_tensor("moments", array)
     moments = checked_moments("moments", array, physical)
-    if array.ndim == 1:
-        first, second, third = moments.tolist()
-        return first, second, third
-    return frozen(moments)
+    return vector_of(moments)
 
 
 def _checked_mass(value: ArrayLike, shape: Shape) -> float | Floats:

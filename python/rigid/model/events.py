@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import brief, finite_float, one_of, vector
 from .._checks.quantities import without_unit
+from .leading import three
 
 Floats = NDArray[np.float64]
 
@@ -134,7 +135,7 @@ class Event:
         >>> rigid.Event.from_dict(event.to_dict()) == event
         True
         """
-        vectors = {name: _three(np.array(entries[name])) for name in ("omega", "gamma", "momentum")}
+        vectors = {name: three(entries[name]) for name in ("omega", "gamma", "momentum")}
         return cls(**{**entries, **vectors})
 
 
@@ -271,7 +272,7 @@ def _quantity(
         raise ValueError("omega, gamma, momentum: all are zero, so they are no quantity")
     return {
         "name": PLANE if name is None else name,
-        **{key: _three(row) for key, row in rows.items()},
+        **{key: three(row) for key, row in rows.items()},
     }
 
 
@@ -320,8 +321,3 @@ def checked_direction(direction: object) -> int:
     if isinstance(direction, bool) or direction not in (-1, 0, 1):
         raise ValueError(f"direction = {brief(direction)}: must be 1, -1 or 0")
     return int(direction)
-
-
-def _three(numbers: Floats) -> tuple[float, float, float]:
-    x, y, z = numbers.tolist()
-    return x, y, z

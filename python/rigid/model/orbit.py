@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Container, Mapping
 from dataclasses import dataclass
-from typing import Any, Self, TypeAlias
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,10 +12,9 @@ from numpy.typing import ArrayLike, NDArray
 from .. import _core
 from .._checks.arguments import first_place, shaped
 from .._checks.arrays import UNIT, unit_vectors
-from .leading import Shape, frozen, leading_shape, same
+from .leading import Shape, Vector, frozen, leading_shape, same, vector_of
 
 Floats = NDArray[np.float64]
-Vector: TypeAlias = tuple[float, float, float]
 
 MOST_ECCENTRIC = 0.95
 """Largest eccentricity of an ellipse."""
@@ -163,7 +162,7 @@ class Orbit:
         for name, array in (("rate", rates), ("eccentricity", e), ("anomaly", mean)):
             set_field(self, name, frozen(array) if array.ndim else float(array))
         for name, array in (("normal", axis), ("periapsis", begin)):
-            set_field(self, name, frozen(array) if array.ndim > 1 else _tuple(array))
+            set_field(self, name, vector_of(array))
         # Raises for shapes that do not broadcast.
         self.shape  # noqa: B018
 
@@ -434,8 +433,3 @@ def _mean_anomaly(true: Floats, e: Floats) -> Floats:
     return np.where(
         e > 1.0, e * np.sinh(hyperbolic) - hyperbolic, eccentric - e * np.sin(eccentric) + turns
     )
-
-
-def _tuple(values: ArrayLike) -> Vector:
-    first, second, third = (float(value) for value in np.asarray(values))
-    return first, second, third

@@ -10,7 +10,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Container, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, ClassVar, Self, TypeAlias, TypeVar, Unpack
+from typing import TYPE_CHECKING, Any, ClassVar, Self, TypeVar, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -33,6 +33,7 @@ from .gravity import about_pivot, checked_properties
 from .leading import (
     Index,
     Shape,
+    Vector,
     axes_of,
     frozen,
     holds,
@@ -40,6 +41,7 @@ from .leading import (
     leading_shape,
     same,
     taken,
+    vector_of,
 )
 from .start import Start, normal
 from .torque import (
@@ -57,7 +59,6 @@ if TYPE_CHECKING:
 
 
 Floats = NDArray[np.float64]
-Vector: TypeAlias = tuple[float, float, float]
 Made = TypeVar("Made")
 
 _ACTING = ("torque", "damping", *FORCES)
@@ -192,6 +193,24 @@ class Scene(HasForces, ABC):
         further = {force.name: force.of(value, shape, index) for force, value in self.further()}
         some._set_further(further)
         return some
+
+    def _take(
+        self,
+        known: type,
+        torque: Torque | None,
+        damping: ArrayLike | None,
+        frame: ArrayLike | None,
+        further: Mapping[str, Any],
+    ) -> None:
+        """Take what acts on the body of a new scene; ValueError if the parts do not broadcast."""
+        set_field = object.__setattr__  # the dataclass is frozen
+        set_field(self, "torque", checked_torque(torque))
+        set_field(self, "_further", checked_forces(known, further))
+        set_field(self, "damping", None)
+        set_field(self, "damping", checked_damping(damping, self._shape_of_parts()))
+        self._shape_of_parts()
+        if frame is not None:
+            self._turn_into_principal_axes(frame)
 
     def _set_further(self, values: Mapping[str, Any]) -> None:
         """Take these values of the further forces; None for one that does not act."""
@@ -373,11 +392,7 @@ def _checked_com(value: ArrayLike) -> Vector | Floats:
 
 def _unit(name: str, vectors: Floats) -> Vector | Floats:
     """Unit vectors in the form of a field: a tuple, or a read-only array of many."""
-    units = unit_vectors(name, vectors)
-    if units.ndim > 1:
-        return frozen(units)
-    first, second, third = units.tolist()
-    return first, second, third
+    return vector_of(unit_vectors(name, vectors))
 
 
 @with_forces(FreeForces)
@@ -451,22 +466,13 @@ class FreeBody(Scene):
         frame: ArrayLike | None = None,
         **further: Unpack[FreeForces],
     ) -> None:
-        check_body(body)
-        set_field = object.__setattr__  # the dataclass is frozen
-        set_field(self, "body", body)
-        set_field(self, "torque", checked_torque(torque))
-        set_field(self, "_further", checked_forces(FreeForces, further))
-        set_field(self, "damping", None)
-        set_field(self, "damping", checked_damping(damping, self._shape_of_parts()))
-        # Raises for parts that do not broadcast.
-        self._shape_of_parts()
-        if frame is not None:
-            self._turn_into_principal_axes(frame)
-            if not self.forces:
-                raise ValueError(
-                    "frame: turns the forces of a scene, and there are none; rates and attitudes "
-                    "have the frame of the call, as in rigid.simulate(..., frame=axes)"
-                )
+        object.__setattr__(self, "body", check_body(body))  # the dataclass is frozen
+        self._take(FreeForces, torque, damping, frame, further)
+        if frame is not None and not self.forces:
+            raise ValueError(
+                "frame: turns the forces of a scene, and there are none; rates and attitudes "
+                "have the frame of the call, as in rigid.simulate(..., frame=axes)"
+            )
 
     @classmethod
     def example(cls) -> Self:
@@ -583,14 +589,7 @@ class HeavyTop(Scene):
                 "with com from the fixed point to the centre of mass in m"
             )
         set_field(self, "com", _checked_com(com))
-        set_field(self, "torque", checked_torque(torque))
-        set_field(self, "_further", checked_forces(TopForces, further))
-        set_field(self, "damping", None)
-        set_field(self, "damping", checked_damping(damping, self._shape_of_parts()))
-        # Raises for parts that do not broadcast.
-        self._shape_of_parts()
-        if frame is not None:
-            self._turn_into_principal_axes(frame)
+        self._take(TopForces, torque, damping, frame, further)
 
     @classmethod
     def from_mass(

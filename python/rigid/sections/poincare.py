@@ -22,8 +22,7 @@ from ..solve.simulate import simulate
 from ..solve.status import Status
 from ..solve.surfaces import Search, default_method, default_tolerance
 from .crossings import Crossings
-from .surface import Section, at_equal_times
-from .surface import section as make_section
+from .surface import Section, at_equal_times, checked_section
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
@@ -168,7 +167,7 @@ def poincare(
             progress=progress,
         )
         return _at_times(run, scene, at_equal_times(period), {"t_end": end, "count": count})
-    surface = _checked_section(section)
+    surface = checked_section(section)
     bodies = bodies_of(scene, omega, attitude)
     weight = np.broadcast_to(bodies.weight, (len(bodies), 3))
     normals = surface.normals(scene, weight)
@@ -273,16 +272,6 @@ def _at_times(run: Run, scene: Scene, section: Section, asked: dict[str, Any]) -
             **asked,
         },
     )
-
-
-def _checked_section(section: Section | str | None) -> Section:
-    if section is None or isinstance(section, str):
-        return make_section(section)
-    if not isinstance(section, Section):
-        raise TypeError(
-            f"section = {brief(section)}: must be made by rigid.section, or a name, or None"
-        )
-    return section
 
 
 def one_of_series(method: str, forces: Collection[str]) -> str:

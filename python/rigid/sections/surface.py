@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import brief, finite_float, one_of, vector
 from ..model.events import COMPONENTS, check_reached, checked_direction
+from ..model.leading import three
 from ..model.scene import HeavyTop, Scene
 
 Floats = NDArray[np.float64]
@@ -185,13 +186,19 @@ def section(
         check_reached(value, of_gamma, touching=True)
     return Section(
         name=name,
-        omega=_three(of_omega),
-        gamma=_three(of_gamma),
+        omega=three(of_omega),
+        gamma=three(of_gamma),
         value=value,
         direction=towards,
     )
 
 
-def _three(numbers: Floats) -> tuple[float, float, float]:
-    x, y, z = numbers.tolist()
-    return x, y, z
+def checked_section(given: Section | str | None) -> Section:
+    """The section of an argument: one that is made, by its name, or the default."""
+    if given is None or isinstance(given, str):
+        return section(given)
+    if not isinstance(given, Section):
+        raise TypeError(
+            f"section = {brief(given)}: must be made by rigid.section, or a name, or None"
+        )
+    return given
