@@ -428,18 +428,9 @@ def analogy_table() -> tuple[Analogy, ...]:
 _TABLE = tuple(
     Analogy(Quantity(*rotation), Quantity(*translation))
     for rotation, translation in (
-        (
-            ("moment of inertia", "I_zz", "kg m²", (1, 2, 0)),
-            ("mass", "m", "kg", (1, 0, 0)),
-        ),
-        (
-            ("angle", "phi", "rad", (0, 0, 0)),
-            ("position", "z", "m", (0, 1, 0)),
-        ),
-        (
-            ("angular velocity", "omega", "rad/s", (0, 0, -1)),
-            ("velocity", "v", "m/s", (0, 1, -1)),
-        ),
+        (("moment of inertia", "I_zz", "kg m²", (1, 2, 0)), ("mass", "m", "kg", (1, 0, 0))),
+        (("angle", "phi", "rad", (0, 0, 0)), ("position", "z", "m", (0, 1, 0))),
+        (("angular velocity", "omega", "rad/s", (0, 0, -1)), ("velocity", "v", "m/s", (0, 1, -1))),
         (
             ("angular acceleration", "omega'", "rad/s²", (0, 0, -2)),
             ("acceleration", "a", "m/s²", (0, 1, -2)),
@@ -452,10 +443,7 @@ _TABLE = tuple(
             ("rotational energy", "I_zz omega²/2", "J", (1, 2, -2)),
             ("kinetic energy", "m v²/2", "J", (1, 2, -2)),
         ),
-        (
-            ("torque", "N_z", "N m", (1, 2, -2)),
-            ("force", "F_z", "N", (1, 1, -2)),
-        ),
+        (("torque", "N_z", "N m", (1, 2, -2)), ("force", "F_z", "N", (1, 1, -2))),
     )
 )
 

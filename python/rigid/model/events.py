@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
@@ -105,15 +105,7 @@ class Event:
         -------
         dict
         """
-        return {
-            "name": self.name,
-            "omega": list(self.omega),
-            "gamma": list(self.gamma),
-            "momentum": list(self.momentum),
-            "value": self.value,
-            "direction": self.direction,
-            "turns": self.turns,
-        }
+        return {name: list(v) if isinstance(v, tuple) else v for name, v in asdict(self).items()}
 
     @classmethod
     def from_dict(cls, entries: dict[str, Any]) -> Event:

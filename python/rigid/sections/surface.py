@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
@@ -103,13 +103,7 @@ class Section:
         -------
         dict
         """
-        return {
-            "name": self.name,
-            "omega": list(self.omega),
-            "gamma": list(self.gamma),
-            "value": self.value,
-            "direction": self.direction,
-        }
+        return {name: list(v) if isinstance(v, tuple) else v for name, v in asdict(self).items()}
 
 
 def at_equal_times(every: float) -> Section:

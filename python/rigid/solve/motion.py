@@ -99,12 +99,7 @@ class Motion:
     ) -> None:
         scene = self._scene = check_scene(scene, many=True)
         self._method = known_method("method", method, [method.name for method in methods()])
-        check_method(
-            method,
-            scene.kind,
-            watched=False,
-            forces=scene.forces,
-        )
+        check_method(method, scene.kind, watched=False, forces=scene.forces)
         self._frame = None if frame is None else checked_frame(frame)
         bodies = bodies_of(scene, omega, attitude, frame=self._frame, rod=True)
         if len(bodies.shape) > 1:
@@ -240,11 +235,7 @@ class Motion:
         return self.copy()
 
     def __reduce__(self) -> tuple[Callable[..., Motion], tuple[Any, ...]]:
-        options = {
-            "t0": self.t,
-            "method": self.method,
-            "threads": self._threads,
-        }
+        options = {"t0": self.t, "method": self.method, "threads": self._threads}
         first = 0 if self._single else slice(None)
         states = self._core.omega()[first], self._core.attitude()[first]
         return _rebuilt, (self.scene, *states, self._frame, options, *self._core.numbers())

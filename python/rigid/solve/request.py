@@ -80,12 +80,7 @@ class Problem:
     def __post_init__(self) -> None:
         if self.method is not None:
             known_method("method", self.method, run_methods())
-            check_method(
-                self.method,
-                self.scene.kind,
-                watched=False,
-                forces=self.scene.forces,
-            )
+            check_method(self.method, self.scene.kind, watched=False, forces=self.scene.forces)
         for name in ("step", "accuracy"):
             if getattr(self, name) is not None:
                 value = finite_float(name, getattr(self, name), positive=True)

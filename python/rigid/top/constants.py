@@ -36,14 +36,15 @@ def symmetric(scene: HeavyTop) -> Symmetry:
     return symmetry
 
 
-def over_tops(scene: HeavyTop, *, times: Shape = (), **arguments: Floats) -> tuple[Floats, ...]:
-    """The arguments, broadcast to the axes of the tops and of each other.
+def over_tops(scene: HeavyTop, *, times: Shape = (), **arguments: ArrayLike) -> tuple[Floats, ...]:
+    """The finite arguments, broadcast to the axes of the tops and of each other.
 
     ``times`` has the axes of the tops that the times have.
     """
-    shapes = {name: array.shape for name, array in arguments.items()}
+    arrays = {name: finite_array(name, value) for name, value in arguments.items()}
+    shapes = {name: array.shape for name, array in arrays.items()}
     shape = leading_shape({"scene": scene.shape, **shapes, "t": times})
-    return tuple(np.broadcast_to(array, shape) for array in arguments.values())
+    return tuple(np.broadcast_to(array, shape) for array in arrays.values())
 
 
 def tilts(tilt: ArrayLike) -> Floats:
@@ -204,9 +205,7 @@ def precession_spin_rates(
     [1.25, 3.75]
     """
     symmetry = symmetric(scene)
-    angle, first, second = over_tops(
-        scene, tilt=tilts(tilt), a=finite_array("a", a), b=finite_array("b", b)
-    )
+    angle, first, second = over_tops(scene, tilt=tilts(tilt), a=a, b=b)
     upper = angle < 0.5 * np.pi
     lack = np.where(upper, first - second, first + second)
     vertical = (angle == 0.0) | (angle == np.pi)

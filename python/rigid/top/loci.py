@@ -294,7 +294,7 @@ def fast_top_approx(
         scene,
         tilt=tilts(tilt),
         spin=spins,
-        precession=finite_array("precession", precession),
+        precession=precession,
         times=() if times is None else times.shape[:-1],
     )
     momentum = symmetry.side * symmetry.along * rate
