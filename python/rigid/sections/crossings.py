@@ -123,9 +123,7 @@ class Crossings(Points, Result):
     _ROWS = ("point",)
 
     def __repr__(self) -> str:
-        bodies, complete = np.size(self.complete), int(np.count_nonzero(self.complete))
-        whole = "complete" if complete == bodies else f"{complete} of {bodies} complete"
-        each = "1 body" if bodies == 1 else f"{bodies} bodies"
+        each, whole = self._completeness()
         return f"<Crossings: {len(self)} points of {each}, {self.section.words()}; {whole}>"
 
     def _repr_html_(self) -> str:

@@ -44,6 +44,12 @@ class Points(HasColumns):
     def __len__(self) -> int:
         return len(self.t)
 
+    def _completeness(self) -> tuple[str, str]:
+        """How many bodies there are, and of how many the points are complete, in words."""
+        bodies, complete = np.size(self.complete), int(np.count_nonzero(self.complete))
+        whole = "complete" if complete == bodies else f"{complete} of {bodies} complete"
+        return "1 body" if bodies == 1 else f"{bodies:,} bodies", whole
+
     @classmethod
     def _of_points(cls) -> tuple[str, ...]:
         """The columns with a row for each point."""
@@ -95,9 +101,7 @@ class Events(Points):
     _shape: Shape
 
     def __repr__(self) -> str:
-        bodies, complete = np.size(self.complete), int(np.count_nonzero(self.complete))
-        whole = "complete" if complete == bodies else f"{complete} of {bodies} complete"
-        each = "1 body" if bodies == 1 else f"{bodies:,} bodies"
+        each, whole = self._completeness()
         return f"<Events: {self.event.words()}; {len(self):,} of {each}; {whole}>"
 
     @property

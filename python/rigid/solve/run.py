@@ -699,17 +699,14 @@ an accuracy
         CCSDS_AEM_VERS = 1.0
         """
         times, attitudes = self._of_one(body, self._recorded_attitude())
-        return write_aem(
-            path,
-            times,
-            attitudes,
-            epoch=epoch,
-            object_name=object_name,
-            object_id=object_id,
-            frame=frame,
-            body_frame=body_frame,
-            originator=originator,
-        )
+        entries = {
+            "object_name": object_name,
+            "object_id": object_id,
+            "frame": frame,
+            "body_frame": body_frame,
+            "originator": originator,
+        }
+        return write_aem(path, times, attitudes, epoch=epoch, entries=entries)
 
     def _of_one(self, body: int | None, values: Floats) -> tuple[Floats, Floats]:
         """Times and values (m, ...) of one body."""
