@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
@@ -43,7 +42,7 @@ from .methods import (
     order_of,
 )
 from .plan import LazyPlan, Plan, plan_of_parts
-from .planned import UNKNOWN, Reason, damping_rate, plan_of, why_unforeseen
+from .planned import UNKNOWN, Reason, plan_of, why_unforeseen
 from .request import USUAL_ACCURACY, Problem
 from .surfaces import default_method
 
@@ -107,12 +106,12 @@ def plan_states(
         number=None if bodies is None else positive_int("bodies", bodies),
     )
     if known is None:
-        chosen = choose_method(problem).plan()
-    else:
-        groups = bodies_alike(problem)
-        plans = [choose_method(one).plan for one in parts_of(problem, groups)]
-        chosen = plans[0]() if len(plans) == 1 else plan_of_parts(scene, plans, groups)
-    if known is not None and chosen.method == EXACT and chosen.error is not None:
+        return choose_method(problem).plan()
+    parts = bodies_alike(problem)
+    plans = [choose_method(one).plan for one, _ in parts]
+    groups = [mine for _, mine in parts]
+    chosen = plans[0]() if len(plans) == 1 else plan_of_parts(scene, plans, groups)
+    if chosen.method == EXACT and chosen.error is not None:
         unforeseen = why_unforeseen(known, problem.times)
         if unforeseen is not None:
             why = (*chosen.why, UNKNOWN.format(unforeseen))
@@ -144,8 +143,8 @@ class Choice(NamedTuple):
     plan: LazyPlan
 
 
-def bodies_alike(problem: Problem) -> list[NDArray[np.intp]]:
-    """The bodies of a problem in groups that one method solves; the indices of each group.
+def bodies_alike(problem: Problem) -> list[tuple[Problem, NDArray[np.intp]]]:
+    """The problems of groups of bodies that one method solves, and the indices of each group.
 
     One kind of forces acts on all bodies of a group. If the problem leaves the method open, all
     have a closed form or none has, and all are damped strongly or none is.
@@ -154,7 +153,7 @@ def bodies_alike(problem: Problem) -> list[NDArray[np.intp]]:
     assert bodies is not None
     every = np.arange(len(bodies))
     if len(every) < 2:
-        return [every]
+        return [(problem, every)]
     kinds = bodies.kinds_of_forces()
     columns = [kinds, np.broadcast_to(bodies.weight.any(axis=1), len(every))]
     if problem.method is None:
@@ -168,14 +167,10 @@ def bodies_alike(problem: Problem) -> list[NDArray[np.intp]]:
                 has_form |= (kinds != 0) & evenly & (forms != NO_FORM)
         columns += [has_form, strongly & ~has_form]
     if all((column == column[0]).all() for column in columns):
-        return [every]
+        return [(problem, every)]
     _, of_group = np.unique(np.stack(columns, axis=1), axis=0, return_inverse=True)
-    return [np.flatnonzero(of_group == group) for group in range(of_group.max() + 1)]
-
-
-def parts_of(problem: Problem, groups: Sequence[NDArray[np.intp]]) -> list[Problem]:
-    """The problems of groups of bodies."""
-    return [problem] if len(groups) == 1 else [problem.select(some) for some in groups]
+    groups = [np.flatnonzero(of_group == group) for group in range(of_group.max() + 1)]
+    return [(problem.select(some), some) for some in groups]
 
 
 def choose_method(problem: Problem) -> Choice:
@@ -206,7 +201,8 @@ def choose_method(problem: Problem) -> Choice:
             why.append(f"the tolerance follows from the error of {accuracy:g}")
     else:
         _check_rates_are_known(problem)
-        if problem.accuracy is not None or problem.knows_angles:
+        known = problem.bodies is not None and problem.span is not None
+        if problem.accuracy is not None or known:
             steps = _first_steps(problem, accuracy, method)
         why.append(f"the step follows from the error of {accuracy:g} at the end")
         if asked is None and method != STIFF:
@@ -342,10 +338,13 @@ def _by_steps(problem: Problem, why: list[Reason]) -> tuple[str, list[Reason]]:
     usual = FALLBACK
     if problem.step is None:
         usual = SERIES if "orbit" in problem.scene.forces else MAP_FALLBACK
-    others = problem.scene.has_further or "function" in problem.scene.forces
+    scene = problem.scene
+    others = scene.has_further or "function" in scene.forces
     if others or not _are_damped_strongly(problem).any():
         return usual, why
-    slowing = damping_rate(problem.scene)
+    forces = scene.acting()
+    assert forces is not None  # damping is one of them
+    slowing = float(forces.damping_rates(moment_rows(scene)).max(initial=0.0))
     return STIFF, [*why, f"strong damping, at a rate of {slowing:.3g} 1/s: {STIFF}"]
 
 

@@ -127,11 +127,6 @@ class Problem:
             return self.bodies.moments, self.bodies.weight
         return moment_rows(self.scene), weight_rows(self.scene)
 
-    @property
-    def knows_angles(self) -> bool:
-        """Whether rates and horizon are known, and so the angles that the bodies turn."""
-        return self.bodies is not None and self.span is not None
-
     def rates(self, method: str | None = None) -> Floats | None:
         """Bounds of the rates, or the rates that the steps of a method follow, if known."""
         if self.bodies is None or (self.span is None and self.scene.forces):

@@ -20,7 +20,7 @@ from ..model.events import Event
 from ..model.scene import Scene
 from .arrays import Range, largest, time_ranges, time_span
 from .bodies import Bodies
-from .choose_method import Choice, bodies_alike, choose_method, parts_of
+from .choose_method import Choice, bodies_alike, choose_method
 from .events import FoundEvents, events_of_parts, find_events
 from .methods import EXACT, SERIES, SERIES_TOLERANCE
 from .parameters import parameter_changes
@@ -251,16 +251,16 @@ def solve(
     options = check, watched, parameters
     if problem is None:
         return _solve_alike(scene, None, request, *options, target)
-    groups = bodies_alike(problem)
-    if len(groups) == 1:
+    problems = bodies_alike(problem)
+    if len(problems) == 1:
         return _solve_alike(scene, problem, request, *options, target)
     parts = []
-    for own, some in zip(parts_of(problem, groups), groups, strict=True):
+    for own, some in problems:
         assert own.bodies is not None
         times = request.times if request.times.ndim == 1 else request.times[some]
         part = replace(request, bodies=own.bodies, times=times)
         parts.append(_solve_alike(own.scene, own, part, *options, PLAIN))
-    return _merged(problem, parts, groups)
+    return _merged(problem, parts, [some for _, some in problems])
 
 
 def _solve_alike(
@@ -366,18 +366,12 @@ def _by_steps(
         made.plan.amend(f"{some} of {len(by_series)} bodies by {SERIES}")
     accurate = (states.error <= choice.accuracy) & ~by_series
     if problem.accuracy is not None and accurate.any():
-        step, most = _made_steps(states["steps"], time_span(request.times), accurate)
-        made.plan.amend(step=step, steps=most)
+        taken = states["steps"]
+        moved = accurate & (taken > 0)
+        lengths = np.broadcast_to(time_span(request.times), taken.shape)[moved] / taken[moved]
+        shortest = float(lengths.min()) if len(lengths) else None
+        made.plan.amend(step=shortest, steps=int(taken[accurate].max(initial=0)))
     return made
-
-
-def _made_steps(
-    taken: NDArray[np.uint64], span: float | Floats, accurate: NDArray[np.bool_]
-) -> tuple[float | None, int]:
-    """The shortest step (s) of the accurate bodies that cover this time, and the most steps."""
-    moved = accurate & (taken > 0)
-    made = np.broadcast_to(span, taken.shape)[moved] / taken[moved]
-    return float(made.min()) if len(made) else None, int(taken[accurate].max(initial=0))
 
 
 def _merged(
