@@ -149,9 +149,7 @@ def symmetric_free_top(
     # The angle of L and omega from products: alpha - theta loses all digits for the Earth.
     sine = np.abs((along - across) / across * turning) * tilting
     cosine = tilting**2 + ratio * turning**2
-    states = None if t is None else _states(moments, rates, attitude, t)
-    if states is None and attitude is not None:
-        raise ValueError("attitude: without times t there is no motion to start from it")
+    states = _states(moments, rates, attitude, t)
     with np.errstate(divide="ignore"):
         period = 2.0 * pi / np.abs(k)
     return SymmetricTop(
@@ -168,8 +166,8 @@ def symmetric_free_top(
         space_cone=np.arctan2(sine, cosine),
         amplitude=transverse,
         phase=np.arctan2(second, first),
-        omega=None if states is None else states[0],
-        attitude=None if states is None else states[1],
+        omega=states[0],
+        attitude=states[1],
     )
 
 
@@ -254,14 +252,12 @@ def asymmetric_free_top(
         field.name: values[field.name].reshape(shape + values[field.name].shape[1:])[()]
         for field in fields(FreeMotion)
     }
-    states = None if t is None else _states(moments, rates, attitude, t)
-    if states is None and attitude is not None:
-        raise ValueError("attitude: without times t there is no motion to start from it")
+    states = _states(moments, rates, attitude, t)
     return AsymmetricTop(
         **known,
         frequency=_frequency(moments, rates),
-        omega=None if states is None else states[0],
-        attitude=None if states is None else states[1],
+        omega=states[0],
+        attitude=states[1],
     )
 
 
@@ -280,9 +276,13 @@ def _frequency(moments: Floats, rates: Floats) -> Floats:
 
 
 def _states(
-    moments: Floats, rates: Floats, attitude: ArrayLike | Rotation | None, t: ArrayLike
-) -> tuple[Floats, Floats]:
+    moments: Floats, rates: Floats, attitude: ArrayLike | Rotation | None, t: ArrayLike | None
+) -> tuple[Floats | None, Floats | None]:
     """Angular velocities and attitudes at the times in closed form; each body has its moments."""
+    if t is None:
+        if attitude is not None:
+            raise ValueError("attitude: without times t there is no motion to start from it")
+        return None, None
     start = attitudes(attitude)
     shape = np.broadcast_shapes(rates.shape[:-1], start.shape[:-1])
     times = sorted_times("t", t)

@@ -7,19 +7,16 @@ from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from .. import _core
-from .._checks.arguments import finite_float, one_of, positive_int, two_digits_above
-from ..model.body import Body
+from .._checks.arguments import two_digits_above
 from ..model.forces import forces_in_words
-from ..model.scene import Scene, check_scene
+from ..model.scene import Scene
 from .arrays import roots
-from .bodies import bodies_of
 from .closed_form import (
     FORCED_RULE,
     NO_FORM,
-    RECORDS,
     Codes,
     all_have,
     are_slowed_evenly,
@@ -47,7 +44,7 @@ from .request import USUAL_ACCURACY, Problem
 from .surfaces import default_method
 
 if TYPE_CHECKING:
-    from scipy.spatial.transform import Rotation
+    pass
 
 
 Floats = NDArray[np.float64]
@@ -75,42 +72,15 @@ STIFFNESS = 10.0
 """Damping is strong if it slows a body this many times faster than the body turns."""
 
 
-def plan_states(
-    scene: Scene | Body,
-    record: str,
-    *,
-    omega: ArrayLike | None = None,
-    attitude: ArrayLike | Rotation | None = None,
-    t_end: float | None = None,
-    accuracy: float | None = None,
-    method: str | None = None,
-    step: float | None = None,
-    bodies: int | None = None,
-    times: int | None = None,
-) -> Plan:
-    """The plan of :func:`rigid.plan` for states at given times."""
-    scene = check_scene(scene, many=True)
-    if omega is None and attitude is not None:
-        raise ValueError("attitude: says nothing without omega; give both")
-    known = None if omega is None else bodies_of(scene, omega, attitude, rod=True)
-    span = None if t_end is None else finite_float("t_end", t_end, positive=True)
-    problem = Problem(
-        scene=scene,
-        record=one_of("question", record, RECORDS),
-        bodies=known,
-        end=span,
-        accuracy=accuracy,
-        method=method,
-        step=step,
-        states=1 if times is None else positive_int("times", times),
-        number=None if bodies is None else positive_int("bodies", bodies),
-    )
+def plan_states(problem: Problem) -> Plan:
+    """The plan of states at given times, of bodies that may need several methods."""
+    known = problem.bodies
     if known is None:
         return choose_method(problem).plan()
     parts = bodies_alike(problem)
     plans = [choose_method(one).plan for one, _ in parts]
     groups = [mine for _, mine in parts]
-    chosen = plans[0]() if len(plans) == 1 else plan_of_parts(scene, plans, groups)
+    chosen = plans[0]() if len(plans) == 1 else plan_of_parts(problem.scene, plans, groups)
     if chosen.method == EXACT and chosen.error is not None:
         unforeseen = why_unforeseen(known, problem.times)
         if unforeseen is not None:
