@@ -231,8 +231,7 @@ takes such moments as they are
         >>> [round(moment * 12e4 / 0.3) for moment in book.moments]
         [65, 626, 689]
         """
-        a, b, c = _length("a", a), _length("b", b), _length("c", c)
-        mass = _mass(mass)
+        a, b, c, mass = _size("a", a), _size("b", b), _size("c", c), _size("mass", mass)
         sizes = _together(a=a, b=b, c=c, mass=mass)
         if sizes == ():
             sides = (float(a), float(b), float(c))
@@ -708,8 +707,8 @@ takes such moments as they are
         """The body of a function of :mod:`rigid.solids`; of its sizes these may be zero."""
         from .. import solids
 
-        known = {size: _length(size, sizes[size], zero=size in zero) for size in sizes}
-        known["mass"] = _mass(mass)
+        sizes["mass"] = mass
+        known = {size: _size(size, sizes[size], zero=size in zero) for size in sizes}
         _together(**known)
         properties = getattr(solids, name)(**known)
         moments = np.diagonal(properties.tensor, axis1=-2, axis2=-1)
@@ -787,13 +786,6 @@ takes such moments as they are
         return cls(data["moments"], **known)
 
 
-def _mass(value: ArrayLike) -> float | Floats:
-    value = without_unit("mass", value)
-    if np.ndim(value):
-        return shaped("mass", value, positive=True)
-    return finite_float("mass", value, positive=True)
-
-
 def _warn_of_units(sides: tuple[float, float, float], mass: float) -> None:
     """Warn of a large box that is lighter than any solid."""
     density = mass / sides[0] / sides[1] / sides[2]
@@ -809,12 +801,13 @@ def _together(**sizes: float | Floats) -> Shape:
     return leading_shape({name: np.shape(size) for name, size in sizes.items()})
 
 
-def _length(name: str, value: ArrayLike, *, zero: bool = False) -> float | Floats:
-    """A size in m, or an array of sizes: positive, or not negative."""
-    value = without_unit(name, value, "m")
+def _size(name: str, value: ArrayLike, *, zero: bool = False) -> float | Floats:
+    """A length (m) or a mass (kg), or an array of them: positive, or not negative."""
+    unit = "kg" if name == "mass" else "m"
+    value = without_unit(name, value, unit)
     if np.ndim(value):
-        return shaped(name, value, positive=not zero, nonnegative=zero, unit="m")
-    return finite_float(name, value, positive=not zero, nonnegative=zero, unit="m")
+        return shaped(name, value, positive=not zero, nonnegative=zero, unit=unit)
+    return finite_float(name, value, positive=not zero, nonnegative=zero, unit=unit)
 
 
 def check_body(body: object) -> Body:

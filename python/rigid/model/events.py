@@ -36,7 +36,7 @@ PLANE = "plane"
 MOST_EVENTS = 32
 """Events that a run watches at most."""
 
-_WORDS = {1: "rising", -1: "falling", 0: "both ways"}
+WORDS = {1: "rising", -1: "falling", 0: "both ways"}
 _TURNS = {1: "lowest", -1: "highest", 0: "turns"}
 
 
@@ -86,7 +86,7 @@ class Event:
             name = " + ".join(f"{vector}·{of}" for of, vector in parts if any(vector))
         if self.turns:
             return f"{name} {_TURNS[self.direction]}"
-        return f"{name} = {self.value:g}, {_WORDS[self.direction]}"
+        return f"{name} = {self.value:g}, {WORDS[self.direction]}"
 
     @property
     def level(self) -> float:

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import first_place, shaped
+from .._checks.arrays import of_size_one
 from .._checks.overflow import refuses_overflow
 
 Floats = NDArray[np.float64]
@@ -313,7 +314,12 @@ def _product(a: Floats, b: Floats) -> Floats:
 
 def _axis_angle(axis: ArrayLike, angle: ArrayLike, passive: bool) -> tuple[Floats, Floats, Floats]:
     """Unit axes, and the sine and ``1 - cos`` of the active turn, broadcast against each other."""
-    n = unit_vectors("axis", shaped("axis", axis, 3), "no direction")
+    n, _ = of_size_one(shaped("axis", axis, 3))
+    length = np.linalg.norm(n, axis=-1, keepdims=True)
+    if not length.all():
+        _, place = first_place(length[..., 0] == 0.0)
+        raise ValueError(f"axis{place} = {[0.0] * 3}: no direction")
+    n = n / length
     a = shaped("angle", angle)
     a = -a if passive else a
     shape = np.broadcast_shapes(n.shape[:-1], a.shape)
@@ -327,18 +333,6 @@ def rodrigues(v: Floats, once: Floats, twice: Floats) -> Floats:
     square = square - np.trace(square, axis1=-2, axis2=-1)[..., None, None] * np.eye(3)
     matrix: Floats = np.eye(3) + once[..., None, None] * hat(v) + twice[..., None, None] * square
     return matrix
-
-
-def unit_vectors(name: str, array: Floats, rule: str) -> Floats:
-    """Vectors divided by their lengths, without underflow or overflow of the squares."""
-    largest = np.abs(array).max(axis=-1, keepdims=True)
-    if np.any(largest == 0.0):
-        _, place = first_place(largest[..., 0] == 0.0)
-        raise ValueError(f"{name}{place} = {[0.0] * array.shape[-1]}: {rule}")
-    # Scaled by a power of two, which is exact, so that no square leaves the range of doubles.
-    scaled = np.ldexp(array, -np.frexp(largest)[1])
-    unit: Floats = scaled / np.linalg.norm(scaled, axis=-1, keepdims=True)
-    return unit
 
 
 def over(numerator: Floats, denominator: Floats, limit: float) -> Floats:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import brief, finite_float, one_of, vector
-from ..model.events import COMPONENTS, check_reached, checked_direction
+from ..model.events import COMPONENTS, WORDS, check_reached, checked_direction
 from ..model.leading import three
 from ..model.scene import HeavyTop, Scene
 
@@ -20,8 +20,6 @@ HEIGHT = "height"
 
 EQUAL_TIMES = "every"
 """The section of equal times, which has no surface."""
-
-_WORDS = {1: "rising", -1: "falling", 0: "both ways"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,8 +69,8 @@ class Section:
         if self.name == EQUAL_TIMES:
             return f"every {self.value:.6g} s"
         if self.name in COMPONENTS:
-            return f"{self.name} = {self.value:g}, {_WORDS[self.direction]}"
-        return f"{self.omega}·omega + {self.gamma}·gamma = {self.value:g}, {_WORDS[self.direction]}"
+            return f"{self.name} = {self.value:g}, {WORDS[self.direction]}"
+        return f"{self.omega}·omega + {self.gamma}·gamma = {self.value:g}, {WORDS[self.direction]}"
 
     def normals(self, scene: Scene, weight: Floats) -> Floats:
         """The normals of the surface for bodies with these weights (n, 3).
