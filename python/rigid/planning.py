@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ._checks.arguments import brief, finite_float, one_of, positive_int
-from ._checks.arrays import attitudes
+from ._checks.arrays import AttitudeLike, attitudes
 from .maps.job import to_core
 from .maps.plan import map_plan
 from .maps.request import of_one_pixel, shortened
@@ -33,10 +33,6 @@ from .solve.simulate import simulate
 from .solve.timing import LEAST_SHARE, LEAST_STEPS, seconds_of_one
 from .store.call import run_map
 
-if TYPE_CHECKING:
-    from scipy.spatial.transform import Rotation
-
-
 SAMPLES = 1000
 """Bodies of a pixel if their number is not given."""
 
@@ -46,7 +42,7 @@ def plan(
     question: str | Criterion = "attitude",
     *,
     omega: ArrayLike | None = None,
-    attitude: ArrayLike | Rotation | None = None,
+    attitude: AttitudeLike | None = None,
     start: Start | Mixture | None = None,
     t_end: float | None = None,
     accuracy: float | None = None,
@@ -194,7 +190,7 @@ def plan(
 
 
 def _timed_states(
-    made: Plan, problem: Problem, omega: ArrayLike, attitude: ArrayLike | Rotation | None
+    made: Plan, problem: Problem, omega: ArrayLike, attitude: AttitudeLike | None
 ) -> Plan:
     """The plan of a valid call of :func:`simulate`, with its cost and the error of its steps."""
     scene, known, t_end = problem.scene, problem.bodies, problem.end

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass, fields
 from math import pi
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
 from .._checks.arguments import resolve_threads, sorted_times
-from .._checks.arrays import attitudes, finite_array, of_size_one, require, vectors
+from .._checks.arrays import AttitudeLike, attitudes, finite_array, of_size_one, require, vectors
 from .._checks.overflow import refuses_overflow
 from .._checks.shown import short_repr
 from ..exact import FreeMotion
@@ -22,10 +21,6 @@ from ..solve.arrays import rows_of_each
 from ..solve.bodies import Bodies
 from ..solve.methods import EXACT
 from ..solve.request import Request
-
-if TYPE_CHECKING:
-    from scipy.spatial.transform import Rotation
-
 
 Floats = NDArray[np.float64]
 
@@ -90,7 +85,7 @@ class SymmetricTop:
 def symmetric_free_top(
     body: BodyLike,
     omega: ArrayLike,
-    attitude: ArrayLike | Rotation | None = None,
+    attitude: AttitudeLike | None = None,
     *,
     t: ArrayLike | None = None,
     axis: int | None = None,
@@ -211,7 +206,7 @@ class AsymmetricTop(FreeMotion):
 def asymmetric_free_top(
     body: BodyLike,
     omega: ArrayLike,
-    attitude: ArrayLike | Rotation | None = None,
+    attitude: AttitudeLike | None = None,
     *,
     t: ArrayLike | None = None,
 ) -> AsymmetricTop:
@@ -276,7 +271,7 @@ def _frequency(moments: Floats, rates: Floats) -> Floats:
 
 
 def _states(
-    moments: Floats, rates: Floats, attitude: ArrayLike | Rotation | None, t: ArrayLike | None
+    moments: Floats, rates: Floats, attitude: AttitudeLike | None, t: ArrayLike | None
 ) -> tuple[Floats | None, Floats | None]:
     """Angular velocities and attitudes at the times in closed form; each body has its moments."""
     if t is None:

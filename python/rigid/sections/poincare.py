@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import brief, finite_float, positive_int, resolve_threads
+from .._checks.arrays import AttitudeLike
 from .._checks.progress import Listening, ProgressOption
 from ..model.body import Body
 from ..model.scene import Scene, check_scene
@@ -25,8 +26,6 @@ from .crossings import Crossings
 from .surface import Section, at_equal_times, checked_section
 
 if TYPE_CHECKING:
-    from scipy.spatial.transform import Rotation
-
     from ..solve.run import Run
 
 
@@ -39,7 +38,7 @@ MOST_POINTS = 1e8
 def poincare(
     scene: Scene | Body,
     omega: ArrayLike,
-    attitude: ArrayLike | Rotation | None = None,
+    attitude: AttitudeLike | None = None,
     section: Section | str | None = None,
     *,
     every: float | None = None,

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any, Self
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
-from .._checks.arrays import IDENTITY, attitudes, unit_quaternions, vectors
+from .._checks.arrays import IDENTITY, AttitudeLike, attitudes, unit_quaternions, vectors
 from .._moments import hold_rods, without_spin
 from ..model.body import rates_of_rods, refuse_rods
 from ..model.frame import attitudes_in_principal_axes, turned
@@ -18,10 +18,6 @@ from ..model.leading import Shape, leading_shape
 from ..model.scene import Scene
 from ..model.torque import NO_EXPONENT, forces_of
 from .arrays import Range, in_rows, rows_of_each
-
-if TYPE_CHECKING:
-    from scipy.spatial.transform import Rotation
-
 
 Floats = NDArray[np.float64]
 
@@ -287,7 +283,7 @@ class Bodies:
 def bodies_of(
     scene: Scene,
     omega: ArrayLike,
-    attitude: ArrayLike | Rotation | None = None,
+    attitude: AttitudeLike | None = None,
     *,
     frame: NDArray[np.float64] | None = None,
     times: Shape = (),

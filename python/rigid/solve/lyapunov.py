@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
 from .._checks.arguments import numbers, positive_int, resolve_threads, sorted_times
+from .._checks.arrays import AttitudeLike
 from .._checks.float_environment import in_standard_floats
 from .._checks.progress import Listening, ProgressOption
 from ..model.body import Body
@@ -26,10 +27,6 @@ from .request import Problem, Request
 from .solution import solve
 from .status import Status
 from .tangent import check_tangent, rate_scale
-
-if TYPE_CHECKING:
-    from scipy.spatial.transform import Rotation
-
 
 Floats = NDArray[np.float64]
 
@@ -61,7 +58,7 @@ by bit."""
 def lyapunov(
     scene: Scene | Body,
     omega: ArrayLike,
-    attitude: ArrayLike | Rotation | None = None,
+    attitude: AttitudeLike | None = None,
     *,
     t: ArrayLike,
     of: str | None = None,

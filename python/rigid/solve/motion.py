@@ -3,23 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
 from .._checks.arguments import finite_float, resolve_threads, rows
+from .._checks.arrays import AttitudeLike
 from .._checks.warned import warn_caller
 from ..model.body import Body
 from ..model.frame import attitudes_in_frame, checked_frame, turned
 from ..model.scene import Scene, check_scene
 from .bodies import bodies_of, holds_rods
 from .methods import check_method, known_method, longest_angle, methods
-
-if TYPE_CHECKING:
-    from scipy.spatial.transform import Rotation
-
 
 Floats = NDArray[np.float64]
 
@@ -90,7 +87,7 @@ class Motion:
         self,
         scene: Scene | Body,
         omega: ArrayLike,
-        attitude: ArrayLike | Rotation | None = None,
+        attitude: AttitudeLike | None = None,
         *,
         t0: float = 0.0,
         method: str = DEFAULT,

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import resolve_threads, sorted_times
+from .._checks.arrays import AttitudeLike
 from ..model.body import Body
 from ..model.scene import Scene, check_scene
 from .bodies import Bodies, bodies_of
@@ -15,17 +14,13 @@ from .methods import TO_ROUNDING
 from .request import Request
 from .tangent import ROUNDING, rate_scale, tangent_matrices
 
-if TYPE_CHECKING:
-    from scipy.spatial.transform import Rotation
-
-
 Floats = NDArray[np.float64]
 
 
 def condition(
     scene: Scene | Body,
     omega: ArrayLike,
-    attitude: ArrayLike | Rotation | None = None,
+    attitude: AttitudeLike | None = None,
     *,
     t: ArrayLike,
     threads: int | None = None,

@@ -3,23 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import one_of
-from .._checks.arrays import attitudes, finite_array, require
+from .._checks.arrays import AttitudeLike, attitudes, finite_array, require
 from .._checks.overflow import refuses_overflow
 from ..exact.symmetry import Symmetry, require_each, symmetry_of
 from ..free import invariants
 from ..model.leading import Shape, leading_shape
 from ..model.scene import HeavyTop, check_heavy_top, require_unforced
 from ..rotations.apply import to_body, to_space
-
-if TYPE_CHECKING:
-    from scipy.spatial.transform import Rotation
-
 
 Floats = NDArray[np.float64]
 
@@ -90,9 +85,7 @@ class HeavyConstants:
     beta: Floats | None
 
 
-def heavy_constants(
-    scene: HeavyTop, omega: ArrayLike, attitude: ArrayLike | Rotation
-) -> HeavyConstants:
+def heavy_constants(scene: HeavyTop, omega: ArrayLike, attitude: AttitudeLike) -> HeavyConstants:
     """Energy and angular momenta of a heavy top, and the constants a, b, alpha, beta.
 
     Under further forces they are the values of the given states, and change with time. Goldstein,
@@ -218,9 +211,7 @@ def precession_spin_rates(
     return precession[()], spin[()]
 
 
-def gravity_torque(
-    scene: HeavyTop, attitude: ArrayLike | Rotation, *, frame: str = "body"
-) -> Floats:
+def gravity_torque(scene: HeavyTop, attitude: AttitudeLike, *, frame: str = "body") -> Floats:
     """Torque of the weight about the fixed point (N m), ``-mgl com × gamma``.
 
     The torque has the size ``mgl sin(tilt)`` and the direction of the node line. So it is

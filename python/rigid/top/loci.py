@@ -3,28 +3,23 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import exact
-from .._checks.arrays import attitudes, finite_array, require
+from .._checks.arrays import AttitudeLike, attitudes, finite_array, require
 from .._checks.overflow import refuses_overflow
 from ..model.scene import HeavyTop, check_heavy_top
 from ..rotations.apply import to_space
 from ..solve.simulate import simulate
 from .constants import over_tops, symmetric, tilts
 
-if TYPE_CHECKING:
-    from scipy.spatial.transform import Rotation
-
-
 Floats = NDArray[np.float64]
 
 
 def classify_locus(
-    scene: HeavyTop, omega: ArrayLike, attitude: ArrayLike | Rotation | None = None
+    scene: HeavyTop, omega: ArrayLike, attitude: AttitudeLike | None = None
 ) -> str | NDArray[np.str_]:
     """The kind of path of the axis of a Lagrange top.
 
@@ -90,9 +85,7 @@ class Advance:
     mean_precession: Floats
 
 
-def advance(
-    scene: HeavyTop, omega: ArrayLike, attitude: ArrayLike | Rotation | None = None
-) -> Advance:
+def advance(scene: HeavyTop, omega: ArrayLike, attitude: AttitudeLike | None = None) -> Advance:
     """Advance of precession and spin in a period of the nutation.
 
     The mean precession of a top with loops never opposes the spin. The numbers come from
@@ -153,7 +146,7 @@ class Locus:
 def locus(
     scene: HeavyTop,
     omega: ArrayLike,
-    attitude: ArrayLike | Rotation | None = None,
+    attitude: AttitudeLike | None = None,
     *,
     t: ArrayLike,
 ) -> Locus:
