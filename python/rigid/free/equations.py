@@ -5,18 +5,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from .._checks.arguments import one_of, times_of_each
-from .._checks.arrays import AttitudeLike, attitudes, of_size_one, require, vectors
+from .._checks.arrays import AttitudeLike, Floats, attitudes, of_size_one, require, vectors
 from ..model.body_like import BodyLike, moments_of
 from ..model.leading import Shape, leading_shape
 from ..model.scene import HeavyTop, Scene, check_scene, scene_from_dict
 from ..model.torque import Torque
 from ..rotations.apply import to_body, to_space
 from ..solve.run import Run
-
-Floats = NDArray[np.float64]
 
 NEXT, AFTER = [1, 2, 0], [2, 0, 1]
 

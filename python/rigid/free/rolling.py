@@ -9,13 +9,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import positive_int
-from .._checks.arrays import AttitudeLike, attitudes, of_size_one, require, vectors
+from .._checks.arrays import AttitudeLike, Floats, attitudes, of_size_one, require, vectors
 from .._checks.overflow import refuses_overflow
 from ..model.body_like import BodyLike, moments_of
 from ..rotations.apply import to_space
 from .tops import symmetric_free_top
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -9,16 +9,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import brief, shaped
-from .._checks.arrays import AttitudeLike, attitudes, vectors
+from .._checks.arrays import AttitudeLike, Floats, attitudes, vectors
 from .._libration import frequencies, squares
 from ..model.body_like import BodyLike, moments_of
 from ..model.orbit import Orbit
 from ..model.scene import Scene, check_scene
 from ..model.start import body_axis
 from ..rotations.apply import to_body
-
-Floats = NDArray[np.float64]
-
 
 Axes: TypeAlias = tuple[int, int]
 """The body axes along the line from the planet and along the normal; negative: against it."""

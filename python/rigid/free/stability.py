@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import exact
 from .._checks.arguments import finite_float, positive_int
-from .._checks.arrays import finite_array, of_size_one, vectors
+from .._checks.arrays import Floats, finite_array, of_size_one, vectors
 from .._checks.overflow import refuses_overflow
 from ..model.body import Body
 from ..model.body_like import BodyLike, moments_of
@@ -17,8 +17,6 @@ from ..model.scene import FreeBody
 from ..model.start import body_axis
 from ..solve.simulate import simulate
 from .tops import asymmetric_free_top
-
-Floats = NDArray[np.float64]
 
 NEXT, AFTER = [1, 2, 0], [2, 0, 1]
 

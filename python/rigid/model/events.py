@@ -7,13 +7,11 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from .._checks.arguments import brief, finite_float, one_of, vector
 from .._checks.quantities import without_unit
-from .leading import three
-
-Floats = NDArray[np.float64]
+from .leading import Floats, three
 
 COMPONENTS = ("omega1", "omega2", "omega3", "gamma1", "gamma2", "gamma3")
 """Rates (rad/s) and the vertical in the body."""

@@ -13,14 +13,13 @@ from dataclasses import dataclass
 from typing import Any, ClassVar, Generic, Self, TypedDict, TypeVar, cast, overload
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from .._checks.arguments import brief, finite_float, shaped
 from .frame import turned
-from .leading import Index, Shape, Vector, axes_of, same, taken, vector_of
+from .leading import Floats, Index, Shape, Vector, axes_of, same, taken, vector_of
 from .orbit import Orbit
 
-Floats = NDArray[np.float64]
 Value = TypeVar("Value")
 Class = TypeVar("Class", bound=type)
 

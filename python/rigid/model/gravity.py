@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from .. import _core
 from .._checks.arguments import brief, finite_float, vector
-from .leading import Vector, three
-
-Floats = NDArray[np.float64]
+from .leading import Floats, Vector, three
 
 
 def about_pivot(

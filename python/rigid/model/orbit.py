@@ -7,14 +7,12 @@ from dataclasses import dataclass
 from typing import Any, Self
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from .. import _core
 from .._checks.arguments import first_place, shaped
-from .._checks.arrays import UNIT, unit_vectors
+from .._checks.arrays import UNIT, Floats, unit_vectors
 from .leading import Shape, Vector, frozen, leading_shape, same, vector_of
-
-Floats = NDArray[np.float64]
 
 MOST_ECCENTRIC = 0.95
 """Largest eccentricity of an ellipse."""

@@ -13,11 +13,11 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, ClassVar, Self, TypeVar, Unpack
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from .. import _core
 from .._checks.arguments import brief, finite_float, numbers, one_of, shaped, vector
-from .._checks.arrays import unit_vectors
+from .._checks.arrays import Floats, unit_vectors
 from .body import Body, check_body, pair_hint, require_one
 from .forces import (
     FORCES,
@@ -58,7 +58,6 @@ if TYPE_CHECKING:
     from ..inertia.mass_properties import MassProperties
 
 
-Floats = NDArray[np.float64]
 Made = TypeVar("Made")
 
 _ACTING = ("torque", "damping", *FORCES)

@@ -7,14 +7,12 @@ nor turns near pi lose digits. The angle from the trace of a matrix would lose h
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from .._checks.arguments import numbers, shaped
-from .._checks.arrays import AttitudeLike, unit_quaternions
+from .._checks.arrays import AttitudeLike, Floats, unit_quaternions
 from .._checks.overflow import refuses_overflow
 from .so3 import over, rodrigues, rotation_matrices, vee
-
-Floats = NDArray[np.float64]
 
 
 def quaternion_product(left: ArrayLike, right: ArrayLike) -> Floats:

@@ -11,13 +11,11 @@ from dataclasses import dataclass
 from math import ceil, inf, log2, sqrt
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from .._checks.arguments import brief, finite_float, one_of, shaped, sorted_times
-from .._checks.arrays import AttitudeLike
+from .._checks.arrays import AttitudeLike, Floats
 from .quaternions import conjugate, exp_quaternion, log_quaternion, quaternion_product, quaternions
-
-Floats = NDArray[np.float64]
 
 MOST_STEPS = 2**20
 """Largest number of steps of :func:`attitude_from_omega`."""

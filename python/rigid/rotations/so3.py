@@ -9,13 +9,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from .._checks.arguments import first_place, shaped
-from .._checks.arrays import of_size_one
+from .._checks.arrays import Floats, of_size_one
 from .._checks.overflow import refuses_overflow
-
-Floats = NDArray[np.float64]
 
 _ROTATION_SLACK = 3.1e-4
 """Largest orthogonality error of a matrix that is accepted as a rotation: four decimals, off by

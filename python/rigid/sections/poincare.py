@@ -7,7 +7,7 @@ from collections.abc import Collection
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from .._checks.arguments import brief, finite_float, positive_int, resolve_threads
 from .._checks.arrays import AttitudeLike
@@ -28,8 +28,6 @@ from .surface import Section, at_equal_times, checked_section
 if TYPE_CHECKING:
     from ..solve.run import Run
 
-
-Floats = NDArray[np.float64]
 
 MOST_POINTS = 1e8
 """Most points of a body at equal times."""

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
-from .._checks.arrays import IDENTITY, AttitudeLike, attitudes, unit_quaternions, vectors
+from .._checks.arrays import IDENTITY, AttitudeLike, Floats, attitudes, unit_quaternions, vectors
 from .._moments import hold_rods, without_spin
 from ..model.body import rates_of_rods, refuse_rods
 from ..model.frame import attitudes_in_principal_axes, turned
@@ -18,8 +18,6 @@ from ..model.leading import Shape, leading_shape
 from ..model.scene import Scene
 from ..model.torque import NO_EXPONENT, forces_of
 from .arrays import Range, in_rows, rows_of_each
-
-Floats = NDArray[np.float64]
 
 SLOWEST = 1e-140
 """Least rate (rad/s) whose square, and products of rates, do not underflow."""

@@ -13,7 +13,7 @@ from .. import _core
 from .._checks.arguments import two_digits_above
 from ..model.forces import forces_in_words
 from ..model.scene import Scene
-from .arrays import roots
+from .arrays import Floats, roots
 from .closed_form import (
     FORCED_RULE,
     NO_FORM,
@@ -46,8 +46,6 @@ from .surfaces import default_method
 if TYPE_CHECKING:
     pass
 
-
-Floats = NDArray[np.float64]
 
 FIRST = 13.0
 """Angle (rad) of the first steps for an accuracy, ``FIRST * (accuracy / angle)**(1 / order)``.

@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from .._checks.arguments import brief, numbers, positive_int, times_of_each
 from .._checks.arrays import AttitudeLike
@@ -18,8 +18,6 @@ from .bodies import bodies_of
 from .plan import Lazy
 from .run import Run
 from .simulate import simulate
-
-Floats = NDArray[np.float64]
 
 
 def simulate_chunks(

@@ -12,9 +12,7 @@ from .. import _core
 from .._moments import without_spin
 from ..model.criterion import Criterion, Joined
 from ..model.scene import Scene
-from .arrays import in_rows
-
-Floats = NDArray[np.float64]
+from .arrays import Floats, in_rows
 
 Codes: TypeAlias = NDArray[np.uint8]
 """The closed forms of bodies, by their codes."""

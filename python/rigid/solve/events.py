@@ -14,14 +14,12 @@ from ..model.events import Event
 from ..model.frame import turned
 from ..model.leading import Shape
 from ..model.scene import Scene
-from .arrays import in_rows
+from .arrays import Floats, in_rows
 from .bodies import Bodies
 from .columns import Column, Columns, HasColumns
 from .methods import EXACT, SERIES, adaptive_methods
 from .status import Status
 from .surfaces import Search, default_tolerance
-
-Floats = NDArray[np.float64]
 
 
 class Points(HasColumns):

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
 from .._checks.arguments import numbers, positive_int, resolve_threads, sorted_times
-from .._checks.arrays import AttitudeLike
+from .._checks.arrays import AttitudeLike, Floats
 from .._checks.float_environment import in_standard_floats
 from .._checks.progress import Listening, ProgressOption
 from ..model.body import Body
@@ -27,8 +27,6 @@ from .request import Problem, Request
 from .solution import solve
 from .status import Status
 from .tangent import check_tangent, rate_scale
-
-Floats = NDArray[np.float64]
 
 GENERIC = _core.generic_deviations()
 """Deviation vectors at the start: rates in the unit of the body, rotation vectors in rad. Each has

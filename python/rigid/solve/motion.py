@@ -6,19 +6,17 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from .. import _core
 from .._checks.arguments import finite_float, resolve_threads, rows
-from .._checks.arrays import AttitudeLike
+from .._checks.arrays import AttitudeLike, Floats
 from .._checks.warned import warn_caller
 from ..model.body import Body
 from ..model.frame import attitudes_in_frame, checked_frame, turned
 from ..model.scene import Scene, check_scene
 from .bodies import bodies_of, holds_rods
 from .methods import check_method, known_method, longest_angle, methods
-
-Floats = NDArray[np.float64]
 
 DEFAULT = "dop853"
 """Its steps keep energy and attitude as steps of ``rk4`` do that are a ninth as long."""

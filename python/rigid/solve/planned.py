@@ -7,17 +7,14 @@ from math import prod
 from typing import TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .. import _core
-from .arrays import Range, lengths
+from .arrays import Floats, Range, lengths
 from .bodies import Bodies
 from .closed_form import Codes, names, question_words
 from .methods import EXACT
 from .plan import Plan, carried, left_out, not_left_out
 from .request import Problem
-
-Floats = NDArray[np.float64]
 
 Reason: TypeAlias = str | Callable[[], str]
 """A reason of a plan, or how to word it."""

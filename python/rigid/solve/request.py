@@ -13,15 +13,13 @@ from numpy.typing import NDArray
 from .. import _core
 from .._checks.arguments import finite_float
 from ..model.scene import Scene
-from .arrays import Range
+from .arrays import Floats, Range
 from .bodies import Bodies
 from .closed_form import moment_rows, weight_rows
 from .methods import check_method, known_method, run_methods
 
 MutableMapping.register(_core.States)
 
-
-Floats = NDArray[np.float64]
 
 USUAL_ACCURACY = 1e-8
 """The accuracy of states if neither a method nor a step is given."""

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
 from .._checks.arguments import brief, one_line, one_of, one_time, resolve_threads
-from .._checks.arrays import finite_array
+from .._checks.arrays import Floats, finite_array
 from .._checks.inputs import described
 from .._checks.progress import ProgressOption
 from ..model.events import Event
@@ -51,8 +51,6 @@ if TYPE_CHECKING:
 
     from ..animation import Animation
     from ..animation.recording import Recording
-
-Floats = NDArray[np.float64]
 
 
 FORMAT = "rigid run 1"

@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from .._checks.arguments import resolve_threads, sorted_times
-from .._checks.arrays import AttitudeLike
+from .._checks.arrays import AttitudeLike, Floats
 from ..model.body import Body
 from ..model.scene import Scene, check_scene
 from .bodies import Bodies, bodies_of
 from .methods import TO_ROUNDING
 from .request import Request
 from .tangent import ROUNDING, rate_scale, tangent_matrices
-
-Floats = NDArray[np.float64]
 
 
 def condition(

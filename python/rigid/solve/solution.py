@@ -18,7 +18,7 @@ from .. import _core
 from .._checks.arguments import brief, one_of, two_digits_above
 from ..model.events import Event
 from ..model.scene import Scene
-from .arrays import Range, largest, time_ranges, time_span
+from .arrays import Floats, Range, largest, time_ranges, time_span
 from .bodies import Bodies
 from .choose_method import Choice, bodies_alike, choose_method
 from .events import FoundEvents, events_of_parts, find_events
@@ -27,9 +27,6 @@ from .parameters import parameter_changes
 from .plan import LazyPlan, Plan, plan_of_parts
 from .request import Problem, Request
 from .tangent import tangent_of
-
-Floats = NDArray[np.float64]
-
 
 COLUMNS: Mapping[str, int] = {"omega": 3, "gamma": 3, "attitude": 4, "work": 1}
 """The numbers in a row of the arrays of a run with an axis of times."""

@@ -10,12 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
-from .arrays import lengths
+from .arrays import Floats, lengths
 from .bodies import Bodies
 from .methods import FUNCTION, SERIES, TO_ROUNDING
 from .request import Request
-
-Floats = NDArray[np.float64]
 
 TOLERANCE = 2.0**-57
 """Size of the last terms of a step: a sixteenth of rounding, which alone is left then."""

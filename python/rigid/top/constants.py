@@ -5,18 +5,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from .._checks.arguments import one_of
-from .._checks.arrays import AttitudeLike, attitudes, finite_array, require
+from .._checks.arrays import AttitudeLike, Floats, attitudes, finite_array, require
 from .._checks.overflow import refuses_overflow
 from ..exact.symmetry import Symmetry, require_each, symmetry_of
 from ..free import invariants
 from ..model.leading import Shape, leading_shape
 from ..model.scene import HeavyTop, check_heavy_top, require_unforced
 from ..rotations.apply import to_body, to_space
-
-Floats = NDArray[np.float64]
 
 
 def symmetric(scene: HeavyTop) -> Symmetry:

@@ -8,14 +8,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import exact
-from .._checks.arrays import AttitudeLike, attitudes, finite_array, require
+from .._checks.arrays import AttitudeLike, Floats, attitudes, finite_array, require
 from .._checks.overflow import refuses_overflow
 from ..model.scene import HeavyTop, check_heavy_top
 from ..rotations.apply import to_space
 from ..solve.simulate import simulate
 from .constants import over_tops, symmetric, tilts
-
-Floats = NDArray[np.float64]
 
 
 def classify_locus(

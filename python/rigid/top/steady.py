@@ -9,12 +9,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import exact
 from .._checks.arguments import shaped
-from .._checks.arrays import finite_array, require
+from .._checks.arrays import Floats, finite_array, require
 from .._checks.overflow import refuses_overflow
 from ..model.scene import HeavyTop
 from .constants import over_tops, symmetric, tilts
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
