@@ -32,6 +32,18 @@ def checked_angle(name: str, value: float) -> float:
 
 
 @dataclass(frozen=True, slots=True)
+class WithinAngle(Criterion):
+    """A criterion with one angle (rad), which the axis ``limit`` of a map sets."""
+
+    limited: ClassVar[str | None] = "angle"
+
+    angle: float
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "angle", checked_angle("angle", self.angle))
+
+
+@dataclass(frozen=True, slots=True)
 class TiltBetween(Criterion):
     """Stable while the tilt from the vertical is within two limits; see :func:`tilt_between`."""
 
@@ -82,18 +94,16 @@ class TiltBetween(Criterion):
 
 
 @dataclass(frozen=True, slots=True)
-class RateWithin(Criterion):
+class RateWithin(WithinAngle):
     """Stable while a vector stays near its direction at the start; see :func:`rate_within`."""
 
     name: ClassVar[str] = "rate_within"
-    limited: ClassVar[str | None] = "angle"
 
-    angle: float
     of: str = "omega"
     frame: str = "space"
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "angle", checked_angle("angle", self.angle))
+        WithinAngle.__post_init__(self)  # super() does not know a class with slots
         one_of("of", self.of, tuple(VECTORS))
         one_of("frame", self.frame, FRAMES)
 
@@ -117,17 +127,11 @@ class RateWithin(Criterion):
 
 
 @dataclass(frozen=True, slots=True)
-class NearStart(Criterion):
+class NearStart(WithinAngle):
     """Stable while the attitude stays near the start; made by :func:`near_start`."""
 
     name: ClassVar[str] = "near_start"
-    limited: ClassVar[str | None] = "angle"
     record: ClassVar[str] = "attitude"
-
-    angle: float
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "angle", checked_angle("angle", self.angle))
 
     def core(self) -> Condition:
         """Name, no axis, and the limit (rad) as the core takes them."""
@@ -138,20 +142,18 @@ class NearStart(Criterion):
 
 
 @dataclass(frozen=True, slots=True)
-class PointingWithin(Criterion):
+class PointingWithin(WithinAngle):
     """Stable while an axis points along the orbit; see :func:`pointing_within`."""
 
     name: ClassVar[str] = "pointing_within"
-    limited: ClassVar[str | None] = "angle"
     record: ClassVar[str] = "attitude"
 
-    angle: float
     axis: int | None = None
     of: str = "radial"
     either: bool = False
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "angle", checked_angle("angle", self.angle))
+        WithinAngle.__post_init__(self)  # super() does not know a class with slots
         if self.axis is not None:
             object.__setattr__(self, "axis", body_axis(self.axis, signed=True))
         one_of("of", self.of, DIRECTIONS)
@@ -177,18 +179,16 @@ class PointingWithin(Criterion):
 
 
 @dataclass(frozen=True, slots=True)
-class ReturnsNear(Criterion):
+class ReturnsNear(WithinAngle):
     """Stable if the attitude comes back near the start; made by :func:`returns`."""
 
     name: ClassVar[str] = "returns"
-    limited: ClassVar[str | None] = "angle"
     record: ClassVar[str] = "attitude"
 
-    angle: float
     after: float
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "angle", checked_angle("angle", self.angle))
+        WithinAngle.__post_init__(self)  # super() does not know a class with slots
         object.__setattr__(self, "after", finite_float("after", self.after, nonnegative=True))
 
     def core(self) -> Condition:

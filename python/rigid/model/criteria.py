@@ -20,7 +20,7 @@ from .bounds import (
     ReturnsNear,
     SpinAbove,
     TiltBetween,
-    checked_angle,
+    WithinAngle,
 )
 from .criterion import Criterion, Joined
 from .forces import forces_in_words
@@ -67,19 +67,17 @@ class NoFlip(Criterion):
 
 
 @dataclass(frozen=True, slots=True)
-class TiltBelow(Criterion):
+class TiltBelow(WithinAngle):
     """Stable while a body axis stays within an angle of a direction; made by :func:`tilt_below`."""
 
     name: ClassVar[str] = "tilt_below"
     record: ClassVar[str] = "axis"
-    limited: ClassVar[str | None] = "angle"
 
-    angle: float
     axis: int = 3
     reference: str | None = None
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "angle", checked_angle("angle", self.angle))
+        WithinAngle.__post_init__(self)  # super() does not know a class with slots
         object.__setattr__(self, "axis", body_axis(self.axis, signed=True))
         if self.reference is not None:
             one_of("reference", self.reference, REFERENCES)
