@@ -82,11 +82,7 @@ class EnergySink:
     coefficient: Vector | Floats
 
     def __init__(self, coefficient: ArrayLike) -> None:
-        array = shaped("coefficient", coefficient, nonnegative=True)
-        if array.ndim and array.shape[-1] != 3:
-            raise ValueError(f"coefficient: expected shape () or (..., 3), got {array.shape}")
-        every = np.broadcast_to(array, (*array.shape[:-1], 3))
-        object.__setattr__(self, "coefficient", vector_of(every))
+        object.__setattr__(self, "coefficient", vector_of(_along("coefficient", coefficient)))
 
     @classmethod
     def viscous_sphere(cls, radius: float, *, density: float, viscosity: float) -> Self:
@@ -151,6 +147,14 @@ class EnergySink:
         return f"EnergySink({self.coefficient})"
 
 
+def _along(name: str, given: ArrayLike, unit: str | None = None) -> Floats:
+    """Coefficients along the principal axes, none negative, from one for all or one for each."""
+    array = shaped(name, given, nonnegative=True, unit=unit)
+    if array.ndim and array.shape[-1] != 3:
+        raise ValueError(f"{name}: expected shape () or (..., 3), got {array.shape}")
+    return np.broadcast_to(array, (*array.shape[:-1], 3))
+
+
 class Force(Generic[Value]):
     """A force of a scene: its attribute, keyword, key in TOML files and name in the core.
 
@@ -205,10 +209,7 @@ class Force(Generic[Value]):
         """
         if self.is_vector:
             return self._value(shaped(self.name, given, 3, unit=self.unit))
-        array = shaped(self.name, given, nonnegative=True, unit=self.unit)
-        if array.ndim and array.shape[-1] != 3:
-            raise ValueError(f"{self.name}: expected shape () or (..., 3), got {array.shape}")
-        return self._value(np.broadcast_to(array, (*array.shape[:-1], 3)))
+        return self._value(_along(self.name, given, self.unit))
 
     def _value(self, array: Floats) -> Value | None:
         value: Any = vector_of(array) if array.any() else None

@@ -38,7 +38,7 @@ from .methods import (
     adaptive_methods,
     order_of,
 )
-from .plan import LazyPlan, Plan, plan_of_parts
+from .plan import Lazy, Plan, plan_of_parts
 from .planned import UNKNOWN, Reason, plan_of, why_unforeseen
 from .request import USUAL_ACCURACY, Problem
 from .surfaces import default_method
@@ -101,14 +101,14 @@ class Choice(NamedTuple):
     accuracy : float or None
         The largest error, for which tolerance or steps are made smaller where they must be; None
         where the user chose them.
-    plan : LazyPlan
+    plan : Lazy of Plan
     """
 
     method: str
     steps: Floats | None
     tolerance: float | None
     accuracy: float | None
-    plan: LazyPlan
+    plan: Lazy[Plan]
 
 
 def bodies_alike(problem: Problem) -> list[tuple[Problem, NDArray[np.intp]]]:
@@ -182,7 +182,7 @@ def choose_method(problem: Problem) -> Choice:
         if asked is None and method == SERIES and scene.may_stop:
             why.append(f"a body that drag stops: {MAP_FALLBACK} in equal steps")
     _check_attainable(problem)
-    plan = LazyPlan(plan_of, problem, method, steps, forms, accuracy, tuple(why))
+    plan = Lazy(plan_of, problem, method, steps, forms, accuracy, tuple(why))
     return Choice(method, steps, problem.tolerance, accuracy, plan)
 
 

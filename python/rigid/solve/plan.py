@@ -226,30 +226,24 @@ class Lazy(Generic[Made]):
         assert self._made is not None
         return self._made
 
-    def __reduce__(self) -> tuple[Any, ...]:
-        return type(self).of, (self(),)
-
-
-class LazyPlan(Lazy[Plan]):
-    """A plan that is made when it is first read."""
-
-    __slots__ = ()
-
     def amend(self, reason: str | None = None, **fields: Any) -> None:
         """Change fields of a plan that is not yet read, and add a reason."""
         assert self._making is not None
         make, given = self._making
 
-        def amended() -> Plan:
-            plan = make(*given)
+        def amended() -> Any:
+            plan: Any = make(*given)
             if reason is not None:
                 fields["why"] = (*plan.why, reason)
             return dataclasses.replace(plan, **fields)
 
         self._making = amended, ()
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self).of, (self(),)
 
-def plan_of_parts(scene: Scene, plans: Sequence[LazyPlan], groups: Sequence[Sized]) -> Plan:
+
+def plan_of_parts(scene: Scene, plans: Sequence[Lazy[Plan]], groups: Sequence[Sized]) -> Plan:
     """The plan of a scene whose bodies are solved in groups, from a group that takes steps."""
     parts = [plan() for plan in plans]
     # Of the plans in closed form and by steps the latter tells more.

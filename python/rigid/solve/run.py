@@ -29,7 +29,7 @@ from .bodies import Bodies, bodies_of
 from .columns import Column, Columns, Result, take_numbers
 from .events import Events, FoundEvents
 from .methods import EXACT
-from .plan import Lazy, LazyPlan, Plan
+from .plan import Lazy, Plan
 from .request import Problem, Request
 from .solution import COLUMNS, ErrorEstimate, end_records, solve
 from .status import (
@@ -189,7 +189,7 @@ class Run(Result):
     _spec: Lazy[dict[str, Any]]
     _shape: Shape
     _columns: Columns
-    _plan: LazyPlan
+    _plan: Lazy[Plan]
 
     t = Column[Floats]("s", "t")
     omega = Column[Floats]("rad/s", "body", "t", "axis")
@@ -270,8 +270,7 @@ class Run(Result):
         A second run is among them; ``check=False`` makes none. Of a run in closed form of some
         microseconds it is the time that passed.
         """
-        nanoseconds: Any = self._columns["nanoseconds"]
-        return int(nanoseconds)
+        return int(self._columns["nanoseconds"])
 
     @property
     def spec(self) -> dict[str, Any]:
@@ -996,7 +995,7 @@ def to_run(
     estimate: ErrorEstimate | _core.States,
     accuracy: float | None,
     spec: Lazy[dict[str, Any]],
-    plan: LazyPlan,
+    plan: Lazy[Plan],
     bodies: Bodies,
     parameters: tuple[str, ...] = (),
     found: FoundEvents | None = None,
@@ -1167,5 +1166,5 @@ def _run_of(arrays: dict[str, NDArray[Any]], header: dict[str, Any]) -> Run:
         _parameters=tuple(header["parameters"]),
         _events=events,
         _spec=Lazy.of(header["spec"]),
-        _plan=LazyPlan.of(Plan.from_dict(header["plan"])),
+        _plan=Lazy.of(Plan.from_dict(header["plan"])),
     )

@@ -24,7 +24,7 @@ from .choose_method import Choice, bodies_alike, choose_method
 from .events import FoundEvents, events_of_parts, find_events
 from .methods import EXACT, SERIES, SERIES_TOLERANCE
 from .parameters import parameter_changes
-from .plan import LazyPlan, Plan, plan_of_parts
+from .plan import Lazy, Plan, plan_of_parts
 from .request import Problem, Request
 from .tangent import tangent_of
 
@@ -205,7 +205,7 @@ class Solution:
     method : str
         The method of bodies without a closed form; ``"exact"`` if all have one.
     tolerance : float or None
-    plan : LazyPlan
+    plan : Lazy of Plan
     found : FoundEvents or None
     """
 
@@ -213,7 +213,7 @@ class Solution:
     estimate: ErrorEstimate | _core.States
     method: str
     tolerance: float | None
-    plan: LazyPlan
+    plan: Lazy[Plan]
     found: FoundEvents | None = None
 
 
@@ -323,7 +323,7 @@ def _by_closed_form(
     error = worst if worst < 1.0 else None
     if choice is None:
         number, times = max(len(request.bodies.omega), 1), len(request.times)
-        plan = LazyPlan(_plan_of_any_start, scene, request.record, number, times, error)
+        plan = Lazy(_plan_of_any_start, scene, request.record, number, times, error)
     else:
         plan = choice.plan
         plan.amend(error=error)
@@ -394,7 +394,7 @@ def _merged(
                 states[name] = np.zeros((count, *values.shape[1:]), values.dtype)
             states[name][mine] = values
     found = [part.found for part in parts if part.found is not None]
-    plan = LazyPlan(plan_of_parts, problem.scene, [part.plan for part in parts], groups)
+    plan = Lazy(plan_of_parts, problem.scene, [part.plan for part in parts], groups)
     by_steps = min(parts, key=lambda part: part.method == EXACT)
     return Solution(
         states,
