@@ -223,11 +223,9 @@ def bearing_forces(
     """
     n = _direction(axis)
     m, w, dw = (
-        shaped(name, value)[..., np.newaxis]
+        shaped(name, value, nonnegative=name == "mass")[..., np.newaxis]
         for name, value in (("mass", mass), ("omega", omega), ("omega_dot", omega_dot))
     )
-    if (m < 0.0).any():
-        raise ValueError(f"mass = {m[m < 0.0][0]}: must not be negative")
     m, c, w, dw = together(mass=m, com=shaped("com", com, 3), omega=w, omega_dot=dw)
     across = np.cross(n, c)
     return np.asarray(m * (dw * across + w * w * np.cross(n, across)))
@@ -324,9 +322,7 @@ def two_plane_balance(
     """
     first, second = _planes(at)
     inertia, n = possible_tensor("tensor", tensor), _direction(axis)
-    m = shaped("mass", mass)[..., np.newaxis]
-    if (m < 0.0).any():
-        raise ValueError(f"mass = {m[m < 0.0][0]}: must not be negative")
+    m = shaped("mass", mass, nonnegative=True)[..., np.newaxis]
     # Twice the cross product with the axis is minus the part across the axis.
     across = np.cross(n, np.cross(n, m * shaped("com", com, 3)))
     product = np.cross(n, np.cross(n, inertia @ n))  # the integral of z (x, y) over the mass
@@ -383,9 +379,7 @@ def balance_test(
     (True, False, 0.1)
     """
     inertia, n = possible_tensor("tensor", tensor), _direction(axis)
-    m, c = shaped("mass", mass), shaped("com", com, 3)
-    if (m <= 0.0).any():
-        raise ValueError(f"mass = {m[m <= 0.0][0]}: must be positive")
+    m, c = shaped("mass", mass, positive=True), shaped("com", com, 3)
     share = finite_float("rtol", rtol, nonnegative=True)
     # Components perpendicular to the axis come from a cross product, which loses no digits.
     offset = np.linalg.norm(np.cross(n, c), axis=-1)
@@ -428,18 +422,9 @@ def analogy_table() -> tuple[Analogy, ...]:
 _TABLE = tuple(
     Analogy(Quantity(*rotation), Quantity(*translation))
     for rotation, translation in (
-        (
-            ("moment of inertia", "I_zz", "kg m²", (1, 2, 0)),
-            ("mass", "m", "kg", (1, 0, 0)),
-        ),
-        (
-            ("angle", "phi", "rad", (0, 0, 0)),
-            ("position", "z", "m", (0, 1, 0)),
-        ),
-        (
-            ("angular velocity", "omega", "rad/s", (0, 0, -1)),
-            ("velocity", "v", "m/s", (0, 1, -1)),
-        ),
+        (("moment of inertia", "I_zz", "kg m²", (1, 2, 0)), ("mass", "m", "kg", (1, 0, 0))),
+        (("angle", "phi", "rad", (0, 0, 0)), ("position", "z", "m", (0, 1, 0))),
+        (("angular velocity", "omega", "rad/s", (0, 0, -1)), ("velocity", "v", "m/s", (0, 1, -1))),
         (
             ("angular acceleration", "omega'", "rad/s²", (0, 0, -2)),
             ("acceleration", "a", "m/s²", (0, 1, -2)),
@@ -452,10 +437,7 @@ _TABLE = tuple(
             ("rotational energy", "I_zz omega²/2", "J", (1, 2, -2)),
             ("kinetic energy", "m v²/2", "J", (1, 2, -2)),
         ),
-        (
-            ("torque", "N_z", "N m", (1, 2, -2)),
-            ("force", "F_z", "N", (1, 1, -2)),
-        ),
+        (("torque", "N_z", "N m", (1, 2, -2)), ("force", "F_z", "N", (1, 1, -2))),
     )
 )
 

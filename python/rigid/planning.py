@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ._checks.arguments import brief, positive_int
-from ._checks.arrays import attitudes
+from ._checks.arguments import brief, finite_float, one_of, positive_int
+from ._checks.arrays import AttitudeLike, attitudes
 from .maps.job import to_core
 from .maps.plan import map_plan
 from .maps.request import of_one_pixel, shortened
@@ -22,18 +22,16 @@ from .model.mixture import Mixture
 from .model.scene import Scene, check_scene
 from .model.start import Start
 from .solve.arrays import spread_indices
+from .solve.bodies import bodies_of
 from .solve.choose_method import plan_states
 from .solve.closed_form import RECORDS
 from .solve.methods import EXACT
 from .solve.plan import Plan
+from .solve.request import Problem
 from .solve.run import Run
 from .solve.simulate import simulate
 from .solve.timing import LEAST_SHARE, LEAST_STEPS, seconds_of_one
 from .store.call import run_map
-
-if TYPE_CHECKING:
-    from scipy.spatial.transform import Rotation
-
 
 SAMPLES = 1000
 """Bodies of a pixel if their number is not given."""
@@ -44,7 +42,7 @@ def plan(
     question: str | Criterion = "attitude",
     *,
     omega: ArrayLike | None = None,
-    attitude: ArrayLike | Rotation | None = None,
+    attitude: AttitudeLike | None = None,
     start: Start | Mixture | None = None,
     t_end: float | None = None,
     accuracy: float | None = None,
@@ -168,55 +166,43 @@ def plan(
         raise ValueError(
             f"start = {brief(start)}: belongs to a criterion; states start from omega and attitude"
         )
-    asked_for: dict[str, Any] = {"accuracy": accuracy, "method": method, "step": step}
-    made = plan_states(
-        scene,
-        question,
-        omega=omega,
-        attitude=attitude,
-        t_end=t_end,
-        bodies=bodies,
-        times=times,
-        **asked_for,
+    scene = check_scene(scene, many=True)
+    if omega is None and attitude is not None:
+        raise ValueError("attitude: says nothing without omega; give both")
+    problem = Problem(
+        scene=scene,
+        record=one_of("question", question, RECORDS),
+        bodies=None if omega is None else bodies_of(scene, omega, attitude, rod=True),
+        end=None if t_end is None else finite_float("t_end", t_end, positive=True),
+        accuracy=accuracy,
+        method=method,
+        step=step,
+        states=1 if times is None else positive_int("times", times),
+        number=None if bodies is None else positive_int("bodies", bodies),
     )
+    made = plan_states(problem)
     if not cost:
         return made
     if omega is None or t_end is None:
         name = "omega" if omega is None else "t_end"
         raise ValueError(f"cost = True: some of the bodies are run, for which {name} is missing")
-    return _timed_states(
-        made,
-        check_scene(scene, many=True),
-        omega,
-        attitude,
-        t_end=t_end,
-        bodies=bodies,
-        times=times or 1,
-        record=question,
-        **asked_for,
-    )
+    return _timed_states(made, problem, omega, attitude)
 
 
 def _timed_states(
-    made: Plan,
-    scene: Scene,
-    omega: ArrayLike,
-    attitude: ArrayLike | Rotation | None,
-    *,
-    t_end: float,
-    bodies: int | None,
-    times: int,
-    **asked: Any,
+    made: Plan, problem: Problem, omega: ArrayLike, attitude: AttitudeLike | None
 ) -> Plan:
     """The plan of a valid call of :func:`simulate`, with its cost and the error of its steps."""
+    scene, known, t_end = problem.scene, problem.bodies, problem.end
+    assert known is not None
+    assert isinstance(t_end, float)
     rates, turned = np.asarray(omega, dtype=np.float64), attitudes(attitude)
-    shape = np.broadcast_shapes(scene.shape, rates.shape[:-1], turned.shape[:-1])
-    given = math.prod(shape)
+    shape, given = known.shape, len(known)
     # The most steps of a body under a function are a hundredth of others.
     first = 100.0 * LEAST_SHARE if "function" in scene.forces else LEAST_SHARE
     if not given:
         raise ValueError("cost = True: some of the bodies are run, and there are none")
-    alone = not shape and bodies in (None, 1)
+    alone = not shape and problem.number in (None, 1)
     rates = rates if alone else np.broadcast_to(rates, (*shape, 3)).reshape(-1, 3)
     turned = turned if alone else np.broadcast_to(turned, (*shape, 4)).reshape(-1, 4)
     places = np.arange(math.prod(scene.shape)).reshape(scene.shape)
@@ -231,13 +217,16 @@ def _timed_states(
             scene if own is None else scene[own],
             rates[some],
             None if attitude is None else turned[some],
-            t=np.linspace(0.0, share * t_end, math.ceil(share * times) + 1)[1:],
+            t=np.linspace(0.0, share * t_end, math.ceil(share * problem.states) + 1)[1:],
             max_steps=None if share == 1.0 else int(LEAST_STEPS * share / first),
             progress=False,
-            **asked,
+            record=problem.record,
+            accuracy=problem.accuracy,
+            method=problem.method,
+            step=problem.step,
         )
 
-    seconds, whole = seconds_of_one(run, bodies or given, share=first)
+    seconds, whole = seconds_of_one(run, problem.number or given, share=first)
     error = made.error
     if whole is not None and made.method != EXACT:
         worst = float(np.fmax.reduce(np.ravel(whole.error)))  # NaN of bodies that are not checked

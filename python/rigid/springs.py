@@ -154,8 +154,7 @@ class PairSystem:
         [10.0, -10.0]
         """
         pulls = self._pulls(positions)
-        forces: Floats = -(self._incidence().T @ (pulls.tension[..., np.newaxis] * pulls.direction))
-        return forces
+        return -(self._incidence().T @ (pulls.tension[..., np.newaxis] * pulls.direction))
 
     def hessian(self, positions: ArrayLike | None = None) -> Floats:
         """Second derivatives ``∂²V/∂r∂r`` (N/m), shape (..., 3 N, 3 N).
@@ -405,7 +404,12 @@ def pair_system(
         distances = np.linalg.norm(r[first] - r[second], axis=-1)
         k = _of_pairs("stiffness", stiffness, len(first))
         lengths = distances if rest is None else _of_pairs("rest", rest, len(first))
-        law = _hooke(k, lengths)
+
+        def law(distances: Floats) -> tuple[Floats, Floats, Floats]:
+            stretch = distances - lengths
+            tension = k * stretch
+            return 0.5 * tension * stretch, tension, np.broadcast_to(k, distances.shape)
+
     system = PairSystem(masses=m, positions=r, pairs=np.stack([first, second], axis=-1), law=law)
     system.energy()  # raises if particles coincide or the law returns wrong values
     return system
@@ -556,15 +560,6 @@ def _squares(arms: Floats) -> Floats:
     """``r² 1 - r r`` for each arm."""
     own = (arms * arms).sum(axis=-1)[:, np.newaxis, np.newaxis]
     return np.asarray(own * np.eye(3) - arms[:, :, np.newaxis] * arms[:, np.newaxis, :])
-
-
-def _hooke(stiffness: Floats, rest: Floats) -> Law:
-    def law(distances: Floats) -> tuple[Floats, Floats, Floats]:
-        stretch = distances - rest
-        tension = stiffness * stretch
-        return 0.5 * tension * stretch, tension, np.broadcast_to(stiffness, distances.shape)
-
-    return law
 
 
 def _bodies(masses: ArrayLike, positions: ArrayLike) -> tuple[Floats, Floats]:

@@ -87,7 +87,7 @@ CORE: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
 
 #: Modules, and their tests in `tests/python`.
 PYTHON: dict[str, tuple[str, ...]] = {
-    "python/rigid/solve/error_estimate.py": _ERRORS,
+    "python/rigid/solve/solution.py": _ERRORS,
     "python/rigid/exact/elliptic.py": _EXACT,
     "python/rigid/exact/flips.py": _EXACT,
     "python/rigid/exact/free.py": _EXACT,

@@ -11,8 +11,8 @@ import rigid
 from adversarial import KINDS, Case, Kinds, random_case
 from physics import ROUNDOFF, Floats, energy, gamma_of
 from quad_motion import Motion
-from rigid.solve.arrays import time_range
-from rigid.solve.starts import bodies_of
+from rigid.solve.arrays import time_ranges
+from rigid.solve.bodies import bodies_of
 
 VERDICTS = ("right", "within 4uκ", "flagged", "refused", "status", "no truth", "UNDETECTED")
 
@@ -68,7 +68,7 @@ class Finding:
 def reach(case: Case) -> float:
     """The fastest rate that the body can reach, as :attr:`rigid.Run.error` counts it."""
     bodies = bodies_of(case.scene, case.omega, case.attitude)
-    rate = float(bodies.fastest_rates(time_range(case.t))[0])
+    rate = float(bodies.fastest_rates(time_ranges(case.t))[0])
     return max(rate, np.finfo(np.float64).tiny)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import sys
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -17,6 +17,9 @@ if TYPE_CHECKING:
 
 
 Floats = NDArray[np.float64]
+
+AttitudeLike: TypeAlias = "ArrayLike | Rotation"
+"""Attitudes of an argument: quaternions, scalar first, or a SciPy ``Rotation``."""
 
 IDENTITY = np.array([1.0, 0.0, 0.0, 0.0])
 """The attitude of a body whose axes coincide with the space axes."""
@@ -59,7 +62,7 @@ def vectors(name: str, value: ArrayLike, width: int = 3) -> Floats:
     return np.empty((0, width)) if array.shape == (0,) else of_shape(name, array, width)
 
 
-def attitudes(attitude: ArrayLike | Rotation | None, name: str = "attitude") -> Floats:
+def attitudes(attitude: AttitudeLike | None, name: str = "attitude") -> Floats:
     """Quaternions or a SciPy ``Rotation`` as unit quaternions, scalar first, shape (..., 4).
 
     By default the axes of body and space coincide.

@@ -13,9 +13,8 @@ from ..model.body import Body
 from ..model.criteria import NoFlip
 from ..model.scene import Scene, check_scene, require_unforced
 from ..model.start import body_axis
-from ..solve.bodies import Bodies
+from ..solve.bodies import Bodies, bodies_of
 from ..solve.closed_form import closed_forms
-from ..solve.starts import bodies_of
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation

@@ -18,7 +18,7 @@ from .._checks.shown import short_repr
 from ..model.leading import leading_shape
 from ..model.scene import HeavyTop, check_heavy_top, require_unforced
 from ..model.start import body_axis
-from ..solve.starts import bodies_of
+from ..solve.bodies import bodies_of
 from .common import in_shape
 from .elliptic import agm
 from .symmetry import Symmetry, require_each, symmetry_of

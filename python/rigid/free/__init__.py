@@ -15,6 +15,7 @@ from .satellites import Libration, jacobi_integral, libration, roll_pitch_yaw
 from .stability import (
     Circulation,
     PermanentRotation,
+    ThrowExperiment,
     circulation,
     crossings,
     gamma_residual,
@@ -22,8 +23,8 @@ from .stability import (
     jacobian,
     local_stability,
     permanent_rotation,
+    throw_experiment,
 )
-from .throw import ThrowExperiment, throw_experiment
 from .tops import (
     AsymmetricTop,
     SymmetricTop,

@@ -3,25 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from .._checks.arguments import one_of, times_of_each
-from .._checks.arrays import attitudes, of_size_one, require, vectors
+from .._checks.arrays import AttitudeLike, Floats, attitudes, of_size_one, require, vectors
 from ..model.body_like import BodyLike, moments_of
 from ..model.leading import Shape, leading_shape
 from ..model.scene import HeavyTop, Scene, check_scene, scene_from_dict
 from ..model.torque import Torque
 from ..rotations.apply import to_body, to_space
 from ..solve.run import Run
-
-if TYPE_CHECKING:
-    from scipy.spatial.transform import Rotation
-
-
-Floats = NDArray[np.float64]
 
 NEXT, AFTER = [1, 2, 0], [2, 0, 1]
 
@@ -31,7 +24,7 @@ def euler_rhs(
     omega: ArrayLike,
     torque: ArrayLike | None = None,
     *,
-    attitude: ArrayLike | Rotation | None = None,
+    attitude: AttitudeLike | None = None,
     frame: str = "body",
 ) -> Floats:
     """Angular acceleration by Euler's equations, ``I omega' = (I omega) × omega + torque``.
@@ -75,11 +68,10 @@ def euler_rhs(
     moved = differences * rates[..., NEXT] * rates[..., AFTER]
     if torque is not None:
         moved = moved + _body_torque(torque, attitude, frame)
-    acceleration: Floats = moved / moments
-    return acceleration
+    return moved / moments
 
 
-def _body_torque(torque: ArrayLike, attitude: ArrayLike | Rotation | None, frame: str) -> Floats:
+def _body_torque(torque: ArrayLike, attitude: AttitudeLike | None, frame: str) -> Floats:
     array = vectors("torque", torque)
     if one_of("frame", frame, ("body", "space")) == "body":
         return array
@@ -160,7 +152,7 @@ class Invariants:
 def invariants(
     motion: Run | Scene,
     omega: ArrayLike | None = None,
-    attitude: ArrayLike | Rotation | None = None,
+    attitude: AttitudeLike | None = None,
 ) -> Invariants:
     """Energy and angular momentum of a run, or of given states.
 
@@ -266,7 +258,7 @@ class PowerBalance:
 def power_balance(
     motion: Run | Scene,
     omega: ArrayLike | None = None,
-    attitude: ArrayLike | Rotation | None = None,
+    attitude: AttitudeLike | None = None,
     *,
     t: ArrayLike | None = None,
     torque: ArrayLike | None = None,
@@ -420,7 +412,7 @@ def _along(vectors: Floats, of_bodies: Floats) -> Floats:
 
 
 def _states(
-    motion: Run | Scene, omega: ArrayLike | None, attitude: ArrayLike | Rotation | None
+    motion: Run | Scene, omega: ArrayLike | None, attitude: AttitudeLike | None
 ) -> tuple[Scene, Floats, Floats | None, Floats | None]:
     """Scene, rates, and, if known, attitudes and upward verticals in the body."""
     if isinstance(motion, Run):

@@ -5,18 +5,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from .._checks.arguments import brief, finite_float, sorted_times
-from .._checks.arrays import vectors
+from .._checks.arrays import Floats, vectors
 from .._checks.overflow import refuses_overflow
 from .._checks.shown import short_repr
 from ..model.body_like import BodyLike, moments_of
 from ..model.forces import EnergySink
 from ..solve.energy_loss import mean_loss
 from .tumbling import SpinState, momentum_near, spin_periods
-
-Floats = NDArray[np.float64]
 
 SEPARATRIX, END = 36.0, -80.0
 """Values of ``ln(x / (1 - x))`` that mean, to rounding, the separatrix and rotation about an axis.

@@ -4,23 +4,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import pi
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import positive_int
-from .._checks.arrays import attitudes, of_size_one, require, vectors
+from .._checks.arrays import AttitudeLike, Floats, attitudes, of_size_one, require, vectors
 from .._checks.overflow import refuses_overflow
 from ..model.body_like import BodyLike, moments_of
 from ..rotations.apply import to_space
 from .tops import symmetric_free_top
-
-if TYPE_CHECKING:
-    from scipy.spatial.transform import Rotation
-
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -52,7 +45,7 @@ class Cones:
 def cones(
     body: BodyLike,
     omega: ArrayLike,
-    attitude: ArrayLike | Rotation | None = None,
+    attitude: AttitudeLike | None = None,
     *,
     samples: int = 181,
 ) -> Cones:
@@ -166,9 +159,7 @@ class Poinsot:
 
 
 @refuses_overflow
-def poinsot(
-    body: BodyLike, omega: ArrayLike, attitude: ArrayLike | Rotation | None = None
-) -> Poinsot:
+def poinsot(body: BodyLike, omega: ArrayLike, attitude: AttitudeLike | None = None) -> Poinsot:
     """Inertia ellipsoid, invariable plane, polhode and herpolhode of a free motion.
 
     Landau and Lifshitz, *Mechanics*, § 37; Goldstein, *Classical Mechanics*, § 5.6. The function

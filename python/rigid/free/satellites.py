@@ -3,26 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import brief, shaped
-from .._checks.arrays import attitudes, vectors
+from .._checks.arrays import AttitudeLike, Floats, attitudes, vectors
 from .._libration import frequencies, squares
 from ..model.body_like import BodyLike, moments_of
 from ..model.orbit import Orbit
 from ..model.scene import Scene, check_scene
 from ..model.start import body_axis
 from ..rotations.apply import to_body
-
-if TYPE_CHECKING:
-    from scipy.spatial.transform import Rotation
-
-
-Floats = NDArray[np.float64]
-
 
 Axes: TypeAlias = tuple[int, int]
 """The body axes along the line from the planet and along the normal; negative: against it."""
@@ -140,9 +133,7 @@ def _checked_axes(axes: Axes) -> Axes:
     return radial, normal
 
 
-def jacobi_integral(
-    scene: Scene, omega: ArrayLike, attitude: ArrayLike | Rotation, t: ArrayLike
-) -> Floats:
+def jacobi_integral(scene: Scene, omega: ArrayLike, attitude: AttitudeLike, t: ArrayLike) -> Floats:
     """Energy of a satellite in the frame of its circular orbit (J); constant without other forces.
 
     ``omega·I omega / 2 + 3 n² o·I o / 2 - n N·L``, with the direction ``o`` from the planet, the
@@ -198,7 +189,7 @@ def jacobi_integral(
 
 def roll_pitch_yaw(
     scene: Scene | Orbit,
-    attitude: ArrayLike | Rotation,
+    attitude: AttitudeLike,
     t: ArrayLike,
     *,
     axes: Axes | None = None,

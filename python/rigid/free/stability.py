@@ -1,4 +1,4 @@
-"""Stability of rotations of a free body: permanent axes, the local indicator, the separatrix."""
+"""Stability of rotations of a free body: permanent axes, a local indicator, separatrix, throws."""
 
 from __future__ import annotations
 
@@ -8,19 +8,20 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import exact
-from .._checks.arguments import positive_int
-from .._checks.arrays import finite_array, of_size_one, vectors
+from .._checks.arguments import finite_float, positive_int
+from .._checks.arrays import Floats, finite_array, of_size_one, vectors
 from .._checks.overflow import refuses_overflow
 from ..model.body import Body
 from ..model.body_like import BodyLike, moments_of
 from ..model.scene import FreeBody
 from ..model.start import body_axis
-from ..solve.separatrix import circulation_terms
+from ..solve.simulate import simulate
 from .tops import asymmetric_free_top
 
-Floats = NDArray[np.float64]
-
 NEXT, AFTER = [1, 2, 0], [2, 0, 1]
+
+NOISE = 0.1
+"""Noise of the lab report (rad/s): uniform between zero and this value for every component."""
 
 STEPS = 12
 """Steps of Newton's method for a root of a cubic: in a million random ones rounding alone changes
@@ -128,8 +129,7 @@ def gammas(body: BodyLike) -> Floats:
     array([ 0.814224, -0.996805,  0.969231])
     """
     moments = moments_of(body)
-    factors: Floats = (moments[..., NEXT] - moments[..., AFTER]) / moments
-    return factors
+    return (moments[..., NEXT] - moments[..., AFTER]) / moments
 
 
 @refuses_overflow
@@ -308,14 +308,12 @@ def circulation(body: BodyLike, omega: ArrayLike) -> Circulation:
     i1, i2, i3 = np.moveaxis(ascending, -1, 0)
     shape = np.broadcast_shapes(order.shape, rates.shape)
     order, rates = np.broadcast_to(order, shape), np.broadcast_to(rates, shape)
-    about_first, about_third = circulation_terms(
-        ascending, np.take_along_axis(rates, order, axis=-1)
-    )
+    w1, _, w3 = np.moveaxis(np.take_along_axis(rates, order, axis=-1), -1, 0)
     with np.errstate(divide="ignore"):
         ratio = np.sqrt(i3 * (i3 - i2) / (i1 * np.where(i2 > i1, i2 - i1, 1.0)))
     return Circulation(
         axis=asymmetric_free_top(moments, rates).axis,
-        margin=about_first - about_third,
+        margin=i1 * (i2 - i1) * w1**2 - i3 * (i3 - i2) * w3**2,
         separatrix=np.where(i2 > i1, ratio, np.inf)[()],
     )
 
@@ -359,3 +357,96 @@ def crossings(body: Body | FreeBody, omega: ArrayLike, *, count: int = 1) -> Flo
     number = positive_int("count", count)
     times = [exact.flip_times(scene, rates, axis=axis, count=number) for axis in (1, 2, 3)]
     return np.stack(times, axis=-2)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ThrowExperiment:
+    """Six runs: about the axes 1, 2, 3 without noise, then with noise.
+
+    Attributes
+    ----------
+    t : ndarray, shape (m,)
+        Times (s).
+    omega : ndarray, shape (6, m, 3)
+        Angular velocity in the body (rad/s).
+    dots_t : ndarray, shape (k,)
+        Times of the indicator: whole seconds (s).
+    dots : ndarray, shape (6, k)
+        :func:`rigid.free.local_stability` at these times (1/s): a local indicator, not stability.
+    noise : ndarray, shape (3, 3)
+        Angular velocities added to the starts of the last three runs (rad/s).
+    """
+
+    t: Floats
+    omega: Floats
+    dots_t: Floats
+    dots: Floats
+    noise: Floats
+
+
+def throw_experiment(
+    body: Body,
+    noise: ArrayLike | np.random.Generator,
+    *,
+    t_end: float = 30.0,
+    samples: int = 601,
+) -> ThrowExperiment:
+    """Closed-form motion of a body thrown at 1 rad/s about each axis, with and without noise.
+
+    Buller and Wernstål 2011, appendix and Fig. 3. The report does not give the seed of its noise
+    (S-18), so pass the noise as an argument.
+
+    Parameters
+    ----------
+    body : Body
+        The body; the report uses ``Body.box(0.01, 0.08, 0.25)``.
+    noise : array_like, shape (3,) or (3, 3), or numpy.random.Generator
+        Angular velocity (rad/s) added to every start, or one for each of the axes 1, 2, 3. A
+        generator draws nine numbers uniform between 0 and 0.1.
+    t_end : float
+        Length of a run (s).
+    samples : int
+        Number of times, equally spaced from 0 on.
+
+    Returns
+    -------
+    ThrowExperiment
+
+    Raises
+    ------
+    TypeError
+        If ``body`` is no body.
+    ValueError
+        If the noise has another shape, or a value is not finite or out of range.
+
+    Examples
+    --------
+    >>> import numpy as np, rigid
+    >>> box = rigid.Body.box(0.01, 0.08, 0.25)
+    >>> thrown = rigid.free.throw_experiment(box, [0.05, 0.05, 0.05])
+    >>> np.round(thrown.omega[4, -1], 6)
+    array([ 0.06814 , -1.04875 ,  0.071071])
+    """
+    end = finite_float("t_end", t_end, positive=True)
+    t = np.linspace(0.0, end, positive_int("samples", samples, minimum=2))
+    if isinstance(noise, np.random.Generator):
+        added = NOISE * noise.random((3, 3))
+    else:
+        added = finite_array("noise", noise)
+        if added.shape not in ((3,), (3, 3)):
+            raise ValueError(f"noise: expected shape (3,) or (3, 3), got {added.shape}")
+        added = np.broadcast_to(added, (3, 3)).copy()
+    starts = np.concatenate([np.eye(3), np.eye(3) + added])
+    scene = FreeBody(body)
+    seconds = np.arange(0.0, np.floor(end) + 1.0)
+    omega, dotted = (
+        simulate(scene, starts, t=times, method="exact", record="rates").omega
+        for times in (t, seconds)
+    )
+    return ThrowExperiment(
+        t=t,
+        omega=omega,
+        dots_t=seconds,
+        dots=local_stability(gammas(body), dotted),
+        noise=added,
+    )

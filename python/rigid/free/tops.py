@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass, fields
 from math import pi
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
 from .._checks.arguments import resolve_threads, sorted_times
-from .._checks.arrays import attitudes, finite_array, of_size_one, require, vectors
+from .._checks.arrays import AttitudeLike, attitudes, finite_array, of_size_one, require, vectors
 from .._checks.overflow import refuses_overflow
 from .._checks.shown import short_repr
 from ..exact import FreeMotion
@@ -22,10 +21,6 @@ from ..solve.arrays import rows_of_each
 from ..solve.bodies import Bodies
 from ..solve.methods import EXACT
 from ..solve.request import Request
-
-if TYPE_CHECKING:
-    from scipy.spatial.transform import Rotation
-
 
 Floats = NDArray[np.float64]
 
@@ -90,7 +85,7 @@ class SymmetricTop:
 def symmetric_free_top(
     body: BodyLike,
     omega: ArrayLike,
-    attitude: ArrayLike | Rotation | None = None,
+    attitude: AttitudeLike | None = None,
     *,
     t: ArrayLike | None = None,
     axis: int | None = None,
@@ -149,9 +144,7 @@ def symmetric_free_top(
     # The angle of L and omega from products: alpha - theta loses all digits for the Earth.
     sine = np.abs((along - across) / across * turning) * tilting
     cosine = tilting**2 + ratio * turning**2
-    states = None if t is None else _states(moments, rates, attitude, t)
-    if states is None and attitude is not None:
-        raise ValueError("attitude: without times t there is no motion to start from it")
+    states = _states(moments, rates, attitude, t)
     with np.errstate(divide="ignore"):
         period = 2.0 * pi / np.abs(k)
     return SymmetricTop(
@@ -168,8 +161,8 @@ def symmetric_free_top(
         space_cone=np.arctan2(sine, cosine),
         amplitude=transverse,
         phase=np.arctan2(second, first),
-        omega=None if states is None else states[0],
-        attitude=None if states is None else states[1],
+        omega=states[0],
+        attitude=states[1],
     )
 
 
@@ -213,7 +206,7 @@ class AsymmetricTop(FreeMotion):
 def asymmetric_free_top(
     body: BodyLike,
     omega: ArrayLike,
-    attitude: ArrayLike | Rotation | None = None,
+    attitude: AttitudeLike | None = None,
     *,
     t: ArrayLike | None = None,
 ) -> AsymmetricTop:
@@ -254,14 +247,12 @@ def asymmetric_free_top(
         field.name: values[field.name].reshape(shape + values[field.name].shape[1:])[()]
         for field in fields(FreeMotion)
     }
-    states = None if t is None else _states(moments, rates, attitude, t)
-    if states is None and attitude is not None:
-        raise ValueError("attitude: without times t there is no motion to start from it")
+    states = _states(moments, rates, attitude, t)
     return AsymmetricTop(
         **known,
         frequency=_frequency(moments, rates),
-        omega=None if states is None else states[0],
-        attitude=None if states is None else states[1],
+        omega=states[0],
+        attitude=states[1],
     )
 
 
@@ -280,9 +271,13 @@ def _frequency(moments: Floats, rates: Floats) -> Floats:
 
 
 def _states(
-    moments: Floats, rates: Floats, attitude: ArrayLike | Rotation | None, t: ArrayLike
-) -> tuple[Floats, Floats]:
+    moments: Floats, rates: Floats, attitude: AttitudeLike | None, t: ArrayLike | None
+) -> tuple[Floats | None, Floats | None]:
     """Angular velocities and attitudes at the times in closed form; each body has its moments."""
+    if t is None:
+        if attitude is not None:
+            raise ValueError("attitude: without times t there is no motion to start from it")
+        return None, None
     start = attitudes(attitude)
     shape = np.broadcast_shapes(rates.shape[:-1], start.shape[:-1])
     times = sorted_times("t", t)
@@ -376,8 +371,7 @@ def steady_axis_spin(body: BodyLike, frame_rate: ArrayLike) -> Floats:
     -1.0
     """
     across, along = _third_axis(body)
-    spin: Floats = vectors("frame_rate", frame_rate)[..., 2] * (across - along) / along
-    return spin
+    return vectors("frame_rate", frame_rate)[..., 2] * (across - along) / along
 
 
 def _third_axis(body: BodyLike) -> tuple[Floats, Floats]:

@@ -9,13 +9,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import first_place, one_of, shaped
-from .._checks.arrays import require, vectors
+from .._checks.arrays import Floats, require, vectors
 from .._checks.overflow import refuses_overflow
 from .._checks.shown import short_repr
 from ..model.body_like import BodyLike, moments_of
 from .tops import asymmetric_free_top
-
-Floats = NDArray[np.float64]
 
 MODES = ("SAM", "LAM")
 """Short-axis mode and long-axis mode: which axis the angular velocity encircles in the body."""

@@ -34,6 +34,7 @@ from .leading import (
     leading_shape,
     same,
     taken,
+    vector_of,
 )
 
 if TYPE_CHECKING:
@@ -230,16 +231,13 @@ takes such moments as they are
         >>> [round(moment * 12e4 / 0.3) for moment in book.moments]
         [65, 626, 689]
         """
-        a, b, c = _length("a", a), _length("b", b), _length("c", c)
-        mass = _mass(mass)
+        a, b, c, mass = _size("a", a), _size("b", b), _size("c", c), _size("mass", mass)
         sizes = _together(a=a, b=b, c=c, mass=mass)
         if sizes == ():
             sides = (float(a), float(b), float(c))
             _warn_of_units(sides, float(mass))
             return cls(box_moments(a, b, c, mass), mass=mass, sides=sides)._marked("centre")
-        from .. import solids
-
-        return cls._upright(solids.box(a, b, c, mass=mass))
+        return cls._of_solid("box", mass, a=a, b=b, c=c)
 
     @classmethod
     def from_tensor(
@@ -319,11 +317,7 @@ takes such moments as they are
         >>> rigid.Body.ellipsoid(3.0, 2.0, 1.0, mass=5.0).moments
         (5.0, 10.0, 13.0)
         """
-        from .. import solids
-
-        a, b, c, mass = _length("a", a), _length("b", b), _length("c", c), _mass(mass)
-        _together(a=a, b=b, c=c, mass=mass)
-        return cls._upright(solids.ellipsoid(a, b, c, mass=mass))
+        return cls._of_solid("ellipsoid", mass, a=a, b=b, c=c)
 
     @classmethod
     def sphere(cls, radius: ArrayLike, *, inner: ArrayLike = 0.0, mass: ArrayLike = 1.0) -> Body:
@@ -354,12 +348,7 @@ takes such moments as they are
         >>> rigid.Body.sphere(1.0, mass=5.0).moments
         (2.0, 2.0, 2.0)
         """
-        from .. import solids
-
-        radius = _length("radius", radius)
-        inner, mass = _length("inner", inner, zero=True), _mass(mass)
-        _together(radius=radius, inner=inner, mass=mass)
-        return cls._upright(solids.sphere(radius, inner=inner, mass=mass))
+        return cls._of_solid("sphere", mass, ("inner",), radius=radius, inner=inner)
 
     @classmethod
     def rod(cls, length: ArrayLike, *, mass: ArrayLike = 1.0) -> Body:
@@ -397,11 +386,7 @@ takes such moments as they are
         >>> bool(np.isclose(small, 2.0 * np.pi * np.sqrt(4.0 / (3.0 * 9.81))))
         True
         """
-        from .. import solids
-
-        length, mass = _length("length", length), _mass(mass)
-        _together(length=length, mass=mass)
-        return cls._upright(solids.rod(length, mass=mass))
+        return cls._of_solid("rod", mass, length=length)
 
     @classmethod
     def cylinder(
@@ -441,13 +426,8 @@ takes such moments as they are
         >>> rigid.Body.cylinder(1.0, 3.0, mass=2.0).moments
         (2.0, 2.0, 1.0)
         """
-        from .. import solids
-
-        radius = _length("radius", radius)
-        height = _length("height", height, zero=True)
-        inner, mass = _length("inner", inner, zero=True), _mass(mass)
-        _together(radius=radius, height=height, inner=inner, mass=mass)
-        return cls._upright(solids.cylinder(radius, height, inner=inner, mass=mass))
+        sizes = {"radius": radius, "height": height, "inner": inner}
+        return cls._of_solid("cylinder", mass, ("height", "inner"), **sizes)
 
     @classmethod
     def cone(cls, radius: ArrayLike, height: ArrayLike, *, mass: ArrayLike = 1.0) -> Body:
@@ -479,12 +459,7 @@ takes such moments as they are
         >>> rigid.Body.cone(1.0, 4.0, mass=20.0).moments
         (15.0, 15.0, 6.0)
         """
-        from .. import solids
-
-        radius = _length("radius", radius)
-        height, mass = _length("height", height), _mass(mass)
-        _together(radius=radius, height=height, mass=mass)
-        return cls._upright(solids.cone(radius, height, mass=mass))
+        return cls._of_solid("cone", mass, radius=radius, height=height)
 
     @classmethod
     def from_properties(
@@ -726,8 +701,16 @@ takes such moments as they are
         return cls.from_properties(properties, about=about)
 
     @classmethod
-    def _upright(cls, properties: MassProperties) -> Body:
-        """A body whose axes are principal axes."""
+    def _of_solid(
+        cls, name: str, mass: ArrayLike, zero: tuple[str, ...] = (), **sizes: ArrayLike
+    ) -> Body:
+        """The body of a function of :mod:`rigid.solids`; of its sizes these may be zero."""
+        from .. import solids
+
+        sizes["mass"] = mass
+        known = {size: _size(size, sizes[size], zero=size in zero) for size in sizes}
+        _together(**known)
+        properties = getattr(solids, name)(**known)
         moments = np.diagonal(properties.tensor, axis1=-2, axis2=-1)
         return cls(moments, mass=properties.mass)._marked("centre")
 
@@ -803,13 +786,6 @@ takes such moments as they are
         return cls(data["moments"], **known)
 
 
-def _mass(value: ArrayLike) -> float | Floats:
-    value = without_unit("mass", value)
-    if np.ndim(value):
-        return shaped("mass", value, positive=True)
-    return finite_float("mass", value, positive=True)
-
-
 def _warn_of_units(sides: tuple[float, float, float], mass: float) -> None:
     """Warn of a large box that is lighter than any solid."""
     density = mass / sides[0] / sides[1] / sides[2]
@@ -825,12 +801,13 @@ def _together(**sizes: float | Floats) -> Shape:
     return leading_shape({name: np.shape(size) for name, size in sizes.items()})
 
 
-def _length(name: str, value: ArrayLike, *, zero: bool = False) -> float | Floats:
-    """A size in m, or an array of sizes: positive, or not negative."""
-    value = without_unit(name, value, "m")
+def _size(name: str, value: ArrayLike, *, zero: bool = False) -> float | Floats:
+    """A length (m) or a mass (kg), or an array of them: positive, or not negative."""
+    unit = "kg" if name == "mass" else "m"
+    value = without_unit(name, value, unit)
     if np.ndim(value):
-        return shaped(name, value, positive=not zero, nonnegative=zero, unit="m")
-    return finite_float(name, value, positive=not zero, nonnegative=zero, unit="m")
+        return shaped(name, value, positive=not zero, nonnegative=zero, unit=unit)
+    return finite_float(name, value, positive=not zero, nonnegative=zero, unit=unit)
 
 
 def check_body(body: object) -> Body:
@@ -927,10 +904,7 @@ def _checked_moments(value: ArrayLike, physical: bool) -> Moments:
         raise ValueError(f"moments: expected shape (3,) or (..., 3), got {array.shape}")
     refuse_tensor("moments", array)
     moments = checked_moments("moments", array, physical)
-    if array.ndim == 1:
-        first, second, third = moments.tolist()
-        return first, second, third
-    return frozen(moments)
+    return vector_of(moments)
 
 
 def _checked_mass(value: ArrayLike, shape: Shape) -> float | Floats:

@@ -4,16 +4,13 @@ from __future__ import annotations
 
 from typing import Any, TypeAlias
 
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from .._checks.arguments import brief
-from .._checks.arrays import vectors
+from .._checks.arrays import Floats, vectors
 from .._moments import checked_moments, refuse_tensor
 from .body import Body, pair_hint, refuse_rods
 from .scene import FreeBody, Scene, require_unforced
-
-Floats = NDArray[np.float64]
 
 BodyLike: TypeAlias = Body | FreeBody | ArrayLike
 """A body, or principal moments of shape (..., 3)."""

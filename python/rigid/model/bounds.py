@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from math import pi
 from typing import ClassVar, Self
@@ -23,11 +23,24 @@ DIRECTIONS: Mapping[str, str] = {
 }
 
 
-def _angle(name: str, value: float) -> float:
+def checked_angle(name: str, value: float) -> float:
+    """An angle in (0, pi]."""
     angle = finite_float(name, value, positive=True)
     if angle > pi:
         raise ValueError(f"{name} = {angle}: must lie in (0, pi] (rad)")
     return angle
+
+
+@dataclass(frozen=True, slots=True)
+class WithinAngle(Criterion):
+    """A criterion with one angle (rad), which the axis ``limit`` of a map sets."""
+
+    limited: ClassVar[str | None] = "angle"
+
+    angle: float
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "angle", checked_angle("angle", self.angle))
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,7 +57,7 @@ class TiltBetween(Criterion):
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "low", finite_float("low", self.low, nonnegative=True))
-        object.__setattr__(self, "high", _angle("high", self.high))
+        object.__setattr__(self, "high", checked_angle("high", self.high))
         if self.low >= self.high:
             raise ValueError(f"low = {self.low}: must be below high = {self.high}")
         object.__setattr__(self, "axis", body_axis(self.axis, signed=True))
@@ -74,9 +87,6 @@ class TiltBetween(Criterion):
         """Lagrange tops have closed forms for the tilt of their axis."""
         return "tilt_from_vertical", abs(self.axis)
 
-    def check_forced(self, scene: Scene, forces: Sequence[str]) -> None:
-        """Do nothing: maps observe tilts from the vertical under torque and damping too."""
-
     def __str__(self) -> str:
         return (
             f"tilt of axis {self.axis} from the vertical between {self.low:g} and {self.high:g} rad"
@@ -84,34 +94,16 @@ class TiltBetween(Criterion):
 
 
 @dataclass(frozen=True, slots=True)
-class _Bounded(Criterion):
-    """A criterion that the core watches as one number of the state."""
-
-    def resolved(self, scene: Scene, start: Start) -> Self:
-        """The criterion itself, which has no defaults."""
-        return self
-
-    def closed_form_question(self) -> tuple[str, int | None] | None:
-        """No closed form is known for the time at which the number passes its limit."""
-        return None
-
-    def check_forced(self, scene: Scene, forces: Sequence[str]) -> None:
-        """Do nothing: the number is observed under torque and damping too."""
-
-
-@dataclass(frozen=True, slots=True)
-class RateWithin(_Bounded):
+class RateWithin(WithinAngle):
     """Stable while a vector stays near its direction at the start; see :func:`rate_within`."""
 
     name: ClassVar[str] = "rate_within"
-    limited: ClassVar[str | None] = "angle"
 
-    angle: float
     of: str = "omega"
     frame: str = "space"
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "angle", _angle("angle", self.angle))
+        WithinAngle.__post_init__(self)  # super() does not know a class with slots
         one_of("of", self.of, tuple(VECTORS))
         one_of("frame", self.frame, FRAMES)
 
@@ -135,17 +127,11 @@ class RateWithin(_Bounded):
 
 
 @dataclass(frozen=True, slots=True)
-class NearStart(_Bounded):
+class NearStart(WithinAngle):
     """Stable while the attitude stays near the start; made by :func:`near_start`."""
 
     name: ClassVar[str] = "near_start"
-    limited: ClassVar[str | None] = "angle"
     record: ClassVar[str] = "attitude"
-
-    angle: float
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "angle", _angle("angle", self.angle))
 
     def core(self) -> Condition:
         """Name, no axis, and the limit (rad) as the core takes them."""
@@ -156,20 +142,18 @@ class NearStart(_Bounded):
 
 
 @dataclass(frozen=True, slots=True)
-class PointingWithin(_Bounded):
+class PointingWithin(WithinAngle):
     """Stable while an axis points along the orbit; see :func:`pointing_within`."""
 
     name: ClassVar[str] = "pointing_within"
-    limited: ClassVar[str | None] = "angle"
     record: ClassVar[str] = "attitude"
 
-    angle: float
     axis: int | None = None
     of: str = "radial"
     either: bool = False
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "angle", _angle("angle", self.angle))
+        WithinAngle.__post_init__(self)  # super() does not know a class with slots
         if self.axis is not None:
             object.__setattr__(self, "axis", body_axis(self.axis, signed=True))
         one_of("of", self.of, DIRECTIONS)
@@ -195,18 +179,16 @@ class PointingWithin(_Bounded):
 
 
 @dataclass(frozen=True, slots=True)
-class ReturnsNear(_Bounded):
+class ReturnsNear(WithinAngle):
     """Stable if the attitude comes back near the start; made by :func:`returns`."""
 
     name: ClassVar[str] = "returns"
-    limited: ClassVar[str | None] = "angle"
     record: ClassVar[str] = "attitude"
 
-    angle: float
     after: float
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "angle", _angle("angle", self.angle))
+        WithinAngle.__post_init__(self)  # super() does not know a class with slots
         object.__setattr__(self, "after", finite_float("after", self.after, nonnegative=True))
 
     def core(self) -> Condition:
@@ -222,7 +204,7 @@ class ReturnsNear(_Bounded):
 
 
 @dataclass(frozen=True, slots=True)
-class SpinAbove(_Bounded):
+class SpinAbove(Criterion):
     """Stable while a rate stays above a limit; made by :func:`spin_above`."""
 
     name: ClassVar[str] = "spin_above"

@@ -8,13 +8,20 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import MISSING, dataclass, fields, replace
-from math import pi
 from typing import Any, ClassVar, Self
 
 import numpy as np
 
 from .._checks.arguments import brief, finite_float, one_of
-from .bounds import NearStart, PointingWithin, RateWithin, ReturnsNear, SpinAbove, TiltBetween
+from .bounds import (
+    NearStart,
+    PointingWithin,
+    RateWithin,
+    ReturnsNear,
+    SpinAbove,
+    TiltBetween,
+    WithinAngle,
+)
 from .criterion import Criterion, Joined
 from .forces import forces_in_words
 from .judged import Custom
@@ -55,29 +62,22 @@ class NoFlip(Criterion):
         """Free bodies have closed forms, and Lagrange tops about their symmetry axis."""
         return "no_flip", self.axis
 
-    def check_forced(self, scene: Scene, forces: Sequence[str]) -> None:
-        """Do nothing: maps observe flips under torque and damping too."""
-
     def __str__(self) -> str:
         return "no flip" if self.axis is None else f"no flip about axis {self.axis}"
 
 
 @dataclass(frozen=True, slots=True)
-class TiltBelow(Criterion):
+class TiltBelow(WithinAngle):
     """Stable while a body axis stays within an angle of a direction; made by :func:`tilt_below`."""
 
     name: ClassVar[str] = "tilt_below"
     record: ClassVar[str] = "axis"
-    limited: ClassVar[str | None] = "angle"
 
-    angle: float
     axis: int = 3
     reference: str | None = None
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "angle", finite_float("angle", self.angle, positive=True))
-        if self.angle > pi:
-            raise ValueError(f"angle = {self.angle}: must lie in (0, pi] (rad)")
+        WithinAngle.__post_init__(self)  # super() does not know a class with slots
         object.__setattr__(self, "axis", body_axis(self.axis, signed=True))
         if self.reference is not None:
             one_of("reference", self.reference, REFERENCES)
@@ -174,9 +174,6 @@ class Regular(Criterion):
     def closed_form_question(self) -> tuple[str, None]:
         """Free bodies and Lagrange tops are regular by theorem."""
         return "regular", None
-
-    def check_forced(self, scene: Scene, forces: Sequence[str]) -> None:
-        """Do nothing: deviation vectors are integrated under torque and damping too."""
 
     def until(self, t_end: float) -> str:
         """The criterion with its horizon (s) and what this horizon can show, in words."""

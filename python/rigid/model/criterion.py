@@ -56,9 +56,9 @@ class Criterion(ABC):
     alone: ClassVar[str | None] = None
     limited: ClassVar[str | None] = None
 
-    @abstractmethod
     def resolved(self, scene: Scene, start: Start) -> Self:
         """The criterion with all defaults filled in."""
+        return self
 
     @abstractmethod
     def core(self) -> Condition:
@@ -77,12 +77,11 @@ class Criterion(ABC):
         """The criteria that are joined; the criterion itself if none are."""
         return (self,)
 
-    @abstractmethod
     def closed_form_question(self) -> tuple[str, int | None] | None:
         """Name and axis in the list of closed forms of the core; None without a closed form."""
+        return None
 
-    @abstractmethod
-    def check_forced(self, scene: Scene, forces: Sequence[str]) -> None:
+    def check_forced(self, scene: Scene, forces: Sequence[str]) -> None:  # noqa: B027
         """Raise ValueError if a map cannot observe the criterion under torque and damping."""
 
     def until(self, t_end: float) -> str:
@@ -177,10 +176,6 @@ class Joined(Criterion):
             words += [word if isinstance(word, str) else word + first for word in part.logic()]
             first += sum(leaf.width for leaf in part.leaves)
         return (*words, SIGNS[self.operation])
-
-    def closed_form_question(self) -> None:
-        """None: each joined criterion has its closed form."""
-        return
 
     def check_forced(self, scene: Scene, forces: Sequence[str]) -> None:
         """Raise ValueError if one of the criteria cannot be observed under torque and damping."""

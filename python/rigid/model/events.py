@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from .._checks.arguments import brief, finite_float, one_of, vector
 from .._checks.quantities import without_unit
-
-Floats = NDArray[np.float64]
+from .leading import Floats, three
 
 COMPONENTS = ("omega1", "omega2", "omega3", "gamma1", "gamma2", "gamma3")
 """Rates (rad/s) and the vertical in the body."""
@@ -35,7 +34,7 @@ PLANE = "plane"
 MOST_EVENTS = 32
 """Events that a run watches at most."""
 
-_WORDS = {1: "rising", -1: "falling", 0: "both ways"}
+WORDS = {1: "rising", -1: "falling", 0: "both ways"}
 _TURNS = {1: "lowest", -1: "highest", 0: "turns"}
 
 
@@ -85,7 +84,7 @@ class Event:
             name = " + ".join(f"{vector}·{of}" for of, vector in parts if any(vector))
         if self.turns:
             return f"{name} {_TURNS[self.direction]}"
-        return f"{name} = {self.value:g}, {_WORDS[self.direction]}"
+        return f"{name} = {self.value:g}, {WORDS[self.direction]}"
 
     @property
     def level(self) -> float:
@@ -104,15 +103,7 @@ class Event:
         -------
         dict
         """
-        return {
-            "name": self.name,
-            "omega": list(self.omega),
-            "gamma": list(self.gamma),
-            "momentum": list(self.momentum),
-            "value": self.value,
-            "direction": self.direction,
-            "turns": self.turns,
-        }
+        return {name: list(v) if isinstance(v, tuple) else v for name, v in asdict(self).items()}
 
     @classmethod
     def from_dict(cls, entries: dict[str, Any]) -> Event:
@@ -134,7 +125,7 @@ class Event:
         >>> rigid.Event.from_dict(event.to_dict()) == event
         True
         """
-        vectors = {name: _three(np.array(entries[name])) for name in ("omega", "gamma", "momentum")}
+        vectors = {name: three(entries[name]) for name in ("omega", "gamma", "momentum")}
         return cls(**{**entries, **vectors})
 
 
@@ -271,7 +262,7 @@ def _quantity(
         raise ValueError("omega, gamma, momentum: all are zero, so they are no quantity")
     return {
         "name": PLANE if name is None else name,
-        **{key: _three(row) for key, row in rows.items()},
+        **{key: three(row) for key, row in rows.items()},
     }
 
 
@@ -320,8 +311,3 @@ def checked_direction(direction: object) -> int:
     if isinstance(direction, bool) or direction not in (-1, 0, 1):
         raise ValueError(f"direction = {brief(direction)}: must be 1, -1 or 0")
     return int(direction)
-
-
-def _three(numbers: Floats) -> tuple[float, float, float]:
-    x, y, z = numbers.tolist()
-    return x, y, z

@@ -10,18 +10,16 @@ from __future__ import annotations
 import inspect
 from collections.abc import Callable, Container, Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar, Generic, Self, TypeAlias, TypedDict, TypeVar, cast, overload
+from typing import Any, ClassVar, Generic, Self, TypedDict, TypeVar, cast, overload
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from .._checks.arguments import brief, finite_float, shaped
 from .frame import turned
-from .leading import Index, Shape, axes_of, frozen, same, taken
+from .leading import Floats, Index, Shape, Vector, axes_of, same, taken, vector_of
 from .orbit import Orbit
 
-Floats = NDArray[np.float64]
-Vector: TypeAlias = tuple[float, float, float]
 Value = TypeVar("Value")
 Class = TypeVar("Class", bound=type)
 
@@ -84,12 +82,7 @@ class EnergySink:
     coefficient: Vector | Floats
 
     def __init__(self, coefficient: ArrayLike) -> None:
-        array = shaped("coefficient", coefficient, nonnegative=True)
-        if array.ndim and array.shape[-1] != 3:
-            raise ValueError(f"coefficient: expected shape () or (..., 3), got {array.shape}")
-        object.__setattr__(
-            self, "coefficient", _vector(np.broadcast_to(array, (*array.shape[:-1], 3)))
-        )
+        object.__setattr__(self, "coefficient", vector_of(_along("coefficient", coefficient)))
 
     @classmethod
     def viscous_sphere(cls, radius: float, *, density: float, viscosity: float) -> Self:
@@ -154,6 +147,14 @@ class EnergySink:
         return f"EnergySink({self.coefficient})"
 
 
+def _along(name: str, given: ArrayLike, unit: str | None = None) -> Floats:
+    """Coefficients along the principal axes, none negative, from one for all or one for each."""
+    array = shaped(name, given, nonnegative=True, unit=unit)
+    if array.ndim and array.shape[-1] != 3:
+        raise ValueError(f"{name}: expected shape () or (..., 3), got {array.shape}")
+    return np.broadcast_to(array, (*array.shape[:-1], 3))
+
+
 class Force(Generic[Value]):
     """A force of a scene: its attribute, keyword, key in TOML files and name in the core.
 
@@ -208,13 +209,10 @@ class Force(Generic[Value]):
         """
         if self.is_vector:
             return self._value(shaped(self.name, given, 3, unit=self.unit))
-        array = shaped(self.name, given, nonnegative=True, unit=self.unit)
-        if array.ndim and array.shape[-1] != 3:
-            raise ValueError(f"{self.name}: expected shape () or (..., 3), got {array.shape}")
-        return self._value(np.broadcast_to(array, (*array.shape[:-1], 3)))
+        return self._value(_along(self.name, given, self.unit))
 
     def _value(self, array: Floats) -> Value | None:
-        value: Any = _vector(array) if array.any() else None
+        value: Any = vector_of(array) if array.any() else None
         return cast("Value | None", value)
 
     def numbers(self, value: Value) -> Any:
@@ -460,16 +458,6 @@ def with_forces(known: type) -> Callable[[Class], Class]:
         return scene
 
     return described
-
-
-def _tuple(values: ArrayLike) -> Vector:
-    first, second, third = (float(value) for value in np.asarray(values))
-    return first, second, third
-
-
-def _vector(array: Floats) -> Vector | Floats:
-    """The vector of one body as a tuple, the vectors of many bodies as an array."""
-    return _tuple(array) if array.ndim == 1 else frozen(array)
 
 
 _NAMED = {

@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from .. import _core
 from .._checks.arguments import brief, finite_float, vector
-
-Floats = NDArray[np.float64]
+from .leading import Floats, Vector, three
 
 
 def about_pivot(
     tensor: Floats, mass: float, com: ArrayLike, g: float
-) -> tuple[tuple[float, float, float], Floats, float, tuple[float, float, float]]:
+) -> tuple[Vector, Floats, float, Vector]:
     """Principal moments, principal axes, ``mgl`` and direction of the centre of mass of a top.
 
     ``I + m (r² 1 - r ⊗ r)`` is the tensor about the fixed point, with ``r = com`` from the fixed
@@ -42,12 +41,10 @@ def about_pivot(
         axes = np.array(columns)
     else:
         principal, axes = np.diagonal(total).tolist(), np.eye(3)
-    first, second, third = principal
-    moments = (first, second, third)
     length = float(np.linalg.norm(r))
     direction = axes.T @ (r / length if length else np.array([0.0, 0.0, 1.0]))
-    first, second, third = (direction / np.linalg.norm(direction)).tolist()
-    return moments, axes, mass * g * length, (first, second, third)
+    direction = direction / np.linalg.norm(direction)
+    return three(principal), axes, mass * g * length, three(direction)
 
 
 def checked_properties(properties: object) -> tuple[Floats, float, Floats]:

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar, Self
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,9 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from .._checks.arguments import one_of, sorted_times
 from .._checks.quantities import plain
 from .criterion import Condition, Criterion
-from .scene import Scene
 from .sourced import Sourced
-from .start import Start
 
 Floats = NDArray[np.float64]
 
@@ -66,10 +64,6 @@ class Custom(Criterion):
         """The criterion whose function sees the times up to one of them."""
         return replace(self, times=tuple(t for t in self.times if t <= t_end))
 
-    def resolved(self, scene: Scene, start: Start) -> Self:
-        """The criterion, which leaves nothing open."""
-        return self
-
     def core(self) -> Condition:
         """The condition of a request that draws the starts; the core does not watch it."""
         return "no_flip", 1, ()
@@ -77,9 +71,6 @@ class Custom(Criterion):
     def closed_form_question(self) -> tuple[str, None]:
         """Bodies whose states have a closed form are not integrated."""
         return "states", None
-
-    def check_forced(self, scene: Scene, forces: Sequence[str]) -> None:
-        """Do nothing: states are computed under torque and damping too."""
 
     def verdicts(self, states: States) -> Floats:
         """The answers of the function: positive for stable, NaN for undecided."""

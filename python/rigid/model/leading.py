@@ -10,11 +10,26 @@ from collections.abc import Mapping
 from typing import Any, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
+
+Floats = NDArray[np.float64]
 
 Shape: TypeAlias = tuple[int, ...]
 Index: TypeAlias = Any
 """Whatever NumPy takes as an index of the leading axes."""
+
+Vector: TypeAlias = tuple[float, float, float]
+
+
+def three(values: ArrayLike) -> Vector:
+    """Three numbers as a tuple."""
+    first, second, third = np.asarray(values, dtype=np.float64).tolist()
+    return first, second, third
+
+
+def vector_of(array: Floats) -> Vector | Floats:
+    """The vector of one body as a tuple, the vectors of many bodies as a read-only array."""
+    return three(array) if array.ndim == 1 else frozen(array)
 
 
 def frozen(array: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -4,18 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Container, Mapping
 from dataclasses import dataclass
-from typing import Any, Self, TypeAlias
+from typing import Any, Self
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from .. import _core
 from .._checks.arguments import first_place, shaped
-from .._checks.arrays import UNIT, unit_vectors
-from .leading import Shape, frozen, leading_shape, same
-
-Floats = NDArray[np.float64]
-Vector: TypeAlias = tuple[float, float, float]
+from .._checks.arrays import UNIT, Floats, unit_vectors
+from .leading import Shape, Vector, frozen, leading_shape, same, vector_of
 
 MOST_ECCENTRIC = 0.95
 """Largest eccentricity of an ellipse."""
@@ -163,7 +160,7 @@ class Orbit:
         for name, array in (("rate", rates), ("eccentricity", e), ("anomaly", mean)):
             set_field(self, name, frozen(array) if array.ndim else float(array))
         for name, array in (("normal", axis), ("periapsis", begin)):
-            set_field(self, name, frozen(array) if array.ndim > 1 else _tuple(array))
+            set_field(self, name, vector_of(array))
         # Raises for shapes that do not broadcast.
         self.shape  # noqa: B018
 
@@ -178,10 +175,7 @@ class Orbit:
     def period(self) -> float | Floats:
         """Time of a revolution (s), shape (...); infinite on a hyperbola."""
         of_ellipse = 2.0 * np.pi / self.rate
-        period: float | Floats = np.where(np.greater(self.eccentricity, 1.0), np.inf, of_ellipse)[
-            ()
-        ]
-        return period
+        return np.where(np.greater(self.eccentricity, 1.0), np.inf, of_ellipse)[()]
 
     @classmethod
     def flyby(
@@ -435,12 +429,6 @@ def _mean_anomaly(true: Floats, e: Floats) -> Floats:
     eccentric = 2.0 * np.arctan2(across, along)
     ratio = np.where(e > 1.0, across / along, 0.0)
     hyperbolic = 2.0 * np.arctanh(ratio)
-    mean: Floats = np.where(
+    return np.where(
         e > 1.0, e * np.sinh(hyperbolic) - hyperbolic, eccentric - e * np.sin(eccentric) + turns
     )
-    return mean
-
-
-def _tuple(values: ArrayLike) -> Vector:
-    first, second, third = (float(value) for value in np.asarray(values))
-    return first, second, third

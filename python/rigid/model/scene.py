@@ -10,14 +10,14 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Container, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, ClassVar, Self, TypeAlias, TypeVar, Unpack
+from typing import TYPE_CHECKING, Any, ClassVar, Self, TypeVar, Unpack
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from .. import _core
 from .._checks.arguments import brief, finite_float, numbers, one_of, shaped, vector
-from .._checks.arrays import unit_vectors
+from .._checks.arrays import Floats, unit_vectors
 from .body import Body, check_body, pair_hint, require_one
 from .forces import (
     FORCES,
@@ -33,6 +33,7 @@ from .gravity import about_pivot, checked_properties
 from .leading import (
     Index,
     Shape,
+    Vector,
     axes_of,
     frozen,
     holds,
@@ -40,6 +41,7 @@ from .leading import (
     leading_shape,
     same,
     taken,
+    vector_of,
 )
 from .start import Start, normal
 from .torque import (
@@ -56,8 +58,6 @@ if TYPE_CHECKING:
     from ..inertia.mass_properties import MassProperties
 
 
-Floats = NDArray[np.float64]
-Vector: TypeAlias = tuple[float, float, float]
 Made = TypeVar("Made")
 
 _ACTING = ("torque", "damping", *FORCES)
@@ -149,7 +149,7 @@ class Scene(HasForces, ABC):
     @property
     def shape(self) -> Shape:
         """The axes of the bodies: ``()`` of one body, ``(n,)`` of n bodies."""
-        return self.once(_shape_of)
+        return self.once(Scene._shape_of_parts)
 
     def _shape_of_parts(self) -> Shape:
         shapes = {"moments": self.body.shape}
@@ -193,6 +193,24 @@ class Scene(HasForces, ABC):
         some._set_further(further)
         return some
 
+    def _take(
+        self,
+        known: type,
+        torque: Torque | None,
+        damping: ArrayLike | None,
+        frame: ArrayLike | None,
+        further: Mapping[str, Any],
+    ) -> None:
+        """Take what acts on the body of a new scene; ValueError if the parts do not broadcast."""
+        set_field = object.__setattr__  # the dataclass is frozen
+        set_field(self, "torque", checked_torque(torque))
+        set_field(self, "_further", checked_forces(known, further))
+        set_field(self, "damping", None)
+        set_field(self, "damping", checked_damping(damping, self._shape_of_parts()))
+        self._shape_of_parts()
+        if frame is not None:
+            self._turn_into_principal_axes(frame)
+
     def _set_further(self, values: Mapping[str, Any]) -> None:
         """Take these values of the further forces; None for one that does not act."""
         further = {name: value for name, value in values.items() if value is not None}
@@ -212,7 +230,13 @@ class Scene(HasForces, ABC):
     @property
     def forces(self) -> tuple[str, ...]:
         """The names of the forces that act on any body, as in :attr:`rigid.Method.forces`."""
-        return self.once(_forces_of)
+        return self.once(Scene._acting_forces)
+
+    def _acting_forces(self) -> tuple[str, ...]:
+        names = [name for name in ("torque", "damping") if getattr(self, name) is not None]
+        if self.torque is not None and self.torque.function is not None:
+            names.append("function")
+        return (*names, *self._further)
 
     @property
     def has_further(self) -> bool:
@@ -303,9 +327,9 @@ class Scene(HasForces, ABC):
 
     def words(self, varied: Container[str] = ()) -> str:
         """The scene in words; ``varied`` names the numbers that the axes of a map set."""
-        return self._in_words(varied) if varied else self.once(_words_of)
+        return self._in_words(varied) if varied else self.once(Scene._in_words)
 
-    def _in_words(self, varied: Container[str]) -> str:
+    def _in_words(self, varied: Container[str] = ()) -> str:
         bodies = (
             f"{self.shape} bodies"
             if len(self.shape) > 1
@@ -333,22 +357,6 @@ class Scene(HasForces, ABC):
             acts = f"{force.name} varied" if force.name in varied else force.words(value, varied)
             parts.append(acts)
         return ", ".join(parts)
-
-
-def _shape_of(scene: Scene) -> Shape:
-    return scene._shape_of_parts()
-
-
-def _words_of(scene: Scene) -> str:
-    return scene._in_words(())
-
-
-def _forces_of(scene: Scene) -> tuple[str, ...]:
-    names = [name for name in ("torque", "damping") if getattr(scene, name) is not None]
-    torque = scene.torque
-    if torque is not None and torque.function is not None:
-        names.append("function")
-    return (*names, *scene._further)
 
 
 def _body_words(body: Body, varied: Container[str]) -> str:
@@ -383,11 +391,7 @@ def _checked_com(value: ArrayLike) -> Vector | Floats:
 
 def _unit(name: str, vectors: Floats) -> Vector | Floats:
     """Unit vectors in the form of a field: a tuple, or a read-only array of many."""
-    units = unit_vectors(name, vectors)
-    if units.ndim > 1:
-        return frozen(units)
-    first, second, third = units.tolist()
-    return first, second, third
+    return vector_of(unit_vectors(name, vectors))
 
 
 @with_forces(FreeForces)
@@ -461,22 +465,13 @@ class FreeBody(Scene):
         frame: ArrayLike | None = None,
         **further: Unpack[FreeForces],
     ) -> None:
-        check_body(body)
-        set_field = object.__setattr__  # the dataclass is frozen
-        set_field(self, "body", body)
-        set_field(self, "torque", checked_torque(torque))
-        set_field(self, "_further", checked_forces(FreeForces, further))
-        set_field(self, "damping", None)
-        set_field(self, "damping", checked_damping(damping, self._shape_of_parts()))
-        # Raises for parts that do not broadcast.
-        self._shape_of_parts()
-        if frame is not None:
-            self._turn_into_principal_axes(frame)
-            if not self.forces:
-                raise ValueError(
-                    "frame: turns the forces of a scene, and there are none; rates and attitudes "
-                    "have the frame of the call, as in rigid.simulate(..., frame=axes)"
-                )
+        object.__setattr__(self, "body", check_body(body))  # the dataclass is frozen
+        self._take(FreeForces, torque, damping, frame, further)
+        if frame is not None and not self.forces:
+            raise ValueError(
+                "frame: turns the forces of a scene, and there are none; rates and attitudes "
+                "have the frame of the call, as in rigid.simulate(..., frame=axes)"
+            )
 
     @classmethod
     def example(cls) -> Self:
@@ -593,14 +588,7 @@ class HeavyTop(Scene):
                 "with com from the fixed point to the centre of mass in m"
             )
         set_field(self, "com", _checked_com(com))
-        set_field(self, "torque", checked_torque(torque))
-        set_field(self, "_further", checked_forces(TopForces, further))
-        set_field(self, "damping", None)
-        set_field(self, "damping", checked_damping(damping, self._shape_of_parts()))
-        # Raises for parts that do not broadcast.
-        self._shape_of_parts()
-        if frame is not None:
-            self._turn_into_principal_axes(frame)
+        self._take(TopForces, torque, damping, frame, further)
 
     @classmethod
     def from_mass(

@@ -9,10 +9,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..solve.bodies import bodies_of
 from ..solve.methods import EXACT, order_of
 from ..solve.run import Run
 from ..solve.simulate import simulate
-from ..solve.starts import bodies_of
 from ..solve.status import ARRIVED
 from .spec import ReportSpec
 

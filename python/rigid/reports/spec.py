@@ -15,8 +15,8 @@ from .._checks.arguments import brief, finite_float, numbers, positive_int, vect
 from ..model.body import Body
 from ..model.scene import Scene, check_scene, scene_from_dict
 from ..model.seed import checked_seed
+from ..solve.bodies import bodies_of
 from ..solve.methods import EXACT, known_method, run_methods
-from ..solve.starts import bodies_of
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation

@@ -18,10 +18,10 @@ from .._checks.arguments import one_of
 from .._checks.progress import ProgressOption, reporting
 from .._checks.shown import aligned
 from ..drawing.figure import html_text
+from ..solve.bodies import bodies_of
 from ..solve.methods import EXACT, known_method, run_methods
 from ..solve.run import Run
 from ..solve.simulate import simulate
-from ..solve.starts import bodies_of
 from ..solve.status import Status
 from .stress_cases import Case, cases
 

@@ -12,8 +12,7 @@ def to_space(attitude: Floats, vector: Floats) -> Floats:
     """``R v`` of unit quaternions ``(w, u)``: ``v + 2 w u × v + 2 u × (u × v)``."""
     scalar, axis = attitude[..., :1], attitude[..., 1:]
     across = 2.0 * np.cross(axis, vector)
-    turned: Floats = vector + scalar * across + np.cross(axis, across)
-    return turned
+    return vector + scalar * across + np.cross(axis, across)
 
 
 def to_body(attitude: Floats, vector: Floats) -> Floats:

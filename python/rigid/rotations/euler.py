@@ -467,5 +467,4 @@ def _from_node(angles: Floats, frame: str) -> Floats:
 def _wrapped(angle: Floats) -> Floats:
     """Angles from -2 pi to 2 pi brought into (-pi, pi]; those inside keep their bits."""
     turns = np.where(angle > np.pi, 1.0, np.where(angle <= -np.pi, -1.0, 0.0))
-    wrapped: Floats = angle - 2.0 * np.pi * turns
-    return wrapped
+    return angle - 2.0 * np.pi * turns

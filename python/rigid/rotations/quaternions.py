@@ -6,21 +6,13 @@ nor turns near pi lose digits. The angle from the trace of a matrix would lose h
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from .._checks.arguments import numbers, shaped
-from .._checks.arrays import unit_quaternions
+from .._checks.arrays import AttitudeLike, Floats, unit_quaternions
 from .._checks.overflow import refuses_overflow
 from .so3 import over, rodrigues, rotation_matrices, vee
-
-if TYPE_CHECKING:
-    from scipy.spatial.transform import Rotation
-
-
-Floats = NDArray[np.float64]
 
 
 def quaternion_product(left: ArrayLike, right: ArrayLike) -> Floats:
@@ -265,7 +257,7 @@ def log_so3(matrix: ArrayLike) -> Floats:
     return log_quaternion(matrix_to_quaternion(matrix))
 
 
-def quaternions(name: str, value: ArrayLike | Rotation) -> Floats:
+def quaternions(name: str, value: AttitudeLike) -> Floats:
     """Attitudes given as quaternions, matrices or a SciPy ``Rotation``, as unit quaternions.
 
     The result has shape (..., 4); quaternions keep their sign.

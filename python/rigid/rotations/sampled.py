@@ -9,19 +9,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from math import ceil, inf, log2, sqrt
-from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from .._checks.arguments import brief, finite_float, one_of, shaped, sorted_times
+from .._checks.arrays import AttitudeLike, Floats
 from .quaternions import conjugate, exp_quaternion, log_quaternion, quaternion_product, quaternions
-
-if TYPE_CHECKING:
-    from scipy.spatial.transform import Rotation
-
-
-Floats = NDArray[np.float64]
 
 MOST_STEPS = 2**20
 """Largest number of steps of :func:`attitude_from_omega`."""
@@ -57,9 +51,7 @@ class AttitudePath:
     steps: int
 
 
-def omega_from_attitudes(
-    attitude: ArrayLike | Rotation, t: ArrayLike, *, frame: str = "body"
-) -> Floats:
+def omega_from_attitudes(attitude: AttitudeLike, t: ArrayLike, *, frame: str = "body") -> Floats:
     """Angular velocity (rad/s) from sampled attitudes, by central differences of order 2.
 
     The constant rate from one attitude to the next approximates the rate in the middle of the
@@ -137,7 +129,7 @@ def omega_from_attitudes(
 def attitude_from_omega(
     omega: Callable[[Floats], ArrayLike],
     t: ArrayLike,
-    attitude: ArrayLike | Rotation | None = None,
+    attitude: AttitudeLike | None = None,
     *,
     frame: str = "body",
     tolerance: float = 1e-10,

@@ -9,12 +9,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from .._checks.arguments import first_place, shaped
+from .._checks.arrays import Floats, of_size_one
 from .._checks.overflow import refuses_overflow
-
-Floats = NDArray[np.float64]
 
 _ROTATION_SLACK = 3.1e-4
 """Largest orthogonality error of a matrix that is accepted as a rotation: four decimals, off by
@@ -65,8 +64,7 @@ def hat(vector: ArrayLike) -> Floats:
     a = shaped("vector", vector, 3)
     matrix = np.zeros((*a.shape, 3))
     matrix[..., 2, 1], matrix[..., 0, 2], matrix[..., 1, 0] = np.moveaxis(a, -1, 0)
-    antisymmetric: Floats = matrix - np.swapaxes(matrix, -1, -2)
-    return antisymmetric
+    return matrix - np.swapaxes(matrix, -1, -2)
 
 
 def vee(matrix: ArrayLike) -> Floats:
@@ -205,8 +203,7 @@ def rotate(x: ArrayLike, axis: ArrayLike, angle: ArrayLike, *, passive: bool = F
     vector = shaped("x", x, 3)
     n, sine, versine = _axis_angle(axis, angle, passive)
     across = np.cross(n, vector)
-    turned: Floats = vector + sine[..., None] * across + versine[..., None] * np.cross(n, across)
-    return turned
+    return vector + sine[..., None] * across + versine[..., None] * np.cross(n, across)
 
 
 def orthogonality_error(matrix: ArrayLike) -> Orthogonality:
@@ -303,21 +300,24 @@ def rotation_matrices(name: str, value: ArrayLike) -> Floats:
     near = r
     for _ in range(3):
         near = 1.5 * near - 0.5 * _product(near, _product(np.swapaxes(near, -1, -2), near))
-    nearest: Floats = np.where((how.error > _ROUNDED)[..., np.newaxis, np.newaxis], near, r)
-    return nearest
+    return np.where((how.error > _ROUNDED)[..., np.newaxis, np.newaxis], near, r)
 
 
 def _product(a: Floats, b: Floats) -> Floats:
     """``a @ b`` of 3×3 matrices; a BLAS has other bits on other machines."""
     parts = (a[..., :, k, np.newaxis] * b[..., np.newaxis, k, :] for k in range(3))
     first, second, third = parts
-    product: Floats = first + second + third
-    return product
+    return first + second + third
 
 
 def _axis_angle(axis: ArrayLike, angle: ArrayLike, passive: bool) -> tuple[Floats, Floats, Floats]:
     """Unit axes, and the sine and ``1 - cos`` of the active turn, broadcast against each other."""
-    n = unit_vectors("axis", shaped("axis", axis, 3), "no direction")
+    n, _ = of_size_one(shaped("axis", axis, 3))
+    length = np.linalg.norm(n, axis=-1, keepdims=True)
+    if not length.all():
+        _, place = first_place(length[..., 0] == 0.0)
+        raise ValueError(f"axis{place} = {[0.0] * 3}: no direction")
+    n = n / length
     a = shaped("angle", angle)
     a = -a if passive else a
     shape = np.broadcast_shapes(n.shape[:-1], a.shape)
@@ -333,20 +333,7 @@ def rodrigues(v: Floats, once: Floats, twice: Floats) -> Floats:
     return matrix
 
 
-def unit_vectors(name: str, array: Floats, rule: str) -> Floats:
-    """Vectors divided by their lengths, without underflow or overflow of the squares."""
-    largest = np.abs(array).max(axis=-1, keepdims=True)
-    if np.any(largest == 0.0):
-        _, place = first_place(largest[..., 0] == 0.0)
-        raise ValueError(f"{name}{place} = {[0.0] * array.shape[-1]}: {rule}")
-    # Scaled by a power of two, which is exact, so that no square leaves the range of doubles.
-    scaled = np.ldexp(array, -np.frexp(largest)[1])
-    unit: Floats = scaled / np.linalg.norm(scaled, axis=-1, keepdims=True)
-    return unit
-
-
 def over(numerator: Floats, denominator: Floats, limit: float) -> Floats:
     """The quotient, or ``limit`` if the denominator is zero."""
     zero = denominator == 0.0
-    quotient: Floats = np.where(zero, limit, numerator / np.where(zero, 1.0, denominator))
-    return quotient
+    return np.where(zero, limit, numerator / np.where(zero, 1.0, denominator))

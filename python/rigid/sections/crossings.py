@@ -122,9 +122,7 @@ class Crossings(Points, Result):
     _ROWS = ("point",)
 
     def __repr__(self) -> str:
-        bodies, complete = np.size(self.complete), int(np.count_nonzero(self.complete))
-        whole = "complete" if complete == bodies else f"{complete} of {bodies} complete"
-        each = "1 body" if bodies == 1 else f"{bodies} bodies"
+        each, whole = self._completeness()
         return f"<Crossings: {len(self)} points of {each}, {self.section.words()}; {whole}>"
 
     def _repr_html_(self) -> str:
@@ -163,10 +161,7 @@ class Crossings(Points, Result):
             return self.t
         if name.startswith("angle"):
             return self._angle(int(name[-1]) - 1)
-        column: Floats = (self.omega, self.gamma)[COMPONENTS.index(name) // 3][
-            :, COMPONENTS.index(name) % 3
-        ]
-        return column
+        return (self.omega, self.gamma)[COMPONENTS.index(name) // 3][:, COMPONENTS.index(name) % 3]
 
     def _angle(self, axis: int) -> Floats:
         pointing = quaternion_to_matrix(self.attitude)[..., axis]

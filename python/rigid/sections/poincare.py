@@ -7,31 +7,27 @@ from collections.abc import Collection
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from .._checks.arguments import brief, finite_float, positive_int, resolve_threads
+from .._checks.arrays import AttitudeLike
 from .._checks.progress import Listening, ProgressOption
 from ..model.body import Body
 from ..model.scene import Scene, check_scene
 from ..rotations.apply import to_body
+from ..solve.bodies import bodies_of
 from ..solve.choose_method import choose_method
 from ..solve.methods import EXACT, adaptive_methods, known_method
-from ..solve.problem import Problem
+from ..solve.request import Problem
 from ..solve.simulate import simulate
-from ..solve.starts import bodies_of
 from ..solve.status import Status
-from ..solve.surfaces import Search, Surfaces, default_method, default_tolerance
+from ..solve.surfaces import Search, default_method, default_tolerance
 from .crossings import Crossings
-from .surface import Section, at_equal_times
-from .surface import section as make_section
+from .surface import Section, at_equal_times, checked_section
 
 if TYPE_CHECKING:
-    from scipy.spatial.transform import Rotation
-
     from ..solve.run import Run
 
-
-Floats = NDArray[np.float64]
 
 MOST_POINTS = 1e8
 """Most points of a body at equal times."""
@@ -40,7 +36,7 @@ MOST_POINTS = 1e8
 def poincare(
     scene: Scene | Body,
     omega: ArrayLike,
-    attitude: ArrayLike | Rotation | None = None,
+    attitude: AttitudeLike | None = None,
     section: Section | str | None = None,
     *,
     every: float | None = None,
@@ -168,7 +164,7 @@ def poincare(
             progress=progress,
         )
         return _at_times(run, scene, at_equal_times(period), {"t_end": end, "count": count})
-    surface = _checked_section(section)
+    surface = checked_section(section)
     bodies = bodies_of(scene, omega, attitude)
     weight = np.broadcast_to(bodies.weight, (len(bodies), 3))
     normals = surface.normals(scene, weight)
@@ -185,13 +181,11 @@ def poincare(
     ).plan
     search = Search(
         bodies=bodies,
-        surfaces=Surfaces(
-            kinds=((surface.is_height, surface.direction, True),),
-            normal=normals[:, np.newaxis],
-            momentum=np.zeros((len(bodies), 1, 3)),
-            value=np.full((len(bodies), 1), surface.value),
-            rotor=np.zeros((len(bodies), 3)),
-        ),
+        kinds=((surface.is_height, surface.direction, True),),
+        normal=normals[:, np.newaxis],
+        momentum=np.zeros((len(bodies), 1, 3)),
+        value=np.full((len(bodies), 1), surface.value),
+        rotor=np.zeros((len(bodies), 3)),
         ends=np.full(len(bodies), end),
         count=most,
         method=chosen,
@@ -200,28 +194,20 @@ def poincare(
         max_steps=max_steps,
         threads=threads,
     )
-    lost_from = np.full(len(bodies), np.nan)
     with Listening(progress, 2 if check else 1):
-        found = search.points()
-        counts = found.pop("points").astype(np.intp)
-        body = np.repeat(np.arange(len(bodies)), counts)
-        error = np.full(len(body), np.nan)
-        if check:
-            error, lost_from = search.errors(found, counts, body)
+        found = search.found(check=check)
     status = found["status"]
     if check:
-        status = np.where((status == Status.OK) & np.isfinite(lost_from), Status.FLAGGED, status)
+        lost = np.isfinite(found["lost_from"])
+        status = np.where((status == Status.OK) & lost, Status.FLAGGED, status)
     else:
         status = np.where(status == Status.OK, Status.UNCHECKED, status)
     ended = found["status"] == Status.OK
-    grazing = np.bincount(body[found["grazing"]], minlength=len(bodies)) > 0
+    grazing = np.bincount(found["body"][found["grazing"]], minlength=len(bodies)) > 0
 
     columns = {
         **found,
-        "body": body,
-        "error": error,
         "complete": ended & ~grazing & (found["stays"] == 0),
-        "lost_from": lost_from,
         "status": status.astype(np.uint8),
         "stays": found["stays"] > 0,
     }
@@ -283,16 +269,6 @@ def _at_times(run: Run, scene: Scene, section: Section, asked: dict[str, Any]) -
             **asked,
         },
     )
-
-
-def _checked_section(section: Section | str | None) -> Section:
-    if section is None or isinstance(section, str):
-        return make_section(section)
-    if not isinstance(section, Section):
-        raise TypeError(
-            f"section = {brief(section)}: must be made by rigid.section, or a name, or None"
-        )
-    return section
 
 
 def one_of_series(method: str, forces: Collection[str]) -> str:

@@ -5,12 +5,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from .._checks.arguments import brief, finite_float, positive_int
+from .._checks.arguments import finite_float, positive_int
 from ..model.body import refuse_rods
 from ..model.scene import HeavyTop, check_heavy_top, require_unforced
 from ..model.seed import seed_from
-from .surface import Section
-from .surface import section as make_section
+from .surface import Section, checked_section
 
 Floats = NDArray[np.float64]
 
@@ -82,12 +81,7 @@ def on_surface(
     level = finite_float("energy", energy)
     momentum = finite_float("l_gamma", l_gamma)
     count = positive_int("count", count)
-    if section is None or isinstance(section, str):
-        surface = make_section(section)
-    elif isinstance(section, Section):
-        surface = section
-    else:
-        raise TypeError(f"section = {brief(section)}: must be made by rigid.section, or a name")
+    surface = checked_section(section)
     body = _Top(top, momentum)
     least = body.least_energy()
     if level < least:

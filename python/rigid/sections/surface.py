@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import brief, finite_float, one_of, vector
-from ..model.events import COMPONENTS, check_reached, checked_direction
+from ..model.events import COMPONENTS, WORDS, check_reached, checked_direction
+from ..model.leading import three
 from ..model.scene import HeavyTop, Scene
 
 Floats = NDArray[np.float64]
@@ -19,8 +20,6 @@ HEIGHT = "height"
 
 EQUAL_TIMES = "every"
 """The section of equal times, which has no surface."""
-
-_WORDS = {1: "rising", -1: "falling", 0: "both ways"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,8 +69,8 @@ class Section:
         if self.name == EQUAL_TIMES:
             return f"every {self.value:.6g} s"
         if self.name in COMPONENTS:
-            return f"{self.name} = {self.value:g}, {_WORDS[self.direction]}"
-        return f"{self.omega}·omega + {self.gamma}·gamma = {self.value:g}, {_WORDS[self.direction]}"
+            return f"{self.name} = {self.value:g}, {WORDS[self.direction]}"
+        return f"{self.omega}·omega + {self.gamma}·gamma = {self.value:g}, {WORDS[self.direction]}"
 
     def normals(self, scene: Scene, weight: Floats) -> Floats:
         """The normals of the surface for bodies with these weights (n, 3).
@@ -102,13 +101,7 @@ class Section:
         -------
         dict
         """
-        return {
-            "name": self.name,
-            "omega": list(self.omega),
-            "gamma": list(self.gamma),
-            "value": self.value,
-            "direction": self.direction,
-        }
+        return {name: list(v) if isinstance(v, tuple) else v for name, v in asdict(self).items()}
 
 
 def at_equal_times(every: float) -> Section:
@@ -185,13 +178,19 @@ def section(
         check_reached(value, of_gamma, touching=True)
     return Section(
         name=name,
-        omega=_three(of_omega),
-        gamma=_three(of_gamma),
+        omega=three(of_omega),
+        gamma=three(of_gamma),
         value=value,
         direction=towards,
     )
 
 
-def _three(numbers: Floats) -> tuple[float, float, float]:
-    x, y, z = numbers.tolist()
-    return x, y, z
+def checked_section(given: Section | str | None) -> Section:
+    """The section of an argument: one that is made, by its name, or the default."""
+    if given is None or isinstance(given, str):
+        return section(given)
+    if not isinstance(given, Section):
+        raise TypeError(
+            f"section = {brief(given)}: must be made by rigid.section, or a name, or None"
+        )
+    return given

@@ -42,17 +42,10 @@ Range: TypeAlias = tuple[float, float] | tuple[Floats, Floats]
 def time_ranges(times: Floats) -> Range:
     """First and last of ascending times and 0 (s), or of the times (n, m) of each body."""
     if times.ndim == 1:
-        return time_range(times)
+        return (min(float(times[0]), 0.0), max(float(times[-1]), 0.0)) if len(times) else (0.0, 0.0)
     if not times.shape[1]:
         return np.zeros(len(times)), np.zeros(len(times))
     return np.minimum(times[:, 0], 0.0), np.maximum(times[:, -1], 0.0)
-
-
-def time_range(times: Floats) -> tuple[float, float]:
-    """First and last of ascending times and 0 (s)."""
-    if not len(times):
-        return 0.0, 0.0
-    return min(float(times[0]), 0.0), max(float(times[-1]), 0.0)
 
 
 def time_span(times: Floats) -> float | Floats:
@@ -65,8 +58,7 @@ def spread_indices(count: int, most: int) -> NDArray[np.intp]:
     """At most ``most`` indices below ``count``, evenly spread, the last one among them."""
     # From the last to the first: a single one is the last.
     spread = (count - 1) - np.linspace(0, count - 1, min(count, most))
-    indices: NDArray[np.intp] = np.unique(spread.round().astype(np.intp))
-    return indices
+    return np.unique(spread.round().astype(np.intp))
 
 
 def in_rows(array: Floats, shape: tuple[int, ...]) -> Floats:

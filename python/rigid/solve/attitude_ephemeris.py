@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
@@ -19,11 +20,7 @@ def write_aem(
     attitudes: NDArray[np.float64],
     *,
     epoch: str | datetime,
-    object_name: str,
-    object_id: str,
-    frame: str,
-    body_frame: str,
-    originator: str,
+    entries: Mapping[str, str],
 ) -> Path:
     """Write one attitude ephemeris; see :meth:`rigid.Run.to_aem`.
 
@@ -33,14 +30,7 @@ def write_aem(
     as they are, with the scalar last.
     """
     begin = _epoch(epoch)
-    words = {
-        "object_name": object_name,
-        "object_id": object_id,
-        "frame": frame,
-        "body_frame": body_frame,
-        "originator": originator,
-    }
-    for name, value in words.items():
+    for name, value in entries.items():
         if (
             not isinstance(value, str)
             or not value.strip()
@@ -65,13 +55,13 @@ def write_aem(
     lines = [
         "CCSDS_AEM_VERS = 1.0",
         f"CREATION_DATE = {_stamp(datetime.now(UTC).replace(tzinfo=None), 0.0)}",
-        f"ORIGINATOR = {originator}",
+        f"ORIGINATOR = {entries['originator']}",
         "",
         "META_START",
-        f"OBJECT_NAME = {object_name}",
-        f"OBJECT_ID = {object_id}",
-        f"REF_FRAME_A = {frame}",
-        f"REF_FRAME_B = {body_frame}",
+        f"OBJECT_NAME = {entries['object_name']}",
+        f"OBJECT_ID = {entries['object_id']}",
+        f"REF_FRAME_A = {entries['frame']}",
+        f"REF_FRAME_B = {entries['body_frame']}",
         "ATTITUDE_DIR = A2B",
         "TIME_SYSTEM = UTC",
         f"START_TIME = {stamps[0]}",

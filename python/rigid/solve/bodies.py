@@ -1,4 +1,4 @@
-"""The bodies of a call as the core reads them: columns of equal length, in one unit."""
+"""The bodies of a call, checked once, as columns of equal length in one unit for the core."""
 
 from __future__ import annotations
 
@@ -7,17 +7,17 @@ from dataclasses import dataclass, field, replace
 from typing import Any, Self
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
-from .._checks.arrays import IDENTITY
-from .._moments import without_spin
-from ..model.leading import Shape
+from .._checks.arrays import IDENTITY, AttitudeLike, Floats, attitudes, unit_quaternions, vectors
+from .._moments import hold_rods, without_spin
+from ..model.body import rates_of_rods, refuse_rods
+from ..model.frame import attitudes_in_principal_axes, turned
+from ..model.leading import Shape, leading_shape
 from ..model.scene import Scene
 from ..model.torque import NO_EXPONENT, forces_of
 from .arrays import Range, in_rows, rows_of_each
-
-Floats = NDArray[np.float64]
 
 SLOWEST = 1e-140
 """Least rate (rad/s) whose square, and products of rates, do not underflow."""
@@ -30,9 +30,9 @@ HEAVIEST = 1e153
 class Bodies:
     """Bodies of one kind with their starts: of a call, of a second run, or of pixels of a map.
 
-    Nothing here is checked again. :func:`.starts.bodies_of` checks what a user gives.
-    As :class:`.request.Request` and :class:`.error_estimate.ErrorEstimate`, which a call makes too,
-    it is not frozen: a frozen object takes twice as long to make.
+    Nothing here is checked again. :func:`bodies_of` checks what a user gives.
+    As :class:`.request.Request`, which a call makes too, it is not frozen: a frozen object takes
+    twice as long to make.
 
     Attributes
     ----------
@@ -276,6 +276,73 @@ class Bodies:
     def _place(self, body: int) -> list[int]:
         """The index of a body in their axes."""
         return [int(i) for i in np.unravel_index(body, self.shape or (1,))]
+
+
+def bodies_of(
+    scene: Scene,
+    omega: ArrayLike,
+    attitude: AttitudeLike | None = None,
+    *,
+    frame: NDArray[np.float64] | None = None,
+    times: Shape = (),
+    rod: bool = False,
+) -> Bodies:
+    """The bodies that the arguments of a call describe.
+
+    Parameters
+    ----------
+    scene : Scene
+        A checked scene.
+    omega, attitude : array_like
+        What a user gives; without an attitude the axes of body and space coincide.
+    frame : ndarray, shape (3, 3), optional
+        The checked axes of rates and attitude, if they are not the principal axes.
+    times : tuple of int
+        The leading axes of the times.
+    rod : bool
+        Whether a rod may be among the bodies: what is asked does not vary its spin.
+
+    Raises
+    ------
+    ValueError
+        If an array is not finite, has the wrong shape, or holds a zero quaternion, if the axes of
+        bodies, rates and attitudes do not broadcast, if the rates are so slow that their squares
+        underflow, or the weight, torque or damping so large that they overflow in the unit of the
+        moments.
+    """
+    rates = _core.plain_numbers(omega, 3, kept=True)
+    if rates is None:
+        rates = vectors("omega", omega)
+        if not isinstance(omega, (list, tuple)):
+            rates = rates.copy()  # a run keeps it: the caller may write to this memory
+        rates.setflags(write=False)
+    attitude = attitudes(attitude)
+    if frame is not None:
+        with np.errstate(over="ignore", invalid="ignore"):
+            rates = turned(frame.T, rates)
+        if not np.isfinite(rates).all():
+            raise ValueError("omega: must be finite along the principal axes of the frame too")
+        rates.setflags(write=False)
+        attitude = unit_quaternions("attitude", attitudes_in_principal_axes(frame, attitude))
+    if attitude is not IDENTITY:
+        attitude.setflags(write=False)
+    shape = scene.shape
+    if shape or times or rates.ndim > 1 or attitude.ndim > 1:
+        own = rates.shape[:-1], attitude.shape[:-1]
+        shape = leading_shape({"scene": shape, "omega": own[0], "attitude": own[1], "t": times})
+    if scene.once(holds_rods):
+        moments = np.asarray(scene.body.moments)
+        if not rod:
+            refuse_rods(moments)
+        rates = rates_of_rods("omega", rates, moments, scene.weight, scene.forces)
+    bodies = Bodies.of_scene(scene, rates, attitude, shape)
+    bodies.check_ranges(scene)
+    return bodies
+
+
+def holds_rods(scene: Scene) -> bool:
+    """Whether a body of the scene is a rod, without a moment about its axis."""
+    return hold_rods(np.asarray(scene.body.moments))
 
 
 def _scale_exponents(scene: Scene, shape: Shape) -> NDArray[np.intc]:

@@ -2,24 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from .. import _core
-from .._checks.arguments import finite_float, one_of, positive_int, two_digits_above
-from ..model.body import Body
+from .._checks.arguments import two_digits_above
 from ..model.forces import forces_in_words
-from ..model.scene import Scene, check_scene
-from .arrays import roots
+from ..model.scene import Scene
+from .arrays import Floats, roots
 from .closed_form import (
     FORCED_RULE,
     NO_FORM,
-    RECORDS,
     Codes,
     all_have,
     are_slowed_evenly,
@@ -41,17 +38,14 @@ from .methods import (
     adaptive_methods,
     order_of,
 )
-from .plan import LazyPlan, Plan, plan_of_parts
-from .planned import UNKNOWN, Reason, damping_rate, plan_of, why_unforeseen
-from .problem import USUAL_ACCURACY, Problem
-from .starts import bodies_of
+from .plan import Lazy, Plan, plan_of_parts
+from .planned import UNKNOWN, Reason, plan_of, why_unforeseen
+from .request import USUAL_ACCURACY, Problem
 from .surfaces import default_method
 
 if TYPE_CHECKING:
-    from scipy.spatial.transform import Rotation
+    pass
 
-
-Floats = NDArray[np.float64]
 
 FIRST = 13.0
 """Angle (rad) of the first steps for an accuracy, ``FIRST * (accuracy / angle)**(1 / order)``.
@@ -76,43 +70,16 @@ STIFFNESS = 10.0
 """Damping is strong if it slows a body this many times faster than the body turns."""
 
 
-def plan_states(
-    scene: Scene | Body,
-    record: str,
-    *,
-    omega: ArrayLike | None = None,
-    attitude: ArrayLike | Rotation | None = None,
-    t_end: float | None = None,
-    accuracy: float | None = None,
-    method: str | None = None,
-    step: float | None = None,
-    bodies: int | None = None,
-    times: int | None = None,
-) -> Plan:
-    """The plan of :func:`rigid.plan` for states at given times."""
-    scene = check_scene(scene, many=True)
-    if omega is None and attitude is not None:
-        raise ValueError("attitude: says nothing without omega; give both")
-    known = None if omega is None else bodies_of(scene, omega, attitude, rod=True)
-    span = None if t_end is None else finite_float("t_end", t_end, positive=True)
-    problem = Problem(
-        scene=scene,
-        record=one_of("question", record, RECORDS),
-        bodies=known,
-        end=span,
-        accuracy=accuracy,
-        method=method,
-        step=step,
-        states=1 if times is None else positive_int("times", times),
-        number=None if bodies is None else positive_int("bodies", bodies),
-    )
+def plan_states(problem: Problem) -> Plan:
+    """The plan of states at given times, of bodies that may need several methods."""
+    known = problem.bodies
     if known is None:
-        chosen = choose_method(problem).plan()
-    else:
-        groups = bodies_alike(problem)
-        plans = [choose_method(one).plan for one in parts_of(problem, groups)]
-        chosen = plans[0]() if len(plans) == 1 else plan_of_parts(scene, plans, groups)
-    if known is not None and chosen.method == EXACT and chosen.error is not None:
+        return choose_method(problem).plan()
+    parts = bodies_alike(problem)
+    plans = [choose_method(one).plan for one, _ in parts]
+    groups = [mine for _, mine in parts]
+    chosen = plans[0]() if len(plans) == 1 else plan_of_parts(problem.scene, plans, groups)
+    if chosen.method == EXACT and chosen.error is not None:
         unforeseen = why_unforeseen(known, problem.times)
         if unforeseen is not None:
             why = (*chosen.why, UNKNOWN.format(unforeseen))
@@ -134,18 +101,18 @@ class Choice(NamedTuple):
     accuracy : float or None
         The largest error, for which tolerance or steps are made smaller where they must be; None
         where the user chose them.
-    plan : LazyPlan
+    plan : Lazy of Plan
     """
 
     method: str
     steps: Floats | None
     tolerance: float | None
     accuracy: float | None
-    plan: LazyPlan
+    plan: Lazy[Plan]
 
 
-def bodies_alike(problem: Problem) -> list[NDArray[np.intp]]:
-    """The bodies of a problem in groups that one method solves; the indices of each group.
+def bodies_alike(problem: Problem) -> list[tuple[Problem, NDArray[np.intp]]]:
+    """The problems of groups of bodies that one method solves, and the indices of each group.
 
     One kind of forces acts on all bodies of a group. If the problem leaves the method open, all
     have a closed form or none has, and all are damped strongly or none is.
@@ -154,7 +121,7 @@ def bodies_alike(problem: Problem) -> list[NDArray[np.intp]]:
     assert bodies is not None
     every = np.arange(len(bodies))
     if len(every) < 2:
-        return [every]
+        return [(problem, every)]
     kinds = bodies.kinds_of_forces()
     columns = [kinds, np.broadcast_to(bodies.weight.any(axis=1), len(every))]
     if problem.method is None:
@@ -168,14 +135,10 @@ def bodies_alike(problem: Problem) -> list[NDArray[np.intp]]:
                 has_form |= (kinds != 0) & evenly & (forms != NO_FORM)
         columns += [has_form, strongly & ~has_form]
     if all((column == column[0]).all() for column in columns):
-        return [every]
+        return [(problem, every)]
     _, of_group = np.unique(np.stack(columns, axis=1), axis=0, return_inverse=True)
-    return [np.flatnonzero(of_group == group) for group in range(of_group.max() + 1)]
-
-
-def parts_of(problem: Problem, groups: Sequence[NDArray[np.intp]]) -> list[Problem]:
-    """The problems of groups of bodies."""
-    return [problem] if len(groups) == 1 else [problem.select(some) for some in groups]
+    groups = [np.flatnonzero(of_group == group) for group in range(of_group.max() + 1)]
+    return [(problem.select(some), some) for some in groups]
 
 
 def choose_method(problem: Problem) -> Choice:
@@ -206,7 +169,8 @@ def choose_method(problem: Problem) -> Choice:
             why.append(f"the tolerance follows from the error of {accuracy:g}")
     else:
         _check_rates_are_known(problem)
-        if problem.accuracy is not None or problem.knows_angles:
+        known = problem.bodies is not None and problem.span is not None
+        if problem.accuracy is not None or known:
             steps = _first_steps(problem, accuracy, method)
         why.append(f"the step follows from the error of {accuracy:g} at the end")
         if asked is None and method != STIFF:
@@ -218,7 +182,7 @@ def choose_method(problem: Problem) -> Choice:
         if asked is None and method == SERIES and scene.may_stop:
             why.append(f"a body that drag stops: {MAP_FALLBACK} in equal steps")
     _check_attainable(problem)
-    plan = LazyPlan(plan_of, problem, method, steps, forms, accuracy, tuple(why))
+    plan = Lazy(plan_of, problem, method, steps, forms, accuracy, tuple(why))
     return Choice(method, steps, problem.tolerance, accuracy, plan)
 
 
@@ -342,10 +306,13 @@ def _by_steps(problem: Problem, why: list[Reason]) -> tuple[str, list[Reason]]:
     usual = FALLBACK
     if problem.step is None:
         usual = SERIES if "orbit" in problem.scene.forces else MAP_FALLBACK
-    others = problem.scene.has_further or "function" in problem.scene.forces
+    scene = problem.scene
+    others = scene.has_further or "function" in scene.forces
     if others or not _are_damped_strongly(problem).any():
         return usual, why
-    slowing = damping_rate(problem.scene)
+    forces = scene.acting()
+    assert forces is not None  # damping is one of them
+    slowing = float(forces.damping_rates(moment_rows(scene)).max(initial=0.0))
     return STIFF, [*why, f"strong damping, at a rate of {slowing:.3g} 1/s: {STIFF}"]
 
 
@@ -382,5 +349,4 @@ def _first_steps(problem: Problem, accuracy: float, method: str) -> Floats:
     turn = np.minimum(FIRST * roots(accuracy / (rates * span), order_of(method)), LONGEST)
     # What does not turn needs no step.
     steps = np.where(rates > 0.0, turn / rates, np.inf)
-    shorter: Floats = np.minimum(steps, problem.bodies.longest_unseen(span))
-    return shorter
+    return np.minimum(steps, problem.bodies.longest_unseen(span))

@@ -4,31 +4,26 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from .._checks.arguments import brief, numbers, positive_int, times_of_each
+from .._checks.arrays import AttitudeLike
 from ..model.body import Body
 from ..model.forces import FORCES
 from ..model.scene import Scene, check_scene
-from .lazy import Lazy
+from .bodies import bodies_of
+from .plan import Lazy
 from .run import Run
 from .simulate import simulate
-from .starts import bodies_of
-
-if TYPE_CHECKING:
-    from scipy.spatial.transform import Rotation
-
-
-Floats = NDArray[np.float64]
 
 
 def simulate_chunks(
     scene: Scene | Body,
     omega: ArrayLike,
-    attitude: ArrayLike | Rotation | None = None,
+    attitude: AttitudeLike | None = None,
     *,
     t: ArrayLike,
     chunk: int = 65_536,

@@ -6,15 +6,13 @@ from collections.abc import Mapping
 from typing import TypeAlias
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from .. import _core
 from .._moments import without_spin
 from ..model.criterion import Criterion, Joined
 from ..model.scene import Scene
-from .arrays import in_rows
-
-Floats = NDArray[np.float64]
+from .arrays import Floats, in_rows
 
 Codes: TypeAlias = NDArray[np.uint8]
 """The closed forms of bodies, by their codes."""
@@ -69,17 +67,12 @@ def closed_forms(question: Question, moments: Floats, weight: Floats) -> Codes:
     return _core.closed_forms_for(name, *rows, axis)
 
 
-def lagrange_axis_of(moments: ArrayLike, weight: ArrayLike) -> int:
-    """The symmetry axis 1, 2 or 3 of a Lagrange top, 0 for any other body.
-
-    The moments about the other two axes are exactly equal, the weight lies exactly on the axis.
-    """
-    rows = (np.array([values], dtype=np.float64) for values in (moments, weight))
-    return int(_core.lagrange_axes(*rows)[0])
-
-
 def lagrange_axes(moments: Floats, weight: Floats) -> NDArray[np.int64]:
-    """The symmetry axis of each of many bodies, shape (n,); one row may hold for all."""
+    """The symmetry axis 1, 2 or 3 of each Lagrange top, 0 of other bodies, shape (n,).
+
+    The moments about the other two axes are exactly equal, the weight lies exactly on the axis. One
+    row of moments or weight may hold for all.
+    """
     first, second = np.broadcast_arrays(moments, weight)
     return _core.lagrange_axes(np.ascontiguousarray(first), np.ascontiguousarray(second))
 
@@ -110,7 +103,7 @@ def all_have(forms: Codes) -> bool:
 
 def why_not(question: Question, moments: Floats, weight: Floats) -> str:
     """The reason why this body has no closed form."""
-    axis = lagrange_axis_of(moments, weight)
+    axis = int(lagrange_axes(moments[np.newaxis], weight[np.newaxis])[0])
     if axis or not weight.any():
         symmetry = f": the symmetry axis is {axis}" if axis else ""
         return f"no closed form of {question_words(question)}{symmetry}"

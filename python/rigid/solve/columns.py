@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 
 from .._checks.extras import install_extra
 from .._files import TABLE, published
+from ..model.forces import FORCES
 from ..model.leading import Shape
 from .archive import write_archive
 
@@ -112,8 +113,7 @@ class HasColumns:
     def with_arrays(self, **arrays: Any) -> Self:
         """The result with other arrays, as its attributes have them, by their names."""
         rows = self._rows_of(arrays, self._shape)
-        changed: Self = replace(self, _columns={**self._columns, **rows})  # type: ignore[type-var]
-        return changed
+        return replace(self, _columns={**self._columns, **rows})  # type: ignore[type-var]
 
     @classmethod
     def _rows_of(cls, arrays: Mapping[str, Any], shape: Shape) -> dict[str, NDArray[Any] | None]:
@@ -325,3 +325,46 @@ def write_table(path: str | os.PathLike[str], columns: Mapping[str, NDArray[Any]
             part = [column[start : start + ROWS].tolist() for column in flat]
             file.write(lines(zip(*part, strict=True)))
     return Path(path)
+
+
+_TORQUE = ("torque_time", "axis")
+_OF_SCENE: Mapping[str, tuple[tuple[str, ...], str, tuple[str, ...], str]] = {
+    "moments": (("body", "moments"), "kg m²", ("axis",), "principal moments of inertia"),
+    "mass": (("body", "mass"), "kg", (), "mass"),
+    "mgl": (("mgl",), "J", (), "mass times gravity times distance to the centre of mass"),
+    "com": (("com",), "1", ("axis",), "direction to the centre of mass"),
+    "torque": (("torque", "in_body"), "N m", _TORQUE, "applied torque in the body"),
+    "torque_in_space": (("torque", "in_space"), "N m", _TORQUE, "applied torque in space"),
+    "torque_data": (("torque", "function", "data"), "", ("number",), "data of the torque"),
+    "damping": (("damping",), "N m s", ("axis", "axis_of_rate"), "damping"),
+    **{name: ((name,), force.unit, ("axis",), force.title) for name, force in FORCES.items()},
+}
+"""Place in the scene, unit, axes after the axes of the bodies, and meaning of numbers along
+principal axes."""
+
+
+def take_numbers(scene: dict[str, Any], shape: Shape) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Variables of the numbers of each body, and the coordinates that they need.
+
+    In the scene the name of the variable replaces them. What all bodies have in common stays.
+    """
+    bodies = tuple(f"body{k or ''}" for k in range(len(shape)))
+    times = (scene.get("torque") or {}).get("times")
+    variables: dict[str, Any] = {}
+    coordinates: dict[str, Any] = {}
+    for name, (place, unit, axes, words) in _OF_SCENE.items():
+        holder: Any = scene
+        for part in place[:-1]:
+            holder = holder.get(part) or {}
+        values = holder.get(place[-1])
+        if values is None or np.ndim(values) <= len(axes):
+            continue
+        holder[place[-1]] = f"variable {name}"
+        array = np.asarray(values, dtype=np.float64)
+        array = np.broadcast_to(array, (*shape, *array.shape[array.ndim - len(axes) :]))
+        if axes == _TORQUE and times:
+            coordinates["torque_time"] = ("torque_time", times, {"units": "s"})
+        elif axes == _TORQUE:
+            array, axes = array[..., 0, :], ("axis",)
+        variables[name] = ((*bodies, *axes), array, {"units": unit, "long_name": words})
+    return variables, coordinates

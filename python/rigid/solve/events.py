@@ -14,14 +14,12 @@ from ..model.events import Event
 from ..model.frame import turned
 from ..model.leading import Shape
 from ..model.scene import Scene
-from .arrays import in_rows
+from .arrays import Floats, in_rows
 from .bodies import Bodies
 from .columns import Column, Columns, HasColumns
 from .methods import EXACT, SERIES, adaptive_methods
 from .status import Status
-from .surfaces import Search, Surfaces, default_tolerance
-
-Floats = NDArray[np.float64]
+from .surfaces import Search, default_tolerance
 
 
 class Points(HasColumns):
@@ -43,6 +41,12 @@ class Points(HasColumns):
 
     def __len__(self) -> int:
         return len(self.t)
+
+    def _completeness(self) -> tuple[str, str]:
+        """How many bodies there are, and of how many the points are complete, in words."""
+        bodies, complete = np.size(self.complete), int(np.count_nonzero(self.complete))
+        whole = "complete" if complete == bodies else f"{complete} of {bodies} complete"
+        return "1 body" if bodies == 1 else f"{bodies:,} bodies", whole
 
     @classmethod
     def _of_points(cls) -> tuple[str, ...]:
@@ -95,23 +99,19 @@ class Events(Points):
     _shape: Shape
 
     def __repr__(self) -> str:
-        bodies, complete = np.size(self.complete), int(np.count_nonzero(self.complete))
-        whole = "complete" if complete == bodies else f"{complete} of {bodies} complete"
-        each = "1 body" if bodies == 1 else f"{bodies:,} bodies"
+        each, whole = self._completeness()
         return f"<Events: {self.event.words()}; {len(self):,} of {each}; {whole}>"
 
     @property
     def count(self) -> NDArray[np.intp]:
         """Number of events of each body, shape (n,)."""
         counts = np.bincount(self.body, minlength=np.size(self.complete))
-        count: NDArray[np.intp] = counts.reshape(np.shape(self.complete))
-        return count
+        return counts.reshape(np.shape(self.complete))
 
     @property
     def offsets(self) -> NDArray[np.intp]:
         """First row of each body: its rows are ``offsets[i]`` to ``offsets[i + 1]``; (n + 1,)."""
-        offsets: NDArray[np.intp] = np.concatenate([[0], np.cumsum(np.ravel(self.count))])
-        return offsets
+        return np.concatenate([[0], np.cumsum(np.ravel(self.count))])
 
     def of(self, body: int | tuple[int, ...]) -> Self:
         """The events of one body, by its index or, with several leading axes, its indices.
@@ -189,10 +189,9 @@ class Events(Points):
         [1.0, 1.0, 1.0]
         """
         others = [k for k in range(3) if k != axis - 1]
-        tilt: Floats = np.arctan2(
+        return np.arctan2(
             np.hypot(self.gamma[:, others[0]], self.gamma[:, others[1]]), self.gamma[:, axis - 1]
         )
-        return tilt
 
 
 @dataclass(frozen=True, slots=True)
@@ -258,9 +257,21 @@ def find_events(
     under damping, the series goes on from step to step.
     """
     n = len(bodies)
-    search = Search(
+    normals = np.array([[event.omega, event.gamma] for event in events])
+    if frame is not None:
+        normals = turned(frame.T, normals)
+    # Moments are counted in this unit.
+    exponents = bodies.scale_exponent[:, np.newaxis]
+    rotor = in_rows(np.zeros(3) if scene.rotor is None else np.asarray(scene.rotor), bodies.shape)
+    momentum = _of_each([event.momentum for event in events], n, 3)
+    kinds = zip(events, counted, strict=True)
+    found: dict[str, Any] = Search(
         bodies=bodies,
-        surfaces=_surfaces(scene, bodies, events, counted, frame),
+        kinds=tuple((event.turns, event.direction, counts) for event, counts in kinds),
+        normal=_of_each(normals, n, 6),
+        momentum=np.ldexp(momentum, exponents[:, np.newaxis]),
+        value=_of_each([event.level for event in events], n),
+        rotor=np.broadcast_to(np.ldexp(rotor, -exponents), (n, 3)),
         ends=np.broadcast_to(ends, (n,)).astype(np.float64),
         count=count,
         method=SERIES if method == EXACT else method,
@@ -268,15 +279,8 @@ def find_events(
         tolerance=default_tolerance(scene.forces) if tolerance is None else tolerance,
         max_steps=max_steps,
         threads=threads,
-    )
-    found = search.points()
-    counts = found.pop("points").astype(np.intp)
-    body = np.repeat(np.arange(n), counts)
-    if check or search.closed:
-        error, lost_from = search.errors(found, counts, body)
-    else:
-        error, lost_from = np.full(len(body), np.nan), np.full(n, np.nan)
-    found |= {"error": error, "body": body}
+    ).found(check=check)
+    body = found["body"]
     ended = found["status"] == Status.OK
     records = []
     for k, event in enumerate(events):
@@ -285,7 +289,7 @@ def find_events(
         complete = ended & ~grazing & ((found["stays"] >> k) & 1 == 0)
         rows: dict[str, Any] = {name: found[name][mine] for name in Events._of_points()}
         rows["slope"] = rows["slope"] / event.slope_scale
-        rows |= {"complete": complete, "lost_from": lost_from}
+        rows |= {"complete": complete, "lost_from": found["lost_from"]}
         records.append(Events(event=event, _columns=rows, _shape=bodies.shape))
     return FoundEvents(tuple(records), found["end"], found["stopped"])
 
@@ -316,32 +320,6 @@ def _joined(bodies: Bodies, parts: Sequence[Events], groups: Sequence[NDArray[np
         complete[mine], lost_from[mine] = part.complete, part.lost_from
     rows |= {"body": body[order], "complete": complete, "lost_from": lost_from}
     return Events(event=parts[0].event, _columns=rows, _shape=bodies.shape)
-
-
-def _surfaces(
-    scene: Scene,
-    bodies: Bodies,
-    events: tuple[Event, ...],
-    counted: tuple[bool, ...],
-    frame: Floats | None,
-) -> Surfaces:
-    """The surfaces of the events, of each body."""
-    n = len(bodies)
-    normals = np.array([[event.omega, event.gamma] for event in events])
-    if frame is not None:
-        normals = turned(frame.T, normals)
-    kinds = zip(events, counted, strict=True)
-    # Moments are counted in this unit.
-    exponents = bodies.scale_exponent[:, np.newaxis]
-    rotor = in_rows(np.zeros(3) if scene.rotor is None else np.asarray(scene.rotor), bodies.shape)
-    momentum = _of_each([event.momentum for event in events], n, 3)
-    return Surfaces(
-        kinds=tuple((event.turns, event.direction, counts) for event, counts in kinds),
-        normal=_of_each(normals, n, 6),
-        momentum=np.ldexp(momentum, exponents[:, np.newaxis]),
-        value=_of_each([event.level for event in events], n),
-        rotor=np.broadcast_to(np.ldexp(rotor, -exponents), (n, 3)),
-    )
 
 
 def _of_each(values: Any, n: int, *width: int) -> Floats:

@@ -123,8 +123,7 @@ class Growth(Result):
     @property
     def exponent(self) -> Floats:
         """``log_growth / t`` (1/s), shape (n, m)."""
-        exponent: Floats = self.log_growth / self.t
-        return exponent
+        return self.log_growth / self.t
 
     @property
     def resolution(self) -> float:
@@ -140,8 +139,7 @@ class Growth(Result):
         complete = 6 if self.spec["of"] == "attitude" else 5
         if self.spectrum.shape[-1] != complete or scene_from_dict(self.spec["scene"]).forces:
             return None
-        paired: Floats = np.abs(self.spectrum + self.spectrum[..., ::-1])
-        return paired
+        return np.abs(self.spectrum + self.spectrum[..., ::-1])
 
     def reasons(self) -> tuple[Any, ...]:
         """A sentence for each body: the verdict and its meaning.

@@ -3,36 +3,30 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from functools import partial
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
 from .._checks.arguments import numbers, positive_int, resolve_threads, sorted_times
+from .._checks.arrays import AttitudeLike, Floats
 from .._checks.float_environment import in_standard_floats
 from .._checks.progress import Listening, ProgressOption
 from ..model.body import Body
 from ..model.criteria import Regular, norm_of
 from ..model.scene import Scene, check_scene
 from .arrays import time_span
-from .bodies import Bodies
+from .bodies import Bodies, bodies_of
 from .choose_method import choose_method
 from .closed_form import NO_FORM, closed_forms
 from .growth import Growth
 from .methods import EXACT, TO_ROUNDING
-from .problem import Problem
-from .request import Request
+from .request import Problem, Request
 from .solution import solve
-from .starts import bodies_of
 from .status import Status
 from .tangent import check_tangent, rate_scale
-
-if TYPE_CHECKING:
-    from scipy.spatial.transform import Rotation
-
-
-Floats = NDArray[np.float64]
 
 GENERIC = _core.generic_deviations()
 """Deviation vectors at the start: rates in the unit of the body, rotation vectors in rad. Each has
@@ -62,7 +56,7 @@ by bit."""
 def lyapunov(
     scene: Scene | Body,
     omega: ArrayLike,
-    attitude: ArrayLike | Rotation | None = None,
+    attitude: AttitudeLike | None = None,
     *,
     t: ArrayLike,
     of: str | None = None,
@@ -201,21 +195,20 @@ def growth_of(
     check: bool = True,
 ) -> Growth:
     """The growth of deviation vectors of checked bodies."""
-    chosen = method
     problem = Problem(
         scene=scene,
         record="axis",
         bodies=bodies,
         end=time_span(times),
-        method=chosen,
+        method=method,
         step=step,
         states=len(times),
     )
     choice = choose_method(problem)
     every = np.union1d(times, times[-1] * np.array(CHECKPOINTS))
-    run = _Run(bodies, every, of, max_steps, threads)
+    grown = partial(_grown, times=every, of=of, max_steps=max_steps, threads=threads)
     vectors = _deviations(bodies, start, count, of)
-    found = run.growth(chosen, choice.steps, vectors)
+    found = grown(bodies, vectors, method, choice.steps, FEWEST)
     output = np.searchsorted(every, times)
     marks = np.searchsorted(every, times[-1] * np.array(CHECKPOINTS))
     log, largest, mean, mean_megno = np.moveaxis(found["logs"], -1, 0)
@@ -224,12 +217,14 @@ def growth_of(
     lost_from = np.full(len(bodies), np.nan)
     status = found["status"]
     if check:
-        again = run.again(ANOTHER if chosen == TO_ROUNDING else TO_ROUNDING, vectors[:, 0])
+        another = ANOTHER if method == TO_ROUNDING else TO_ROUNDING
+        pairs = _pairs(bodies, vectors[:, 0])
+        again = grown(bodies.repeat(2), pairs, another, None, FEWEST_AGAIN)
         apart = np.abs(again["logs"][0::2, output, 0] - log[:, output])
         rounding = ROUNDING * np.maximum(1.0, np.abs(log[:, output]))
         error = (3.0 * apart + rounding).max(axis=1)
         second = np.ascontiguousarray(2.0 * again["logs"][1::2, marks, 3])
-        lost_from = _lost_from(problem, times, run.max_steps, threads)
+        lost_from = _lost_from(problem, times, max_steps, threads)
     else:
         status = np.where(status == Status.OK, Status.UNCHECKED, status).astype(np.uint8)
     means = np.ascontiguousarray(2.0 * mean_megno[:, marks])
@@ -265,7 +260,7 @@ def growth_of(
         plan=choice.plan(),
         spec={
             "scene": scene.to_dict(),
-            "method": chosen,
+            "method": method,
             "step": step,
             "of": of,
             "exponents": count,
@@ -273,46 +268,42 @@ def growth_of(
     )
 
 
-class _Run:
-    """The bodies and times of a call."""
+def _grown(
+    bodies: Bodies,
+    vectors: Floats,
+    method: str,
+    steps: Floats | None,
+    fewest: int,
+    *,
+    times: Floats,
+    of: str,
+    max_steps: int,
+    threads: int,
+) -> dict[str, Any]:
+    """The growth of deviation vectors (n, k, 6) by a method, with its longest steps (s)."""
+    if steps is None:
+        rates = bodies.fastest_rates((0.0, float(times[-1])), method)
+        steps = np.minimum(_core.default_steps(method, rates), times[0] / fewest)
+    return _core.growth(
+        **bodies.columns(),
+        method=method,
+        deviations=np.ascontiguousarray(vectors.reshape(-1, 6)),
+        scale=rate_scale(bodies),
+        of_attitude=of == "attitude",
+        times=times,
+        step=np.ascontiguousarray(steps),
+        max_steps=max_steps,
+        threads=threads,
+    )
 
-    def __init__(
-        self, bodies: Bodies, times: Floats, of: str, max_steps: int, threads: int
-    ) -> None:
-        self.bodies, self.times, self.of = bodies, times, of
-        self.max_steps, self.threads = max_steps, threads
-        self.scale = rate_scale(bodies)
 
-    def growth(
-        self, method: str, steps: Floats | None, vectors: Floats, fewest: int = FEWEST
-    ) -> dict[str, Any]:
-        """The growth of deviation vectors (n, k, 6) by a method, with its longest steps (s)."""
-        if steps is None:
-            rates = self.bodies.fastest_rates((0.0, float(self.times[-1])), method)
-            steps = np.minimum(_core.default_steps(method, rates), self.times[0] / fewest)
-        return _core.growth(
-            **self.bodies.columns(),
-            method=method,
-            deviations=np.ascontiguousarray(vectors.reshape(-1, 6)),
-            scale=self.scale,
-            of_attitude=self.of == "attitude",
-            times=self.times,
-            step=np.ascontiguousarray(steps),
-            max_steps=self.max_steps,
-            threads=self.threads,
-        )
-
-    def again(self, method: str, first: Floats) -> dict[str, Any]:
-        """Each body twice, with the same deviation vector (n, 6) and with another, by a method."""
-        starts = _starts(self.bodies)
-        first_in_units, in_units = (
-            _unscaled(vectors, 1.0 / self.scale) for vectors in (first, starts[:, 1])
-        )
-        alike = np.linalg.norm(first_in_units - in_units, axis=1) < 1e-8
-        other = np.where(alike[:, np.newaxis], starts[:, 0], starts[:, 1])
-        pairs = np.stack([first, other], axis=1)
-        twice = _Run(self.bodies.repeat(2), self.times, self.of, self.max_steps, self.threads)
-        return twice.growth(method, None, pairs.reshape(-1, 1, 6), FEWEST_AGAIN)
+def _pairs(bodies: Bodies, first: Floats) -> Floats:
+    """For each body twice, the same deviation vector (n, 6) and another, (n, 2, 6)."""
+    starts, scale = _starts(bodies), rate_scale(bodies)
+    first_in_units, in_units = (_unscaled(one, 1.0 / scale) for one in (first, starts[:, 1]))
+    alike = np.linalg.norm(first_in_units - in_units, axis=1) < 1e-8
+    other = np.where(alike[:, np.newaxis], starts[:, 0], starts[:, 1])
+    return np.stack([first, other], axis=1)
 
 
 def _starts(bodies: Bodies) -> Floats:

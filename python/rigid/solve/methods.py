@@ -178,19 +178,9 @@ def order_of(name: str) -> int:
     return _named(name).order
 
 
-def angle_per_step(name: str) -> float:
-    """The largest angle (rad) by which a body turns in a default step of a method."""
-    return _named(name).angle_per_step
-
-
 def longest_angle(name: str) -> float:
     """The largest angle (rad) of a step that a method bears; see :class:`Method`."""
     return _named(name).longest_angle
-
-
-def is_compensated(name: str) -> bool:
-    """Whether a method carries the rounding error of a fixed step to the next step."""
-    return _named(name).compensated
 
 
 @cache
@@ -221,12 +211,6 @@ def tangent_methods(*, forced: bool = False) -> tuple[str, ...]:
     return tuple(method.name for method in known if not (forced and method.symplectic))
 
 
-def methods_under(forces: Collection[str]) -> list[str]:
-    """The names of the methods that integrate all of these forces, or a torque if none is given."""
-    wanted = set(forces) or {"torque"}
-    return [method.name for method in methods() if wanted <= set(method.forces)]
-
-
 def map_methods() -> list[str]:
     """The names that a map accepts for some scene; :func:`check_method` refuses others."""
     return [AUTO, *run_methods()]
@@ -237,13 +221,7 @@ def known_method(argument: str, name: object, known: Iterable[str]) -> str:
     return one_of(argument, name, known)
 
 
-def check_method(
-    name: str,
-    kind: str,
-    *,
-    watched: bool,
-    forces: Collection[str] = (),
-) -> None:
+def check_method(name: str, kind: str, *, watched: bool, forces: Collection[str] = ()) -> None:
     """Raise ValueError if a method does not integrate the scene, or cannot be observed."""
     if name in (AUTO, EXACT):
         return
@@ -251,7 +229,8 @@ def check_method(
     left_out = [force for force in forces if force not in _named(name).forces]
     if left_out:
         words = forces_in_words(left_out)
-        others = ", ".join(map(repr, methods_under(forces)))
+        known = (method.name for method in methods() if set(forces) <= set(method.forces))
+        others = ", ".join(map(repr, known))
         raise ValueError(f"method = {name!r}: does not integrate {words}; use one of {others}")
 
 

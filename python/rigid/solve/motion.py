@@ -3,25 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from .. import _core
 from .._checks.arguments import finite_float, resolve_threads, rows
+from .._checks.arrays import AttitudeLike, Floats
 from .._checks.warned import warn_caller
 from ..model.body import Body
 from ..model.frame import attitudes_in_frame, checked_frame, turned
 from ..model.scene import Scene, check_scene
+from .bodies import bodies_of, holds_rods
 from .methods import check_method, known_method, longest_angle, methods
-from .starts import bodies_of, holds_rods
-
-if TYPE_CHECKING:
-    from scipy.spatial.transform import Rotation
-
-
-Floats = NDArray[np.float64]
 
 DEFAULT = "dop853"
 """Its steps keep energy and attitude as steps of ``rk4`` do that are a ninth as long."""
@@ -90,7 +85,7 @@ class Motion:
         self,
         scene: Scene | Body,
         omega: ArrayLike,
-        attitude: ArrayLike | Rotation | None = None,
+        attitude: AttitudeLike | None = None,
         *,
         t0: float = 0.0,
         method: str = DEFAULT,
@@ -99,12 +94,7 @@ class Motion:
     ) -> None:
         scene = self._scene = check_scene(scene, many=True)
         self._method = known_method("method", method, [method.name for method in methods()])
-        check_method(
-            method,
-            scene.kind,
-            watched=False,
-            forces=scene.forces,
-        )
+        check_method(method, scene.kind, watched=False, forces=scene.forces)
         self._frame = None if frame is None else checked_frame(frame)
         bodies = bodies_of(scene, omega, attitude, frame=self._frame, rod=True)
         if len(bodies.shape) > 1:
@@ -240,11 +230,7 @@ class Motion:
         return self.copy()
 
     def __reduce__(self) -> tuple[Callable[..., Motion], tuple[Any, ...]]:
-        options = {
-            "t0": self.t,
-            "method": self.method,
-            "threads": self._threads,
-        }
+        options = {"t0": self.t, "method": self.method, "threads": self._threads}
         first = 0 if self._single else slice(None)
         states = self._core.omega()[first], self._core.attitude()[first]
         return _rebuilt, (self.scene, *states, self._frame, options, *self._core.numbers())

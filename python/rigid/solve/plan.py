@@ -9,16 +9,17 @@ from __future__ import annotations
 
 import dataclasses
 import json
-from collections.abc import Mapping, Sequence, Sized
+from collections.abc import Callable, Mapping, Sequence, Sized
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Generic, Self, TypeVar
 
 from ..drawing.figure import html_table
 from ..model.forces import FORCES, forces_in_words
 from ..model.scene import Scene
 from .closed_form import Codes, Question, names
-from .lazy import Lazy
 from .methods import EXACT
+
+Made = TypeVar("Made")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -198,26 +199,51 @@ class Plan:
         return ", ".join(parts)
 
 
-class LazyPlan(Lazy[Plan]):
-    """A plan that is made when it is first read."""
+class Lazy(Generic[Made]):
+    """An object made when it is first read: many runs are made, few of their parts are read.
 
-    __slots__ = ()
+    What it is made of must not change meanwhile. Two threads that read it first make the same.
+    """
+
+    __slots__ = ("_made", "_making")
+
+    def __init__(self, make: Callable[..., Made], *given: Any) -> None:
+        self._making: tuple[Callable[..., Made], tuple[Any, ...]] | None = make, given
+        self._made: Made | None = None
+
+    @classmethod
+    def of(cls, made: Made) -> Self:
+        """A wrapper of an object that is made already."""
+        return cls(lambda: made)
+
+    def __call__(self) -> Made:
+        """The object."""
+        making = self._making
+        if making is not None:
+            make, given = making
+            self._made = make(*given)
+            self._making = None  # and what it holds: this comes last, for other threads
+        assert self._made is not None
+        return self._made
 
     def amend(self, reason: str | None = None, **fields: Any) -> None:
         """Change fields of a plan that is not yet read, and add a reason."""
         assert self._making is not None
         make, given = self._making
 
-        def amended() -> Plan:
-            plan = make(*given)
+        def amended() -> Any:
+            plan: Any = make(*given)
             if reason is not None:
                 fields["why"] = (*plan.why, reason)
             return dataclasses.replace(plan, **fields)
 
         self._making = amended, ()
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self).of, (self(),)
 
-def plan_of_parts(scene: Scene, plans: Sequence[LazyPlan], groups: Sequence[Sized]) -> Plan:
+
+def plan_of_parts(scene: Scene, plans: Sequence[Lazy[Plan]], groups: Sequence[Sized]) -> Plan:
     """The plan of a scene whose bodies are solved in groups, from a group that takes steps."""
     parts = [plan() for plan in plans]
     # Of the plans in closed form and by steps the latter tells more.

@@ -7,18 +7,14 @@ from math import prod
 from typing import TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .. import _core
-from ..model.scene import Scene
-from .arrays import Range, lengths
+from .arrays import Floats, Range, lengths
 from .bodies import Bodies
-from .closed_form import Codes, moment_rows, names, question_words
+from .closed_form import Codes, names, question_words
 from .methods import EXACT
 from .plan import Plan, carried, left_out, not_left_out
-from .problem import Problem
-
-Floats = NDArray[np.float64]
+from .request import Problem
 
 Reason: TypeAlias = str | Callable[[], str]
 """A reason of a plan, or how to word it."""
@@ -171,14 +167,6 @@ def _fastest_above_rest(bodies: Bodies) -> Floats:
     raised = 0.5 * np.sum((bodies.gammas() + bodies.weight / size[:, None]) ** 2, axis=1)
     fastest: Floats = np.sqrt(2.0 * (kinetic + size * raised) / bodies.moments.min(axis=1))
     return fastest
-
-
-def damping_rate(scene: Scene) -> float:
-    """The largest rate at which damping slows a body (1/s)."""
-    forces = scene.acting()
-    if forces is None:
-        return 0.0
-    return float(forces.damping_rates(moment_rows(scene)).max(initial=0.0))
 
 
 def _memory(problem: Problem) -> int | None:

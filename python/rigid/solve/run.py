@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Mapping, MutableMapping, Sequence
+from collections.abc import Callable, Mapping, MutableMapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
@@ -13,28 +14,24 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
 from .._checks.arguments import brief, one_line, one_of, one_time, resolve_threads
-from .._checks.arrays import finite_array
+from .._checks.arrays import Floats, finite_array
 from .._checks.inputs import described
 from .._checks.progress import ProgressOption
 from ..model.events import Event
 from ..model.frame import attitudes_in_frame, attitudes_in_principal_axes, checked_frame, turned
 from ..model.leading import Shape
 from ..model.scene import FreeBody, Scene, scene_from_dict
+from ..rotations.apply import to_space
 from .archive import Archive
 from .arrays import Range, in_rows, time_ranges
 from .attitude_ephemeris import write_aem
-from .bodies import Bodies
-from .columns import Column, Columns, Result
-from .dataset import take_numbers
-from .error_estimate import ErrorEstimate
+from .bodies import Bodies, bodies_of
+from .columns import Column, Columns, Result, take_numbers
 from .events import Events, FoundEvents
-from .lazy import Lazy
 from .methods import EXACT
-from .plan import LazyPlan, Plan
-from .problem import Problem
-from .request import Request
-from .solution import solve
-from .starts import bodies_of
+from .plan import Lazy, Plan
+from .request import Problem, Request
+from .solution import COLUMNS, ErrorEstimate, end_records, solve
 from .status import (
     COARSE_ERROR,
     Status,
@@ -43,7 +40,6 @@ from .status import (
     sentences,
     status_by_error,
 )
-from .target import COLUMNS, end_records
 
 if TYPE_CHECKING:
     from datetime import datetime
@@ -55,8 +51,6 @@ if TYPE_CHECKING:
 
     from ..animation import Animation
     from ..animation.story import Recording
-
-Floats = NDArray[np.float64]
 
 
 FORMAT = "rigid run 1"
@@ -195,7 +189,7 @@ class Run(Result):
     _spec: Lazy[dict[str, Any]]
     _shape: Shape
     _columns: Columns
-    _plan: LazyPlan
+    _plan: Lazy[Plan]
 
     t = Column[Floats]("s", "t")
     omega = Column[Floats]("rad/s", "body", "t", "axis")
@@ -276,8 +270,7 @@ class Run(Result):
         A second run is among them; ``check=False`` makes none. Of a run in closed form of some
         microseconds it is the time that passed.
         """
-        nanoseconds: Any = self._columns["nanoseconds"]
-        return int(nanoseconds)
+        return int(self._columns["nanoseconds"])
 
     @property
     def spec(self) -> dict[str, Any]:
@@ -290,7 +283,7 @@ class Run(Result):
         return self._plan()
 
     @property
-    def frame(self) -> NDArray[np.float64] | None:
+    def frame(self) -> Floats | None:
         """The body axes of all components, shape (3, 3): see :meth:`in_frame`.
 
         None: the principal axes.
@@ -331,45 +324,35 @@ class Run(Result):
         frame = None if frame is None else checked_frame(frame)
         run = self
         if run.frame is not None:
-            known = run.attitude
-            back = None if known is None else attitudes_in_principal_axes(run.frame, known)
-            events = tuple(
-                one.turned(run.frame.T, attitudes_in_principal_axes(run.frame, one.attitude))
-                for one in run.events
-            )
-            run = replace(run._turned(run.frame.T, back), _events=events)
+            run = run._turned(run.frame.T, partial(attitudes_in_principal_axes, run.frame))
         if frame is not None:
-            known = run.attitude
-            events = tuple(
-                one.turned(frame, attitudes_in_frame(frame, one.attitude)) for one in run.events
-            )
-            run = run._turned(frame, None if known is None else attitudes_in_frame(frame, known))
-            run = replace(run, _events=events)
+            run = run._turned(frame, partial(attitudes_in_frame, frame))
         spec = {name: value for name, value in run.spec.items() if name != "frame"}
         if frame is not None:
             spec["frame"] = frame.tolist()
         return replace(run, _spec=Lazy.of(spec))
 
-    def _turned(self, axes: NDArray[np.float64], attitude: NDArray[np.float64] | None) -> Run:
-        """The run with ``axes @ v`` for all vectors in the body, and these attitudes."""
+    def _turned(self, axes: Floats, attitudes: Callable[[Floats], Floats]) -> Run:
+        """The run with ``axes @ v`` for all vectors in the body, and with turned attitudes."""
         gamma, tangent, sensitivity = self.gamma, self.tangent, self.sensitivity
         if tangent is not None:
             rows = _turned_rows(axes, tangent)
             tangent = np.swapaxes(_turned_rows(axes, np.swapaxes(rows, -1, -2)), -1, -2)
-        return self.with_arrays(
+        run = self.with_arrays(
             omega=turned(axes, self.omega),
             gamma=None if gamma is None else turned(axes, gamma),
-            attitude=attitude,
+            attitude=None if self.attitude is None else attitudes(self.attitude),
             tangent=tangent,
             sensitivity=None if sensitivity is None else _turned_rows(axes, sensitivity),
             error=self.error + _ROUNDING_OF_TURN,
         )
+        events = tuple(one.turned(axes, attitudes(one.attitude)) for one in self.events)
+        return replace(run, _events=events)
 
     @property
     def flagged(self) -> NDArray[np.bool_]:
         """Whether the estimated error is above the requested accuracy, or 1 or more without one."""
-        flagged: NDArray[np.bool_] = np.asarray(self.error) >= self._limit
-        return flagged
+        return np.asarray(self.error) >= self._limit
 
     @property
     def _limit(self) -> float:
@@ -511,7 +494,7 @@ an accuracy
             made = _in_order(made, given, order)
         return made if self.frame is None else made.in_frame(self.frame)
 
-    def energy(self) -> NDArray[np.float64]:
+    def energy(self) -> Floats:
         """Kinetic and potential energy ``omega·I omega / 2 + mgl com·gamma`` (J), shape (n, m).
 
         Under torque and damping it changes by the :attr:`work`.
@@ -536,14 +519,14 @@ an accuracy
         """
         scene = scene_from_dict(self.spec["scene"])
         run = self if self.frame is None else self.in_frame(None)
-        energy: NDArray[np.float64] = 0.5 * _along(run.omega**2, np.array(scene.body.moments))
+        energy: Floats = 0.5 * _along(run.omega**2, np.array(scene.body.moments))
         if not scene.weight.any():
             return energy
         if run.gamma is None:
             raise ValueError("record = 'rates': the potential energy of a top needs its vertical")
         return energy + _along(run.gamma, scene.weight)
 
-    def momentum(self, frame: str = "body") -> NDArray[np.float64]:
+    def momentum(self, frame: str = "body") -> Floats:
         """Angular momentum ``I omega`` (kg m²/s), with a rotor, shape (n, m, 3).
 
         About the fixed point of a top, else about the centre of mass.
@@ -580,9 +563,9 @@ an accuracy
             momentum = momentum + _of_each(np.array(scene.rotor))
         if axes is not None:
             momentum = turned(axes, momentum)
-        return momentum if frame == "body" else _in_space(self._recorded_attitude(), momentum)
+        return momentum if frame == "body" else to_space(self._recorded_attitude(), momentum)
 
-    def _recorded_attitude(self) -> NDArray[np.float64]:
+    def _recorded_attitude(self) -> Floats:
         if self.attitude is None:
             raise ValueError(
                 "record = 'attitude' was not asked for: there is no attitude to return"
@@ -713,21 +696,16 @@ an accuracy
         CCSDS_AEM_VERS = 1.0
         """
         times, attitudes = self._of_one(body, self._recorded_attitude())
-        return write_aem(
-            path,
-            times,
-            attitudes,
-            epoch=epoch,
-            object_name=object_name,
-            object_id=object_id,
-            frame=frame,
-            body_frame=body_frame,
-            originator=originator,
-        )
+        entries = {
+            "object_name": object_name,
+            "object_id": object_id,
+            "frame": frame,
+            "body_frame": body_frame,
+            "originator": originator,
+        }
+        return write_aem(path, times, attitudes, epoch=epoch, entries=entries)
 
-    def _of_one(
-        self, body: int | None, values: NDArray[np.float64]
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def _of_one(self, body: int | None, values: Floats) -> tuple[Floats, Floats]:
         """Times and values (m, ...) of one body."""
         index = self._index(body)
         return (self.t if self.t.ndim == 1 else self.t[index]), values[index]
@@ -1013,11 +991,11 @@ def turns_over(scene: Scene, t: Floats, omega: Floats) -> tuple[float, int]:
 
 def to_run(
     states: MutableMapping[str, Any],
-    times: NDArray[np.float64],
+    times: Floats,
     estimate: ErrorEstimate | _core.States,
     accuracy: float | None,
     spec: Lazy[dict[str, Any]],
-    plan: LazyPlan,
+    plan: Lazy[Plan],
     bodies: Bodies,
     parameters: tuple[str, ...] = (),
     found: FoundEvents | None = None,
@@ -1049,7 +1027,7 @@ def to_run(
     )
 
 
-def _check_inside(times: NDArray[np.float64], reached: Range) -> None:
+def _check_inside(times: Floats, reached: Range) -> None:
     """Raise ValueError for a time outside the run."""
     first, last = (np.reshape(bound, (-1, 1)) for bound in reached)
     outside = np.argwhere((times < first) | (times > last))
@@ -1061,7 +1039,7 @@ def _check_inside(times: NDArray[np.float64], reached: Range) -> None:
         )
 
 
-def _in_order(run: Run, times: NDArray[np.float64], order: NDArray[np.intp]) -> Run:
+def _in_order(run: Run, times: Floats, order: NDArray[np.intp]) -> Run:
     """The states of ascending times, in the order of the requested times."""
     place = np.argsort(order, axis=-1)
 
@@ -1084,34 +1062,25 @@ def _largest(error: Floats) -> float | None:
     return float(known.max()) if len(known) else None
 
 
-def _along(vectors: NDArray[np.float64], of_bodies: NDArray[np.float64]) -> NDArray[np.float64]:
+def _along(vectors: Floats, of_bodies: Floats) -> Floats:
     """Products of vectors (..., m, 3) with the vector of all bodies, or of each (..., 3)."""
     if of_bodies.ndim == 1:
         return vectors @ of_bodies
-    product: NDArray[np.float64] = (vectors @ of_bodies[..., np.newaxis])[..., 0]
-    return product
+    return (vectors @ of_bodies[..., np.newaxis])[..., 0]
 
 
-def _of_each(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
+def _of_each(vectors: Floats) -> Floats:
     """Vectors (3,) of all bodies, or (..., 3) of each, that broadcast with an axis of times."""
     return vectors if vectors.ndim == 1 else vectors[..., np.newaxis, :]
 
 
-def _turned_rows(axes: NDArray[np.float64], matrices: NDArray[np.float64]) -> NDArray[np.float64]:
+def _turned_rows(axes: Floats, matrices: Floats) -> Floats:
     """The rows of rates and of a rotation vector in turned axes, from matrices (..., 6, k)."""
     rows = np.swapaxes(matrices, -1, -2)
     with np.errstate(invalid="ignore"):
         halves = [turned(axes, rows[..., :3]), turned(axes, rows[..., 3:])]
     both = np.swapaxes(np.concatenate(halves, axis=-1), -1, -2)
     return np.where(np.isnan(both) & ~np.isnan(matrices).any(), np.inf, both)
-
-
-def _in_space(attitude: NDArray[np.float64], vectors: NDArray[np.float64]) -> NDArray[np.float64]:
-    """``q v q*`` of vectors (..., 3), for quaternions of any length near one."""
-    scalar, axis = attitude[..., :1], attitude[..., 1:]
-    twice = 2.0 * np.cross(axis, vectors)
-    moved: NDArray[np.float64] = vectors + scalar * twice + np.cross(axis, twice)
-    return moved
 
 
 def load_run(path: str | PathLike[str]) -> Run:
@@ -1197,5 +1166,5 @@ def _run_of(arrays: dict[str, NDArray[Any]], header: dict[str, Any]) -> Run:
         _parameters=tuple(header["parameters"]),
         _events=events,
         _spec=Lazy.of(header["spec"]),
-        _plan=LazyPlan.of(Plan.from_dict(header["plan"])),
+        _plan=Lazy.of(Plan.from_dict(header["plan"])),
     )

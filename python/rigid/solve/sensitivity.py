@@ -2,31 +2,23 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from .._checks.arguments import resolve_threads, sorted_times
+from .._checks.arrays import AttitudeLike, Floats
 from ..model.body import Body
 from ..model.scene import Scene, check_scene
-from .bodies import Bodies
+from .bodies import Bodies, bodies_of
 from .methods import TO_ROUNDING
 from .request import Request
-from .starts import bodies_of
 from .tangent import ROUNDING, rate_scale, tangent_matrices
-
-if TYPE_CHECKING:
-    from scipy.spatial.transform import Rotation
-
-
-Floats = NDArray[np.float64]
 
 
 def condition(
     scene: Scene | Body,
     omega: ArrayLike,
-    attitude: ArrayLike | Rotation | None = None,
+    attitude: AttitudeLike | None = None,
     *,
     t: ArrayLike,
     threads: int | None = None,
@@ -106,5 +98,4 @@ def amplification(bodies: Bodies, times: Floats, threads: int) -> Floats:
     finite = np.isfinite(matrices).all(axis=(-2, -1))
     lost = np.where(np.isnan(matrices).any(axis=(-2, -1)), np.nan, np.inf)
     matrices[~finite] = 0.0
-    found: Floats = np.where(finite, np.linalg.norm(matrices, 2, axis=(-2, -1)), lost)
-    return found
+    return np.where(finite, np.linalg.norm(matrices, 2, axis=(-2, -1)), lost)

@@ -24,21 +24,17 @@ from ..model.frame import checked_frame
 from ..model.scene import Scene, check_scene
 from ..model.torque import NO_EXPONENT
 from .arrays import in_rows, time_ranges, time_span
-from .bodies import Bodies
+from .bodies import Bodies, bodies_of
 from .choose_method import choose_method, has_closed_form
 from .closed_form import RECORDS
-from .error_estimate import ErrorEstimate, unknown_error
 from .events import check_event_method
-from .lazy import Lazy
 from .methods import EXACT, FUNCTION, adaptive_methods
 from .parameters import check_parameters
-from .problem import LEAST_TOLERANCE, Problem
-from .request import Request
+from .plan import Lazy
+from .request import LEAST_TOLERANCE, Problem, Request
 from .run import Run, to_run
-from .solution import Watched, solve
-from .starts import bodies_of
+from .solution import PLAIN, ErrorEstimate, Target, Watched, end_records, solve, unknown_error
 from .tangent import check_tangent
-from .target import PLAIN, Target, end_records
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation

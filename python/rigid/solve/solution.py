@@ -6,29 +6,181 @@ call.
 
 from __future__ import annotations
 
-from collections.abc import MutableMapping, Sequence
+from collections.abc import Mapping, MutableMapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from math import prod
+from typing import Any, NamedTuple, Self
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import DTypeLike, NDArray
 
 from .. import _core
+from .._checks.arguments import brief, one_of, two_digits_above
 from ..model.events import Event
 from ..model.scene import Scene
-from .arrays import largest, time_ranges, time_span
-from .choose_method import Choice, bodies_alike, choose_method, parts_of
-from .error_estimate import ErrorEstimate, closed_form_error
+from .arrays import Floats, Range, largest, time_ranges, time_span
+from .bodies import Bodies
+from .choose_method import Choice, bodies_alike, choose_method
 from .events import FoundEvents, events_of_parts, find_events
 from .methods import EXACT, SERIES, SERIES_TOLERANCE
 from .parameters import parameter_changes
-from .plan import LazyPlan, Plan, plan_of_parts
-from .problem import Problem
-from .request import Request
+from .plan import Lazy, Plan, plan_of_parts
+from .request import Problem, Request
 from .tangent import tangent_of
-from .target import PLAIN, Target
 
-Floats = NDArray[np.float64]
+COLUMNS: Mapping[str, int] = {"omega": 3, "gamma": 3, "attitude": 4, "work": 1}
+"""The numbers in a row of the arrays of a run with an axis of times."""
+
+SINGLE = 2.0**-23
+"""Angle (rad) by which single precision rounds an attitude: twice as much as for a vector."""
+
+SLOWEST, FASTEST = 1e-30, 1e30
+"""Rates between these are rounded to single precision relative to their size (rad/s)."""
+
+
+class ErrorEstimate(NamedTuple):
+    """Estimated errors of some bodies.
+
+    Attributes
+    ----------
+    error : ndarray, shape (n,)
+        The largest error at the compared times; NaN if it is not known.
+    lost_from : ndarray, shape (n,)
+        The time (s) nearest to 0 from which on the error is 1 or more; infinite if there is none.
+    """
+
+    error: Floats
+    lost_from: Floats
+
+
+def unknown_error(count: int) -> ErrorEstimate:
+    """The estimate of bodies whose error is unknown."""
+    return ErrorEstimate(np.full(count, np.nan), np.full(count, np.nan))
+
+
+@dataclass(frozen=True, slots=True)
+class Target:
+    """The arrays for the states of a run.
+
+    Attributes
+    ----------
+    single : bool
+        Whether new arrays have single precision.
+    given : dict of str to ndarray
+        Arrays of shape (n, m, k) by their names.
+    """
+
+    single: bool
+    given: dict[str, NDArray[Any]]
+
+    @classmethod
+    def of(
+        cls,
+        dtype: DTypeLike,
+        out: Mapping[str, NDArray[Any]] | None,
+        shape: tuple[int, ...],
+        recorded: tuple[str, ...],
+    ) -> Self:
+        """The target of a call.
+
+        Parameters
+        ----------
+        dtype : dtype
+            ``float64`` or ``float32``.
+        out : mapping or None
+            Arrays by the names of their attributes of a run.
+        shape : tuple of int
+            ``(..., m)``, or ``(m,)`` of a single body.
+        recorded : tuple of str
+            Names of the recorded arrays.
+
+        Raises
+        ------
+        TypeError
+            If an array is none.
+        ValueError
+            If the type is another one, a name is not recorded, or an array cannot be filled.
+        """
+        if np.dtype(dtype) not in (np.float64, np.float32):
+            raise ValueError(f"dtype = {np.dtype(dtype)}: must be float64 or float32")
+        count = prod(shape[:-1])
+        given = {}
+        for name, array in (out or {}).items():
+            width = COLUMNS[one_of("out", name, recorded)]
+            wanted = shape if width == 1 else (*shape, width)
+            given[name] = _fillable(name, array, wanted).reshape(count, shape[-1], width)
+        return cls(np.dtype(dtype) == np.float32, given)
+
+    def check(self, bodies: Bodies, reached: Range, accuracy: float | None) -> None:
+        """Raise ValueError for numbers that single precision cannot hold."""
+        if not self._rounds:
+            return
+        if accuracy is not None and accuracy <= SINGLE:
+            least = two_digits_above(SINGLE)
+            raise ValueError(f"accuracy = {accuracy:g}: must be at least {least} in float32")
+        rates = bodies.fastest_rates(reached)
+        outside = np.flatnonzero((rates > 0.0) & ~((rates > SLOWEST) & (rates < FASTEST)))
+        if len(outside):
+            raise ValueError(
+                f"dtype = float32: the rates of body {outside[0]} reach "
+                f"{rates[outside[0]]:.3g} rad/s; they must be zero or between {SLOWEST:g} and "
+                f"{FASTEST:g}: count the time in another unit"
+            )
+
+    @property
+    def _rounds(self) -> bool:
+        return self.single or any(array.dtype == np.float32 for array in self.given.values())
+
+    @property
+    def exact(self) -> dict[str, NDArray[Any]]:
+        """The given arrays of double precision, in which steps are compared before rounding."""
+        return {name: array for name, array in self.given.items() if array.dtype == np.float64}
+
+    def finish(self, states: MutableMapping[str, Any], error: Floats) -> Floats:
+        """Store all states; return their errors with the rounding included."""
+        for name, width in COLUMNS.items():
+            array, given = states[name], self.given.get(name)
+            if given is not None:
+                given = given if width > 1 else given[..., 0]
+                if not np.may_share_memory(given, array):
+                    given[:] = array
+                states[name] = given
+            elif self.single and array is not None and width > 1:
+                states[name] = array.astype(np.float32, copy=False)
+        return error + SINGLE if self._rounds else error
+
+
+PLAIN = Target(single=False, given={})
+"""All arrays are new and of double precision."""
+
+
+def _fillable(name: str, array: object, shape: tuple[int, ...]) -> NDArray[Any]:
+    """The array of ``out``, if states can be written into it."""
+    if not isinstance(array, np.ndarray):
+        raise TypeError(f"out[{name!r}] = {brief(array)}: must be an array")
+    flags = array.flags
+    if (
+        array.shape != shape
+        or array.dtype not in (np.float64, np.float32)
+        or not (flags.c_contiguous and flags.writeable and flags.aligned)
+    ):
+        raise ValueError(
+            f"out[{name!r}]: must be writeable and C-contiguous, of shape {shape} and float64 or "
+            f"float32; got {array.shape} of {array.dtype}"
+        )
+    return array
+
+
+def end_records(
+    states: MutableMapping[str, Any], times: NDArray[np.float64], last: NDArray[np.float64]
+) -> None:
+    """Write NaN over the states at times (m,) or (n, m) after the last of each body, (n, 1)."""
+    after = times > last
+    if not after.any():
+        return
+    for name in (*COLUMNS, "tangent", "sensitivity"):
+        if states.get(name) is not None:
+            states[name][after] = np.nan
 
 
 class Watched(NamedTuple):
@@ -53,7 +205,7 @@ class Solution:
     method : str
         The method of bodies without a closed form; ``"exact"`` if all have one.
     tolerance : float or None
-    plan : LazyPlan
+    plan : Lazy of Plan
     found : FoundEvents or None
     """
 
@@ -61,7 +213,7 @@ class Solution:
     estimate: ErrorEstimate | _core.States
     method: str
     tolerance: float | None
-    plan: LazyPlan
+    plan: Lazy[Plan]
     found: FoundEvents | None = None
 
 
@@ -96,16 +248,16 @@ def solve(
     options = check, watched, parameters
     if problem is None:
         return _solve_alike(scene, None, request, *options, target)
-    groups = bodies_alike(problem)
-    if len(groups) == 1:
+    problems = bodies_alike(problem)
+    if len(problems) == 1:
         return _solve_alike(scene, problem, request, *options, target)
     parts = []
-    for own, some in zip(parts_of(problem, groups), groups, strict=True):
+    for own, some in problems:
         assert own.bodies is not None
         times = request.times if request.times.ndim == 1 else request.times[some]
         part = replace(request, bodies=own.bodies, times=times)
         parts.append(_solve_alike(own.scene, own, part, *options, PLAIN))
-    return _merged(problem, parts, groups)
+    return _merged(problem, parts, [some for _, some in problems])
 
 
 def _solve_alike(
@@ -165,12 +317,13 @@ def _by_closed_form(
     if worst is None:
         bodies = request.bodies
         bodies.note_rates(states.pop("fastest_rate"))
-        estimate = closed_form_error(bodies, request.times, states["omega"])
+        known = _core.errors_of_closed_forms(bodies, request.times, states["omega"])
+        estimate = ErrorEstimate(*known)
         worst = largest(estimate.error)
     error = worst if worst < 1.0 else None
     if choice is None:
         number, times = max(len(request.bodies.omega), 1), len(request.times)
-        plan = LazyPlan(_plan_of_any_start, scene, request.record, number, times, error)
+        plan = Lazy(_plan_of_any_start, scene, request.record, number, times, error)
     else:
         plan = choice.plan
         plan.amend(error=error)
@@ -210,18 +363,12 @@ def _by_steps(
         made.plan.amend(f"{some} of {len(by_series)} bodies by {SERIES}")
     accurate = (states.error <= choice.accuracy) & ~by_series
     if problem.accuracy is not None and accurate.any():
-        step, most = _made_steps(states["steps"], time_span(request.times), accurate)
-        made.plan.amend(step=step, steps=most)
+        taken = states["steps"]
+        moved = accurate & (taken > 0)
+        lengths = np.broadcast_to(time_span(request.times), taken.shape)[moved] / taken[moved]
+        shortest = float(lengths.min()) if len(lengths) else None
+        made.plan.amend(step=shortest, steps=int(taken[accurate].max(initial=0)))
     return made
-
-
-def _made_steps(
-    taken: NDArray[np.uint64], span: float | Floats, accurate: NDArray[np.bool_]
-) -> tuple[float | None, int]:
-    """The shortest step (s) of the accurate bodies that cover this time, and the most steps."""
-    moved = accurate & (taken > 0)
-    made = np.broadcast_to(span, taken.shape)[moved] / taken[moved]
-    return float(made.min()) if len(made) else None, int(taken[accurate].max(initial=0))
 
 
 def _merged(
@@ -234,7 +381,8 @@ def _merged(
     estimate = ErrorEstimate(np.empty(count), np.empty(count))
     for part, mine in zip(parts, groups, strict=True):
         states["nanoseconds"] += part.states.pop("nanoseconds")
-        estimate.write(mine, ErrorEstimate(part.estimate.error, part.estimate.lost_from))
+        estimate.error[mine] = part.estimate.error
+        estimate.lost_from[mine] = part.estimate.lost_from
         for name, values in part.states.items():
             if name in ("error", "lost_from", "fastest_rate"):
                 continue
@@ -246,7 +394,7 @@ def _merged(
                 states[name] = np.zeros((count, *values.shape[1:]), values.dtype)
             states[name][mine] = values
     found = [part.found for part in parts if part.found is not None]
-    plan = LazyPlan(plan_of_parts, problem.scene, [part.plan for part in parts], groups)
+    plan = Lazy(plan_of_parts, problem.scene, [part.plan for part in parts], groups)
     by_steps = min(parts, key=lambda part: part.method == EXACT)
     return Solution(
         states,

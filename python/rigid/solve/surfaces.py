@@ -10,13 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
-from .arrays import lengths
+from .arrays import Floats, lengths
 from .bodies import Bodies
-from .error_estimate import closed_form_error, known_rates
 from .methods import FUNCTION, SERIES, TO_ROUNDING
 from .request import Request
-
-Floats = NDArray[np.float64]
 
 TOLERANCE = 2.0**-57
 """Size of the last terms of a step: a sixteenth of rounding, which alone is left then."""
@@ -47,60 +44,21 @@ def default_tolerance(forces: Collection[str]) -> float:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Surfaces:
-    """Surfaces of some bodies, one of each kind: ``normal·(omega, gamma) + momentum·L = value``.
+class Search:
+    """The points of some bodies on their surfaces ``normal·(omega, gamma) + momentum·L = value``.
 
     Attributes
     ----------
+    bodies : Bodies
     kinds : tuple of (bool, int, bool)
-        Of each kind: whether it is the rate of the left side that is zero, the direction, and
-        whether its points are counted.
+        Of each surface of a body: whether it is the rate of the left side that is zero, the
+        direction, and whether its points are counted.
     normal : ndarray, shape (n, kinds, 6)
     momentum : ndarray, shape (n, kinds, 3)
         In one over the unit of moments of the bodies.
     value : ndarray, shape (n, kinds)
     rotor : ndarray, shape (n, 3)
         Momentum of a rotor in each body, in the unit of moments of the bodies.
-    """
-
-    kinds: tuple[tuple[bool, int, bool], ...]
-    normal: Floats
-    momentum: Floats
-    value: Floats
-    rotor: Floats
-
-    def select(self, bodies: NDArray[np.intp]) -> Self:
-        """The surfaces of some bodies."""
-        names = ("normal", "momentum", "value", "rotor")
-        return replace(self, **{name: getattr(self, name)[bodies] for name in names})
-
-    def scales(self, bodies: Bodies, ends: Floats, met: Floats) -> Floats:
-        """The scale of the function that is zero on each surface, shape (n, kinds).
-
-        Bodies under a function, which may have no bound, have met these rates, (n,).
-        """
-        rate = known_rates(bodies, (np.zeros_like(ends), ends), met)[:, np.newaxis]
-        of_omega, of_gamma = np.split(np.abs(self.normal), 2, axis=-1)
-        size = np.linalg.norm
-        # A rate that overflows belongs to a body that is not run.
-        with np.errstate(invalid="ignore", over="ignore"):
-            momentum = bodies.moments.max(axis=1)[:, np.newaxis] * rate
-            momentum = momentum + size(self.rotor, axis=-1)[:, np.newaxis]
-            of_momentum = size(self.momentum, axis=-1)
-            scale: Floats = size(of_omega, axis=-1) * rate + size(of_gamma, axis=-1)
-            scale = scale + np.where(of_momentum > 0.0, of_momentum * momentum, 0.0)
-            turning = np.array([of_rate for of_rate, _, _ in self.kinds], dtype=bool)
-            return np.where(turning, scale * rate, scale)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Search:
-    """The points of some bodies on their surfaces.
-
-    Attributes
-    ----------
-    bodies : Bodies
-    surfaces : Surfaces
     ends : ndarray, shape (n,)
         Time at which the motion of each body ends (s).
     count : int or None
@@ -115,7 +73,11 @@ class Search:
     """
 
     bodies: Bodies
-    surfaces: Surfaces
+    kinds: tuple[tuple[bool, int, bool], ...]
+    normal: Floats
+    momentum: Floats
+    value: Floats
+    rotor: Floats
     ends: Floats
     count: int | None
     method: str
@@ -124,25 +86,31 @@ class Search:
     max_steps: int
     threads: int
 
-    def select(self, some: NDArray[np.intp]) -> Self:
-        """The search of some bodies."""
-        return replace(
-            self,
-            bodies=self.bodies.select(some),
-            surfaces=self.surfaces.select(some),
-            ends=self.ends[some],
-        )
+    def found(self, *, check: bool) -> dict[str, NDArray[Any]]:
+        """The columns of the core, with the ``body`` and the ``error`` of each point.
 
-    def points(self) -> dict[str, NDArray[Any]]:
+        ``lost_from`` is the time from which on the points of each body are lost. Both are NaN
+        without a ``check``, unless a closed form gives them.
+        """
+        found = self._points()
+        counts = found.pop("points").astype(np.intp)
+        body = found["body"] = np.repeat(np.arange(len(self.bodies)), counts)
+        found["error"], found["lost_from"] = (
+            self._errors(found, counts, body)
+            if check or self.closed
+            else (np.full(len(body), np.nan), np.full(len(self.bodies), np.nan))
+        )
+        return found
+
+    def _points(self) -> dict[str, NDArray[Any]]:
         """The columns of the core for all bodies."""
-        surfaces = self.surfaces
         return _core.section(
             **self.bodies.columns(),
             method=self.method,
-            kinds=list(surfaces.kinds),
-            normal=np.ascontiguousarray(surfaces.normal.reshape(-1, 6)),
-            momentum=np.ascontiguousarray(surfaces.momentum.reshape(-1, 3)),
-            value=np.ascontiguousarray(surfaces.value.ravel()),
+            kinds=list(self.kinds),
+            normal=np.ascontiguousarray(self.normal.reshape(-1, 6)),
+            momentum=np.ascontiguousarray(self.momentum.reshape(-1, 3)),
+            value=np.ascontiguousarray(self.value.ravel()),
             ends=self.ends,
             count=2**63 - 1 if self.count is None else self.count,
             closed=self.closed,
@@ -151,7 +119,41 @@ class Search:
             threads=self.threads,
         )
 
-    def errors(
+    def _select(self, some: NDArray[np.intp]) -> Self:
+        """The search of some bodies."""
+        names = ("normal", "momentum", "value", "rotor", "ends")
+        own = {name: getattr(self, name)[some] for name in names}
+        return replace(self, bodies=self.bodies.select(some), **own)
+
+    @property
+    def _turns(self) -> NDArray[np.bool_]:
+        """Whether it is the rate of the left side that is zero, of each kind."""
+        return np.array([turns for turns, _, _ in self.kinds], dtype=bool)
+
+    def _fastest(self, met: Floats) -> Floats:
+        """Bounds of the rates, under a function at least the rates met: it may have no bound."""
+        rates = self.bodies.fastest_rates((np.zeros_like(self.ends), self.ends))
+        is_called = self.bodies.forces is not None and self.bodies.forces.calls
+        return np.fmax(rates, met) if is_called else rates
+
+    def _scales(self, met: Floats) -> Floats:
+        """The scale of the function that is zero on each surface, shape (n, kinds).
+
+        Bodies under a function, which may have no bound, have met these rates, (n,).
+        """
+        rate = self._fastest(met)[:, np.newaxis]
+        of_omega, of_gamma = np.split(np.abs(self.normal), 2, axis=-1)
+        size = np.linalg.norm
+        # A rate that overflows belongs to a body that is not run.
+        with np.errstate(invalid="ignore", over="ignore"):
+            momentum = self.bodies.moments.max(axis=1)[:, np.newaxis] * rate
+            momentum = momentum + size(self.rotor, axis=-1)[:, np.newaxis]
+            of_momentum = size(self.momentum, axis=-1)
+            scale: Floats = size(of_omega, axis=-1) * rate + size(of_gamma, axis=-1)
+            scale = scale + np.where(of_momentum > 0.0, of_momentum * momentum, 0.0)
+            return np.where(self._turns, scale * rate, scale)
+
+    def _errors(
         self, found: dict[str, NDArray[Any]], counts: NDArray[np.intp], body: NDArray[np.intp]
     ) -> tuple[Floats, Floats]:
         """Errors of the times (p,), and when the points of each body are lost (n,).
@@ -162,14 +164,15 @@ class Search:
         t, kind = found["t"], found["kind"]
         met = np.zeros(len(self.bodies))
         np.maximum.at(met, body, lengths(found["omega"]))
-        scale = self.surfaces.scales(self.bodies, self.ends, met)[body, kind]
+        scale = self._scales(met)[body, kind]
         if self.closed:
             omega = found["omega"][:, np.newaxis]
-            error = closed_form_error(self.bodies.select(body), t[:, np.newaxis], omega).error
+            bodies = self.bodies.select(body)
+            error, _ = _core.errors_of_closed_forms(bodies, t[:, np.newaxis], omega)
             off = error * scale
         else:
             off = SAFETY * self._second_run(found, counts)
-        value = np.abs(self.surfaces.value[body, kind])
+        value = np.abs(self.value[body, kind])
         rounding = ROUNDINGS * np.finfo(float).eps * (scale + value)
         with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
             late = (off + rounding) / np.abs(found["slope"]) + np.spacing(t)
@@ -189,13 +192,13 @@ class Search:
         """The largest value on the surface in a second run until each point, (p,)."""
         off = np.full(len(found["t"]), np.nan)
         first = np.concatenate([[0], np.cumsum(counts)])
-        uses_momentum = bool(self.surfaces.momentum.any())
+        uses_momentum = bool(self.momentum.any())
         for some in _alike(counts):
             most = np.arange(counts[some].max())
             places = first[some, np.newaxis] + np.minimum(most, counts[some, np.newaxis] - 1)
-            bodies = self.bodies.select(some)
+            own = self._select(some)
             states = Request(
-                bodies=bodies,
+                bodies=own.bodies,
                 times=found["t"][places],
                 method=self._other_method,
                 record="attitude" if uses_momentum else "axis",
@@ -204,35 +207,29 @@ class Search:
                 tolerance=max(1e-3 * self.tolerance, min(self.tolerance, TOLERANCE)),
             ).states(None, _core.ELSEWHERE if self.method == FUNCTION else 1.0)
             known = {name: found[name][places] for name in ("omega", "gamma", "attitude", "kind")}
-            values = self._values(bodies, some, states, known)
+            values = own._values(states, known)
             # Errors grow along a motion; where two runs agree by chance, those before still count.
             off[places] = np.maximum.accumulate(np.abs(values), axis=1)
         return off
 
-    def _values(
-        self,
-        bodies: Bodies,
-        some: NDArray[np.intp],
-        states: Mapping[str, Any],
-        known: dict[str, NDArray[Any]],
-    ) -> Floats:
+    def _values(self, states: Mapping[str, Any], known: dict[str, NDArray[Any]]) -> Floats:
         """Values of the surface functions at states of bodies at points of these kinds, (n, m)."""
-        surfaces, kind = self.surfaces.select(some), known["kind"]
-        rows = np.arange(len(some))[:, np.newaxis]
-        normal = surfaces.normal[rows, kind]
+        kind = known["kind"]
+        rows = np.arange(len(kind))[:, np.newaxis]
+        normal = self.normal[rows, kind]
         of_omega, of_gamma = normal[..., :3], normal[..., 3:]
-        of_momentum = surfaces.momentum[rows, kind]
+        of_momentum = self.momentum[rows, kind]
         omega, gamma = states["omega"], states["gamma"]
-        turning = np.array([of_rate for of_rate, _, _ in surfaces.kinds], dtype=bool)[kind]
+        turning = self._turns[kind]
         if states["attitude"] is None:  # no event of any body has the momentum
             along = np.zeros(kind.shape)
         else:
             axes = _space_axes(states["attitude"])
             gamma = axes[..., 2, :]
-            momentum = bodies.moments[:, np.newaxis] * omega + surfaces.rotor[:, np.newaxis]
+            momentum = self.bodies.moments[:, np.newaxis] * omega + self.rotor[:, np.newaxis]
             along = np.einsum("...j,...jk,...k->...", of_momentum, axes, momentum)
         values: Floats = _dot(of_omega, omega) + _dot(of_gamma, gamma) + along
-        values -= surfaces.value[rows, kind]
+        values -= self.value[rows, kind]
         if not turning.any():
             return values
         # The vertical changes by gamma x omega. Of the rates and the momentum, whose change depends
@@ -241,15 +238,12 @@ class Search:
         unknown = of_omega.any(axis=-1) | of_momentum.any(axis=-1)
         if (turning & unknown).any():
             met = lengths(known["omega"]).max(axis=1)
-            fastest = known_rates(bodies, (np.zeros(len(some)), self.ends[some]), met)
             pair = [
                 {"omega": one["omega"], "gamma": turned, "attitude": None}
                 for one, turned in ((states, gamma), (known, known["gamma"]))
             ]
-            apart = _core.distances(pair[0], pair[1], fastest)
-            rate = np.where(
-                unknown, apart * surfaces.scales(bodies, self.ends[some], met)[rows, kind], rate
-            )
+            apart = _core.distances(pair[0], pair[1], self._fastest(met))
+            rate = np.where(unknown, apart * self._scales(met)[rows, kind], rate)
         return np.where(turning, rate, values)
 
 
@@ -261,7 +255,7 @@ def _dot(a: Floats, b: Floats) -> Floats:
 def _space_axes(attitude: Floats) -> Floats:
     """The rows of the rotation matrices of quaternions: the space axes in the body."""
     w, x, y, z = np.moveaxis(attitude, -1, 0)
-    rows: Floats = np.stack(
+    return np.stack(
         [
             np.stack(
                 [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)], -1
@@ -275,7 +269,6 @@ def _space_axes(attitude: Floats) -> Floats:
         ],
         axis=-2,
     )
-    return rows
 
 
 def _alike(counts: NDArray[np.intp]) -> Iterator[NDArray[np.intp]]:

@@ -3,25 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from .._checks.arguments import one_of
-from .._checks.arrays import attitudes, finite_array, require
+from .._checks.arrays import AttitudeLike, Floats, attitudes, finite_array, require
 from .._checks.overflow import refuses_overflow
 from ..exact.symmetry import Symmetry, require_each, symmetry_of
 from ..free import invariants
 from ..model.leading import Shape, leading_shape
 from ..model.scene import HeavyTop, check_heavy_top, require_unforced
 from ..rotations.apply import to_body, to_space
-
-if TYPE_CHECKING:
-    from scipy.spatial.transform import Rotation
-
-
-Floats = NDArray[np.float64]
 
 
 def symmetric(scene: HeavyTop) -> Symmetry:
@@ -36,14 +29,15 @@ def symmetric(scene: HeavyTop) -> Symmetry:
     return symmetry
 
 
-def over_tops(scene: HeavyTop, *, times: Shape = (), **arguments: Floats) -> tuple[Floats, ...]:
-    """The arguments, broadcast to the axes of the tops and of each other.
+def over_tops(scene: HeavyTop, *, times: Shape = (), **arguments: ArrayLike) -> tuple[Floats, ...]:
+    """The finite arguments, broadcast to the axes of the tops and of each other.
 
     ``times`` has the axes of the tops that the times have.
     """
-    shapes = {name: array.shape for name, array in arguments.items()}
+    arrays = {name: finite_array(name, value) for name, value in arguments.items()}
+    shapes = {name: array.shape for name, array in arrays.items()}
     shape = leading_shape({"scene": scene.shape, **shapes, "t": times})
-    return tuple(np.broadcast_to(array, shape) for array in arguments.values())
+    return tuple(np.broadcast_to(array, shape) for array in arrays.values())
 
 
 def tilts(tilt: ArrayLike) -> Floats:
@@ -89,9 +83,7 @@ class HeavyConstants:
     beta: Floats | None
 
 
-def heavy_constants(
-    scene: HeavyTop, omega: ArrayLike, attitude: ArrayLike | Rotation
-) -> HeavyConstants:
+def heavy_constants(scene: HeavyTop, omega: ArrayLike, attitude: AttitudeLike) -> HeavyConstants:
     """Energy and angular momenta of a heavy top, and the constants a, b, alpha, beta.
 
     Under further forces they are the values of the given states, and change with time. Goldstein,
@@ -204,9 +196,7 @@ def precession_spin_rates(
     [1.25, 3.75]
     """
     symmetry = symmetric(scene)
-    angle, first, second = over_tops(
-        scene, tilt=tilts(tilt), a=finite_array("a", a), b=finite_array("b", b)
-    )
+    angle, first, second = over_tops(scene, tilt=tilts(tilt), a=a, b=b)
     upper = angle < 0.5 * np.pi
     lack = np.where(upper, first - second, first + second)
     vertical = (angle == 0.0) | (angle == np.pi)
@@ -219,9 +209,7 @@ def precession_spin_rates(
     return precession[()], spin[()]
 
 
-def gravity_torque(
-    scene: HeavyTop, attitude: ArrayLike | Rotation, *, frame: str = "body"
-) -> Floats:
+def gravity_torque(scene: HeavyTop, attitude: AttitudeLike, *, frame: str = "body") -> Floats:
     """Torque of the weight about the fixed point (N m), ``-mgl com × gamma``.
 
     The torque has the size ``mgl sin(tilt)`` and the direction of the node line. So it is

@@ -11,13 +11,11 @@ from dataclasses import dataclass
 from math import pi
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from .._checks.arrays import finite_array, require
+from .._checks.arrays import Floats, finite_array, require
 from .._checks.overflow import refuses_overflow
 from ..exact import agm, carlson_rf, jacobi
-
-Floats = NDArray[np.float64]
 
 SLACK = 1e-12
 """Largest error of roots that the rounding of the constants may cause."""
@@ -73,8 +71,7 @@ def f_u(u: ArrayLike, *, a: ArrayLike, b: ArrayLike, alpha: ArrayLike, beta: Arr
     """
     u, a = finite_array("u", u), finite_array("a", a)
     b, alpha = finite_array("b", b), finite_array("alpha", alpha)
-    square: Floats = (alpha - finite_array("beta", beta) * u) * (1.0 - u * u) - (a - b * u) ** 2
-    return square
+    return (alpha - finite_array("beta", beta) * u) * (1.0 - u * u) - (a - b * u) ** 2
 
 
 @refuses_overflow

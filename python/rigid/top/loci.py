@@ -3,28 +3,21 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import exact
-from .._checks.arrays import attitudes, finite_array, require
+from .._checks.arrays import AttitudeLike, Floats, attitudes, finite_array, require
 from .._checks.overflow import refuses_overflow
 from ..model.scene import HeavyTop, check_heavy_top
 from ..rotations.apply import to_space
 from ..solve.simulate import simulate
 from .constants import over_tops, symmetric, tilts
 
-if TYPE_CHECKING:
-    from scipy.spatial.transform import Rotation
-
-
-Floats = NDArray[np.float64]
-
 
 def classify_locus(
-    scene: HeavyTop, omega: ArrayLike, attitude: ArrayLike | Rotation | None = None
+    scene: HeavyTop, omega: ArrayLike, attitude: AttitudeLike | None = None
 ) -> str | NDArray[np.str_]:
     """The kind of path of the axis of a Lagrange top.
 
@@ -90,9 +83,7 @@ class Advance:
     mean_precession: Floats
 
 
-def advance(
-    scene: HeavyTop, omega: ArrayLike, attitude: ArrayLike | Rotation | None = None
-) -> Advance:
+def advance(scene: HeavyTop, omega: ArrayLike, attitude: AttitudeLike | None = None) -> Advance:
     """Advance of precession and spin in a period of the nutation.
 
     The mean precession of a top with loops never opposes the spin. The numbers come from
@@ -153,7 +144,7 @@ class Locus:
 def locus(
     scene: HeavyTop,
     omega: ArrayLike,
-    attitude: ArrayLike | Rotation | None = None,
+    attitude: AttitudeLike | None = None,
     *,
     t: ArrayLike,
 ) -> Locus:
@@ -294,7 +285,7 @@ def fast_top_approx(
         scene,
         tilt=tilts(tilt),
         spin=spins,
-        precession=finite_array("precession", precession),
+        precession=precession,
         times=() if times is None else times.shape[:-1],
     )
     momentum = symmetry.side * symmetry.along * rate

@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import first_place
-from .._checks.arrays import finite_array
 from .._checks.overflow import refuses_overflow
 from ..model.scene import HeavyTop
 from .constants import over_tops, symmetric, tilts
@@ -71,9 +70,7 @@ def effective_potential(
     1.0
     """
     i1 = symmetric(scene).across
-    angle, first, second = over_tops(
-        scene, tilt=tilts(tilt), a=finite_array("a", a), b=finite_array("b", b)
-    )
+    angle, first, second = over_tops(scene, tilt=tilts(tilt), a=a, b=b)
     upper = angle < 0.5 * np.pi
     lack = np.where(upper, first - second, first + second)
     sine, cosine = np.sin(angle), np.cos(angle)
@@ -129,7 +126,7 @@ def effective_minimum(scene: HeavyTop, *, a: ArrayLike, b: ArrayLike) -> Floats:
     from scipy.optimize.elementwise import find_root
 
     across = symmetric(scene).across
-    first, second = over_tops(scene, a=finite_array("a", a), b=finite_array("b", b))
+    first, second = over_tops(scene, a=a, b=b)
     swing = np.broadcast_to(np.sqrt(scene.mgl) / np.sqrt(across), first.shape)
     constant = (swing == 0.0) & (first == 0.0) & (second == 0.0)
     if constant.any():
@@ -195,11 +192,6 @@ def turning_angles(
     (1.047197551, 1.377833075)
     """
     i1 = symmetric(scene).across
-    a, b, energy = over_tops(
-        scene,
-        a=finite_array("a", a),
-        b=finite_array("b", b),
-        E_prime=finite_array("E_prime", E_prime),
-    )
+    a, b, energy = over_tops(scene, a=a, b=b, E_prime=E_prime)
     roots = f_roots(a=a, b=b, alpha=2.0 * energy / i1, beta=2.0 * scene.mgl / i1)
     return roots.theta_upper, roots.theta_lower

@@ -9,12 +9,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import exact
 from .._checks.arguments import shaped
-from .._checks.arrays import finite_array, require
+from .._checks.arrays import Floats, finite_array, require
 from .._checks.overflow import refuses_overflow
 from ..model.scene import HeavyTop
 from .constants import over_tops, symmetric, tilts
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -151,7 +149,7 @@ def upright_f(scene: HeavyTop, spin: ArrayLike, u: ArrayLike) -> tuple[Floats, F
     exact.sleeping_spin(scene)  # raises if the scene is no Lagrange top with weight
     symmetry = symmetric(scene)
     alpha = 2.0 * scene.mgl / symmetry.across
-    rate, height = over_tops(scene, spin=finite_array("spin", spin), u=finite_array("u", u))
+    rate, height = over_tops(scene, spin=spin, u=u)
     square = (symmetry.along * rate / symmetry.across) ** 2
     depth2 = (1.0 - height) ** 2
     return depth2 * (alpha * (1.0 + height) - square), depth2 * (2.0 * alpha - square)

@@ -20,7 +20,7 @@ from rigid.solve import (
     choose_method,
     frequencies,
     lyapunov,
-    problem,
+    request,
     run,
     status,
 )
@@ -98,7 +98,7 @@ SAID: list[tuple[object, str, tuple[float | str, ...]]] = [
     (data.interval, "by default of {} %", (100.0 * data.CONFIDENCE,)),
     (StabilityMap.explore, "need {} MB, at least 1", (PAGE,)),
     (StabilityMap.explore, "at least 1 and at most {}", (page.MOST_SAMPLES,)),
-    (rigid.simulate, "method and a step: {}", (problem.USUAL_ACCURACY,)),
+    (rigid.simulate, "method and a step: {}", (request.USUAL_ACCURACY,)),
     (
         rigid.simulate,
         "begins with a tolerance of {} times",
@@ -117,7 +117,7 @@ SAID: list[tuple[object, str, tuple[float | str, ...]]] = [
     (rigid.simulate, '``"{}"`` if a step is given', (CHOSEN["default"],)),
     (rigid.simulate, '``"{}"`` if damping is ten times as fast', (CHOSEN["stiff"],)),
     (rigid.plan, "samples of the pixel; default: {}", (planning.SAMPLES,)),
-    (rigid.plan, "without a method and a step: {}", (problem.USUAL_ACCURACY,)),
+    (rigid.plan, "without a method and a step: {}", (request.USUAL_ACCURACY,)),
     (rigid.Plan, "``{}`` per radian turned", (_core.ROUNDING,)),
     (rigid.Run, "or below {}", (status.COARSE_ERROR,)),
     (rigid.Run, "all below {} of the", (of_core("estimate/mod.rs", "REST"),)),

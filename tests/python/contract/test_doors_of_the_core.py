@@ -10,8 +10,8 @@ import pytest
 
 import rigid
 from rigid import _core
+from rigid.solve.bodies import bodies_of
 from rigid.solve.request import Request
-from rigid.solve.starts import bodies_of
 
 SCENE = rigid.FreeBody(rigid.Body((1.0, 1.5, 2.0)))
 OMEGA = np.array([[0.1, 1.0, 0.2], [0.3, -0.5, 0.9]])

@@ -13,8 +13,8 @@ from scipy.spatial.transform import Rotation
 import rigid
 from physics import METHODS, Floats, gamma_of, present
 from rigid.model.scene import Scene
+from rigid.solve.bodies import bodies_of
 from rigid.solve.request import Request
-from rigid.solve.starts import bodies_of
 
 FREE = rigid.FreeBody(rigid.Body((1.0, 2.0, 3.0)))
 TOP = rigid.HeavyTop(rigid.Body((1.0, 1.6, 0.7)), mgl=1.2, com=(0.6, 0.0, 0.8))

@@ -15,8 +15,8 @@ import rigid
 from rigid import _core
 from rigid._checks.arguments import resolve_threads
 from rigid.model.scene import Scene
+from rigid.solve.bodies import bodies_of
 from rigid.solve.request import Request
-from rigid.solve.starts import bodies_of
 
 BODY = rigid.Body((1.0, 1.6, 0.7))
 FREE = rigid.FreeBody(BODY)
