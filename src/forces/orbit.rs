@@ -13,7 +13,7 @@ use crate::error::Error;
 use crate::kinematics::{add_cross, cross, direction, dot, put, to_body_frame};
 use crate::real::{Apart, Real};
 use crate::series::{Coefficients, VectorSeries};
-use crate::simd::with_fma;
+use crate::simd::Isa;
 use crate::special::{exp, ln, sincos, sinhcosh};
 
 /// The mean motion n, 0 without an orbit; the eccentricity e; the mean anomaly at time 0; the semi-axes in space, in
@@ -546,11 +546,11 @@ impl Orbit<f64> {
 
     /// The eccentric anomaly over the mean anomaly.
     fn eccentric_anomaly(&self, mean: f64) -> f64 {
-        let mut anomaly = mean;
         if self.eccentricity() > 0.0 {
-            with_fma(Kepler { eccentricity: self.eccentricity(), mean, anomaly: &mut anomaly });
+            Isa::widest().call_with_fma(Kepler { eccentricity: self.eccentricity(), mean })
+        } else {
+            mean
         }
-        anomaly
     }
 }
 
@@ -566,32 +566,33 @@ fn mean_growth(e: f64, anomaly: f64, growth: f64) -> f64 {
 
 /// The growth of an eccentric anomaly from that of the mean one, by two of Newton's steps: it is known to rounding of the
 /// anomaly.
-struct Growth<'a> {
+struct Growth {
     eccentricity: f64,
     anomaly: f64,
     mean: f64,
-    growth: &'a mut f64,
+    growth: f64,
 }
 
-impl Apart for Growth<'_> {
+impl Apart for Growth {
+    type Out = f64;
     #[inline(always)]
-    fn run(self) {
-        let Growth { eccentricity: e, anomaly, mean, growth } = self;
+    fn run(self) -> f64 {
+        let Growth { eccentricity: e, anomaly, mean, mut growth } = self;
         for _ in 0..2 {
-            let slope = e.mul_add(-anomaly_cos_sin(e, anomaly + *growth)[0], 1.0).abs();
-            *growth -= (mean_growth(e, anomaly, *growth) - mean) / slope;
+            let slope = e.mul_add(-anomaly_cos_sin(e, anomaly + growth)[0], 1.0).abs();
+            growth -= (mean_growth(e, anomaly, growth) - mean) / slope;
         }
+        growth
     }
 }
 
 /// Kepler's equation, by Newton's steps inside brackets: `E - e sin E - M` ascends, and so does `e sinh E - E - M`.
-struct Kepler<'a> {
+struct Kepler {
     eccentricity: f64,
     mean: f64,
-    anomaly: &'a mut f64,
 }
 
-impl Kepler<'_> {
+impl Kepler {
     /// Numbers below and above the anomaly, and one to begin with.
     #[inline(always)]
     fn brackets(&self) -> [f64; 3] {
@@ -613,9 +614,10 @@ fn area_sinh(x: f64) -> f64 {
     ln(x.abs() + x.mul_add(x, 1.0).sqrt()).copysign(x)
 }
 
-impl Apart for Kepler<'_> {
+impl Apart for Kepler {
+    type Out = f64;
     #[inline(always)]
-    fn run(self) {
+    fn run(self) -> f64 {
         let (e, mean) = (self.eccentricity, self.mean);
         let [mut low, mut high, mut anomaly] = self.brackets();
         let sign = conic_sign(e);
@@ -641,7 +643,7 @@ impl Apart for Kepler<'_> {
             }
             anomaly = next;
         }
-        *self.anomaly = anomaly;
+        anomaly
     }
 }
 
@@ -759,9 +761,8 @@ impl Orbit<f64> {
             return mean;
         }
         let begin = e.mul_add(-anomaly_cos_sin(e, anomaly)[1], anomaly) * self.sign();
-        let mut growth = self.eccentric_anomaly(begin + mean) - anomaly;
-        with_fma(Growth { eccentricity: e, anomaly, mean, growth: &mut growth });
-        growth
+        let growth = self.eccentric_anomaly(begin + mean) - anomaly;
+        Isa::widest().call_with_fma(Growth { eccentricity: e, anomaly, mean, growth })
     }
 
     /// The time in which an eccentric anomaly grows by so much.

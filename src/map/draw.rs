@@ -5,10 +5,7 @@ use crate::error::Error;
 use crate::memory;
 use crate::real::Pack;
 use crate::sample::{self, Given, Law, Mix};
-use crate::simd::Isa;
-use crate::simd::{LANES, Row};
-#[cfg(target_arch = "x86_64")]
-use crate::simd::{V4, V8};
+use crate::simd::{Isa, LANES, Row, Work};
 use crate::start::Body;
 use std::ops::Range;
 
@@ -117,36 +114,22 @@ fn load<P: Pack>(rows: &[Row; 4], at: usize) -> [P; 4] {
     out
 }
 
-/// Compiles a function of rows for each instruction set.
-macro_rules! compiled {
-    ($name:ident, $generic:ident) => {
-        fn $name(isa: Isa, law: Law, mix: Option<&Mix>, draws: &mut Draws) {
-            #[cfg(target_arch = "x86_64")]
-            #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx512bw,avx2,fma")]
-            fn avx512(law: Law, mix: Option<&Mix>, draws: &mut Draws) {
-                $generic::<V8>(law, mix, draws)
-            }
-            #[cfg(target_arch = "x86_64")]
-            #[target_feature(enable = "avx2,fma")]
-            fn avx2(law: Law, mix: Option<&Mix>, draws: &mut Draws) {
-                $generic::<V4>(law, mix, draws)
-            }
-            assert!(isa.is_available());
-            match isa {
-                // SAFETY: the line before checks the feature.
-                #[cfg(target_arch = "x86_64")]
-                Isa::Avx512 => unsafe { avx512(law, mix, draws) },
-                // SAFETY: as above.
-                #[cfg(target_arch = "x86_64")]
-                Isa::Avx2 => unsafe { avx2(law, mix, draws) },
-                #[cfg(plain)]
-                Isa::Scalar => $generic::<f64>(law, mix, draws),
-            }
-        }
-    };
+/// The draws of all lanes, for packs of any width.
+struct Drawing<'a> {
+    law: Law,
+    mix: Option<&'a Mix>,
+    draws: &'a mut Draws,
+    of_attitudes: bool,
 }
-compiled!(vectors_of, vectors);
-compiled!(attitudes_of, attitudes);
+
+impl Work for Drawing<'_> {
+    type Out = ();
+    #[inline(always)]
+    fn run<P: Pack>(self) {
+        let Drawing { law, mix, draws, of_attitudes } = self;
+        if of_attitudes { attitudes::<P>(law, mix, draws) } else { vectors::<P>(law, mix, draws) }
+    }
+}
 
 impl Map {
     /// The numbers that a place draws by: those of its pixel and its sample in the whole map.
@@ -236,7 +219,7 @@ impl Map {
                         draws.start[k].0[lane] = body.omega[k];
                     }
                 }
-                vectors_of(isa, laws.omega, rates_mix, &mut draws);
+                isa.call(Drawing { law: laws.omega, mix: rates_mix, draws: &mut draws, of_attitudes: false });
                 for (lane, (body, place)) in bodies.iter_mut().zip(places).enumerate() {
                     if pixel(place).possible {
                         for k in 0..3 {
@@ -259,7 +242,8 @@ impl Map {
                         draws.start[k].0[lane] = body.attitude[k];
                     }
                 }
-                attitudes_of(isa, laws.attitude, attitude_mix, &mut draws);
+                let (law, mix) = (laws.attitude, attitude_mix);
+                isa.call(Drawing { law, mix, draws: &mut draws, of_attitudes: true });
                 for (lane, (body, place)) in bodies.iter_mut().zip(places).enumerate() {
                     if pixel(place).possible {
                         for k in 0..4 {

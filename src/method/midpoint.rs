@@ -155,6 +155,7 @@ struct TorqueInTheMiddle<'a, R: Real> {
 }
 
 impl<R: Real> Apart for TorqueInTheMiddle<'_, R> {
+    type Out = ();
     #[inline(always)]
     fn run(self) {
         let TorqueInTheMiddle { engine, constants, equation, u, wanted, torque } = self;

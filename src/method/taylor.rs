@@ -505,6 +505,7 @@ struct Expansion<'a, R, M, L, const D: usize> {
 }
 
 impl<R: Real, M: Model<R>, L: Layout, const D: usize> Apart for Expansion<'_, R, M, L, D> {
+    type Out = ();
     #[inline(always)]
     fn run(self) {
         self.engine.coefficients::<L, D>(self.unit, self.y, self.c);

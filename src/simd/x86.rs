@@ -1,8 +1,7 @@
 //! Explicit AVX-512 and AVX2+FMA registers.
 //!
-//! The methods execute instructions of their set. The types are private to the crate. Only entry points with the
-//! features of their set name the types, and each is entered after `Isa::is_available` has seen the CPU's feature bits:
-//! those of `kernel`, of `exact`, of the draws of `map`, of the frames of `trajectory` and of `observe::flips`.
+//! The methods execute instructions of their set. The types are private to the crate. Only `Isa::call` and the entry
+//! points of `kernel` name them, which are entered after `Isa::is_available` has seen the CPU's feature bits.
 
 use super::Arr;
 use crate::real::{Apart, INTEGER_SHIFT, Pack, Quad, Real};
@@ -149,11 +148,11 @@ impl Real for V8 {
         }
     }
     #[inline(always)]
-    fn apart<W: Apart>(work: W) {
+    fn apart<W: Apart>(work: W) -> W::Out {
         #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx512bw,avx2,fma")]
         #[inline(never)]
-        fn apart<W: Apart>(work: W) {
-            work.run();
+        fn apart<W: Apart>(work: W) -> W::Out {
+            work.run()
         }
         // SAFETY: the CPU has the instructions; see the module.
         unsafe { apart(work) }
@@ -265,11 +264,11 @@ impl Real for V4 {
         }
     }
     #[inline(always)]
-    fn apart<W: Apart>(work: W) {
+    fn apart<W: Apart>(work: W) -> W::Out {
         #[target_feature(enable = "avx2,fma")]
         #[inline(never)]
-        fn apart<W: Apart>(work: W) {
-            work.run();
+        fn apart<W: Apart>(work: W) -> W::Out {
+            work.run()
         }
         // SAFETY: the CPU has the instructions; see the module.
         unsafe { apart(work) }

@@ -296,8 +296,8 @@ impl Neg for Dual {
 }
 impl Real for Dual {
     type Mask = bool;
-    fn apart<W: Apart>(work: W) {
-        work.run();
+    fn apart<W: Apart>(work: W) -> W::Out {
+        work.run()
     }
     fn splat(x: f64) -> Self {
         dual(x, 0.0)
