@@ -291,7 +291,7 @@ class _Run:
             rates = self.bodies.fastest_rates((0.0, float(self.times[-1])), method)
             steps = np.minimum(_core.default_steps(method, rates), self.times[0] / fewest)
         return _core.growth(
-            **self.bodies.columns(),
+            self.bodies,
             method=method,
             deviations=np.ascontiguousarray(vectors.reshape(-1, 6)),
             scale=self.scale,
@@ -317,9 +317,7 @@ class _Run:
 
 def _starts(bodies: Bodies) -> Floats:
     """Deviation vectors at the start of the two runs of a verdict, for each body, (n, 2, 6)."""
-    columns = bodies.columns()
-    del columns["scene"]
-    return _core.deviation_starts(**columns)
+    return _core.deviation_starts(bodies)
 
 
 def _unscaled(vectors: Floats, scale: Floats) -> Floats:

@@ -137,7 +137,7 @@ class Search:
         """The columns of the core for all bodies."""
         surfaces = self.surfaces
         return _core.section(
-            **self.bodies.columns(),
+            self.bodies,
             method=self.method,
             kinds=list(surfaces.kinds),
             normal=np.ascontiguousarray(surfaces.normal.reshape(-1, 6)),
