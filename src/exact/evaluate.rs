@@ -2,7 +2,7 @@
 
 use super::{EvaluatorKind, Exit, Free, Lagrange, Motion, Symmetric};
 use crate::real::Pack;
-use crate::simd::{Arr, Isa, LANES, Row, Work};
+use crate::simd::{Arr, Isa, LANES, Row, Work, load_rows, set_lane, store_rows};
 use crate::start::Body;
 
 /// Bodies at their start, one in each lane, in the variables of their closed form.
@@ -37,14 +37,10 @@ impl StartRows {
     /// Puts a body into a lane.
     #[inline]
     pub fn set(&mut self, lane: usize, body: &Body) {
-        for k in 0..3 {
-            self.moments[k].0[lane] = body.moments[k];
-            self.weight[k].0[lane] = body.weight[k];
-            self.omega[k].0[lane] = body.omega[k];
-        }
-        for k in 0..4 {
-            self.attitude[k].0[lane] = body.attitude[k];
-        }
+        set_lane(&mut self.moments, lane, &body.moments);
+        set_lane(&mut self.weight, lane, &body.weight);
+        set_lane(&mut self.omega, lane, &body.omega);
+        set_lane(&mut self.attitude, lane, &body.attitude);
     }
 }
 
@@ -62,22 +58,6 @@ impl StateRows {
     pub const ZERO: StateRows = StateRows { omega: [Row([0.0; LANES]); 3], attitude: [Row([0.0; LANES]); 4] };
 }
 
-#[inline(always)]
-fn load<P: Pack, const N: usize>(rows: &[Row; N], at: usize) -> [P; N] {
-    let mut out = [P::splat(0.0); N];
-    for k in 0..N {
-        out[k] = P::load(&rows[k].0[at..]);
-    }
-    out
-}
-
-#[inline(always)]
-fn store<P: Pack, const N: usize>(v: &[P; N], rows: &mut [Row; N], at: usize) {
-    for k in 0..N {
-        v[k].store(&mut rows[k].0[at..]);
-    }
-}
-
 /// The boundary of the stable motion of each lane; see `Exit`.
 #[derive(Clone, Copy)]
 pub struct ExitRows {
@@ -93,10 +73,10 @@ pub struct ExitRows {
 #[inline(always)]
 fn motion<P: Pack, M: Motion<P>>(starts: &StartRows, at: usize) -> M {
     M::new(
-        &load(&starts.moments, at),
-        &load(&starts.weight, at),
-        &load(&starts.omega, at),
-        &load(&starts.attitude, at),
+        &load_rows(&starts.moments, at),
+        &load_rows(&starts.weight, at),
+        &load_rows(&starts.omega, at),
+        &load_rows(&starts.attitude, at),
     )
 }
 
@@ -109,13 +89,13 @@ fn states<P: Pack, M: Motion<P>>(starts: &StartRows, times: &[Row], attitude: bo
         for k in 0..times.len() {
             let t = P::load(&times[k].0[at..]);
             if M::RATES_ALONE && !attitude {
-                store(&motion.rates(t), &mut out[k].omega, at);
+                store_rows(&motion.rates(t), &mut out[k].omega, at);
                 continue;
             }
             let (omega, q) = motion.state(t);
-            store(&omega, &mut out[k].omega, at);
+            store_rows(&omega, &mut out[k].omega, at);
             if attitude {
-                store(&q, &mut out[k].attitude, at);
+                store_rows(&q, &mut out[k].attitude, at);
             }
         }
     }
@@ -128,7 +108,7 @@ fn exits<P: Pack, M: Motion<P>>(starts: &StartRows, questions: &ExitRows, out: &
         let motion: M = motion(starts, at);
         let question = Exit {
             axis: P::load(&questions.axis.0[at..]),
-            limit: load(&questions.limit, at),
+            limit: load_rows(&questions.limit, at),
             direction: P::load(&questions.direction.0[at..]),
         };
         motion.exit(&question).store(&mut out.0[at..]);

@@ -37,7 +37,7 @@ pub use table::{Table, add_space_torque};
 use crate::error::Error;
 use crate::real::{Pack, Real};
 use crate::series::Coefficients;
-use crate::simd::Row;
+use crate::simd::{Row, load_rows, set_lane};
 
 /// A further force in kernels: its equation and its derivative, and the Taylor products of both. `y` is a state, which begins with the rates and, if
 /// there are any, the space axes 3, 1 and 2 in the body. The variables of the force are at `own`.
@@ -317,15 +317,13 @@ macro_rules! forces {
 
             /// Sets the numbers of a lane.
             pub fn set(&mut self, lane: usize, further: &Further<f64>) {
-                $(for k in 0..$numbers {
-                    self.$name.0[k].0[lane] = further.$name.0[k];
-                })*
+                $(set_lane(&mut self.$name.0, lane, &further.$name.0);)*
             }
 
             /// The lanes of a pack.
             #[inline(always)]
             pub fn load<P: Pack>(&self, at: usize) -> Further<P> {
-                Further { $($name: $force(loaded(&self.$name.0, at)),)* }
+                Further { $($name: $force(load_rows(&self.$name.0, at)),)* }
             }
         }
 
@@ -489,16 +487,6 @@ fn part<const N: usize>(numbers: &[f64], at: usize) -> [f64; N] {
     let mut part = [0.0; N];
     part.copy_from_slice(&numbers[at..][..N]);
     part
-}
-
-/// The lanes of a pack of rows.
-#[inline(always)]
-fn loaded<P: Pack, const N: usize>(rows: &[Row; N], at: usize) -> [P; N] {
-    let mut lanes = [P::splat(0.0); N];
-    for k in 0..N {
-        lanes[k] = P::load(&rows[k].0[at..]);
-    }
-    lanes
 }
 
 /// The least and the largest moment.

@@ -4,7 +4,7 @@ use crate::error::Error;
 use crate::forces::{ForcesInterval, Further, ParameterChange, TorqueRows};
 use crate::observe::{MAX_ROWS, Rows, UNOBSERVED};
 use crate::real::Pack;
-use crate::simd::{LANES, Row};
+use crate::simd::{LANES, Row, load_rows, set_lane};
 use std::sync::OnceLock;
 
 /// Longest state: rates, three directions, the balance of work, impulse and time, a deviation vector, and the variables
@@ -114,19 +114,13 @@ impl<'a> ForcesRows<'a> {
     /// Sets the forces without functions on the body in a lane.
     pub fn set(&mut self, lane: usize, interval: &ForcesInterval<f64>) {
         for i in 0..2 {
-            for k in 0..3 {
-                self.body[i][k].0[lane] = interval.body[i][k];
-                self.space[i][k].0[lane] = interval.space[i][k];
-            }
+            set_lane(&mut self.body[i], lane, &interval.body[i]);
+            set_lane(&mut self.space[i], lane, &interval.space[i]);
         }
-        for k in 0..6 {
-            self.damping[k].0[lane] = interval.damping[k];
-        }
+        set_lane(&mut self.damping, lane, &interval.damping);
+        set_lane(&mut self.rates, lane, &interval.rates);
         for k in 0..3 {
-            self.rates[k].0[lane] = interval.rates[k];
-            for m in 0..3 {
-                self.modes[k][m].0[lane] = interval.modes[k][m];
-            }
+            set_lane(&mut self.modes[k], lane, &interval.modes[k]);
         }
         self.further.set(lane, &interval.further);
         let ParameterChange { moments, weight, damping, torque, further } = &interval.change;
@@ -145,30 +139,22 @@ impl<'a> ForcesRows<'a> {
     pub unsafe fn load<P: Pack>(&self, at: usize) -> ForcesInterval<'static, P> {
         let mut interval = ForcesInterval::none();
         for i in 0..2 {
-            for k in 0..3 {
-                interval.body[i][k] = P::load(&self.body[i][k].0[at..]);
-                interval.space[i][k] = P::load(&self.space[i][k].0[at..]);
-            }
+            interval.body[i] = load_rows(&self.body[i], at);
+            interval.space[i] = load_rows(&self.space[i], at);
         }
-        for k in 0..6 {
-            interval.damping[k] = P::load(&self.damping[k].0[at..]);
-        }
+        interval.damping = load_rows(&self.damping, at);
+        interval.rates = load_rows(&self.rates, at);
         for k in 0..3 {
-            interval.rates[k] = P::load(&self.rates[k].0[at..]);
-            for m in 0..3 {
-                interval.modes[k][m] = P::load(&self.modes[k][m].0[at..]);
-            }
+            interval.modes[k] = load_rows(&self.modes[k], at);
         }
         interval.further = self.further.load(at);
-        interval.change.further = self.further_change.load(at);
-        for k in 0..3 {
-            interval.change.moments[k] = P::load(&self.change[k].0[at..]);
-            interval.change.weight[k] = P::load(&self.change[3 + k].0[at..]);
-            interval.change.torque[k] = P::load(&self.change[12 + k].0[at..]);
-        }
-        for k in 0..6 {
-            interval.change.damping[k] = P::load(&self.change[6 + k].0[at..]);
-        }
+        interval.change = ParameterChange {
+            moments: load_rows(&self.change, at),
+            weight: load_rows(&self.change[3..], at),
+            damping: load_rows(&self.change[6..], at),
+            torque: load_rows(&self.change[12..], at),
+            further: self.further_change.load(at),
+        };
         // SAFETY: the caller's promise.
         interval.functions = self.functions.of(at).map(|functions| unsafe { functions.outliving() });
         interval
@@ -223,9 +209,7 @@ impl Group {
 
     /// Sets the numbers of the observable of a lane.
     pub(super) fn set_observed(&mut self, lane: usize, rows: &Rows<f64>) {
-        for (row, number) in self.observed.iter_mut().zip(rows) {
-            row.0[lane] = *number;
-        }
+        set_lane(&mut self.observed, lane, rows);
     }
 
     /// Makes a lane inactive: a unit sphere at rest that is not observed, and a step of 0.

@@ -7,7 +7,7 @@ use crate::kinematics::{attitude_of_rows, dot, half_rows, space_axes, to_body_fr
 use crate::method::{Method, Step, Variables};
 use crate::observe::{self, Bound, Deviation, Observed};
 use crate::scene::{Parameters, Scene};
-use crate::simd::Row;
+use crate::simd::{Row, set_lane};
 use crate::start::{Body, VERTICAL};
 use crate::status::DRIFT_LIMIT;
 use std::sync::OnceLock;
@@ -270,14 +270,11 @@ pub fn load(group: &mut Group, lane: usize, compiled: Compiled, assignment: Kern
         step,
     };
     group.used = group.used.max(lane + 1);
-    for d in 0..kernel.system.len() {
-        group.state[d].0[lane] = y[d];
-        group.compensation[d].0[lane] = 0.0;
-    }
-    for k in 0..3 {
-        group.moments[k].0[lane] = parameters.moments[k];
-        group.weight[k].0[lane] = parameters.weight[k];
-    }
+    let length = kernel.system.len();
+    set_lane(&mut group.state, lane, &y[..length]);
+    set_lane(&mut group.compensation, lane, &[0.0; MAX_STATE][..length]);
+    set_lane(&mut group.moments, lane, &parameters.moments);
+    set_lane(&mut group.weight, lane, &parameters.weight);
     group.step.0[lane] = step;
     group.count.0[lane] = 0.0;
 
