@@ -326,7 +326,7 @@ impl GrowthJob<'_, '_> {
 
 /// The vertical and the deviation vectors of a body in lanes from `lane` on, or in one lane if they share a motion.
 fn read(group: &Group, system: System, lane: usize, count: usize) -> ([f64; 3], [[f64; 6]; MAX_DEVIATIONS]) {
-    let at = system.tangent_at().expect("the system has a deviation vector");
+    let at = system.tangent_at.expect("the system has a deviation vector");
     let gamma = [3, 4, 5].map(|d| group.state[d].0[lane]);
     let mut deviations = [[0.0; 6]; MAX_DEVIATIONS];
     for j in 0..count {
@@ -350,7 +350,7 @@ pub fn settle(
     frame: &mut Frame,
 ) {
     let count = frame.count();
-    let at = system.tangent_at().expect("the system has a deviation vector");
+    let at = system.tangent_at.expect("the system has a deviation vector");
     let (gamma, mut deviations) = read(group, system, lane, count);
     if !norm.of_attitude {
         // A turn about the vertical is not seen by this norm. It is removed before it outgrows what is: from the
