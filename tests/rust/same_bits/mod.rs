@@ -4,6 +4,7 @@
 //! No tolerance appears here. All NaN are equal: the payload of a NaN is no number.
 
 mod closed_forms;
+mod elliptic_functions;
 mod maps;
 mod trajectories;
 

@@ -1,10 +1,10 @@
 //! Duplications end in each lane when the lane has converged, so the bits depend neither on the other lanes nor on the
 //! register.
 
-use super::{agm, carlson_rc, carlson_rd, carlson_rf, carlson_rj};
-use super::{complete_e, complete_k, complete_pi, exp, jacobi};
-use crate::real::Pack;
-use crate::simd::{Arr, Isa, Work};
+use rigid::real::Pack;
+use rigid::simd::{Arr, Isa, Work};
+use rigid::special::{agm, carlson_rc, carlson_rd, carlson_rf, carlson_rj};
+use rigid::special::{complete_e, complete_k, complete_pi, exp, jacobi};
 
 const ROWS: usize = 4096;
 const ARGUMENTS: usize = 4;
