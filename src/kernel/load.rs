@@ -67,7 +67,7 @@ impl KernelAssignment {
     /// The assignment of a body that is forced, or not.
     pub fn of_either(is_forced: bool, method: &Method, body: &Body, scene: &Scene) -> KernelAssignment {
         if is_forced {
-            KernelAssignment::of_forced(method, body)
+            KernelAssignment::of_forced(method)
         } else {
             KernelAssignment::of(method, body, scene)
         }
@@ -79,7 +79,7 @@ impl KernelAssignment {
     }
 
     /// The assignment of a forced body, in the axes of the user. Panics if the method does not integrate forced bodies.
-    pub fn of_forced(method: &Method, _body: &Body) -> KernelAssignment {
+    pub fn of_forced(method: &Method) -> KernelAssignment {
         let forced = method.forced.expect("checked when the request was made");
         KernelAssignment { step: forced.step, shift: 0 }
     }

@@ -6,6 +6,7 @@
 
 use super::frame::{Frame, MAX_DEVIATIONS};
 use super::legs::LegGroup;
+use super::states::first;
 use super::{Integration, Request, blocks, kinds_in, steps_of_legs};
 use crate::error::Error;
 use crate::kernel::{DeviationRows, Entry, Group, Job, System, drive, load};
@@ -153,9 +154,6 @@ struct Part<'a> {
 
 impl<'a> Part<'a> {
     fn split_off(&mut self, times: usize, count: usize, bodies: usize) -> Part<'a> {
-        fn first<'a, T>(rest: &mut &'a mut [T], length: usize) -> &'a mut [T] {
-            rest.split_off_mut(..length).expect("the parts are as long as the whole")
-        }
         Part {
             logs: first(&mut self.logs, LOGS * times * bodies),
             log_diagonal: first(&mut self.log_diagonal, count * times * bodies),

@@ -410,13 +410,9 @@ impl MovingGroup {
             for lane in 0..self.bodies.len() {
                 self.lanes.step.0[lane] = step;
             }
-            if self.compiled.is_processed() {
-                self.compiled.enter(&mut self.lanes);
-            }
+            self.compiled.process(&mut self.lanes, false);
             self.compiled.advance(&mut self.lanes, rows, 1);
-            if self.compiled.is_processed() {
-                self.compiled.leave(&mut self.lanes);
-            }
+            self.compiled.process(&mut self.lanes, true);
             if knot.is_none() {
                 break;
             }

@@ -183,7 +183,7 @@ macro_rules! states {
 }
 
 /// Splits the first elements off.
-fn first<'a, T>(rest: &mut &'a mut [T], count: usize) -> &'a mut [T] {
+pub(super) fn first<'a, T>(rest: &mut &'a mut [T], count: usize) -> &'a mut [T] {
     rest.split_off_mut(..count).expect("the parts are as long as the whole")
 }
 
