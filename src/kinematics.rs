@@ -3,6 +3,12 @@
 use crate::real::Real;
 use crate::special::rodrigues;
 
+/// a + b.
+#[inline(always)]
+pub fn plus<R: Real>(a: &[R; 3], b: &[R; 3]) -> [R; 3] {
+    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
+}
+
 /// a x b.
 #[inline(always)]
 pub fn cross<R: Real>(a: &[R; 3], b: &[R; 3]) -> [R; 3] {

@@ -10,7 +10,7 @@
 
 use super::{AtStart, Bounded, Force, Order, Pace, Varied, deviation, length, range};
 use crate::error::Error;
-use crate::kinematics::{add_cross, cross, direction, dot, put, to_body_frame};
+use crate::kinematics::{add_cross, cross, direction, dot, plus, put, to_body_frame};
 use crate::real::{Apart, Real};
 use crate::series::{Coefficients, VectorSeries};
 use crate::simd::Isa;
@@ -346,9 +346,7 @@ impl<R: Real> Force<R> for Orbit<R> {
             let moved =
                 [place[0].fma(stretch, (of_cos - by.eccentricity()) * u), place[1].fma(stretch, of_sin * u)];
             let (by_place, by_axes) = (self.in_body(moved, y), by.in_body(place, y));
-            for i in 0..3 {
-                change[i] = change[i] + (by_place[i] + by_axes[i]);
-            }
+            change = plus(&change, &plus(&by_place, &by_axes));
         }
         let (mut products, mut varied) = (zero, zero);
         add_products(&pull, &o, &mut products);
@@ -424,9 +422,7 @@ impl<R: Real> Force<R> for Orbit<R> {
             for j in 0..=k {
                 let ([x, y, _], [a, b, _], row) = (stretched[j], plane[j], c.order(k - j));
                 let (by_place, by_axes) = (self.in_body([x, y], row), by.in_body([a, b], row));
-                for i in 0..3 {
-                    change[i] = change[i] + (by_place[i] + by_axes[i]);
-                }
+                change = plus(&change, &plus(&by_place, &by_axes));
             }
         }
         varied.directions.push(change);

@@ -7,7 +7,7 @@ use super::{Engine, EngineName, Facts, Limits, Method, Numbers, Proposal, Step, 
 use super::{acceleration, turning_of_rates};
 use crate::forces::{ForcesInterval, Further, FurtherSeries, Order};
 use crate::kinematics::{
-    add_cross, add_roll_across, add_roll_along, add_turn_across, add_turn_along, direction, put,
+    add_cross, add_roll_across, add_roll_along, add_turn_across, add_turn_along, direction, plus, put,
 };
 use crate::real::{Apart, Real, is_finite};
 use crate::scene::{Applied, Layout, Model, Parameters, quaternion};
@@ -326,15 +326,15 @@ impl<R: Real, M: Model<R>> Taylor<R, M> {
         let omega = [of_k[0], of_k[1], of_k[2]];
         let rotor = &applied.forces.further.rotor;
         let mut impulse = rotor.across(&omega);
-        impulse = [impulse[0] + torque[0], impulse[1] + torque[1], impulse[2] + torque[2]];
+        impulse = plus(&impulse, &torque);
         let mut rate = self.model.euler(products, of_k);
         let change = applied.over_moments(&impulse);
-        rate = [rate[0] + change[0], rate[1] + change[1], rate[2] + change[2]];
+        rate = plus(&rate, &change);
         let sink = applied.turn(&rate);
         series.turn.push(sink);
         series.undamped.push(rate);
         let rotor = rotor.across(&sink);
-        series.impulse.push([impulse[0] + rotor[0], impulse[1] + rotor[1], impulse[2] + rotor[2]]);
+        series.impulse.push(plus(&impulse, &rotor));
 
         let (mut by_turn, mut turned) = (rotor, [zero; 3]);
         let sinks = series.turn.lowest(k + 1);
@@ -345,7 +345,7 @@ impl<R: Real, M: Model<R>> Taylor<R, M> {
                 add_cross(&direction(row, v), sink, &mut turned[v]);
             }
         }
-        torques.push([torque[0] + by_turn[0], torque[1] + by_turn[1], torque[2] + by_turn[2]]);
+        torques.push(plus(&torque, &by_turn));
         let change = applied.over_moments(&by_turn);
         series.gained.push(change);
         for i in 0..3 {
