@@ -233,7 +233,7 @@ macro_rules! forces {
 
         impl Further<f64> {
             /// Nothing acts.
-            pub const NONE: Further<f64> = Further { $($name: $force([0.0; $numbers]),)* };
+            pub const NONE: Further<f64> = Further::filled(0.0);
             /// How many numbers all forces have.
             pub const LEN: usize = before(NUMBERS, NUMBERS.len());
             /// How many variables all forces have.
@@ -312,9 +312,6 @@ macro_rules! forces {
         }
 
         impl Further<Row> {
-            /// Rows of zeros.
-            pub const ZERO: Further<Row> = Further { $($name: $force([Row::ZERO; $numbers]),)* };
-
             /// Sets the numbers of a lane.
             pub fn set(&mut self, lane: usize, further: &Further<f64>) {
                 $(set_lane(&mut self.$name.0, lane, &further.$name.0);)*
@@ -327,13 +324,15 @@ macro_rules! forces {
             }
         }
 
-        impl<R: Real> Further<R> {
-            /// Nothing acts.
+        impl<R: Copy> Further<R> {
+            /// The forces whose numbers are all the same.
             #[inline(always)]
-            pub fn none() -> Self {
-                Further { $($name: $force([R::splat(0.0); $numbers]),)* }
+            pub const fn filled(number: R) -> Self {
+                Further { $($name: $force([number; $numbers]),)* }
             }
+        }
 
+        impl<R: Real> Further<R> {
             /// Whether a force of some lane acts.
             #[inline(always)]
             pub fn acts(&self) -> bool {

@@ -395,7 +395,7 @@ impl<'a> LegGroup<'a> {
         for b in 0..self.members.len() {
             if let Some(orbit) = self.orbit(b) {
                 // Nothing else acts, at no time.
-                rows.further.set(self.lane(b), &Further { orbit, ..Further::NONE });
+                rows.numbers.further.set(self.lane(b), &Further { orbit, ..Further::NONE });
                 continue;
             }
             let (index, from) = (self.index(b), self.now[b].from);

@@ -10,7 +10,7 @@ use crate::method::{Method, Step};
 use crate::observe::Observed;
 use crate::parallel::{Interrupt, over_blocks};
 use crate::scene::Scene;
-use crate::simd::{Isa, LANES};
+use crate::simd::{Isa, LANES, set_lane};
 use crate::start::Body;
 use crate::status::DRIFT_LIMIT;
 
@@ -446,9 +446,7 @@ impl MovingGroup {
                     torque[k] += added[k];
                 }
             }
-            for k in 0..3 {
-                rows.body[0][k].0[lane] = torque[k];
-            }
+            set_lane(&mut rows.numbers.body[0], lane, &torque);
             reset_time(&mut self.lanes, system, lane);
         }
     }
