@@ -36,6 +36,12 @@ pub fn plain_dot(a: &[f64; 3], b: &[f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
+/// The length of a vector. Without `fma`.
+#[inline]
+pub fn length<const N: usize>(v: &[f64; N]) -> f64 {
+    v.iter().map(|x| x * x).sum::<f64>().sqrt()
+}
+
 /// |omega| of a state.
 #[inline(always)]
 pub fn speed<R: Real, const D: usize>(y: &[R; D]) -> R {

@@ -35,6 +35,7 @@ pub use set::ForceSet;
 pub use table::{Table, add_space_torque};
 
 use crate::error::Error;
+use crate::kinematics::length;
 use crate::real::{Pack, Real};
 use crate::series::Coefficients;
 use crate::simd::{Row, load_rows, set_lane};
@@ -457,9 +458,9 @@ impl Further<f64> {
         let [least, largest] = range(moments);
         let rotor = self.rotor.0;
         let momentum = if is_torque_free && !self.drives() {
-            length([0, 1, 2].map(|k| moments[k] * omega[k] + rotor[k]))
+            length(&[0, 1, 2].map(|k| moments[k] * omega[k] + rotor[k]))
         } else {
-            largest * fastest + length(rotor)
+            largest * fastest + length(&rotor)
         };
         let torque = momentum * fastest + self.strength(moments) * least.sqrt();
         self.step_rates(&Pace { moments, least, fastest, momentum, torque })
@@ -492,10 +493,6 @@ fn part<const N: usize>(numbers: &[f64], at: usize) -> [f64; N] {
 fn range(moments: [f64; 3]) -> [f64; 2] {
     let least = moments.iter().fold(f64::INFINITY, |a, &b| a.min(b));
     [least, moments.iter().fold(0.0, |a, &b| a.max(b))]
-}
-
-fn length(v: [f64; 3]) -> f64 {
-    v.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
 /// Refuses negative coefficients.

@@ -683,7 +683,7 @@ impl Bounded for Orbit<f64> {
     /// the whole depth of the potential, and with the changes of the rate of the frame as further rates.
     fn reach(&self, start: &AtStart, root: f64) -> [f64; 2] {
         let Some(normal) = self.normal() else { return [root, 0.0] };
-        let (moments, wheel) = (&start.moments, length(start.rotor));
+        let (moments, wheel) = (&start.moments, length(&start.rotor));
         let [least, largest] = range(start.moments);
         // On a hyperbola the direction turns as slowly as the body is far.
         let farthest = if self.is_open() { f64::INFINITY } else { 1.0 + self.eccentricity() };

@@ -3,7 +3,7 @@
 use super::group::{Group, MAX_STATE};
 use super::{Compiled, System};
 use crate::forces::{BodyForces, ForcesInterval, Further, OrbitPlace};
-use crate::kinematics::{attitude_of_rows, dot, half_rows, space_axes, to_body_frame, vertical};
+use crate::kinematics::{attitude_of_rows, dot, half_rows, length, space_axes, to_body_frame, vertical};
 use crate::method::{Method, Step, Variables};
 use crate::observe::{self, Bound, Deviation, Observed};
 use crate::scene::{Parameters, Scene};
@@ -401,9 +401,8 @@ pub fn read(
     };
     let has_vertical = kernel.system.scene.has_weight && kernel.system.vectors > 0;
     let invariants_of_attitude = attitude_and_vertical.filter(|_| has_vertical).map(|(q, vertical)| {
-        let length = q.iter().map(|x| x * x).sum::<f64>().sqrt();
-        let mut of_attitude = y;
-        of_attitude[3..6].copy_from_slice(&to_body_frame(&q.map(|x| x / length), &vertical));
+        let (mut of_attitude, size) = (y, length(&q));
+        of_attitude[3..6].copy_from_slice(&to_body_frame(&q.map(|x| x / size), &vertical));
         compiled.invariants(&parameters, &of_attitude)
     });
     if assignment.step.engine.variables() == Variables::Momenta {

@@ -30,12 +30,6 @@ pub struct Kernel {
     pub observed: Observed,
 }
 
-/// Advances all lanes of a group by some steps.
-type Advance = unsafe fn(&mut Group, &ForcesRows, usize, Observed, &'static Numbers);
-/// Transforms all lanes of a group to the variables of their steps, or back.
-type Process = unsafe fn(&mut Group, bool, &'static Numbers);
-/// Energy and conserved momentum of one body, with the arithmetic of the kernel.
-type Invariants = unsafe fn(&Parameters<f64>, &[f64; MAX_STATE]) -> [f64; 2];
 /// Advances all lanes by adaptive steps; see `adaptive_block`.
 type Adaptive = unsafe fn(&mut Group, &ForcesRows, &mut AdaptiveSteps, usize, &'static Numbers) -> usize;
 /// A state of one lane inside its last step; see `dense_output`.
@@ -44,9 +38,12 @@ type Dense = unsafe fn(&AdaptiveSteps, usize, f64, &'static Numbers) -> [f64; MA
 /// The code of a kernel for an instruction set. Code that no method can request is not compiled.
 #[derive(Clone, Copy)]
 pub(super) struct Code {
-    pub(super) advance: Advance,
-    pub(super) process: Option<Process>,
-    pub(super) invariants: Invariants,
+    /// Advances all lanes of a group by some steps.
+    pub(super) advance: unsafe fn(&mut Group, &ForcesRows, usize, Observed, &'static Numbers),
+    /// Transforms all lanes of a group to the variables of their steps, or back.
+    pub(super) process: Option<unsafe fn(&mut Group, bool, &'static Numbers)>,
+    /// Energy and conserved momentum of one body, with the arithmetic of the kernel.
+    pub(super) invariants: unsafe fn(&Parameters<f64>, &[f64; MAX_STATE]) -> [f64; 2],
     /// Whether the further deviation vectors of a group are moved with its motions.
     pub(super) shares_motion: bool,
     pub(super) adaptive: Option<Adaptive>,

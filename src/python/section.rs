@@ -1,7 +1,7 @@
 //! Poincaré sections and events.
 
 use super::bodies::Bodies;
-use super::convert::{Aligned1, Aligned2, copied, interruptible_calls, rows, same_length};
+use super::convert::{Aligned1, Aligned2, column, copied, interruptible_calls, rows, same_length};
 use crate::error::Error;
 use crate::float_environment::FloatEnvironment;
 use crate::memory;
@@ -9,8 +9,8 @@ use crate::method::{AnyMethod, Method, default_step};
 use crate::parallel::Interrupt;
 use crate::simd::Isa;
 use crate::trajectory::{self, Crossings, Point, Record, Request, Schedule, Section, Surface, SurfaceKind};
-use numpy::IntoPyArray;
 use numpy::ndarray::Array2;
+use numpy::{Element, IntoPyArray, PyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -90,21 +90,28 @@ fn to_dict<'py>(py: Python<'py>, all: &[Crossings]) -> PyResult<Bound<'py, PyDic
     dict.set_item("omega", flat(3, |point, k| point.omega[k])?.into_pyarray(py))?;
     dict.set_item("gamma", flat(3, |point, k| point.gamma[k])?.into_pyarray(py))?;
     dict.set_item("attitude", flat(4, |point, k| point.attitude[k])?.into_pyarray(py))?;
-    let numbers = |number: fn(&Point) -> f64| memory::collected("points", count, points().map(number));
-    dict.set_item("t", numbers(|point| point.time)?.into_pyarray(py))?;
-    dict.set_item("slope", numbers(|point| point.slope)?.into_pyarray(py))?;
-    let kinds = memory::collected("points", count, points().map(|point| point.kind))?;
-    dict.set_item("kind", kinds.into_pyarray(py))?;
-    let directions = memory::collected("points", count, points().map(|point| point.direction))?;
-    dict.set_item("direction", directions.into_pyarray(py))?;
-    let grazing = memory::collected("points", count, points().map(|point| point.grazes))?;
-    dict.set_item("grazing", grazing.into_pyarray(py))?;
-    dict.set_item("points", super::convert::column(py, all, |own| own.points.len() as u64)?)?;
-    dict.set_item("status", super::convert::column(py, all, |own| own.status as u8)?)?;
-    dict.set_item("stays", super::convert::column(py, all, |own| own.stays)?)?;
-    dict.set_item("stopped", super::convert::column(py, all, |own| own.stopped)?)?;
-    dict.set_item("energy_drift", super::convert::column(py, all, |own| own.energy_drift)?)?;
-    dict.set_item("end", super::convert::column(py, all, |own| own.end)?)?;
-    dict.set_item("steps", super::convert::column(py, all, |own| own.steps)?)?;
+    dict.set_item("t", of_points(py, all, |point| point.time)?)?;
+    dict.set_item("slope", of_points(py, all, |point| point.slope)?)?;
+    dict.set_item("kind", of_points(py, all, |point| point.kind)?)?;
+    dict.set_item("direction", of_points(py, all, |point| point.direction)?)?;
+    dict.set_item("grazing", of_points(py, all, |point| point.grazes)?)?;
+    dict.set_item("points", column(py, all, |own| own.points.len() as u64)?)?;
+    dict.set_item("status", column(py, all, |own| own.status as u8)?)?;
+    dict.set_item("stays", column(py, all, |own| own.stays)?)?;
+    dict.set_item("stopped", column(py, all, |own| own.stopped)?)?;
+    dict.set_item("energy_drift", column(py, all, |own| own.energy_drift)?)?;
+    dict.set_item("end", column(py, all, |own| own.end)?)?;
+    dict.set_item("steps", column(py, all, |own| own.steps)?)?;
     Ok(dict)
+}
+
+/// An array of one number of each point.
+fn of_points<'py, N: Element>(
+    py: Python<'py>,
+    all: &[Crossings],
+    of: fn(&Point) -> N,
+) -> PyResult<Bound<'py, PyArray1<N>>> {
+    let count = all.iter().map(|own| own.points.len()).sum();
+    let numbers = all.iter().flat_map(|own| &own.points).map(of);
+    Ok(memory::collected("points", count, numbers)?.into_pyarray(py))
 }

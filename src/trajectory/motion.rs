@@ -5,6 +5,7 @@ use crate::error::Error;
 use crate::forces::{ForceSet, Forces, TorqueFunction};
 use crate::kernel::{Compiled, Entry, ForcesRows, Group, Kernel, MAX_STATE};
 use crate::kernel::{KernelAssignment, Needs, System, load, reset_time, unload};
+use crate::kinematics::length;
 use crate::memory;
 use crate::method::{Method, Step};
 use crate::observe::Observed;
@@ -71,11 +72,7 @@ const MANY_KNOTS: usize = 256;
 
 /// Whether the length of a quaternion has not drifted away from 1; NaN has.
 fn is_rotation(attitude: [f64; 4]) -> bool {
-    (length(attitude) - 1.0).abs() <= DRIFT_LIMIT
-}
-
-fn length<const N: usize>(v: [f64; N]) -> f64 {
-    v.iter().map(|x| x * x).sum::<f64>().sqrt()
+    (length(&attitude) - 1.0).abs() <= DRIFT_LIMIT
 }
 
 impl Motion {
@@ -236,7 +233,7 @@ impl Motion {
         let angles = self
             .groups
             .iter()
-            .flat_map(|group| group.bodies.iter().map(|body| group.longest * length(body.omega)));
+            .flat_map(|group| group.bodies.iter().map(|body| group.longest * length(&body.omega)));
         let angle = angles.fold(0.0, f64::max);
         let is_first = !self.is_too_long && angle > self.method.facts.longest_angle;
         self.is_too_long |= is_first;
