@@ -24,7 +24,8 @@ from pathlib import Path
 # The entry points of kernels, by their paths.
 KERNEL = re.compile(
     r"\brigid::kernel::registry::kernels_of::\w+::(avx512|avx2|scalar)::(advance|processed|adaptive|alone|dense|invariants_of)\b"
-    r"|as rigid::real::Real>::apart::apart::<rigid::simd::isa::By<.*rigid::exact::evaluate::(States|Exits)>>"
+    r"|as rigid::real::Real>::apart::apart::<rigid::simd::isa::By<"
+    r".*rigid::exact::evaluate::(States|Exits)>>"
 )
 
 # Parts that several kernels share are functions of their own, and are read as kernels are.
