@@ -1,6 +1,6 @@
 //! Explicit AVX-512 and AVX2+FMA registers.
 //!
-//! The methods execute instructions of their set. The types are private to the crate. Only `Isa::call` and the entry
+//! The methods execute instructions of their set. The types are private to the crate. Only the calls of `Isa` and the entry
 //! points of `kernel` name them, which are entered after `Isa::is_available` has seen the CPU's feature bits.
 
 use super::Arr;
