@@ -24,7 +24,8 @@ from pathlib import Path
 # The entry points of kernels, by their paths.
 KERNEL = re.compile(
     r"\brigid::kernel::registry::kernels_of::\w+::(avx512|avx2|scalar)::(advance|processed|adaptive|alone|dense|invariants_of)\b"
-    r"|\brigid::exact::evaluate::(avx512|avx2|scalar)::(states_of|exits_of)\b"
+    r"|as rigid::real::Real>::apart::apart::<rigid::simd::isa::By<"
+    r".*rigid::exact::evaluate::(States|Exits)>>"
 )
 
 # Parts that several kernels share are functions of their own, and are read as kernels are.
@@ -69,7 +70,9 @@ MAY_COPY = {
     "a state of 23 components is in memory, not in registers": re.compile(
         r"::FurtherFrameTangent\b"
     ),
-    "a state clears its multiples of the phase once": re.compile(r"::exact::free::Free<"),
+    "a state of a free body clears its multiples of the phase once": re.compile(
+        r"::exact::evaluate::States\b"
+    ),
 }
 
 HEADER = re.compile(r"^([0-9a-f]+) <(.*)>:$")

@@ -22,7 +22,7 @@ const REPEATS: usize = 15;
 fn bodies(compiled: Compiled) -> Option<Group> {
     let kernel = compiled.kernel();
     let symmetric = kernel.step.engine == EngineName::KickRotor;
-    let weight = if kernel.system.scene().has_weight { [0.36, 0.24, 1.1] } else { [0.0; 3] };
+    let weight = if kernel.system.scene.has_weight { [0.36, 0.24, 1.1] } else { [0.0; 3] };
     let mut group = Group::inactive();
     for lane in 0..LANES {
         let body = Body {
@@ -31,7 +31,7 @@ fn bodies(compiled: Compiled) -> Option<Group> {
             omega: [0.31 * (1.0 + 1e-3 * lane as f64), -0.42, 0.93],
             attitude: [0.5; 4],
         };
-        let assignments = method::ALL.iter().map(|of| KernelAssignment::of(of, &body, kernel.system.scene()));
+        let assignments = method::ALL.iter().map(|of| KernelAssignment::of(of, &body, kernel.system.scene));
         let assignment = assignments.into_iter().find(|assignment| assignment.step == kernel.step)?;
         let mut deviation = Deviation::new([0.1, 0.2, 0.3, 0.4, 0.5, 0.6]);
         deviation.inverse_scale = [1.0; 3];
@@ -101,16 +101,16 @@ fn flops(kernel: Kernel) -> Option<f64> {
         (System::TopAxis, EngineName::Dop853, Observed::Nothing) => Some(360.0 + 6.0 * 116.0),
         (system, _, Observed::Nothing) => {
             let order = kernel.step.is_series().then_some(kernel.step.numbers.order as f64)?;
-            let vectors = (system.len() - 3) / 3;
+            let vectors = (system.len - 3) / 3;
             // Products; Euler's equations and the factor of each order; the sum and its compensation.
             let [products, of_order] = match system {
                 System::FreeRates => [3.0, 3.0 + 1.0 + 3.0],
                 System::TopAxis | System::TopTwoAxes => {
-                    [3.0 + 6.0 * vectors as f64, 15.0 + 1.0 + system.len() as f64]
+                    [3.0 + 6.0 * vectors as f64, 15.0 + 1.0 + system.len as f64]
                 }
                 _ => return None,
             };
-            let numbers = system.len() as f64;
+            let numbers = system.len as f64;
             Some(products * order * (order + 1.0) + of_order * order + numbers * (order - 1.0 + 7.0))
         }
         _ => None,

@@ -55,9 +55,14 @@ def columns() -> dict[str, Floats]:
     return {"moments": moments, "weight": weight, "omega": omega, "attitude": attitude}
 
 
+def bodies() -> Bodies:
+    """The bodies, as the core reads them."""
+    return Bodies(kind="top", shape=(CELLS * CELLS,), **columns())
+
+
 def deviations() -> Floats:
     """The deviation vector of each body at the start."""
-    return np.ascontiguousarray(_core.deviation_starts(**columns())[:, 0])
+    return np.ascontiguousarray(_core.deviation_starts(bodies())[:, 0])
 
 
 def rates() -> Callable[..., tuple[Any, ...]]:
@@ -133,13 +138,13 @@ class Rigid:
 
     def __init__(self, method: str) -> None:
         self.method, self.name = method, f"rigid {method}"
-        self.bodies = Bodies(kind="top", shape=(len(columns()["omega"]),), **columns())
-        self.scale = _core.rate_units(**columns())
+        self.bodies = bodies()
+        self.scale = _core.rate_units(self.bodies)
         self.deviations = deviations()
 
     def run(self, steps: float) -> dict[str, Any]:
         return _core.growth(
-            **self.bodies.columns(),
+            self.bodies,
             method=self.method,
             deviations=self.deviations,
             scale=self.scale,

@@ -41,7 +41,7 @@ def run(what: str, method: str, moments: tuple[float, float, float]) -> Moved:
     steps = STEPS if method in ("rk4", "splitting") else STEPS // 8
     if what == "growth":
         done = _core.growth(
-            **bodies.columns(),
+            bodies,
             method=method,
             step=longest,
             max_steps=10**9,

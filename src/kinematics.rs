@@ -3,6 +3,12 @@
 use crate::real::Real;
 use crate::special::rodrigues;
 
+/// a + b.
+#[inline(always)]
+pub fn plus<R: Real>(a: &[R; 3], b: &[R; 3]) -> [R; 3] {
+    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
+}
+
 /// a x b.
 #[inline(always)]
 pub fn cross<R: Real>(a: &[R; 3], b: &[R; 3]) -> [R; 3] {
@@ -28,6 +34,12 @@ pub fn dot<R: Real>(a: &[R; 3], b: &[R; 3]) -> R {
 /// a . b. Without `fma`, which costs a call outside the kernels.
 pub fn plain_dot(a: &[f64; 3], b: &[f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// The length of a vector. Without `fma`.
+#[inline]
+pub fn length<const N: usize>(v: &[f64; N]) -> f64 {
+    v.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
 /// |omega| of a state.

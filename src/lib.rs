@@ -21,6 +21,7 @@ pub mod kinematics;
 pub mod map;
 pub mod memory;
 pub mod method;
+mod named;
 pub mod observe;
 pub mod parallel;
 #[cfg(feature = "python")]

@@ -10,8 +10,10 @@ pub(crate) const INTEGER_SHIFT: f64 = 6_755_399_441_055_744.0;
 
 /// Work that several kernels share: a function of its own, which a kernel calls.
 pub trait Apart {
-    /// Does the work.
-    fn run(self);
+    /// What it returns.
+    type Out;
+    /// Does the work. It is `#[inline(always)]`, and takes on the instruction set of its caller.
+    fn run(self) -> Self::Out;
 }
 
 /// A scalar, or several side by side in registers.
@@ -73,7 +75,7 @@ pub trait Real:
     /// Whether the integer-valued `n` (below 2^51) is odd.
     fn odd(n: Self) -> Self::Mask;
     /// Runs work in a function of its own, with the instructions of the registers.
-    fn apart<W: Apart>(work: W);
+    fn apart<W: Apart>(work: W) -> W::Out;
 }
 
 /// A `Real` with a body in each lane.
@@ -185,7 +187,7 @@ impl Real for f64 {
         (n + INTEGER_SHIFT).to_bits() & 1 == 1
     }
     #[inline(never)]
-    fn apart<W: Apart>(work: W) {
-        work.run();
+    fn apart<W: Apart>(work: W) -> W::Out {
+        work.run()
     }
 }

@@ -145,13 +145,9 @@ def state_bytes(
     *, scene: str, record: str, bodies: int, times: int, forces: Forces | None = None
 ) -> int: ...
 def growth(
+    bodies: Bodies,
     *,
-    scene: str,
     method: str,
-    moments: NDArray[np.float64],
-    weight: NDArray[np.float64],
-    omega: NDArray[np.float64],
-    attitude: NDArray[np.float64],
     deviations: NDArray[np.float64],
     scale: NDArray[np.float64],
     of_attitude: bool,
@@ -159,16 +155,11 @@ def growth(
     step: NDArray[np.float64],
     max_steps: int,
     threads: int,
-    forces: Forces | None = None,
 ) -> dict[str, Any]: ...
 def section(
+    bodies: Bodies,
     *,
-    scene: str,
     method: str,
-    moments: NDArray[np.float64],
-    weight: NDArray[np.float64],
-    omega: NDArray[np.float64],
-    attitude: NDArray[np.float64],
     kinds: Sequence[tuple[bool, int, bool]],
     normal: NDArray[np.float64],
     momentum: NDArray[np.float64],
@@ -179,7 +170,6 @@ def section(
     tolerance: float,
     max_steps: int,
     threads: int,
-    forces: Forces | None = None,
 ) -> dict[str, Any]: ...
 def closed_form_names() -> list[str]: ...
 def closed_forms(bodies: Bodies) -> NDArray[np.uint8]: ...
@@ -189,21 +179,8 @@ def plain_numbers(
 ) -> NDArray[np.float64] | None: ...
 def first_slow(omega: NDArray[np.float64], swing: float, least: float) -> int | None: ...
 def generic_deviations() -> NDArray[np.float64]: ...
-def deviation_starts(
-    *,
-    moments: NDArray[np.float64],
-    weight: NDArray[np.float64],
-    omega: NDArray[np.float64],
-    attitude: NDArray[np.float64],
-    forces: Forces | None = None,
-) -> NDArray[np.float64]: ...
-def rate_units(
-    *,
-    moments: NDArray[np.float64],
-    weight: NDArray[np.float64],
-    omega: NDArray[np.float64],
-    attitude: NDArray[np.float64],
-) -> NDArray[np.float64]: ...
+def deviation_starts(bodies: Bodies) -> NDArray[np.float64]: ...
+def rate_units(bodies: Bodies) -> NDArray[np.float64]: ...
 def verdicts(
     first: NDArray[np.float64],
     second: NDArray[np.float64] | None,

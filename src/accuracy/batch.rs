@@ -14,7 +14,6 @@ use crate::trajectory::{
 };
 use std::borrow::Cow;
 use std::cell::Cell;
-use std::ops::Deref;
 
 /// What all runs of a call share.
 #[derive(Clone, Copy)]
@@ -46,28 +45,11 @@ impl Way {
     }
 }
 
-/// Forces of the call, or on some of its bodies.
-enum Forced<'a> {
-    Given(&'a Forces),
-    Own(Forces),
-}
-
-impl Deref for Forced<'_> {
-    type Target = Forces;
-
-    fn deref(&self) -> &Forces {
-        match self {
-            Forced::Given(forces) => forces,
-            Forced::Own(forces) => forces,
-        }
-    }
-}
-
 /// Bodies with their forces and output times.
 pub struct Batch<'a> {
     pub job: Job<'a>,
     pub bodies: Cow<'a, [Body]>,
-    forces: Forced<'a>,
+    forces: Cow<'a, Forces>,
     times: Cow<'a, [f64]>,
     /// How many of the times each body has, if they are its own.
     own: Option<usize>,
@@ -81,8 +63,8 @@ impl<'a> Batch<'a> {
             Schedule::TimesOfEach(times, count) => (times, Some(count)),
             Schedule::Strides(_) => unreachable!("strides are of a single run"),
         };
-        let forces = Forced::Given(request.forces);
-        Batch { job, bodies: Cow::Borrowed(request.bodies), forces, times: Cow::Borrowed(times), own }
+        let (bodies, forces) = (Cow::Borrowed(request.bodies), Cow::Borrowed(request.forces));
+        Batch { job, bodies, forces, times: Cow::Borrowed(times), own }
     }
 
     /// Number of bodies.
@@ -167,8 +149,8 @@ impl<'a> Batch<'a> {
         times: Vec<f64>,
         own: Option<usize>,
     ) -> Result<Batch<'a>, Error> {
-        let (bodies, times) = (Cow::Owned(bodies), Cow::Owned(times));
-        Ok(Batch { job: self.job, bodies, forces: Forced::Own(forces), times, own })
+        let (bodies, forces, times) = (Cow::Owned(bodies), Cow::Owned(forces), Cow::Owned(times));
+        Ok(Batch { job: self.job, bodies, forces, times, own })
     }
 
     /// The longest steps that a method takes by default; infinite at rest.

@@ -4,6 +4,7 @@
 
 use super::batch::{Batch, Way};
 use crate::error::Error;
+use crate::estimate::smaller;
 use crate::memory;
 use crate::method::{DOP853, FUNCTION, MIDPOINT, Method, TAYLOR16, TAYLOR20, TAYLOR26};
 use crate::trajectory::States;
@@ -121,11 +122,6 @@ fn past_stops(again: &Batch, way: Way, steps: Steps, taken: &[u64]) -> Result<St
     let own = |body: usize| smaller(again.span_of(body) / taken[body] as f64 / FINER, default[body]);
     let longest = memory::collected("steps", default.len(), (0..default.len()).map(own))?;
     again.run(Way { method: RUNGE_KUTTA, tolerance: None, ..way }, Some(&longest), 1.0)
-}
-
-/// The smaller number; no number if one is none, as of a body that covers no time.
-fn smaller(a: f64, b: f64) -> f64 {
-    if a.is_nan() || a < b { a } else { b }
 }
 
 /// Factor by which the steps of the second run are shorter, in steps of the same method.

@@ -22,7 +22,7 @@ pub use separatrix::{PhaseError, phase_error};
 pub use turns::longest_interval;
 
 use crate::forces::BodyForces;
-use crate::kinematics::plain_dot as dot;
+use crate::kinematics::{length, plain_dot as dot};
 use crate::method::Method;
 use crate::simd::Isa;
 use crate::start::Body;
@@ -221,7 +221,7 @@ fn larger(a: f64, b: f64) -> f64 {
 }
 
 /// The smaller number; no number if one is none.
-fn smaller(a: f64, b: f64) -> f64 {
+pub(crate) fn smaller(a: f64, b: f64) -> f64 {
     if a.is_nan() || a < b { a } else { b }
 }
 
@@ -232,10 +232,6 @@ fn largest(numbers: impl Iterator<Item = f64>) -> f64 {
 
 fn least(moments: [f64; 3]) -> f64 {
     moments.iter().fold(f64::INFINITY, |a, &b| a.min(b))
-}
-
-fn length<const N: usize>(v: &[f64; N]) -> f64 {
-    v.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
 /// a x b, as plainly: equal products cancel to zero.

@@ -6,24 +6,26 @@
 
 use super::lagrange::falls;
 use crate::kinematics::quaternion_product;
+use crate::named::named;
 use crate::special::sincos;
 use crate::start::Body;
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
-/// The closed forms.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ClosedForm {
-    /// A constant rate about an axis fixed in space: a free body that is spherical, at rest or turns about a principal
-    /// axis; a top that is upright or hangs without swinging.
-    PermanentRotation = 1,
-    /// A free body with two equal moments.
-    Symmetric,
-    /// A free body with three different moments.
-    Asymmetric,
-    /// A symmetric top with its centre of mass on the symmetry axis.
-    Lagrange,
-    /// A top that swings in a plane about a principal axis.
-    Pendulum,
+named! {
+    /// The closed forms. Their codes begin with 1: 0 stands for none.
+    pub enum ClosedForm {
+        /// A constant rate about an axis fixed in space: a free body that is spherical, at rest or turns about a principal
+        /// axis; a top that is upright or hangs without swinging.
+        PermanentRotation = 1 => "axis spin",
+        /// A free body with two equal moments.
+        Symmetric => "free symmetric",
+        /// A free body with three different moments.
+        Asymmetric => "free asymmetric",
+        /// A symmetric top with its centre of mass on the symmetry axis.
+        Lagrange => "lagrange",
+        /// A top that swings in a plane about a principal axis.
+        Pendulum => "pendulum",
+    }
 }
 
 /// The quantity that is evaluated in closed form, for any start of the body.
@@ -61,29 +63,9 @@ pub fn lagrange_axis(moments: [f64; 3], weight: [f64; 3]) -> Option<usize> {
 }
 
 impl ClosedForm {
-    /// All closed forms, in the order of their codes, which begin with 1: 0 stands for none.
-    pub const ALL: [ClosedForm; 5] = [
-        ClosedForm::PermanentRotation,
-        ClosedForm::Symmetric,
-        ClosedForm::Asymmetric,
-        ClosedForm::Lagrange,
-        ClosedForm::Pendulum,
-    ];
-
     /// The code of a closed form or of none.
     pub fn code(form: Option<ClosedForm>) -> u8 {
         form.map_or(0, |form| form as u8)
-    }
-
-    /// The name that users see.
-    pub fn name(self) -> &'static str {
-        match self {
-            ClosedForm::PermanentRotation => "axis spin",
-            ClosedForm::Symmetric => "free symmetric",
-            ClosedForm::Asymmetric => "free asymmetric",
-            ClosedForm::Lagrange => "lagrange",
-            ClosedForm::Pendulum => "pendulum",
-        }
     }
 
     /// The closed form that applies to the question for a body with these moments and this weight (`mgl com`) from any

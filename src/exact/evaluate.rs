@@ -1,11 +1,8 @@
-//! Closed forms of many bodies at once: one entry point for each motion and instruction set.
+//! Closed forms of many bodies at once.
 
 use super::{EvaluatorKind, Exit, Free, Lagrange, Motion, Symmetric};
 use crate::real::Pack;
-use crate::simd::Isa;
-#[cfg(target_arch = "x86_64")]
-use crate::simd::{Arr, V4, V8};
-use crate::simd::{LANES, Row};
+use crate::simd::{Arr, Isa, LANES, Row, Work, load_rows, set_lane, store_rows};
 use crate::start::Body;
 
 /// Bodies at their start, one in each lane, in the variables of their closed form.
@@ -40,14 +37,10 @@ impl StartRows {
     /// Puts a body into a lane.
     #[inline]
     pub fn set(&mut self, lane: usize, body: &Body) {
-        for k in 0..3 {
-            self.moments[k].0[lane] = body.moments[k];
-            self.weight[k].0[lane] = body.weight[k];
-            self.omega[k].0[lane] = body.omega[k];
-        }
-        for k in 0..4 {
-            self.attitude[k].0[lane] = body.attitude[k];
-        }
+        set_lane(&mut self.moments, lane, &body.moments);
+        set_lane(&mut self.weight, lane, &body.weight);
+        set_lane(&mut self.omega, lane, &body.omega);
+        set_lane(&mut self.attitude, lane, &body.attitude);
     }
 }
 
@@ -65,22 +58,6 @@ impl StateRows {
     pub const ZERO: StateRows = StateRows { omega: [Row([0.0; LANES]); 3], attitude: [Row([0.0; LANES]); 4] };
 }
 
-#[inline(always)]
-fn load<P: Pack, const N: usize>(rows: &[Row; N], at: usize) -> [P; N] {
-    let mut out = [P::splat(0.0); N];
-    for k in 0..N {
-        out[k] = P::load(&rows[k].0[at..]);
-    }
-    out
-}
-
-#[inline(always)]
-fn store<P: Pack, const N: usize>(v: &[P; N], rows: &mut [Row; N], at: usize) {
-    for k in 0..N {
-        v[k].store(&mut rows[k].0[at..]);
-    }
-}
-
 /// The boundary of the stable motion of each lane; see `Exit`.
 #[derive(Clone, Copy)]
 pub struct ExitRows {
@@ -96,10 +73,10 @@ pub struct ExitRows {
 #[inline(always)]
 fn motion<P: Pack, M: Motion<P>>(starts: &StartRows, at: usize) -> M {
     M::new(
-        &load(&starts.moments, at),
-        &load(&starts.weight, at),
-        &load(&starts.omega, at),
-        &load(&starts.attitude, at),
+        &load_rows(&starts.moments, at),
+        &load_rows(&starts.weight, at),
+        &load_rows(&starts.omega, at),
+        &load_rows(&starts.attitude, at),
     )
 }
 
@@ -112,13 +89,13 @@ fn states<P: Pack, M: Motion<P>>(starts: &StartRows, times: &[Row], attitude: bo
         for k in 0..times.len() {
             let t = P::load(&times[k].0[at..]);
             if M::RATES_ALONE && !attitude {
-                store(&motion.rates(t), &mut out[k].omega, at);
+                store_rows(&motion.rates(t), &mut out[k].omega, at);
                 continue;
             }
             let (omega, q) = motion.state(t);
-            store(&omega, &mut out[k].omega, at);
+            store_rows(&omega, &mut out[k].omega, at);
             if attitude {
-                store(&q, &mut out[k].attitude, at);
+                store_rows(&q, &mut out[k].attitude, at);
             }
         }
     }
@@ -131,105 +108,82 @@ fn exits<P: Pack, M: Motion<P>>(starts: &StartRows, questions: &ExitRows, out: &
         let motion: M = motion(starts, at);
         let question = Exit {
             axis: P::load(&questions.axis.0[at..]),
-            limit: load(&questions.limit, at),
+            limit: load_rows(&questions.limit, at),
             direction: P::load(&questions.direction.0[at..]),
         };
         motion.exit(&question).store(&mut out.0[at..]);
     }
 }
 
-type States = unsafe fn(&StartRows, &[Row], bool, &mut [StateRows]);
-type Exits = unsafe fn(&StartRows, &ExitRows, &mut Row);
+/// The states of all lanes, for packs of any width.
+struct States<'a> {
+    kind: EvaluatorKind,
+    starts: &'a StartRows,
+    times: &'a [Row],
+    attitude: bool,
+    out: &'a mut [StateRows],
+}
 
-/// The closed form of a kind, compiled for an instruction set that this CPU has.
+impl Work for States<'_> {
+    type Out = ();
+    #[inline(always)]
+    fn run<P: Pack>(self) {
+        let States { kind, starts, times, attitude, out } = self;
+        match kind {
+            EvaluatorKind::Symmetric => states::<P, Symmetric<P>>(starts, times, attitude, out),
+            // Two packs in flight hide the latency of its square roots (benches/README.md).
+            EvaluatorKind::Free => states::<Arr<P, 2>, Free<Arr<P, 2>>>(starts, times, attitude, out),
+            EvaluatorKind::Lagrange => states::<P, Lagrange<P>>(starts, times, attitude, out),
+        }
+    }
+}
+
+/// The exit times of all lanes.
+struct Exits<'a> {
+    kind: EvaluatorKind,
+    starts: &'a StartRows,
+    questions: &'a ExitRows,
+    out: &'a mut Row,
+}
+
+impl Work for Exits<'_> {
+    type Out = ();
+    #[inline(always)]
+    fn run<P: Pack>(self) {
+        let Exits { kind, starts, questions, out } = self;
+        match kind {
+            EvaluatorKind::Symmetric => exits::<P, Symmetric<P>>(starts, questions, out),
+            EvaluatorKind::Free => exits::<Arr<P, 2>, Free<Arr<P, 2>>>(starts, questions, out),
+            EvaluatorKind::Lagrange => exits::<P, Lagrange<P>>(starts, questions, out),
+        }
+    }
+}
+
+/// The closed form of a kind, compiled for each instruction set.
 #[derive(Clone, Copy)]
 pub struct Evaluator {
-    states: States,
-    exits: Exits,
-}
-
-/// The entry points of a motion for an instruction set.
-macro_rules! entry_points {
-    ($($isa:ident [$($feature:tt)*];)*) => {$(
-        mod $isa {
-            use super::*;
-
-            $($feature)*
-            pub fn states_of<P: Pack, M: Motion<P>>(
-                starts: &StartRows,
-                times: &[Row],
-                attitude: bool,
-                out: &mut [StateRows],
-            ) {
-                states::<P, M>(starts, times, attitude, out)
-            }
-
-            $($feature)*
-            pub fn exits_of<P: Pack, M: Motion<P>>(starts: &StartRows, questions: &ExitRows, out: &mut Row) {
-                exits::<P, M>(starts, questions, out)
-            }
-        }
-    )*};
-}
-#[cfg(target_arch = "x86_64")]
-entry_points! {
-    avx512 [#[target_feature(enable = "avx512f,avx512dq,avx512vl,avx512bw,avx2,fma")]];
-    avx2 [#[target_feature(enable = "avx2,fma")]];
-}
-#[cfg(plain)]
-entry_points! {
-    scalar [];
-}
-
-macro_rules! evaluator {
-    ($isa:ident, $motion:ident, $avx512:ty, $avx2:ty) => {
-        match $isa {
-            #[cfg(target_arch = "x86_64")]
-            Isa::Avx512 => Evaluator {
-                states: avx512::states_of::<$avx512, $motion<$avx512>>,
-                exits: avx512::exits_of::<$avx512, $motion<$avx512>>,
-            },
-            #[cfg(target_arch = "x86_64")]
-            Isa::Avx2 => Evaluator {
-                states: avx2::states_of::<$avx2, $motion<$avx2>>,
-                exits: avx2::exits_of::<$avx2, $motion<$avx2>>,
-            },
-            #[cfg(plain)]
-            Isa::Scalar => Evaluator {
-                states: scalar::states_of::<f64, $motion<f64>>,
-                exits: scalar::exits_of::<f64, $motion<f64>>,
-            },
-        }
-    };
+    kind: EvaluatorKind,
+    isa: Isa,
 }
 
 impl Evaluator {
-    /// The evaluator for that instruction set; panics if the CPU lacks it.
+    /// The evaluator for that instruction set. Its calls panic if the CPU lacks it.
     pub fn new(kind: EvaluatorKind, isa: Isa) -> Evaluator {
-        assert!(isa.is_available(), "{} is not available on this CPU", isa.name());
-        match kind {
-            EvaluatorKind::Symmetric => evaluator!(isa, Symmetric, V8, V4),
-            // Two packs in flight hide the latency of its square roots (benches/README.md).
-            EvaluatorKind::Free => evaluator!(isa, Free, Arr<V8, 2>, Arr<V4, 2>),
-            EvaluatorKind::Lagrange => evaluator!(isa, Lagrange, V8, V4),
-        }
+        Evaluator { kind, isa }
     }
 
     /// The rates of all lanes at each row of times.
     pub fn rates(self, starts: &StartRows, times: &[Row], out: &mut [StateRows]) {
-        // SAFETY: `new` has seen the features that the entry point needs.
-        unsafe { (self.states)(starts, times, false, out) }
+        self.isa.call(States { kind: self.kind, starts, times, attitude: false, out });
     }
 
     /// The states of all lanes at each row of times.
     pub fn states(self, starts: &StartRows, times: &[Row], out: &mut [StateRows]) {
-        // SAFETY: as above.
-        unsafe { (self.states)(starts, times, true, out) }
+        self.isa.call(States { kind: self.kind, starts, times, attitude: true, out });
     }
 
     /// The exit times of the lanes.
     pub fn exits(self, starts: &StartRows, questions: &ExitRows, out: &mut Row) {
-        // SAFETY: as above.
-        unsafe { (self.exits)(starts, questions, out) }
+        self.isa.call(Exits { kind: self.kind, starts, questions, out });
     }
 }

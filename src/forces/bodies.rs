@@ -66,17 +66,33 @@ impl ParameterChange<f64> {
     }
 }
 
-impl<R: Real> ParameterChange<R> {
-    /// No change.
+impl<R: Copy> ParameterChange<R> {
+    /// The change whose numbers are all the same.
     #[inline(always)]
-    pub fn none() -> Self {
-        let zero = R::splat(0.0);
+    pub const fn filled(number: R) -> Self {
         ParameterChange {
-            moments: [zero; 3],
-            weight: [zero; 3],
-            damping: [zero; 6],
-            torque: [zero; 3],
-            further: Further::none(),
+            moments: [number; 3],
+            weight: [number; 3],
+            damping: [number; 6],
+            torque: [number; 3],
+            further: Further::filled(number),
+        }
+    }
+}
+
+impl<R: Copy> ForcesInterval<'_, R> {
+    /// The interval whose numbers are all the same, without functions.
+    #[inline(always)]
+    pub const fn filled(number: R) -> Self {
+        ForcesInterval {
+            body: [[number; 3]; 2],
+            space: [[number; 3]; 2],
+            damping: [number; 6],
+            rates: [number; 3],
+            modes: [[number; 3]; 3],
+            further: Further::filled(number),
+            functions: None,
+            change: ParameterChange::filled(number),
         }
     }
 }
@@ -85,17 +101,7 @@ impl<R: Real> ForcesInterval<'_, R> {
     /// No forces.
     #[inline(always)]
     pub fn none() -> Self {
-        let zero = R::splat(0.0);
-        ForcesInterval {
-            body: [[zero; 3]; 2],
-            space: [[zero; 3]; 2],
-            damping: [zero; 6],
-            rates: [zero; 3],
-            modes: [[zero; 3]; 3],
-            further: Further::none(),
-            functions: None,
-            change: ParameterChange::none(),
-        }
+        ForcesInterval::filled(R::splat(0.0))
     }
 
     /// The same with other functions.
@@ -367,7 +373,7 @@ impl<'a> BodyForces<'a> {
             modes,
             further: *self.further,
             functions: None,
-            change: ParameterChange::none(),
+            change: ParameterChange::filled(0.0),
         }
     }
 

@@ -35,9 +35,10 @@ pub use set::ForceSet;
 pub use table::{Table, add_space_torque};
 
 use crate::error::Error;
+use crate::kinematics::length;
 use crate::real::{Pack, Real};
 use crate::series::Coefficients;
-use crate::simd::Row;
+use crate::simd::{Row, load_rows, set_lane};
 
 /// A further force in kernels: its equation and its derivative, and the Taylor products of both. `y` is a state, which begins with the rates and, if
 /// there are any, the space axes 3, 1 and 2 in the body. The variables of the force are at `own`.
@@ -233,7 +234,7 @@ macro_rules! forces {
 
         impl Further<f64> {
             /// Nothing acts.
-            pub const NONE: Further<f64> = Further { $($name: $force([0.0; $numbers]),)* };
+            pub const NONE: Further<f64> = Further::filled(0.0);
             /// How many numbers all forces have.
             pub const LEN: usize = before(NUMBERS, NUMBERS.len());
             /// How many variables all forces have.
@@ -312,30 +313,27 @@ macro_rules! forces {
         }
 
         impl Further<Row> {
-            /// Rows of zeros.
-            pub const ZERO: Further<Row> = Further { $($name: $force([Row::ZERO; $numbers]),)* };
-
             /// Sets the numbers of a lane.
             pub fn set(&mut self, lane: usize, further: &Further<f64>) {
-                $(for k in 0..$numbers {
-                    self.$name.0[k].0[lane] = further.$name.0[k];
-                })*
+                $(set_lane(&mut self.$name.0, lane, &further.$name.0);)*
             }
 
             /// The lanes of a pack.
             #[inline(always)]
             pub fn load<P: Pack>(&self, at: usize) -> Further<P> {
-                Further { $($name: $force(loaded(&self.$name.0, at)),)* }
+                Further { $($name: $force(load_rows(&self.$name.0, at)),)* }
+            }
+        }
+
+        impl<R: Copy> Further<R> {
+            /// The forces whose numbers are all the same.
+            #[inline(always)]
+            pub const fn filled(number: R) -> Self {
+                Further { $($name: $force([number; $numbers]),)* }
             }
         }
 
         impl<R: Real> Further<R> {
-            /// Nothing acts.
-            #[inline(always)]
-            pub fn none() -> Self {
-                Further { $($name: $force([R::splat(0.0); $numbers]),)* }
-            }
-
             /// Whether a force of some lane acts.
             #[inline(always)]
             pub fn acts(&self) -> bool {
@@ -460,9 +458,9 @@ impl Further<f64> {
         let [least, largest] = range(moments);
         let rotor = self.rotor.0;
         let momentum = if is_torque_free && !self.drives() {
-            length([0, 1, 2].map(|k| moments[k] * omega[k] + rotor[k]))
+            length(&[0, 1, 2].map(|k| moments[k] * omega[k] + rotor[k]))
         } else {
-            largest * fastest + length(rotor)
+            largest * fastest + length(&rotor)
         };
         let torque = momentum * fastest + self.strength(moments) * least.sqrt();
         self.step_rates(&Pace { moments, least, fastest, momentum, torque })
@@ -491,24 +489,10 @@ fn part<const N: usize>(numbers: &[f64], at: usize) -> [f64; N] {
     part
 }
 
-/// The lanes of a pack of rows.
-#[inline(always)]
-fn loaded<P: Pack, const N: usize>(rows: &[Row; N], at: usize) -> [P; N] {
-    let mut lanes = [P::splat(0.0); N];
-    for k in 0..N {
-        lanes[k] = P::load(&rows[k].0[at..]);
-    }
-    lanes
-}
-
 /// The least and the largest moment.
 fn range(moments: [f64; 3]) -> [f64; 2] {
     let least = moments.iter().fold(f64::INFINITY, |a, &b| a.min(b));
     [least, moments.iter().fold(0.0, |a, &b| a.max(b))]
-}
-
-fn length(v: [f64; 3]) -> f64 {
-    v.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
 /// Refuses negative coefficients.

@@ -10,10 +10,10 @@
 
 use super::{AtStart, Bounded, Force, Order, Pace, Varied, deviation, length, range};
 use crate::error::Error;
-use crate::kinematics::{add_cross, cross, direction, dot, put, to_body_frame};
+use crate::kinematics::{add_cross, cross, direction, dot, plus, put, to_body_frame};
 use crate::real::{Apart, Real};
 use crate::series::{Coefficients, VectorSeries};
-use crate::simd::with_fma;
+use crate::simd::Isa;
 use crate::special::{exp, ln, sincos, sinhcosh};
 
 /// The mean motion n, 0 without an orbit; the eccentricity e; the mean anomaly at time 0; the semi-axes in space, in
@@ -256,23 +256,18 @@ impl<R: Real> Force<R> for Orbit<R> {
         next: &mut [R; D],
         torque: &mut [R; 3],
     ) {
-        // SAFETY of all blocks: the calls for the orders 0 to k - 1, one each and ascending, have pushed the rows 0 to
-        // k - 1, and this call pushes each row k before it reads the row.
         let zero = R::splat(0.0);
         let row = c.order(k);
-        let mut sums = [zero; 2];
-        for j in 1..=k {
-            // SAFETY: as above.
-            let [.., u] = unsafe { *plane.order(k - j) };
-            let row = c.order(j);
+        let (mut sums, before) = ([zero; 2], plane.lowest(k));
+        for j in 1..k + 1 {
+            let ([.., u], row) = (before[k - j], c.order(j));
             sums = [row[own].fma(u, sums[0]), row[own + 1].fma(u, sums[1])];
         }
         let u = if k == 0 {
             self.inverse(self.cos_sin([row[own], row[own + 1]])[0])
         } else {
             let [cos, _] = self.cos_sin(sums);
-            // SAFETY: as above.
-            let [.., first] = unsafe { *plane.order(0) };
+            let [.., first] = before[0];
             self.sign() * self.eccentricity() * first * cos
         };
         let begin = c.order(0);
@@ -280,45 +275,43 @@ impl<R: Real> Force<R> for Orbit<R> {
         let [of_first, of_second] = self.turn(sums);
         put(next, own, [factor * of_first, factor * of_second]);
         let [cos, sin] = self.cos_sin(sums);
-        plane.push(k, [self.eccentricity().fnma(u, cos), sin, u]);
+        plane.push([self.eccentricity().fnma(u, cos), sin, u]);
 
         let [a, b] = self.semi_axes();
-        first_axis.push(k, to_body(&a, row));
-        second_axis.push(k, to_body(&b, row));
+        first_axis.push(to_body(&a, row));
+        second_axis.push(to_body(&b, row));
         let (mut o, mut square, mut cube) = ([zero; 3], zero, zero);
-        for j in 0..=k {
-            // SAFETY: as above.
-            let ([x, y, u], [.., v]) = unsafe { (*plane.order(j), *plane.order(k - j)) };
-            // SAFETY: as above.
-            let (a, b) = unsafe { (first_axis.order(k - j), second_axis.order(k - j)) };
+        let (plane, first_axis, second_axis) =
+            (plane.lowest(k + 1), first_axis.lowest(k + 1), second_axis.lowest(k + 1));
+        for j in 0..k + 1 {
+            let ([x, y, u], [.., v]) = (plane[j], plane[k - j]);
+            let (a, b) = (&first_axis[k - j], &second_axis[k - j]);
             for i in 0..3 {
                 o[i] = x.fma(a[i], y.fma(b[i], o[i]));
             }
             square = u.fma(v, square);
         }
-        for j in 1..=k {
-            // SAFETY: as above.
-            let ([.., u], [v, ..]) = unsafe { (*plane.order(j), *powers.order(k - j)) };
+        let before = powers.lowest(k);
+        for j in 1..k + 1 {
+            let ([.., u], [v, ..]) = (plane[j], before[k - j]);
             cube = u.fma(v, cube);
         }
-        // SAFETY: as above.
-        let [.., first] = unsafe { *plane.order(0) };
-        powers.push(k, [square, first.fma(square, cube), zero]);
-        directions.push(k, o);
+        let [.., first] = plane[0];
+        powers.push([square, first.fma(square, cube), zero]);
+        directions.push(o);
 
         let (mut pull, mut products) = ([zero; 3], [zero; 3]);
-        for j in 0..=k {
-            // SAFETY: as above.
-            let ([_, cube, _], o) = unsafe { (*powers.order(j), directions.order(k - j)) };
+        let (powers, directions) = (powers.lowest(k + 1), directions.lowest(k + 1));
+        for j in 0..k + 1 {
+            let ([_, cube, _], o) = (powers[j], &directions[k - j]);
             for i in 0..3 {
                 pull[i] = cube.fma(o[i], pull[i]);
             }
         }
-        pulls.push(k, pull);
-        for j in 0..=k {
-            // SAFETY: as above.
-            let (pull, o) = unsafe { (pulls.order(j), directions.order(k - j)) };
-            add_products(pull, o, &mut products);
+        pulls.push(pull);
+        let pulls = pulls.lowest(k + 1);
+        for j in 0..k + 1 {
+            add_products(&pulls[j], &directions[k - j], &mut products);
         }
         self.add(moments, &products, torque);
     }
@@ -353,9 +346,7 @@ impl<R: Real> Force<R> for Orbit<R> {
             let moved =
                 [place[0].fma(stretch, (of_cos - by.eccentricity()) * u), place[1].fma(stretch, of_sin * u)];
             let (by_place, by_axes) = (self.in_body(moved, y), by.in_body(place, y));
-            for i in 0..3 {
-                change[i] = change[i] + (by_place[i] + by_axes[i]);
-            }
+            change = plus(&change, &plus(&by_place, &by_axes));
         }
         let (mut products, mut varied) = (zero, zero);
         add_products(&pull, &o, &mut products);
@@ -378,16 +369,12 @@ impl<R: Real> Force<R> for Orbit<R> {
         (series, varied): (&mut OrbitSeries<R>, &mut VariedOrbit<R>),
         torque: &mut [R; 3],
     ) {
-        // SAFETY of all blocks: the series of the motion has pushed all rows of its orders; the calls for the orders 0 to
-        // k - 1, one each and ascending, have pushed the rows 0 to k - 1 of the changes, and this call pushes each row k
-        // before it reads the row.
         let OrbitSeries { plane, directions, pulls, .. } = series;
+        let (plane, directions, pulls) = (plane.lowest(k + 1), directions.lowest(k + 1), pulls.lowest(k + 1));
         let zero = [R::splat(0.0); 3];
         let mut change = zero;
-        for j in 0..=k {
-            // SAFETY: as above.
-            let o = unsafe { directions.order(k - j) };
-            add_cross(o, &deviation(c.order(j), body.tangent)[1], &mut change);
+        for j in 0..k + 1 {
+            add_cross(&directions[k - j], &deviation(c.order(j), body.tangent)[1], &mut change);
         }
         let is_changed = R::any(by.acts());
         if is_changed {
@@ -402,72 +389,59 @@ impl<R: Real> Force<R> for Orbit<R> {
             };
             let (sign, [of_cos, of_sin]) = (self.sign(), self.cos_sin([row[own], row[own + 1]]));
             let mean = by.mean_anomaly(time, one, sign, of_sin);
-            varied.means.push(k, [mean; 3]);
-            let mut anomaly = zero[0];
-            for j in 0..=k {
-                // SAFETY: as above.
-                let ([.., u], [mean, ..]) = unsafe { (plane.order(j), varied.means.order(k - j)) };
-                anomaly = u.fma(*mean, anomaly);
+            varied.means.push([mean; 3]);
+            let (mut anomaly, means) = (zero[0], varied.means.lowest(k + 1));
+            for j in 0..k + 1 {
+                let ([.., u], [mean, ..]) = (plane[j], means[k - j]);
+                anomaly = u.fma(mean, anomaly);
             }
-            varied.anomalies.push(k, [anomaly; 3]);
-            let (mut cos, mut sin) = (zero[0], zero[0]);
-            for j in 0..=k {
-                // SAFETY: as above.
-                let [anomaly, ..] = unsafe { *varied.anomalies.order(k - j) };
-                let row = c.order(j);
+            varied.anomalies.push([anomaly; 3]);
+            let (mut cos, mut sin, anomalies) = (zero[0], zero[0], varied.anomalies.lowest(k + 1));
+            for j in 0..k + 1 {
+                let ([anomaly, ..], row) = (anomalies[k - j], c.order(j));
                 let [of_cos, of_sin] = self.cos_sin([row[own], row[own + 1]]);
                 (cos, sin) = ((sign * of_sin).fnma(anomaly, cos), of_cos.fma(anomaly, sin));
             }
             // The change of the distance is less by this.
             let nearer = sign * by.eccentricity().fma(of_cos, self.eccentricity() * cos);
-            varied.places.push(k, [by.eccentricity().fnma(one, cos), sin, nearer]);
-            let mut moved = zero;
-            for j in 0..=k {
-                // SAFETY: as above.
-                let ([.., u], [x, y, nearer]) = unsafe { (plane.order(j), varied.places.order(k - j)) };
-                moved = [u.fma(*x, moved[0]), u.fma(*y, moved[1]), u.fma(*nearer, moved[2])];
+            varied.places.push([by.eccentricity().fnma(one, cos), sin, nearer]);
+            let (mut moved, places) = (zero, varied.places.lowest(k + 1));
+            for j in 0..k + 1 {
+                let ([.., u], [x, y, nearer]) = (plane[j], places[k - j]);
+                moved = [u.fma(x, moved[0]), u.fma(y, moved[1]), u.fma(nearer, moved[2])];
             }
             // The third is the change of u over u.
-            varied.moved.push(k, moved);
-            let [mut x, mut y, stretch] = moved;
-            for j in 0..=k {
-                // SAFETY: as above.
-                let (place, [.., stretch]) = unsafe { (plane.order(j), varied.moved.order(k - j)) };
-                (x, y) = (place[0].fma(*stretch, x), place[1].fma(*stretch, y));
+            varied.moved.push(moved);
+            let ([mut x, mut y, stretch], moved) = (moved, varied.moved.lowest(k + 1));
+            for j in 0..k + 1 {
+                let (place, [.., stretch]) = (&plane[j], moved[k - j]);
+                (x, y) = (place[0].fma(stretch, x), place[1].fma(stretch, y));
             }
-            varied.stretched.push(k, [x, y, stretch]);
-            for j in 0..=k {
-                // SAFETY: as above.
-                let ([x, y, _], [a, b, _]) = unsafe { (varied.stretched.order(j), plane.order(j)) };
-                let row = c.order(k - j);
-                let (by_place, by_axes) = (self.in_body([*x, *y], row), by.in_body([*a, *b], row));
-                for i in 0..3 {
-                    change[i] = change[i] + (by_place[i] + by_axes[i]);
-                }
+            varied.stretched.push([x, y, stretch]);
+            let stretched = varied.stretched.lowest(k + 1);
+            for j in 0..k + 1 {
+                let ([x, y, _], [a, b, _], row) = (stretched[j], plane[j], c.order(k - j));
+                let (by_place, by_axes) = (self.in_body([x, y], row), by.in_body([a, b], row));
+                change = plus(&change, &plus(&by_place, &by_axes));
             }
         }
-        varied.directions.push(k, change);
-        let mut products = zero;
-        for j in 0..=k {
-            // SAFETY: as above.
-            let (pull, change) = unsafe { (pulls.order(j), varied.directions.order(k - j)) };
-            add_varied_products(pull, change, &mut products);
+        varied.directions.push(change);
+        let (mut products, changes) = (zero, varied.directions.lowest(k + 1));
+        for j in 0..k + 1 {
+            add_varied_products(&pulls[j], &changes[k - j], &mut products);
         }
         let mut own_products = zero;
-        for j in 0..=k {
-            // SAFETY: as above.
-            let (pull, o) = unsafe { (pulls.order(j), directions.order(k - j)) };
-            add_products(pull, o, &mut own_products);
+        for j in 0..k + 1 {
+            add_products(&pulls[j], &directions[k - j], &mut own_products);
         }
-        varied.products.push(k, own_products);
+        varied.products.push(own_products);
         if is_changed {
             let three = R::splat(3.0);
-            for j in 0..=k {
-                // SAFETY: as above.
-                let ([.., stretch], before) =
-                    unsafe { (varied.stretched.order(j), varied.products.order(k - j)) };
+            let (stretched, unstretched) = (varied.stretched.lowest(k + 1), varied.products.lowest(k + 1));
+            for j in 0..k + 1 {
+                let ([.., stretch], before) = (stretched[j], &unstretched[k - j]);
                 for i in 0..3 {
-                    products[i] = (three * *stretch).fma(before[i], products[i]);
+                    products[i] = (three * stretch).fma(before[i], products[i]);
                 }
             }
         }
@@ -568,11 +542,11 @@ impl Orbit<f64> {
 
     /// The eccentric anomaly over the mean anomaly.
     fn eccentric_anomaly(&self, mean: f64) -> f64 {
-        let mut anomaly = mean;
         if self.eccentricity() > 0.0 {
-            with_fma(Kepler { eccentricity: self.eccentricity(), mean, anomaly: &mut anomaly });
+            Isa::widest().call_with_fma(Kepler { eccentricity: self.eccentricity(), mean })
+        } else {
+            mean
         }
-        anomaly
     }
 }
 
@@ -588,32 +562,33 @@ fn mean_growth(e: f64, anomaly: f64, growth: f64) -> f64 {
 
 /// The growth of an eccentric anomaly from that of the mean one, by two of Newton's steps: it is known to rounding of the
 /// anomaly.
-struct Growth<'a> {
+struct Growth {
     eccentricity: f64,
     anomaly: f64,
     mean: f64,
-    growth: &'a mut f64,
+    growth: f64,
 }
 
-impl Apart for Growth<'_> {
+impl Apart for Growth {
+    type Out = f64;
     #[inline(always)]
-    fn run(self) {
-        let Growth { eccentricity: e, anomaly, mean, growth } = self;
+    fn run(self) -> f64 {
+        let Growth { eccentricity: e, anomaly, mean, mut growth } = self;
         for _ in 0..2 {
-            let slope = e.mul_add(-anomaly_cos_sin(e, anomaly + *growth)[0], 1.0).abs();
-            *growth -= (mean_growth(e, anomaly, *growth) - mean) / slope;
+            let slope = e.mul_add(-anomaly_cos_sin(e, anomaly + growth)[0], 1.0).abs();
+            growth -= (mean_growth(e, anomaly, growth) - mean) / slope;
         }
+        growth
     }
 }
 
 /// Kepler's equation, by Newton's steps inside brackets: `E - e sin E - M` ascends, and so does `e sinh E - E - M`.
-struct Kepler<'a> {
+struct Kepler {
     eccentricity: f64,
     mean: f64,
-    anomaly: &'a mut f64,
 }
 
-impl Kepler<'_> {
+impl Kepler {
     /// Numbers below and above the anomaly, and one to begin with.
     #[inline(always)]
     fn brackets(&self) -> [f64; 3] {
@@ -635,9 +610,10 @@ fn area_sinh(x: f64) -> f64 {
     ln(x.abs() + x.mul_add(x, 1.0).sqrt()).copysign(x)
 }
 
-impl Apart for Kepler<'_> {
+impl Apart for Kepler {
+    type Out = f64;
     #[inline(always)]
-    fn run(self) {
+    fn run(self) -> f64 {
         let (e, mean) = (self.eccentricity, self.mean);
         let [mut low, mut high, mut anomaly] = self.brackets();
         let sign = conic_sign(e);
@@ -663,7 +639,7 @@ impl Apart for Kepler<'_> {
             }
             anomaly = next;
         }
-        *self.anomaly = anomaly;
+        anomaly
     }
 }
 
@@ -707,7 +683,7 @@ impl Bounded for Orbit<f64> {
     /// the whole depth of the potential, and with the changes of the rate of the frame as further rates.
     fn reach(&self, start: &AtStart, root: f64) -> [f64; 2] {
         let Some(normal) = self.normal() else { return [root, 0.0] };
-        let (moments, wheel) = (&start.moments, length(start.rotor));
+        let (moments, wheel) = (&start.moments, length(&start.rotor));
         let [least, largest] = range(start.moments);
         // On a hyperbola the direction turns as slowly as the body is far.
         let farthest = if self.is_open() { f64::INFINITY } else { 1.0 + self.eccentricity() };
@@ -781,9 +757,8 @@ impl Orbit<f64> {
             return mean;
         }
         let begin = e.mul_add(-anomaly_cos_sin(e, anomaly)[1], anomaly) * self.sign();
-        let mut growth = self.eccentric_anomaly(begin + mean) - anomaly;
-        with_fma(Growth { eccentricity: e, anomaly, mean, growth: &mut growth });
-        growth
+        let growth = self.eccentric_anomaly(begin + mean) - anomaly;
+        Isa::widest().call_with_fma(Growth { eccentricity: e, anomaly, mean, growth })
     }
 
     /// The time in which an eccentric anomaly grows by so much.

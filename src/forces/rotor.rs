@@ -41,6 +41,6 @@ impl Bounded for Rotor<f64> {
 
     /// The nutation.
     fn step_rate(&self, pace: &Pace) -> f64 {
-        length(self.0) / pace.least
+        length(&self.0) / pace.least
     }
 }

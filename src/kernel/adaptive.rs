@@ -9,7 +9,7 @@ use crate::memory;
 use crate::method::{Coefficients, Engine, Limits, Proposal, in_halves, two_sum};
 use crate::real::{Pack, Real, zero_or_nan};
 use crate::scene::{Layout, Model, Parameters};
-use crate::simd::{LANES, Row};
+use crate::simd::{LANES, Row, load_rows, store_rows};
 
 /// Time and last polynomial of each body of a group.
 #[derive(Clone)]
@@ -111,13 +111,10 @@ fn step<P: Pack, M: Model<P>, L: Layout, S: Engine<P, M, L, D>, const D: usize>(
         // Nobody is in the pack.
         return false;
     }
-    let (mut y, mut compensation) = ([zero; D], [zero; D]);
-    for d in 0..D {
-        y[d] = P::load(&g.state[d].0[at..]);
-        compensation[d] = P::load(&g.compensation[d].0[at..]);
-    }
+    let mut y: [P; D] = load_rows(&g.state, at);
+    let mut compensation: [P; D] = load_rows(&g.compensation, at);
     let (before, lost) = (y, compensation);
-    let begin = [P::load(&l.now[0].0[at..]), P::load(&l.now[1].0[at..])];
+    let begin: [P; 2] = load_rows(&l.now, at);
     let (now, end) = (begin[0] + begin[1], P::load(&l.end.0[at..]));
     let inverse_rate = P::load(&l.inverse_rate.0[at..]);
     let limits = Limits { tolerance: P::splat(l.tolerance), inverse_rate, room: end - now };
@@ -169,27 +166,21 @@ fn step<P: Pack, M: Model<P>, L: Layout, S: Engine<P, M, L, D>, const D: usize>(
         again.store(&mut l.again.0[at..]);
         steps = one - again;
     }
-    for d in 0..D {
-        y[d].store(&mut g.state[d].0[at..]);
-        compensation[d].store(&mut g.compensation[d].0[at..]);
-    }
+    store_rows(&y, &mut g.state, at);
+    store_rows(&compensation, &mut g.compensation, at);
     unit.store(&mut l.unit.0[at..]);
     trial.store(&mut l.trial.0[at..]);
     made.store(&mut g.step.0[at..]);
     (P::load(&g.count.0[at..]) + steps).store(&mut g.count.0[at..]);
-    begin[0].store(&mut l.begin[0].0[at..]);
-    begin[1].store(&mut l.begin[1].0[at..]);
-    time.store(&mut l.now[0].0[at..]);
-    residue.store(&mut l.now[1].0[at..]);
+    store_rows(&begin, &mut l.begin, at);
+    store_rows(&[time, residue], &mut l.now, at);
     let ahead = (next - time) * P::load(&l.direction.0[at..]);
     let ends = some_ends(ahead);
     if ends || is_last {
         let wanted = if is_last { steps } else { P::select(zero.lt(ahead), zero, one) };
         engine.expand(wanted, [&before, &y], &mut inside);
         for k in 0..=inside.highest() {
-            for d in 0..D {
-                inside.order(k)[d].store(&mut l.powers[k][d].0[at..]);
-            }
+            store_rows(inside.order(k), &mut l.powers[k], at);
         }
     }
     ends

@@ -63,11 +63,11 @@ fn engine<R: Quad, M: Model<R>, L: Layout, const D: usize>(
     let mut interval = ForcesInterval::none();
     if L::BALANCE {
         for j in 0..2 {
-            interval.body[j] = first3(&forces.body[j]);
-            interval.space[j] = first3(&forces.space[j]);
+            interval.body[j] = first3(&forces.numbers.body[j]);
+            interval.space[j] = first3(&forces.numbers.space[j]);
         }
         for k in 0..6 {
-            interval.damping[k] = first(&forces.damping[k]);
+            interval.damping[k] = first(&forces.numbers.damping[k]);
         }
     }
     <Taylor<R, M> as Engine<R, M, L, D>>::new(&p, &interval, numbers)

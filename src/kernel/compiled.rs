@@ -43,25 +43,13 @@ impl Compiled {
         self.code.shares_motion
     }
 
-    /// Whether the steps use other variables than the state.
-    pub fn is_processed(self) -> bool {
-        self.kernel.step.is_processed()
-    }
-
-    /// Transforms every active lane to the variables of its steps, before the first of equal steps.
-    pub fn enter(self, group: &mut Group) {
-        self.process(group, false);
-    }
-
-    /// Transforms every active lane back, after the last of equal steps.
-    pub fn leave(self, group: &mut Group) {
-        self.process(group, true);
-    }
-
-    fn process(self, group: &mut Group, leaving: bool) {
-        let process = self.code.process.expect("only some steps are processed");
-        // SAFETY: as above.
-        unsafe { process(group, leaving, self.kernel.step.numbers) }
+    /// Transforms every active lane to the variables of its steps, before the first of equal steps; or back, after the
+    /// last. Most steps use those of the state.
+    pub fn process(self, group: &mut Group, leaving: bool) {
+        if let Some(process) = self.code.process.filter(|_| self.kernel.step.is_processed()) {
+            // SAFETY: as above.
+            unsafe { process(group, leaving, self.kernel.step.numbers) }
+        }
     }
 
     /// Advances every lane by at most `most` adaptive steps, until one lane reaches its `next` time; only for Taylor

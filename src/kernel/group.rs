@@ -4,7 +4,7 @@ use crate::error::Error;
 use crate::forces::{ForcesInterval, Further, ParameterChange, TorqueRows};
 use crate::observe::{MAX_ROWS, Rows, UNOBSERVED};
 use crate::real::Pack;
-use crate::simd::{LANES, Row};
+use crate::simd::{LANES, Row, load_rows, set_lane};
 use std::sync::OnceLock;
 
 /// Longest state: rates, three directions, the balance of work, impulse and time, a deviation vector, and the variables
@@ -66,42 +66,19 @@ pub struct Group {
     pub further: Vec<DeviationRows>,
 }
 
-/// The forces on the bodies of a group on an interval: the numbers of `ForcesInterval`, in its order.
+/// The forces on the bodies of a group on an interval.
 #[derive(Clone)]
 pub struct ForcesRows<'a> {
-    /// Torque in the body, and its rate of change.
-    pub body: [[Row; 3]; 2],
-    /// Torque in space, and its rate of change.
-    pub space: [[Row; 3]; 2],
-    /// Damping.
-    pub damping: [Row; 6],
-    /// Damping rates.
-    pub rates: [Row; 3],
-    /// Modes of the damping.
-    pub modes: [[Row; 3]; 3],
-    /// The numbers of the further forces.
-    pub further: Further<Row>,
-    /// Changes of moments, weight, damping and torque.
-    pub change: [Row; ParameterChange::OWN],
-    /// Changes of the numbers of the further forces.
-    pub further_change: Further<Row>,
+    /// The numbers, a row of each.
+    pub numbers: ForcesInterval<'static, Row>,
     /// The functions that return a torque.
     pub functions: TorqueRows<'a>,
 }
 
 impl<'a> ForcesRows<'a> {
     /// No forces.
-    pub const NONE: ForcesRows<'a> = ForcesRows {
-        body: [[Row::ZERO; 3]; 2],
-        space: [[Row::ZERO; 3]; 2],
-        damping: [Row::ZERO; 6],
-        rates: [Row::ZERO; 3],
-        modes: [[Row::ZERO; 3]; 3],
-        further: Further::<Row>::ZERO,
-        change: [Row::ZERO; ParameterChange::OWN],
-        further_change: Further::<Row>::ZERO,
-        functions: TorqueRows::NONE,
-    };
+    pub const NONE: ForcesRows<'a> =
+        ForcesRows { numbers: ForcesInterval::filled(Row::ZERO), functions: TorqueRows::NONE };
 
     /// No forces, with room for so many numbers that a function is given for each body.
     ///
@@ -113,28 +90,23 @@ impl<'a> ForcesRows<'a> {
 
     /// Sets the forces without functions on the body in a lane.
     pub fn set(&mut self, lane: usize, interval: &ForcesInterval<f64>) {
+        let numbers = &mut self.numbers;
         for i in 0..2 {
-            for k in 0..3 {
-                self.body[i][k].0[lane] = interval.body[i][k];
-                self.space[i][k].0[lane] = interval.space[i][k];
-            }
+            set_lane(&mut numbers.body[i], lane, &interval.body[i]);
+            set_lane(&mut numbers.space[i], lane, &interval.space[i]);
         }
-        for k in 0..6 {
-            self.damping[k].0[lane] = interval.damping[k];
-        }
+        set_lane(&mut numbers.damping, lane, &interval.damping);
+        set_lane(&mut numbers.rates, lane, &interval.rates);
         for k in 0..3 {
-            self.rates[k].0[lane] = interval.rates[k];
-            for m in 0..3 {
-                self.modes[k][m].0[lane] = interval.modes[k][m];
-            }
+            set_lane(&mut numbers.modes[k], lane, &interval.modes[k]);
         }
-        self.further.set(lane, &interval.further);
-        let ParameterChange { moments, weight, damping, torque, further } = &interval.change;
-        self.further_change.set(lane, further);
-        let numbers = moments.iter().chain(weight).chain(damping).chain(torque);
-        for (row, number) in self.change.iter_mut().zip(numbers) {
-            row.0[lane] = *number;
-        }
+        numbers.further.set(lane, &interval.further);
+        let (rows, change) = (&mut numbers.change, &interval.change);
+        set_lane(&mut rows.moments, lane, &change.moments);
+        set_lane(&mut rows.weight, lane, &change.weight);
+        set_lane(&mut rows.damping, lane, &change.damping);
+        set_lane(&mut rows.torque, lane, &change.torque);
+        rows.further.set(lane, &change.further);
     }
 
     /// The lanes of a pack.
@@ -143,32 +115,24 @@ impl<'a> ForcesRows<'a> {
     /// The functions of the interval are not called after the end of the borrow.
     #[inline(always)]
     pub unsafe fn load<P: Pack>(&self, at: usize) -> ForcesInterval<'static, P> {
-        let mut interval = ForcesInterval::none();
+        let (mut interval, numbers) = (ForcesInterval::none(), &self.numbers);
         for i in 0..2 {
-            for k in 0..3 {
-                interval.body[i][k] = P::load(&self.body[i][k].0[at..]);
-                interval.space[i][k] = P::load(&self.space[i][k].0[at..]);
-            }
+            interval.body[i] = load_rows(&numbers.body[i], at);
+            interval.space[i] = load_rows(&numbers.space[i], at);
         }
-        for k in 0..6 {
-            interval.damping[k] = P::load(&self.damping[k].0[at..]);
-        }
+        interval.damping = load_rows(&numbers.damping, at);
+        interval.rates = load_rows(&numbers.rates, at);
         for k in 0..3 {
-            interval.rates[k] = P::load(&self.rates[k].0[at..]);
-            for m in 0..3 {
-                interval.modes[k][m] = P::load(&self.modes[k][m].0[at..]);
-            }
+            interval.modes[k] = load_rows(&numbers.modes[k], at);
         }
-        interval.further = self.further.load(at);
-        interval.change.further = self.further_change.load(at);
-        for k in 0..3 {
-            interval.change.moments[k] = P::load(&self.change[k].0[at..]);
-            interval.change.weight[k] = P::load(&self.change[3 + k].0[at..]);
-            interval.change.torque[k] = P::load(&self.change[12 + k].0[at..]);
-        }
-        for k in 0..6 {
-            interval.change.damping[k] = P::load(&self.change[6 + k].0[at..]);
-        }
+        interval.further = numbers.further.load(at);
+        interval.change = ParameterChange {
+            moments: load_rows(&numbers.change.moments, at),
+            weight: load_rows(&numbers.change.weight, at),
+            damping: load_rows(&numbers.change.damping, at),
+            torque: load_rows(&numbers.change.torque, at),
+            further: numbers.change.further.load(at),
+        };
         // SAFETY: the caller's promise.
         interval.functions = self.functions.of(at).map(|functions| unsafe { functions.outliving() });
         interval
@@ -223,9 +187,7 @@ impl Group {
 
     /// Sets the numbers of the observable of a lane.
     pub(super) fn set_observed(&mut self, lane: usize, rows: &Rows<f64>) {
-        for (row, number) in self.observed.iter_mut().zip(rows) {
-            row.0[lane] = *number;
-        }
+        set_lane(&mut self.observed, lane, rows);
     }
 
     /// Makes a lane inactive: a unit sphere at rest that is not observed, and a step of 0.

@@ -3,11 +3,11 @@
 use super::group::{Group, MAX_STATE};
 use super::{Compiled, System};
 use crate::forces::{BodyForces, ForcesInterval, Further, OrbitPlace};
-use crate::kinematics::{attitude_of_rows, dot, half_rows, space_axes, to_body_frame, vertical};
+use crate::kinematics::{attitude_of_rows, dot, half_rows, length, space_axes, to_body_frame, vertical};
 use crate::method::{Method, Step, Variables};
 use crate::observe::{self, Bound, Deviation, Observed};
 use crate::scene::{Parameters, Scene};
-use crate::simd::Row;
+use crate::simd::{Row, set_lane};
 use crate::start::{Body, VERTICAL};
 use crate::status::DRIFT_LIMIT;
 use std::sync::OnceLock;
@@ -67,7 +67,7 @@ impl KernelAssignment {
     /// The assignment of a body that is forced, or not.
     pub fn of_either(is_forced: bool, method: &Method, body: &Body, scene: &Scene) -> KernelAssignment {
         if is_forced {
-            KernelAssignment::of_forced(method, body)
+            KernelAssignment::of_forced(method)
         } else {
             KernelAssignment::of(method, body, scene)
         }
@@ -79,7 +79,7 @@ impl KernelAssignment {
     }
 
     /// The assignment of a forced body, in the axes of the user. Panics if the method does not integrate forced bodies.
-    pub fn of_forced(method: &Method, _body: &Body) -> KernelAssignment {
+    pub fn of_forced(method: &Method) -> KernelAssignment {
         let forced = method.forced.expect("checked when the request was made");
         KernelAssignment { step: forced.step, shift: 0 }
     }
@@ -191,17 +191,17 @@ fn kernel_state(
     }
     let in_kernel_axes = |axis: [f64; 3]| assignment.to_kernel_axes(to_body_frame(&body.attitude, &axis));
     let is_observed = observed_axis != [0.0; 3];
-    for v in 0..system.vectors() {
+    for v in 0..system.vectors {
         let direction = match v {
-            0 if is_observed && !system.scene().has_weight && system.vectors() < 3 => observed_axis,
+            0 if is_observed && !system.scene.has_weight && system.vectors < 3 => observed_axis,
             0 => assignment.to_kernel_axes(body.gamma()),
-            1 if is_observed && system.vectors() < 3 => observed_axis,
+            1 if is_observed && system.vectors < 3 => observed_axis,
             1 => in_kernel_axes([1.0, 0.0, 0.0]),
             _ => in_kernel_axes([0.0, 1.0, 0.0]),
         };
         y[3 + 3 * v..6 + 3 * v].copy_from_slice(&direction);
     }
-    if let Some(at) = system.quaternion_at() {
+    if let Some(at) = system.quaternion_at {
         let [w, x, y1, z] = body.attitude;
         y[at] = w;
         y[at + 1..at + 4].copy_from_slice(&assignment.to_kernel_axes([x, y1, z]));
@@ -253,7 +253,7 @@ pub fn load(group: &mut Group, lane: usize, compiled: Compiled, assignment: Kern
     }
     let unit = assignment.to_kernel_axes(unit);
     let mut y = kernel_state(kernel.system, assignment, body, unit);
-    if let Some(at) = kernel.system.own_at() {
+    if let Some(at) = kernel.system.own_at {
         y[at..at + own.len()].copy_from_slice(own);
     }
     if let Some(place) = place {
@@ -261,7 +261,7 @@ pub fn load(group: &mut Group, lane: usize, compiled: Compiled, assignment: Kern
         y[3..7].copy_from_slice(&place.to_frame(&body.attitude));
     }
     let deviation = assignment.deviation(deviation, body);
-    if let Some(at) = kernel.system.tangent_at() {
+    if let Some(at) = kernel.system.tangent_at {
         y[at..at + 6].copy_from_slice(&deviation.start);
     }
     let parameters = Parameters {
@@ -270,20 +270,17 @@ pub fn load(group: &mut Group, lane: usize, compiled: Compiled, assignment: Kern
         step,
     };
     group.used = group.used.max(lane + 1);
-    for d in 0..kernel.system.len() {
-        group.state[d].0[lane] = y[d];
-        group.compensation[d].0[lane] = 0.0;
-    }
-    for k in 0..3 {
-        group.moments[k].0[lane] = parameters.moments[k];
-        group.weight[k].0[lane] = parameters.weight[k];
-    }
+    let length = kernel.system.len;
+    set_lane(&mut group.state, lane, &y[..length]);
+    set_lane(&mut group.compensation, lane, &[0.0; MAX_STATE][..length]);
+    set_lane(&mut group.moments, lane, &parameters.moments);
+    set_lane(&mut group.weight, lane, &parameters.weight);
     group.step.0[lane] = step;
     group.count.0[lane] = 0.0;
 
     let [energy, momentum] = compiled.invariants(&parameters, &y);
     let moves = body.omega.iter().chain(&body.weight).any(|&x| x != 0.0);
-    let [energy_scale, momentum_scale] = (kernel.system.scene().invariant_scales)(body);
+    let [energy_scale, momentum_scale] = (kernel.system.scene.invariant_scales)(body);
     for (rows, start, scale) in
         [(&mut group.energy, energy, energy_scale), (&mut group.momentum, momentum, momentum_scale)]
     {
@@ -310,9 +307,9 @@ pub fn load(group: &mut Group, lane: usize, compiled: Compiled, assignment: Kern
         return;
     }
     let mut frame = [[y[3], y[4], y[5]], [y[6], y[7], y[8]]];
-    let at = kernel.system.observed_at();
+    let at = kernel.system.observed_at;
     let mut direction = [y[at], y[at + 1], y[at + 2]];
-    if let Some(at) = kernel.system.quaternion_at().filter(|_| kernel.system.turns()) {
+    if let Some(at) = kernel.system.quaternion_at.filter(|_| kernel.system.turns) {
         let [third, first, _] = space_axes(&[y[at], y[at + 1], y[at + 2], y[at + 3]]);
         frame = [third, first];
         direction = if kernel.system.is_forced() { third } else { unit };
@@ -353,7 +350,7 @@ pub fn load(group: &mut Group, lane: usize, compiled: Compiled, assignment: Kern
 /// Sets the time of a forced body to zero: the torque is given as a function of the time since the begin of an
 /// interval.
 pub fn reset_time(group: &mut Group, system: System, lane: usize) {
-    let time = system.balance_at().expect("only forced bodies have a time") + 2;
+    let time = system.balance_at.expect("only forced bodies have a time") + 2;
     group.state[time].0[lane] = 0.0;
     group.compensation[time].0[lane] = 0.0;
 }
@@ -362,7 +359,7 @@ pub fn reset_time(group: &mut Group, system: System, lane: usize) {
 fn widen_scales(group: &mut Group, lane: usize, system: System, body: &Body, rate: f64) {
     let least = body.moments.iter().fold(f64::INFINITY, |a, &b| a.min(b));
     let momentum = body.moments.iter().fold(0.0_f64, |a, &b| a.max(b)) * rate;
-    let momentum = system.scene().conserved.scale(momentum);
+    let momentum = system.scene.conserved.scale(momentum);
     for (rows, gain) in [(&mut group.energy, 0.5 * least * rate * rate), (&mut group.momentum, momentum)] {
         let inverse = rows.inverse_scale.0[lane];
         let scale = if inverse > 0.0 && inverse.is_finite() { 1.0 / inverse } else { 0.0 };
@@ -373,7 +370,7 @@ fn widen_scales(group: &mut Group, lane: usize, system: System, body: &Body, rat
 /// The state of the body in a lane.
 pub fn unload(group: &Group, lane: usize, compiled: Compiled, assignment: KernelAssignment) -> State {
     let mut y = [0.0; MAX_STATE];
-    for d in 0..compiled.kernel().system.len() {
+    for d in 0..compiled.kernel().system.len {
         y[d] = group.state[d].0[lane];
     }
     read(group, lane, compiled, assignment, y)
@@ -392,21 +389,20 @@ pub fn read(
     let parameters = Parameters { moments: at(&group.moments), weight: at(&group.weight), step: 0.0 };
     let moments = &parameters.moments;
     let invariants = compiled.invariants(&parameters, &y);
-    let quaternion = kernel.system.quaternion_at();
+    let quaternion = kernel.system.quaternion_at;
     let in_rows = kernel.system.has_rows();
     let row = |y: &[f64; MAX_STATE], at: usize| [y[at], y[at + 1], y[at + 2]];
-    let tangent = kernel.system.tangent_at();
+    let tangent = kernel.system.tangent_at;
     let tangent = tangent.map(|at| assignment.deviation_of([row(&y, at), row(&y, at + 3)], *moments));
     // With a quaternion, the space axes are permuted like the body axes.
     let attitude_and_vertical = match quaternion {
         Some(at) => Some(([y[at], y[at + 1], y[at + 2], y[at + 3]], assignment.to_kernel_axes(VERTICAL))),
         None => in_rows.then(|| (attitude_of_rows(&row(&y, 6), &row(&y, 3)), VERTICAL)),
     };
-    let has_vertical = kernel.system.scene().has_weight && kernel.system.vectors() > 0;
+    let has_vertical = kernel.system.scene.has_weight && kernel.system.vectors > 0;
     let invariants_of_attitude = attitude_and_vertical.filter(|_| has_vertical).map(|(q, vertical)| {
-        let length = q.iter().map(|x| x * x).sum::<f64>().sqrt();
-        let mut of_attitude = y;
-        of_attitude[3..6].copy_from_slice(&to_body_frame(&q.map(|x| x / length), &vertical));
+        let (mut of_attitude, size) = (y, length(&q));
+        of_attitude[3..6].copy_from_slice(&to_body_frame(&q.map(|x| x / size), &vertical));
         compiled.invariants(&parameters, &of_attitude)
     });
     if assignment.step.engine.variables() == Variables::Momenta {
@@ -415,18 +411,18 @@ pub fn read(
         }
     }
     let omega = [y[0], y[1], y[2]];
-    let balance = kernel.system.balance_at().map(|at| {
+    let balance = kernel.system.balance_at.map(|at| {
         let work = y[at];
         let momentum = [0, 1, 2].map(|k| moments[k] * omega[k]);
         let momentum2 = dot(&momentum, &momentum);
-        let scale = kernel.system.scene().conserved.scale(momentum2.sqrt());
+        let scale = kernel.system.scene.conserved.scale(momentum2.sqrt());
         Balance { work, scales: [0.5 * dot(&momentum, &omega) + work.abs(), scale] }
     });
     State {
         omega: assignment.to_body_axes([y[0], y[1], y[2]]),
         direction: match quaternion {
-            Some(at) if kernel.system.turns() => Some(vertical(&[y[at], y[at + 1], y[at + 2], y[at + 3]])),
-            _ => (kernel.system.vectors() > 0).then(|| assignment.to_body_axes([y[3], y[4], y[5]])),
+            Some(at) if kernel.system.turns => Some(vertical(&[y[at], y[at + 1], y[at + 2], y[at + 3]])),
+            _ => (kernel.system.vectors > 0).then(|| assignment.to_body_axes([y[3], y[4], y[5]])),
         },
         attitude: match quaternion {
             Some(at) => {

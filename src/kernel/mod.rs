@@ -15,4 +15,4 @@ pub use compiled::Compiled;
 pub use drive::{Job, drive};
 pub use group::{DeviationRows, DriftRows, ForcesRows, Group, MAX_STATE};
 pub use load::{Balance, Entry, KernelAssignment, State, load, read, reset_time, unload};
-pub use registry::{Kernel, Needs, System};
+pub use registry::{Kernel, Needs, System, Traits};

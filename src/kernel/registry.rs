@@ -17,6 +17,7 @@ use crate::scene::{
 #[cfg(target_arch = "x86_64")]
 use crate::simd::{Arr, V4, V8};
 use crate::simd::{Isa, LANES};
+use std::ops::Deref;
 
 /// A kernel: system, step and observable.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,12 +30,6 @@ pub struct Kernel {
     pub observed: Observed,
 }
 
-/// Advances all lanes of a group by some steps.
-type Advance = unsafe fn(&mut Group, &ForcesRows, usize, Observed, &'static Numbers);
-/// Transforms all lanes of a group to the variables of their steps, or back.
-type Process = unsafe fn(&mut Group, bool, &'static Numbers);
-/// Energy and conserved momentum of one body, with the arithmetic of the kernel.
-type Invariants = unsafe fn(&Parameters<f64>, &[f64; MAX_STATE]) -> [f64; 2];
 /// Advances all lanes by adaptive steps; see `adaptive_block`.
 type Adaptive = unsafe fn(&mut Group, &ForcesRows, &mut AdaptiveSteps, usize, &'static Numbers) -> usize;
 /// A state of one lane inside its last step; see `dense_output`.
@@ -43,9 +38,12 @@ type Dense = unsafe fn(&AdaptiveSteps, usize, f64, &'static Numbers) -> [f64; MA
 /// The code of a kernel for an instruction set. Code that no method can request is not compiled.
 #[derive(Clone, Copy)]
 pub(super) struct Code {
-    pub(super) advance: Advance,
-    pub(super) process: Option<Process>,
-    pub(super) invariants: Invariants,
+    /// Advances all lanes of a group by some steps.
+    pub(super) advance: unsafe fn(&mut Group, &ForcesRows, usize, Observed, &'static Numbers),
+    /// Transforms all lanes of a group to the variables of their steps, or back.
+    pub(super) process: Option<unsafe fn(&mut Group, bool, &'static Numbers)>,
+    /// Energy and conserved momentum of one body, with the arithmetic of the kernel.
+    pub(super) invariants: unsafe fn(&Parameters<f64>, &[f64; MAX_STATE]) -> [f64; 2],
     /// Whether the further deviation vectors of a group are moved with its motions.
     pub(super) shares_motion: bool,
     pub(super) adaptive: Option<Adaptive>,
@@ -229,18 +227,10 @@ macro_rules! kernels {
         impl System {
             const ALL: &[System] = &[$(System::$system,)*];
 
-            /// The scene of the system. The system integrates the bodies of this scene and of its special cases.
-            pub const fn scene(self) -> &'static Scene {
-                match self {
-                    $(System::$system => &$scene,)*
-                }
-            }
-
-            /// Properties of the model and the layout.
             #[inline]
             const fn traits(self) -> &'static Traits {
                 match self {
-                    $(System::$system => const { &Traits::of::<$layout>() },)*
+                    $(System::$system => const { &Traits::of::<$layout>(&$scene) },)*
                 }
             }
 
@@ -379,26 +369,39 @@ pub struct Needs {
     pub is_changed: bool,
 }
 
-/// Properties of a system from its model and its layout.
-struct Traits {
-    len: usize,
-    vectors: usize,
+/// What a system has, from its scene and its layout.
+#[derive(Debug)]
+pub struct Traits {
+    /// The scene of the system. The system integrates the bodies of this scene and of its special cases.
+    pub scene: &'static Scene,
+    /// Length of the state.
+    pub len: usize,
+    /// Number of directions in the state.
+    pub vectors: usize,
     has_frame: bool,
-    turns: bool,
-    quaternion_at: Option<usize>,
-    balance_at: Option<usize>,
+    /// Whether the equations read the space axes from the quaternion.
+    pub turns: bool,
+    /// Index of the quaternion in the state; `None` without a quaternion.
+    pub quaternion_at: Option<usize>,
+    /// Index of work, impulse and time; `None` if the system is not forced.
+    pub balance_at: Option<usize>,
     is_further: bool,
     is_function: bool,
-    is_on_clock: bool,
-    own_at: Option<usize>,
-    tangent_at: Option<usize>,
+    /// Whether the eccentric anomaly of an orbit takes the place of the time.
+    pub is_on_clock: bool,
+    /// Index of the variables of further forces; `None` without any.
+    pub own_at: Option<usize>,
+    /// Index of the deviation vector; `None` without one.
+    pub tangent_at: Option<usize>,
     is_changed: bool,
-    observed_at: usize,
+    /// Index of the direction from which a tilt is measured.
+    pub observed_at: usize,
 }
 
 impl Traits {
-    const fn of<L: Layout>() -> Traits {
+    const fn of<L: Layout>(scene: &'static Scene) -> Traits {
         Traits {
+            scene,
             len: L::LEN,
             vectors: L::VECTORS,
             has_frame: L::HAS_FRAME,
@@ -416,6 +419,15 @@ impl Traits {
     }
 }
 
+impl Deref for System {
+    type Target = Traits;
+
+    #[inline]
+    fn deref(&self) -> &Traits {
+        self.traits()
+    }
+}
+
 impl System {
     /// The first system of a scene, or of the scene that contains this one as a special case, that has the needed
     /// variables and that the step integrates. Panics if there is no such system; methods are checked when a request is
@@ -427,17 +439,16 @@ impl System {
         let acts = forces.act && !on_clock;
         let directions = if on_clock { 0 } else { directions };
         let carries = |system: System| {
-            let traits = system.traits();
-            system.scene() == scene
-                && traits.is_on_clock == on_clock
-                && traits.balance_at.is_some() == acts
+            system.scene == scene
+                && system.is_on_clock == on_clock
+                && system.is_forced() == acts
                 // Beside a function the further forces may act.
-                && (traits.is_further == (forces.further && acts) || traits.is_further && forces.function)
-                && traits.is_function == forces.function
-                && traits.tangent_at.is_some() == needs.tangent
-                && (traits.is_changed || !needs.is_changed)
-                && (traits.has_frame || traits.vectors >= directions)
-                && (!needs.attitude || traits.quaternion_at.is_some() || system.has_rows())
+                && (system.is_further == (forces.further && acts) || system.is_further && forces.function)
+                && system.is_function == forces.function
+                && system.tangent_at.is_some() == needs.tangent
+                && (system.is_changed || !needs.is_changed)
+                && (system.has_frame || system.vectors >= directions)
+                && (!needs.attitude || system.quaternion_at.is_some() || system.has_rows())
                 && system.is_moved_by(step)
         };
         match (System::ALL.iter().copied().find(|&system| carries(system)), scene.special_case_of) {
@@ -447,78 +458,23 @@ impl System {
         }
     }
 
-    /// Length of the state.
-    #[allow(clippy::len_without_is_empty)] // No state is empty.
-    #[inline]
-    pub fn len(self) -> usize {
-        self.traits().len
-    }
-
     /// Whether the system is forced.
     #[inline]
     pub fn is_forced(self) -> bool {
-        self.balance_at().is_some()
-    }
-
-    /// Whether the eccentric anomaly of an orbit takes the place of the time.
-    #[inline]
-    pub fn is_on_clock(self) -> bool {
-        self.traits().is_on_clock
-    }
-
-    /// Index in the state of work, impulse and time; `None` if the system is not forced.
-    #[inline]
-    pub(super) fn balance_at(self) -> Option<usize> {
-        self.traits().balance_at
-    }
-
-    /// Index in the state of the variables of further forces; `None` without any.
-    #[inline]
-    pub fn own_at(self) -> Option<usize> {
-        self.traits().own_at
-    }
-
-    /// Index in the state of the deviation vector; `None` without one.
-    #[inline]
-    pub fn tangent_at(self) -> Option<usize> {
-        self.traits().tangent_at
-    }
-
-    /// Number of directions in the state.
-    #[inline]
-    pub fn vectors(self) -> usize {
-        self.traits().vectors
+        self.balance_at.is_some()
     }
 
     /// Whether the attitude is integrated as rows of its matrix: the third row, which is the vertical, then the first.
     #[inline]
     pub fn has_rows(self) -> bool {
-        self.vectors() > 1
-    }
-
-    /// Index in the state of the direction from which a tilt is measured.
-    #[inline]
-    pub(super) fn observed_at(self) -> usize {
-        self.traits().observed_at
-    }
-
-    /// Whether the equations read the space axes from the quaternion.
-    #[inline]
-    pub fn turns(self) -> bool {
-        self.traits().turns
-    }
-
-    /// Index of the quaternion in the state; `None` without a quaternion.
-    #[inline]
-    pub fn quaternion_at(self) -> Option<usize> {
-        self.traits().quaternion_at
+        self.vectors > 1
     }
 
     /// Whether the step integrates the system. A system without weight is integrated by the torque-free part of a step.
     pub fn is_moved_by(self, step: Step) -> bool {
         let Some(code) = code(self, step.engine, Isa::NARROWEST) else { return false };
-        let suits = if self.scene().has_weight { step.moves_weight() } else { step == step.torque_free() };
-        let is_known = self.tangent_at().is_none() || step.has_tangent();
+        let suits = if self.scene.has_weight { step.moves_weight() } else { step == step.torque_free() };
+        let is_known = self.tangent_at.is_none() || step.has_tangent();
         suits && is_known && (code.process.is_some() || !step.is_processed())
     }
 }

@@ -10,11 +10,16 @@ use crate::method::{Coefficients, Engine, Numbers};
 use crate::observe::{Observed, Segment};
 use crate::real::{Pack, Real};
 use crate::scene::{Layout, Model, Parameters, in_rows, quaternion};
-use crate::simd::{LANES, Row};
+use crate::simd::{LANES, load_rows, store_rows};
 
+/// The constants of the body and of its step in the pack that begins at a lane.
 #[inline(always)]
-fn load3<P: Pack>(rows: &[Row; 3], at: usize) -> [P; 3] {
-    [P::load(&rows[0].0[at..]), P::load(&rows[1].0[at..]), P::load(&rows[2].0[at..])]
+fn parameters<P: Pack>(g: &Group, at: usize) -> Parameters<P> {
+    Parameters {
+        moments: load_rows(&g.moments, at),
+        weight: load_rows(&g.weight, at),
+        step: P::load(&g.step.0[at..]),
+    }
 }
 
 /// Deviation of an invariant at the end of a block. A NaN remains, because `max` returns its second argument then.
@@ -24,7 +29,7 @@ fn update_drift<P: Pack>(rows: &mut DriftRows, at: usize, now: P) {
     P::load(&rows.worst.0[at..]).max(off).store(&mut rows.worst.0[at..]);
 }
 
-/// The constants of the body and of its step in the pack that begins at a lane.
+/// The same, and the engine of the body.
 #[inline(always)]
 fn prepared_pack<P: Pack, M: Model<P>, L: Layout, S: Engine<P, M, L, D>, const D: usize>(
     g: &Group,
@@ -32,11 +37,7 @@ fn prepared_pack<P: Pack, M: Model<P>, L: Layout, S: Engine<P, M, L, D>, const D
     at: usize,
     numbers: &'static Numbers,
 ) -> (Parameters<P>, S) {
-    let p = Parameters {
-        moments: load3::<P>(&g.moments, at),
-        weight: load3::<P>(&g.weight, at),
-        step: P::load(&g.step.0[at..]),
-    };
+    let p = parameters(g, at);
     let acts = L::BALANCE || L::CHANGED || L::CLOCK;
     // SAFETY: the engine ends with its block of steps, during which `forces` is borrowed.
     let interval = if acts { unsafe { forces.load(at) } } else { ForcesInterval::none() };
@@ -122,10 +123,7 @@ pub(super) fn step_block<P, const PACKS: usize, M, L, S, const D: usize>(
                 break;
             }
             let at = b * P::LANES;
-            let mut y = [P::splat(0.0); D];
-            for d in 0..D {
-                y[d] = P::load(&g.state[d].0[at..]);
-            }
+            let mut y: [P; D] = load_rows(&g.state, at);
             let before = y;
             let (p, engine) = &bodies[b];
             if const { L::FUNCTION } && !P::any(P::splat(0.0).lt(p.step.abs())) {
@@ -135,19 +133,13 @@ pub(super) fn step_block<P, const PACKS: usize, M, L, S, const D: usize>(
             let mut compensation = y;
             let mut dense = Coefficients::new();
             if S::COMPENSATES {
-                for d in 0..D {
-                    compensation[d] = P::load(&g.compensation[d].0[at..]);
-                }
+                compensation = load_rows(&g.compensation, at);
             }
             engine.step(p, &mut y, &mut compensation, &mut dense);
             if S::COMPENSATES {
-                for d in 0..D {
-                    compensation[d].store(&mut g.compensation[d].0[at..]);
-                }
+                store_rows(&compensation, &mut g.compensation, at);
             }
-            for d in 0..D {
-                y[d].store(&mut g.state[d].0[at..]);
-            }
+            store_rows(&y, &mut g.state, at);
             if observed != Observed::Nothing {
                 let begin = (P::load(&g.count.0[at..]) + P::splat(i as f64)) * p.step;
                 let segment = Segment { begin, before: &before, after: &y, dense: &dense };
@@ -162,10 +154,7 @@ pub(super) fn step_block<P, const PACKS: usize, M, L, S, const D: usize>(
     }
     for b in 0..PACKS {
         let at = b * P::LANES;
-        let mut y = [P::splat(0.0); D];
-        for d in 0..D {
-            y[d] = P::load(&g.state[d].0[at..]);
-        }
+        let y: [P; D] = load_rows(&g.state, at);
         let (p, engine) = &bodies[b];
         if observed != Observed::Nothing {
             observed.after_block::<P, M, L, S, D>(engine, p, &mut g.observed, at, &y);
@@ -182,20 +171,14 @@ fn move_deviation<P: Pack, M: Model<P>, L: Layout, S: Engine<P, M, L, D>, const 
     at: usize,
     dense: &mut Coefficients<P, D>,
 ) {
-    let zero = P::splat(0.0);
-    let (mut deviation, mut compensation) = ([zero; 6], [zero; 6]);
-    for k in 0..6 {
-        deviation[k] = P::load(&rows.state[k].0[at..]);
-        if S::COMPENSATES {
-            compensation[k] = P::load(&rows.compensation[k].0[at..]);
-        }
+    let (mut deviation, mut compensation) = (load_rows(&rows.state, at), [P::splat(0.0); 6]);
+    if S::COMPENSATES {
+        compensation = load_rows(&rows.compensation, at);
     }
     engine.move_deviation(&mut deviation, &mut compensation, dense);
-    for k in 0..6 {
-        deviation[k].store(&mut rows.state[k].0[at..]);
-        if S::COMPENSATES {
-            compensation[k].store(&mut rows.compensation[k].0[at..]);
-        }
+    store_rows(&deviation, &mut rows.state, at);
+    if S::COMPENSATES {
+        store_rows(&compensation, &mut rows.compensation, at);
     }
 }
 
@@ -250,9 +233,7 @@ fn short_steps<P, const PACKS: usize, M, L, S, const D: usize>(
     let bodies = prepared::<P, PACKS, M, L, S, D>(g, forces, numbers);
     let mut states = [[P::splat(0.0); D]; PACKS];
     each_pack!(B < PACKS => {
-        for d in 0..D {
-            states[B][d] = P::load(&g.state[d].0[B * P::LANES..]);
-        }
+        states[B] = load_rows(&g.state, B * P::LANES);
     });
     for _ in 0..steps {
         each_pack!(B < PACKS => {
@@ -262,9 +243,7 @@ fn short_steps<P, const PACKS: usize, M, L, S, const D: usize>(
         });
     }
     each_pack!(B < PACKS => {
-        for d in 0..D {
-            states[B][d].store(&mut g.state[d].0[B * P::LANES..]);
-        }
+        store_rows(&states[B], &mut g.state, B * P::LANES);
         end_block::<P, M, L, S, D>(g, B * P::LANES, &bodies[B].0, &states[B], steps);
     });
 }
@@ -283,15 +262,8 @@ pub(super) fn process<P, const PACKS: usize, M, L, S, const D: usize>(
 {
     for b in 0..PACKS {
         let at = b * P::LANES;
-        let p = Parameters {
-            moments: load3::<P>(&g.moments, at),
-            weight: load3(&g.weight, at),
-            step: P::load(&g.step.0[at..]),
-        };
-        let mut y = [P::splat(0.0); D];
-        for d in 0..D {
-            y[d] = P::load(&g.state[d].0[at..]);
-        }
+        let p = parameters(g, at);
+        let mut y: [P; D] = load_rows(&g.state, at);
         let before = y;
         S::new(&p, &ForcesInterval::none(), numbers).process(&p, &mut y, leaving);
         let steps = P::splat(0.0).lt(p.step.abs());

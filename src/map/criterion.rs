@@ -30,27 +30,36 @@ pub enum Criterion {
 /// The numbers of a rule, and how many of them a criterion has.
 const RULE: usize = 4;
 
-impl Criterion {
-    /// The names that Python knows, and how many numbers each needs: an angle (rad), or those of a rule in their order.
-    const NAMES: [(&'static str, usize); 16] = [
-        ("no_flip", 0),
-        ("tilt_from_start", 1),
-        ("tilt_from_vertical", 1),
-        ("regular_rates", RULE),
-        ("regular_attitude", RULE),
-        ("rate_above", 1),
-        ("speed_above", 1),
-        ("omega_within_body", 1),
-        ("omega_within_space", 1),
-        ("momentum_within_body", 1),
-        ("momentum_within_space", 1),
-        ("near_start", 1),
-        ("away_from_start", 2),
-        ("pointing_radial", 2),
-        ("pointing_along", 2),
-        ("pointing_normal", 2),
-    ];
+/// A name that Python knows, how many numbers it needs, and the criterion with these: an angle (rad), or the numbers of a
+/// rule in their order.
+type Named = (&'static str, usize, fn(&[f64]) -> Criterion);
 
+const NAMED: [Named; 16] = [
+    ("no_flip", 0, |_| Criterion::NoFlip),
+    ("tilt_from_start", 1, |of| Criterion::TiltFromStart(of[0])),
+    ("tilt_from_vertical", 1, |of| Criterion::TiltFromVertical(of[0])),
+    ("regular_rates", RULE, |of| Criterion::RegularRates(rule(of))),
+    ("regular_attitude", RULE, |of| Criterion::RegularAttitude(rule(of))),
+    ("rate_above", 1, |of| Criterion::bounded(Quantity::Rate, of[0], false)),
+    ("speed_above", 1, |of| Criterion::bounded(Quantity::Speed, of[0], false)),
+    ("omega_within_body", 1, |of| Criterion::within(false, false, of[0])),
+    ("omega_within_space", 1, |of| Criterion::within(false, true, of[0])),
+    ("momentum_within_body", 1, |of| Criterion::within(true, false, of[0])),
+    ("momentum_within_space", 1, |of| Criterion::within(true, true, of[0])),
+    ("near_start", 1, |of| Criterion::bounded(Quantity::Attitude, of[0], true)),
+    ("away_from_start", 2, |of| {
+        Criterion::Bounded(Bound { quantity: Quantity::Attitude, limit: of[0], below: false, after: of[1] })
+    }),
+    ("pointing_radial", 2, |of| Criterion::pointing(Direction::Radial, of[0], of[1] != 0.0)),
+    ("pointing_along", 2, |of| Criterion::pointing(Direction::Along, of[0], of[1] != 0.0)),
+    ("pointing_normal", 2, |of| Criterion::pointing(Direction::Normal, of[0], of[1] != 0.0)),
+];
+
+fn rule(numbers: &[f64]) -> Rule {
+    Rule { sure: numbers[0], low: numbers[1], high: numbers[2], ratio: numbers[3] }
+}
+
+impl Criterion {
     /// A criterion that a scalar stays on one side of a limit, from the start on.
     fn bounded(quantity: Quantity, limit: f64, below: bool) -> Criterion {
         Criterion::Bounded(Bound { quantity, limit, below, after: 0.0 })
@@ -136,47 +145,15 @@ impl Criterion {
     /// # Errors
     /// Naming the known criteria, or how many numbers the criterion has.
     pub fn parse(name: &str, limits: &[f64]) -> Result<Criterion, Error> {
-        let found = match (name, limits) {
-            ("no_flip", []) => Criterion::NoFlip,
-            ("tilt_from_start", &[angle]) => Criterion::TiltFromStart(angle),
-            ("tilt_from_vertical", &[angle]) => Criterion::TiltFromVertical(angle),
-            ("regular_rates", &[sure, low, high, ratio]) => {
-                Criterion::RegularRates(Rule { sure, low, high, ratio })
-            }
-            ("regular_attitude", &[sure, low, high, ratio]) => {
-                Criterion::RegularAttitude(Rule { sure, low, high, ratio })
-            }
-            ("rate_above", &[rate]) => Criterion::bounded(Quantity::Rate, rate, false),
-            ("speed_above", &[rate]) => Criterion::bounded(Quantity::Speed, rate, false),
-            ("omega_within_body", &[angle]) => Criterion::within(false, false, angle),
-            ("omega_within_space", &[angle]) => Criterion::within(false, true, angle),
-            ("momentum_within_body", &[angle]) => Criterion::within(true, false, angle),
-            ("momentum_within_space", &[angle]) => Criterion::within(true, true, angle),
-            ("near_start", &[angle]) => Criterion::bounded(Quantity::Attitude, angle, true),
-            ("away_from_start", &[limit, after]) => {
-                Criterion::Bounded(Bound { quantity: Quantity::Attitude, limit, below: false, after })
-            }
-            ("pointing_radial", &[angle, either]) => {
-                Criterion::pointing(Direction::Radial, angle, either != 0.0)
-            }
-            ("pointing_along", &[angle, either]) => {
-                Criterion::pointing(Direction::Along, angle, either != 0.0)
-            }
-            ("pointing_normal", &[angle, either]) => {
-                Criterion::pointing(Direction::Normal, angle, either != 0.0)
-            }
-            _ => return Err(Criterion::unknown(name, limits.len())),
+        let Some((_, needed, of)) = NAMED.into_iter().find(|(known, ..)| *known == name) else {
+            let known = NAMED.map(|(name, ..)| name).join(", ");
+            return Err(Error::Unknown { argument: "criterion", value: name.into(), known });
         };
-        Ok(found)
-    }
-
-    fn unknown(name: &str, numbers: usize) -> Error {
-        if let Some((_, needed)) = Criterion::NAMES.into_iter().find(|(known, _)| *known == name) {
-            let (expected, got) = (format!("({needed},)"), format!("({numbers},)"));
-            return Error::Shape { argument: "limits", expected, got };
+        if limits.len() != needed {
+            let (expected, got) = (format!("({needed},)"), format!("({},)", limits.len()));
+            return Err(Error::Shape { argument: "limits", expected, got });
         }
-        let known = Criterion::NAMES.map(|(name, _)| name).join(", ");
-        Error::Unknown { argument: "criterion", value: name.into(), known }
+        Ok(of(limits))
     }
 }
 
@@ -187,7 +164,7 @@ mod tests {
     #[test]
     fn criteria_have_names() {
         assert_eq!(Criterion::parse("tilt_from_start", &[0.5]), Ok(Criterion::TiltFromStart(0.5)));
-        for (name, numbers) in Criterion::NAMES {
+        for (name, numbers, _) in NAMED {
             assert!(Criterion::parse(name, &[0.5; RULE][..numbers]).is_ok(), "{name}");
             let message = Criterion::parse(name, &[0.5; 3]).unwrap_err().to_string();
             assert!(message.starts_with("limits: expected shape"), "{message}");

@@ -5,10 +5,7 @@ use crate::error::Error;
 use crate::memory;
 use crate::real::Pack;
 use crate::sample::{self, Given, Law, Mix};
-use crate::simd::Isa;
-use crate::simd::{LANES, Row};
-#[cfg(target_arch = "x86_64")]
-use crate::simd::{V4, V8};
+use crate::simd::{Isa, LANES, Row, Work, load_rows, set_lane, store_rows};
 use crate::start::Body;
 use std::ops::Range;
 
@@ -65,28 +62,21 @@ struct Draws {
     start: [Row; 4],
 }
 
-fn set(rows: &mut [Row; 4], lane: usize, u: [f64; 4]) {
-    for k in 0..4 {
-        rows[k].0[lane] = u[k];
-    }
-}
-
 #[inline(always)]
 fn vectors<P: Pack>(law: Law, mix: Option<&Mix>, draws: &mut Draws) {
     for at in (0..LANES).step_by(P::LANES) {
         if let Law::VonMisesFisher(_) = law {
-            let ([size, ..], [x, y, z, _]) = (load::<P>(&draws.sizes, at), load::<P>(&draws.start, at));
-            let rates = sample::turned_rates(size, [x, y, z], load(&draws.uniforms, at));
-            for k in 0..3 {
-                rates[k].store(&mut draws.start[k].0[at..]);
-            }
+            let ([size, ..], [x, y, z, _]) =
+                (load_rows::<P, 4>(&draws.sizes, at), load_rows::<P, 4>(&draws.start, at));
+            let rates = sample::turned_rates(size, [x, y, z], load_rows(&draws.uniforms, at));
+            store_rows(&rates, &mut draws.start, at);
             continue;
         }
-        let mut v = sample::vector(law, load::<P>(&draws.uniforms, at));
+        let mut v = sample::vector(law, load_rows::<P, 4>(&draws.uniforms, at));
         if let Some(mix) = mix {
             v = sample::mixed_rates(mix, v);
         }
-        let (sizes, start) = (load::<P>(&draws.sizes, at), load::<P>(&draws.start, at));
+        let (sizes, start) = (load_rows::<P, 4>(&draws.sizes, at), load_rows::<P, 4>(&draws.start, at));
         for k in 0..3 {
             sizes[k].fma(v[k], start[k]).store(&mut draws.start[k].0[at..]);
         }
@@ -96,60 +86,35 @@ fn vectors<P: Pack>(law: Law, mix: Option<&Mix>, draws: &mut Draws) {
 #[inline(always)]
 fn attitudes<P: Pack>(law: Law, mix: Option<&Mix>, draws: &mut Draws) {
     for at in (0..LANES).step_by(P::LANES) {
-        let [s0, s1, s2, _] = load::<P>(&draws.sizes, at);
-        let (u, q) = (load::<P>(&draws.uniforms, at), load(&draws.start, at));
+        let [s0, s1, s2, _] = load_rows::<P, 4>(&draws.sizes, at);
+        let (u, q) = (load_rows::<P, 4>(&draws.uniforms, at), load_rows(&draws.start, at));
         let q = match mix {
             None => sample::attitude(law, [s0, s1, s2], q, u),
             Some(mix) => {
-                let rates = sample::vector(law, load(&draws.of_rates, at));
+                let rates = sample::vector(law, load_rows(&draws.of_rates, at));
                 sample::turned([s0, s1, s2], sample::mixed_turn(mix, rates, sample::vector(law, u)), q)
             }
         };
-        for k in 0..4 {
-            q[k].store(&mut draws.start[k].0[at..]);
-        }
+        store_rows(&q, &mut draws.start, at);
     }
 }
 
-#[inline(always)]
-fn load<P: Pack>(rows: &[Row; 4], at: usize) -> [P; 4] {
-    let mut out = [P::splat(0.0); 4];
-    for k in 0..4 {
-        out[k] = P::load(&rows[k].0[at..]);
-    }
-    out
+/// The draws of all lanes, for packs of any width.
+struct Drawing<'a> {
+    law: Law,
+    mix: Option<&'a Mix>,
+    draws: &'a mut Draws,
+    of_attitudes: bool,
 }
 
-/// Compiles a function of rows for each instruction set.
-macro_rules! compiled {
-    ($name:ident, $generic:ident) => {
-        fn $name(isa: Isa, law: Law, mix: Option<&Mix>, draws: &mut Draws) {
-            #[cfg(target_arch = "x86_64")]
-            #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx512bw,avx2,fma")]
-            fn avx512(law: Law, mix: Option<&Mix>, draws: &mut Draws) {
-                $generic::<V8>(law, mix, draws)
-            }
-            #[cfg(target_arch = "x86_64")]
-            #[target_feature(enable = "avx2,fma")]
-            fn avx2(law: Law, mix: Option<&Mix>, draws: &mut Draws) {
-                $generic::<V4>(law, mix, draws)
-            }
-            assert!(isa.is_available());
-            match isa {
-                // SAFETY: the line before checks the feature.
-                #[cfg(target_arch = "x86_64")]
-                Isa::Avx512 => unsafe { avx512(law, mix, draws) },
-                // SAFETY: as above.
-                #[cfg(target_arch = "x86_64")]
-                Isa::Avx2 => unsafe { avx2(law, mix, draws) },
-                #[cfg(plain)]
-                Isa::Scalar => $generic::<f64>(law, mix, draws),
-            }
-        }
-    };
+impl Work for Drawing<'_> {
+    type Out = ();
+    #[inline(always)]
+    fn run<P: Pack>(self) {
+        let Drawing { law, mix, draws, of_attitudes } = self;
+        if of_attitudes { attitudes::<P>(law, mix, draws) } else { vectors::<P>(law, mix, draws) }
+    }
 }
-compiled!(vectors_of, vectors);
-compiled!(attitudes_of, attitudes);
 
 impl Map {
     /// The numbers that a place draws by: those of its pixel and its sample in the whole map.
@@ -170,7 +135,7 @@ impl Map {
             }
             let uniforms = sample::uniforms_together(self.key, block, samples);
             for k in 0..TOGETHER {
-                set(rows, first + k, uniforms[k]);
+                set_lane(rows, first + k, &uniforms[k]);
             }
         }
     }
@@ -234,12 +199,10 @@ impl Map {
                 self.draw_uniforms(0, places, &mut draws.uniforms);
                 for (lane, place) in places.iter().enumerate() {
                     let Pixel { body, omega_size, .. } = pixel(place);
-                    for k in 0..3 {
-                        draws.sizes[k].0[lane] = omega_size[k];
-                        draws.start[k].0[lane] = body.omega[k];
-                    }
+                    set_lane(&mut draws.sizes, lane, omega_size);
+                    set_lane(&mut draws.start, lane, &body.omega);
                 }
-                vectors_of(isa, laws.omega, rates_mix, &mut draws);
+                isa.call(Drawing { law: laws.omega, mix: rates_mix, draws: &mut draws, of_attitudes: false });
                 for (lane, (body, place)) in bodies.iter_mut().zip(places).enumerate() {
                     if pixel(place).possible {
                         for k in 0..3 {
@@ -255,14 +218,11 @@ impl Map {
                 }
                 for (lane, place) in places.iter().enumerate() {
                     let Pixel { body, attitude_size, .. } = pixel(place);
-                    for k in 0..3 {
-                        draws.sizes[k].0[lane] = attitude_size[k];
-                    }
-                    for k in 0..4 {
-                        draws.start[k].0[lane] = body.attitude[k];
-                    }
+                    set_lane(&mut draws.sizes, lane, attitude_size);
+                    set_lane(&mut draws.start, lane, &body.attitude);
                 }
-                attitudes_of(isa, laws.attitude, attitude_mix, &mut draws);
+                let (law, mix) = (laws.attitude, attitude_mix);
+                isa.call(Drawing { law, mix, draws: &mut draws, of_attitudes: true });
                 for (lane, (body, place)) in bodies.iter_mut().zip(places).enumerate() {
                     if pixel(place).possible {
                         for k in 0..4 {

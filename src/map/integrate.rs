@@ -166,7 +166,7 @@ impl MapJob<'_> {
         let body = &self.bodies[index];
         let forces = map.forces_of((self.first + index as u64) / map.samples);
         let orbit = &forces.further.orbit;
-        let is_on_clock = self.compiled.kernel().system.is_on_clock();
+        let is_on_clock = self.compiled.kernel().system.is_on_clock;
         let on_orbit = is_on_clock.then(|| {
             let place = OrbitPlace::of(*orbit, orbit.anomaly_at(0.0));
             let farthest = orbit.farthest([0.0, map.t_end]);

@@ -244,7 +244,7 @@ pub(super) fn keep_in_range<'a>(
     if !blocks.is_multiple_of(BLOCKS_TOGETHER) {
         return;
     }
-    let at = system.tangent_at().expect("the system has a deviation vector");
+    let at = system.tangent_at.expect("the system has a deviation vector");
     for (lane, course) in courses {
         let size = (0..6).fold(0.0_f64, |size, k| size.max(group.state[at + k].0[lane].abs()));
         let exponent = (size.to_bits() >> 52).abs_diff(1023);

@@ -1,34 +1,23 @@
 //! The outcome of a sample, and the statistics of all samples of a pixel.
 
+use crate::named::named;
 use crate::status::Status;
 
-/// The classification of a sample.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Class {
-    /// Stayed stable until the horizon.
-    Stable,
-    /// Left stability before.
-    Unstable,
-    /// The second method disagrees.
-    Undecided,
-    /// Not classified: step limit, not finite, or drifted.
-    Failed,
+named! {
+    /// The classification of a sample.
+    pub enum Class {
+        /// Stayed stable until the horizon.
+        Stable => "stable",
+        /// Left stability before.
+        Unstable => "unstable",
+        /// The second method disagrees.
+        Undecided => "undecided",
+        /// Not classified: step limit, not finite, or drifted.
+        Failed => "failed",
+    }
 }
 
 impl Class {
-    /// All classes, in the order of their codes.
-    pub const ALL: [Class; 4] = [Class::Stable, Class::Unstable, Class::Undecided, Class::Failed];
-
-    /// The name of the class.
-    pub fn name(self) -> &'static str {
-        match self {
-            Class::Stable => "stable",
-            Class::Unstable => "unstable",
-            Class::Undecided => "undecided",
-            Class::Failed => "failed",
-        }
-    }
-
     /// The class of a sample from those of its two runs. They agree, or one of them is unstable and the other cannot tell.
     pub fn agreed(self, second: Class) -> Class {
         match (self, second) {

@@ -8,7 +8,7 @@ use super::acceleration;
 use super::splitting::turn;
 use super::{Coefficients, Engine, EngineName, Facts, ForcedStep, Method, Numbers, RK4, Step, Variables};
 use crate::forces::ForcesInterval;
-use crate::kinematics::{cross, direction, dot, put};
+use crate::kinematics::{cross, direction, dot, plus, put};
 use crate::real::Real;
 use crate::scene::{Applied, Layout, Model, Parameters};
 use crate::special::{exp, rodrigues};
@@ -121,7 +121,6 @@ fn without_damping<R: Real, M: Model<R>, L: Layout, const D: usize>(
     p: &Parameters<R>,
     y: &[R; D],
 ) -> [R; 3] {
-    let mut sum = applied.undamped::<L, D>(y);
     let omega = [y[0], y[1], y[2]];
     let mut momentum = omega;
     for i in 0..3 {
@@ -129,15 +128,9 @@ fn without_damping<R: Real, M: Model<R>, L: Layout, const D: usize>(
     }
     let mut whole = cross(&momentum, &omega);
     if L::VECTORS > 0 {
-        let weight = M::torque(p, y);
-        for i in 0..3 {
-            whole[i] = whole[i] + weight[i];
-        }
+        whole = plus(&whole, &M::torque(p, y));
     }
-    for i in 0..3 {
-        sum[i] = sum[i] + whole[i];
-    }
-    sum
+    plus(&applied.undamped::<L, D>(y), &whole)
 }
 
 /// Rotations about the three axes over half the step, an exact kick by torque and damping together, and the rotations
@@ -187,10 +180,7 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Engine<R, M, L, D> for Aff
         y[D - 1] = p.step.fma(half, y[D - 1]);
         let mut weight = M::torque(p, y);
         let applied = self.applied.undamped::<L, D>(y);
-        let mut torque = weight;
-        for i in 0..3 {
-            torque[i] = weight[i] + applied[i];
-        }
+        let torque = plus(&weight, &applied);
         let before = [y[0], y[1], y[2]];
         let (v, force) = (self.modes.of(&before), self.modes.of(&torque));
         // The increment of v is phi_1 h (force - rates v); the integral of v is phi_1 h v + phi_2 h^2 force.
@@ -209,10 +199,7 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Engine<R, M, L, D> for Aff
         }
         // The gain of kinetic energy is work; the work of the weight is subtracted, because the potential energy
         // contains it.
-        let mut twice_v = v;
-        for m in 0..3 {
-            twice_v[m] = v[m] + (v[m] + increment[m]);
-        }
+        let twice_v = plus(&v, &plus(&v, &increment));
         let gained = half * dot(&increment, &twice_v);
         y[D - 3] = y[D - 3] + (gained - (weight[0] + weight[1] + weight[2]));
         let impulse = if L::VECTORS == 0 { dot(&change, &twice) } else { dot(&change, &direction(y, 0)) };
@@ -347,11 +334,7 @@ impl<R: Real, M: Model<R>> Exponential<R, M> {
             }
         }
         let alone = self.modes.omega(&rotation);
-        let mut theta = alone;
-        for i in 0..3 {
-            theta[i] = alone[i] + free[i];
-        }
-        (increment, theta, alone)
+        (increment, plus(&alone, &free), alone)
     }
 
     /// The state after an increment of v and a rotation.
@@ -473,10 +456,7 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Engine<R, M, L, D> for Exp
         }
         let (increment, theta, alone) = self.stage(4, &v, &torques, &corrections);
         let mut at = self.moved::<L, D>(y, &increment, &theta, p.step);
-        let mut twice = v;
-        for m in 0..3 {
-            twice[m] = v[m] + (v[m] + increment[m]);
-        }
+        let twice = plus(&v, &plus(&v, &increment));
         let gained = R::splat(0.5) * dot(&increment, &twice);
         if L::VECTORS > 0 {
             worked = worked + dot(&weight, &alone);

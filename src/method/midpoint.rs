@@ -7,7 +7,7 @@
 
 use super::{Coefficients, Engine, EngineName, Facts, Method, Numbers, Step, Variables};
 use crate::forces::{ForcesInterval, attitude_of_stage};
-use crate::kinematics::{cross, direction, dot, put, quaternion_product};
+use crate::kinematics::{cross, direction, dot, plus, put, quaternion_product};
 use crate::real::{Apart, Real};
 use crate::scene::{Applied, Layout, Model, Parameters};
 
@@ -126,7 +126,7 @@ impl<R: Real> Turn<R> {
     #[inline(always)]
     fn middle(&self, n: &[R; 3]) -> [R; 3] {
         let gain = self.gain(n);
-        [n[0] + gain[0], n[1] + gain[1], n[2] + gain[2]]
+        plus(n, &gain)
     }
     /// The direction at the end.
     #[inline(always)]
@@ -155,6 +155,7 @@ struct TorqueInTheMiddle<'a, R: Real> {
 }
 
 impl<R: Real> Apart for TorqueInTheMiddle<'_, R> {
+    type Out = ();
     #[inline(always)]
     fn run(self) {
         let TorqueInTheMiddle { engine, constants, equation, u, wanted, torque } = self;
@@ -440,12 +441,7 @@ impl<R: Real> ImplicitMidpoint<R> {
             if heavy {
                 kick = cross(&turn.middle(gamma), &constants.kick);
             }
-            let mut before = momentum;
-            if heavy {
-                for i in 0..3 {
-                    before[i] = momentum[i] + kick[i];
-                }
-            }
+            let before = if heavy { plus(&momentum, &kick) } else { momentum };
             let after = turn.end(&before);
             for i in 0..3 {
                 z[i] = if heavy { after[i] + kick[i] } else { after[i] };
@@ -516,10 +512,6 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Engine<R, M, L, D> for Imp
         let gyroscopic = cross(&[y[0], y[1], y[2]], &[rates[0], rates[1], rates[2]]);
         let weight = M::torque(p, y);
         let applied = if L::BALANCE { self.applied.torque::<L, D>(&rates) } else { [R::splat(0.0); 3] };
-        let mut sum = gyroscopic;
-        for i in 0..3 {
-            sum[i] = (gyroscopic[i] + weight[i]) + applied[i];
-        }
-        sum
+        plus(&plus(&gyroscopic, &weight), &applied)
     }
 }

@@ -41,7 +41,7 @@ pub(crate) use taylor::{bound_of_margins, in_halves, two_sum};
 use crate::error::Error;
 use crate::forces::ForcesInterval;
 use crate::forces::{ForceSet, Further, NO_FURTHER};
-use crate::kinematics::{direction, direction_rate, dot, doubled_attitude_rate, put};
+use crate::kinematics::{direction, direction_rate, dot, doubled_attitude_rate, plus, put};
 use crate::real::Real;
 use crate::scene::{Applied, Layout, Model, Parameters, ROWS_LEN, Scene, in_rows, quaternion};
 
@@ -626,7 +626,7 @@ fn turning_of_rates<R: Real, M: Model<R>, L: Layout, const D: usize>(
         return omega;
     }
     let turn = applied.under_further::<M, L, D>(model, &applied.torques(), y).turn;
-    [omega[0] + turn[0], omega[1] + turn[1], omega[2] + turn[2]]
+    plus(&omega, &turn)
 }
 
 /// What limits an adaptive step.

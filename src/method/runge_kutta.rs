@@ -5,7 +5,7 @@ use super::tangent::{further_tangent_rate, tangent_rate};
 use super::{Coefficients, Engine, EngineName, Facts, Limits, Method, Numbers, Proposal, Step, Variables};
 use super::{acceleration, acceleration_by, cubic_inside, moved, put_turned, turning_of_rates, two_sum};
 use crate::forces::ForcesInterval;
-use crate::kinematics::{put, speed};
+use crate::kinematics::{plus, put, speed};
 use crate::real::Real;
 use crate::scene::{Applied, FurtherRate, Layout, Model, Parameters, ROWS_LEN, Torques, in_rows};
 use std::marker::PhantomData;
@@ -262,7 +262,7 @@ fn rate<T: Tableau, R: Real, M: Model<R>, L: Layout, const D: usize>(
         let FurtherRate { omega: change, turn, balance, .. } = rates;
         put(&mut dy, 0, change);
         put(&mut dy, L::BALANCE_AT, balance);
-        put_turned::<R, L, D>(y, &[omega[0] + turn[0], omega[1] + turn[1], omega[2] + turn[2]], &mut dy);
+        put_turned::<R, L, D>(y, &plus(&omega, &turn), &mut dy);
         if L::TANGENT {
             let rate = further_tangent_rate::<R, M, L, D>(model, applied, y, &rates);
             put(&mut dy, L::TANGENT_AT, rate);

@@ -8,7 +8,7 @@
 
 use super::{Coefficients, Engine, Numbers, Variables};
 use crate::forces::ForcesInterval;
-use crate::kinematics;
+use crate::kinematics::{self, plus};
 use crate::real::Real;
 use crate::scene::{Layout, Model, Parameters};
 use crate::special::{rodrigues, sincos};
@@ -349,6 +349,6 @@ impl<C: Round, R: Real, M: Model<R>, L: Layout, const D: usize> Engine<R, M, L, 
         let omega = [y[0] / p.moments[0], y[1] / p.moments[1], y[2] / p.moments[2]];
         let gyroscopic = kinematics::cross(&[y[0], y[1], y[2]], &omega);
         let torque = M::torque(p, y);
-        [gyroscopic[0] + torque[0], gyroscopic[1] + torque[1], gyroscopic[2] + torque[2]]
+        plus(&gyroscopic, &torque)
     }
 }

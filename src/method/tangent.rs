@@ -11,7 +11,7 @@
 //! the change of the rates of a body without weight is the derivative of the step itself. The rotation vector has an
 //! equation of its own, so with weight both agree with the derivative of the step to the order of the method.
 
-use crate::kinematics::{add_cross, cross, direction, put};
+use crate::kinematics::{add_cross, cross, direction, plus, put};
 use crate::real::Real;
 use crate::scene::{Applied, FurtherRate, Layout, Model, Undamped};
 
@@ -89,9 +89,7 @@ impl<R: Real> Variation<R> {
         let mut change = self.acceleration::<M, D>(model, deviating);
         if L::BALANCE {
             let gained = applied.over_moments(&applied.damped(torque, d));
-            for i in 0..3 {
-                change[i] = change[i] + gained[i];
-            }
+            change = plus(&change, &gained);
         }
         let turning = self.turning(&d);
         [change[0], change[1], change[2], turning[0], turning[1], turning[2]]
@@ -116,11 +114,8 @@ pub(super) fn tangent_rate<R: Real, M: Model<R>, L: Layout, const D: usize>(
     let mut rate = variation.rate::<M, L, D>(model, applied, y, torque);
     if L::CHANGED {
         let [w1, w2, w3] = [y[0], y[1], y[2]];
-        let mut changed = applied.changed_torque(&[w2 * w3, w3 * w1, w1 * w2], y);
-        let own = applied.changed_applied_torque();
-        for i in 0..3 {
-            changed[i] = changed[i] + own[i];
-        }
+        let changed = applied.changed_torque(&[w2 * w3, w3 * w1, w1 * w2], y);
+        let changed = plus(&changed, &applied.changed_applied_torque());
         let mut spin = [rate[0], rate[1], rate[2]];
         applied.add_changed_rate(&changed, acceleration, &mut spin);
         put(&mut rate, 0, spin);
@@ -142,19 +137,14 @@ pub(super) fn further_tangent_rate<R: Real, M: Model<R>, L: Layout, const D: usi
     let mut torque = applied.damped(cross(&applied.space_torque::<L, D>(y), &x), d);
     let changed = applied.changed_torque(&[omega[1] * omega[2], omega[2] * omega[0], omega[0] * omega[1]], y);
     let own = applied.changed_applied_torque();
-    for i in 0..3 {
-        torque[i] = torque[i] + (changed[i] + own[i]);
-    }
+    torque = plus(&torque, &plus(&changed, &own));
     applied.add_varied_torques::<L, D>(y, &mut torque);
     let undamped = Undamped { omega, rate: rates.undamped };
     let mut rate = applied.varied_rate(variation.acceleration::<M, D>(model, y), &d, &torque, &undamped);
     let varied_turn = applied.varied_turn(&rate, &rates.undamped, &rates.turn);
 
     let change = &applied.forces.change;
-    let mut momentum = applied.varied_momentum(&omega, &d);
-    for i in 0..3 {
-        momentum[i] = momentum[i] + change.further.rotor.0[i];
-    }
+    let momentum = plus(&applied.varied_momentum(&omega, &d), &change.further.rotor.0);
     let mut by_turn = cross(&momentum, &rates.turn);
     add_cross(&applied.whole_momentum(&omega), &varied_turn, &mut by_turn);
     for i in 0..3 {

@@ -7,7 +7,7 @@ use super::{Engine, EngineName, Facts, Limits, Method, Numbers, Proposal, Step, 
 use super::{acceleration, turning_of_rates};
 use crate::forces::{ForcesInterval, Further, FurtherSeries, Order};
 use crate::kinematics::{
-    add_cross, add_roll_across, add_roll_along, add_turn_across, add_turn_along, direction, put,
+    add_cross, add_roll_across, add_roll_along, add_turn_across, add_turn_along, direction, plus, put,
 };
 use crate::real::{Apart, Real, is_finite};
 use crate::scene::{Applied, Layout, Model, Parameters, quaternion};
@@ -286,16 +286,14 @@ impl<R: Real, M: Model<R>> Taylor<R, M> {
     ) {
         let factor = unit * R::splat(INVERSE[k + 1]);
         let newest = self.torque::<L, D>(unit, c, k, *all_orders);
-        torques.push(k, newest);
+        torques.push(newest);
         let change = self.applied.over_moments(&newest);
         for i in 0..3 {
             next[i] = factor.fma(change[i], next[i]);
         }
-        let mut balance = [R::splat(0.0); 2];
+        let (mut balance, torques) = ([R::splat(0.0); 2], torques.lowest(k + 1));
         for j in 0..k + 1 {
-            // SAFETY: the calls for the orders 0 to k, one each and ascending, have pushed the rows 0 to k.
-            let torque = unsafe { torques.order(j) };
-            let [power, impulse] = self.applied.balance::<L, D>(torque, c.order(k - j));
+            let [power, impulse] = self.applied.balance::<L, D>(&torques[j], c.order(k - j));
             balance = [balance[0] + power, balance[1] + impulse];
         }
         next[L::BALANCE_AT] = factor * balance[0];
@@ -328,29 +326,28 @@ impl<R: Real, M: Model<R>> Taylor<R, M> {
         let omega = [of_k[0], of_k[1], of_k[2]];
         let rotor = &applied.forces.further.rotor;
         let mut impulse = rotor.across(&omega);
-        impulse = [impulse[0] + torque[0], impulse[1] + torque[1], impulse[2] + torque[2]];
+        impulse = plus(&impulse, &torque);
         let mut rate = self.model.euler(products, of_k);
         let change = applied.over_moments(&impulse);
-        rate = [rate[0] + change[0], rate[1] + change[1], rate[2] + change[2]];
+        rate = plus(&rate, &change);
         let sink = applied.turn(&rate);
-        series.turn.push(k, sink);
-        series.undamped.push(k, rate);
+        series.turn.push(sink);
+        series.undamped.push(rate);
         let rotor = rotor.across(&sink);
-        series.impulse.push(k, [impulse[0] + rotor[0], impulse[1] + rotor[1], impulse[2] + rotor[2]]);
+        series.impulse.push(plus(&impulse, &rotor));
 
         let (mut by_turn, mut turned) = (rotor, [zero; 3]);
-        for j in 0..=k {
-            // SAFETY: as above.
-            let sink = unsafe { series.turn.order(k - j) };
-            let row = c.order(j);
+        let sinks = series.turn.lowest(k + 1);
+        for j in 0..k + 1 {
+            let (sink, row) = (&sinks[k - j], c.order(j));
             add_cross(&applied.momentum(&[row[0], row[1], row[2]]), sink, &mut by_turn);
             for v in 0..L::VECTORS {
                 add_cross(&direction(row, v), sink, &mut turned[v]);
             }
         }
-        torques.push(k, [torque[0] + by_turn[0], torque[1] + by_turn[1], torque[2] + by_turn[2]]);
+        torques.push(plus(&torque, &by_turn));
         let change = applied.over_moments(&by_turn);
-        series.gained.push(k, change);
+        series.gained.push(change);
         for i in 0..3 {
             next[i] = factor * (rate[i] + change[i]);
             for v in 0..L::VECTORS {
@@ -358,11 +355,10 @@ impl<R: Real, M: Model<R>> Taylor<R, M> {
             }
         }
         let mut balance = [R::splat(0.0); 2];
-        for j in 0..=k {
-            // SAFETY: as above.
-            let (torque, impulse) = unsafe { (torques.order(j), series.impulse.order(j)) };
-            let [power, _] = applied.balance::<L, D>(torque, c.order(k - j));
-            let [_, gained] = applied.balance::<L, D>(impulse, c.order(k - j));
+        let (torques, impulses) = (torques.lowest(k + 1), series.impulse.lowest(k + 1));
+        for j in 0..k + 1 {
+            let [power, _] = applied.balance::<L, D>(&torques[j], c.order(k - j));
+            let [_, gained] = applied.balance::<L, D>(&impulses[j], c.order(k - j));
             balance = [balance[0] + power, balance[1] + gained];
         }
         put(next, L::BALANCE_AT, [factor * balance[0], factor * balance[1]]);
@@ -509,6 +505,7 @@ struct Expansion<'a, R, M, L, const D: usize> {
 }
 
 impl<R: Real, M: Model<R>, L: Layout, const D: usize> Apart for Expansion<'_, R, M, L, D> {
+    type Out = ();
     #[inline(always)]
     fn run(self) {
         self.engine.coefficients::<L, D>(self.unit, self.y, self.c);

@@ -475,6 +475,7 @@ struct Look<'a, R, L, W, const MOMENTA: bool, const D: usize> {
 impl<R: Real, L: Layout, W: Within<R, D>, const MOMENTA: bool, const D: usize> Apart
     for Look<'_, R, L, W, MOMENTA, D>
 {
+    type Out = ();
     #[inline(always)]
     fn run(self) {
         let Look { p, rows, begin: time, ends: [before, after], within, layout } = self;

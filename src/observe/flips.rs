@@ -9,7 +9,7 @@ use crate::kinematics::to_body_frame;
 use crate::method::{Coefficients, Engine, Numbers, Rk4Tableau, RungeKutta, Taylor};
 use crate::real::{Apart, Real};
 use crate::scene::{FunctionTurns, FurtherFrame, Layout, Model, Parameters, Top};
-use crate::simd::with_fma;
+use crate::simd::Isa;
 use crate::start::{Body, VERTICAL};
 
 /// Sign changes of one component of the rates, located inside the step.
@@ -49,14 +49,14 @@ struct AfterStart<'a> {
     body: &'a Body,
     interval: &'a ForcesInterval<'a, f64>,
     rate: f64,
-    rates: &'a mut [f64; 3],
 }
 
 impl Apart for AfterStart<'_> {
+    type Out = [f64; 3];
     #[inline(always)]
-    fn run(self) {
+    fn run(self) -> [f64; 3] {
         const NUMBERS: &Numbers = &Numbers { order: 6, ..Numbers::NONE };
-        let AfterStart { body, interval, rate, rates } = self;
+        let AfterStart { body, interval, rate } = self;
         // SAFETY: the engines end with this call, during which `interval` is borrowed.
         let interval = unsafe { &interval.outliving() };
         let p = Parameters { moments: body.moments, weight: body.weight, step: 1e-3 / rate };
@@ -69,19 +69,20 @@ impl Apart for AfterStart<'_> {
             y[FunctionTurns::OWN_AT..].copy_from_slice(&interval.further.start(0.0));
             let dense = &mut Coefficients::new();
             Engine::<_, _, FunctionTurns, CALLED>::step(&engine, &p, &mut y, &mut unused, dense);
-            rates.copy_from_slice(&y[..3]);
-            return;
+            return [y[0], y[1], y[2]];
         }
         let series = <Taylor<f64, Top<f64>> as Engine<_, _, FurtherFrame, LEN>>::new(&p, interval, NUMBERS);
         let mut y = start::<LEN>(body);
         y[FurtherFrame::OWN_AT..].copy_from_slice(&interval.further.start(0.0));
         let mut terms = Coefficients::new();
         series.coefficients::<FurtherFrame, LEN>(p.step, &y, &mut terms);
+        let mut rates = [0.0; 3];
         for term in terms.all() {
             for k in 0..3 {
                 rates[k] += term[k];
             }
         }
+        rates
     }
 }
 
@@ -100,9 +101,7 @@ fn start<const D: usize>(body: &Body) -> [f64; D] {
 }
 
 fn rates_after_start(body: &Body, interval: &ForcesInterval<f64>, rate: f64) -> [f64; 3] {
-    let mut rates = [0.0; 3];
-    with_fma(AfterStart { body, interval, rate, rates: &mut rates });
-    rates
+    Isa::widest().call_with_fma(AfterStart { body, interval, rate })
 }
 
 impl Observable for Flips {

@@ -91,6 +91,7 @@ where
     L: Layout,
     S: Engine<R, M, L, D>,
 {
+    type Out = ();
     #[inline(always)]
     fn run(self) {
         let Look { engine, p, rows, begin, before, after, .. } = self;
@@ -142,6 +143,7 @@ struct MotionInside<'a, R: Real, M, L, S, const D: usize> {
 impl<R: Real, M: Model<R>, L: Layout, S: Engine<R, M, L, D>, const D: usize> Apart
     for MotionInside<'_, R, M, L, S, D>
 {
+    type Out = ();
     #[inline(always)]
     fn run(self) {
         self.engine.motion_inside(self.p, self.ends, self.dense);

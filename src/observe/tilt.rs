@@ -5,7 +5,7 @@ use super::{
     Bound, EXIT_TIME, Observable, Quantity, Rows, Segment, Start, Update, along, angle_of, chord2, chord2_of,
     combined, look_inside, motion_inside, three,
 };
-use crate::kinematics::{add_cross, cross, direction, direction_rate, dot, half_rows, space_axes};
+use crate::kinematics::{add_cross, cross, direction, direction_rate, dot, half_rows, plus, space_axes};
 use crate::method::{Coefficients, Engine};
 use crate::real::Real;
 use crate::scene::{Layout, Model, Parameters, quaternion};
@@ -149,7 +149,7 @@ fn of_state<R: Real, L: Layout, const D: usize>(rows: &Rows<R>, y: &[R; D]) -> [
     let normal = three(rows, Tilt::NORMAL);
     if const { L::CLOCK } {
         let half = combined(&normal, &half_rows(&[y[3], y[4], y[5], y[6]]));
-        return [half[0] + half[0], half[1] + half[1], half[2] + half[2]];
+        return plus(&half, &half);
     }
     if const { L::TURNS } {
         let [third, first, second] = space_axes(&quaternion::<L, R, D>(y));

@@ -286,21 +286,6 @@ pub struct BodyColumns<'a> {
 const PART: usize = 1 << 14;
 
 impl<'a> BodyColumns<'a> {
-    /// The columns of the arrays of a request.
-    pub fn of_arrays(
-        moments: &'a Aligned2<'_, f64>,
-        weight: &'a Aligned2<'_, f64>,
-        omega: &'a Aligned2<'_, f64>,
-        attitude: &'a Aligned2<'_, f64>,
-    ) -> PyResult<Self> {
-        BodyColumns::new(
-            rows::<3>("moments", moments)?,
-            rows::<3>("weight", weight)?,
-            rows::<3>("omega", omega)?,
-            rows::<4>("attitude", attitude)?,
-        )
-    }
-
     /// Columns of equal length, or of one row.
     pub fn new(
         moments: &'a [[f64; 3]],

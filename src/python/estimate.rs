@@ -8,8 +8,7 @@ use crate::estimate::{Recorded, distances as distances_of, error_of_closed_form,
 use crate::float_environment::FloatEnvironment;
 use crate::memory;
 use crate::simd::Isa;
-use crate::start::Body;
-use crate::trajectory::{Schedule, time_range};
+use crate::trajectory::time_range;
 use numpy::{
     Element, PyArray1, PyArray2, PyArray3, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn,
     PyUntypedArrayMethods,
@@ -17,7 +16,6 @@ use numpy::{
 use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::types::PyString;
-use std::ops::Range;
 
 /// Rows of numbers.
 type Rows<'py> = Bound<'py, PyArray2<f64>>;
@@ -72,9 +70,11 @@ pub fn errors_of_closed_forms<'py>(
     };
     let reserved = || memory::reserved("errors of the bodies", n);
     let (mut errors, mut lost_from) = (reserved()?, reserved()?);
-    in_parts(py, &bodies, |bodies, part| {
-        for (body, index) in bodies.iter().zip(part) {
-            let span = time_range(own_times(&times, index));
+    // Between two parts the interpreter handles signals; meanwhile nobody reads an array.
+    for first in (0..n).step_by(PART) {
+        let part = first..n.min(first + PART);
+        for (body, index) in bodies.of(part.clone())?.iter().zip(part) {
+            let span = time_range(times.times_of(index).unwrap_or(&[]));
             // Of a free body they do not matter.
             let weighs = body.weight != [0.0; 3];
             let fastest = if weighs { rates.fastest(index, times.len())? } else { 0.0 };
@@ -82,8 +82,8 @@ pub fn errors_of_closed_forms<'py>(
             errors.push(error);
             lost_from.push(lost);
         }
-        Ok(())
-    })?;
+        py.check_signals()?;
+    }
     Ok((of_bodies(py, errors), of_bodies(py, lost_from)))
 }
 
@@ -106,26 +106,6 @@ impl Rates<'_> {
 
 /// Bodies judged between two looks at signals.
 const PART: usize = 1 << 12;
-
-/// Judges bodies, part after part. In between the interpreter handles signals; meanwhile nobody reads an array.
-fn in_parts(
-    py: Python<'_>,
-    bodies: &Bodies<'_>,
-    mut judge: impl FnMut(&[Body], Range<usize>) -> PyResult<()>,
-) -> PyResult<()> {
-    let n = bodies.len()?;
-    for first in (0..n).step_by(PART) {
-        let part = first..n.min(first + PART);
-        judge(&bodies.of(part.clone())?, part)?;
-        py.check_signals()?;
-    }
-    Ok(())
-}
-
-/// The output times of a body.
-fn own_times<'a>(times: &Schedule<'a>, body: usize) -> &'a [f64] {
-    times.times_of(body).unwrap_or(&[])
-}
 
 /// An array of this shape to be read: that of the caller, or a copy where its numbers are not aligned or not in the order
 /// of C.

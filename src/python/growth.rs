@@ -1,10 +1,7 @@
 //! Growth of deviation vectors.
 
-use super::convert::{
-    Aligned1, Aligned2, BodyColumns, column, copied, evaluated, interruptible, rows, same_length,
-};
-use super::forces::PyForces;
-use super::simulate::forces_of;
+use super::bodies::Bodies;
+use super::convert::{Aligned1, Aligned2, column, copied, evaluated, interruptible, rows, same_length};
 use crate::error::Error;
 use crate::float_environment::FloatEnvironment;
 use crate::map::{Class, DEVIATIONS, Rule, deviation_start};
@@ -12,7 +9,6 @@ use crate::memory;
 use crate::method::{AnyMethod, Method};
 use crate::observe::Deviation;
 use crate::parallel::Interrupt;
-use crate::scene::Scene;
 use crate::simd::Isa;
 use crate::start::Body;
 use crate::status::Status;
@@ -25,16 +21,12 @@ use pyo3::types::PyDict;
 /// Growth of deviation vectors, so many a body, at positive times; see `rigid.lyapunov`. `scale` is the unit of the
 /// rates of each body.
 #[pyfunction]
-#[pyo3(signature = (*, scene, method, moments, weight, omega, attitude, deviations, scale, of_attitude, times, step, max_steps, threads, forces=None))]
-#[allow(clippy::too_many_arguments)] // The request of `trajectory`, column by column.
+#[pyo3(signature = (bodies, *, method, deviations, scale, of_attitude, times, step, max_steps, threads))]
+#[allow(clippy::too_many_arguments)] // The request of `trajectory`, array by array.
 pub fn growth<'py>(
     py: Python<'py>,
-    scene: &str,
+    bodies: Bodies<'py>,
     method: &str,
-    moments: Aligned2<'py, f64>,
-    weight: Aligned2<'py, f64>,
-    omega: Aligned2<'py, f64>,
-    attitude: Aligned2<'py, f64>,
     deviations: Aligned2<'py, f64>,
     scale: Aligned1<'py, f64>,
     of_attitude: bool,
@@ -42,13 +34,12 @@ pub fn growth<'py>(
     step: Aligned1<'py, f64>,
     max_steps: u64,
     threads: usize,
-    forces: Option<PyRef<'py, PyForces>>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let _standard = FloatEnvironment::standard();
-    let (scene, method, isa) = (Scene::parse(scene)?, Method::parse(method)?, Isa::current()?);
-    let columns = BodyColumns::of_arrays(&moments, &weight, &omega, &attitude)?;
-    let n = columns.len();
-    let forces = forces_of(forces.as_ref(), n)?;
+    let (scene, method, isa) = (bodies.scene()?, Method::parse(method)?, Isa::current()?);
+    let given = &bodies.all()?;
+    let n = given.len();
+    let forces = bodies.forces(n)?;
     let (times, scale) = (copied("times", &times)?, copied("scale", &scale)?);
     same_length("scale", n, scale.len())?;
     let starts = rows::<6>("deviations", &deviations)?;
@@ -63,18 +54,16 @@ pub fn growth<'py>(
         of_attitude,
     });
     let each = memory::collected("deviations", starts.len(), each)?;
-    let bodies = &columns.bodies(0..n)?;
-    let schedule = Schedule::Times(&times);
     same_length("step", n, step.len())?;
     let steps = &copied("step", &step)?;
     let request = Request {
-        bodies,
+        bodies: given,
         scene,
         forces,
         method: AnyMethod::Steps(method),
         // The kernels are those of deviation vectors; they are not recorded one by one.
         record: Record::Tangent(&[]),
-        schedule,
+        schedule: Schedule::Times(&times),
         steps,
         refinement: 1.0,
         tolerance: None,
@@ -121,21 +110,12 @@ pub fn generic_deviations(py: Python<'_>) -> PyResult<Bound<'_, PyArray2<f64>>> 
 /// The deviation vectors of the two runs of a verdict on each body, (n, 2, 6): changes of the rates, rotation vectors
 /// in rad.
 #[pyfunction]
-#[pyo3(signature = (*, moments, weight, omega, attitude, forces=None))]
-pub fn deviation_starts<'py>(
-    py: Python<'py>,
-    moments: Aligned2<'py, f64>,
-    weight: Aligned2<'py, f64>,
-    omega: Aligned2<'py, f64>,
-    attitude: Aligned2<'py, f64>,
-    forces: Option<PyRef<'py, PyForces>>,
-) -> PyResult<Bound<'py, PyArray3<f64>>> {
-    let columns = BodyColumns::of_arrays(&moments, &weight, &omega, &attitude)?;
-    let n = columns.len();
-    let forces = forces_of(forces.as_ref(), n)?;
-    let bodies = columns.bodies(0..n)?;
+pub fn deviation_starts<'py>(py: Python<'py>, bodies: Bodies<'py>) -> PyResult<Bound<'py, PyArray3<f64>>> {
+    let given = bodies.all()?;
+    let n = given.len();
+    let forces = bodies.forces(n)?;
     let both = |index: usize| {
-        let start = |cross_check| deviation_start(&bodies[index], forces.of(index), cross_check);
+        let start = |cross_check| deviation_start(&given[index], forces.of(index), cross_check);
         Ok([false, true].map(start))
     };
     let starts = evaluated(py, "deviations", n, both)?;
@@ -144,17 +124,9 @@ pub fn deviation_starts<'py>(
 
 /// The unit of changes of the rates of each body.
 #[pyfunction]
-#[pyo3(signature = (*, moments, weight, omega, attitude))]
-pub fn rate_units<'py>(
-    py: Python<'py>,
-    moments: Aligned2<'py, f64>,
-    weight: Aligned2<'py, f64>,
-    omega: Aligned2<'py, f64>,
-    attitude: Aligned2<'py, f64>,
-) -> PyResult<Bound<'py, PyArray1<f64>>> {
+pub fn rate_units<'py>(py: Python<'py>, bodies: Bodies<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
     let _standard = FloatEnvironment::standard();
-    let columns = BodyColumns::of_arrays(&moments, &weight, &omega, &attitude)?;
-    column(py, &columns.bodies(0..columns.len())?, Body::rate_unit)
+    column(py, &bodies.all()?, Body::rate_unit)
 }
 
 /// The verdict on each motion, from its mean MEGNO at the checkpoints of a run and of a second run, by a rule: the

@@ -1,18 +1,16 @@
 //! Poincaré sections and events.
 
-use super::convert::{Aligned1, Aligned2, BodyColumns, copied, interruptible_calls, rows, same_length};
-use super::forces::PyForces;
-use super::simulate::forces_of;
+use super::bodies::Bodies;
+use super::convert::{Aligned1, Aligned2, column, copied, interruptible_calls, rows, same_length};
 use crate::error::Error;
 use crate::float_environment::FloatEnvironment;
 use crate::memory;
 use crate::method::{AnyMethod, Method, default_step};
 use crate::parallel::Interrupt;
-use crate::scene::Scene;
 use crate::simd::Isa;
 use crate::trajectory::{self, Crossings, Point, Record, Request, Schedule, Section, Surface, SurfaceKind};
-use numpy::IntoPyArray;
 use numpy::ndarray::Array2;
+use numpy::{Element, IntoPyArray, PyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -20,16 +18,12 @@ use pyo3::types::PyDict;
 /// surface is whether it is of a rate, its direction, and whether its points count; the surfaces of each body are
 /// neighbours in `normal`, `momentum` and `value`.
 #[pyfunction]
-#[pyo3(signature = (*, scene, method, moments, weight, omega, attitude, kinds, normal, momentum, value, ends, count, closed, tolerance, max_steps, threads, forces=None))]
-#[allow(clippy::too_many_arguments)] // The request of `trajectory`, column by column.
+#[pyo3(signature = (bodies, *, method, kinds, normal, momentum, value, ends, count, closed, tolerance, max_steps, threads))]
+#[allow(clippy::too_many_arguments)] // The request of `trajectory`, array by array.
 pub fn section<'py>(
     py: Python<'py>,
-    scene: &str,
+    bodies: Bodies<'py>,
     method: &str,
-    moments: Aligned2<'py, f64>,
-    weight: Aligned2<'py, f64>,
-    omega: Aligned2<'py, f64>,
-    attitude: Aligned2<'py, f64>,
     kinds: Vec<(bool, i8, bool)>,
     normal: Aligned2<'py, f64>,
     momentum: Aligned2<'py, f64>,
@@ -40,18 +34,16 @@ pub fn section<'py>(
     tolerance: f64,
     max_steps: u64,
     threads: usize,
-    forces: Option<PyRef<'py, PyForces>>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let _standard = FloatEnvironment::standard();
-    let (scene, method, isa) = (Scene::parse(scene)?, Method::parse(method)?, Isa::current()?);
-    let columns = BodyColumns::of_arrays(&moments, &weight, &omega, &attitude)?;
-    let n = columns.len();
-    let forces = forces_of(forces.as_ref(), n)?;
+    let (scene, method, isa) = (bodies.scene()?, Method::parse(method)?, Isa::current()?);
+    let given = &bodies.all()?;
+    let n = given.len();
+    let forces = bodies.forces(n)?;
     let many = n * kinds.len();
     let (normals, momenta) = (rows::<6>("normal", &normal)?, rows::<3>("momentum", &momentum)?);
     let (values, ends) = (copied("value", &value)?, copied("ends", &ends)?);
-    let given = [("normal", normals.len()), ("momentum", momenta.len()), ("value", values.len())];
-    for (name, length) in given {
+    for (name, length) in [("normal", normals.len()), ("momentum", momenta.len()), ("value", values.len())] {
         same_length(name, many, length)?;
     }
     same_length("ends", n, ends.len())?;
@@ -60,7 +52,7 @@ pub fn section<'py>(
     let surfaces = &memory::collected("surfaces", many, (0..many).map(surface))?;
     let kind = |&(of_rate, direction, counts): &(bool, i8, bool)| SurfaceKind { of_rate, direction, counts };
     let kinds = &memory::collected("surfaces", kinds.len(), kinds.iter().map(kind))?;
-    let bodies = &columns.bodies(0..n)?;
+    let bodies = given;
     let own = bodies.iter().zip(&ends).enumerate();
     let own =
         own.map(|(i, (body, &end))| default_step(method, body.step_rate(method, forces.of(i), [0.0, end])));
@@ -98,21 +90,28 @@ fn to_dict<'py>(py: Python<'py>, all: &[Crossings]) -> PyResult<Bound<'py, PyDic
     dict.set_item("omega", flat(3, |point, k| point.omega[k])?.into_pyarray(py))?;
     dict.set_item("gamma", flat(3, |point, k| point.gamma[k])?.into_pyarray(py))?;
     dict.set_item("attitude", flat(4, |point, k| point.attitude[k])?.into_pyarray(py))?;
-    let numbers = |number: fn(&Point) -> f64| memory::collected("points", count, points().map(number));
-    dict.set_item("t", numbers(|point| point.time)?.into_pyarray(py))?;
-    dict.set_item("slope", numbers(|point| point.slope)?.into_pyarray(py))?;
-    let kinds = memory::collected("points", count, points().map(|point| point.kind))?;
-    dict.set_item("kind", kinds.into_pyarray(py))?;
-    let directions = memory::collected("points", count, points().map(|point| point.direction))?;
-    dict.set_item("direction", directions.into_pyarray(py))?;
-    let grazing = memory::collected("points", count, points().map(|point| point.grazes))?;
-    dict.set_item("grazing", grazing.into_pyarray(py))?;
-    dict.set_item("points", super::convert::column(py, all, |own| own.points.len() as u64)?)?;
-    dict.set_item("status", super::convert::column(py, all, |own| own.status as u8)?)?;
-    dict.set_item("stays", super::convert::column(py, all, |own| own.stays)?)?;
-    dict.set_item("stopped", super::convert::column(py, all, |own| own.stopped)?)?;
-    dict.set_item("energy_drift", super::convert::column(py, all, |own| own.energy_drift)?)?;
-    dict.set_item("end", super::convert::column(py, all, |own| own.end)?)?;
-    dict.set_item("steps", super::convert::column(py, all, |own| own.steps)?)?;
+    dict.set_item("t", of_points(py, all, |point| point.time)?)?;
+    dict.set_item("slope", of_points(py, all, |point| point.slope)?)?;
+    dict.set_item("kind", of_points(py, all, |point| point.kind)?)?;
+    dict.set_item("direction", of_points(py, all, |point| point.direction)?)?;
+    dict.set_item("grazing", of_points(py, all, |point| point.grazes)?)?;
+    dict.set_item("points", column(py, all, |own| own.points.len() as u64)?)?;
+    dict.set_item("status", column(py, all, |own| own.status as u8)?)?;
+    dict.set_item("stays", column(py, all, |own| own.stays)?)?;
+    dict.set_item("stopped", column(py, all, |own| own.stopped)?)?;
+    dict.set_item("energy_drift", column(py, all, |own| own.energy_drift)?)?;
+    dict.set_item("end", column(py, all, |own| own.end)?)?;
+    dict.set_item("steps", column(py, all, |own| own.steps)?)?;
     Ok(dict)
+}
+
+/// An array of one number of each point.
+fn of_points<'py, N: Element>(
+    py: Python<'py>,
+    all: &[Crossings],
+    of: fn(&Point) -> N,
+) -> PyResult<Bound<'py, PyArray1<N>>> {
+    let count = all.iter().map(|own| own.points.len()).sum();
+    let numbers = all.iter().flat_map(|own| &own.points).map(of);
+    Ok(memory::collected("points", count, numbers)?.into_pyarray(py))
 }

@@ -258,15 +258,6 @@ fn states_of<'py>(
     Ok(states)
 }
 
-/// The forces on so many bodies.
-pub(super) fn forces_of<'a>(forces: Option<&'a PyRef<'_, PyForces>>, bodies: usize) -> PyResult<&'a Forces> {
-    let forces = forces.map_or(Forces::NONE, |forces| &forces.0);
-    if forces.bodies() > 1 {
-        same_length("forces", bodies, forces.bodies())?;
-    }
-    Ok(forces)
-}
-
 /// Bounds of |omega| over the whole motion, from the conserved quantities, to choose a step. With forces the bounds
 /// hold between the two times of each row of `span`, or of its only row; with a method they are the rates that determine
 /// its steps.

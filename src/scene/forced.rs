@@ -11,7 +11,7 @@ use super::{Layout, Parameters, quaternion};
 use crate::forces::{
     ForcesInterval, ParameterChange, add_space_torque, attitude_of_stage, damp, unit_of_stage,
 };
-use crate::kinematics::{add_cross, direction, dot};
+use crate::kinematics::{add_cross, direction, dot, plus};
 use crate::real::Real;
 
 /// The forces on a body on an interval. Without directions there is no torque in space.
@@ -121,18 +121,6 @@ impl<R: Real> Applied<R> {
         torques
     }
 
-    /// The torque in the body and the torque in space at a time.
-    #[inline(always)]
-    fn torques_at(&self, time: R) -> [[R; 3]; 2] {
-        self.torques().at(time)
-    }
-
-    /// Subtracts `D omega` from `sum`.
-    #[inline(always)]
-    fn damp(&self, omega: [R; 3], sum: &mut [R; 3]) {
-        damp(&self.forces.damping, omega, sum);
-    }
-
     /// Applied torque without damping, at a state.
     #[inline(always)]
     pub fn undamped<L: Layout, const D: usize>(&self, y: &[R; D]) -> [R; 3] {
@@ -171,12 +159,9 @@ impl<R: Real> Applied<R> {
         if L::FUNCTION {
             let attitude = attitude_of_stage([direction(y, 0), direction(y, 1)]);
             let returned = self.function_torque(y[L::TIME_AT], &[y[0], y[1], y[2]], &attitude, wanted);
-            for i in 0..3 {
-                sum[i] = sum[i] + returned[i];
-            }
+            sum = plus(&sum, &returned);
         }
-        self.damp([y[0], y[1], y[2]], &mut sum);
-        sum
+        self.damped(sum, [y[0], y[1], y[2]])
     }
 
     /// The torque in space of order k, in body components; see `torque_of_order`.
@@ -188,13 +173,24 @@ impl<R: Real> Applied<R> {
         before: &[R; D],
     ) -> [R; 3] {
         let mut sum = [R::splat(0.0); 3];
+        self.add_space_order::<L, D>(start, now, before, &mut sum);
+        sum
+    }
+
+    #[inline(always)]
+    fn add_space_order<L: Layout, const D: usize>(
+        &self,
+        start: &[R; D],
+        now: &[R; D],
+        before: &[R; D],
+        sum: &mut [R; 3],
+    ) {
         if L::HAS_FRAME {
             // The coefficient of (a + b t) row is a row[k] + b step row[k - 1]; `before` contains the step.
-            let space = self.torques_at(start[L::TIME_AT])[1];
-            add_space_torque(&space, now, &mut sum);
-            add_space_torque(&self.forces.space[1], before, &mut sum);
+            let [_, space] = self.torques().at(start[L::TIME_AT]);
+            add_space_torque(&space, now, sum);
+            add_space_torque(&self.forces.space[1], before, sum);
         }
-        sum
     }
 
     /// The torque in space at a state, in body components.
@@ -202,7 +198,7 @@ impl<R: Real> Applied<R> {
     pub fn space_torque<L: Layout, const D: usize>(&self, y: &[R; D]) -> [R; 3] {
         let mut sum = [R::splat(0.0); 3];
         if L::HAS_FRAME {
-            add_space_torque(&self.torques_at(y[L::TIME_AT])[1], y, &mut sum);
+            add_space_torque(&self.torques().at(y[L::TIME_AT])[1], y, &mut sum);
         }
         sum
     }
@@ -210,7 +206,7 @@ impl<R: Real> Applied<R> {
     /// A torque less the damping of these rates.
     #[inline(always)]
     pub fn damped(&self, mut torque: [R; 3], omega: [R; 3]) -> [R; 3] {
-        self.damp(omega, &mut torque);
+        damp(&self.forces.damping, omega, &mut torque);
         torque
     }
 
@@ -228,14 +224,8 @@ impl<R: Real> Applied<R> {
         for i in 0..3 {
             sum[i] = sum[i] * now[L::TIME_AT];
         }
-        if L::HAS_FRAME {
-            // The coefficient of (a + b t) row is a row[k] + b step row[k - 1]; `before` contains the step.
-            let space = self.torques_at(start[L::TIME_AT])[1];
-            add_space_torque(&space, now, &mut sum);
-            add_space_torque(&self.forces.space[1], before, &mut sum);
-        }
-        self.damp([now[0], now[1], now[2]], &mut sum);
-        sum
+        self.add_space_order::<L, D>(start, now, before, &mut sum);
+        self.damped(sum, [now[0], now[1], now[2]])
     }
 
     /// Whether a coefficient of the torque at an order above 1 may differ from minus the damping of the rates of this

@@ -8,7 +8,7 @@
 
 use super::{Applied, Layout, Model, ROWS_LEN, Torques, in_rows};
 use crate::forces::{FurtherSeries, FurtherVaried, Order, Varied};
-use crate::kinematics::{add_cross, cross, direction, dot};
+use crate::kinematics::{add_cross, cross, direction, dot, plus};
 use crate::real::Real;
 use crate::series::Coefficients;
 
@@ -45,7 +45,7 @@ impl<R: Real> Applied<R> {
     #[inline(always)]
     pub fn whole_momentum(&self, omega: &[R; 3]) -> [R; 3] {
         let (own, rotor) = (self.momentum(omega), &self.forces.further.rotor.0);
-        [own[0] + rotor[0], own[1] + rotor[1], own[2] + rotor[2]]
+        plus(&own, rotor)
     }
 
     /// The turn of the frame by the dissipation, from the rate of change of the rates without it; linear.
@@ -83,9 +83,7 @@ impl<R: Real> Applied<R> {
         let (omega, rotor) = ([y[0], y[1], y[2]], &self.forces.further.rotor);
         let mut torque = torques.damped::<L, D>(y);
         if let Some(returned) = returned {
-            for i in 0..3 {
-                torque[i] = torque[i] + returned[i];
-            }
+            torque = plus(&torque, &returned);
         }
         // Known without a function, where the question takes a tenth of a step of `rk4`.
         let acts = returned.is_none() || torques.further;
@@ -93,9 +91,7 @@ impl<R: Real> Applied<R> {
         if acts {
             self.add_further_torques::<L, D>(y, &mut torque);
             with_rotor = rotor.across(&omega);
-            for i in 0..3 {
-                with_rotor[i] = with_rotor[i] + torque[i];
-            }
+            with_rotor = plus(&with_rotor, &torque);
         }
         let mut rate = model.euler(&[omega[1] * omega[2], omega[2] * omega[0], omega[0] * omega[1]], y);
         self.add_over_moments(&with_rotor, &mut rate);
@@ -104,9 +100,7 @@ impl<R: Real> Applied<R> {
             turn = self.turn(&rate);
             let by_turn = cross(&self.whole_momentum(&omega), &turn);
             self.add_over_moments(&by_turn, &mut rate);
-            for i in 0..3 {
-                power[i] = torque[i] + by_turn[i];
-            }
+            power = plus(&torque, &by_turn);
             add_cross(&rotor.0, &turn, &mut with_rotor);
         }
         let impulse = if L::VECTORS == 0 {
@@ -130,7 +124,7 @@ impl<R: Real> Applied<R> {
             gained[i] = change.moments[i].fnma(y.rate[i], gained[i] + torque[i]);
         }
         let gained = self.over_moments(&gained);
-        [by_products[0] + gained[0], by_products[1] + gained[1], by_products[2] + gained[2]]
+        plus(&by_products, &gained)
     }
 
     /// The change of the turn of the frame, from the change of the rates without the dissipation; linear.

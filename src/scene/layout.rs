@@ -57,20 +57,22 @@ pub trait Layout: Copy {
     const OWN_AT: usize = Self::TANGENT_AT + 6 * Self::TANGENT as usize;
 }
 
-/// Layouts by what they have: `name (rows of the quaternion): constants of the trait;`.
+/// Layouts by what they have: `name (rows of the quaternion) (bodies side by side): constants of the trait;`.
 macro_rules! layouts {
     (@rows $rows:ident) => { $rows };
     (@rows) => { Self };
+    (@lanes $pack:ident $eight:ident) => { $pack::$eight };
+    (@lanes $pack:ident) => { $pack };
     ($(
         $(#[$doc:meta])*
-        $name:ident $(as $rows:ident)?: $($constant:ident = $value:literal),*;
+        $name:ident $(as $rows:ident)? $(in $eight:ident)?: $($constant:ident = $value:literal),*;
     )*) => {$(
         $(#[$doc])*
         #[derive(Clone, Copy)]
         pub struct $name;
         impl Layout for $name {
             $(const $constant: layouts!(@type $constant) = $value;)*
-            type Lanes<P: Pack> = P;
+            type Lanes<P: Pack> = layouts!(@lanes P $($eight)?);
             type Rows = layouts!(@rows $($rows)?);
         }
     )*};
@@ -119,30 +121,11 @@ layouts! {
     OrbitTurns: QUATERNION = true, CLOCK = true;
     /// The same as `FurtherFrame` with a deviation vector, and a change of the parameters.
     FurtherFrameTangent: VECTORS = 3, BALANCE = true, TANGENT = true, CHANGED = true, FURTHER = true;
-}
-
-/// Rates, the space axes z, x and y, and the balance of a body under the torque that a function returns.
-#[derive(Clone, Copy)]
-pub struct FunctionFrame;
-impl Layout for FunctionFrame {
-    const VECTORS: usize = 3;
-    const BALANCE: bool = true;
-    const FUNCTION: bool = true;
-    type Lanes<P: Pack> = P::Eight;
-    type Rows = Self;
-}
-
-/// The same as `FurtherTurns` under the torque that a function returns, beside which the further forces may act.
-#[derive(Clone, Copy)]
-pub struct FunctionTurns;
-impl Layout for FunctionTurns {
-    const QUATERNION: bool = true;
-    const TURNS: bool = true;
-    const BALANCE: bool = true;
-    const FURTHER: bool = true;
-    const FUNCTION: bool = true;
-    type Lanes<P: Pack> = P::Eight;
-    type Rows = FurtherFrame;
+    /// Rates, the space axes z, x and y, and the balance of a body under the torque that a function returns.
+    FunctionFrame in Eight: VECTORS = 3, BALANCE = true, FUNCTION = true;
+    /// The same as `FurtherTurns` under the torque that a function returns, beside which the further forces may act.
+    FunctionTurns as FurtherFrame in Eight:
+        QUATERNION = true, TURNS = true, BALANCE = true, FURTHER = true, FUNCTION = true;
 }
 
 /// Length of the longest state with the space axes in place of a quaternion.

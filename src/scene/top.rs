@@ -1,7 +1,7 @@
 //! The heavy top: I omega' = (I omega) x omega + gamma x (mgl com), gamma' = gamma x omega.
 
 use super::{ConservedMomentum, Model, Parameters, Scene};
-use crate::kinematics::{cross, direction, dot};
+use crate::kinematics::{cross, direction, dot, plus};
 use crate::real::Real;
 use crate::start::Body;
 
@@ -88,9 +88,7 @@ impl<R: Real> Model<R> for Top<R> {
             impulse[i] = twice.fnma(lever[i], h * p.weight[i]);
         }
         let kick = cross(&direction(y, 0), &impulse);
-        for i in 0..3 {
-            momentum[i] = momentum[i] + kick[i];
-        }
+        *momentum = plus(momentum, &kick);
     }
     #[inline(always)]
     fn torque<const D: usize>(p: &Parameters<R>, y: &[R; D]) -> [R; 3] {

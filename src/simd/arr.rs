@@ -124,8 +124,8 @@ impl<R: Real, const K: usize> Real for Arr<R, K> {
         mask
     }
     #[inline(always)]
-    fn apart<W: Apart>(work: W) {
-        R::apart(work);
+    fn apart<W: Apart>(work: W) -> W::Out {
+        R::apart(work)
     }
 }
 

@@ -1,7 +1,30 @@
 //! The instruction set of the kernels: the widest one of the CPU, or the one that `RIGID_ISA` names.
 
+#[cfg(target_arch = "x86_64")]
+use super::{V4, V8};
 use crate::error::Error;
+use crate::real::{Apart, Pack, Real};
+use std::marker::PhantomData;
 use std::sync::OnceLock;
+
+/// Work of packs that is compiled for each instruction set.
+pub trait Work {
+    /// What it returns.
+    type Out;
+    /// Does the work. It is `#[inline(always)]`, and takes on the instruction set of its caller.
+    fn run<P: Pack>(self) -> Self::Out;
+}
+
+/// Work by packs of one width.
+struct By<P, W>(W, PhantomData<P>);
+
+impl<P: Pack, W: Work> Apart for By<P, W> {
+    type Out = W::Out;
+    #[inline(always)]
+    fn run(self) -> W::Out {
+        self.0.run::<P>()
+    }
+}
 
 /// An instruction set that kernels are compiled for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -64,6 +87,36 @@ impl Isa {
             #[cfg(plain)]
             Isa::Scalar => true,
         }
+    }
+
+    /// Does work by packs as wide as the registers. Panics if the CPU lacks the instruction set.
+    pub fn call<W: Work>(self, work: W) -> W::Out {
+        assert!(self.is_available(), "{} is not available on this CPU", self.name());
+        match self {
+            #[cfg(target_arch = "x86_64")]
+            Isa::Avx512 => V8::apart(By::<V8, W>(work, PhantomData)),
+            #[cfg(target_arch = "x86_64")]
+            Isa::Avx2 => V4::apart(By::<V4, W>(work, PhantomData)),
+            #[cfg(plain)]
+            Isa::Scalar => f64::apart(By::<f64, W>(work, PhantomData)),
+        }
+    }
+
+    /// Does work of single numbers with fused products of the CPU; those of plain code are calls of the C library, with the
+    /// same bits. Panics if the CPU lacks the instruction set.
+    pub fn call_with_fma<W: Apart>(self, work: W) -> W::Out {
+        assert!(self.is_available(), "{} is not available on this CPU", self.name());
+        match self {
+            #[cfg(target_arch = "x86_64")]
+            Isa::Avx512 | Isa::Avx2 => V4::apart(work),
+            #[cfg(plain)]
+            Isa::Scalar => f64::apart(work),
+        }
+    }
+
+    /// The widest instruction set of this CPU. Panics if there is none.
+    pub fn widest() -> Isa {
+        *Isa::ALL.iter().find(|isa| isa.is_available()).expect("`Isa::current` refuses such a CPU")
     }
 
     /// The instruction sets of this CPU, widest first.

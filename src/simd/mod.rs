@@ -6,22 +6,9 @@ mod row;
 #[cfg(target_arch = "x86_64")]
 mod x86;
 
-use crate::real::{Apart, Real};
 pub use arr::Arr;
-pub use isa::Isa;
+pub use isa::{Isa, Work};
 pub use row::{LANES, Row};
+pub(crate) use row::{load_rows, set_lane, store_rows};
 #[cfg(target_arch = "x86_64")]
 pub(crate) use x86::{V4, V8};
-
-/// Does scalar work with fused products of the CPU, which are library calls elsewhere; with the same bits.
-pub fn with_fma(work: impl Apart) {
-    #[cfg(target_arch = "x86_64")]
-    if Isa::Avx2.is_available() {
-        V4::apart(work);
-        return;
-    }
-    #[cfg(plain)]
-    f64::apart(work);
-    #[cfg(not(plain))]
-    unreachable!("`Isa::current` refuses a CPU without AVX2")
-}

@@ -1,8 +1,7 @@
 //! Explicit AVX-512 and AVX2+FMA registers.
 //!
-//! The methods execute instructions of their set. The types are private to the crate. Only entry points with the
-//! features of their set name the types, and each is entered after `Isa::is_available` has seen the CPU's feature bits:
-//! those of `kernel`, of `exact`, of the draws of `map`, of the frames of `trajectory` and of `observe::flips`.
+//! The methods execute instructions of their set. The types are private to the crate. Only the calls of `Isa` and the entry
+//! points of `kernel` name them, which are entered after `Isa::is_available` has seen the CPU's feature bits.
 
 use super::Arr;
 use crate::real::{Apart, INTEGER_SHIFT, Pack, Quad, Real};
@@ -20,7 +19,16 @@ pub(crate) struct V8(__m512d);
 pub(crate) struct V4(__m256d);
 
 macro_rules! operators {
-    ($type:ty, $($trait:ident $method:ident $intrinsic:ident),*) => {$(
+    ($type:ty, Neg $xor:ident $splat:ident, $($trait:ident $method:ident $intrinsic:ident),*) => {
+        impl Neg for $type {
+            type Output = Self;
+            #[inline(always)]
+            fn neg(self) -> Self {
+                // SAFETY: the CPU has the instructions; see the module.
+                unsafe { Self($xor(self.0, $splat(-0.0))) }
+            }
+        }
+        $(
         impl $trait for $type {
             type Output = Self;
             #[inline(always)]
@@ -31,26 +39,10 @@ macro_rules! operators {
         }
     )*};
 }
-operators!(V8, Add add _mm512_add_pd, Sub sub _mm512_sub_pd, Mul mul _mm512_mul_pd, Div div _mm512_div_pd);
-operators!(V4, Add add _mm256_add_pd, Sub sub _mm256_sub_pd, Mul mul _mm256_mul_pd, Div div _mm256_div_pd);
-
-impl Neg for V8 {
-    type Output = Self;
-    #[inline(always)]
-    fn neg(self) -> Self {
-        // SAFETY: the CPU has the instructions; see the module.
-        unsafe { V8(_mm512_xor_pd(self.0, _mm512_set1_pd(-0.0))) }
-    }
-}
-
-impl Neg for V4 {
-    type Output = Self;
-    #[inline(always)]
-    fn neg(self) -> Self {
-        // SAFETY: the CPU has the instructions; see the module.
-        unsafe { V4(_mm256_xor_pd(self.0, _mm256_set1_pd(-0.0))) }
-    }
-}
+operators!(V8, Neg _mm512_xor_pd _mm512_set1_pd,
+    Add add _mm512_add_pd, Sub sub _mm512_sub_pd, Mul mul _mm512_mul_pd, Div div _mm512_div_pd);
+operators!(V4, Neg _mm256_xor_pd _mm256_set1_pd,
+    Add add _mm256_add_pd, Sub sub _mm256_sub_pd, Mul mul _mm256_mul_pd, Div div _mm256_div_pd);
 
 /// One `Real` method per line: its arguments beside `self` and the intrinsic on the registers.
 macro_rules! intrinsics {
@@ -63,21 +55,38 @@ macro_rules! intrinsics {
     )*};
 }
 
+/// The lanes of a register, and its moves from and to numbers.
+macro_rules! moves {
+    ($lanes:literal, $load:ident, $store:ident, $splat:ident, $first:ident) => {
+        const LANES: usize = $lanes;
+        #[inline(always)]
+        fn load(from: &[f64]) -> Self {
+            assert!(from.len() >= $lanes);
+            // SAFETY: the CPU has the instructions (see the module); the slice is as long as the register.
+            unsafe { Self($load(from.as_ptr())) }
+        }
+        #[inline(always)]
+        fn store(self, to: &mut [f64]) {
+            assert!(to.len() >= $lanes);
+            // SAFETY: the CPU has the instructions (see the module); the slice is as long as the register.
+            unsafe { $store(to.as_mut_ptr(), self.0) }
+        }
+        #[inline(always)]
+        fn splat(x: f64) -> Self {
+            // SAFETY: the CPU has the instructions; see the module.
+            unsafe { Self($splat(x)) }
+        }
+        #[inline(always)]
+        fn first(self) -> f64 {
+            // SAFETY: the CPU has the instructions; see the module.
+            unsafe { $first(self.0) }
+        }
+    };
+}
+
 impl Real for V8 {
     type Mask = __mmask8;
-    const LANES: usize = 8;
-    #[inline(always)]
-    fn load(from: &[f64]) -> Self {
-        assert!(from.len() >= 8);
-        // SAFETY: the CPU has the instructions (see the module); the slice is as long as the register.
-        unsafe { V8(_mm512_loadu_pd(from.as_ptr())) }
-    }
-    #[inline(always)]
-    fn store(self, to: &mut [f64]) {
-        assert!(to.len() >= 8);
-        // SAFETY: the CPU has the instructions (see the module); the slice is as long as the register.
-        unsafe { _mm512_storeu_pd(to.as_mut_ptr(), self.0) }
-    }
+    moves!(8, _mm512_loadu_pd, _mm512_storeu_pd, _mm512_set1_pd, _mm512_cvtsd_f64);
     intrinsics! {
         fma(b, c) _mm512_fmadd_pd;
         fnma(b, c) _mm512_fnmadd_pd;
@@ -86,16 +95,6 @@ impl Real for V8 {
         abs() _mm512_abs_pd;
         min(other) _mm512_min_pd;
         max(other) _mm512_max_pd;
-    }
-    #[inline(always)]
-    fn splat(x: f64) -> Self {
-        // SAFETY: the CPU has the instructions; see the module.
-        unsafe { V8(_mm512_set1_pd(x)) }
-    }
-    #[inline(always)]
-    fn first(self) -> f64 {
-        // SAFETY: the CPU has the instructions; see the module.
-        unsafe { _mm512_cvtsd_f64(self.0) }
     }
     #[inline(always)]
     fn round(self) -> Self {
@@ -149,11 +148,11 @@ impl Real for V8 {
         }
     }
     #[inline(always)]
-    fn apart<W: Apart>(work: W) {
+    fn apart<W: Apart>(work: W) -> W::Out {
         #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx512bw,avx2,fma")]
         #[inline(never)]
-        fn apart<W: Apart>(work: W) {
-            work.run();
+        fn apart<W: Apart>(work: W) -> W::Out {
+            work.run()
         }
         // SAFETY: the CPU has the instructions; see the module.
         unsafe { apart(work) }
@@ -166,19 +165,7 @@ impl Pack for V8 {
 
 impl Real for V4 {
     type Mask = __m256d;
-    const LANES: usize = 4;
-    #[inline(always)]
-    fn load(from: &[f64]) -> Self {
-        assert!(from.len() >= 4);
-        // SAFETY: the CPU has the instructions (see the module); the slice is as long as the register.
-        unsafe { V4(_mm256_loadu_pd(from.as_ptr())) }
-    }
-    #[inline(always)]
-    fn store(self, to: &mut [f64]) {
-        assert!(to.len() >= 4);
-        // SAFETY: the CPU has the instructions (see the module); the slice is as long as the register.
-        unsafe { _mm256_storeu_pd(to.as_mut_ptr(), self.0) }
-    }
+    moves!(4, _mm256_loadu_pd, _mm256_storeu_pd, _mm256_set1_pd, _mm256_cvtsd_f64);
     intrinsics! {
         fma(b, c) _mm256_fmadd_pd;
         fnma(b, c) _mm256_fnmadd_pd;
@@ -186,16 +173,6 @@ impl Real for V4 {
         sqrt() _mm256_sqrt_pd;
         min(other) _mm256_min_pd;
         max(other) _mm256_max_pd;
-    }
-    #[inline(always)]
-    fn splat(x: f64) -> Self {
-        // SAFETY: the CPU has the instructions; see the module.
-        unsafe { V4(_mm256_set1_pd(x)) }
-    }
-    #[inline(always)]
-    fn first(self) -> f64 {
-        // SAFETY: the CPU has the instructions; see the module.
-        unsafe { _mm256_cvtsd_f64(self.0) }
     }
     #[inline(always)]
     fn abs(self) -> Self {
@@ -265,11 +242,11 @@ impl Real for V4 {
         }
     }
     #[inline(always)]
-    fn apart<W: Apart>(work: W) {
+    fn apart<W: Apart>(work: W) -> W::Out {
         #[target_feature(enable = "avx2,fma")]
         #[inline(never)]
-        fn apart<W: Apart>(work: W) {
-            work.run();
+        fn apart<W: Apart>(work: W) -> W::Out {
+            work.run()
         }
         // SAFETY: the CPU has the instructions; see the module.
         unsafe { apart(work) }

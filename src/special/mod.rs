@@ -5,8 +5,6 @@ mod carlson;
 mod elementary;
 mod incomplete_beta;
 mod jacobi;
-#[cfg(test)]
-mod same_bits;
 pub mod theta;
 
 pub use carlson::{agm, carlson_rc, carlson_rd, carlson_rf, carlson_rj};

@@ -87,9 +87,8 @@ struct AdaptiveJob<'a, 'b> {
     states: &'a mut StatesPart<'b>,
     /// Rounds of all lanes.
     lane_steps: u64,
-    /// Bodies of the job, and how many are told to be done.
+    /// Bodies of the job.
     members: usize,
-    told: f64,
     stop: &'a Interrupt<'a>,
 }
 
@@ -113,8 +112,8 @@ impl<'a, 'b> AdaptiveJob<'a, 'b> {
         let kernel =
             Kernel { system: way.system(request), step: way.assignment.step, observed: Observed::Nothing };
         let lanes = AdaptiveLanes::new(request, kernel, isa, tolerance)?;
-        let (members, told) = (queue.len(), 0.0);
-        Ok(AdaptiveJob { request, ways, first, queue, lanes, states, lane_steps: 0, members, told, stop })
+        let members = queue.len();
+        Ok(AdaptiveJob { request, ways, first, queue, lanes, states, lane_steps: 0, members, stop })
     }
 
     /// Loads a body into a lane, at its start. Whether a requested time is left.
@@ -193,16 +192,9 @@ impl Job for AdaptiveJob<'_, '_> {
     }
 
     fn advance(&mut self, tasks: &[Option<Task>; LANES]) -> Result<(), Error> {
-        // Those that left the queue; those in lanes are not finished.
-        let unfinished = tasks.iter().enumerate().filter_map(|(lane, task)| {
-            task.as_ref().map(|task| 1.0 - self.lanes.share(lane, self.first + task.body))
-        });
-        let done = (self.members - self.queue.len()) as f64 - unfinished.sum::<f64>();
-        self.stop.tell(done - self.told);
-        self.told = self.told.max(done);
-        if self.stop.is_wanted() {
-            return Err(Error::Stopped);
-        }
+        let inside = tasks.iter().enumerate();
+        let inside = inside.filter_map(|(lane, task)| Some((lane, self.first + task.as_ref()?.body)));
+        self.lanes.tell(self.stop, self.members - self.queue.len(), inside)?;
         let left = tasks.iter().flatten().map(|task| self.request.max_steps - task.steps);
         let most = left.min().map_or(0, |left| left.min(STEPS_BETWEEN_STOPS));
         self.lane_steps += (self.lanes.advance(most as usize) * LANES) as u64;

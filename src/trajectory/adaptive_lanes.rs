@@ -6,6 +6,7 @@ use crate::kernel::{
     AdaptiveSteps, Compiled, Entry, ForcesRows, Group, Kernel, KernelAssignment, load, reset_time,
 };
 use crate::observe::Deviation;
+use crate::parallel::Interrupt;
 use crate::simd::{Isa, LANES};
 
 /// The longest step under a function (rad): the body turns by this angle at most, so that no step leaps over what it does.
@@ -24,6 +25,8 @@ pub(super) struct AdaptiveLanes<'a> {
     forces_rows: ForcesRows<'a>,
     /// The next knot of the forces on each lane; infinite if there is none.
     knots: [f64; LANES],
+    /// How many bodies are told to be done.
+    told: f64,
 }
 
 impl<'a> AdaptiveLanes<'a> {
@@ -40,6 +43,7 @@ impl<'a> AdaptiveLanes<'a> {
             steps: AdaptiveSteps::inactive(tolerance, kernel.step.numbers.order)?,
             forces_rows: ForcesRows::with_room(request.forces.function_width())?,
             knots: [f64::INFINITY; LANES],
+            told: 0.0,
         })
     }
 
@@ -131,10 +135,25 @@ impl<'a> AdaptiveLanes<'a> {
         }
     }
 
-    /// The share of its motion that the body in a lane has made.
-    pub(super) fn share(&self, lane: usize, index: usize) -> f64 {
-        let [first, last] = self.request.range_of(index);
-        (self.steps.now[0].0[lane].abs() / (last - first)).min(1.0)
+    /// Tells how many bodies are done, of those that have been entered: `inside` are the lanes of those that are not
+    /// finished, with their indices.
+    ///
+    /// # Errors
+    /// If the work is to stop.
+    pub(super) fn tell(
+        &mut self,
+        stop: &Interrupt,
+        entered: usize,
+        inside: impl Iterator<Item = (usize, usize)>,
+    ) -> Result<(), Error> {
+        let left = inside.map(|(lane, index)| {
+            let [first, last] = self.request.range_of(index);
+            1.0 - (self.steps.now[0].0[lane].abs() / (last - first)).min(1.0)
+        });
+        let done = entered as f64 - left.sum::<f64>();
+        stop.tell(done - self.told);
+        self.told = self.told.max(done);
+        if stop.is_wanted() { Err(Error::Stopped) } else { Ok(()) }
     }
 
     /// Makes a lane inactive.

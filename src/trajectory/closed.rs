@@ -1,13 +1,13 @@
 //! States in closed form: many bodies side by side, or many times of one.
 
-use super::states::{norm, worse};
+use super::states::worse;
 use super::{
     Effort, Record, Request, Schedule, StatesPart, kinds_in, neighbours, over_blocks_of, time_range,
 };
 use crate::error::Error;
 use crate::exact::{CanonicalForm, Evaluator, Question, StartRows, StateRows};
 use crate::forces::BodyForces;
-use crate::kinematics::plain_dot;
+use crate::kinematics::{length, plain_dot};
 use crate::memory;
 use crate::parallel::Interrupt;
 use crate::scene::Scene;
@@ -199,7 +199,7 @@ impl ClosedFormBatch<'_> {
             if let Some(column) = &mut states.attitude {
                 column[4 * at..][..4].copy_from_slice(&attitude);
             }
-            states.unit_drift[place] = worse(states.unit_drift[place], (norm(&attitude) - 1.0).abs());
+            states.unit_drift[place] = worse(states.unit_drift[place], (length(&attitude) - 1.0).abs());
         }
         let now = invariants(body, self.request.scene, omega, gamma);
         let Invariants { start, inverse_scale } = self.known[index];

@@ -156,9 +156,7 @@ impl Job for FixedJob<'_, '_> {
         let lanes = &mut lanes[..legs.members.len()];
         lanes.sort_unstable_by_key(|&lane| legs.legs[lane].steps);
         legs.set_steps(0);
-        if legs.compiled.is_processed() {
-            legs.compiled.enter(legs.lanes);
-        }
+        legs.compiled.process(legs.lanes, false);
         let (mut done, mut at_rest) = (0, 0);
         for (i, &lane) in lanes.iter().enumerate() {
             let end = legs.legs[lane].steps;
@@ -180,10 +178,9 @@ impl Job for FixedJob<'_, '_> {
                 self.stop.tell(lanes[i..].iter().map(share).sum());
             }
         }
-        if legs.compiled.is_processed() {
-            legs.set_steps(0);
-            legs.compiled.leave(legs.lanes);
-        }
+        // All lanes of the leg, those that ended early too.
+        legs.set_steps(0);
+        legs.compiled.process(legs.lanes, true);
         Ok(())
     }
 

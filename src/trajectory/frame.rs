@@ -1,6 +1,7 @@
 //! Deviation vectors of a body made orthogonal: what they span, however much they grow and align.
 
 use crate::observe::Deviation;
+use crate::real::{Apart, Real};
 use crate::simd::Isa;
 use crate::special::ln;
 
@@ -22,7 +23,7 @@ pub struct Frame {
 /// Mantissa in [1, 2) and exponent of a positive number.
 #[inline(always)]
 fn parts(x: f64) -> (f64, i64) {
-    let (mantissa, exponent) = crate::real::Real::frexp(x);
+    let (mantissa, exponent) = x.frexp();
     (mantissa, exponent as i64)
 }
 
@@ -45,9 +46,8 @@ fn product(a: &[f64; 6], b: &[f64; 6]) -> f64 {
 }
 
 impl Frame {
-    /// So many deviation vectors at their start. Each instruction set gives the same bits. Panics if the CPU lacks it.
+    /// So many deviation vectors at their start. Each instruction set gives the same bits.
     pub fn new(count: usize, isa: Isa) -> Frame {
-        assert!(isa.is_available());
         let mut upper = [[0.0; MAX_DEVIATIONS]; MAX_DEVIATIONS];
         for i in 0..MAX_DEVIATIONS {
             upper[i][i] = 1.0;
@@ -69,58 +69,7 @@ impl Frame {
         gamma: &[f64; 3],
         deviations: &mut [[f64; 6]],
     ) -> [i64; MAX_DEVIATIONS] {
-        #[cfg(target_arch = "x86_64")]
-        #[target_feature(enable = "avx2,fma")]
-        fn by_fma(
-            frame: &mut Frame,
-            norm: &Deviation,
-            gamma: &[f64; 3],
-            deviations: &mut [[f64; 6]],
-        ) -> [i64; MAX_DEVIATIONS] {
-            frame.settle_inline(norm, gamma, deviations)
-        }
-        match self.isa {
-            #[cfg(target_arch = "x86_64")]
-            // SAFETY: `new` has seen the features.
-            Isa::Avx512 | Isa::Avx2 => unsafe { by_fma(self, norm, gamma, deviations) },
-            #[cfg(plain)]
-            Isa::Scalar => self.settle_inline(norm, gamma, deviations),
-        }
-    }
-
-    #[inline(always)]
-    fn settle_inline(
-        &mut self,
-        norm: &Deviation,
-        gamma: &[f64; 3],
-        deviations: &mut [[f64; 6]],
-    ) -> [i64; MAX_DEVIATIONS] {
-        let mut shifts = [0; MAX_DEVIATIONS];
-        let (mut measured, mut squares) = ([[0.0; 6]; MAX_DEVIATIONS], [0.0; MAX_DEVIATIONS]);
-        // The factors of this round: unit upper triangular.
-        let mut factors = [[0.0; MAX_DEVIATIONS]; MAX_DEVIATIONS];
-        for i in 0..self.count {
-            let mut own = norm.measured(&deviations[i], gamma);
-            for j in 0..i {
-                let factor = product(&measured[j], &own) / squares[j];
-                factors[j][i] = factor;
-                for k in 0..6 {
-                    deviations[i][k] = (-factor).mul_add(deviations[j][k], deviations[i][k]);
-                    own[k] = (-factor).mul_add(measured[j][k], own[k]);
-                }
-            }
-            (measured[i], squares[i]) = (own, product(&own, &own));
-        }
-        for i in 0..self.count {
-            let square = squares[i];
-            // Half of the exponent, rounded down.
-            shifts[i] = if square > 0.0 && square.is_finite() { parts(square).1.div_euclid(2) } else { 0 };
-            for k in 0..6 {
-                deviations[i][k] = times_power_of_two(deviations[i][k], -shifts[i]);
-            }
-        }
-        self.advance(&factors, &shifts);
-        shifts
+        self.isa.call_with_fma(Settling { frame: self, norm, gamma, deviations })
     }
 
     /// Multiplies U from the left by the factors of a round.
@@ -193,6 +142,48 @@ impl Frame {
             }
         }
         (logs, sali)
+    }
+}
+
+/// One round of [`Frame::settle`].
+struct Settling<'a> {
+    frame: &'a mut Frame,
+    norm: &'a Deviation,
+    gamma: &'a [f64; 3],
+    deviations: &'a mut [[f64; 6]],
+}
+
+impl Apart for Settling<'_> {
+    type Out = [i64; MAX_DEVIATIONS];
+    #[inline(always)]
+    fn run(self) -> [i64; MAX_DEVIATIONS] {
+        let Settling { frame, norm, gamma, deviations } = self;
+        let mut shifts = [0; MAX_DEVIATIONS];
+        let (mut measured, mut squares) = ([[0.0; 6]; MAX_DEVIATIONS], [0.0; MAX_DEVIATIONS]);
+        // The factors of this round: unit upper triangular.
+        let mut factors = [[0.0; MAX_DEVIATIONS]; MAX_DEVIATIONS];
+        for i in 0..frame.count {
+            let mut own = norm.measured(&deviations[i], gamma);
+            for j in 0..i {
+                let factor = product(&measured[j], &own) / squares[j];
+                factors[j][i] = factor;
+                for k in 0..6 {
+                    deviations[i][k] = (-factor).mul_add(deviations[j][k], deviations[i][k]);
+                    own[k] = (-factor).mul_add(measured[j][k], own[k]);
+                }
+            }
+            (measured[i], squares[i]) = (own, product(&own, &own));
+        }
+        for i in 0..frame.count {
+            let square = squares[i];
+            // Half of the exponent, rounded down.
+            shifts[i] = if square > 0.0 && square.is_finite() { parts(square).1.div_euclid(2) } else { 0 };
+            for k in 0..6 {
+                deviations[i][k] = times_power_of_two(deviations[i][k], -shifts[i]);
+            }
+        }
+        frame.advance(&factors, &shifts);
+        shifts
     }
 }
 

@@ -6,6 +6,7 @@
 
 use super::frame::{Frame, MAX_DEVIATIONS};
 use super::legs::LegGroup;
+use super::states::first;
 use super::{Integration, Request, blocks, kinds_in, steps_of_legs};
 use crate::error::Error;
 use crate::kernel::{DeviationRows, Entry, Group, Job, System, drive, load};
@@ -33,23 +34,23 @@ pub struct Deviations<'a> {
     pub count: usize,
 }
 
-/// Growth at the output times, body first.
-pub struct Growths {
+/// Growth at the output times, body first: of all bodies, or of some neighbours.
+pub struct Growths<Numbers = Vec<f64>, Statuses = Vec<Status>, Counts = Vec<u64>> {
     /// ln of the size over that at the start, of the first deviation vector; its largest until then; its mean over the
     /// time; and the mean over the time of `ln - mean`: (n, times, 4).
-    pub logs: Vec<f64>,
+    pub logs: Numbers,
     /// ln of what each deviation vector keeps across those before it, over that at the start: (n, times, count).
-    pub log_diagonal: Vec<f64>,
+    pub log_diagonal: Numbers,
     /// ln of GALI of the first 1, 2, … deviation vectors: (n, times, count).
-    pub log_gali: Vec<f64>,
+    pub log_gali: Numbers,
     /// SALI of the first two: (n, times).
-    pub sali: Vec<f64>,
+    pub sali: Numbers,
     /// Largest relative error of the energy after some steps.
-    pub energy_drift: Vec<f64>,
+    pub energy_drift: Numbers,
     /// How each body ended.
-    pub status: Vec<Status>,
+    pub status: Statuses,
     /// Steps of each body.
-    pub steps: Vec<u64>,
+    pub steps: Counts,
 }
 
 /// Growth of the first deviation vector at a time.
@@ -141,21 +142,10 @@ pub fn growth(
 }
 
 /// The growth of some neighbouring bodies.
-struct Part<'a> {
-    logs: &'a mut [f64],
-    log_diagonal: &'a mut [f64],
-    log_gali: &'a mut [f64],
-    sali: &'a mut [f64],
-    energy_drift: &'a mut [f64],
-    status: &'a mut [Status],
-    steps: &'a mut [u64],
-}
+type Part<'a> = Growths<&'a mut [f64], &'a mut [Status], &'a mut [u64]>;
 
 impl<'a> Part<'a> {
     fn split_off(&mut self, times: usize, count: usize, bodies: usize) -> Part<'a> {
-        fn first<'a, T>(rest: &mut &'a mut [T], length: usize) -> &'a mut [T] {
-            rest.split_off_mut(..length).expect("the parts are as long as the whole")
-        }
         Part {
             logs: first(&mut self.logs, LOGS * times * bodies),
             log_diagonal: first(&mut self.log_diagonal, count * times * bodies),
@@ -326,7 +316,7 @@ impl GrowthJob<'_, '_> {
 
 /// The vertical and the deviation vectors of a body in lanes from `lane` on, or in one lane if they share a motion.
 fn read(group: &Group, system: System, lane: usize, count: usize) -> ([f64; 3], [[f64; 6]; MAX_DEVIATIONS]) {
-    let at = system.tangent_at().expect("the system has a deviation vector");
+    let at = system.tangent_at.expect("the system has a deviation vector");
     let gamma = [3, 4, 5].map(|d| group.state[d].0[lane]);
     let mut deviations = [[0.0; 6]; MAX_DEVIATIONS];
     for j in 0..count {
@@ -350,7 +340,7 @@ pub fn settle(
     frame: &mut Frame,
 ) {
     let count = frame.count();
-    let at = system.tangent_at().expect("the system has a deviation vector");
+    let at = system.tangent_at.expect("the system has a deviation vector");
     let (gamma, mut deviations) = read(group, system, lane, count);
     if !norm.of_attitude {
         // A turn about the vertical is not seen by this norm. It is removed before it outgrows what is: from the

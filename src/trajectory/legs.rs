@@ -288,7 +288,7 @@ impl<'a> LegGroup<'a> {
             is_over: false,
             now: [Stop::ARRIVED; LANES],
             legs: [Leg::NONE; LANES],
-            is_on_clock: compiled.kernel().system.is_on_clock(),
+            is_on_clock: compiled.kernel().system.is_on_clock,
             first_anomalies: [0.0; LANES],
             anomalies: [0.0; LANES],
             paces: [1.0; LANES],
@@ -379,7 +379,7 @@ impl<'a> LegGroup<'a> {
         self.now = self.stops.next().expect("the group is not over");
         self.is_over = self.stops.is_over();
         for b in 0..self.members.len() {
-            if let (Some(orbit), Some(at)) = (self.orbit(b), self.compiled.kernel().system.own_at()) {
+            if let (Some(orbit), Some(at)) = (self.orbit(b), self.compiled.kernel().system.own_at) {
                 for (k, number) in orbit.clock_at(self.anomalies[b]).into_iter().enumerate() {
                     self.lanes.state[at + k].0[b] = number;
                 }
@@ -395,7 +395,7 @@ impl<'a> LegGroup<'a> {
         for b in 0..self.members.len() {
             if let Some(orbit) = self.orbit(b) {
                 // Nothing else acts, at no time.
-                rows.further.set(self.lane(b), &Further { orbit, ..Further::NONE });
+                rows.numbers.further.set(self.lane(b), &Further { orbit, ..Further::NONE });
                 continue;
             }
             let (index, from) = (self.index(b), self.now[b].from);

@@ -5,12 +5,13 @@ use crate::error::Error;
 use crate::forces::{ForceSet, Forces, TorqueFunction};
 use crate::kernel::{Compiled, Entry, ForcesRows, Group, Kernel, MAX_STATE};
 use crate::kernel::{KernelAssignment, Needs, System, load, reset_time, unload};
+use crate::kinematics::length;
 use crate::memory;
 use crate::method::{Method, Step};
 use crate::observe::Observed;
 use crate::parallel::{Interrupt, over_blocks};
 use crate::scene::Scene;
-use crate::simd::{Isa, LANES};
+use crate::simd::{Isa, LANES, set_lane};
 use crate::start::Body;
 use crate::status::DRIFT_LIMIT;
 
@@ -71,11 +72,7 @@ const MANY_KNOTS: usize = 256;
 
 /// Whether the length of a quaternion has not drifted away from 1; NaN has.
 fn is_rotation(attitude: [f64; 4]) -> bool {
-    (length(attitude) - 1.0).abs() <= DRIFT_LIMIT
-}
-
-fn length<const N: usize>(v: [f64; N]) -> f64 {
-    v.iter().map(|x| x * x).sum::<f64>().sqrt()
+    (length(&attitude) - 1.0).abs() <= DRIFT_LIMIT
 }
 
 impl Motion {
@@ -236,7 +233,7 @@ impl Motion {
         let angles = self
             .groups
             .iter()
-            .flat_map(|group| group.bodies.iter().map(|body| group.longest * length(body.omega)));
+            .flat_map(|group| group.bodies.iter().map(|body| group.longest * length(&body.omega)));
         let angle = angles.fold(0.0, f64::max);
         let is_first = !self.is_too_long && angle > self.method.facts.longest_angle;
         self.is_too_long |= is_first;
@@ -410,13 +407,9 @@ impl MovingGroup {
             for lane in 0..self.bodies.len() {
                 self.lanes.step.0[lane] = step;
             }
-            if self.compiled.is_processed() {
-                self.compiled.enter(&mut self.lanes);
-            }
+            self.compiled.process(&mut self.lanes, false);
             self.compiled.advance(&mut self.lanes, rows, 1);
-            if self.compiled.is_processed() {
-                self.compiled.leave(&mut self.lanes);
-            }
+            self.compiled.process(&mut self.lanes, true);
             if knot.is_none() {
                 break;
             }
@@ -450,9 +443,7 @@ impl MovingGroup {
                     torque[k] += added[k];
                 }
             }
-            for k in 0..3 {
-                rows.body[0][k].0[lane] = torque[k];
-            }
+            set_lane(&mut rows.numbers.body[0], lane, &torque);
             reset_time(&mut self.lanes, system, lane);
         }
     }

@@ -39,7 +39,7 @@ impl Record<'_> {
     pub fn change_of(&self, body: usize) -> ParameterChange<f64> {
         match self {
             Record::Sensitivity(changes) => changes[body],
-            _ => ParameterChange::none(),
+            _ => ParameterChange::filled(0.0),
         }
     }
 

@@ -4,6 +4,7 @@ use super::Effort;
 use super::request::{Record, Request};
 use crate::error::Error;
 use crate::kernel::State;
+use crate::kinematics::length;
 use crate::memory;
 use crate::status::{DRIFT_LIMIT, Status};
 
@@ -183,7 +184,7 @@ macro_rules! states {
 }
 
 /// Splits the first elements off.
-fn first<'a, T>(rest: &mut &'a mut [T], count: usize) -> &'a mut [T] {
+pub(super) fn first<'a, T>(rest: &mut &'a mut [T], count: usize) -> &'a mut [T] {
     rest.split_off_mut(..count).expect("the parts are as long as the whole")
 }
 
@@ -253,7 +254,7 @@ impl StatesPart<'_> {
         }
         let mut units = 0.0_f64;
         if let Some(direction) = &now.direction {
-            units = worse(units, (norm(direction) - 1.0).abs());
+            units = worse(units, (length(direction) - 1.0).abs());
             if let Some(gamma) = &mut self.gamma {
                 gamma[3 * at..][..3].copy_from_slice(direction);
             }
@@ -263,7 +264,7 @@ impl StatesPart<'_> {
                 attitude = attitude.map(|x| -x);
             }
             *last = attitude;
-            units = worse(units, (norm(&attitude) - 1.0).abs());
+            units = worse(units, (length(&attitude) - 1.0).abs());
             attitudes[4 * at..][..4].copy_from_slice(&attitude);
         }
         if let Some(work) = &mut self.work {
@@ -331,11 +332,6 @@ fn inverse_or_zero(inverse: f64) -> f64 {
 #[inline]
 pub(super) fn worse(old: f64, new: f64) -> f64 {
     if new <= old || old.is_nan() { old } else { new }
-}
-
-#[inline]
-pub(super) fn norm<const N: usize>(v: &[f64; N]) -> f64 {
-    v.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
 #[cfg(test)]

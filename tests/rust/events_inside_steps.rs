@@ -23,7 +23,7 @@ struct Run {
 impl Run {
     fn new(body: &Body, angle: f64, system: System, observed: Observed, (axis, limit): (i32, f64)) -> Run {
         let kernel =
-            Kernel { system, step: KernelAssignment::of(&DOP853, body, system.scene()).step, observed };
+            Kernel { system, step: KernelAssignment::of(&DOP853, body, system.scene).step, observed };
         let compiled = Compiled::new(kernel, Isa::available()[0]);
         let mut group = Group::inactive();
         let step = angle / body.fastest_rate(BodyForces::NONE, [0.0; 2]);
@@ -38,7 +38,7 @@ impl Run {
             deviation: Deviation::NONE,
             bound: None,
         };
-        load(&mut group, 0, compiled, KernelAssignment::of(&DOP853, body, system.scene()), &entry);
+        load(&mut group, 0, compiled, KernelAssignment::of(&DOP853, body, system.scene), &entry);
         Run { group, compiled, step }
     }
 

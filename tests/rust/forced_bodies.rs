@@ -54,14 +54,9 @@ fn every_kernel_on_every_instruction_set_and_in_every_lane() {
         let forced: Vec<Step> = forced_methods().iter().map(|method| method.forced.unwrap().step).collect();
         for step in forced.into_iter().filter(|&step| system.is_moved_by(step)) {
             let kernel = Kernel { system, step, observed: Observed::Nothing };
-            let assignment_of = |body: &Body| {
-                let assignments =
-                    forced_methods().into_iter().map(|method| KernelAssignment::of_forced(method, body));
-                assignments
-                    .into_iter()
-                    .find(|assignment| assignment.step == step)
-                    .expect("a method for every step")
-            };
+            let mut assignments = forced_methods().into_iter().map(KernelAssignment::of_forced);
+            let assignment =
+                assignments.find(|assignment| assignment.step == step).expect("a method for every step");
             let put =
                 |group: &mut Group, forces_rows: &mut ForcesRows, lane: usize, number: usize, compiled| {
                     let mut body = body(number as u64, system != ForcedRates);
@@ -69,7 +64,7 @@ fn every_kernel_on_every_instruction_set_and_in_every_lane() {
                         body.omega = [1e18; 3];
                     }
                     let step = if number == 3 { 0.0 } else { 0.02 + 0.002 * number as f64 };
-                    load(group, lane, compiled, assignment_of(&body), &Entry::unobserved(&body, None, step));
+                    load(group, lane, compiled, assignment, &Entry::unobserved(&body, None, step));
                     let forces = table(number.is_multiple_of(2));
                     let interval = forces.of(0).interval(0.01 * number as f64, false, body.moments);
                     forces_rows.set(lane, &interval);
@@ -95,7 +90,7 @@ fn every_kernel_on_every_instruction_set_and_in_every_lane() {
                 let group = full_group(isa);
                 for lane in 0..LANES {
                     assert_eq!(of_lane(&group, lane), of_lane(&scalar, lane), "{kernel:?} {isa:?} {lane}");
-                    let finite = group.state[..system.len()].iter().all(|row| row.0[lane].is_finite());
+                    let finite = group.state[..system.len].iter().all(|row| row.0[lane].is_finite());
                     assert_eq!(finite, lane != 7, "{kernel:?} {lane}");
                 }
                 let compiled = Compiled::new(kernel, isa);

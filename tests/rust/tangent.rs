@@ -109,7 +109,7 @@ fn the_motion_has_the_same_bits_with_and_without_a_deviation() {
                 for d in 0..len {
                     assert_equal_bits(&without.state[d].0, &with.state[d].0, &what(d));
                 }
-                for d in 0..varied.len() {
+                for d in 0..varied.len {
                     assert_equal_bits(&scalar.state[d].0, &with.state[d].0, &what(d));
                 }
                 for (d, row) in with.observed.iter().enumerate() {
@@ -132,7 +132,7 @@ fn a_deviation_that_shares_a_motion_has_the_bits_of_one_with_a_lane_of_its_own()
                 let kernel = Kernel { system, step: method.any, observed: Observed::Growth };
                 let compiled = Compiled::new(kernel, isa);
                 assert!(compiled.shares_motion());
-                let at = system.tangent_at().unwrap();
+                let at = system.tangent_at.unwrap();
                 let (mut own, mut shared) = (Group::inactive(), Group::inactive());
                 shared.further = vec![DeviationRows::ZERO; 5];
                 let lane = 9;
@@ -178,7 +178,7 @@ fn it_does_not_matter_when_a_deviation_is_divided_by_a_power_of_two() {
             if block % 3 != 1 {
                 return;
             }
-            let at = System::TopTangent.tangent_at().unwrap();
+            let at = System::TopTangent.tangent_at.unwrap();
             for d in at..at + 6 {
                 for row in [&mut group.state[d], &mut group.compensation[d]] {
                     row.0.iter_mut().for_each(|x| *x *= 2.0_f64.powf(-power));
@@ -296,8 +296,8 @@ impl Neg for Dual {
 }
 impl Real for Dual {
     type Mask = bool;
-    fn apart<W: Apart>(work: W) {
-        work.run();
+    fn apart<W: Apart>(work: W) -> W::Out {
+        work.run()
     }
     fn splat(x: f64) -> Self {
         dual(x, 0.0)

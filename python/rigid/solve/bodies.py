@@ -118,17 +118,6 @@ class Bodies:
         """Values of the bodies, (n, ...), in the axes of the bodies; of a single body its value."""
         return values.reshape(*self.shape, *values.shape[1:]) if self.shape else values[0]
 
-    def columns(self) -> dict[str, Any]:
-        """The arguments of the core for these bodies."""
-        columns: dict[str, Any] = {
-            "scene": self.kind,
-            "moments": self.moments,
-            "weight": self.weight,
-            "omega": self.omega,
-            "attitude": self.attitude,
-        }
-        return columns if self.forces is None else {**columns, "forces": self.forces}
-
     def select(self, bodies: NDArray[np.intp]) -> Self:
         """Some of the bodies."""
         chosen = self._taken(bodies)

@@ -285,7 +285,7 @@ def _grown(
         rates = bodies.fastest_rates((0.0, float(times[-1])), method)
         steps = np.minimum(_core.default_steps(method, rates), times[0] / fewest)
     return _core.growth(
-        **bodies.columns(),
+        bodies,
         method=method,
         deviations=np.ascontiguousarray(vectors.reshape(-1, 6)),
         scale=rate_scale(bodies),
@@ -308,9 +308,7 @@ def _pairs(bodies: Bodies, first: Floats) -> Floats:
 
 def _starts(bodies: Bodies) -> Floats:
     """Deviation vectors at the start of the two runs of a verdict, for each body, (n, 2, 6)."""
-    columns = bodies.columns()
-    del columns["scene"]
-    return _core.deviation_starts(**columns)
+    return _core.deviation_starts(bodies)
 
 
 def _unscaled(vectors: Floats, scale: Floats) -> Floats:

@@ -105,7 +105,7 @@ class Search:
     def _points(self) -> dict[str, NDArray[Any]]:
         """The columns of the core for all bodies."""
         return _core.section(
-            **self.bodies.columns(),
+            self.bodies,
             method=self.method,
             kinds=list(self.kinds),
             normal=np.ascontiguousarray(self.normal.reshape(-1, 6)),

@@ -51,9 +51,7 @@ def check_tangent(
 
 def rate_scale(bodies: Bodies) -> Floats:
     """Unit of the rates, ``sqrt(|omega|² + mgl / I_min)`` at the start; 1 if that is zero."""
-    return _core.rate_units(
-        moments=bodies.moments, weight=bodies.weight, omega=bodies.omega, attitude=bodies.attitude
-    )
+    return _core.rate_units(bodies)
 
 
 def tangent_of(

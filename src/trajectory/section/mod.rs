@@ -263,9 +263,8 @@ struct SectionJob<'a> {
     points: &'a AtomicU64,
     /// Rounds of the group.
     rounds: u64,
-    /// Bodies of the job, and how many are told to be done.
+    /// Bodies of the job.
     members: usize,
-    told: f64,
     stop: &'a Interrupt<'a>,
 }
 
@@ -316,7 +315,6 @@ impl<'a> SectionJob<'a> {
             points,
             rounds: 0,
             members: members.len(),
-            told: 0.0,
             stop,
         })
     }
@@ -487,15 +485,10 @@ impl Job for SectionJob<'_> {
     fn advance(&mut self, tasks: &[Option<Task>; LANES]) -> Result<(), Error> {
         self.begin_in_closed_form(tasks);
         if self.rounds.is_multiple_of(STEPS_BETWEEN_STOPS) {
-            let unfinished = tasks.iter().enumerate().filter_map(|(lane, task)| {
-                task.as_ref().map(|task| 1.0 - self.lanes.share(lane, self.block.start + task.body))
-            });
-            let done = (self.members - self.queue.len()) as f64 - unfinished.sum::<f64>();
-            self.stop.tell(done - self.told);
-            self.told = self.told.max(done);
-            if self.stop.is_wanted() {
-                return Err(Error::Stopped);
-            }
+            let inside = tasks.iter().enumerate();
+            let inside =
+                inside.filter_map(|(lane, task)| Some((lane, self.block.start + task.as_ref()?.body)));
+            self.lanes.tell(self.stop, self.members - self.queue.len(), inside)?;
             self.check_memory()?;
         }
         self.rounds += 1;

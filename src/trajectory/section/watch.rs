@@ -3,7 +3,7 @@
 use super::{NEAR, NOISE, Polynomial, Side, Surface, SurfaceKind, TERMS, Zero};
 use crate::forces::BodyForces;
 use crate::kernel::{AdaptiveSteps, Group, System};
-use crate::simd::{LANES, Row};
+use crate::simd::{LANES, Row, set_lane};
 use crate::start::{Body, VERTICAL};
 
 /// A polynomial in the time: coefficients of its powers.
@@ -66,9 +66,9 @@ impl Watch {
             rotor: [Row::ZERO; 3],
             used,
             uses_momentum,
-            quaternion: system.quaternion_at(),
-            has_second_axis: system.vectors() > 2,
-            turns: system.turns(),
+            quaternion: system.quaternion_at,
+            has_second_axis: system.vectors > 2,
+            turns: system.turns,
             order,
             side: [None; LANES],
             scale: Row::ZERO,
@@ -83,13 +83,9 @@ impl Watch {
     pub fn enter(&mut self, lane: usize, surface: &Surface, body: &Body, forces: BodyForces, rate: f64) {
         let Surface { normal, momentum, value } = *surface;
         let rotor = forces.further.rotor.0;
-        for d in 0..6 {
-            self.normal[d].0[lane] = normal[d];
-        }
-        for k in 0..3 {
-            self.momentum[k].0[lane] = momentum[k];
-            self.rotor[k].0[lane] = rotor[k];
-        }
+        set_lane(&mut self.normal, lane, &normal);
+        set_lane(&mut self.momentum, lane, &momentum);
+        set_lane(&mut self.rotor, lane, &rotor);
         self.value.0[lane] = value;
         self.side[lane] = None;
         let length = |v: &[f64]| v.iter().map(|x| x * x).sum::<f64>().sqrt();

@@ -62,18 +62,11 @@ def test_a_force_acts_on_as_many_bodies_as_it_has_rows() -> None:
 def test_there_may_be_more_threads_than_numbers() -> None:
     """Blocks of bodies were as long as a quotient by four times the threads, which was zero."""
     n = 64
-    columns: dict[str, Any] = {
-        "scene": "free",
-        "moments": np.tile(SCENE.body.moments, (n, 1)),
-        "weight": np.zeros((n, 3)),
-        "omega": np.tile(OMEGA[0], (n, 1)),
-        "attitude": np.tile([1.0, 0.0, 0.0, 0.0], (n, 1)),
-        "method": "taylor16",
-        "max_steps": 1000,
-        "threads": MOST,
-    }
+    bodies = bodies_of(SCENE, np.tile(OMEGA[0], (n, 1)), None)
+    how: dict[str, Any] = {"method": "taylor16", "max_steps": 1000, "threads": MOST}
     crossings = _core.section(
-        **columns,
+        bodies,
+        **how,
         kinds=[(False, 0, False)],
         normal=np.tile([1.0, 0.0, 0.0, 0.0, 0.0, 0.0], (n, 1)),
         momentum=np.zeros((n, 3)),
@@ -86,7 +79,8 @@ def test_there_may_be_more_threads_than_numbers() -> None:
     assert len(crossings["status"]) == n
     # Neighbours with other numbers of steps share no group of lanes.
     growths = _core.growth(
-        **columns,
+        bodies,
+        **how,
         deviations=np.tile(_core.generic_deviations()[:1], (n, 1)),
         scale=np.ones(n),
         of_attitude=False,

@@ -353,7 +353,6 @@ def test_deviations_of_a_verdict_keep_the_momentum_about_the_vertical() -> None:
     """The derivative of ``I w · gamma`` along them, by central differences, is zero."""
     scene, omega, attitude = integrable("kovalevskaya", 64)
     bodies = bodies_of(scene, omega, attitude)
-    columns = {name: value for name, value in bodies.columns().items() if name != "scene"}
     unit = np.sqrt((omega**2).sum(axis=1) + 1.0)
 
     def momentum(deviation: Floats) -> Floats:
@@ -365,7 +364,7 @@ def test_deviations_of_a_verdict_keep_the_momentum_about_the_vertical() -> None:
         total: Floats = (moments * (omega + deviation[:, :3]) * gamma).sum(axis=1)
         return total
 
-    starts = _core.deviation_starts(**columns)
+    starts = _core.deviation_starts(bodies)
     others = np.tile(_core.generic_deviations()[0], (64, 1))
     others[:, :3] *= unit[:, None]
     kept, also_kept, changed = (

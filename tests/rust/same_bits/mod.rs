@@ -4,6 +4,7 @@
 //! No tolerance appears here. All NaN are equal: the payload of a NaN is no number.
 
 mod closed_forms;
+mod elliptic_functions;
 mod maps;
 mod trajectories;
 
@@ -50,9 +51,9 @@ const SYSTEMS: [(System, &[Observed]); 8] = [
 
 /// The assignment with which some method integrates a body in a kernel.
 fn assignment(kernel: Kernel, body: &Body) -> Option<KernelAssignment> {
-    let of_method = |method: &Method| KernelAssignment::of(method, body, kernel.system.scene());
+    let of_method = |method: &Method| KernelAssignment::of(method, body, kernel.system.scene);
     let methods =
-        method::ALL.iter().copied().filter(|method| !kernel.system.scene().has_weight || method.moves_tops());
+        method::ALL.iter().copied().filter(|method| !kernel.system.scene.has_weight || method.moves_tops());
     methods.map(of_method).find(|assignment| assignment.step == kernel.step)
 }
 
@@ -135,7 +136,7 @@ const FAST: usize = 12;
 fn lane_starts(kernel: Kernel) -> Vec<LaneStart> {
     let of_lane = |lane: usize| {
         let symmetric = kernel.step.engine == EngineName::KickRotor;
-        let mut body = body(lane as u64, kernel.system.scene().has_weight, symmetric);
+        let mut body = body(lane as u64, kernel.system.scene.has_weight, symmetric);
         // Angles of 0.1 to 0.7 in a step. The code for large angles gives another sine for up to one in a hundred of
         // these angles, but for hardly any smaller angle, so smaller angles would not show a lane with the wrong code.
         let mut step = 0.1 + 0.01 * lane as f64;

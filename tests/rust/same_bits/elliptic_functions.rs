@@ -1,10 +1,10 @@
 //! Duplications end in each lane when the lane has converged, so the bits depend neither on the other lanes nor on the
 //! register.
 
-use super::{agm, carlson_rc, carlson_rd, carlson_rf, carlson_rj};
-use super::{complete_e, complete_k, complete_pi, exp, jacobi};
-use crate::real::Pack;
-use crate::simd::{Arr, Isa};
+use rigid::real::Pack;
+use rigid::simd::{Arr, Isa, Work};
+use rigid::special::{agm, carlson_rc, carlson_rd, carlson_rf, carlson_rj};
+use rigid::special::{complete_e, complete_k, complete_pi, exp, jacobi};
 
 const ROWS: usize = 4096;
 const ARGUMENTS: usize = 4;
@@ -55,18 +55,15 @@ fn results<P: Pack>(arguments: &[Vec<f64>]) -> Vec<[u64; ROWS]> {
     table
 }
 
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx512f,avx512dq,avx512vl,avx512bw,avx2,fma")]
-fn avx512(arguments: &[Vec<f64>]) -> [Vec<[u64; ROWS]>; 2] {
-    use crate::simd::V8;
-    [results::<V8>(arguments), results::<Arr<V8, 2>>(arguments)]
-}
+/// The tables of the registers of an instruction set.
+struct Tables<'a>(&'a [Vec<f64>]);
 
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2,fma")]
-fn avx2(arguments: &[Vec<f64>]) -> [Vec<[u64; ROWS]>; 2] {
-    use crate::simd::V4;
-    [results::<V4>(arguments), results::<Arr<V4, 2>>(arguments)]
+impl Work for Tables<'_> {
+    type Out = [Vec<[u64; ROWS]>; 2];
+    #[inline(always)]
+    fn run<P: Pack>(self) -> Self::Out {
+        [results::<P>(self.0), results::<Arr<P, 2>>(self.0)]
+    }
 }
 
 #[test]
@@ -78,16 +75,8 @@ fn elliptic_functions_have_the_same_bits_in_every_register() {
         assert!(numbers > ROWS / 2, "{numbers} of {ROWS} results are finite");
     }
     assert!(results::<Arr<f64, 8>>(&arguments) == alone, "several scalars");
-    #[cfg(target_arch = "x86_64")]
     for isa in Isa::available() {
-        let tables = match isa {
-            // SAFETY: the features have just been seen.
-            Isa::Avx512 => unsafe { avx512(&arguments) },
-            // SAFETY: as above.
-            Isa::Avx2 => unsafe { avx2(&arguments) },
-            #[cfg(plain)]
-            Isa::Scalar => continue,
-        };
+        let tables = isa.call(Tables(&arguments));
         for (function, (a, b)) in tables.iter().flat_map(|t| t.iter().zip(&alone)).enumerate() {
             let other = (0..ROWS).find(|&n| a[n] != b[n]);
             assert_eq!(other, None, "{isa:?}, function {}", function % alone.len());
