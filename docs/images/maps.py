@@ -16,7 +16,7 @@ from rigid.store.call import run_map
 
 MAPS = (
     *("thrown-box", "inertia-triangle", "sleeping-top", "falling-top", "gravity-gradient"),
-    *("tumbling-debris", "dimorphos", "hyperion", "spin-orbit"),
+    *("tumbling-debris", "apophis", "dimorphos", "hyperion", "spin-orbit"),
 )
 
 REGIONS = {

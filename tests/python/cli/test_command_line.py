@@ -189,6 +189,7 @@ def test_built_in_maps_are_listed(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["maps"]) == 0
     lines = capsys.readouterr().out.splitlines()
     assert [line.split()[0] for line in lines] == [
+        "apophis",
         "chaotic-com",
         "chaotic-top",
         "dimorphos",
@@ -202,7 +203,7 @@ def test_built_in_maps_are_listed(capsys: pytest.CaptureFixture[str]) -> None:
         "thrown-box",
         "tumbling-debris",
     ]
-    assert lines[10].endswith("A thrown box, spinning about its middle axis (b x noise)")
+    assert lines[11].endswith("A thrown box, spinning about its middle axis (b x noise)")
 
 
 def test_info_describes_the_build(capsys: pytest.CaptureFixture[str]) -> None:
@@ -253,8 +254,8 @@ def test_help_is_on_stdout(capsys: pytest.CaptureFixture[str]) -> None:
             ["map", "nonsense"],
             [
                 "'nonsense'",
-                "chaotic-com, chaotic-top, dimorphos, falling-top, gravity-gradient, hyperion, "
-                "inertia-triangle, separatrix-web, sleeping-top, spin-orbit, thrown-box, "
+                "apophis, chaotic-com, chaotic-top, dimorphos, falling-top, gravity-gradient, "
+                "hyperion, inertia-triangle, separatrix-web, sleeping-top, spin-orbit, thrown-box, "
                 "tumbling-debris",
             ],
         ),

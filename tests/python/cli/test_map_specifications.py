@@ -572,6 +572,7 @@ def built_in(request: pytest.FixtureRequest) -> tuple[str, rigid.StabilityMap]:
 
 def test_built_in_maps_have_their_names() -> None:
     assert names_of("map") == [
+        "apophis",
         "chaotic-com",
         "chaotic-top",
         "dimorphos",

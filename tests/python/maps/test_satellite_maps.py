@@ -304,3 +304,35 @@ def test_the_words_of_a_map_on_an_orbit_are_those_of_its_axes_and_of_what_is_con
     drift = next(line for line in said.splitlines() if line.startswith("worst drift"))
     assert "energy" not in drift
     assert "unit lengths" in drift
+
+
+def test_an_asteroid_keeps_its_mode_as_energy_and_momentum_say() -> None:
+    """After the passage a free body turns about its short axis if L² / 2E exceeds the moment I2.
+
+    The criterion looks at signs of a rate all along; here is the state at the end, a month later.
+    """
+    axes = {"eccentricity": [2.0, 4.25], "tilt": [0.35, 1.2]}
+    spec = read_spec("apophis").spec.replace(samples=24, axes=axes)
+    result = rigid.stability_map(spec, progress=False)
+    assert not result.failed.any()
+    for pixel in np.ndindex(2, 2):
+        drawn = result.starts(range(24), pixel=pixel)
+        parts = [result.replay(pixel, k).run.spec["scene"]["orbit"] for k in range(24)]
+        orbit = rigid.Orbit(
+            np.array([part["rate"] for part in parts]),
+            np.array([part["eccentricity"] for part in parts]),
+            drawn.parameters["anomaly"],
+        )
+        scene = rigid.FreeBody(spec.scene.body, orbit=orbit)
+        run = rigid.simulate(scene, drawn.omega, drawn.attitude, t=[spec.t_end])
+        assert run.error.max() < 1e-6
+        moments = np.array(spec.scene.body.moments)
+        momenta, twice = moments * run.omega[:, 0], np.sum(moments * run.omega[:, 0] ** 2, axis=1)
+        short = np.sum(momenta**2, axis=1) / twice > moments[1]
+        kept = short & (run.omega[:, 0, 2] > 0.0)
+        seen = result.outcomes(range(24), pixel=pixel).outcome
+        assert (seen[~kept] == "unstable").all()
+        # A body may roll over and back during the passage.
+        assert np.count_nonzero((seen == "stable") != kept) <= 2
+    assert result.share[0, 1] > 0.9  # "likely to remain in a short axis mode", Benson et al. 2023
+    assert result.share[0, 0] < 0.9
