@@ -68,7 +68,13 @@ class Buffer:
         if not len(faces):
             return
         corners = self.camera.project(faces)
-        light = self._light(faces, normals)
+        # The light at each corner, as surface.frag computes it, without the gloss.
+        flat = _normals(faces)[:, np.newaxis]
+        towards = self.camera.at - faces.mean(axis=1, keepdims=True)
+        side = np.sign((flat * towards).sum(axis=-1, keepdims=True))
+        normals = side * np.broadcast_to(_unit(flat) if normals is None else normals, faces.shape)
+        lit = np.maximum(normals @ self.camera.lamp, 0.0)
+        light = 0.52 + 0.12 * normals @ self.camera.up + 0.48 * lit
         if opacity < 1.0:
             order = np.argsort(-corners[..., 2].mean(axis=1))
             corners, rgb, light = corners[order], rgb[order], light[order]
@@ -79,15 +85,6 @@ class Buffer:
             light[:, fan].reshape(-1, 3).astype(np.float32),
             opacity,
         )
-
-    def _light(self, faces: Floats, normals: Floats | None) -> Floats:
-        """The light at each corner, as surface.frag computes it, without the gloss."""
-        flat = _normals(faces)[:, np.newaxis]
-        towards = self.camera.at - faces.mean(axis=1, keepdims=True)
-        side = np.sign((flat * towards).sum(axis=-1, keepdims=True))
-        normals = side * np.broadcast_to(_unit(flat) if normals is None else normals, faces.shape)
-        lit = np.maximum(normals @ self.camera.lamp, 0.0)
-        return np.asarray(0.52 + 0.12 * normals @ self.camera.up + 0.48 * lit)
 
     def _triangles(
         self,

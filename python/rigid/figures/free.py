@@ -40,8 +40,7 @@ _AWAY = np.array([[0.0, 0.0, -1.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
 def _draw_box(data: Picture, ax: Any) -> None:
     from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
-    elev, azim = 20.0, 35.0
-    behind = -0.5 * data.sides  # the corner that this direction hides
+    behind = -0.5 * data.sides  # the corner that nobody sees from the viewer's direction
     faces = box_faces(0.5 * data.sides)
     ax.add_collection3d(
         Poly3DCollection(faces, facecolor=colours.FACE, alpha=0.12, linewidth=0.0, zorder=1)
@@ -59,15 +58,13 @@ def _draw_box(data: Picture, ax: Any) -> None:
         draw.curve(
             ax, np.array([np.zeros(3), start]), ink.colour, linewidth=1.2, linestyle="dotted"
         )
-        name = (
-            f"{ink.label}: {data.kinds[axis]}\n"
-            rf"$I_{axis + 1} = ${_rounded(data.moments[axis])} kg m²"
-        )
+        inertia = _rounded(data.moments[axis])
+        name = f"{ink.label}: {data.kinds[axis]}\n$I_{axis + 1} = ${inertia} kg m²"
         tip = 0.3 * longest * unit
         draw.arrow(ax, tip, ink.colour, name, start=start, linewidth=2.4, gid="axes")
         _dimension(ax, data.sides, axis, longest)
     tips = np.diag(0.5 * data.sides + 0.3 * longest)
-    draw.fit(ax, data.corners, tips, elev=elev, azim=azim, filled=0.8)
+    draw.fit(ax, data.corners, tips, elev=20.0, azim=35.0, filled=0.8)
 
 
 def box(body: Body) -> Picture:

@@ -39,8 +39,8 @@ def _draw_euler_steps(data: Picture, *panels: Any) -> None:
         draw.triad(ax, data.axes[step + 1], origin, new, linewidth=2.4, gid="axes")
         # Beyond the tip of axis 1 is its name.
         node = data.turned_about[1] * np.array([[-0.4], [1.0], [np.nan], [1.35], [1.6]])
-        ink = colours.NODE.colour
-        draw.curve(ax, node, ink, linewidth=1.2, linestyle="dashdot", zorder=3, gid="node")
+        purple = colours.NODE.colour
+        draw.curve(ax, node, purple, linewidth=1.2, linestyle="dashdot", zorder=3, gid="node")
         turned = [axis for axis in range(3) if axis != kept]
         for axis, radius in zip(turned, (0.55, 0.7), strict=True):
             draw.arc(
@@ -51,10 +51,23 @@ def _draw_euler_steps(data: Picture, *panels: Any) -> None:
                 colours.ANGLE.colour,
                 _TURNS[step],
             )
-        draw.label(ax, 1.72 * data.turned_about[1], "$N$", ink)
+        draw.label(ax, 1.72 * data.turned_about[1], "$N$", purple)
         ax.set_title(f"{step + 1}.  {_TURNS[step]} {_ABOUT[step]}", fontsize="medium")
         draw.fit(ax, data.axes, node[[0, -1]], elev=24.0, azim=_azimuth(data.angles[0]), filled=0.8)
-    _draw_turned_plane(plane, data)
+    # The plane of the first turn, with the coordinates of the point along both pairs of axes.
+    longest = max(1.0, 1.15 * float(np.linalg.norm(data.point)))
+    for step, seen, style in ((0, data.point, draw.DASHED), (1, data.seen, {"linewidth": 2.4})):
+        for axis, ink in enumerate(colours.AXES[:2]):
+            along = data.axes[step, axis, :2]
+            draw.arrow(plane, longest * along, ink.colour, f"${_NAMES[step][axis]}$", **style)
+            foot = np.array([data.point, seen[axis] * along])
+            draw.curve(plane, foot, ink.colour, linewidth=0.9, linestyle="dotted")
+    draw.arc_in_plane(plane, 0.35 * longest, 0.0, data.angles[0], _TURNS[0], beyond=0.44 / 0.35)
+    draw.arrow(plane, data.point, colours.HUES["black"], "$P$", linewidth=1.6, gid="point")
+    corners = np.vstack([np.zeros((1, 2)), longest * data.axes[:2, :2, :2].reshape(-1, 2)])
+    draw.fit_in_plane(plane, corners, 0.14 * longest)
+    plane.set_anchor("N")  # its title as high as the titles of the other panels
+    plane.set_title("the first turn seen from $z'$", fontsize="medium")
 
 
 def euler_steps(angles: ArrayLike, *, point: ArrayLike = (0.35, 0.85)) -> Picture:
@@ -117,23 +130,6 @@ def euler_steps(angles: ArrayLike, *, point: ArrayLike = (0.35, 0.85)) -> Pictur
         point=seen_from,
         seen=(rotation_z(phi, passive=True) @ np.append(seen_from, 0.0))[:2],
     )
-
-
-def _draw_turned_plane(ax: Any, data: Picture) -> None:
-    """The plane of the first turn, with the coordinates of a point along both pairs of axes."""
-    longest = max(1.0, 1.15 * float(np.linalg.norm(data.point)))
-    for step, seen, style in ((0, data.point, draw.DASHED), (1, data.seen, {"linewidth": 2.4})):
-        for axis, ink in enumerate(colours.AXES[:2]):
-            along = data.axes[step, axis, :2]
-            draw.arrow(ax, longest * along, ink.colour, f"${_NAMES[step][axis]}$", **style)
-            foot = np.array([data.point, seen[axis] * along])
-            draw.curve(ax, foot, ink.colour, linewidth=0.9, linestyle="dotted")
-    draw.arc_in_plane(ax, 0.35 * longest, 0.0, data.angles[0], _TURNS[0], beyond=0.44 / 0.35)
-    draw.arrow(ax, data.point, colours.HUES["black"], "$P$", linewidth=1.6, gid="point")
-    corners = np.vstack([np.zeros((1, 2)), longest * data.axes[:2, :2, :2].reshape(-1, 2)])
-    draw.fit_in_plane(ax, corners, 0.14 * longest)
-    ax.set_anchor("N")  # its title as high as the titles of the other panels
-    ax.set_title("the first turn seen from $z'$", fontsize="medium")
 
 
 def _azimuth(phi: float) -> float:
