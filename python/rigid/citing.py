@@ -154,7 +154,8 @@ def cite(used: Used) -> str:
         found[name] = known[name].citation, known[name].doi
     closed = {_OF_FORM[form] for form in forms}
     found |= {key: of for key, of in CLOSED_FORMS.items() if key in closed}
-    if hasattr(used, "log_growth") or _has_deviation(used):
+    carried = getattr(getattr(used, "plan", used), "carried", ())
+    if hasattr(used, "log_growth") or "deviation" in carried:
         found |= INDICATORS
     if hasattr(used, "grazing"):
         found |= SECTIONS
@@ -162,11 +163,6 @@ def cite(used: Used) -> str:
         found |= LINES
     entries = [_entry(key, note, doi) for key, (note, doi) in found.items()]
     return "\n\n".join([_software(), *entries])
-
-
-def _has_deviation(used: object) -> bool:
-    """Whether a plan or its result integrates a deviation vector."""
-    return "deviation" in getattr(getattr(used, "plan", used), "carried", ())
 
 
 def _is_of_lines(used: object) -> bool:

@@ -17,7 +17,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .. import _core
 from .._checks.arguments import brief, one_line
@@ -25,10 +24,8 @@ from ..maps.data import CLASSES
 from ..maps.spec import MapSpec
 from ..model.scene import Scene
 from .head import Head, StoreError
-from .rows import Block, compute
+from .rows import Block, Ints, compute
 from .running import Memory
-
-Units = NDArray[np.int64]
 
 SHORTEST, LONGEST = 0.3, 60.0
 """Bounds of the time of a block, s."""
@@ -98,8 +95,9 @@ class Task:
                 try:
                     pickle.dumps(function)
                 except Exception as error:  # whatever refuses
+                    title = getattr(function, "__qualname__", "") or brief(function)
                     raise ValueError(
-                        f"{name} = {_title(function)}: workers import the function by its "
+                        f"{name} = {title}: workers import the function by its "
                         f"name; define the function in a module ({one_line(error)})"
                     ) from None
             functions = pickle.dumps(dict(spec.functions))
@@ -137,17 +135,13 @@ _latest: list[tuple[object, MapSpec]] = []
 """The latest text and functions in this process, with their specification."""
 
 
-def _title(function: Any) -> str:
-    return getattr(function, "__qualname__", "") or brief(function)
-
-
 def own_build() -> tuple[str, str | None]:
     """Version and commit of this process."""
     build = _core.build_info()
     return build["version"], build.get("commit")
 
 
-def work(task: Task, units: Units) -> Block:
+def work(task: Task, units: Ints) -> Block:
     """A block, in a worker."""
     if task.build is not None and task.build != own_build():
         raise StoreError(
@@ -200,7 +194,7 @@ class Intake:
 
 
 def run_here(
-    head: Head, todo: Units, intake: Intake, threads: int, stop: Callable[[], bool]
+    head: Head, todo: Ints, intake: Intake, threads: int, stop: Callable[[], bool]
 ) -> None:
     """Compute units one block after the other, on threads of this process."""
     at = 0
@@ -235,7 +229,7 @@ def executor_of(executor: Any) -> tuple[Any, int]:
 
 def drive(
     task: Task,
-    todo: Units,
+    todo: Ints,
     intake: Intake,
     executor: Executor,
     workers: int,
@@ -249,8 +243,8 @@ def drive(
     returned is kept.
     """
     at = 0
-    waiting: dict[Future[Block], tuple[Units, int]] = {}
-    again: list[tuple[Units, int]] = []
+    waiting: dict[Future[Block], tuple[Ints, int]] = {}
+    again: list[tuple[Ints, int]] = []
     poison: dict[int, str] = {}
     failures, succeeded = 0, False
 

@@ -56,7 +56,7 @@ class Head:
     spec: MapSpec
     segment: int
 
-    @cached_property
+    @property
     def content(self) -> dict[str, Any]:
         """All of ``head.json``."""
         return head_of(self.spec, self.segment)
@@ -74,7 +74,7 @@ class Head:
     @property
     def units(self) -> int:
         """Number of the units: each pixel has as many as its samples have segments."""
-        return int(self.content["units"])
+        return int(np.prod(self.spec.shape)) * self.segments
 
     @property
     def segments(self) -> int:

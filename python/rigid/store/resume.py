@@ -57,12 +57,10 @@ class Part:
         return f"{self.number}/{self.count}"
 
     @classmethod
-    def of(cls, part: str | tuple[int, int] | Part | None) -> Part:
+    def of(cls, part: str | tuple[int, int] | None) -> Part:
         """A part from ``"k/n"`` or ``(k, n)``; all units for None."""
         if part is None:
             return cls()
-        if isinstance(part, Part):
-            return part
         try:
             number, count = map(int, part.split("/")) if isinstance(part, str) else part
             return cls(operator.index(number), operator.index(count))

@@ -19,30 +19,19 @@ from ..maps.sequential import Looks
 from ..maps.spec import MapSpec
 from .head import Head, StoreError
 
-FIELDS = tuple(column.name for column in COLUMNS if column.reproducible)
+_TYPES = {one.name: np.dtype(one.dtype).newbyteorder("<") for one in COLUMNS if one.reproducible}
+
+FIELDS = tuple(_TYPES)
 """The columns of a row."""
 
-ROW = np.dtype(
-    [
-        ("unit", "<i8"),
-        *(
-            (column.name, np.dtype(column.dtype).newbyteorder("<").str)
-            for column in COLUMNS
-            if column.reproducible
-        ),
-    ]
-)
+ROW = np.dtype([("unit", "<i8"), *((name, kind.str) for name, kind in _TYPES.items())])
 """The type of a row: number of the unit, then the columns."""
 
-BIN_ROW = np.dtype(
-    [
-        (name, "<i8")
-        for name in (
-            *("unit", "measure", "key", "count", "least", "largest"),
-            *("sum_low", "sum_high", "squares_low", "squares_high", "error"),
-        )
-    ]
+_IN_BIN = (
+    *("unit", "measure", "key", "count", "least", "largest"),
+    *("sum_low", "sum_high", "squares_low", "squares_high", "error"),
 )
+BIN_ROW = np.dtype([(name, "<i8") for name in _IN_BIN])
 """The type of a bin of a measure: number of the unit, place of the measure in the specification,
 numbers of the bin; see :mod:`rigid.maps.measured`."""
 

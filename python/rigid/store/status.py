@@ -78,18 +78,15 @@ class Status:
         """Whether no unit is missing, within the budget of the map."""
         return self.missing == 0
 
-    def _left(self) -> str:
-        """The missing parts in words."""
-        if np.isnan(self.remaining):
-            return "how much is left is not known yet"
-        return f"about {self.remaining:.3g} s left"
-
     def __str__(self) -> str:
+        left = f"about {self.remaining:.3g} s left"
+        if np.isnan(self.remaining):
+            left = "how much is left is not known yet"
         lines = [
             ("map", self.key),
             ("units", f"{self.done:,} of {self.units:,} are stored, {self.missing:,} are missing"),
             ("bodies", f"{self.bodies:,} done, {self.failed:,} failed"),
-            ("cost", f"{self.seconds:.3g} s of processor time, {self._left()}"),
+            ("cost", f"{self.seconds:.3g} s of processor time, {left}"),
         ]
         if self.cut and self.complete:
             lines.append(("budget", f"spent: {self.cut:,} pixels are omitted"))
