@@ -72,8 +72,8 @@ def _heading(report: ReportData, what: str, untitled: str, lines: Mapping[str, s
 def _carried(scene: Scene) -> list[tuple[str, str]]:
     """What every method carries, and what the scene does not need."""
     question, method = "attitude", ""  # any but the closed form
-    done = carried(scene, question, method)
-    left = left_out(scene, question, method, None, np.zeros(0, np.uint8))
+    done = carried(scene, question, method, scene.forces)
+    left = left_out(scene, question, method, None, np.zeros(0, np.uint8), scene.forces)
     why = "; ".join(not_left_out(done, scene.forces))
     return [
         ("carried", ", ".join(done) + (f" ({why})" if why else "")),

@@ -281,11 +281,10 @@ def left_out(
     method: str,
     step: float | None,
     forms: Codes,
-    forces: tuple[str, ...] | None = None,
+    forces: tuple[str, ...],
 ) -> tuple[str, ...]:
-    """The omitted computations, with reasons; by default under the forces of the scene."""
+    """The omitted computations under these forces, with reasons."""
     left = []
-    forces = scene.forces if forces is None else forces
     done = carried(scene, question, method, forces)
     if method == EXACT:
         reasons = {
@@ -332,13 +331,12 @@ def not_left_out(done: tuple[str, ...], forces: tuple[str, ...]) -> tuple[str, .
 
 
 def carried(
-    scene: Scene, question: Question, method: str, forces: tuple[str, ...] | None = None
+    scene: Scene, question: Question, method: str, forces: tuple[str, ...]
 ) -> tuple[str, ...]:
-    """The state variables that are computed, by default under the forces of the scene."""
+    """The state variables that are computed under these forces."""
     exact = method == EXACT
     watched = not isinstance(question, str)
     record = question if isinstance(question, str) else question.record
-    forces = scene.forces if forces is None else forces
     if watched and exact and not forces:
         return ()
     has_deviation = not isinstance(question, str) and question.has_deviation

@@ -63,7 +63,7 @@ def plan_of(
         step, count = _step_and_count(problem, method, steps, accuracy)
     if scene.torque is not None and scene.torque.function is not None:
         words = (*words, *scene.torque.function.reasons)
-    done = carried(scene, record, method)
+    done = carried(scene, record, method, scene.forces)
     return Plan(
         scene=scene.words(),
         question=question_words(record),
@@ -71,7 +71,7 @@ def plan_of(
         method=method,
         carried=done,
         why=(*words, *not_left_out(done, scene.forces)),
-        left_out=left_out(scene, record, method, problem.step, forms),
+        left_out=left_out(scene, record, method, problem.step, forms, scene.forces),
         step=step,
         steps=count,
         tolerance=problem.tolerance,
