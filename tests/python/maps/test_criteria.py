@@ -187,18 +187,6 @@ def test_a_conjunction_is_left_first_and_a_disjunction_last() -> None:
         np.testing.assert_array_equal(last.left, np.maximum.reduce(times))
 
 
-def test_criteria_survive_files_and_words(tmp_path: Any) -> None:
-    joined = (rigid.tilt_between(0.0, 2.0) | rigid.near_start(1.0)) & ~rigid.returns(0.1, after=3)
-    result = rigid.stability_map(TOP, axes=SPINS, samples=3, t_end=2.0, stable=joined, rng=1)
-    loaded = rigid.load_map(result.save(tmp_path / "map.npz"))
-    assert loaded.spec == result.spec
-    assert loaded.spec.stable == joined
-    assert str(joined) == (
-        "(tilt of axis 3 from the vertical between 0 and 2 rad or attitude within 1 rad of the "
-        "start) and (not (attitude back within 0.1 rad of the start after 3 s))"
-    )
-
-
 def test_plans_of_joined_criteria() -> None:
     """A closed form only where each has one; the work is that of all."""
     spec = small_map(method="auto", samples=1, t_end=1.0).spec

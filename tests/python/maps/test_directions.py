@@ -12,7 +12,7 @@ from scipy import stats
 import rigid
 from rigid.cli.toml_map import parse_spec
 from rigid.cli.toml_table import SpecError
-from small_maps import Floats, in_blocks
+from small_maps import Floats
 
 SAMPLES = 40_000
 KAPPAS = [0.0, 1e-300, 1e-9, 0.3, 3.0, 20.0, 500.0, 1e6, 1e300]
@@ -135,22 +135,6 @@ def test_numpy_draws_each_direction_again() -> None:
             np.testing.assert_allclose(
                 bodies[pixel, sample], expected, rtol=2e-15, atol=4e-16 * math.sqrt(half)
             )
-
-
-def test_numbers_do_not_depend_on_threads_and_blocks() -> None:
-    spec = drawn(1, attitude_noise=rigid.von_mises_fisher(1.0)).spec.replace(samples=300)
-    spec = spec.replace(
-        axes={"attitude_kappa": [0.5, 5.0]}, t_end=5.0, stable=rigid.tilt_below(2.0)
-    )
-    one = rigid.stability_map(spec, threads=1, progress=False)
-    with in_blocks(1):
-        other = rigid.stability_map(spec, threads=2, progress=False)
-    assert one.receipt()["fingerprint"] == other.receipt()["fingerprint"]
-    body = one.replay(1, 123)
-    assert (body.attitude == one.starts(123).attitude[1]).all()
-    assert body.outcome == one.outcomes(123).outcome[1]
-    assert rigid.MapSpec.from_json(spec.to_json()) == spec
-    assert "attitude + von_mises_fisher(varied)" in one.summary()
 
 
 TOML = """

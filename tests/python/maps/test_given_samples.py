@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -11,7 +10,7 @@ import pytest
 
 import rigid
 from rigid.rotations.quaternions import quaternion_product
-from small_maps import Floats, assert_same_map, in_blocks, small_map
+from small_maps import Floats, small_map
 
 TOP = rigid.HeavyTop(rigid.Body((1.0, 1.3, 0.7)), mgl=1.0)
 SEED = 2**64 + 5
@@ -110,30 +109,6 @@ def test_bodies_of_one_energy_are_stable_as_each_is_alone() -> None:
     assert clear.all()
     assert result.stable.item() == (largest < 2.3).sum()
     assert 0 < result.stable.item() < 30
-
-
-def test_rates_alone_perturb_free_bodies() -> None:
-    omega, _ = listed()
-    given = rigid.samples(1e-2 * omega)
-    start = rigid.Start(spin=1.0, axis=2, noise=given)
-    result = small_map(axes={"I2/I1": [1.2, 1.5]}, start=start)
-    assert "rates + 7 given samples" in result.summary()
-    assert result.theory() is None
-    with in_blocks(1):
-        assert_same_map(small_map(axes={"I2/I1": [1.2, 1.5]}, start=start, threads=2), result)
-
-
-def test_given_samples_are_saved_replayed_and_stored(tmp_path: Path) -> None:
-    given = rigid.samples(*listed(), weights=np.arange(COUNT))
-    whole = tops(given)
-    loaded = rigid.load_map(whole.save(tmp_path / "map.npz"))
-    assert loaded.spec == whole.spec
-    assert loaded.spec.start.starts[0].noise == given
-    body, starts = loaded.replay(1, 9), whole.starts(range(10))
-    assert body.omega.tolist() == starts.omega[1, 9].tolist()
-    assert body.attitude.tolist() == starts.attitude[1, 9].tolist()
-    assert_same_map(tops(given, store=tmp_path / "run"), whole)
-    assert rigid.open_store(tmp_path / "run").verify(1.0).ok
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 import rigid
 from drawn_again import EPS, box_muller
 from rigid.cli.toml_map import parse_spec
-from small_maps import Floats, assert_same_map, in_blocks, small_map
+from small_maps import Floats, small_map
 
 TOP = rigid.HeavyTop(rigid.Body((1.0, 1.3, 0.7)), mgl=1.0)
 SEED = 2**64 + 5
@@ -87,9 +87,7 @@ def test_rates_and_attitude_hang_together() -> None:
     np.testing.assert_allclose(
         turns(starts.attitude.reshape(-1, 4)), expected[..., 3:].reshape(-1, 3), atol=64.0 * EPS
     )
-    body = result.replay(1, 7)
-    assert body.omega.tolist() == starts.omega[1, 7].tolist()
-    assert body.attitude.tolist() == starts.attitude[1, 7].tolist()
+    assert result.theory() is None
 
 
 def test_the_sample_covariance_is_that_of_the_law() -> None:
@@ -116,17 +114,6 @@ def test_a_covariance_may_have_directions_without_noise() -> None:
     deviates = (starts - [0.3, -0.2, 4.0]).reshape(-1, 3)
     np.testing.assert_allclose(np.cross(deviates, along), 0.0, atol=1e-15)
     assert np.std(deviates @ along) > 1e-3
-
-
-def test_a_map_with_a_covariance_is_the_same_for_any_threads_and_blocks() -> None:
-    start = rigid.Start(spin=3.0, noise=rigid.normal(cov=BOTH))
-    options: dict[str, Any] = {"axes": {"spin": [1.0, 3.0]}, "stable": rigid.tilt_below(0.6)}
-    whole = small_map(TOP, start=start, **options)
-    with in_blocks(1):
-        assert_same_map(small_map(TOP, start=start, threads=2, **options), whole)
-    assert rigid.MapSpec.from_json(whole.spec.to_json()) == whole.spec
-    assert "rates + normal(cov 6 x 6)" in whole.summary()
-    assert whole.theory() is None
 
 
 def test_tables_say_a_covariance() -> None:

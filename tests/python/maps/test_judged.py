@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 import rigid
 from rigid.maps.plan import map_plan
-from small_maps import assert_same_map, in_blocks, saved_bytes, small_map
+from small_maps import assert_same_map, small_map
 
 Verdicts = NDArray[np.bool_]
 ANY: Any = 3
@@ -117,16 +117,6 @@ def test_a_second_method_that_disagrees_leaves_the_body_undecided() -> None:
     assert (result.checked == 20).all()
 
 
-def test_numbers_do_not_depend_on_threads_and_blocks(tmp_path: Path) -> None:
-    stable = rigid.judged(stays_low, T, of="axis")
-    all_bytes = set()
-    for threads, units in ((1, 10**6), (2, 1), (3, 2)):
-        with in_blocks(units):
-            result = rigid.stability_map(TOP, stable=stable, threads=threads, **TOPS)
-        all_bytes.add(saved_bytes(result, tmp_path))
-    assert len(all_bytes) == 1
-
-
 def test_each_horizon_has_the_bits_of_its_own_map() -> None:
     axes = {"spin": [3.5, 4.0], "t_end": [5.0, 20.0]}
     for options in ({}, {"method": "rk4"}):
@@ -200,21 +190,6 @@ def test_values_are_those_of_any_criterion(method: str) -> None:
     }
 
 
-def test_numbers_with_measures_do_not_depend_on_threads_and_blocks(tmp_path: Path) -> None:
-    all_bytes = set()
-    for threads, units in ((1, 10**6), (2, 1), (3, 3)):
-        with in_blocks(units):
-            result = rigid.stability_map(
-                TOP,
-                stable=rigid.judged(stays_low, T, of="axis"),
-                measure=[rigid.flips(1), rigid.drift()],
-                threads=threads,
-                **{**TOPS, "axes": {"spin": [3.5, 4.0], "t_end": [5.0, 20.0]}},
-            )
-        all_bytes.add(saved_bytes(result, tmp_path))
-    assert len(all_bytes) == 1
-
-
 def test_files_have_the_digest_of_the_function(tmp_path: Path) -> None:
     result = rigid.stability_map(TOP, stable=rigid.judged(stays_low, T, of="axis"), **TOPS)
     path = result.save(tmp_path / "map.npz")
@@ -229,13 +204,6 @@ def test_files_have_the_digest_of_the_function(tmp_path: Path) -> None:
     assert whole.replay(1, 3).outcome == result.replay(1, 3).outcome
     assert_same_map(rigid.stability_map(whole.spec, progress=False), result)
     assert whole.spec.criterion == "judged by stays_low until t = 20 s"
-
-
-def test_starts_and_outcomes_in_bulk() -> None:
-    result = rigid.stability_map(TOP, stable=rigid.judged(stays_low, T, of="axis"), **TOPS)
-    bodies = result.outcomes(range(50))
-    stable = (bodies.outcome == "stable").sum(axis=-1)
-    np.testing.assert_array_equal(np.sort(stable.ravel())[-4:], np.sort(result.stable))
 
 
 def test_bodies_that_fail_are_not_judged() -> None:

@@ -12,8 +12,7 @@ import rigid
 from rigid.cli.toml_map import parse_spec
 from rigid.cli.toml_table import SpecError
 from rigid.drawing.figure import new_figure
-from rigid.store.call import run_map
-from small_maps import NAMED, Floats, assert_same_map, in_blocks, small_map
+from small_maps import NAMED, Floats, assert_same_map, small_map
 
 TOP = rigid.HeavyTop(rigid.Body((1.0, 1.3, 0.7)), mgl=1.0, com=(0.0, 0.6, 0.8))
 CLOUD = rigid.Start(spin=3.0, attitude_noise=rigid.normal(0.3))
@@ -75,15 +74,6 @@ def test_a_map_over_horizons_is_the_maps_of_each(kind: str, place: str) -> None:
             np.testing.assert_array_equal(whole.exponent[index], part.exponent)
 
 
-def test_horizons_in_blocks_and_threads_are_the_same_map() -> None:
-    options = MAPS["tops with audits"]
-    axes = {"t_end": ENDS, **options["axes"]}
-    whole = small_map(**{**options, "axes": axes})
-    for threads, units in ((1, 3), (2, 7)):
-        with in_blocks(units):
-            assert_same_map(small_map(**{**options, "axes": axes, "threads": threads}), whole)
-
-
 def test_a_longer_horizon_loses_more_bodies() -> None:
     # The bodies of all horizons are the same, so in closed form none comes back.
     ends = np.linspace(1.0, 60.0, 30)
@@ -119,23 +109,16 @@ def test_limits_of_the_criterion() -> None:
     assert (np.diff(whole.stable, axis=1) > 0).any()
 
 
-def test_horizons_and_limits_replay_start_and_are_saved(tmp_path: Path) -> None:
+def test_every_horizon_and_limit_sees_the_same_bodies() -> None:
     axes = {"limit": [0.3, 0.6], "mgl": [0.5, 1.0], "t_end": ENDS}
     result = small_map(**{**MAPS["tops with audits"], "axes": axes})
     assert result.share.shape == (3, 2, 2)
-    every = result.outcomes(range(70))
-    np.testing.assert_array_equal((every.outcome == "stable").sum(axis=-1), result.stable)
     starts = result.starts(3).omega
     for index in ((0, 1, 0), (2, 0, 1), (1, 1, 1)):
         body = result.replay(index, 3)
-        assert body.outcome == every.outcome[index][3]
-        assert starts[index].tolist() == body.omega.tolist()
         assert body.parameters["t_end"] == ENDS[index[0]]
     # All horizons and limits see the same bodies.
     assert (starts == starts[0, :, :1]).all()
-    assert_same_map(rigid.load_map(result.save(tmp_path / "map.npz")), result)
-    assert_same_map(run_map(result.spec, progress=False), result)
-    assert "limit and t_end varied" in result.summary()
     assert result.condition().shape == (3, 2, 2)
 
 

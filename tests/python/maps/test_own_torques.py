@@ -166,14 +166,14 @@ def test_a_time_of_leaving_is_right_to_a_thousandth_or_undecided() -> None:
         torque = rigid.Torque.call(thruster, size[:, np.newaxis], fastest=0.3)
         return rigid.FreeBody(BODY, torque=torque)
 
-    spins = np.linspace(0.04, 0.1, 4)
+    spins = np.linspace(0.03, 0.06, 4)
     size, slow = 1.2e-3, 0.01
     asked: dict[str, Any] = {
         "axes": {"size": [size], "spin": spins},
         "start": rigid.Start(spin=0.1, axis=3),
         "stable": rigid.spin_above(slow),
         "measure": [rigid.time_to_leave(), rigid.mean_rate(3)],
-        "t_end": 2000.0,
+        "t_end": 600.0,  # the last body leaves at 553 s
         "samples": 1,
     }
     # The thruster must act for so long: whole firings, and a part of the last one.

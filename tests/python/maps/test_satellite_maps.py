@@ -143,36 +143,6 @@ def test_half_of_the_nutations_are_larger_than_the_median(
     assert abs((energy > median**2 * weights.max()).mean() - 0.5) < 1.0 / number
 
 
-def test_a_satellite_map_is_replayed_to_the_bit() -> None:
-    scene = rigid.FreeBody(
-        rigid.Body((1.0, 1.6, 2.0)),
-        orbit=rigid.Orbit(0.3, 0.2),
-        rotor=(0.1, 0.0, 0.2),
-        dissipation=rigid.EnergySink(0.05),
-    )
-    result = rigid.stability_map(
-        scene,
-        axes={"spin": [0.5, 1.0], "I1": [0.8, 1.2]},
-        start=rigid.Start(
-            spin=1.0, axis=2, noise=rigid.normal(1e-2), attitude_noise=rigid.normal(1e-2)
-        ),
-        stable=rigid.no_flip(2),
-        samples=6,
-        t_end=30.0,
-        rng=3,
-        check=0.5,
-        progress=False,
-    )
-    assert result.plan.method in [
-        method.name for method in rigid.methods() if "rotor" in method.forces
-    ]
-    assert not result.failed.any()
-    outcomes = [result.replay(pixel=(1, 1), sample=sample).outcome for sample in range(6)]
-    for name in ("stable", "unstable", "undecided"):
-        assert outcomes.count(name) == getattr(result, name)[1, 1]
-    assert result.theory() is None
-
-
 def test_methods_that_integrate_no_rotor_are_refused_in_maps() -> None:
     scene = rigid.FreeBody(rigid.Body((1.0, 1.6, 2.0)), rotor=(0.1, 0.0, 0.2))
     asked: Any = {"axes": {"spin": [0.5, 1.0]}, "samples": 2, "t_end": 10.0, "progress": False}

@@ -139,12 +139,6 @@ def test_every_pixel_has_the_bodies_of_a_map_of_fixed_samples(
         np.testing.assert_array_equal(fixed.undecided[these], sequential.undecided[these])
 
 
-def test_bodies_of_sequential_maps_are_replayed(sequential: rigid.StabilityMap) -> None:
-    pixel = tuple(int(i) for i in np.argwhere(sequential.samples == sequential.samples.max())[0])
-    for sample in (0, 63, 64, int(sequential.samples.max()) - 1):
-        assert sequential.replay(pixel, sample).outcome in ("stable", "unstable", "undecided")
-
-
 def test_a_smaller_width_goes_on_with_the_same_samples(
     options: dict[str, Any], sequential: rigid.StabilityMap
 ) -> None:
@@ -162,13 +156,6 @@ def test_order_parts_and_threads_change_no_byte(
     for part in ("2/3", "1/3", "3/3"):
         result = small_map(**options, store=tmp_path / "run", part=part, threads=int(part[0]))
     assert_same_map(result, sequential)
-
-
-def test_sequential_maps_are_saved_and_read(sequential: rigid.StabilityMap, tmp_path: Any) -> None:
-    loaded = rigid.load_map(sequential.save(tmp_path / "map.npz"))
-    assert_same_map(loaded, sequential)
-    assert loaded.spec == sequential.spec
-    assert "64 to 512 per pixel" in loaded.summary()
 
 
 @pytest.mark.parametrize(
