@@ -256,7 +256,7 @@ def test_a_short_motion_plays_at_its_own_speed() -> None:
     [
         (10.0, 3, {}, 250.0, "give times at most 0.063 s apart"),
         (10.0, 10001, {"speed": 30.0}, 25.0, "give speed=3.8 or less"),
-        (1800.0, 180001, {}, 75.0, "give speed=3.8 or less"),
+        (120.0, 12001, {}, 5.0, "give speed=3.8 or less"),
     ],
 )
 def test_a_film_that_shows_another_motion_says_so(

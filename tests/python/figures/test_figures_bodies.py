@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import runpy
-from io import BytesIO
 from pathlib import Path
 from typing import Any, cast
 
@@ -355,39 +353,3 @@ def test_no_size_is_too_small_or_too_large_to_draw() -> None:
 def test_what_cannot_be_drawn_is_refused(call: Any, error: type, message: str) -> None:
     with pytest.raises(error, match=message):
         call()
-
-
-@pytest.mark.parametrize(
-    "name",
-    [
-        "active_passive",
-        "bearing_torque",
-        "box",
-        "cones",
-        "coplanar_vectors",
-        "euler_steps",
-        "frames",
-        "free_top_omega",
-        "heavy_top",
-        "node_frame",
-        "rotating_body",
-        "spring_modes",
-        "unit_vector_change",
-    ],
-)
-def test_gallery(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The page draws its figure, says what it shows, and leaves nothing open."""
-    monkeypatch.setenv("MPLBACKEND", "Agg")
-    import matplotlib.pyplot as plt
-
-    plt.switch_backend("Agg")
-    shown: list[int] = []
-    monkeypatch.setattr(plt, "show", lambda: shown.extend(plt.get_fignums()))
-    (page,) = GALLERY.rglob(f"plot_{name}.py")
-    names = runpy.run_path(str(page))
-    for number in shown:
-        plt.figure(number).savefig(BytesIO(), format="png", dpi=40)
-    plt.close("all")
-    assert len(shown) >= 1
-    assert f"figures.{name}(" in page.read_text(encoding="utf-8")
-    assert str(names["__doc__"]).splitlines()[1].startswith("===")

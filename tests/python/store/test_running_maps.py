@@ -327,7 +327,7 @@ def test_killed_runs_go_on_to_the_same_bytes(tmp_path: Path) -> None:
     path, random = tmp_path / "run", np.random.default_rng(1)
     go_on(tmp_path / "quiet")
     kills = 0
-    for _ in range(8):
+    for _ in range(4):
         process = subprocess.Popen(
             python_command("-c", SLOW, str(path)), env=environment(), stdout=subprocess.PIPE
         )

@@ -13,7 +13,7 @@ from small_maps import small_map
 xarray = pytest.importorskip("xarray")
 pytest.importorskip("zarr")
 
-FLIPS = 60
+FLIPS = 25
 
 
 @pytest.fixture(scope="module")

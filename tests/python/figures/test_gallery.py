@@ -1,4 +1,4 @@
-"""The pages of the gallery that show motions."""
+"""The pages of the gallery."""
 
 from __future__ import annotations
 
@@ -8,33 +8,13 @@ from pathlib import Path
 
 import pytest
 
+from rigid import figures
+
 GALLERY = Path(__file__).parents[3] / "docs" / "gallery"
 
 
-# The gallery
-
-
-@pytest.mark.parametrize(
-    "name",
-    [
-        "chaotic_com",
-        "chaotic_top",
-        "cubic",
-        "cycloids",
-        "effective_potential",
-        "invariants",
-        "locus",
-        "poinsot",
-        "polhodes",
-        "sections",
-        "separatrix_web",
-        "stability_map",
-        "throw",
-        "upright_cubic",
-        "work_precision",
-    ],
-)
-def test_gallery(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("page", sorted(GALLERY.rglob("plot_*.py")), ids=lambda page: page.stem[5:])
+def test_gallery(page: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The page draws its figure, says what it shows, and leaves nothing open."""
     monkeypatch.setenv("MPLBACKEND", "Agg")
     import matplotlib.pyplot as plt
@@ -42,7 +22,6 @@ def test_gallery(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     plt.switch_backend("Agg")
     shown: list[int] = []
     monkeypatch.setattr(plt, "show", lambda: shown.extend(plt.get_fignums()))
-    (page,) = GALLERY.rglob(f"plot_{name}.py")
     names = runpy.run_path(str(page))
     for number in set(shown):
         plt.figure(number).savefig(BytesIO(), format="png", dpi=40)
@@ -50,3 +29,5 @@ def test_gallery(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     assert len(shown) >= 1
     title, line = str(names["__doc__"]).splitlines()[:2]
     assert line == "=" * len(title)
+    if (name := page.stem[5:]) in figures.__all__:
+        assert f"figures.{name}(" in page.read_text(encoding="utf-8")
