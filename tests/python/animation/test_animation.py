@@ -21,6 +21,7 @@ from scipy.spatial.transform import Rotation
 import rigid
 from films import ASYMMETRIC, BOX, OBLATE, PROLATE, TILTED, TOP, T, film_of, part, run_of
 from processes import PATIENCE, python_process
+from refusals import refuses
 from rigid import top
 from rigid.animation import Animation
 from rigid.animation.film import side_by_side
@@ -469,8 +470,7 @@ def test_one_body_of_many() -> None:
 # Refusals
 
 
-@pytest.mark.parametrize(
-    ("given", "message"),
+test_what_cannot_be_shown_is_refused = refuses(
     [
         ({"path": "x.png"}, r"path = 'x.png': must end in .html, .gif, .webp or .mp4"),
         ({"fps": 0.0}, r"fps = 0.0: must be positive"),
@@ -492,14 +492,11 @@ def test_one_body_of_many() -> None:
             r"frame 0 of a picture would be shown for 1000 s: must be",
         ),
     ],
+    by=lambda given: run_of(ASYMMETRIC).animate(**({"path": "x.html"} | given)),
 )
-def test_what_cannot_be_shown_is_refused(given: dict[str, Any], message: str) -> None:
-    with pytest.raises(ValueError, match=message):
-        run_of(ASYMMETRIC).animate(**({"path": "x.html"} | given))
 
 
-@pytest.mark.parametrize(
-    ("run", "message"),
+test_runs_that_cannot_be_shown_are_refused = refuses(
     [
         (
             {"scene": ASYMMETRIC, "record": "rates"},
@@ -513,10 +510,8 @@ def test_what_cannot_be_shown_is_refused(given: dict[str, Any], message: str) ->
             r"states that are not finite",
         ),
     ],
+    by=lambda run: run_of(**run).animate("x.html"),
 )
-def test_runs_that_cannot_be_shown_are_refused(run: dict[str, Any], message: str) -> None:
-    with pytest.raises(ValueError, match=message):
-        run_of(**run).animate("x.html")
 
 
 def test_an_index_is_a_whole_number_of_a_body_there_is() -> None:

@@ -11,6 +11,7 @@ from matplotlib.colors import to_hex
 
 import rigid
 from figure_cases import artist, artists, data_of, drawn
+from refusals import refuses
 from rigid import figures, fixed_axis, free, rotations, springs
 from rigid.drawing import colours
 
@@ -308,8 +309,7 @@ def test_no_size_is_too_small_or_too_large_to_draw() -> None:
         drawn(figures.bearing_torque(scale * TILTED, 10.0))
 
 
-@pytest.mark.parametrize(
-    ("call", "error", "message"),
+test_what_cannot_be_drawn_is_refused = refuses(
     [
         (lambda: figures.free_top_omega((1, 2, 3), OMEGA), ValueError, "symmetr"),
         (lambda: figures.free_top_omega(OBLATE, [0, 0, 0]), ValueError, "has no axis"),
@@ -348,8 +348,5 @@ def test_no_size_is_too_small_or_too_large_to_draw() -> None:
         (lambda: figures.bearing_torque(TILTED, 0.0), ValueError, "omega = 0.0"),
         (lambda: figures.bearing_torque(np.eye(2), 1.0), ValueError, r"expected shape \(3, 3\)"),
         (lambda: figures.bearing_torque(np.diag([1, 1, 9]), 1.0), ValueError, "no body has"),
-    ],
+    ]
 )
-def test_what_cannot_be_drawn_is_refused(call: Any, error: type, message: str) -> None:
-    with pytest.raises(error, match=message):
-        call()

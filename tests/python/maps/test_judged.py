@@ -10,6 +10,7 @@ import pytest
 from numpy.typing import NDArray
 
 import rigid
+from refusals import refuses
 from rigid.maps.plan import map_plan
 from small_maps import assert_same_map, small_map
 
@@ -278,8 +279,7 @@ def test_plans_and_closed_forms() -> None:
     assert (top.exact == 0).all()
 
 
-@pytest.mark.parametrize(
-    ("call", "kind", "message"),
+test_bad_input_is_named = refuses(
     [
         (lambda: rigid.judged(ANY, T), TypeError, "function = 3: must be a function"),
         (lambda: rigid.judged(stays_low, []), ValueError, "t: must be times from 0 on"),
@@ -328,8 +328,5 @@ def test_plans_and_closed_forms() -> None:
             ValueError,
             "no closed form of judged by stays_low .*centre of mass on the third axis, and of a",
         ),
-    ],
+    ]
 )
-def test_bad_input_is_named(call: Any, kind: type[Exception], message: str) -> None:
-    with pytest.raises(kind, match=message):
-        call()

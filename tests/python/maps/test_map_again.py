@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +10,7 @@ import numpy as np
 import pytest
 
 import rigid
+from refusals import refuses
 from rigid.cli import main
 from rigid.maps.data import STORED
 from small_maps import assert_same_map, saved_bytes, small_map, spec_of
@@ -71,8 +71,7 @@ def test_the_command_runs_a_result_again(
     assert "none.npz: there is no such file or folder" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize(
-    ("call", "message"),
+test_what_a_specification_leaves_no_room_for = refuses(
     [
         (
             lambda spec: rigid.stability_map(spec, samples=5),
@@ -88,14 +87,10 @@ def test_the_command_runs_a_result_again(
             "sample: is no field of a specification; did you mean 'samples'? (known: scene, ",
         ),
     ],
+    literal=True,
+    kind=TypeError,
+    by=lambda call: call(spec_of(samples=1)),
 )
-def test_what_a_specification_leaves_no_room_for(
-    call: Callable[[rigid.MapSpec], object], message: str
-) -> None:
-    spec = spec_of(samples=1)
-    with pytest.raises(TypeError) as caught:
-        call(spec)
-    assert message in str(caught.value)
 
 
 # Bodies in bulk
@@ -201,8 +196,7 @@ def test_three_counts_are_enough_for_intervals_theory_and_a_picture(tmp_path: Pa
         made.replay((0, 0), 0)
 
 
-@pytest.mark.parametrize(
-    ("counts", "kind", "message"),
+test_counts_that_no_computation_gives = refuses(
     [
         ({"stable": 21}, ValueError, "stable[0, 0] = 21: more bodies than samples, 20"),
         (
@@ -221,13 +215,11 @@ def test_three_counts_are_enough_for_intervals_theory_and_a_picture(tmp_path: Pa
             "exact[0, 0] = 3: more bodies than the classes",
         ),
     ],
+    literal=True,
+    by=lambda counts: rigid.StabilityMap.from_counts(
+        spec_of(), **{"stable": 1, "unstable": 1, **counts}
+    ),
 )
-def test_counts_that_no_computation_gives(
-    counts: dict[str, Any], kind: type[Exception], message: str
-) -> None:
-    with pytest.raises(kind) as caught:
-        rigid.StabilityMap.from_counts(spec_of(), **{"stable": 1, "unstable": 1, **counts})
-    assert message in str(caught.value)
 
 
 def test_counts_of_a_scene_by_a_function_have_its_axes() -> None:

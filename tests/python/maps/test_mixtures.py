@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import rigid
+from refusals import refuses
 from rigid.cli.toml_map import parse_spec
 from rigid.cli.toml_table import SpecError
 from rigid.maps.plan import map_plan
@@ -141,8 +142,7 @@ def test_a_mixture_is_said_in_toml() -> None:
         )
 
 
-@pytest.mark.parametrize(
-    ("make", "kind", "message"),
+test_bad_input_is_named = refuses(
     [
         (lambda: rigid.mixture([QUIET]), ValueError, "starts: 1 are given, must be 2 to 16"),
         (lambda: rigid.mixture([QUIET] * 17), ValueError, "starts: 17 are given, must be 2 to 16"),
@@ -175,8 +175,5 @@ def test_a_mixture_is_said_in_toml() -> None:
             "stable: the starts of the mixture turn about different axes; give axis=...",
         ),
         (lambda: of(3), TypeError, "start = 3: must be a rigid.Start, or a mixture"),
-    ],
+    ]
 )
-def test_bad_input_is_named(make: Any, kind: type[Exception], message: str) -> None:
-    with pytest.raises(kind, match=message):
-        make()

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import rigid
+from refusals import refuses
 from rigid.maps.data import MapData
 from rigid.maps.sequential import stop_table
 from small_maps import assert_same_map, small_map, spec_of
@@ -158,8 +159,7 @@ def test_order_parts_and_threads_change_no_byte(
     assert_same_map(result, sequential)
 
 
-@pytest.mark.parametrize(
-    ("options", "error", "message"),
+test_options_are_checked = refuses(
     [
         ({"samples": 5, "half_width": 0.1}, TypeError, "samples, half_width: give one of the two"),
         ({"samples": None}, TypeError, "samples, half_width: give one of the two"),
@@ -168,10 +168,8 @@ def test_order_parts_and_threads_change_no_byte(
         ({"refine": 1}, ValueError, "refine = 1: must be at least 2"),
         ({"budget": 0}, ValueError, "budget = 0: must be at least 1"),
     ],
+    by=lambda options: small_map(**options),
 )
-def test_options_are_checked(options: dict[str, Any], error: type[Exception], message: str) -> None:
-    with pytest.raises(error, match=message):
-        small_map(**options)
 
 
 def test_a_specification_has_the_samples_of_its_last_look() -> None:
