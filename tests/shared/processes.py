@@ -6,6 +6,11 @@ import os
 import subprocess
 import sys
 
+import pytest
+
+Capture = pytest.CaptureFixture[str]
+"""What a test is given that reads what a call prints."""
+
 #: Ends a process that hangs. No process of the tests needs a tenth of it, even on a slow machine.
 PATIENCE = 600.0
 

@@ -18,6 +18,7 @@ import pytest
 import rigid
 from interrupts import sigint
 from physics import ROUNDOFF, golden_scene, rotation_angle
+from processes import Capture
 from refusals import refuses
 from rigid.cli import main
 from rigid.cli.toml_report import parse_report, read_report
@@ -115,9 +116,7 @@ def test_every_time_is_positive_and_has_a_spread(box: rigid.Report) -> None:
         assert row.spread >= 0.0
 
 
-def test_the_closed_form_is_the_reference_and_says_how_far_it_may_be_off(
-    box: rigid.Report,
-) -> None:
+def test_the_closed_form_is_the_reference_and_says_how_far_it_may_be_off(box: rigid.Report) -> None:
     (row,) = box.of("exact")
     assert (box.reference.method, box.reference.steps) == ("exact", 0)
     assert row.mark == REFERENCE
@@ -717,7 +716,7 @@ def test_mistakes_in_a_file_tell_the_place(line: str, instead: str, parts: list[
 
 
 def test_the_command_writes_data_and_picture_and_prints_the_table(
-    folder: Path, capsys: pytest.CaptureFixture[str]
+    folder: Path, capsys: Capture
 ) -> None:
     assert main(["report", "small.toml", "--seconds", "0.3", "--no-progress"]) == 0
     output, errors = capsys.readouterr()
@@ -737,7 +736,7 @@ def test_an_interrupted_command_saves_the_runs_that_are_done(
     code: int,
     folder: Path,
     monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
+    capsys: Capture,
 ) -> None:
     def press(progress: rigid.Progress) -> None:
         os.kill(os.getpid(), number)
@@ -764,7 +763,7 @@ def test_options_of_the_command(folder: Path) -> None:
     assert (folder / "there.png").exists()
 
 
-def test_built_in_reports_are_listed(capsys: pytest.CaptureFixture[str]) -> None:
+def test_built_in_reports_are_listed(capsys: Capture) -> None:
     assert main(["reports"]) == 0
     lines = capsys.readouterr().out.splitlines()
     assert [line.split()[0] for line in lines] == names_of("report")
@@ -784,7 +783,7 @@ def test_built_in_reports_are_listed(capsys: pytest.CaptureFixture[str]) -> None
 )
 @pytest.mark.usefixtures("folder")
 def test_mistakes_on_the_command_line_are_one_line(
-    arguments: list[str], part: str, capsys: pytest.CaptureFixture[str]
+    arguments: list[str], part: str, capsys: Capture
 ) -> None:
     assert main(["report", *arguments]) == 2
     output, errors = capsys.readouterr()
