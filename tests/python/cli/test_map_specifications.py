@@ -16,7 +16,7 @@ from refusals import refuses
 from rigid._checks.arguments import MESSAGE
 from rigid.cli.toml_map import parse_spec, read_spec
 from rigid.cli.toml_scene import KINDS
-from rigid.cli.toml_table import SpecError, keys, names_of
+from rigid.cli.toml_table import SpecError, keys
 from rigid.drawing.figure import new_figure
 from rigid.store.call import run_map
 
@@ -549,23 +549,6 @@ def built_in(request: pytest.FixtureRequest) -> tuple[str, rigid.StabilityMap]:
     """A built-in map with two bodies a pixel."""
     spec = dataclasses.replace(read_spec(request.param).spec, samples=2)
     return request.param, run_map(spec, progress=False)
-
-
-def test_built_in_maps_have_their_names() -> None:
-    assert names_of("map") == [
-        "chaotic-com",
-        "chaotic-top",
-        "dimorphos",
-        "falling-top",
-        "gravity-gradient",
-        "hyperion",
-        "inertia-triangle",
-        "separatrix-web",
-        "sleeping-top",
-        "spin-orbit",
-        "thrown-box",
-        "tumbling-debris",
-    ]
 
 
 def test_built_in_maps_run_and_nothing_fails(built_in: tuple[str, rigid.StabilityMap]) -> None:

@@ -90,14 +90,21 @@ def test_a_map_in_a_store_has_the_same_bytes(
     assert rigid.open_store(tmp_path / "run", **of_files(kind)).verify(1.0).ok
 
 
-def test_bodies_in_bulk_are_counted_and_replayed(result: rigid.StabilityMap) -> None:
+def test_bodies_in_bulk_are_counted_and_replayed(kind: str, result: rigid.StabilityMap) -> None:
     """Of pixels with bodies that stay and that leave."""
     samples = int(result.samples.max())
-    every, starts = result.outcomes(range(samples)), result.starts(range(samples))
+    every, starts = result.outcomes(range(samples), threads=2), result.starts(range(samples))
     if result.spec.half_width is None:
         for name in CLASSES:
             counted = (every.outcome == name).sum(axis=-1)
             np.testing.assert_array_equal(counted, getattr(result, name))
+        drifts = ("energy_drift", "momentum_drift", "unit_drift")
+        for name in drifts:
+            worst = np.fmax.reduce(getattr(every, name), axis=-1)
+            np.testing.assert_array_equal(worst, getattr(result, name), err_msg=name)
+        if "judged" not in kind and kind != "regular":  # these have no time of each body
+            left = np.where(every.outcome == "unstable", every.left, np.inf).min(axis=-1)
+            np.testing.assert_array_equal(left, result.earliest)
     mixed = np.argwhere((result.stable > 0) & (result.unstable > 0))
     for pixel in map(tuple, mixed[:2].tolist()):
         for sample in range(0, int(result.samples[pixel]), 7):

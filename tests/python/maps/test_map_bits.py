@@ -19,7 +19,7 @@ from processes import PATIENCE, python_process
 from rigid.model.criteria import NoFlip, TiltBelow
 from rigid.model.scene import scene_from_dict
 from rigid.solve.simulate import replay_steps
-from small_maps import NAMED, Floats, assert_same_map, saved_bytes, small_map
+from small_maps import Floats, assert_same_map, saved_bytes, small_map
 
 # Each has bodies of every class that ends early and late, and the first an impossible body.
 CASES = {
@@ -110,38 +110,10 @@ def test_instruction_sets_write_the_same_file(tmp_path: Path) -> None:
         assert files[isa] == here, isa
 
 
-def test_a_pixel_does_not_depend_on_its_neighbours_or_on_more_samples() -> None:
-    # Draws depend on the number of the pixel, so the smaller map is the first row of the larger.
-    x, noise = np.linspace(1.2, 1.8, 4), np.geomspace(1e-2, 0.1, 3)
-    one = small_map(axes={"I2/I1": x, "noise": noise[:1]})
-    all_ = small_map(axes={"I2/I1": x, "noise": noise})
-    for name in NAMED:
-        np.testing.assert_array_equal(getattr(one, name)[0], getattr(all_, name)[0])
-
-
 def test_a_seed_of_numpy_integers_is_the_same_seed() -> None:
     assert_same_map(small_map(rng=7), small_map(rng=np.uint64(7)))
     different = small_map(rng=8)
     assert (different.stable != small_map(rng=7).stable).any()
-
-
-@EVERY
-def test_the_counts_of_a_pixel_are_those_of_its_bodies_replayed(case: str) -> None:
-    result = compute(case)
-    mixed = np.flatnonzero((result.stable > 0) & (result.unstable > 0))
-    for pixel in mixed[:3]:
-        index = np.unravel_index(pixel, result.spec.shape)
-        bodies = [result.replay(int(pixel), k, t=[0.0]) for k in range(result.spec.samples)]
-        outcomes = Counter(body.outcome for body in bodies)
-        for name in ("stable", "unstable", "undecided", "failed"):
-            assert getattr(result, name)[index] == outcomes[name]
-        assert result.energy_drift[index] == max(body.energy_drift for body in bodies)
-        assert result.momentum_drift[index] == max(body.momentum_drift for body in bodies)
-        assert result.unit_drift[index] == max(body.unit_drift for body in bodies)
-        left = [body.left for body in bodies]
-        assert result.earliest[index] == np.nanmin(left)
-        assert np.isnan(left).sum() == sum(body.status == "finished" for body in bodies)
-    assert len(mixed) >= 1
 
 
 def every_step(body: rigid.Replay) -> rigid.Run:

@@ -268,13 +268,6 @@ def test_the_earliest_flip_is_that_of_the_elliptic_functions(
     assert errors[-1] < (1e-7 if order == 4 else 1e-3)
 
 
-def test_the_earliest_flip_of_a_pixel_is_that_of_its_earliest_body() -> None:
-    result = small_map(samples=30)
-    for pixel in ((4, 3), (2, 2)):
-        left = [result.replay(pixel, k, t=[0.0]).left for k in range(30)]
-        assert result.earliest[pixel] == np.nanmin(left)
-
-
 # Tilts
 
 
