@@ -4,8 +4,6 @@ The motion is that of the closed form where there is one, else of Taylor series 
 angles are those of vectors and matrices, not the squares of chords that the core observes.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any

@@ -1,7 +1,5 @@
 """Random numbers of the core from the uniforms of NumPy, as the tests of draws share them."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

@@ -3,8 +3,6 @@
 Whatever a map has of its own besides, `test_every_kind.py` asks all of them what holds for any.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Python in processes of its own, which find the same ``rigid`` and the same tests."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """Refusals as tables: a call, and the words of its message."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable, Iterable
 from typing import Any
@@ -46,4 +44,5 @@ def refuses(
             for part in [words] if isinstance(words, str) else words:
                 assert part in message
 
-    return test
+    made: Callable[..., None] = test
+    return made

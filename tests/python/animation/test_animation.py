@@ -1,7 +1,5 @@
 """Animations show the states of a run and nothing else."""
 
-from __future__ import annotations
-
 import html
 import json
 import re

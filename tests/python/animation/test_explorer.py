@@ -1,7 +1,5 @@
 """The map explorer: what its page holds, its motions under Node, and its controls in a browser."""
 
-from __future__ import annotations
-
 import contextlib
 import ctypes
 import html

@@ -1,7 +1,5 @@
 """The command ``rigid``: maps written, facts printed, mistakes told in one line."""
 
-from __future__ import annotations
-
 import json
 import os
 import re

@@ -1,7 +1,5 @@
 """Specifications in TOML: what they mean, and one line with the place for every mistake."""
 
-from __future__ import annotations
-
 import dataclasses
 import math
 import runpy

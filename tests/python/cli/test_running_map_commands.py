@@ -1,7 +1,5 @@
 """The commands of running maps: what they do, print and return."""
 
-from __future__ import annotations
-
 import errno
 import json
 import os

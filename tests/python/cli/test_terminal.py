@@ -1,7 +1,5 @@
 """The command in a terminal: help, versions, templates, JSON, formats; no file is lost."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

@@ -3,8 +3,6 @@
 And whatever is not valid: an error that names the argument.
 """
 
-from __future__ import annotations
-
 import os
 import re
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """Every refusal names the argument, its value and the rule; right values are taken in any dress."""
 
-from __future__ import annotations
-
 import functools
 import re
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """Every bench runs for a moment, and refuses what no measurement can be. No test asserts a time."""
 
-from __future__ import annotations
-
 import importlib.util
 import itertools
 import os

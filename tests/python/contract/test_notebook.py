@@ -1,7 +1,5 @@
 """What notebooks, scripts and terminals show of results: pictures, tables, a short line."""
 
-from __future__ import annotations
-
 import base64
 import html
 import re

@@ -1,7 +1,5 @@
 """Calls that may take long tell how much is done, and change no bit by it."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path

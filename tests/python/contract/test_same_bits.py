@@ -5,8 +5,6 @@ another order, on other threads and instruction sets, in other units, and after 
 left the processor in another mode.
 """
 
-from __future__ import annotations
-
 import hashlib
 import signal
 from collections.abc import Callable

@@ -3,8 +3,6 @@
 Their numbers are checked where they stand.
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

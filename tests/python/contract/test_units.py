@@ -1,7 +1,5 @@
 """Quantities with units become numbers in SI units at the door, or are refused in words."""
 
-from __future__ import annotations
-
 import warnings
 from collections.abc import Callable
 from typing import Any

@@ -1,7 +1,5 @@
 """Free tops, heavy tops, boxes, springs and bearings under the figures."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any, cast
 

@@ -1,7 +1,5 @@
 """Frames and small turns under the figures: what is drawn is what the physics says."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

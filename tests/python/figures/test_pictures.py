@@ -1,7 +1,5 @@
 """The scripts that draw the pictures of the guides."""
 
-from __future__ import annotations
-
 import runpy
 import sys
 from collections.abc import Callable

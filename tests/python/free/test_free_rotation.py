@@ -1,7 +1,5 @@
 """Euler's equations: what they keep, what the power does, and what is refused."""
 
-from __future__ import annotations
-
 import itertools
 from itertools import permutations
 from typing import Any

@@ -1,7 +1,5 @@
 """Moments and tensors as people have them: rounded, in single precision, or of no body at all."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 import warnings

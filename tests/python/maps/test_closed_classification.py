@@ -1,7 +1,5 @@
 """Verdicts of maps in closed form, sample by sample against those of fine steps."""
 
-from __future__ import annotations
-
 import dataclasses
 import math
 from typing import Any

@@ -1,7 +1,5 @@
 """Criteria against what a fine motion shows, and joined criteria against their logic."""
 
-from __future__ import annotations
-
 import dataclasses
 import math
 from typing import Any

@@ -1,7 +1,5 @@
 """Directions of von Mises and Fisher: their distribution, its limits, and the bits of each draw."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

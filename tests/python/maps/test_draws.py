@@ -1,7 +1,5 @@
 """The random starts: NumPy's Philox gives every draw again, each law is what it is called."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 from typing import Any
 

@@ -1,7 +1,5 @@
 """What holds for a map of any kind: bytes, files, JSON, stores, bodies in bulk and replayed."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Maps under torque and damping: a sleeping top loses its spin and falls."""
 
-from __future__ import annotations
-
 import hashlib
 from typing import Any
 

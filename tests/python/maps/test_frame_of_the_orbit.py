@@ -1,7 +1,5 @@
 """Questions about satellites in the frame of their orbit: pointing, libration, ratios, axes."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

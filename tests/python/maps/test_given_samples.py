@@ -1,7 +1,5 @@
 """Starts from a list: each body takes the entry that NumPy's numbers tell."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Normal noise with a covariance: the draws are NumPy's, and have the covariance."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

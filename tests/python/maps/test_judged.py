@@ -1,7 +1,5 @@
 """Bodies that a function of the user judges."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

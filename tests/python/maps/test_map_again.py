@@ -1,7 +1,5 @@
 """What was saved is run again; bodies of a map in bulk; maps of counts made elsewhere."""
 
-from __future__ import annotations
-
 import dataclasses
 from pathlib import Path
 from typing import Any

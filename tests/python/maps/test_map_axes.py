@@ -1,7 +1,5 @@
 """Maps of any number of axes; horizons, limits, torques and sizes of the noise on an axis."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

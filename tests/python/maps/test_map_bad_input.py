@@ -1,7 +1,5 @@
 """Refusals of the map layer: each names the argument, its value and the rule that it breaks."""
 
-from __future__ import annotations
-
 import dataclasses
 from collections.abc import Callable
 from typing import Any

@@ -1,7 +1,5 @@
 """The same request gives the same bits: any threads, blocks, process, processor, and alone."""
 
-from __future__ import annotations
-
 import multiprocessing
 from collections import Counter
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """What a map says of itself: intervals cover as they say, and wrong verdicts are caught."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

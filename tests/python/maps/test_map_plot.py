@@ -1,7 +1,5 @@
 """The picture of a map: what is drawn is what was computed, where it belongs, and named."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import matplotlib as mpl

@@ -1,7 +1,5 @@
 """What a map counts: classes by construction, the share, first flips, tilts, drifts."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

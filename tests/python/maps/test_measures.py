@@ -1,7 +1,5 @@
 """Measures of maps against brute force over their bodies."""
 
-from __future__ import annotations
-
 import dataclasses
 import math
 from fractions import Fraction

@@ -1,7 +1,5 @@
 """Mixtures of starts: which start a body takes, and that nothing else depends on the others."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Maps of moons on eccentric orbits, and the lines where their rotation is in resonance."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any
 

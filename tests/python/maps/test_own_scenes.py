@@ -1,7 +1,5 @@
 """Scenes by a function of own parameters: the maps of the same numbers, files, replay, refusals."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

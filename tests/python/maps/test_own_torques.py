@@ -3,8 +3,6 @@
 Damping and a torque in space have built-in twins, which a Taylor series classifies.
 """
 
-from __future__ import annotations
-
 import ctypes
 import signal
 from concurrent.futures import ProcessPoolExecutor

@@ -1,7 +1,5 @@
 """The plan of a criterion is the plan of its map: one planner, whoever asks."""
 
-from __future__ import annotations
-
 import dataclasses
 from collections.abc import Callable
 from typing import Any

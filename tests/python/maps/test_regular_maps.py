@@ -1,7 +1,5 @@
 """Maps of regular motions: theorems, the rule, the numbers of a pixel, and their bits."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Maps of satellites: the way to the flat spin, and stable attitudes on an orbit."""
 
-from __future__ import annotations
-
 import dataclasses
 from statistics import NormalDist
 from typing import Any

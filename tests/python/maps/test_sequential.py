@@ -1,7 +1,5 @@
 """Sequential maps: the rule, its exact coverage, and the samples that it takes."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

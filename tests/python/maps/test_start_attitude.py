@@ -1,7 +1,5 @@
 """Starts of a given attitude: what a torque in space does to them, noise, files, refusals."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

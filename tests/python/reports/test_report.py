@@ -1,7 +1,5 @@
 """Error against run time: errors are true, orders are found, and nothing unknown is told."""
 
-from __future__ import annotations
-
 import dataclasses
 import itertools
 import json

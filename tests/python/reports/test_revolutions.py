@@ -1,7 +1,5 @@
 """Reports over revolutions: what methods keep of energy, momentum and phase."""
 
-from __future__ import annotations
-
 import dataclasses
 import math
 import re

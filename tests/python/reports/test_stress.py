@@ -1,7 +1,5 @@
 """Extreme and stiff bodies by every method: right, flagged or refused."""
 
-from __future__ import annotations
-
 import dataclasses
 import math
 

@@ -1,7 +1,5 @@
 """Poincaré sections: every point and no other, whatever else is in the call."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """What a section cannot answer is refused with the argument, its value and the rule."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Quadratic drag: closed forms, the loss of energy, and what is refused."""
 
-from __future__ import annotations
-
 import dataclasses
 from typing import Any
 

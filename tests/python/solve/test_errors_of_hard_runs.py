@@ -3,8 +3,6 @@
 ``tests/long/stated_errors.py`` takes thousands.
 """
 
-from __future__ import annotations
-
 import json
 from collections import Counter
 from fractions import Fraction

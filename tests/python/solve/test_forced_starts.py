@@ -1,7 +1,5 @@
 """Bodies that something moves from rest, slows to rest, or hardly touches at all."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Lyapunov exponents and chaos indicators: against 26 digits, closed forms and theory."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

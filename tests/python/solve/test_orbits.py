@@ -1,7 +1,5 @@
 """Bodies on Keplerian orbits: golden digits of motion and tangent, Kepler's equation, refusals."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """States in arrays of the user, and in single precision."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Results as Datasets and as tidy tables: names, axes, and the bits of every number."""
 
-from __future__ import annotations
-
 import csv
 from collections.abc import Mapping
 from pathlib import Path

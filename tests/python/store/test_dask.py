@@ -1,7 +1,5 @@
 """A Dask cluster computes the map; killed workers cost time only."""
 
-from __future__ import annotations
-
 import os
 import signal
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """A running map has the bytes of the quiet run, however it was computed."""
 
-from __future__ import annotations
-
 import hashlib
 import json
 import shutil

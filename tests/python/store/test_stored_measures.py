@@ -1,7 +1,5 @@
 """Running maps with measures: their logs hold bins, and every way of computing gives the same."""
 
-from __future__ import annotations
-
 import io
 import json
 import tarfile

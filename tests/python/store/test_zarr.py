@@ -1,7 +1,5 @@
 """The Zarr product: what xarray reads is the map, and damage is refused."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np
