@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import rigid
+from drawn_again import uniforms
 from refusals import refuses
 from rigid.rotations.quaternions import quaternion_product
 from small_maps import Floats, small_map
@@ -37,14 +38,8 @@ def tops(given: rigid.Samples, samples: int = 50, **options: Any) -> rigid.Stabi
 
 def indices(shares: Floats, samples: int) -> np.ndarray[Any, Any]:
     """The entry of each body, shape (2, samples), from the uniforms of NumPy."""
-    uniforms = [
-        [
-            np.random.Generator(np.random.Philox(key=SEED, counter=[0, s, p, 0])).random()
-            for s in range(samples)
-        ]
-        for p in range(2)
-    ]
-    return np.searchsorted(shares, uniforms, side="right")
+    first = uniforms(SEED, 0, 2, samples)[..., 0]
+    return np.searchsorted(shares, first, side="right")
 
 
 @pytest.mark.parametrize("weights", [None, [1.0, 0.0, 3.0, 0.5, 0.0, 2.0, 0.0]])

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 import rigid
-from drawn_again import EPS, box_muller
+from drawn_again import EPS, box_muller, uniforms
 from refusals import refuses
 from rigid.cli.toml_map import parse_spec
 from small_maps import Floats, small_map
@@ -43,14 +43,7 @@ def tops(samples: int = 40, **start: Any) -> rigid.StabilityMap:
 
 def normals(block: int, samples: int) -> NDArray[np.longdouble]:
     """Three standard normals of each body, shape (2, samples, 3), from NumPy."""
-    uniforms = [
-        [
-            np.random.Generator(np.random.Philox(key=SEED, counter=[block, s, p, 0])).random(4)
-            for s in range(samples)
-        ]
-        for p in range(2)
-    ]
-    return box_muller(np.array(uniforms, dtype=np.longdouble))
+    return box_muller(uniforms(SEED, block, 2, samples))
 
 
 def turns(attitude: Floats) -> Floats:

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import rigid
+from drawn_again import uniforms
 from refusals import refuses
 from rigid.cli.toml_map import parse_spec
 from rigid.cli.toml_table import SpecError
@@ -47,15 +48,7 @@ def test_each_body_begins_as_in_a_map_of_its_start_alone() -> None:
     alone = [of(start).starts(range(SAMPLES)) for start in MIXED.starts]
     shares = MIXED.shares()
     assert shares[-1] == 1.0
-    for pixel in range(3):
-        u = np.array(
-            [
-                np.random.Generator(
-                    np.random.Philox(key=77, counter=[2, sample, pixel, 0])
-                ).random()
-                for sample in range(SAMPLES)
-            ]
-        )
+    for pixel, u in enumerate(uniforms(77, 2, 3, SAMPLES)[..., 0]):
         taken = np.searchsorted(shares, u, side="right")
         for number, one in enumerate(alone):
             mine = taken == number
