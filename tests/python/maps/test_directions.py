@@ -8,6 +8,7 @@ import pytest
 from scipy import stats
 
 import rigid
+from map_texts import map_text
 from refusals import refuses
 from rigid.cli.toml_map import parse_spec
 from rigid.cli.toml_table import SpecError
@@ -136,25 +137,12 @@ def test_numpy_draws_each_direction_again() -> None:
             )
 
 
-TOML = """
-[scene]
-kind = "heavy-top"
-moments = [1, 1, 0.5]
-mgl = 1
-[x]
-name = "attitude_kappa"
-values = [1.0, 2.0]
-[start]
-spin = 2.0
+TOML = map_text(
+    x='name = "attitude_kappa"\nvalues = [1.0, 2.0]',
+    start="""spin = 2.0
 attitude_noise = { kind = "von_mises_fisher" }
-noise = { kind = "von_mises_fisher", kappa = 4.0 }
-[stable]
-criterion = "tilt_below"
-angle = 1.0
-[run]
-t_end = 1.0
-samples = 2
-"""
+noise = { kind = "von_mises_fisher", kappa = 4.0 }""",
+)
 
 
 def test_directions_are_said_in_toml() -> None:

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import rigid
+from map_texts import TABLES, map_text
 from physics import present
 from processes import python_process
 from refusals import refuses
@@ -172,27 +173,8 @@ def test_flips_under_a_torque_are_those_of_the_trajectory() -> None:
 
 
 def test_a_file_says_torque_and_damping() -> None:
-    text = """
-[scene]
-kind = "heavy-top"
-moments = [1.0, 1.0, 0.5]
-mgl = 1.0
-damping = [0.0, 0.0, 0.01]
-torque = [0.0, 0.0, 0.001]
-torque_in_space = [0.001, 0.0, 0.0]
-[x]
-name = "spin"
-values = [5.0, 6.0]
-[start]
-attitude_noise = { kind = "normal", size = 0.01 }
-[stable]
-criterion = "tilt_below"
-angle = 0.5
-reference = "vertical"
-[run]
-t_end = 10.0
-samples = 4
-"""
+    torques = "torque = [0.0, 0.0, 0.001]\ntorque_in_space = [0.001, 0.0, 0.0]"
+    text = map_text(scene=f"{TABLES['scene']}\ndamping = [0.0, 0.0, 0.01]\n{torques}")
     spec = parse_spec(text, "own.toml")
     expected = rigid.Torque.body((0, 0, 1e-3)) + rigid.Torque.space((1e-3, 0, 0))
     assert spec.scene.torque == expected

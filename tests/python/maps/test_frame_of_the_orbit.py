@@ -8,6 +8,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import rigid
+from map_texts import FREE, TABLES, map_text
 from planar_moons import MOMENTS, Floats, planar
 from rigid.rotations import quaternion_to_matrix
 from small_maps import small_map
@@ -239,25 +240,13 @@ def test_the_criterion_goes_through_files_and_toml() -> None:
     from rigid.cli.toml_map import parse_spec
     from rigid.maps.spec import MapSpec
 
-    text = """
-        [scene]
-        kind = "free-body"
-        moments = [1.0, 1.3, 1.6]
-        orbit = { rate = 1.0, eccentricity = 0.1 }
-        [x]
-        name = "eccentricity"
-        values = [0.0, 0.1]
-        [start]
-        omega = [0.0, 0.0, 1.2]
-        [stable]
-        criterion = "pointing_within"
-        angle = 1.5
-        either = true
-        [run]
-        t_end = 20.0
-        samples = 1
-        measure = ["libration_amplitude", { name = "obliquity", axis = 3 }]
-    """
+    text = map_text(
+        scene=f"{FREE}\norbit = {{ rate = 1.0, eccentricity = 0.1 }}",
+        x='name = "eccentricity"\nvalues = [0.0, 0.1]',
+        stable='criterion = "pointing_within"\nangle = 1.5\neither = true',
+        run=f"""{TABLES["run"]}
+            measure = ["libration_amplitude", {{ name = "obliquity", axis = 3 }}]""",
+    )
     spec = parse_spec(text, "x.toml")
     assert spec.stable == rigid.pointing_within(1.5, 1, either=True)
     assert [str(one) for one in spec.measure] == ["libration_amplitude(1)", "obliquity(3)"]

@@ -8,6 +8,7 @@ from scipy.spatial.transform import Rotation
 
 import rigid
 from drawn_again import EPS, box_muller, uniforms
+from map_texts import FREE, map_text
 from refusals import refuses
 from rigid.cli.toml_map import parse_spec
 from small_maps import Floats, small_map
@@ -108,21 +109,11 @@ def test_a_covariance_may_have_directions_without_noise() -> None:
 
 
 def test_tables_say_a_covariance() -> None:
-    text = """
-[scene]
-kind = "free-body"
-moments = [1, 1.3, 0.7]
-[x]
-name = "spin"
-values = [1, 2]
-[start]
-noise = { kind = "normal", cov = [[1, 0, 0], [0, 2, 1], [0, 1, 4]] }
-[stable]
-criterion = "no_flip"
-[run]
-samples = 3
-t_end = 1
-"""
+    text = map_text(
+        scene=FREE,
+        start='noise = { kind = "normal", cov = [[1, 0, 0], [0, 2, 1], [0, 1, 4]] }',
+        stable='criterion = "no_flip"',
+    )
     noise = rigid.normal(cov=[[1, 0, 0], [0, 2, 1], [0, 1, 4]])
     assert parse_spec(text, "a.toml").start.starts[0].noise == noise
 

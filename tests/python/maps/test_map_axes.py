@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import rigid
+from map_texts import map_text
 from refusals import refuses
 from rigid.cli.toml_map import parse_spec
 from rigid.cli.toml_table import SpecError
@@ -242,31 +243,12 @@ def test_the_torque_of_an_axis_is_no_table() -> None:
 
 
 def test_tables_of_more_axes() -> None:
-    text = """
-[scene]
-kind = "heavy-top"
-moments = [1, 1.3, 0.7]
-mgl = 1
-[x]
-name = "spin"
-values = [1, 2]
-[y]
-name = "limit"
-values = [0.5, 1.0]
-[z]
-name = "t_end"
-values = [5, 10]
-[axis4]
-name = "mgl"
-values = [0.5, 1.0]
-[start]
-attitude_noise = { kind = "normal", size = 0.1 }
-[stable]
-criterion = "tilt_below"
-angle = 0.5
-[run]
-samples = 3
-"""
+    text = map_text(
+        y='name = "limit"\nvalues = [0.5, 1.0]',
+        z='name = "t_end"\nvalues = [5, 10]',
+        axis4='name = "mgl"\nvalues = [0.5, 1.0]',
+        run="samples = 3",
+    )
     spec = parse_spec(text, "top.toml")
     assert [axis.name for axis in spec.axes] == ["spin", "limit", "t_end", "mgl"]
     assert (spec.shape, spec.t_end) == ((2, 2, 2, 2), 10.0)

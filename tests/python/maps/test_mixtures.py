@@ -8,6 +8,7 @@ import pytest
 
 import rigid
 from drawn_again import uniforms
+from map_texts import map_text
 from refusals import refuses
 from rigid.cli.toml_map import parse_spec
 from rigid.cli.toml_table import SpecError
@@ -92,27 +93,12 @@ def test_an_axis_sets_its_number_in_every_start() -> None:
     assert steps[1] > 5.0 * steps[0]
 
 
-TOML = """
-[scene]
-kind = "heavy-top"
-moments = [1, 1, 0.5]
-mgl = 1
-[x]
-name = "mgl"
-values = [1.0, 2.0]
-[[start]]
-spin = 2.0
-weight = 3
-[[start]]
-spin = 1.0
-attitude_noise = { kind = "normal", size = 0.1 }
-[stable]
-criterion = "tilt_below"
-angle = 1.0
-[run]
-t_end = 1.0
-samples = 2
-"""
+START = "weight = 3\nspin = 2.0"
+TOML = map_text(x='name = "mgl"\nvalues = [1.0, 2.0]', start=START).replace(
+    f"[start]\n{START}",
+    f"[[start]]\n{START}\n[[start]]\nspin = 1.0\n"
+    'attitude_noise = { kind = "normal", size = 0.1 }',
+)
 
 
 def test_a_mixture_is_said_in_toml() -> None:

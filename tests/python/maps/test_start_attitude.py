@@ -9,6 +9,7 @@ from scipy.spatial.transform import Rotation
 from scipy.stats import norm
 
 import rigid
+from map_texts import FREE, map_text
 from physics import rotation_matrix
 from rigid.cli.toml_map import parse_spec
 from rigid.model.start import Noise
@@ -89,23 +90,11 @@ def test_the_attitude_goes_through_toml() -> None:
     assert rigid.Start.from_dict(start.to_dict()) == start
     assert "attitude=(0.5, -0.5, 0.5, -0.5)" in repr(start)
     assert "attitude" not in rigid.Start(spin=1.0).to_dict()
-    text = """
-        [scene]
-        kind = "free-body"
-        moments = [1.0, 1.0, 1.0]
-        torque_in_space = [1.0, 0.0, 0.0]
-        [x]
-        name = "spin"
-        values = [0.002]
-        [start]
-        attitude = [0.5, -0.5, 0.5, -0.5]
-        [stable]
-        criterion = "no_flip"
-        axis = 3
-        [run]
-        t_end = 20.0
-        samples = 1
-    """
+    text = map_text(
+        scene=f"{FREE}\ntorque_in_space = [1.0, 0.0, 0.0]",
+        start="attitude = [0.5, -0.5, 0.5, -0.5]",
+        stable='criterion = "no_flip"\naxis = 3',
+    )
     assert parse_spec(text, "x.toml").start == rigid.Start(spin=0.0, attitude=attitude)
 
 
