@@ -27,7 +27,6 @@ def small_map() -> rigid.StabilityMap:
         t_end=1.0,
         samples=10,
         rng=1,
-        progress=False,
     )
 
 

@@ -156,7 +156,6 @@ MAP: dict[str, Any] = {
     "t_end": 20.0,
     "samples": 64,
     "rng": 2026,
-    "progress": False,
 }
 TENSOR = [[2.0, 0.1, 0.3], [0.1, 3.0, 0.2], [0.3, 0.2, 4.0]]
 COUNTS = np.arange(1, 4000)

@@ -277,7 +277,6 @@ def test_what_a_map_cannot_watch_names_the_force_and_what_can_be_watched(force: 
         "start": rigid.Start(spin=1.0, axis=3),
         "samples": 2,
         "rng": 1,
-        "progress": False,
     }
     with pytest.raises(ValueError, match=message):
         rigid.stability_map(scene, stable=rigid.tilt_below(0.5), t_end=1.0, **asked)

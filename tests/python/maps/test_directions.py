@@ -34,7 +34,6 @@ def drawn(axis: int, tilt: float = 0.0, **start: Any) -> rigid.StabilityMap:
         method="rk4",
         check=0.0,
         rng=2026,
-        progress=False,
     )
 
 

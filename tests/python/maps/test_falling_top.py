@@ -30,7 +30,6 @@ def small(scene: Any = TOP, **options: Any) -> rigid.StabilityMap:
         "t_end": 60.0,
         "stable": rigid.tilt_below(0.5, reference="vertical"),
         "rng": 7,
-        "progress": False,
     }
     return rigid.stability_map(scene, **{**given, **options})
 
@@ -74,7 +73,6 @@ def test_the_built_in_map_agrees_with_the_theory() -> None:
         samples=4,
         t_end=coarse.t_end,
         rng=coarse.seed,
-        progress=False,
     )
     known = np.isfinite(theory.share)
     share = result.stable / result.spec.samples

@@ -22,7 +22,6 @@ TOPS: dict[str, Any] = {
     "samples": 50,
     "rng": 7,
     "start": rigid.Start(spin=4.0, tilt=0.3, attitude_noise=rigid.normal(0.1)),
-    "progress": False,
 }
 
 
@@ -242,7 +241,6 @@ def test_a_free_body_has_a_vertical(of: Any) -> None:
             stable=rigid.judged(stays_upright, [0.0, 1.0, 2.0], of=of),
             samples=2,
             rng=1,
-            progress=False,
         )
         assert (result.share == share).all()
 
@@ -263,7 +261,6 @@ def test_under_torque_and_damping() -> None:
         stable=rigid.judged(brakes, [0.0, 2.0], of="rates"),
         samples=4,
         rng=1,
-        progress=False,
     )
     assert result.stable.tolist() == [[0, 4], [0, 4]]
 

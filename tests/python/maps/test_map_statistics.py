@@ -324,7 +324,6 @@ def test_a_direction_that_lost_its_length_gives_no_verdict() -> None:
         t_end=100.0,
         step=1.3,
         rng=1,
-        progress=False,
     )
     assert result.failed[0] == 1
     assert result.replay(0, 0, t=[0.0]).status == "drifted"
@@ -378,7 +377,6 @@ def test_the_summary_counts_the_bodies_that_were_repeated() -> None:
         step=0.1,
         max_steps=160,  # enough for the step asked, not for half of it
         rng=1,
-        progress=False,
     )
     assert result.checked.sum() == 0
     assert result.undecided.sum() == result.failed.sum() == 0

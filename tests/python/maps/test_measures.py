@@ -28,7 +28,6 @@ def measured(**options: Any) -> rigid.StabilityMap:
         "stable": rigid.tilt_below(0.6),
         "measure": EVERY_MEASURE,
         "rng": 7,
-        "progress": False,
     }
     return rigid.stability_map(TOP, **{**chosen, **options})
 

@@ -38,7 +38,6 @@ def of(start: Any, **options: Any) -> rigid.StabilityMap:
         "stable": rigid.tilt_below(0.8),
         "rng": 77,
         "check": 0.0,
-        "progress": False,
     }
     return rigid.stability_map(TOP, start=start, **{**chosen, **options})
 

@@ -64,7 +64,6 @@ def of_map(scene: Scene, start: Any, stable: Criterion, t_end: float, **asked: A
         t_end=t_end,
         samples=1,
         max_steps=1,  # the plan does not run the map
-        progress=False,
         **asked,
     ).plan
 

@@ -28,7 +28,6 @@ def regular_map(scene: Any = TOP, **options: Any) -> rigid.StabilityMap:
         "t_end": 200.0,
         "stable": rigid.regular(),
         "rng": 1,
-        "progress": False,
     }
     return rigid.stability_map(scene, **{**chosen, **options})
 

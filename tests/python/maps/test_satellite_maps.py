@@ -30,7 +30,6 @@ def coarse(name: str, every: int, samples: int) -> rigid.StabilityMap:
         samples=samples,
         t_end=spec.t_end,
         rng=spec.seed,
-        progress=False,
     )
 
 
@@ -170,7 +169,6 @@ def test_the_vertical_of_a_satellite_is_the_normal_of_its_orbit(
                 samples=3,
                 measure=rigid.largest_tilt(axis=k + 1, reference="vertical"),
                 rng=1,
-                progress=False,
                 method=method,
             )
         )
@@ -200,7 +198,6 @@ def test_an_orbit_alone_moves_bodies_as_beside_another_force(
             samples=64,
             check=0.0,
             method=by,
-            progress=False,
             rng=1,
         )
         for rotor, by in ((None, method), ((1e-300, 0.0, 0.0), "dop853"))
@@ -228,7 +225,6 @@ def test_lines_of_a_flat_spin_are_not_those_of_a_body_on_an_orbit() -> None:
             samples=2,
             t_end=50.0,
             rng=1,
-            progress=False,
         ).theory()
 
     assert predicted() is not None
