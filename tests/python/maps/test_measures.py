@@ -77,7 +77,7 @@ def test_values_are_those_of_the_motion() -> None:
     """Flips, tilt and mean rate from a fine trajectory."""
     result = measured()
     for pixel in range(3):
-        for sample in range(5):
+        for sample in range(3):
             body = result.replay(pixel, sample, t=[0.0])
             t = np.linspace(0.0, 8.0, 40001)
             scene = result.spec.grid.scene[pixel]
@@ -144,7 +144,7 @@ def test_the_stated_error_is_that_of_the_worst_body(options: dict[str, Any]) -> 
 
 
 def test_a_chaotic_body_whose_runs_part_has_no_value() -> None:
-    chosen: dict[str, Any] = {"t_end": 100.0, "samples": 200}
+    chosen: dict[str, Any] = {"t_end": 100.0, "samples": 100}
     result, single = measured(**chosen), measured(**chosen, check=0.0)
     truths = each_body(measured(**chosen, **{**FINE, "step": 0.005}))
     place = [*result.measures].index("mean_rate(1)")
