@@ -5,8 +5,6 @@
 Some minutes on two cores. Fails if any difference is larger than RK4 can have made it.
 """
 
-from __future__ import annotations
-
 import argparse
 import sys
 import time

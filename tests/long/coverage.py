@@ -6,8 +6,6 @@ Fails if the least coverage over all tried shares, and over both sides of the en
 is below 0.95 for any half width, or that of the simulated pixels.
 """
 
-from __future__ import annotations
-
 import argparse
 import sys
 from pathlib import Path

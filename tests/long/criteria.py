@@ -8,8 +8,6 @@ tops without symmetry. Prints how many bodies are undecided, and how far the tim
 from those of the fine motion.
 """
 
-from __future__ import annotations
-
 import argparse
 import sys
 

@@ -10,8 +10,6 @@ again in 128 bits. The script fails if that is so in more than one of 200 runs t
 or if the true error is above twice the stated one in more than one of 1000.
 """
 
-from __future__ import annotations
-
 import argparse
 import sys
 from pathlib import Path

@@ -7,8 +7,6 @@ right result, raises `MemoryError`, or ends with Rust's message that memory was 
 small allocations of the core know no other way. Those of NumPy and of the C library do not fail.
 """
 
-from __future__ import annotations
-
 import argparse
 import ctypes
 import os

@@ -7,8 +7,6 @@ no fit is right. Fails if a wrong one says that it succeeded. Of the first two a
 97 % are right, or if the intervals of 95 % hold less than 93 % or more than 97 % of the truths.
 """
 
-from __future__ import annotations
-
 import argparse
 import sys
 import time

@@ -6,8 +6,6 @@ Warnings are errors. A case may be refused by the exceptions that the target doc
 of its own that is not long; all else is listed with its number.
 """
 
-from __future__ import annotations
-
 import argparse
 import re
 import resource

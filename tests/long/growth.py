@@ -5,8 +5,6 @@
 Fails if the memory grows by more than a megabyte after the first tenth, or if a thread is left.
 """
 
-from __future__ import annotations
-
 import argparse
 import os
 import sys

@@ -6,8 +6,6 @@ Fails if the file is ever anything but one of the two maps that the writers writ
 writer leaves what the killed ones left beside it.
 """
 
-from __future__ import annotations
-
 import argparse
 import os
 import signal

@@ -10,8 +10,6 @@ of Python ten seconds. `--core 0` compiles nothing: it takes the core that `matu
 The exit code is 1 if more than a tenth of the sample survives.
 """
 
-from __future__ import annotations
-
 import argparse
 import json
 import os

@@ -7,8 +7,6 @@ or turning. The truth is SciPy's DOP853, which is told where the pulse begins an
 true error of a run that claims its error is above the larger of the error asked for and stated.
 """
 
-from __future__ import annotations
-
 import argparse
 import ctypes
 import sys

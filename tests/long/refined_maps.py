@@ -9,8 +9,6 @@ more than an eighth of the bodies, or a twenty-fifth if they stop as soon as the
 narrow, or if more than 1.1 times the pixels of the full map are on the wrong side of one half.
 """
 
-from __future__ import annotations
-
 import dataclasses
 from typing import Any
 

@@ -7,8 +7,6 @@ share of the undecided is bounded. An asymmetric top, 64 x 64 starts, against it
 horizon of 12 800: by two methods, where they agree.
 """
 
-from __future__ import annotations
-
 import sys
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The cases of ``result_hashes.py``: what is computed, through the public interface only."""
 
-from __future__ import annotations
-
 import contextlib
 import dataclasses
 import hashlib

@@ -3,8 +3,6 @@
 All of them go through functions of NumPy that may differ between machines.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from typing import Any
 

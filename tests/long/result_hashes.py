@@ -33,8 +33,6 @@ The name of a case begins with one of three words:
 that the comparison can fail.
 """
 
-from __future__ import annotations
-
 import argparse
 import os
 import subprocess

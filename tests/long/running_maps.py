@@ -7,8 +7,6 @@ zeroed, exchanged and missing pages. Fails if a wrong row is ever read, if a los
 if anything is raised, if a row is computed twice, or if the map differs from that of a quiet run.
 """
 
-from __future__ import annotations
-
 import argparse
 import io
 import os

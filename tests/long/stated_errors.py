@@ -8,8 +8,6 @@ as much. All else is UNDETECTED: it is listed with its number, and the script fa
 of it than one run in 2000, or if a true error is more than three times the larger.
 """
 
-from __future__ import annotations
-
 import argparse
 import sys
 import time

@@ -6,8 +6,6 @@ Fails if the true error of any run that claims its error is above the larger of 
 and the error stated.
 """
 
-from __future__ import annotations
-
 import argparse
 import sys
 from collections import Counter

@@ -9,8 +9,6 @@ Subjects: ``measures`` of bodies, by SciPy's DOP853 at 1e-13; ``horizons``: pixe
 refused, and each number that was wrong and not flagged; fails if there is one.
 """
 
-from __future__ import annotations
-
 import argparse
 import sys
 import time

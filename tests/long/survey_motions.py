@@ -8,8 +8,6 @@ roundings of its inputs change, flagged, refused, without a truth, or UNDETECTED
 and the script fails if there is one.
 """
 
-from __future__ import annotations
-
 import argparse
 import sys
 import time

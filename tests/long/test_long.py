@@ -3,8 +3,6 @@
 One file, so that the tests run one after the other, also with several workers.
 """
 
-from __future__ import annotations
-
 import signal
 import subprocess
 from pathlib import Path

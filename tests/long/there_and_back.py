@@ -6,8 +6,6 @@ Fails if a body is off by more than the errors that its two runs state, the firs
 magnified as the way back magnifies a change of its start.
 """
 
-from __future__ import annotations
-
 import argparse
 import sys
 from pathlib import Path

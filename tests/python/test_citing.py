@@ -1,7 +1,5 @@
 """Whatever was used can be cited."""
 
-from __future__ import annotations
-
 import re
 
 import numpy as np

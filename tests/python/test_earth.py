@@ -1,7 +1,5 @@
 """The free precession of the Earth: printed numbers, the two days, and the printed errors."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

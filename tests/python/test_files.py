@@ -1,7 +1,5 @@
 """Files are whole or not there: two writers, a full disk, names that are taken, links."""
 
-from __future__ import annotations
-
 import errno
 import fcntl
 import json

@@ -1,7 +1,5 @@
 """A body in bearings: torques, balance, and the analogy with motion along a line."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Moving frames: Newton's law in them, Foucault's pendulum, the fall to the east."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Particles joined by springs: small oscillations, and the limit of the rigid body."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from itertools import combinations
 from typing import Any

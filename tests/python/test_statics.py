@@ -1,7 +1,5 @@
 """Statics: forces in balance, the simple machines, the central axis."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

@@ -4,8 +4,6 @@ Each is one of :data:`KINDS`. Angles and times are counted in the body's own uni
 the truth costs a bounded number of steps.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, TypeAlias

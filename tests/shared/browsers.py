@@ -3,8 +3,6 @@
 ``python tests/shared/browsers.py`` says whether it starts, and which version it is.
 """
 
-from __future__ import annotations
-
 import io
 import shutil
 from collections.abc import Callable, Iterator, Mapping

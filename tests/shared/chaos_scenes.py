@@ -1,7 +1,5 @@
 """Motions whose deviation vectors are known to 26 digits."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import dataclass
 from typing import Any

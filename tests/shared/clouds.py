@@ -1,7 +1,5 @@
 """Random clouds of particles, and a thrown body."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -4,8 +4,6 @@ The motion is that of the closed form where there is one, else of Taylor series 
 angles are those of vectors and matrices, not the squares of chords that the core observes.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -54,8 +52,8 @@ class Judged:
     left: Floats
 
 
-def judged(scenes: Scenes, criterion: Criterion, method: str = "auto") -> Judged:
-    """What a map says of each body."""
+def job_of(scenes: Scenes, **asked: Any) -> _core.MapJob:
+    """The request of a map with each scene in a pixel with one body."""
     n = len(scenes)
     starts = CoreStarts(
         omega=scenes.omega,
@@ -65,24 +63,30 @@ def judged(scenes: Scenes, criterion: Criterion, method: str = "auto") -> Judged
         attitude_noise="none",
         attitude_size=np.zeros((n, 3)),
     )
+    one_body: dict[str, Any] = {"samples": 1, "checked": 1, "seed": 0, "max_steps": 10**7}
     request = CoreRequest(
         scene=scenes.kind,
-        method=method,
         moments=scenes.moments,
         weight=scenes.weight,
         starts=[starts],
+        measures=[],
+        **one_body,
+        **asked,
+    )
+    return _core.MapJob(request)
+
+
+def judged(scenes: Scenes, criterion: Criterion, method: str = "auto") -> Judged:
+    """What a map says of each body."""
+    job = job_of(
+        scenes,
+        method=method,
         conditions=criterion.conditions(),
         logic=" ".join(map(str, criterion.logic())),
-        measures=[],
         t_end=HORIZON,
         step=0.05 if method == "rk4" else None,
-        max_steps=10**7,
-        samples=1,
-        checked=1,
-        seed=0,
     )
-    job = _core.MapJob(request)
-    counted = job.run(0, n, 2)
+    counted = job.run(0, len(scenes), 2)
     assert counted is not None
     assert not counted["failed"].any()
     return Judged(

@@ -4,8 +4,6 @@ A door is asked for some of the bodies of a scene, in units of mass and of time.
 arrays of each body.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import partial
 from typing import Any

@@ -1,7 +1,5 @@
 """Random runs whose true error is compared with the error that they state."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

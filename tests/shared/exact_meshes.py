@@ -1,7 +1,5 @@
 """Closed meshes, and their mass properties in rational numbers."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 from itertools import product
 from typing import TypeAlias

@@ -1,7 +1,5 @@
 """Motions that figures show, and what is read from a drawn figure."""
 
-from __future__ import annotations
-
 from io import BytesIO
 from typing import Any
 

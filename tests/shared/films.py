@@ -1,7 +1,5 @@
 """Scenes, runs and parts of films for the tests of animations."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

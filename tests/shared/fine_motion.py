@@ -4,8 +4,6 @@ The equations of motion stand here once more, as numbers of Python. Flips, times
 largest tilt are sought in the dense output of the solver.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from functools import cached_property, partial
 from itertools import pairwise

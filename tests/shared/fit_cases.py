@@ -1,7 +1,5 @@
 """Random fits: a body that turns freely, a guess beside it, a gyroscope with noise and bias."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Rounding modes and flush modes of the processor, as other libraries leave them."""
 
-from __future__ import annotations
-
 import ctypes
 import ctypes.util
 import platform

@@ -1,7 +1,5 @@
 """Starts under forces that are hard on stated errors: one force each, strong damping, several."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Free bodies, their paths, and angles between vectors."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

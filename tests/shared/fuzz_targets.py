@@ -1,7 +1,5 @@
 """What is fuzzed: a case of a target is made from a random number, run, and its result checked."""
 
-from __future__ import annotations
-
 import io
 import json
 import math

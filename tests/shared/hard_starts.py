@@ -1,7 +1,5 @@
 """Starts that are hard on stated errors: free bodies and tops, near rest, saddles, separatrices."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

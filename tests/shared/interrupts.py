@@ -1,7 +1,5 @@
 """Maps that would take hours, interrupted."""
 
-from __future__ import annotations
-
 import signal
 import subprocess
 import time

@@ -1,7 +1,5 @@
 """What is said of one random case beside what is true."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

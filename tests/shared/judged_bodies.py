@@ -3,8 +3,6 @@
 Each ``judge_`` makes one case of its number and compares it with a truth of its own.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 from fractions import Fraction
 from typing import Any

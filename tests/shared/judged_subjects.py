@@ -1,7 +1,5 @@
 """What is judged of motions, by name: one random case of its number and a seed."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from functools import partial
 

@@ -4,8 +4,6 @@ The truths are rational numbers, formulas in 50 digits, series in 128-bit number
 request by another door.
 """
 
-from __future__ import annotations
-
 import tempfile
 from collections.abc import Iterable
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor

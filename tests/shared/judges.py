@@ -1,7 +1,5 @@
 """Functions that worker processes import: they judge bodies, and make scenes."""
 
-from __future__ import annotations
-
 import ctypes
 from typing import Any
 

@@ -4,8 +4,6 @@ Deviates are carried to uniforms by the distribution functions of their law. Of 
 column, all columns together, neighbouring samples and neighbouring pixels are tested.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from typing import Any
 

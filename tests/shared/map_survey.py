@@ -4,8 +4,6 @@ Each subject makes its own random requests, and counts what it tried. A number t
 said to be unsure is *undetected*.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from functools import partial

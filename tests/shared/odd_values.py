@@ -1,7 +1,5 @@
 """Odd but valid arguments of the library, and mistakes: the parts of the cases of ``fuzz.py``."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from random import Random
 from typing import Any

@@ -1,7 +1,5 @@
 """What the pages of the explorer hold, and what their functions say under Node."""
 
-from __future__ import annotations
-
 import base64
 import json
 import re

@@ -1,7 +1,5 @@
 """What the tests share: the methods, reference trajectories, and physics written down once more."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import dataclass
 from pathlib import Path

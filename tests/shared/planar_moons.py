@@ -1,7 +1,5 @@
 """A moon whose long axis turns in the plane of its orbit, by SciPy."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

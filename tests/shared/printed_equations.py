@@ -1,7 +1,5 @@
 """The equations of motion as the guides print them, solved by SciPy: a truth for any scene."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

@@ -1,10 +1,13 @@
 """Python in processes of its own, which find the same ``rigid`` and the same tests."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys
+
+import pytest
+
+Capture = pytest.CaptureFixture[str]
+"""What a test is given that reads what a call prints."""
 
 #: Ends a process that hangs. No process of the tests needs a tenth of it, even on a slow machine.
 PATIENCE = 600.0

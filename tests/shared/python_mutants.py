@@ -1,7 +1,5 @@
 """Mutants of a Python module: the module with one operator, number or function changed."""
 
-from __future__ import annotations
-
 import ast
 from collections.abc import Iterator
 from dataclasses import dataclass

@@ -4,8 +4,6 @@
 reference trajectories. The C compiler must know ``__float128``, as GCC does on x86-64.
 """
 
-from __future__ import annotations
-
 import ctypes
 import shutil
 import subprocess

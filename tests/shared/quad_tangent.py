@@ -4,8 +4,6 @@
 Taylor series along principal axes, this extrapolates along any axes.
 """
 
-from __future__ import annotations
-
 import ctypes
 from dataclasses import dataclass, field
 from fractions import Fraction

@@ -1,7 +1,5 @@
 """Random tensors of inertia, and how well they are rebuilt from their principal axes."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from physics import Floats

@@ -1,7 +1,5 @@
 """Rotations whose rates are known."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from physics import Floats

@@ -1,7 +1,5 @@
 """Poincaré sections known to 26 digits."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import dataclass
 from typing import Any

@@ -1,7 +1,5 @@
 """Small maps that the tests of the map layer share."""
 
-from __future__ import annotations
-
 import dataclasses
 from collections.abc import Iterator
 from contextlib import contextmanager

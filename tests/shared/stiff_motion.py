@@ -4,8 +4,6 @@
 :mod:`quad_motion`, with which a test compares it.
 """
 
-from __future__ import annotations
-
 import ctypes
 import shutil
 import subprocess

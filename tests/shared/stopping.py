@@ -1,7 +1,5 @@
 """The exact coverage of intervals that are reported at the first look at which they are narrow."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What the tests of running maps share: small maps with their rows, and disks that fail."""
 
-from __future__ import annotations
-
 import errno
 import os
 from collections.abc import Callable, Sequence

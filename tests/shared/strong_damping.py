@@ -3,8 +3,6 @@
 A fast direction stops within a layer much shorter than the run, while a slow one still turns.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Functions that judge bodies by a limit, which each holds in another way."""
 
-from __future__ import annotations
-
 import dataclasses
 import enum
 import functools

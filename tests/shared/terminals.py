@@ -1,7 +1,5 @@
 """Processes whose standard error is a terminal."""
 
-from __future__ import annotations
-
 import fcntl
 import os
 import pty

@@ -1,7 +1,5 @@
 """Heavy symmetric tops that several tests try, and their constants and Euler rates."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Ten clouds of mass points that turn, and their tensors of inertia."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from rigid import inertia

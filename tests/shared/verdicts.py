@@ -1,7 +1,5 @@
 """Is what a run says of its error true? One of :data:`VERDICTS` for each random run."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The starts that the page of the explorer draws, against those of the core."""
 
-from __future__ import annotations
-
 import itertools
 from fractions import Fraction
 from pathlib import Path

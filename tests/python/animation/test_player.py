@@ -1,7 +1,5 @@
 """The player in a browser: what it draws, its keys, and small screens."""
 
-from __future__ import annotations
-
 import io
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """Moving pictures draw light, depth, shadows and labels."""
 
-from __future__ import annotations
-
 import tracemalloc
 
 import numpy as np

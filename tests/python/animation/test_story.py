@@ -1,7 +1,5 @@
 """The sentence above a film is true of the motion."""
 
-from __future__ import annotations
-
 import json
 import re
 from typing import Any

@@ -1,7 +1,5 @@
 """The map explorer in a notebook: its finer maps, and its view in a browser."""
 
-from __future__ import annotations
-
 import base64
 import json
 import subprocess

@@ -1,7 +1,5 @@
 """The command ``rigid``: maps written, facts printed, mistakes told in one line."""
 
-from __future__ import annotations
-
 import json
 import os
 import re
@@ -17,7 +15,7 @@ import pytest
 
 import rigid
 from interrupts import sigint
-from processes import environment, python_command, python_process, run_python
+from processes import Capture, environment, python_command, python_process, run_python
 from rigid.cli import main
 from rigid.cli.output import (
     DONE,
@@ -72,7 +70,7 @@ def made(folder: Path) -> set[str]:
     return {path.name for path in folder.iterdir()} - {"small.toml"}
 
 
-def fails(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> str:
+def fails(arguments: list[str], capsys: Capture) -> str:
     """The one line on stderr of a command that is refused with exit code 2."""
     try:
         code: object = main(arguments)
@@ -93,7 +91,7 @@ def test_the_entry_point_is_the_command() -> None:
 
 
 def test_a_map_writes_picture_and_data_and_prints_what_was_computed(
-    folder: Path, capsys: pytest.CaptureFixture[str]
+    folder: Path, capsys: Capture
 ) -> None:
     assert main(["map", "small.toml"]) == 0
     assert made(folder) == {"small.npz", "small.png"}
@@ -127,9 +125,7 @@ def test_a_map_writes_picture_and_data_and_prints_what_was_computed(
     assert facts["picture"] == "small.png"
 
 
-def test_a_method_is_told_with_its_steps_and_drifts(
-    folder: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_method_is_told_with_its_steps_and_drifts(folder: Path, capsys: Capture) -> None:
     (folder / "steps.toml").write_text(SPEC.replace("samples", 'method = "rk4"\nsamples'))
     assert main(["map", "steps.toml"]) == 0
     lines = capsys.readouterr().out.splitlines()
@@ -144,7 +140,7 @@ def test_a_method_is_told_with_its_steps_and_drifts(
     assert f"unit lengths {np.nanmax(result.unit_drift):.1e}" in facts["worst"]
 
 
-def test_the_map_is_that_of_python(capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_map_is_that_of_python(capsys: Capture) -> None:
     assert main(["map", "small.toml", "--threads", "1", "--no-progress"]) == 0
     assert "on 1 thread\n" in capsys.readouterr().out
     result = rigid.stability_map(
@@ -163,9 +159,7 @@ def test_the_map_is_that_of_python(capsys: pytest.CaptureFixture[str]) -> None:
     assert_same_map(loaded, result)
 
 
-def test_options_replace_what_the_file_says(
-    folder: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_options_replace_what_the_file_says(folder: Path, capsys: Capture) -> None:
     (folder / "there").mkdir()
     arguments = ["--samples", "3", "--threads", "2", "--seed", str(2**100), "--out", "there/b"]
     assert main(["map", "small.toml", *arguments]) == 0
@@ -185,7 +179,7 @@ def test_the_suffix_of_the_output_is_ours(out: str, stem: str, folder: Path) -> 
     assert made(folder) == {f"{stem}.npz", f"{stem}.png"}
 
 
-def test_built_in_maps_are_listed(capsys: pytest.CaptureFixture[str]) -> None:
+def test_built_in_maps_are_listed(capsys: Capture) -> None:
     assert main(["maps"]) == 0
     lines = capsys.readouterr().out.splitlines()
     assert [line.split()[0] for line in lines] == [
@@ -206,7 +200,7 @@ def test_built_in_maps_are_listed(capsys: pytest.CaptureFixture[str]) -> None:
     assert lines[11].endswith("A thrown box, spinning about its middle axis (b x noise)")
 
 
-def test_info_describes_the_build(capsys: pytest.CaptureFixture[str]) -> None:
+def test_info_describes_the_build(capsys: Capture) -> None:
     assert main(["info"]) == 0
     facts = dict(line.split(maxsplit=1) for line in capsys.readouterr().out.splitlines())
     info = rigid.build_info()
@@ -217,7 +211,7 @@ def test_info_describes_the_build(capsys: pytest.CaptureFixture[str]) -> None:
     assert facts["threads"] == str(info["threads"])
 
 
-def test_help_is_on_stdout(capsys: pytest.CaptureFixture[str]) -> None:
+def test_help_is_on_stdout(capsys: Capture) -> None:
     for arguments in (["--help"], ["map", "--help"]):
         with pytest.raises(SystemExit) as stop:
             main(arguments)
@@ -268,7 +262,7 @@ def test_help_is_on_stdout(capsys: pytest.CaptureFixture[str]) -> None:
     ],
 )
 def test_mistakes_are_one_line_before_any_work(
-    arguments: list[str], parts: list[str], folder: Path, capsys: pytest.CaptureFixture[str]
+    arguments: list[str], parts: list[str], folder: Path, capsys: Capture
 ) -> None:
     message = fails(arguments, capsys)
     for part in parts:
@@ -279,15 +273,12 @@ def test_mistakes_are_one_line_before_any_work(
 @pytest.mark.parametrize(
     ("line", "instead", "parts"),
     [
-        ("spin = 1.0", "spinn = 1.0", ["[start] unknown key 'spinn'; did you mean 'spin'?"]),
-        ("spin = 1.0", 'spin = "fast"', ["[start] spin = 'fast': must be a"]),
-        ("t_end = 20.0", "t_end = -1.0", ["[run] t_end = -1.0: must be positive"]),
         ("[start]", "[start", ["is not valid TOML", "line"]),
         ('name = "noise"', 'name = "nose"', ["[y] name = 'nose'", "did you mean 'noise'?"]),
     ],
 )
 def test_mistakes_in_a_file_tell_the_place(
-    line: str, instead: str, parts: list[str], folder: Path, capsys: pytest.CaptureFixture[str]
+    line: str, instead: str, parts: list[str], folder: Path, capsys: Capture
 ) -> None:
     assert line in SPEC
     (folder / "small.toml").write_text(SPEC.replace(line, instead, 1))
@@ -297,9 +288,7 @@ def test_mistakes_in_a_file_tell_the_place(
     assert made(folder) == set()
 
 
-def test_a_file_that_is_no_text_is_refused(
-    folder: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_file_that_is_no_text_is_refused(folder: Path, capsys: Capture) -> None:
     (folder / "small.toml").write_bytes(b"\xff\xfe\x00")
     assert "small.toml: is not UTF-8 text" in fails(["map", "small.toml"], capsys)
 
@@ -307,7 +296,7 @@ def test_a_file_that_is_no_text_is_refused(
 @pytest.mark.parametrize("suffix", [".npz", ".png"])
 @pytest.mark.parametrize("make", [os.mkdir, os.mkfifo])
 def test_an_output_that_cannot_be_written_is_one_line_before_any_work(
-    make: Callable[[Path], None], suffix: str, folder: Path, capsys: pytest.CaptureFixture[str]
+    make: Callable[[Path], None], suffix: str, folder: Path, capsys: Capture
 ) -> None:
     make(folder / f"b{suffix}")
     message = fails(["map", "small.toml", "--samples", "1", "--out", "b"], capsys)
@@ -315,18 +304,14 @@ def test_an_output_that_cannot_be_written_is_one_line_before_any_work(
     assert made(folder) == {f"b{suffix}"}
 
 
-def test_a_wrong_variable_is_one_line(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_wrong_variable_is_one_line(monkeypatch: pytest.MonkeyPatch, capsys: Capture) -> None:
     monkeypatch.setenv("RIGID_NUM_THREADS", "many")
     expected = "RIGID_NUM_THREADS = 'many': must be a whole number of at least 1"
     assert expected in fails(["map", "small.toml"], capsys)
     assert expected in fails(["info"], capsys)
 
 
-def test_threads_come_from_the_variable(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_threads_come_from_the_variable(monkeypatch: pytest.MonkeyPatch, capsys: Capture) -> None:
     monkeypatch.setenv("RIGID_NUM_THREADS", "3")
     assert main(["map", "small.toml"]) == 0
     assert "on 3 threads" in capsys.readouterr().out
@@ -386,7 +371,7 @@ def test_data_is_saved_before_it_is_printed_and_drawn(
 
 
 def test_ctrl_c_while_the_picture_is_drawn_leaves_the_data(
-    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: Capture
 ) -> None:
     def press(*_: object, **__: object) -> None:
         raise KeyboardInterrupt
@@ -400,7 +385,7 @@ def test_ctrl_c_while_the_picture_is_drawn_leaves_the_data(
 
 
 def test_a_second_ctrl_c_ends_a_command_without_a_file(
-    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: Capture
 ) -> None:
     def impatient(progress: rigid.Progress) -> None:
         os.kill(os.getpid(), signal.SIGINT)
@@ -417,7 +402,7 @@ def test_a_second_ctrl_c_ends_a_command_without_a_file(
 
 
 def test_sigterm_is_ctrl_c_once(
-    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: Capture
 ) -> None:
     """Some programs send it to a process and to its group: the second must not lose the map."""
 
@@ -443,7 +428,7 @@ def test_a_signal_while_the_data_is_saved_waits_for_it(
     code: int,
     folder: Path,
     monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
+    capsys: Capture,
 ) -> None:
     def pressed(data: MapData, path: Path) -> Path:
         os.kill(os.getpid(), number)
@@ -509,7 +494,7 @@ def test_a_full_disk_is_told_with_what_is_safe(
 
 
 def test_a_map_whose_folder_is_gone_is_saved_elsewhere(
-    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: Capture
 ) -> None:
     (folder / "there").mkdir()
     (folder / "spare").mkdir()
@@ -562,7 +547,7 @@ def test_the_module_is_the_command_too(folder: Path) -> None:
     assert done.stderr.startswith("rigid: no built-in map is called 'nothing'")
 
 
-def test_measures_are_told_and_drawn(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_measures_are_told_and_drawn(folder: Path, capsys: Capture) -> None:
     asked = ["map", "small.toml", "--set", 'run.measure=["flips", "time_to_leave"]']
     drawn = ["--what", "quantile 0.9 of flips", "--no-progress"]
     assert main([*asked, *drawn]) == 0
@@ -584,9 +569,7 @@ def test_measures_are_told_and_drawn(folder: Path, capsys: pytest.CaptureFixture
     assert facts["flips(2)"] == {"bodies": bodies, "mean": mean, "least": least, "largest": largest}
 
 
-def test_pictures_of_what_is_not_measured_are_refused(
-    folder: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_pictures_of_what_is_not_measured_are_refused(folder: Path, capsys: Capture) -> None:
     for what, message in (
         ("mean of flips", "what = 'mean of flips': 'flips' is not measured once (measured: none)"),
         ("flips", "what = 'flips': must be one of 'share', 'cost', 'exponent'"),
@@ -617,7 +600,7 @@ def test_pictures_of_what_is_not_measured_are_refused(
     ],
 )
 def test_a_missing_file_is_told_alike_by_all_commands(
-    arguments: list[str], folder: Path, capsys: pytest.CaptureFixture[str]
+    arguments: list[str], folder: Path, capsys: Capture
 ) -> None:
     said = fails(arguments, capsys)
     missing = next(name for name in arguments if name.startswith("smal."))
@@ -625,9 +608,7 @@ def test_a_missing_file_is_told_alike_by_all_commands(
     assert made(folder) == set()
 
 
-def test_a_map_that_is_not_computed_yet_is_computed_first(
-    folder: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_map_that_is_not_computed_yet_is_computed_first(folder: Path, capsys: Capture) -> None:
     said = fails(["explore", "thrown-box"], capsys)
     assert said.endswith("is a built-in map and no file; compute it: rigid map thrown-box")
     (folder / "thrown-box.npz").touch()
@@ -645,26 +626,24 @@ def test_a_map_that_is_not_computed_yet_is_computed_first(
     ],
 )
 def test_an_unknown_key_is_told_before_a_missing_one(
-    line: str, instead: str, told: str, folder: Path, capsys: pytest.CaptureFixture[str]
+    line: str, instead: str, told: str, folder: Path, capsys: Capture
 ) -> None:
     (folder / "small.toml").write_text(SPEC.replace(line, instead, 1))
     assert told in fails(["map", "small.toml"], capsys)
 
 
-def test_a_hint_precedes_a_long_list(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_hint_precedes_a_long_list(folder: Path, capsys: Capture) -> None:
     said = fails(["map", "small.toml", "--set", "y.name=nosie"], capsys)
     assert "[y] name = 'nosie': did you mean 'noise'? must be one of 'I1' to 'I3', " in said
 
 
-def test_the_unit_of_an_axis_is_told(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_unit_of_an_axis_is_told(folder: Path, capsys: Capture) -> None:
     said = fails(["map", "small.toml", "--set", 'y.from="1 rpm"'], capsys)
     assert "[y] from = '1 rpm': must be a real number in rad/s, written without the unit" in said
     assert "1 * rigid.units.rpm is 0.104719755" in said
 
 
-def test_a_map_is_checked_without_a_computation(
-    folder: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_map_is_checked_without_a_computation(folder: Path, capsys: Capture) -> None:
     """The plan is the map's, the bodies are those of three possible pixels in four."""
     assert main(["map", "small.toml", "--check"]) == 0
     shown = dict(line.split(maxsplit=1) for line in capsys.readouterr().out.splitlines())
@@ -684,9 +663,7 @@ def test_a_map_is_checked_without_a_computation(
     assert "--out = 'small.npz': exists; take" in fails(["map", "small.toml", "--check"], capsys)
 
 
-def test_a_check_tells_what_a_map_costs_at_most(
-    folder: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_check_tells_what_a_map_costs_at_most(folder: Path, capsys: Capture) -> None:
     method = ["--set", "run.method=rk4"]
     assert main(["map", "small.toml", "--check", "--threads", "1", *method]) == 0
     cost = re.search(r"cost +about (\S+) s on 1 free thread\n", capsys.readouterr().out)
@@ -700,9 +677,7 @@ def test_a_check_tells_what_a_map_costs_at_most(
     assert re.search(r"cost +at most \S+ s on 2 free threads", shown)
 
 
-def test_a_check_refuses_what_the_map_refuses(
-    folder: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_check_refuses_what_the_map_refuses(folder: Path, capsys: Capture) -> None:
     said = fails(["map", "small.toml", "--check", "--set", "run.t_end=-1"], capsys)
     assert "[run] t_end = -1.0: must be positive" in said
     said = fails(["map", "small.toml", "--check", "--part", "1/2"], capsys)
@@ -720,9 +695,7 @@ def test_a_check_refuses_what_the_map_refuses(
     assert not (folder / "new.rigid").exists()
 
 
-def test_a_check_of_a_part_is_of_its_bodies(
-    folder: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_check_of_a_part_is_of_its_bodies(folder: Path, capsys: Capture) -> None:
     bodies = 0
     for part in ("1/2", "2/2"):
         asked = ["--check", "--json", "--store", "new.rigid", "--part", part]
@@ -734,35 +707,31 @@ def test_a_check_of_a_part_is_of_its_bodies(
     assert made(folder) == set()
 
 
-def test_a_key_without_its_table_is_a_hint(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_key_without_its_table_is_a_hint(capsys: Capture) -> None:
     said = fails(["map", "thrown-box", "--set", "t_end=3", "--check"], capsys)
     assert said.endswith("thrown-box.toml: unknown key 't_end'; did you mean 'run.t_end'?")
 
 
-def test_samples_and_half_width_exclude_each_other(capsys: pytest.CaptureFixture[str]) -> None:
+def test_samples_and_half_width_exclude_each_other(capsys: Capture) -> None:
     said = fails(["map", "small.toml", "--samples", "5", "--half-width", "0.1"], capsys)
     assert said == "rigid: --samples, --half-width: give one of the two"
 
 
 @pytest.mark.parametrize("content", ["x=", SPEC.replace("[run]", "[runs]")])
-def test_an_invalid_file_is_not_shown(
-    content: str, folder: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_an_invalid_file_is_not_shown(content: str, folder: Path, capsys: Capture) -> None:
     (folder / "small.toml").write_text(content)
     assert fails(["map", "--show", "small.toml"], capsys).startswith("rigid: small.toml: ")
 
 
 @pytest.mark.filterwarnings("default")
-def test_a_warning_is_a_line_of_the_command(
-    folder: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_warning_is_a_line_of_the_command(folder: Path, capsys: Capture) -> None:
     box = SPEC.replace("moments = [1.0, 1.5, 2.0]", "box = [250, 80, 10]\nmass = 0.3")
     (folder / "small.toml").write_text(box.replace('"I1"', '"b"'))
     assert main(["map", "small.toml", "--check"]) == 0
     assert capsys.readouterr().err.startswith("rigid: warning: sides = (250, 80, 10), mass = 0.3: ")
 
 
-def test_help_lists_every_exit_code(capsys: pytest.CaptureFixture[str]) -> None:
+def test_help_lists_every_exit_code(capsys: Capture) -> None:
     with pytest.raises(SystemExit):
         main(["--help"])
     table = capsys.readouterr().out.partition("exit codes:\n")[2]

@@ -1,7 +1,5 @@
 """The commands of running maps: what they do, print and return."""
 
-from __future__ import annotations
-
 import errno
 import json
 import os
@@ -16,7 +14,7 @@ import numpy as np
 import pytest
 
 import rigid
-from processes import PATIENCE, environment, python_command
+from processes import PATIENCE, Capture, environment, python_command
 from rigid.cli import main
 from rigid.store.disk import Disk
 
@@ -59,7 +57,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-def test_a_map_is_stored_and_written(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_map_is_stored_and_written(capsys: Capture) -> None:
     assert main(["map", "small.toml", "--store", "run.rigid", QUIET]) == 0
     assert main(["map", "small.toml", "--out", "plain", QUIET]) == 0
     assert Path("small.npz").read_bytes() == Path("plain.npz").read_bytes()
@@ -69,7 +67,7 @@ def test_a_map_is_stored_and_written(capsys: pytest.CaptureFixture[str]) -> None
     assert len(list(Path("run.rigid/logs").iterdir())) == 1
 
 
-def test_parts_wait_for_each_other(capsys: pytest.CaptureFixture[str]) -> None:
+def test_parts_wait_for_each_other(capsys: Capture) -> None:
     assert main(["map", "small.toml", "--store", "run.rigid", "--part", "1/2", QUIET]) == 75
     told = capsys.readouterr().err
     assert re.fullmatch(
@@ -84,7 +82,7 @@ def test_parts_wait_for_each_other(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["diff", "run.npz", "small.npz"]) == 0
 
 
-def test_of_parts_that_end_together_one_writes_the_map(capsys: pytest.CaptureFixture[str]) -> None:
+def test_of_parts_that_end_together_one_writes_the_map(capsys: Capture) -> None:
     """Both find that nothing is missing."""
     for k in "12":
         main(["map", "small.toml", "--store", "run.rigid", "--part", f"{k}/2", QUIET, "--out", k])
@@ -101,9 +99,7 @@ def test_of_parts_that_end_together_one_writes_the_map(capsys: pytest.CaptureFix
     assert main(again) == 0
 
 
-def test_the_speed_is_that_of_what_this_command_computed(
-    capsys: pytest.CaptureFixture[str],
-) -> None:
+def test_the_speed_is_that_of_what_this_command_computed(capsys: Capture) -> None:
     main(["map", "small.toml", "--store", "run.rigid", "--part", "1/4", QUIET])
     capsys.readouterr()
     assert main(["resume", "run.rigid", QUIET]) == 0
@@ -117,14 +113,14 @@ def test_the_speed_is_that_of_what_this_command_computed(
     assert "speed       nothing was computed: all rows were stored" in capsys.readouterr().out
 
 
-def test_pieces_of_few_pixels_are_counted(capsys: pytest.CaptureFixture[str]) -> None:
+def test_pieces_of_few_pixels_are_counted(capsys: Capture) -> None:
     text = SPEC.replace("count = 12", "count = 2").replace("count = 8", "count = 2")
     Path("small.toml").write_text(text.replace("samples = 10", "samples = 3000"))
     assert main(["map", "small.toml", "--store", "run.rigid", "--part", "2/3", QUIET]) == 75
     assert "; 0 of 2 pixels (2 of 6 pieces) are stored; rigid" in capsys.readouterr().err
 
 
-def test_parts_are_merged(capsys: pytest.CaptureFixture[str]) -> None:
+def test_parts_are_merged(capsys: Capture) -> None:
     for k in "12":
         main(["map", "small.toml", "--store", f"{k}.rigid", "--part", f"{k}/2", QUIET])
     assert main(["merge", "2.rigid", "1.rigid", "--into", "all.rigid"]) == 0
@@ -133,7 +129,7 @@ def test_parts_are_merged(capsys: pytest.CaptureFixture[str]) -> None:
     assert rigid.load_map("all.npz").complete
 
 
-def test_a_packed_map_replaces_no_file_by_chance(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_packed_map_replaces_no_file_by_chance(capsys: Capture) -> None:
     main(["map", "small.toml", "--store", "run.rigid", QUIET])
     Path("notes.npz").write_text("precious")
     assert main(["pack", "run.rigid", "notes.npz"]) == 2
@@ -145,7 +141,7 @@ def test_a_packed_map_replaces_no_file_by_chance(capsys: pytest.CaptureFixture[s
     assert rigid.load_map("notes.npz").complete
 
 
-def test_an_option_of_another_command_is_no_hint(capsys: pytest.CaptureFixture[str]) -> None:
+def test_an_option_of_another_command_is_no_hint(capsys: Capture) -> None:
     with pytest.raises(SystemExit):
         main(["status", "run.rigid", "--json"])
     assert capsys.readouterr().err.endswith("--json: this command has no such option\n")
@@ -160,9 +156,7 @@ def damage_rows(folder: str) -> None:
     log.write_bytes(content)
 
 
-def test_an_unfinished_map_is_packed_only_if_that_is_asked_for(
-    capsys: pytest.CaptureFixture[str],
-) -> None:
+def test_an_unfinished_map_is_packed_only_if_that_is_asked_for(capsys: Capture) -> None:
     main(["map", "small.toml", "--store", "run.rigid", "--part", "1/4", QUIET])
     result = rigid.open_store("run.rigid").result()
     done, possible = (result.samples > 0).sum(), (result.status == 0).sum()
@@ -183,7 +177,7 @@ def test_an_unfinished_map_is_packed_only_if_that_is_asked_for(
     assert (loaded.complete, int(loaded.samples.sum())) == (False, done * 10)
 
 
-def test_a_damaged_map_is_no_finished_one(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_damaged_map_is_no_finished_one(capsys: Capture) -> None:
     main(["map", "small.toml", "--store", "run.rigid", QUIET])
     possible = int((rigid.load_map("small.npz").status == 0).sum())
     assert main(["status", "run.rigid"]) == 0
@@ -204,7 +198,7 @@ def test_a_damaged_map_is_no_finished_one(capsys: pytest.CaptureFixture[str]) ->
     assert main(["status", "run.rigid"]) == 1
 
 
-def test_the_status_is_told(capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_status_is_told(capsys: Capture) -> None:
     main(["map", "small.toml", "--store", "run.rigid", "--part", "1/2", QUIET])
     capsys.readouterr()
     assert main(["status", "run.rigid"]) == 0
@@ -215,7 +209,7 @@ def test_the_status_is_told(capsys: pytest.CaptureFixture[str]) -> None:
     )
 
 
-def test_numbers_are_verified(capsys: pytest.CaptureFixture[str]) -> None:
+def test_numbers_are_verified(capsys: Capture) -> None:
     main(["map", "small.toml", "--store", "run.rigid", QUIET])
     capsys.readouterr()
     assert main(["verify", "run.rigid", "--all"]) == 0
@@ -226,7 +220,7 @@ def test_numbers_are_verified(capsys: pytest.CaptureFixture[str]) -> None:
     assert "damage: " in capsys.readouterr().out
 
 
-def test_differences_are_told(capsys: pytest.CaptureFixture[str]) -> None:
+def test_differences_are_told(capsys: Capture) -> None:
     for seed in "56":
         main(["map", "small.toml", "--seed", seed, "--out", seed, QUIET])
     capsys.readouterr()
@@ -251,7 +245,7 @@ def test_a_file_asks_for_sequential_and_refined_maps() -> None:
     assert (spec.samples, spec.half_width) == (7, None)
 
 
-def test_a_budget_that_is_spent_is_no_interruption(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_budget_that_is_spent_is_no_interruption(capsys: Capture) -> None:
     text = SPEC.replace("samples = 10", "half_width = 0.1\nbudget = 1500")
     Path("small.toml").write_text(text)
     for store in ([], ["--store", "run.rigid", "--out", "stored"]):
@@ -282,7 +276,7 @@ def test_a_budget_that_is_spent_is_no_interruption(capsys: pytest.CaptureFixture
     ],
 )
 def test_requests_that_make_no_sense_are_refused(
-    capsys: pytest.CaptureFixture[str], edit: str, options: list[str], message: str
+    capsys: Capture, edit: str, options: list[str], message: str
 ) -> None:
     text = SPEC.replace("seed = 5", "") if edit == "seed" else f"{SPEC}{edit}\n"
     Path("small.toml").write_text(text)
@@ -290,7 +284,7 @@ def test_requests_that_make_no_sense_are_refused(
     assert message in capsys.readouterr().err
 
 
-def test_another_map_in_the_folder_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
+def test_another_map_in_the_folder_is_refused(capsys: Capture) -> None:
     main(["map", "small.toml", "--store", "run.rigid", QUIET])
     capsys.readouterr()
     assert main(["map", "small.toml", "--store", "run.rigid", "--seed", "6", "--force", QUIET]) == 2
@@ -302,9 +296,7 @@ def test_another_map_in_the_folder_is_refused(capsys: pytest.CaptureFixture[str]
     assert "elsewhere: there is no such file or folder" in capsys.readouterr().err
 
 
-def test_a_full_disk_is_resumed(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_full_disk_is_resumed(monkeypatch: pytest.MonkeyPatch, capsys: Capture) -> None:
     real, left = Disk.write, iter(range(3))
 
     def write(disk: Disk, descriptor: int, buffers: list[bytes]) -> int:
@@ -378,7 +370,7 @@ def test_signals_end_the_command_and_keep_what_is_computed(
 
 
 def test_progress_is_told_line_by_line_where_there_is_no_terminal(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    monkeypatch: pytest.MonkeyPatch, capsys: Capture
 ) -> None:
     monkeypatch.setattr("rigid._checks.progress.SECONDS_BETWEEN_LINES", 0.0)
     for part, code, who in (("1/2", 75, "part 1/2: "), (None, 0, "")):
@@ -395,7 +387,7 @@ def test_progress_is_told_line_by_line_where_there_is_no_terminal(
 
 
 def test_a_package_that_is_missing_is_named_in_a_line(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    capsys: Capture, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     main(["map", "small.toml", "--store", "run.rigid", QUIET])
     capsys.readouterr()
@@ -406,7 +398,7 @@ def test_a_package_that_is_missing_is_named_in_a_line(
     assert not Path("run.zarr").exists()
 
 
-def test_a_check_tells_what_this_call_would_compute(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_check_tells_what_this_call_would_compute(capsys: Capture) -> None:
     """Without other parts, and without what is stored; and how large the files become."""
     ask = ["map", "small.toml", "--store", "run.rigid", "--json"]
 
@@ -435,14 +427,14 @@ def test_a_check_tells_what_this_call_would_compute(capsys: pytest.CaptureFixtur
     assert rest["bytes"]["data"] >= Path("small.npz").stat().st_size > 0.5 * rest["bytes"]["data"]
 
 
-def test_a_check_tells_the_folder_too(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_check_tells_the_folder_too(capsys: Capture) -> None:
     assert main(["map", "small.toml", "--store", "run.rigid", "--check"]) == 0
     assert capsys.readouterr().out.endswith("would write small.npz, small.png, run.rigid\n")
     assert not Path("run.rigid").exists()
 
 
 def test_a_cluster_that_does_not_answer_is_a_wrong_call(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    capsys: Capture, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     distributed = pytest.importorskip("distributed")
 

@@ -1,7 +1,5 @@
 """``rigid section``: a picture and the points, from a built-in section or a file."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

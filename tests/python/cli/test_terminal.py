@@ -1,7 +1,5 @@
 """The command in a terminal: help, versions, templates, JSON, formats; no file is lost."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 
@@ -9,7 +7,7 @@ import pytest
 from test_command_line import SPEC
 
 import rigid
-from processes import PATIENCE
+from processes import PATIENCE, Capture
 from rigid._checks.progress import reporting
 from rigid.cli import main
 from rigid.cli.toml_table import names_of
@@ -23,7 +21,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-def refused(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> str:
+def refused(arguments: list[str], capsys: Capture) -> str:
     """The line on stderr of a command that is refused before any work."""
     assert main(arguments) == 2
     output, errors = capsys.readouterr()
@@ -32,14 +30,14 @@ def refused(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> str:
     return errors
 
 
-def test_the_version_is_that_of_the_library(capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_version_is_that_of_the_library(capsys: Capture) -> None:
     with pytest.raises(SystemExit) as stop:
         main(["--version"])
     assert stop.value.code == 0
     assert capsys.readouterr().out == f"rigid {rigid.__version__}\n"
 
 
-def test_the_bare_command_shows_help(capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_bare_command_shows_help(capsys: Capture) -> None:
     assert main([]) == 0
     output = capsys.readouterr().out
     assert output.startswith("usage: rigid")
@@ -47,9 +45,7 @@ def test_the_bare_command_shows_help(capsys: pytest.CaptureFixture[str]) -> None
 
 
 @pytest.mark.parametrize("command", ["map", "section", "report", "extremes", "validation", "new"])
-def test_help_has_examples_and_they_are_understood(
-    command: str, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_help_has_examples_and_they_are_understood(command: str, capsys: Capture) -> None:
     from rigid.cli.parser import make_parser
 
     with pytest.raises(SystemExit):
@@ -68,7 +64,7 @@ def test_help_has_examples_and_they_are_understood(
     [(kind, names_of(kind)) for kind in ("map", "section", "report")],
 )
 def test_a_specification_that_is_shown_or_new_can_be_computed(
-    command: str, names: list[str], folder: Path, capsys: pytest.CaptureFixture[str]
+    command: str, names: list[str], folder: Path, capsys: Capture
 ) -> None:
     for name in names:
         assert main([command, "--show", name]) == 0
@@ -80,9 +76,7 @@ def test_a_specification_that_is_shown_or_new_can_be_computed(
     assert (folder / f"my-{command}.toml").exists()
 
 
-def test_a_new_file_replaces_none_unless_told(
-    folder: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_new_file_replaces_none_unless_told(folder: Path, capsys: Capture) -> None:
     before = (folder / "small.toml").read_text()
     message = refused(["new", "map", "small.toml"], capsys)
     assert (
@@ -100,9 +94,7 @@ def test_a_new_file_replaces_none_unless_told(
 
 
 @pytest.mark.parametrize("suffix", [".npz", ".png"])
-def test_results_replace_no_file_unless_told(
-    suffix: str, folder: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_results_replace_no_file_unless_told(suffix: str, folder: Path, capsys: Capture) -> None:
     (folder / f"small{suffix}").write_bytes(b"mine")
     message = refused(["map", "small.toml", "--samples", "1"], capsys)
     assert f"--out = 'small{suffix}': exists; take another name, or replace the file" in message
@@ -144,18 +136,16 @@ def test_a_key_of_the_specification_is_set(folder: Path) -> None:
         ("run.t_end=1\nseed = 4", "[run] t_end = "),
     ],
 )
-def test_a_wrong_key_is_one_line(
-    change: str, told: str, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_wrong_key_is_one_line(change: str, told: str, capsys: Capture) -> None:
     assert told in refused(["map", "small.toml", "--set", change], capsys)
 
 
-def test_what_is_shown_is_not_changed(capsys: pytest.CaptureFixture[str]) -> None:
+def test_what_is_shown_is_not_changed(capsys: Capture) -> None:
     message = refused(["map", "--show", "thrown-box", "--set", "run.t_end=3"], capsys)
     assert "--show prints the file as it is" in message
 
 
-def test_json_tells_a_map(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_json_tells_a_map(folder: Path, capsys: Capture) -> None:
     assert main(["map", "small.toml", "--json"]) == 0
     facts = json.loads(capsys.readouterr().out)
     result = rigid.load_map(folder / facts["data"])
@@ -166,9 +156,7 @@ def test_json_tells_a_map(folder: Path, capsys: pytest.CaptureFixture[str]) -> N
     assert facts["complete"]
 
 
-def test_json_tells_lists_sections_reports_and_the_build(
-    folder: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_json_tells_lists_sections_reports_and_the_build(folder: Path, capsys: Capture) -> None:
     def told(*arguments: str) -> dict[str, object]:
         assert main([*arguments, "--json"]) == 0
         facts: dict[str, object] = json.loads(capsys.readouterr().out)
@@ -188,7 +176,7 @@ def test_json_tells_lists_sections_reports_and_the_build(
 
 
 def test_without_a_terminal_a_line_tells_the_progress_every_ten_seconds(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    monkeypatch: pytest.MonkeyPatch, capsys: Capture
 ) -> None:
     elapsed = 0
     monkeypatch.setattr("time.perf_counter", lambda: float(elapsed))

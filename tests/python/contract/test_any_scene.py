@@ -3,8 +3,6 @@
 And whatever is not valid: an error that names the argument.
 """
 
-from __future__ import annotations
-
 import os
 import re
 from collections.abc import Callable
@@ -179,6 +177,14 @@ def driven_scenes(draw: st.DrawFn) -> Scene:
     return rigid.FreeBody(scene.body, torque=torque, damping=damping)
 
 
+def check_status(run: rigid.Run) -> None:
+    if run.status in ARRIVED:
+        assert all(np.all(np.isfinite(present(array))) for array in (run.omega, run.attitude))
+    else:
+        status = rigid.Status
+        assert run.status in (status.STEP_LIMIT, status.NOT_FINITE, status.DRIFTED)
+
+
 DRIVERS = [m.name for m in METHODS if m.name in ("rk4", "dop853", "taylor12", "taylor16")]
 DRIVERS += ["splitting", "etd4", "midpoint"]
 
@@ -204,15 +210,7 @@ def test_under_torque_and_damping_the_status_is_true(
         if not re.match(r"step = .*unstable under damping", str(error)):
             raise
         return
-    states = [run.omega, run.attitude]
-    if run.status in ARRIVED:
-        assert all(np.all(np.isfinite(present(array))) for array in states)
-    else:
-        assert run.status in (
-            rigid.Status.STEP_LIMIT,
-            rigid.Status.NOT_FINITE,
-            rigid.Status.DRIFTED,
-        )
+    check_status(run)
 
 
 @st.composite
@@ -246,15 +244,7 @@ def test_of_satellites_the_status_is_true(
     run = rigid.simulate(
         scene, omega, attitude, method=method, max_steps=20_000, check=False, **options
     )
-    states = [run.omega, run.attitude]
-    if run.status in ARRIVED:
-        assert all(np.all(np.isfinite(present(array))) for array in states)
-    else:
-        assert run.status in (
-            rigid.Status.STEP_LIMIT,
-            rigid.Status.NOT_FINITE,
-            rigid.Status.DRIFTED,
-        )
+    check_status(run)
 
 
 # --- What is not valid ----------------------------------------------------------------------------

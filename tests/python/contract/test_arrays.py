@@ -1,7 +1,5 @@
 """Arrays pass the border of the core as they are, and Python goes on while bodies move."""
 
-from __future__ import annotations
-
 import signal
 import threading
 import time

@@ -1,7 +1,5 @@
 """Every refusal names the argument, its value and the rule; right values are taken in any dress."""
 
-from __future__ import annotations
-
 import functools
 import re
 from collections.abc import Callable
@@ -207,19 +205,6 @@ REFUSED: list[tuple[Any, ...]] = [
 
 
 test_refused = refuses(REFUSED)
-
-
-@pytest.mark.parametrize("value", ["0", "-1", "many", "1.5"])
-def test_refused_number_of_threads_of_the_environment(
-    value: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setenv("RIGID_NUM_THREADS", value)
-    with pytest.raises(ValueError) as caught:
-        run()()
-    assert (
-        str(caught.value) == f"RIGID_NUM_THREADS = '{value}': must be a whole number of at least 1"
-    )
-    assert run(threads=1)().status == rigid.Status.FINISHED
 
 
 @pytest.mark.parametrize("name", ["max_steps", "threads"])

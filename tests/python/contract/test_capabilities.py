@@ -1,7 +1,5 @@
 """The tables of capabilities and of errata name what is there: public names, and tests."""
 
-from __future__ import annotations
-
 import ast
 import re
 from functools import cache

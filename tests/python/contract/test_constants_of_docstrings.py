@@ -1,7 +1,5 @@
 """A number that a docstring repeats is the constant of the code."""
 
-from __future__ import annotations
-
 import inspect
 import re
 from pathlib import Path

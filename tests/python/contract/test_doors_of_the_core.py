@@ -1,7 +1,5 @@
 """The compiled module refuses what `rigid` never gives it: no panic, no half-done change."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any
 

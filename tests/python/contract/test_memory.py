@@ -1,7 +1,5 @@
 """What does not fit into memory is refused with its bytes, and the interpreter lives."""
 
-from __future__ import annotations
-
 import platform
 import shutil
 import sys

@@ -1,7 +1,5 @@
 """What notebooks, scripts and terminals show of results: pictures, tables, a short line."""
 
-from __future__ import annotations
-
 import base64
 import html
 import re
@@ -29,7 +27,6 @@ def small_map() -> rigid.StabilityMap:
         t_end=1.0,
         samples=10,
         rng=1,
-        progress=False,
     )
 
 

@@ -1,7 +1,5 @@
 """Numbers that leave the range of doubles are refused, and other objects than those meant."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

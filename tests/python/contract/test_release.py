@@ -1,7 +1,5 @@
 """One name to install and one version, wherever they are written."""
 
-from __future__ import annotations
-
 import ast
 import json
 import re

@@ -1,7 +1,5 @@
 """Directions and rotations with four decimals, or in single precision, are what they stand for."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

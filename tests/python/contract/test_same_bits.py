@@ -5,8 +5,6 @@ another order, on other threads and instruction sets, in other units, and after 
 left the processor in another mode.
 """
 
-from __future__ import annotations
-
 import hashlib
 import signal
 from collections.abc import Callable
@@ -158,7 +156,6 @@ MAP: dict[str, Any] = {
     "t_end": 20.0,
     "samples": 64,
     "rng": 2026,
-    "progress": False,
 }
 TENSOR = [[2.0, 0.1, 0.3], [0.1, 3.0, 0.2], [0.3, 0.2, 4.0]]
 COUNTS = np.arange(1, 4000)

@@ -1,7 +1,5 @@
 """Quantities with units become numbers in SI units at the door, or are refused in words."""
 
-from __future__ import annotations
-
 import warnings
 from collections.abc import Callable
 from typing import Any
@@ -11,6 +9,7 @@ import pint
 import pytest
 
 import rigid
+from refusals import refuses
 from rigid import solids, units
 from rigid._checks.quantities import UNITS
 from rigid.model.parameters import PARAMETERS
@@ -173,11 +172,7 @@ REFUSED: dict[str, tuple[Callable[[], object], str]] = {
 }
 
 
-@pytest.mark.parametrize("name", REFUSED)
-def test_a_quantity_of_another_kind_is_refused(name: str) -> None:
-    call, message = REFUSED[name]
-    with pytest.raises(ValueError, match=message):
-        call()
+test_a_quantity_of_another_kind_is_refused = refuses(REFUSED.values())
 
 
 def test_no_unit_is_lost_in_silence() -> None:

@@ -1,7 +1,5 @@
 """What a function does not know, it refuses: forces in a formula, pairs, tensors for moments."""
 
-from __future__ import annotations
-
 import inspect
 import re
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """Closed forms: random scenes solved in 400 bits and more, and laws that need no truth."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from typing import Any

@@ -1,7 +1,5 @@
 """Periods, flips, precession and nutation, against printed tables and the motion itself."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

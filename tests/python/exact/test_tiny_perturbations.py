@@ -1,7 +1,5 @@
 """Perturbations, limits and rates whose squares are outside the range of doubles."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

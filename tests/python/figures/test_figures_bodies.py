@@ -1,9 +1,5 @@
 """Free tops, heavy tops, boxes, springs and bearings under the figures."""
 
-from __future__ import annotations
-
-import runpy
-from io import BytesIO
 from pathlib import Path
 from typing import Any, cast
 
@@ -13,6 +9,7 @@ from matplotlib.colors import to_hex
 
 import rigid
 from figure_cases import artist, artists, data_of, drawn
+from refusals import refuses
 from rigid import figures, fixed_axis, free, rotations, springs
 from rigid.drawing import colours
 
@@ -310,8 +307,7 @@ def test_no_size_is_too_small_or_too_large_to_draw() -> None:
         drawn(figures.bearing_torque(scale * TILTED, 10.0))
 
 
-@pytest.mark.parametrize(
-    ("call", "error", "message"),
+test_what_cannot_be_drawn_is_refused = refuses(
     [
         (lambda: figures.free_top_omega((1, 2, 3), OMEGA), ValueError, "symmetr"),
         (lambda: figures.free_top_omega(OBLATE, [0, 0, 0]), ValueError, "has no axis"),
@@ -350,44 +346,5 @@ def test_no_size_is_too_small_or_too_large_to_draw() -> None:
         (lambda: figures.bearing_torque(TILTED, 0.0), ValueError, "omega = 0.0"),
         (lambda: figures.bearing_torque(np.eye(2), 1.0), ValueError, r"expected shape \(3, 3\)"),
         (lambda: figures.bearing_torque(np.diag([1, 1, 9]), 1.0), ValueError, "no body has"),
-    ],
+    ]
 )
-def test_what_cannot_be_drawn_is_refused(call: Any, error: type, message: str) -> None:
-    with pytest.raises(error, match=message):
-        call()
-
-
-@pytest.mark.parametrize(
-    "name",
-    [
-        "active_passive",
-        "bearing_torque",
-        "box",
-        "cones",
-        "coplanar_vectors",
-        "euler_steps",
-        "frames",
-        "free_top_omega",
-        "heavy_top",
-        "node_frame",
-        "rotating_body",
-        "spring_modes",
-        "unit_vector_change",
-    ],
-)
-def test_gallery(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The page draws its figure, says what it shows, and leaves nothing open."""
-    monkeypatch.setenv("MPLBACKEND", "Agg")
-    import matplotlib.pyplot as plt
-
-    plt.switch_backend("Agg")
-    shown: list[int] = []
-    monkeypatch.setattr(plt, "show", lambda: shown.extend(plt.get_fignums()))
-    (page,) = GALLERY.rglob(f"plot_{name}.py")
-    names = runpy.run_path(str(page))
-    for number in shown:
-        plt.figure(number).savefig(BytesIO(), format="png", dpi=40)
-    plt.close("all")
-    assert len(shown) >= 1
-    assert f"figures.{name}(" in page.read_text(encoding="utf-8")
-    assert str(names["__doc__"]).splitlines()[1].startswith("===")

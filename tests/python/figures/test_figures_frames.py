@@ -1,7 +1,5 @@
 """Frames and small turns under the figures: what is drawn is what the physics says."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
@@ -10,6 +8,7 @@ from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 
 from figure_cases import artist, artists, data_of, drawn, texts
+from refusals import refuses
 from rigid import figures, rotations
 from rigid.drawing import colours
 
@@ -296,8 +295,7 @@ def test_special_angles_draw_without_a_word(angle: float) -> None:
     drawn(figures.unit_vector_change(angle))
 
 
-@pytest.mark.parametrize(
-    ("call", "message"),
+test_what_cannot_be_drawn_is_refused = refuses(
     [
         (lambda: figures.frames([0, 1]), r"angles: expected shape \(3,\)"),
         (lambda: figures.frames([0, np.nan, 1]), r"angles\[1\] = nan: must be finite"),
@@ -320,8 +318,5 @@ def test_special_angles_draw_without_a_word(angle: float) -> None:
             lambda: figures.rotating_body([[1, 0, 0]], [0, 0, 1], sides=(1, 0, 1)),
             r"sides = \[1.0, 0.0, 1.0\]: must be positive",
         ),
-    ],
+    ]
 )
-def test_what_cannot_be_drawn_is_refused(call: Any, message: str) -> None:
-    with pytest.raises(ValueError, match=message):
-        call()

@@ -1,7 +1,5 @@
 """The numbers under the figures of free motions and of drift, and that the figures show them."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The numbers under the figures of heavy tops, and that the figures show them."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
@@ -28,6 +26,7 @@ from figure_cases import (
     texts,
 )
 from processes import python_process
+from refusals import refuses
 from rigid import figures, top
 
 Floats = NDArray[np.float64]
@@ -323,8 +322,7 @@ def test_the_picture_of_cycloids_carries_both_curves() -> None:
 # Refusals
 
 
-@pytest.mark.parametrize(
-    ("call", "error", "message"),
+test_what_cannot_be_drawn_is_refused = refuses(
     [
         (
             lambda: figures.cubic(ASYMMETRIC, [0, 0, 1]),
@@ -444,11 +442,8 @@ def test_the_picture_of_cycloids_carries_both_curves() -> None:
             ValueError,
             "has 3 panels, got 1 axes",
         ),
-    ],
+    ]
 )
-def test_what_cannot_be_drawn_is_refused(call: Any, error: Any, message: str) -> None:
-    with pytest.raises(error, match=message):
-        call()
 
 
 def test_without_matplotlib_it_is_said_what_is_missing() -> None:

@@ -3,11 +3,14 @@
 import runpy
 import sys
 from collections.abc import Callable
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+
+from rigid import figures
 
 pytest.importorskip("matplotlib")
 
@@ -91,3 +94,29 @@ def test_named_regions_of_satellites_are_what_they_are_named() -> None:
         largest, smallest = x < 1.0 and y < 1.0, x > 1.0 and y > 1.0
         # Lagrange: pitch has the largest moment; DeBra and Delp: the least.
         assert {"Lagrange": largest, "DeBra and Delp": smallest}.get(words, True), words
+
+
+# The pages of the gallery
+
+
+GALLERY = Path(__file__).parents[3] / "docs" / "gallery"
+
+
+@pytest.mark.parametrize("page", sorted(GALLERY.rglob("plot_*.py")), ids=lambda page: page.stem[5:])
+def test_gallery(page: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The page draws its figure, says what it shows, and leaves nothing open."""
+    monkeypatch.setenv("MPLBACKEND", "Agg")
+    import matplotlib.pyplot as plt
+
+    plt.switch_backend("Agg")
+    shown: list[int] = []
+    monkeypatch.setattr(plt, "show", lambda: shown.extend(plt.get_fignums()))
+    names = runpy.run_path(str(page))
+    for number in set(shown):
+        plt.figure(number).savefig(BytesIO(), format="png", dpi=40)
+    plt.close("all")
+    assert len(shown) >= 1
+    title, line = str(names["__doc__"]).splitlines()[:2]
+    assert line == "=" * len(title)
+    if (name := page.stem[5:]) in figures.__all__:
+        assert f"figures.{name}(" in page.read_text(encoding="utf-8")

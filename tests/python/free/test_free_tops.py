@@ -1,7 +1,5 @@
 """Free tops, symmetric and asymmetric, and their cones, against paths and printed numbers."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from numpy.typing import ArrayLike

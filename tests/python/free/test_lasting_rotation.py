@@ -4,8 +4,6 @@ The box is that of a lab report, 0.25 m x 0.08 m x 0.01 m, its first axis normal
 face; that report's numbers are compared where they are right, and shown to be wrong where not.
 """
 
-from __future__ import annotations
-
 from fractions import Fraction
 from itertools import permutations
 from typing import Any

@@ -1,7 +1,5 @@
 """Tumbling bodies by two periods: of an integration, of asteroids, and back to the state."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Tensors of inertia, energy and angular momentum, against sums over mass points."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Moments and tensors as people have them: rounded, in single precision, or of no body at all."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 import warnings
@@ -15,6 +13,7 @@ from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
 import rigid
+from map_texts import map_text
 from rigid import inertia, solids
 
 Floats = NDArray[np.float64]
@@ -171,24 +170,12 @@ def test_maps_of_moments_of_no_body(tmp_path: Path) -> None:
 
 
 def test_a_file_of_moments_of_no_body(tmp_path: Path) -> None:
-    text = """
-        [scene]
-        kind = "free-body"
-        moments = [8, 4, 0.4]
-        physical = false
-        [start]
-        omega = [0, 1, 0]
-        [x]
-        name = "omega2"
-        values = [1.0, 2.0]
-        [stable]
-        criterion = "no_flip"
-        axis = 2
-        [run]
-        t_end = 5.0
-        samples = 64
-        seed = 1
-    """
+    text = map_text(
+        scene='kind = "free-body"\nmoments = [8, 4, 0.4]\nphysical = false',
+        start="omega = [0, 1, 0]",
+        x='name = "omega2"\nvalues = [1.0, 2.0]',
+        stable='criterion = "no_flip"\naxis = 2',
+    )
     (tmp_path / "map.toml").write_text(text)
     run = subprocess.run(
         [sys.executable, "-m", "rigid", "map", "map.toml", "--check"],

@@ -1,7 +1,5 @@
 """Principal axes and moments, and the kinds of bodies that the moments tell."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Numbers of the literature, each beside the number of the library."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """Verdicts of maps in closed form, sample by sample against those of fine steps."""
 
-from __future__ import annotations
-
 import dataclasses
 import math
 from typing import Any
@@ -10,12 +8,11 @@ import numpy as np
 import pytest
 
 import rigid
+from criteria_truth import job_of
 from random_scenes import Scenes, free, tops
 from rigid import _core
 from rigid.cli.toml_map import read_spec
 from rigid.cli.toml_table import names_of
-from rigid.maps.axes import make_axes
-from rigid.maps.core_request import CoreRequest, CoreStarts
 from rigid.maps.data import CLASSES
 from rigid.maps.job import to_core
 from rigid.maps.judge import UNDECIDED
@@ -40,33 +37,15 @@ class Verdicts:
 def judged(
     scenes: Scenes, criterion: str, axis: int, limit: float, method: str, t_end: float = HORIZON
 ) -> Verdicts:
-    n = len(scenes)
-    starts = CoreStarts(
-        omega=scenes.omega,
-        omega_noise="none",
-        omega_size=np.zeros((n, 3)),
-        attitude=scenes.attitude,
-        attitude_noise="none",
-        attitude_size=np.zeros((n, 3)),
-    )
-    request = CoreRequest(
-        scene=scenes.kind,
+    job = job_of(
+        scenes,
         method=method,
-        moments=scenes.moments,
-        weight=scenes.weight,
-        starts=[starts],
         conditions=[(criterion, axis, [] if criterion == "no_flip" else [limit])],
         logic="0",
-        measures=[],
         t_end=t_end,
         step=STEP,
-        max_steps=10**7,
-        samples=1,
-        checked=1,
-        seed=0,
     )
-    job = _core.MapJob(request)
-    counted = job.run(0, n, 2)
+    counted = job.run(0, len(scenes), 2)
     assert counted is not None
     assert not counted["failed"].any()
     names = ("stable", "undecided", "exact", "steps", "earliest")

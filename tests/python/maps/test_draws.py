@@ -1,7 +1,5 @@
 """The random starts: NumPy's Philox gives every draw again, each law is what it is called."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 from typing import Any
 
@@ -12,7 +10,7 @@ from scipy import stats
 from scipy.spatial.transform import Rotation
 
 import rigid
-from drawn_again import EPS, box_muller, turn
+from drawn_again import EPS, box_muller, turn, uniforms
 from rigid import _core
 from rigid.maps.core_request import CoreRequest, CoreStarts
 from small_maps import Floats, small_map
@@ -64,22 +62,6 @@ def drawn(what: str, samples: int = SAMPLES, **options: Any) -> Floats:
     return found[what == "attitude"].reshape(PIXELS, samples, -1)
 
 
-def uniforms(block: int, seed: int) -> NDArray[np.longdouble]:
-    """The four uniforms of each sample from NumPy, shape (pixels, samples, 4)."""
-    return np.array(
-        [
-            [
-                np.random.Generator(
-                    np.random.Philox(key=seed, counter=[block, sample, pixel, 0])
-                ).random(4)
-                for sample in range(SAMPLES)
-            ]
-            for pixel in range(PIXELS)
-        ],
-        dtype=np.longdouble,
-    )
-
-
 def isotropic(u: NDArray[np.longdouble]) -> NDArray[np.longdouble]:
     """A unit vector from two of the uniforms (Archimedes: its height is uniform)."""
     z = 2.0 * u[..., 0] - 1.0
@@ -108,7 +90,7 @@ def rounded_once(size: Floats, deviate: Floats, nominal: Floats) -> Floats:
 @pytest.mark.parametrize("seed", SEEDS)
 def test_uniform_rates_are_those_of_numpy_to_the_bit(seed: int) -> None:
     # 2 u - 1 is exact for a uniform of 53 bits, so the one rounding of the fma is all there is.
-    deviates = (2.0 * uniforms(RATES, seed)[..., :3] - 1.0).astype(np.float64)
+    deviates = (2.0 * uniforms(seed, RATES, PIXELS, SAMPLES)[..., :3] - 1.0).astype(np.float64)
     expected = rounded_once(OMEGA_SIZE[:, None], deviates, OMEGA[:, None])
     np.testing.assert_array_equal(drawn("omega", rates="uniform", seed=seed), expected)
 
@@ -119,7 +101,7 @@ def test_rates_follow_numpy(law: str, seed: int) -> None:
     # In the core: the logarithm is within 1 ulp, halved by the root, which rounds by 1/2; sine or
     # cosine 1; their product 1/2: a deviate is good to 2.5 ulp, 2.5 eps. The fma adds half an ulp
     # of the sum. Where longdouble is no wider than double the reference adds as much again.
-    deviates = LAWS[law](uniforms(RATES, seed))
+    deviates = LAWS[law](uniforms(seed, RATES, PIXELS, SAMPLES))
     expected = OMEGA[:, None] + OMEGA_SIZE[:, None] * deviates
     allowed = 5.0 * EPS * (OMEGA_SIZE[:, None] * abs(deviates)) + 0.5 * EPS * abs(expected)
     error = abs(drawn("omega", rates=law, seed=seed) - expected)
@@ -131,7 +113,7 @@ def test_rates_follow_numpy(law: str, seed: int) -> None:
 def test_attitudes_are_turned_by_a_rotation_vector_on_the_body_side(law: str, seed: int) -> None:
     # The vectors are good to 2.5 eps, at most 1.5 * 4 long, and enter by half their angle: 7.5 eps.
     # Sine and cosine, and four products a component, add 3 on either side.
-    vectors = ATTITUDE_SIZE[:, None, None] * LAWS[law](uniforms(ATTITUDE, seed))
+    vectors = ATTITUDE_SIZE[:, None, None] * LAWS[law](uniforms(seed, ATTITUDE, PIXELS, SAMPLES))
     nominal = Rotation.from_quat(np.repeat(NOMINAL.as_quat(), SAMPLES, axis=0))
     turned = nominal * Rotation.from_rotvec(vectors.astype(np.float64).reshape(-1, 3))
     expected = turned.as_quat(scalar_first=True).reshape(PIXELS, SAMPLES, 4)
@@ -144,7 +126,7 @@ def test_attitudes_are_turned_by_a_rotation_vector_on_the_body_side(law: str, se
 @pytest.mark.parametrize("seed", SEEDS)
 def test_uniform_attitudes_are_those_of_shoemake(seed: int) -> None:
     # Root, sine or cosine, and their product: 2 ulp; as much for the reference.
-    u = uniforms(ATTITUDE, seed)
+    u = uniforms(seed, ATTITUDE, PIXELS, SAMPLES)
     a, b = np.sqrt(1.0 - u[..., 0]), np.sqrt(u[..., 0])
     first, second = turn(u[..., 1]), turn(u[..., 2])
     expected = [a * np.sin(first), a * np.cos(first), b * np.sin(second), b * np.cos(second)]

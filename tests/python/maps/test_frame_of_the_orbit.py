@@ -1,10 +1,6 @@
 """Questions about satellites in the frame of their orbit: pointing, libration, ratios, axes."""
 
-from __future__ import annotations
-
-import hashlib
 import math
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,10 +8,10 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import rigid
+from map_texts import FREE, TABLES, map_text
 from planar_moons import MOMENTS, Floats, planar
-from processes import python_process
 from rigid.rotations import quaternion_to_matrix
-from small_maps import saved_bytes, small_map
+from small_maps import small_map
 
 
 def in_plane(
@@ -129,52 +125,6 @@ def test_pointing_is_that_of_a_fine_motion(of: str, axis: int, either: bool) -> 
 
 
 ORBIT = rigid.Orbit(0.7, 0.2, 1.1, normal=(0.0, 0.6, 0.8))
-WHEELS = [0.0, 0.1]
-
-
-def wheel(wheel: Floats) -> rigid.FreeBody:
-    """The scene with a rotor in each pixel, in some of no momentum."""
-    rotor = np.stack([0.0 * wheel, wheel, 0.0 * wheel], axis=-1)
-    return rigid.FreeBody(rigid.Body(MOMENTS), orbit=ORBIT, rotor=rotor)
-
-
-def pointing_bytes(folder: Path, **options: Any) -> list[bytes]:
-    """Files of two maps of pointing, with rotors on an axis or by a function."""
-    start = rigid.Start(omega=(0.1, 0.2, 0.7), attitude_noise=rigid.uniform_attitude())
-    files = []
-    for scene, name in (
-        (rigid.FreeBody(rigid.Body(MOMENTS), orbit=ORBIT), "rotor2"),
-        (wheel, "wheel"),
-    ):
-        result = small_map(
-            scene,
-            axes={"eccentricity": [0.0, 0.1, 0.4], name: WHEELS},
-            start=start,
-            stable=rigid.pointing_within(1.4, 1, "along", either=True),
-            measure=[rigid.libration_amplitude(), rigid.obliquity(), rigid.spin_orbit_ratio()],
-            samples=12,
-            t_end=3.0,
-            method="auto",
-            **options,
-        )
-        assert result.stable.sum() > 5
-        assert result.unstable.sum() > 5
-        # A rotor without momentum is integrated like its neighbours.
-        assert (result.energy_drift < 1e-6).all()
-        files.append(saved_bytes(result, folder))
-    return files
-
-
-def test_pointing_has_the_same_bits_on_every_machine(tmp_path: Path) -> None:
-    expected = pointing_bytes(tmp_path)
-    assert pointing_bytes(tmp_path, threads=3) == expected
-    code = (
-        "import hashlib, sys; from pathlib import Path; import test_frame_of_the_orbit as t; "
-        "print(*(hashlib.sha256(one).hexdigest() for one in t.pointing_bytes(Path(sys.argv[1]))))"
-    )
-    digests = [hashlib.sha256(one).hexdigest() for one in expected]
-    for isa in rigid.build_info()["isa_available"]:
-        assert python_process(code, str(tmp_path), RIGID_ISA=isa).stdout.split() == digests
 
 
 def test_the_vertical_of_a_satellite_is_the_normal_of_its_orbit() -> None:
@@ -290,25 +240,13 @@ def test_the_criterion_goes_through_files_and_toml() -> None:
     from rigid.cli.toml_map import parse_spec
     from rigid.maps.spec import MapSpec
 
-    text = """
-        [scene]
-        kind = "free-body"
-        moments = [1.0, 1.3, 1.6]
-        orbit = { rate = 1.0, eccentricity = 0.1 }
-        [x]
-        name = "eccentricity"
-        values = [0.0, 0.1]
-        [start]
-        omega = [0.0, 0.0, 1.2]
-        [stable]
-        criterion = "pointing_within"
-        angle = 1.5
-        either = true
-        [run]
-        t_end = 20.0
-        samples = 1
-        measure = ["libration_amplitude", { name = "obliquity", axis = 3 }]
-    """
+    text = map_text(
+        scene=f"{FREE}\norbit = {{ rate = 1.0, eccentricity = 0.1 }}",
+        x='name = "eccentricity"\nvalues = [0.0, 0.1]',
+        stable='criterion = "pointing_within"\nangle = 1.5\neither = true',
+        run=f"""{TABLES["run"]}
+            measure = ["libration_amplitude", {{ name = "obliquity", axis = 3 }}]""",
+    )
     spec = parse_spec(text, "x.toml")
     assert spec.stable == rigid.pointing_within(1.5, 1, either=True)
     assert [str(one) for one in spec.measure] == ["libration_amplitude(1)", "obliquity(3)"]

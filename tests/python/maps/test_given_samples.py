@@ -1,17 +1,15 @@
 """Starts from a list: each body takes the entry that NumPy's numbers tell."""
 
-from __future__ import annotations
-
-import re
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
 import rigid
+from drawn_again import uniforms
+from refusals import refuses
 from rigid.rotations.quaternions import quaternion_product
-from small_maps import Floats, assert_same_map, in_blocks, small_map
+from small_maps import Floats, small_map
 
 TOP = rigid.HeavyTop(rigid.Body((1.0, 1.3, 0.7)), mgl=1.0)
 SEED = 2**64 + 5
@@ -40,14 +38,8 @@ def tops(given: rigid.Samples, samples: int = 50, **options: Any) -> rigid.Stabi
 
 def indices(shares: Floats, samples: int) -> np.ndarray[Any, Any]:
     """The entry of each body, shape (2, samples), from the uniforms of NumPy."""
-    uniforms = [
-        [
-            np.random.Generator(np.random.Philox(key=SEED, counter=[0, s, p, 0])).random()
-            for s in range(samples)
-        ]
-        for p in range(2)
-    ]
-    return np.searchsorted(shares, uniforms, side="right")
+    first = uniforms(SEED, 0, 2, samples)[..., 0]
+    return np.searchsorted(shares, first, side="right")
 
 
 @pytest.mark.parametrize("weights", [None, [1.0, 0.0, 3.0, 0.5, 0.0, 2.0, 0.0]])
@@ -112,32 +104,7 @@ def test_bodies_of_one_energy_are_stable_as_each_is_alone() -> None:
     assert 0 < result.stable.item() < 30
 
 
-def test_rates_alone_perturb_free_bodies() -> None:
-    omega, _ = listed()
-    given = rigid.samples(1e-2 * omega)
-    start = rigid.Start(spin=1.0, axis=2, noise=given)
-    result = small_map(axes={"I2/I1": [1.2, 1.5]}, start=start)
-    assert "rates + 7 given samples" in result.summary()
-    assert result.theory() is None
-    with in_blocks(1):
-        assert_same_map(small_map(axes={"I2/I1": [1.2, 1.5]}, start=start, threads=2), result)
-
-
-def test_given_samples_are_saved_replayed_and_stored(tmp_path: Path) -> None:
-    given = rigid.samples(*listed(), weights=np.arange(COUNT))
-    whole = tops(given)
-    loaded = rigid.load_map(whole.save(tmp_path / "map.npz"))
-    assert loaded.spec == whole.spec
-    assert loaded.spec.start.starts[0].noise == given
-    body, starts = loaded.replay(1, 9), whole.starts(range(10))
-    assert body.omega.tolist() == starts.omega[1, 9].tolist()
-    assert body.attitude.tolist() == starts.attitude[1, 9].tolist()
-    assert_same_map(tops(given, store=tmp_path / "run"), whole)
-    assert rigid.open_store(tmp_path / "run").verify(1.0).ok
-
-
-@pytest.mark.parametrize(
-    ("call", "message"),
+test_samples_that_do_not_fit = refuses(
     [
         (lambda: rigid.samples(), "samples() needs omega, attitude or both"),
         (lambda: rigid.samples([1.0, 2.0, 3.0]), "omega: expected shape (n, 3), got (3,)"),
@@ -182,10 +149,8 @@ def test_given_samples_are_saved_replayed_and_stored(tmp_path: Path) -> None:
             "the start has given samples, which have no size",
         ),
     ],
+    literal=True,
 )
-def test_samples_that_do_not_fit(call: Any, message: str) -> None:
-    with pytest.raises(ValueError, match=re.escape(message)):
-        call()
 
 
 def test_whether_in_order_is_yes_or_no() -> None:

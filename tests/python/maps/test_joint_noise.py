@@ -1,18 +1,17 @@
 """Normal noise with a covariance: the draws are NumPy's, and have the covariance."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
-import pytest
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 import rigid
-from drawn_again import EPS, box_muller
+from drawn_again import EPS, box_muller, uniforms
+from map_texts import FREE, map_text
+from refusals import refuses
 from rigid.cli.toml_map import parse_spec
-from small_maps import Floats, assert_same_map, in_blocks, small_map
+from small_maps import Floats, small_map
 
 TOP = rigid.HeavyTop(rigid.Body((1.0, 1.3, 0.7)), mgl=1.0)
 SEED = 2**64 + 5
@@ -45,14 +44,7 @@ def tops(samples: int = 40, **start: Any) -> rigid.StabilityMap:
 
 def normals(block: int, samples: int) -> NDArray[np.longdouble]:
     """Three standard normals of each body, shape (2, samples, 3), from NumPy."""
-    uniforms = [
-        [
-            np.random.Generator(np.random.Philox(key=SEED, counter=[block, s, p, 0])).random(4)
-            for s in range(samples)
-        ]
-        for p in range(2)
-    ]
-    return box_muller(np.array(uniforms, dtype=np.longdouble))
+    return box_muller(uniforms(SEED, block, 2, samples))
 
 
 def turns(attitude: Floats) -> Floats:
@@ -87,9 +79,7 @@ def test_rates_and_attitude_hang_together() -> None:
     np.testing.assert_allclose(
         turns(starts.attitude.reshape(-1, 4)), expected[..., 3:].reshape(-1, 3), atol=64.0 * EPS
     )
-    body = result.replay(1, 7)
-    assert body.omega.tolist() == starts.omega[1, 7].tolist()
-    assert body.attitude.tolist() == starts.attitude[1, 7].tolist()
+    assert result.theory() is None
 
 
 def test_the_sample_covariance_is_that_of_the_law() -> None:
@@ -118,39 +108,17 @@ def test_a_covariance_may_have_directions_without_noise() -> None:
     assert np.std(deviates @ along) > 1e-3
 
 
-def test_a_map_with_a_covariance_is_the_same_for_any_threads_and_blocks() -> None:
-    start = rigid.Start(spin=3.0, noise=rigid.normal(cov=BOTH))
-    options: dict[str, Any] = {"axes": {"spin": [1.0, 3.0]}, "stable": rigid.tilt_below(0.6)}
-    whole = small_map(TOP, start=start, **options)
-    with in_blocks(1):
-        assert_same_map(small_map(TOP, start=start, threads=2, **options), whole)
-    assert rigid.MapSpec.from_json(whole.spec.to_json()) == whole.spec
-    assert "rates + normal(cov 6 x 6)" in whole.summary()
-    assert whole.theory() is None
-
-
 def test_tables_say_a_covariance() -> None:
-    text = """
-[scene]
-kind = "free-body"
-moments = [1, 1.3, 0.7]
-[x]
-name = "spin"
-values = [1, 2]
-[start]
-noise = { kind = "normal", cov = [[1, 0, 0], [0, 2, 1], [0, 1, 4]] }
-[stable]
-criterion = "no_flip"
-[run]
-samples = 3
-t_end = 1
-"""
+    text = map_text(
+        scene=FREE,
+        start='noise = { kind = "normal", cov = [[1, 0, 0], [0, 2, 1], [0, 1, 4]] }',
+        stable='criterion = "no_flip"',
+    )
     noise = rigid.normal(cov=[[1, 0, 0], [0, 2, 1], [0, 1, 4]])
     assert parse_spec(text, "a.toml").start.starts[0].noise == noise
 
 
-@pytest.mark.parametrize(
-    ("cov", "message"),
+test_matrices_that_are_no_covariance = refuses(
     [
         (np.eye(2), "cov: expected shape (3, 3) or (6, 6), got (2, 2)"),
         (np.full((3, 3), np.nan), "cov[0, 0] = nan: must be finite"),
@@ -160,15 +128,12 @@ t_end = 1
         (-np.eye(3), "cov: must be positive semi-definite"),
         (None, "size, cov: give one of the two to normal()"),
     ],
+    literal=True,
+    by=lambda cov: rigid.normal(cov=cov),
 )
-def test_matrices_that_are_no_covariance(cov: Any, message: str) -> None:
-    with pytest.raises(ValueError, match="cov") as caught:
-        rigid.normal(cov=cov)
-    assert message in str(caught.value)
 
 
-@pytest.mark.parametrize(
-    ("call", "message"),
+test_covariances_that_do_not_fit = refuses(
     [
         (
             lambda: rigid.Noise("uniform", cov=((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))),
@@ -197,8 +162,5 @@ def test_matrices_that_are_no_covariance(cov: Any, message: str) -> None:
             "the noise of the start has a covariance; give it a size",
         ),
     ],
+    literal=True,
 )
-def test_covariances_that_do_not_fit(call: Any, message: str) -> None:
-    with pytest.raises(ValueError, match=r"cov|already") as caught:
-        call()
-    assert message in str(caught.value)

@@ -1,7 +1,5 @@
 """Which bodies of a map the second method classifies again, and that no wrong class is kept."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

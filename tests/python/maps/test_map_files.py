@@ -25,97 +25,30 @@ from rigid import _core
 from rigid._checks.arguments import MESSAGE
 from rigid.maps.data import STORED
 from rigid.maps.file import file_size
-from rigid.store.call import run_map
 from small_maps import NAMED, assert_same_map, in_blocks, saved_bytes, small_map
 
-IMPOSSIBLE_TOO = {"I1": np.linspace(0.4, 3.6, 5), "noise": [0.01, 0.1]}
-START = rigid.Start(spin=1.0, axis=2, noise=rigid.normal(0.0))
-
-#: Requests with every kind of scene, start, criterion and option.
-REQUESTS: dict[str, dict[str, Any]] = {
-    "free": {"axes": IMPOSSIBLE_TOO, "start": START, "title": "A title, with Ümläüts"},
-    "box": {
-        "scene": rigid.FreeBody(rigid.Body.box(0.25, 0.08, 0.01, mass=0.3)),
-        "axes": {"b": [0.1, 0.05]},
-        "start": rigid.Start(omega=(0.1, 1.0, 0.1), noise=rigid.normal([0.1, 0.2, 0.0])),
-        "stable": rigid.no_flip(2),
-        "method": "splitting",
-        "step": 0.1,
-        "rng": 2**128 - 1,
-    },
-    "top": {
-        # Dividing this direction by its length again would change its last digit.
-        "scene": rigid.HeavyTop(
-            rigid.Body((1.0, 1.1, 0.5)),
-            mgl=1 / 3,
-            com=(-0.4392637023877839, 0.22738247619184124, -0.8691056375869641),
-        ),
-        "axes": {"spin": [2.0, 1e-3], "tilt": [0.1]},
-        "start": rigid.Start(
-            spin=1.0, noise=rigid.uniform(0.1), attitude_noise=rigid.uniform_attitude()
-        ),
-        "stable": rigid.tilt_below(1.0, axis=-3),
-        "check": 0.5,
-        "max_steps": 12345,
-        "samples": 5,
-    },
-    "tilt": {
-        "axes": {"tilt": [0.1, 0.2]},
-        "start": rigid.Start(spin=1.0, noise=rigid.direction(0.1)),
-        "stable": rigid.tilt_below(0.3, axis=1),
-        "samples": 3,
-    },
+FREE: dict[str, Any] = {
+    "axes": {"I1": np.linspace(0.4, 3.6, 5), "noise": [0.01, 0.1]},  # the ends are impossible
+    "start": rigid.Start(spin=1.0, axis=2, noise=rigid.normal(0.0)),
 }
-
-
-@pytest.fixture(scope="module", params=REQUESTS)
-def result(request: pytest.FixtureRequest) -> rigid.StabilityMap:
-    return small_map(**REQUESTS[request.param])
 
 
 @pytest.fixture
 def arrays(tmp_path: Path) -> Iterator[dict[str, Any]]:
     """What a good file holds."""
-    with np.load(small_map(**REQUESTS["free"]).save(tmp_path / "good.npz")) as file:
+    with np.load(small_map(**FREE).save(tmp_path / "good.npz")) as file:
         yield dict(file)
 
 
 # Round trips
 
 
-def test_specifications_round_trip_through_json(result: rigid.StabilityMap) -> None:
-    spec = result.spec
-    assert rigid.MapSpec.from_json(spec.to_json()) == spec
-    assert rigid.MapSpec.from_json(spec.to_json()).to_json() == spec.to_json()
-    assert rigid.MapSpec.from_dict(spec.to_dict()) == spec
-    assert hash(rigid.MapSpec.from_dict(spec.to_dict())) == hash(spec)
-    assert json.loads(spec.to_json())["seed"] == spec.seed
-
-
-def test_a_specification_is_frozen_and_tells_what_differs(result: rigid.StabilityMap) -> None:
-    spec = result.spec
+def test_a_specification_is_frozen_and_tells_what_differs() -> None:
+    spec = small_map().spec
     with pytest.raises(dataclasses.FrozenInstanceError):
         spec.samples = 1  # type: ignore[misc]
     for change in ({"seed": 5}, {"samples": 7}, {"t_end": 1.0}, {"check": 0.125}, {"step": 0.5}):
         assert dataclasses.replace(spec, **change) != spec
-
-
-def test_the_same_specification_gives_the_same_map(result: rigid.StabilityMap) -> None:
-    spec = rigid.MapSpec.from_json(result.spec.to_json())
-    assert_same_map(run_map(spec, progress=False), result)
-
-
-def test_a_loaded_map_equals_the_saved_one(result: rigid.StabilityMap, tmp_path: Path) -> None:
-    path = result.save(tmp_path / "map.npz")
-    assert path == tmp_path / "map.npz"
-    loaded = rigid.load_map(path)
-    assert loaded.spec == result.spec
-    assert_same_map(loaded, result)
-    assert loaded.complete == result.complete
-    assert loaded.summary() == result.summary()
-    for pixel in np.flatnonzero(result.status == 0)[:1]:
-        mine, theirs = (one.replay(int(pixel), 1) for one in (result, loaded))
-        assert mine.run.omega.tobytes() == theirs.run.omega.tobytes()
 
 
 def test_measurements_of_the_machine_are_not_saved(tmp_path: Path) -> None:
@@ -131,16 +64,6 @@ def test_measurements_of_the_machine_are_not_saved(tmp_path: Path) -> None:
         text = file["spec.json"].tobytes().decode()
     for word in ("nanoseconds", "elapsed", "threads", "isa", "hostname"):
         assert f'"{word}"' not in text
-
-
-def test_equal_maps_are_equal_bytes(result: rigid.StabilityMap, tmp_path: Path) -> None:
-    first = saved_bytes(result, tmp_path)
-    assert rigid.load_map(tmp_path / "map.npz").save(tmp_path / "b.npz").read_bytes() == first
-    with in_blocks(4):
-        again = run_map(result.spec, threads=3, progress=False)
-    assert saved_bytes(again, tmp_path) == first
-    other = dataclasses.replace(result.spec, seed=result.spec.seed ^ 1)
-    assert saved_bytes(run_map(other, progress=False), tmp_path) != first
 
 
 def test_the_file_has_no_date_and_is_not_compressed(tmp_path: Path) -> None:
@@ -161,13 +84,14 @@ def test_no_scratch_file_is_left(tmp_path: Path) -> None:
     assert sorted(path.name for path in tmp_path.iterdir()) == ["map.npz"]
 
 
-def test_any_program_can_read_the_data(result: rigid.StabilityMap, tmp_path: Path) -> None:
+def test_any_program_can_read_the_data(tmp_path: Path) -> None:
+    result = small_map()
     with np.load(result.save(tmp_path / "map.npz"), allow_pickle=False) as file:
         for name in ("stable", "share", "status", "earliest"):
             np.testing.assert_array_equal(file[name], getattr(result, name))
         header = json.loads(file["spec.json"].tobytes())
         np.testing.assert_array_equal(file["x"], result.spec.axes[0].values)
-        assert ("y" in file.files) == (len(result.spec.axes) == 2)
+        np.testing.assert_array_equal(file["y"], result.spec.axes[1].values)
     assert header["format"] == "rigid stability map"
     assert header["spec"] == json.loads(result.spec.to_json())
 
@@ -253,8 +177,11 @@ def flips(places: Iterable[int], whole: bytes, path: Path) -> Iterator[Path]:
 
 
 def test_a_flipped_bit_is_refused_wherever_it_is(tmp_path: Path) -> None:
-    whole = saved_bytes(small_map(samples=3), tmp_path)
-    for damaged in flips(range(len(whole)), whole, tmp_path / "flipped.npz"):
+    # One digest is of all bytes: some of each array, and all of what follows the last one.
+    whole = saved_bytes(small_map(samples=1, axes={"spin": [1.0]}), tmp_path)
+    directory = whole.index(b"PK\x01\x02")
+    places = [*range(0, directory, 16), *range(directory, len(whole))]
+    for damaged in flips(places, whole, tmp_path / "flipped.npz"):
         refused(damaged)
 
 
@@ -360,7 +287,7 @@ def test_arrays_of_another_shape_or_type_are_refused(
 def test_arrays_of_the_other_byte_order_are_read(arrays: dict[str, Any], tmp_path: Path) -> None:
     swapped = {name: array.astype(array.dtype.newbyteorder(">")) for name, array in arrays.items()}
     np.savez(tmp_path / "big.npz", **swapped)
-    assert_same_map(rigid.load_map(tmp_path / "big.npz"), small_map(**REQUESTS["free"]))
+    assert_same_map(rigid.load_map(tmp_path / "big.npz"), small_map(**FREE))
 
 
 # Files that want to take memory, time or trust
@@ -678,7 +605,7 @@ def test_a_map_survives_a_pickle(damped: bool) -> None:
 
 
 def test_status_flags_say_what_they_mean() -> None:
-    dataset = small_map(**REQUESTS["free"]).to_xarray()
+    dataset = small_map(**FREE).to_xarray()
     meanings = dataset["status"].attrs["flag_meanings"].split()
     assert meanings == ["possible", "not_finite", "not_positive", "triangle_inequality_broken"]
     assert dataset["status"].attrs["flag_values"] == [0, 1, 2, 3]

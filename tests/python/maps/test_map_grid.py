@@ -1,7 +1,5 @@
 """The grid: what each axis sets, how arrays are laid out, and bodies that cannot exist."""
 
-from __future__ import annotations
-
 import math
 import re
 from pathlib import Path

@@ -1,7 +1,5 @@
 """What a map says of itself: intervals cover as they say, and wrong verdicts are caught."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
@@ -80,7 +78,6 @@ def test_reasons_of_failure_sum_up() -> None:
         samples=3,
         t_end=100.0,
         rng=1,
-        progress=False,
     )
     assert result.drifted.tolist() == [0, 3, 0]
     assert result.not_finite.tolist() == [0, 0, 3]
@@ -94,7 +91,6 @@ def test_reasons_of_failure_sum_up() -> None:
         t_end=10.0,
         max_steps=1000,
         rng=1,
-        progress=False,
     )
     assert limited.step_limit.tolist() == [0, 2]
     for one in (result, limited):
@@ -112,7 +108,6 @@ def test_intervals_of_neighbouring_pixels_cover_their_common_share() -> None:
         samples=samples,
         t_end=30.0,
         rng=11,
-        progress=False,
     )
     # Hardly anything depends on the spin within 1e-3: the mean of all pixels is the truth.
     probability = result.stable.sum() / result.samples.sum()
@@ -141,7 +136,6 @@ def test_a_pair_of_flips_inside_a_long_step_is_seen(method: str) -> None:
         "samples": 1,
         "check": 0.0,
         "rng": 1,
-        "progress": False,
     }
     top = rigid.HeavyTop(rigid.Body((1.0, 1.6, 0.7)), mgl=1.2, com=(0.6, 0.0, 0.8))
     fine = rigid.stability_map(top, method="rk4", step=2e-3, **options)

@@ -1,7 +1,5 @@
 """Ctrl-C while a map runs keeps what there is, and ends the program unless it asked to go on."""
 
-from __future__ import annotations
-
 import os
 import pickle
 import signal

@@ -1,7 +1,5 @@
 """The 95 % interval of a share: published values, its two tails, and how often it covers."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.special import betaincinv

@@ -1,7 +1,5 @@
 """Memory of a map: that of its pixels, whatever the number of bodies or their horizon."""
 
-from __future__ import annotations
-
 import sys
 from typing import Any
 

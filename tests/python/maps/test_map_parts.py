@@ -1,7 +1,5 @@
 """A body has the same bits in the whole map, in a part of its grid and in a batch of samples."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

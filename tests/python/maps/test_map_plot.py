@@ -1,7 +1,5 @@
 """The picture of a map: what is drawn is what was computed, where it belongs, and named."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import matplotlib as mpl
@@ -398,7 +396,6 @@ def test_a_plane_one_pixel_high_is_drawn_without_curves() -> None:
         t_end=5.0,
         stable=rigid.tilt_below(0.5),
         rng=1,
-        progress=False,
     )
     assert len(result.plot().collections) == 1
 

@@ -1,7 +1,5 @@
 """While a map runs: progress, silent when asked to be, and blocks of a third of a second."""
 
-from __future__ import annotations
-
 import subprocess
 
 import numpy as np

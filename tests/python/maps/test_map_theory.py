@@ -1,7 +1,5 @@
 """Where theory knows the answer: predictions against closed forms, and maps against predictions."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from typing import Any

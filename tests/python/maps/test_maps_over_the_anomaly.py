@@ -1,7 +1,5 @@
 """Maps on an orbit alone, in steps of its eccentric anomaly, against short steps in the time."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,19 +1,19 @@
 """Mixtures of starts: which start a body takes, and that nothing else depends on the others."""
 
-from __future__ import annotations
-
 import math
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
 import rigid
+from drawn_again import uniforms
+from map_texts import map_text
+from refusals import refuses
 from rigid.cli.toml_map import parse_spec
 from rigid.cli.toml_table import SpecError
 from rigid.maps.plan import map_plan
-from small_maps import in_blocks, saved_bytes, small_map
+from small_maps import small_map
 
 TOP = rigid.HeavyTop(rigid.Body((1.0, 1.2, 0.7)), mgl=1.0)
 QUIET = rigid.Start(spin=3.0, attitude_noise=rigid.normal(0.1))
@@ -38,7 +38,6 @@ def of(start: Any, **options: Any) -> rigid.StabilityMap:
         "stable": rigid.tilt_below(0.8),
         "rng": 77,
         "check": 0.0,
-        "progress": False,
     }
     return rigid.stability_map(TOP, start=start, **{**chosen, **options})
 
@@ -49,15 +48,7 @@ def test_each_body_begins_as_in_a_map_of_its_start_alone() -> None:
     alone = [of(start).starts(range(SAMPLES)) for start in MIXED.starts]
     shares = MIXED.shares()
     assert shares[-1] == 1.0
-    for pixel in range(3):
-        u = np.array(
-            [
-                np.random.Generator(
-                    np.random.Philox(key=77, counter=[2, sample, pixel, 0])
-                ).random()
-                for sample in range(SAMPLES)
-            ]
-        )
+    for pixel, u in enumerate(uniforms(77, 2, 3, SAMPLES)[..., 0]):
         taken = np.searchsorted(shares, u, side="right")
         for number, one in enumerate(alone):
             mine = taken == number
@@ -71,27 +62,6 @@ def test_each_body_begins_as_in_a_map_of_its_start_alone() -> None:
                 )
 
 
-def test_numbers_do_not_depend_on_threads_blocks_and_stores(tmp_path: Path) -> None:
-    asked: dict[str, Any] = {"samples": 130, "t_end": 5.0, "measure": rigid.flips(3)}
-    quiet = of(MIXED, **asked)
-    expected = saved_bytes(quiet, tmp_path)
-    for threads, units in ((1, 1), (2, 3)):
-        with in_blocks(units):
-            result = of(MIXED, threads=threads, **asked)
-        assert saved_bytes(result, tmp_path) == expected
-    assert saved_bytes(of(MIXED, store=tmp_path / "run", **asked), tmp_path) == expected
-    loaded = rigid.load_map(tmp_path / "map.npz")
-    assert loaded.spec == quiet.spec
-    bodies = loaded.outcomes(range(130))
-    np.testing.assert_array_equal((bodies.outcome == "stable").sum(axis=1), quiet.stable)
-    for sample in range(0, 130, 31):
-        body = loaded.replay(1, sample)
-        assert body.outcome == bodies.outcome[1, sample]
-        assert (body.omega == quiet.starts(sample).omega[1]).all()
-    assert quiet.theory() is None
-    assert "0.4 of the bodies: spin 3 rad/s about axis 3" in quiet.summary()
-
-
 def test_judged_bodies_and_horizons_of_a_mixture() -> None:
     def rises(states: rigid.States) -> Any:
         assert states.gamma is not None
@@ -103,6 +73,7 @@ def test_judged_bodies_and_horizons_of_a_mixture() -> None:
     result = of(MIXED, stable=rigid.judged(rises, t), **asked)
     single = of(MIXED, stable=rigid.judged(rises, t[:2]), **{**asked, "axes": {"mgl": [0.5, 1.0]}})
     np.testing.assert_array_equal(result.stable[0], single.stable)
+    assert of(MIXED, samples=1).theory() is None
 
 
 def test_an_axis_sets_its_number_in_every_start() -> None:
@@ -121,27 +92,12 @@ def test_an_axis_sets_its_number_in_every_start() -> None:
     assert steps[1] > 5.0 * steps[0]
 
 
-TOML = """
-[scene]
-kind = "heavy-top"
-moments = [1, 1, 0.5]
-mgl = 1
-[x]
-name = "mgl"
-values = [1.0, 2.0]
-[[start]]
-spin = 2.0
-weight = 3
-[[start]]
-spin = 1.0
-attitude_noise = { kind = "normal", size = 0.1 }
-[stable]
-criterion = "tilt_below"
-angle = 1.0
-[run]
-t_end = 1.0
-samples = 2
-"""
+START = "weight = 3\nspin = 2.0"
+TOML = map_text(x='name = "mgl"\nvalues = [1.0, 2.0]', start=START).replace(
+    f"[start]\n{START}",
+    f"[[start]]\n{START}\n[[start]]\nspin = 1.0\n"
+    'attitude_noise = { kind = "normal", size = 0.1 }',
+)
 
 
 def test_a_mixture_is_said_in_toml() -> None:
@@ -162,8 +118,7 @@ def test_a_mixture_is_said_in_toml() -> None:
         )
 
 
-@pytest.mark.parametrize(
-    ("make", "kind", "message"),
+test_bad_input_is_named = refuses(
     [
         (lambda: rigid.mixture([QUIET]), ValueError, "starts: 1 are given, must be 2 to 16"),
         (lambda: rigid.mixture([QUIET] * 17), ValueError, "starts: 17 are given, must be 2 to 16"),
@@ -196,8 +151,5 @@ def test_a_mixture_is_said_in_toml() -> None:
             "stable: the starts of the mixture turn about different axes; give axis=...",
         ),
         (lambda: of(3), TypeError, "start = 3: must be a rigid.Start, or a mixture"),
-    ],
+    ]
 )
-def test_bad_input_is_named(make: Any, kind: type[Exception], message: str) -> None:
-    with pytest.raises(kind, match=message):
-        make()

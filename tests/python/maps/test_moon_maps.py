@@ -1,7 +1,5 @@
 """Maps of moons on eccentric orbits, and the lines where their rotation is in resonance."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any
 
@@ -133,7 +131,6 @@ def test_a_spin_between_the_edges_of_a_resonance_librates_and_one_outside_does_n
         t_end=t_end,
         check=0.0,
         rng=1,
-        progress=False,
     )
     off = np.abs(result.measures["spin_orbit_ratio(3)"].mean[1] - p)
     # Within an oscillation of pi to either side of the middle.

@@ -1,8 +1,5 @@
 """Scenes by a function of own parameters: the maps of the same numbers, files, replay, refusals."""
 
-from __future__ import annotations
-
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +7,7 @@ import numpy as np
 import pytest
 
 import rigid
+from refusals import refuses
 from small_maps import NAMED, Floats, assert_same_map, small_map
 
 LENGTHS, MASSES = [0.5, 1.0, 1.5], [0.8, 1.2]
@@ -130,8 +128,7 @@ def test_functions_without_a_file_are_told_apart_too() -> None:
         specs[0].with_functions(scene=names["two"])
 
 
-@pytest.mark.parametrize(
-    ("function", "kind", "message"),
+test_functions_that_make_no_scene = refuses(
     [
         (lambda a, b: None, ValueError, "axes: the function '<lambda>' needs an axis 'b'"),
         (lambda **kinds: None, ValueError, "must name its arguments, without **"),
@@ -152,13 +149,9 @@ def test_functions_without_a_file_are_told_apart_too() -> None:
             "torque: maps take a constant torque or a function, not a table",
         ),
     ],
+    literal=True,
+    by=lambda function: small_map(function, axes={"a": [1.0, 2.0]}, samples=1),
 )
-def test_functions_that_make_no_scene(
-    function: Callable[..., Any], kind: type[Exception], message: str
-) -> None:
-    with pytest.raises(kind) as caught:
-        small_map(function, axes={"a": [1.0, 2.0]}, samples=1)
-    assert message in str(caught.value)
 
 
 def test_an_axis_of_the_function_cannot_be_left_out() -> None:

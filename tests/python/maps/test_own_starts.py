@@ -1,7 +1,5 @@
 """Maps over starts that a function gives, over semi-axes, rotors and energy sinks."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

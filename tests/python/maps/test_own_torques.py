@@ -3,8 +3,6 @@
 Damping and a torque in space have built-in twins, which a Taylor series classifies.
 """
 
-from __future__ import annotations
-
 import ctypes
 import signal
 from concurrent.futures import ProcessPoolExecutor
@@ -68,7 +66,7 @@ ASKED: dict[str, Any] = {
     "t_end": 8.0,
     "samples": 6,
     "rng": 5,
-    "threads": 2,
+    "threads": 1,  # two would wait for each other in Python
 }
 CLASSES = ("stable", "unstable", "undecided", "failed")
 
@@ -166,14 +164,15 @@ def test_a_time_of_leaving_is_right_to_a_thousandth_or_undecided() -> None:
         torque = rigid.Torque.call(thruster, size[:, np.newaxis], fastest=0.3)
         return rigid.FreeBody(BODY, torque=torque)
 
-    spins = np.linspace(0.04, 0.1, 4)
+    spins = np.linspace(0.03, 0.06, 4)
     size, slow = 1.2e-3, 0.01
     asked: dict[str, Any] = {
         "axes": {"size": [size], "spin": spins},
         "start": rigid.Start(spin=0.1, axis=3),
         "stable": rigid.spin_above(slow),
         "measure": [rigid.time_to_leave(), rigid.mean_rate(3)],
-        "t_end": 2000.0,
+        "threads": 1,
+        "t_end": 600.0,  # the last body leaves at 553 s
         "samples": 1,
     }
     # The thruster must act for so long: whole firings, and a part of the last one.
@@ -252,7 +251,7 @@ def test_a_body_that_begins_without_the_watched_rate_gets_its_sign_from_the_func
 
 def test_the_numbers_of_a_map_do_not_depend_on_threads_or_blocks() -> None:
     asked = {**ASKED, "stable": rigid.no_flip(axis=1)}
-    one = rigid.stability_map(damped_by_a_function, **{**asked, "threads": 1})
+    one = rigid.stability_map(damped_by_a_function, **{**asked, "threads": 2})
     assert rigid.diff(one, rigid.stability_map(damped_by_a_function, **asked)).same
 
 

@@ -1,7 +1,5 @@
 """Refined maps: which pixels are omitted, and that the others are those of the full map."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Maps of satellites: the way to the flat spin, and stable attitudes on an orbit."""
 
-from __future__ import annotations
-
 import dataclasses
 from statistics import NormalDist
 from typing import Any
@@ -32,7 +30,6 @@ def coarse(name: str, every: int, samples: int) -> rigid.StabilityMap:
         samples=samples,
         t_end=spec.t_end,
         rng=spec.seed,
-        progress=False,
     )
 
 
@@ -143,36 +140,6 @@ def test_half_of_the_nutations_are_larger_than_the_median(
     assert abs((energy > median**2 * weights.max()).mean() - 0.5) < 1.0 / number
 
 
-def test_a_satellite_map_is_replayed_to_the_bit() -> None:
-    scene = rigid.FreeBody(
-        rigid.Body((1.0, 1.6, 2.0)),
-        orbit=rigid.Orbit(0.3, 0.2),
-        rotor=(0.1, 0.0, 0.2),
-        dissipation=rigid.EnergySink(0.05),
-    )
-    result = rigid.stability_map(
-        scene,
-        axes={"spin": [0.5, 1.0], "I1": [0.8, 1.2]},
-        start=rigid.Start(
-            spin=1.0, axis=2, noise=rigid.normal(1e-2), attitude_noise=rigid.normal(1e-2)
-        ),
-        stable=rigid.no_flip(2),
-        samples=6,
-        t_end=30.0,
-        rng=3,
-        check=0.5,
-        progress=False,
-    )
-    assert result.plan.method in [
-        method.name for method in rigid.methods() if "rotor" in method.forces
-    ]
-    assert not result.failed.any()
-    outcomes = [result.replay(pixel=(1, 1), sample=sample).outcome for sample in range(6)]
-    for name in ("stable", "unstable", "undecided"):
-        assert outcomes.count(name) == getattr(result, name)[1, 1]
-    assert result.theory() is None
-
-
 def test_methods_that_integrate_no_rotor_are_refused_in_maps() -> None:
     scene = rigid.FreeBody(rigid.Body((1.0, 1.6, 2.0)), rotor=(0.1, 0.0, 0.2))
     asked: Any = {"axes": {"spin": [0.5, 1.0]}, "samples": 2, "t_end": 10.0, "progress": False}
@@ -202,7 +169,6 @@ def test_the_vertical_of_a_satellite_is_the_normal_of_its_orbit(
                 samples=3,
                 measure=rigid.largest_tilt(axis=k + 1, reference="vertical"),
                 rng=1,
-                progress=False,
                 method=method,
             )
         )
@@ -232,7 +198,6 @@ def test_an_orbit_alone_moves_bodies_as_beside_another_force(
             samples=64,
             check=0.0,
             method=by,
-            progress=False,
             rng=1,
         )
         for rotor, by in ((None, method), ((1e-300, 0.0, 0.0), "dop853"))
@@ -260,7 +225,6 @@ def test_lines_of_a_flat_spin_are_not_those_of_a_body_on_an_orbit() -> None:
             samples=2,
             t_end=50.0,
             rng=1,
-            progress=False,
         ).theory()
 
     assert predicted() is not None

@@ -1,13 +1,12 @@
 """Sequential maps: the rule, its exact coverage, and the samples that it takes."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
 import pytest
 
 import rigid
+from refusals import refuses
 from rigid.maps.data import MapData
 from rigid.maps.sequential import stop_table
 from small_maps import assert_same_map, small_map, spec_of
@@ -139,12 +138,6 @@ def test_every_pixel_has_the_bodies_of_a_map_of_fixed_samples(
         np.testing.assert_array_equal(fixed.undecided[these], sequential.undecided[these])
 
 
-def test_bodies_of_sequential_maps_are_replayed(sequential: rigid.StabilityMap) -> None:
-    pixel = tuple(int(i) for i in np.argwhere(sequential.samples == sequential.samples.max())[0])
-    for sample in (0, 63, 64, int(sequential.samples.max()) - 1):
-        assert sequential.replay(pixel, sample).outcome in ("stable", "unstable", "undecided")
-
-
 def test_a_smaller_width_goes_on_with_the_same_samples(
     options: dict[str, Any], sequential: rigid.StabilityMap
 ) -> None:
@@ -164,15 +157,7 @@ def test_order_parts_and_threads_change_no_byte(
     assert_same_map(result, sequential)
 
 
-def test_sequential_maps_are_saved_and_read(sequential: rigid.StabilityMap, tmp_path: Any) -> None:
-    loaded = rigid.load_map(sequential.save(tmp_path / "map.npz"))
-    assert_same_map(loaded, sequential)
-    assert loaded.spec == sequential.spec
-    assert "64 to 512 per pixel" in loaded.summary()
-
-
-@pytest.mark.parametrize(
-    ("options", "error", "message"),
+test_options_are_checked = refuses(
     [
         ({"samples": 5, "half_width": 0.1}, TypeError, "samples, half_width: give one of the two"),
         ({"samples": None}, TypeError, "samples, half_width: give one of the two"),
@@ -181,10 +166,8 @@ def test_sequential_maps_are_saved_and_read(sequential: rigid.StabilityMap, tmp_
         ({"refine": 1}, ValueError, "refine = 1: must be at least 2"),
         ({"budget": 0}, ValueError, "budget = 0: must be at least 1"),
     ],
+    by=lambda options: small_map(**options),
 )
-def test_options_are_checked(options: dict[str, Any], error: type[Exception], message: str) -> None:
-    with pytest.raises(error, match=message):
-        small_map(**options)
 
 
 def test_a_specification_has_the_samples_of_its_last_look() -> None:

@@ -1,9 +1,7 @@
 """Starts of a given attitude: what a torque in space does to them, noise, files, refusals."""
 
-from __future__ import annotations
-
 import math
-from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,9 +9,11 @@ from scipy.spatial.transform import Rotation
 from scipy.stats import norm
 
 import rigid
+from map_texts import FREE, map_text
 from physics import rotation_matrix
 from rigid.cli.toml_map import parse_spec
-from small_maps import assert_same_map, small_map
+from rigid.model.start import Noise
+from small_maps import small_map
 
 TORQUE, SPIN, HORIZON = 1.0, 0.002, 0.04
 SPHERE = rigid.FreeBody(rigid.Body((1.0, 1.0, 1.0)), torque=rigid.Torque.space((TORQUE, 0.0, 0.0)))
@@ -83,33 +83,18 @@ def test_a_leaning_top_is_one_whose_attitude_is_given(axis: int) -> None:
     np.testing.assert_array_equal(one.stable, other.stable)
 
 
-def test_the_attitude_goes_through_files_and_toml(tmp_path: Path) -> None:
+def test_the_attitude_goes_through_toml() -> None:
     attitude = (0.5, -0.5, 0.5, -0.5)
     start = rigid.Start(spin=SPIN, attitude=(1.0, -1.0, 1.0, -1.0))
     assert start.attitude == attitude
     assert rigid.Start.from_dict(start.to_dict()) == start
     assert "attitude=(0.5, -0.5, 0.5, -0.5)" in repr(start)
     assert "attitude" not in rigid.Start(spin=1.0).to_dict()
-    result = small_map(SPHERE, axes={"spin": [SPIN]}, start=start, stable=rigid.no_flip(3))
-    assert "attitude (0.5, -0.5, 0.5, -0.5)" in result.summary()
-    assert_same_map(rigid.load_map(result.save(tmp_path / "map.npz")), result)
-    text = """
-        [scene]
-        kind = "free-body"
-        moments = [1.0, 1.0, 1.0]
-        torque_in_space = [1.0, 0.0, 0.0]
-        [x]
-        name = "spin"
-        values = [0.002]
-        [start]
-        attitude = [0.5, -0.5, 0.5, -0.5]
-        [stable]
-        criterion = "no_flip"
-        axis = 3
-        [run]
-        t_end = 20.0
-        samples = 1
-    """
+    text = map_text(
+        scene=f"{FREE}\ntorque_in_space = [1.0, 0.0, 0.0]",
+        start="attitude = [0.5, -0.5, 0.5, -0.5]",
+        stable='criterion = "no_flip"\naxis = 3',
+    )
     assert parse_spec(text, "x.toml").start == rigid.Start(spin=0.0, attitude=attitude)
 
 
@@ -130,3 +115,64 @@ def test_a_file_gives_back_the_same_start_to_the_bit() -> None:
     for attitude in rng.normal(size=(300, 4)):
         start = rigid.Start(omega=(0.0, 0.1, 1.0), attitude=attitude)
         assert rigid.Start.from_dict(start.to_dict()) == start
+
+
+# Attitude noise of free bodies: a torque in space makes the attitude matter, nothing else does
+
+
+def sphere_map(noise: Noise, **options: Any) -> rigid.StabilityMap:
+    given: dict[str, Any] = {
+        "axes": {"spin": [SPIN]},
+        "start": rigid.Start(spin=SPIN, axis=3, attitude_noise=noise),
+        "stable": rigid.no_flip(3),
+        "t_end": HORIZON,
+        "samples": 20_000,
+        "check": 0.0,
+    }
+    return small_map(SPHERE, **{**given, **options})
+
+
+def test_a_torque_in_space_stops_the_spin_of_bodies_that_point_against_it() -> None:
+    """A sphere hardly turns meanwhile: its rate about axis 3 is spin + torque cos(angle) t.
+
+    From any attitude the cosine is uniform in [-1, 1], so the rate changes its sign with a chance
+    of (1 - spin / (torque t)) / 2. The body turns by 1e-3 rad until then: the share is that exact.
+    """
+    result = sphere_map(rigid.uniform_attitude())
+    chance = 0.5 * (1.0 - SPIN / (TORQUE * HORIZON))
+    spread = math.sqrt(chance * (1.0 - chance) / result.spec.samples)
+    assert 1.0 - result.share[0] == pytest.approx(chance, abs=4.0 * spread + 1e-3)
+    for sample in range(60):
+        body = result.replay(0, sample)
+        cosine = rotation_matrix(body.attitude)[0, 2]
+        turned = -SPIN / (TORQUE * cosine)  # the time of the sign change
+        assert (body.outcome == "unstable") == (0.0 < turned < HORIZON)
+        if body.outcome == "unstable":
+            assert body.left == pytest.approx(turned, rel=2e-3)
+        # The trajectory of the start that was drawn tells the same.
+        assert (body.run.omega[:, 2].min() < 0.0) == (body.outcome == "unstable")
+
+
+def test_the_size_of_the_attitude_noise_is_an_axis_of_a_map() -> None:
+    """A small rotation tilts axis 3 to or from the torque by a normal angle of that size."""
+    sizes = np.array([0.0, 0.025, 0.05, 0.1])
+    result = sphere_map(rigid.normal(0.0), axes={"attitude_noise": sizes})
+    ratio = np.divide(SPIN / (TORQUE * HORIZON), sizes, out=np.full(4, np.inf), where=sizes > 0.0)
+    chance = norm.cdf(-ratio)
+    spread = np.sqrt(chance * (1.0 - chance) / result.spec.samples)
+    # Terms of second order in the size, 0.1 at most, change a normal angle by half its square.
+    np.testing.assert_array_less(abs(1.0 - result.share - chance), 4.0 * spread + 5e-3)
+    assert result.share[0] == 1.0
+
+
+def test_without_a_torque_in_space_the_noise_would_change_nothing() -> None:
+    start = rigid.Start(spin=1.0, attitude_noise=rigid.normal(0.1))
+    body = rigid.Body((1.0, 1.5, 2.0))
+    for scene in (
+        rigid.FreeBody(body),
+        rigid.FreeBody(body, damping=0.1),
+        rigid.FreeBody(body, torque=rigid.Torque.body((0.3, 0.0, 0.0))),
+        rigid.FreeBody(body, torque=rigid.Torque.space((0.0, 0.0, 0.0))),
+    ):
+        with pytest.raises(ValueError, match="without a torque in space has no effect"):
+            small_map(scene, start=start, axes={"spin": [1.0]})

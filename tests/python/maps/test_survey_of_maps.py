@@ -3,8 +3,6 @@
 ``tests/long/survey_maps.py`` takes some hundred times as many.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 
 import pytest

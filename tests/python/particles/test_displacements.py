@@ -1,7 +1,5 @@
 """Displacements and velocities of clouds that move as one body."""
 
-from __future__ import annotations
-
 from itertools import combinations
 
 import numpy as np

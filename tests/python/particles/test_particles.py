@@ -1,7 +1,5 @@
 """Clouds of particles: sums and conditions."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

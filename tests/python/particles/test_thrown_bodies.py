@@ -1,7 +1,5 @@
 """Thrown bodies: the path of the centre of mass, and the rotation."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

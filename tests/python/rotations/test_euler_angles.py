@@ -1,7 +1,5 @@
 """Euler angles and their rates, against printed formulas and differences in time."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

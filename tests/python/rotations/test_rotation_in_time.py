@@ -1,7 +1,5 @@
 """Angular velocities of attitudes in time, and attitudes that follow angular velocities."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp

@@ -1,7 +1,5 @@
 """Rotations made from each other, against SciPy, matrix exponentials and printed formulas."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Random starts of one energy and one angular momentum about the vertical, on a section."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

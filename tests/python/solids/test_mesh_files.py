@@ -1,7 +1,5 @@
 """Bodies from files of closed meshes, against closed forms of the solids."""
 
-from __future__ import annotations
-
 import struct
 import sys
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Mass properties of solids, densities and meshes, each by a way that shares no code."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from math import pi
 

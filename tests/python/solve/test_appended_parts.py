@@ -1,7 +1,5 @@
 """Parts of many bodies as Datasets that are appended: each body keeps its numbers."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 from typing import Any

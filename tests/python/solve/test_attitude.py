@@ -1,7 +1,5 @@
 """The attitude: a unit quaternion, scalar first, active, body to space."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation

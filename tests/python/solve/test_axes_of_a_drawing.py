@@ -1,7 +1,5 @@
 """Motions in body axes that are not principal axes, against Euler's equations of a full tensor."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

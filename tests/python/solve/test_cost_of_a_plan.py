@@ -1,7 +1,5 @@
 """The cost of a plan is measured on some of the bodies, in a given time. No test asserts a time."""
 
-from __future__ import annotations
-
 import dataclasses
 from collections.abc import Callable
 from typing import Any

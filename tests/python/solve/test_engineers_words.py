@@ -1,7 +1,5 @@
 """Tops from mass and centre of mass, bodies as scenes: what an engineer has at hand."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

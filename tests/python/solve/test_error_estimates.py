@@ -1,7 +1,5 @@
 """The estimated error is at least the error; an accuracy is met, refused or flagged."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

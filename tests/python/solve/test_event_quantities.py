@@ -5,8 +5,6 @@ library. A quantity that keeps its sign between thousands of times, but for pair
 two of them, crosses its value only where the signs differ.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Events of runs against closed forms: all of them, to the error that is stated, and no other."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """Bodies that something moves from rest, slows to rest, or hardly touches at all."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
@@ -68,7 +66,6 @@ def test_entering_a_side_under_a_torque_is_no_flip(sign: float) -> None:
             t_end=0.5,
             samples=2,
             rng=1,
-            progress=False,
         )
         assert result.share.tolist() == [1.0, 1.0]
 
@@ -120,7 +117,6 @@ def test_the_map_layer_knows_of_damping_that_differs_by_pixel() -> None:
         t_end=10.0,
         samples=2,
         rng=3,
-        progress=False,
     )
     body = result.replay(1, 0, t=[0.0])
     damped = rigid.HeavyTop(top.body, mgl=1.0, damping=(0.0, 0.0, 5.0))

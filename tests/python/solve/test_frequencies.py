@@ -1,7 +1,5 @@
 """Frequencies of signals and of motions, against sums of lines and closed forms."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

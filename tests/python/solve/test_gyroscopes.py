@@ -1,7 +1,5 @@
 """Fits over many turns, of gyroscopes with bias and scale; fits that fail, and say so."""
 
-from __future__ import annotations
-
 import warnings
 from collections.abc import Iterable
 from functools import cache, partial

@@ -1,7 +1,5 @@
 """Bodies with a fixed point under their weight, above all the symmetric (Lagrange) top."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

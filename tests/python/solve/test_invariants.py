@@ -1,7 +1,5 @@
 """What a motion keeps: energy, momentum, lengths, and the way back."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Many bodies in one call: each moves as if it were alone, to the bit."""
 
-from __future__ import annotations
-
 import json
 import pickle
 from typing import Any

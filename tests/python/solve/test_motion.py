@@ -1,7 +1,5 @@
 """Bodies moved step by step: the steps of a run, and torques that change."""
 
-from __future__ import annotations
-
 import copy
 import math
 import pickle

@@ -1,7 +1,5 @@
 """Bodies on Keplerian orbits: golden digits of motion and tangent, Kepler's equation, refusals."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 from typing import Any
@@ -297,7 +295,6 @@ def test_wisdoms_hyperion_is_chaotic_and_a_distant_orbit_is_not() -> None:
             stable=rigid.regular(),
             samples=4,
             rng=1,
-            progress=False,
         )
         assert int(result.stable[0]) == expected
         assert int(result.unstable[0]) == 4 - expected
@@ -317,7 +314,6 @@ def test_moments_that_differ_by_a_thousandth_have_no_long_axis_in_common() -> No
             stable=rigid.librates(),
             samples=1,
             t_end=1.0,
-            progress=False,
         )
 
 

@@ -1,7 +1,5 @@
 """The error of a run falls as the step to the order that the method states."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

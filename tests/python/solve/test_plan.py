@@ -1,7 +1,5 @@
 """The plan says what is done, what is omitted and why; closed forms are taken where they exist."""
 
-from __future__ import annotations
-
 import dataclasses
 import json
 from collections.abc import Callable

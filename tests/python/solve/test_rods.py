@@ -1,7 +1,5 @@
 """Bodies without a moment about their axis: rods and dumbbells; and mass points."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Runs in files, datasets, pictures and messages; angular momentum in both frames."""
 
-from __future__ import annotations
-
 import re
 import warnings
 from contextlib import suppress

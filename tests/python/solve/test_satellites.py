@@ -1,7 +1,5 @@
 """What acts on a satellite: an energy sink, a rotor, and the gravity gradient on an orbit."""
 
-from __future__ import annotations
-
 import itertools
 from itertools import pairwise
 

@@ -1,7 +1,5 @@
 """What a run says of its error where two runs could agree and both be wrong."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Damping of any strength: the methods that act by its exponential, and who chooses them."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

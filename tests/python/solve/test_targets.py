@@ -1,8 +1,5 @@
 """States in arrays of the user, and in single precision."""
 
-from __future__ import annotations
-
-import re
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +9,7 @@ from scipy.spatial.transform import Rotation
 
 import rigid
 from physics import METHODS, Floats, gamma_of, present
+from refusals import refuses
 from rigid.model.scene import Scene
 from rigid.solve.bodies import bodies_of
 from rigid.solve.request import Request
@@ -298,8 +296,7 @@ def test_parts_fill_one_memory_map(tmp_path: Path) -> None:
     assert rates.tobytes() == whole.omega.tobytes()
 
 
-@pytest.mark.parametrize(
-    ("out", "kind", "message"),
+test_arrays_that_parts_cannot_fill = refuses(
     [
         (3, TypeError, "out = 3: must be a dict of arrays by their names"),
         (
@@ -308,7 +305,6 @@ def test_parts_fill_one_memory_map(tmp_path: Path) -> None:
             "out['omega']: expected a row for each of 70 bodies, got shape (32, 3, 3)",
         ),
     ],
+    literal=True,
+    by=lambda out: rigid.simulate_chunks(FREE, OMEGA_PARTS, t=TIMES, chunk=32, out=out),
 )
-def test_arrays_that_parts_cannot_fill(out: Any, kind: type[Exception], message: str) -> None:
-    with pytest.raises(kind, match=re.escape(message)):
-        rigid.simulate_chunks(FREE, OMEGA_PARTS, t=TIMES, chunk=32, out=out)

@@ -4,8 +4,6 @@ Axis 1 (the report's x) is normal to the largest face, axis 2 (y) is the middle 
 along the longest side. The reference numbers come from a Taylor series in 40-digit arithmetic.
 """
 
-from __future__ import annotations
-
 from fractions import Fraction
 from itertools import pairwise, permutations
 

@@ -1,7 +1,5 @@
 """Results as Datasets and as tidy tables: names, axes, and the bits of every number."""
 
-from __future__ import annotations
-
 import csv
 from collections.abc import Mapping
 from pathlib import Path
@@ -147,7 +145,6 @@ def test_a_map_is_a_row_for_each_pixel(tmp_path: Path) -> None:
         stable=rigid.no_flip(),
         measure=rigid.flips(2),
         rng=2026,
-        progress=False,
     )
     found = table(result.to_csv(tmp_path / "map.csv"))
     np.testing.assert_array_equal(found["I2/I1"], np.tile([1.2, 1.8, 1.9], 2))

@@ -1,7 +1,5 @@
 """States at output times, any of them, and what becomes of bodies that cannot be run."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

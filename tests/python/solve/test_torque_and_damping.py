@@ -1,7 +1,5 @@
 """Bodies under torque and damping: closed forms, balances, reference trajectories, orders."""
 
-from __future__ import annotations
-
 import json
 from itertools import pairwise
 from typing import Any

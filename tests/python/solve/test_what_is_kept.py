@@ -1,7 +1,5 @@
 """What a scene and a run keep for later: never stale, never large, and the same when it is read."""
 
-from __future__ import annotations
-
 import copy
 import pickle
 from collections.abc import MutableMapping

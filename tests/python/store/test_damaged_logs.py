@@ -1,7 +1,5 @@
 """What is read from a damaged log is right, and loss is told. Long: tests/long/damaged_logs.py."""
 
-from __future__ import annotations
-
 import io
 import tarfile
 from pathlib import Path

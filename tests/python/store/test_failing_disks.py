@@ -1,7 +1,5 @@
 """Every operation on files fails in turn: what was stored stays, and the map goes on from there."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """A disk that is really full: a file system of 600 kB, which is enlarged later."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 from collections.abc import Iterator

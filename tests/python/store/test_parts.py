@@ -1,7 +1,5 @@
 """Parts of a map: each has its share of the work, and together they are the map."""
 
-from __future__ import annotations
-
 import itertools
 from pathlib import Path
 from typing import Any

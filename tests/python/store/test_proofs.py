@@ -1,7 +1,5 @@
 """Wrong rows are found: before others are added, by verification and merging. Right ones pass."""
 
-from __future__ import annotations
-
 import json
 import re
 from collections.abc import Callable

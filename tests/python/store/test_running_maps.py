@@ -1,8 +1,8 @@
 """A running map has the bytes of the quiet run, however it was computed."""
 
-from __future__ import annotations
-
 import hashlib
+import json
+import shutil
 import signal
 import subprocess
 import tempfile
@@ -10,6 +10,7 @@ import time
 import tracemalloc
 from collections.abc import Callable
 from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor
+from hashlib import blake2b
 from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
@@ -327,7 +328,7 @@ def test_killed_runs_go_on_to_the_same_bytes(tmp_path: Path) -> None:
     path, random = tmp_path / "run", np.random.default_rng(1)
     go_on(tmp_path / "quiet")
     kills = 0
-    for _ in range(8):
+    for _ in range(4):
         process = subprocess.Popen(
             python_command("-c", SLOW, str(path)), env=environment(), stdout=subprocess.PIPE
         )
@@ -367,3 +368,88 @@ def test_the_table_refuses_units_that_the_map_does_not_have() -> None:
     rows["unit"] = memory.head.units
     with pytest.raises(ValueError, match="a row of a unit that the map does not have"):
         Table(memory.head).add(rows, None, None, "log")
+
+
+# Files of a running map that somebody removes while it is computed: nothing is claimed
+
+
+def newest_log(path: Path) -> Path:
+    return max((path / "logs").iterdir(), key=lambda log: log.stat().st_mtime)
+
+
+def rename(path: Path) -> None:
+    path.rename(path.with_name("elsewhere"))
+
+
+REMOVALS: dict[str, Callable[[Path], object]] = {
+    "folder": shutil.rmtree,
+    "renamed": rename,
+    "logs": lambda path: shutil.rmtree(path / "logs"),
+    "log": lambda path: newest_log(path).unlink(),
+    "head": lambda path: (path / "head.json").unlink(),
+    "log of another part": lambda path: sorted((path / "logs").iterdir())[0].unlink(),
+}
+
+
+@pytest.mark.parametrize("what", REMOVALS)
+def test_a_map_whose_rows_are_gone_is_not_complete(what: str, tmp_path: Path) -> None:
+    path = tmp_path / "run"
+    rigid.stability_map(**request(store=path, part=(1, 2)))
+    removals = iter([REMOVALS[what]])
+
+    def remove(_: object) -> None:
+        for removal in removals:
+            removal(path)
+
+    with pytest.raises(FileNotFoundError, match="removed or renamed while the map was computed"):
+        rigid.stability_map(**request(store=path, progress=remove))
+
+
+def test_a_store_is_read_again_before_it_goes_on(tmp_path: Path) -> None:
+    """It was opened while there were rows."""
+    go_on(tmp_path / "run")
+    store = rigid.open_store(tmp_path / "run")
+    shutil.rmtree(tmp_path / "run" / "logs")
+    assert store.resume(progress=False).computed == SPEC.samples * 144
+
+
+# The running maps that each release has written are read for ever
+
+
+STORES = Path(__file__).parents[2] / "golden" / "stores"
+NAMES = sorted(path.name for path in STORES.iterdir() if path.is_dir())
+
+
+def test_there_is_one() -> None:
+    assert NAMES
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_rows_of_a_release_are_read_and_come_out_again(name: str) -> None:
+    kept = json.loads((STORES / f"{name}.json").read_text())
+    folder = Folder(STORES / name)
+    table = folder.table
+    assert folder.head.key.hex() == kept["key"]
+    assert int(table.known.sum()) == kept["units"]
+    assert blake2b(table.rows.tobytes(), digest_size=16).hexdigest() == kept["rows"]
+    status = rigid.open_store(STORES / name).status()
+    assert status.complete
+    # The end of one log is torn.
+    assert sorted(str(writer.get("reason")) for writer in status.writers) == [
+        "None",
+        "complete",
+        "waiting",
+    ]
+    assert {writer["version"] for writer in status.writers} == {kept["version"]}
+    assert len(status.damage) == 1
+    assert not rigid.open_store(STORES / name).verify(1.0).wrong
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_map_of_a_release_goes_on(name: str, tmp_path: Path) -> None:
+    whole = Folder(STORES / name).table
+    shutil.copytree(STORES / name, tmp_path / "run")
+    min((tmp_path / "run" / "logs").iterdir()).unlink()
+    assert Folder(tmp_path / "run").table.known.sum() < whole.known.sum()
+    assert rigid.open_store(tmp_path / "run").resume(progress=False).complete
+    assert Folder(tmp_path / "run").table.rows.tobytes() == whole.rows.tobytes()

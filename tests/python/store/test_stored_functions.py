@@ -1,7 +1,5 @@
 """Running maps of a user's functions: a folder has their digests, workers import them."""
 
-from __future__ import annotations
-
 import textwrap
 from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor

@@ -1,7 +1,5 @@
 """Running maps with measures: their logs hold bins, and every way of computing gives the same."""
 
-from __future__ import annotations
-
 import io
 import json
 import tarfile
@@ -52,19 +50,6 @@ def run(tmp_path_factory: pytest.TempPathFactory, quiet: rigid.StabilityMap) -> 
     return Folder(folder.path)
 
 
-def test_a_stored_map_has_the_bytes_of_an_unstored_one(
-    tmp_path: Path, quiet: rigid.StabilityMap
-) -> None:
-    for threads in (1, 2):
-        result = measured(store=tmp_path / f"run{threads}", threads=threads)
-        assert saved_bytes(result, tmp_path) == saved_bytes(quiet, tmp_path)
-        assert result.receipt()["fingerprint"] == quiet.receipt()["fingerprint"]
-    assert all(one.count.sum() for one in quiet.measures.values())
-    assert rigid.open_store(tmp_path / "run1").verify(1.0).ok
-    path = quiet.save(tmp_path / "map.npz")
-    assert rigid.diff(path, tmp_path / "run1").same
-
-
 def test_sittings_parts_and_merges_have_the_same_bytes(
     tmp_path: Path, quiet: rigid.StabilityMap
 ) -> None:
@@ -92,12 +77,6 @@ def test_segments_of_a_pixel_are_merged(
     result = measured(store=tmp_path / "run", **asked)
     assert Folder(tmp_path / "run").head.segments == 3
     assert saved_bytes(result, tmp_path) == saved_bytes(expected, tmp_path)
-
-
-def test_horizons_are_stored_too(tmp_path: Path) -> None:
-    axes = {"I2/I1": [1.2, 1.8], "t_end": [5.0, 20.0]}
-    result = measured(axes=axes, store=tmp_path / "run")
-    assert saved_bytes(result, tmp_path) == saved_bytes(measured(axes=axes), tmp_path)
 
 
 def test_as_many_bodies_as_a_pixel_needs(tmp_path: Path) -> None:

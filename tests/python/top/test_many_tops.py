@@ -1,7 +1,5 @@
 """Many tops in one call of the textbook: each has the numbers that it has alone."""
 
-from __future__ import annotations
-
 import dataclasses
 from collections.abc import Callable
 from typing import Any

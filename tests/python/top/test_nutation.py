@@ -1,7 +1,5 @@
 """The nutation of a symmetric top: its cubic, its period, the kinds of loci, the fast top."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The heavy symmetric top as the textbook tells it, against its path and the worked cases."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
