@@ -13,6 +13,7 @@ from random_scenes import Scenes, free, tops
 from rigid import _core
 from rigid.cli.toml_map import read_spec
 from rigid.cli.toml_table import names_of
+from rigid.maps.axes import make_axes
 from rigid.maps.data import CLASSES
 from rigid.maps.job import to_core
 from rigid.maps.judge import UNDECIDED
