@@ -68,8 +68,7 @@ impl<R: Real, const D: usize> Coefficients<R, D> {
     }
 
     /// The coefficients of the lowest orders, this many. A product of series reads all of them: one assertion stands for
-    /// those of its terms, if its loop is over `0..k + 1`. Of `0..=k` the compiler keeps the checks of all indices, 3 to 5 %
-    /// of a step on an orbit.
+    /// those of its terms.
     #[inline(always)]
     pub fn lowest(&self, count: usize) -> &[[R; D]] {
         &self.all()[..count]

@@ -144,7 +144,7 @@ fn products<R: Real, const D: usize>(
 ) -> [R; 3] {
     let (zero, half) = (R::splat(0.0), R::splat(0.5));
     let mut square = zero;
-    for j in 0..k + 1 {
+    for j in 0..=k {
         let (a, b) = (c.order(j), c.order(k - j));
         square = a[0].fma(b[0], a[1].fma(b[1], a[2].fma(b[2], square)));
     }
@@ -170,7 +170,7 @@ fn products<R: Real, const D: usize>(
 #[inline(always)]
 fn speed_times_rates<R: Real, const D: usize>(speeds: &[[R; 3]], c: &Coefficients<R, D>, k: usize) -> [R; 3] {
     let mut products = [R::splat(0.0); 3];
-    for j in 0..k + 1 {
+    for j in 0..=k {
         let ([speed, ..], row) = (speeds[j], c.order(k - j));
         for i in 0..3 {
             products[i] = speed.fma(row[i], products[i]);
@@ -191,19 +191,19 @@ fn varied_products<R: Real, const D: usize>(
 ) -> [R; 3] {
     let zero = R::splat(0.0);
     let mut change = zero;
-    for j in 0..k + 1 {
+    for j in 0..=k {
         let (row, [d, _]) = (c.order(j), deviation(c.order(k - j), tangent));
         change = row[0].fma(d[0], row[1].fma(d[1], row[2].fma(d[2], change)));
     }
     let (speeds, before) = (speeds.lowest(k + 1), varied.lowest(k));
-    for j in 1..k + 1 {
+    for j in 1..=k {
         change = speeds[j][0].fnma(before[k - j][0], change);
     }
     let [first, ..] = speeds[0];
     change = R::select(zero.lt(first), change / first, zero);
     varied.push([change; 3]);
     let (mut products, changes) = ([zero; 3], varied.lowest(k + 1));
-    for j in 0..k + 1 {
+    for j in 0..=k {
         let (speed, change) = (&speeds[j], &changes[j]);
         let (row, [d, _]) = (c.order(k - j), deviation(c.order(k - j), tangent));
         for i in 0..3 {
@@ -219,7 +219,7 @@ fn varied_products<R: Real, const D: usize>(
 fn speed_from_rest<R: Real, const D: usize>(speeds: &[[R; 3]], c: &Coefficients<R, D>, k: usize) -> R {
     let (zero, half) = (R::splat(0.0), R::splat(0.5));
     let mut left = zero;
-    for j in 1..k + 1 {
+    for j in 1..=k {
         let (a, b) = (c.order(j), c.order(k + 1 - j));
         left = a[0].fma(b[0], a[1].fma(b[1], a[2].fma(b[2], left)));
     }

@@ -259,7 +259,7 @@ impl<R: Real> Force<R> for Orbit<R> {
         let zero = R::splat(0.0);
         let row = c.order(k);
         let (mut sums, before) = ([zero; 2], plane.lowest(k));
-        for j in 1..k + 1 {
+        for j in 1..=k {
             let ([.., u], row) = (before[k - j], c.order(j));
             sums = [row[own].fma(u, sums[0]), row[own + 1].fma(u, sums[1])];
         }
@@ -283,7 +283,7 @@ impl<R: Real> Force<R> for Orbit<R> {
         let (mut o, mut square, mut cube) = ([zero; 3], zero, zero);
         let (plane, first_axis, second_axis) =
             (plane.lowest(k + 1), first_axis.lowest(k + 1), second_axis.lowest(k + 1));
-        for j in 0..k + 1 {
+        for j in 0..=k {
             let ([x, y, u], [.., v]) = (plane[j], plane[k - j]);
             let (a, b) = (&first_axis[k - j], &second_axis[k - j]);
             for i in 0..3 {
@@ -292,7 +292,7 @@ impl<R: Real> Force<R> for Orbit<R> {
             square = u.fma(v, square);
         }
         let before = powers.lowest(k);
-        for j in 1..k + 1 {
+        for j in 1..=k {
             let ([.., u], [v, ..]) = (plane[j], before[k - j]);
             cube = u.fma(v, cube);
         }
@@ -302,7 +302,7 @@ impl<R: Real> Force<R> for Orbit<R> {
 
         let (mut pull, mut products) = ([zero; 3], [zero; 3]);
         let (powers, directions) = (powers.lowest(k + 1), directions.lowest(k + 1));
-        for j in 0..k + 1 {
+        for j in 0..=k {
             let ([_, cube, _], o) = (powers[j], &directions[k - j]);
             for i in 0..3 {
                 pull[i] = cube.fma(o[i], pull[i]);
@@ -310,7 +310,7 @@ impl<R: Real> Force<R> for Orbit<R> {
         }
         pulls.push(pull);
         let pulls = pulls.lowest(k + 1);
-        for j in 0..k + 1 {
+        for j in 0..=k {
             add_products(&pulls[j], &directions[k - j], &mut products);
         }
         self.add(moments, &products, torque);
@@ -373,7 +373,7 @@ impl<R: Real> Force<R> for Orbit<R> {
         let (plane, directions, pulls) = (plane.lowest(k + 1), directions.lowest(k + 1), pulls.lowest(k + 1));
         let zero = [R::splat(0.0); 3];
         let mut change = zero;
-        for j in 0..k + 1 {
+        for j in 0..=k {
             add_cross(&directions[k - j], &deviation(c.order(j), body.tangent)[1], &mut change);
         }
         let is_changed = R::any(by.acts());
@@ -391,13 +391,13 @@ impl<R: Real> Force<R> for Orbit<R> {
             let mean = by.mean_anomaly(time, one, sign, of_sin);
             varied.means.push([mean; 3]);
             let (mut anomaly, means) = (zero[0], varied.means.lowest(k + 1));
-            for j in 0..k + 1 {
+            for j in 0..=k {
                 let ([.., u], [mean, ..]) = (plane[j], means[k - j]);
                 anomaly = u.fma(mean, anomaly);
             }
             varied.anomalies.push([anomaly; 3]);
             let (mut cos, mut sin, anomalies) = (zero[0], zero[0], varied.anomalies.lowest(k + 1));
-            for j in 0..k + 1 {
+            for j in 0..=k {
                 let ([anomaly, ..], row) = (anomalies[k - j], c.order(j));
                 let [of_cos, of_sin] = self.cos_sin([row[own], row[own + 1]]);
                 (cos, sin) = ((sign * of_sin).fnma(anomaly, cos), of_cos.fma(anomaly, sin));
@@ -406,20 +406,20 @@ impl<R: Real> Force<R> for Orbit<R> {
             let nearer = sign * by.eccentricity().fma(of_cos, self.eccentricity() * cos);
             varied.places.push([by.eccentricity().fnma(one, cos), sin, nearer]);
             let (mut moved, places) = (zero, varied.places.lowest(k + 1));
-            for j in 0..k + 1 {
+            for j in 0..=k {
                 let ([.., u], [x, y, nearer]) = (plane[j], places[k - j]);
                 moved = [u.fma(x, moved[0]), u.fma(y, moved[1]), u.fma(nearer, moved[2])];
             }
             // The third is the change of u over u.
             varied.moved.push(moved);
             let ([mut x, mut y, stretch], moved) = (moved, varied.moved.lowest(k + 1));
-            for j in 0..k + 1 {
+            for j in 0..=k {
                 let (place, [.., stretch]) = (&plane[j], moved[k - j]);
                 (x, y) = (place[0].fma(stretch, x), place[1].fma(stretch, y));
             }
             varied.stretched.push([x, y, stretch]);
             let stretched = varied.stretched.lowest(k + 1);
-            for j in 0..k + 1 {
+            for j in 0..=k {
                 let ([x, y, _], [a, b, _], row) = (stretched[j], plane[j], c.order(k - j));
                 let (by_place, by_axes) = (self.in_body([x, y], row), by.in_body([a, b], row));
                 change = plus(&change, &plus(&by_place, &by_axes));
@@ -427,18 +427,18 @@ impl<R: Real> Force<R> for Orbit<R> {
         }
         varied.directions.push(change);
         let (mut products, changes) = (zero, varied.directions.lowest(k + 1));
-        for j in 0..k + 1 {
+        for j in 0..=k {
             add_varied_products(&pulls[j], &changes[k - j], &mut products);
         }
         let mut own_products = zero;
-        for j in 0..k + 1 {
+        for j in 0..=k {
             add_products(&pulls[j], &directions[k - j], &mut own_products);
         }
         varied.products.push(own_products);
         if is_changed {
             let three = R::splat(3.0);
             let (stretched, unstretched) = (varied.stretched.lowest(k + 1), varied.products.lowest(k + 1));
-            for j in 0..k + 1 {
+            for j in 0..=k {
                 let ([.., stretch], before) = (stretched[j], &unstretched[k - j]);
                 for i in 0..3 {
                     products[i] = (three * stretch).fma(before[i], products[i]);

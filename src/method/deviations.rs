@@ -101,7 +101,7 @@ impl<R: Real, M: Model<R>> Taylor<R, M> {
             let of_k = c.order(k);
             let factor = unit * R::splat(INVERSE[k + 1]);
             let mut sums = VariedProducts::none();
-            for j in 0..k + 1 {
+            for j in 0..=k {
                 sums.add::<M, L, D>(c.order(j), c.order(k - j));
             }
             let (d, omega) = (spin::<R, L, D>(of_k), [of_k[0], of_k[1], of_k[2]]);
@@ -126,7 +126,7 @@ impl<R: Real, M: Model<R>> Taylor<R, M> {
             let mut by_turn = rotor.across(&newest);
             add_cross(&change.further.rotor.0, frame, &mut by_turn);
             let (mut turning, turns) = (sums.variation.turning(&d), turns.lowest(k + 1));
-            for j in 0..k + 1 {
+            for j in 0..=k {
                 let (frame, newest, row) = (&frames[k - j], &turns[k - j], c.order(j));
                 let omega = [row[0], row[1], row[2]];
                 add_cross(&applied.varied_momentum(&omega, &spin::<R, L, D>(row)), frame, &mut by_turn);
@@ -166,7 +166,7 @@ impl<R: Real, M: Model<R>> Taylor<R, M> {
         };
         torques.push(newest);
         let torques = torques.lowest(k + 1);
-        for j in 0..k + 1 {
+        for j in 0..=k {
             add_cross(&torques[j], &turn::<R, L, D>(c.order(k - j)), &mut sum);
         }
         sum

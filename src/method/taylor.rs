@@ -338,7 +338,7 @@ impl<R: Real, M: Model<R>> Taylor<R, M> {
 
         let (mut by_turn, mut turned) = (rotor, [zero; 3]);
         let sinks = series.turn.lowest(k + 1);
-        for j in 0..k + 1 {
+        for j in 0..=k {
             let (sink, row) = (&sinks[k - j], c.order(j));
             add_cross(&applied.momentum(&[row[0], row[1], row[2]]), sink, &mut by_turn);
             for v in 0..L::VECTORS {
@@ -356,7 +356,7 @@ impl<R: Real, M: Model<R>> Taylor<R, M> {
         }
         let mut balance = [R::splat(0.0); 2];
         let (torques, impulses) = (torques.lowest(k + 1), series.impulse.lowest(k + 1));
-        for j in 0..k + 1 {
+        for j in 0..=k {
             let [power, _] = applied.balance::<L, D>(&torques[j], c.order(k - j));
             let [_, gained] = applied.balance::<L, D>(&impulses[j], c.order(k - j));
             balance = [balance[0] + power, balance[1] + gained];
