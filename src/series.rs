@@ -67,14 +67,6 @@ impl<R: Real, const D: usize> Coefficients<R, D> {
         unsafe { &*(std::ptr::from_ref(rows) as *const [[R; D]]) }
     }
 
-    /// The coefficients of the lowest orders, this many. A product of series reads all of them: one assertion stands for
-    /// those of its terms, if its loop is over `0..k + 1`. Of `0..=k` the compiler keeps the checks of all indices, 3 to 5 %
-    /// of a step on an orbit.
-    #[inline(always)]
-    pub fn lowest(&self, count: usize) -> &[[R; D]] {
-        &self.all()[..count]
-    }
-
     /// The coefficients of one order.
     #[inline(always)]
     pub fn order(&self, k: usize) -> &[R; D] {
@@ -84,5 +76,47 @@ impl<R: Real, const D: usize> Coefficients<R, D> {
     }
 }
 
-/// Coefficients of a vector beside the state.
-pub type VectorSeries<R> = Coefficients<R, 3>;
+/// Coefficients of a vector beside the state, in memory that nobody has to clear.
+///
+/// Without the counter of `Coefficients`, which would cost time here: only builds with debug assertions count.
+pub struct VectorSeries<R> {
+    rows: [MaybeUninit<[R; 3]>; MAX_ORDER + 1],
+    #[cfg(debug_assertions)]
+    known: usize,
+}
+
+impl<R: Real> VectorSeries<R> {
+    /// No coefficients yet.
+    #[inline(always)]
+    #[allow(clippy::new_without_default)] // As above.
+    pub fn new() -> Self {
+        VectorSeries {
+            rows: [const { MaybeUninit::uninit() }; MAX_ORDER + 1],
+            #[cfg(debug_assertions)]
+            known: 0,
+        }
+    }
+
+    /// Writes the row of order k, the one after those that are known.
+    #[inline(always)]
+    pub fn push(&mut self, k: usize, row: [R; 3]) {
+        #[cfg(debug_assertions)]
+        {
+            assert_eq!(k, self.known, "one call an order, ascending");
+            self.known += 1;
+        }
+        self.rows[k].write(row);
+    }
+
+    /// The row of one order.
+    ///
+    /// # Safety
+    /// The row has been pushed.
+    #[inline(always)]
+    pub unsafe fn order(&self, k: usize) -> &[R; 3] {
+        #[cfg(debug_assertions)]
+        assert!(k < self.known, "order {k} is not known");
+        // SAFETY: the caller's promise.
+        unsafe { self.rows[k].assume_init_ref() }
+    }
+}

@@ -110,9 +110,8 @@ impl<R: Real> Force<R> for Drag<R> {
         }
         if R::any(by.acts()) {
             // The series of the motion has the speeds only where there is drag.
-            let acts = R::any(self.acts());
             let products =
-                if acts { speed_times_rates(speeds.lowest(k + 1), c, k) } else { products(speeds, c, k) };
+                if R::any(self.acts()) { speed_times_rates(speeds, c, k) } else { products(speeds, c, k) };
             by.add(&products, torque);
         }
     }
@@ -144,34 +143,41 @@ fn products<R: Real, const D: usize>(
 ) -> [R; 3] {
     let (zero, half) = (R::splat(0.0), R::splat(0.5));
     let mut square = zero;
-    for j in 0..k + 1 {
+    for j in 0..=k {
         let (a, b) = (c.order(j), c.order(k - j));
         square = a[0].fma(b[0], a[1].fma(b[1], a[2].fma(b[2], square)));
     }
     let speed = if k == 0 {
         square.sqrt()
     } else {
-        let before = speeds.lowest(k);
-        let [first, ..] = before[0];
+        // SAFETY: the calls for the orders 0 to k - 1, one each and ascending, have pushed the rows 0 to k - 1.
+        let [first, ..] = unsafe { *speeds.order(0) };
         let moves = zero.lt(first);
         let inverse = R::select(moves, half / first, zero);
         let mut left = square;
         for j in 1..k {
-            left = before[j][0].fnma(before[k - j][0], left);
+            // SAFETY: as above.
+            let (a, b) = unsafe { (speeds.order(j), speeds.order(k - j)) };
+            left = a[0].fnma(b[0], left);
         }
         let speed = left * inverse;
-        if R::all(moves) { speed } else { R::select(moves, speed, speed_from_rest(before, c, k)) }
+        if R::all(moves) { speed } else { R::select(moves, speed, speed_from_rest(speeds, c, k)) }
     };
-    speeds.push([speed; 3]);
-    speed_times_rates(speeds.lowest(k + 1), c, k)
+    speeds.push(k, [speed; 3]);
+    speed_times_rates(speeds, c, k)
 }
 
 /// The coefficients of order k of the speed times the rates.
 #[inline(always)]
-fn speed_times_rates<R: Real, const D: usize>(speeds: &[[R; 3]], c: &Coefficients<R, D>, k: usize) -> [R; 3] {
+fn speed_times_rates<R: Real, const D: usize>(
+    speeds: &VectorSeries<R>,
+    c: &Coefficients<R, D>,
+    k: usize,
+) -> [R; 3] {
     let mut products = [R::splat(0.0); 3];
-    for j in 0..k + 1 {
-        let ([speed, ..], row) = (speeds[j], c.order(k - j));
+    for j in 0..=k {
+        // SAFETY: the rows 0 to k are pushed.
+        let ([speed, ..], row) = unsafe { (*speeds.order(j), c.order(k - j)) };
         for i in 0..3 {
             products[i] = speed.fma(row[i], products[i]);
         }
@@ -191,20 +197,24 @@ fn varied_products<R: Real, const D: usize>(
 ) -> [R; 3] {
     let zero = R::splat(0.0);
     let mut change = zero;
-    for j in 0..k + 1 {
+    for j in 0..=k {
         let (row, [d, _]) = (c.order(j), deviation(c.order(k - j), tangent));
         change = row[0].fma(d[0], row[1].fma(d[1], row[2].fma(d[2], change)));
     }
-    let (speeds, before) = (speeds.lowest(k + 1), varied.lowest(k));
-    for j in 1..k + 1 {
-        change = speeds[j][0].fnma(before[k - j][0], change);
+    for j in 1..=k {
+        // SAFETY: the series of the motion has pushed all rows of its orders; the calls for the orders 0 to k - 1, one
+        // each and ascending, have pushed the rows 0 to k - 1 of the change.
+        let (speed, before) = unsafe { (speeds.order(j), varied.order(k - j)) };
+        change = speed[0].fnma(before[0], change);
     }
-    let [first, ..] = speeds[0];
+    // SAFETY: as above.
+    let [first, ..] = unsafe { *speeds.order(0) };
     change = R::select(zero.lt(first), change / first, zero);
-    varied.push([change; 3]);
-    let (mut products, changes) = ([zero; 3], varied.lowest(k + 1));
-    for j in 0..k + 1 {
-        let (speed, change) = (&speeds[j], &changes[j]);
+    varied.push(k, [change; 3]);
+    let mut products = [zero; 3];
+    for j in 0..=k {
+        // SAFETY: as above; the row k is pushed too.
+        let (speed, change) = unsafe { (speeds.order(j), varied.order(j)) };
         let (row, [d, _]) = (c.order(k - j), deviation(c.order(k - j), tangent));
         for i in 0..3 {
             products[i] = speed[0].fma(d[i], change[0].fma(row[i], products[i]));
@@ -216,19 +226,22 @@ fn varied_products<R: Real, const D: usize>(
 /// The coefficient of order k > 0 of the speed of a body that begins at rest: its square begins with order 2. Without a
 /// torque at the begin it is zero, and so is the drag of this step.
 #[inline(always)]
-fn speed_from_rest<R: Real, const D: usize>(speeds: &[[R; 3]], c: &Coefficients<R, D>, k: usize) -> R {
+fn speed_from_rest<R: Real, const D: usize>(speeds: &VectorSeries<R>, c: &Coefficients<R, D>, k: usize) -> R {
     let (zero, half) = (R::splat(0.0), R::splat(0.5));
     let mut left = zero;
-    for j in 1..k + 1 {
+    for j in 1..=k {
         let (a, b) = (c.order(j), c.order(k + 1 - j));
         left = a[0].fma(b[0], a[1].fma(b[1], a[2].fma(b[2], left)));
     }
     if k == 1 {
         return left.sqrt();
     }
-    let [first, ..] = speeds[1];
+    // SAFETY: the rows 0 to k - 1 are pushed.
+    let [first, ..] = unsafe { *speeds.order(1) };
     for j in 2..k {
-        left = speeds[j][0].fnma(speeds[k + 1 - j][0], left);
+        // SAFETY: as above.
+        let (a, b) = unsafe { (speeds.order(j), speeds.order(k + 1 - j)) };
+        left = a[0].fnma(b[0], left);
     }
     R::select(zero.lt(first), left * (half / first), zero)
 }

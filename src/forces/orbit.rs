@@ -256,18 +256,23 @@ impl<R: Real> Force<R> for Orbit<R> {
         next: &mut [R; D],
         torque: &mut [R; 3],
     ) {
+        // SAFETY of all blocks: the calls for the orders 0 to k - 1, one each and ascending, have pushed the rows 0 to
+        // k - 1, and this call pushes each row k before it reads the row.
         let zero = R::splat(0.0);
         let row = c.order(k);
-        let (mut sums, before) = ([zero; 2], plane.lowest(k));
-        for j in 1..k + 1 {
-            let ([.., u], row) = (before[k - j], c.order(j));
+        let mut sums = [zero; 2];
+        for j in 1..=k {
+            // SAFETY: as above.
+            let [.., u] = unsafe { *plane.order(k - j) };
+            let row = c.order(j);
             sums = [row[own].fma(u, sums[0]), row[own + 1].fma(u, sums[1])];
         }
         let u = if k == 0 {
             self.inverse(self.cos_sin([row[own], row[own + 1]])[0])
         } else {
             let [cos, _] = self.cos_sin(sums);
-            let [.., first] = before[0];
+            // SAFETY: as above.
+            let [.., first] = unsafe { *plane.order(0) };
             self.sign() * self.eccentricity() * first * cos
         };
         let begin = c.order(0);
@@ -275,43 +280,45 @@ impl<R: Real> Force<R> for Orbit<R> {
         let [of_first, of_second] = self.turn(sums);
         put(next, own, [factor * of_first, factor * of_second]);
         let [cos, sin] = self.cos_sin(sums);
-        plane.push([self.eccentricity().fnma(u, cos), sin, u]);
+        plane.push(k, [self.eccentricity().fnma(u, cos), sin, u]);
 
         let [a, b] = self.semi_axes();
-        first_axis.push(to_body(&a, row));
-        second_axis.push(to_body(&b, row));
+        first_axis.push(k, to_body(&a, row));
+        second_axis.push(k, to_body(&b, row));
         let (mut o, mut square, mut cube) = ([zero; 3], zero, zero);
-        let (plane, first_axis, second_axis) =
-            (plane.lowest(k + 1), first_axis.lowest(k + 1), second_axis.lowest(k + 1));
-        for j in 0..k + 1 {
-            let ([x, y, u], [.., v]) = (plane[j], plane[k - j]);
-            let (a, b) = (&first_axis[k - j], &second_axis[k - j]);
+        for j in 0..=k {
+            // SAFETY: as above.
+            let ([x, y, u], [.., v]) = unsafe { (*plane.order(j), *plane.order(k - j)) };
+            // SAFETY: as above.
+            let (a, b) = unsafe { (first_axis.order(k - j), second_axis.order(k - j)) };
             for i in 0..3 {
                 o[i] = x.fma(a[i], y.fma(b[i], o[i]));
             }
             square = u.fma(v, square);
         }
-        let before = powers.lowest(k);
-        for j in 1..k + 1 {
-            let ([.., u], [v, ..]) = (plane[j], before[k - j]);
+        for j in 1..=k {
+            // SAFETY: as above.
+            let ([.., u], [v, ..]) = unsafe { (*plane.order(j), *powers.order(k - j)) };
             cube = u.fma(v, cube);
         }
-        let [.., first] = plane[0];
-        powers.push([square, first.fma(square, cube), zero]);
-        directions.push(o);
+        // SAFETY: as above.
+        let [.., first] = unsafe { *plane.order(0) };
+        powers.push(k, [square, first.fma(square, cube), zero]);
+        directions.push(k, o);
 
         let (mut pull, mut products) = ([zero; 3], [zero; 3]);
-        let (powers, directions) = (powers.lowest(k + 1), directions.lowest(k + 1));
-        for j in 0..k + 1 {
-            let ([_, cube, _], o) = (powers[j], &directions[k - j]);
+        for j in 0..=k {
+            // SAFETY: as above.
+            let ([_, cube, _], o) = unsafe { (*powers.order(j), directions.order(k - j)) };
             for i in 0..3 {
                 pull[i] = cube.fma(o[i], pull[i]);
             }
         }
-        pulls.push(pull);
-        let pulls = pulls.lowest(k + 1);
-        for j in 0..k + 1 {
-            add_products(&pulls[j], &directions[k - j], &mut products);
+        pulls.push(k, pull);
+        for j in 0..=k {
+            // SAFETY: as above.
+            let (pull, o) = unsafe { (pulls.order(j), directions.order(k - j)) };
+            add_products(pull, o, &mut products);
         }
         self.add(moments, &products, torque);
     }
@@ -369,12 +376,16 @@ impl<R: Real> Force<R> for Orbit<R> {
         (series, varied): (&mut OrbitSeries<R>, &mut VariedOrbit<R>),
         torque: &mut [R; 3],
     ) {
+        // SAFETY of all blocks: the series of the motion has pushed all rows of its orders; the calls for the orders 0 to
+        // k - 1, one each and ascending, have pushed the rows 0 to k - 1 of the changes, and this call pushes each row k
+        // before it reads the row.
         let OrbitSeries { plane, directions, pulls, .. } = series;
-        let (plane, directions, pulls) = (plane.lowest(k + 1), directions.lowest(k + 1), pulls.lowest(k + 1));
         let zero = [R::splat(0.0); 3];
         let mut change = zero;
-        for j in 0..k + 1 {
-            add_cross(&directions[k - j], &deviation(c.order(j), body.tangent)[1], &mut change);
+        for j in 0..=k {
+            // SAFETY: as above.
+            let o = unsafe { directions.order(k - j) };
+            add_cross(o, &deviation(c.order(j), body.tangent)[1], &mut change);
         }
         let is_changed = R::any(by.acts());
         if is_changed {
@@ -389,59 +400,70 @@ impl<R: Real> Force<R> for Orbit<R> {
             };
             let (sign, [of_cos, of_sin]) = (self.sign(), self.cos_sin([row[own], row[own + 1]]));
             let mean = by.mean_anomaly(time, one, sign, of_sin);
-            varied.means.push([mean; 3]);
-            let (mut anomaly, means) = (zero[0], varied.means.lowest(k + 1));
-            for j in 0..k + 1 {
-                let ([.., u], [mean, ..]) = (plane[j], means[k - j]);
-                anomaly = u.fma(mean, anomaly);
+            varied.means.push(k, [mean; 3]);
+            let mut anomaly = zero[0];
+            for j in 0..=k {
+                // SAFETY: as above.
+                let ([.., u], [mean, ..]) = unsafe { (plane.order(j), varied.means.order(k - j)) };
+                anomaly = u.fma(*mean, anomaly);
             }
-            varied.anomalies.push([anomaly; 3]);
-            let (mut cos, mut sin, anomalies) = (zero[0], zero[0], varied.anomalies.lowest(k + 1));
-            for j in 0..k + 1 {
-                let ([anomaly, ..], row) = (anomalies[k - j], c.order(j));
+            varied.anomalies.push(k, [anomaly; 3]);
+            let (mut cos, mut sin) = (zero[0], zero[0]);
+            for j in 0..=k {
+                // SAFETY: as above.
+                let [anomaly, ..] = unsafe { *varied.anomalies.order(k - j) };
+                let row = c.order(j);
                 let [of_cos, of_sin] = self.cos_sin([row[own], row[own + 1]]);
                 (cos, sin) = ((sign * of_sin).fnma(anomaly, cos), of_cos.fma(anomaly, sin));
             }
             // The change of the distance is less by this.
             let nearer = sign * by.eccentricity().fma(of_cos, self.eccentricity() * cos);
-            varied.places.push([by.eccentricity().fnma(one, cos), sin, nearer]);
-            let (mut moved, places) = (zero, varied.places.lowest(k + 1));
-            for j in 0..k + 1 {
-                let ([.., u], [x, y, nearer]) = (plane[j], places[k - j]);
-                moved = [u.fma(x, moved[0]), u.fma(y, moved[1]), u.fma(nearer, moved[2])];
+            varied.places.push(k, [by.eccentricity().fnma(one, cos), sin, nearer]);
+            let mut moved = zero;
+            for j in 0..=k {
+                // SAFETY: as above.
+                let ([.., u], [x, y, nearer]) = unsafe { (plane.order(j), varied.places.order(k - j)) };
+                moved = [u.fma(*x, moved[0]), u.fma(*y, moved[1]), u.fma(*nearer, moved[2])];
             }
             // The third is the change of u over u.
-            varied.moved.push(moved);
-            let ([mut x, mut y, stretch], moved) = (moved, varied.moved.lowest(k + 1));
-            for j in 0..k + 1 {
-                let (place, [.., stretch]) = (&plane[j], moved[k - j]);
-                (x, y) = (place[0].fma(stretch, x), place[1].fma(stretch, y));
+            varied.moved.push(k, moved);
+            let [mut x, mut y, stretch] = moved;
+            for j in 0..=k {
+                // SAFETY: as above.
+                let (place, [.., stretch]) = unsafe { (plane.order(j), varied.moved.order(k - j)) };
+                (x, y) = (place[0].fma(*stretch, x), place[1].fma(*stretch, y));
             }
-            varied.stretched.push([x, y, stretch]);
-            let stretched = varied.stretched.lowest(k + 1);
-            for j in 0..k + 1 {
-                let ([x, y, _], [a, b, _], row) = (stretched[j], plane[j], c.order(k - j));
-                let (by_place, by_axes) = (self.in_body([x, y], row), by.in_body([a, b], row));
+            varied.stretched.push(k, [x, y, stretch]);
+            for j in 0..=k {
+                // SAFETY: as above.
+                let ([x, y, _], [a, b, _]) = unsafe { (varied.stretched.order(j), plane.order(j)) };
+                let row = c.order(k - j);
+                let (by_place, by_axes) = (self.in_body([*x, *y], row), by.in_body([*a, *b], row));
                 change = plus(&change, &plus(&by_place, &by_axes));
             }
         }
-        varied.directions.push(change);
-        let (mut products, changes) = (zero, varied.directions.lowest(k + 1));
-        for j in 0..k + 1 {
-            add_varied_products(&pulls[j], &changes[k - j], &mut products);
+        varied.directions.push(k, change);
+        let mut products = zero;
+        for j in 0..=k {
+            // SAFETY: as above.
+            let (pull, change) = unsafe { (pulls.order(j), varied.directions.order(k - j)) };
+            add_varied_products(pull, change, &mut products);
         }
         let mut own_products = zero;
-        for j in 0..k + 1 {
-            add_products(&pulls[j], &directions[k - j], &mut own_products);
+        for j in 0..=k {
+            // SAFETY: as above.
+            let (pull, o) = unsafe { (pulls.order(j), directions.order(k - j)) };
+            add_products(pull, o, &mut own_products);
         }
-        varied.products.push(own_products);
+        varied.products.push(k, own_products);
         if is_changed {
             let three = R::splat(3.0);
-            let (stretched, unstretched) = (varied.stretched.lowest(k + 1), varied.products.lowest(k + 1));
-            for j in 0..k + 1 {
-                let ([.., stretch], before) = (stretched[j], &unstretched[k - j]);
+            for j in 0..=k {
+                // SAFETY: as above.
+                let ([.., stretch], before) =
+                    unsafe { (varied.stretched.order(j), varied.products.order(k - j)) };
                 for i in 0..3 {
-                    products[i] = (three * stretch).fma(before[i], products[i]);
+                    products[i] = (three * *stretch).fma(before[i], products[i]);
                 }
             }
         }

@@ -101,7 +101,7 @@ impl<R: Real, M: Model<R>> Taylor<R, M> {
             let of_k = c.order(k);
             let factor = unit * R::splat(INVERSE[k + 1]);
             let mut sums = VariedProducts::none();
-            for j in 0..k + 1 {
+            for j in 0..=k {
                 sums.add::<M, L, D>(c.order(j), c.order(k - j));
             }
             let (d, omega) = (spin::<R, L, D>(of_k), [of_k[0], of_k[1], of_k[2]]);
@@ -114,20 +114,24 @@ impl<R: Real, M: Model<R>> Taylor<R, M> {
             }
             let at = Order { k, own: L::OWN_AT, factor: unit };
             applied.add_varied_orders::<L, D>(c, at, (&mut series.torques, &mut varied), &mut torque);
-            let (frames, gained) = (series.turn.lowest(k + 1), series.gained.order(k));
-            let frame = &frames[k];
+            // SAFETY: the series of the motion has pushed all rows of its orders.
+            let (frame, undamped, gained) =
+                unsafe { (series.turn.order(k), series.undamped.order(k), series.gained.order(k)) };
             let by_products = sums.variation.acceleration::<M, D>(&self.model, of_k);
-            let undamped = Undamped { omega, rate: *series.undamped.order(k) };
+            let undamped = Undamped { omega, rate: *undamped };
             let mut rate = applied.varied_rate(by_products, &d, &torque, &undamped);
             let newest = applied.varied_turn(&rate, &undamped.rate, frame);
-            turns.push(newest);
+            turns.push(k, newest);
 
             let rotor = &applied.forces.further.rotor;
             let mut by_turn = rotor.across(&newest);
             add_cross(&change.further.rotor.0, frame, &mut by_turn);
-            let (mut turning, turns) = (sums.variation.turning(&d), turns.lowest(k + 1));
-            for j in 0..k + 1 {
-                let (frame, newest, row) = (&frames[k - j], &turns[k - j], c.order(j));
+            let mut turning = sums.variation.turning(&d);
+            for j in 0..=k {
+                // SAFETY: as above; the calls for the orders 0 to k, one each and ascending, have pushed the rows 0 to k
+                // of the change.
+                let (frame, newest) = unsafe { (series.turn.order(k - j), turns.order(k - j)) };
+                let row = c.order(j);
                 let omega = [row[0], row[1], row[2]];
                 add_cross(&applied.varied_momentum(&omega, &spin::<R, L, D>(row)), frame, &mut by_turn);
                 add_cross(&applied.momentum(&omega), newest, &mut by_turn);
@@ -164,10 +168,11 @@ impl<R: Real, M: Model<R>> Taylor<R, M> {
             let before = times_unit::<R, L, D>(c.order(k - 1), unit);
             self.applied.space_torque_of_order::<L, D>(c.order(0), c.order(k), &before)
         };
-        torques.push(newest);
-        let torques = torques.lowest(k + 1);
-        for j in 0..k + 1 {
-            add_cross(&torques[j], &turn::<R, L, D>(c.order(k - j)), &mut sum);
+        torques.push(k, newest);
+        for j in 0..=k {
+            // SAFETY: the calls for the orders 0 to k, one each and ascending, have pushed the rows 0 to k.
+            let torque = unsafe { torques.order(j) };
+            add_cross(torque, &turn::<R, L, D>(c.order(k - j)), &mut sum);
         }
         sum
     }

@@ -286,14 +286,16 @@ impl<R: Real, M: Model<R>> Taylor<R, M> {
     ) {
         let factor = unit * R::splat(INVERSE[k + 1]);
         let newest = self.torque::<L, D>(unit, c, k, *all_orders);
-        torques.push(newest);
+        torques.push(k, newest);
         let change = self.applied.over_moments(&newest);
         for i in 0..3 {
             next[i] = factor.fma(change[i], next[i]);
         }
-        let (mut balance, torques) = ([R::splat(0.0); 2], torques.lowest(k + 1));
+        let mut balance = [R::splat(0.0); 2];
         for j in 0..k + 1 {
-            let [power, impulse] = self.applied.balance::<L, D>(&torques[j], c.order(k - j));
+            // SAFETY: the calls for the orders 0 to k, one each and ascending, have pushed the rows 0 to k.
+            let torque = unsafe { torques.order(j) };
+            let [power, impulse] = self.applied.balance::<L, D>(torque, c.order(k - j));
             balance = [balance[0] + power, balance[1] + impulse];
         }
         next[L::BALANCE_AT] = factor * balance[0];
@@ -331,23 +333,24 @@ impl<R: Real, M: Model<R>> Taylor<R, M> {
         let change = applied.over_moments(&impulse);
         rate = plus(&rate, &change);
         let sink = applied.turn(&rate);
-        series.turn.push(sink);
-        series.undamped.push(rate);
+        series.turn.push(k, sink);
+        series.undamped.push(k, rate);
         let rotor = rotor.across(&sink);
-        series.impulse.push(plus(&impulse, &rotor));
+        series.impulse.push(k, plus(&impulse, &rotor));
 
         let (mut by_turn, mut turned) = (rotor, [zero; 3]);
-        let sinks = series.turn.lowest(k + 1);
-        for j in 0..k + 1 {
-            let (sink, row) = (&sinks[k - j], c.order(j));
+        for j in 0..=k {
+            // SAFETY: as above.
+            let sink = unsafe { series.turn.order(k - j) };
+            let row = c.order(j);
             add_cross(&applied.momentum(&[row[0], row[1], row[2]]), sink, &mut by_turn);
             for v in 0..L::VECTORS {
                 add_cross(&direction(row, v), sink, &mut turned[v]);
             }
         }
-        torques.push(plus(&torque, &by_turn));
+        torques.push(k, plus(&torque, &by_turn));
         let change = applied.over_moments(&by_turn);
-        series.gained.push(change);
+        series.gained.push(k, change);
         for i in 0..3 {
             next[i] = factor * (rate[i] + change[i]);
             for v in 0..L::VECTORS {
@@ -355,10 +358,11 @@ impl<R: Real, M: Model<R>> Taylor<R, M> {
             }
         }
         let mut balance = [R::splat(0.0); 2];
-        let (torques, impulses) = (torques.lowest(k + 1), series.impulse.lowest(k + 1));
-        for j in 0..k + 1 {
-            let [power, _] = applied.balance::<L, D>(&torques[j], c.order(k - j));
-            let [_, gained] = applied.balance::<L, D>(&impulses[j], c.order(k - j));
+        for j in 0..=k {
+            // SAFETY: as above.
+            let (torque, impulse) = unsafe { (torques.order(j), series.impulse.order(j)) };
+            let [power, _] = applied.balance::<L, D>(torque, c.order(k - j));
+            let [_, gained] = applied.balance::<L, D>(impulse, c.order(k - j));
             balance = [balance[0] + power, balance[1] + gained];
         }
         put(next, L::BALANCE_AT, [factor * balance[0], factor * balance[1]]);
