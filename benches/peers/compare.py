@@ -256,7 +256,8 @@ def report(scene: Scene, entries: list[Entry]) -> list[dict[str, Any]]:
         verdict = "reached" if ratio >= goal else "NOT reached"
         print(f"\nbetter peer ({peer.side} {peer.scheme}) over rigid {ours.scheme}: ", end="")
         print(f"{ratio:.2f}, goal {goal:g}: {verdict}")
-        print(f"of the core of rigid alone: {peer.nanoseconds / (ours.core or np.nan):.2f}")
+        if ours.core:
+            print(f"of the core of rigid alone: {peer.nanoseconds / ours.core:.2f}")
         line: dict[str, Any] = {"scene": scene.name, "target": target, "goal": goal, "ratio": ratio}
         line |= {"peer": f"{peer.side} {peer.scheme}, {peer.form}", "rigid": ours.scheme}
         for side, entry in peers.items():

@@ -103,6 +103,7 @@ def test_a_run_of_a_single_step_is_checked_by_another_series(
     assert true <= run.error
 
 
+@pytest.mark.filterwarnings("ignore:torque = .* numba cannot compile it")
 @pytest.mark.parametrize("check", [True, False])
 def test_a_body_that_hit_the_step_limit_is_not_run_again(check: bool) -> None:
     calls: list[float] = []
