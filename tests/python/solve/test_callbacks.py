@@ -859,6 +859,17 @@ def test_what_numba_cannot_compile_is_called_and_said() -> None:
     assert any("numba cannot compile it" in why for why in run.plan.why)
 
 
+def test_without_its_compiler_numba_is_not_asked(monkeypatch: pytest.MonkeyPatch) -> None:
+    numba: Any = pytest.importorskip("numba")
+    monkeypatch.setattr(numba.config, "DISABLE_JIT", True)
+
+    def own(t: float, omega: Any, attitude: Any, data: Any, torque: Any) -> None:
+        torque[:] = -0.1 * omega
+
+    scene = rigid.FreeBody(BODY, torque=rigid.Torque.call(own))
+    assert any("NUMBA_DISABLE_JIT" in why for why in rigid.plan(scene).why)
+
+
 def raises(t: float, omega: Any, attitude: Any, data: Any, torque: Any) -> None:
     torque[0] = torque[1] = torque[2] = 0.0
     if t > 0.5:
