@@ -38,7 +38,7 @@ def _short(value: Any) -> str:
 
 
 def aligned(rows: Sequence[Sequence[str]], right: Container[int] = ()) -> list[str]:
-    """Lines of the cells side by side, to the left, but those of some columns to the right."""
+    """Lines of the cells side by side, to the left, but in some columns to the right."""
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     return [
         "  ".join(

@@ -85,7 +85,8 @@ def _made(function: Callable[..., object], width: int) -> Callback:
     except ImportError:
         why = install_extra("to compile it needs numba", "numba")
         return _called(function, width, why)
-    if numba.config.DISABLE_JIT:
+    config: Any = numba.config
+    if config.DISABLE_JIT:
         return _called(function, width, "numba does not compile: NUMBA_DISABLE_JIT is set")
     try:
         made = _compiled(numba, function, width)
