@@ -141,7 +141,7 @@ class Folder(Memory):
 
     @classmethod
     def seeded(cls, spec: MapSpec, path: str | os.PathLike[str]) -> MapSpec:
-        """A specification whose seed was drawn; with the seed of the first call, if there is one."""
+        """The specification with the seed of the first call, if there is one: its own was drawn."""
         return replace(spec, seed=cls(path).head.spec.seed) if cls.is_at(path) else spec
 
     @staticmethod
