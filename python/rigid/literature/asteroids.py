@@ -7,6 +7,8 @@ from math import pi
 import numpy as np
 
 from ..free import SpinState, damping_time, spin_periods, spin_state
+from ..model.body import Body
+from ..solve.simulate import simulate
 from .entry import Entry
 
 HUDSON = (
@@ -26,6 +28,16 @@ TAKAHASHI_STATE = (
     "Busch, D. J. Scheeres, Astron. J. 146 (2013) 95, as the test of Toutatis of "
     "mockingbirdnest/Principia has it"
 )
+TAKAHASHI = (
+    "Y. Takahashi, M. W. Busch, D. J. Scheeres, Spin state and moment of inertia characterization "
+    "of 4179 Toutatis, Astron. J. 146 (2013) 95, doi 10.1088/0004-6256/146/4/95; the angle by "
+    "another program: the test of Toutatis of mockingbirdnest/Principia"
+)
+RATES = "state, rates by radar and angle: the test of Principia, physics/euler_solver_test.cpp"
+BROZOVIC = (
+    "M. Brozović et al., Goldstone and Arecibo radar observations of (99942) Apophis in 2012-2013, "
+    "Icarus 300 (2018) 115-128, doi 10.1016/j.icarus.2017.08.032"
+)
 PRAVEC = (
     "P. Pravec et al., The tumbling spin state of (99942) Apophis, Icarus 233 (2014) 48-60, "
     "doi 10.1016/j.icarus.2014.01.026"
@@ -40,6 +52,23 @@ def toutatis_of_1995() -> SpinState:
 def toutatis_of_2013() -> SpinState:
     """The state of Takahashi, Busch and Scheeres; time in days."""
     return spin_periods((3.0836, 3.235, 1.0), np.radians([14.5, 33.7, -98.5]))
+
+
+def from_radar(days: float, turns: tuple[float, float, float]) -> float:
+    """Angle (degrees) of the rates of Toutatis by radar from the motion since 9 November 1992.
+
+    ``turns`` are the rates (degrees a day) so many days later; no torque acts until then.
+    """
+    body = Body((3.0836, 3.235, 1.0))
+    run = simulate(body, np.radians([14.51, 33.529, -98.709]), t=[days])
+    here, there = run.omega[0], np.radians(turns)
+    return float(np.degrees(np.arctan2(np.linalg.norm(np.cross(here, there)), here @ there)))
+
+
+def radar_energy() -> float:
+    """Energy of Apophis over the least with its momentum, by moments and rates of radar."""
+    moments, rates = np.array([0.729, 0.947, 1.0]), np.array([96.506, 50.799, 264.953])
+    return float(np.sum(moments * rates**2) / np.sum((moments * rates) ** 2))
 
 
 def apophis() -> SpinState:
@@ -98,6 +127,45 @@ ENTRIES = (
         source=HUDSON,
         seen=HUDSON_STATE,
         compute=lambda: float(toutatis_of_1995().precession),
+    ),
+    Entry(
+        name="toutatis-2-december",
+        quantity="(4179) Toutatis: angle between its rates by radar on 2 December 1992 and the "
+        "motion without torque since 9 November",
+        printed="4.5",
+        unit="degrees",
+        source=TAKAHASHI,
+        seen=RATES,
+        compute=lambda: from_radar(23.159872685, (-35.6, 7.2, -97.0)),
+    ),
+    Entry(
+        name="toutatis-10-december",
+        quantity="(4179) Toutatis: angle between its rates by radar on 10 December 1992 and the "
+        "motion without torque since 9 November",
+        printed="0.8",
+        unit="degrees",
+        source=TAKAHASHI,
+        seen=RATES,
+        compute=lambda: from_radar(30.979317130, (35.8, -8.9, -97.9)),
+    ),
+    Entry(
+        name="apophis-radar-energy",
+        quantity="(99942) Apophis: energy over the least energy with its angular momentum, from "
+        "its rates and moments by radar",
+        printed="1.0254",
+        source=BROZOVIC,
+        seen="supplement, as the notebook spin_general of aquillen/Apophis has it",
+        compute=radar_energy,
+    ),
+    Entry(
+        name="apophis-period",
+        quantity="(99942) Apophis: period of the main peak of its light curve, from the rotation "
+        "of 263 h in the frame of the precession of 27.38 h",
+        printed="30.56 ± 0.01",
+        unit="h",
+        source=PRAVEC,
+        seen="J. V. DeMartini et al., Icarus 328 (2019) 93, section 1.3",
+        compute=lambda: 1.0 / (1.0 / float(apophis().precession) - 1.0 / float(apophis().rotation)),
     ),
     Entry(
         name="apophis-energy",

@@ -34,6 +34,18 @@ GOLDREICH = (
     "P. Goldreich, S. J. Peale, Spin-orbit coupling in the solar system, Astron. J. 71 (1966) "
     "425-438; C. D. Murray, S. F. Dermott, Solar System Dynamics (1999), § 5.4"
 )
+MARGOT = (
+    "J.-L. Margot et al., Mercury's moment of inertia from spin and gravity data, J. Geophys. Res. "
+    "117 (2012) E00L09, doi 10.1029/2012JE004161"
+)
+STARK = (
+    "A. Stark et al., First MESSENGER orbital observations of Mercury's librations, Geophys. Res. "
+    "Lett. 42 (2015) 7881-7889, doi 10.1002/2015GL065152"
+)
+MANTLE = (
+    "amplitudes, C = 0.346 M R² and the mantle's share 0.431 of C: the abstracts; C22 = 8.088e-6: "
+    "from memory"
+)
 FORMULA = "formula of the textbook, from memory; a test compares its series with the exact mean"
 WILLNER = (
     "K. Willner, X. Shi, J. Oberst, Phobos' shape and topography models, Planet. Space Sci. 102 "
@@ -138,6 +150,17 @@ def period_of_mercury() -> float:
     orbits = np.arange(1.0, 1025.0)  # sixteen periods
     found = frequencies(orbits, swing(scene, 1.5 + 1e-5, orbits, 1.5, "taylor20"))
     return float(YEAR_OF_MERCURY * 2.0 * pi / found.frequency[0])
+
+
+@cache
+def forced_libration_of_mercury() -> float:
+    """Amplitude (arcseconds) of the libration of the mantle of Mercury in 88 days."""
+    strength = 4.0 * 8.088e-6 / (0.346 * 0.431)  # (B - A) / C of the mantle
+    scene = in_orbits((1.0 - strength, 1.0, 1.0 + 0.5 * strength), E_MERCURY)
+    t = np.linspace(0.0, 200.0, 8001)
+    found = frequencies(t, swing(scene, 1.5, t, 1.5, "taylor20"), count=3)
+    nearest = np.argmin(np.abs(np.abs(found.frequency) - 2.0 * pi))
+    return 3600.0 * degrees(float(np.abs(found.amplitude[nearest])))
 
 
 def formula_of_mercury() -> float:
@@ -257,6 +280,25 @@ ENTRIES = (
         source=RAMBAUX,
         seen="period: the abstract; C22 and C: from memory",
         compute=period_of_mercury,
+    ),
+    Entry(
+        name="mercury-88-days",
+        quantity="Mercury with a liquid core: amplitude of its libration in 88 days, from its "
+        "gravity field and the moment of its mantle",
+        printed="38.5 ± 1.6",
+        unit="arcsec",
+        source=MARGOT,
+        seen=MANTLE,
+        compute=forced_libration_of_mercury,
+    ),
+    Entry(
+        name="mercury-messenger",
+        quantity="the same libration, as MESSENGER has seen it from its orbit",
+        printed="38.9 ± 1.3",
+        unit="arcsec",
+        source=STARK,
+        seen=MANTLE,
+        compute=forced_libration_of_mercury,
     ),
     Entry(
         name="mercury-formula",

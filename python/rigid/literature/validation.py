@@ -11,7 +11,7 @@ from .._checks.arguments import one_of
 from .._checks.progress import ProgressOption, reporting
 from .._checks.shown import aligned
 from ..drawing.figure import html_table
-from . import asteroids, earth, free_bodies, heavy_tops, moons, spin_orbit
+from . import asteroids, earth, flybys, free_bodies, heavy_tops, moons, satellites, spin_orbit
 from .entry import Entry
 
 HEADER = ("name", "published", "here", "difference", "interval", "unit", "verdict")
@@ -19,7 +19,9 @@ HEADER = ("name", "published", "here", "difference", "interval", "unit", "verdic
 
 def entries() -> tuple[Entry, ...]:
     """All entries, subject by subject."""
-    subjects = (asteroids, moons, spin_orbit, earth, free_bodies, heavy_tops)
+    subjects = (
+        *(asteroids, flybys, moons, spin_orbit, satellites, earth, free_bodies, heavy_tops),
+    )
     return tuple(entry for subject in subjects for entry in subject.ENTRIES)
 
 
