@@ -163,6 +163,7 @@ def section(
     kinds: Sequence[tuple[bool, int, bool]],
     normal: NDArray[np.float64],
     momentum: NDArray[np.float64],
+    square: NDArray[np.float64],
     value: NDArray[np.float64],
     ends: NDArray[np.float64],
     count: int,

@@ -16,9 +16,9 @@ use pyo3::types::PyDict;
 
 /// The points at which bodies cross their surfaces until a time; see `rigid.poincare` and `rigid.simulate`. A kind of
 /// surface is whether it is of a rate, its direction, and whether its points count; the surfaces of each body are
-/// neighbours in `normal`, `momentum` and `value`.
+/// neighbours in `normal`, `momentum`, `square` and `value`.
 #[pyfunction]
-#[pyo3(signature = (bodies, *, method, kinds, normal, momentum, value, ends, count, closed, tolerance, max_steps, threads))]
+#[pyo3(signature = (bodies, *, method, kinds, normal, momentum, square, value, ends, count, closed, tolerance, max_steps, threads))]
 #[allow(clippy::too_many_arguments)] // The request of `trajectory`, array by array.
 pub fn section<'py>(
     py: Python<'py>,
@@ -27,6 +27,7 @@ pub fn section<'py>(
     kinds: Vec<(bool, i8, bool)>,
     normal: Aligned2<'py, f64>,
     momentum: Aligned2<'py, f64>,
+    square: Aligned1<'py, f64>,
     value: Aligned1<'py, f64>,
     ends: Aligned1<'py, f64>,
     count: usize,
@@ -43,12 +44,22 @@ pub fn section<'py>(
     let many = n * kinds.len();
     let (normals, momenta) = (rows::<6>("normal", &normal)?, rows::<3>("momentum", &momentum)?);
     let (values, ends) = (copied("value", &value)?, copied("ends", &ends)?);
-    for (name, length) in [("normal", normals.len()), ("momentum", momenta.len()), ("value", values.len())] {
+    let squares = copied("square", &square)?;
+    for (name, length) in [
+        ("normal", normals.len()),
+        ("momentum", momenta.len()),
+        ("square", squares.len()),
+        ("value", values.len()),
+    ] {
         same_length(name, many, length)?;
     }
     same_length("ends", n, ends.len())?;
-    let surface =
-        |index: usize| Surface { normal: normals[index], momentum: momenta[index], value: values[index] };
+    let surface = |index: usize| Surface {
+        normal: normals[index],
+        momentum: momenta[index],
+        square: squares[index],
+        value: values[index],
+    };
     let surfaces = &memory::collected("surfaces", many, (0..many).map(surface))?;
     let kind = |&(of_rate, direction, counts): &(bool, i8, bool)| SurfaceKind { of_rate, direction, counts };
     let kinds = &memory::collected("surfaces", kinds.len(), kinds.iter().map(kind))?;

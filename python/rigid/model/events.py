@@ -22,10 +22,13 @@ TILTS = ("tilt1", "tilt2", "tilt3")
 MOMENTA = ("L1", "L2", "L3")
 """Angular momentum in space (kg m²/s)."""
 
-QUANTITIES = (*COMPONENTS, *TILTS, *MOMENTA)
+SPEED = "speed"
+"""The length of the rates (rad/s)."""
+
+QUANTITIES = (*COMPONENTS, *TILTS, *MOMENTA, SPEED)
 """Names of the quantities that can cross a value."""
 
-UNITS = {"omega": "rad/s", "tilt": "rad", "L": "kg m²/s"}
+UNITS = {"omega": "rad/s", "tilt": "rad", "L": "kg m²/s", SPEED: "rad/s"}
 """Units of quantities that have one, by their names without the axis."""
 
 PLANE = "plane"
@@ -49,6 +52,7 @@ class Event:
     omega, gamma, momentum : tuple of float
         The quantity is ``omega·w + gamma·n + momentum·L`` for the rates ``w`` and the vertical
         ``n`` in the body and the angular momentum ``L`` in space; of a tilt it is minus its cosine.
+        All are zero of ``"speed"``, whose square is looked at.
     value : float
         The value that the quantity crosses; zero if it turns.
     direction : int
@@ -87,14 +91,23 @@ class Event:
         return f"{name} = {self.value:g}, {WORDS[self.direction]}"
 
     @property
+    def square(self) -> float:
+        """The factor of the square of the speed in the function that crosses a level."""
+        return 1.0 if self.name == SPEED else 0.0
+
+    @property
     def level(self) -> float:
-        """The value of the function that is linear in the state."""
-        return -math.cos(self.value) if self.name in TILTS and not self.turns else self.value
+        """The value of the function, which is linear in the state, or the square of the speed."""
+        if self.turns or self.name not in (*TILTS, SPEED):
+            return self.value
+        return self.value**2 if self.name == SPEED else -math.cos(self.value)
 
     @property
     def slope_scale(self) -> float:
-        """Ratio of two slopes: of the function that is linear in the state, and of the quantity."""
-        return math.sin(self.value) if self.name in TILTS and not self.turns else 1.0
+        """Ratio of two slopes: of this function, and of the quantity."""
+        if self.turns or self.name not in (*TILTS, SPEED):
+            return 1.0
+        return 2.0 * self.value if self.name == SPEED else math.sin(self.value)
 
     def to_dict(self) -> dict[str, Any]:
         """All attributes as plain Python values.
@@ -146,7 +159,7 @@ def crosses(
         A rate ``"omega1"`` to ``"omega3"`` (rad/s); a component of the upward vertical in the body,
         ``"gamma1"`` to ``"gamma3"``; the angle of a body axis from the vertical, ``"tilt1"`` to
         ``"tilt3"`` (rad); a component of the angular momentum in space, ``"L1"`` to ``"L3"``
-        (kg m²/s).
+        (kg m²/s); ``"speed"``, the length of the rates (rad/s).
     value : float
         The value of the quantity.
     direction : {0, 1, -1}
@@ -163,8 +176,8 @@ def crosses(
     ------
     ValueError
         Naming the argument, its value and the rule: an unknown name, a name beside vectors, neither
-        of them, vectors that are all zero, another direction, a value that the vertical or a tilt
-        never crosses.
+        of them, vectors that are all zero, another direction, a value that the vertical, a tilt or
+        a speed never crosses.
 
     Examples
     --------
@@ -179,8 +192,11 @@ def crosses(
     [10.917]
     """
     made = _quantity(name, omega, gamma, momentum)
-    value = finite_float("value", value, unit=UNITS.get(made["name"][:-1], "1"))
-    if name in TILTS:
+    value = finite_float("value", value, unit=UNITS.get(made["name"].rstrip("123"), "1"))
+    if name == SPEED:
+        if value <= 0.0:
+            raise ValueError(f"value = {value}: never crossed; a speed is positive")
+    elif name in TILTS:
         if not 0.0 < value < math.pi:
             raise ValueError(f"value = {value}: never crossed; a tilt lies between 0 and pi")
     elif not any(made["omega"]) and not any(made["momentum"]):
@@ -252,10 +268,10 @@ def _quantity(
     if all(value is None for value in given.values()):
         if name is None:
             raise ValueError("name: give the name of a quantity, or the vectors of one")
-        one_of("name", name, QUANTITIES)
-        kind, axis = name[:-1], int(name[-1]) - 1
-        key = {"omega": "omega", "L": "momentum"}.get(kind, "gamma")
-        rows[key][axis] = -1.0 if kind == "tilt" else 1.0
+        if one_of("name", name, QUANTITIES) != SPEED:
+            kind, axis = name[:-1], int(name[-1]) - 1
+            key = {"omega": "omega", "L": "momentum"}.get(kind, "gamma")
+            rows[key][axis] = -1.0 if kind == "tilt" else 1.0
     elif name is not None:
         raise ValueError(f"name = {brief(name)}: leave the name out beside omega, gamma, momentum")
     elif not any(row.any() for row in rows.values()):

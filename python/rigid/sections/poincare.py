@@ -184,6 +184,7 @@ def poincare(
         kinds=((surface.is_height, surface.direction, True),),
         normal=normals[:, np.newaxis],
         momentum=np.zeros((len(bodies), 1, 3)),
+        square=np.zeros((len(bodies), 1)),
         value=np.full((len(bodies), 1), surface.value),
         rotor=np.zeros((len(bodies), 3)),
         ends=np.full(len(bodies), end),

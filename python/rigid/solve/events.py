@@ -270,6 +270,7 @@ def find_events(
         kinds=tuple((event.turns, event.direction, counts) for event, counts in kinds),
         normal=_of_each(normals, n, 6),
         momentum=np.ldexp(momentum, exponents[:, np.newaxis]),
+        square=_of_each([event.square for event in events], n),
         value=_of_each([event.level for event in events], n),
         rotor=np.broadcast_to(np.ldexp(rotor, -exponents), (n, 3)),
         ends=np.broadcast_to(ends, (n,)).astype(np.float64),

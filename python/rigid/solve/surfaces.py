@@ -45,7 +45,9 @@ def default_tolerance(forces: Collection[str]) -> float:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Search:
-    """The points of some bodies on their surfaces ``normal·(omega, gamma) + momentum·L = value``.
+    """The points of some bodies on their surfaces.
+
+    A surface is ``normal·(omega, gamma) + momentum·L + square |omega|² = value``.
 
     Attributes
     ----------
@@ -56,6 +58,7 @@ class Search:
     normal : ndarray, shape (n, kinds, 6)
     momentum : ndarray, shape (n, kinds, 3)
         In one over the unit of moments of the bodies.
+    square : ndarray, shape (n, kinds)
     value : ndarray, shape (n, kinds)
     rotor : ndarray, shape (n, 3)
         Momentum of a rotor in each body, in the unit of moments of the bodies.
@@ -76,6 +79,7 @@ class Search:
     kinds: tuple[tuple[bool, int, bool], ...]
     normal: Floats
     momentum: Floats
+    square: Floats
     value: Floats
     rotor: Floats
     ends: Floats
@@ -110,6 +114,7 @@ class Search:
             kinds=list(self.kinds),
             normal=np.ascontiguousarray(self.normal.reshape(-1, 6)),
             momentum=np.ascontiguousarray(self.momentum.reshape(-1, 3)),
+            square=np.ascontiguousarray(self.square.ravel()),
             value=np.ascontiguousarray(self.value.ravel()),
             ends=self.ends,
             count=2**63 - 1 if self.count is None else self.count,
@@ -121,7 +126,7 @@ class Search:
 
     def _select(self, some: NDArray[np.intp]) -> Self:
         """The search of some bodies."""
-        names = ("normal", "momentum", "value", "rotor", "ends")
+        names = ("normal", "momentum", "square", "value", "rotor", "ends")
         own = {name: getattr(self, name)[some] for name in names}
         return replace(self, bodies=self.bodies.select(some), **own)
 
@@ -151,6 +156,7 @@ class Search:
             of_momentum = size(self.momentum, axis=-1)
             scale: Floats = size(of_omega, axis=-1) * rate + size(of_gamma, axis=-1)
             scale = scale + np.where(of_momentum > 0.0, of_momentum * momentum, 0.0)
+            scale = scale + np.where(self.square != 0.0, np.abs(self.square) * rate**2, 0.0)
             return np.where(self._turns, scale * rate, scale)
 
     def _errors(
@@ -228,14 +234,16 @@ class Search:
             gamma = axes[..., 2, :]
             momentum = self.bodies.moments[:, np.newaxis] * omega + self.rotor[:, np.newaxis]
             along = np.einsum("...j,...jk,...k->...", of_momentum, axes, momentum)
+        square = self.square[rows, kind]
         values: Floats = _dot(of_omega, omega) + _dot(of_gamma, gamma) + along
+        values += square * _dot(omega, omega)
         values -= self.value[rows, kind]
         if not turning.any():
             return values
         # The vertical changes by gamma x omega. Of the rates and the momentum, whose change depends
         # on the torque, the distance of two states is taken instead.
         rate = _dot(of_gamma, np.cross(gamma, omega))
-        unknown = of_omega.any(axis=-1) | of_momentum.any(axis=-1)
+        unknown = of_omega.any(axis=-1) | of_momentum.any(axis=-1) | (square != 0.0)
         if (turning & unknown).any():
             met = lengths(known["omega"]).max(axis=1)
             pair = [

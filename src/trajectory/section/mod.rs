@@ -47,7 +47,7 @@ const CLOSED_ERROR: f64 = 1e-15;
 /// Most kinds of surfaces of a section.
 pub const MOST_KINDS: usize = 32;
 
-/// A surface: `normal . (omega, gamma) + momentum . L = value` for the angular momentum `L` in space, or where the rate
+/// A surface: `normal . (omega, gamma) + momentum . L + square |omega|² = value` for the angular momentum `L` in space, or where the rate
 /// of the left side is zero.
 #[derive(Clone, Copy, Debug)]
 pub struct Surface {
@@ -55,6 +55,8 @@ pub struct Surface {
     pub normal: [f64; 6],
     /// Of the angular momentum in space, that of a rotor included.
     pub momentum: [f64; 3],
+    /// Of the square of the speed of rotation.
+    pub square: f64,
     /// The value; zero for a rate.
     pub value: f64,
 }

@@ -15,6 +15,7 @@ pub struct Watch {
     /// The surface of each lane.
     normal: [Row; 6],
     momentum: [Row; 3],
+    square: Row,
     value: Row,
     /// Momentum of a rotor.
     rotor: [Row; 3],
@@ -22,6 +23,8 @@ pub struct Watch {
     used: [bool; 6],
     /// Whether a surface depends on the angular momentum in space.
     uses_momentum: bool,
+    /// Whether a surface depends on the speed of rotation.
+    uses_square: bool,
     /// Index of the quaternion in the state; without one the state has the space axes 3 and 1 from index 3 on, and mostly
     /// space axis 2.
     quaternion: Option<usize>,
@@ -53,19 +56,22 @@ impl Watch {
         system: System,
         order: usize,
     ) -> Watch {
-        let (mut used, mut uses_momentum) = ([false; 6], false);
+        let (mut used, mut uses_momentum, mut uses_square) = ([false; 6], false, false);
         for surface in surfaces {
             (0..6).for_each(|d| used[d] |= surface.normal[d] != 0.0);
             uses_momentum |= surface.momentum != [0.0; 3];
+            uses_square |= surface.square != 0.0;
         }
         Watch {
             kind,
             normal: [Row::ZERO; 6],
             momentum: [Row::ZERO; 3],
+            square: Row::ZERO,
             value: Row::ZERO,
             rotor: [Row::ZERO; 3],
             used,
             uses_momentum,
+            uses_square,
             quaternion: system.quaternion_at,
             has_second_axis: system.vectors > 2,
             turns: system.turns,
@@ -81,17 +87,19 @@ impl Watch {
 
     /// Puts the surface of a body into a lane; `rate` bounds its rates.
     pub fn enter(&mut self, lane: usize, surface: &Surface, body: &Body, forces: BodyForces, rate: f64) {
-        let Surface { normal, momentum, value } = *surface;
+        let Surface { normal, momentum, square, value } = *surface;
         let rotor = forces.further.rotor.0;
         set_lane(&mut self.normal, lane, &normal);
         set_lane(&mut self.momentum, lane, &momentum);
         set_lane(&mut self.rotor, lane, &rotor);
+        self.square.0[lane] = square;
         self.value.0[lane] = value;
         self.side[lane] = None;
         let length = |v: &[f64]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
         let largest = body.moments.iter().fold(0.0_f64, |a, &b| a.max(b));
         let of_momentum = length(&momentum) * (largest * rate + length(&rotor));
-        let scale = length(&normal[..3]) * rate + length(&normal[3..]) + of_momentum;
+        let of_speed = square.abs() * rate * rate;
+        let scale = length(&normal[..3]) * rate + length(&normal[3..]) + of_momentum + of_speed;
         self.scale.0[lane] = if self.kind.of_rate { scale * rate } else { scale + value.abs() };
     }
 
@@ -113,11 +121,17 @@ impl Watch {
             self.unit.0[lane] = if of_rate { adaptive.unit.0[lane] } else { 1.0 };
         }
         let of_momentum = self.uses_momentum.then(|| self.along_momentum(group, adaptive));
+        let of_speed = self.uses_square.then(|| self.along_square(adaptive));
         let vertical = self.turns.then(|| self.vertical(adaptive));
         let mut scale = Row([1.0; LANES]);
         for k in 0..self.terms() {
             let of_state = k + usize::from(of_rate);
             let mut sum = of_momentum.as_ref().map_or([0.0; LANES], |powers| powers[of_state].0);
+            if let Some(powers) = &of_speed {
+                for lane in 0..LANES {
+                    sum[lane] += powers[of_state].0[lane];
+                }
+            }
             let known = adaptive.powers.get(of_state);
             for d in (0..6).filter(|&d| self.used[d]) {
                 let power = match (&vertical, known) {
@@ -189,6 +203,22 @@ impl Watch {
                 momentum[0] += self.rotor[k].0[lane];
                 let product = self.product(&direction[k], &momentum);
                 (0..=self.order).for_each(|i| sum[i].0[lane] += product[i]);
+            }
+        }
+        sum
+    }
+
+    /// The powers of `square |omega|²` in the units of time of the step.
+    fn along_square(&self, adaptive: &AdaptiveSteps) -> [Row; TERMS] {
+        let mut sum = [Row::ZERO; TERMS];
+        for lane in (0..LANES).filter(|&lane| self.square.0[lane] != 0.0) {
+            for d in 0..3 {
+                let mut rate = [0.0; TERMS];
+                for (power, rows) in rate.iter_mut().zip(&adaptive.powers) {
+                    *power = rows[d].0[lane];
+                }
+                let product = self.product(&rate, &rate);
+                (0..=self.order).for_each(|i| sum[i].0[lane] += self.square.0[lane] * product[i]);
             }
         }
         sum

@@ -93,6 +93,7 @@ def test_each_quantity_crosses_and_turns_where_its_states_do(name: str) -> None:
         **{f"gamma{k + 1}": gamma[:, k] for k in range(3)},
         **{f"tilt{k + 1}": np.arccos(gamma[:, k]) for k in range(3)},
         **{f"L{k + 1}": momentum[:, k] for k in range(3)},
+        "speed": np.linalg.norm(omega, axis=1),
         "omega": omega @ DIRECTIONS["omega"],
         "gamma": gamma @ DIRECTIONS["gamma"],
         "momentum": momentum @ DIRECTIONS["momentum"],
@@ -172,6 +173,41 @@ def test_a_component_of_the_momentum_that_touches_its_value(
     else:
         assert len(found) == 0
         assert bool(found.complete)
+
+
+@pytest.mark.parametrize("way", ["damping", "drag", "callback"])
+def test_a_run_ends_when_the_body_is_slow(way: str) -> None:
+    """A ball slows as exp(-D t / I), under drag as 1 / (1 + C w t / I)."""
+    rates = np.array([[0.3, -0.2, 0.9], [2.0, 1.0, -0.5], [0.05, 0.0, 0.0]])
+    speed, slow = np.linalg.norm(rates, axis=1), 0.1
+
+    def torque(t: float, omega: Any, attitude: Any, data: Any, torque: Any) -> None:
+        for k in range(3):
+            torque[k] = -0.5 * omega[k]
+
+    every: dict[str, dict[str, Any]] = {
+        "damping": {"damping": 0.5},
+        "drag": {"drag": 0.5},
+        "callback": {"torque": rigid.Torque.call(torque)},
+    }
+    forces = every[way]
+    ball = rigid.FreeBody(rigid.Body((2.0, 2.0, 2.0)), **forces)
+    with np.errstate(invalid="ignore"):
+        expected = 4.0 * (1.0 / slow - 1.0 / speed) if way == "drag" else 4.0 * np.log(speed / slow)
+    run = rigid.simulate(ball, rates, t=[0.0, 200.0], until=rigid.crosses("speed", slow, -1))
+    (found,) = run.events
+    assert found.count.tolist() == [1, 1, 0]  # the last one is slow from the start
+    np.testing.assert_allclose(found.t, expected[:2], rtol=1e-9)
+    assert (np.abs(found.t - expected[:2]) <= found.error).all()
+    np.testing.assert_allclose(np.linalg.norm(found.omega, axis=1), slow, rtol=1e-9)
+    assert np.isnan(run.omega[:2, -1]).all()
+    assert np.isfinite(run.omega[2]).all()
+
+
+@pytest.mark.parametrize("value", [0.0, -1.0])
+def test_a_speed_is_positive(value: float) -> None:
+    with pytest.raises(ValueError, match=f"value = {value}: never crossed; a speed is positive"):
+        rigid.crosses("speed", value)
 
 
 def test_events_are_refused_backward_in_time() -> None:

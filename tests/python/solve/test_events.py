@@ -453,7 +453,10 @@ def simulated(**options: Any) -> Callable[[], object]:
 ZERO = rigid.crosses("omega1")
 
 REFUSED: dict[str, tuple[Callable[[], object], str]] = {
-    "unknown name": (lambda: rigid.crosses("omega4"), "name = 'omega4': must be one of 'omega1'"),
+    "unknown name": (
+        lambda: rigid.crosses("omega4"),
+        "name = 'omega4': did you mean 'omega3'. must be one of 'omega1'",
+    ),
     "no name": (rigid.turns, "name: give the name of a quantity, or the vectors of one"),
     "name beside vectors": (
         lambda: rigid.crosses("omega1", gamma=(0, 0, 1)),
