@@ -214,7 +214,7 @@ fn map(numbers: &mut Bytes) {
     let rule = Rule { sure: angle, low: numbers.number(), high: numbers.number(), ratio: numbers.number() };
     let asked = Map {
         scene,
-        forces: Vec::new(),
+        forces: None,
         method: if numbers.below(2) == 0 { MethodChoice::Auto } else { MethodChoice::Only(numbers.method()) },
         pixels: numbers.list(3, |numbers| Pixel {
             body: numbers.body(scene),

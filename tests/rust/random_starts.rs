@@ -213,7 +213,7 @@ fn draws_do_not_shift_each_other() {
         let pixel_of = Pixel { body, omega_size: [0.5, 0.25, 2.0], attitude_size: [0.1; 3], possible: true };
         let map = Map {
             scene: &FREE,
-            forces: Vec::new(),
+            forces: None,
             method: MethodChoice::Only(AnyMethod::Steps(&method::RK4)),
             pixels: vec![pixel_of; 3],
             laws: Laws { omega, attitude, ..Laws::NONE },

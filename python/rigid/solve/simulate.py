@@ -39,6 +39,9 @@ from .tangent import check_tangent
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
 
+AT_ONCE = 2**16
+"""So many states in closed form take less than a tenth of a second: no progress is shown."""
+
 
 @in_standard_floats
 def simulate(
@@ -283,6 +286,8 @@ def simulate(
             states=times.shape[-1],
             inside=watched is not None,
         )
+    if problem is None and progress is None and len(bodies) * times.shape[-1] < AT_ONCE:
+        progress = False
     # One more run, and its second run, find the events.
     with Listening(progress, 1 if watched is None else 3 if check else 2):
         made = solve(
