@@ -30,7 +30,7 @@ const RULED: f64 = 1e-15;
 /// Factor between the tolerances of a run and of its coarser run.
 ///
 /// Where the motion magnifies errors, the errors of both runs have signs and sizes at random, the coarser one `APART` times as
-/// large. The runs are then nearer to each other than half of the finer error in about `1 / (2.5 APART)` of all cases. On 2000
+/// large. The runs are then nearer to each other than a third of the finer error in about `1 / (4.7 APART)` of all cases. On 2000
 /// eccentric orbits 0.5 % erred by more than twice the stated error with a factor of 30.
 pub const APART: f64 = 900.0;
 

@@ -3,7 +3,7 @@
 use super::{Recorded, Sized, larger, largest, least, length, smaller, unit};
 
 /// Relative distances of the states of two runs of a body at their times: the largest of `|d omega|` over the largest
-/// `|omega|` of the two, of the angle between the verticals and of the angle between the attitudes. Rates that are all
+/// `|omega|` of the two, of the chord of the angle between the verticals and of the angle between the attitudes. Rates that are all
 /// rest beside a scale are compared with the scale.
 pub fn distances(run: &Recorded, other: &Recorded, scale: f64, apart: &mut [f64]) {
     let size = unit(fastest_of_both(run, other, |_| true), scale);

@@ -21,7 +21,7 @@ const TURN: f64 = 1.3e-16;
 
 /// Relative rounding error of the rates in each of many equal steps.
 ///
-/// It is half a unit in the last place, always in one direction: a method of exact flows turns the rates of a symmetric free
+/// It is the least share that half a unit in the last place is of a number, always in one direction: a method of exact flows turns the rates of a symmetric free
 /// body by the same angle each step, and all but steady rates change by the same amount.
 const DRIFT: f64 = 5.6e-17;
 
@@ -201,7 +201,8 @@ pub fn of_ringing(known: &Sized, error: &mut [f64]) {
     }
 }
 
-/// Makes the error unknown of a body that damping may stop within a step: both runs lose the angle it turned meanwhile.
+/// Makes the error unknown of a body that may turn by more than a half in a step of a method for strong damping: both runs
+/// lose the angle that it turned before damping slowed it.
 pub fn of_steps_beyond_damping(known: &Sized, error: &mut [f64]) {
     let run = known.run;
     let is_damped = run.tolerance.is_none() && !run.forces.is_none() && run.method.is_stiff();

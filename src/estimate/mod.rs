@@ -1,8 +1,8 @@
 //! The error of a run, from its distance from a second run and from what both runs may have in common.
 //!
-//! Where truncation is the error, the second run has less of it, and the distance of the two runs is nearly all of the
-//! error (Hairer, Nørsett, Wanner, *Solving Ordinary Differential Equations I*, § II.4). Where rounding is, or chaos amplifies
-//! it, the two runs differ by about as much as each of them errs. What they have in common the distance does not show:
+//! Where truncation is the error, one of the runs has less of it, and the distance of the two runs is nearly all of the
+//! error of the other (Hairer, Nørsett, Wanner, *Solving Ordinary Differential Equations I*, § II.4). Where rounding is, or chaos
+//! amplifies it, the two runs differ by about as much as each of them errs. What they have in common the distance does not show:
 //! each such part of the error is a term of a list.
 
 mod closed_form;

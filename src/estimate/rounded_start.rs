@@ -3,6 +3,7 @@
 //! Two runs from one start would share its rounding, magnified at a saddle.
 
 /// Directions in which the numbers of a start are rounded otherwise, from the smallest on: Walsh's, orthogonal to each other.
+/// Where a start has fewer than four different sizes two of the directions may be one.
 const SIGNS: [[f64; 4]; 3] = [[1.0, -1.0, 1.0, -1.0], [1.0, 1.0, -1.0, -1.0], [1.0, -1.0, -1.0, 1.0]];
 
 /// Number of second runs where rounding is the error.

@@ -1,7 +1,7 @@
 //! The growth of the rounding of a start at a saddle of a top.
 //!
-//! No method can do better: the start itself is known to rounding only. Two runs from one start share its rounding, so
-//! their distance does not show it.
+//! No method can do better: the start itself is known to rounding only. The start of a second run is rounded otherwise, but
+//! a start in equilibrium stays one, and a tiny tilt changes by a share of itself: there the distance of both runs does not show it.
 
 use super::{Sized, cross, larger, least, length, vertical};
 use crate::exact::derived;

@@ -8,7 +8,7 @@ use crate::start::Body;
 /// A distance from the separatrix below this share of the largest on its side is near.
 const NEAR: f64 = 1e-3;
 
-/// A body is treated as free if weight and work are below this share of its kinetic energy.
+/// A body is treated as free if weight and work are below this share of twice its kinetic energy.
 const NEARLY_FREE: f64 = 1e-8;
 
 /// The phase error of a body, and the time from which on the phase is unknown.

@@ -2,7 +2,7 @@
 
 use super::Sized;
 
-/// Phase by which two runs may part between two compared times; a whole turn would not show.
+/// Phase (rad) by which two runs may part between two compared times; a whole turn would not show.
 const PART_OF_A_TURN: f64 = 0.5;
 
 /// An error of order p is below `(theta / 3)^p` a radian turned, theta the angle of a step.
