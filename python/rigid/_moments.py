@@ -71,6 +71,12 @@ def possible(moments: Floats, physical: bool = True) -> NDArray[np.bool_]:
     return bodies.reshape(moments.shape[:-1])
 
 
+def can_move(moments: Floats, physical: bool = True) -> NDArray[np.bool_]:
+    """Whether the core can move a body with these moments, shape (n, 3): rods as spheres."""
+    known: NDArray[np.bool_] = _core.moment_status(without_spin(moments), physical) == 0
+    return known
+
+
 def refuse_tensor(name: str, array: Floats) -> None:
     """Raise ValueError for tensors of inertia, matrices, where the rows are bodies.
 

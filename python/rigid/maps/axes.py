@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -135,60 +136,86 @@ def check_applicable(scene: Scene, start: Start, axes: Iterable[Axis]) -> None:
         reason = axis.parameter.why_not(scene, start)
         if reason:
             raise ValueError(f"axes: {axis.name!r} does not apply: {reason}")
+    check_places("axes", axes)
+    check_once("axes", axes)
+
+
+class Named(Protocol):
+    """An axis, or a parameter that varies from body to body."""
+
+    @property
+    def name(self) -> str:
+        """The name of the parameter."""
+        ...
+
+    @property
+    def parameter(self) -> Parameter:
+        """The row of the parameter."""
+        ...
+
+
+def check_places(argument: str, named: Sequence[Named]) -> None:
+    """Raise ValueError if parameters are in places that exclude each other."""
     for one, other, reason in EXCLUSIVE:
-        _check_exclusive(_at(axes, one), _at(axes, other), reason)
+        _check_exclusive(argument, _at(named, one), _at(named, other), reason)
+
+
+def check_once(argument: str, named: Sequence[Named]) -> None:
+    """Raise ValueError if two parameters set one number."""
     for place, reason in _OF_ALL.items():
-        mine = _at(axes, place)
+        mine = _at(named, place)
         whole, parts = (
             [a for a in mine if bool(a.parameter.index) is part] for part in (False, True)
         )
-        _check_exclusive(whole, parts, reason)
-    _check_moments(_at(axes, "moments"))
+        _check_exclusive(argument, whole, parts, reason)
+    _check_moments(argument, _at(named, "moments"))
 
 
-def _at(axes: Iterable[Axis], place: str) -> list[Axis]:
-    """The axes whose numbers are in this place."""
-    return [axis for axis in axes if axis.parameter.place == place]
+def _at(named: Iterable[Named], place: str) -> list[Named]:
+    """The parameters whose numbers are in this place."""
+    return [one for one in named if one.parameter.place == place]
 
 
-def _check_exclusive(first: Sequence[Axis], second: Sequence[Axis], reason: str) -> None:
-    """Raise ValueError if there are axes of both kinds."""
+def _check_exclusive(
+    argument: str, first: Sequence[Named], second: Sequence[Named], reason: str
+) -> None:
+    """Raise ValueError if there are parameters of both kinds."""
     if first and second:
         raise ValueError(
-            f"axes: {second[0].name!r} and {first[0].name!r} exclude each other: {reason}"
+            f"{argument}: {second[0].name!r} and {first[0].name!r} exclude each other: {reason}"
         )
 
 
-def _check_moments(axes: Sequence[Axis]) -> None:
-    """Raise ValueError if axes set one moment twice or give a ratio of moments twice."""
-    setters: dict[int | None, Axis] = {}
-    for axis in axes:
-        (moment,) = axis.parameter.index
+def _check_moments(argument: str, named: Sequence[Named]) -> None:
+    """Raise ValueError if one moment is set twice or a ratio of moments is given twice."""
+    setters: dict[int | None, Named] = {}
+    for one in named:
+        (moment,) = one.parameter.index
         if moment in setters:
-            both = f"{setters[moment].name!r} and {axis.name!r}"
-            raise ValueError(f"axes: {both} both set I{moment + 1}")
-        setters[moment] = axis
-    for axis in axes:
-        seen, at = [axis.name], axis.parameter.times
+            both = f"{setters[moment].name!r} and {one.name!r}"
+            raise ValueError(f"{argument}: {both} both set I{moment + 1}")
+        setters[moment] = one
+    for one in named:
+        seen, at = [one.name], one.parameter.times
         while at in setters:
-            if setters[at] is axis:
+            if setters[at] is one:
                 both = " and ".join(map(repr, seen))
                 what = "the same ratio" if len(seen) == 2 else "ratios that depend on each other"
-                raise ValueError(f"axes: {both} set {what}")
+                raise ValueError(f"{argument}: {both} set {what}")
             seen.append(setters[at].name)
             at = setters[at].parameter.times
 
 
-def in_order(axes: Sequence[Axis]) -> list[int]:
-    """Positions of axes in an order in which each moment is set before it is read."""
-    setters = {axis.parameter.index: axis for axis in _at(axes, "moments")}
+def in_order(named: Sequence[Named]) -> list[int]:
+    """Positions of parameters in an order in which each moment is set before it is read."""
+    setters = {one.parameter.index: one for one in _at(named, "moments")}
 
-    def depth(axis: Axis) -> int:
-        read = axis.parameter.times
+    def depth(one: Named) -> int:
+        read = one.parameter.times
         before = None if read is None else setters.get((read,))
         return 0 if before is None else 1 + depth(before)
 
-    return sorted(range(len(axes)), key=lambda place: depth(axes[place]))
+    return sorted(range(len(named)), key=lambda place: depth(named[place]))
 
 
 def axis_letter(place: int) -> str:

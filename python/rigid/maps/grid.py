@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
 from .._checks.float_environment import in_standard_floats
-from .._moments import rods, without_spin
+from .._moments import can_move, rods, without_spin
 from ..model.body import rates_of_rods
 from ..model.forces import FORCES
 from ..model.parameters import PLACES, moments_of, numbers_of, scene_of
@@ -192,7 +192,7 @@ def nominal_starts(
         axes[k].parameter.put(values, np.array(axes[k].values)[places[k]])
     drawn, number = ({}, None) if draws is None else draws.put(values, scene.body.physical)
     moments = moments_of(values)
-    possible = _core.moment_status(without_spin(moments), scene.body.physical) == 0
+    possible = can_move(moments, scene.body.physical)
     scene = scene_of(scene, values, np.where(possible[:, np.newaxis], moments, 1.0))
     upright = np.zeros(count)
     if scene.directions:

@@ -123,7 +123,7 @@ class VaryingJob:
         self._spec, self._pixels, self._fixed = spec, pixels, fixed
         self._count, self._first = count, first
         self._checked = spec.checked_before(count, first)
-        self.status = spec.grid.status[pixels]
+        self.status = spec.starting(spec.start.starts[0], pixels).status
 
     def run(
         self,

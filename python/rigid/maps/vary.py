@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from .. import _core
 from .._checks.arguments import brief, of_known, positive_int
-from .._moments import without_spin
+from .._moments import can_move
 from ..model.body import Body
 from ..model.parameters import (
     AT_REST,
@@ -26,7 +26,7 @@ from ..model.parameters import (
 from ..model.scene import Scene, check_scene
 from ..model.seed import seed_from
 from ..model.start import Noise, Start
-from .axes import EXCLUSIVE, Axis
+from .axes import Axis, check_once, check_places, in_order
 
 Floats = NDArray[np.float64]
 Numbers = NDArray[np.uint64]
@@ -94,18 +94,14 @@ def _is_of_body(row: Parameter) -> bool:
     return row.number is None and row.place not in (*OF_START, OF_RUN)
 
 
-def check_varied(scene: Scene, start: Start, vary: Iterable[Varied], axes: Sequence[Axis]) -> None:
+def check_varied(scene: Scene, start: Start, vary: Sequence[Varied], axes: Sequence[Axis]) -> None:
     """Raise ValueError, with the reason, if a varied parameter has no meaning here."""
-    places = {axis.parameter.place: axis.name for axis in axes}
     for one in vary:
         reason = one.parameter.why_not(scene, start)
         if reason:
             raise ValueError(f"vary: {one.name!r} does not apply: {reason}")
-        places[one.parameter.place] = one.name
-    for first, second, reason in EXCLUSIVE:
-        if first in places and second in places:
-            both = f"{places[second]!r} and {places[first]!r}"
-            raise ValueError(f"vary: {both} exclude each other: {reason}")
+    check_places("vary", (*axes, *vary))
+    check_once("vary", vary)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -139,8 +135,6 @@ class Draws:
         count = len(self.pixels)
         draws = np.zeros(count, dtype=np.int64)
         waiting = np.flatnonzero(_possible(numbers, np.arange(count), physical))
-        # A ratio sets a moment from another one, which is drawn before.
-        in_order = sorted(self.vary, key=lambda one: one.parameter.times is not None)
         values = {name: array.copy() for name, array in nominal.items()}
         first = 0
         while len(waiting):
@@ -150,13 +144,14 @@ class Draws:
                     f"{self.pixels[waiting[0]]}, sample {self.samples[waiting[0]]}; take a smaller "
                     "size"
                 )
-            trial = {place: every[waiting] for place, every in numbers.items()}
+            trial = {name: every[waiting] for name, every in numbers.items()}
             good = np.ones(len(waiting), dtype=np.bool_)
-            for one in in_order:
+            for place in in_order(self.vary):
+                one = self.vary[place]
                 deviates = _core.deviates(
                     one.noise.kind,
                     self.seed,
-                    first + self.vary.index(one),
+                    first + place,
                     self.pixels[waiting],
                     self.samples[waiting],
                 )
@@ -166,8 +161,8 @@ class Draws:
                 fits = np.isfinite(value) & ~one.parameter.rejects(value)
                 good &= fits.reshape(-1, len(waiting)).all(axis=0)
             good &= _possible(trial, np.arange(len(waiting)), physical)
-            for place, every in numbers.items():
-                every[waiting[good]] = trial[place][good]
+            for name, every in numbers.items():
+                every[waiting[good]] = trial[name][good]
             draws[waiting] += 1
             waiting = waiting[~good]
             first += len(self.vary)
@@ -176,9 +171,7 @@ class Draws:
 
 def _possible(numbers: Mapping[str, Floats], some: Any, physical: bool) -> NDArray[np.bool_]:
     """Whether bodies can have the moments that follow from their numbers."""
-    moments = moments_of({place: every[some] for place, every in numbers.items()})
-    possible: NDArray[np.bool_] = _core.moment_status(without_spin(moments), physical) == 0
-    return possible
+    return can_move(moments_of({place: every[some] for place, every in numbers.items()}), physical)
 
 
 def sample_bodies(

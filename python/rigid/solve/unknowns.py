@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from math import prod
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -193,7 +192,7 @@ class Unknowns:
     def at(self, x: Floats) -> tuple[Scene, Floats]:
         """Scene and start that belong to coordinates, shape (k,), or of n bodies to (n, k)."""
         values, bodies = self._values(x), x.shape[:-1]
-        numbers = numbers_of(self.scene, AT_REST, self._places, prod(bodies))
+        numbers = numbers_of(self.scene, AT_REST, self._places, math.prod(bodies))
         moments = _taken(values, MOMENTS, self.scene.body.moments, bodies).reshape(-1, 3)
         for name, row in self._rows.items():
             row.put(numbers, values[name].ravel())

@@ -178,6 +178,16 @@ def test_ratios_follow_the_moment_that_is_drawn_too() -> None:
     assert i2 == body.parameters["I2/I1"] * i1
 
 
+def test_ratios_are_drawn_after_the_moments_that_they_read() -> None:
+    vary = {"I2/I1": rigid.uniform(0.05), "I1/I3": rigid.uniform(0.02)}
+    result = flipping(vary)
+    for sample in range(5):
+        body = result.replay((0,), sample)
+        i1, i2, i3 = body.run.spec["scene"]["body"]["moments"]
+        assert i1 == body.parameters["I1/I3"] * i3
+        assert i2 == body.parameters["I2/I1"] * i1
+
+
 def test_no_theory_is_claimed_of_bodies_that_vary() -> None:
     assert predict(flipping(None).spec) is not None
     assert predict(flipping({"I1": rigid.normal(0.01)}).spec) is None
@@ -192,6 +202,14 @@ def test_no_theory_is_claimed_of_bodies_that_vary() -> None:
         ({"I4": rigid.normal(0.1)}, "vary: 'I4' is no parameter (known: I1"),
         ({"mgl": rigid.normal(0.1)}, "vary: 'mgl' does not apply: a free body feels no weight"),
         ({"a": rigid.normal(0.1)}, "vary: 'a' does not apply: the sides of the body are not known"),
+        (
+            {"I2": rigid.normal(0.1), "I2/I1": rigid.normal(0.1)},
+            "vary: 'I2' and 'I2/I1' both set I2",
+        ),
+        (
+            {"drag2": rigid.normal(0.1), "drag": rigid.normal(0.1)},
+            "vary: 'drag2' and 'drag' exclude each other: both set the drag",
+        ),
         (
             {"I1": rigid.normal(1e9)},
             "vary: none of 1000 draws gave a body that can exist, in pixel",
