@@ -48,6 +48,15 @@ pub struct Watch {
     unit: Row,
 }
 
+/// The powers of a number of the state of a lane.
+fn powers_of(adaptive: &AdaptiveSteps, d: usize, lane: usize) -> Powers {
+    let mut powers = [0.0; TERMS];
+    for (power, rows) in powers.iter_mut().zip(&adaptive.powers) {
+        *power = rows[d].0[lane];
+    }
+    powers
+}
+
 impl Watch {
     /// The surfaces of some bodies, of one kind.
     pub fn new<'a>(
@@ -174,13 +183,7 @@ impl Watch {
             if along == [0.0; 3] {
                 continue;
             }
-            let of = |d: usize| {
-                let mut powers = [0.0; TERMS];
-                for (power, rows) in powers.iter_mut().zip(&adaptive.powers) {
-                    *power = rows[d].0[lane];
-                }
-                powers
-            };
+            let of = |d: usize| powers_of(adaptive, d, lane);
             let direction = match self.quaternion {
                 Some(at) => self.turned_back([0, 1, 2, 3].map(|k| of(at + k)), along),
                 None => {
@@ -213,10 +216,7 @@ impl Watch {
         let mut sum = [Row::ZERO; TERMS];
         for lane in (0..LANES).filter(|&lane| self.square.0[lane] != 0.0) {
             for d in 0..3 {
-                let mut rate = [0.0; TERMS];
-                for (power, rows) in rate.iter_mut().zip(&adaptive.powers) {
-                    *power = rows[d].0[lane];
-                }
+                let rate = powers_of(adaptive, d, lane);
                 let product = self.product(&rate, &rate);
                 (0..=self.order).for_each(|i| sum[i].0[lane] += self.square.0[lane] * product[i]);
             }
@@ -232,10 +232,7 @@ impl Watch {
             if (3..6).all(|d| self.normal[d].0[lane] == 0.0) {
                 continue;
             }
-            let mut q = [[0.0; TERMS]; 4];
-            for (i, rows) in adaptive.powers.iter().enumerate() {
-                (0..4).for_each(|k| q[k][i] = rows[at + k].0[lane]);
-            }
+            let q = [0, 1, 2, 3].map(|k| powers_of(adaptive, at + k, lane));
             for (rows, powers) in vertical.iter_mut().zip(self.turned_back(q, VERTICAL)) {
                 rows.iter_mut().zip(powers).for_each(|(row, power)| row.0[lane] = power);
             }
