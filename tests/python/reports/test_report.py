@@ -66,7 +66,8 @@ def top() -> rigid.Report:
 
 @pytest.mark.parametrize(("method", "order"), [("rk4", 4.0), ("splitting", 2.0)])
 def test_the_order_of_a_method_is_found(box: rigid.Report, method: str, order: float) -> None:
-    assert box.order(method) == pytest.approx(order, abs=0.4)
+    # The shortest steps whose errors are no rounding show 3.978 and 2.000, the longest 3.83, 2.06.
+    assert box.order(method) == pytest.approx(order, abs=0.03)
 
 
 def test_errors_are_those_of_the_state_against_the_closed_form(box: rigid.Report) -> None:
