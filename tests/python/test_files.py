@@ -93,7 +93,7 @@ def test_a_new_file_obeys_the_umask_and_an_old_one_keeps_its_mode(
 ENDINGS = {
     "map": ".npz or .zarr",
     "report": ".json",
-    **dict.fromkeys(("section", "run", "growth"), ".npz"),
+    **dict.fromkeys(("section", "run", "growth", "fit"), ".npz"),
     **dict.fromkeys((name for name in WRITERS if name.endswith("_table")), ".csv or .txt"),
     "ephemeris": ".aem or .txt",
     **dict.fromkeys(("page", "picture"), ".html, .gif, .webp or .mp4"),
