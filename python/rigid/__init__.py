@@ -69,6 +69,7 @@ from .planning import plan
 from .reports.compute import report
 from .reports.data import Row
 from .reports.result import Report
+from .reports.scheme import Scheme, scheme
 from .reports.stress import Extremes, extremes
 from .sections.crossings import Crossings
 from .sections.poincare import poincare
@@ -140,6 +141,7 @@ __all__ = [
     "Row",
     "Run",
     "Samples",
+    "Scheme",
     "Section",
     "StabilityMap",
     "Start",
@@ -198,6 +200,7 @@ __all__ = [
     "rotations",
     "sample_bodies",
     "samples",
+    "scheme",
     "section",
     "simulate",
     "simulate_chunks",

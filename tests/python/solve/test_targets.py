@@ -315,7 +315,7 @@ def test_recorded_energy_and_momentum_follow_from_the_states(scene: Scene, tmp_p
     kinetic = 0.5 * np.sum(run.omega * momentum, axis=-1)
     energy, size = kinetic, kinetic
     if isinstance(scene, rigid.HeavyTop):
-        down = np.sum(run.gamma * scene.weight[:, np.newaxis], axis=-1)
+        down = np.sum(present(run.gamma) * scene.weight[:, np.newaxis], axis=-1)
         energy, size = kinetic + down, kinetic + np.linalg.norm(scene.weight, axis=-1)[:, None]
     else:
         momentum = momentum + np.array([0.1, 0.2, 0.3])
