@@ -74,6 +74,7 @@ from .reports.stress import Extremes, extremes
 from .sections.crossings import Crossings
 from .sections.poincare import poincare
 from .sections.surface import Section, section
+from .solve.attitude_ephemeris import AttitudeEphemeris, load_aem
 from .solve.chunks import simulate_chunks
 from .solve.events import Events
 from .solve.fit import Fit, FitWarning, fit
@@ -112,6 +113,7 @@ if TYPE_CHECKING:
     from .store.store import Store, diff, merge, open_store
 
 __all__ = [
+    "AttitudeEphemeris",
     "Body",
     "Crossings",
     "EnergySink",
@@ -176,6 +178,7 @@ __all__ = [
     "largest_tilt",
     "librates",
     "libration_amplitude",
+    "load_aem",
     "load_map",
     "load_run",
     "lyapunov",

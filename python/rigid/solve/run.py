@@ -659,16 +659,16 @@ an accuracy
         epoch: str | datetime,
         body: int | None = None,
         object_name: str = "BODY",
-        object_id: str = "NONE",
+        object_id: str = "UNKNOWN",
         frame: str = "EME2000",
         body_frame: str = "SC_BODY_1",
         originator: str = "RIGID",
     ) -> Path:
-        """Write the attitudes as an attitude ephemeris message (AEM) of CCSDS 504.0-B-1.
+        """Write the attitudes as an attitude ephemeris message (AEM) of CCSDS 504.0-B-2.
 
         Quaternions are normalised, scalar last, from frame A (space) to frame B (the body), with
         times in UTC to the microsecond. The message ends where the body ends, such as with an event
-        of ``until``.
+        of ``until``. :func:`rigid.load_aem` reads it.
 
         Parameters
         ----------
@@ -702,7 +702,7 @@ an accuracy
         >>> with tempfile.TemporaryDirectory() as folder:
         ...     path = run.to_aem(os.path.join(folder, "body.aem"), epoch="2026-01-31T12:00:00")
         ...     print(path.read_text().splitlines()[0])
-        CCSDS_AEM_VERS = 1.0
+        CCSDS_AEM_VERS = 2.0
         """
         times, attitudes = self._of_one(body, self._recorded_attitude())
         entries = {
