@@ -228,8 +228,10 @@ class Event:
         >>> rigid.Event.from_dict(event.to_dict()) == event
         True
         """
-        of = {name: tuple(v) if isinstance(v, list) else v for name, v in entries.items()}
-        return cls(**of)
+        own: dict[str, Any] = {
+            name: tuple(v) if isinstance(v, list) else v for name, v in entries.items()
+        }
+        return cls(**own)
 
 
 def crosses(

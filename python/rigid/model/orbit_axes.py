@@ -81,7 +81,7 @@ def rest_axes(scene: Scene | None) -> Axes:
         given = three(moments[int(np.argmax(equal))])
         raise ValueError(f"axes: two of the moments {given} are equal; {_RULE}")
     if (order != order[0]).any():
-        raise ValueError(f"axes: those of the bodies are not the same; {_RULE}")
+        raise ValueError(f"axes: the long and short axes of the bodies are not the same; {_RULE}")
     return int(order[0, 0]) + 1, int(order[0, 2]) + 1
 
 

@@ -72,8 +72,8 @@ class Events(Points):
         1 where the quantity rises through the value, -1 where it falls, 0 where it touches it. Of
         :func:`turns` 1 where it is least and -1 where it is largest.
     slope : ndarray, shape (p,)
-        Rate of the quantity; of :func:`turns` its second derivative, of a tilt and of pointing that
-        of minus the cosine, of a pitch that of the sine.
+        Rate of the quantity; of :func:`turns` its second derivative. Of the turns of a tilt and of
+        pointing it is the second derivative of minus the cosine, of a pitch of the sine.
     grazing : ndarray of bool, shape (p,)
         Events at which the quantity turns so near the value, within 1e-12 of its scale or within
         the error of a closed form, that rounding may decide whether it crosses. They are kept

@@ -35,10 +35,11 @@ def frame_of(orbit: rigid.Orbit, t: float) -> Floats:
 def quantity(event: rigid.Event, orbit: rigid.Orbit | None, t: float, matrix: Floats) -> float:
     """What the event watches at an attitude, less its value, from -pi to pi."""
     if event.name == "pointing":
-        of = event.of if not isinstance(event.of, str) else None
-        if of is None:
+        if isinstance(event.of, str):
             assert orbit is not None
-            of = frame_of(orbit, t)[:, ["radial", "along", "normal"].index(str(event.of))]
+            of = frame_of(orbit, t)[:, ["radial", "along", "normal"].index(event.of)]
+        else:
+            of = np.array(event.of)
         assert event.axis is not None
         axis = np.sign(event.axis) * matrix[:, abs(event.axis) - 1]
         return float(np.arctan2(np.linalg.norm(np.cross(axis, of)), axis @ of)) - event.value
@@ -69,7 +70,8 @@ def true_events(
             acting = acting + torque(t, w)
         v1, v2, v3 = w
         hat = np.array([[0.0, -v3, v2], [v3, 0.0, -v1], [-v2, v1, 0.0]])
-        return np.concatenate([acting / moments, (matrix @ hat).ravel()])
+        change: Floats = np.concatenate([acting / moments, (matrix @ hat).ravel()])
+        return change
 
     def function(event: rigid.Event, rising: int) -> Any:
         def value(t: float, y: Floats) -> float:
@@ -171,6 +173,7 @@ def test_an_angle_turns_where_its_rate_is_zero(name: str) -> None:
     def angles(t: Floats) -> Floats:
         times = (t[:, np.newaxis] + step * np.arange(-2, 3)).ravel()
         around = rigid.simulate(scene, OMEGA, ATTITUDE, t=times, method="taylor20", check=False)
+        assert around.attitude is not None
         every = [
             quantity(turns, orbit, t, rigid.rotations.quaternion_to_matrix(q))
             for t, q in zip(times, around.attitude, strict=True)
@@ -368,7 +371,7 @@ def test_what_is_no_angle(how: dict[str, Any], message: str) -> None:
         (BODY, rigid.crosses("pitch", 0.1), False, r"crosses\(\) measures in the frame of an orb"),
         (BODY, rigid.turns("pointing", of="along"), False, r"turns\(\) measures in the frame of"),
         ((1, 1, 2), rigid.crosses("pitch", 0.1), True, "axes: two of the moments"),
-        ([BODY, (1, 2, 3)], rigid.turns("yaw"), True, "axes: those of the bodies are not the same"),
+        ([BODY, (1, 2, 3)], rigid.turns("yaw"), True, "axes: the long and short axes"),
         ([BODY, (1, 2, 3)], rigid.turns("pointing"), True, "axis: is needed, because the long ax"),
     ],
 )
