@@ -471,8 +471,8 @@ def merge(paths: Sequence[str | os.PathLike[str]], into: str | os.PathLike[str])
         folder.head.require_spec(first.head.spec, folder.path)
         if folder.head.segment != first.head.segment:
             raise StoreError(
-                f"{folder.path}: its units have {folder.head.segment} samples, those of "
-                f"{first.path} {first.head.segment}: only one of them was extended"
+                f"{folder.path}: its units have {folder.head.segment} samples, the units of "
+                f"{first.path} have {first.head.segment}: only one of the two was extended"
             )
         rows, _, bins = folder.table.block(np.flatnonzero(folder.table.known))
         first.table.add(rows, None, bins, folder.path)

@@ -92,7 +92,7 @@ def test_maps_of_other_pieces_are_not_merged(tmp_path: Path) -> None:
     rigid.stability_map(rigid.FreeBody, store=tmp_path / "three", samples=128, part="1/2", **ask)
     both = rigid.merge([tmp_path / "one", tmp_path / "two"], tmp_path / "both")
     assert both.status().twice == 6  # of eight pixels two are no bodies
-    with pytest.raises(ValueError, match=r"three: its units have 1048576 samples, those of .* 64"):
+    with pytest.raises(ValueError, match=r"three: its units have 1048576 samples, the units of"):
         rigid.merge([tmp_path / "one", tmp_path / "three"], tmp_path / "all")
 
 
