@@ -23,7 +23,7 @@ from .data import MapData
 from .measured import NUMBERS, Measures
 from .spec import MapSpec
 from .theory import Curve, Theory, predict
-from .words import class_words, default_title
+from .words import axis_label, class_words, default_title
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -35,11 +35,11 @@ SHARE, COST = "share", "cost"
 """The quantity drawn by default, and the processor time."""
 
 GROWTH = {
-    "exponent": "mean exponent (1/s)",
-    "mean_megno": "mean of the mean MEGNO",
-    "largest_exponent": "largest exponent (1/s)",
+    "exponent": ("mean exponent", "1/s"),
+    "mean_megno": ("mean of the mean MEGNO", "1"),
+    "largest_exponent": ("largest exponent", "1/s"),
 }
-"""Quantities of maps of :func:`rigid.regular`, with their labels."""
+"""Quantities of maps of :func:`rigid.regular`, with their names and units."""
 
 FINER = 4
 """Most steps in each cell of the grid on which lines of theory are drawn."""
@@ -227,8 +227,8 @@ def _small_pictures(
         mesh, found = _plane(view, panel)
         handles |= {handle.get_label(): handle for handle in found}
         panel.set_title(_values(data, here), fontsize="small")
-    figure.supxlabel(data.spec.axes[free[0]].label)
-    figure.supylabel(data.spec.axes[free[1]].label)
+    figure.supxlabel(axis_label(data.spec, data.spec.axes[free[0]]))
+    figure.supylabel(axis_label(data.spec, data.spec.axes[free[1]]))
     figure.suptitle(_title(data, fixed), x=0.01, ha="left", fontsize="medium")
     swatches = _classes(data)
     if not swatches:
@@ -275,12 +275,16 @@ def _field(data: MapData, what: object) -> tuple[Floats | None, str]:
         return 1e-9 * known, "processor time of a pixel (s)"
     if isinstance(what, str) and what in GROWTH:
         check_what(data.spec, what)
-        return np.asarray(getattr(data, what), dtype=np.float64), GROWTH[what]
-    return _measured(data.measures, what)
+        name, unit = GROWTH[what]
+        field = np.asarray(getattr(data, what), dtype=np.float64)
+    else:
+        field, name, unit = _measured(data.measures, what)
+    unit, factor = data.spec.clock.shown(unit)
+    return factor * field, name if unit == "1" else f"{name} ({unit})"
 
 
-def _measured(measures: Measures, what: object) -> tuple[Floats, str]:
-    """A number of a measure, and its label."""
+def _measured(measures: Measures, what: object) -> tuple[Floats, str, str]:
+    """A number of a measure, its name and its unit."""
     pattern = rf"({'|'.join(NUMBERS)}|median|quantile (\S+)) of (.+)"
     found = re.fullmatch(pattern, str(what))
     if found is None or not isinstance(what, str):
@@ -300,8 +304,7 @@ def _measured(measures: Measures, what: object) -> tuple[Floats, str]:
             raise ValueError(f"what = {brief(what)}: a quantile lies in [0, 1]") from None
     else:
         field = np.asarray(getattr(measured, number), dtype=np.float64)
-    unit = "1" if number == "count" else measured.measure.unit
-    return field, f"{what}{'' if unit == '1' else f' ({unit})'}"
+    return field, what, "1" if number == "count" else measured.measure.unit
 
 
 def _draw(view: _View, ax: Axes, title: str, field: Floats | None, label: str) -> None:
@@ -310,7 +313,7 @@ def _draw(view: _View, ax: Axes, title: str, field: Floats | None, label: str) -
     else:
         handles = _draw_plane(view, ax) if len(view.axes) == 2 else _draw_line(view, ax)
     _set_scale(ax, "x", view.axes[0])
-    ax.set_xlabel(view.axes[0].label)
+    ax.set_xlabel(axis_label(view.data.spec, view.axes[0]))
     ax.set_title(title, loc="left", fontsize="medium")
     if handles:
         ax.legend(
@@ -327,7 +330,7 @@ def _draw(view: _View, ax: Axes, title: str, field: Floats | None, label: str) -
 
 def _draw_plane(view: _View, ax: Axes) -> list[Any]:
     mesh, handles = _plane(view, ax)
-    ax.set_ylabel(view.axes[1].label)
+    ax.set_ylabel(axis_label(view.data.spec, view.axes[1]))
     if swatches := _classes(view.data):
         return swatches + handles
     bar = ax.figure.colorbar(mesh, ax=ax, pad=0.02)
@@ -378,8 +381,9 @@ def _draw_field(view: _View, ax: Axes, field: Floats, label: str) -> list[Any]:
     y = view.axes[1]
     edges = cell_edges(x), cell_edges(y)
     _set_scale(ax, "y", y)
-    ax.set_ylabel(y.label)
-    cmap = colours.CHAOS_MAP if label in GROWTH.values() else colours.NUMBER_MAP
+    ax.set_ylabel(axis_label(view.data.spec, y))
+    growth = any(label.startswith(name) for name, _ in GROWTH.values())
+    cmap = colours.CHAOS_MAP if growth else colours.NUMBER_MAP
     mesh = ax.pcolormesh(*edges, np.ma.masked_invalid(field), cmap=cmap, rasterized=True)
     ax.figure.colorbar(mesh, ax=ax, pad=0.02).set_label(label)
     return _hatch(view, ax, *edges)
@@ -533,7 +537,7 @@ def _share_label(data: MapData) -> str:
         return f"share {spec.criterion}"
     if "t_end" in spec.varied:
         return "share stable until $t_{end}$"
-    return f"share stable until t = {spec.t_end:g} s"
+    return f"share stable until {spec.horizon}"
 
 
 def _title(data: MapData, at: Mapping[int, int]) -> str:

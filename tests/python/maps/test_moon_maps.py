@@ -188,4 +188,4 @@ def test_a_picture_has_all_lines_and_a_title_that_fits() -> None:
     ax.figure.canvas.draw()
     assert ax._left_title.get_window_extent().x1 < ax.figure.bbox.x1
     words = ax.get_title(loc="left")
-    assert "until t = 6.048e+06 s; 1 body per pixel" in words.replace("\n", " ")
+    assert "until t = 70 d; 1 body per pixel" in words.replace("\n", " ")
