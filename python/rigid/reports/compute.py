@@ -20,6 +20,7 @@ from ..solve.methods import EXACT, run_methods
 from .ensemble import ensemble_of, probe, same_steps
 from .reference import Horizon, find_horizons
 from .result import Report
+from .scheme import Scheme
 from .spec import ReportSpec, make_spec
 from .sweep import ANGLES, Sweep, lengthen, sweep_methods, time_sweeps
 
@@ -45,7 +46,7 @@ def report(
     *,
     t_end: float | None = None,
     revolutions: ArrayLike | None = None,
-    methods: Iterable[str] | None = None,
+    methods: Iterable[str | Scheme] | None = None,
     bodies: int | None = None,
     errors: ArrayLike = ReportSpec.errors,
     seconds: float | None = None,
@@ -97,9 +98,10 @@ def report(
     revolutions : array_like, shape (m,)
         Horizons instead of ``t_end``, from short to long. A revolution takes ``2 pi / |omega|`` at
         the start.
-    methods : sequence of str, optional
+    methods : sequence of str and Scheme, optional
         ``"exact"``, which has no steps whose errors grow over revolutions, and names of
-        :func:`rigid.methods`; by default all. A method that does not
+        :func:`rigid.methods`; by default all. Own schemes, made by :func:`rigid.scheme`, stand
+        beside them. A method that does not
         accept the scene is listed in ``refused`` with its reason. Methods that make the same steps,
         bit for bit, are measured once, under the name of the highest order; ``same`` lists the
         other names.
@@ -196,6 +198,7 @@ def run_report(
 
     first = ensemble_of(spec, spec.time_of(spec.revolutions[0]) if spec.revolutions else None)
     usable, refused = probe(first, dict.fromkeys([*spec.methods, *run_methods()]))
+    usable = [method for method in usable if method not in spec.schemes]
     refused = {method: why for method, why in refused.items() if method in spec.methods}
     if spec.revolutions and EXACT in spec.methods:
         refused[EXACT] = "makes no steps, whose errors grow"

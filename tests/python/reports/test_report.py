@@ -68,7 +68,8 @@ def top() -> rigid.Report:
 
 @pytest.mark.parametrize(("method", "order"), [("rk4", 4.0), ("splitting", 2.0)])
 def test_the_order_of_a_method_is_found(box: rigid.Report, method: str, order: float) -> None:
-    assert box.order(method) == pytest.approx(order, abs=0.4)
+    # The shortest steps whose errors are no rounding show 3.978 and 2.000, the longest 3.83, 2.06.
+    assert box.order(method) == pytest.approx(order, abs=0.03)
 
 
 def test_errors_are_those_of_the_state_against_the_closed_form(box: rigid.Report) -> None:
@@ -542,7 +543,10 @@ def test_every_method_has_a_family_whose_colour_can_be_read() -> None:
     members = [method for family in FAMILIES for method in family.members]
     assert sorted(members) == sorted({"exact", *(method.name for method in rigid.methods())})
     assert len({family.colour for family in FAMILIES}) == len(FAMILIES)
-    assert all(contrast_on_white(family.colour) >= 4.5 for family in (*FAMILIES, OTHERS))
+    assert OTHERS not in {family.colour for family in FAMILIES}
+    assert all(
+        contrast_on_white(colour) >= 4.5 for colour in (*(one.colour for one in FAMILIES), OTHERS)
+    )
 
 
 def header_of(text: str) -> dict[str, str]:
