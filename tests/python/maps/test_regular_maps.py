@@ -278,7 +278,7 @@ def test_the_picture_of_many_bodies_has_a_bar() -> None:
     pytest.importorskip("matplotlib")
     ax = regular_map(samples=2).plot()
     words = [axis.get_ylabel() for axis in ax.figure.axes]
-    assert "share regular: no exponent above 0.05/s until t = 200 s" in words
+    assert "share regular" in words
     assert ax.get_legend() is None or "regular" not in [
         text.get_text() for text in ax.get_legend().get_texts()
     ]

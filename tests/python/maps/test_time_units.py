@@ -53,7 +53,7 @@ def test_words_and_pictures_show_times_in_the_unit(unit: Any, seconds: float, wo
     number = float(words.split()[0])
     assert number == pytest.approx(result.spec.t_end / seconds, rel=5e-3)  # three digits
     assert f"until t = {words}" in result.summary()
-    assert f"until t = {words}" in result.plot().get_title(loc="left")
+    assert f"until t = {words}" in result.plot().get_title(loc="left").replace("\n", " ")
     # An exponent times a unit of time is a pure number.
     told = re.search(rf"exponents +largest (\S+)/{name}; none below (\S+)/{name}", result.summary())
     assert told is not None
