@@ -204,6 +204,7 @@ VALUES = {
     r"\bint\b": "whole number",
     r"\bstr\b": "text",
     r"\bbool\b": "true or false",
+    r"text or \(text, number\)": "text, or text and number",
     "tuple of text": "texts",
     "tuple of number": "numbers",
     "EnergySink": "number or 3 numbers",

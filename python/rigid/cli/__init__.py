@@ -209,8 +209,7 @@ def _finished_map(
     what = getattr(options, "what", SHARE)
     return finished(
         result.save,
-        # Of more axes there are many pictures in one figure.
-        lambda: result.plot(_axes() if len(result.spec.axes) <= 2 else None, what=what),
+        lambda: result.plot(what=what),
         target,
         "map",
         words=lambda: f"{result.summary()}\n{labelled([('speed', _speed(result))])}",

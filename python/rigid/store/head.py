@@ -14,6 +14,7 @@ from .._checks.arguments import one_line
 from ..maps.identity import (
     FORMAT,
     FORMAT_VERSIONS,
+    LABELS,
     head_of,
     key_of,
     segment_of,
@@ -137,7 +138,7 @@ class Head:
         ------
         StoreError
         """
-        found = spec_differences(self.spec, spec, "title", "version")
+        found = spec_differences(self.spec, spec, *LABELS)
         if found:
             shown = "; ".join(found[:5]) + (f"; and {len(found) - 5} more" if found[5:] else "")
             raise StoreError(
