@@ -61,11 +61,12 @@ _HATCHED = (
     ("undecided" + MANY, "none", colours.UNDECIDED, "////"),
 )
 _Dashes: TypeAlias = Literal["solid", "dashed", "dashdot", "dotted"]
-_DASHES: tuple[_Dashes, ...] = ("solid", "dashed", "dashdot", "dotted")
+DASHES: tuple[_Dashes, ...] = ("solid", "dashed", "dashdot", "dotted")
+"""Of the lines of theory, in their order; further lines are not drawn."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class _View:
+class View:
     """The drawn part of a map: the whole map, or a slice along one or two of its axes."""
 
     data: MapData
@@ -83,7 +84,7 @@ class _View:
     theory: Theory | None
 
     @classmethod
-    def of(cls, data: MapData, theory: Theory | None, at: Mapping[int, int]) -> _View:
+    def of(cls, data: MapData, theory: Theory | None, at: Mapping[int, int]) -> View:
         """The slice at these places of these axes, by their numbers."""
         axes = data.spec.axes
         index = tuple(at.get(k, slice(None)) for k in reversed(range(len(axes))))
@@ -168,7 +169,7 @@ def plot_map(
     theory = predict(data.spec)
     if len(free) <= 2:
         ax = axes_to_draw_on(ax)
-        view = _View.of(data, theory, fixed)
+        view = View.of(data, theory, fixed)
         shown = None if field is None else field[view.index]
         _draw(view, ax, _title(data, fixed), shown, label)
         if cells and len(view.axes) == len(data.spec.axes) == 2:
@@ -222,7 +223,7 @@ def _small_pictures(
     handles: dict[Any, Any] = {}
     for row, column in np.ndindex(rows, columns):
         here = {across: column, **({down[0]: row} if down else {})}
-        view = _View.of(data, theory, {**fixed, **here})
+        view = View.of(data, theory, {**fixed, **here})
         panel: Any = panels[row, column]
         mesh, found = _plane(view, panel)
         handles |= {handle.get_label(): handle for handle in found}
@@ -304,7 +305,7 @@ def _measured(measures: Measures, what: object) -> tuple[Floats, str]:
     return field, f"{what}{'' if unit == '1' else f' ({unit})'}"
 
 
-def _draw(view: _View, ax: Axes, title: str, field: Floats | None, label: str) -> None:
+def _draw(view: View, ax: Axes, title: str, field: Floats | None, label: str) -> None:
     if field is not None:
         handles = _draw_field(view, ax, field, label)
     else:
@@ -325,7 +326,7 @@ def _draw(view: _View, ax: Axes, title: str, field: Floats | None, label: str) -
         )
 
 
-def _draw_plane(view: _View, ax: Axes) -> list[Any]:
+def _draw_plane(view: View, ax: Axes) -> list[Any]:
     mesh, handles = _plane(view, ax)
     ax.set_ylabel(view.axes[1].label)
     if swatches := _classes(view.data):
@@ -349,7 +350,7 @@ def _classes(data: MapData) -> list[Any]:
     ]
 
 
-def _plane(view: _View, ax: Axes) -> tuple[Any, list[Any]]:
+def _plane(view: View, ax: Axes) -> tuple[Any, list[Any]]:
     """The colours and the hatches of a plane, and the lines of theory."""
     from matplotlib import colormaps
 
@@ -362,13 +363,13 @@ def _plane(view: _View, ax: Axes) -> tuple[Any, list[Any]]:
         *edges, np.ma.masked_invalid(view.filled), cmap=shares, vmin=0, vmax=1, rasterized=True
     )
     handles = _hatch(view, ax, *edges)
-    axes, curves = _fine_curves(view)
-    for curve, dashes in zip(curves, _DASHES, strict=False):
+    axes, curves = fine_curves(view)
+    for curve, dashes in zip(curves, DASHES, strict=False):
         handles += _draw_curve(axes, ax, curve, dashes)
     return mesh, handles
 
 
-def _draw_field(view: _View, ax: Axes, field: Floats, label: str) -> list[Any]:
+def _draw_field(view: View, ax: Axes, field: Floats, label: str) -> list[Any]:
     """Numbers of the pixels; white where there are none."""
     x = view.axes[0]
     if len(view.axes) == 1:
@@ -396,7 +397,7 @@ def _draw_cells(data: MapData, ax: Axes) -> None:
     ax.add_collection(LineCollection(list(outlines), colors="white", linewidths=0.3, alpha=0.6))
 
 
-def _fine_curves(view: _View) -> tuple[tuple[Axis, ...], tuple[Curve, ...]]:
+def fine_curves(view: View) -> tuple[tuple[Axis, ...], tuple[Curve, ...]]:
     """The lines of theory, and the axes of their points: finer than the pixels, up to the edges."""
     spec = view.data.spec
     if view.theory is None or not view.theory.curves:
@@ -451,7 +452,7 @@ def _draw_curve(axes: tuple[Axis, ...], ax: Axes, curve: Curve, dashes: _Dashes)
     return [handle]
 
 
-def _draw_line(view: _View, ax: Axes) -> list[Any]:
+def _draw_line(view: View, ax: Axes) -> list[Any]:
     (axis,) = view.axes
     values = np.array(axis.values)
     edges = cell_edges(axis)
@@ -468,7 +469,7 @@ def _draw_line(view: _View, ax: Axes) -> list[Any]:
     return handles
 
 
-def _hatch(view: _View, ax: Axes, x: NDArray[np.float64], y: NDArray[np.float64]) -> list[Any]:
+def _hatch(view: View, ax: Axes, x: NDArray[np.float64], y: NDArray[np.float64]) -> list[Any]:
     """Hatch cells that are impossible, not computed, or hold many failed or undecided bodies."""
     from matplotlib.patches import PathPatch
     from matplotlib.path import Path
