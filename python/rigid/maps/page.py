@@ -308,10 +308,8 @@ def _curves(data: MapData, whole: MapSpec) -> list[dict[str, Any]]:
     if theory is None or not theory.curves or len(shape) < 2:
         return []
     drawn: dict[str, dict[str, Any]] = {}
-    planes = math.prod(shape[:-2])
-    for plane in range(planes):
-        index = np.unravel_index(plane, shape[:-2]) if planes > 1 else (0,) * (len(shape) - 2)
-        at = {len(shape) - 1 - k: int(place) for k, place in enumerate(index)}
+    for plane, index in enumerate(np.ndindex(shape[:-2])):
+        at = {len(shape) - 1 - k: place for k, place in enumerate(index)}
         axes, curves = fine_curves(View.of(data, theory, at))
         x, y = (
             np.log(axis.values) if drawn_as.geometric else np.array(axis.values)

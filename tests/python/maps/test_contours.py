@@ -11,7 +11,7 @@ def test_a_circle_is_one_closed_line() -> None:
     x, y = np.arange(-30, 31) * h, np.arange(-25, 26) * h
     (line,) = zero_lines(x, y, x**2 + y[:, np.newaxis] ** 2 - 1.0)
     assert (line[0] == line[-1]).all()
-    # Along a side the field, of second derivative 2, is off its chord by up to h²/4; its slope is 2.
+    # The field has the second derivative 2: it is off a chord by up to h²/4, and its slope is 2.
     assert np.abs(np.hypot(*line.T) - 1.0).max() <= h * h / 8.0
     angles = np.unwrap(np.arctan2(*line.T))
     assert abs(angles[-1] - angles[0]) == pytest.approx(2.0 * np.pi)
