@@ -817,6 +817,37 @@ def test_on_a_phone_a_tap_shows_the_bodies_without_a_jump(browser: Any, page: Pa
 
 
 @pytest.mark.browser
+def test_a_third_axis_is_chosen_and_has_its_own_lines_of_theory(
+    browser: Any, tmp_path: Path
+) -> None:
+    """A sleeping top is stable above the spin 2 √(mgl I1) / I3, which the weight moves."""
+    result = tops(
+        scene=rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0),
+        axes={
+            "spin": np.linspace(3.0, 6.0, 7),
+            "attitude_noise": [1e-3, 1e-2, 0.1],
+            "mgl": [0.75, 1.5],
+        },
+    )
+    page = result.explore(tmp_path / "a.html")
+    (curve, _) = content(page)["curves"]
+    assert curve["label"].startswith("sleeping-top bound")
+    for plane, mgl in (("0", 0.75), ("1", 1.5)):
+        spins = unpacked(curve["planes"][plane]).reshape(-1, 2)[:-1, 0]
+        # The field is linear in the square of the spin: a chord of h errs by h² / 8 over it.
+        np.testing.assert_allclose(spins, 2.0 * np.sqrt(mgl) / 0.5, atol=0.125**2 / 8.0 / 3.0)
+    opened = Opened(browser, page)
+    shown = opened.page
+    shown.wait_for_selector("canvas.stage")
+    assert shown.locator(".slices select option").all_text_contents() == ["0.75", "1.5"]
+    shown.locator(".slices select").select_option("1.5")
+    shown.locator(".map").click(position={"x": 300.0, "y": 150.0})
+    shown.wait_for_function("explorer.index(explorer.pixel)[0] === 1")
+    assert "mgl = 1.5 J" in shown.locator(".chosen").inner_text()
+    opened.close()
+
+
+@pytest.mark.browser
 def test_many_bodies_stand_in_one_row_on_a_phone(browser: Any, tmp_path: Path) -> None:
     result = tops(samples=40, axes={"spin": [3.0, 4.0]})
     opened = Opened(browser, result.explore(tmp_path / "a.html"), width=375, height=720)

@@ -98,7 +98,7 @@ class Explorer extends MapOnCanvas {
     this.slices = map.axes.slice(2).map(axis => {
       const label = document.createElement("label"), list = document.createElement("select");
       label.append(`${axis.label} `, list);
-      options(list, axis.values.map(shown), axis.values);
+      options(list, axis.values.map(value => shown(value)), axis.values);
       list.onchange = () => { this.slice = this.numberOfSlice(); this.draw(); this.kept(); };
       find(".slices").append(label);
       return list;
