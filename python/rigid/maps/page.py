@@ -99,9 +99,9 @@ def content_of_starts(data: MapData, samples: range, pixel: int | None = None) -
 
 
 def content_of_numbers(data: MapData, samples: range, pixel: int | None = None) -> dict[str, Any]:
-    """Where parameters vary: the numbers of the equations of motion that bodies have of their own.
+    """Where parameters vary: the numbers of the equations of motion that differ between bodies.
 
-    ``columns`` tells which of the numbers of the pixel they replace.
+    ``columns`` tells which of the numbers of the pixel are replaced.
     """
     spec = data.spec
     if spec.is_called or not spec.vary:
@@ -300,7 +300,7 @@ def _layers(data: MapData) -> list[dict[str, Any]]:
 
 
 def _curves(data: MapData, whole: MapSpec) -> list[dict[str, Any]]:
-    """The lines of theory as those of the picture, in each plane of the first two axes.
+    """The lines of theory that the picture has, in each plane of the first two axes.
 
     Points are where the page draws them; NaN stands between lines.
     """
