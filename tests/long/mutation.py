@@ -122,7 +122,7 @@ PYTHON: dict[str, tuple[str, ...]] = {
         "maps/test_map_grid.py",
         "maps/test_map_bad_input.py",
         "maps/test_map_files.py",
-        "maps/test_map_check.py",
+        "maps/test_map_honesty.py",
         "maps/test_map_parts.py",
         "maps/test_every_kind.py",
         "maps/test_mixtures.py",
