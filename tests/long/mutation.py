@@ -14,7 +14,6 @@ The exit code is 1 if more than a twentieth of the others survives.
 import argparse
 import json
 import os
-import re
 import shutil
 import subprocess
 import sys
@@ -48,6 +47,9 @@ LIBRARY = Path(PACKAGE, "_core.abi3.so")
 _PROFILE = "--profile=develop"
 
 KILLED, SURVIVED, NO_PROGRAM = "killed", "survived", "does not compile"
+
+#: Where pytest tells which tests have failed.
+FAILED = COPY / ".pytest_cache" / "v" / "cache" / "lastfailed"
 
 #: Instead of a test: a run that took too much processor time.
 ENDLESS = "no end"
@@ -254,7 +256,8 @@ def core_mutants() -> Iterator[Mutant]:
         parts = (text[:begin], entry["replacement"], text[end:])
         words = entry["name"].split(": ", 1)[1]
         line = entry["span"]["start"]["line"]
-        yield Mutant(entry["file"], line, words, partial("".join, parts))
+        source = text.splitlines()[line - 1].strip()
+        yield Mutant(entry["file"], line, source, words, partial("".join, parts))
 
 
 def _offset(text: str, place: dict[str, int]) -> int:
@@ -287,15 +290,13 @@ def built() -> bool:
 
 def fails_in_python(*tests: str) -> str | None:
     """The first test that fails, or the word of a run without end; None if none fails."""
+    FAILED.unlink(missing_ok=True)
     paths = [str(Path("tests", "python", name)) for name in tests]
-    options = ("-n0", "-x", "-q", "-p", "no:cacheprovider", "-W", "ignore::pytest.PytestWarning")
-    done = _run(sys.executable, "-m", "pytest", *options, *paths)
+    done = _run(sys.executable, "-m", "pytest", "-n0", "-x", "-q", *paths)
     if not done.returncode:
         return None
-    found = re.search(
-        r"^(?:FAILED|ERROR) tests/python/(\S+?)(?: - .*)?$", done.stdout, re.MULTILINE
-    )
-    return found[1] if found else ENDLESS
+    found = json.loads(FAILED.read_text()) if FAILED.is_file() else {}
+    return next((name.removeprefix("tests/python/") for name in found), ENDLESS)
 
 
 @cache
