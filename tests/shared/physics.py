@@ -204,7 +204,8 @@ def rotated(attitude: Floats, vector: Floats) -> Floats:
 
 def angle_between(u: Floats, v: Floats) -> Floats:
     """Angles between vectors, accurate for small and for large ones (W. Kahan)."""
-    u, v = (one / np.linalg.norm(one, axis=-1, keepdims=True) for one in (u, v))
+    tiny = np.finfo(np.float64).tiny  # a body at rest has no direction
+    u, v = (x / np.maximum(np.linalg.norm(x, axis=-1, keepdims=True), tiny) for x in (u, v))
     half = np.arctan2(np.linalg.norm(u - v, axis=-1), np.linalg.norm(u + v, axis=-1))
     angle: Floats = 2.0 * half
     return angle
