@@ -10,6 +10,11 @@ EQUIVALENT: dict[tuple[str, str, str], str] = {
         "0 -> 1",
     ): "the momentum of a free body has one length at all times",
     (
+        "model/body.py",
+        "kept.setflags(write=False)",
+        "False -> True",
+    ): "the flag guards against a fault of ours: nothing writes into the rates of bodies",
+    (
         "maps/satellites.py",
         "time: Floats = (0.5 * whole * measure / power).sum(axis=-1)",
         "-1 -> +1",
