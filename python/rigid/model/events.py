@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from .._checks.arguments import brief, finite_float, one_of, vector
 from .._checks.quantities import without_unit
+from .._core import MOST_STATES
 from .leading import Floats, three
 
 COMPONENTS = ("omega1", "omega2", "omega3", "gamma1", "gamma2", "gamma3")
@@ -25,7 +26,10 @@ MOMENTA = ("L1", "L2", "L3")
 SPEED = "speed"
 """The length of the rates (rad/s)."""
 
-QUANTITIES = (*COMPONENTS, *TILTS, *MOMENTA, SPEED)
+STATES = tuple(f"state{k}" for k in range(1, MOST_STATES + 1))
+"""States of the function of a torque, in the units of the user."""
+
+QUANTITIES = (*COMPONENTS, *TILTS, *MOMENTA, SPEED, *STATES)
 """Names of the quantities that can cross a value."""
 
 UNITS = {"omega": "rad/s", "tilt": "rad", "L": "kg m²/s", SPEED: "rad/s"}
@@ -52,7 +56,7 @@ class Event:
     omega, gamma, momentum : tuple of float
         The quantity is ``omega·w + gamma·n + momentum·L`` for the rates ``w`` and the vertical
         ``n`` in the body and the angular momentum ``L`` in space; of a tilt it is minus its cosine.
-        All are zero of ``"speed"``, whose square is looked at.
+        All are zero of ``"speed"``, whose square is looked at, and of a state.
     value : float
         The value that the quantity crosses; zero if it turns.
     direction : int
@@ -68,6 +72,11 @@ class Event:
     value: float
     direction: int
     turns: bool
+
+    @property
+    def state(self) -> int:
+        """The number of the state that is looked at, from 1 on; 0 if none is."""
+        return STATES.index(self.name) + 1 if self.name in STATES else 0
 
     def words(self) -> str:
         """The event in words.
@@ -159,7 +168,8 @@ def crosses(
         A rate ``"omega1"`` to ``"omega3"`` (rad/s); a component of the upward vertical in the body,
         ``"gamma1"`` to ``"gamma3"``; the angle of a body axis from the vertical, ``"tilt1"`` to
         ``"tilt3"`` (rad); a component of the angular momentum in space, ``"L1"`` to ``"L3"``
-        (kg m²/s); ``"speed"``, the length of the rates (rad/s).
+        (kg m²/s); ``"speed"``, the length of the rates (rad/s); ``"state1"`` to ``"state8"``, the
+        states of :meth:`Torque.call`, in their units.
     value : float
         The value of the quantity.
     direction : {0, 1, -1}
@@ -199,7 +209,7 @@ def crosses(
     elif name in TILTS:
         if not 0.0 < value < math.pi:
             raise ValueError(f"value = {value}: never crossed; a tilt lies between 0 and pi")
-    elif not any(made["omega"]) and not any(made["momentum"]):
+    elif name not in STATES and not any(made["omega"]) and not any(made["momentum"]):
         check_reached(value, np.asarray(made["gamma"]), touching=False)
     return Event(**made, value=value, direction=checked_direction(direction), turns=False)
 
@@ -268,7 +278,7 @@ def _quantity(
     if all(value is None for value in given.values()):
         if name is None:
             raise ValueError("name: give the name of a quantity, or the vectors of one")
-        if one_of("name", name, QUANTITIES) != SPEED:
+        if one_of("name", name, QUANTITIES) not in (SPEED, *STATES):
             kind, axis = name[:-1], int(name[-1]) - 1
             key = {"omega": "omega", "L": "momentum"}.get(kind, "gamma")
             rows[key][axis] = -1.0 if kind == "tilt" else 1.0
