@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from .. import _core
 from .._core import LEAST_STATE, MOST_STATES
+from ..model.orbit import Orbit
 from .arrays import Floats, lengths
 from .bodies import Bodies
 from .methods import FUNCTION, SERIES, TO_ROUNDING
@@ -51,7 +52,8 @@ def default_tolerance(forces: Collection[str]) -> float:
 class Search:
     """The points of some bodies on their surfaces.
 
-    A surface is ``normal·(omega, gamma) + momentum·L + square |omega|² + states·s = value``.
+    A surface is ``normal·(omega, gamma) + momentum·L + square |omega|² + states·s + cosine =
+    value``, with the states ``s`` of a function and the cosine of a body axis from a direction.
 
     Attributes
     ----------
@@ -69,6 +71,10 @@ class Search:
     value : ndarray, shape (n, kinds)
     rotor : ndarray, shape (n, 3)
         Momentum of a rotor in each body, in the unit of moments of the bodies.
+    pointing : ndarray, shape (kinds, 13)
+        Of :meth:`Event.pointing`.
+    orbit : ndarray, shape (n, 9)
+        The numbers of the orbit of each body.
     ends : ndarray, shape (n,)
         Time at which the motion of each body ends (s).
     count : int or None
@@ -91,6 +97,8 @@ class Search:
     starts: Floats
     value: Floats
     rotor: Floats
+    pointing: Floats
+    orbit: Floats
     ends: Floats
     count: int | None
     method: str
@@ -113,7 +121,35 @@ class Search:
             if check or self.closed
             else (np.full(len(body), np.nan), np.full(len(self.bodies), np.nan))
         )
+        found["slope"] = found["slope"] / self._shares(found, body)
         return found
+
+    def _shares(self, found: dict[str, NDArray[Any]], body: NDArray[np.intp]) -> Floats:
+        """What the slopes of roll and yaw are times, or the slope of their rates; one of others."""
+        share = np.ones(len(body))
+        at = np.flatnonzero(self.pointing[found["kind"], 6:12].any(axis=-1))
+        if len(at):
+            own = {name: found[name][at, np.newaxis] for name in ("t", "attitude", "kind")}
+            first, second = self._cosines(own["attitude"], own, self.orbit[body[at]])
+            turns = self._turns[found["kind"][at]]
+            share[at] = np.where(turns, first[:, 0] ** 2 + second[:, 0] ** 2, second[:, 0])
+        return share
+
+    def _cosines(
+        self, attitude: Floats, known: Mapping[str, Any], orbit: Floats
+    ) -> tuple[Floats, Floats]:
+        """The products of both pairs of an axis and a direction at attitudes at points, (n, m)."""
+        rows = self.pointing[known["kind"]]
+        pairs = np.moveaxis(rows[..., :12].reshape(*rows.shape[:-1], 2, 2, 3), (-3, -2), (0, 1))
+        in_orbit, space = rows[..., 12:] != 0.0, _space_axes(attitude)
+        frame = space
+        if in_orbit.any():
+            frame = Orbit.of_numbers(orbit).frame(known["t"])
+        first, second = (
+            _dot(_times(space, axis), np.where(in_orbit, _times(frame, direction), direction))
+            for axis, direction in pairs
+        )
+        return first, second
 
     def _points(self) -> dict[str, NDArray[Any]]:
         """The columns of the core for all bodies."""
@@ -121,6 +157,7 @@ class Search:
             self.bodies,
             method=self.method,
             kinds=list(self.kinds),
+            pointing=np.ascontiguousarray(self.pointing),
             normal=np.ascontiguousarray(self.normal.reshape(-1, 6)),
             momentum=np.ascontiguousarray(self.momentum.reshape(-1, 3)),
             square=np.ascontiguousarray(self.square.ravel()),
@@ -139,7 +176,10 @@ class Search:
 
     def _select(self, some: NDArray[np.intp]) -> Self:
         """The search of some bodies."""
-        names = ("normal", "momentum", "square", "states", "starts", "value", "rotor", "ends")
+        names = (
+            *("normal", "momentum", "square", "states", "starts"),
+            *("value", "rotor", "orbit", "ends"),
+        )
         own = {name: getattr(self, name)[some] for name in names}
         return replace(self, bodies=self.bodies.select(some), **own)
 
@@ -172,6 +212,7 @@ class Search:
             scale = scale + np.where(self.square != 0.0, np.abs(self.square) * rate**2, 0.0)
             size_of_states = np.maximum(np.abs(self.starts), LEAST_STATE)[:, np.newaxis]
             scale = scale + (np.abs(self.states) * size_of_states).sum(axis=-1)
+            scale = scale + self.pointing.any(axis=-1)
             return np.where(self._turns, scale * rate, scale)
 
     def _errors(
@@ -216,7 +257,7 @@ class Search:
         """The largest value on the surface in a second run until each point, (p,)."""
         off = np.full(len(found["t"]), np.nan)
         first = np.concatenate([[0], np.cumsum(counts)])
-        uses_momentum = bool(self.momentum.any())
+        record = "attitude" if self.momentum.any() or self.pointing.any() else "axis"
         for some in _alike(counts):
             most = np.arange(counts[some].max())
             places = first[some, np.newaxis] + np.minimum(most, counts[some, np.newaxis] - 1)
@@ -225,12 +266,12 @@ class Search:
                 bodies=own.bodies,
                 times=found["t"][places],
                 method=self._other_method,
-                record="attitude" if uses_momentum else "axis",
+                record=record,
                 max_steps=self.max_steps,
                 threads=self.threads,
                 tolerance=max(1e-3 * self.tolerance, min(self.tolerance, TOLERANCE)),
             ).states(None, _core.ELSEWHERE if self.method == FUNCTION else 1.0)
-            names = ("omega", "gamma", "attitude", "states", "kind")
+            names = ("t", "omega", "gamma", "attitude", "states", "kind")
             known = {name: found[name][places] for name in names}
             with np.errstate(divide="ignore", invalid="ignore"):
                 known["pace"] = (found["steps"][some] / found["end"][some])[:, np.newaxis]
@@ -248,13 +289,15 @@ class Search:
         of_momentum = self.momentum[rows, kind]
         omega, gamma = states["omega"], states["gamma"]
         turning = self._turns[kind]
-        if states["attitude"] is None:  # no event of any body has the momentum
+        if states["attitude"] is None:  # no event of any body needs it
             along = np.zeros(kind.shape)
         else:
             axes = _space_axes(states["attitude"])
             gamma = axes[..., 2, :]
             momentum = self.bodies.moments[:, np.newaxis] * omega + self.rotor[:, np.newaxis]
             along = np.einsum("...j,...jk,...k->...", of_momentum, axes, momentum)
+        if self.pointing.any():
+            along += self._cosines(states["attitude"], known, self.orbit)[0]
         square = self.square[rows, kind]
         values: Floats = _dot(of_omega, omega) + _dot(of_gamma, gamma) + along
         values += square * _dot(omega, omega)
@@ -268,10 +311,15 @@ class Search:
         # on the torque, the distance of two states is taken instead.
         rate = _dot(of_gamma, np.cross(gamma, omega))
         unknown = of_omega.any(axis=-1) | of_momentum.any(axis=-1) | (square != 0.0)
+        unknown |= self.pointing[kind].any(axis=-1)
         if (turning & unknown).any():
             met = lengths(known["omega"]).max(axis=1)
             pair = [
-                {"omega": one["omega"], "gamma": turned, "attitude": None}
+                {
+                    "omega": one["omega"],
+                    "gamma": turned,
+                    "attitude": one["attitude"] if self.pointing.any() else None,
+                }
                 for one, turned in ((states, gamma), (known, known["gamma"]))
             ]
             apart = _core.distances(pair[0], pair[1], self._fastest(met))
@@ -288,6 +336,11 @@ class Search:
 def _dot(a: Floats, b: Floats) -> Floats:
     dot: Floats = np.einsum("...i,...i->...", a, b)
     return dot
+
+
+def _times(matrix: Floats, v: Floats) -> Floats:
+    product: Floats = np.einsum("...ij,...j->...i", matrix, v)
+    return product
 
 
 def _space_axes(attitude: Floats) -> Floats:
