@@ -41,11 +41,11 @@ MOMENTA = ("L1", "L2", "L3")
 SPEED = "speed"
 """The length of the rates (rad/s)."""
 
-STATES = tuple(f"state{k}" for k in range(1, MOST_STATES + 1))
-"""States of the function of a torque, in the units of the user."""
-
 POINTING = "pointing"
 """The angle of a body axis from a direction (rad)."""
+
+STATES = tuple(f"state{k}" for k in range(1, MOST_STATES + 1))
+"""States of the function of a torque, in the units of the user."""
 
 QUANTITIES = (*COMPONENTS, *TILTS, *MOMENTA, SPEED, POINTING, *ANGLES, *STATES)
 """Names of the quantities that can cross a value."""
@@ -97,8 +97,8 @@ class Event:
     omega, gamma, momentum : tuple of float
         The quantity is ``omega·w + gamma·n + momentum·L`` for the rates ``w`` and the vertical
         ``n`` in the body and the angular momentum ``L`` in space; of a tilt it is minus its cosine.
-        All are zero of ``"speed"``, whose square is looked at, of a state, and of angles from a
-        direction of space or the orbit, of which sine or cosine is.
+        All are zero of ``"speed"``, whose square is looked at, of angles from a direction of space
+        or the orbit, of which sine or cosine is, and of a state.
     value : float
         The value that the quantity crosses; zero if it turns.
     direction : int

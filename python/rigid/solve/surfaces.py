@@ -53,7 +53,7 @@ class Search:
     """The points of some bodies on their surfaces.
 
     A surface is ``normal·(omega, gamma) + momentum·L + square |omega|² + states·s + cosine =
-    value``, with the states ``s`` of a function and the cosine of a body axis from a direction.
+    value``, with the cosine of a body axis from a direction.
 
     Attributes
     ----------
@@ -176,10 +176,8 @@ class Search:
 
     def _select(self, some: NDArray[np.intp]) -> Self:
         """The search of some bodies."""
-        names = (
-            *("normal", "momentum", "square", "states", "starts"),
-            *("value", "rotor", "orbit", "ends"),
-        )
+        of_bodies = "states", "starts", "rotor", "orbit", "ends"
+        names = ("normal", "momentum", "square", "value", *of_bodies)
         own = {name: getattr(self, name)[some] for name in names}
         return replace(self, bodies=self.bodies.select(some), **own)
 
@@ -210,9 +208,9 @@ class Search:
             scale: Floats = size(of_omega, axis=-1) * rate + size(of_gamma, axis=-1)
             scale = scale + np.where(of_momentum > 0.0, of_momentum * momentum, 0.0)
             scale = scale + np.where(self.square != 0.0, np.abs(self.square) * rate**2, 0.0)
+            scale = scale + self.pointing.any(axis=-1)
             size_of_states = np.maximum(np.abs(self.starts), LEAST_STATE)[:, np.newaxis]
             scale = scale + (np.abs(self.states) * size_of_states).sum(axis=-1)
-            scale = scale + self.pointing.any(axis=-1)
             return np.where(self._turns, scale * rate, scale)
 
     def _errors(

@@ -121,8 +121,8 @@ impl Watch {
         set_lane(&mut self.normal, lane, &normal);
         set_lane(&mut self.momentum, lane, &momentum);
         set_lane(&mut self.rotor, lane, &rotor);
-        set_lane(&mut self.states, lane, &states);
         self.orbit[lane] = forces.further.orbit;
+        set_lane(&mut self.states, lane, &states);
         self.square.0[lane] = square;
         self.value.0[lane] = value;
         self.side[lane] = None;
@@ -130,13 +130,13 @@ impl Watch {
         let largest = body.moments.iter().fold(0.0_f64, |a, &b| a.max(b));
         let of_momentum = length(&momentum) * (largest * rate + length(&rotor));
         let of_speed = square.abs() * rate * rate;
+        let of_pointing = if self.kind.pointing.is_some() { 1.0 } else { 0.0 };
         let mut of_states = 0.0;
         for (factor, start) in states.iter().zip(forces.states()) {
             of_states += factor.abs() * start.abs().max(SMALL_STATE[1]);
         }
-        let of_pointing = if self.kind.pointing.is_some() { 1.0 } else { 0.0 };
-        let scale = length(&normal[..3]) * rate + length(&normal[3..]) + of_momentum + of_speed + of_pointing;
-        let scale = scale + of_states;
+        let of_rates = length(&normal[..3]) * rate + length(&normal[3..]);
+        let scale = of_rates + of_momentum + of_speed + of_states + of_pointing;
         self.scale.0[lane] = if self.kind.of_rate { scale * rate } else { scale + value.abs() };
     }
 
