@@ -31,7 +31,7 @@ from .samples import Outcomes, bodies_of, outcomes, starts
 from .spec import MapSpec
 from .theory import predict
 from .watched import watched
-from .words import class_words, default_title
+from .words import axis_label, class_words, default_title
 
 MOST_BYTES = 500_000
 """Most compressed bytes of the bodies in a page, unless a number of bodies is given."""
@@ -164,7 +164,7 @@ def content_of_map(
         "shape": shape,
         "dimensions": len(spec.shape),
         "axes": [
-            _axis(axis, drawn.geometric)
+            _axis(spec, axis, drawn.geometric)
             for axis, drawn in zip(spec.axes, (whole or spec).axes, strict=True)
         ],
         "layers": _layers(data),
@@ -236,10 +236,10 @@ def _draw(spec: MapSpec) -> dict[str, Any] | None:
     }
 
 
-def _axis(axis: Axis, geometric: bool) -> dict[str, Any]:
+def _axis(spec: MapSpec, axis: Axis, geometric: bool) -> dict[str, Any]:
     return {
         "name": _plain_words(axis.parameter.symbol),
-        "label": _plain_words(axis.label),
+        "label": _plain_words(axis_label(spec, axis)),
         "unit": "" if axis.unit == "1" else axis.unit,
         "values": list(axis.values),
         "edges": drawn_edges(axis, geometric).tolist(),
@@ -265,21 +265,29 @@ def _layers(data: MapData) -> list[dict[str, Any]]:
         "failed": ("share failed", data.failed / done),
     }
     first = "a body was found chaotic" if is_regular else "a body left"
+    clock = data.spec.clock
+    time, per_time = clock.shown("s"), clock.shown("1/s")
     values: dict[str, tuple[str, ArrayLike, bool]] = {
-        "earliest": (f"earliest time at which {first} (s)", data.earliest, False),
+        "earliest": (
+            f"earliest time at which {first} ({time[0]})",
+            time[1] * data.earliest,
+            False,
+        ),
         "energy_drift": ("worst drift of the energy", data.energy_drift, True),
         "momentum_drift": ("worst drift of the momentum", data.momentum_drift, True),
         "unit_drift": ("worst drift of unit lengths", data.unit_drift, True),
     }
     if is_regular:
-        values["exponent"] = ("mean exponent (1/s)", data.exponent, False)
-        values["largest_exponent"] = ("largest exponent (1/s)", data.largest_exponent, False)
+        for name, words in (("exponent", "mean"), ("largest_exponent", "largest")):
+            array = per_time[1] * getattr(data, name)
+            values[name] = (f"{words} exponent ({per_time[0]})", array, False)
         values["mean_megno"] = ("mean MEGNO", data.mean_megno, False)
     for name, measured in data.measures.items():
-        unit = "" if measured.measure.unit == "1" else f" ({measured.measure.unit})"
+        shown, factor = clock.shown(measured.measure.unit)
+        unit = "" if shown == "1" else f" ({shown})"
         for of in ("mean", "least", "largest"):
             label = f"{measured.measure.words}{unit}, {of} of the pixel"
-            values[f"{name}.{of}"] = (label, getattr(measured, of), False)
+            values[f"{name}.{of}"] = (label, factor * getattr(measured, of), False)
     layers = [
         {"name": name, "label": label, "low": 0.0, "high": 1.0, "log": False}
         | {"data": packed(np.asarray(array), np.float32)}
