@@ -23,9 +23,10 @@ from ..model.forces import forces_in_words
 from ..model.mixture import Mixture
 from ..model.start import Samples
 from .axes import Axis
+from .contours import zero_lines
 from .data import CLASSES, STATUS, MapData
 from .grid import Pixels
-from .plot import cell_edges
+from .plot import DASHES, View, cell_edges, fine_curves
 from .samples import Outcomes, bodies_of, outcomes, starts
 from .spec import MapSpec
 from .theory import predict
@@ -98,9 +99,9 @@ def content_of_starts(data: MapData, samples: range, pixel: int | None = None) -
 
 
 def content_of_numbers(data: MapData, samples: range, pixel: int | None = None) -> dict[str, Any]:
-    """Where parameters vary: the numbers of the equations of motion that bodies have of their own.
+    """Where parameters vary: the numbers of the equations of motion that differ between bodies.
 
-    ``columns`` tells which of the numbers of the pixel they replace.
+    ``columns`` tells which of the numbers of the pixel are replaced.
     """
     spec = data.spec
     if spec.is_called or not spec.vary:
@@ -149,7 +150,6 @@ def content_of_map(
         The map that this one is a finer part of: its axes say which scales are logarithmic.
     """
     spec = data.spec
-    theory = predict(spec)
     shape = spec.shape if len(spec.shape) > 1 else (1, *spec.shape)
     is_regular = isinstance(spec.stable, Regular)
     asks = "criterion" if is_regular else "stable"
@@ -157,7 +157,8 @@ def content_of_map(
         "title": spec.title or default_title(spec),
         "load": load,
         "python": python,
-        "detail": f"{asks}: {spec.criterion}; {spec.samples} bodies per pixel"
+        "detail": f"{asks}: {spec.criterion}; "
+        + ("one body per pixel" if spec.samples == 1 else f"{spec.samples} bodies per pixel")
         + ("" if spec.half_width is None else " at most"),
         "complete": data.complete,
         "shape": shape,
@@ -170,12 +171,7 @@ def content_of_map(
         "status": packed(data.status, np.uint8),
         "statuses": STATUS,
         "counts": {name: packed(getattr(data, name), np.int32) for name in ("samples", *CLASSES)},
-        "curves": []
-        if theory is None
-        else [
-            {"label": _plain_words(curve.label), "field": packed(curve.field, np.float32)}
-            for curve in theory.curves
-        ],
+        "curves": _curves(data, whole or spec),
         "samples": count,
         "of": spec.samples,
         "classes": CLASSES,
@@ -309,6 +305,32 @@ def _layers(data: MapData) -> list[dict[str, Any]]:
             | {"data": packed(array, np.float32)}
         )
     return layers
+
+
+def _curves(data: MapData, whole: MapSpec) -> list[dict[str, Any]]:
+    """The lines of theory that the picture has, in each plane of the first two axes.
+
+    Points are where the page draws them; NaN stands between lines.
+    """
+    theory, shape = predict(data.spec), data.spec.shape
+    if theory is None or not theory.curves or len(shape) < 2:
+        return []
+    drawn: dict[str, dict[str, Any]] = {}
+    for plane, index in enumerate(np.ndindex(shape[:-2])):
+        at = {len(shape) - 1 - k: place for k, place in enumerate(index)}
+        axes, curves = fine_curves(View.of(data, theory, at))
+        x, y = (
+            np.log(axis.values) if drawn_as.geometric else np.array(axis.values)
+            for axis, drawn_as in zip(axes, whole.axes, strict=False)
+        )
+        for curve, dashes in zip(curves, DASHES, strict=False):
+            label = _plain_words(curve.label)
+            known = drawn.setdefault(label, {"label": label, "dashes": dashes, "planes": {}})
+            lines = zero_lines(x, y, curve.field)
+            if lines:
+                ended = [np.append(line, [[np.nan] * 2], axis=0) for line in lines]
+                known["planes"][str(plane)] = packed(np.concatenate(ended), np.float32)
+    return [curve for curve in drawn.values() if curve["planes"]]
 
 
 def _motion(spec: MapSpec) -> dict[str, Any] | None:

@@ -68,11 +68,12 @@ _HATCHED = (
     ("undecided" + MANY, "none", colours.UNDECIDED, "////"),
 )
 _Dashes: TypeAlias = Literal["solid", "dashed", "dashdot", "dotted"]
-_DASHES: tuple[_Dashes, ...] = ("solid", "dashed", "dashdot", "dotted")
+DASHES: tuple[_Dashes, ...] = ("solid", "dashed", "dashdot", "dotted")
+"""Of the lines of theory, in their order; further lines are not drawn."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class _View:
+class View:
     """The drawn part of a map: the whole map, or a slice along one or two of its axes."""
 
     data: MapData
@@ -90,7 +91,7 @@ class _View:
     theory: Theory | None
 
     @classmethod
-    def of(cls, data: MapData, theory: Theory | None, at: Mapping[int, int]) -> _View:
+    def of(cls, data: MapData, theory: Theory | None, at: Mapping[int, int]) -> View:
         """The slice at these places of these axes, by their numbers."""
         axes = data.spec.axes
         index = tuple(at.get(k, slice(None)) for k in reversed(range(len(axes))))
@@ -177,7 +178,7 @@ def plot_map(
         if ax is None:
             ax = axes_to_draw_on(None)
             ax.figure.set_size_inches(*SIZE)
-        view = _View.of(data, theory, fixed)
+        view = View.of(data, theory, fixed)
         shown = None if field is None else field[view.index]
         _draw(view, ax, _title(data, fixed), shown, label)
         if cells and len(view.axes) == len(data.spec.axes) == 2:
@@ -231,7 +232,7 @@ def _small_pictures(
     handles: dict[Any, Any] = {}
     for row, column in np.ndindex(rows, columns):
         here = {across: column, **({down[0]: row} if down else {})}
-        view = _View.of(data, theory, {**fixed, **here})
+        view = View.of(data, theory, {**fixed, **here})
         panel: Any = panels[row, column]
         mesh, found = _plane(view, panel, named=False)
         handles |= {handle.get_label(): handle for handle in found}
@@ -316,7 +317,7 @@ def _measured(measures: Measures, what: object) -> tuple[Floats, str, str]:
     return field, what, "1" if number == "count" else measured.measure.unit
 
 
-def _draw(view: _View, ax: Axes, title: str, field: Floats | None, label: str) -> None:
+def _draw(view: View, ax: Axes, title: str, field: Floats | None, label: str) -> None:
     if field is not None:
         handles = _draw_field(view, ax, field, label)
     else:
@@ -337,7 +338,7 @@ def _draw(view: _View, ax: Axes, title: str, field: Floats | None, label: str) -
         )
 
 
-def _draw_plane(view: _View, ax: Axes) -> list[Any]:
+def _draw_plane(view: View, ax: Axes) -> list[Any]:
     mesh, handles = _plane(view, ax)
     ax.set_ylabel(axis_label(view.data.spec, view.axes[1]))
     if swatches := _classes(view.data):
@@ -361,7 +362,7 @@ def _classes(data: MapData) -> list[Any]:
     ]
 
 
-def _plane(view: _View, ax: Axes, *, named: bool = True) -> tuple[Any, list[Any]]:
+def _plane(view: View, ax: Axes, *, named: bool = True) -> tuple[Any, list[Any]]:
     """The colours and the hatches of a plane, and the lines of theory, ``named`` along them."""
     from matplotlib import colormaps
 
@@ -377,7 +378,7 @@ def _plane(view: _View, ax: Axes, *, named: bool = True) -> tuple[Any, list[Any]
     return mesh, handles + _draw_curves(view, ax, named=named)
 
 
-def _draw_field(view: _View, ax: Axes, field: Floats, label: str) -> list[Any]:
+def _draw_field(view: View, ax: Axes, field: Floats, label: str) -> list[Any]:
     """Numbers of the pixels; white where there are none."""
     x = view.axes[0]
     if len(view.axes) == 1:
@@ -406,7 +407,7 @@ def _draw_cells(data: MapData, ax: Axes) -> None:
     ax.add_collection(LineCollection(list(outlines), colors="white", linewidths=0.3, alpha=0.6))
 
 
-def _fine_curves(view: _View) -> tuple[tuple[Axis, ...], tuple[Curve, ...]]:
+def fine_curves(view: View) -> tuple[tuple[Axis, ...], tuple[Curve, ...]]:
     """The lines of theory, and the axes of their points: finer than the pixels, up to the edges."""
     spec = view.data.spec
     if view.theory is None or not view.theory.curves:
@@ -438,12 +439,12 @@ def _finer(axis: Axis, steps: int) -> tuple[float, ...]:
     return tuple(values[~axis.parameter.rejects(values)].tolist())
 
 
-def _draw_curves(view: _View, ax: Axes, *, named: bool) -> list[Any]:
+def _draw_curves(view: View, ax: Axes, *, named: bool) -> list[Any]:
     """The lines of theory, each with its name along it; in the legend if there is no place."""
     from matplotlib.lines import Line2D
     from matplotlib.patheffects import Normal, Stroke
 
-    axes, curves = _fine_curves(view)
+    axes, curves = fine_curves(view)
     drawn: dict[str, tuple[Any, list[Floats]]] = {}
     for curve in curves:
         if min(curve.field.shape) < 2:
@@ -468,7 +469,7 @@ def _draw_curves(view: _View, ax: Axes, *, named: bool) -> list[Any]:
         if name is not None:
             names.append(name)
             continue
-        dashes = _DASHES[len(handles) % len(_DASHES)]
+        dashes = DASHES[len(handles) % len(DASHES)]
         lines.set_linestyle(dashes)
         handle = Line2D(
             [], [], color="white", linestyle=dashes, linewidth=1.6, label=f"theory: {label}"
@@ -478,7 +479,7 @@ def _draw_curves(view: _View, ax: Axes, *, named: bool) -> list[Any]:
     return handles
 
 
-def _draw_line(view: _View, ax: Axes) -> list[Any]:
+def _draw_line(view: View, ax: Axes) -> list[Any]:
     (axis,) = view.axes
     values = np.array(axis.values)
     edges = cell_edges(axis)
@@ -495,7 +496,7 @@ def _draw_line(view: _View, ax: Axes) -> list[Any]:
     return handles
 
 
-def _hatch(view: _View, ax: Axes, x: NDArray[np.float64], y: NDArray[np.float64]) -> list[Any]:
+def _hatch(view: View, ax: Axes, x: NDArray[np.float64], y: NDArray[np.float64]) -> list[Any]:
     """Hatch cells that are impossible, not computed, or hold many failed or undecided bodies."""
     from matplotlib.patches import PathPatch
     from matplotlib.path import Path
