@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..drawing.colours import BAND, GRID, HUES, NEUTRAL, PALE, SURFACE, on_ground
-from ..drawing.figure import axes_to_draw_on, check_axes, shown_figure
+from ..drawing.figure import SMALL, axes_to_draw_on, check_axes, shown_figure
 from ..solve.methods import EXACT
 from .data import ReportData
 from .reference import Reference
@@ -61,9 +61,6 @@ LABELS = {"energy": "energy, relative", "momentum": "momentum, relative", "phase
 NAME_SIZE = 8.0
 """Size of the names of methods (points)."""
 
-SIZE = 6.4, 5.2
-"""Width and height of a picture (inches): its words are legible on a page of 375 pixels."""
-
 
 def plot_report(report: ReportData, *, ax: Axes | None = None) -> Any:
     """Draw error against processor time, both axes logarithmic.
@@ -94,9 +91,7 @@ def plot_report(report: ReportData, *, ax: Axes | None = None) -> Any:
     """
     if report.spec.revolutions:
         return _plot_growth(report, ax)
-    if ax is None:
-        ax = axes_to_draw_on(None)
-        ax.figure.set_size_inches(*SIZE)
+    ax = axes_to_draw_on(ax, SMALL)
     spec = report.spec
     ax.set_xlabel(f"processor time per body and {spec.unit} of motion (ns)")
     ax.set_ylabel(f"error of the state at t = {spec.t_end:g} {spec.unit}")
@@ -266,9 +261,8 @@ def _draw_methods(ax: Axes, lines: Mapping[str, Points]) -> None:
 
 def _last_inside(places: Floats) -> Floats | None:
     """The end of a line in shares of the axes: where it leaves them, if it does."""
-    inside = ((places >= 0.0) & (places <= 1.0)).all(axis=1)
-    if inside[-1]:
-        end: Floats = places[-1]
+    end: Floats = places[-1]
+    if ((end >= 0.0) & (end <= 1.0)).all():
         return end
     # On each piece, the largest share of it at which the line is still within the axes.
     for first, last in zip(places[-2::-1], places[:0:-1], strict=True):
@@ -295,7 +289,8 @@ def spread(heights: Sequence[float], apart: float) -> Floats:
         blocks.append((total, count))
     means = [total / count for total, count in blocks for _ in range(count)]
     room = max(1.0 - apart * (len(means) - 1), 0.0)
-    return np.clip(means, 0.0, room) + apart * np.arange(len(means))
+    placed: Floats = np.clip(means, 0.0, room) + apart * np.arange(len(means))
+    return placed
 
 
 def family_of(method: str) -> Family:
