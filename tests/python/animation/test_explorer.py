@@ -993,6 +993,24 @@ def test_all_bodies_of_a_pixel_are_counted_and_the_colours_explained(
 
 
 @pytest.mark.browser
+def test_times_of_a_page_are_in_the_unit_of_the_map(browser: Any, tmp_path: Path) -> None:
+    """Half a second is a beat: twice the number of seconds, at the dots and at the clock."""
+    result = tops(axes={"spin": [2.0]}, samples=3, t_end=30.0, time_unit=("beat", 0.5))
+    assert result.unstable.sum() == 3
+    opened = Opened(browser, result.explore(tmp_path / "a.html"))
+    shown = opened.page
+    shown.wait_for_selector("canvas.stage")
+    for dot in shown.locator(".dots button").all():
+        found = re.search(r"left at (\S+) beat", str(dot.get_attribute("title")))
+        assert found is not None
+        body = result.replay(0, int(str(dot.get_attribute("data-sample"))))
+        assert float(found[1]) == pytest.approx(2.0 * body.left, rel=1e-3)
+    shown.evaluate("explorer.player.seek(explorer.player.films[0].t.length - 1)")
+    shown.wait_for_function("document.querySelector('output').textContent.startsWith('t = 60')")
+    assert shown.locator("output").inner_text().endswith(" beat")
+
+
+@pytest.mark.browser
 def test_regular_maps_speak_of_chaos(browser: Any, tmp_path: Path) -> None:
     top = rigid.HeavyTop(rigid.Body((1.0, 1.6, 0.7)), mgl=1.2, com=(0.36, 0.48, 0.8))
     result = tops(

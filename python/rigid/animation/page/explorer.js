@@ -358,7 +358,7 @@ class Explorer extends MapOnCanvas {
       button.className = of(k);
       button.style.background = map.inks.outcomes[of(k)];
       button.textContent = SIGNS[of(k)];
-      const when = map.leaves && Number.isFinite(left(k)) ? `, left at ${shown(left(k))} s` : "";
+      const when = map.leaves && Number.isFinite(left(k)) ? `, left at ${shown(left(k) / map.clock.size)} ${map.clock.name}` : "";
       button.title = `body ${k}: ${map.words[of(k)]}${when}`;
       button.setAttribute("aria-label", button.title);
       button.dataset.sample = k;
@@ -459,6 +459,7 @@ class Explorer extends MapOnCanvas {
     this.player ??= new Player(this.find("#player"), KEYS);
     this.player.root.hidden = false;
     const film = filmOf(map, numbers, this.strip(), motion, speed);
+    if (map.clock.name !== "s") film.unit = {...map.clock, digits: Math.max(0, Math.ceil(-Math.log10(horizon / frames / map.clock.size)))};
     const short = motion.omega.length < times.length ? "; the page could not compute it to the end" : "";
     this.player.show([film], `${words}; film at ${shown(speed)} × the speed of the motion${short}`);
   }

@@ -26,13 +26,13 @@ assert np.allclose(gammas, [-63 / 65, 312 / 313, -561 / 689])
 print("gamma", gammas)
 
 # %%
-# A rotation about axis :math:`k` grows a small disturbance like :math:`e^{\lambda t}` if the
+# A rotation about axis :math:`k` grows a small perturbation like :math:`e^{\lambda t}` if the
 # product of the other two :math:`\gamma` is positive: only about axis 2.
 growth = np.sqrt(gammas[0] * gammas[2])  # at 1 rad/s
 # sphinx_gallery_start_ignore
 assert abs(growth - 0.888352678) < 1e-9
 # sphinx_gallery_end_ignore
-print(f"a disturbance grows by e in {1 / growth:.3f} s at 1 rad/s")
+print(f"a perturbation grows by e in {1 / growth:.3f} s at 1 rad/s")
 
 # %%
 # Throw it about axis 2, with an error of 0.05 rad/s in each rate. The motion has a closed form.
