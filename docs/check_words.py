@@ -29,7 +29,7 @@ PHRASES = {
 }
 
 GUIDES = ("README.md", "CHANGELOG.md", "CONTRIBUTING.md")
-SOURCES = ("python/rigid", "docs/gallery", "docs/tutorials")
+SOURCES = ("python/rigid", "docs/gallery")
 SUFFIXES = {".html", ".js", ".py", ".pyi", ".rst", ".toml"}
 
 Passage = tuple[str, int, str]

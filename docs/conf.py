@@ -28,7 +28,6 @@ extensions = [
 ]
 exclude_patterns = [
     "gallery/*",
-    "tutorials/*",
     "_build",
     "_templates",
     "generated/*",
@@ -62,7 +61,7 @@ numpydoc_show_class_members = False  # members are described where they are
 SUBJECTS = ["throws", "free_rotation", "heavy_top", "chaos", "methods", "rotations", "forces"]
 
 sphinx_gallery_conf = {
-    "examples_dirs": ["gallery", "tutorials"],
+    "examples_dirs": ["gallery", "../python/rigid/builtin/tutorials"],
     "gallery_dirs": ["figures", "tutorial_pages"],
     "filename_pattern": r"/plot_",
     "subsection_order": [f"gallery/{subject}" for subject in SUBJECTS],
