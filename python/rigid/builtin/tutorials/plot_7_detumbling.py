@@ -61,7 +61,7 @@ run = rigid.simulate(
     accuracy=1e-6,
     until=rigid.crosses("speed", 0.01, -1),
 )
-print(f"slow after {float(run.end) / orbit.period:.2f} orbits; estimated error {float(run.error):.0e}")
+print(f"slow after {float(run.end) / orbit.period:.2f} orbits, error {float(run.error):.0e}")
 # sphinx_gallery_start_ignore
 energy = run.energy()[run.t < run.end]
 assert run.status == rigid.Status.STOPPED
@@ -75,8 +75,8 @@ plt.show()
 
 # %%
 # The coils can never speed the satellite up: their power is :math:`-m\cdot(\omega\times B)`, and
-# each component of :math:`m` has the sign of the component beside it. The motion along the
-# field decays last, because no coil can brake it.
+# each component of :math:`m` has the sign of the component beside it. The rotation about the field
+# decays last, because no coil can brake it.
 #
 # A map over the coils
 # --------------------
