@@ -317,11 +317,11 @@ def simulate(
             parameters=parameters,
             target=target,
         )
-    estimate, states = made.estimate, made.states
+    estimate, columns = made.estimate, made.states
     if "energy" in derived:
-        states["energy"] = energy_of(scene, bodies.shape, states["omega"], states["gamma"])
+        columns["energy"] = energy_of(scene, bodies.shape, columns["omega"], columns["gamma"])
     if "momentum" in derived:
-        states["momentum"] = momentum_of(scene, bodies.shape, states["omega"])
+        columns["momentum"] = momentum_of(scene, bodies.shape, columns["omega"])
     if target is not PLAIN:
         estimate = ErrorEstimate(target.finish(made.states, estimate.error), estimate.lost_from)
     own_step = None if made.method == EXACT else step
