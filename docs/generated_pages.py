@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 import re
+import tomllib
 from collections.abc import Callable, Collection, Iterator, Mapping
 from itertools import groupby
 from pathlib import Path
@@ -44,20 +45,34 @@ def write_generated_pages(docs: Path) -> None:
     for name, text in toml_tables().items():
         _write(folder / f"toml_{name}.txt", text)
     _write(folder / "validation.txt", validation_table())
+    _write(folder / "install.txt", install_commands())
     write_films(docs / "_static")
     for name in modules():
         _write(docs / "api" / f"{name}.rst", module_page(name))
 
 
 def write_films(folder: Path) -> None:
-    """The films of the first pages: a box thrown about its middle axis, and two such throws."""
+    """The films of the first pages, by the code that the pages show."""
     folder.mkdir(exist_ok=True)
     box = rigid.FreeBody(rigid.Body.box(0.25, 0.08, 0.01, mass=0.3))
-    one = rigid.simulate(box, [0.01, 10.0, 0.01], t=np.linspace(0.0, 6.0, 361))
-    one.animate(folder / "thrown-box.html")
     throws = [[0.01, 10.0, 0.0], [1e-6, 10.0, 0.0]]
-    two = rigid.simulate(box, throws, t=np.linspace(0.0, 1.8, 181))
-    two.animate(folder / "two-throws.html", speed=0.3)
+    two = rigid.simulate(box, throws, t=np.linspace(0.0, 2.6, 261))
+    two.animate(folder / "two-throws.html", body=[0, 1], speed=0.3)
+
+
+def install_commands() -> str:
+    """How to install the package: from a clone, until ``pyproject.toml`` names the repository."""
+    project = tomllib.loads((Path(__file__).parents[1] / "pyproject.toml").read_text())["project"]
+    repository = project.get("urls", {}).get("Repository")
+    if repository is not None:
+        command = f"pip install '{project['name']}[maps]'"
+        return f"```sh\n{command}\n```\n\nThe source is on <{repository}>.\n"
+    return """```sh
+# not on an index yet: in a clone, with Rust 1.89 or newer
+python3 -m venv .venv && . .venv/bin/activate
+pip install '.[maps]'
+```
+"""
 
 
 def _write(path: Path, text: str) -> None:

@@ -59,6 +59,13 @@ def test_commands_install_this_distribution(file: Path) -> None:
     assert {extra for _, extras in named for extra in extras.split(",") if extra} <= EXTRAS
 
 
+def test_the_readme_says_whether_the_package_is_on_an_index() -> None:
+    """The pages of the site ask the same of ``pyproject.toml`` when they are built."""
+    released = "Repository" in PROJECT.get("urls", {})
+    readme = (ROOT / "README.md").read_text(encoding="utf-8")
+    assert ("not on an index yet" in readme) is not released
+
+
 def test_changelog_and_citation_have_the_version_and_its_date() -> None:
     heading = re.search(r"^## (\S+) \((\S+)\)$", (ROOT / "CHANGELOG.md").read_text(), re.MULTILINE)
     assert heading is not None
