@@ -182,7 +182,7 @@ def _home(value: object) -> str | None:
 
 
 def toml_tables() -> dict[str, str]:
-    """The tables of ``toml.md``: the keys of a table of a file are the arguments of a function."""
+    """The tables of keys in ``maps_reference.md``: the keys are the arguments of a function."""
     top, free = (keys(KINDS[kind]) for kind in ("heavy-top", "free-body"))
     only_free = [key for key in free if key not in top]
     outside = [key for key in keys(rigid.FreeBody) if key not in free]
@@ -307,7 +307,7 @@ def command_help() -> str:
     parts = []
     for name, command in {"": parser, **parser.commands()}.items():
         title = f"rigid {name}".strip()
-        parts.append(f"## {title}\n\n```text\n{command.format_help().rstrip()}\n```\n")
+        parts.append(f"### {title}\n\n```text\n{command.format_help().rstrip()}\n```\n")
     return "\n".join(parts)
 
 

@@ -30,7 +30,7 @@ REGIONS = {
         ("DeBra and Delp", 1.06, 1.6, 90.0),
         ("unstable in\nroll or yaw", 0.63, 1.3, 0.0),
         ("unstable in\nroll or yaw", 1.75, 1.25, 0.0),
-    )
+    ),
 }
 """Names of the regions of a map, with their places and angles (degrees)."""
 
