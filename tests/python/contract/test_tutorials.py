@@ -18,7 +18,7 @@ TUTORIALS = Path(__file__).parents[3] / "docs" / "tutorials"
 def test_a_tutorial_runs_as_a_notebook_and_shows_pictures(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    path = TUTORIALS / "plot_2_free_rotation.py"
+    path = TUTORIALS / "plot_1_free_rotation.py"
     for name, value in environment().items():
         monkeypatch.setenv(name, value)
     new: Any = nbformat.v4
