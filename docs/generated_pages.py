@@ -134,7 +134,7 @@ def validation_table() -> str:
         cells = (
             f"`{entry.name}`: {entry.quantity}.{reason}",
             f"{entry.printed}{unit}" if entry.digits else entry.printed,
-            f"{row.cells()[1]}{unit}",
+            f"{row.cells()[2]}{unit}",
         )
         lines.append("| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |")
     return "\n".join(lines) + "\n"
