@@ -85,21 +85,22 @@ def _step_and_count(
     problem: Problem, method: str, steps: Floats | None, accuracy: float | None
 ) -> tuple[float | None, int | None]:
     """The shortest step (s) and the most steps, as far as they are known before a run."""
-    rates = problem.rates(method)
     if problem.tolerance is not None or (steps is None and accuracy is not None):
         return None, None
-    if problem.bodies is None or rates is None:
+    bodies = problem.bodies
+    if bodies is None or (problem.span is None and problem.scene.forces):
         return problem.step, None
+    own, time = bodies.planned_steps(method, problem.times, "states")
     if problem.step is not None:
-        steps = np.full(len(rates), problem.step)
-    elif steps is None:
-        steps = _core.default_steps(method, rates)
-    return shortest_and_most(steps, problem.span, problem.states)
+        own = np.full(len(bodies), problem.step)
+    elif steps is not None:
+        own = steps
+    return shortest_and_most(own, None if problem.span is None else time, problem.states)
 
 
 @np.errstate(all="ignore")
 def shortest_and_most(
-    steps: Floats, span: float | Floats | None, states: int = 1
+    steps: Floats, times: Floats | None, states: int = 1
 ) -> tuple[float | None, int | None]:
     """The shortest step (s), and about how many steps the body with the most of them takes.
 
@@ -107,15 +108,15 @@ def shortest_and_most(
     ----------
     steps : ndarray, shape (n,)
         The longest step of each body (s), infinite for a body at rest.
-    span : float, ndarray of shape (n,), or None
-        How much time is covered (s), None if it is not known.
+    times : ndarray, shape (n,), or None
+        In which steps of that length are as many as those of the run (s), None if not known.
     states : int
         Number of output times: each interval between them has a whole number of steps.
     """
     shortest = float(steps.min(initial=np.inf))
     most = np.inf
-    if span is not None:
-        each = np.ceil(span / steps + 0.5 * (states - 1))
+    if times is not None:
+        each = np.ceil(times / steps + 0.5 * (states - 1))
         most = float(np.maximum(each, max(states, 1)).max(initial=0.0))
     return shortest if shortest < np.inf else None, int(most) if most < 2.0**63 else None
 

@@ -344,6 +344,44 @@ def test_the_steps_that_are_planned_are_taken(scene: Scene, method: rigid.Method
         assert abs(int(run.steps) - (plan.steps or 0)) <= 1
 
 
+@pytest.mark.parametrize("method", ["rk4", "dop853", "taylor16"])
+@pytest.mark.parametrize(("eccentricity", "anomaly"), [(0.0, 0.0), (0.8, 1.0), (4.25, -20.0)])
+def test_the_steps_that_are_planned_over_an_orbit_are_taken(
+    method: str, eccentricity: float, anomaly: float
+) -> None:
+    """The steps of two of them are equal over the anomaly, and as short as far from the planet."""
+    scene = rigid.FreeBody(FREE.body, orbit=rigid.Orbit(1.0, eccentricity, anomaly))
+    request: dict[str, Any] = {"attitude": tilted(0.3), "method": method}
+    run = rigid.simulate(scene, RATES, t=[30.0], **request)
+    plan = rigid.plan(scene, "attitude", omega=RATES, t_end=30.0, **request)
+    assert abs(int(run.steps) - (plan.steps or 0)) <= 1
+
+
+@pytest.mark.parametrize("method", ["rk4", "dop853", "auto"])
+@pytest.mark.parametrize(("eccentricity", "anomaly"), [(0.0, 0.0), (0.05, 1.0), (4.25, -20.0)])
+def test_the_steps_that_are_planned_for_a_map_over_an_orbit_are_taken(
+    method: str, eccentricity: float, anomaly: float
+) -> None:
+    scene = rigid.FreeBody(FREE.body, orbit=rigid.Orbit(1.0, eccentricity, anomaly))
+    result = rigid.stability_map(
+        scene,
+        axes={"spin": [3.0]},
+        start=rigid.Start(spin=3.0, axis=3),
+        stable=rigid.no_flip(),
+        t_end=60.0,
+        samples=1,
+        rng=1,
+        method=method,
+        progress=False,
+    )
+    body = result.replay(pixel=(0,), sample=0)
+    assert body.outcome == "stable"  # a body that flips stops
+    planned = result.plan.steps
+    assert planned is not None
+    # Whole blocks of 16 steps are taken.
+    assert planned <= body.steps < planned + 16
+
+
 @pytest.mark.parametrize("record", RECORDS)
 @pytest.mark.parametrize("scene", [FREE, HEAVY, rigid.HeavyTop(HEAVY.body, mgl=1.0, damping=0.1)])
 @pytest.mark.parametrize("shape", [(), (7,)])
