@@ -25,8 +25,8 @@ from rigid.drawing.colours import HUES
 # Scheeres (*Astronomical Journal* 146 (2013) 95). Axis 3 is the long one. The unit of time is the
 # day. The motion is torque-free, so it has a closed form.
 asteroid = rigid.FreeBody(rigid.Body((3.0836, 3.235, 1.0)))
-rates = np.radians([14.5, 33.7, -98.5])
-run = rigid.simulate(asteroid, rates, t=np.linspace(0.0, 1500.0, 30001))
+omega = np.radians([14.5, 33.7, -98.5])
+run = rigid.simulate(asteroid, omega, t=np.linspace(0.0, 1500.0, 30001))
 
 # %%
 # The rotation: the angle of the angular momentum about the long axis, seen in the body.
@@ -52,7 +52,7 @@ assert abs(precession - 7.40) < 0.03
 
 # %%
 # Both periods follow from the state of one day without a run.
-found = rigid.free.spin_periods(asteroid, rates)
+found = rigid.free.spin_periods(asteroid, omega)
 print(f"rotation {found.rotation:.4f} d, precession {found.precession:.4f} d, {found.mode}")
 # sphinx_gallery_start_ignore
 assert abs(found.rotation - rotation) < 0.01

@@ -69,10 +69,12 @@ from .planning import plan
 from .reports.compute import report
 from .reports.data import Row
 from .reports.result import Report
+from .reports.scheme import Scheme, scheme
 from .reports.stress import Extremes, extremes
 from .sections.crossings import Crossings
 from .sections.poincare import poincare
 from .sections.surface import Section, section
+from .solve.attitude_ephemeris import AttitudeEphemeris, load_aem
 from .solve.chunks import simulate_chunks
 from .solve.events import Events
 from .solve.fit import Fit, FitWarning, fit
@@ -111,6 +113,7 @@ if TYPE_CHECKING:
     from .store.store import Store, diff, merge, open_store
 
 __all__ = [
+    "AttitudeEphemeris",
     "Body",
     "Crossings",
     "EnergySink",
@@ -140,6 +143,7 @@ __all__ = [
     "Row",
     "Run",
     "Samples",
+    "Scheme",
     "Section",
     "StabilityMap",
     "Start",
@@ -174,6 +178,7 @@ __all__ = [
     "largest_tilt",
     "librates",
     "libration_amplitude",
+    "load_aem",
     "load_map",
     "load_run",
     "lyapunov",
@@ -198,6 +203,7 @@ __all__ = [
     "rotations",
     "sample_bodies",
     "samples",
+    "scheme",
     "section",
     "simulate",
     "simulate_chunks",

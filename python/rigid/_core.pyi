@@ -162,6 +162,7 @@ def section(
     *,
     method: str,
     kinds: Sequence[tuple[bool, int, bool]],
+    pointing: NDArray[np.float64],
     normal: NDArray[np.float64],
     momentum: NDArray[np.float64],
     square: NDArray[np.float64],

@@ -39,6 +39,8 @@ GROWTH = rigid.lyapunov(
     rigid.FreeBody(rigid.Body((1.0, 1.5, 2.0))), [0.1, 1.0, 0.1], t=[10.0, 20.0, 30.0], check=False
 )
 
+FIT = rigid.fit(rigid.Body((1.0, 1.5, 2.0)), RUN.t, omega=RUN.omega, sigma=0.01, free="omega")
+
 #: Every writer of the library, with the suffix of its files.
 WRITERS: dict[str, tuple[str, Callable[[Path], Any]]] = {
     "map": (".npz", lambda path: small_map(samples=1, t_end=1.0).save(path)),
@@ -46,6 +48,7 @@ WRITERS: dict[str, tuple[str, Callable[[Path], Any]]] = {
     "section": (".npz", POINTS.save),
     "run": (".npz", RUN.save),
     "growth": (".npz", GROWTH.save),
+    "fit": (".npz", FIT.save),
     "map_table": (".csv", lambda path: small_map(samples=1, t_end=1.0).to_csv(path)),
     "run_table": (".csv", RUN.to_csv),
     "section_table": (".csv", POINTS.to_csv),
@@ -90,7 +93,7 @@ def test_a_new_file_obeys_the_umask_and_an_old_one_keeps_its_mode(
 ENDINGS = {
     "map": ".npz or .zarr",
     "report": ".json",
-    **dict.fromkeys(("section", "run", "growth"), ".npz"),
+    **dict.fromkeys(("section", "run", "growth", "fit"), ".npz"),
     **dict.fromkeys((name for name in WRITERS if name.endswith("_table")), ".csv or .txt"),
     "ephemeris": ".aem or .txt",
     **dict.fromkeys(("page", "picture"), ".html, .gif, .webp or .mp4"),

@@ -35,7 +35,7 @@ def map_plan(spec: MapSpec) -> Plan:
         batches = list(_batches(spec, of_pixels))
         span = (0.0, spec.t_end)
         error = closed_form_error(_joined(batch.fastest_rates(span) for batch in batches), span[1])
-        looks = (why_unforeseen(batch, span) for batch in batches)
+        looks = (why_unforeseen(batch, spec.t_end) for batch in batches)
         unknown = next((words for words in looks if words is not None), None)
         if error is not None and unknown is not None:
             error = None

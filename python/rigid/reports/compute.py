@@ -13,13 +13,14 @@ from numpy.typing import ArrayLike
 
 from .. import _core
 from .._checks.arguments import finite_float
-from .._checks.progress import Interrupted, ProgressOption, reporting
+from .._checks.progress import PERCENT, Interrupted, ProgressOption, reporting
 from ..model.scene import Scene
 from ..model.seed import seed_from
 from ..solve.methods import EXACT, run_methods
 from .ensemble import ensemble_of, probe, same_steps
 from .reference import Horizon, find_horizons
 from .result import Report
+from .scheme import Scheme
 from .spec import ReportSpec, make_spec
 from .sweep import ANGLES, Sweep, lengthen, sweep_methods, time_sweeps
 
@@ -45,7 +46,7 @@ def report(
     *,
     t_end: float | None = None,
     revolutions: ArrayLike | None = None,
-    methods: Iterable[str] | None = None,
+    methods: Iterable[str | Scheme] | None = None,
     bodies: int | None = None,
     errors: ArrayLike = ReportSpec.errors,
     seconds: float | None = None,
@@ -97,9 +98,10 @@ def report(
     revolutions : array_like, shape (m,)
         Horizons instead of ``t_end``, from short to long. A revolution takes ``2 pi / |omega|`` at
         the start.
-    methods : sequence of str, optional
+    methods : sequence of str and Scheme, optional
         ``"exact"``, which has no steps whose errors grow over revolutions, and names of
-        :func:`rigid.methods`; by default all. A method that does not
+        :func:`rigid.methods`; by default all. Own schemes, made by :func:`rigid.scheme`, stand
+        beside them. A method that does not
         accept the scene is listed in ``refused`` with its reason. Methods that make the same steps,
         bit for bit, are measured once, under the name of the highest order; ``same`` lists the
         other names.
@@ -196,6 +198,7 @@ def run_report(
 
     first = ensemble_of(spec, spec.time_of(spec.revolutions[0]) if spec.revolutions else None)
     usable, refused = probe(first, dict.fromkeys([*spec.methods, *run_methods()]))
+    usable = [method for method in usable if method not in spec.schemes]
     refused = {method: why for method, why in refused.items() if method in spec.methods}
     if spec.revolutions and EXACT in spec.methods:
         refused[EXACT] = "makes no steps, whose errors grow"
@@ -208,10 +211,7 @@ def run_report(
     horizons: list[Horizon] = []
     complete = False
 
-    def failures() -> int:
-        return 0 if spec.revolutions else sum(one.failures for one in sweeps)
-
-    with hundredths(progress, begun, failures) as told:
+    with hundredths(progress, begun, len(refused)) as told:
         swept = 1.0
 
         def tell() -> None:
@@ -258,18 +258,22 @@ def run_report(
 
 @contextmanager
 def hundredths(
-    progress: ProgressOption, begun: float, failures: Callable[[], int]
+    progress: ProgressOption, begun: float, refused: int
 ) -> Iterator[Callable[[float], None]]:
     """The function to call with the completed share of the work; the share never decreases."""
     done = 0
-    with reporting(progress, 100, unit="%", begun=begun) as tell:
+
+    def words(count: int) -> str:
+        return f"{count} methods do not apply" if count > 1 else "1 method does not apply"
+
+    with reporting(progress, 100, unit=PERCENT, begun=begun, failed=words) as tell:
 
         def told(share: float) -> None:
             nonlocal done
             hundredths = min(100, int(100.0 * share))
             if hundredths > done:
                 done = hundredths
-                tell(done, failures())
+                tell(done, refused)
 
         yield told
 

@@ -76,11 +76,16 @@ class Ensemble:
         if method == EXACT:
             return self.run_until(end, method, None)
         step = self.spec.t_end / steps
+        seen = np.empty(0)
+        if self.spec.revolutions:
+            k = np.arange(OUTPUT_TIMES)
+            seen = np.unique(np.rint(steps * (k + GOLDEN * k % 1.0) / OUTPUT_TIMES))
+        if method in self.spec.schemes:
+            own, at = self.spec.schemes[method], [*seen[seen < steps].astype(int), times * steps]
+            return own.run(self.spec.scene, self.omega, self.spec.attitude, step, at)
         if not self.spec.revolutions:
             # At least the quotient, so never one step more.
             return self.run_until(end, method, float(np.nextafter(step, np.inf)))
-        k = np.arange(OUTPUT_TIMES)
-        seen = np.unique(np.rint(steps * (k + GOLDEN * k % 1.0) / OUTPUT_TIMES))
         # Times are rounded, and must not need one step more.
         return self.run_until(end, method, step * (1.0 + 1e-9), step * seen[seen < steps])
 
@@ -166,7 +171,7 @@ def same_steps(ensemble: Ensemble, names: Sequence[str]) -> Mapping[str, tuple[s
 
 def _bits(ensemble: Ensemble, method: str) -> object:
     """The bits of the states after some steps of several lengths."""
-    if method == EXACT:
+    if method == EXACT or method in ensemble.spec.schemes:
         return method
     rate, torque = float(ensemble.rates.max()), ensemble.spec.scene.torque
     known = torque.times[-1] if torque is not None and torque.times else math.inf

@@ -50,8 +50,8 @@ FAMILIES = (
 )
 """The families of the methods."""
 
-OTHERS = Family("others", NEUTRAL, ())
-"""Methods of another version, in a report that was read from a file."""
+OTHERS = HUES["sky"]
+"""Colour of own schemes, and of methods of another version in a report from a file."""
 
 TOP = 3.0
 """Upper limit of the axis of errors: a larger error of an attitude has no meaning."""
@@ -176,7 +176,7 @@ def _draw_growth(ax: Axes, report: ReportData, error: str) -> None:
     counts = report.spec.revolutions
     ax.set_xlim(counts[0] / 1.5, counts[-1] * 1.5)
     ax.set_ylim(min(errors) / 3.0, min(3.0 * max(errors), TOP))
-    ordered = [family for family in (*FAMILIES, OTHERS) if family in best]
+    ordered = [family for family in _families(report.methods) if family in best]
     _draw_families(ax, {family: lines[best[family]] for family in ordered})
 
 
@@ -202,7 +202,7 @@ def _draw_trade_off(
     known = {method: _drawable(points) for method, points in lines.items()}
     best = {
         family: front
-        for family in (*FAMILIES, OTHERS)
+        for family in _families(known)
         if (front := _front(known, [name for name in known if family_of(name) == family]))
     }
     if not best:
@@ -277,8 +277,14 @@ def _draw_families(ax: Axes, lines: Mapping[Family, Points], names: Sequence[Nam
 
 
 def family_of(method: str) -> Family:
-    """The family of a method."""
-    return next((family for family in FAMILIES if method in family.members), OTHERS)
+    """The family of a method; an own scheme is a family by itself."""
+    own = Family(method, OTHERS, (method,))
+    return next((family for family in FAMILIES if method in family.members), own)
+
+
+def _families(methods: Iterable[str]) -> list[Family]:
+    """All families, in the order of the pictures."""
+    return list(dict.fromkeys([*FAMILIES, *map(family_of, methods)]))
 
 
 def _drawable(points: Points) -> Points:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, Any
 
 from numpy.typing import ArrayLike
@@ -17,6 +17,7 @@ from ..model.scene import Scene, check_scene, scene_from_dict
 from ..model.seed import checked_seed
 from ..solve.bodies import bodies_of
 from ..solve.methods import EXACT, known_method, run_methods
+from .scheme import Scheme
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
@@ -63,6 +64,8 @@ class ReportSpec:
         Horizons in revolutions, from short to long; empty if ``t_end`` was given.
     version : str
         The version of rigid that made it.
+    schemes : dict of str to Scheme
+        The own schemes among the methods, by their names; a file has their names only.
     """
 
     scene: Scene
@@ -77,6 +80,7 @@ class ReportSpec:
     title: str | None = None
     revolutions: tuple[float, ...] = ()
     version: str = _core.__version__
+    schemes: Mapping[str, Scheme] = field(default_factory=dict, compare=False, repr=False)
 
     @property
     def horizons(self) -> tuple[float, ...]:
@@ -90,7 +94,7 @@ class ReportSpec:
 
     def to_dict(self) -> dict[str, Any]:
         """The specification as a JSON-able dictionary; :meth:`from_dict` reads it."""
-        values = {field.name: getattr(self, field.name) for field in fields(self)}
+        values = {one.name: getattr(self, one.name) for one in fields(self) if one.compare}
         lists = {name: list(one) for name, one in values.items() if isinstance(one, tuple)}
         return {**values, **lists, "scene": self.scene.to_dict()}
 
@@ -113,7 +117,7 @@ def make_spec(
     *,
     t_end: float | None = None,
     revolutions: ArrayLike | None = None,
-    methods: Iterable[str] | None = None,
+    methods: Iterable[str | Scheme] | None = None,
     bodies: int | None = None,
     errors: ArrayLike = ReportSpec.errors,
     seed: int = ReportSpec.seed,
@@ -142,6 +146,7 @@ def make_spec(
         t_end = math.tau * lengths[-1] / rate
     if bodies is None:
         bodies = BODIES if lengths else ReportSpec.bodies
+    names, schemes = _methods(methods, closed_form=not lengths)
     if positive_int("bodies", bodies) > MOST_BODIES:
         raise ValueError(f"bodies = {brief(bodies)}: must be at most {MOST_BODIES}")
     if not isinstance(unit, str) or not unit:
@@ -151,20 +156,24 @@ def make_spec(
         omega=(w1, w2, w3),
         attitude=(a, b, c, d),
         t_end=finite_float("t_end", t_end, positive=True),
-        methods=_methods(methods, closed_form=not lengths),
+        methods=names,
         bodies=int(bodies),
         errors=_errors(errors),
         seed=checked_seed("seed", seed),
         unit=unit,
         title=title,
         revolutions=lengths,
+        schemes=schemes,
     )
 
 
-def _methods(methods: Iterable[str] | None, *, closed_form: bool) -> tuple[str, ...]:
+def _methods(
+    methods: Iterable[str | Scheme] | None, *, closed_form: bool
+) -> tuple[tuple[str, ...], dict[str, Scheme]]:
+    """The names of the methods, and the own schemes among them."""
     known = run_methods()
     if methods is None:
-        return tuple(name for name in known if closed_form or name != EXACT)
+        return tuple(name for name in known if closed_form or name != EXACT), {}
     if isinstance(methods, str):
         raise TypeError(
             f"methods = {brief(methods)}: must be a list of names, such as [{brief(methods)}]"
@@ -172,11 +181,19 @@ def _methods(methods: Iterable[str] | None, *, closed_form: bool) -> tuple[str, 
     asked = list(methods)
     if not asked:
         raise ValueError("methods = []: must name at least one method")
-    for k, name in enumerate(asked):
-        known_method(f"methods[{k}]", name, known)
-        if name in asked[:k]:
+    names: list[str] = []
+    for k, one in enumerate(asked):
+        if isinstance(one, Scheme):
+            name = one.name
+            if name in known:
+                raise ValueError(f"methods[{k}] = {brief(name)}: is a method of the library")
+        else:
+            name = one
+            known_method(f"methods[{k}]", name, known)
+        if name in names:
             raise ValueError(f"methods[{k}] = {brief(name)}: is there already")
-    return tuple(asked)
+        names.append(name)
+    return tuple(names), {one.name: one for one in asked if isinstance(one, Scheme)}
 
 
 def _revolutions(revolutions: ArrayLike) -> tuple[float, ...]:

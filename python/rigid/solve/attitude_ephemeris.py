@@ -1,17 +1,29 @@
-"""Attitudes as a message for other space-flight programs (CCSDS 504.0-B-1, AEM)."""
+"""Attitudes as a message for other space-flight programs (CCSDS 504.0-B-2, AEM)."""
 
 from __future__ import annotations
 
 import os
 from collections.abc import Mapping
+from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .._checks.arguments import brief
+from .._checks.arguments import brief, one_line
+from .._checks.shown import short_repr
 from .._files import published
+
+Floats = NDArray[np.float64]
+
+_WIDTHS = {"QUATERNION": 4, "QUATERNION/DERIVATIVE": 8, "QUATERNION/ANGVEL": 7}
+"""Numbers of a line of data after its time, by the ``ATTITUDE_TYPE``; first the quaternion."""
+
+_OFF = 1e-3
+"""Largest deviation of the length of a quaternion from 1: three digits of it are written."""
+
+_NEEDED = ("REF_FRAME_A", "REF_FRAME_B", "TIME_SYSTEM", "ATTITUDE_TYPE")
 
 
 def write_aem(
@@ -26,8 +38,8 @@ def write_aem(
 
     The frame of space is frame A and the body is frame B. The matrix of the message turns
     components in A into components in B. It is written with the same quaternion that turns the body
-    from A to B (CCSDS 504.0-B-1, § 3.3 and annex on conventions). So the parts of a quaternion stay
-    as they are, with the scalar last.
+    from A to B (CCSDS 504.0-B-2, annex F2). So the parts of a quaternion stay as they are, with the
+    scalar last.
     """
     begin = _epoch(epoch)
     for name, value in entries.items():
@@ -53,7 +65,7 @@ def write_aem(
     turned = np.vecdot(unit[1:], unit[:-1]) < 0.0
     sign = np.where(np.cumsum(np.concatenate(([False], turned))) % 2 == 1, -1.0, 1.0)
     lines = [
-        "CCSDS_AEM_VERS = 1.0",
+        "CCSDS_AEM_VERS = 2.0",
         f"CREATION_DATE = {_stamp(datetime.now(UTC).replace(tzinfo=None), 0.0)}",
         f"ORIGINATOR = {entries['originator']}",
         "",
@@ -62,12 +74,10 @@ def write_aem(
         f"OBJECT_ID = {entries['object_id']}",
         f"REF_FRAME_A = {entries['frame']}",
         f"REF_FRAME_B = {entries['body_frame']}",
-        "ATTITUDE_DIR = A2B",
         "TIME_SYSTEM = UTC",
         f"START_TIME = {stamps[0]}",
         f"STOP_TIME = {stamps[-1]}",
         "ATTITUDE_TYPE = QUATERNION",
-        "QUATERNION_TYPE = LAST",
         "META_STOP",
         "",
         "DATA_START",
@@ -96,3 +106,152 @@ def _stamp(begin: datetime, seconds: float) -> str:
         return (begin + timedelta(seconds=seconds)).isoformat(timespec="microseconds")
     except OverflowError:
         raise ValueError(f"t = {seconds!r}: is beyond the calendar from epoch on") from None
+
+
+@short_repr
+@dataclass(frozen=True, slots=True, eq=False)
+class AttitudeEphemeris:
+    """Attitudes at times, read from a message by :func:`rigid.load_aem`.
+
+    Attributes
+    ----------
+    t : ndarray, shape (m,)
+        Times since ``epoch`` (s), ascending from 0.
+    attitude : ndarray, shape (m, 4)
+        Unit quaternions, scalar first, that take components in ``REF_FRAME_B`` (mostly the body) to
+        components in ``REF_FRAME_A`` (mostly space).
+    epoch : datetime
+        The first time, in the ``TIME_SYSTEM`` of the message, to the microsecond.
+    entries : dict of str to str
+        Header and metadata: ``OBJECT_NAME``, ``REF_FRAME_A``, ``TIME_SYSTEM`` and so on.
+    """
+
+    t: Floats
+    attitude: Floats
+    epoch: datetime
+    entries: dict[str, str]
+
+
+def load_aem(path: str | os.PathLike[str], *, segment: int | None = None) -> AttitudeEphemeris:
+    """Read attitudes from an attitude ephemeris message (AEM) of CCSDS 504.0-B-1 or B-2.
+
+    Read are messages of ``keyword = value`` with quaternions; rates and derivatives beside these
+    are left. Of version 1, ``ATTITUDE_DIR`` and ``QUATERNION_TYPE`` are heeded.
+    :func:`rigid.rotations.omega_from_attitudes` makes rates of the attitudes.
+
+    Parameters
+    ----------
+    path : path-like
+    segment : int, optional
+        Which segment, where the message has several.
+
+    Returns
+    -------
+    AttitudeEphemeris
+
+    Raises
+    ------
+    ValueError
+        Naming the file and the line: no such message; another attitude type; a number, time or
+        entry that is missing or wrong; times that do not ascend; several segments, and ``segment``
+        names none.
+    OSError
+        If the file cannot be read.
+
+    Notes
+    -----
+    A time in a leap second of UTC counts as the first second after it.
+
+    Examples
+    --------
+    >>> import os, tempfile, rigid
+    >>> run = rigid.simulate(rigid.Body((1.0, 2.0, 3.0)), [0.0, 0.0, 0.2], t=[0.0, 5.0, 10.0])
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = run.to_aem(os.path.join(folder, "body.aem"), epoch="2026-01-31T12:00:00")
+    ...     read = rigid.load_aem(path)
+    >>> read.t.tolist(), bool(abs(read.attitude - run.attitude).max() < 1e-15)
+    ([0.0, 5.0, 10.0], True)
+    """
+    lines = Path(path).read_text(encoding="ascii", errors="replace").splitlines()
+    number, header = 0, dict[str, str]()
+    segments: list[tuple[dict[str, str], list[tuple[datetime, float, list[float]]]]] = []
+    inside = ""
+    try:
+        for number, line in enumerate(map(str.strip, lines), 1):  # noqa: B007
+            if not line or line.split()[0] == "COMMENT":
+                continue
+            if not header and not line.startswith("CCSDS_AEM_VERS"):
+                raise ValueError("is no attitude ephemeris message: CCSDS_AEM_VERS must be first")
+            if line in ("META_START", "DATA_START"):
+                inside = line[:4]
+                if inside == "META":
+                    segments.append(({}, []))
+                elif not segments:
+                    raise ValueError("data before their metadata")
+                else:
+                    width = _width(segments[-1][0])
+            elif line in ("META_STOP", "DATA_STOP"):
+                inside = ""
+            elif inside == "DATA":
+                segments[-1][1].append(_row(line, width))
+            else:
+                name, equals, value = (part.strip() for part in line.partition("="))
+                if not equals:
+                    raise ValueError(f"{brief(line)}: must be keyword = value")
+                (segments[-1][0] if inside else header)[name] = value
+        if inside or not segments or not all(rows for _, rows in segments):
+            raise ValueError("the message ends before its data do")
+        if segment is None and len(segments) > 1:
+            raise ValueError(f"segment = None: the message has {len(segments)}, choose one")
+        if not -len(segments) <= (segment or 0) < len(segments):
+            raise ValueError(f"segment = {segment}: the message has {len(segments)}")
+        entries, rows = segments[segment or 0]
+        return _ephemeris({**header, **entries}, rows)
+    except ValueError as error:
+        where = f", line {number}" if number < len(lines) else ""
+        raise ValueError(f"{os.fspath(path)}{where}: {one_line(error)}") from None
+
+
+def _width(entries: Mapping[str, str]) -> int:
+    """Numbers in a line of data; ValueError for other data, or an entry that is missing."""
+    missing = [name for name in _NEEDED if name not in entries]
+    if missing:
+        raise ValueError(f"{missing[0]} is missing")
+    kind = entries["ATTITUDE_TYPE"].upper()
+    if kind not in _WIDTHS:
+        raise ValueError(f"ATTITUDE_TYPE = {brief(kind)}: must be one of {', '.join(_WIDTHS)}")
+    return _WIDTHS[kind]
+
+
+def _row(line: str, width: int) -> tuple[datetime, float, list[float]]:
+    """Time, to the second and beyond it, and the quaternion of a line of data."""
+    stamp, *numbers = line.split()
+    values = [float(number) for number in numbers]
+    if len(values) != width or not np.isfinite(values).all():
+        raise ValueError(f"{brief(line)}: must be a time and {width} finite numbers")
+    date, _, clock = stamp.removesuffix("Z").partition("T")
+    hours, minutes, seconds = clock.split(":")
+    day = datetime.strptime(date, "%Y-%j" if date.count("-") == 1 else "%Y-%m-%d")
+    whole, point, rest = seconds.partition(".")
+    begin = day + timedelta(hours=int(hours), minutes=int(minutes), seconds=int(whole))
+    return begin, float(f"0.{rest or 0}") if point else 0.0, values[:4]
+
+
+def _ephemeris(
+    entries: dict[str, str], rows: list[tuple[datetime, float, list[float]]]
+) -> AttitudeEphemeris:
+    """The attitudes of the rows of a segment."""
+    first, beyond, _ = rows[0]
+    # Whole seconds are subtracted exactly, then their fractions.
+    t = np.array([(at - first).total_seconds() + (rest - beyond) for at, rest, _ in rows])
+    if (np.diff(t) <= 0.0).any():
+        raise ValueError("the times must ascend")
+    parts = np.array([values for _, _, values in rows])
+    if entries.get("QUATERNION_TYPE", "LAST").upper() == "LAST":
+        parts = np.roll(parts, 1, axis=1)
+    length = np.linalg.norm(parts, axis=1, keepdims=True)
+    if (np.abs(length - 1.0) > _OFF).any():
+        raise ValueError("a quaternion has not the length 1")
+    if entries.get("ATTITUDE_DIR", "A2B").upper() == "B2A":
+        parts = parts * [1.0, -1.0, -1.0, -1.0]
+    return AttitudeEphemeris(t, parts / length, first + timedelta(seconds=beyond), entries)

@@ -60,7 +60,8 @@ class Column(Generic[Array]):
     A first axis ``body`` or ``motion`` stands for all axes of the bodies: the attribute is the row
     of the only body, or the rows of all bodies in their axes. In a Dataset ``motion`` is one axis,
     where ``body`` is the name of a variable. Few columns are read, and a view takes as long as to
-    check the input.
+    check the input. An underscore before the name of the attribute is no part of the name of the
+    column: a method returns it.
     """
 
     __slots__ = ("axes", "name", "of_bodies", "unit")
@@ -70,7 +71,7 @@ class Column(Generic[Array]):
         self.of_bodies = axes[0] in ("body", "motion")
 
     def __set_name__(self, owner: type, name: str) -> None:
-        self.name = name
+        self.name = name.removeprefix("_")
 
     @overload
     def __get__(self, owner: None, kind: type) -> Self: ...
@@ -99,15 +100,15 @@ class HasColumns:
     def _known(cls) -> dict[str, Column[Any]]:
         """All columns by their names."""
         return {
-            name: column
+            column.name: column
             for kind in reversed(cls.__mro__)
-            for name, column in vars(kind).items()
+            for column in vars(kind).values()
             if isinstance(column, Column)
         }
 
     def _arrays(self) -> dict[str, NDArray[Any]]:
         """The arrays that there are, by the names of the attributes."""
-        known = {name: getattr(self, name) for name in self._known()}
+        known = {name: column.__get__(self, type(self)) for name, column in self._known().items()}
         return {name: np.asarray(array) for name, array in known.items() if array is not None}
 
     def with_arrays(self, **arrays: Any) -> Self:

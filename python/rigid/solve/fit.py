@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import json
+import os
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,16 +14,21 @@ from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import brief, shaped, sorted_times, vector
 from .._checks.progress import ProgressOption, reporting
-from .._checks.shown import short_repr
+from .._checks.shown import aligned
 from .._checks.warned import warn_caller
+from ..drawing.colours import AXES, on_ground
+from ..drawing.figure import axes_to_draw_on, html_with_picture
 from ..model.body import Body, refuse_rods
 from ..model.frame import checked_frame
+from ..model.parameters import PARAMETERS
 from ..model.scene import Scene, check_scene
+from .archive import write_archive
 from .arcs import Arcs, largest_of, overtaken
 from .least_squares import UNTOLD, Minimum
-from .unknowns import BIAS, DAMPING, MOMENTS, RATIOS, SCALE, START, Unknowns
+from .unknowns import BIAS, DAMPING, MOMENTS, RATIOS, SCALE, SENSOR, START, Unknowns
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from scipy.spatial.transform import Rotation
 
 
@@ -36,12 +44,25 @@ _REACHED = 0.01
 """A minimum is reached if a whole step would lower chi² by less than this: a tenth of a std."""
 
 
+_UNITS = {
+    **dict.fromkeys(BIAS, "rad/s"),
+    **dict.fromkeys(SCALE, ""),
+    **dict.fromkeys(SENSOR, "rad"),
+}
+"""Units of what belongs to the gyroscope."""
+
+_SAVED = (
+    *("names", "values", "std", "covariance", "others", "undetermined", "at_bounds"),
+    *("success", "reason", "chi2", "omega", "sensor", "t", "measured", "sigma", "residuals"),
+)
+"""What a file has, besides the scene."""
+
+
 class FitWarning(UserWarning):
     """The warning that a fit failed."""
 
 
-@short_repr
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class Fit:
     """Parameters of a motion with their covariance, fitted to measured rates by :func:`fit`.
 
@@ -55,7 +76,7 @@ class Fit:
         The reason for success or failure, in words.
     names : tuple of str
         The free parameters; ``"omega"`` gives ``"omega1"``, ``"omega2"``, ``"omega3"``, and so do
-        ``"bias"`` and ``"scale"``.
+        ``"damping"``, ``"bias"``, ``"scale"`` and ``"sensor"``.
     values : ndarray, shape (k,)
         Their best values.
     std : ndarray, shape (k,)
@@ -76,12 +97,19 @@ class Fit:
     chi2_per_dof : float
         ``chi2 / (residuals.size - k)``: about 1 if model and ``sigma`` hold; far below 1 if
         ``sigma`` is larger than the noise. NaN for as many parameters as numbers.
+    t : ndarray, shape (m,)
+        Times of the measurements (s).
+    measured, sigma : ndarray, shape (m, 3)
+        Measured rates and their standard deviations (rad/s).
     residuals : ndarray, shape (m, 3)
         ``(model - measured) / sigma``.
     scene : FreeBody or HeavyTop
         The scene with the best values.
     omega : ndarray, shape (3,)
         The rates at the first measurement with the best values (rad/s).
+    sensor : ndarray, shape (3, 3)
+        The axes of the gyroscope, as columns in the axes of ``omega``: it measures
+        ``scale * (omega @ sensor) + bias``. The identity, if ``"sensor"`` is not free.
     evaluations : int
         Number of runs with derivatives.
     searched : int
@@ -99,9 +127,13 @@ class Fit:
     others: Floats
     chi2: float
     chi2_per_dof: float
+    t: Floats
+    measured: Floats
+    sigma: Floats
     residuals: Floats
     scene: Scene
     omega: Floats
+    sensor: Floats
     evaluations: int
     searched: int
 
@@ -109,13 +141,113 @@ class Fit:
         """The best value of a parameter by its name."""
         return float(self.values[self.names.index(name)])
 
-    def __str__(self) -> str:
-        failure = () if self.success else (f"FAILED: {self.reason}",)
-        lines = [
-            f"{name:<10}{value:.6g} ± {error:.1g}"
+    @property
+    def model(self) -> Floats:
+        """What the gyroscope would measure with the best values (rad/s), shape (m, 3)."""
+        return self.measured + self.residuals * self.sigma
+
+    def __repr__(self) -> str:
+        rows = [
+            (name, f"{value:.6g}", f"± {error:.1g}", _unit(name))
             for name, value, error in zip(self.names, self.values, self.std, strict=True)
         ]
-        return "\n".join((*failure, *lines, *self.undetermined, *self.at_bounds))
+        verdict = f"Fit of {len(self.t)} samples: " + ("" if self.success else "FAILED: ")
+        return "\n".join(
+            (verdict + self.reason, *aligned(rows, {1}), *self.undetermined, *self.at_bounds)
+        )
+
+    def _repr_html_(self) -> str:
+        return html_with_picture(lambda ax: self.plot(ax), repr(self))
+
+    def plot(self, ax: Axes | None = None) -> Axes:
+        """Draw measured rates, the rates of the model, and below them the residuals.
+
+        Parameters
+        ----------
+        ax : matplotlib Axes, optional
+            Where to draw; a new figure if not given. Its lower third is for the residuals.
+
+        Returns
+        -------
+        matplotlib Axes
+            The axes of the rates; those of the residuals are the last of ``ax.figure.axes``.
+
+        Raises
+        ------
+        TypeError, ValueError
+            If ``ax`` is no Axes, or no subplot.
+        ImportError
+            Without matplotlib.
+
+        Examples
+        --------
+        >>> import numpy as np, rigid
+        >>> t, body = np.linspace(0.0, 10.0, 50), rigid.Body((1.0, 1.5, 2.0))
+        >>> rates = rigid.simulate(body, [0.1, 1.0, 0.2], t=t).omega
+        >>> found = rigid.fit(body, t, omega=rates, sigma=0.01, free=("I3/I1", "omega"))
+        >>> found.plot().figure.axes[-1].get_ylabel()
+        'residual / sigma'
+        """
+        ax = axes_to_draw_on(ax)
+        place = ax.get_subplotspec()
+        if place is None:
+            raise ValueError("ax: must be a subplot of its figure, to be divided in two")
+        parts = place.subgridspec(2, 1, height_ratios=(2.0, 1.0))
+        ax.set_subplotspec(parts[0])
+        below = ax.figure.add_subplot(parts[1], sharex=ax)
+        for k, ink in enumerate(AXES):
+            colour = on_ground(ax, ink.colour)
+            ax.plot(self.t, self.measured[:, k], ".", color=colour, markersize=3.0, alpha=0.5)
+            ax.plot(self.t, self.model[:, k], color=colour, label=f"$\\omega_{k + 1}$ of the fit")
+            below.plot(self.t, self.residuals[:, k], ".", color=colour, markersize=3.0)
+        ax.tick_params(labelbottom=False)
+        ax.set(ylabel="measured rate (rad/s)")
+        below.set(xlabel="t (s)", ylabel="residual / sigma")
+        ax.legend()
+        return ax
+
+    def save(self, path: str | os.PathLike[str]) -> Path:
+        """Save values, covariance, measurements and residuals as an ``.npz`` file.
+
+        :func:`numpy.load` reads it. The arrays have the names of the attributes, and ``scene`` is a
+        text in JSON. Nothing is pickled. The file appears whole or not at all.
+
+        Parameters
+        ----------
+        path : path-like
+
+        Returns
+        -------
+        Path
+            The path.
+
+        Raises
+        ------
+        ValueError
+            If the name does not end in ``.npz``.
+        OSError
+            Naming the path, if the file cannot be written.
+
+        Examples
+        --------
+        >>> import os, tempfile, numpy as np, rigid
+        >>> t, body = np.linspace(0.0, 10.0, 50), rigid.Body((1.0, 1.5, 2.0))
+        >>> rates = rigid.simulate(body, [0.1, 1.0, 0.2], t=t).omega
+        >>> found = rigid.fit(body, t, omega=rates, sigma=0.01, free=("I3/I1", "omega"))
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     with np.load(found.save(os.path.join(folder, "fit.npz"))) as file:
+        ...         print(file["names"][0], file["values"][0].round(6))
+        I3/I1 2.0
+        """
+        arrays = {name: np.asarray(getattr(self, name)) for name in _SAVED}
+        write_archive(path, {**arrays, "scene": json.dumps(self.scene.to_dict())})
+        return Path(path)
+
+
+def _unit(name: str) -> str:
+    """The unit of a free parameter; empty of a ratio."""
+    unit = _UNITS.get(name)
+    return PARAMETERS[name].unit.replace("1", "") if unit is None else unit
 
 
 def fit(
@@ -167,7 +299,10 @@ def fit(
         scene has, by the names of maps: ``"rotor1"``, ``"drag"``, ``"dissipation"``, ``"rate"``,
         ``"eccentricity"``; ``"omega"``, the rates at the first time; of the gyroscope, which
         measures ``scale * omega + bias`` along each axis, ``"bias"`` or ``"bias1"`` to ``"bias3"``
-        (rad/s, else 0) and ``"scale"`` or ``"scale1"`` to ``"scale3"`` (else 1).
+        (rad/s, else 0) and ``"scale"`` or ``"scale1"`` to ``"scale3"`` (else 1); ``"sensor"`` or
+        ``"sensor1"`` to ``"sensor3"``, the rotation vector (rad, else 0) that turns the axes of
+        ``frame``, or the principal axes, into those of the gyroscope, by less than pi / 4 about
+        each axis: beyond, the same body has its moments in another order.
     start : array_like, shape (3,), optional
         Rates at the first time, a first guess if ``"omega"`` is free. Default: the measured rates.
     attitude : optional
@@ -175,7 +310,7 @@ def fit(
     frame : array_like, shape (3, 3), optional
         The axes of the gyroscope, along which ``omega``, ``start`` and ``attitude`` are given, if
         they are not the principal axes, as in :func:`simulate`. Moments and damping belong to the
-        principal axes.
+        principal axes. With ``"sensor"`` they are the first guess of the axes of the gyroscope.
     progress : None, bool or callable
         As in :func:`stability_map`, counting measurements; ``None`` is a bar in a terminal.
 
@@ -297,9 +432,13 @@ def fit(
         others=others,
         chi2=found.squares,
         chi2_per_dof=found.squares / freedom if freedom else np.nan,
+        t=times,
+        measured=measured,
+        sigma=spread,
         residuals=found.residuals.reshape(-1, 3),
         scene=varied,
         omega=rates,
+        sensor=unknowns.sensor(found.x),
         evaluations=arcs.evaluations,
         searched=arcs.searched,
     )
@@ -382,6 +521,8 @@ def _covariance(
             least = 0.0
         elif name in (*START, *BIAS):
             least = rate
+        elif name in SENSOR:
+            least = 1.0
         elif name in DAMPING:
             least = mass / (span or 1.0)
         else:

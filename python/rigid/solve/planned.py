@@ -9,7 +9,7 @@ from typing import TypeAlias
 import numpy as np
 
 from .. import _core
-from .arrays import Floats, Range, lengths
+from .arrays import Floats, lengths
 from .bodies import Bodies
 from .closed_form import Codes, names, question_words
 from .methods import EXACT
@@ -135,26 +135,18 @@ def closed_form_error(rates: Floats | None, span: float | Floats | None) -> floa
 
 
 @np.errstate(all="ignore")
-def why_unforeseen(bodies: Bodies, times: Range) -> str | None:
-    """The reason why the error of closed forms is not known before the run; None if it is.
-
-    Parameters
-    ----------
-    bodies : Bodies
-    times : tuple of float, or of ndarray of shape (n,)
-        First and last time (s).
-    """
+def why_unforeseen(bodies: Bodies, end: float) -> str | None:
+    """Why the error of closed forms until a time (s) is not known before the run; None if it is."""
     if not np.count_nonzero(bodies.weight):
         return None
     tops = np.flatnonzero(np.broadcast_to(bodies.weight.any(axis=1), len(bodies)))
     if not len(tops):
         return None
     some = bodies.select(tops)
-    first, last = (np.broadcast_to(time, len(bodies))[tops] for time in times)
-    if np.any(some.fastest_rates(times) > SLOW * _fastest_above_rest(some)):
+    if np.any(some.fastest_rates((0.0, end)) > SLOW * _fastest_above_rest(some)):
         return "a body is nearly at rest, and its small rates are what the error is relative to"
     distance, exponent = some.separatrices()
-    growth = np.exp(exponent * np.maximum(-first, last))
+    growth = np.exp(exponent * end)
     if np.any(np.fmin(growth, 1.0 / distance) > MAGNIFIED):
         return "a body passes a saddle, which magnifies it"
     return None

@@ -27,6 +27,7 @@ from .arrays import Range, in_rows, time_ranges
 from .attitude_ephemeris import write_aem
 from .bodies import Bodies, bodies_of
 from .columns import Column, Columns, Result, take_numbers
+from .conserved import energy_of, momentum_of, needs_vertical
 from .events import Events, FoundEvents
 from .methods import EXACT
 from .plan import Lazy, Plan
@@ -196,6 +197,8 @@ class Run(Result):
     gamma = Column[Floats | None]("1", "body", "t", "axis")
     attitude = Column[Floats | None]("1", "body", "t", "part")
     work = Column[Floats | None]("J", "body", "t")
+    _energy = Column[Floats | None]("J", "body", "t")
+    _momentum = Column[Floats | None]("kg m²/s", "body", "t", "axis")
     tangent = Column[Floats | None]("", "body", "t", "row", "column")
     sensitivity = Column[Floats | None]("", "body", "t", "row", "parameter")
     end = Column[Floats | None]("s", "body")
@@ -334,13 +337,15 @@ class Run(Result):
 
     def _turned(self, axes: Floats, attitudes: Callable[[Floats], Floats]) -> Run:
         """The run with ``axes @ v`` for all vectors in the body, and with turned attitudes."""
-        gamma, tangent, sensitivity = self.gamma, self.tangent, self.sensitivity
+        gamma, momentum = self.gamma, self._momentum
+        tangent, sensitivity = self.tangent, self.sensitivity
         if tangent is not None:
             rows = _turned_rows(axes, tangent)
             tangent = np.swapaxes(_turned_rows(axes, np.swapaxes(rows, -1, -2)), -1, -2)
         run = self.with_arrays(
             omega=turned(axes, self.omega),
             gamma=None if gamma is None else turned(axes, gamma),
+            momentum=None if momentum is None else turned(axes, momentum),
             attitude=None if self.attitude is None else attitudes(self.attitude),
             tangent=tangent,
             sensitivity=None if sensitivity is None else _turned_rows(axes, sensitivity),
@@ -497,7 +502,8 @@ an accuracy
     def energy(self) -> Floats:
         """Kinetic and potential energy ``omega·I omega / 2 + mgl com·gamma`` (J), shape (n, m).
 
-        Under torque and damping it changes by the :attr:`work`.
+        Under torque and damping it changes by the :attr:`work`. If it was recorded, it is the
+        recorded array.
 
         Returns
         -------
@@ -517,19 +523,22 @@ an accuracy
         >>> bool(np.isclose(np.diff(run.energy())[0], run.work[-1]))
         True
         """
+        recorded = self._energy
+        if recorded is not None:
+            return recorded
         scene = scene_from_dict(self.spec["scene"])
         run = self if self.frame is None else self.in_frame(None)
-        energy: Floats = 0.5 * _along(run.omega**2, np.array(scene.body.moments))
-        if not scene.weight.any():
-            return energy
-        if run.gamma is None:
+        if run.gamma is None and needs_vertical(scene):
             raise ValueError("record = 'rates': the potential energy of a top needs its vertical")
-        return energy + _along(run.gamma, scene.weight)
+        columns = run._columns
+        energy = energy_of(scene, run._shape, columns["omega"], columns.get("gamma"))
+        return energy.reshape(run.omega.shape[:-1])
 
     def momentum(self, frame: str = "body") -> Floats:
         """Angular momentum ``I omega`` (kg m²/s), with a rotor, shape (n, m, 3).
 
-        About the fixed point of a top, else about the centre of mass.
+        About the fixed point of a top, else about the centre of mass. Along the body axes it is the
+        recorded array, if it was recorded.
 
         Parameters
         ----------
@@ -555,14 +564,14 @@ an accuracy
         True
         """
         one_of("frame", frame, ("body", "space"))
-        scene = scene_from_dict(self.spec["scene"])
-        axes = self.frame
-        omega = self.omega if axes is None else turned(axes.T, self.omega)
-        momentum = _of_each(np.array(scene.body.moments)) * omega
-        if scene.rotor is not None:
-            momentum = momentum + _of_each(np.array(scene.rotor))
-        if axes is not None:
-            momentum = turned(axes, momentum)
+        momentum = self._momentum
+        if momentum is None:
+            scene, axes = scene_from_dict(self.spec["scene"]), self.frame
+            omega = self._columns["omega"]
+            omega = omega if axes is None else turned(axes.T, omega)
+            momentum = momentum_of(scene, self._shape, omega).reshape(self.omega.shape)
+            if axes is not None:
+                momentum = turned(axes, momentum)
         return momentum if frame == "body" else to_space(self._recorded_attitude(), momentum)
 
     def _recorded_attitude(self) -> Floats:
@@ -650,16 +659,16 @@ an accuracy
         epoch: str | datetime,
         body: int | None = None,
         object_name: str = "BODY",
-        object_id: str = "NONE",
+        object_id: str = "UNKNOWN",
         frame: str = "EME2000",
         body_frame: str = "SC_BODY_1",
         originator: str = "RIGID",
     ) -> Path:
-        """Write the attitudes as an attitude ephemeris message (AEM) of CCSDS 504.0-B-1.
+        """Write the attitudes as an attitude ephemeris message (AEM) of CCSDS 504.0-B-2.
 
         Quaternions are normalised, scalar last, from frame A (space) to frame B (the body), with
         times in UTC to the microsecond. The message ends where the body ends, such as with an event
-        of ``until``.
+        of ``until``. :func:`rigid.load_aem` reads it.
 
         Parameters
         ----------
@@ -693,7 +702,7 @@ an accuracy
         >>> with tempfile.TemporaryDirectory() as folder:
         ...     path = run.to_aem(os.path.join(folder, "body.aem"), epoch="2026-01-31T12:00:00")
         ...     print(path.read_text().splitlines()[0])
-        CCSDS_AEM_VERS = 1.0
+        CCSDS_AEM_VERS = 2.0
         """
         times, attitudes = self._of_one(body, self._recorded_attitude())
         entries = {
@@ -1051,7 +1060,8 @@ def _in_order(run: Run, times: Floats, order: NDArray[np.intp]) -> Run:
         index = place.reshape((1,) * (array.ndim - len(shape)) + shape)
         return np.take_along_axis(array, index, axis=axis)
 
-    states = {name: moved(getattr(run, name), width) for name, width in COLUMNS.items()}
+    arrays = run._arrays()
+    states = {name: moved(arrays.get(name), width) for name, width in COLUMNS.items()}
     return run.with_arrays(**states, t=times)
 
 
@@ -1060,18 +1070,6 @@ def _largest(error: Floats) -> float | None:
     known = np.atleast_1d(error)
     known = known[~np.isnan(known)]
     return float(known.max()) if len(known) else None
-
-
-def _along(vectors: Floats, of_bodies: Floats) -> Floats:
-    """Products of vectors (..., m, 3) with the vector of all bodies, or of each (..., 3)."""
-    if of_bodies.ndim == 1:
-        return vectors @ of_bodies
-    return (vectors @ of_bodies[..., np.newaxis])[..., 0]
-
-
-def _of_each(vectors: Floats) -> Floats:
-    """Vectors (3,) of all bodies, or (..., 3) of each, that broadcast with an axis of times."""
-    return vectors if vectors.ndim == 1 else vectors[..., np.newaxis, :]
 
 
 def _turned_rows(axes: Floats, matrices: Floats) -> Floats:

@@ -27,13 +27,23 @@ from .arrays import in_rows, time_ranges, time_span
 from .bodies import Bodies, bodies_of
 from .choose_method import choose_method, has_closed_form
 from .closed_form import RECORDS
+from .conserved import energy_of, momentum_of, needs_vertical
 from .events import check_event_method
 from .methods import EXACT, FUNCTION, adaptive_methods
 from .parameters import check_parameters
 from .plan import Lazy
 from .request import LEAST_TOLERANCE, Problem, Request
 from .run import Run, to_run
-from .solution import PLAIN, ErrorEstimate, Target, Watched, end_records, solve, unknown_error
+from .solution import (
+    DERIVED,
+    PLAIN,
+    ErrorEstimate,
+    Target,
+    Watched,
+    end_records,
+    solve,
+    unknown_error,
+)
 from .tangent import check_tangent
 
 if TYPE_CHECKING:
@@ -54,7 +64,7 @@ def simulate(
     step: float | None = None,
     accuracy: float | None = None,
     tolerance: float | None = None,
-    record: str = "attitude",
+    record: str | Sequence[str] = "attitude",
     check: bool = True,
     tangent: bool | str | Sequence[str] = False,
     events: Event | Sequence[Event] | None = None,
@@ -114,10 +124,12 @@ def simulate(
         Output times between two steps need no extra step. Under :meth:`Torque.call` of
         ``"dop853"``, whose estimated error of each step stays below this share and whose steps end
         at output times; at least 1e-14.
-    record : {"attitude", "axis", "rates"}
+    record : {"attitude", "axis", "rates"}, or sequence of str
         Recorded states: rates and attitude; rates and the vertical in body components; or rates
         only. A smaller record is faster and changes no bit of the rates, except of tops by
-        Runge-Kutta methods, whose attitude has another error of the method.
+        Runge-Kutta methods, whose attitude has another error of the method. A sequence may add
+        ``"energy"`` and ``"momentum"``: what :meth:`Run.energy` and :meth:`Run.momentum` return is
+        then computed with the run, has its ``dtype``, may be in ``out``, and is saved.
     check : bool
         Whether the error is estimated by a second run. Without the second run the error is NaN and
         the status ``UNCHECKED``, and no tolerance is made smaller. An ``accuracy`` always needs the
@@ -163,7 +175,7 @@ def simulate(
     threads : int, optional
         Number of threads. Default: ``RIGID_NUM_THREADS``, else the cores that this process may use.
     dtype : {numpy.float64, numpy.float32}
-        Type of ``omega``, ``gamma`` and ``attitude``. The states are computed in float64; float32
+        Type of all states but ``work``. The states are computed in float64; float32
         takes half the memory and rounds the states, which :attr:`Run.error` includes.
     out : mapping of str to ndarray, optional
         Arrays to fill, by the names of the attributes of :class:`Run` with an axis of times:
@@ -235,7 +247,7 @@ def simulate(
     True
     """
     scene = check_scene(scene, many=True)
-    one_of("record", record, RECORDS)
+    record, derived = _checked_record(record, scene)
     watched = None
     if events is not None or until is not None or count is not None:
         found, counted = checked_events(events, until)
@@ -255,7 +267,8 @@ def simulate(
     times = given if given.ndim == 1 else in_rows(given, bodies.shape)
     target = PLAIN
     if out is not None or dtype is not np.float64:
-        target = Target.of(dtype, out, (*bodies.shape, times.shape[-1]), _recorded(scene, record))
+        recorded = (*_recorded(scene, record), *derived)
+        target = Target.of(dtype, out, (*bodies.shape, times.shape[-1]), recorded)
         target.check(bodies, time_ranges(times), accuracy)
     if tolerance is not None:
         tolerance = _checked_tolerance(tolerance, method, step, accuracy, scene)
@@ -299,7 +312,11 @@ def simulate(
             parameters=parameters,
             target=target,
         )
-    estimate = made.estimate
+    estimate, states = made.estimate, made.states
+    if "energy" in derived:
+        states["energy"] = energy_of(scene, bodies.shape, states["omega"], states["gamma"])
+    if "momentum" in derived:
+        states["momentum"] = momentum_of(scene, bodies.shape, states["omega"])
     if target is not PLAIN:
         estimate = ErrorEstimate(target.finish(made.states, estimate.error), estimate.lost_from)
     own_step = None if made.method == EXACT else step
@@ -318,6 +335,27 @@ def simulate(
         made.found,
     )
     return run if frame is None else run.in_frame(frame)
+
+
+def _checked_record(record: str | Sequence[str], scene: Scene) -> tuple[str, tuple[str, ...]]:
+    """The recorded states, and what is recorded that follows from them."""
+    if isinstance(record, str) and record in RECORDS:
+        return record, ()
+    names = (record,) if isinstance(record, str) else tuple(record)
+    for name in names:
+        one_of("record", name, (*RECORDS, *DERIVED))
+    states, derived = ([name for name in names if name in of] for of in (RECORDS, DERIVED))
+    if len(states) > 1 or len(set(derived)) < len(derived):
+        raise ValueError(
+            f"record = {brief(record)}: must be one of {', '.join(map(repr, RECORDS))}, and "
+            "'energy' or 'momentum' once"
+        )
+    own = states[0] if states else "attitude"
+    if "energy" in derived and own == "rates" and needs_vertical(scene):
+        raise ValueError(
+            f"record = {brief(record)}: the potential energy of a top needs its vertical: 'axis'"
+        )
+    return own, tuple(derived)
 
 
 def _most_steps(scene: Scene) -> int:

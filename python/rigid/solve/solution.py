@@ -28,8 +28,14 @@ from .plan import Lazy, Plan, plan_of_parts
 from .request import Problem, Request
 from .tangent import tangent_of
 
-COLUMNS: Mapping[str, int] = {"omega": 3, "gamma": 3, "attitude": 4, "work": 1}
+COLUMNS: Mapping[str, int] = {
+    **{"omega": 3, "gamma": 3, "attitude": 4, "work": 1},
+    **{"energy": 1, "momentum": 3},
+}
 """The numbers in a row of the arrays of a run with an axis of times."""
+
+DERIVED = ("energy", "momentum")
+"""Those that follow from the others, and are recorded if they are asked for."""
 
 SINGLE = 2.0**-23
 """Angle (rad) by which single precision rounds an attitude: twice as much as for a vector."""
@@ -139,14 +145,21 @@ class Target:
     def finish(self, states: MutableMapping[str, Any], error: Floats) -> Floats:
         """Store all states; return their errors with the rounding included."""
         for name, width in COLUMNS.items():
-            array, given = states[name], self.given.get(name)
-            if given is not None:
-                given = given if width > 1 else given[..., 0]
-                if not np.may_share_memory(given, array):
-                    given[:] = array
-                states[name] = given
-            elif self.single and array is not None and width > 1:
-                states[name] = array.astype(np.float32, copy=False)
+            array, given = states.get(name), self.given.get(name)
+            try:
+                with np.errstate(over="raise" if name in DERIVED else None):
+                    if given is not None:
+                        given = given if width > 1 else given[..., 0]
+                        if not np.may_share_memory(given, array):
+                            given[:] = array
+                        states[name] = given
+                    elif self.single and array is not None and name != "work":
+                        states[name] = array.astype(np.float32, copy=False)
+            except FloatingPointError:
+                raise ValueError(
+                    f"dtype = float32: {name} reaches {np.nanmax(np.abs(array)):.3g}; the largest "
+                    f"number is {np.finfo(np.float32).max:.3g}: take other units, or float64"
+                ) from None
         return error + SINGLE if self._rounds else error
 
 

@@ -13,6 +13,7 @@ from .._checks.arguments import brief
 from ..model.orbit import HYPERBOLA, MOST_ECCENTRIC
 from ..model.parameters import AT_REST, PARAMETERS, numbers_of, scene_of
 from ..model.scene import Scene
+from ..rotations.so3 import exp_so3, over, rodrigues
 from .parameters import checked_names, differentiable, why_not
 from .simulate import simulate
 
@@ -29,8 +30,9 @@ RATIOS = tuple(f"{a}/{b}" for a in MOMENTS for b in MOMENTS if a != b)
 START = ("omega1", "omega2", "omega3")
 BIAS = ("bias1", "bias2", "bias3")
 SCALE = ("scale1", "scale2", "scale3")
+SENSOR = ("sensor1", "sensor2", "sensor3")
 DAMPING = ("damping1", "damping2", "damping3")
-_GROUPS = {"damping": DAMPING, "omega": START, "bias": BIAS, "scale": SCALE}
+_GROUPS = {"damping": DAMPING, "omega": START, "bias": BIAS, "scale": SCALE, "sensor": SENSOR}
 
 _EDGE = 1e-9
 """Share of the moments by which a body stays thicker than a rod or a plate."""
@@ -46,6 +48,12 @@ Without this bound a trial far off could turn so fast that its run would hardly 
 
 _SENSOR = 0.1
 """Bias that a gyroscope adds to the rates, or its scale, as a share of the rates."""
+
+_MOUNTED = 0.3, math.pi / 4.0
+"""Angle (rad) by which a gyroscope may be off its first axes, and the bound about each axis.
+
+Beyond 45 degrees the same body has its principal axes in another order, nearer to the gyroscope's.
+"""
 
 _SIZES = {
     "mgl": (1.0, 2),
@@ -64,9 +72,9 @@ _OF_ORBIT = (0.1, 0.1, 1.0)
 class Unknowns:
     """The free parameters, and the numbers inside a box by which they vary.
 
-    The base numbers are free moments and other parameters of the scene, rates, biases and scales;
-    ``base + steer @ x`` gives them from coordinates ``x`` inside the box. The ``sizes`` of the
-    coordinates are how far off a first guess may be.
+    The base numbers are free moments and other parameters of the scene, rates, and errors of a
+    gyroscope; ``base + steer @ x`` gives them from coordinates ``x`` inside the box. The ``sizes``
+    of the coordinates are how far off a first guess may be.
     """
 
     def __init__(
@@ -95,12 +103,13 @@ class Unknowns:
             raise ValueError(f"free = {brief(free)}: one of the ratios follows from the others")
         # The base numbers, in the order of the names, each moment in the place of its name.
         self.numbers = tuple(name[:2] if name in moments else name for name in self.names)
-        of_run = (*START, *BIAS, *SCALE)
+        of_run = (*START, *BIAS, *SCALE, *SENSOR)
         self._by_run = tuple(name for name in self.numbers if name not in of_run)
         self._rows = {name: PARAMETERS[name] for name in self._by_run if name not in MOMENTS}
         self._places = {"moments", *(row.place for row in self._rows.values())}
         known = (*self._by_run, *of_run)
         self._columns = [known.index(name) for name in self.numbers]
+        self._is_aligned = not any(name in SENSOR for name in self.numbers)
         self._boxes()
 
     def _boxes(self) -> None:
@@ -120,6 +129,9 @@ class Unknowns:
                 sizes[k] = _SENSOR * mean
             elif name in SCALE:
                 first[k], low[k], sizes[k] = 1.0, 0.0, _SENSOR
+            elif name in SENSOR:
+                sizes[k], high[k] = _MOUNTED
+                low[k] = -high[k]
             elif name in self._rows:
                 row = self._rows[name]
                 every = numbers_of(self.scene, AT_REST, {row.place}, 1)[row.place]
@@ -225,25 +237,39 @@ class Unknowns:
             frame=self.frame,
         )
 
+    def sensor(self, x: Floats) -> Floats:
+        """The axes of the gyroscope in the axes of the rates, as columns, shape (..., 3, 3)."""
+        return exp_so3(_taken(self._values(x), SENSOR, (0.0,) * 3, x.shape[:-1]))
+
     def rates(self, x: Floats, t: Floats) -> Floats:
         """The rates that a gyroscope would measure, shape (..., m, 3); NaN of a run too long."""
         values, bodies = self._values(x), x.shape[:-1]
         scale = _taken(values, SCALE, (1.0,) * 3, bodies)[..., np.newaxis, :]
         bias = _taken(values, BIAS, (0.0,) * 3, bodies)[..., np.newaxis, :]
-        rates: Floats = self._run(x, t, tangent=False).omega * scale + bias
-        return rates
+        rates: Floats = self._run(x, t, tangent=False).omega
+        if not self._is_aligned:
+            rates = rates @ self.sensor(x)
+        return rates * scale + bias
 
     def slopes(self, x: Floats, t: Floats) -> Floats:
         """Derivatives of :meth:`rates` of one body by the base numbers, shape (m, 3, k)."""
         run = self._run(x, t, tangent=self._by_run or True)
         assert run.tangent is not None
-        columns = [run.tangent[:, :3, :3]]
+        columns, omega, values = [run.tangent[:, :3, :3]], run.omega, self._values(x)
         if run.sensitivity is not None:
             columns.insert(0, run.sensitivity[:, :3])
-        scale = _taken(self._values(x), SCALE, (1.0,) * 3, ())
-        columns = [scale[:, np.newaxis] * part for part in columns]
+        scale = _taken(values, SCALE, (1.0,) * 3, ())[:, np.newaxis]
+        if not self._is_aligned:
+            axes = self.sensor(x)
+            omega, columns = omega @ axes, [axes.T @ part for part in columns]
+        columns = [scale * part for part in columns]
         columns.append(np.broadcast_to(np.eye(3), (len(t), 3, 3)))
-        columns.append(run.omega[:, np.newaxis, :] * np.eye(3))
+        columns.append(omega[:, np.newaxis, :] * np.eye(3))
+        if not self._is_aligned:
+            # exp(hat(v + dv)).T omega changes by its cross product with J dv.
+            jacobian = _right_jacobian(_taken(values, SENSOR, (0.0,) * 3, ()))
+            turned = np.cross(omega[:, np.newaxis], jacobian.T)
+            columns.append(scale * np.swapaxes(turned, 1, 2))
         return np.concatenate(columns, axis=-1)[..., self._columns]
 
     def told(self, base: Floats) -> tuple[Floats, Floats]:
@@ -276,6 +302,17 @@ class Unknowns:
         return tuple(words)
 
 
+def _right_jacobian(v: Floats) -> Floats:
+    """``J`` with ``exp(hat(v + dv)) = exp(hat(v)) exp(hat(J dv))`` to first order, shape (3, 3).
+
+    ``1 - (1 - cos x)/x² hat(v) + (x - sin x)/x³ hat(v)²`` with ``x = |v|``: the integral of
+    ``exp(-s hat(v))`` over ``s`` from 0 to 1, with Rodrigues' formula.
+    """
+    x = np.linalg.norm(v, axis=-1)
+    once = 2.0 * over(np.sin(0.5 * x), x, 0.5) ** 2
+    return rodrigues(v, -once, over(x - np.sin(x), x**3, 0.0))
+
+
 def _taken(
     values: dict[str, Floats], names: Sequence[str], others: ArrayLike, bodies: tuple[int, ...]
 ) -> Floats:
@@ -292,7 +329,7 @@ def _checked_names(scene: Scene, free: str | Sequence[str]) -> tuple[str, ...]:
         for name in differentiable(scene)
         if name not in (*MOMENTS, "damping") and PARAMETERS[name].place != "com"
     }
-    known = (*MOMENTS, *RATIOS, *rows, *_GROUPS, *START, *BIAS, *SCALE)
+    known = (*MOMENTS, *RATIOS, *rows, *_GROUPS, *START, *BIAS, *SCALE, *SENSOR)
     names = checked_names(
         "free", free, known, _GROUPS, lambda name: why_not(name, scene, f" of a {scene.title}")
     )

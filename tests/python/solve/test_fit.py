@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import json
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from scipy.optimize import least_squares, lsq_linear
+from scipy.spatial.transform import Rotation
 
 import rigid
 from physics import Floats
@@ -144,7 +147,7 @@ def test_each_derivative_is_that_of_the_residuals(free: tuple[str, ...]) -> None
 
 
 def test_derivatives_of_what_a_gyroscope_measures() -> None:
-    free = ("I2/I1", "I3", "damping1", "omega", "scale", "bias2")
+    free = ("I2/I1", "I3", "damping1", "omega", "scale", "bias2", "sensor")
     scene = rigid.FreeBody(BODY, damping=[0.01, 0.02, 0.03])
     model = Unknowns(scene, START, None, free)
     rng = np.random.default_rng(5)
@@ -185,6 +188,7 @@ def test_other_guesses_are_bodies_all_over_what_can_be(free: tuple[str, ...]) ->
         ({"free": ()}, "must be names of parameters"),
         ({"free": ("I1", "I1")}, "'I1' is named twice"),
         ({"free": ("I1", "I1/I2")}, "one moment varies by two"),
+        ({"free": "sensor4"}, r"free = 'sensor4': is no parameter"),
         ({"free": ("bias", "bias2")}, r"free = \('bias', 'bias2'\): 'bias2' is named twice"),
         ({"free": ("I1/I2", "I2/I1")}, "one of the ratios follows from the others"),
         ({"free": ("I1/I2", "I2/I3", "I3/I1")}, "one of the ratios follows from the others"),
@@ -315,6 +319,70 @@ def test_rates_along_the_axes_of_a_drawing() -> None:
     assert np.allclose(found.values[5:], bias, rtol=0, atol=2e-4 * plain.std[5:].max())
     with pytest.warns(rigid.FitWarning, match="the fit failed"):
         rigid.fit(guess, T, omega=drawn, sigma=0.01, free=free)
+
+
+def test_the_rotation_of_the_gyroscope_in_the_body_comes_back() -> None:
+    mounted = Rotation.from_rotvec([0.3, -0.2, 0.4])
+    free = ("I2/I1", "I3/I1", "omega", "sensor")
+    guess, sigma = rigid.Body((1.0, 1.5, 2.3)), 0.01
+    exact = rigid.simulate(BODY, START, t=T, method="taylor16").omega @ mounted.as_matrix()
+    found = rigid.fit(guess, T, omega=exact, sigma=sigma, free=free)
+    # The fit ends within 1e-4 of a std; without noise nothing else is off.
+    assert np.all(np.abs(found.values - [1.6, 2.2, *START, 0.3, -0.2, 0.4]) < 2e-4 * found.std)
+    assert np.allclose(found.sensor, mounted.as_matrix(), rtol=0.0, atol=2e-4 * found.std.max())
+    assert np.allclose(found.model, exact, rtol=0.0, atol=1e-3 * sigma)
+    # With noise: the squared distance of 8 numbers, of mean 8 and variance 16, over 20 fits.
+    distances = []
+    for seed in range(20):
+        noise = sigma * np.random.default_rng(seed).normal(size=exact.shape)
+        one = rigid.fit(guess, T, omega=exact + noise, sigma=sigma, free=free)
+        off = one.values - [1.6, 2.2, *START, 0.3, -0.2, 0.4]
+        distances.append(off @ np.linalg.solve(one.covariance, off))
+    assert abs(np.mean(distances) - 8.0) < 4.0 * np.sqrt(16.0 / 20)
+
+
+def test_moments_and_gyroscope_are_the_inertia_tensor_along_its_axes() -> None:
+    """Of a body whose tensor along the gyroscope's axes has products of inertia."""
+    tensor = np.array([[1.0, 0.2, -0.1], [0.2, 1.6, 0.15], [-0.1, 0.15, 2.2]])
+    body, axes = rigid.Body.from_tensor(tensor)
+    rates = rigid.simulate(body, START, t=T, frame=axes, method="taylor16").omega
+    free = ("I1", "I2", "omega", "sensor")
+    # Of free rotation one moment must be known: the largest.
+    guess = rigid.Body((1.0, 1.6, body.moments[2]))
+    found = rigid.fit(guess, T, omega=rates, sigma=1e-3, free=free)
+    assert found.success
+    along = found.sensor.T @ np.diag(found.scene.body.moments) @ found.sensor
+    assert np.allclose(along, tensor, rtol=0.0, atol=1e-6)
+
+
+def test_a_fit_is_drawn_saved_and_read_by_a_person(tmp_path: Path) -> None:
+    rates = measured(BODY, 0.01, 6)
+    found = rigid.fit(BODY, T, omega=rates, sigma=0.01, free=("I2/I1", "damping3", "omega"))
+    upper = found.plot()
+    lower = upper.figure.axes[-1]
+    drawn = [np.asarray(line.get_ydata()) for line in upper.lines]
+    assert np.array_equal(drawn[0::2], rates.T)
+    run = rigid.simulate(found.scene, found.omega, t=T, check=False)
+    assert np.allclose(drawn[1::2], run.omega.T, rtol=0.0, atol=1e-9)
+    # What the picture shows between both curves is the residual.
+    left = [np.asarray(line.get_ydata()) for line in lower.lines]
+    assert np.allclose(left, (run.omega - rates).T / 0.01, rtol=0.0, atol=1e-6)
+    words = repr(found).splitlines()
+    assert words[0].startswith("Fit of 150 samples: chi2 per degree of freedom = ")
+    assert words[1].split()[0::2] == ["I2/I1", "±"]
+    assert words[2].endswith("N m s")
+    assert "<img" in found._repr_html_()
+    with np.load(found.save(tmp_path / "fit.npz")) as file:
+        assert file["covariance"].tolist() == found.covariance.tolist()
+        assert np.array_equal(file["measured"], rates)
+        assert file["names"].tolist() == list(found.names)
+        assert json.loads(str(file["scene"])) == found.scene.to_dict()
+
+
+def test_no_place_for_the_residuals() -> None:
+    found = rigid.fit(BODY, T, omega=measured(BODY, 0.01, 6), sigma=0.01, free="omega")
+    with pytest.raises(ValueError, match="ax: must be a subplot of its figure"):
+        found.plot(found.plot().figure.add_axes((0.0, 0.0, 1.0, 1.0)))
 
 
 def test_damping_is_the_damping_of_all_axes() -> None:

@@ -201,6 +201,13 @@ def test_an_error_that_is_not_foreseen_is_unknown(words: str) -> None:
     assert rigid.plan(scene, "attitude", omega=rows, attitude=attitude, t_end=end).error is None
 
 
+def test_ten_times_slower_than_a_fall_is_nearly_at_rest() -> None:
+    """A hanging top, whose weight could give it 1 rad/s."""
+    for rate, known in ((0.105, True), (0.095, False)):
+        plan = rigid.plan(LAGRANGE, omega=[rate, 0.0, 0.0], attitude=tilted(np.pi), t_end=1.0)
+        assert (plan.error is not None) == known
+
+
 # Which form
 
 

@@ -32,6 +32,9 @@ CASES: list[tuple[Scene, dict[str, Any]]] = [
     (SLOWED, {"method": "taylor16", "tolerance": 1e-10}),
 ]
 
+ENERGETIC = ("energy", "momentum")
+MANY = rigid.Body(RNG.uniform(1.0, 1.9, (40, 3)))
+
 NAMES = {"omega": 3, "gamma": 3, "attitude": 4, "work": 1}
 
 
@@ -98,6 +101,18 @@ READ_ONLY.flags.writeable = False
 @pytest.mark.parametrize(
     ("options", "error", "words"),
     [
+        (
+            {"record": ("axis", "rates")},
+            ValueError,
+            "record = ('axis', 'rates'): must be one of 'rates', 'axis', 'attitude', and 'energy'",
+        ),
+        ({"record": ("energy", "energy")}, ValueError, "record = ('energy', 'energy'): must be"),
+        ({"record": ("power",)}, ValueError, "record = 'power': must be one of 'rates', "),
+        (
+            {"out": {"energy": np.empty((40, 3))}},
+            ValueError,
+            "out = 'energy': must be one of 'omega'",
+        ),
         ({"dtype": np.float16}, ValueError, "dtype = float16: must be float64 or float32"),
         ({"out": {"omega": [0.0]}}, TypeError, "out['omega'] = [0.0]: must be an array"),
         (
@@ -283,6 +298,85 @@ def test_parts_that_cannot_be_made_are_refused() -> None:
         rigid.simulate_chunks(FREE, [[0.0, np.nan, 0.0]], t=TIMES)
     with pytest.raises(ValueError, match=r"^t\[0\] = 2.0 > t\[1\] = 1.0: times must be ascending$"):
         next(rigid.simulate_chunks(FREE, OMEGA_PARTS, t=[2.0, 1.0]))
+
+
+@pytest.mark.parametrize(
+    "scene",
+    [
+        rigid.FreeBody(MANY, rotor=(0.1, 0.2, 0.3), damping=0.1),
+        rigid.HeavyTop(MANY, mgl=RNG.uniform(1.0, 2.0, 40), com=(0.6, 0.0, 0.8)),
+    ],
+)
+def test_recorded_energy_and_momentum_follow_from_the_states(scene: Scene, tmp_path: Path) -> None:
+    """Sums of at most six products of numbers that NumPy adds in another order."""
+    options: dict[str, Any] = {"t": TIMES, "check": False}
+    run = rigid.simulate(scene, OMEGA, record=("axis", *ENERGETIC), **options)
+    momentum = np.array(MANY.moments)[:, np.newaxis] * run.omega
+    kinetic = 0.5 * np.sum(run.omega * momentum, axis=-1)
+    energy, size = kinetic, kinetic
+    if isinstance(scene, rigid.HeavyTop):
+        down = np.sum(present(run.gamma) * scene.weight[:, np.newaxis], axis=-1)
+        energy, size = kinetic + down, kinetic + np.linalg.norm(scene.weight, axis=-1)[:, None]
+    else:
+        momentum = momentum + np.array([0.1, 0.2, 0.3])
+    assert np.all(np.abs(run.energy() - energy) <= 8 * np.finfo(float).eps * size)
+    assert np.allclose(run.momentum(), momentum, rtol=4 * np.finfo(float).eps, atol=0.0)
+    # What was not recorded is computed alike, and no state has other bits.
+    plain = rigid.simulate(scene, OMEGA, record="axis", **options)
+    assert plain.omega.tobytes() == run.omega.tobytes()
+    for name in ENERGETIC:
+        assert getattr(plain, name)().tobytes() == getattr(run, name)().tobytes()
+    # Files have it, tables have columns of it, and a frame turns it.
+    kept = rigid.load_run(run.save(tmp_path / "run.npz"))
+    assert kept.energy().tobytes() == run.energy().tobytes()
+    header = run.to_csv(tmp_path / "run.csv").read_text().splitlines()[0].split(",")
+    assert {"energy", "momentum1", "momentum3"} <= set(header)
+    assert run.to_xarray().momentum.attrs["units"] == "kg m²/s"
+    axes = Rotation.from_rotvec([0.1, 0.2, 0.3]).as_matrix()
+    assert np.allclose(run.in_frame(axes).momentum(), momentum @ axes.T, rtol=0.0, atol=1e-14)
+    assert run.at(TIMES).energy().shape == (40, 3)
+
+
+def test_energy_and_momentum_fill_arrays_in_their_type() -> None:
+    shapes = {"energy": (40, 3), "momentum": (40, 3, 3)}
+    out = {name: np.empty(shape, dtype=np.float32) for name, shape in shapes.items()}
+    record = ("rates", *ENERGETIC)
+    run = rigid.simulate(FREE, OMEGA, t=TIMES, record=record, out=out)
+    half = rigid.simulate(FREE, OMEGA, t=TIMES, record=record, dtype=np.float32)
+    for name in ENERGETIC:
+        double = getattr(rigid.simulate(FREE, OMEGA, t=TIMES, record="rates"), name)()
+        assert np.shares_memory(getattr(run, name)(), out[name])
+        assert out[name].tobytes() == double.astype(np.float32).tobytes()
+        # Of rounded rates: twice their rounding, and that of the sum.
+        single = getattr(half, name)()
+        assert single.dtype == np.float32
+        assert np.all(np.abs(single - double) <= 4.0 * ULP * np.abs(double))
+
+
+def test_energy_ends_with_the_record_of_a_body() -> None:
+    run = rigid.simulate(
+        FREE,
+        [0.1, 1.0, 0.1],
+        t=np.linspace(0.0, 20.0, 50),
+        until=rigid.crosses("omega2", 0.0),
+        record=("attitude", *ENERGETIC),
+    )
+    ended = np.isnan(run.omega[:, 0])
+    assert ended.any()
+    assert np.array_equal(np.isnan(run.energy()), ended)
+
+
+def test_energy_and_vertical_belong_together() -> None:
+    with pytest.raises(ValueError, match="the potential energy of a top needs its vertical"):
+        rigid.simulate(TOP, OMEGA, t=TIMES, record=("rates", "energy"))
+
+
+def test_energies_beyond_single_precision_are_refused() -> None:
+    heavy = rigid.Body((1e38, 2e38, 2.5e38))
+    with pytest.raises(ValueError, match=r"dtype = float32: energy reaches 1\.3e\+40"):
+        rigid.simulate(
+            heavy, [10.0, 0.0, 8.0], t=[0.0], record=("rates", "energy"), dtype=np.float32
+        )
 
 
 def test_parts_fill_one_memory_map(tmp_path: Path) -> None:
