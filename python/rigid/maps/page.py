@@ -98,9 +98,9 @@ def content_of_starts(data: MapData, samples: range, pixel: int | None = None) -
 
 
 def content_of_numbers(data: MapData, samples: range, pixel: int | None = None) -> dict[str, Any]:
-    """Where parameters vary: the numbers of the equations of motion that bodies have of their own.
+    """Where parameters vary: the numbers of the equations of motion that differ by body.
 
-    ``columns`` tells which of the numbers of the pixel they replace.
+    ``columns`` says which of the numbers of the pixel they replace.
     """
     spec = data.spec
     if spec.is_called or not spec.vary:

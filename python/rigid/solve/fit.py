@@ -170,7 +170,7 @@ class Fit:
         Returns
         -------
         matplotlib Axes
-            The axes of the rates; those of the residuals are the last of ``ax.figure.axes``.
+            The axes of the rates; the residuals have the last of ``ax.figure.axes``.
 
         Raises
         ------
@@ -301,7 +301,7 @@ def fit(
         measures ``scale * omega + bias`` along each axis, ``"bias"`` or ``"bias1"`` to ``"bias3"``
         (rad/s, else 0) and ``"scale"`` or ``"scale1"`` to ``"scale3"`` (else 1); ``"sensor"`` or
         ``"sensor1"`` to ``"sensor3"``, the rotation vector (rad, else 0) that turns the axes of
-        ``frame``, or the principal axes, into those of the gyroscope, by less than pi / 4 about
+        ``frame``, or the principal axes, into the axes of the gyroscope, by less than pi / 4 about
         each axis: beyond, the same body has its moments in another order.
     start : array_like, shape (3,), optional
         Rates at the first time, a first guess if ``"omega"`` is free. Default: the measured rates.
