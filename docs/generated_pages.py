@@ -317,7 +317,7 @@ def command_help() -> str:
 
 
 def write_explorer(path: Path) -> None:
-    """The page of ``explorer.md`` to try: the sleeping top."""
+    """The page of ``maps.md`` to try: the sleeping top."""
     path.parent.mkdir(exist_ok=True)
     result = rigid.stability_map(
         rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0),
