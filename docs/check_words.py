@@ -47,7 +47,7 @@ UNSEEN = ("capabilities.md", "errata.md", "how_it_works.md")
 """What is not on the site."""
 
 GUIDES = ("README.md", "CHANGELOG.md", "CONTRIBUTING.md")
-SOURCES = ("python/rigid", "docs/gallery", "docs/tutorials")
+SOURCES = ("python/rigid", "docs/gallery")
 SUFFIXES = {".html", ".js", ".py", ".pyi", ".rst", ".toml"}
 
 Passage = tuple[str, int, str]

@@ -32,7 +32,6 @@ exclude_patterns = [
     "errata.md",
     "how_it_works.md",
     "gallery/*",
-    "tutorials/*",
     "_build",
     "_templates",
     "generated/*",
@@ -61,7 +60,7 @@ numpydoc_show_class_members = False  # members are described where they are
 SUBJECTS = ["throws", "free_rotation", "heavy_top", "chaos", "methods", "rotations", "forces"]
 
 sphinx_gallery_conf = {
-    "examples_dirs": ["gallery", "tutorials"],
+    "examples_dirs": ["gallery", "../python/rigid/builtin/tutorials"],
     "gallery_dirs": ["figures", "tutorial_pages"],
     "filename_pattern": r"/plot_",
     "subsection_order": [f"gallery/{subject}" for subject in SUBJECTS],

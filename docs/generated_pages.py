@@ -192,7 +192,7 @@ def toml_tables() -> dict[str, str]:
     outside = [key for key in keys(rigid.FreeBody) if key not in free]
     scene: list[Callable[..., object]] = [scene_of_keys, rigid.FreeBody, rigid.HeavyTop]
     not_in_run = ("scene", "start", "axes", "vary", "stable", "title", "own", "version")
-    not_in_report = ("scene", "omega", "attitude", "title", "version")
+    not_in_report = ("scene", "omega", "attitude", "title", "version", "schemes")
     return {
         "axis": key_table(
             [toml_map.listed, toml_map.spaced], (), ("values", "from", "to", "count")
@@ -223,6 +223,7 @@ VALUES = {
     r"\bint\b": "whole number",
     r"\bstr\b": "text",
     r"\bbool\b": "true or false",
+    r"text or \(text, number\)": "text, or text and number",
     "tuple of text": "texts",
     "tuple of number": "numbers",
     "EnergySink": "number or 3 numbers",

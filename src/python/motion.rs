@@ -64,6 +64,12 @@ impl PyMotion {
         Ok(self.motion.restore(rows::<NUMBERS>("numbers", &numbers)?, pushed)?)
     }
 
+    /// Begins the motion again with other rates and attitudes, except of the bodies that are kept.
+    fn begin(&mut self, bodies: Bodies<'_>, kept: Aligned1<'_, bool>) -> PyResult<()> {
+        let _standard = FloatEnvironment::standard();
+        Ok(self.motion.begin(&bodies.all()?, kept.as_slice()?)?)
+    }
+
     /// The present time.
     #[getter]
     fn time(&self) -> f64 {

@@ -153,6 +153,25 @@ impl Motion {
         every.zip(numbers).for_each(|(to, number)| *to = *number);
     }
 
+    /// Begins the motion again with other rates and attitudes of the bodies. A body that is kept goes on with all its bits.
+    ///
+    /// # Errors
+    /// If there are not as many bodies, or they do not fit into memory. The bodies are then as before.
+    pub fn begin(&mut self, bodies: &[Body], kept: &[bool]) -> Result<(), Error> {
+        for got in [bodies.len(), kept.len()] {
+            if got != self.len() {
+                let (expected, got) = (self.len().to_string(), got.to_string());
+                return Err(Error::Shape { argument: "bodies", expected, got });
+            }
+        }
+        let (before, _) = self.numbers()?;
+        self.load(bodies)?;
+        for (body, numbers) in before.iter().enumerate().filter(|&(body, _)| kept[body]) {
+            self.set_numbers(body, numbers);
+        }
+        Ok(())
+    }
+
     /// The present time.
     pub fn time(&self) -> f64 {
         self.time
@@ -269,17 +288,12 @@ impl Motion {
         }
         let bodies = memory::collected(BODIES, self.len(), self.bodies().copied())?;
         let were_forced = memory::collected(BODIES, self.len(), self.places.iter().map(is_forced))?;
-        let (before, _) = self.numbers()?;
         self.is_pushed = true;
-        let loaded = self.load(&bodies);
-        if loaded.is_err() {
+        let begun = self.begin(&bodies, &were_forced);
+        if begun.is_err() {
             self.is_pushed = false;
-            return loaded;
         }
-        for (body, numbers) in before.iter().enumerate().filter(|&(body, _)| were_forced[body]) {
-            self.set_numbers(body, numbers);
-        }
-        Ok(())
+        begun
     }
 
     /// What acts on a body. An orbit is never alone: a torque may come.

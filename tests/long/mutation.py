@@ -20,7 +20,7 @@ import sys
 import time
 from collections import Counter
 from collections.abc import Iterator
-from functools import partial
+from functools import cache, partial
 from itertools import islice, zip_longest
 from pathlib import Path
 from random import Random
@@ -47,6 +47,12 @@ LIBRARY = Path(PACKAGE, "_core.abi3.so")
 _PROFILE = "--profile=develop"
 
 KILLED, SURVIVED, NO_PROGRAM = "killed", "survived", "does not compile"
+
+#: Where pytest tells which tests have failed.
+FAILED = COPY / ".pytest_cache" / "v" / "cache" / "lastfailed"
+
+#: Instead of a test: a run that took too much processor time.
+ENDLESS = "no end"
 
 _MAPS = ("maps/test_map_statistics.py", "maps/test_falling_top.py", "maps/test_map_honesty.py")
 _BITS = "contract/test_same_bits.py"
@@ -118,7 +124,7 @@ PYTHON: dict[str, tuple[str, ...]] = {
         "maps/test_map_grid.py",
         "maps/test_map_bad_input.py",
         "maps/test_map_files.py",
-        "maps/test_map_check.py",
+        "maps/test_map_honesty.py",
         "maps/test_map_parts.py",
         "maps/test_every_kind.py",
         "maps/test_mixtures.py",
@@ -250,7 +256,8 @@ def core_mutants() -> Iterator[Mutant]:
         parts = (text[:begin], entry["replacement"], text[end:])
         words = entry["name"].split(": ", 1)[1]
         line = entry["span"]["start"]["line"]
-        yield Mutant(entry["file"], line, words, partial("".join, parts))
+        source = text.splitlines()[line - 1].strip()
+        yield Mutant(entry["file"], line, source, words, partial("".join, parts))
 
 
 def _offset(text: str, place: dict[str, int]) -> int:
@@ -281,10 +288,22 @@ def built() -> bool:
     return not done.returncode
 
 
-def passes_in_python(files: tuple[str, ...]) -> bool:
-    paths = [str(Path("tests", "python", name)) for name in files]
-    options = ("-n0", "-x", "-q", "-p", "no:cacheprovider", "-W", "ignore::pytest.PytestWarning")
-    return not _run(sys.executable, "-m", "pytest", *options, *paths).returncode
+def fails_in_python(*tests: str) -> str | None:
+    """The first test that fails, or the word of a run without end; None if none fails."""
+    FAILED.unlink(missing_ok=True)
+    paths = [str(Path("tests", "python", name)) for name in tests]
+    done = _run(sys.executable, "-m", "pytest", "-n0", "-x", "-q", *paths)
+    if not done.returncode:
+        return None
+    found = json.loads(FAILED.read_text()) if FAILED.is_file() else {}
+    return next((name.removeprefix("tests/python/") for name in found), ENDLESS)
+
+
+@cache
+def require_passing(test: str) -> None:
+    """Stop if a test that has killed a mutant fails without one."""
+    if test != ENDLESS and fails_in_python(test):
+        raise SystemExit(f"{test}: fails without a mutant")
 
 
 def passes_in_rust(names: tuple[str, ...]) -> bool:
@@ -308,21 +327,22 @@ def modules() -> list[str]:
     return sorted(path for path in paths if path.removeprefix(PACKAGE).startswith((*PYTHON,)))
 
 
-def fate(path: str) -> str:
-    """What becomes of the copy with a changed file. Tests in Rust, the quicker ones, come first."""
+def fate(path: str) -> tuple[str, str]:
+    """What becomes of the copy with a changed file, and by which test; those in Rust come first."""
     python, rust = tests_of(path)
     if rust:
         if _run("cargo", "test", _PROFILE, "--lib", "--no-run").returncode:
-            return NO_PROGRAM
+            return NO_PROGRAM, ""
         if not passes_in_rust(rust):
-            return KILLED
+            return KILLED, "a test in Rust"
     if not path.startswith(PACKAGE) and not built():
-        return NO_PROGRAM
-    return SURVIVED if passes_in_python(python) else KILLED
+        return NO_PROGRAM, ""
+    killer = fails_in_python(*python)
+    return (SURVIVED, "") if killer is None else (KILLED, killer)
 
 
-def fate_of(mutant: Mutant) -> str:
-    """What becomes of a mutant; afterwards the copy is as it was."""
+def fate_of(mutant: Mutant) -> tuple[str, str]:
+    """What becomes of a mutant, and by which test; afterwards the copy is as it was."""
     place = COPY / mutant.path
     original = place.read_bytes()
     place.write_bytes(_of_the_copy(mutant.path, mutant.text().encode()))
@@ -388,18 +408,17 @@ def main() -> int:
         shutil.copy(ROOT / LIBRARY, COPY / LIBRARY)
     elif not built():
         raise SystemExit("the unchanged core does not compile")
-    tests = [tests_of(mutant.path) for mutant in sample]
-    for file in sorted({file for files, _ in tests for file in files}):
-        if not passes_in_python((file,)):
-            raise SystemExit(f"{file}: fails without a mutant")
-    for names in sorted({names for _, names in tests if names}):
+    for names in sorted({names for _, names in map(tests_of, {m.path for m in sample}) if names}):
         if not passes_in_rust(names):
             raise SystemExit(f"{names}: fail without a mutant")
     for mutant in sample:
         begin = time.perf_counter()
-        said = fate_of(mutant)
-        print(f"{said:17} {time.perf_counter() - begin:4.0f} s  {mutant}", flush=True)
+        said, killer = fate_of(mutant)
+        seconds = time.perf_counter() - begin
+        print(f"{said:17} {seconds:4.0f} s  {mutant}  {killer.rpartition('::')[2]}", flush=True)
         fates.setdefault(mutant.path, Counter())[said] += 1
+        if mutant.path.startswith(PACKAGE) and killer:
+            require_passing(killer)
     total = sum(fates.values(), Counter())
     print(f"\n{'file':40} {KILLED:>8} {SURVIVED:>8} {NO_PROGRAM:>17}")
     for path, counts in [*fates.items(), ("all", total)]:

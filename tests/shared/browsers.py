@@ -61,6 +61,7 @@ class Opened:
         width: int = 1280,
         height: int = 720,
         scheme: str = "light",
+        touch: bool = False,
         before: str | None = None,
         functions: Mapping[str, Callable[..., object]] | None = None,
     ) -> None:
@@ -68,6 +69,8 @@ class Opened:
             viewport={"width": width, "height": height},
             color_scheme=scheme,
             reduced_motion="reduce",
+            has_touch=touch,
+            is_mobile=touch,
         )
         if before is not None:
             self.page.add_init_script(before)

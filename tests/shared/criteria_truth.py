@@ -109,13 +109,6 @@ def states(scenes: Scenes, times: Floats) -> tuple[Floats, Floats]:
     return found["omega"], found["attitude"]
 
 
-def _between(a: Floats, b: Floats) -> Floats:
-    """Angles between vectors of any length."""
-    tiny = np.finfo(np.float64).tiny  # a body at rest has no direction
-    u, v = (x / np.maximum(np.linalg.norm(x, axis=-1, keepdims=True), tiny) for x in (a, b))
-    return angle_between(u, v)
-
-
 def margins(criterion: Criterion, scenes: Scenes, omega: Floats, attitude: Floats) -> Floats:
     """How far each state is within the limit of a criterion: rad or rad/s, negative beyond."""
     start = scenes.omega[:, None, :]
@@ -132,11 +125,11 @@ def margins(criterion: Criterion, scenes: Scenes, omega: Floats, attitude: Float
         vector, first = omega * weights, start * weights
         if criterion.frame == "space":
             vector, first = rotated(attitude, vector), rotated(origin, first)
-        return criterion.angle - _between(vector, np.broadcast_to(first, vector.shape))
+        return criterion.angle - angle_between(vector, np.broadcast_to(first, vector.shape))
     if isinstance(criterion, bounds.TiltBetween):
         axis = np.zeros(3)
         axis[abs(criterion.axis) - 1] = np.sign(criterion.axis)
-        tilt = _between(
+        tilt = angle_between(
             rotated(attitude, np.broadcast_to(axis, omega.shape)), np.array([0.0, 0.0, 1.0])
         )
         nearest: Floats = np.minimum(criterion.high - tilt, tilt - criterion.low)

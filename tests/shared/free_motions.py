@@ -1,4 +1,4 @@
-"""Free bodies, their paths, and angles between vectors."""
+"""Free bodies and their paths."""
 
 from typing import Any
 
@@ -23,9 +23,3 @@ def path(body: ArrayLike, omega: ArrayLike, t: ArrayLike, start: ArrayLike | Non
     """A free motion by closed form: rates and matrices body to space."""
     run = rigid.simulate(rigid.FreeBody(rigid.Body(body)), omega, start, t=t, method="exact")
     return run.omega, rotation_matrix(present(run.attitude))
-
-
-def angle(a: Floats, b: Floats) -> Floats:
-    across = np.linalg.norm(np.cross(a, b), axis=-1)
-    between: Floats = np.arctan2(across, (a * b).sum(axis=-1))
-    return between

@@ -203,7 +203,9 @@ def rotated(attitude: Floats, vector: Floats) -> Floats:
 
 
 def angle_between(u: Floats, v: Floats) -> Floats:
-    """Angles between unit vectors, accurate for small and for large ones (W. Kahan)."""
+    """Angles between vectors, accurate for small and for large ones (W. Kahan)."""
+    tiny = np.finfo(np.float64).tiny  # a body at rest has no direction
+    u, v = (x / np.maximum(np.linalg.norm(x, axis=-1, keepdims=True), tiny) for x in (u, v))
     half = np.arctan2(np.linalg.norm(u - v, axis=-1), np.linalg.norm(u + v, axis=-1))
     angle: Floats = 2.0 * half
     return angle

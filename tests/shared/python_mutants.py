@@ -45,10 +45,22 @@ _FUNCTIONS = {name: other for pair in _PAIRS for name, other in (pair, pair[::-1
 
 @dataclass(frozen=True)
 class Mutant:
-    """A changed file: what was changed in which line, and what makes its text."""
+    """A changed file: what was changed in which line, and what makes its text.
+
+    Attributes
+    ----------
+    path : str
+    line : int
+        Number of the line, from 1.
+    source : str
+        The line before the change, without blanks around it.
+    change : str
+    text : callable
+    """
 
     path: str
     line: int
+    source: str
     change: str
     text: Callable[[], str]
 
@@ -59,11 +71,13 @@ class Mutant:
 def python_mutants(root: Path, path: str) -> Iterator[Mutant]:
     """All mutants of a module, in the order of its lines."""
     text = (root / path).read_text(encoding="utf-8")
+    lines = ["", *text.splitlines()]
     for number, (node, field, index, new) in enumerate(_places(ast.parse(text))):
         changed = copy.deepcopy(node)
         _write(changed, field, index, new)
         words = f"{ast.unparse(node)} -> {ast.unparse(changed)}"
-        yield Mutant(path, getattr(node, "lineno", 0), words, partial(_changed, text, number))
+        line = getattr(node, "lineno", 0)
+        yield Mutant(path, line, lines[line].strip(), words, partial(_changed, text, number))
 
 
 def _changed(text: str, number: int) -> str:

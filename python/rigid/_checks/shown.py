@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Container, Iterable, Sequence
 from dataclasses import fields, is_dataclass
+from math import degrees
 from textwrap import fill
 from typing import Any, TypeVar
 
@@ -73,3 +74,15 @@ def wrapped(text: str, indent: int = LABEL) -> str:
         )
         for line in text.split("\n")
     )
+
+
+def angle_words(angle: float) -> str:
+    """An angle (rad) in words: in degrees if these are a whole number, but for rounding.
+
+    >>> from math import pi
+    >>> angle_words(pi / 2), angle_words(0.5)
+    ('90°', '0.5 rad')
+    """
+    turned = degrees(angle)
+    whole = round(turned)
+    return f"{whole}°" if whole and abs(turned - whole) <= 1e-9 * whole else f"{angle:g} rad"

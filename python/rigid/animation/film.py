@@ -12,7 +12,15 @@ from .._checks.arguments import brief, finite_float, one_of, one_time, shaped
 from .._checks.arrays import attitudes
 from .._checks.quantities import plain
 from ..drawing import colours
-from ..drawing.shapes import STEM, box_faces, cone_faces, ellipsoid_faces, plane_face, top_faces
+from ..drawing.shapes import (
+    STEM,
+    across,
+    box_faces,
+    cone_faces,
+    ellipsoid_faces,
+    plane_face,
+    top_faces,
+)
 from ..model.body import Moments, refuse_rods
 from ..model.scene import FreeBody, HeavyTop, Scene, check_heavy_top, require_unforced
 from ..rotations.apply import to_space
@@ -26,6 +34,9 @@ VIEWS = {FreeBody.kind: ("box", "cones", "poinsot"), HeavyTop.kind: ("top",)}
 LONGEST = 20.0
 """Time (s) in which a longer motion is shown, if no speed is given; so does the explorer."""
 
+PLANET, BALL = 2.0, 0.09
+"""Where a planet is drawn, and its radius as a share of the reach: no more than a direction."""
+
 UP = np.array([0.0, 0.0, 1.0])
 
 AXES = tuple(ink.colour for ink in colours.AXES)
@@ -38,11 +49,12 @@ class Part:
 
     Attributes
     ----------
-    kind : {"faces", "line", "trail", "arrow", "dot"}
-        Polygons; a curve; a curve up to the point of the frame; an arrow from the origin; a point.
+    kind : {"faces", "line", "trail", "arrow", "dot", "planet"}
+        Polygons; a curve; a curve up to the point of the frame; an arrow from the origin; a point;
+        a planet at the end of a line from the origin.
     points : ndarray
         Shape (faces, corners, 3) of polygons, (points, 3) of a curve, and (frames, 3) of a trail,
-        an arrow or a dot, or (1, 3) if it is the same in all frames.
+        an arrow, a dot or a planet, or (1, 3) if it is the same in all frames.
     colours : tuple of str
         Colours of the polygons, repeated in this order.
     opacity : float
@@ -68,7 +80,7 @@ class Part:
         points = self.points
         if self.kind == "trail":
             points = points[since : frame + 1]
-        elif self.kind in ("arrow", "dot"):
+        elif self.kind in ("arrow", "dot", "planet"):
             points = points[frame : frame + 1] if len(points) > 1 else points
         return to_space(attitude, points) if self.carried else points
 
@@ -201,7 +213,8 @@ def film_of(
     speed = finite_float("speed", speed, positive=True)
     view = _chosen(scene, view, shape is not None)
     solid = None if shape is None else faces_of(shape, frame=one.frame)
-    momentum = to_space(attitude, np.array(scene.body.moments) * omega)
+    rotor = np.zeros(3) if scene.rotor is None else np.asarray(scene.rotor)
+    momentum = to_space(attitude, np.array(scene.body.moments) * omega + rotor)
     size = float(np.linalg.norm(momentum[0]))
     chart, polhode = Chart("ω (rad/s)", ("ω₁", "ω₂", "ω₃"), AXES, omega.T), None
     grounded = False
@@ -210,8 +223,13 @@ def film_of(
         chart = Chart("tilt (°)", (), (AXES[2],), tilt_of(one)[np.newaxis])
         body = (parts[0].placed(attitude[k], k) for k in _some_frames(attitude))
         grounded = min(float(corners[..., 2].min()) for corners in body) > -0.02
+    elif scene.orbit is not None:
+        radial, _, normal = np.moveaxis(scene.orbit.frame(t), -1, 0)
+        parts, up = _box(one, momentum, solid) + _planet(-radial, normal[0]), normal[0]
     elif scene.forces:
-        parts, up = _box(one, momentum, solid), UP
+        # A rotor and an energy sink leave the angular momentum at rest in space.
+        keeps = {*scene.forces} <= {"rotor", "dissipation"} and size > 0.0
+        parts, up = _box(one, momentum, solid), momentum[0] / size if keeps else UP
     else:
         if size == 0.0:
             raise ValueError("omega = [0, 0, 0]: a free body at rest does not move")
@@ -223,6 +241,8 @@ def film_of(
     steps = np.diff(t)
     if trail is None:
         trail = np.inf if view == "poinsot" else 0.25 * span
+        if scene.orbit is not None:  # of many revolutions the last two turns or so
+            trail = min(trail, 12.0 / max(float(np.linalg.norm(omega, axis=1).mean()), 1e-300))
     centre, reach = _room(parts, attitude, up)
     return Film(
         view=view,
@@ -337,7 +357,9 @@ def _room(parts: tuple[Part, ...], attitude: Floats, up: Floats) -> tuple[Floats
     cloud = np.concatenate([points.reshape(-1, 3) for points in places])
     heights = cloud @ up
     centre = 0.5 * (heights.min() + heights.max()) * up
-    return centre, float(np.linalg.norm(cloud - centre, axis=1).max())
+    reach = float(np.linalg.norm(cloud - centre, axis=1).max())
+    has_planet = any(part.kind == "planet" for part in parts)
+    return centre, (1.0 + 1.5 * BALL) * reach if has_planet else reach
 
 
 def _some_frames(attitude: Floats) -> NDArray[np.int64]:
@@ -462,6 +484,24 @@ def _top(scene: HeavyTop, attitude: Floats, solid: Floats | None) -> tuple[Part,
         Part("trail", tip * to_space(attitudes(attitude), direction), (AXES[2],), meaning=path),
         Part("arrow", 1.6 * UP[np.newaxis], (colours.VERTICAL.colour,), label="vertical"),
         Part("line", 0.12 * ring, (SPACE,), meaning="fixed point"),
+    )
+
+
+def _planet(direction: Floats, normal: Floats) -> tuple[Part, ...]:
+    """The direction to the planet in each frame, and the plane in which the planet goes round."""
+    first, second, _ = across(normal)
+    turn = np.linspace(0.0, 2.0 * np.pi, 97)[:, np.newaxis]
+    ring = PLANET * (np.cos(turn) * first + np.sin(turn) * second)
+    ink = colours.PLANET.colour
+    return (
+        Part("line", ring, (colours.FAINT,), meaning="plane of the orbit"),
+        Part(
+            "planet",
+            PLANET * direction,
+            (ink,),
+            label="planet",
+            meaning="direction to the planet",
+        ),
     )
 
 

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 
 from ..drawing.shapes import across, ellipsoid_faces, quads
 from ..rotations.apply import to_space
-from .film import Film, Part
+from .film import BALL, Film, Part
 
 Floats = NDArray[np.float64]
 
@@ -207,12 +209,8 @@ def frame_picture(
                 see_through.append((points, inks, part.opacity, normals))
             else:
                 buffer.faces(points, inks, normals=normals)
-        elif part.kind in ("arrow", "dot"):
-            solid = (
-                arrow_faces(points[0], film.reach)
-                if part.kind == "arrow"
-                else points[0] + ellipsoid_faces([0.03 * film.reach] * 3, rings=8, sectors=16)
-            )
+        elif part.kind in _SOLIDS:
+            solid = _SOLIDS[part.kind](points[0], film.reach)
             buffer.faces(solid, np.resize(rgb, (len(solid), 3)))
     for part, points in placed:
         if part.kind in ("line", "trail") and len(points) > 1:
@@ -306,6 +304,20 @@ def _unit(vectors: Floats) -> Floats:
     return np.asarray(vectors / np.maximum(np.linalg.norm(vectors, axis=-1, keepdims=True), 1e-300))
 
 
+def ball_faces(centre: Floats, radius: float) -> Floats:
+    """A ball, shape (faces, 4, 3)."""
+    return np.asarray(centre + ellipsoid_faces([radius] * 3, rings=8, sectors=16))
+
+
+def planet_faces(place: Floats, reach: float) -> Floats:
+    """A planet at the end of a line from the origin, shape (faces, 4, 3)."""
+    first, second, along = across(place)
+    turn = np.linspace(0.0, 2.0 * np.pi, 7)[:, np.newaxis]
+    circle = 0.006 * reach * (np.cos(turn) * first + np.sin(turn) * second)
+    line = quads(np.stack([circle, circle + np.linalg.norm(place) * along]))
+    return np.concatenate([line, ball_faces(place, BALL * reach)])
+
+
 def arrow_faces(tip: Floats, reach: float, *, sides: int = 12) -> Floats:
     """An arrow from the origin: a shaft and a head, shape (faces, 4, 3)."""
     length = float(np.linalg.norm(tip))
@@ -318,3 +330,11 @@ def arrow_faces(tip: Floats, reach: float, *, sides: int = 12) -> Floats:
     profile = ((0.014, 0.0), (0.014, neck), (0.036, neck), (1e-4, length))
     rings = np.stack([radius * reach * circle + height * along for radius, height in profile])
     return quads(rings)
+
+
+_SOLIDS: dict[str, Callable[[Floats, float], Floats]] = {
+    "arrow": arrow_faces,
+    "dot": lambda point, reach: ball_faces(point, 0.03 * reach),
+    "planet": planet_faces,
+}
+"""The faces of a part that is drawn at one point of each frame."""

@@ -69,6 +69,8 @@ def story_of(one: Recording, view: str) -> str:
             f"tilt is between {least} and {most}."
         )
     what = "A body" if scene.body.sides is None else "A box"
+    if scene.orbit is not None:
+        return f"{what} turns for {span}{_on_its_orbit(one)}."
     if scene.forces:
         return f"{what} turns for {span} under {forces_in_words(scene.forces)}."
     axis = _axis_of_spin(omega)
@@ -78,6 +80,22 @@ def story_of(one: Recording, view: str) -> str:
     times = {1: "once", 2: "twice"}.get(one.flips, f"{one.flips} times")
     over = f"turns over {times}" if one.flips else "does not turn over"
     return f"{what} spins at {rate} about {_named(scene, axis)}, and {over} in {span}."
+
+
+def _on_its_orbit(one: Recording) -> str:
+    """Where a body is while it turns, and what acts besides the gravity gradient."""
+    orbit = one.scene.orbit
+    assert orbit is not None
+    others = [name for name in one.scene.forces if name != "orbit"]
+    under = f", under the gravity gradient and {forces_in_words(others)}" if others else ""
+    if orbit.eccentricity < 1.0:
+        periods = f"{orbit.rate * abs(one.t[-1] - one.t[0]) / (2.0 * np.pi):.3g}"
+        return f" ({'a period' if periods == '1' else f'{periods} periods'} of its orbit){under}"
+    nearest = -orbit.anomaly / orbit.rate
+    low, high = sorted((one.t[0], one.t[-1]))
+    if low <= nearest <= high:
+        return f" and passes a planet at t = {nearest:.3g} s{under}"
+    return f" {'before' if nearest > high else 'after'} it passes a planet{under}"
 
 
 def story_of_two(left: Recording, right: Recording) -> str:

@@ -60,6 +60,7 @@ from .toml_map import NamedSpec, read_spec
 from .toml_report import read_report
 from .toml_section import SectionSpec, read_section
 from .toml_table import names_of, read_source
+from .tutorials import notebooks
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -118,6 +119,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
                 "report": _report,
                 "extremes": _extremes,
                 "validation": _validation,
+                "tutorials": _tutorials,
                 "info": _info,
             }[options.command]
             return command(options)
@@ -207,8 +209,7 @@ def _finished_map(
     what = getattr(options, "what", SHARE)
     return finished(
         result.save,
-        # Of more axes there are many pictures in one figure.
-        lambda: result.plot(_axes() if len(result.spec.axes) <= 2 else None, what=what),
+        lambda: result.plot(what=what),
         target,
         "map",
         words=lambda: f"{result.summary()}\n{labelled([('speed', _speed(result))])}",
@@ -403,6 +404,20 @@ def _validation(options: argparse.Namespace) -> int:
         for row in found.rows if options.names else ():
             say("\n" + wrapped(f"{row.entry.name}: {row.entry.quantity}. {row.entry.source}.", 2))
     return SAYS_NO if found.unexplained else DONE
+
+
+def _tutorials(options: argparse.Namespace) -> int:
+    """Write the tutorials as notebooks."""
+    folder = Path(options.folder)
+    made = {folder / name: content for name, content in notebooks().items()}
+    for path in made:
+        require_new(path, "DIR", force=options.force)
+    folder.mkdir(parents=True, exist_ok=True)
+    for path, content in made.items():
+        with published(path) as file:
+            file.write(content.encode())
+        say(f"wrote {path}")
+    return DONE
 
 
 def _info(options: argparse.Namespace) -> int:

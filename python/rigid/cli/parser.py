@@ -70,6 +70,9 @@ _EXAMPLES = {
   rigid validation
   rigid validation toutatis-precession apophis-energy
 """,
+    "tutorials": """\
+  rigid tutorials notebooks && jupyter lab notebooks
+""",
     "new": """\
   rigid new map                                  writes my-map.toml
   rigid new map tops.toml --like sleeping-top
@@ -231,6 +234,10 @@ def make_parser() -> Parser:
     new.add_argument("file", nargs="?", metavar="FILE.toml", help="default: my-map.toml, and so on")
     new.add_argument("--like", metavar="NAME", help="the built-in specification to copy")
     new.add_argument("--force", action="store_true", help="replace an existing file")
+
+    written = command("tutorials", "write the tutorials as notebooks of Jupyter")
+    written.add_argument("folder", metavar="DIR", help="a folder, made if there is none")
+    written.add_argument("--force", action="store_true", help="replace existing files")
 
     _json(command("info", "describe this build: version, instruction set, threads"))
     topic = command("help", "explain a command, or the exit codes")

@@ -119,7 +119,7 @@ class Validation:
 
     def __str__(self) -> str:
         """A table: a row for each number; below, why models differ. A star marks what differs."""
-        table = [(*HEADER[:3], "off by ", *HEADER[4:])]
+        table: list[tuple[str, ...]] = [(*HEADER[:3], "off by ", *HEADER[4:])]
         for row in self.rows:
             name, published, here, difference, *rest = row.cells(digits=6)
             star = " " if row.agrees else "*"

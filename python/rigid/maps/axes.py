@@ -67,9 +67,13 @@ class Axis:
         return bool(np.ptp(steps) <= 1e-6 * abs(steps[0]))
 
     def __str__(self) -> str:
-        unit = "" if self.unit == "1" else f" {self.unit}"
+        return self.words(self.unit)
+
+    def words(self, unit: str) -> str:
+        """Name, range and number of values, in this unit."""
+        space = "" if unit == "1" else f" {unit}"
         count = f"{len(self.values)} values{', geometric' if self.geometric else ''}"
-        return f"{self.name} from {self.values[0]:g} to {self.values[-1]:g}{unit} ({count})"
+        return f"{self.name} from {self.values[0]:g} to {self.values[-1]:g}{space} ({count})"
 
 
 def _own_parameter(name: str) -> Parameter:

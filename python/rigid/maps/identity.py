@@ -54,14 +54,16 @@ def head_of(spec: MapSpec, segment: int | None = None) -> dict[str, Any]:
     }
 
 
+LABELS = ("title", "time_unit", "version")
+"""Keys of a specification on which no number depends."""
+
+
 def key_of(head: Mapping[str, Any]) -> bytes:
-    """BLAKE2b-128 of everything that the numbers depend on, without title, version and commit."""
+    """BLAKE2b-128 of everything that the numbers depend on, without labels, version and commit."""
     from hashlib import blake2b  # here and below: takes longer to import than this module
 
     of_numbers = {name: value for name, value in head.items() if name not in ("version", "commit")}
-    of_numbers["spec"] = {
-        name: value for name, value in head["spec"].items() if name not in ("title", "version")
-    }
+    of_numbers["spec"] = {name: value for name, value in head["spec"].items() if name not in LABELS}
     return blake2b(canonical(of_numbers), digest_size=16).digest()
 
 

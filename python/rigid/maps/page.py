@@ -23,14 +23,15 @@ from ..model.forces import forces_in_words
 from ..model.mixture import Mixture
 from ..model.start import Samples
 from .axes import Axis
+from .contours import zero_lines
 from .data import CLASSES, STATUS, MapData
 from .grid import Pixels
-from .plot import cell_edges
+from .plot import DASHES, View, cell_edges, fine_curves
 from .samples import Outcomes, bodies_of, outcomes, starts
 from .spec import MapSpec
 from .theory import predict
 from .watched import watched
-from .words import class_words, default_title
+from .words import axis_label, class_words, default_title
 
 MOST_BYTES = 500_000
 """Most compressed bytes of the bodies in a page, unless a number of bodies is given."""
@@ -98,9 +99,9 @@ def content_of_starts(data: MapData, samples: range, pixel: int | None = None) -
 
 
 def content_of_numbers(data: MapData, samples: range, pixel: int | None = None) -> dict[str, Any]:
-    """Where parameters vary: the numbers of the equations of motion that differ by body.
+    """Where parameters vary: the numbers of the equations of motion that differ between bodies.
 
-    ``columns`` says which of the numbers of the pixel they replace.
+    ``columns`` tells which of the numbers of the pixel are replaced.
     """
     spec = data.spec
     if spec.is_called or not spec.vary:
@@ -149,7 +150,6 @@ def content_of_map(
         The map that this one is a finer part of: its axes say which scales are logarithmic.
     """
     spec = data.spec
-    theory = predict(spec)
     shape = spec.shape if len(spec.shape) > 1 else (1, *spec.shape)
     is_regular = isinstance(spec.stable, Regular)
     asks = "criterion" if is_regular else "stable"
@@ -157,25 +157,21 @@ def content_of_map(
         "title": spec.title or default_title(spec),
         "load": load,
         "python": python,
-        "detail": f"{asks}: {spec.criterion}; {spec.samples} bodies per pixel"
+        "detail": f"{asks}: {spec.criterion}; "
+        + ("one body per pixel" if spec.samples == 1 else f"{spec.samples} bodies per pixel")
         + ("" if spec.half_width is None else " at most"),
         "complete": data.complete,
         "shape": shape,
         "dimensions": len(spec.shape),
         "axes": [
-            _axis(axis, drawn.geometric)
+            _axis(spec, axis, drawn.geometric)
             for axis, drawn in zip(spec.axes, (whole or spec).axes, strict=True)
         ],
         "layers": _layers(data),
         "status": packed(data.status, np.uint8),
         "statuses": STATUS,
         "counts": {name: packed(getattr(data, name), np.int32) for name in ("samples", *CLASSES)},
-        "curves": []
-        if theory is None
-        else [
-            {"label": _plain_words(curve.label), "field": packed(curve.field, np.float32)}
-            for curve in theory.curves
-        ],
+        "curves": _curves(data, whole or spec),
         "samples": count,
         "of": spec.samples,
         "classes": CLASSES,
@@ -240,10 +236,10 @@ def _draw(spec: MapSpec) -> dict[str, Any] | None:
     }
 
 
-def _axis(axis: Axis, geometric: bool) -> dict[str, Any]:
+def _axis(spec: MapSpec, axis: Axis, geometric: bool) -> dict[str, Any]:
     return {
         "name": _plain_words(axis.parameter.symbol),
-        "label": _plain_words(axis.label),
+        "label": _plain_words(axis_label(spec, axis)),
         "unit": "" if axis.unit == "1" else axis.unit,
         "values": list(axis.values),
         "edges": drawn_edges(axis, geometric).tolist(),
@@ -269,21 +265,29 @@ def _layers(data: MapData) -> list[dict[str, Any]]:
         "failed": ("share failed", data.failed / done),
     }
     first = "a body was found chaotic" if is_regular else "a body left"
+    clock = data.spec.clock
+    time, per_time = clock.shown("s"), clock.shown("1/s")
     values: dict[str, tuple[str, ArrayLike, bool]] = {
-        "earliest": (f"earliest time at which {first} (s)", data.earliest, False),
+        "earliest": (
+            f"earliest time at which {first} ({time[0]})",
+            time[1] * data.earliest,
+            False,
+        ),
         "energy_drift": ("worst drift of the energy", data.energy_drift, True),
         "momentum_drift": ("worst drift of the momentum", data.momentum_drift, True),
         "unit_drift": ("worst drift of unit lengths", data.unit_drift, True),
     }
     if is_regular:
-        values["exponent"] = ("mean exponent (1/s)", data.exponent, False)
-        values["largest_exponent"] = ("largest exponent (1/s)", data.largest_exponent, False)
+        for name, words in (("exponent", "mean"), ("largest_exponent", "largest")):
+            array = per_time[1] * getattr(data, name)
+            values[name] = (f"{words} exponent ({per_time[0]})", array, False)
         values["mean_megno"] = ("mean MEGNO", data.mean_megno, False)
     for name, measured in data.measures.items():
-        unit = "" if measured.measure.unit == "1" else f" ({measured.measure.unit})"
+        shown, factor = clock.shown(measured.measure.unit)
+        unit = "" if shown == "1" else f" ({shown})"
         for of in ("mean", "least", "largest"):
             label = f"{measured.measure.words}{unit}, {of} of the pixel"
-            values[f"{name}.{of}"] = (label, getattr(measured, of), False)
+            values[f"{name}.{of}"] = (label, factor * getattr(measured, of), False)
     layers = [
         {"name": name, "label": label, "low": 0.0, "high": 1.0, "log": False}
         | {"data": packed(np.asarray(array), np.float32)}
@@ -301,6 +305,32 @@ def _layers(data: MapData) -> list[dict[str, Any]]:
             | {"data": packed(array, np.float32)}
         )
     return layers
+
+
+def _curves(data: MapData, whole: MapSpec) -> list[dict[str, Any]]:
+    """The lines of theory that the picture has, in each plane of the first two axes.
+
+    Points are where the page draws them; NaN stands between lines.
+    """
+    theory, shape = predict(data.spec), data.spec.shape
+    if theory is None or not theory.curves or len(shape) < 2:
+        return []
+    drawn: dict[str, dict[str, Any]] = {}
+    for plane, index in enumerate(np.ndindex(shape[:-2])):
+        at = {len(shape) - 1 - k: place for k, place in enumerate(index)}
+        axes, curves = fine_curves(View.of(data, theory, at))
+        x, y = (
+            np.log(axis.values) if drawn_as.geometric else np.array(axis.values)
+            for axis, drawn_as in zip(axes, whole.axes, strict=False)
+        )
+        for curve, dashes in zip(curves, DASHES, strict=False):
+            label = _plain_words(curve.label)
+            known = drawn.setdefault(label, {"label": label, "dashes": dashes, "planes": {}})
+            lines = zero_lines(x, y, curve.field)
+            if lines:
+                ended = [np.append(line, [[np.nan] * 2], axis=0) for line in lines]
+                known["planes"][str(plane)] = packed(np.concatenate(ended), np.float32)
+    return [curve for curve in drawn.values() if curve["planes"]]
 
 
 def _motion(spec: MapSpec) -> dict[str, Any] | None:

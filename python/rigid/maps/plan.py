@@ -11,8 +11,16 @@ from ..model.forces import forces_in_words
 from ..solve.bodies import Bodies
 from ..solve.closed_form import NO_FORM, Codes, closed_forms, names, why_not
 from ..solve.methods import AUTO, EXACT
-from ..solve.plan import Plan, carried, left_out, not_left_out
-from ..solve.planned import UNKNOWN, closed_form_error, shortest_and_most, why_unforeseen
+from ..solve.plan import (
+    UNKNOWN,
+    Plan,
+    carried,
+    closed_form_error,
+    left_out,
+    not_left_out,
+    shortest_and_most,
+    why_unforeseen,
+)
 from .judge import TOLERANCE, is_adaptive
 from .spec import MapSpec
 

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from .._checks.arguments import brief, finite_float, nearest
 from ..drawing import colours
+from ..drawing.along import write_along
 from ..drawing.colours import on_ground
 from ..drawing.figure import axes_to_draw_on, shown_figure
 from ..model.criteria import Regular
@@ -23,7 +24,7 @@ from .data import MapData
 from .measured import NUMBERS, Measures
 from .spec import MapSpec
 from .theory import Curve, Theory, predict
-from .words import class_words, default_title
+from .words import axis_label, class_words, default_title
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -35,11 +36,11 @@ SHARE, COST = "share", "cost"
 """The quantity drawn by default, and the processor time."""
 
 GROWTH = {
-    "exponent": "mean exponent (1/s)",
-    "mean_megno": "mean of the mean MEGNO",
-    "largest_exponent": "largest exponent (1/s)",
+    "exponent": ("mean exponent", "1/s"),
+    "mean_megno": ("mean of the mean MEGNO", "1"),
+    "largest_exponent": ("largest exponent", "1/s"),
 }
-"""Quantities of maps of :func:`rigid.regular`, with their labels."""
+"""Quantities of maps of :func:`rigid.regular`, with their names and units."""
 
 FINER = 4
 """Most steps in each cell of the grid on which lines of theory are drawn."""
@@ -47,8 +48,14 @@ FINER = 4
 FINEST = 2**19
 """Most cells of that grid, unless the map has more pixels: the prediction takes 200 MB for them."""
 
-LONGEST = 100
+LONGEST = 76
 """Most letters of a line of the title: as many as fit above a picture and its bar of colours."""
+
+LETTERS = 30
+"""Most letters of an entry of a legend with two columns."""
+
+SIZE = 6.4, 5.2
+"""Width and height of a picture (inches): its words are legible on a page of 375 pixels."""
 
 UNDECIDED, MANY = 0.05, " > 5 %"
 """Cells with more than this share of undecided (or of failed) bodies are hatched."""
@@ -61,11 +68,12 @@ _HATCHED = (
     ("undecided" + MANY, "none", colours.UNDECIDED, "////"),
 )
 _Dashes: TypeAlias = Literal["solid", "dashed", "dashdot", "dotted"]
-_DASHES: tuple[_Dashes, ...] = ("solid", "dashed", "dashdot", "dotted")
+DASHES: tuple[_Dashes, ...] = ("solid", "dashed", "dashdot", "dotted")
+"""Of the lines of theory, in their order; further lines are not drawn."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class _View:
+class View:
     """The drawn part of a map: the whole map, or a slice along one or two of its axes."""
 
     data: MapData
@@ -83,7 +91,7 @@ class _View:
     theory: Theory | None
 
     @classmethod
-    def of(cls, data: MapData, theory: Theory | None, at: Mapping[int, int]) -> _View:
+    def of(cls, data: MapData, theory: Theory | None, at: Mapping[int, int]) -> View:
         """The slice at these places of these axes, by their numbers."""
         axes = data.spec.axes
         index = tuple(at.get(k, slice(None)) for k in reversed(range(len(axes))))
@@ -167,8 +175,10 @@ def plot_map(
     free = [k for k in range(len(data.spec.axes)) if k not in fixed]
     theory = predict(data.spec)
     if len(free) <= 2:
-        ax = axes_to_draw_on(ax)
-        view = _View.of(data, theory, fixed)
+        if ax is None:
+            ax = axes_to_draw_on(None)
+            ax.figure.set_size_inches(*SIZE)
+        view = View.of(data, theory, fixed)
         shown = None if field is None else field[view.index]
         _draw(view, ax, _title(data, fixed), shown, label)
         if cells and len(view.axes) == len(data.spec.axes) == 2:
@@ -222,13 +232,13 @@ def _small_pictures(
     handles: dict[Any, Any] = {}
     for row, column in np.ndindex(rows, columns):
         here = {across: column, **({down[0]: row} if down else {})}
-        view = _View.of(data, theory, {**fixed, **here})
+        view = View.of(data, theory, {**fixed, **here})
         panel: Any = panels[row, column]
-        mesh, found = _plane(view, panel)
+        mesh, found = _plane(view, panel, named=False)
         handles |= {handle.get_label(): handle for handle in found}
         panel.set_title(_values(data, here), fontsize="small")
-    figure.supxlabel(data.spec.axes[free[0]].label)
-    figure.supylabel(data.spec.axes[free[1]].label)
+    figure.supxlabel(axis_label(data.spec, data.spec.axes[free[0]]))
+    figure.supylabel(axis_label(data.spec, data.spec.axes[free[1]]))
     figure.suptitle(_title(data, fixed), x=0.01, ha="left", fontsize="medium")
     swatches = _classes(data)
     if not swatches:
@@ -275,12 +285,16 @@ def _field(data: MapData, what: object) -> tuple[Floats | None, str]:
         return 1e-9 * known, "processor time of a pixel (s)"
     if isinstance(what, str) and what in GROWTH:
         check_what(data.spec, what)
-        return np.asarray(getattr(data, what), dtype=np.float64), GROWTH[what]
-    return _measured(data.measures, what)
+        name, unit = GROWTH[what]
+        field = np.asarray(getattr(data, what), dtype=np.float64)
+    else:
+        field, name, unit = _measured(data.measures, what)
+    unit, factor = data.spec.clock.shown(unit)
+    return factor * field, name if unit == "1" else f"{name} ({unit})"
 
 
-def _measured(measures: Measures, what: object) -> tuple[Floats, str]:
-    """A number of a measure, and its label."""
+def _measured(measures: Measures, what: object) -> tuple[Floats, str, str]:
+    """A number of a measure, its name and its unit."""
     pattern = rf"({'|'.join(NUMBERS)}|median|quantile (\S+)) of (.+)"
     found = re.fullmatch(pattern, str(what))
     if found is None or not isinstance(what, str):
@@ -300,17 +314,16 @@ def _measured(measures: Measures, what: object) -> tuple[Floats, str]:
             raise ValueError(f"what = {brief(what)}: a quantile lies in [0, 1]") from None
     else:
         field = np.asarray(getattr(measured, number), dtype=np.float64)
-    unit = "1" if number == "count" else measured.measure.unit
-    return field, f"{what}{'' if unit == '1' else f' ({unit})'}"
+    return field, what, "1" if number == "count" else measured.measure.unit
 
 
-def _draw(view: _View, ax: Axes, title: str, field: Floats | None, label: str) -> None:
+def _draw(view: View, ax: Axes, title: str, field: Floats | None, label: str) -> None:
     if field is not None:
         handles = _draw_field(view, ax, field, label)
     else:
         handles = _draw_plane(view, ax) if len(view.axes) == 2 else _draw_line(view, ax)
     _set_scale(ax, "x", view.axes[0])
-    ax.set_xlabel(view.axes[0].label)
+    ax.set_xlabel(axis_label(view.data.spec, view.axes[0]))
     ax.set_title(title, loc="left", fontsize="medium")
     if handles:
         ax.legend(
@@ -319,15 +332,15 @@ def _draw(view: _View, ax: Axes, title: str, field: Floats | None, label: str) -
             bbox_to_anchor=(0.0, -0.12),
             borderaxespad=0.0,
             handlelength=3.0,
-            ncols=2,
+            ncols=2 if max(len(str(handle.get_label())) for handle in handles) <= LETTERS else 1,
             frameon=False,
             fontsize="small",
         )
 
 
-def _draw_plane(view: _View, ax: Axes) -> list[Any]:
+def _draw_plane(view: View, ax: Axes) -> list[Any]:
     mesh, handles = _plane(view, ax)
-    ax.set_ylabel(view.axes[1].label)
+    ax.set_ylabel(axis_label(view.data.spec, view.axes[1]))
     if swatches := _classes(view.data):
         return swatches + handles
     bar = ax.figure.colorbar(mesh, ax=ax, pad=0.02)
@@ -349,8 +362,8 @@ def _classes(data: MapData) -> list[Any]:
     ]
 
 
-def _plane(view: _View, ax: Axes) -> tuple[Any, list[Any]]:
-    """The colours and the hatches of a plane, and the lines of theory."""
+def _plane(view: View, ax: Axes, *, named: bool = True) -> tuple[Any, list[Any]]:
+    """The colours and the hatches of a plane, and the lines of theory, ``named`` along them."""
     from matplotlib import colormaps
 
     x, y = view.axes
@@ -362,13 +375,10 @@ def _plane(view: _View, ax: Axes) -> tuple[Any, list[Any]]:
         *edges, np.ma.masked_invalid(view.filled), cmap=shares, vmin=0, vmax=1, rasterized=True
     )
     handles = _hatch(view, ax, *edges)
-    axes, curves = _fine_curves(view)
-    for curve, dashes in zip(curves, _DASHES, strict=False):
-        handles += _draw_curve(axes, ax, curve, dashes)
-    return mesh, handles
+    return mesh, handles + _draw_curves(view, ax, named=named)
 
 
-def _draw_field(view: _View, ax: Axes, field: Floats, label: str) -> list[Any]:
+def _draw_field(view: View, ax: Axes, field: Floats, label: str) -> list[Any]:
     """Numbers of the pixels; white where there are none."""
     x = view.axes[0]
     if len(view.axes) == 1:
@@ -378,8 +388,9 @@ def _draw_field(view: _View, ax: Axes, field: Floats, label: str) -> list[Any]:
     y = view.axes[1]
     edges = cell_edges(x), cell_edges(y)
     _set_scale(ax, "y", y)
-    ax.set_ylabel(y.label)
-    cmap = colours.CHAOS_MAP if label in GROWTH.values() else colours.NUMBER_MAP
+    ax.set_ylabel(axis_label(view.data.spec, y))
+    growth = any(label.startswith(name) for name, _ in GROWTH.values())
+    cmap = colours.CHAOS_MAP if growth else colours.NUMBER_MAP
     mesh = ax.pcolormesh(*edges, np.ma.masked_invalid(field), cmap=cmap, rasterized=True)
     ax.figure.colorbar(mesh, ax=ax, pad=0.02).set_label(label)
     return _hatch(view, ax, *edges)
@@ -396,7 +407,7 @@ def _draw_cells(data: MapData, ax: Axes) -> None:
     ax.add_collection(LineCollection(list(outlines), colors="white", linewidths=0.3, alpha=0.6))
 
 
-def _fine_curves(view: _View) -> tuple[tuple[Axis, ...], tuple[Curve, ...]]:
+def fine_curves(view: View) -> tuple[tuple[Axis, ...], tuple[Curve, ...]]:
     """The lines of theory, and the axes of their points: finer than the pixels, up to the edges."""
     spec = view.data.spec
     if view.theory is None or not view.theory.curves:
@@ -428,30 +439,47 @@ def _finer(axis: Axis, steps: int) -> tuple[float, ...]:
     return tuple(values[~axis.parameter.rejects(values)].tolist())
 
 
-def _draw_curve(axes: tuple[Axis, ...], ax: Axes, curve: Curve, dashes: _Dashes) -> list[Any]:
+def _draw_curves(view: View, ax: Axes, *, named: bool) -> list[Any]:
+    """The lines of theory, each with its name along it; in the legend if there is no place."""
     from matplotlib.lines import Line2D
     from matplotlib.patheffects import Normal, Stroke
 
-    x, y = axes
-    if min(curve.field.shape) < 2:
-        return []  # no plane to draw a line in
-    lines = ax.contour(
-        x.values, y.values, curve.field, levels=[0.0], colors="white", linestyles=dashes
-    )
-    if not any(len(path) for path in lines.get_paths()):
-        return []  # between pixels, or where theory does not reach
-    handle = Line2D([], [], color="white", linestyle=dashes, label=f"theory: {curve.label}")
+    axes, curves = fine_curves(view)
+    drawn: dict[str, tuple[Any, list[Floats]]] = {}
+    for curve in curves:
+        if min(curve.field.shape) < 2:
+            continue  # no plane to draw a line in
+        x, y = (axis.values for axis in axes)
+        lines = ax.contour(x, y, curve.field, levels=[0.0], colors="white", linewidths=1.6)
+        (path,) = lines.get_paths()
+        if len(path.vertices) == 0:
+            continue  # between pixels, or where theory does not reach
+        begins = np.flatnonzero(path.codes == path.MOVETO)[1:]
+        drawn[curve.label] = lines, np.split(path.vertices, begins)
     # A black line below the dashes too: dashes alone read as equality signs in a legend.
     below = Stroke(
         linewidth=3.4, foreground="black", dashes={"dash_offset": 0.0, "dash_list": None}
     )
-    for artist in (lines, handle):
-        artist.set(linewidth=1.6)
-        artist.set_path_effects([below, Normal()])
-    return [handle]
+    handles: list[Any] = []
+    names: list[Floats] = []
+    for label, (lines, paths) in drawn.items():
+        lines.set_path_effects([below, Normal()])
+        others = [path for other, (_, its) in drawn.items() if other != label for path in its]
+        name = write_along(ax, label, paths, others + names) if named else None
+        if name is not None:
+            names.append(name)
+            continue
+        dashes = DASHES[len(handles) % len(DASHES)]
+        lines.set_linestyle(dashes)
+        handle = Line2D(
+            [], [], color="white", linestyle=dashes, linewidth=1.6, label=f"theory: {label}"
+        )
+        handle.set_path_effects([below, Normal()])
+        handles.append(handle)
+    return handles
 
 
-def _draw_line(view: _View, ax: Axes) -> list[Any]:
+def _draw_line(view: View, ax: Axes) -> list[Any]:
     (axis,) = view.axes
     values = np.array(axis.values)
     edges = cell_edges(axis)
@@ -468,7 +496,7 @@ def _draw_line(view: _View, ax: Axes) -> list[Any]:
     return handles
 
 
-def _hatch(view: _View, ax: Axes, x: NDArray[np.float64], y: NDArray[np.float64]) -> list[Any]:
+def _hatch(view: View, ax: Axes, x: NDArray[np.float64], y: NDArray[np.float64]) -> list[Any]:
     """Hatch cells that are impossible, not computed, or hold many failed or undecided bodies."""
     from matplotlib.patches import PathPatch
     from matplotlib.path import Path
@@ -530,20 +558,26 @@ def _set_scale(ax: Axes, which: str, axis: Axis) -> None:
 def _share_label(data: MapData) -> str:
     spec = data.spec
     if isinstance(spec.stable, Regular):
-        return f"share {spec.criterion}"
+        return "share regular"
     if "t_end" in spec.varied:
         return "share stable until $t_{end}$"
-    return f"share stable until t = {spec.t_end:g} s"
+    return f"share stable until {spec.horizon}"
 
 
 def _title(data: MapData, at: Mapping[int, int]) -> str:
     spec = data.spec
+    title = textwrap.fill(spec.title or default_title(spec), LONGEST)
     bodies = "1 body" if spec.samples == 1 else f"{spec.samples} bodies"
     if spec.half_width is not None:
         bodies = f"64 to {bodies}"
-    detail = f"stable: {spec.criterion}; {bodies} per pixel"
+    asks = "" if isinstance(spec.stable, Regular) else "stable: "
+    lines = [f"{asks}{spec.criterion}", f"{bodies} per pixel"]
     if not data.complete:
-        detail += f"; stopped after {data.samples.sum():,} bodies"
+        lines[1] += f"; stopped after {data.samples.sum():,} bodies"
     if at:
-        detail += f"; {_values(data, at)}"
-    return f"{spec.title or default_title(spec)}\n{textwrap.fill(detail, LONGEST)}"
+        lines.append(_values(data, at))
+    if len("; ".join(lines)) <= LONGEST:
+        lines = ["; ".join(lines)]
+    unbroken = [re.sub(r"\bt = (\S+) ", "t\0=\0\\1\0", line) for line in lines]
+    filled = [textwrap.fill(line, LONGEST) for line in unbroken]
+    return "\n".join([title, *filled]).replace("\0", " ")

@@ -83,8 +83,10 @@ def flat_spin(spec: MapSpec) -> Predicted | None:
             time[rows] = time_to_separatrix(body, sinks, spin[rows], rate)
     share = np.where(spec.t_end < 0.9 * most, 1.0, np.nan)
     share = np.where(spec.t_end > 1.1 * least, 0.0, share)
-    curves = {f"half pass the separatrix by t = {spec.t_end:g} s": half / spec.t_end - 1.0}
-    return f"mean loss of energy until t = {spec.t_end:g} s", share, curves
+    middle = moments[:, across].min(axis=1) / moments[:, tested] - 1.0
+    curves = {f"axis {tested + 1} becomes the middle one": middle}
+    curves |= {f"half pass the separatrix by {spec.horizon}": half / spec.t_end - 1.0}
+    return f"mean loss of energy until {spec.horizon}", share, curves
 
 
 def median_across(moments: Floats, size: Floats) -> Floats:

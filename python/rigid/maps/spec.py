@@ -29,6 +29,7 @@ from ..model.scene import FreeBody, Scene, scene_from_dict
 from ..model.seed import checked_seed
 from ..model.sourced import Sourced
 from ..model.start import Noise, Start
+from ..model.time_unit import ORBIT, SECONDS, Clock, TimeUnit, clock_of
 from ..model.torque import require_constant
 from ..solve.choose_method import NO_BOUND
 from ..solve.closed_form import FORCED_RULE, NO_FORM, closed_forms, question_words, rule
@@ -120,6 +121,9 @@ class MapSpec:
         Key of the random numbers, 0 <= seed < 2**128.
     title : str or None
         At most 1000 characters.
+    time_unit : str or (str, float)
+        The unit in which words and pictures show times: ``"s"``, ``"min"``, ``"h"``, ``"d"``,
+        ``"a"``, ``"orbit"``, or a name and its length. All numbers stay in the map's own unit.
     own : OwnScene or None
         The function that makes the scenes of the pixels from its arguments, the axes; ``scene`` is
         then the scene of the first pixel.
@@ -147,6 +151,7 @@ class MapSpec:
     refine: int | None = None
     budget: int | None = None
     title: str | None = None
+    time_unit: TimeUnit = SECONDS.name
     own: OwnScene | None = None
     measure: tuple[Measure, ...] = ()
     vary: tuple[Varied, ...] = ()
@@ -260,6 +265,11 @@ class MapSpec:
             raise ValueError(
                 f"title of {len(self.title)} characters: must have at most {MOST_TITLE}"
             )
+        clock = clock_of(self.time_unit, self.scene)
+        if isinstance(self.time_unit, list | tuple):
+            put("time_unit", (clock.name, clock.size))
+        if clock.name == ORBIT and (self.own is not None or "rate" in self.varied):
+            raise ValueError("time_unit = 'orbit': the orbits of this map have several periods")
         if not isinstance(self.version, str):
             raise TypeError(f"version = {brief(self.version)}: must be a string")
 
@@ -577,9 +587,23 @@ class MapSpec:
         return None if self.half_width is None else stop_table(self.half_width)
 
     @property
+    def _unit_in_json(self) -> str | list[Any]:
+        return self.time_unit if isinstance(self.time_unit, str) else list(self.time_unit)
+
+    @property
+    def clock(self) -> Clock:
+        """How words and pictures show times."""
+        return clock_of(self.time_unit, self.scene)
+
+    @property
+    def horizon(self) -> str:
+        """The horizon in words."""
+        return f"t = {self.clock.time(self.t_end)}"
+
+    @property
     def criterion(self) -> str:
         """Criterion and horizon in words."""
-        words = self.stable.until(self.t_end)
+        words = self.stable.until(self.t_end, self.clock)
         varied = [name for name in ("limit", "t_end") if name in self.varied]
         return f"{words}, {' and '.join(varied)} varied" if varied else words
 
@@ -687,6 +711,7 @@ class MapSpec:
             },
             "seed": self.seed,
             "title": self.title,
+            **({} if self.time_unit == SECONDS.name else {"time_unit": self._unit_in_json}),
             **({} if self.own is None else {"own": self.own.to_dict()}),
             "version": self.version,
         }

@@ -16,15 +16,17 @@ from .measured import Measured
 from .refine import LEFT_OUT, refined
 from .spec import MapSpec
 from .theory import agreement, predict
+from .words import axis_words, own_unit
 
 
 def summary(data: MapData) -> str:
     """Summary of computation, largest drift, undecided samples and comparison with theory."""
     spec = data.spec
+    start = spec.start.describe([axis.name for axis in spec.axes])
     lines = [
-        ("scene", spec.scene_words),
-        ("start", spec.start.describe([axis.name for axis in spec.axes])),
-        *((axis_letter(place), str(axis)) for place, axis in enumerate(spec.axes)),
+        ("scene", spec.scene_words.replace("rad/s", own_unit(spec, "rad/s"))),
+        ("start", start.replace("rad/s", own_unit(spec, "rad/s"))),
+        *((axis_letter(place), axis_words(spec, axis)) for place, axis in enumerate(spec.axes)),
         *([("varied", ", ".join(map(str, spec.vary)))] if spec.vary else []),
         ("stable", spec.criterion),
         ("method", _method(data)),
@@ -36,6 +38,8 @@ def summary(data: MapData) -> str:
         ("worst drift", _drift(data)),
         ("theory", _theory(data)),
     ]
+    if spec.clock.by_motion:
+        lines.insert(0, ("units", "n is the mean motion, an orbit lasts 2 pi/n"))
     if spec.title:
         lines.insert(0, ("map", spec.title))
     return labelled(lines)
@@ -118,18 +122,21 @@ def _exponents(data: MapData) -> str:
     known = data.largest_exponent[~np.isnan(data.largest_exponent)]
     if not known.size:
         return "none measured"
-    return f"largest {known.max():.3g} 1/s; none below {data.resolution:.3g} 1/s can be seen"
+    rate = data.spec.clock.rate
+    return f"largest {rate(known.max())}; none below {rate(data.resolution)} can be seen"
 
 
 def _measured(data: MapData, measured: Measured) -> str:
-    bodies, mean, least, largest = measured.totals()
-    unit = "" if measured.measure.unit == "1" else f" {measured.measure.unit}"
+    shown, factor = data.spec.clock.shown(measured.measure.unit)
+    bodies, *totals = measured.totals()
+    mean, least, largest = (factor * number for number in totals)
+    unit = "" if shown == "1" else f" {shown}"
     rest = f", {without:,} undecided" if (without := _undecided(data, measured)) else ""
     if not bodies:
         return f"{measured.measure}: of no body{rest}"
     text = f"mean {mean:.4g}{unit}, from {least:.4g} to {largest:.4g}{unit}"
     known = measured.error[~np.isnan(measured.error)]
-    error = f", error at most {known.max():.1e}{unit}" if known.size else ""
+    error = f", error at most {factor * known.max():.1e}{unit}" if known.size else ""
     return f"{measured.measure}: {text}{error}, of {bodies:,} bodies{rest}"
 
 

@@ -51,6 +51,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
+from .._checks.shown import angle_words
 from ..model.criteria import NoFlip, TiltBelow
 from ..model.forces import FORCES
 from ..model.scene import FreeBody, HeavyTop
@@ -272,7 +273,7 @@ def _free_no_flip(spec: MapSpec) -> Theory | None:
             share = np.where(np.isnan(law), share, law)
             label += "; heteroclinic flip time about the middle axis"
             name = "half have flipped by" if normal else "first flip at"
-            until = f"t = {spec.t_end:g} s, for small perturbations"
+            until = f"{spec.horizon}, for small perturbations"
             curves[f"{name} {until}"] = np.where(np.isnan(law), np.nan, excess)
     return _theory(spec, label, share, curves)
 
@@ -394,9 +395,9 @@ def _symmetric_top(spec: MapSpec) -> Theory | None:
     curves = {"sleeping-top bound $\\omega_3 = 2\\sqrt{mgl\\,I_1}/I_3$": sleeping}
     released = np.where(size > 0.0, RAYLEIGH_HALF * size, np.abs(grid.tilt))
     verb = "passes" if noise is None else "half pass"
-    name = f"{verb} {stable.angle:g} rad by t = {spec.t_end:g} s"
+    name = f"{verb} {angle_words(stable.angle)} by {spec.horizon}"
     curves[name] = np.where(known, critical - released, np.nan)
-    label = f"nutation of a symmetric top released at rest, until t = {spec.t_end:g} s"
+    label = f"nutation of a symmetric top released at rest, until {spec.horizon}"
     return _theory(spec, label, share, curves)
 
 
@@ -435,11 +436,11 @@ def _falling_top(spec: MapSpec) -> Theory | None:
     # Nutation before the bound: the noise must be far below the limit.
     share = np.where(known & (6.0 * size < stable.angle), share, np.nan)
     half = falling_lag(mgl, cross, axial, c, stable.angle / (RAYLEIGH_HALF * size))
-    until = f"t = {spec.t_end:g} s"
+    until, limit = spec.horizon, angle_words(stable.angle)
     bound = np.where(known, bound, np.nan)  # the lines too are of symmetric tops
     curves = {
         "onset of the fall $\\omega_3(t) = 2\\sqrt{mgl\\,I_1}/I_3$": bound / spec.t_end - 1.0,
-        f"about half pass {stable.angle:g} rad by {until}": (bound + half) / spec.t_end - 1.0,
+        f"about half pass {limit} by {until}": (bound + half) / spec.t_end - 1.0,
     }
     words = "no fall before the onset, all fallen two lags later"
     label = f"quasi-static spin-down until {until} ({words})"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from ..model.criteria import Regular
+from .axes import Axis
 from .spec import MapSpec
 
 
@@ -23,3 +24,21 @@ def default_title(spec: MapSpec) -> str:
     """What a map without a title shows: of a satellite, if it has an orbit."""
     what = "Regular motions" if isinstance(spec.stable, Regular) else "Stability"
     return f"{what} of a {'satellite' if 'orbit' in spec.forces else spec.scene.title}"
+
+
+def axis_label(spec: MapSpec, axis: Axis) -> str:
+    """Symbol and unit of an axis; on an orbit of mean motion 1 rates are multiples of it."""
+    unit = own_unit(spec, axis.unit)
+    if unit == "n":
+        return f"{axis.parameter.symbol} over mean motion"
+    return axis.label if unit == axis.unit else f"{axis.parameter.symbol} ({unit})"
+
+
+def axis_words(spec: MapSpec, axis: Axis) -> str:
+    """An axis with its range in words."""
+    return axis.words(own_unit(spec, axis.unit))
+
+
+def own_unit(spec: MapSpec, unit: str) -> str:
+    """The unit of the numbers of a map, whose time is that of an orbit or the second."""
+    return {"rad/s": "n", "s": "1/n"}.get(unit, unit) if spec.clock.by_motion else unit

@@ -701,6 +701,64 @@ takes such moments as they are
         return cls.from_properties(properties, about=about)
 
     @classmethod
+    def from_urdf(
+        cls, path: str | PathLike[str], *, link: str | None = None, about: ArrayLike | None = None
+    ) -> tuple[Body, NDArray[np.float64]]:
+        """A link of a robot in a URDF file, and its principal axes.
+
+        Read is the element ``inertial``: ``mass``, ``inertia``, whose numbers are the entries of
+        the matrix, and ``origin``, the centre of mass and the axes of ``inertia`` in the link.
+
+        Parameters
+        ----------
+        path : path-like
+        link : str, optional
+            Name of the link; by default the only one with a mass.
+        about : array_like, shape (3,), optional
+            As for :meth:`from_properties`, in the axes of the link.
+
+        Returns
+        -------
+        body : Body
+            Moments ascending, and the mass.
+        axes : ndarray, shape (3, 3)
+            Column k is body axis k + 1 in the frame of the link; right-handed.
+
+        Raises
+        ------
+        ValueError
+            Naming the path, if it is no URDF or has a document type, no link or several links with
+            a mass have the name, a number is missing or none, or no body has the inertia.
+        OSError
+            If the file cannot be read.
+
+        Warns
+        -----
+        MomentsWarning
+            As :class:`Body`.
+
+        Examples
+        --------
+        >>> import os, tempfile, numpy as np, rigid
+        >>> text = '''<robot name="arm"><link name="hand"><inertial>
+        ... <origin xyz="0 0 0.1" rpy="0 1.5707963267948966 0"/><mass value="2"/>
+        ... <inertia ixx="1" ixy="0" ixz="0" iyy="2" iyz="0" izz="2.5"/>
+        ... </inertial></link></robot>'''
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     path = os.path.join(folder, "arm.urdf")
+        ...     with open(path, "w") as file:
+        ...         _ = file.write(text)
+        ...     body, axes = rigid.Body.from_urdf(path, link="hand")
+        >>> body.mass, np.round(body.moments, 12).tolist()
+        (2.0, [1.0, 2.0, 2.5])
+        >>> bool(np.isclose(abs(axes[2, 0]), 1.0))  # the axis of the smallest is along z
+        True
+        """
+        from ..inertia.urdf import link_properties
+
+        return cls.from_properties(link_properties(path, link), about=about)
+
+    @classmethod
     def _of_solid(
         cls, name: str, mass: ArrayLike, zero: tuple[str, ...] = (), **sizes: ArrayLike
     ) -> Body:

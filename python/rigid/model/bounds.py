@@ -7,6 +7,7 @@ from math import pi
 from typing import ClassVar, Self
 
 from .._checks.arguments import brief, finite_float, one_of
+from .._checks.shown import angle_words
 from .criterion import Condition, Criterion
 from .orbit_axes import DIRECTIONS, extreme_axis, require_orbit
 from .scene import Scene
@@ -82,7 +83,8 @@ class TiltBetween(Criterion):
 
     def __str__(self) -> str:
         return (
-            f"tilt of axis {self.axis} from the vertical between {self.low:g} and {self.high:g} rad"
+            f"tilt of axis {self.axis} from the vertical between {angle_words(self.low)} "
+            f"and {angle_words(self.high)}"
         )
 
 
@@ -116,7 +118,7 @@ class RateWithin(WithinAngle):
 
     def __str__(self) -> str:
         where = "in space" if self.frame == "space" else "in the body"
-        return f"{self.of} within {self.angle:g} rad of its direction at the start {where}"
+        return f"{self.of} within {angle_words(self.angle)} of its direction at the start {where}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -131,7 +133,7 @@ class NearStart(WithinAngle):
         return self.name, 0, (self.angle,)
 
     def __str__(self) -> str:
-        return f"attitude within {self.angle:g} rad of the start"
+        return f"attitude within {angle_words(self.angle)} of the start"
 
 
 @dataclass(frozen=True, slots=True)
@@ -168,7 +170,7 @@ class PointingWithin(WithinAngle):
     def __str__(self) -> str:
         axis = "long axis" if self.axis is None else f"axis {self.axis}"
         either = ", or of its opposite" if self.either else ""
-        return f"{axis} within {self.angle:g} rad of {DIRECTIONS[self.of]}{either}"
+        return f"{axis} within {angle_words(self.angle)} of {DIRECTIONS[self.of]}{either}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -193,7 +195,7 @@ class ReturnsNear(WithinAngle):
         return 0, "~"
 
     def __str__(self) -> str:
-        return f"attitude back within {self.angle:g} rad of the start after {self.after:g} s"
+        return f"attitude back within {angle_words(self.angle)} of the start after {self.after:g} s"
 
 
 @dataclass(frozen=True, slots=True)
@@ -393,7 +395,7 @@ def librates(axis: int | None = None) -> PointingWithin:
     --------
     >>> import rigid
     >>> str(rigid.librates(1))
-    'axis 1 within 1.5708 rad of the radial direction, or of its opposite'
+    'axis 1 within 90° of the radial direction, or of its opposite'
     """
     return PointingWithin(0.5 * pi, axis, either=True)
 

@@ -13,6 +13,7 @@ from typing import Any, ClassVar, Self
 import numpy as np
 
 from .._checks.arguments import brief, finite_float, one_of
+from .._checks.shown import angle_words
 from .bounds import (
     NearStart,
     PointingWithin,
@@ -27,6 +28,7 @@ from .forces import forces_in_words
 from .judged import Custom
 from .scene import Scene
 from .start import Start, body_axis
+from .time_unit import SECONDS, Clock
 
 REFERENCES = ("start", "vertical")
 
@@ -120,7 +122,7 @@ class TiltBelow(WithinAngle):
 
     def __str__(self) -> str:
         origin = {"start": " from its start", "vertical": " from the vertical", None: ""}
-        return f"tilt of axis {self.axis}{origin[self.reference]} below {self.angle:g} rad"
+        return f"tilt of axis {self.axis}{origin[self.reference]} below {angle_words(self.angle)}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -175,10 +177,10 @@ class Regular(Criterion):
         """Free bodies and Lagrange tops are regular by theorem."""
         return "regular", None
 
-    def until(self, t_end: float) -> str:
-        """The criterion with its horizon (s) and what this horizon can show, in words."""
-        seen = f"{2.0 * self.high:g}/T = {self.resolution(t_end):g} 1/s"
-        return f"{self} down to {seen} until T = {t_end:g} s"
+    def until(self, t_end: float, clock: Clock = SECONDS) -> str:
+        """The criterion with its horizon, and the least exponent that it can show, in words."""
+        seen = clock.rate(self.resolution(t_end))
+        return f"{self}: no exponent above {seen} until t = {clock.time(t_end)}"
 
     def __str__(self) -> str:
         return "regular with its attitude" if self.of == "attitude" else "regular"
@@ -313,7 +315,7 @@ def regular(
     --------
     >>> import rigid
     >>> rigid.regular().until(200.0)
-    'regular down to 10/T = 0.05 1/s until T = 200 s'
+    'regular: no exponent above 0.05/s until t = 200 s'
     """
     return Regular(of, sure, low, high, ratio)
 

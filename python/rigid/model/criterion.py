@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from .._checks.arguments import brief
 from .scene import Scene
 from .start import Start
+from .time_unit import SECONDS, Clock
 
 Condition: TypeAlias = tuple[str, int, tuple[float, ...]]
 """Name, axis and limits of one condition as the core takes them."""
@@ -84,9 +85,9 @@ class Criterion(ABC):
     def check_forced(self, scene: Scene, forces: Sequence[str]) -> None:  # noqa: B027
         """Raise ValueError if a map cannot observe the criterion under torque and damping."""
 
-    def until(self, t_end: float) -> str:
-        """The criterion with its horizon (s) in words."""
-        return f"{self} until t = {t_end:g} s"
+    def until(self, t_end: float, clock: Clock = SECONDS) -> str:
+        """The criterion with its horizon in words."""
+        return f"{self} until t = {clock.time(t_end)}"
 
     def to_dict(self) -> dict[str, Any]:
         """The criterion as a JSON-able dictionary."""

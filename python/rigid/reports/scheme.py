@@ -56,8 +56,8 @@ class Scheme:
                     made = self.function(scene, step * before, *now, step, steps - before)
                 spent += time.process_time_ns() - begun
                 now, before = self._checked(made, count), steps
-            for states, one in zip(kept, now, strict=True):
-                states[:, k] = one
+            for column, one in zip(kept, now, strict=True):
+                column[:, k] = one
         energy_drift, momentum_drift = _drifts(scene, omega, attitude, *kept)
         arrived = np.isfinite(kept[0]).all(axis=(1, 2)) & np.isfinite(kept[1]).all(axis=(1, 2))
         states: dict[str, Any] = {

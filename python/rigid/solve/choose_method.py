@@ -38,8 +38,7 @@ from .methods import (
     adaptive_methods,
     order_of,
 )
-from .plan import Lazy, Plan, plan_of_parts
-from .planned import UNKNOWN, Reason, plan_of, why_unforeseen
+from .plan import UNKNOWN, Lazy, Plan, Reason, plan_of, plan_of_parts, why_unforeseen
 from .request import USUAL_ACCURACY, Problem
 from .surfaces import default_method
 

@@ -170,7 +170,7 @@ class Fit:
         Returns
         -------
         matplotlib Axes
-            The axes of the rates; the residuals have the last of ``ax.figure.axes``.
+            The axes of the rates; the residuals are in the last of ``ax.figure.axes``.
 
         Raises
         ------

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -17,6 +17,9 @@ from ..model.frame import attitudes_in_frame, checked_frame, turned
 from ..model.scene import Scene, check_scene
 from .bodies import bodies_of, holds_rods
 from .methods import check_method, known_method, longest_angle, methods
+
+if TYPE_CHECKING:
+    from scipy.spatial.transform import Rotation
 
 DEFAULT = "dop853"
 """Its steps keep energy and attitude as steps of ``rk4`` do that are a ninth as long."""
@@ -131,19 +134,80 @@ class Motion:
 
     @property
     def omega(self) -> Floats:
-        """Angular velocity in the body now (rad/s), shape (3,) or (n, 3)."""
+        """Angular velocity in the body now (rad/s), shape (3,) or (n, 3); may be set.
+
+        The array is a copy: change it, then set it. Bodies whose rates stay go on with all their
+        bits. The attitude of the others is normalised. A collision that stops one of two bodies:
+
+        >>> import rigid
+        >>> motion = rigid.Motion(rigid.Body((1.0, 2.0, 3.0)), [[0.1, 1.0, 0.1], [0.0, 0.0, 2.0]])
+        >>> motion.step(0.5)
+        >>> omega = motion.omega
+        >>> omega[1] = 0.0
+        >>> motion.omega = omega
+        >>> motion.omega[1].tolist()
+        [0.0, 0.0, 0.0]
+        """
         omega = self._core.omega()
         if self._frame is not None:
             omega = turned(self._frame, omega)
         return omega[0] if self._single else omega
 
+    @omega.setter
+    def omega(self, omega: ArrayLike) -> None:
+        self._begin("omega", omega, self.attitude)
+
     @property
     def attitude(self) -> Floats:
-        """Quaternion now, scalar first, body to space, (4,) or (n, 4); not normalised again."""
+        """Quaternion now, scalar first, body to space, (4,) or (n, 4); may be set.
+
+        It is not normalised again after steps; one that is set is, and may be a SciPy ``Rotation``.
+        Bodies whose quaternion stays go on with all their bits.
+
+        >>> import rigid
+        >>> motion = rigid.Motion(rigid.Body((1.0, 2.0, 3.0)), [0.1, 1.0, 0.1])
+        >>> motion.attitude = (2.0, 0.0, 0.0, 0.0)
+        >>> motion.attitude.tolist()
+        [1.0, 0.0, 0.0, 0.0]
+        """
         attitude = self._core.attitude()
         if self._frame is not None:
             attitude = attitudes_in_frame(self._frame, attitude)
         return attitude[0] if self._single else attitude
+
+    @attitude.setter
+    def attitude(self, attitude: AttitudeLike) -> None:
+        self._begin("attitude", self.omega, attitude)
+
+    def _begin(self, name: str, omega: ArrayLike, attitude: AttitudeLike) -> None:
+        """Begin again from here with other rates or attitudes, where they are not the same."""
+        given = ((omega, attitude), (self.omega, self.attitude))
+        new, old = (bodies_of(self.scene, *one, frame=self._frame, rod=True) for one in given)
+        if new.shape != old.shape:
+            raise ValueError(f"{name}: expected bodies of shape {old.shape}, got {new.shape}")
+        kept = np.all(new.omega == old.omega, axis=1) & np.all(new.attitude == old.attitude, axis=1)
+        self._core.begin(new, kept)
+
+    def rotation(self) -> Rotation:
+        """The attitude as a SciPy ``Rotation`` (active, body to space), of one body or of n.
+
+        Its ``as_quat()`` has the scalar last, ``(x, y, z, w)``.
+
+        Returns
+        -------
+        scipy.spatial.transform.Rotation
+
+        Examples
+        --------
+        >>> import rigid
+        >>> motion = rigid.Motion(rigid.Body((1.0, 2.0, 3.0)), [0.0, 0.0, 1.0])
+        >>> motion.step(0.25)
+        >>> motion.rotation().as_rotvec().round(9).tolist()
+        [0.0, 0.0, 0.25]
+        """
+        from scipy.spatial.transform import Rotation
+
+        return Rotation.from_quat(self.attitude, scalar_first=True)
 
     def step(self, dt: float, torque: ArrayLike | None = None) -> None:
         """Make one step of the method; two steps if a knot of the table of a torque lies inside.

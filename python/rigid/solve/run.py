@@ -789,7 +789,8 @@ an accuracy
         """Show the motion as a film, or write the film.
 
         The run needs attitudes at two times or more. Each time becomes a frame; there is no
-        interpolation between the times.
+        interpolation between the times. Of a body on an orbit the film shows the direction to the
+        planet, and the plane of the orbit; the distance is not to scale.
 
         Parameters
         ----------
@@ -813,7 +814,8 @@ an accuracy
             by side, with one scale. Default: both bodies of a run of two.
         trail : float, optional
             Length of trails in seconds of the run, ``math.inf`` for trails without end. Default: a
-            quarter of the run, and without end in the view ``"poinsot"``.
+            quarter of the run, on an orbit at most about two turns of the body, and without end in
+            the view ``"poinsot"``.
         shape : tuple (vertices, faces), optional
             The surface of the body, to be shown instead of a box or a top: corners of shape (v, 3),
             and for each polygon the indices of its corners, shape (f, n) with n >= 3;

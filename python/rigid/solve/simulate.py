@@ -339,9 +339,9 @@ def simulate(
 
 def _checked_record(record: str | Sequence[str], scene: Scene) -> tuple[str, tuple[str, ...]]:
     """The recorded states, and what is recorded that follows from them."""
-    if isinstance(record, str) and record in RECORDS:
-        return record, ()
-    names = (record,) if isinstance(record, str) else tuple(record)
+    if isinstance(record, str) or not isinstance(record, Sequence):
+        return one_of("record", record, RECORDS), ()
+    names = tuple(record)
     for name in names:
         one_of("record", name, (*RECORDS, *DERIVED))
     states, derived = ([name for name in names if name in of] for of in (RECORDS, DERIVED))

@@ -156,8 +156,9 @@ class Target:
                     elif self.single and array is not None and name != "work":
                         states[name] = array.astype(np.float32, copy=False)
             except FloatingPointError:
+                most = np.nanmax(np.abs(states[name]))
                 raise ValueError(
-                    f"dtype = float32: {name} reaches {np.nanmax(np.abs(array)):.3g}; the largest "
+                    f"dtype = float32: {name} reaches {most:.3g}; the largest "
                     f"number is {np.finfo(np.float32).max:.3g}: take other units, or float64"
                 ) from None
         return error + SINGLE if self._rounds else error

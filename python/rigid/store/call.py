@@ -20,6 +20,7 @@ from ..model.measures import Measure, make_measures
 from ..model.mixture import Mixture
 from ..model.scene import Scene
 from ..model.start import Noise, Start
+from ..model.time_unit import TimeUnit
 from .result import StabilityMap
 
 
@@ -39,6 +40,7 @@ def stability_map(
     progress: ProgressOption = None,
     max_steps: int | None = None,
     title: str | None = None,
+    time_unit: TimeUnit | None = None,
     measure: Measure | Iterable[Measure] | None = None,
     vary: Mapping[str, Noise] | None = None,
     partial: bool = False,
@@ -146,6 +148,12 @@ def stability_map(
         A body that needs more steps counts as failed; by default 1e9.
     title : str, optional
         Title for plots and files.
+    time_unit : str or (str, float), optional
+        The unit in which words and pictures show times and rates of growth. ``"s"``, the default,
+        shows them as they are. ``"min"``, ``"h"``, ``"d"`` and ``"a"`` (365.25 d) are for numbers
+        in seconds. ``"orbit"`` is the period of the orbit of the scene; if its ``rate`` is 1, spins
+        are labelled as multiples of the mean motion. ``("sol", 88775.2)`` is a name and its length.
+        Arguments and results stay in the map's own unit, whatever this says.
     measure : Measure or sequence of Measure, optional
         Numbers to collect of each body besides its class: :func:`time_to_leave`, :func:`flips`,
         :func:`largest_tilt`, :func:`mean_rate`, :func:`drift`, :func:`libration_amplitude`,
@@ -239,6 +247,7 @@ def stability_map(
         "refine": refine,
         "budget": budget,
         "title": title,
+        "time_unit": time_unit,
         "measure": None if measure is None else make_measures(measure),
         "vary": None if vary is None else make_varied(vary),
     }

@@ -14,6 +14,7 @@ from .._checks.arguments import one_line
 from ..maps.identity import (
     FORMAT,
     FORMAT_VERSIONS,
+    LABELS,
     head_of,
     key_of,
     segment_of,
@@ -117,7 +118,8 @@ class Head:
                 "another folder, or go on with the version that made this one"
             )
         try:
-            head = cls.of(MapSpec.from_dict(content["spec"]))
+            spec = MapSpec.from_dict(content["spec"])
+            head = cls(spec, _segment(content["segment"], spec))
             expected = head.content
         except Exception as error:  # the text may hold anything
             raise StoreError(f"{path} holds a broken specification: {one_line(error)}") from None
@@ -136,7 +138,7 @@ class Head:
         ------
         StoreError
         """
-        found = spec_differences(self.spec, spec, "title", "version")
+        found = spec_differences(self.spec, spec, *LABELS)
         if found:
             shown = "; ".join(found[:5]) + (f"; and {len(found) - 5} more" if found[5:] else "")
             raise StoreError(
@@ -152,6 +154,12 @@ def divided(spec: MapSpec) -> int:
     """
     segment, whole = _even(spec, UNITS, FEWEST_SAMPLES), segment_of(spec)
     return segment if spec.looks is None and segment < min(spec.samples, whole) else whole
+
+
+def _segment(given: Any, spec: MapSpec) -> int:
+    """Most samples of a unit of a stored head: of a map with more samples, those before."""
+    is_older = type(given) is int and 0 < given < spec.samples and given % LOOK == 0
+    return given if is_older and spec.looks is None else divided(spec)
 
 
 def divided_in_memory(spec: MapSpec) -> int:

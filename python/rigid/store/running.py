@@ -120,8 +120,9 @@ class Folder(Memory):
         path: str | os.PathLike[str],
         spec: MapSpec,
         disk: Disk = DISK,
+        segment: int | None = None,
     ) -> Folder:
-        """The folder of that map; a new one if there is none.
+        """The folder of that map; a new one if there is none, with so many samples in a unit.
 
         Raises
         ------
@@ -132,7 +133,8 @@ class Folder(Memory):
         if not cls.is_at(folder):
             cls.require_empty(folder, disk)
             disk.make_folder(folder / "logs")
-            disk.publish(folder / "head.json", canonical(Head.of(spec).content))
+            head = Head.of(spec) if segment is None else Head(spec, segment)
+            disk.publish(folder / "head.json", canonical(head.content))
             disk.synchronise_folder(folder.absolute().parent)
         found = cls(folder, disk)
         found.head.require_spec(spec, folder)

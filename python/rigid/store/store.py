@@ -6,24 +6,35 @@ import os
 import shutil
 import time
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .._checks.arguments import brief, positive_int, resolve_threads
 from .._checks.progress import Interrupted, ProgressOption, checked_progress, interruptible
 from .._files import published
 from ..maps.dataset import write_zarr_url
+from ..maps.refine import refined
+from ..maps.sequential import LOOK
 from ..maps.spec import MapSpec
 from ..model.scene import Scene
 from .compare import Verification, verify
 from .compare import diff as diff
 from .drive import executor_of
+from .head import Head, StoreError
 from .result import StabilityMap
 from .resume import Part, carry_on, pixels_done, result_of
 from .running import Folder, Memory
 from .status import Status, status_of
+
+MOST_UNITS = 2**22
+"""Most units of a map with more samples: their rows take some hundred megabytes."""
+
+ROWS = 2**16
+"""Rows that are copied at a time."""
 
 
 class PoisonedError(RuntimeError):
@@ -207,6 +218,83 @@ class Store:
             allow_mixed=allow_mixed,
         )
 
+    def extend(self, path: str | os.PathLike[str], *, samples: int) -> Store:
+        """A new folder for the same map with more samples, whose first ones are those stored.
+
+        The rows are copied, and :meth:`Store.resume` computes what is missing: the result has the
+        bits of a map that was asked for so many samples at once.
+
+        Parameters
+        ----------
+        path : path-like
+            The new folder.
+        samples : int
+            Samples of a pixel, more than now.
+
+        Returns
+        -------
+        Store
+
+        Raises
+        ------
+        ValueError
+            If the folder is not new; or if the first bodies would have other results: the map has
+            ``half_width``, ``refine``, ``budget`` or a share to ``check``, or its samples are no
+            multiple of 64, which are checked together.
+        OSError
+            If the rows cannot be written.
+
+        Examples
+        --------
+        >>> import pathlib, tempfile, rigid
+        >>> ask = dict(axes={"spin": [1.0, 2.0]}, t_end=50.0, stable=rigid.no_flip(), rng=1)
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     path = pathlib.Path(folder, "run.rigid")
+        ...     _ = rigid.stability_map(rigid.FreeBody, store=path, samples=64, **ask)
+        ...     more = rigid.open_store(path).extend(pathlib.Path(folder, "more"), samples=256)
+        ...     result = more.resume(progress=False)
+        >>> result.samples.tolist(), result.computed
+        ([256, 256], 384)
+        """
+        self._folder.read()
+        old, spec = self._folder.head, self.spec
+        if positive_int("samples", samples) <= spec.samples:
+            raise ValueError(f"samples = {samples}: must be above {spec.samples}, which are stored")
+        if spec.looks is not None or refined(spec) or 0.0 < (spec.check or 0.0) < 1.0:
+            raise ValueError(
+                f"samples = {samples}: a map with half_width, refine, budget or a share to check "
+                "gives its first bodies other results when there are more; take a new store"
+            )
+        segment = min(old.segment, spec.samples)
+        if segment % LOOK or spec.samples % segment:
+            raise ValueError(
+                f"samples = {samples}: the {spec.samples} stored samples of a pixel must be a "
+                f"multiple of {max(LOOK, segment % LOOK or segment)}, because so many are computed "
+                "and checked together"
+            )
+        more = Head(replace(spec, samples=samples), segment)
+        if more.units > MOST_UNITS:
+            raise ValueError(
+                f"samples = {samples}: makes {more.units} units of {segment} samples, more than "
+                f"{MOST_UNITS}; take a new store"
+            )
+        Folder.require_empty(path)
+        target = Folder.at(path, more.spec, segment=segment)
+
+        def moved(units: NDArray[np.int64]) -> NDArray[np.int64]:
+            pixels, place = np.divmod(units, old.segments)
+            return pixels * more.segments + place
+
+        table = self._folder.table
+        known = np.flatnonzero(table.known)
+        target.begin(executor="copy")
+        for first in range(0, len(known), ROWS):
+            rows, costs, bins = table.block(known[first : first + ROWS])
+            rows["unit"], bins[:, 0] = moved(rows["unit"]), moved(bins[:, 0])
+            target.append(rows, costs, bins)
+        target.end("copied")
+        return Store(target)
+
     def verify(
         self,
         share: float = 0.01,
@@ -381,9 +469,14 @@ def merge(paths: Sequence[str | os.PathLike[str]], into: str | os.PathLike[str])
         folders.append(Folder(into))
     for folder in folders[1:]:
         folder.head.require_spec(first.head.spec, folder.path)
+        if folder.head.segment != first.head.segment:
+            raise StoreError(
+                f"{folder.path}: its units have {folder.head.segment} samples, the units of "
+                f"{first.path} have {first.head.segment}: only one of the two was extended"
+            )
         rows, _, bins = folder.table.block(np.flatnonzero(folder.table.known))
         first.table.add(rows, None, bins, folder.path)
-    target = Folder.at(into, first.head.spec)
+    target = Folder.at(into, first.head.spec, segment=first.head.segment)
     for folder in folders:
         for log in folder.logs:
             source, copy = folder.path / "logs" / log.name, target.path / "logs" / log.name

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 import pytest
 from PIL import Image, ImageSequence
+from scipy.optimize import brentq
 from scipy.spatial.transform import Rotation
 
 import rigid
@@ -22,8 +23,8 @@ from processes import PATIENCE, python_process
 from refusals import refuses
 from rigid import top
 from rigid.animation import Animation
-from rigid.animation.film import side_by_side
-from rigid.animation.raster import frame_picture
+from rigid.animation.film import PLANET, side_by_side
+from rigid.animation.raster import Camera, frame_picture
 from rigid.animation.web import film_page
 from rigid.drawing.shapes import STEM
 
@@ -600,3 +601,74 @@ def test_what_is_no_pair_and_no_text_is_refused() -> None:
             run_of(BOX).animate(shape=shape)
     with pytest.raises(TypeError, match="caption = 5: must be a text"):
         run_of(BOX).animate(caption=5)
+
+
+# Orbits
+
+ORBITS = {
+    "ellipse": rigid.Orbit(3.0, 0.4, 1.0, normal=(0.0, -0.6, 0.8)),
+    "flyby": rigid.Orbit(3.0, 1.5, -3.0, normal=(0.0, -0.6, 0.8)),
+}
+
+
+def kepler(anomaly: float, e: float, mean: float) -> float:
+    """Zero at the eccentric anomaly of a mean anomaly."""
+    if e < 1.0:
+        return float(anomaly - e * np.sin(anomaly) - mean)
+    return float(e * np.sinh(anomaly) - anomaly - mean)
+
+
+def kepler_directions(orbit: rigid.Orbit, t: Any) -> Any:
+    """Unit vectors from the body to the planet, by SciPy's root of Kepler's equation."""
+    e, normal = orbit.eccentricity, np.asarray(orbit.normal)
+    across = np.cross(normal, orbit.periapsis)
+    found = []
+    for mean in orbit.anomaly + orbit.rate * np.asarray(t):
+        at = brentq(kepler, mean - 9.0, mean + 9.0, args=(e, mean), xtol=1e-14)
+        if e < 1.0:
+            place = np.array([np.cos(at) - e, np.sqrt(1.0 - e * e) * np.sin(at)])
+        else:
+            place = np.array([e - np.cosh(at), np.sqrt(e * e - 1.0) * np.sinh(at)])
+        found.append(-(place[0] * np.asarray(orbit.periapsis) + place[1] * across))
+    return np.array([one / np.linalg.norm(one) for one in found])
+
+
+@pytest.mark.parametrize("name", ORBITS)
+def test_a_film_on_an_orbit_shows_the_direction_to_the_planet(name: str) -> None:
+    orbit = ORBITS[name]
+    film = film_of(run_of(rigid.FreeBody(ASYMMETRIC.body, orbit=orbit)))
+    planet = part(film, "planet", label="planet")
+    assert planet.meaning == "direction to the planet"
+    # Kepler's equation in doubles: an anomaly of up to 7 rad, over a slope of 0.5 or more.
+    np.testing.assert_allclose(planet.points / PLANET, kepler_directions(orbit, film.t), atol=1e-14)
+    np.testing.assert_allclose(film.up, orbit.normal, atol=1e-15)
+    (ring,) = (one for one in film.parts if one.meaning == "plane of the orbit")
+    assert np.abs(ring.points @ np.asarray(orbit.normal)).max() < 1e-15
+
+
+def test_a_picture_has_the_planet_where_it_is() -> None:
+    orbit = ORBITS["ellipse"]
+    film = film_of(run_of(rigid.FreeBody(ASYMMETRIC.body, orbit=orbit)))
+    camera = Camera(film, 300)
+    frames = [k for k, point in enumerate(part(film, "planet", label="planet").points)
+              if point @ camera.eye > 0.3]  # fmt: skip
+    assert len(frames) > 3  # in front of the body
+    for k in frames:
+        pixels, names = frame_picture(film, k, 300)
+        column, row, _ = camera.project(PLANET * kepler_directions(orbit, film.t[k : k + 1])[0])
+        ink = pixels[int(row), int(column)] / 255.0
+        violet = np.array([0x6B, 0x4F, 0xBB]) / 255.0
+        # The light changes the size of a colour, not its direction; bytes round by 1/510.
+        assert np.linalg.norm(np.cross(ink, violet)) < 0.01
+        assert [one.label for one, _ in names][-1] == "planet"
+
+
+def test_the_momentum_of_a_film_is_that_of_the_body_with_its_rotor() -> None:
+    run = run_of(rigid.FreeBody(ASYMMETRIC.body, rotor=(0.3, -0.2, 1.0)))
+    film = film_of(run)
+    meant = run.momentum("space")
+    shown = part(film, "arrow", label="L").points
+    np.testing.assert_allclose(
+        shown / 1.5, meant / np.linalg.norm(meant, axis=-1).max(), rtol=1e-13, atol=1e-13
+    )
+    np.testing.assert_allclose(film.up, meant[0] / np.linalg.norm(meant[0]), atol=1e-13)

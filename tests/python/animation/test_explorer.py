@@ -284,6 +284,21 @@ def test_motions_of_the_page_are_those_of_simulate() -> None:
 
 
 @pytest.mark.skipif(NODE is None, reason="needs node")
+def test_places_on_orbits_are_those_of_the_orbit() -> None:
+    """Kepler's equation in doubles: 1e-16 of an anomaly, over a slope of at least 0.1."""
+    orbits = [rigid.Orbit(1.5, e, -2.0, **SIDEWAYS) for e in (0.0, 0.3, 0.9, 1.1, 3.0)]
+    t = np.linspace(-5.0, 40.0, 46)
+    found = under_node(
+        "(orbits, t) => orbits.map(orbit => t.map(time => placeOf(orbit, time)))",
+        [orbit.numbers for orbit in orbits],
+        t,
+    )
+    for orbit, places in zip(orbits, found, strict=True):
+        far = np.linalg.norm(orbit.position(t), axis=-1, keepdims=True)
+        assert (np.abs(np.array(places) - orbit.position(t)) / far).max() < 1e-13
+
+
+@pytest.mark.skipif(NODE is None, reason="needs node")
 @pytest.mark.parametrize("name", names_of("map"))
 def test_bodies_of_every_built_in_map_move_in_the_page(name: str, tmp_path: Path) -> None:
     """Over 30 rad: chaos enlarges an error of 1e-10 in this time by less than a hundred."""
@@ -441,6 +456,23 @@ def test_regular_maps_show_tilt_and_rates_without_a_limit(tmp_path: Path) -> Non
     ]
 
 
+def test_lines_of_theory_are_fine_and_have_the_dashes_of_the_picture(tmp_path: Path) -> None:
+    """Pitch is stable above I1 = I3, which the pixels would draw as a stair."""
+    spec = read_spec("gravity-gradient").spec
+    axes = {axis.name: [0.5, 0.8, 1.1, 1.4, 1.7, 2.0] for axis in spec.axes}
+    result = rigid.stability_map(spec.replace(samples=1, axes=axes, t_end=1.0), progress=False)
+    curves = content(result.explore(tmp_path / "a.html"))["curves"]
+    assert [(one["label"], one["dashes"]) for one in curves] == [
+        ("DeBra-Delp: roll and yaw stable", "solid"),
+        ("pitch stable", "dashed"),
+    ]
+    line = unpacked(curves[1]["planes"]["0"]).reshape(-1, 2)
+    ends = np.isnan(line[:, 0])
+    assert (np.isnan(line).all(axis=1) == ends).all()
+    np.testing.assert_allclose(line[~ends, 0], line[~ends, 1], atol=1e-6)  # floats of 24 bits
+    assert len(line) > 15
+
+
 def test_a_page_has_a_layer_of_each_measure(tmp_path: Path) -> None:
     result = tops(measure=[rigid.largest_tilt(), rigid.flips(1)])
     layers = content(result.explore(tmp_path / "a.html"))["layers"]
@@ -503,7 +535,7 @@ def test_the_explorer_works_in_a_browser(browser: Any, page: Path, width: int, s
     )
     shown.wait_for_selector("canvas.stage")
     first = shown.evaluate("location.hash")
-    assert re.fullmatch(r"#layer=share&pixel=2,3&sample=\d", first)
+    assert re.fullmatch(r"#layer=share&pixel=2,3&body=\d", first)
     start = BOX.starts(3, pixel=(2, 3))
     drawn = shown.evaluate("explorer.bodies.start(3)")
     assert drawn == [start.omega.tolist(), start.attitude.tolist()]
@@ -528,7 +560,7 @@ def test_the_explorer_works_in_a_browser(browser: Any, page: Path, width: int, s
 
 @pytest.mark.browser
 def test_the_address_restores_the_view(browser: Any, page: Path) -> None:
-    opened = Opened(browser, page, address="#layer=upper&pixel=1,2&sample=3")
+    opened = Opened(browser, page, address="#layer=upper&pixel=1,2&body=3")
     opened.page.wait_for_selector("canvas.stage")
     assert opened.page.locator(".python").text_content() == "result.replay(pixel=(1, 2), sample=3)"
     assert opened.page.locator("select.layer").input_value() == "upper"
@@ -574,13 +606,13 @@ def test_charts_and_layers_are_chosen_and_kept(browser: Any, tmp_path: Path) -> 
         measure=[rigid.largest_tilt()],
     )
     page = result.explore(tmp_path / "joined.html")
-    where = "#layer=largest_tilt(3).mean&chart=1&pixel=1,2&sample=0"
+    where = "#layer=largest_tilt(3).mean&chart=1&pixel=1,2&body=0"
     opened = Opened(browser, page, address=where, width=375, height=800)
     shown = opened.page
     shown.wait_for_selector("canvas.strip")
     strip = "explorer.player.films[0].chart"
     assert shown.evaluate(f"{strip}.label") == "rotation from the start (°)"
-    assert shown.locator(".legend").text_content().endswith("mean of the pixel")
+    assert "mean of the pixel" in shown.locator(".legend").text_content()
     assert shown.evaluate("document.documentElement.scrollWidth") <= 375
     shown.locator("select.quantity").select_option(index=0)
     opened.settle()
@@ -607,9 +639,9 @@ def test_films_are_drawn_without_webgl(browser: Any, page: Path) -> None:
     without = "const got = HTMLCanvasElement.prototype.getContext;"
     without += "HTMLCanvasElement.prototype.getContext = function (kind, ...more) {"
     without += " return kind === 'webgl2' ? null : got.call(this, kind, ...more); };"
-    opened = Opened(browser, page, address="#pixel=1,2&sample=3", before=without)
+    opened = Opened(browser, page, address="#pixel=1,2&body=3", before=without)
     opened.page.wait_for_selector("canvas.stage")
-    assert "without WebGL2" in opened.page.locator("#player h1").text_content()
+    assert "without WebGL2" in opened.page.locator("#player h2").text_content()
     stage = opened.pixels("canvas.stage")
     assert len(np.unique(stage.reshape(-1, 3), axis=0)) > 50
     opened.close()
@@ -619,11 +651,14 @@ def test_films_are_drawn_without_webgl(browser: Any, page: Path) -> None:
 def test_a_page_opens_at_the_border_of_stability(browser: Any, page: Path) -> None:
     opened = Opened(browser, page)
     opened.page.wait_for_selector("canvas.stage")
-    j, i = opened.page.evaluate("explorer.index(explorer.pixel)")
-    share = BOX.share
-    near = [share[b, a] for b, a in ((j, i - 1), (j, i + 1), (j - 1, i), (j + 1, i))
-            if 0 <= b < 4 and 0 <= a < 7]  # fmt: skip
-    assert 0.2 < share[j, i] < 0.8 or max(abs(near - share[j, i])) > 0.5
+    share = BOX.share.ravel()
+    pairs = [(k, k + 1) for k in range(28) if k % 7 < 6] + [(k, k + 7) for k in range(21)]
+    crossed = [pair for pair in pairs if len({share[k] < 0.5 for k in pair}) == 2]
+    border = {k for pair in crossed for k in pair
+              if abs(share[k] - 0.5) == min(abs(share[list(pair)] - 0.5))}  # fmt: skip
+    far = {k: np.hypot((k % 7 + 0.5) / 7 - 0.5, (k // 7 + 0.5) / 4 - 0.5) for k in border}
+    opened_at = opened.page.evaluate("explorer.pixel")
+    assert far[opened_at] == pytest.approx(min(far.values()))
     assert opened.page.locator(".chosen").text_content().startswith("side b = ")
     opened.close()
 
@@ -692,7 +727,7 @@ def test_the_copied_python_runs_as_it_is(
     pixel: str, browser: Any, page: Path, tmp_path: Path
 ) -> None:
     keep = "navigator.clipboard.writeText = async text => { window.copied = text; }"
-    opened = Opened(browser, page, address=f"#pixel={pixel}&sample=4", before=keep)
+    opened = Opened(browser, page, address=f"#pixel={pixel}&body=4", before=keep)
     opened.page.wait_for_selector("canvas.stage")
     opened.page.locator(".copy").click()
     opened.page.wait_for_function("window.copied")
@@ -733,7 +768,7 @@ def test_the_copied_python_of_a_map_of_chaos_draws_the_growth(browser: Any, tmp_
 
 @pytest.mark.browser
 def test_samples_are_one_stop_of_the_tabulator(browser: Any, page: Path) -> None:
-    opened = Opened(browser, page, address="#pixel=2,3&sample=3")
+    opened = Opened(browser, page, address="#pixel=2,3&body=3")
     shown = opened.page
     shown.wait_for_selector("canvas.stage")
 
@@ -745,7 +780,7 @@ def test_samples_are_one_stop_of_the_tabulator(browser: Any, page: Path) -> None
     for _ in range(6):
         opened.press("Tab")
         stops.append(focused())
-    assert stops == ["3", "", "", "", "", ""]
+    assert stops == ["", "3", "", "", "", ""]  # first the button of the previous body
     shown.locator(".dots [tabindex='0']").focus()
     order = [str(one) for one in shown.evaluate("explorer.order")]
     at, frame = order.index("3"), shown.evaluate("explorer.player.frame")
@@ -763,16 +798,176 @@ def test_samples_are_one_stop_of_the_tabulator(browser: Any, page: Path) -> None
 
 
 @pytest.mark.browser
-def test_on_a_phone_a_click_shows_the_film(browser: Any, page: Path) -> None:
-    opened = Opened(browser, page, width=375, height=720)
+def test_on_a_phone_a_tap_shows_the_bodies_without_a_jump(browser: Any, page: Path) -> None:
+    opened = Opened(browser, page, width=375, height=720, touch=True)
     shown = opened.page
     shown.wait_for_selector("canvas.stage")
-    assert shown.evaluate("scrollY") == 0  # the map is shown first
-    shown.locator(".map").click(position={"x": 200.0, "y": 120.0})
-    shown.wait_for_function("scrollY > 100")
-    stage = shown.locator("canvas.stage").bounding_box()
-    assert stage["y"] >= 0
-    assert stage["y"] + stage["height"] <= 720
+    tops = "['.map', '.chosen', '.dots', '#player'].map(n => find(n).getBoundingClientRect().top)"
+    places = f"(find => {tops})(name => document.querySelector(name))"
+    before = shown.evaluate(places)
+    shown.locator(".map").tap(position={"x": 285.0, "y": 90.0})
+    shown.wait_for_function("explorer.index(explorer.pixel).join() === '2,5'")
+    assert shown.evaluate("scrollY") == 0
+    assert shown.evaluate(places) == before
+    assert before[2] < 720  # what the bodies are is in view, below the map
+    assert not shown.locator(".note").is_visible()  # folded
+    assert shown.locator(".hint .touch").is_visible()
+    assert not shown.locator(".hint .mouse").is_visible()
+    opened.close()
+
+
+@pytest.mark.browser
+def test_a_third_axis_is_chosen_and_has_its_own_lines_of_theory(
+    browser: Any, tmp_path: Path
+) -> None:
+    """A sleeping top is stable above the spin 2 √(mgl I1) / I3, which the weight moves."""
+    result = tops(
+        scene=rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0),
+        axes={
+            "spin": np.linspace(3.0, 6.0, 7),
+            "attitude_noise": [1e-3, 1e-2, 0.1],
+            "mgl": [0.75, 1.5],
+        },
+    )
+    page = result.explore(tmp_path / "a.html")
+    (curve, _) = content(page)["curves"]
+    assert curve["label"].startswith("sleeping-top bound")
+    for plane, mgl in (("0", 0.75), ("1", 1.5)):
+        spins = unpacked(curve["planes"][plane]).reshape(-1, 2)[:-1, 0]
+        # The field is linear in the square of the spin: a chord of h errs by h² / 8 over it.
+        np.testing.assert_allclose(spins, 2.0 * np.sqrt(mgl) / 0.5, atol=0.125**2 / 8.0 / 3.0)
+    opened = Opened(browser, page)
+    shown = opened.page
+    shown.wait_for_selector("canvas.stage")
+    assert shown.locator(".slices select option").all_text_contents() == ["0.75", "1.5"]
+    shown.locator(".slices select").select_option("1.5")
+    shown.locator(".map").click(position={"x": 300.0, "y": 150.0})
+    shown.wait_for_function("explorer.index(explorer.pixel)[0] === 1")
+    assert "mgl = 1.5 J" in shown.locator(".chosen").inner_text()
+    opened.close()
+
+
+@pytest.mark.browser
+def test_many_bodies_stand_in_one_row_on_a_phone(browser: Any, tmp_path: Path) -> None:
+    result = tops(samples=40, axes={"spin": [3.0, 4.0]})
+    opened = Opened(browser, result.explore(tmp_path / "a.html"), width=375, height=720)
+    shown = opened.page
+    shown.wait_for_selector("canvas.stage")
+    of_dots = "[...document.querySelectorAll('.dots button')]"
+    assert shown.evaluate(f"new Set({of_dots}.map(dot => dot.offsetTop)).size") == 1
+    assert shown.evaluate("document.documentElement.scrollWidth") <= 375
+    for _ in range(2):
+        opened.press("p")  # from the first body to the last, and back by one
+        row, dot = (
+            shown.locator(name).bounding_box() for name in (".dots", ".dots [aria-pressed=true]")
+        )
+        assert row["x"] <= dot["x"]
+        assert dot["x"] + dot["width"] <= row["x"] + row["width"]
+        assert shown.evaluate("scrollY") == 0
+    opened.close()
+
+
+@pytest.mark.browser
+def test_fingers_find_targets_of_44_pixels(browser: Any, page: Path) -> None:
+    opened = Opened(browser, page, width=375, height=720, touch=True)
+    opened.page.wait_for_selector("canvas.stage")
+    small = "[...document.querySelectorAll('button, select, input, summary')].filter(one => {"
+    small += " const box = one.getBoundingClientRect();"
+    small += (
+        " return box.width && (box.width < 44 || box.height < 44); }).map(one => one.outerHTML)"
+    )
+    assert opened.page.evaluate(small) == []
+    levels = "[...document.querySelectorAll('h1, h2, h3')].map(one => one.tagName).join()"
+    assert opened.page.evaluate(levels) == "H1,H2"
+    opened.close()
+
+
+@pytest.mark.browser
+def test_two_fingers_zoom_where_they_are_and_one_moves(browser: Any, page: Path) -> None:
+    opened = Opened(browser, page, width=375, height=720, touch=True)
+    shown = opened.page
+    shown.wait_for_selector("canvas.stage")
+    box = shown.locator(".map").bounding_box()
+    driver = shown.context.new_cdp_session(shown)
+
+    def touch(kind: str, *places: tuple[float, float]) -> None:
+        points = [{"x": x, "y": y, "id": k} for k, (x, y) in enumerate(places)]
+        driver.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
+        opened.settle()
+
+    x, y = box["x"] + 200.0, box["y"] + 120.0
+    at = f"explorer.from({{clientX: {x}, clientY: {y}}}).slice(0, 2)"
+    chosen, whole, middle = (shown.evaluate(one) for one in ("explorer.pixel", "explorer.view", at))
+    touch("touchStart", (x - 20.0, y), (x + 20.0, y))
+    touch("touchMove", (x - 30.0, y), (x + 30.0, y))
+    touch("touchMove", (x - 40.0, y), (x + 40.0, y))
+    touch("touchEnd")
+    near = shown.evaluate("explorer.view")
+    assert near[1] - near[0] == pytest.approx(0.5 * (whole[1] - whole[0]))
+    assert shown.evaluate(at) == pytest.approx(middle)
+    width = shown.evaluate("explorer.room().right - explorer.room().left")
+    touch("touchStart", (x, y))
+    touch("touchMove", (x + 10.0, y))
+    touch("touchMove", (x + 30.0, y))
+    touch("touchEnd")
+    moved_to = shown.evaluate("explorer.view")
+    assert near[0] - moved_to[0] == pytest.approx(30.0 / width * (near[1] - near[0]))
+    assert shown.evaluate("explorer.pixel") == chosen
+    opened.close()
+
+
+@pytest.mark.browser
+def test_buttons_zoom_and_a_hint_says_how(browser: Any, page: Path) -> None:
+    opened = Opened(browser, page)
+    shown = opened.page
+    shown.wait_for_selector("canvas.stage")
+    assert shown.locator(".hint .mouse").inner_text() == (
+        "click a pixel · wheel or + − zooms · drag moves"
+    )
+    whole = shown.evaluate("explorer.view")
+    shown.locator(".closer").click()
+    shown.locator(".closer").click()
+    near = shown.evaluate("explorer.view")
+    assert near[1] - near[0] == pytest.approx(0.49 * (whole[1] - whole[0]))
+    shown.locator(".farther").click()
+    far = shown.evaluate("explorer.view")
+    assert far[1] - far[0] == pytest.approx(0.7 * (whole[1] - whole[0]))
+    shown.locator(".whole").click()
+    assert shown.evaluate("explorer.view") == whole
+    opened.close()
+
+
+@pytest.mark.browser
+def test_all_bodies_of_a_pixel_are_counted_and_the_colours_explained(
+    browser: Any, tmp_path: Path
+) -> None:
+    result = tops(
+        scene=rigid.FreeBody,
+        axes={"I2/I1": [0.3, 1.2, 1.5, 1.9], "noise": [0.01, 0.3]},
+        start=rigid.Start(spin=1.0, axis=2, noise=rigid.normal(0.1)),
+        stable=rigid.no_flip(2),
+        samples=9,
+    )
+    assert (result.status[:, 0] > 0).all()  # no body has these moments
+    opened = Opened(browser, result.explore(tmp_path / "a.html", samples=2), address="#pixel=1,2")
+    shown = opened.page
+    shown.wait_for_selector("canvas.stage")
+    counts = [
+        int(getattr(result, name)[1, 2]) for name in ("stable", "unstable", "undecided", "failed")
+    ]
+    said = shown.locator(".kinds").inner_text()
+    assert [int(number) for number in re.findall(r"(\d+) [a-z]+", said)][:4] == counts
+    assert said.endswith("of 9 bodies; the first 2 are here")
+    share, low, high = (
+        float(f"{getattr(result, name)[1, 2]:.3g}") for name in ("share", "lower", "upper")
+    )
+    assert shown.locator(".facts").inner_text() == (
+        f"share stable {share:g}, 95 % interval {low:g} to {high:g}"
+    )
+    inks = "[...document.querySelectorAll('.kinds i')].map(one => one.style.backgroundColor)"
+    rgb = [tuple(bytes.fromhex(ink[1:])) for ink in colours.OUTCOMES.values()]
+    assert shown.evaluate(inks) == [f"rgb{ink}" for ink in rgb]
+    assert "no such body" in shown.locator(".legend").inner_text()
     opened.close()
 
 

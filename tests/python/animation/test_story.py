@@ -89,10 +89,10 @@ def test_a_throw_turns_over_as_late_as_its_film_begins() -> None:
             "A box turns for 2 s under torque and damping.",
         ),
         (
-            rigid.FreeBody(BOX.body, orbit=rigid.Orbit(1e-3), rotor=(0.0, 0.0, 1e-4)),
+            rigid.FreeBody(BOX.body, orbit=rigid.Orbit(np.pi), rotor=(0.0, 0.0, 1e-4)),
             (0.9, 0.1, 1.3),
             None,
-            "A box turns for 2 s under the gravity gradient of an orbit and a rotor.",
+            "A box turns for 2 s (a period of its orbit), under the gravity gradient and a rotor.",
         ),
     ],
 )
@@ -126,3 +126,31 @@ def test_the_story_of_two_throws_tells_them_apart() -> None:
     assert said(bodies.animate().page) == "Two starts that differ by 0.1 rad/s."
     given = "One word, then <another>."
     assert said(bodies.animate(caption=given).page) == given
+
+
+@pytest.mark.parametrize(
+    ("forces", "words"),
+    [
+        ({"orbit": rigid.Orbit(np.pi)}, "A body turns for 2 s (a period of its orbit)."),
+        (
+            {"orbit": rigid.Orbit(2.5 * np.pi, 0.2), "drag": 0.1},
+            "A body turns for 2 s (2.5 periods of its orbit), under the gravity gradient and drag.",
+        ),
+        (
+            {"orbit": rigid.Orbit.flyby(gm=8.0, periapsis=4.0, speed=2.0, time=1.5)},
+            "A body turns for 2 s and passes a planet at t = 1.5 s.",
+        ),
+        (
+            {"orbit": rigid.Orbit.flyby(gm=8.0, periapsis=4.0, speed=2.0, time=3.0)},
+            "A body turns for 2 s before it passes a planet.",
+        ),
+        (
+            {"orbit": rigid.Orbit.flyby(gm=8.0, periapsis=4.0, speed=2.0, time=-3.0)},
+            "A body turns for 2 s after it passes a planet.",
+        ),
+    ],
+)
+def test_the_story_of_a_body_on_an_orbit_says_where_it_is(
+    forces: dict[str, Any], words: str
+) -> None:
+    assert film_of(run_of(rigid.FreeBody(ASYMMETRIC.body, **forces))).story == words

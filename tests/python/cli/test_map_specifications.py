@@ -234,7 +234,7 @@ def test_the_page_of_files_has_a_row_for_every_key() -> None:
     assert rows("orbit") == keys(rigid.Orbit).keys()
     assert rows("axis") == {"name", "values", "from", "to", "count", "scale"}
     run = "samples", "half_width", "refine", "budget", "method", "step", "check", "max_steps"
-    assert rows("map_run") == {"t_end", *run, "seed", "measure"}
+    assert rows("map_run") == {"t_end", "time_unit", *run, "seed", "measure"}
     report_run = "t_end", "revolutions", "unit", "bodies", "errors", "seed", "methods"
     assert rows("report_run") == {*report_run}
     assert rows("surface") == keys(rigid.section).keys()

@@ -84,6 +84,10 @@ REFUSED: list[tuple[Any, ...]] = [
     (box(np.ones(2), np.ones(3), 0.3), ["a (2,), b (3,)", "do not broadcast"]),
     (box(0.1, 0.2, 0.3, mass=-1), ["mass = -1.0: must be positive"]),
     (tensor([[1, 2], [2, 1]]), ["tensor: expected shape (3, 3), got (2, 2)"]),
+    (
+        lambda: rigid.inertia.principal_axes(np.ones((2, 3))),  # one of both numbers is right
+        ["tensor: expected shape (..., 3, 3), got (2, 3)"],
+    ),
     (tensor(np.diag([1.0, NAN, 1.0])), ["tensor[1, 1] = nan: must be finite"]),
     (
         tensor([[2, 1, 0], [0, 2, 0], [0, 0, 2]]),

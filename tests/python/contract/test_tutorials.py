@@ -1,8 +1,9 @@
-"""A tutorial runs as a notebook and shows pictures; the build of the site runs all of them.
+"""Tutorials as notebooks: valid, without tests, and they run and show pictures.
 
-Their numbers are checked where they stand.
+The build of the site runs all of them. Their numbers are checked where they stand.
 """
 
+import json
 from pathlib import Path
 from typing import Any
 
@@ -10,22 +11,59 @@ import nbformat
 import pytest
 from nbclient import NotebookClient
 
-from processes import environment
+from processes import Capture, environment
+from rigid.cli import main
+from rigid.cli.tutorials import markdown, notebook
 
-TUTORIALS = Path(__file__).parents[3] / "docs" / "tutorials"
+SCRIPTS = Path(__file__).parents[3] / "python" / "rigid" / "builtin" / "tutorials"
+
+
+def test_a_notebook_of_each_tutorial_is_written(tmp_path: Path, capfd: Capture) -> None:
+    folder = tmp_path / "new" / "notebooks"
+    assert main(["tutorials", str(folder)]) == 0
+    names = sorted(path.name for path in folder.iterdir())
+    scripts = sorted(path.stem for path in SCRIPTS.glob("*.py"))
+    assert names == [f"{name.removeprefix('plot_')}.ipynb" for name in scripts]
+    assert capfd.readouterr().out.count("wrote ") == len(names)
+    for name in names:
+        read: Any = nbformat.read(folder / name, as_version=4)  # type: ignore[no-untyped-call]
+        nbformat.validate(read)
+        title, *_ = read.cells
+        assert title.cell_type == "markdown"
+        assert title.source.startswith("# ")
+        text = "".join(cell.source for cell in read.cells)
+        for left in ("sphinx_gallery", ":math:", ".. ", "``", "# %%", "assert "):
+            assert left not in text, (name, left)
+    assert main(["tutorials", str(folder)]) == 2
+    assert "exists; take another name" in capfd.readouterr().err
+    assert main(["tutorials", str(folder), "--force"]) == 0
+
+
+def test_text_code_and_formulas_are_cells() -> None:
+    script = (
+        'r"""\nTitle\n=====\n\nWords :math:`a\nb`.\n"""\n\nimport rigid\n\n# %%\n# Of ``x``:\n#\n'
+    )
+    script += "# .. math:: x^2\nx = 1\n# sphinx_gallery_start_ignore\nassert x\n"
+    script += "# sphinx_gallery_end_ignore\n# a remark\nprint(x)\n"
+    cells = json.loads(notebook(script))["cells"]
+    assert ["".join(cell["source"]) for cell in cells] == [
+        "# Title\n\nWords $a b$.",
+        "import rigid",
+        "Of `x`:\n\n$$x^2$$",
+        "x = 1\n# a remark\nprint(x)",
+    ]
+    assert [cell["cell_type"] for cell in cells] == ["markdown", "code", "markdown", "code"]
+    assert markdown("One\n===\n") == "# One\n"
 
 
 def test_a_tutorial_runs_as_a_notebook_and_shows_pictures(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    path = TUTORIALS / "plot_1_free_rotation.py"
     for name, value in environment().items():
         monkeypatch.setenv(name, value)
-    new: Any = nbformat.v4
-    cells = [new.new_code_cell(cell) for cell in path.read_text(encoding="utf-8").split("# %%\n")]
-    notebook = new.new_notebook(
-        cells=cells, metadata={"kernelspec": {"name": "python3", "display_name": "Python"}}
-    )
-    NotebookClient(notebook, timeout=300, resources={"metadata": {"path": tmp_path}}).execute()
-    outputs = [output for cell in notebook.cells for output in cell.get("outputs", [])]
+    assert main(["tutorials", str(tmp_path)]) == 0
+    path = tmp_path / "1_free_rotation.ipynb"
+    read: Any = nbformat.read(path, as_version=4)  # type: ignore[no-untyped-call]
+    NotebookClient(read, timeout=300, resources={"metadata": {"path": tmp_path}}).execute()
+    outputs = [output for cell in read.cells for output in cell.get("outputs", [])]
     assert any("image/png" in output.get("data", {}) for output in outputs)

@@ -76,7 +76,7 @@ def test_contrast_on_light_and_on_dark_ground(least: float, inks: list[str]) -> 
 
 def test_every_ink_and_every_family_has_a_colour_of_the_table() -> None:
     inks = [one.colour for one in vars(colours).values() if isinstance(one, colours.Ink)]
-    for colour in [*inks, *(family.colour for family in (*FAMILIES, OTHERS))]:
+    for colour in [*inks, *(family.colour for family in FAMILIES), OTHERS]:
         assert colour in TEXTS
     assert set(colours.CLASSES.values()) <= set(LINES)
 

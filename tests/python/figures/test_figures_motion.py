@@ -79,7 +79,10 @@ def test_the_picture_of_the_well_carries_its_numbers() -> None:
     well = np.stack([np.degrees(data.tilt), data.potential], axis=1)
     np.testing.assert_array_equal(data_of(artist(ax, "potential")), well)
     ends = np.degrees([data.theta_upper, data.theta_lower])
-    np.testing.assert_allclose(ends, [60.0, np.degrees(np.arccos(0.191767987534))], rtol=1e-10)
+    # Let go at 60 degrees: sin² x = a (cos 60° - cos x) with a = (I3 w3)²/(2 I1 mgl).
+    a = 0.5 * (0.5 * omega_of("cusp")[2]) ** 2
+    lowest = 0.5 * (a - np.sqrt(a * a - 2.0 * a + 4.0))
+    np.testing.assert_allclose(ends, [60.0, np.degrees(np.arccos(lowest))], rtol=1e-12)
     for line in (artist(ax, "E_prime"), artist(ax, "turning")):
         np.testing.assert_array_equal(data_of(line), np.stack([ends, [data.E_prime] * 2], axis=1))
     assert ax.get_xlabel() == r"tilt $\theta$ (°)"

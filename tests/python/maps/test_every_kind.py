@@ -1,13 +1,17 @@
 """What holds for a map of any kind: bytes, files, JSON, stores, bodies in bulk and replayed."""
 
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+import map_laws
+import map_survey
 import rigid
 from map_kinds import KINDS, stays_low, wheel
+from map_survey import Tally
 from rigid.maps.file import file_size
 from rigid.store.call import run_map
 from small_maps import assert_same_map, in_blocks, saved_bytes, small_map
@@ -113,3 +117,22 @@ def test_bodies_in_bulk_are_counted_and_replayed(kind: str, result: rigid.Stabil
             assert body.attitude.tobytes() == starts.attitude[index].tobytes()
             for name, values in every.measures.items():
                 np.testing.assert_array_equal(body.measures[name], values[index])
+
+
+# Random maps
+
+SURVEYS: dict[str, Callable[[], Mapping[str, Tally]]] = {
+    "measures": lambda: map_survey.measures(2026, 8),
+    "horizons": lambda: {"horizons": map_survey.horizons(2026, 12)},
+    "classes": lambda: {"classes": map_survey.known_classes(2026, 6)},
+    "judged": lambda: {"judged": map_survey.judged_states(2026, 6)},
+    "draws": lambda: {"draws": map_laws.draws(2026, 5000)},
+    "coverage": lambda: map_laws.coverage(2026, 100),
+}
+
+
+@pytest.mark.parametrize("name", SURVEYS)
+def test_no_number_is_wrong_that_is_not_flagged(name: str) -> None:
+    for of, tally in SURVEYS[name]().items():
+        assert not tally.undetected, (of, tally.notes)
+        assert tally.right > 0.6 * tally.tried > 0, (of, str(tally))

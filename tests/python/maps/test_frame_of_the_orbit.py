@@ -252,7 +252,7 @@ def test_the_criterion_goes_through_files_and_toml() -> None:
     assert [str(one) for one in spec.measure] == ["libration_amplitude(1)", "obliquity(3)"]
     assert MapSpec.from_json(spec.to_json()) == spec
     assert str(rigid.librates()) == (
-        "long axis within 1.5708 rad of the radial direction, or of its opposite"
+        "long axis within 90° of the radial direction, or of its opposite"
     )
 
 

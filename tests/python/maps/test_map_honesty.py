@@ -8,6 +8,7 @@ from scipy.stats import binom
 
 import rigid
 from rigid.maps.data import interval
+from small_maps import small_map
 
 SIDE = 80
 
@@ -141,3 +142,93 @@ def test_a_pair_of_flips_inside_a_long_step_is_seen(method: str) -> None:
     fine = rigid.stability_map(top, method="rk4", step=2e-3, **options)
     long = rigid.stability_map(top, method=method, **options)
     np.testing.assert_array_equal(long.stable, fine.stable)
+
+
+# The share that is checked
+
+GROUP = 64
+"""Bodies with common audits."""
+
+COM = np.array([0.36, 0.24, 1.1]) / np.linalg.norm([0.36, 0.24, 1.1])
+TOP = rigid.HeavyTop(rigid.Body((1.0, 1.6, 0.7)), mgl=1.0, com=COM)
+REQUEST: dict[str, Any] = {
+    "method": "auto",
+    "axes": {"mgl": np.linspace(0.05, 1.2, 6), "noise": [1e-3, 1e-2, 1e-1]},
+    "start": rigid.Start(spin=1.5, axis=3, noise=rigid.normal(1e-3)),
+    "stable": rigid.tilt_below(3.0),
+    "t_end": 20.0,
+    "samples": 2 * GROUP + 20,
+}
+
+
+@pytest.fixture(scope="module")
+def asymmetric() -> rigid.StabilityMap:
+    return small_map(TOP, **REQUEST)
+
+
+def test_two_or_three_bodies_of_each_group_are_audited(asymmetric: rigid.StabilityMap) -> None:
+    """The first two and the one that ran longest, if it is another."""
+    groups = 3
+    assert ((2 * groups <= asymmetric.audited) & (asymmetric.audited <= 3 * groups)).all()
+    assert (asymmetric.audited <= asymmetric.checked).all()
+    # The motion inside a step errs by 1e-6 rad, which asks for a margin of 0.03 rad.
+    assert asymmetric.checked.sum() < 0.3 * asymmetric.samples.sum()
+    assert not asymmetric.audited_undecided.any()
+
+
+def test_the_summary_tells_the_audit(asymmetric: rigid.StabilityMap) -> None:
+    words = (
+        f"{asymmetric.checked.sum():,} cross-checked by dop853, "
+        f"{asymmetric.audited.sum():,} of these as an audit: 0 differ"
+    )
+    assert words in asymmetric.summary()
+
+
+def test_the_classes_are_those_of_a_check_of_all(asymmetric: rigid.StabilityMap) -> None:
+    everything = small_map(TOP, **REQUEST, check=1.0)
+    np.testing.assert_array_equal(everything.audited, everything.checked)
+    np.testing.assert_array_equal(everything.checked, everything.samples)
+    for name in ("stable", "unstable", "undecided", "failed", "earliest"):
+        np.testing.assert_array_equal(getattr(asymmetric, name), getattr(everything, name), name)
+
+
+def test_no_wrong_class_of_coarse_steps_is_kept() -> None:
+    """The steps err by 0.01 rad and more, for which no margin is wide enough."""
+    coarse: dict[str, Any] = {**REQUEST, "method": "splitting", "step": 0.4}
+    alone, checked = small_map(TOP, **coarse, check=0.0), small_map(TOP, **coarse)
+    truth = small_map(TOP, **{**REQUEST, "method": "dop853"})
+    assert np.abs(alone.stable - truth.stable).sum() >= 100
+    assert checked.checked.sum() > 0.5 * checked.samples.sum()
+    assert (np.abs(checked.stable - truth.stable) <= checked.undecided).all()
+
+
+def test_a_flip_does_not_tell_its_margin() -> None:
+    flips = small_map(TOP, **{**REQUEST, "stable": rigid.no_flip(3)})
+    np.testing.assert_array_equal(flips.checked, flips.samples)
+    np.testing.assert_array_equal(flips.audited, flips.samples)
+
+
+def test_chaotic_bodies_are_seen_by_the_audits() -> None:
+    """Tops whose errors grow by a factor of 1e8: a check of all bodies leaves some undecided."""
+    rng = np.random.default_rng(1072)
+    moments = np.sort(rng.uniform(0.5, 2.0, 3))
+    moments[2] = min(moments[2], 0.95 * (moments[0] + moments[1]))
+    moments = rng.permutation(moments)
+    com = rng.standard_normal(3)
+    rng.choice([20, 50, 100, 200])
+    limit, spin = float(rng.uniform(1.5, 3.1)), float(rng.uniform(0.5, 3.0))
+    axis, tilt = int(rng.integers(1, 4)), float(rng.uniform(0.0, 2.0))
+    top = rigid.HeavyTop(rigid.Body(moments), mgl=1.0, com=com / np.linalg.norm(com))
+    request: dict[str, Any] = {
+        "method": "auto",
+        "axes": {"mgl": np.linspace(0.1, 3.0, 8), "noise": np.geomspace(1e-4, 0.3, 6)},
+        "start": rigid.Start(spin=spin, axis=axis, tilt=tilt, noise=rigid.normal(1e-3)),
+        "stable": rigid.tilt_below(limit),
+        "t_end": 100.0,
+        "samples": GROUP,
+        "rng": 72,
+    }
+    some, everything = small_map(top, **request), small_map(top, **request, check=1.0)
+    assert everything.undecided.sum() >= 20
+    assert some.checked.sum() < 0.5 * some.samples.sum()
+    np.testing.assert_array_equal(some.undecided, everything.undecided)

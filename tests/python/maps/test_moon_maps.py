@@ -178,14 +178,9 @@ def test_a_picture_has_all_lines_and_a_title_that_fits() -> None:
     result = run_map(some_of("dimorphos", COARSE["dimorphos"], 1), progress=False)
     ax: Any = result.plot()
     legend = ax.get_legend()
-    texts = [text.get_text() for text in legend.get_texts()]
-    assert [text for text in texts if text.startswith("theory")] == [
-        f"theory: {line}" for line in LINES["dimorphos"]
-    ]
-    # Each line has dashes of its own.
-    styles = {str(handle.get_linestyle()) for handle in legend.get_lines()}
-    assert len(styles) == 4
+    assert [text.get_text().replace("\n", " ") for text in ax.texts] == LINES["dimorphos"]
+    assert not any("theory" in text.get_text() for text in legend.get_texts())
     ax.figure.canvas.draw()
     assert ax._left_title.get_window_extent().x1 < ax.figure.bbox.x1
     words = ax.get_title(loc="left")
-    assert "until t = 6.048e+06 s; 1 body per pixel" in words.replace("\n", " ")
+    assert words.endswith("until t = 70 d\n1 body per pixel")

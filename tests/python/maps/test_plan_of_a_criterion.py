@@ -125,13 +125,24 @@ def test_the_plan_of_a_pixel_of_a_built_in_map_is_that_of_a_map_of_this_pixel(na
         same(made, expected)
 
 
-@pytest.mark.parametrize("method", [None, "rk4", "dop853"])
-def test_a_map_takes_the_method_and_the_steps_of_the_plan(method: str | None) -> None:
+@pytest.mark.parametrize(
+    ("body", "stable", "method"),
+    [
+        (HEAVY, rigid.tilt_below(3.1), None),
+        (HEAVY, rigid.tilt_below(3.1), "rk4"),
+        (HEAVY, rigid.tilt_below(3.1), "dop853"),
+        (FREE, rigid.no_flip(3), "rk4"),  # which has a closed form
+    ],
+    ids=str,
+)
+def test_a_map_takes_the_method_and_the_steps_of_the_plan(
+    body: Scene, stable: Criterion, method: str | None
+) -> None:
     start = rigid.Start(spin=5.0, noise=rigid.normal(0.0))
-    asked: dict[str, Any] = {"stable": rigid.tilt_below(3.1), "t_end": 20.0, "method": method}
-    made = rigid.plan(HEAVY, rigid.tilt_below(3.1), start=start, t_end=20.0, method=method)
+    asked: dict[str, Any] = {"stable": stable, "t_end": 20.0, "method": method}
+    made = rigid.plan(body, stable, start=start, t_end=20.0, method=method)
     result = rigid.stability_map(
-        HEAVY, axes={"noise": [0.0]}, start=start, samples=1, check=0.0, rng=1, **asked
+        body, axes={"noise": [0.0]}, start=start, samples=1, check=0.0, rng=1, **asked
     )
     assert result.stable.tolist() == [1]
     assert result.replay(0, 0).method == made.method

@@ -261,7 +261,7 @@ def test_the_picture_says_what_it_can_see() -> None:
     from matplotlib.colors import to_hex
 
     ax = regular_map().plot()
-    assert "regular down to 10/T = 0.05 1/s until T = 200 s" in ax.get_title(loc="left")
+    assert "regular: no exponent above 0.05/s until t = 200 s" in ax.get_title(loc="left")
     assert len(ax.figure.axes) == 1  # no bar of shares: each pixel has one body
     legend = ax.get_legend()
     assert legend is not None
@@ -278,7 +278,7 @@ def test_the_picture_of_many_bodies_has_a_bar() -> None:
     pytest.importorskip("matplotlib")
     ax = regular_map(samples=2).plot()
     words = [axis.get_ylabel() for axis in ax.figure.axes]
-    assert "share regular down to 10/T = 0.05 1/s until T = 200 s" in words
+    assert "share regular" in words
     assert ax.get_legend() is None or "regular" not in [
         text.get_text() for text in ax.get_legend().get_texts()
     ]
@@ -287,9 +287,9 @@ def test_the_picture_of_many_bodies_has_a_bar() -> None:
 def test_the_summary_and_the_plan() -> None:
     found = regular_map()
     words = found.summary()
-    assert "regular down to 10/T = 0.05 1/s until T = 200 s" in words
+    assert "regular: no exponent above 0.05/s until t = 200 s" in words
     assert f"auto: {found.plan.method}, step chosen for each body" in words
-    assert "none below 0.05 1/s can be seen" in words
+    assert "none below 0.05/s can be seen" in words
     assert found.plan.method != "exact"
     assert found.plan.carried == ("omega", "gamma", "deviation")
     assert "Cincotta" in rigid.cite(found)

@@ -216,7 +216,7 @@ def test_no_theory_is_claimed_of_bodies_that_vary() -> None:
         ),
         (
             {"I1": rigid.normal(1e9)},
-            "vary: none of 1000 draws gave a body that can exist, in pixel",
+            "vary: none of 1000 draws gave a body that can exist, in pixel 0, sample 0; take a",
         ),
     ],
 )

@@ -65,7 +65,9 @@ def test_ring_rod_and_sphere_against_sums_and_integrals() -> None:
 def test_the_earth_as_a_homogeneous_ellipsoid() -> None:
     polar, equatorial = 6356.7523, 6378.1370
     earth = solids.ellipsoid(equatorial, equatorial, polar).tensor.diagonal()
-    assert (earth[0] - earth[2]) / earth[2] == pytest.approx(-0.00334719222, abs=5e-12)
+    # m (a² + c²)/5 about an axis of the equator, 2 m a²/5 about the axis of the poles.
+    flat = 0.5 * (polar - equatorial) * (polar + equatorial) / equatorial**2
+    assert (earth[0] - earth[2]) / earth[2] == pytest.approx(flat, rel=1e-12)
 
 
 def test_solids_against_quadrature_over_their_volume() -> None:

@@ -20,7 +20,9 @@ function ticks(low, high, wanted) {
   const step = [1, 2, 5, 10].map(x => x * power).find(x => x >= rough) ?? power;
   const found = [];
   for (let k = Math.ceil(low / step - 1e-9); k * step <= high + 1e-9 * step; k++) found.push(k * step);
-  return found.map(x => [x, String(Number(x.toPrecision(digitsOf(low, high, step, 6))))]);
+  const most = Math.max(Math.abs(low), Math.abs(high)), isFar = most < 1e-3 || most >= 1e6;  // numbers of many zeros
+  const words = x => isFar && x ? x.toExponential(digitsOf(low, high, step, 1) - 1).replace(/\.?0*e\+?/, "e") : String(x);
+  return found.map(x => [x, words(Number(x.toPrecision(digitsOf(low, high, step, 6))))]);
 }
 
 // A chart: what a film changes is drawn over a picture of the rest.
@@ -137,12 +139,12 @@ class StripChart extends Chart {
     chart.values.forEach((values, i) => path(css(chart.colours[i]), values.map((v, k) => [x(t[k]), y(v)]), 1.6));
     pen.fillStyle = css("#222222");
     pen.textAlign = "right";
-    for (const limit of limits) {
+    limits.forEach((limit, k) => {
       path(css("#222222"), [[left, y(limit)], [right, y(limit)]], 1.3, [6, 4]);
       const isHigh = y(limit) < top + 14;
       pen.textBaseline = isHigh ? "top" : "bottom";
-      pen.fillText("limit", right - 2, y(limit) + (isHigh ? 3 : -1));
-    }
+      pen.fillText(chart.limitNames[k], right - 2, y(limit) + (isHigh ? 3 : -1));
+    });
     if (chart.after > t[0]) path(css("#222222"), [[x(chart.after), top], [x(chart.after), bottom]], 1.3, [2, 3]);
   }
 }

@@ -1,7 +1,8 @@
 // The map explorer: the map with its layers, the bodies of a pixel, and the film of one body.
 const FRAMES = 4000;
+const CLOSER = 0.7;  // of the view, by a key or a button
 const SIGNS = {stable: "", unstable: "↯", undecided: "?", failed: "×"};
-const KEYS = [["n p", "next, previous sample"], ["arrows on samples", "choose a sample"], ["arrows on the map", "choose a pixel"], ["+ − 0 on the map", "closer, farther, the whole map"]];
+const KEYS = [["n p", "next, previous body"], ["arrows on bodies", "choose a body"], ["arrows on the map", "choose a pixel"], ["+ − 0 on the map", "closer, farther, the whole map"]];
 const NEEDED = "Chromium 80, Firefox 113, Safari 16.4";
 const ARRAYS = {uint8: Uint8Array, int32: Int32Array, float32: Float32Array, float64: Float64Array};
 
@@ -38,6 +39,8 @@ class Explorer extends MapOnCanvas {
     };
     this.steer();
     find(".whole").onclick = () => { this.view = [...this.all]; this.draw(); this.kept(); };
+    find(".closer").onclick = () => this.closer(...this.middle(), CLOSER);
+    find(".farther").onclick = () => this.closer(...this.middle(), 1 / CLOSER);
     find(".before").onclick = () => this.next(-1);
     find(".after").onclick = () => this.next(1);
     find(".copy").onclick = () => this.copy();
@@ -95,7 +98,7 @@ class Explorer extends MapOnCanvas {
     this.slices = map.axes.slice(2).map(axis => {
       const label = document.createElement("label"), list = document.createElement("select");
       label.append(`${axis.label} `, list);
-      options(list, axis.values.map(shown), axis.values);
+      options(list, axis.values.map(value => shown(value)), axis.values);
       list.onchange = () => { this.slice = this.numberOfSlice(); this.draw(); this.kept(); };
       find(".slices").append(label);
       return list;
@@ -117,8 +120,7 @@ class Explorer extends MapOnCanvas {
   // No bodies, for this reason.
   empty(reason) {
     this.order = [];
-    this.find(".dots").replaceChildren();
-    this.find(".kinds").replaceChildren();
+    for (const name of [".dots", ".kinds", ".facts"]) this.find(name).replaceChildren();
     this.find(".chosen").textContent = reason;
     this.find(".python").textContent = "";
     this.rest();
@@ -152,14 +154,14 @@ class Explorer extends MapOnCanvas {
     if (view.length === 4 && view.every(Number.isFinite) && view[0] < view[1] && view[2] < view[3]) this.view = view;
     const index = (asked.get("pixel") ?? "").split(",").map(Number), lengths = map.axes.map(axis => axis.values.length).reverse();
     if (index.length === lengths.length && index.every((at, k) => Number.isInteger(at) && at >= 0 && at < lengths[k]) && asked.has("pixel"))
-      this.choose(index.reduce((number, at, k) => number * lengths[k] + at, 0), Number(asked.get("sample")) || 0);
+      this.choose(index.reduce((number, at, k) => number * lengths[k] + at, 0), Number(asked.get("body")) || 0);
     this.draw();
   }
 
   get address() {
     const parts = [`layer=${this.layer.name}`];
     if (this.quantity.selectedIndex) parts.push(`chart=${this.quantity.selectedIndex}`);
-    if (this.pixel !== null) parts.push(`pixel=${this.index(this.pixel).join()}`, `sample=${this.sample}`);
+    if (this.pixel !== null) parts.push(`pixel=${this.index(this.pixel).join()}`, `body=${this.sample}`);
     if (this.view.some((x, i) => x !== this.own[i])) parts.push(`zoom=${this.view.map(x => Number(x.toPrecision(8))).join()}`);
     return `#${parts.join("&")}`;
   }
@@ -177,73 +179,74 @@ class Explorer extends MapOnCanvas {
     this.find(".said").textContent = words;
   }
 
-  // Where the film lies below the map, to the film.
-  reveal() {
-    const film = this.find("#player"), isCalm = window.matchMedia("(prefers-reduced-motion: reduce)").matches;
-    if (window.matchMedia("(max-width: 800px)").matches)
-      (film.hidden || !this.player ? this.find(".of-pixel") : film).scrollIntoView({block: "nearest", behavior: isCalm ? "auto" : "smooth"});
-  }
-
-  // The pixel on the border of stability: its share is near a half, or far from a neighbour's; if many are, the middle one.
+  // The pixel on the border of stability that is nearest to the middle: neighbours lie on both sides of a share of 1/2, and of
+  // each pair the pixel nearer to 1/2 counts. Without a border, the possible pixel nearest to the middle.
   border() {
     const {map, nx, ny} = this, share = map.layers.find(layer => layer.name === "share").data;
-    let best = null, least = Infinity;
-    for (let j = 0; j < ny; j++)
-      for (let i = 0; i < nx; i++) {
-        const pixel = j * nx + i;
-        if (map.status[pixel] || !map.counts.samples[pixel]) continue;
-        const near = [[i - 1, j], [i + 1, j], [i, j - 1], [i, j + 1]].filter(([a, b]) => a >= 0 && b >= 0 && a < nx && b < ny);
-        const jump = near.reduce((most, [a, b]) => Math.max(most, Math.abs(share[b * nx + a] - share[pixel]) || 0), 0);
-        const far = Math.hypot((i + 0.5) / nx - 0.5, (j + 0.5) / ny - 0.5);
-        const cost = Math.abs(share[pixel] - 0.5) - 0.5 * jump + 0.1 * far;
-        if (cost < least) [best, least] = [pixel, cost];
+    const found = [], far = pixel => Math.hypot((pixel % nx + 0.5) / nx - 0.5, (Math.floor(pixel / nx) + 0.5) / ny - 0.5);
+    const isKnown = pixel => !map.status[pixel] && map.counts.samples[pixel] > 0 && Number.isFinite(share[pixel]);
+    for (let a = 0; a < this.plane; a++)
+      for (const b of [a % nx + 1 < nx ? a + 1 : a, a + nx < this.plane ? a + nx : a]) {
+        if (!isKnown(a) || !isKnown(b) || (share[a] < 0.5) === (share[b] < 0.5)) continue;
+        const [of_a, of_b] = [a, b].map(pixel => Math.abs(share[pixel] - 0.5));
+        if (of_a <= of_b) found.push(a);
+        if (of_b <= of_a) found.push(b);
       }
-    return best;
+    if (!found.length) found.push(...Array(this.plane).keys());
+    const possible = found.filter(pixel => !map.status[pixel] && map.counts.samples[pixel]);
+    return possible.reduce((best, pixel) => best === null || far(pixel) < far(best) ? pixel : best, null);
   }
 
+  // One finger or button moves, and chooses a pixel where it has not moved; two fingers or the wheel zoom.
   steer() {
-    const {canvas} = this;
-    let drag = null;
+    const {canvas} = this, fingers = new Map();
+    let travelled = 0;
+    const held = () => {
+      const places = [...fingers.values()], [a, b] = [places[0], places.at(-1)];
+      return {middle: [(a[0] + b[0]) / 2, (a[1] + b[1]) / 2], span: Math.hypot(a[0] - b[0], a[1] - b[1])};
+    };
     canvas.addEventListener("pointerdown", event => {
       canvas.setPointerCapture(event.pointerId);
-      drag = {x: event.clientX, y: event.clientY, view: [...this.view], moved: false};
+      fingers.set(event.pointerId, [event.clientX, event.clientY]);
+      travelled = fingers.size > 1 ? Infinity : 0;
     });
     canvas.addEventListener("pointermove", event => {
-      if (drag && Math.hypot(event.clientX - drag.x, event.clientY - drag.y) > 4) drag.moved = true;
-      if (drag?.moved) {
-        const {left, right, top, bottom} = this.room(), [x0, x1, y0, y1] = drag.view;
-        const dx = (event.clientX - drag.x) / (right - left) * (x1 - x0), dy = (event.clientY - drag.y) / (bottom - top) * (y1 - y0);
-        this.view = this.within([x0 - dx, x1 - dx, y0 + dy, y1 + dy]);
-        this.draw();
-      }
-      this.hover(this.pixelAt(this.from(event)));
+      if (!fingers.has(event.pointerId)) return this.hover(this.pixelAt(this.from(event)));
+      const before = held();
+      fingers.set(event.pointerId, [event.clientX, event.clientY]);
+      const {middle, span} = held();
+      travelled += Math.hypot(middle[0] - before.middle[0], middle[1] - before.middle[1]);
+      if (travelled <= 4) return;
+      const isWhole = this.view.every((x, i) => x === this.all[i]);
+      if (isWhole && event.pointerType === "touch" && fingers.size === 1)  // nothing to move: the finger scrolls the page
+        return window.scrollBy(0, before.middle[1] - middle[1]);
+      // What was below the middle of the fingers stays below it.
+      const [x0, x1, y0, y1] = this.view, at = ([clientX, clientY]) => this.from({clientX, clientY}), factor = fingers.size === 2 && span > 0 ? before.span / span : 1;
+      const [x, y] = at(before.middle), [toX, toY] = at(middle), [u, v] = [(toX - x0) / (x1 - x0), (toY - y0) / (y1 - y0)];
+      const [wide, high] = [factor * (x1 - x0), factor * (y1 - y0)];
+      this.view = this.within([x - u * wide, x + (1 - u) * wide, y - v * high, y + (1 - v) * high]);
+      this.draw();
     });
     canvas.addEventListener("pointerup", event => {
-      const pixel = this.pixelAt(this.from(event)), moved = drag?.moved;
-      drag = null;
-      if (moved) this.kept();
-      else if (pixel !== null) this.choose(pixel, 0).then(() => this.reveal());
+      fingers.delete(event.pointerId);
+      if (fingers.size) return;
+      const pixel = this.pixelAt(this.from(event));
+      if (travelled > 4) this.kept();
+      else if (pixel !== null) this.choose(pixel, 0);
     });
-    canvas.addEventListener("pointercancel", () => { drag = null; });
+    canvas.addEventListener("pointercancel", event => fingers.delete(event.pointerId));
     canvas.addEventListener("pointerleave", () => this.hover(null));
-    const closer = (x, y, factor) => {
-      const [x0, x1, y0, y1] = this.view;
-      this.view = this.within([x - factor * (x - x0), x + factor * (x1 - x), y - factor * (y - y0), y + factor * (y1 - y)]);
-      this.draw();
-      this.kept();
-    };
     canvas.addEventListener("wheel", event => {
       event.preventDefault();
       const [x, y] = this.from(event);
-      closer(x, y, Math.exp(0.0015 * event.deltaY));
+      this.closer(x, y, Math.exp(0.0015 * event.deltaY));
     }, {passive: false});
     canvas.addEventListener("keydown", event => {
-      const factor = {"+": 0.7, "=": 0.7, "-": 1 / 0.7, 0: Infinity}[event.key];
+      const factor = {"+": CLOSER, "=": CLOSER, "-": 1 / CLOSER, 0: Infinity}[event.key];
       if (factor) {
         event.preventDefault();
         event.stopPropagation();
-        const [x, y] = this.middle();
-        if (factor < Infinity) closer(x, y, factor);
+        if (factor < Infinity) this.closer(...this.middle(), factor);
         else this.find(".whole").click();
         return;
       }
@@ -258,27 +261,60 @@ class Explorer extends MapOnCanvas {
     });
   }
 
-  legend() {
-    const {layer, map} = this, legend = this.find(".legend");
-    const bar = `<span style="display:inline-block;width:90px;height:10px;background:linear-gradient(90deg,${CIVIDIS.join()})"></span>`;
-    legend.innerHTML = `${shown(layer.low)} ${bar} ${shown(layer.high)}${layer.log ? " (logarithmic)" : ""} <span class="words"></span>`;
-    legend.querySelector(".words").textContent = [layer.label, ...map.curves.map(({label}) => `line: theory, ${label}`)].join("; ");
+  closer(x, y, factor) {  // to a place, by a factor below 1
+    const [x0, x1, y0, y1] = this.view;
+    this.view = this.within([x - factor * (x - x0), x + factor * (x1 - x), y - factor * (y - y0), y + factor * (y1 - y)]);
+    this.draw();
+    this.kept();
   }
 
-  words(pixel) {
-    const {map} = this, index = this.index(pixel).reverse(), {counts} = map;
-    const place = map.axes.map((axis, k) => `${axis.name} = ${shown(axis.values[index[k]], this.digits[k])} ${axis.unit}`.trim()).join(", ");
-    if (map.status[pixel]) return `${place}\nno such body is possible: ${map.statuses[map.status[pixel]]}`;
-    const value = name => map.layers.find(layer => layer.name === name).data[pixel];
-    const of = map.classes.map(name => `${counts[name][pixel]} ${map.words[name]}`).join(", ");
-    const more = ["share", "lower", "upper"].includes(this.layer.name) ? "" : `; ${this.layer.label}: ${shown(this.layer.data[pixel])}`;
-    return `${place}\nshare ${map.words.stable} ${shown(value("share"))} in [${shown(value("lower"))}, ${shown(value("upper"))}]${more}\n${of} of ${counts.samples[pixel]}`;
+  // What the colours and the lines of the map are.
+  legend() {
+    const {layer, map} = this, legend = this.find(".legend"), {counts} = map, pixels = [...map.status.keys()];
+    const entry = (mark, words) => {
+      const made = document.createElement("span");
+      made.innerHTML = mark;
+      made.append(` ${words}`);
+      return made;
+    };
+    const swatch = ink => `<i style="background:${ink}"></i>`, isOfShare = layer.name === "share";
+    const bar = `<span style="display:inline-block;width:70px;height:10px;background:linear-gradient(90deg,${CIVIDIS.join()})"></span>`;
+    const entries = isOfShare && map.of === 1
+      ? [[swatch(CIVIDIS.at(-1)), map.words.stable], [swatch(CIVIDIS[0]), map.words.unstable]]
+      : [[`${shown(layer.low)} ${bar} ${shown(layer.high)}`, layer.label + (layer.log ? " (logarithmic)" : "")]];
+    if (pixels.some(pixel => this.isUndecided(pixel))) entries.push([swatch(map.inks.outcomes.undecided), "undecided"]);
+    if (map.status.some(status => status)) entries.push([swatch(css(IMPOSSIBLE)), "no such body"]);
+    if (pixels.some(pixel => !map.status[pixel] && !counts.samples[pixel])) entries.push([swatch(css(UNKNOWN)), "not computed"]);
+    for (const {label, dashes} of map.curves)
+      entries.push([`<svg width="34" height="14" aria-hidden="true"><path d="M2 7H32" stroke="#000" stroke-width="4"/>
+        <path d="M2 7H32" stroke="#fff" stroke-width="1.8" stroke-dasharray="${DASHES[dashes]}"/></svg>`, `theory: ${label}`]);
+    legend.replaceChildren(...entries.map(one => entry(...one)));
+  }
+
+  where(pixel) {
+    const {map} = this, index = this.index(pixel).reverse();
+    return map.axes.map((axis, k) => `${axis.name} = ${shown(axis.values[index[k]], this.digits[k])} ${axis.unit}`.trim()).join(", ");
+  }
+
+  // The share of a pixel with its interval, and the value of the layer that is shown.
+  share(pixel) {
+    const {map} = this, value = name => shown(map.layers.find(layer => layer.name === name).data[pixel], 3);
+    if (map.status[pixel]) return `no such body is possible: ${map.statuses[map.status[pixel]]}`;
+    if (!map.counts.samples[pixel]) return "not computed";
+    const share = map.of === 1 ? [] : [`share ${map.words.stable} ${value("share")}, 95 % interval ${value("lower")} to ${value("upper")}`];
+    return [...share, ...this.isOfShare() ? [] : [`${this.layer.label}: ${shown(this.layer.data[pixel])}`]].join("; ");
+  }
+
+  counted(pixel) {  // [outcome, number of bodies] of all bodies of a pixel
+    return this.map.classes.map(name => [name, this.map.counts[name][pixel]]);
   }
 
   hover(pixel) {
     if (pixel === this.hovered) return;
     this.hovered = pixel;
-    this.find(".hover").textContent = pixel === null ? "" : this.words(pixel);
+    const {map} = this, of = () => this.counted(pixel).map(([name, count]) => `${count} ${map.words[name]}`).join(", ");
+    this.find(".hover").textContent = pixel === null ? ""
+      : [this.where(pixel), this.share(pixel), ...map.counts.samples[pixel] ? [`${of()} of ${map.counts.samples[pixel]}`] : []].filter(line => line).join("\n");
   }
 
   choose(pixel, sample) {
@@ -292,6 +328,8 @@ class Explorer extends MapOnCanvas {
       rest = Math.floor(rest / length);
     });
     this.empty("");
+    this.find(".facts").textContent = this.share(pixel);
+    if (map.counts.samples[pixel]) this.count(pixel);
     this.draw();
     return this.list(pixel, sample);
   }
@@ -319,19 +357,26 @@ class Explorer extends MapOnCanvas {
       button.style.background = map.inks.outcomes[of(k)];
       button.textContent = SIGNS[of(k)];
       const when = map.leaves && Number.isFinite(left(k)) ? `, left at ${shown(left(k))} s` : "";
-      button.title = `sample ${k}: ${map.words[of(k)]}${when}`;
+      button.title = `body ${k}: ${map.words[of(k)]}${when}`;
       button.setAttribute("aria-label", button.title);
       button.dataset.sample = k;
       button.onclick = () => this.pick(k);
       return button;
     }));
-    this.find(".kinds").replaceChildren(...map.classes.filter(name => this.order.some(k => of(k) === name)).map(name => {
-      const kind = document.createElement("span"), dot = document.createElement("i");
-      dot.style.background = map.inks.outcomes[name];
-      kind.append(dot, ` ${SIGNS[name]} ${map.words[name]}: ${this.order.filter(k => of(k) === name).length}`);
-      return kind;
-    }));
+    this.find(".bodies").hidden = map.samples === 1;
     this.pick(this.order.includes(sample) ? sample : this.order[0] ?? 0);
+  }
+
+  // The key of the dots, with the counts of all bodies of the pixel.
+  count(pixel) {
+    const {map} = this, all = map.counts.samples[pixel];
+    this.find(".kinds").replaceChildren(...this.counted(pixel).map(([name, count]) => {
+      const kind = document.createElement("span"), dot = document.createElement("i");
+      dot.className = name;
+      dot.style.background = map.inks.outcomes[name];
+      kind.append(dot, ` ${SIGNS[name]} ${count} ${map.words[name]}`);
+      return kind;
+    }), map.samples < all ? `of ${all} bodies; the first ${map.samples} are here` : all === 1 ? "" : `of ${all} bodies`);
   }
 
   next(by) {
@@ -348,9 +393,13 @@ class Explorer extends MapOnCanvas {
       const isThis = Number(button.dataset.sample) === sample;
       button.setAttribute("aria-pressed", String(isThis));
       button.tabIndex = isThis ? 0 : -1;  // one stop of the tabulator, and arrows
-      if (isThis) picked = button.title;
+      if (!isThis) continue;
+      picked = button.title;
+      const row = this.find(".dots");  // in view, without moving the page
+      row.scrollLeft = clamp(row.scrollLeft, button.offsetLeft + button.offsetWidth + 8 - row.clientWidth, button.offsetLeft - 8);
+      row.scrollTop = clamp(row.scrollTop, button.offsetTop + button.offsetHeight + 8 - row.clientHeight, button.offsetTop - 8);
     }
-    this.find(".chosen").textContent = `${this.words(pixel).split("\n")[0]}${picked ? ` — ${picked}` : " — no body"}`;
+    this.find(".chosen").textContent = `${this.where(pixel)} — ${picked ?? "no body"}`;
     const index = this.index(pixel), replay = `${map.python}.replay(pixel=${index.length > 1 ? `(${index.join(", ")})` : index[0]}, sample=${sample})`;
     const drawn = map.leaves ? `animate(${map.load && '"body.html"'})` : `plot()${map.load && '.figure.savefig("body.png")'}`;
     this.code = `${map.load}body = ${replay}\nbody.run.${drawn}\n`;
@@ -366,11 +415,12 @@ class Explorer extends MapOnCanvas {
   // What the reader must know of the motion.
   note(doubtful = Infinity) {
     const {map} = this;
-    this.find(".note").textContent = `Here are ${map.samples} of ${map.of} bodies of each pixel. ` + (!map.motion
+    this.find(".note").textContent = !map.motion
       ? "The page does not compute motions under the torque of a function: use the Python line."
-      : `The page computes their motions from their exact starts by a Taylor series; the outcomes come from the map. ${Number.isFinite(doubtful)
+      : `The page computes the motions from the exact starts of the bodies by a Taylor series; the outcomes come from the map. ${Number.isFinite(doubtful)
         ? `A change of this start by 1e-12 shows from t = ${shown(doubtful)} s on: from there this motion may differ from the motions of the map and of replay.`
-        : "Chaotic motions may differ from the map."}`);
+        : "Chaotic motions may differ from the map."}`;
+    if (!map.motion) this.find(".about").open = true;
   }
 
   strip() {

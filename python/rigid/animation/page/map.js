@@ -9,6 +9,9 @@ function mixedInk(share) {
 
 const shown = (x, digits = 4) => Number.isFinite(x) ? String(Number(x.toPrecision(digits))) : x === Infinity ? "never" : "none";
 
+const DASHES = {solid: [], dashed: [6, 2.6], dashdot: [10, 2.6, 1.6, 2.6], dotted: [1.6, 2.6]};  // as Matplotlib's
+const [IMPOSSIBLE, UNKNOWN] = ["#cccccc", "#f4f4f4"];
+
 class MapOnCanvas {
   constructor(canvas) {
     this.canvas = canvas;
@@ -73,10 +76,19 @@ class MapOnCanvas {
 
   ink(pixel) {
     const {map, layer} = this, value = layer.data[pixel];
-    if (map.status[pixel]) return css("#cccccc");
-    if (!Number.isFinite(value)) return css("#f4f4f4");
+    if (map.status[pixel]) return css(IMPOSSIBLE);
+    if (!Number.isFinite(value)) return this.isUndecided(pixel) ? map.inks.outcomes.undecided : css(UNKNOWN);
     const [low, high, at] = layer.log ? [layer.low, layer.high, value].map(Math.log) : [layer.low, layer.high, value];
     return mixedInk(high > low ? (at - low) / (high - low) : 0.5);
+  }
+
+  isUndecided(pixel) {  // no share, because no body of the pixel was decided
+    const {samples, undecided} = this.map.counts;
+    return this.isOfShare() && undecided[pixel] > 0 && undecided[pixel] === samples[pixel];
+  }
+
+  isOfShare() {
+    return ["share", "lower", "upper"].includes(this.layer.name);
   }
 
   draw() {
@@ -96,7 +108,7 @@ class MapOnCanvas {
         pen.fillStyle = this.ink(this.slice * this.plane + j * nx + i);
         pen.fillRect(Math.floor(x), Math.floor(y), Math.ceil(x + wide) - Math.floor(x), Math.ceil(y + high) - Math.floor(y));
       }
-    map.curves.forEach(({field}, k) => this.line(pen, field, xs, ys, k));
+    map.curves.forEach(curve => this.line(pen, curve));
     if (this.pixel !== null && Math.floor(this.pixel / this.plane) === this.slice) {
       const [i, j] = [this.pixel % nx, Math.floor(this.pixel % this.plane / nx)], [x, y] = [(xs[i] + xs[i + 1]) / 2, (ys[j] + ys[j + 1]) / 2];
       for (const [ink, wide] of [["#000", 4], ["#fff", 1.8]]) {
@@ -141,29 +153,21 @@ class MapOnCanvas {
     return pen.restore();
   }
 
-  // The line where the field is zero, through squares of four neighbouring pixels.
-  line(pen, field, xs, ys, number) {
-    const {nx, ny} = this, first = this.slice * this.plane, middle = edges => edges.slice(1).map((x, k) => (x + edges[k]) / 2);
-    const [cx, cy] = [middle(xs), middle(ys)];
+  // Lines of theory, white and dashed on black.
+  line(pen, {dashes, planes}) {
+    const points = planes[this.slice] ?? [];
     pen.beginPath();
-    for (let j = 0; j + 1 < ny; j++)
-      for (let i = 0; i + 1 < nx; i++) {
-        const corners = [[i, j], [i + 1, j], [i + 1, j + 1], [i, j + 1]].map(([a, b]) => [cx[a], cy[b], field[first + b * nx + a]]);
-        const crossed = corners.flatMap((a, k) => {
-          const b = corners[(k + 1) % 4], share = a[2] / (a[2] - b[2]);
-          return (a[2] < 0) !== (b[2] < 0) && Number.isFinite(share) ? [[a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1])]] : [];
-        });
-        for (let k = 0; k + 1 < crossed.length; k += 2) {
-          pen.moveTo(...crossed[k]);
-          pen.lineTo(...crossed[k + 1]);
-        }
-      }
-    for (const [ink, wide] of [["#000", 3.4], ["#fff", 1.6]]) {
+    for (let k = 0, isFirst = true; k < points.length; k += 2) {
+      const isEnd = Number.isNaN(points[k]);
+      if (!isEnd) pen[isFirst ? "moveTo" : "lineTo"](...this.place([points[k], points[k + 1]]));
+      isFirst = isEnd;
+    }
+    for (const [ink, wide, dash] of [["#000", 3.4, []], ["#fff", 1.6, DASHES[dashes]]]) {
       pen.strokeStyle = ink;
       pen.lineWidth = wide;
-      pen.globalAlpha = number ? 0.7 : 1;
+      pen.setLineDash(dash);
       pen.stroke();
     }
-    pen.globalAlpha = 1;
+    pen.setLineDash([]);
   }
 }

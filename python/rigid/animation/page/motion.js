@@ -6,8 +6,8 @@
 // where the last two terms reach the rounding of the state (A. Jorba and M. Zou, Experimental Mathematics 14 (2005) 99).
 const ORDER = 24;
 
-// Where the numbers of a body stand in its row, and how many there are; rigid/maps/page.py writes them in this order. The numbers of
-// an orbit are the mean motion (0 without an orbit), the eccentricity, the mean anomaly at time 0, and both semi-axes.
+// Where the numbers of a body stand in its row, and how many there are; rigid/maps/page.py writes them in this order. An orbit
+// has its mean motion (0 without an orbit), the eccentricity, the mean anomaly at time 0, and both semi-axes.
 const NUMBERS = {moments: 3, weight: 3, damping: 9, torque: 3, torqueInSpace: 3, sink: 3, rotor: 3, drag: 3, orbit: 9};
 const WIDTH = Object.values(NUMBERS).reduce((sum, count) => sum + count);
 

@@ -16,7 +16,8 @@ class Player {
     this.last = null;
     this.playing = false;
     root.classList.add("player");
-    root.innerHTML = `<h1 class="written"></h1><p class="meanings written"></p><div class="stages"></div><div class="charts"></div>
+    const heading = document.querySelector("h1") ? "h2" : "h1";  // of a film inside a page, or of a page
+    root.innerHTML = `<${heading} class="story written"></${heading}><p class="meanings written"></p><div class="stages"></div><div class="charts"></div>
       <footer><button type="button" class="play" aria-pressed="false"></button>
       <input type="range" min="0" value="0" step="1" aria-label="time"><output></output>
       <label><span>speed</span> <select aria-label="speed">${SPEEDS.map(x => `<option value="${x}">× ${x}</option>`).join("")}</select></label>
@@ -49,7 +50,7 @@ class Player {
     const find = name => this.root.querySelector(name), first = films[0];
     this.stages.forEach(stage => stage.remove());
     find(".stages").replaceChildren();
-    find("h1").textContent = story;
+    find(".story").textContent = story;
     this.explain(films);
     this.films = films;
     this.due = first.shown.reduce((times, shown) => [...times, times[times.length - 1] + shown], [0]);
@@ -64,7 +65,7 @@ class Player {
       if (films.length > 1) holder.innerHTML = `<p class="which written"></p>`, holder.firstChild.textContent = film.name;
       return new Stage(holder, film, this.camera, `${film.title}: film of the motion; drag to turn it`);
     });
-    if (!this.stages.every(stage => stage.painter.name === "WebGL2")) find("h1").textContent += "; without WebGL2, so drawn without depth and light";
+    if (!this.stages.every(stage => stage.painter.name === "WebGL2")) find(".story").textContent += "; without WebGL2, so drawn without depth and light";
     this.chart();
     this.seek(0);
     this.play(!window.matchMedia("(prefers-reduced-motion: reduce)").matches);

@@ -57,8 +57,11 @@ function stripOf(map, chart, pixel, numbers, motion, doubtful) {
   const {inks} = map, values = quantityOf(chart, numbers, motion), isRates = chart.what === "rates";
   const ink = chart.what === "rate" ? inks.axes[Math.abs(chart.axis) - 1]
     : {tilt: inks.body, turn: inks.body, pointing: inks.planet, distance: inks.planet, direction: chart.of === "L" ? inks.L : inks.omega, speed: inks.omega}[chart.what];
+  // Criteria and axes count angles in rad, charts in degrees.
+  const limits = chart.limits.map(limits => limits[pixel]), unit = /\((.*)\)$/.exec(chart.label)?.[1] ?? "";
+  const limitName = limit => unit === "°" ? `limit ${shown(limit)}° = ${shown(limit * Math.PI / 180)} rad` : `limit ${shown(limit)} ${unit}`;
   return {label: chart.label, names: isRates ? ["ω₁", "ω₂", "ω₃"] : [], colours: isRates ? inks.axes : [ink], axes: inks.axes,
-    values, limits: chart.limits.map(limits => limits[pixel]), after: chart.after, doubtful};
+    values, limits, limitNames: limits.map(limitName), after: chart.after, doubtful};
 }
 
 const PLANET = 2;  // where the planet is drawn: its direction alone is to scale

@@ -204,7 +204,7 @@ class Stage {
       const {part, name} = one, [x, y] = ends[k], away = Math.atan2(y - y0, x - x0);
       const [wide, high] = [name.offsetWidth / 2 + 1, name.offsetHeight / 2 - 1];
       const places = TURNS.map(turn => {
-        const gap = 8 + Math.abs(Math.cos(away + turn)) * wide + Math.abs(Math.sin(away + turn)) * 4;
+        const gap = (part.kind === "planet" ? 4 + 0.045 * this.camera.zoom * Math.min(look.width, look.height) : 8) + Math.abs(Math.cos(away + turn)) * wide + Math.abs(Math.sin(away + turn)) * 4;
         const left = clamp(x + gap * Math.cos(away + turn), wide, look.width - wide);
         const top = clamp(y + gap * Math.sin(away + turn), high, look.height - high);
         const onLabel = taken.filter(other => Math.abs(left - other.left) < wide + other.wide && Math.abs(top - other.top) < high + other.high);
