@@ -32,7 +32,17 @@ def test_a_notebook_of_each_tutorial_is_written(tmp_path: Path, capfd: Capture) 
         assert title.cell_type == "markdown"
         assert title.source.startswith("# ")
         text = "".join(cell.source for cell in read.cells)
-        for left in ("sphinx_gallery", ":math:", ".. ", "``", "# %%", "assert "):
+        for left in (
+            "sphinx_gallery",
+            ":doc:",
+            ":func:",
+            ":math:",
+            ".. ",
+            "``",
+            "# %%",
+            "assert ",
+            "----",
+        ):
             assert left not in text, (name, left)
     assert main(["tutorials", str(folder)]) == 2
     assert "exists; take another name" in capfd.readouterr().err
@@ -53,7 +63,8 @@ def test_text_code_and_formulas_are_cells() -> None:
         "x = 1\n# a remark\nprint(x)",
     ]
     assert [cell["cell_type"] for cell in cells] == ["markdown", "code", "markdown", "code"]
-    assert markdown("One\n===\n") == "# One\n"
+    assert markdown("One\n===\n\nTwo\n---\n") == "# One\n\n## Two\n"
+    assert markdown("See :doc:`maps </maps>`, :func:`rigid.fit`.") == "See maps, `rigid.fit`."
 
 
 def test_a_tutorial_runs_as_a_notebook_and_shows_pictures(

@@ -106,6 +106,7 @@ result = rigid.stability_map(
     start=rigid.Start(spin=0.0, axis=3),
     stable=rigid.regular(),
     t_end=50.0 * orbit.period,
+    time_unit="orbit",
     samples=1,
     rng=2026,
     progress=False,

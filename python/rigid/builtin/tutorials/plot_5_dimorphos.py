@@ -97,13 +97,13 @@ result = rigid.stability_map(
     measure=[rigid.libration_amplitude(1), rigid.obliquity(3)],
     samples=2,
     t_end=35.0,
+    time_unit="d",
     rng=2026,
     progress=False,
 )
 figure, ax = plt.subplots(figsize=(8, 6), layout="constrained")
 result.plot(ax=ax)
 ax.set_title("Which shapes keep one side to Didymos for 35 days?", loc="left")
-figure.axes[-1].set_ylabel("share of the moons")
 plt.show()
 
 # %%

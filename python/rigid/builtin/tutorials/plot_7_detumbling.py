@@ -101,6 +101,7 @@ result = rigid.stability_map(
     ),
     stable=~rigid.spin_above(0.01),
     t_end=2.0 * orbit,
+    time_unit=("orbit", orbit),
     samples=4,
     rng=2026,
     progress=False,
