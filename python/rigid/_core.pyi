@@ -18,7 +18,9 @@ __all__ = [
     "ELSEWHERE",
     "FEWEST_STEPS",
     "FIXED_POINT",
+    "LEAST_STATE",
     "LEAST_UNDER_FUNCTION",
+    "MOST_STATES",
     "ROUNDING",
     "SERIES_TOLERANCE",
     "Forces",
@@ -87,7 +89,9 @@ DRIFT_LIMIT: float
 ELSEWHERE: float
 FEWEST_STEPS: float
 FIXED_POINT: float
+LEAST_STATE: float
 LEAST_UNDER_FUNCTION: float
+MOST_STATES: int
 ROUNDING: float
 SERIES_TOLERANCE: float
 __version__: str
@@ -166,6 +170,7 @@ def section(
     normal: NDArray[np.float64],
     momentum: NDArray[np.float64],
     square: NDArray[np.float64],
+    states: NDArray[np.float64],
     value: NDArray[np.float64],
     ends: NDArray[np.float64],
     count: int,
@@ -280,12 +285,23 @@ class Forces:
         space: NDArray[np.float64],
         damping: NDArray[np.float64],
         further: Mapping[str, NDArray[np.float64]] | None = None,
-        function: tuple[int, bool, NDArray[np.float64], NDArray[np.float64], float] | None = None,
+        function: tuple[
+            int,
+            bool,
+            bool,
+            NDArray[np.float64],
+            NDArray[np.float64],
+            float,
+            NDArray[np.float64],
+        ]
+        | None = None,
     ) -> Forces: ...
     def select(self, bodies: NDArray[np.intp]) -> Forces: ...
     def slows_evenly(self, moments: NDArray[np.float64]) -> NDArray[np.float64]: ...
     @property
     def calls(self) -> bool: ...
+    @property
+    def states(self) -> int: ...
     def kinds(self, bodies: int) -> NDArray[np.uint64]: ...
     def damping_rates(self, moments: NDArray[np.float64]) -> NDArray[np.float64]: ...
 

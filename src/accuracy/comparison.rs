@@ -70,6 +70,7 @@ impl<'a> Rows<'a> {
             gamma: states.gamma.as_deref().map(|column| column.as_chunks().0),
             attitude: states.attitude.as_deref().map(|column| column.as_chunks().0),
             work: states.work.as_deref(),
+            states: states.states.as_deref().map(|column| column.as_chunks().0),
         };
         all.of(self.row(body), times)
     }

@@ -1,6 +1,7 @@
 //! The distance of two runs.
 
 use super::{Recorded, Sized, larger, largest, least, length, smaller, unit};
+use crate::forces::{MOST_STATES, SMALL_STATE};
 
 /// Relative distances of the states of two runs of a body at their times: the largest of `|d omega|` over the largest
 /// `|omega|` of the two, of the chord of the angle between the verticals and of the angle between the attitudes. Rates that are all
@@ -37,6 +38,26 @@ pub fn stated(known: &Sized, other: &Recorded, safety: f64, error: &mut [f64]) {
             *error = larger(*error, safety * ((work - other).abs() / energy));
         }
     }
+    if let (Some(states), Some(others)) = (run.states, other.states) {
+        let sizes = sizes_of_states(states, others);
+        for (error, (states, others)) in error.iter_mut().zip(states.iter().zip(others)) {
+            for (size, (state, other)) in sizes.iter().zip(states.iter().zip(others)) {
+                *error = larger(*error, safety * ((state - other).abs() / size));
+            }
+        }
+    }
+}
+
+/// The sizes to which errors of the states of a function are relative: the largest that two runs reach at their times, but
+/// not small ones.
+fn sizes_of_states(states: &[[f64; MOST_STATES]], others: &[[f64; MOST_STATES]]) -> [f64; MOST_STATES] {
+    let mut sizes = [0.0_f64; MOST_STATES];
+    for row in states.iter().chain(others) {
+        sizes.iter_mut().zip(row).for_each(|(size, state)| *size = larger(*size, state.abs()));
+    }
+    let [share, least] = SMALL_STATE;
+    let least = larger(least, share * largest(sizes.iter().copied()));
+    sizes.map(|size| larger(size, least))
 }
 
 /// Before a body is lost errors are relative to the rates until then: later rates belong to a wrong motion and may be
@@ -102,7 +123,13 @@ mod tests {
     fn the_distance_is_the_largest_of_relative_rates_and_angles() {
         let (omega, gamma) = ([[0.0, 0.0, 2.0], [0.0, 0.0, 4.0]], [[0.0, 0.0, 1.0]; 2]);
         let (attitude, turned) = ([[1.0, 0.0, 0.0, 0.0]; 2], [[-1.0, 0.0, 0.0, 0.0]; 2]);
-        let run = Recorded { omega: &omega, gamma: Some(&gamma), attitude: Some(&attitude), work: None };
+        let run = Recorded {
+            omega: &omega,
+            gamma: Some(&gamma),
+            attitude: Some(&attitude),
+            work: None,
+            states: None,
+        };
         let mut apart = [1.0; 2];
         distances(&run, &Recorded { attitude: Some(&turned), ..run }, 1.0, &mut apart);
         assert_eq!(apart, [0.0; 2], "a quaternion and its negative are one attitude");
@@ -118,11 +145,24 @@ mod tests {
     #[test]
     fn rates_of_a_body_at_rest_are_compared_with_what_it_could_reach() {
         let (still, slow) = ([[0.0; 3]], [[1e-20, 0.0, 0.0]]);
-        let run = Recorded { omega: &still, gamma: None, attitude: None, work: None };
+        let run = Recorded { omega: &still, gamma: None, attitude: None, work: None, states: None };
         let mut apart = [0.0];
         for (scale, expected) in [(10.0, 1e-21), (0.0, 1.0), (1e-10, 1.0)] {
             distances(&run, &Recorded { omega: &slow, ..run }, scale, &mut apart);
             assert_eq!(apart, [expected]);
         }
+    }
+
+    #[test]
+    fn errors_of_states_are_relative_to_the_largest_that_two_runs_reach() {
+        let row = |first: f64, second: f64| {
+            let mut row = [0.0; MOST_STATES];
+            (row[0], row[1]) = (first, second);
+            row
+        };
+        let sizes = sizes_of_states(&[row(1.0, 1e-12), row(-3.0, 0.0)], &[row(2.0, 0.0), row(4.0, 1e-9)]);
+        // A millionth of the largest at least, and 1e-9.
+        assert_eq!((sizes[0], sizes[1], sizes[7]), (4.0, 4e-6, 4e-6));
+        assert_eq!(sizes_of_states(&[row(0.0, 0.0)], &[row(1e-20, 0.0)]), [1e-9; MOST_STATES]);
     }
 }

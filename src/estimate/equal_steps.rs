@@ -238,7 +238,7 @@ mod tests {
         damping: [f64; 6],
     ) -> [f64; 2] {
         let forces = BodyForces { damping: Damping(damping), ..BodyForces::NONE };
-        let states = Recorded { omega: &omega, gamma: None, attitude: None, work: None };
+        let states = Recorded { omega: &omega, gamma: None, attitude: None, work: None, states: None };
         let run = Run {
             body,
             forces,

@@ -21,7 +21,7 @@ pub use rounded_start::{ROUNDINGS, round_otherwise, sign_of_forces};
 pub use separatrix::{PhaseError, phase_error};
 pub use turns::longest_interval;
 
-use crate::forces::BodyForces;
+use crate::forces::{BodyForces, MOST_STATES};
 use crate::kinematics::{length, plain_dot as dot};
 use crate::method::Method;
 use crate::simd::Isa;
@@ -42,6 +42,8 @@ pub struct Recorded<'a> {
     pub attitude: Option<&'a [[f64; 4]]>,
     /// Work of the forces, if there are any.
     pub work: Option<&'a [f64]>,
+    /// States of a function, if there are any.
+    pub states: Option<&'a [[f64; MOST_STATES]]>,
 }
 
 impl<'a> Recorded<'a> {
@@ -52,7 +54,8 @@ impl<'a> Recorded<'a> {
             omega: &self.omega[own.clone()],
             gamma: self.gamma.map(|all| &all[own.clone()]),
             attitude: self.attitude.map(|all| &all[own.clone()]),
-            work: self.work.map(|all| &all[own]),
+            work: self.work.map(|all| &all[own.clone()]),
+            states: self.states.map(|all| &all[own]),
         }
     }
 }
@@ -257,7 +260,7 @@ mod tests {
     };
 
     fn rates(omega: &[[f64; 3]]) -> Recorded<'_> {
-        Recorded { omega, gamma: None, attitude: None, work: None }
+        Recorded { omega, gamma: None, attitude: None, work: None, states: None }
     }
 
     fn stated_of(times: &[f64], omega: &[[f64; 3]], other: &[[f64; 3]]) -> (Stated, Vec<f64>) {

@@ -1,7 +1,8 @@
 //! `Forces`: those of one body or of many; `BodyForces`: those of one of them; `ForcesInterval`: those in a kernel.
 
 use super::{
-    AtStart, Damping, FEWEST_STEPS, Further, Table, TorqueCall, TorqueCalls, TorqueFunction, part, table,
+    AtStart, Damping, FEWEST_STEPS, Further, MOST_STATES, Table, TorqueCall, TorqueCalls, TorqueFunction,
+    part, table,
 };
 use crate::error::Error;
 use crate::memory;
@@ -291,6 +292,11 @@ impl Forces {
         }
     }
 
+    /// How many states a function has for each body.
+    pub fn states_of_function(&self) -> usize {
+        self.function.as_ref().map_or(0, TorqueFunction::states)
+    }
+
     /// The function that returns a torque.
     pub fn function(&self) -> Option<&TorqueFunction> {
         self.function.as_ref()
@@ -375,6 +381,11 @@ impl<'a> BodyForces<'a> {
             functions: None,
             change: ParameterChange::filled(0.0),
         }
+    }
+
+    /// The states of the function at the start.
+    pub fn states(&self) -> [f64; MOST_STATES] {
+        self.function.map_or([0.0; MOST_STATES], |function| function.start())
     }
 
     /// The function, told the time of states whose time is zero at this time.

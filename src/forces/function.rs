@@ -15,8 +15,32 @@ pub type Function = unsafe extern "C" fn(f64, *const f64, *const f64, *const f64
 /// are in rows of `LANES`, of which the first eight numbers are read.
 pub type FunctionOfEight = unsafe extern "C" fn(*const f64, *const f64, *const f64, *const f64, *mut f64);
 
+/// A `Function` that is told more: after the torque the states of the body, their rates of change, which it writes, and
+/// the place of the body on its orbit in space, over the semi-major axis.
+pub type LongFunction =
+    unsafe extern "C" fn(f64, *const f64, *const f64, *const f64, *mut f64, *const f64, *mut f64, *const f64);
+
+/// The same for eight bodies side by side.
+pub type LongFunctionOfEight = unsafe extern "C" fn(
+    *const f64,
+    *const f64,
+    *const f64,
+    *const f64,
+    *mut f64,
+    *const f64,
+    *mut f64,
+    *const f64,
+);
+
 /// Bodies that a `FunctionOfEight` is told.
 pub const EIGHT: usize = 8;
+
+/// Most states of a body whose rates of change a function returns.
+pub const MOST_STATES: usize = 8;
+
+/// Sizes below which no error of a state is relative to the state: this share of the largest state of the body, and this
+/// number in the unit of the user. A state that should be zero but for rounding would ask for endless steps.
+pub const SMALL_STATE: [f64; 2] = [1e-6, 1e-9];
 
 /// What numbers for functions are called if they do not fit into memory.
 const DATA: &str = "data of a torque";
@@ -28,13 +52,15 @@ const DATA: &str = "data of a torque";
 /// elsewhere.
 pub const FEWEST_STEPS: f64 = 64.0;
 
-/// The address of a function.
+/// The address of a function, and what it is told.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Code {
-    /// A `Function`.
-    OfOne(usize),
-    /// A `FunctionOfEight`.
-    OfEight(usize),
+pub struct Code {
+    /// The address.
+    pub address: usize,
+    /// Whether it is told eight bodies at once.
+    pub is_of_eight: bool,
+    /// Whether it is told states and the place on the orbit.
+    pub is_long: bool,
 }
 
 /// A function that returns a torque, and the numbers that it is given for each body.
@@ -48,6 +74,9 @@ pub struct TorqueFunction {
     units: Vec<f64>,
     /// A bound of |omega| under this torque, 0 if none is known.
     fastest: f64,
+    /// The states at the start, in rows of `states` numbers: one for all bodies, or one for each.
+    starts: Vec<f64>,
+    states: usize,
 }
 
 /// The function of one body. It borrows the numbers that the function reads.
@@ -58,36 +87,37 @@ pub struct TorqueCall<'a> {
     data: Option<&'a [f64]>,
     unit: f64,
     fastest: f64,
+    /// The states at the start, if there are any.
+    start: &'a [f64],
     /// The time at which the time of the state is zero.
     begin: f64,
 }
 
 impl TorqueFunction {
-    /// The function at an address, of one body or of eight.
+    /// The function at an address, of one body or of eight, without states.
     ///
     /// # Safety
-    /// A `Function` or a `FunctionOfEight` is at this address as long as any copy of this value lives. It reads `width`
-    /// numbers, or rows of numbers, at most, and may be called by several threads at once.
+    /// A function of the type that `code` tells is at this address as long as any copy of this value lives. It reads `width`
+    /// numbers, or rows of numbers, at most, reads and writes as many states as are given to `with_states`, and may be called by
+    /// several threads at once.
     ///
     /// # Errors
     /// If the address is zero, or the numbers do not fit.
     pub unsafe fn new(
-        address: usize,
-        is_of_eight: bool,
+        code: Code,
         data: Vec<f64>,
         width: usize,
         units: Vec<f64>,
         fastest: f64,
     ) -> Result<TorqueFunction, Error> {
-        if address == 0 {
+        if code.address == 0 {
             let (value, rule) = (
                 "a function".to_string(),
                 "its address is not known here, because no file has it; give the scene again",
             );
             return Err(Error::Value { argument: "torque", value, rule });
         }
-        let code = if is_of_eight { Code::OfEight(address) } else { Code::OfOne(address) };
-        let made = TorqueFunction { code, data, width, units, fastest };
+        let made = TorqueFunction { code, data, width, units, fastest, starts: Vec::new(), states: 0 };
         let (rows, bodies) = (made.rows(), made.bodies());
         let fits = |count: usize| count == bodies || count <= 1;
         let whole = made.data.len() == rows * width && !made.units.is_empty();
@@ -98,13 +128,37 @@ impl TorqueFunction {
         Ok(made)
     }
 
+    /// The function with so many states of each body, from these at the start.
+    ///
+    /// # Errors
+    /// If they are more than `MOST_STATES`, do not fit, or belong to a function that is not told them.
+    pub fn with_states(self, starts: Vec<f64>, states: usize) -> Result<TorqueFunction, Error> {
+        let made = TorqueFunction { starts, states, ..self };
+        let (rows, bodies) = (made.start_rows(), made.bodies());
+        let fits = made.starts.len() == rows * states && (rows == bodies || rows == usize::from(states > 0));
+        if !fits || states > MOST_STATES || (states > 0 && !made.code.is_long) {
+            let (expected, got) = (format!("({bodies}, {states})"), format!("{} numbers", made.starts.len()));
+            return Err(Error::Shape { argument: "states", expected, got });
+        }
+        Ok(made)
+    }
+
     fn rows(&self) -> usize {
         self.data.len().checked_div(self.width).unwrap_or(0)
     }
 
+    fn start_rows(&self) -> usize {
+        self.starts.len().checked_div(self.states).unwrap_or(0)
+    }
+
     /// The number of bodies whose function it is; 1 if it serves all alike.
     pub fn bodies(&self) -> usize {
-        self.rows().max(self.units.len())
+        self.rows().max(self.units.len()).max(self.start_rows())
+    }
+
+    /// How many states each body has.
+    pub fn states(&self) -> usize {
+        self.states
     }
 
     /// The function of one of the bodies.
@@ -112,7 +166,9 @@ impl TorqueFunction {
         let row = if self.rows() > 1 { body } else { 0 };
         let data = (self.rows() > 0).then(|| &self.data[self.width * row..][..self.width]);
         let unit = self.units[if self.units.len() > 1 { body } else { 0 }];
-        TorqueCall { code: self.code, data, unit, fastest: self.fastest, begin: 0.0 }
+        let row = if self.start_rows() > 1 { body } else { 0 };
+        let start = &self.starts[self.states * row..][..self.states];
+        TorqueCall { code: self.code, data, unit, fastest: self.fastest, start, begin: 0.0 }
     }
 
     /// How many numbers the function is given for each body.
@@ -126,6 +182,7 @@ impl TorqueFunction {
     /// If the numbers do not fit into memory.
     pub fn of_some(&self, bodies: &[usize]) -> Result<TorqueFunction, Error> {
         let row = |&body: &usize| self.data[self.width * body..][..self.width].iter().copied();
+        let start = |&body: &usize| self.starts[self.states * body..][..self.states].iter().copied();
         Ok(TorqueFunction {
             data: match self.rows() {
                 0 | 1 => memory::collected(DATA, self.data.len(), self.data.iter().copied())?,
@@ -134,6 +191,10 @@ impl TorqueFunction {
             units: match &self.units[..] {
                 [one] => memory::collected(DATA, 1, [*one])?,
                 all => memory::collected(DATA, bodies.len(), bodies.iter().map(|&body| all[body]))?,
+            },
+            starts: match self.start_rows() {
+                0 | 1 => memory::collected(DATA, self.starts.len(), self.starts.iter().copied())?,
+                _ => memory::collected(DATA, self.states * bodies.len(), bodies.iter().flat_map(start))?,
             },
             ..*self
         })
@@ -147,6 +208,7 @@ impl TorqueFunction {
         Ok(TorqueFunction {
             data: memory::collected(DATA, self.data.len(), self.data.iter().copied())?,
             units: memory::collected(DATA, self.units.len(), self.units.iter().copied())?,
+            starts: memory::collected(DATA, self.starts.len(), self.starts.iter().copied())?,
             ..*self
         })
     }
@@ -167,6 +229,18 @@ impl<'a> TorqueCall<'a> {
     pub fn width(&self) -> usize {
         self.data.map_or(0, <[f64]>::len)
     }
+
+    /// The states at the start; zero beyond those that there are.
+    pub fn start(&self) -> [f64; MOST_STATES] {
+        let mut states = [0.0; MOST_STATES];
+        states[..self.start.len()].copy_from_slice(self.start);
+        states
+    }
+
+    /// Whether there are states.
+    pub fn has_states(&self) -> bool {
+        !self.start.is_empty()
+    }
 }
 
 /// The functions of the bodies of a group, which differ in their data only.
@@ -175,6 +249,8 @@ pub struct TorqueRows<'a> {
     functions: [Option<TorqueCall<'a>>; LANES],
     begin: Row,
     unit: Row,
+    /// Whether they are told states and places.
+    are_long: bool,
     /// The data of the bodies, for a `FunctionOfEight`.
     data: Vec<Row>,
 }
@@ -191,23 +267,39 @@ pub struct TorqueCalls<'a, R> {
     active: R,
 }
 
-/// What the functions of a pack are told.
+/// What the functions of a pack are told, and of each lane whether its function is called.
 #[repr(C, align(64))]
-struct Told {
+struct Told<const T: usize> {
     time: [f64; EIGHT],
-    omega: [[f64; EIGHT]; 3],
-    attitude: [[f64; EIGHT]; 4],
+    /// Rates and attitude, to long functions also the states and the place on the orbit.
+    numbers: [[f64; EIGHT]; T],
     /// Above zero in the lanes whose functions are called.
     active: [f64; EIGHT],
 }
 
-/// Torques of the bodies of a pack.
-type Torques = [[f64; EIGHT]; 3];
+/// Where the parts of the numbers of `Told` begin, and their length.
+const ATTITUDE: usize = 3;
+const STATES: usize = 7;
+const PLACE: usize = STATES + MOST_STATES;
+const ALL: usize = PLACE + 3;
+
+/// What functions of a pack return: torques, and of long ones the rates of change of the states.
+pub struct Returned<R> {
+    /// The torque in the body, in the unit of the moments.
+    pub torque: [R; 3],
+    /// The rates of change of the states.
+    pub states: [R; MOST_STATES],
+}
 
 impl<'a> TorqueRows<'a> {
     /// No functions.
-    pub const NONE: TorqueRows<'a> =
-        TorqueRows { functions: [None; LANES], begin: Row::ZERO, unit: Row::ZERO, data: Vec::new() };
+    pub const NONE: TorqueRows<'a> = TorqueRows {
+        functions: [None; LANES],
+        begin: Row::ZERO,
+        unit: Row::ZERO,
+        are_long: false,
+        data: Vec::new(),
+    };
 
     /// No functions, with room for so many numbers of each body.
     ///
@@ -221,7 +313,8 @@ impl<'a> TorqueRows<'a> {
     pub fn set(&mut self, lane: usize, function: Option<TorqueCall<'a>>) {
         let is_first = self.functions.iter().all(Option::is_none);
         self.functions[lane] = function;
-        let Some(TorqueCall { data, unit, begin, .. }) = function else { return };
+        let Some(TorqueCall { code, data, unit, begin, .. }) = function else { return };
+        self.are_long = code.is_long;
         (self.begin.0[lane], self.unit.0[lane]) = (begin, unit);
         for (row, &number) in self.data.iter_mut().zip(data.unwrap_or(&[])) {
             row.0[lane] = number;
@@ -253,54 +346,80 @@ impl<'a> TorqueRows<'a> {
         })
     }
 
-    /// The torques of the active bodies in `lanes` lanes from `at` on. The loops are plain: closures of arrays are calls.
+    /// What the functions of the active bodies in `lanes` lanes from `at` on return. The loops are plain: closures of
+    /// arrays are calls.
     #[inline(never)]
-    fn call(&self, [at, lanes]: [usize; 2], told: &Told, torques: &mut Torques) {
+    fn call<const T: usize, const N: usize>(
+        &self,
+        [at, lanes]: [usize; 2],
+        told: &Told<T>,
+        returned: &mut [[f64; EIGHT]; N],
+    ) {
         let mut first = 0;
-        while first < lanes && told.is_idle(first) {
+        while first < lanes && (told.is_idle(first) || self.functions[at + first].is_none()) {
             first += 1;
         }
         if first == lanes {
             return;
         }
-        if let Some(TorqueCall { code: Code::OfEight(address), .. }) = &self.functions[at + first] {
-            self.call_eight(*address, [at, lanes, first], told, torques);
+        let Some(TorqueCall { code, start, .. }) = &self.functions[at + first] else { return };
+        let (code, states) = (*code, start.len());
+        if code.is_of_eight {
+            self.call_eight((code, states), [at, lanes, first], told, returned);
             return;
         }
         for lane in first..lanes {
-            let Some(TorqueCall { code: Code::OfOne(address), data, .. }) = &self.functions[at + lane] else {
+            let Some(TorqueCall { data, .. }) = &self.functions[at + lane] else {
                 continue;
             };
             if told.is_idle(lane) {
                 continue;
             }
-            let [a, b, c] = &told.omega;
-            let [w, x, y, z] = &told.attitude;
-            let (omega, attitude) = ([a[lane], b[lane], c[lane]], [w[lane], x[lane], y[lane], z[lane]]);
-            let data = data.map_or(ptr::null(), <[f64]>::as_ptr);
-            // What the function does not write is no number.
-            let mut torque = [f64::NAN; 3];
-            let address = ptr::with_exposed_provenance::<()>(*address);
-            // SAFETY: `TorqueFunction::new` was promised such a function, and `data` has its numbers or is null.
-            unsafe {
-                let function = std::mem::transmute::<*const (), Function>(address);
-                function(told.time[lane], omega.as_ptr(), attitude.as_ptr(), data, torque.as_mut_ptr());
+            let mut numbers = [0.0; T];
+            for k in 0..T {
+                numbers[k] = told.numbers[k][lane];
             }
-            for k in 0..3 {
-                torques[k][lane] = torque[k];
+            let data = data.map_or(ptr::null(), <[f64]>::as_ptr);
+            let mut own = [0.0; N];
+            // What the function does not write is no number.
+            own[..3 + states].fill(f64::NAN);
+            let (time, numbers, torque) = (told.time[lane], numbers.as_ptr(), own.as_mut_ptr());
+            let address = ptr::with_exposed_provenance::<()>(code.address);
+            // SAFETY: `TorqueFunction::new` was promised such a function, and `data` has its numbers or is null. Only long
+            // functions have states, and `T` and `N` are `ALL` and the torque with all states then.
+            unsafe {
+                let attitude = numbers.wrapping_add(ATTITUDE);
+                if code.is_long {
+                    let function = std::mem::transmute::<*const (), LongFunction>(address);
+                    let (states, place) = (numbers.wrapping_add(STATES), numbers.wrapping_add(PLACE));
+                    let rates = torque.wrapping_add(3);
+                    function(time, numbers, attitude, data, torque, states, rates, place);
+                } else {
+                    let function = std::mem::transmute::<*const (), Function>(address);
+                    function(time, numbers, attitude, data, torque);
+                }
+            }
+            for k in 0..N {
+                returned[k][lane] = own[k];
             }
         }
     }
 
-    /// The torques of bodies, of which that in the lane `first` is active, by a `FunctionOfEight`.
-    fn call_eight(&self, address: usize, [at, lanes, first]: [usize; 3], told: &Told, torques: &mut Torques) {
+    /// The same of bodies, of which that in the lane `first` is active, by a function of eight.
+    fn call_eight<const T: usize, const N: usize>(
+        &self,
+        (code, states): (Code, usize),
+        [at, lanes, first]: [usize; 3],
+        told: &Told<T>,
+        returned: &mut [[f64; EIGHT]; N],
+    ) {
         let mut active = 0;
         for lane in 0..lanes {
             active += usize::from(!told.is_idle(lane));
         }
         if active == EIGHT {
-            *torques = [[f64::NAN; EIGHT]; 3];
-            self.call_full(address, at, told, torques);
+            returned[..3 + states].fill([f64::NAN; EIGHT]);
+            self.call_full(code, at, told, returned);
             return;
         }
         // Their seats among eight; in a seat without an active body is the state of one.
@@ -311,35 +430,53 @@ impl<'a> TorqueRows<'a> {
                 eight.seat(begin + lane, told, lane);
             }
         }
-        let mut returned = [[f64::NAN; EIGHT]; 3];
-        self.call_full(address, at - begin, &eight, &mut returned);
+        let mut all = [[0.0; EIGHT]; N];
+        all[..3 + states].fill([f64::NAN; EIGHT]);
+        self.call_full(code, at - begin, &eight, &mut all);
         for lane in 0..lanes {
             if !told.is_idle(lane) {
-                for k in 0..3 {
-                    torques[k][lane] = returned[k][begin + lane];
+                for k in 0..N {
+                    returned[k][lane] = all[k][begin + lane];
                 }
             }
         }
     }
 
-    /// The torques of eight bodies that are all there, from the lane `at` on.
-    fn call_full(&self, address: usize, at: usize, told: &Told, torques: &mut Torques) {
+    /// The same of eight bodies that are all there, from the lane `at` on.
+    fn call_full<const T: usize, const N: usize>(
+        &self,
+        code: Code,
+        at: usize,
+        told: &Told<T>,
+        returned: &mut [[f64; EIGHT]; N],
+    ) {
         // The numbers of the lanes, row after row.
         let data = match &self.data[..] {
             [] => ptr::null(),
             rows => rows.as_ptr().cast::<f64>().wrapping_add(at),
         };
-        let address = ptr::with_exposed_provenance::<()>(address);
-        // SAFETY: `TorqueFunction::new` was promised such a function, and `data` has its rows or is null.
+        let address = ptr::with_exposed_provenance::<()>(code.address);
+        let (time, numbers) = (told.time.as_ptr(), told.numbers.as_ptr());
+        let torque = returned.as_mut_ptr();
+        // SAFETY: `TorqueFunction::new` was promised such a function, and `data` has its rows or is null. `T` and `N` are as
+        // in `call`.
         unsafe {
-            let function = std::mem::transmute::<*const (), FunctionOfEight>(address);
-            let (omega, attitude) = (told.omega.as_ptr().cast(), told.attitude.as_ptr().cast());
-            function(told.time.as_ptr(), omega, attitude, data, torques.as_mut_ptr().cast());
+            let attitude = numbers.wrapping_add(ATTITUDE).cast();
+            if code.is_long {
+                let function = std::mem::transmute::<*const (), LongFunctionOfEight>(address);
+                let (states, place) =
+                    (numbers.wrapping_add(STATES).cast(), numbers.wrapping_add(PLACE).cast());
+                let rates = torque.wrapping_add(3).cast();
+                function(time, numbers.cast(), attitude, data, torque.cast(), states, rates, place);
+            } else {
+                let function = std::mem::transmute::<*const (), FunctionOfEight>(address);
+                function(time, numbers.cast(), attitude, data, torque.cast());
+            }
         }
     }
 }
 
-impl Told {
+impl<const T: usize> Told<T> {
     /// Whether no function is called in a lane.
     fn is_idle(&self, lane: usize) -> bool {
         // A NaN is idle too.
@@ -347,9 +484,9 @@ impl Told {
     }
 
     /// The state of one lane in all.
-    fn all_as(&self, lane: usize) -> Told {
+    fn all_as(&self, lane: usize) -> Told<T> {
         let zero = [0.0; EIGHT];
-        let mut all = Told { time: zero, omega: [zero; 3], attitude: [zero; 4], active: zero };
+        let mut all = Told { time: zero, numbers: [zero; T], active: zero };
         for seat in 0..EIGHT {
             all.seat(seat, self, lane);
         }
@@ -357,13 +494,10 @@ impl Told {
     }
 
     /// Puts the state of a lane of others into a seat.
-    fn seat(&mut self, seat: usize, others: &Told, lane: usize) {
+    fn seat(&mut self, seat: usize, others: &Told<T>, lane: usize) {
         self.time[seat] = others.time[lane];
-        for k in 0..3 {
-            self.omega[k][seat] = others.omega[k][lane];
-        }
-        for k in 0..4 {
-            self.attitude[k][seat] = others.attitude[k][lane];
+        for k in 0..T {
+            self.numbers[k][seat] = others.numbers[k][lane];
         }
     }
 }
@@ -388,28 +522,78 @@ impl<R: Real> TorqueCalls<'_, R> {
         TorqueCalls { rows, at, begin, unit, active }
     }
 
+    /// Whether the functions are told states and places.
+    #[inline(always)]
+    pub fn are_long(&self) -> bool {
+        self.rows.are_long
+    }
+
     /// The torques in the bodies, in the unit of the moments, from the time since the begin, the rates, and the attitude, a
-    /// unit quaternion whose scalar is not negative; zero where no function is called.
+    /// unit quaternion whose scalar is not negative; zero where no function is called. Functions that are told more get
+    /// zeros.
     #[inline(always)]
     pub fn torques(&self, time: R, omega: &[R; 3], attitude: &[R; 4]) -> [R; 3] {
+        if self.are_long() {
+            let zero = R::splat(0.0);
+            return self.returned(time, omega, attitude, &[zero; MOST_STATES], &[zero; 3]).torque;
+        }
+        let mut returned = [[0.0; EIGHT]; 3];
+        let told = self.told::<STATES>(time, omega, attitude);
+        self.rows.call([self.at, R::LANES], &told, &mut returned);
+        self.in_units(&returned)
+    }
+
+    /// The same, and the rates of change of the states, of functions that are told states and places too.
+    #[inline(always)]
+    pub fn returned(
+        &self,
+        time: R,
+        omega: &[R; 3],
+        attitude: &[R; 4],
+        states: &[R; MOST_STATES],
+        place: &[R; 3],
+    ) -> Returned<R> {
+        let mut told = self.told::<ALL>(time, omega, attitude);
+        for k in 0..MOST_STATES {
+            states[k].store(&mut told.numbers[STATES + k]);
+        }
+        for k in 0..3 {
+            place[k].store(&mut told.numbers[PLACE + k]);
+        }
+        let mut returned = [[0.0; EIGHT]; 3 + MOST_STATES];
+        self.rows.call([self.at, R::LANES], &told, &mut returned);
+        let (torque, mut rates) = (self.in_units(&returned), *states);
+        for k in 0..MOST_STATES {
+            rates[k] = R::load(&returned[3 + k]);
+        }
+        Returned { torque, states: rates }
+    }
+
+    /// What functions are told, but states and places.
+    #[inline(always)]
+    fn told<const T: usize>(&self, time: R, omega: &[R; 3], attitude: &[R; 4]) -> Told<T> {
         const { assert!(R::LANES <= EIGHT) };
         let zero = [0.0; EIGHT];
-        let mut told = Told { time: zero, omega: [zero; 3], attitude: [zero; 4], active: zero };
+        let mut told = Told { time: zero, numbers: [zero; T], active: zero };
         (self.begin + time).store(&mut told.time);
         for k in 0..3 {
-            omega[k].store(&mut told.omega[k]);
+            omega[k].store(&mut told.numbers[k]);
         }
         for k in 0..4 {
-            attitude[k].store(&mut told.attitude[k]);
+            attitude[k].store(&mut told.numbers[ATTITUDE + k]);
         }
         self.active.store(&mut told.active);
-        let mut torques = [zero; 3];
-        self.rows.call([self.at, R::LANES], &told, &mut torques);
-        let mut in_units = *omega;
+        told
+    }
+
+    /// The torques in the unit of the moments.
+    #[inline(always)]
+    fn in_units<const N: usize>(&self, returned: &[[f64; EIGHT]; N]) -> [R; 3] {
+        let mut torques = [self.unit; 3];
         for k in 0..3 {
-            in_units[k] = R::load(&torques[k]) * self.unit;
+            torques[k] = R::load(&returned[k]) * self.unit;
         }
-        in_units
+        torques
     }
 }
 
@@ -451,6 +635,8 @@ pub fn unit_of_stage<R: Real>(mut q: [R; 4]) -> [R; 4] {
 mod tests {
     use super::*;
 
+    const OF_ONE: Code = Code { address: 0, is_of_eight: false, is_long: false };
+
     /// The time, a number of the data, and the scalar of the quaternion.
     unsafe extern "C" fn told(
         t: f64,
@@ -467,8 +653,9 @@ mod tests {
     }
 
     fn function(data: Vec<f64>, width: usize, units: Vec<f64>) -> Result<TorqueFunction, Error> {
+        let code = Code { address: told as *const () as usize, ..OF_ONE };
         // SAFETY: the function is of this type.
-        unsafe { TorqueFunction::new(told as *const () as usize, false, data, width, units, 0.0) }
+        unsafe { TorqueFunction::new(code, data, width, units, 0.0) }
     }
 
     /// The torques of a pack from the time 1 on, of bodies that turn by 9, after a begin at 3.
@@ -526,10 +713,11 @@ mod tests {
 
     #[test]
     fn a_function_of_eight_is_told_the_state_of_another_where_no_body_is_active() {
-        let (address, bodies) = (told_eight as *const () as usize, 3);
+        let code = Code { address: told_eight as *const () as usize, is_of_eight: true, ..OF_ONE };
+        let bodies = 3;
         let data = (0..2 * bodies).map(f64::from).collect();
         // SAFETY: the function is of this type.
-        let made = unsafe { TorqueFunction::new(address, true, data, 2, vec![0.5], 0.0) }.unwrap();
+        let made = unsafe { TorqueFunction::new(code, data, 2, vec![0.5], 0.0) }.unwrap();
         let mut rows = TorqueRows::with_room(made.width()).unwrap();
         for body in 0..bodies as usize {
             rows.set(16 + body, Some(made.of(body).from(3.0)));
@@ -551,7 +739,53 @@ mod tests {
         assert!(function(vec![1.0; 3], 2, vec![1.0]).is_err());
         assert!(function(vec![1.0; 6], 2, vec![1.0; 2]).is_err());
         // SAFETY: nothing is called.
-        let none = unsafe { TorqueFunction::new(0, false, vec![], 0, vec![1.0], 0.0) };
+        let none = unsafe { TorqueFunction::new(Code { address: 0, ..OF_ONE }, vec![], 0, vec![1.0], 0.0) };
         assert!(none.unwrap_err().to_string().starts_with("torque = a function: "));
+    }
+
+    /// The first state, the second number of the place, and the sum of the states; the rates are the states, twice.
+    #[allow(clippy::too_many_arguments)] // Those of the type.
+    unsafe extern "C" fn told_long(
+        _t: f64,
+        _omega: *const f64,
+        _attitude: *const f64,
+        _data: *const f64,
+        torque: *mut f64,
+        states: *const f64,
+        rates: *mut f64,
+        place: *const f64,
+    ) {
+        // SAFETY: the caller gives arrays of these lengths.
+        unsafe {
+            let numbers = [*states, *place.add(1), *states + *states.add(1)];
+            numbers.iter().enumerate().for_each(|(k, &x)| *torque.add(k) = x);
+            *rates = 2.0 * *states;
+        }
+    }
+
+    #[test]
+    fn a_long_function_is_told_states_and_places_and_a_rate_that_it_does_not_write_is_no_number() {
+        let code = Code { address: told_long as *const () as usize, is_long: true, ..OF_ONE };
+        // SAFETY: the function is of this type.
+        let made = unsafe { TorqueFunction::new(code, vec![], 0, vec![0.5], 0.0) }.unwrap();
+        assert!(made.copied().unwrap().with_states(vec![1.0; 9], 9).is_err());
+        assert!(made.copied().unwrap().with_states(vec![1.0; 3], 2).is_err());
+        let made = made.with_states(vec![3.0, 4.0, 5.0, 6.0], 2).unwrap();
+        assert_eq!(
+            (made.bodies(), made.states(), made.of(1).start()[..3].to_vec()),
+            (2, 2, vec![5.0, 6.0, 0.0])
+        );
+        let (some, both) = (made.of_some(&[1]).unwrap(), made.copied().unwrap());
+        assert_eq!((some.of(0), both.of(0).has_states()), (made.of(1), true));
+        let mut rows = TorqueRows::with_room(0).unwrap();
+        rows.set(2, Some(made.of(1)));
+        let calls = rows.of::<f64>(2).unwrap();
+        let found =
+            calls.returned(0.0, &[0.0; 3], &[1.0, 0.0, 0.0, 0.0], &made.of(1).start(), &[7.0, 8.0, 9.0]);
+        assert_eq!((found.torque, found.states[0]), ([2.5, 4.0, 5.5], 10.0));
+        assert!(calls.are_long() && found.states[1].is_nan() && found.states[2..] == [0.0; 6]);
+        // SAFETY: nothing is called.
+        let short = unsafe { TorqueFunction::new(Code { address: 1, ..OF_ONE }, vec![], 0, vec![1.0], 0.0) };
+        assert!(short.unwrap().with_states(vec![1.0], 1).unwrap_err().to_string().starts_with("states"));
     }
 }

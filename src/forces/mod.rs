@@ -25,8 +25,9 @@ pub use damping::{Damping, damp};
 pub use dissipation::Dissipation;
 pub use drag::Drag;
 pub use function::{
-    EIGHT, FEWEST_STEPS, Function, FunctionOfEight, TorqueCall, TorqueCalls, TorqueFunction, TorqueRows,
-    attitude_of_stage, unit_of_stage,
+    Code, EIGHT, FEWEST_STEPS, Function, FunctionOfEight, LongFunction, LongFunctionOfEight, MOST_STATES,
+    Returned, SMALL_STATE, TorqueCall, TorqueCalls, TorqueFunction, TorqueRows, attitude_of_stage,
+    unit_of_stage,
 };
 pub use orbit::{Orbit, anomaly_cos_sin, conic_sign};
 pub use place::{Along, OrbitPlace, StepAlong};

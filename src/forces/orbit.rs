@@ -120,6 +120,17 @@ impl<R: Real> Orbit<R> {
         [o, [o[0] * cube, o[1] * cube, o[2] * cube]]
     }
 
+    /// The place in space, over the semi-major axis, from the variables.
+    #[inline(always)]
+    pub fn place(&self, variables: [R; 2]) -> [R; 3] {
+        let [cos, sin] = self.cos_sin(variables);
+        let [mut place, b] = self.semi_axes();
+        for k in 0..3 {
+            place[k] = (cos - self.eccentricity()).fma(place[k], sin * b[k]);
+        }
+        place
+    }
+
     /// The direction from the planet in the body at a state; see `direction`.
     #[inline(always)]
     pub fn radial<const D: usize>(&self, y: &[R; D], own: usize) -> [R; 3] {

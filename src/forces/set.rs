@@ -12,6 +12,8 @@ pub struct ForceSet {
     pub further: bool,
     /// Whether a function of the user returns a torque.
     pub function: bool,
+    /// Whether it has states of its own, which are then integrated.
+    pub states: bool,
     /// Whether a torque depends on the attitude: all space axes are then integrated.
     pub in_space: bool,
     /// Whether the gravity gradient of an orbit acts, and nothing else.
@@ -20,8 +22,14 @@ pub struct ForceSet {
 
 impl ForceSet {
     /// Nothing acts.
-    pub const NONE: ForceSet =
-        ForceSet { act: false, further: false, function: false, in_space: false, orbit_alone: false };
+    pub const NONE: ForceSet = ForceSet {
+        act: false,
+        further: false,
+        function: false,
+        states: false,
+        in_space: false,
+        orbit_alone: false,
+    };
 
     /// The forces of both.
     pub fn and(self, other: ForceSet) -> ForceSet {
@@ -29,6 +37,7 @@ impl ForceSet {
             act: self.act || other.act,
             further: self.further || other.further,
             function: self.function || other.function,
+            states: self.states || other.states,
             in_space: self.in_space || other.in_space,
             orbit_alone: (self.orbit_alone || !self.act) && (other.orbit_alone || !other.act),
         }
@@ -53,6 +62,7 @@ impl From<BodyForces<'_>> for ForceSet {
             act: !forces.is_none(),
             further: !forces.further.is_none(),
             function: forces.function.is_some(),
+            states: forces.function.is_some_and(|function| function.has_states()),
             in_space: forces.acts_in_space(),
             orbit_alone: forces.orbit_alone(),
         }

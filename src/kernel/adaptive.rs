@@ -131,7 +131,11 @@ fn step<P: Pack, M: Model<P>, L: Layout, S: Engine<P, M, L, D>, const D: usize>(
         (y[d], compensation[d]) = two_sum(y[d], change[d].fma(share, compensation[d]));
     });
     // The motion goes on if the deviation vector overflows.
-    let mut made = unit.fma(share, zero_or_nan(&y[..L::TANGENT_AT]));
+    let mut unknown = zero_or_nan(&y[..L::TANGENT_AT]);
+    if L::STATES {
+        unknown = unknown + zero_or_nan(&y[L::STATES_AT..]);
+    }
+    let mut made = unit.fma(share, unknown);
     let (mut time, mut residue) = two_sum(begin[0], made + begin[1]);
     let (mut trial, mut steps) = (made, one);
     if const { S::IS_TRIED } {

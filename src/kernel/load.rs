@@ -2,7 +2,7 @@
 
 use super::group::{Group, MAX_STATE};
 use super::{Compiled, System};
-use crate::forces::{BodyForces, ForcesInterval, Further, OrbitPlace};
+use crate::forces::{BodyForces, ForcesInterval, Further, MOST_STATES, OrbitPlace};
 use crate::kinematics::{attitude_of_rows, dot, half_rows, length, space_axes, to_body_frame, vertical};
 use crate::method::{Method, Step, Variables};
 use crate::observe::{self, Bound, Deviation, Observed};
@@ -150,6 +150,8 @@ pub struct State {
     pub tangent: Option<[f64; 6]>,
     /// Work and scales of a forced body.
     pub balance: Option<Balance>,
+    /// The states of a function, if there are any.
+    pub states: Option<[f64; MOST_STATES]>,
 }
 
 /// Work of the forces, and scales of the invariants.
@@ -225,6 +227,8 @@ pub struct Entry<'a> {
     pub step: f64,
     /// The variables of further forces at the start.
     pub own: [f64; Further::VARIABLES],
+    /// The states of a function at the start.
+    pub states: [f64; MOST_STATES],
     /// The place on the orbit at the start, for systems that take its anomaly for the time.
     pub place: Option<OrbitPlace>,
     /// The deviation vector at the start, for systems that integrate one.
@@ -238,14 +242,16 @@ impl<'a> Entry<'a> {
     pub fn unobserved(body: &'a Body, forced_rate: Option<f64>, step: f64) -> Self {
         static NO_FORCES: OnceLock<ForcesInterval<'static, f64>> = OnceLock::new();
         let forces = forced_rate.map(|rate| (NO_FORCES.get_or_init(ForcesInterval::none), rate));
-        let (own, deviation) = (Further::NONE.start(0.0), Deviation::NONE);
-        Entry { body, forces, axis: 0, limit: f64::INFINITY, step, own, place: None, deviation, bound: None }
+        let (own, states, deviation) = (Further::NONE.start(0.0), [0.0; MOST_STATES], Deviation::NONE);
+        let (limit, place) = (f64::INFINITY, None);
+        Entry { body, forces, axis: 0, limit, step, own, states, place, deviation, bound: None }
     }
 }
 
 /// Loads a body into a lane.
 pub fn load(group: &mut Group, lane: usize, compiled: Compiled, assignment: KernelAssignment, entry: &Entry) {
-    let &Entry { body, forces, axis, limit, step, ref own, ref place, ref deviation, ref bound } = entry;
+    let &Entry { body, forces, axis, limit, step, ref own, ref states, ref place, ref deviation, ref bound } =
+        entry;
     let kernel = compiled.kernel();
     let mut unit = [0.0; 3];
     if axis != 0 {
@@ -255,6 +261,9 @@ pub fn load(group: &mut Group, lane: usize, compiled: Compiled, assignment: Kern
     let mut y = kernel_state(kernel.system, assignment, body, unit);
     if let Some(at) = kernel.system.own_at {
         y[at..at + own.len()].copy_from_slice(own);
+    }
+    if let Some(at) = kernel.system.states_at {
+        y[at..at + states.len()].copy_from_slice(states);
     }
     if let Some(place) = place {
         y[..3].copy_from_slice(&place.to_pace(body.omega));
@@ -339,6 +348,7 @@ pub fn load(group: &mut Group, lane: usize, compiled: Compiled, assignment: Kern
         deviation: &deviation,
         bound: bound.as_ref(),
         own,
+        states,
         on_orbit,
         rates,
         momentum,
@@ -405,6 +415,11 @@ pub fn read(
         of_attitude[3..6].copy_from_slice(&to_body_frame(&q.map(|x| x / size), &vertical));
         compiled.invariants(&parameters, &of_attitude)
     });
+    let states = kernel.system.states_at.map(|at| {
+        let mut states = [0.0; MOST_STATES];
+        states.copy_from_slice(&y[at..at + MOST_STATES]);
+        states
+    });
     if assignment.step.engine.variables() == Variables::Momenta {
         for k in 0..3 {
             y[k] /= moments[k];
@@ -438,5 +453,6 @@ pub fn read(
         invariants_of_attitude,
         tangent,
         balance,
+        states,
     }
 }

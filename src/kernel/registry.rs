@@ -12,7 +12,7 @@ use crate::scene::{
     Attitude, Axis, AxisAttitude, AxisSensitivity, AxisTangent, FREE, ForcedAxis, ForcedFrame,
     ForcedFrameTangent, ForcedRates, ForcedTurns, Free, FunctionFrame, FunctionTurns, FurtherFrame,
     FurtherFrameTangent, FurtherRates, FurtherTurns, Layout, Model, OrbitTurns, Parameters, Rates, Scene,
-    TOP, Top, Turns, TwoAxes,
+    StatesTurns, TOP, Top, Turns, TwoAxes,
 };
 #[cfg(target_arch = "x86_64")]
 use crate::simd::{Arr, V4, V8};
@@ -334,6 +334,7 @@ engines! { kernels
         FurtherTurns: TOP, Top, FurtherTurns;
         FunctionFrame: TOP, Top, FunctionFrame;
         FunctionTurns: TOP, Top, FunctionTurns;
+        StatesTurns: TOP, Top, StatesTurns;
         TopTangent: TOP, Top, AxisTangent;
         TopSensitivity: TOP, Top, AxisSensitivity;
         ForcedTangent: TOP, Top, ForcedFrameTangent;
@@ -391,6 +392,8 @@ pub struct Traits {
     pub is_on_clock: bool,
     /// Index of the variables of further forces; `None` without any.
     pub own_at: Option<usize>,
+    /// Index of the states of a function; `None` without any.
+    pub states_at: Option<usize>,
     /// Index of the deviation vector; `None` without one.
     pub tangent_at: Option<usize>,
     is_changed: bool,
@@ -412,6 +415,7 @@ impl Traits {
             is_function: L::FUNCTION,
             is_on_clock: L::CLOCK,
             own_at: if L::OWN > 0 { Some(L::OWN_AT) } else { None },
+            states_at: if L::STATES { Some(L::STATES_AT) } else { None },
             tangent_at: if L::TANGENT { Some(L::TANGENT_AT) } else { None },
             is_changed: L::CHANGED,
             observed_at: 3 + 3 * L::OBSERVED,
@@ -445,6 +449,7 @@ impl System {
                 // Beside a function the further forces may act.
                 && (system.is_further == (forces.further && acts) || system.is_further && forces.function)
                 && system.is_function == forces.function
+                && system.states_at.is_some() == forces.states
                 && system.tangent_at.is_some() == needs.tangent
                 && (system.is_changed || !needs.is_changed)
                 && (system.has_frame || system.vectors >= directions)
@@ -499,6 +504,7 @@ mod tests {
         let in_space = |needs| Needs { forces: ForceSet { in_space: true, ..act }, ..needs };
         let further = |needs| Needs { forces: ForceSet { further: true, ..act }, ..needs };
         let function = |needs| Needs { forces: ForceSet { function: true, ..act }, ..needs };
+        let states = |needs| Needs { forces: ForceSet { function: true, states: true, ..act }, ..needs };
         let orbit = ForceSet { further: true, in_space: true, orbit_alone: true, ..act };
         let on_orbit = |needs| Needs { forces: orbit, ..needs };
         let tangent = |needs| Needs { tangent: true, ..needs };
@@ -530,6 +536,7 @@ mod tests {
             (&FREE, series, on_orbit(tangent(needs(0, false))), FurtherTangent),
             (&FREE, method::RK4.any, function(needs(0, false)), FunctionTurns),
             (&TOP, method::MIDPOINT.any, function(needs(0, true)), FunctionFrame),
+            (&FREE, method::DOP853.any, states(needs(0, true)), StatesTurns),
             // A free body is a top without weight.
             (&FREE, series, tangent(needs(0, false)), TopTangent),
             (&TOP, series, tangent(needs(0, false)), TopTangent),

@@ -193,6 +193,7 @@ impl MapJob<'_> {
             let norm = assignment.deviation(&deviation, body);
             Course::new(rule, norm, map.is_forced(), [steps as f64, map.t_end])
         });
+        let states = forces.states();
         let own = place.map_or_else(|| forces.further.start(0.0), |place| place.clock());
         let interval = (!forces.is_none()).then(|| {
             let interval = forces.interval(0.0, false, body.moments);
@@ -206,7 +207,7 @@ impl MapJob<'_> {
         };
         let forces = interval.as_ref().map(|interval| (interval, rate()));
         let (limit, bound) = (map.criterion.limit(), map.criterion.bound());
-        let entry = Entry { body, forces, axis: map.axis, limit, step, own, place, deviation, bound };
+        let entry = Entry { body, forces, axis: map.axis, limit, step, own, states, place, deviation, bound };
         load(&mut self.group, lane, self.compiled, assignment, &entry);
         if let Some(course) = &course {
             course.settle(&mut self.group, self.compiled.kernel().system, lane);

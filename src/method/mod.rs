@@ -439,6 +439,8 @@ impl Method {
             NO_FURTHER
         } else if forces.function && !facts.of_function.moves {
             "cannot integrate the torque of a function; use 'rk4', 'dop853' or 'midpoint'"
+        } else if forces.states && !facts.moves_further {
+            "does not integrate the states of a function, as 'rk4' and 'dop853' do"
         } else {
             return Ok(());
         };

@@ -4,7 +4,7 @@ use super::tableau::{ALL_STAGES, MAX_STAGES, Tableau, coefficient, first, time, 
 use super::tangent::{further_tangent_rate, tangent_rate};
 use super::{Coefficients, Engine, EngineName, Facts, Limits, Method, Numbers, Proposal, Step, Variables};
 use super::{acceleration, acceleration_by, cubic_inside, moved, put_turned, turning_of_rates, two_sum};
-use crate::forces::ForcesInterval;
+use crate::forces::{ForcesInterval, SMALL_STATE};
 use crate::kinematics::{plus, put, speed};
 use crate::real::Real;
 use crate::scene::{Applied, FurtherRate, Layout, Model, Parameters, ROWS_LEN, Torques, in_rows};
@@ -259,7 +259,7 @@ fn rate<T: Tableau, R: Real, M: Model<R>, L: Layout, const D: usize>(
     let mut dy = *y;
     if L::FURTHER {
         let rates = applied.under_further::<M, L, D>(model, torques, y);
-        let FurtherRate { omega: change, turn, balance, .. } = rates;
+        let FurtherRate { omega: change, turn, balance, states, .. } = rates;
         put(&mut dy, 0, change);
         put(&mut dy, L::BALANCE_AT, balance);
         put_turned::<R, L, D>(y, &plus(&omega, &turn), &mut dy);
@@ -269,6 +269,9 @@ fn rate<T: Tableau, R: Real, M: Model<R>, L: Layout, const D: usize>(
         }
         if L::OWN > 0 {
             applied.forces.further.change(y, L::OWN_AT, &mut dy);
+        }
+        if L::STATES {
+            put(&mut dy, L::STATES_AT, states);
         }
     } else {
         let (change, balance) = gains::<T, R, M, L, D>(model, (applied, torques), y);
@@ -455,8 +458,8 @@ impl<T: Tableau, R: Real, M: Model<R>> RungeKutta<T, R, M> {
     }
 
     /// The error of a step over the tolerance, from the states at its ends and the slopes of its stages: of the rates relative
-    /// to the fastest known or met, of the attitude and of the place on the orbit in rad. The balance follows from the motion,
-    /// so the balance is ignored. The estimates of order 5 and 3 become one that falls as the eighth power of the step
+    /// to the fastest known or met, of the attitude and of the place on the orbit in rad, of the states of a function relative
+    /// to their sizes at the ends. The balance follows from the motion, so the balance is ignored. The estimates of order 5 and 3 become one that falls as the eighth power of the step
     /// (Hairer, Nørsett, Wanner, section II.10).
     #[inline(always)]
     fn error<L: Layout, const D: usize>(
@@ -469,6 +472,10 @@ impl<T: Tableau, R: Real, M: Model<R>> RungeKutta<T, R, M> {
         // `max` returns its second argument if the first is no number.
         let rate =
             speed(after).max(speed(before).max(one / limits.inverse_rate)).max(R::splat(f64::MIN_POSITIVE));
+        let mut least = R::splat(SMALL_STATE[1]);
+        for d in L::STATES_AT..D {
+            least = (R::splat(SMALL_STATE[0]) * before[d].abs().max(after[d].abs())).max(least);
+        }
         let mut largest = [zero; 2];
         for i in 0..2 {
             let mut sum = zero;
@@ -478,6 +485,8 @@ impl<T: Tableau, R: Real, M: Model<R>> RungeKutta<T, R, M> {
                 }
                 let size = if d < 3 {
                     rate
+                } else if d >= L::STATES_AT {
+                    before[d].abs().max(after[d].abs()).max(least)
                 } else {
                     // The place on the orbit, by its angle; a quaternion changes by half of the angle.
                     R::splat(if d >= L::OWN_AT { 1.0 } else { 0.5 })
@@ -657,6 +666,9 @@ impl<T: Tableau, R: Real, M: Model<R>, L: Layout, const D: usize> Engine<R, M, L
         let mut change = moved::<R, L, D>(y, Engine::<R, M, L, D>::velocity(self, p, y), &turning);
         if L::OWN > 0 {
             self.applied.forces.further.change(y, L::OWN_AT, &mut change);
+        }
+        if L::STATES {
+            put(&mut change, L::STATES_AT, self.applied.state_rates::<M, L, D>(&self.model, y));
         }
         change
     }

@@ -8,7 +8,7 @@ use crate::forces::{BodyForces, ForcesInterval};
 use crate::kinematics::to_body_frame;
 use crate::method::{Coefficients, Engine, Numbers, Rk4Tableau, RungeKutta, Taylor};
 use crate::real::{Apart, Real};
-use crate::scene::{FunctionTurns, FurtherFrame, Layout, Model, Parameters, Top};
+use crate::scene::{FurtherFrame, Layout, Model, Parameters, StatesTurns, Top};
 use crate::simd::Isa;
 use crate::start::{Body, VERTICAL};
 
@@ -48,6 +48,7 @@ impl<R: Real, const D: usize> Inside<R> for Component<'_, R, D> {
 struct AfterStart<'a> {
     body: &'a Body,
     interval: &'a ForcesInterval<'a, f64>,
+    states: &'a [f64],
     rate: f64,
 }
 
@@ -56,19 +57,20 @@ impl Apart for AfterStart<'_> {
     #[inline(always)]
     fn run(self) -> [f64; 3] {
         const NUMBERS: &Numbers = &Numbers { order: 6, ..Numbers::NONE };
-        let AfterStart { body, interval, rate } = self;
+        let AfterStart { body, interval, states, rate } = self;
         // SAFETY: the engines end with this call, during which `interval` is borrowed.
         let interval = unsafe { &interval.outliving() };
         let p = Parameters { moments: body.moments, weight: body.weight, step: 1e-3 / rate };
         if interval.functions.is_some() {
             // Nobody knows the derivatives of the torque of a function: a step of the fourth order is made.
-            let engine = <Called as Engine<_, _, FunctionTurns, CALLED>>::new(&p, interval, NUMBERS);
+            let engine = <Called as Engine<_, _, StatesTurns, CALLED>>::new(&p, interval, NUMBERS);
             let (mut y, mut unused) = ([0.0; CALLED], [0.0; CALLED]);
             y[..3].copy_from_slice(&body.omega);
-            y[FunctionTurns::QUATERNION_AT..FunctionTurns::BALANCE_AT].copy_from_slice(&body.attitude);
-            y[FunctionTurns::OWN_AT..].copy_from_slice(&interval.further.start(0.0));
+            y[StatesTurns::QUATERNION_AT..StatesTurns::BALANCE_AT].copy_from_slice(&body.attitude);
+            y[StatesTurns::OWN_AT..StatesTurns::STATES_AT].copy_from_slice(&interval.further.start(0.0));
+            y[StatesTurns::STATES_AT..].copy_from_slice(states);
             let dense = &mut Coefficients::new();
-            Engine::<_, _, FunctionTurns, CALLED>::step(&engine, &p, &mut y, &mut unused, dense);
+            Engine::<_, _, StatesTurns, CALLED>::step(&engine, &p, &mut y, &mut unused, dense);
             return [y[0], y[1], y[2]];
         }
         let series = <Taylor<f64, Top<f64>> as Engine<_, _, FurtherFrame, LEN>>::new(&p, interval, NUMBERS);
@@ -87,7 +89,7 @@ impl Apart for AfterStart<'_> {
 }
 
 const LEN: usize = FurtherFrame::LEN;
-const CALLED: usize = FunctionTurns::LEN;
+const CALLED: usize = StatesTurns::LEN;
 type Called = RungeKutta<Rk4Tableau, f64, Top<f64>>;
 
 /// The state of a body at its start in a layout with all space axes: the rates, and the axes 3, 1 and 2.
@@ -100,8 +102,9 @@ fn start<const D: usize>(body: &Body) -> [f64; D] {
     y
 }
 
-fn rates_after_start(body: &Body, interval: &ForcesInterval<f64>, rate: f64) -> [f64; 3] {
-    Isa::widest().call_with_fma(AfterStart { body, interval, rate })
+fn rates_after_start(start: &Start, interval: &ForcesInterval<f64>, rate: f64) -> [f64; 3] {
+    let Start { body, states, .. } = *start;
+    Isa::widest().call_with_fma(AfterStart { body, interval, states, rate })
 }
 
 impl Observable for Flips {
@@ -113,10 +116,10 @@ impl Observable for Flips {
         let mut rows = super::UNOBSERVED;
         let k = start.axis.unsigned_abs() as usize - 1;
         let value = match (start.body.omega[k], start.forces) {
-            (0.0, Some((interval, rate))) => rates_after_start(start.body, interval, rate)[k],
+            (0.0, Some((interval, rate))) => rates_after_start(start, interval, rate)[k],
             (0.0, None) => {
                 let rate = start.body.fastest_rate(BodyForces::NONE, [0.0; 2]);
-                rates_after_start(start.body, &ForcesInterval::none(), rate)[k]
+                rates_after_start(start, &ForcesInterval::none(), rate)[k]
             }
             (omega, _) => omega,
         };

@@ -183,6 +183,8 @@ pub struct Start<'a> {
     pub bound: Option<&'a Bound>,
     /// The variables of further forces.
     pub own: &'a [f64],
+    /// The states of a function.
+    pub states: &'a [f64],
     /// The place on the orbit, and the axes of its frame in the body, of a body that is integrated over the anomaly.
     pub on_orbit: Option<(&'a OrbitPlace, [[f64; 3]; 3])>,
     /// Rates and angular momentum, in the axes of the kernel.

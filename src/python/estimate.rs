@@ -158,6 +158,7 @@ impl<'py> Columns<'py> {
             gamma: self.gamma.as_ref().map(chunks).transpose()?,
             attitude: self.attitude.as_ref().map(chunks).transpose()?,
             work: self.work.as_ref().map(|work| work.as_slice()).transpose()?,
+            states: None,
         })
     }
 }

@@ -3,7 +3,7 @@
 use super::convert::{Aligned1, Aligned2, copied, copied_rows, rows, same_length};
 use crate::error::Error;
 use crate::float_environment::FloatEnvironment;
-use crate::forces::{BodyForces, Bounded, Forces, Further, Orbit, ParameterChange, TorqueFunction};
+use crate::forces::{BodyForces, Bounded, Code, Forces, Further, Orbit, ParameterChange, TorqueFunction};
 use crate::memory;
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
@@ -12,12 +12,14 @@ use std::collections::HashMap;
 /// Forces on the bodies of a request: torques in the body and in space at some times, linear between them (no times:
 /// constant), table after table, damping, entries 11, 22, 33, 23, 31, 12 of its matrices, and the numbers of the further
 /// forces by name. One table, matrix or row may serve all bodies; without tables no torque is applied. A function that
-/// returns a torque is its address, whether it is told eight bodies at once, its data in rows, what its torques are multiplied by, and a bound of the rates, or 0.
+/// returns a torque is its address, whether it is told eight bodies at once, whether it is told states and places, its data in
+/// rows, what its torques are multiplied by, a bound of the rates, or 0, and its states at the start in rows.
 #[pyclass(frozen, name = "Forces", module = "rigid._core")]
 pub struct PyForces(pub Forces);
 
-/// Address of a function, whether it is of eight bodies, data, units and the bound of the rates.
-type GivenFunction<'py> = (usize, bool, Aligned2<'py, f64>, Aligned1<'py, f64>, f64);
+/// Address of a function, whether it is of eight bodies and long, data, units, the bound of the rates, states at the start.
+type GivenFunction<'py> =
+    (usize, bool, bool, Aligned2<'py, f64>, Aligned1<'py, f64>, f64, Aligned2<'py, f64>);
 
 /// The numbers of the further forces, from those of some by name.
 fn further(given: &HashMap<String, Aligned2<'_, f64>>) -> Result<Vec<[f64; Further::LEN]>, Error> {
@@ -84,13 +86,16 @@ impl PyForces {
         if let Some(given) = &further {
             forces = forces.with_further(&self::further(given)?)?;
         }
-        let Some((address, is_of_eight, data, units, fastest)) = function else {
+        let Some((address, is_of_eight, is_long, data, units, fastest, starts)) = function else {
             return Ok(PyForces(forces));
         };
         let (data, width) = copied_rows("data of a torque", &data)?;
         let units = copied("units", &units)?;
+        let code = Code { address, is_of_eight, is_long };
         // SAFETY: what `rigid.Torque.call` asks of its caller.
-        let function = unsafe { TorqueFunction::new(address, is_of_eight, data, width, units, fastest)? };
+        let function = unsafe { TorqueFunction::new(code, data, width, units, fastest)? };
+        let (starts, states) = copied_rows("states", &starts)?;
+        let function = function.with_states(starts, states)?;
         Ok(PyForces(forces.with_function(function)?))
     }
 
@@ -116,6 +121,12 @@ impl PyForces {
     #[getter]
     fn calls(&self) -> bool {
         self.0.of(0).function.is_some()
+    }
+
+    /// How many states of its own a function has for each body.
+    #[getter]
+    fn states(&self) -> usize {
+        self.0.states_of_function()
     }
 
     /// What acts on each body, as bits: a torque is applied, damping, a function, and each further force that is not zero.

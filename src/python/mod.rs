@@ -93,6 +93,13 @@ mod _core {
     #[pymodule_export]
     const BODIES_OF_A_ROW: usize = crate::simd::LANES;
 
+    /// Most states of a body whose rates of change a function returns.
+    #[pymodule_export]
+    const MOST_STATES: usize = crate::forces::MOST_STATES;
+    /// Least size to which an error of such a state is relative.
+    #[pymodule_export]
+    const LEAST_STATE: f64 = crate::forces::SMALL_STATE[1];
+
     /// Error of a closed form for each radian that a body turns.
     #[pymodule_export]
     const ROUNDING: f64 = crate::trajectory::ROUNDING;

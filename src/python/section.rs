@@ -4,6 +4,7 @@ use super::bodies::Bodies;
 use super::convert::{Aligned1, Aligned2, column, copied, interruptible_calls, rows, same_length};
 use crate::error::Error;
 use crate::float_environment::FloatEnvironment;
+use crate::forces::MOST_STATES;
 use crate::memory;
 use crate::method::{AnyMethod, Method, default_step};
 use crate::parallel::Interrupt;
@@ -19,9 +20,9 @@ use pyo3::types::PyDict;
 /// The points at which bodies cross their surfaces until a time; see `rigid.poincare` and `rigid.simulate`. A kind of
 /// surface is whether it is of a rate, its direction, and whether its points count, with its row of `pointing`: two pairs of
 /// a body axis and a direction, zeros without any, and 1 if the directions are those of the orbit. The surfaces of each
-/// body are neighbours in `normal`, `momentum`, `square` and `value`.
+/// body are neighbours in `normal`, `momentum`, `square`, `states` and `value`.
 #[pyfunction]
-#[pyo3(signature = (bodies, *, method, kinds, pointing, normal, momentum, square, value, ends, count, closed, tolerance, max_steps, threads))]
+#[pyo3(signature = (bodies, *, method, kinds, pointing, normal, momentum, square, states, value, ends, count, closed, tolerance, max_steps, threads))]
 #[allow(clippy::too_many_arguments)] // The request of `trajectory`, array by array.
 pub fn section<'py>(
     py: Python<'py>,
@@ -32,6 +33,7 @@ pub fn section<'py>(
     normal: Aligned2<'py, f64>,
     momentum: Aligned2<'py, f64>,
     square: Aligned1<'py, f64>,
+    states: Aligned2<'py, f64>,
     value: Aligned1<'py, f64>,
     ends: Aligned1<'py, f64>,
     count: usize,
@@ -49,10 +51,12 @@ pub fn section<'py>(
     let (normals, momenta) = (rows::<6>("normal", &normal)?, rows::<3>("momentum", &momentum)?);
     let (values, ends) = (copied("value", &value)?, copied("ends", &ends)?);
     let squares = copied("square", &square)?;
+    let states = rows::<MOST_STATES>("states", &states)?;
     for (name, length) in [
         ("normal", normals.len()),
         ("momentum", momenta.len()),
         ("square", squares.len()),
+        ("states", states.len()),
         ("value", values.len()),
     ] {
         same_length(name, many, length)?;
@@ -62,6 +66,7 @@ pub fn section<'py>(
         normal: normals[index],
         momentum: momenta[index],
         square: squares[index],
+        states: states[index],
         value: values[index],
     };
     let surfaces = &memory::collected("surfaces", many, (0..many).map(surface))?;
@@ -113,6 +118,7 @@ fn to_dict<'py>(py: Python<'py>, all: &[Crossings]) -> PyResult<Bound<'py, PyDic
     dict.set_item("omega", flat(3, |point, k| point.omega[k])?.into_pyarray(py))?;
     dict.set_item("gamma", flat(3, |point, k| point.gamma[k])?.into_pyarray(py))?;
     dict.set_item("attitude", flat(4, |point, k| point.attitude[k])?.into_pyarray(py))?;
+    dict.set_item("states", flat(MOST_STATES, |point, k| point.states[k])?.into_pyarray(py))?;
     dict.set_item("t", of_points(py, all, |point| point.time)?)?;
     dict.set_item("slope", of_points(py, all, |point| point.slope)?)?;
     dict.set_item("kind", of_points(py, all, |point| point.kind)?)?;

@@ -9,7 +9,8 @@
 
 use super::{Layout, Parameters, quaternion};
 use crate::forces::{
-    ForcesInterval, ParameterChange, add_space_torque, attitude_of_stage, damp, unit_of_stage,
+    ForcesInterval, MOST_STATES, ParameterChange, Returned, add_space_torque, attitude_of_stage, damp,
+    unit_of_stage,
 };
 use crate::kinematics::{add_cross, direction, dot, plus};
 use crate::real::Real;
@@ -136,14 +137,29 @@ impl<R: Real> Applied<R> {
         }
     }
 
-    /// The same at a state with a quaternion; `None` of a layout without a function.
+    /// The same at a state with a quaternion, and the rates of change of the states of the functions; `None` of a layout
+    /// without a function.
     #[inline(always)]
-    pub(super) fn returned<L: Layout, const D: usize>(&self, y: &[R; D]) -> Option<[R; 3]> {
+    pub(super) fn returned<L: Layout, const D: usize>(&self, y: &[R; D]) -> Option<Returned<R>> {
         if !L::FUNCTION {
             return None;
         }
+        let mut states = [R::splat(0.0); MOST_STATES];
+        let Some(functions) = &self.forces.functions else {
+            return Some(Returned { torque: [R::splat(0.0); 3], states });
+        };
         let attitude = unit_of_stage(quaternion::<L, R, D>(y));
-        Some(self.function_torque(y[L::TIME_AT], &[y[0], y[1], y[2]], &attitude, R::splat(1.0)))
+        let (time, omega) = (y[L::TIME_AT], [y[0], y[1], y[2]]);
+        if !functions.are_long() {
+            return Some(Returned { torque: functions.torques(time, &omega, &attitude), states });
+        }
+        if L::STATES {
+            for k in 0..MOST_STATES {
+                states[k] = y[L::STATES_AT + k];
+            }
+        }
+        let place = self.forces.further.orbit.place([y[L::OWN_AT], y[L::OWN_AT + 1]]);
+        Some(functions.returned(time, &omega, &attitude, &states, &place))
     }
 
     /// Applied torque with damping, at a state.

@@ -7,7 +7,7 @@
 //! follows from the change of the rates without it, and turns with `d + f + x x (omega + e)`.
 
 use super::{Applied, Layout, Model, ROWS_LEN, Torques, in_rows};
-use crate::forces::{FurtherSeries, FurtherVaried, Order, Varied};
+use crate::forces::{FurtherSeries, FurtherVaried, MOST_STATES, Order, Returned, Varied};
 use crate::kinematics::{add_cross, cross, direction, dot, plus};
 use crate::real::Real;
 use crate::series::Coefficients;
@@ -23,6 +23,8 @@ pub struct FurtherRate<R> {
     pub turn: [R; 3],
     /// Of the work and the impulse.
     pub balance: [R; 2],
+    /// Of the states of a function.
+    pub states: [R; MOST_STATES],
 }
 
 /// Rates, and their rates of change without the dissipation, of a state or of one order of it.
@@ -70,6 +72,16 @@ impl<R: Real> Applied<R> {
         }
     }
 
+    /// The rates of change of the states of a function.
+    #[inline(always)]
+    pub fn state_rates<M: Model<R>, L: Layout, const D: usize>(
+        &self,
+        model: &M,
+        y: &[R; D],
+    ) -> [R; MOST_STATES] {
+        self.under_further::<M, L, D>(model, &self.torques(), y).states
+    }
+
     /// The same at a state with rows, with the torque that a function has returned there. What acts on no lane is left
     /// out: to add its zeros changes no bit.
     #[inline(always)]
@@ -78,15 +90,18 @@ impl<R: Real> Applied<R> {
         model: &M,
         torques: &Torques<R>,
         y: &[R; D],
-        returned: Option<[R; 3]>,
+        returned: Option<Returned<R>>,
     ) -> FurtherRate<R> {
         let (omega, rotor) = ([y[0], y[1], y[2]], &self.forces.further.rotor);
         let mut torque = torques.damped::<L, D>(y);
-        if let Some(returned) = returned {
-            torque = plus(&torque, &returned);
-        }
         // Known without a function, where the question takes a tenth of a step of `rk4`.
-        let acts = returned.is_none() || torques.further;
+        let mut acts = true;
+        let mut states = [R::splat(0.0); MOST_STATES];
+        if let Some(returned) = returned {
+            torque = plus(&torque, &returned.torque);
+            states = returned.states;
+            acts = torques.further;
+        }
         let mut with_rotor = torque;
         if acts {
             self.add_further_torques::<L, D>(y, &mut torque);
@@ -110,7 +125,7 @@ impl<R: Real> Applied<R> {
             dot(&with_rotor, &direction(y, 0))
         };
         // The rotor does no work.
-        FurtherRate { omega: rate, undamped, turn, balance: [dot(&power, &omega), impulse] }
+        FurtherRate { omega: rate, undamped, turn, balance: [dot(&power, &omega), impulse], states }
     }
 
     /// The change of the rates without the dissipation by a deviation vector with the change d of the rates, and by a

@@ -3,9 +3,9 @@
 //! A state is a flat array `[R; D]`: three rates or momenta (the method decides which), then `VECTORS` directions that
 //! are fixed in space, in body components, then a quaternion if the attitude is requested, then the balance of a forced
 //! body: work, impulse and time; then a deviation vector of the motion if its growth is requested; then the variables of
-//! further forces.
+//! further forces; then the states of a function.
 
-use crate::forces::Further;
+use crate::forces::{Further, MOST_STATES};
 use crate::kinematics::{put, space_axes};
 use crate::real::{Pack, Real};
 
@@ -28,6 +28,8 @@ pub trait Layout: Copy {
     const FURTHER: bool = false;
     /// Whether a function of the user returns a torque.
     const FUNCTION: bool = false;
+    /// Whether the function has states of its own.
+    const STATES: bool = false;
     /// Whether the eccentric anomaly of the orbit takes the place of the time; see [`OrbitTurns`].
     const CLOCK: bool = false;
     /// The bodies that are integrated side by side where the registers hold those of `P`: eight under the torque of a
@@ -40,7 +42,7 @@ pub trait Layout: Copy {
     /// The direction from which a tilt is measured: the last direction, or the vertical of a frame.
     const OBSERVED: usize = if Self::BALANCE { 0 } else { Self::VECTORS.saturating_sub(1) };
     /// Length of the state.
-    const LEN: usize = Self::OWN_AT + Self::OWN;
+    const LEN: usize = Self::STATES_AT + MOST_STATES * Self::STATES as usize;
     /// Index of the first component of the quaternion.
     const QUATERNION_AT: usize = 3 + 3 * Self::VECTORS;
     /// Index of the balance, which begins with the work.
@@ -55,6 +57,8 @@ pub trait Layout: Copy {
     const OWN: usize = if Self::CLOCK || (Self::FURTHER && Self::HAS_FRAME) { Further::VARIABLES } else { 0 };
     /// Index of these variables.
     const OWN_AT: usize = Self::TANGENT_AT + 6 * Self::TANGENT as usize;
+    /// Index of the states of the function, of which there are as many as there may be.
+    const STATES_AT: usize = Self::OWN_AT + Self::OWN;
 }
 
 /// Layouts by what they have: `name (rows of the quaternion) (bodies side by side): constants of the trait;`.
@@ -126,6 +130,9 @@ layouts! {
     /// The same as `FurtherTurns` under the torque that a function returns, beside which the further forces may act.
     FunctionTurns as FurtherFrame in Eight:
         QUATERNION = true, TURNS = true, BALANCE = true, FURTHER = true, FUNCTION = true;
+    /// The same with the states of the function.
+    StatesTurns as FurtherFrame in Eight:
+        QUATERNION = true, TURNS = true, BALANCE = true, FURTHER = true, FUNCTION = true, STATES = true;
 }
 
 /// Length of the longest state with the space axes in place of a quaternion.
@@ -149,7 +156,7 @@ pub fn in_rows<L: Layout, R: Real, const D: usize>(y: &[R; D]) -> [R; ROWS_LEN] 
     put(&mut rows, 3, third);
     put(&mut rows, 6, first);
     put(&mut rows, 9, second);
-    for i in 0..D - L::BALANCE_AT {
+    for i in 0..L::STATES_AT - L::BALANCE_AT {
         rows[12 + i] = y[L::BALANCE_AT + i];
     }
     rows

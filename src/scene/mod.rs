@@ -12,7 +12,7 @@ pub use further::{FurtherRate, Undamped};
 pub use layout::{
     Attitude, Axis, AxisAttitude, AxisSensitivity, AxisTangent, ForcedAxis, ForcedFrame, ForcedFrameTangent,
     ForcedRates, ForcedTurns, FunctionFrame, FunctionTurns, FurtherFrame, FurtherFrameTangent, FurtherRates,
-    FurtherTurns, Layout, OrbitTurns, ROWS_LEN, Rates, Turns, TwoAxes, in_rows, quaternion,
+    FurtherTurns, Layout, OrbitTurns, ROWS_LEN, Rates, StatesTurns, Turns, TwoAxes, in_rows, quaternion,
 };
 pub use top::{TOP, Top};
 

@@ -69,8 +69,9 @@ impl<'a> AdaptiveLanes<'a> {
         let direction = if backward { -1.0 } else { 1.0 };
         let deviation = Deviation::new(self.request.record.deviation_of(index));
         let forced_rate = (!forces.is_none()).then_some(rate);
-        let own = forces.further.start(0.0);
-        let entry = Entry { deviation, own, ..Entry::unobserved(body, forced_rate, direction * first) };
+        let (own, states) = (forces.further.start(0.0), forces.states());
+        let entry =
+            Entry { deviation, own, states, ..Entry::unobserved(body, forced_rate, direction * first) };
         load(&mut self.group, lane, self.kernel, assignment, &entry);
         self.steps.direction.0[lane] = direction;
         self.steps.trial.0[lane] = direction * first;

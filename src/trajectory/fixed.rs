@@ -142,7 +142,9 @@ impl Job for FixedJob<'_, '_> {
             Some(place) => place.clock(),
             None => legs.request.forces_of(index).further.start(0.0),
         };
-        let entry = Entry { deviation, own, place, ..Entry::unobserved(body, legs.forced_rate(lane), 0.0) };
+        let states = legs.request.forces_of(index).states();
+        let entry =
+            Entry { deviation, own, states, place, ..Entry::unobserved(body, legs.forced_rate(lane), 0.0) };
         let assignment = legs.way(lane).assignment;
         load(legs.lanes, lane, legs.compiled, assignment, &entry);
         Ok(Some(Moving { moved: false }))

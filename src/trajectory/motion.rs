@@ -93,6 +93,11 @@ impl Motion {
             let (expected, got) = (format!("{} rows", bodies.len()), format!("{} rows", forces.bodies()));
             return Err(Error::Shape { argument: "forces", expected, got });
         }
+        if forces.states_of_function() > 0 {
+            let (value, rule) =
+                (forces.states_of_function().to_string(), "a motion carries none; use simulate");
+            return Err(Error::Value { argument: "states", value, rule });
+        }
         let mut motion = Motion {
             scene,
             method,

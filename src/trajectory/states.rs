@@ -3,6 +3,7 @@
 use super::Effort;
 use super::request::{Record, Request};
 use crate::error::Error;
+use crate::forces::MOST_STATES;
 use crate::kernel::State;
 use crate::kinematics::length;
 use crate::memory;
@@ -43,7 +44,7 @@ impl From<Vec<Status>> for Column {
 /// whether a request records them; `bodies` have a name, a type and the value of a body that was not moved.
 macro_rules! states {
     (
-        times { $($(#[$time_doc:meta])* $time:ident: $width:literal, |$request:pat_param| $recorded:expr;)* }
+        times { $($(#[$time_doc:meta])* $time:ident: $width:expr, |$request:pat_param| $recorded:expr;)* }
         bodies { $($(#[$body_doc:meta])* $body:ident: $type:ty, $unknown:expr;)* }
     ) => {
         /// States and the errors of their invariants, body first.
@@ -81,7 +82,7 @@ macro_rules! states {
                 $({
                     let $request = request;
                     let is_own = $recorded && !given.contains(&stringify!($time));
-                    let width = if is_own { $width * size_of::<f64>() as u128 } else { 0 };
+                    let width = if is_own { ($width * size_of::<f64>()) as u128 } else { 0 };
                     bytes = bytes.saturating_add(states.saturating_mul(width));
                 })*
                 $(bytes = bytes.saturating_add(n as u128 * size_of::<$type>() as u128);)*
@@ -204,6 +205,8 @@ states! {
         tangent: 6, |request| request.record.is_tangent();
         /// Work of torque and damping since the start, (n, times), of forced bodies.
         work: 1, |request| !request.forces.is_none() && !request.record.is_tangent();
+        /// States of a function, (n, times, `MOST_STATES`), if there are any; zero beyond those that there are.
+        states: MOST_STATES, |request| request.forces.states_of_function() > 0 && !request.record.is_tangent();
     }
     bodies {
         /// Largest energy error at an output time, relative. For a forced body: the error of the energy less the work,
@@ -271,6 +274,12 @@ impl StatesPart<'_> {
             // A body without forces may have neighbours with them.
             work[at] = now.balance.map_or(0.0, |balance| balance.work);
         }
+        let mut finite = true;
+        if let Some(states) = &mut self.states {
+            let now = now.states.unwrap_or([0.0; MOST_STATES]);
+            finite = now.iter().all(|x| x.is_finite());
+            states[MOST_STATES * at..][..MOST_STATES].copy_from_slice(&now);
+        }
         if let (Some(now), Some(tangent)) = (&now.tangent, &mut self.tangent) {
             tangent[6 * at..][..6].copy_from_slice(now);
         }
@@ -279,7 +288,7 @@ impl StatesPart<'_> {
             self.momentum_drift[body] = worse(self.momentum_drift[body], momentum);
         }
         self.unit_drift[body] = worse(self.unit_drift[body], units);
-        let finite = now.omega.iter().chain(&now.invariants).all(|x| x.is_finite()) && units.is_finite();
+        finite &= now.omega.iter().chain(&now.invariants).all(|x| x.is_finite()) && units.is_finite();
         if !finite {
             self.status[body] = Status::NotFinite;
             // The sign of a NaN is that of the instruction that made it.

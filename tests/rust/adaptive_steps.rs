@@ -2,7 +2,7 @@
 //! output takes no steps, and few lanes are inactive.
 
 use crate::tests::scene_of;
-use rigid::forces::{BodyForces, Forces, TorqueFunction};
+use rigid::forces::{BodyForces, Code, Forces, TorqueFunction};
 use rigid::method::{self, AnyMethod, Method};
 use rigid::parallel::Interrupt;
 use rigid::sample::{Law, attitude, uniforms};
@@ -208,10 +208,9 @@ unsafe extern "C" fn torque(
 /// A body whose step has too large an error tries again, while the bodies beside it go on: the steps of each are counted.
 #[test]
 fn the_bits_under_a_function_do_not_depend_on_the_batch() {
+    let code = Code { address: torque as *const () as usize, is_of_eight: false, is_long: false };
     // SAFETY: the function is of this type.
-    let function = unsafe {
-        TorqueFunction::new(torque as *const () as usize, false, vec![], 0, vec![1.0], 0.0).unwrap()
-    };
+    let function = unsafe { TorqueFunction::new(code, vec![], 0, vec![1.0], 0.0).unwrap() };
     let forces = &Forces::new(&[], &[], &[], &[]).unwrap().with_function(function).unwrap();
     let bodies: Vec<Body> = (0..40).map(|i| body(i, true, i % 3 == 0, 1.0 + (i % 7) as f64)).collect();
     for max_steps in [30, 1 << 40] {

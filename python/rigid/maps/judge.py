@@ -247,7 +247,7 @@ class CustomJob:
         which: Any = slice(None) if len(kept) == count else kept
         of_kept: list[Any] = [
             None if part[name] is None else part[name][which]
-            for name in ("omega", "gamma", "attitude")
+            for name in ("omega", "gamma", "attitude", "states")
         ]
         if of_kept[1] is None and of_kept[2] is not None:
             of_kept[1] = to_body(of_kept[2], UPWARD)  # free bodies, whose motion needs none
@@ -257,6 +257,7 @@ class CustomJob:
                 omega=of_kept[0],
                 gamma=of_kept[1],
                 attitude=of_kept[2],
+                states=of_kept[3],
                 parameters=self._parameters(row[mine][kept]),
             )
         )

@@ -173,6 +173,7 @@ class MapSpec:
         if self.own is not None:
             for start in self.start.starts:
                 self.own.check_start(start, [axis.name for axis in self.axes])
+        put("scene", self._started(self.scene))
         for name in () if self.own is None else self.own.names:
             if name not in (axis.name for axis in self.axes):
                 raise ValueError(f"axes: the function of the scene needs an axis {name!r}")
@@ -281,6 +282,15 @@ class MapSpec:
                 f"{name}: the starts of the mixture turn about different axes; give axis=..."
             )
         return first
+
+    def _started(self, scene: Scene) -> Scene:
+        """A scene whose function begins at the states of the start, if any are given."""
+        first, *others = (start.states for start in self.start.starts)
+        if any(other != first for other in others):
+            raise ValueError("states: must be the same in all starts of the mixture")
+        if first is not None and self.own is not None:
+            raise ValueError("states: are not given to scenes that a function makes")
+        return scene if first is None else scene.started(first)
 
     def _check_custom(self, stable: Custom) -> None:
         """Refuse a request that a function of states at given times cannot serve."""
@@ -438,6 +448,8 @@ class MapSpec:
             values from outside; or if the scene is another one.
         """
         if isinstance(scene, Scene):
+            if scene.states:
+                scene = self._started(scene)
             if self._torque is None or scene.to_dict() != self.scene.to_dict():
                 raise ValueError(
                     "scene: differs from the scene of the map, whose torque is a function"

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 
 from .._checks.arguments import brief, finite_float, one_of, vector
 from .._checks.quantities import without_unit
+from .._core import MOST_STATES
 from .frame import turned
 from .leading import Floats, three
 from .orbit_axes import (
@@ -43,7 +44,10 @@ SPEED = "speed"
 POINTING = "pointing"
 """The angle of a body axis from a direction (rad)."""
 
-QUANTITIES = (*COMPONENTS, *TILTS, *MOMENTA, SPEED, POINTING, *ANGLES)
+STATES = tuple(f"state{k}" for k in range(1, MOST_STATES + 1))
+"""States of the function of a torque, in the units of the user."""
+
+QUANTITIES = (*COMPONENTS, *TILTS, *MOMENTA, SPEED, POINTING, *ANGLES, *STATES)
 """Names of the quantities that can cross a value."""
 
 UNITS = {
@@ -93,8 +97,8 @@ class Event:
     omega, gamma, momentum : tuple of float
         The quantity is ``omega·w + gamma·n + momentum·L`` for the rates ``w`` and the vertical
         ``n`` in the body and the angular momentum ``L`` in space; of a tilt it is minus its cosine.
-        All are zero of ``"speed"``, whose square is looked at, and of angles from a direction of
-        space or the orbit, of which sine or cosine is.
+        All are zero of ``"speed"``, whose square is looked at, of angles from a direction of space
+        or the orbit, of which sine or cosine is, and of a state.
     value : float
         The value that the quantity crosses; zero if it turns.
     direction : int
@@ -119,6 +123,11 @@ class Event:
     axis: int | None = None
     of: str | tuple[float, float, float] | None = None
     axes: Axes | None = None
+
+    @property
+    def state(self) -> int:
+        """The number of the state that is looked at, from 1 on; 0 if none is."""
+        return STATES.index(self.name) + 1 if self.name in STATES else 0
 
     def words(self) -> str:
         """The event in words.
@@ -256,7 +265,8 @@ def crosses(
         ``"tilt3"`` (rad); a component of the angular momentum in space, ``"L1"`` to ``"L3"``
         (kg m²/s); ``"speed"``, the length of the rates (rad/s); ``"pointing"``, the angle of a
         body axis from a direction (rad); ``"roll"``, ``"pitch"`` or ``"yaw"`` of a body on an
-        orbit (rad), as :func:`rigid.free.roll_pitch_yaw` has them.
+        orbit (rad), as :func:`rigid.free.roll_pitch_yaw` has them; ``"state1"`` to ``"state8"``,
+        the states of :meth:`Torque.call`, in their units.
     value : float
         The value of the quantity.
     direction : {0, 1, -1}
@@ -316,7 +326,7 @@ def crosses(
     elif kind in ANGLES:
         if abs(value) > pi:
             raise ValueError(f"value = {value}: never crossed; a {kind} lies between -pi and pi")
-    elif not any(made["omega"]) and not any(made["momentum"]):
+    elif name not in STATES and not any(made["omega"]) and not any(made["momentum"]):
         check_reached(value, np.asarray(made["gamma"]), touching=False)
     return Event(**made, value=value, direction=checked_direction(direction), turns=False)
 

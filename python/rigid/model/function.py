@@ -12,10 +12,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import brief, finite_float, shaped
+from .._core import MOST_STATES
 from .compiling import Callback, of_python
-from .leading import Index, Shape, axes_of, frozen, same, taken
+from .leading import Index, Shape, axes_of, frozen, leading_shape, same, taken
 
 Floats = NDArray[np.float64]
+
+NO_STATES = "states: the scene has none; give Torque.call(..., states=k)"
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -36,6 +39,12 @@ class TorqueFunction:
         Whether the function is told eight bodies at once.
     why_slow : str or None
         Why Python calls the function for each body, if it does.
+    is_long : bool
+        Whether the function is told states and the place on the orbit.
+    asks_place : bool
+        Whether the function needs an orbit.
+    start : ndarray of shape (..., k), or None
+        The states at the start, of all bodies or of each; None without states.
     """
 
     address: int
@@ -44,16 +53,25 @@ class TorqueFunction:
     kept: object = None
     of_eight: bool = False
     why_slow: str | None = None
+    is_long: bool = False
+    asks_place: bool = False
+    start: Floats | None = None
 
     @classmethod
-    def of_input(cls, function: object, data: ArrayLike | None, fastest: float | None) -> Self:
-        """A function of Python or that at an address, with its data.
+    def of_input(
+        cls, function: object, data: ArrayLike | None, fastest: float | None, states: int
+    ) -> Self:
+        """A function of Python or that at an address, with its data and so many states.
 
         Raises
         ------
         TypeError, ValueError
-            If it is neither, or data or bound are not finite.
+            If it is neither, data or bound are not finite, or the states are too many.
         """
+        if isinstance(states, bool) or not isinstance(states, (int, np.integer)):
+            raise TypeError(f"states = {brief(states)}: must be a whole number")
+        if not 0 <= states <= MOST_STATES:
+            raise ValueError(f"states = {states}: must be at most {MOST_STATES} for each body")
         numbers = None
         if data is not None:
             numbers = shaped("data", data)
@@ -63,10 +81,38 @@ class TorqueFunction:
         bound = None
         if fastest is not None:
             bound = finite_float("fastest", fastest, positive=True, unit="rad/s")
-        made = _callback(function, 0 if numbers is None else numbers.shape[-1])
+        made = _callback(function, 0 if numbers is None else numbers.shape[-1], int(states))
         return cls(
-            made.address, numbers, bound, (function, made.kept), made.of_eight, made.why_slow
+            made.address,
+            numbers,
+            bound,
+            (function, made.kept),
+            made.of_eight,
+            made.why_slow,
+            made.is_long,
+            made.asks_place,
+            frozen(np.zeros(states)) if states else None,
         )
+
+    @property
+    def states(self) -> int:
+        """How many states each body has."""
+        return 0 if self.start is None else self.start.shape[-1]
+
+    def started(self, states: ArrayLike) -> Self:
+        """The function with these states at the start, shape (k,) or (..., k).
+
+        Raises
+        ------
+        ValueError
+            If there are none, or not as many.
+        """
+        start = shaped("states", states)
+        if self.start is None:
+            raise ValueError(NO_STATES)
+        if start.shape[-1:] != (self.states,):
+            raise ValueError(f"states: expected shape (..., {self.states}), got {start.shape}")
+        return dataclasses.replace(self, start=frozen(np.ascontiguousarray(start)))
 
     @property
     def reasons(self) -> tuple[str, ...]:
@@ -75,44 +121,60 @@ class TorqueFunction:
             return ()
         return (f"Python calls the torque, some 5 µs for each body and stage: {self.why_slow}",)
 
+    def check_place(self, has_orbit: bool) -> None:
+        """Raise ValueError for a function that asks for a place on an orbit if there is none."""
+        if self.asks_place and not has_orbit:
+            raise ValueError("orbit_position: the function takes it, but the scene has no orbit")
+
     @property
     def shape(self) -> Shape:
-        """The axes of the bodies: ``()`` if all have the same data."""
-        return axes_of(self.data, 1)
+        """The axes of the bodies: ``()`` if all have the same data and start."""
+        return leading_shape({"data": axes_of(self.data, 1), "states": axes_of(self.start, 1)})
 
     def of(self, shape: Shape, index: Index) -> TorqueFunction:
         """The function with the data of some of the bodies of this shape."""
         if not self.shape:
             return self
-        data = frozen(taken(self.data, 1, shape, index))
-        return dataclasses.replace(self, data=data)
+        data, start = (
+            frozen(taken(part, 1, shape, index)) if axes_of(part, 1) else part
+            for part in (self.data, self.start)
+        )
+        return dataclasses.replace(self, data=data, start=start)
 
     def for_core(
         self, shape: Shape, exponents: NDArray[np.intc]
-    ) -> tuple[int, bool, Floats, Floats, float]:
-        """Address, whether it is told eight, rows of data, units of the torque and the bound."""
-        rows = np.empty((0, 0))
-        if self.data is not None:
-            width = self.data.shape[-1]
-            lead = shape if self.shape else ()
-            rows = np.ascontiguousarray(np.broadcast_to(self.data, (*lead, width)))
-            rows = rows.reshape(-1, width)
-        return self.address, self.of_eight, rows, np.ldexp(1.0, -exponents), self.fastest or 0.0
+    ) -> tuple[int, bool, bool, Floats, Floats, float, Floats]:
+        """Address, whether it is told eight and more, data, units, the bound, and the start."""
+
+        def rows(values: Floats | None) -> Floats:
+            if values is None:
+                return np.empty((0, 0))
+            lead = shape if axes_of(values, 1) else ()
+            each = np.broadcast_to(values, (*lead, values.shape[-1]))
+            return np.ascontiguousarray(each).reshape(-1, values.shape[-1])
+
+        how = self.address, self.of_eight, self.is_long
+        units = np.ldexp(1.0, -exponents)
+        return *how, rows(self.data), units, self.fastest or 0.0, rows(self.start)
 
     def to_dict(self) -> dict[str, Any]:
         """The parts of the callback that a file may hold: all but its address."""
         data = None if self.data is None else self.data.tolist()
-        return {"data": data, "fastest": self.fastest}
+        entries = {"data": data, "fastest": self.fastest}
+        return entries if self.start is None else {**entries, "states": self.start.tolist()}
 
     @classmethod
     def from_dict(cls, entries: Mapping[str, Any]) -> Self:
         """The callback that :meth:`to_dict` described; it cannot be called."""
-        data = entries["data"]
-        return cls(0, None if data is None else frozen(np.array(data)), entries["fastest"])
+        data, start = (
+            None if given is None else frozen(np.array(given))
+            for given in (entries["data"], entries.get("states"))
+        )
+        return cls(0, data, entries["fastest"], start=start)
 
     def __reduce__(self) -> tuple[Any, ...]:
         """The callback for another process, with other addresses: it cannot be called there."""
-        return type(self), (0, self.data, self.fastest)
+        return _without_address, (type(self), self.data, self.fastest, self.start)
 
     def __deepcopy__(self, memo: object) -> Self:
         return self  # nothing of it changes
@@ -120,20 +182,29 @@ class TorqueFunction:
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, TorqueFunction):
             return NotImplemented
-        return (self.address, self.fastest) == (other.address, other.fastest) and same(
-            self.data, other.data
-        )
+        own = (self.address, self.fastest) == (other.address, other.fastest)
+        return own and same(self.data, other.data) and same(self.start, other.start)
 
     def __hash__(self) -> int:
         return hash((self.address, self.fastest, self.shape))
 
     def __repr__(self) -> str:
         data = "" if self.data is None else f", data of shape {self.data.shape}"
-        return f"function at {self.address:#x}{data}"
+        states = f", {self.states} states" if self.states else ""
+        return f"function at {self.address:#x}{data}{states}"
+
+
+def _without_address(
+    kind: type[TorqueFunction], data: Floats | None, fastest: float | None, start: Floats | None
+) -> TorqueFunction:
+    return kind(0, data, fastest, start=start)
 
 
 _ARGUMENTS = ("double", *4 * ("double *",))
 """The arguments of a callback in C."""
+
+_LONG_ARGUMENTS = (*_ARGUMENTS, *3 * ("double *",))
+"""The arguments of one that is told states and the place on the orbit."""
 
 _IN_C = {
     **{"float64": "double", "float64*": "double *", "void*": "double *"},
@@ -142,40 +213,49 @@ _IN_C = {
 """Types of C by their names in numba and ctypes."""
 
 
-def _check_signature(function: Any, kinds: Iterable[str], result: str) -> None:
-    """Raise TypeError for a function of other arguments: it would read memory of others."""
+def _is_long(function: Any, kinds: Iterable[str], result: str, states: int) -> bool:
+    """Whether a function of C is told states and the place on the orbit.
+
+    TypeError for a function of other arguments: it would read memory of others.
+    """
     given = tuple(_IN_C.get(kind, kind) for kind in kinds)
-    if given != _ARGUMENTS or result not in ("none", "None", "void"):
+    wanted = _LONG_ARGUMENTS if states or len(given) == len(_LONG_ARGUMENTS) else _ARGUMENTS
+    if given != wanted or result not in ("none", "None", "void"):
         raise TypeError(
-            f"address = {brief(function)}: must take ({', '.join(_ARGUMENTS)}) and return nothing; "
+            f"address = {brief(function)}: must take ({', '.join(wanted)}) and return nothing; "
             f"it takes ({', '.join(given)}) and returns {result}"
         )
+    return wanted is _LONG_ARGUMENTS
 
 
-def _callback(function: Any, width: int) -> Callback:
+def _callback(function: Any, width: int, states: int) -> Callback:
     """The callback of a function of Python, numba, ctypes or cffi, or at an address."""
+    is_long = states > 0
     found = getattr(function, "address", function)
     if type(found).__module__ == "_cffi_backend":
         import cffi
 
         kind = cffi.FFI().typeof(found)
         if kind.kind == "function":
-            _check_signature(found, [one.cname for one in kind.args], kind.result.cname)
+            given = [one.cname for one in kind.args]
+            is_long = _is_long(found, given, kind.result.cname, states)
         found = int(cffi.FFI().cast("intptr_t", found))
     elif hasattr(function, "_sig"):
-        _check_signature(function, map(str, function._sig.args), str(function._sig.return_type))
+        given, result = [*map(str, function._sig.args)], str(function._sig.return_type)
+        is_long = _is_long(function, given, result, states)
     elif getattr(function, "argtypes", None) is not None:  # a library tells none
         result = getattr(function.restype, "__name__", "None")
-        _check_signature(function, [kind.__name__ for kind in function.argtypes], result)
+        given = [kind.__name__ for kind in function.argtypes]
+        is_long = _is_long(function, given, result, states)
     if callable(found):
         try:
             found = ctypes.cast(found, ctypes.c_void_p).value
         except ctypes.ArgumentError:
-            return of_python(function, width)
+            return of_python(function, width, states)
     if isinstance(found, bool) or not isinstance(found, (int, np.integer)):
         raise TypeError(
             f"address = {brief(function)}: must be a function or the address of one, an int"
         )
     if not 0 < found < 2**63:
         raise ValueError(f"address = {found}: must be the address of a function")
-    return Callback(int(found), False, function)
+    return Callback(int(found), False, function, is_long=is_long)

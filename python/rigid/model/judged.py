@@ -33,6 +33,8 @@ class States:
         Upward vertical in the body; with ``of="attitude"`` or ``of="axis"``.
     attitude : ndarray, shape (n, m, 4), or None
         Quaternions (w, x, y, z); with ``of="attitude"``.
+    states : ndarray, shape (n, m, k), or None
+        States of :meth:`Torque.call` with ``states=k``.
     parameters : dict of str to ndarray, shape (n,)
         Values of the axes of the map.
     """
@@ -41,6 +43,7 @@ class States:
     omega: Floats
     gamma: Floats | None
     attitude: Floats | None
+    states: Floats | None
     parameters: Mapping[str, Floats]
 
 
@@ -120,7 +123,8 @@ def judged(
         if that is undecided. What it says of a body must not depend on the other bodies, which are
         those that happen to be computed together. ``states.t`` (m,); ``states.omega`` (n, m, 3),
         rad/s; ``states.gamma`` (n, m, 3), the upward vertical in the body; ``states.attitude``
-        (n, m, 4), quaternions; ``states.parameters``: the values of the axes of the map by their
+        (n, m, 4), quaternions; ``states.states`` (n, m, k), those of :meth:`Torque.call` with
+        ``states=k``; ``states.parameters``: the values of the axes of the map by their
         names, (n,), among them ``limit``, which the function may take as it likes. Saved maps hold
         digests of its source and of what it takes from outside: default arguments, closures,
         globals that its code names, attributes of ``self``, and the same of the functions it calls.

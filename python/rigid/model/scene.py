@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Container, Iterable, Iterator, Mapping
+from copy import copy
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, ClassVar, Self, TypeVar, Unpack
 
@@ -29,6 +30,7 @@ from .forces import (
     with_forces,
 )
 from .frame import checked_frame, turned, turned_matrix
+from .function import NO_STATES
 from .gravity import about_pivot, checked_properties
 from .leading import (
     Index,
@@ -270,6 +272,26 @@ class Scene(HasForces, ABC):
         """The forces on its bodies as the core reads them."""
         further = self.further_numbers()
         return forces_of(self.torque, self.damping, self.shape, further=further)
+
+    def started(self, states: ArrayLike) -> Self:
+        """The scene whose function begins at these states, shape (k,) or (..., k).
+
+        Raises
+        ------
+        ValueError
+            If the function has none, or not as many, or the axes of the bodies do not broadcast.
+        """
+        if self.torque is None:
+            raise ValueError(NO_STATES)
+        started = copy(self)
+        object.__setattr__(started, "torque", self.torque.started(states))
+        started._shape_of_parts()
+        return started
+
+    @property
+    def states(self) -> int:
+        """How many states of its own the function of a torque has for each body."""
+        return 0 if self.torque is None else self.torque.states
 
     def replaced(self, body: Body, damping: ArrayLike | None, **own: Any) -> Self:
         """The scene with another body, damping, torque, further forces and values of its fields."""

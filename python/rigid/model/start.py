@@ -551,6 +551,8 @@ class Start:
         too.
     attitude_noise : Noise, optional
         Perturbation of the attitude: a rotation vector applied on the body side.
+    states : array_like, shape (k,), optional
+        States of :meth:`Torque.call` with ``states=k``, which begin at zero by default.
 
     Raises
     ------
@@ -576,8 +578,12 @@ class Start:
     attitude: tuple[float, float, float, float] | None = None
     noise: Noise | Samples | None = None
     attitude_noise: Noise | None = None
+    states: tuple[float, ...] | None = None
 
     def __post_init__(self) -> None:
+        if self.states is not None:
+            states = vector("states", self.states, np.size(self.states))
+            object.__setattr__(self, "states", tuple(states.tolist()))
         if (self.omega is None) == (self.spin is None):
             raise ValueError("omega, spin: give one of the two to a start")
         if self.omega is not None:
@@ -644,6 +650,7 @@ class Start:
             "attitude_noise": (
                 None if self.attitude_noise is None else self.attitude_noise.to_dict()
             ),
+            **({} if self.states is None else {"states": list(self.states)}),
         }
 
     @classmethod
@@ -716,6 +723,8 @@ class Start:
                 if isinstance(noise, Noise) and noise.is_direction:
                     of_size = name.replace("noise", "kappa")
                 parts.append(f"{label} + {noise.describe(varied=of_size in varied)}")
+        if self.states is not None:
+            parts.append(f"states ({', '.join(f'{state:g}' for state in self.states)})")
         return ", ".join(parts)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import prod
 from types import MappingProxyType
 from typing import Any, TypeAlias
@@ -15,7 +15,7 @@ from .. import _core
 from .._checks.arguments import brief, first_place, numbers, shaped, sorted_times
 from .forces import FORCES
 from .frame import turned
-from .function import TorqueFunction
+from .function import NO_STATES, TorqueFunction
 from .leading import Index, Shape, axes_of, frozen, leading_shape, same, taken
 
 Floats = NDArray[np.float64]
@@ -150,7 +150,12 @@ class Torque:
 
     @classmethod
     def call(
-        cls, address: object, data: ArrayLike | None = None, *, fastest: float | None = None
+        cls,
+        address: object,
+        data: ArrayLike | None = None,
+        *,
+        fastest: float | None = None,
+        states: int = 0,
     ) -> Torque:
         """A callback: the torque in the body that a function returns.
 
@@ -166,10 +171,30 @@ class Torque:
         outside, into a loop over bodies side by side. Else, and if numba cannot compile it, Python
         calls it for each body with the lock of the interpreter, which :func:`plan` says.
 
+        With ``states=k`` each body has k further numbers, such as the momentum of a wheel or the
+        signal of a filter, which are integrated with the body. The function then takes ``(t, omega,
+        attitude, data, torque, states, rates)`` and writes the rates of change of its states (k)
+        into ``rates``, in the units of the user per second. They begin at zero, or at the
+        ``states`` of :func:`simulate` and :class:`Start`. The error of a step, and of a run, is
+        that of the states too, relative to the largest value of each. Values below 1e-9, or below a
+        millionth of the largest state of the body, count as that large: choose units for that.
+
+        A function whose last argument is named ``orbit_position`` is told the place of the body on
+        its ``orbit``, from the planet, along the axes of space, over the semi-major axis of an
+        ellipse or a hyperbola (3): times ``(gm / rate**2)**(1/3)`` it is a length.
+
         A function at an address is called for each body, and has the signature ::
 
             void torque(double t, const double *omega, const double *attitude,
                         const double *data, double *torque)
+
+        or, with states, and if its signature is known, the signature ::
+
+            void torque(double t, const double *omega, const double *attitude,
+                        const double *data, double *torque, const double *states,
+                        double *rates, const double *orbit_position)
+
+        whose ``orbit_position`` is zero without an orbit.
 
         At corners of the torque equal steps lose their order, and steps by a ``tolerance`` become
         short; at a jump where a rate changes its sign they become endless, unless the torque has a
@@ -177,7 +202,8 @@ class Torque:
         pulse that is longer than 0.42 % of the run. Shorter ones need output times, or a ``step``.
 
         ``"dop853"`` is the default, alone takes a ``tolerance``, and finds events and sections.
-        ``"rk4"`` and ``"midpoint"`` take equal steps. The bits depend on the function.
+        ``"rk4"`` and ``"midpoint"`` take equal steps, ``"midpoint"`` without states. The bits
+        depend on the function.
 
         Parameters
         ----------
@@ -190,6 +216,8 @@ class Torque:
         fastest : float, optional
             A bound of ``|omega|`` under this torque (rad/s), and of the rate at which the torque
             varies: equal steps follow from it, and no other step is longer than 2 rad.
+        states : int
+            The number of further states of each body, at most 8.
 
         Returns
         -------
@@ -200,7 +228,8 @@ class Torque:
         TypeError
             If there is no function, or it tells that it takes other arguments.
         ValueError
-            If the address is not positive, or data or bound are not finite.
+            If the address is not positive, data or bound are not finite, or there are too many
+            states.
 
         Warns
         -----
@@ -221,10 +250,38 @@ class Torque:
         >>> damped = rigid.simulate(rigid.FreeBody(body, damping=0.1), [0.3, 1.0, 0.2], t=[5.0])
         >>> bool(np.allclose(run.omega, damped.omega, rtol=0.0, atol=1e-8))
         True
+
+        A wheel about the third axis, whose motor slows the body; its momentum is a state:
+
+        >>> def wheel(t, omega, attitude, data, torque, states, rates):
+        ...     h, motor = states[0], -0.5 * omega[2]
+        ...     torque[0], torque[1], torque[2] = -omega[1] * h, omega[0] * h, motor
+        ...     rates[0] = -motor
+        >>> scene = rigid.FreeBody(body, torque=rigid.Torque.call(wheel, states=1))
+        >>> run = rigid.simulate(scene, [0.0, 0.0, 1.0], states=[0.1], t=[0.0, 30.0])
+        >>> bool(np.allclose(2.0 * run.omega[:, 2] + run.states[:, 0], 2.1, rtol=1e-8))
+        True
         """
         none = ((0.0, 0.0, 0.0),)
-        function = TorqueFunction.of_input(address, data, fastest)
+        function = TorqueFunction.of_input(address, data, fastest, states)
         return cls((), none, none, function)
+
+    @property
+    def states(self) -> int:
+        """How many states of its own a function has for each body."""
+        return 0 if self.function is None else self.function.states
+
+    def started(self, states: ArrayLike) -> Torque:
+        """The torque whose function begins at these states, shape (k,) or (..., k).
+
+        Raises
+        ------
+        ValueError
+            If there are none, or not as many.
+        """
+        if self.function is None:
+            raise ValueError(NO_STATES)
+        return replace(self, function=self.function.started(states))
 
     @classmethod
     def _made(cls, values: ArrayLike, times: ArrayLike | None, frame: int) -> Torque:
@@ -541,6 +598,8 @@ def forces_of(
     """
     if torque is None and damping is None and not further:
         return None
+    if torque is not None and torque.function is not None:
+        torque.function.check_place("orbit" in further)
     d = np.zeros((3, 3)) if damping is None else np.asarray(damping)
     entries = d[..., [0, 1, 2, 1, 0, 0], [0, 1, 2, 2, 2, 1]]
     none = np.empty((0, 3))

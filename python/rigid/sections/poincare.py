@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from .._checks.arguments import brief, finite_float, positive_int, resolve_threads
 from .._checks.arrays import AttitudeLike
 from .._checks.progress import Listening, ProgressOption
+from .._core import MOST_STATES
 from ..model.body import Body
 from ..model.scene import Scene, check_scene
 from ..rotations.apply import to_body
@@ -185,6 +186,8 @@ def poincare(
         normal=normals[:, np.newaxis],
         momentum=np.zeros((len(bodies), 1, 3)),
         square=np.zeros((len(bodies), 1)),
+        states=np.zeros((len(bodies), 1, MOST_STATES)),
+        starts=np.zeros((len(bodies), MOST_STATES)),
         value=np.full((len(bodies), 1), surface.value),
         rotor=np.zeros((len(bodies), 3)),
         pointing=np.zeros((1, 13)),

@@ -66,6 +66,9 @@ def simulate_chunks(
     [(400, 2, 3), (400, 2, 3), (200, 2, 3)]
     """
     scene = check_scene(scene, many=True)
+    states = options.pop("states", None)
+    if states is not None:
+        scene = scene.started(states)
     size = positive_int("chunk", chunk)
     times = times_of_each("t", t)
     bodies = bodies_of(scene, omega, attitude, times=times.shape[:-1], rod=True)

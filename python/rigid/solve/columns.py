@@ -47,6 +47,7 @@ _PARTS: Mapping[str, str] = {
     "part": "{label}",
     "exponent": "exponent{label}",
     "order": "{name}{label}",
+    "state": "state{label}",
 }
 """Axes along which a table has a column for each number, and the names of these columns."""
 
@@ -337,6 +338,7 @@ _OF_SCENE: Mapping[str, tuple[tuple[str, ...], str, tuple[str, ...], str]] = {
     "torque": (("torque", "in_body"), "N m", _TORQUE, "applied torque in the body"),
     "torque_in_space": (("torque", "in_space"), "N m", _TORQUE, "applied torque in space"),
     "torque_data": (("torque", "function", "data"), "", ("number",), "data of the torque"),
+    "start_states": (("torque", "function", "states"), "", ("state",), "states at the start"),
     "damping": (("damping",), "N m s", ("axis", "axis_of_rate"), "damping"),
     **{name: ((name,), force.unit, ("axis",), force.title) for name, force in FORCES.items()},
 }

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._checks.arguments import brief
+from .._core import MOST_STATES
 from ..model.events import Event
 from ..model.frame import turned
 from ..model.leading import Shape
@@ -68,6 +69,8 @@ class Events(Points):
         Rates (rad/s) and the upward vertical, in the body.
     attitude : ndarray, shape (p, 4)
         Unit quaternions with a positive scalar, body to space.
+    states : ndarray, shape (p, k), or None
+        The states of :meth:`Torque.call` with ``states=k``.
     direction : ndarray of int8, shape (p,)
         1 where the quantity rises through the value, -1 where it falls, 0 where it touches it. Of
         :func:`turns` 1 where it is least and -1 where it is largest.
@@ -97,6 +100,8 @@ class Events(Points):
     event: Event
     _columns: Columns
     _shape: Shape
+
+    states = Column[Floats | None]("", "point", "state")
 
     def __repr__(self) -> str:
         each, whole = self._completeness()
@@ -262,6 +267,18 @@ def find_events(
     orbit = np.zeros(9) if scene.orbit is None else scene.orbit.numbers
     if frame is not None:
         normals = turned(frame.T, normals)
+    of_states = np.zeros((len(events), MOST_STATES))
+    for row, event in zip(of_states, events, strict=True):
+        if event.state > scene.states:
+            raise ValueError(
+                f"name = {event.name!r}: the scene has {scene.states} states of Torque.call"
+            )
+        if event.state:
+            row[event.state - 1] = 1.0
+    starts = np.zeros((n, MOST_STATES))
+    function = None if scene.torque is None else scene.torque.function
+    if function is not None and function.start is not None:
+        starts[:, : function.states] = in_rows(function.start, bodies.shape)
     # Moments are counted in this unit.
     exponents = bodies.scale_exponent[:, np.newaxis]
     rotor = in_rows(np.zeros(3) if scene.rotor is None else np.asarray(scene.rotor), bodies.shape)
@@ -273,6 +290,8 @@ def find_events(
         normal=_of_each(normals, n, 6),
         momentum=np.ldexp(momentum, exponents[:, np.newaxis]),
         square=_of_each([event.square for event in events], n),
+        states=_of_each(of_states, n, MOST_STATES),
+        starts=starts,
         value=_of_each([event.level for event in events], n),
         rotor=np.broadcast_to(np.ldexp(rotor, -exponents), (n, 3)),
         pointing=pointing,
@@ -293,6 +312,8 @@ def find_events(
         grazing = np.bincount(body[mine], found["grazing"][mine], minlength=n) > 0
         complete = ended & ~grazing & ((found["stays"] >> k) & 1 == 0)
         rows: dict[str, Any] = {name: found[name][mine] for name in Events._of_points()}
+        if not scene.states:
+            del rows["states"]
         rows["slope"] = rows["slope"] / event.slope_scale
         rows |= {"complete": complete, "lost_from": found["lost_from"]}
         records.append(Events(event=event, _columns=rows, _shape=bodies.shape))
@@ -319,6 +340,7 @@ def _joined(bodies: Bodies, parts: Sequence[Events], groups: Sequence[NDArray[np
     rows: dict[str, Any] = {
         name: np.concatenate([getattr(part, name) for part in parts])[order]
         for name in Events._of_points()
+        if getattr(parts[0], name) is not None
     }
     complete, lost_from = np.empty(len(bodies), dtype=bool), np.empty(len(bodies))
     for part, mine in pairs:

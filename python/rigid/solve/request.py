@@ -180,7 +180,7 @@ class Request:
         record is ``"tangent"``, from those at the start, (n, 6), or ``"sensitivity"``, by changes
         of parameters, (n, 15).
         """
-        return _core.simulate(self, steps, refinement, deviations, changes, out, single)
+        return self._cut(_core.simulate(self, steps, refinement, deviations, changes, out, single))
 
     def solve(
         self,
@@ -208,7 +208,14 @@ class Request:
         out : mapping, optional
             Arrays for columns, in double precision.
         """
-        return _core.solve(self, steps, accuracy, check, free, out)
+        return self._cut(_core.solve(self, steps, accuracy, check, free, out))
+
+    def _cut(self, states: _core.States) -> _core.States:
+        """The states without columns of states of a function beyond those that there are."""
+        forces = self.bodies.forces
+        if forces is not None and forces.states and states["states"] is not None:
+            states["states"] = states["states"][..., : forces.states].copy()
+        return states
 
     def select(self, some: NDArray[np.intp]) -> Self:
         """The request for some of the bodies."""

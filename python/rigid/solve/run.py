@@ -104,6 +104,8 @@ class Run(Result):
         Upward vertical in body components, if it was recorded.
     attitude : ndarray, shape (n, m, 4), or None
         Quaternion, scalar first, body to space, if it was recorded. It is not normalised again.
+    states : ndarray, shape (n, m, k), or None
+        The states of :meth:`Torque.call` with ``states=k``, in their units.
     work : ndarray, shape (n, m), or None
         Work done on the body by torque, damping and dissipation since ``t = 0`` (J), integrated
         with the motion; None for a scene without them.
@@ -146,9 +148,10 @@ class Run(Result):
     steps : ndarray of uint64, shape (n,)
         Steps taken; 0 by closed form.
     error : ndarray, shape (n,)
-        Estimated error, the largest at the output times. It is the largest of three errors: of the
+        Estimated error, the largest at the output times. It is the largest of four errors: of the
         rates, relative to the fastest rates of the body at these times; of the vertical and the
-        attitude (rad); of the work, relative to the largest kinetic energy that the body can reach,
+        attitude (rad); of the states of a function, each relative to the largest value that it
+        reaches; of the work, relative to the largest kinetic energy that the body can reach,
         or did reach under the torque of a function, which nothing bounds.
         Rates that are all below 1e-13 of the fastest that the body can reach, or of
         ``sqrt(mgl / I_min)``, count as rest and are compared with the larger of these two.
@@ -196,6 +199,7 @@ class Run(Result):
     omega = Column[Floats]("rad/s", "body", "t", "axis")
     gamma = Column[Floats | None]("1", "body", "t", "axis")
     attitude = Column[Floats | None]("1", "body", "t", "part")
+    states = Column[Floats | None]("", "body", "t", "state")
     work = Column[Floats | None]("J", "body", "t")
     _energy = Column[Floats | None]("J", "body", "t")
     _momentum = Column[Floats | None]("kg m²/s", "body", "t", "axis")
@@ -1137,7 +1141,14 @@ def _run_of(arrays: dict[str, NDArray[Any]], header: dict[str, Any]) -> Run:
         raise ValueError(f"{strange[0]} has no numbers")
     known = Run._known()
     of_events = [
-        (entries, {name: arrays.pop(f"events{k}_{name}") for name in Events._known()})
+        (
+            entries,
+            {
+                name: arrays.pop(f"events{k}_{name}")
+                for name in Events._known()
+                if name != "states" or f"events{k}_states" in arrays
+            },
+        )
         for k, entries in enumerate(header.get("events", []))
     ]
     if unknown := arrays.keys() - known.keys():

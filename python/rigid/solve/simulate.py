@@ -60,6 +60,7 @@ def simulate(
     attitude: ArrayLike | Rotation | None = None,
     *,
     t: ArrayLike,
+    states: ArrayLike | None = None,
     method: str | None = None,
     step: float | None = None,
     accuracy: float | None = None,
@@ -99,6 +100,8 @@ def simulate(
     t : array_like, shape (m,) or (..., m)
         Output times (s), ascending; negative times are reached backward from 0. Leading axes give
         each body its times.
+    states : array_like, shape (k,) or (..., k), optional
+        States of :meth:`Torque.call` with ``states=k`` at ``t = 0``. Default: zero.
     method : str, optional
         ``"exact"``, the closed form, or one of :func:`rigid.methods`. Default for each body:
         ``"exact"`` if it has a closed form and no step is given; ``"dop853"`` under
@@ -247,6 +250,8 @@ def simulate(
     True
     """
     scene = check_scene(scene, many=True)
+    if states is not None:
+        scene = scene.started(states)
     record, derived = _checked_record(record, scene)
     watched = None
     if events is not None or until is not None or count is not None:

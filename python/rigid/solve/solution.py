@@ -192,7 +192,7 @@ def end_records(
     after = times > last
     if not after.any():
         return
-    for name in (*COLUMNS, "tangent", "sensitivity"):
+    for name in (*COLUMNS, "states", "tangent", "sensitivity"):
         if states.get(name) is not None:
             states[name][after] = np.nan
 

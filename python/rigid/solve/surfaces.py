@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
+from .._core import LEAST_STATE, MOST_STATES
 from ..model.orbit import Orbit
 from .arrays import Floats, lengths
 from .bodies import Bodies
@@ -30,6 +31,9 @@ LOST = 1e-3
 SAFETY = 3.0
 """Factor from the difference of two runs to the stated error."""
 
+MARKOV = 2.0 * 7**2
+"""Bound of the rate of a polynomial of degree 7 over a step, in its largest value over the step."""
+
 ROUNDINGS = 4.0
 """Roundings of the function that is zero on the surface, in its scale, that two runs may share."""
 
@@ -48,8 +52,8 @@ def default_tolerance(forces: Collection[str]) -> float:
 class Search:
     """The points of some bodies on their surfaces.
 
-    A surface is ``normal·(omega, gamma) + momentum·L + square |omega|² + cosine = value``, with the
-    cosine of a body axis from a direction.
+    A surface is ``normal·(omega, gamma) + momentum·L + square |omega|² + states·s + cosine =
+    value``, with the cosine of a body axis from a direction.
 
     Attributes
     ----------
@@ -61,6 +65,9 @@ class Search:
     momentum : ndarray, shape (n, kinds, 3)
         In one over the unit of moments of the bodies.
     square : ndarray, shape (n, kinds)
+    states : ndarray, shape (n, kinds, 8)
+    starts : ndarray, shape (n, 8)
+        States of a function at the start, zero beyond those that there are.
     value : ndarray, shape (n, kinds)
     rotor : ndarray, shape (n, 3)
         Momentum of a rotor in each body, in the unit of moments of the bodies.
@@ -86,6 +93,8 @@ class Search:
     normal: Floats
     momentum: Floats
     square: Floats
+    states: Floats
+    starts: Floats
     value: Floats
     rotor: Floats
     pointing: Floats
@@ -144,7 +153,7 @@ class Search:
 
     def _points(self) -> dict[str, NDArray[Any]]:
         """The columns of the core for all bodies."""
-        return _core.section(
+        found = _core.section(
             self.bodies,
             method=self.method,
             kinds=list(self.kinds),
@@ -152,6 +161,7 @@ class Search:
             normal=np.ascontiguousarray(self.normal.reshape(-1, 6)),
             momentum=np.ascontiguousarray(self.momentum.reshape(-1, 3)),
             square=np.ascontiguousarray(self.square.ravel()),
+            states=np.ascontiguousarray(self.states.reshape(-1, MOST_STATES)),
             value=np.ascontiguousarray(self.value.ravel()),
             ends=self.ends,
             count=2**63 - 1 if self.count is None else self.count,
@@ -160,10 +170,14 @@ class Search:
             max_steps=self.max_steps,
             threads=self.threads,
         )
+        forces = self.bodies.forces
+        found["states"] = found["states"][:, : 0 if forces is None else forces.states]
+        return found
 
     def _select(self, some: NDArray[np.intp]) -> Self:
         """The search of some bodies."""
-        names = ("normal", "momentum", "square", "value", "rotor", "orbit", "ends")
+        names = ("normal", "momentum", "square", "states", "starts", "value", "rotor", "orbit")
+        names = (*names, "ends")
         own = {name: getattr(self, name)[some] for name in names}
         return replace(self, bodies=self.bodies.select(some), **own)
 
@@ -195,6 +209,8 @@ class Search:
             scale = scale + np.where(of_momentum > 0.0, of_momentum * momentum, 0.0)
             scale = scale + np.where(self.square != 0.0, np.abs(self.square) * rate**2, 0.0)
             scale = scale + self.pointing.any(axis=-1)
+            size_of_states = np.maximum(np.abs(self.starts), LEAST_STATE)[:, np.newaxis]
+            scale = scale + (np.abs(self.states) * size_of_states).sum(axis=-1)
             return np.where(self._turns, scale * rate, scale)
 
     def _errors(
@@ -209,6 +225,9 @@ class Search:
         met = np.zeros(len(self.bodies))
         np.maximum.at(met, body, lengths(found["omega"]))
         scale = self._scales(met)[body, kind]
+        # Nothing tells the size of a state but its start and its rate.
+        grown = np.where(self.states[body, kind].any(axis=-1), np.abs(found["slope"]) * t, 0.0)
+        scale = np.maximum(scale, grown)
         if self.closed:
             omega = found["omega"][:, np.newaxis]
             bodies = self.bodies.select(body)
@@ -250,8 +269,10 @@ class Search:
                 threads=self.threads,
                 tolerance=max(1e-3 * self.tolerance, min(self.tolerance, TOLERANCE)),
             ).states(None, _core.ELSEWHERE if self.method == FUNCTION else 1.0)
-            names = ("t", "omega", "gamma", "attitude", "kind")
+            names = ("t", "omega", "gamma", "attitude", "states", "kind")
             known = {name: found[name][places] for name in names}
+            with np.errstate(divide="ignore", invalid="ignore"):
+                known["pace"] = (found["steps"][some] / found["end"][some])[:, np.newaxis]
             values = own._values(states, known)
             # Errors grow along a motion; where two runs agree by chance, those before still count.
             off[places] = np.maximum.accumulate(np.abs(values), axis=1)
@@ -279,6 +300,9 @@ class Search:
         values: Floats = _dot(of_omega, omega) + _dot(of_gamma, gamma) + along
         values += square * _dot(omega, omega)
         values -= self.value[rows, kind]
+        of_states = self.states[rows, kind][..., : known["states"].shape[-1]]
+        if of_states.any():
+            values += _dot(of_states, states["states"])
         if not turning.any():
             return values
         # The vertical changes by gamma x omega. Of the rates and the momentum, whose change depends
@@ -298,6 +322,12 @@ class Search:
             ]
             apart = _core.distances(pair[0], pair[1], self._fastest(met))
             rate = np.where(unknown, apart * self._scales(met)[rows, kind], rate)
+        if (turning & of_states.any(axis=-1)).any():
+            # Of the rate of a polynomial nothing is known but Markov's inequality, from its error.
+            size = np.abs(of_states * known["states"]).sum(axis=-1)
+            off = np.abs(_dot(of_states, states["states"] - known["states"]))
+            off = MARKOV * known["pace"] * np.maximum(off, self.tolerance * size)
+            rate = np.where(of_states.any(axis=-1), off, rate)
         return np.where(turning, rate, values)
 
 

@@ -14,7 +14,7 @@ use super::states::{invariant_errors, worse};
 use super::{Request, check_forced, invariants_at_start, kinds_in};
 use crate::error::Error;
 use crate::exact::{CanonicalForm, Evaluator, EvaluatorKind, Question, StartRows, StateRows};
-use crate::forces::ForceSet;
+use crate::forces::{ForceSet, MOST_STATES};
 use crate::kernel::{Entry, Job, Kernel, KernelAssignment, Needs, State, System, drive, load, read, unload};
 use crate::memory;
 use crate::method::{Method, Step};
@@ -47,8 +47,8 @@ const CLOSED_ERROR: f64 = 1e-15;
 /// Most kinds of surfaces of a section.
 pub const MOST_KINDS: usize = 32;
 
-/// A surface: `normal . (omega, gamma) + momentum . L + square |omega|² = value` for the angular momentum `L` in space, or where the rate
-/// of the left side is zero.
+/// A surface: `normal . (omega, gamma) + momentum . L + square |omega|² + states . s = value` for the angular momentum `L` in
+/// space and the states s of a function, or where the rate of the left side is zero.
 #[derive(Clone, Copy, Debug)]
 pub struct Surface {
     /// Of the rates, then of the vertical in the body.
@@ -57,6 +57,8 @@ pub struct Surface {
     pub momentum: [f64; 3],
     /// Of the square of the speed of rotation.
     pub square: f64,
+    /// Of the states of a function.
+    pub states: [f64; MOST_STATES],
     /// The value; zero for a rate.
     pub value: f64,
 }
@@ -119,6 +121,8 @@ pub struct Point {
     pub gamma: [f64; 3],
     /// Attitude, of the two signs that with a positive first number.
     pub attitude: [f64; 4],
+    /// States of a function; zero without any.
+    pub states: [f64; MOST_STATES],
     /// Rate of what is zero on the surface.
     pub slope: f64,
     /// 1 rising, -1 falling, 0 if the motion touches the surface as far as can be told.
@@ -450,6 +454,7 @@ impl<'a> SectionJob<'a> {
             omega: state.omega,
             gamma: state.direction.expect("the system has the vertical"),
             attitude: if attitude[0] < 0.0 { attitude.map(|x| -x) } else { attitude },
+            states: state.states.unwrap_or([0.0; MOST_STATES]),
             slope,
             direction: zero.direction,
             grazes: zero.grazes,

@@ -1,7 +1,7 @@
 //! What is zero on the surfaces of one kind, inside the last step of each lane.
 
 use super::{NEAR, NOISE, Pointing, Polynomial, Side, Surface, SurfaceKind, TERMS, Zero};
-use crate::forces::{BodyForces, Orbit, conic_sign};
+use crate::forces::{BodyForces, MOST_STATES, Orbit, SMALL_STATE, conic_sign};
 use crate::kernel::{AdaptiveSteps, Group, System};
 use crate::kinematics::cross;
 use crate::simd::{LANES, Row, set_lane};
@@ -17,6 +17,7 @@ pub struct Watch {
     normal: [Row; 6],
     momentum: [Row; 3],
     square: Row,
+    states: [Row; MOST_STATES],
     value: Row,
     /// Momentum of a rotor.
     rotor: [Row; 3],
@@ -24,6 +25,10 @@ pub struct Watch {
     orbit: [Orbit<f64>; LANES],
     /// Which components of the normals are not all zero.
     used: [bool; 6],
+    /// The same of the states of a function.
+    used_states: [bool; MOST_STATES],
+    /// Index of these states.
+    states_at: Option<usize>,
     /// Whether a surface depends on the angular momentum in space.
     uses_momentum: bool,
     /// Whether a surface depends on the speed of rotation.
@@ -73,8 +78,10 @@ impl Watch {
         order: usize,
     ) -> Watch {
         let (mut used, mut uses_momentum, mut uses_square) = ([false; 6], false, false);
+        let mut used_states = [false; MOST_STATES];
         for surface in surfaces {
             (0..6).for_each(|d| used[d] |= surface.normal[d] != 0.0);
+            (0..MOST_STATES).for_each(|d| used_states[d] |= surface.states[d] != 0.0);
             uses_momentum |= surface.momentum != [0.0; 3];
             uses_square |= surface.square != 0.0;
         }
@@ -83,10 +90,13 @@ impl Watch {
             normal: [Row::ZERO; 6],
             momentum: [Row::ZERO; 3],
             square: Row::ZERO,
+            states: [Row::ZERO; MOST_STATES],
             value: Row::ZERO,
             rotor: [Row::ZERO; 3],
             orbit: [Orbit([0.0; 9]); LANES],
             used,
+            used_states,
+            states_at: system.states_at,
             uses_momentum,
             uses_square,
             quaternion: system.quaternion_at,
@@ -106,12 +116,13 @@ impl Watch {
 
     /// Puts the surface of a body into a lane; `rate` bounds its rates.
     pub fn enter(&mut self, lane: usize, surface: &Surface, body: &Body, forces: BodyForces, rate: f64) {
-        let Surface { normal, momentum, square, value } = *surface;
+        let Surface { normal, momentum, square, states, value } = *surface;
         let rotor = forces.further.rotor.0;
         set_lane(&mut self.normal, lane, &normal);
         set_lane(&mut self.momentum, lane, &momentum);
         set_lane(&mut self.rotor, lane, &rotor);
         self.orbit[lane] = forces.further.orbit;
+        set_lane(&mut self.states, lane, &states);
         self.square.0[lane] = square;
         self.value.0[lane] = value;
         self.side[lane] = None;
@@ -120,7 +131,12 @@ impl Watch {
         let of_momentum = length(&momentum) * (largest * rate + length(&rotor));
         let of_speed = square.abs() * rate * rate;
         let of_pointing = if self.kind.pointing.is_some() { 1.0 } else { 0.0 };
-        let scale = length(&normal[..3]) * rate + length(&normal[3..]) + of_momentum + of_speed + of_pointing;
+        let mut of_states = 0.0;
+        for (factor, start) in states.iter().zip(forces.states()) {
+            of_states += factor.abs() * start.abs().max(SMALL_STATE[1]);
+        }
+        let of_rates = length(&normal[..3]) * rate + length(&normal[3..]);
+        let scale = of_rates + of_momentum + of_speed + of_states + of_pointing;
         self.scale.0[lane] = if self.kind.of_rate { scale * rate } else { scale + value.abs() };
     }
 
@@ -164,6 +180,13 @@ impl Watch {
                 let normal = &self.normal[d].0;
                 for lane in 0..LANES {
                     sum[lane] += normal[lane] * power[lane];
+                }
+            }
+            if let (Some(at), Some(rows)) = (self.states_at, known) {
+                for d in (0..MOST_STATES).filter(|&d| self.used_states[d]) {
+                    for lane in 0..LANES {
+                        sum[lane] += self.states[d].0[lane] * rows[at + d].0[lane];
+                    }
                 }
             }
             if of_rate {
@@ -335,11 +358,20 @@ impl Watch {
     /// The powers of `square |omega|²` in the units of time of the step.
     fn along_square(&self, adaptive: &AdaptiveSteps) -> [Row; TERMS] {
         let mut sum = [Row::ZERO; TERMS];
-        for lane in (0..LANES).filter(|&lane| self.square.0[lane] != 0.0) {
-            for d in 0..3 {
-                let rate = powers_of(adaptive, d, lane);
-                let product = self.product(&rate, &rate);
-                (0..=self.order).for_each(|i| sum[i].0[lane] += self.square.0[lane] * product[i]);
+        // All lanes side by side, and no powers beyond those that are known: this takes longer than the step else.
+        let (rows, last) = (&adaptive.powers, adaptive.powers.len() - 1);
+        for d in 0..3 {
+            for i in 0..=self.order.min(2 * last) {
+                let mut product = [0.0; LANES];
+                for k in i.saturating_sub(last)..=i.min(last) {
+                    let (first, second) = (&rows[k][d].0, &rows[i - k][d].0);
+                    for lane in 0..LANES {
+                        product[lane] += first[lane] * second[lane];
+                    }
+                }
+                for lane in 0..LANES {
+                    sum[i].0[lane] += self.square.0[lane] * product[lane];
+                }
             }
         }
         sum

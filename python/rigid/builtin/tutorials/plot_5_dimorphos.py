@@ -97,7 +97,7 @@ result = rigid.stability_map(
     measure=[rigid.libration_amplitude(1), rigid.obliquity(3)],
     samples=2,
     t_end=35.0,
-    time_unit="d",
+    time_unit=("d", 1.0),
     rng=2026,
     progress=False,
 )
