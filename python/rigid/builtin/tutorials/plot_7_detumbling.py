@@ -100,7 +100,7 @@ result = rigid.stability_map(
     ),
     stable=~rigid.spin_above(0.01),
     t_end=2.0 * orbit.period,
-    time_unit="orbit",
+    time_unit=("orbits", orbit.period),
     samples=4,
     rng=2026,
     progress=False,
