@@ -268,7 +268,7 @@ class Torque:
 
     @property
     def states(self) -> int:
-        """How many states of its own a function has for each body."""
+        """How many states a function has for each body."""
         return 0 if self.function is None else self.function.states
 
     def started(self, states: ArrayLike) -> Torque:
