@@ -175,9 +175,9 @@ class Torque:
         signal of a filter, which are integrated with the body. The function then takes ``(t, omega,
         attitude, data, torque, states, rates)`` and writes the rates of change of its states (k)
         into ``rates``, in the units of the user per second. They begin at zero, or at the
-        ``states`` of :func:`simulate` and :class:`Start`. The error of a step, and of a run, is
-        that of the states too, relative to the largest value of each. Values below 1e-9, or below a
-        millionth of the largest state of the body, count as that large: choose units for that.
+        ``states`` of :func:`simulate` and :class:`Start`. The states count in the error
+        of a step and of a run, each relative to its largest value. A value below 1e-9, or below a
+        millionth of the largest state of the body, counts as so large: choose units accordingly.
 
         A function whose last argument is named ``orbit_position`` is told the place of the body on
         its ``orbit``, from the planet, along the axes of space, over the semi-major axis of an
