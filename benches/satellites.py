@@ -47,34 +47,48 @@ class Bodies:
         a, b, c = ab * bc, bc, np.ones_like(ab)
         self.moments = np.stack([b**2 + c**2, a**2 + c**2, a**2 + b**2], axis=1) / 5.0
         self.eccentricity, self.time, self.share = e, time, share
+        self.turns = time / (2.0 * np.pi)
         self.omega = np.tile(OMEGA, (len(e), 1))
+        self.attitude: Floats | None = None
 
     def __len__(self) -> int:
-        return len(self.eccentricity)
+        return len(self.omega)
+
+    @property
+    def scene(self) -> rigid.FreeBody:
+        """The bodies on their orbits."""
+        return rigid.FreeBody(rigid.Body(self.moments), orbit=rigid.Orbit(1.0, self.eccentricity))
 
     def simulated(self, method: str, steps: int) -> Floats:
         """The rates at the end by equal steps."""
-        scene = rigid.FreeBody(rigid.Body(self.moments), orbit=rigid.Orbit(1.0, self.eccentricity))
         run = rigid.simulate(
-            scene, self.omega, t=[self.time], method=method, step=self.time / steps, check=False,
-            threads=1,
+            self.scene, self.omega, self.attitude, t=[self.time], method=method,
+            step=self.time / steps, check=False, threads=1,
         )  # fmt: skip
         return run.omega[:, 0]
 
     def truth(self) -> Floats:
         """The rates at the end by steps down to rounding."""
-        scene = rigid.FreeBody(rigid.Body(self.moments), orbit=rigid.Orbit(1.0, self.eccentricity))
-        return rigid.simulate(scene, self.omega, t=[self.time], check=False).omega[:, 0]
+        run = rigid.simulate(self.scene, self.omega, self.attitude, t=[self.time], check=False)
+        return run.omega[:, 0]
+
+    def by_hand(self) -> tuple[Callable[..., tuple[Any, ...]], Floats]:
+        """The equations of a loop by hand, and its numbers of all bodies: nine move."""
+        i1, i2, i3 = self.moments.T
+        e, one, zero = self.eccentricity, np.ones(len(self)), np.zeros(len(self))
+        ratios = ((i2 - i3) / i1, (i3 - i1) / i2, (i1 - i2) / i3)
+        rows = (*self.omega.T, one, zero, zero, zero, one, zero, *ratios, zero, zero, zero, e)
+        return rates(), np.ascontiguousarray(np.stack([*rows, np.sqrt(1.0 - e * e)]))
 
     def fewest(self, run: Callable[[int], Floats]) -> int:
         """The fewest equal steps by which a share of the bodies err by less than ``ALLOWED``."""
-        truth, orbits = self.truth(), self.time / (2.0 * np.pi)
+        truth = self.truth()
 
         def errs(steps: int) -> float:
-            error = np.abs(run(steps) - truth).max(axis=1)
+            error = np.abs(run(steps) - truth).max(axis=1) / np.linalg.norm(self.omega, axis=1)
             return float(np.quantile(np.where(np.isfinite(error), error, np.inf), self.share))
 
-        low, high = int(8 * orbits), int(64 * orbits)
+        low, high = int(8 * self.turns), int(64 * self.turns)
         while errs(high) > ALLOWED:
             low, high = high, 2 * high
         while high / low > NEAR:
@@ -111,26 +125,18 @@ def rates() -> Callable[..., tuple[Any, ...]]:
 class Numba:
     """All bodies by the hand-written loop."""
 
-    advance: Callable[..., None] | None = None
-
     def __init__(self, bodies: Bodies) -> None:
-        i1, i2, i3 = bodies.moments.T
-        self.bodies, e = bodies, bodies.eccentricity
-        one, zero = np.ones(len(bodies)), np.zeros(len(bodies))
-        ratios = ((i2 - i3) / i1, (i3 - i1) / i2, (i1 - i2) / i3)
-        rows = (*bodies.omega.T, one, zero, zero, zero, one, zero, *ratios, zero, zero, zero, e)
-        self.start = np.ascontiguousarray(np.stack([*rows, np.sqrt(1.0 - e * e)]))
-        if Numba.advance is None:
-            form = Form("satellite", 9, rates(), lambda *_: self.start, lambda *_: ((), ()))
-            fast = {"fastmath": True, "error_model": "numpy"}
-            names = {"np": np, "rates": numba.njit(inline="always", **fast)(form.rates)}
-            exec(written(DOP853, form, len(self.start) - 9), names)
-            Numba.advance = numba.njit(**fast)(names["advance"])
+        equations, self.start = bodies.by_hand()
+        self.bodies, start = bodies, self.start
+        form = Form("satellite", 9, equations, lambda *_: start, lambda *_: ((), ()))
+        fast = {"fastmath": True, "error_model": "numpy"}
+        names = {"np": np, "rates": numba.njit(inline="always", **fast)(form.rates)}
+        exec(written(DOP853, form, len(start) - 9), names)
+        self.advance = numba.njit(**fast)(names["advance"])
 
     def run(self, steps: int) -> Floats:
         states = self.start.copy()
-        assert Numba.advance is not None
-        Numba.advance(states, self.bodies.time / steps, steps)
+        self.advance(states, self.bodies.time / steps, steps)
         return states[:3].T
 
 

@@ -13,7 +13,7 @@ import numpy as np
 
 import rigid
 from rigid.cli import toml_map, toml_section
-from rigid.cli.parser import make_parser
+from rigid.cli.parser import CODES, help_on, make_parser
 from rigid.cli.toml_scene import KINDS, NOISES, scene_of_keys
 from rigid.cli.toml_table import keys
 from rigid.maps.spec import MapSpec
@@ -287,12 +287,13 @@ def _default(parameter: inspect.Parameter) -> str:
 
 
 def command_help() -> str:
-    """The help of every command."""
+    """The help of every command, and the exit codes."""
     parser = make_parser()
     parts = []
     for name, command in {"": parser, **parser.commands()}.items():
         title = f"rigid {name}".strip()
         parts.append(f"## {title}\n\n```text\n{command.format_help().rstrip()}\n```\n")
+    parts.append(f"## rigid help {CODES}\n\n```text\n{help_on(parser, CODES)}\n```\n")
     return "\n".join(parts)
 
 

@@ -64,6 +64,7 @@ __all__ = [
     "nearest_possible",
     "orbit_anomalies",
     "plain_numbers",
+    "planned_steps",
     "principal_axes",
     "rate_units",
     "saddles",
@@ -161,6 +162,7 @@ def section(
     *,
     method: str,
     kinds: Sequence[tuple[bool, int, bool]],
+    pointing: NDArray[np.float64],
     normal: NDArray[np.float64],
     momentum: NDArray[np.float64],
     square: NDArray[np.float64],
@@ -196,6 +198,12 @@ def default_steps(
     method: str,
     rates: NDArray[np.float64],
     of_growth: bool = False,
+) -> NDArray[np.float64]: ...
+def planned_steps(
+    bodies: Bodies,
+    method: str,
+    span: NDArray[np.float64],
+    of: str,
 ) -> NDArray[np.float64]: ...
 def status_names() -> list[str]: ...
 def closed_forms_for(

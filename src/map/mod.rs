@@ -20,7 +20,7 @@ pub use interval::{clopper_pearson, clopper_pearson_of_each};
 pub use joined::{Condition, Logic, MOST_CONDITIONS};
 pub use measure::{Measure, Quantity, Value};
 pub use regular::{DEVIATIONS, PARTS, Rule, SECOND as SECOND_OF_GROWTH, deviation_start};
-pub use request::{Map, MethodChoice, Pixel};
+pub use request::{Map, MethodChoice, Pixel, PlannedRun};
 pub use sketch::{Bin, Sketch};
 pub use statistics::{Class, Column, FIXED_POINT, Field, Outcome, Statistics};
 

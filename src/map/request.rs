@@ -4,8 +4,7 @@ use super::check::GROUP;
 use super::{Check, Condition, Criterion, Laws, Logic, Measure, Mixed, Watched};
 use crate::error::Error;
 use crate::exact::Question;
-use crate::forces::ForceSet;
-use crate::forces::{BodyForces, Forces};
+use crate::forces::{BodyForces, ForceSet, Forces, OrbitPlace};
 use crate::kernel::{KernelAssignment, System};
 use crate::method::{self, AnyMethod, Method, Step, default_step};
 use crate::scene::Scene;
@@ -70,6 +69,38 @@ impl MethodChoice {
         };
         longer * default_step(self.by_steps(), rate)
     }
+
+    /// The longest step of a run in a range of times, and the time in which equal steps of that length are as many as those
+    /// of the run: another than that of the run where the steps are equal over the anomaly of an orbit.
+    pub fn planned_step(self, of: PlannedRun, body: &Body, forces: BodyForces, range: [f64; 2]) -> [f64; 2] {
+        let method = self.by_steps();
+        let is_on_clock =
+            of != PlannedRun::Growth && forces.orbit_alone() && KernelAssignment::on_orbit(method).is_some();
+        let (mut rate, mut time) = (None, range[1] - range[0]);
+        if is_on_clock {
+            let orbit = &forces.further.orbit;
+            let farthest = orbit.farthest(range);
+            let (place, pace) = (OrbitPlace::of(*orbit, orbit.anomaly_at(range[0])), orbit.pace(farthest));
+            time = place.anomaly_until(time) / pace;
+            if of == PlannedRun::Sample {
+                rate = Some(body.pace_rate(&place, farthest) * pace);
+            }
+        }
+        let rate = rate.unwrap_or_else(|| body.step_rate(method, forces, range));
+        let step = self.default_step(of == PlannedRun::Growth, rate).min(forces.longest_unseen(range));
+        [step, time]
+    }
+}
+
+/// What a planned run is for: each has its rule for the longest step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum PlannedRun {
+    /// States at output times.
+    States,
+    /// The class of a sample of a map.
+    Sample,
+    /// The growth of a deviation vector of a sample.
+    Growth,
 }
 
 /// Steps of the default method, over those for states.

@@ -8,23 +8,27 @@ use crate::memory;
 use crate::method::{AnyMethod, Method, default_step};
 use crate::parallel::Interrupt;
 use crate::simd::Isa;
-use crate::trajectory::{self, Crossings, Point, Record, Request, Schedule, Section, Surface, SurfaceKind};
+use crate::trajectory::{
+    self, Crossings, Point, Pointing, Record, Request, Schedule, Section, Surface, SurfaceKind,
+};
 use numpy::ndarray::Array2;
 use numpy::{Element, IntoPyArray, PyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 /// The points at which bodies cross their surfaces until a time; see `rigid.poincare` and `rigid.simulate`. A kind of
-/// surface is whether it is of a rate, its direction, and whether its points count; the surfaces of each body are
-/// neighbours in `normal`, `momentum`, `square` and `value`.
+/// surface is whether it is of a rate, its direction, and whether its points count, with its row of `pointing`: two pairs of
+/// a body axis and a direction, zeros without any, and 1 if the directions are those of the orbit. The surfaces of each
+/// body are neighbours in `normal`, `momentum`, `square` and `value`.
 #[pyfunction]
-#[pyo3(signature = (bodies, *, method, kinds, normal, momentum, square, value, ends, count, closed, tolerance, max_steps, threads))]
+#[pyo3(signature = (bodies, *, method, kinds, pointing, normal, momentum, square, value, ends, count, closed, tolerance, max_steps, threads))]
 #[allow(clippy::too_many_arguments)] // The request of `trajectory`, array by array.
 pub fn section<'py>(
     py: Python<'py>,
     bodies: Bodies<'py>,
     method: &str,
     kinds: Vec<(bool, i8, bool)>,
+    pointing: Aligned2<'py, f64>,
     normal: Aligned2<'py, f64>,
     momentum: Aligned2<'py, f64>,
     square: Aligned1<'py, f64>,
@@ -61,8 +65,16 @@ pub fn section<'py>(
         value: values[index],
     };
     let surfaces = &memory::collected("surfaces", many, (0..many).map(surface))?;
-    let kind = |&(of_rate, direction, counts): &(bool, i8, bool)| SurfaceKind { of_rate, direction, counts };
-    let kinds = &memory::collected("surfaces", kinds.len(), kinds.iter().map(kind))?;
+    let kind = |(&(of_rate, direction, counts), row): (&(bool, i8, bool), &[f64; 13])| {
+        let [first, second, third, fourth] =
+            [0, 1, 2, 3].map(|k| [row[3 * k], row[3 * k + 1], row[3 * k + 2]]);
+        let pairs = [[first, second], [third, fourth]];
+        let pointing = (first != [0.0; 3]).then_some(Pointing { pairs, in_orbit: row[12] != 0.0 });
+        SurfaceKind { of_rate, direction, counts, pointing }
+    };
+    let pointings = rows::<13>("pointing", &pointing)?;
+    same_length("pointing", kinds.len(), pointings.len())?;
+    let kinds = &memory::collected("surfaces", kinds.len(), kinds.iter().zip(pointings).map(kind))?;
     let bodies = given;
     let own = bodies.iter().zip(&ends).enumerate();
     let own =

@@ -6,13 +6,13 @@ use super::convert::{
     parse_record, rows, same_length, times_of_bodies,
 };
 use super::forces::PyForces;
-use super::states::{PyStates, of_bodies};
+use super::states::{PyStates, of_bodies, shaped};
 use super::target::Target;
 use crate::accuracy::{self, Asked, Estimate, Solved};
 use crate::error::Error;
 use crate::float_environment::FloatEnvironment;
 use crate::forces::{Forces, ParameterChange};
-use crate::map::MethodChoice;
+use crate::map::{MethodChoice, PlannedRun};
 use crate::memory;
 use crate::method::{AnyMethod, Method};
 use crate::parallel::Interrupt;
@@ -21,7 +21,7 @@ use crate::simd::Isa;
 use crate::start::Body;
 use crate::status::Status;
 use crate::trajectory::{self, Record, Request, Schedule, States, default_steps as default_steps_of};
-use numpy::{PyArray1, PyArrayDyn, PyUntypedArrayMethods};
+use numpy::{PyArray1, PyArray2, PyArrayDyn, PyUntypedArrayMethods};
 use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};
@@ -306,6 +306,40 @@ pub fn default_steps<'py>(
     let choice = MethodChoice::parse(method)?;
     let rates = copied("rates", &rates)?;
     column(py, &rates, |&rate| choice.default_step(of_growth, rate))
+}
+
+/// The longest step of each body between two times, and the time in which equal steps of that length are as many as those of
+/// the run; shape (n, 2). For states, the samples of a map, or the growth of their deviation vectors.
+#[pyfunction]
+pub fn planned_steps<'py>(
+    py: Python<'py>,
+    bodies: Bodies<'py>,
+    method: &str,
+    span: Aligned2<'py, f64>,
+    of: &str,
+) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let _standard = FloatEnvironment::standard();
+    let choice = MethodChoice::parse(method)?;
+    let of = match of {
+        "growth" => PlannedRun::Growth,
+        "samples" => PlannedRun::Sample,
+        _ => PlannedRun::States,
+    };
+    let n = bodies.len()?;
+    let forces = bodies.forces(n)?;
+    let spans = rows::<2>("span", &span)?;
+    if spans.len() != 1 {
+        same_length("span", n, spans.len())?;
+    }
+    let mut steps = memory::reserved("steps", n)?;
+    for part in BodyColumns::parts(n, 1) {
+        let bodies = bodies.of(part.clone())?;
+        steps.extend(bodies.iter().zip(part).map(|(body, index)| {
+            let span = spans[if spans.len() == 1 { 0 } else { index }];
+            choice.planned_step(of, body, forces.of(index), span)
+        }));
+    }
+    shaped(py, steps.into_flattened(), [n, 2])
 }
 
 /// Names of the status codes of a run, in the order of the codes.

@@ -19,7 +19,7 @@ pub use frame::{Frame, MAX_DEVIATIONS};
 pub use growth::{Deviations, Growths, STEPS_TOGETHER, growth, settle};
 pub use motion::{Motion, NUMBERS, Torques};
 pub use request::{Record, Request, Schedule, default_steps, time_range};
-pub use section::{Crossings, Point, Section, Surface, SurfaceKind, section};
+pub use section::{Crossings, Point, Pointing, Section, Surface, SurfaceKind, section};
 pub use states::{Column, States, StatesPart};
 
 use crate::error::Error;

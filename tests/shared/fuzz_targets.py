@@ -162,7 +162,8 @@ def criterion(rng: Random, scene: Any) -> Any:
 
 
 def _start(rng: Random, scene: Any) -> rigid.Start:
-    law = rng.choice([rigid.normal, rigid.uniform, rigid.direction])
+    laws: list[Callable[..., rigid.Noise]] = [rigid.normal, rigid.uniform, rigid.direction]
+    law = rng.choice(laws)
     given: dict[str, Any] = {}
     if rng.random() < 0.7:
         given["noise"] = law(odd.number(rng, odd.decades(rng, -9, 0)))

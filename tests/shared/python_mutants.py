@@ -1,8 +1,11 @@
 """Mutants of a Python module: the module with one operator, number or function changed."""
 
 import ast
-from collections.abc import Iterator
+import copy
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
+from itertools import islice
 from pathlib import Path
 
 #: Each operator, number or function is replaced by its neighbour.
@@ -42,12 +45,12 @@ _FUNCTIONS = {name: other for pair in _PAIRS for name, other in (pair, pair[::-1
 
 @dataclass(frozen=True)
 class Mutant:
-    """A changed file: its text, and what was changed in which line."""
+    """A changed file: what was changed in which line, and what makes its text."""
 
     path: str
     line: int
     change: str
-    text: str
+    text: Callable[[], str]
 
     def __str__(self) -> str:
         return f"{self.path}:{self.line}: {self.change}"
@@ -56,17 +59,18 @@ class Mutant:
 def python_mutants(root: Path, path: str) -> Iterator[Mutant]:
     """All mutants of a module, in the order of its lines."""
     text = (root / path).read_text(encoding="utf-8")
-    changes = sum(1 for _ in _places(ast.parse(text)))
-    for number in range(changes):
-        tree = ast.parse(text)
-        for place, change in enumerate(_places(tree)):
-            if place == number:
-                node, field, index, new = change
-                old = ast.unparse(node)
-                _write(node, field, index, new)
-                words = f"{old} -> {ast.unparse(node)}"
-                yield Mutant(path, getattr(node, "lineno", 0), words, ast.unparse(tree))
-                break
+    for number, (node, field, index, new) in enumerate(_places(ast.parse(text))):
+        changed = copy.deepcopy(node)
+        _write(changed, field, index, new)
+        words = f"{ast.unparse(node)} -> {ast.unparse(changed)}"
+        yield Mutant(path, getattr(node, "lineno", 0), words, partial(_changed, text, number))
+
+
+def _changed(text: str, number: int) -> str:
+    """The text of a module with one change."""
+    tree = ast.parse(text)
+    _write(*next(islice(_places(tree), number, None)))
+    return ast.unparse(tree)
 
 
 _Change = tuple[ast.AST, str, int | None, object]

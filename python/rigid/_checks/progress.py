@@ -22,6 +22,9 @@ from .notebook import in_notebook
 NARROW = 80
 """Columns of a terminal below which a bar has neither numbers of bodies nor a rate."""
 
+MANY = 1000
+"""Units that a bar counts one by one; of more it shows three digits."""
+
 SHOWN_AFTER = 2.0
 """Seconds after which a call of the core shows its progress by itself."""
 
@@ -29,6 +32,9 @@ SECONDS_BETWEEN_LINES = 10.0
 """Time between two lines of progress where no bar is shown."""
 
 NARROW_BAR = "{percentage:3.0f}%|{bar}| {remaining} left{postfix}"
+
+PERCENT = "%"
+"""The unit of a total of 100, whose bar has neither a number of units nor a rate."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -92,6 +98,7 @@ def reporting(
     unit: str = " bodies",
     who: str = "",
     begun: float | None = None,
+    failed: Callable[[int], str] = "{:,} failed".format,
 ) -> Iterator[Callable[..., None]]:
     """The function to call with the number that is done, and of failures, after each part.
 
@@ -109,6 +116,8 @@ def reporting(
         How a line begins.
     begun : float, optional
         When the work began, by ``time.perf_counter``; by default now.
+    failed : callable
+        What a bar says of so many failures.
 
     Raises
     ------
@@ -126,7 +135,7 @@ def reporting(
         show(Progress(done=done, total=max(total, done), elapsed=elapsed, failures=failures))
 
     try:
-        with _shown(option, total, unit, who) as show:
+        with _shown(option, total, unit, who, failed) as show:
             yield tell
     finally:
         _showing.depth -= 1
@@ -142,7 +151,7 @@ def _depth() -> int:
 
 @contextmanager
 def _shown(
-    option: ProgressOption, total: int, unit: str, who: str
+    option: ProgressOption, total: int, unit: str, who: str, failed: Callable[[int], str]
 ) -> Iterator[Callable[[Progress], object]]:
     if callable(option):
         yield option
@@ -160,14 +169,14 @@ def _shown(
         else:
             # The bar keeps at least 10 cells in a narrow terminal, which the numbers would take.
             narrow = in_terminal and terminal_columns() < NARROW
-            shape = NARROW_BAR if narrow else None
+            shape = NARROW_BAR if narrow or unit == PERCENT else None
             with tqdm(
-                total=total, unit=unit, unit_scale=True, file=sys.stderr, bar_format=shape
+                total=total, unit=unit, unit_scale=total > MANY, file=sys.stderr, bar_format=shape
             ) as bar:
 
                 def show(progress: Progress) -> None:
                     if progress.failures:
-                        bar.set_postfix(failed=progress.failures, refresh=False)
+                        bar.set_postfix_str(failed(progress.failures), refresh=False)
                     bar.update(progress.done - bar.n)
 
                 yield show
@@ -253,7 +262,7 @@ class Listening:
             if self._option is None and time.perf_counter() - self._begun < SHOWN_AFTER:
                 return
             self._stack = ExitStack()
-            shown = reporting(self._option, 100, unit="%", begun=self._begun)
+            shown = reporting(self._option, 100, unit=PERCENT, begun=self._begun)
             self._report = self._stack.enter_context(shown)
             self._last, self._number, self._done = 0.0, 0, 0
         self._number += share < self._last

@@ -1,9 +1,10 @@
-"""How results print themselves: small arrays in full, large ones by their shape, tables aligned."""
+"""How results print themselves: small arrays in full, tables aligned, long lines wrapped."""
 
 from __future__ import annotations
 
-from collections.abc import Container, Sequence
+from collections.abc import Container, Iterable, Sequence
 from dataclasses import fields, is_dataclass
+from textwrap import fill
 from typing import Any, TypeVar
 
 import numpy as np
@@ -14,6 +15,12 @@ Class = TypeVar("Class", bound=type)
 
 MOST = 8
 """Most elements of an array that are printed."""
+
+WIDTH = 80
+"""Columns of a terminal, which no line of a command exceeds."""
+
+LABEL = 12
+"""Columns of the name of a fact, before its text."""
 
 
 def short_repr(result: Class) -> Class:
@@ -47,3 +54,22 @@ def aligned(rows: Sequence[Sequence[str]], right: Container[int] = ()) -> list[s
         ).rstrip()
         for cells in rows
     ]
+
+
+def labelled(facts: Iterable[tuple[str, str]]) -> str:
+    """A line for each fact: its name, then its text."""
+    return "\n".join(f"{name:<{LABEL}}{text}" for name, text in facts)
+
+
+def wrapped(text: str, indent: int = LABEL) -> str:
+    """The text with long lines broken at spaces, and their further lines indented."""
+    return "\n".join(
+        fill(
+            line,
+            WIDTH,
+            subsequent_indent=" " * indent,
+            break_long_words=False,
+            break_on_hyphens=False,
+        )
+        for line in text.split("\n")
+    )

@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING, Any
 from .._checks.arguments import positive_int, resolve_threads
 from .._checks.inputs import require_readable
 from .._checks.progress import heeding_signals
+from .._checks.shown import labelled, wrapped
 from .._files import published, require_ending, require_room
 from ..drawing.figure import new_figure
 from ..info import build_info
@@ -51,8 +52,9 @@ from .output import (
     require_new,
     say,
     target_of,
+    tell,
 )
-from .parser import make_parser
+from .parser import help_on, make_parser
 from .running_maps import computed, require_shared, run
 from .toml_map import NamedSpec, read_spec
 from .toml_report import read_report
@@ -101,8 +103,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         try:
             parser = make_parser()
             options = parser.parse_args(arguments)
-            if options.command is None:
-                say(parser.format_help().rstrip())
+            if options.command in (None, "help"):
+                say(help_on(parser, getattr(options, "topic", None)))
                 return DONE
             if getattr(options, "show", False):
                 return _show(options)
@@ -154,7 +156,7 @@ def _map(options: argparse.Namespace) -> int:
     if options.check:
         return _checked(spec, named.name, target, threads, options, seeded)
     if not options.json:
-        say(_lines(_planned(map_plan(spec))))
+        tell(_planned(map_plan(spec)))
     if options.store is not None:
         into = {"spec": spec, "store": options.store, "seeded": seeded}
         return _finished_map(computed(options, run_map, **into), target, named.name, options)
@@ -194,7 +196,7 @@ def _checked(
         "size": ", ".join(f"{where} {memory_words(size)}" for where, size in sizes.items()),
         "would write": ", ".join(map(str, filter(None, files.values()))),
     }
-    say(_lines(lines))
+    tell(lines)
     return DONE
 
 
@@ -211,7 +213,7 @@ def _finished_map(
         lambda: result.plot(_axes() if len(result.spec.axes) <= 2 else None, what=what),
         target,
         "map",
-        words=lambda: f"{result.summary()}\n{'speed':<12}{_speed(result)}",
+        words=lambda: f"{result.summary()}\n{labelled([('speed', _speed(result))])}",
         facts=(lambda: _map_facts(name, result)) if options.json else None,
         ended=result.ended,
     )
@@ -232,7 +234,7 @@ def _explore(options: argparse.Namespace) -> int:
     result = load_map(source)
     require_new(target, "--out", force=options.force)
     page = result.explore(target, samples=options.samples, threads=options.threads, saved_as=source)
-    say(f"{'page':<12}{page}")
+    tell({"page": str(page)})
     return DONE
 
 
@@ -286,10 +288,6 @@ def _planned(plan: Plan) -> dict[str, str]:
         "plan": "; ".join([plan.method_words(), *plan.why]),
         "left out": "; ".join(plan.left_out) or "nothing",
     }
-
-
-def _lines(facts: Mapping[str, str]) -> str:
-    return "\n".join(f"{name:<12}{text}" for name, text in facts.items())
 
 
 def _list(options: argparse.Namespace) -> int:
@@ -404,6 +402,8 @@ def _validation(options: argparse.Namespace) -> int:
         print_list({"numbers": [row.to_dict() for row in found.rows]}, as_json=True)
     else:
         say(str(found))
+        for row in found.rows if options.names else ():
+            say("\n" + wrapped(f"{row.entry.name}: {row.entry.quantity}. {row.entry.source}.", 2))
     return SAYS_NO if found.unexplained else DONE
 
 
@@ -417,7 +417,7 @@ def _tutorials(options: argparse.Namespace) -> int:
     for path, content in made.items():
         with published(path) as file:
             file.write(content.encode())
-        say(f"wrote {path}")
+    say(f"wrote {len(made)} notebooks into {folder}")
     return DONE
 
 
@@ -448,7 +448,7 @@ def _new(options: argparse.Namespace) -> int:
     require_new(path, "file", force=options.force)
     with published(path) as file:
         file.write(content.encode())
-    say(f"wrote {path}; change it, then: rigid {kind} {path}")
+    say(f"wrote {path}; change it, then:\n  rigid {kind} {path}")
     return DONE
 
 

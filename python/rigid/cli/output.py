@@ -15,6 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from .._checks.progress import interruptible, terminal_columns
+from .._checks.shown import labelled, wrapped
 from .._files import published, require_replaceable
 
 DONE, SAYS_NO, REFUSED, WRITE_ERROR, UNFINISHED = 0, 1, 2, 74, 75
@@ -99,6 +100,11 @@ def say(text: str) -> None:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
+def tell(facts: Mapping[str, str]) -> None:
+    """Print a line for each fact; long lines are wrapped."""
+    say(wrapped(labelled(facts.items())))
+
+
 def complain(text: str, who: str = "rigid") -> None:
     """Print a message on stderr: wrapped in a terminal, one line elsewhere."""
     text = f"{who}: {text}"
@@ -118,7 +124,7 @@ def print_list(lines: Mapping[str, Any], *, as_json: bool) -> None:
     width = max(map(len, lines)) + 2
     for name, value in lines.items():
         words = ", ".join(map(str, value)) if isinstance(value, (list, tuple)) else value
-        say(f"{name:<{width}}{'unknown' if words is None else words}")
+        say(wrapped(f"{name:<{width}}{'unknown' if words is None else words}", width))
 
 
 def _json(facts: Mapping[str, Any]) -> str:
@@ -157,7 +163,8 @@ def finished(
         if stop.is_set():
             raise KeyboardInterrupt
         if facts is None:
-            say(f"{words()}\n{'data':<12}{data}")
+            say(wrapped(words()))
+            tell({"data": str(data)})
         try:
             content = BytesIO()
             figure = np.ravel(draw())[0].figure
@@ -169,7 +176,7 @@ def finished(
                 file.write(content.getvalue())
             line = drawn = str(target.picture)
         if facts is None:
-            say(f"{'picture':<12}{line}")
+            tell({"picture": line})
         else:
             say(_json({**facts(), "data": str(data), "picture": drawn}))
     except KeyboardInterrupt:

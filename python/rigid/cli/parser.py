@@ -4,16 +4,31 @@ from __future__ import annotations
 
 import argparse
 import re
-from collections.abc import Callable
-from textwrap import fill
+from collections.abc import Callable, Mapping
+from functools import partial
 from typing import NoReturn
 
-from .._checks.arguments import nearest, of_known
+from .._checks.arguments import nearest, of_known, one_of
+from .._checks.shown import WIDTH, wrapped
 from .._core import __version__
 from ..reports.compute import LONG_SECONDS, SECONDS
 from .output import EXIT_CODES, REFUSED, complain
 
 _FOLDER = "folder of a running map"
+
+CODES = "exit-codes"
+"""What ``rigid help`` tells besides the help of commands."""
+
+GROUPS: Mapping[str, tuple[str, ...]] = {
+    "compute and draw": ("map", "explore", "section", "report", "new"),
+    "maps in folders, by any number of processes": (
+        *("resume", "status", "merge", "diff", "verify", "pack"),
+    ),
+    "look up and check": (
+        *("maps", "sections", "reports", "tutorials", "extremes", "validation", "info", "help"),
+    ),
+}
+"""The commands by what they are for."""
 
 _EXAMPLES = {
     "": """\
@@ -21,7 +36,8 @@ _EXAMPLES = {
   rigid maps                    list the built-in maps
   rigid new map my-map.toml     write a specification to change
   rigid map my-map.toml         compute the map of this specification
-  rigid map --help              more examples
+  rigid help map                the options of a command, and examples
+  rigid help exit-codes         what the exit code of a command says
 """,
     "map": """\
   rigid map thrown-box
@@ -99,27 +115,27 @@ class Parser(argparse.ArgumentParser):
 
 def make_parser() -> Parser:
     """The parser of the command line."""
-    codes = "\n".join(
-        fill(words, 78, initial_indent=f"  {code:<10}", subsequent_indent=" " * 12)
-        for code, words in EXIT_CODES.items()
-    )
+    in_columns = partial(argparse.RawDescriptionHelpFormatter, width=WIDTH)
     parser = Parser(
         prog="rigid",
+        usage="rigid COMMAND ...",
         description="How rigid bodies rotate, and which of these motions are stable.",
-        epilog=f"examples:\n{_EXAMPLES['']}\nexit codes:\n{codes}",
-        formatter_class=argparse.RawDescriptionHelpFormatter,
+        formatter_class=in_columns,
     )
     parser.add_argument("--version", action="version", version=f"rigid {__version__}")
-    commands = parser.add_subparsers(dest="command", metavar="COMMAND")
+    commands = parser.add_subparsers(
+        prog="rigid", dest="command", metavar="COMMAND", help=argparse.SUPPRESS
+    )
+    lines: dict[str, str] = {}
 
     def command(name: str, words: str) -> argparse.ArgumentParser:
         examples = _EXAMPLES.get(name)
+        lines[name] = wrapped(f"  {name:<12}{words}", indent=14)
         return commands.add_parser(
             name,
-            help=words,
-            description=f"{words[0].upper()}{words[1:]}.",
+            description=wrapped(f"{words[0].upper()}{words[1:]}.", indent=0),
             epilog=f"examples:\n{examples}" if examples else None,
-            formatter_class=argparse.RawDescriptionHelpFormatter,
+            formatter_class=in_columns,
         )
 
     map_ = command("map", "compute a stability map, write a picture and the data")
@@ -224,7 +240,30 @@ def make_parser() -> Parser:
     written.add_argument("--force", action="store_true", help="replace existing files")
 
     _json(command("info", "describe this build: version, instruction set, threads"))
+    topic = command("help", "explain a command, or the exit codes")
+    topic.add_argument("topic", nargs="?", metavar="TOPIC", help=f"a command, or {CODES}")
+    groups = [
+        "\n".join([f"{title}:", *(lines[name] for name in names)])
+        for title, names in GROUPS.items()
+    ]
+    parser.epilog = "\n\n".join([*groups, f"examples:\n{_EXAMPLES['']}"])
     return parser
+
+
+def help_on(parser: Parser, topic: str | None) -> str:
+    """The help of a command, of all commands by default, or the exit codes.
+
+    Raises
+    ------
+    ValueError
+        If there is no such topic.
+    """
+    if topic == CODES:
+        return "\n".join(wrapped(f"{code:<10}{text}", 10) for code, text in EXIT_CODES.items())
+    named = parser.commands()
+    if topic is None:
+        return parser.format_help().rstrip()
+    return named[one_of("TOPIC", topic, [*named, CODES])].format_help().rstrip()
 
 
 def _running_maps(command: Callable[[str, str], argparse.ArgumentParser]) -> None:

@@ -12,6 +12,7 @@ from .._checks.arguments import resolve_threads
 from .._checks.extras import install_extra
 from .._checks.inputs import require_readable
 from .._checks.progress import Interrupted, terminated
+from .._checks.shown import wrapped
 from .._files import MAP, require_ending
 from ..store.result import StabilityMap
 from .output import DONE, SAYS_NO, UNFINISHED, complain, require_new, say
@@ -40,7 +41,7 @@ def run(options: Namespace) -> int:
         agrees = again.ok
     else:
         return _pack(options)
-    say(str(found))
+    say(wrapped(str(found)))
     return DONE if agrees else SAYS_NO
 
 
@@ -119,7 +120,8 @@ def computed(
     if result.ended:
         if options.part is None or not result.computed or claims_result(options.store):
             return result
-        say(f"the map is complete, another part writes it; rigid resume {options.store} does too")
+        words = "the map is complete, another part writes it; "
+        say(wrapped(f"{words}rigid resume {options.store} does too", indent=2))
         return DONE
     complain(
         f"this part is done, others are missing; {pixels_done(Folder(options.store))}; "

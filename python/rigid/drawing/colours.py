@@ -175,6 +175,7 @@ POSITION = Ink(HUES["black"], r"$\mathbf{r}$")
 VERTICAL = Ink(HUES["black"], r"$\mathbf{e}_3$")
 
 SPACE = Ink(NEUTRAL, "space")
+PLANET = Ink(HUES["violet"], "planet")
 BODY = Ink(HUES["sky"], "body")
 NODE = Ink(HUES["purple"], "line of nodes")
 ANGLE = Ink(HUES["black"], "angle")

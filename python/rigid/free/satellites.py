@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,12 +12,9 @@ from .._checks.arrays import AttitudeLike, Floats, attitudes, vectors
 from .._libration import frequencies, squares
 from ..model.body_like import BodyLike, moments_of
 from ..model.orbit import Orbit
+from ..model.orbit_axes import Axes, at_rest, checked_axes, rest_axes
 from ..model.scene import Scene, check_scene
-from ..model.start import body_axis
 from ..rotations.apply import to_body
-
-Axes: TypeAlias = tuple[int, int]
-"""The body axes along the line from the planet and along the normal; negative: against it."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -101,7 +97,7 @@ def libration(body: BodyLike, rate: ArrayLike, *, axes: Axes | None = None) -> L
         others = np.where(np.arange(3) == long[..., np.newaxis], -np.inf, moments)
         chosen = np.stack([long, others.argmax(axis=-1)], axis=-1) + 1
     else:
-        chosen = np.broadcast_to(np.array(_checked_axes(axes)), (*moments.shape[:-1], 2))
+        chosen = np.broadcast_to(np.array(checked_axes(axes)), (*moments.shape[:-1], 2))
     places = np.abs(chosen) - 1
     yaw, pitch = np.moveaxis(np.take_along_axis(moments, places, axis=-1), -1, 0)
     roll = np.take_along_axis(moments, 3 - places.sum(axis=-1, keepdims=True), axis=-1)[..., 0]
@@ -118,19 +114,6 @@ def libration(body: BodyLike, rate: ArrayLike, *, axes: Axes | None = None) -> L
         np.char.add(np.char.add(in_pitch, "; "), in_both),
     )
     return Libration(n * swing, n[..., np.newaxis] * coupled, stable, region, reason, chosen)
-
-
-def _checked_axes(axes: Axes) -> Axes:
-    """Two different body axes."""
-    if not isinstance(axes, (tuple, list)) or len(axes) != 2:
-        raise ValueError(
-            f"axes = {brief(axes)}: must be two body axes, such as (1, 3), along the line from the "
-            "planet and along the normal of the orbit"
-        )
-    radial, normal = (body_axis(one, signed=True) for one in axes)
-    if abs(radial) == abs(normal):
-        raise ValueError(f"axes = {brief(axes)}: must be two different axes")
-    return radial, normal
 
 
 def jacobi_integral(scene: Scene, omega: ArrayLike, attitude: AttitudeLike, t: ArrayLike) -> Floats:
@@ -238,11 +221,9 @@ def roll_pitch_yaw(
     >>> rigid.free.roll_pitch_yaw(rigid.Orbit(1.0), at_rest, 0.0, axes=(3, 2)).tolist()
     [0.0, 0.0, 0.0]
     """
-    orbit = scene if isinstance(scene, Orbit) else _orbit_of(scene)
-    towards, across = _checked_axes(_known_axes(scene) if axes is None else axes)
+    body, orbit = (None, scene) if isinstance(scene, Orbit) else (scene, _orbit_of(scene))
+    directions = at_rest(rest_axes(body) if axes is None else checked_axes(axes)).T
     turned, times = attitudes(attitude), shaped("t", t)
-    yaw, pitch = (np.sign(one) * np.eye(3)[abs(one) - 1] for one in (towards, across))
-    directions = np.stack([np.cross(pitch, yaw), pitch, yaw], axis=-1)
     along, normal, radial = (
         to_body(turned, orbit.frame(times)[..., column]) @ directions for column in (1, 2, 0)
     )
@@ -262,18 +243,6 @@ def _orbit_of(scene: Scene) -> Orbit:
     if orbit is None:
         raise ValueError(f"scene = {brief(scene)}: has no orbit; give rigid.FreeBody one by orbit=")
     return orbit
-
-
-def _known_axes(scene: Scene | Orbit) -> Axes:
-    """The long axis and the axis of the largest moment."""
-    rule = "give the body axes along the line from the planet and along the normal"
-    if isinstance(scene, Orbit):
-        raise ValueError(f"axes: an orbit alone has no body; {rule}, such as (1, 3)")
-    moments = scene.body.moments
-    low, middle, high = np.argsort(moments).tolist()
-    if moments[low] == moments[middle] or moments[middle] == moments[high]:
-        raise ValueError(f"axes: two of the moments {moments} are equal; {rule}, such as (1, 3)")
-    return low + 1, high + 1
 
 
 def radial(orbit: Orbit, attitude: Floats, t: Floats) -> Floats:

@@ -56,7 +56,7 @@ ENTRIES = (
         name="earth-euler",
         quantity="the Earth as a rigid body: Euler's period for (I3 - I1)/I1 = 0.00327",
         printed="305.81",
-        unit="sidereal days",
+        unit="sid. days",
         source="H. Goldstein, C. Poole, J. Safko, Classical Mechanics, 3rd edition (2002), section "
         "5.6",
         seen="from memory of the textbook",
@@ -69,7 +69,7 @@ ENTRIES = (
         value=305.0,
         within=1.0,
         interval="the source says 'about'",
-        unit="sidereal days",
+        unit="sid. days",
         source=SMITH,
         seen="the abstract",
         compute=lambda: euler_days(FLATTENING / (1.0 - FLATTENING)),
@@ -79,7 +79,7 @@ ENTRIES = (
         quantity="the Earth: observed period of the free polar motion, beside the period of a "
         "rigid body",
         printed="435.2",
-        unit="sidereal days",
+        unit="sid. days",
         source=SMITH,
         seen="the abstract",
         compute=lambda: euler_days(FLATTENING / (1.0 - FLATTENING)),
@@ -93,7 +93,7 @@ ENTRIES = (
         printed="15.948870",
         within=2e-4,
         interval="the ellipticity (C - A)/C of two models of the Earth differs by 1e-5",
-        unit="arc seconds a year",
+        unit="arcsec/a",
         source="J. G. Williams, Contributions to the Earth's obliquity rate, precession, and "
         "nutation, Astron. J. 108 (1994) 711-724, doi 10.1086/117108",
         seen="from memory of the article 'Axial precession' of Wikipedia, which quotes it",

@@ -247,6 +247,7 @@ ENTRIES = (
         "a factor e, over the orbit period; median of 13 chaotic motions",
         printed="10",
         within=3.0,
+        unit="orbits",
         interval="the source says *about*",
         source=WISDOM,
         seen="as M. Tarnopolski, Astron. Astrophys. 606 (2017) A43, cites it, in its introduction; "

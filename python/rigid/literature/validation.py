@@ -9,12 +9,12 @@ from typing import Any
 
 from .._checks.arguments import one_of
 from .._checks.progress import ProgressOption, reporting
-from .._checks.shown import aligned
+from .._checks.shown import aligned, wrapped
 from ..drawing.figure import html_table
 from . import asteroids, earth, flybys, free_bodies, heavy_tops, moons, satellites, spin_orbit
 from .entry import Entry
 
-HEADER = ("name", "published", "here", "difference", "interval", "unit", "verdict")
+HEADER = ("name", "published", "here", "difference", "interval", "unit")
 
 
 def entries() -> tuple[Entry, ...]:
@@ -76,17 +76,21 @@ class Compared:
             "seconds": self.seconds,
         }
 
-    def cells(self) -> tuple[str, ...]:
-        """Name, published number, number, difference, interval, unit and verdict, as text."""
+    @property
+    def verdict(self) -> str:
+        """Whether the numbers agree, in words."""
+        return "agrees" if self.agrees else "the model differs" if self.explained else "differs"
+
+    def cells(self, digits: int = 9) -> tuple[str, ...]:
+        """Name, published number, number, difference, interval and unit, as text."""
         entry = self.entry
         return (
             entry.name,
-            entry.digits or f"{entry.value:.9g}",
-            f"{self.number:.9g}",
+            entry.digits or f"{entry.value:.{digits}g}",
+            f"{self.number:.{digits}g}",
             f"{self.difference:+.1e}",
             f"{entry.within:.2g}",
             entry.unit,
-            "agrees" if self.agrees else "model differs" if self.explained else "differs",
         )
 
 
@@ -110,14 +114,24 @@ class Validation:
         )
 
     def _repr_html_(self) -> str:
-        return html_table([row.cells() for row in self.rows], header=HEADER)
+        rows = [(*row.cells(), row.verdict) for row in self.rows]
+        return html_table(rows, header=(*HEADER, "verdict"))
 
     def __str__(self) -> str:
-        """A table: a row for each number; below, why models differ."""
-        table = [HEADER, *(row.cells() for row in self.rows)]
+        """A table: a row for each number; below, why models differ. A star marks what differs."""
+        table = [(*HEADER[:3], "off by ", *HEADER[4:])]
+        for row in self.rows:
+            name, published, here, difference, *rest = row.cells(digits=6)
+            star = " " if row.agrees else "*"
+            table.append((name, published, here, f"{difference}{star}", *rest))
         lines = aligned(table, right=range(1, 5))
-        reasons = [f"{row.entry.name}: {row.entry.reason}" for row in self.rows if row.entry.reason]
-        return "\n".join([*lines, *([""] if reasons else []), *reasons])
+        reasons = [
+            f"* {row.entry.name}: {row.verdict}; {row.entry.reason or 'no reason is known'}"
+            for row in self.rows
+            if not row.agrees
+        ]
+        below = [wrapped(reason, indent=2) for reason in reasons]
+        return "\n".join([*lines, *([""] if below else []), *below])
 
 
 def validation(

@@ -15,16 +15,18 @@ from numpy.typing import ArrayLike, NDArray
 from .._checks.arguments import brief, resolve_threads
 from .._checks.progress import Listening, ProgressOption
 from .._files import published, require_ending
-from ..animation.explorer import Explorer, compressed, packed, page_of
+from ..animation.explorer import Explorer, packed, page_of
 from ..animation.raster import AZIMUTH, ELEVATION
 from ..drawing import colours
 from ..model.criteria import Regular
+from ..model.forces import forces_in_words
 from ..model.mixture import Mixture
 from ..model.start import Samples
 from .axes import Axis
 from .data import CLASSES, STATUS, MapData
+from .grid import Pixels
 from .plot import cell_edges
-from .samples import Outcomes, Starts, outcomes, starts
+from .samples import Outcomes, bodies_of, outcomes, starts
 from .spec import MapSpec
 from .theory import predict
 from .watched import watched
@@ -59,7 +61,8 @@ def explore(
     with Listening(progress):
         seen = outcomes(data, range(count), None, resolve_threads(threads))
     draw = _draw(data.spec)
-    drawn = content_of_starts(starts(data, range(count))) if draw is None else {"draw": draw}
+    drawn = content_of_starts(data, range(count)) if draw is None else {"draw": draw}
+    drawn |= content_of_numbers(data, range(count))
     if saved_as is None:
         saved_as = "map.npz" if target is None else target.with_suffix(".npz").name
     held = content_of_map(data, count, load=_load(os.fspath(saved_as), data.spec))
@@ -85,12 +88,31 @@ def _load(file: str, spec: MapSpec) -> str:
     )
 
 
-def content_of_starts(start: Starts) -> dict[str, Any]:
+def content_of_starts(data: MapData, samples: range, pixel: int | None = None) -> dict[str, Any]:
     """The starts of bodies as plain data."""
+    start = starts(data, samples, pixel)
     return {
         "omega": packed(start.omega, np.float64),
         "attitude": packed(start.attitude, np.float64),
     }
+
+
+def content_of_numbers(data: MapData, samples: range, pixel: int | None = None) -> dict[str, Any]:
+    """Where parameters vary: the numbers of the equations of motion that bodies have of their own.
+
+    ``columns`` tells which of the numbers of the pixel they replace.
+    """
+    spec = data.spec
+    if spec.is_called or not spec.vary:
+        return {}
+    pixels = np.arange(data.status.size) if pixel is None else np.array([pixel])
+    flat = (pixels[:, np.newaxis] * spec.samples + np.array(samples)).ravel()
+    of_pixel = numbers_of_motion(spec.grid)[flat // spec.samples]
+    own = of_pixel.copy()
+    for mine, bodies in bodies_of(spec, flat):
+        own[mine] = numbers_of_motion(bodies)
+    columns = np.flatnonzero(((own != of_pixel) & np.isfinite(own)).any(axis=0))
+    return {"own": {"columns": columns.tolist(), "values": packed(own[:, columns], np.float64)}}
 
 
 def content_of_outcomes(seen: Outcomes) -> dict[str, Any]:
@@ -165,7 +187,8 @@ def content_of_map(
             chart | {"limits": [packed(limits, np.float64) for limits in of_chart]}
             for chart, of_chart in watched(spec)
         ],
-        "scene": spec.scene.title,
+        "scene": spec.scene.title
+        + (f" under {forces_in_words(spec.forces)}" if spec.forces else ""),
         "inks": {
             "outcomes": colours.OUTCOMES,
             "axes": [ink.colour for ink in colours.AXES],
@@ -174,6 +197,8 @@ def content_of_map(
             "omega": colours.OMEGA.colour,
             "L": colours.L.colour,
             "vertical": colours.VERTICAL.colour,
+            "planet": colours.PLANET.colour,
+            "path": colours.FAINT,
         },
         "camera": [AZIMUTH, ELEVATION],
     }
@@ -184,9 +209,9 @@ def _affordable(data: MapData) -> int:
     # Times of leaving are hardly compressed, and a class takes two bits at most.
     done = max(int(data.samples.sum()), 1)
     size = data.status.size * (4.0 * int(data.unstable.sum()) / done + 0.25)
-    if _draw(data.spec) is None:
-        first = starts(data, 0)
-        size += len(compressed(first.omega)) + len(compressed(first.attitude))
+    first = content_of_starts(data, range(1)) if _draw(data.spec) is None else {}
+    first |= content_of_numbers(data, range(1)).get("own", {})
+    size += sum(0.75 * len(one["data"]) for one in first.values() if isinstance(one, dict))
     return int(max(1, min(MOST_BYTES // size, MOST_SAMPLES, data.spec.samples)))
 
 
@@ -195,6 +220,8 @@ def _draw(spec: MapSpec) -> dict[str, Any] | None:
     start = spec.start
     if isinstance(start, Mixture) or isinstance(start.noise, Samples) or start.joint:
         return None
+    if spec.vary and {"energy", "l_gamma"} & {axis.parameter.place for axis in spec.axes}:
+        return None  # the start of a body follows from its own moments
     laws = []
     for noise in (start.noise, start.attitude_noise):
         if noise is not None and (noise.cov is not None or noise.is_direction):
@@ -277,15 +304,24 @@ def _layers(data: MapData) -> list[dict[str, Any]]:
 
 
 def _motion(spec: MapSpec) -> dict[str, Any] | None:
-    """The numbers of the equations of motion of each pixel; None if the page cannot solve them."""
-    grid = spec.grid
-    solved = spec.whole.torque is None and {*spec.forces} <= {"torque", "damping"}
-    if spec.vary or not solved:
+    """The numbers of the equations of motion of each pixel; None under a torque of a function."""
+    if spec.is_called:
         return None
-    count, torque = len(grid.moments), grid.scene.torque
-    in_body = np.zeros((count, 3)) if torque is None else np.asarray(torque.in_body)[:, 0]
-    columns = (grid.moments, grid.weight, grid.damping.reshape(-1, 9), in_body)
-    return {"numbers": packed(np.concatenate(columns, axis=1), np.float64)}
+    return {"numbers": packed(numbers_of_motion(spec.grid), np.float64)}
+
+
+def numbers_of_motion(bodies: Pixels) -> NDArray[np.float64]:
+    """The numbers of the equations of motion of bodies, in the order of ``page/motion.js``."""
+    count, torque = len(bodies.moments), bodies.scene.torque
+    further = bodies.scene.further_numbers()
+    columns: list[ArrayLike] = [bodies.moments, bodies.weight, bodies.damping.reshape(-1, 9)]
+    for values in (None, None) if torque is None else (torque.in_body, torque.in_space):
+        columns.append(np.zeros(3) if values is None else np.asarray(values)[..., 0, :])
+    for name in ("dissipation", "rotor", "drag"):
+        columns.append(further.get(name, np.zeros(3)))
+    columns.append(further.get("orbit", np.zeros(9)))
+    each = [np.broadcast_to(column, (count, np.shape(column)[-1])) for column in columns]
+    return np.concatenate(each, axis=1)
 
 
 _TEX = {

@@ -7,7 +7,6 @@ from collections.abc import Iterable, Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import _core
 from ..model.forces import forces_in_words
 from ..solve.bodies import Bodies
 from ..solve.closed_form import NO_FORM, Codes, closed_forms, names, why_not
@@ -36,7 +35,7 @@ def map_plan(spec: MapSpec) -> Plan:
         batches = list(_batches(spec, of_pixels))
         span = (0.0, spec.t_end)
         error = closed_form_error(_joined(batch.fastest_rates(span) for batch in batches), span[1])
-        looks = (why_unforeseen(batch, span) for batch in batches)
+        looks = (why_unforeseen(batch, spec.t_end) for batch in batches)
         unknown = next((words for words in looks if words is not None), None)
         if error is not None and unknown is not None:
             error = None
@@ -45,8 +44,9 @@ def map_plan(spec: MapSpec) -> Plan:
         steps, tolerance = None, TOLERANCE
     else:
         moved = of_pixels[forms == NO_FORM] if method == AUTO else of_pixels
-        longest = _joined(_steps(spec, batch) for batch in _batches(spec, moved))
-        step, steps = shortest_and_most(longest, spec.t_end)
+        planned = [_steps(spec, batch) for batch in _batches(spec, moved)]
+        longest, times = (_joined(rows) for rows in zip(*planned, strict=True))
+        step, steps = shortest_and_most(longest, times)
     torque = spec.whole.torque
     if torque is not None and torque.function is not None:
         reasons.extend(torque.function.reasons)
@@ -70,12 +70,11 @@ def _joined(rows: Iterable[Floats]) -> Floats:
     return np.concatenate([np.zeros(0), *rows])
 
 
-def _steps(spec: MapSpec, batch: Bodies) -> Floats:
-    """The longest step of each body of a batch (s)."""
-    if spec.step is not None:
-        return np.full(len(batch), spec.step)
-    rates = batch.fastest_rates((0.0, spec.t_end), spec.scheme)
-    return _core.default_steps(spec.method, rates, spec.stable.has_deviation)
+def _steps(spec: MapSpec, batch: Bodies) -> tuple[Floats, Floats]:
+    """The longest step of each body (s), and the time in which so long ones are as many."""
+    of = "growth" if spec.stable.has_deviation else "samples"
+    longest, times = batch.planned_steps(spec.method, (0.0, spec.t_end), of)
+    return (longest if spec.step is None else np.full(len(batch), spec.step)), times
 
 
 def _choice(spec: MapSpec, moments: Floats, weight: Floats, forms: Codes) -> tuple[str, str]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,6 +15,7 @@ from .._checks.quantities import plain
 from .._checks.shown import short_repr
 from ..solve.status import Status
 from .data import MapData
+from .grid import Pixels
 from .job import to_core
 from .replay import named_outcomes, pixel_index
 from .spec import MapSpec
@@ -121,16 +123,21 @@ def _drawn(spec: MapSpec, flat: NDArray[np.int64]) -> tuple[dict[str, Floats], N
     """The values of the parameters that vary, of bodies by their numbers, and their draws."""
     values = {one.name: np.empty(len(flat)) for one in spec.vary}
     draws = np.zeros(len(flat), dtype=np.int64)
-    pixel, sample = np.divmod(flat, spec.samples)
-    for part in spec.parts if spec.vary else ():
-        mine = np.flatnonzero(np.isin(pixel, part.pixels))
-        own = np.searchsorted(part.pixels, pixel[mine])
-        bodies = part.spec.bodies(part.spec.start.starts[0], own, sample[mine])
+    for mine, bodies in bodies_of(spec, flat) if spec.vary else ():
         assert bodies.draws is not None
         draws[mine] = bodies.draws
         for name, every in bodies.drawn.items():
             values[name][mine] = every
     return values, draws
+
+
+def bodies_of(spec: MapSpec, flat: NDArray[np.int64]) -> Iterator[tuple[NDArray[np.intp], Pixels]]:
+    """Bodies by their numbers, with the parameters that they have: their places, and the bodies."""
+    pixel, sample = np.divmod(flat, spec.samples)
+    for part in spec.parts:
+        mine = np.flatnonzero(np.isin(pixel, part.pixels))
+        own = np.searchsorted(part.pixels, pixel[mine])
+        yield mine, part.spec.bodies(part.spec.start.starts[0], own, sample[mine])
 
 
 def outcomes(

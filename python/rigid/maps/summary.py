@@ -7,6 +7,7 @@ import dataclasses
 import numpy as np
 from numpy.typing import NDArray
 
+from .._checks.shown import labelled
 from ..model.start import Start
 from ..solve.methods import AUTO, EXACT
 from .axes import axis_letter
@@ -37,7 +38,7 @@ def summary(data: MapData) -> str:
     ]
     if spec.title:
         lines.insert(0, ("map", spec.title))
-    return "\n".join(f"{name:<12}{text}" for name, text in lines)
+    return labelled(lines)
 
 
 def _method(data: MapData) -> str:

@@ -37,7 +37,7 @@ MOST_DRAWS = 1000
 
 @dataclass(frozen=True, slots=True)
 class Varied:
-    """A parameter that each body has at random, about its nominal value."""
+    """A parameter that each body has at random, about its nominal value or in a range."""
 
     name: str
     noise: Noise
@@ -52,6 +52,10 @@ class Varied:
 
     def about(self, nominal: Floats, deviates: Floats) -> Floats:
         """Values from nominal values and deviates of unit size."""
+        if self.noise.high is not None:
+            low, high = float(self.noise.size), self.noise.high  # type: ignore[arg-type]
+            values = 0.5 * (low + high) + 0.5 * (high - low) * deviates
+            return np.broadcast_to(np.clip(values, low, high), nominal.shape)
         change = np.asarray(self.noise.size) * deviates
         return nominal * (1.0 + change) if self.noise.relative else nominal + change
 
@@ -83,8 +87,8 @@ def make_varied(vary: object) -> tuple[Varied, ...]:
         if not is_noise or noise.cov is not None or isinstance(noise.size, tuple):
             given = noise.describe() if isinstance(noise, Noise) else brief(noise)
             raise TypeError(
-                f"vary[{name!r}] = {given}: must be rigid.normal(size) or rigid.uniform(size), "
-                "with one size"
+                f"vary[{name!r}] = {given}: must be rigid.normal(size), rigid.uniform(size), with "
+                "one size, or rigid.uniform(low, high)"
             )
     return tuple(Varied(name, noise) for name, noise in vary.items())
 
@@ -102,6 +106,15 @@ def check_varied(scene: Scene, start: Start, vary: Sequence[Varied], axes: Seque
             raise ValueError(f"vary: {one.name!r} does not apply: {reason}")
     check_places("vary", (*axes, *vary))
     check_once("vary", vary)
+    nominal = {axis.name for axis in axes}
+    for one in vary:
+        if one.noise.relative and one.name not in nominal:
+            numbers = numbers_of(scene, start, {one.parameter.place}, 1)
+            if not np.any(one.parameter.get(numbers)):
+                raise ValueError(
+                    f"vary: {one.name!r} is 0, and a share of 0 varies nothing; give an absolute "
+                    "size, or rigid.uniform(low, high)"
+                )
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -2,25 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from math import pi
 from typing import ClassVar, Self
 
-import numpy as np
-
 from .._checks.arguments import brief, finite_float, one_of
 from .criterion import Condition, Criterion
+from .orbit_axes import DIRECTIONS, extreme_axis, require_orbit
 from .scene import Scene
 from .start import Start, body_axis
 
 VECTORS = {"omega": "omega", "L": "momentum"}
 FRAMES = ("space", "body")
-DIRECTIONS: Mapping[str, str] = {
-    "radial": "the radial direction",
-    "along": "the direction along the orbit",
-    "normal": "the normal of the orbit",
-}
 
 
 def checked_angle(name: str, value: float) -> float:
@@ -403,27 +396,6 @@ def librates(axis: int | None = None) -> PointingWithin:
     'axis 1 within 1.5708 rad of the radial direction, or of its opposite'
     """
     return PointingWithin(0.5 * pi, axis, either=True)
-
-
-def require_orbit(name: str, scene: Scene) -> None:
-    """Raise ValueError if a scene has no orbit, whose frame a question is about."""
-    if scene.orbit is None:
-        raise ValueError(
-            f"{name}() measures in the frame of an orbit, which the scene does not have; give it "
-            "orbit=rigid.Orbit(rate)"
-        )
-
-
-def extreme_axis(scene: Scene, *, long: bool) -> int:
-    """The axis of the smallest moment of the body of a scene (the long one), or of the largest."""
-    moments = np.asarray(scene.body.moments).reshape(-1, 3)
-    extreme = moments.min(axis=1) if long else moments.max(axis=1)
-    share = moments / extreme[:, np.newaxis]
-    of_all = np.all(np.abs(share - 1.0) <= 1e-12, axis=0)
-    if not of_all.any():
-        which = "long axis" if long else "axis of the largest moment"
-        raise ValueError(f"axis: is needed, because the {which} of the bodies is not the same")
-    return int(np.argmax(of_all)) + 1
 
 
 def returns(angle: float, after: float) -> ReturnsNear:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-import math
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
+from math import cos, pi, sin, sqrt
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,21 @@ from numpy.typing import ArrayLike
 
 from .._checks.arguments import brief, finite_float, one_of, vector
 from .._checks.quantities import without_unit
+from .frame import turned
 from .leading import Floats, three
+from .orbit_axes import (
+    ANGLES,
+    DIRECTIONS,
+    Axes,
+    at_rest,
+    checked_axes,
+    extreme_axis,
+    require_orbit,
+    rest_axes,
+    unit_axis,
+)
+from .scene import Scene
+from .start import body_axis
 
 COMPONENTS = ("omega1", "omega2", "omega3", "gamma1", "gamma2", "gamma3")
 """Rates (rad/s) and the vertical in the body."""
@@ -25,11 +40,37 @@ MOMENTA = ("L1", "L2", "L3")
 SPEED = "speed"
 """The length of the rates (rad/s)."""
 
-QUANTITIES = (*COMPONENTS, *TILTS, *MOMENTA, SPEED)
+POINTING = "pointing"
+"""The angle of a body axis from a direction (rad)."""
+
+QUANTITIES = (*COMPONENTS, *TILTS, *MOMENTA, SPEED, POINTING, *ANGLES)
 """Names of the quantities that can cross a value."""
 
-UNITS = {"omega": "rad/s", "tilt": "rad", "L": "kg m²/s", SPEED: "rad/s"}
+UNITS = {
+    "omega": "rad/s",
+    "L": "kg m²/s",
+    SPEED: "rad/s",
+    **dict.fromkeys(("tilt", POINTING, *ANGLES), "rad"),
+}
 """Units of quantities that have one, by their names without the axis."""
+
+OPEN: Mapping[str, tuple[float, float, str]] = {
+    "tilt": (0.0, pi, "a tilt lies between 0 and pi"),
+    POINTING: (0.0, pi, "an angle between two directions lies between 0 and pi"),
+    "pitch": (-0.5 * pi, 0.5 * pi, "a pitch lies between -pi/2 and pi/2"),
+    SPEED: (0.0, float("inf"), "a speed is positive"),
+}
+"""The open intervals of values that quantities cross, with their rules."""
+
+LEVELS: Mapping[str, tuple[Callable[[float], float], Callable[[float], float]]] = {
+    "tilt": (lambda angle: -cos(angle), sin),
+    POINTING: (lambda angle: -cos(angle), sin),
+    "pitch": (sin, cos),
+    SPEED: (lambda speed: speed**2, lambda speed: 2.0 * speed),
+    "roll": (lambda angle: 0.0, lambda angle: 1.0),
+    "yaw": (lambda angle: 0.0, lambda angle: 1.0),
+}
+"""The smooth functions of quantities that are crossed in their place, and their derivatives."""
 
 PLANE = "plane"
 """The name of a quantity that is given by vectors."""
@@ -52,13 +93,20 @@ class Event:
     omega, gamma, momentum : tuple of float
         The quantity is ``omega·w + gamma·n + momentum·L`` for the rates ``w`` and the vertical
         ``n`` in the body and the angular momentum ``L`` in space; of a tilt it is minus its cosine.
-        All are zero of ``"speed"``, whose square is looked at.
+        All are zero of ``"speed"``, whose square is looked at, and of angles from a direction of
+        space or the orbit, of which sine or cosine is.
     value : float
         The value that the quantity crosses; zero if it turns.
     direction : int
         1 for rising crossings and least values, -1 for falling ones and largest values, 0 for both.
     turns : bool
         Whether the quantity turns: its rate crosses zero.
+    axis : int or None
+        The body axis of ``"pointing"``; None for the long axis, and of other quantities.
+    of : str or tuple of float or None
+        The direction of ``"pointing"``: a name, or a unit vector in space.
+    axes : (int, int) or None
+        The body axes of roll, pitch and yaw at rest; None for those of the body.
     """
 
     name: str
@@ -68,6 +116,9 @@ class Event:
     value: float
     direction: int
     turns: bool
+    axis: int | None = None
+    of: str | tuple[float, float, float] | None = None
+    axes: Axes | None = None
 
     def words(self) -> str:
         """The event in words.
@@ -86,6 +137,10 @@ class Event:
         if name == PLANE:
             parts = (("omega", self.omega), ("gamma", self.gamma), ("L", self.momentum))
             name = " + ".join(f"{vector}·{of}" for of, vector in parts if any(vector))
+        if name == POINTING:
+            axis = "long axis" if self.axis is None else f"axis {self.axis}"
+            of = DIRECTIONS[self.of] if isinstance(self.of, str) else self.of
+            name = f"angle of {axis} from {of}"
         if self.turns:
             return f"{name} {_TURNS[self.direction]}"
         return f"{name} = {self.value:g}, {WORDS[self.direction]}"
@@ -97,17 +152,52 @@ class Event:
 
     @property
     def level(self) -> float:
-        """The value of the function, which is linear in the state, or the square of the speed."""
-        if self.turns or self.name not in (*TILTS, SPEED):
-            return self.value
-        return self.value**2 if self.name == SPEED else -math.cos(self.value)
+        """The value of the smooth function that crosses it when the quantity crosses its value."""
+        levels = None if self.turns else LEVELS.get(self.name.rstrip("123"))
+        return self.value if levels is None else levels[0](self.value)
 
     @property
     def slope_scale(self) -> float:
         """Ratio of two slopes: of this function, and of the quantity."""
-        if self.turns or self.name not in (*TILTS, SPEED):
-            return 1.0
-        return 2.0 * self.value if self.name == SPEED else math.sin(self.value)
+        levels = None if self.turns else LEVELS.get(self.name.rstrip("123"))
+        return 1.0 if levels is None else levels[1](self.value)
+
+    def pointing(self, scene: Scene, frame: Floats | None) -> list[float]:
+        """Two pairs of a body axis and a direction, and whether the directions are of the orbit.
+
+        The function is the product of the first axis and direction. Of roll and yaw it is, times a
+        positive number, the sine of the angle less its value; the product of the second pair is the
+        cosine, and positive. Body axes are principal axes, in a frame those of the drawing. Zeros
+        of other quantities.
+
+        Raises
+        ------
+        ValueError
+            If the scene has no orbit, or its bodies do not tell the axes.
+        """
+        none: Floats = np.zeros(3)
+        pairs, in_orbit = [none] * 4, True
+        if self.name not in (POINTING, *ANGLES):
+            return [0.0] * 13
+        if self.name == POINTING:
+            axis = extreme_axis(scene, long=True) if self.axis is None else self.axis
+            in_orbit = isinstance(self.of, str)
+            of = np.eye(3)[[*DIRECTIONS].index(self.of)] if isinstance(self.of, str) else self.of
+            pairs[:2] = -unit_axis(axis), np.asarray(of)
+        else:
+            roll, pitch, yaw = at_rest(rest_axes(scene) if self.axes is None else self.axes)
+            radial, along, normal = np.eye(3)
+            cosine, sine = cos(self.value), sin(self.value)
+            pairs = {
+                "roll": [cosine * pitch - sine * yaw, radial, sine * pitch + cosine * yaw, radial],
+                "pitch": [-roll, radial, none, none],
+                "yaw": [roll, cosine * normal - sine * along, roll, sine * normal + cosine * along],
+            }[self.name]
+        if in_orbit:
+            require_orbit("turns" if self.turns else "crosses", scene)
+        if frame is not None and (self.axis, self.axes) != (None, None):
+            pairs[::2] = (turned(frame.T, axis) for axis in pairs[::2])
+        return [*np.concatenate(pairs).tolist(), float(in_orbit)]
 
     def to_dict(self) -> dict[str, Any]:
         """All attributes as plain Python values.
@@ -138,8 +228,10 @@ class Event:
         >>> rigid.Event.from_dict(event.to_dict()) == event
         True
         """
-        vectors = {name: three(entries[name]) for name in ("omega", "gamma", "momentum")}
-        return cls(**{**entries, **vectors})
+        own: dict[str, Any] = {
+            name: tuple(v) if isinstance(v, list) else v for name, v in entries.items()
+        }
+        return cls(**own)
 
 
 def crosses(
@@ -150,6 +242,9 @@ def crosses(
     omega: ArrayLike | None = None,
     gamma: ArrayLike | None = None,
     momentum: ArrayLike | None = None,
+    axis: int | None = None,
+    of: str | ArrayLike | None = None,
+    axes: Axes | None = None,
 ) -> Event:
     """The event that a quantity crosses a value, for :func:`simulate`.
 
@@ -159,7 +254,9 @@ def crosses(
         A rate ``"omega1"`` to ``"omega3"`` (rad/s); a component of the upward vertical in the body,
         ``"gamma1"`` to ``"gamma3"``; the angle of a body axis from the vertical, ``"tilt1"`` to
         ``"tilt3"`` (rad); a component of the angular momentum in space, ``"L1"`` to ``"L3"``
-        (kg m²/s); ``"speed"``, the length of the rates (rad/s).
+        (kg m²/s); ``"speed"``, the length of the rates (rad/s); ``"pointing"``, the angle of a
+        body axis from a direction (rad); ``"roll"``, ``"pitch"`` or ``"yaw"`` of a body on an
+        orbit (rad), as :func:`rigid.free.roll_pitch_yaw` has them.
     value : float
         The value of the quantity.
     direction : {0, 1, -1}
@@ -167,6 +264,14 @@ def crosses(
     omega, gamma, momentum : array_like, shape (3,), optional
         Instead of a name: the quantity ``omega·w + gamma·n + momentum·L`` for the rates ``w`` and
         the vertical ``n`` in the body and the angular momentum ``L`` in space.
+    axis : {1, 2, 3, -1, -2, -3}, optional
+        The body axis of ``"pointing"``; negative for its opposite direction. By default the long
+        axis, about which the moment is smallest, if it is the same of all bodies.
+    of : {"radial", "along", "normal"} or array_like, shape (3,), optional
+        The direction of ``"pointing"``: of the orbit, as in :func:`pointing_within`, by default
+        away from the planet; or a vector in space.
+    axes : (int, int), optional
+        The body axes of roll, pitch and yaw, as in :func:`rigid.free.roll_pitch_yaw`.
 
     Returns
     -------
@@ -176,8 +281,9 @@ def crosses(
     ------
     ValueError
         Naming the argument, its value and the rule: an unknown name, a name beside vectors, neither
-        of them, vectors that are all zero, another direction, a value that the vertical, a tilt or
-        a speed never crosses.
+        of them, vectors that are all zero, another direction, a value that the quantity never
+        crosses, an argument of another quantity. A run refuses directions and angles of an orbit
+        that its scene does not have.
 
     Examples
     --------
@@ -190,15 +296,26 @@ def crosses(
     ... )
     >>> run.events[0].t.round(3).tolist()
     [10.917]
+
+    When does a moon that turned too slowly lead the line to its planet by 0.3 rad?
+
+    >>> moon = rigid.FreeBody(rigid.Body((1.0, 2.0, 2.5)), orbit=rigid.Orbit(1.0))
+    >>> run = rigid.simulate(
+    ...     moon, [0.0, 0.0, 0.4], t=[0.0, 5.0], events=[rigid.crosses("pitch", 0.3)]
+    ... )
+    >>> run.events[0].t.round(3).tolist()
+    [3.658]
     """
-    made = _quantity(name, omega, gamma, momentum)
-    value = finite_float("value", value, unit=UNITS.get(made["name"].rstrip("123"), "1"))
-    if name == SPEED:
-        if value <= 0.0:
-            raise ValueError(f"value = {value}: never crossed; a speed is positive")
-    elif name in TILTS:
-        if not 0.0 < value < math.pi:
-            raise ValueError(f"value = {value}: never crossed; a tilt lies between 0 and pi")
+    made = _quantity(name, omega, gamma, momentum, axis, of, axes)
+    kind = made["name"].rstrip("123")
+    value = finite_float("value", value, unit=UNITS.get(kind, "1"))
+    if kind in OPEN:
+        low, high, rule = OPEN[kind]
+        if not low < value < high:
+            raise ValueError(f"value = {value}: never crossed; {rule}")
+    elif kind in ANGLES:
+        if abs(value) > pi:
+            raise ValueError(f"value = {value}: never crossed; a {kind} lies between -pi and pi")
     elif not any(made["omega"]) and not any(made["momentum"]):
         check_reached(value, np.asarray(made["gamma"]), touching=False)
     return Event(**made, value=value, direction=checked_direction(direction), turns=False)
@@ -211,6 +328,9 @@ def turns(
     omega: ArrayLike | None = None,
     gamma: ArrayLike | None = None,
     momentum: ArrayLike | None = None,
+    axis: int | None = None,
+    of: str | ArrayLike | None = None,
+    axes: Axes | None = None,
 ) -> Event:
     """The event that a quantity has a maximum or a minimum, for :func:`simulate`.
 
@@ -221,6 +341,8 @@ def turns(
     direction : {0, 1, -1}
         Both, least values (the rate rises through zero), or largest values.
     omega, gamma, momentum : array_like, shape (3,), optional
+        As in :func:`crosses`.
+    axis, of, axes : optional
         As in :func:`crosses`.
 
     Returns
@@ -246,7 +368,7 @@ def turns(
     [0.65, 0.5, 0.65]
     """
     return Event(
-        **_quantity(name, omega, gamma, momentum),
+        **_quantity(name, omega, gamma, momentum, axis, of, axes),
         value=0.0,
         direction=checked_direction(direction),
         turns=True,
@@ -258,8 +380,11 @@ def _quantity(
     omega: ArrayLike | None,
     gamma: ArrayLike | None,
     momentum: ArrayLike | None,
+    axis: int | None,
+    of: str | ArrayLike | None,
+    axes: Axes | None,
 ) -> dict[str, Any]:
-    """Name and vectors of a quantity."""
+    """Name, vectors and axes of a quantity."""
     given = {"omega": omega, "gamma": gamma, "momentum": momentum}
     rows = {
         key: np.zeros(3) if factors is None else vector(key, without_unit(key, factors, "1"), 3)
@@ -268,18 +393,37 @@ def _quantity(
     if all(value is None for value in given.values()):
         if name is None:
             raise ValueError("name: give the name of a quantity, or the vectors of one")
-        if one_of("name", name, QUANTITIES) != SPEED:
-            kind, axis = name[:-1], int(name[-1]) - 1
+        if one_of("name", name, QUANTITIES) in (*COMPONENTS, *TILTS, *MOMENTA):
+            kind, place = name[:-1], int(name[-1]) - 1
             key = {"omega": "omega", "L": "momentum"}.get(kind, "gamma")
-            rows[key][axis] = -1.0 if kind == "tilt" else 1.0
+            rows[key][place] = -1.0 if kind == "tilt" else 1.0
     elif name is not None:
         raise ValueError(f"name = {brief(name)}: leave the name out beside omega, gamma, momentum")
     elif not any(row.any() for row in rows.values()):
         raise ValueError("omega, gamma, momentum: all are zero, so they are no quantity")
+    owners = {"axis": (axis, (POINTING,)), "of": (of, (POINTING,)), "axes": (axes, ANGLES)}
+    for key, (argument, known) in owners.items():
+        if argument is not None and name not in known:
+            raise ValueError(f"{key} = {brief(argument)}: belongs to {' or '.join(known)}")
     return {
         "name": PLANE if name is None else name,
         **{key: three(row) for key, row in rows.items()},
+        "axis": None if axis is None else body_axis(axis, signed=True),
+        "of": _direction("radial" if of is None else of) if name == POINTING else None,
+        "axes": None if axes is None else checked_axes(axes),
     }
+
+
+def _direction(of: str | ArrayLike) -> str | tuple[float, float, float]:
+    """A direction of the orbit, or the unit vector of one of space."""
+    if isinstance(of, str):
+        return one_of("of", of, DIRECTIONS)
+    given = vector("of", without_unit("of", of, "1"), 3)
+    largest = np.abs(given).max()
+    if largest == 0.0:
+        raise ValueError("of: is zero, so it is no direction")
+    x, y, z = given / largest
+    return three(given / largest / sqrt(x * x + y * y + z * z))
 
 
 def checked_events(events: object, until: object) -> tuple[tuple[Event, ...], tuple[bool, ...]]:

@@ -7,8 +7,9 @@ from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 from .._checks.arguments import brief, one_of
-from .bounds import PointingWithin, extreme_axis, require_orbit
+from .bounds import PointingWithin
 from .criteria import REFERENCES, no_flip, tilt_below
+from .orbit_axes import extreme_axis, require_orbit
 from .scene import Scene
 from .start import Start, body_axis
 

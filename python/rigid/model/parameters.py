@@ -18,7 +18,7 @@ from .. import _core
 from .._moments import box_moments
 from .body import Body
 from .forces import FORCES, EnergySink, TopForces
-from .orbit import HYPERBOLA, Orbit
+from .orbit import HYPERBOLA, MOST_ECCENTRIC, Orbit
 from .scene import Scene
 from .start import Noise, Start, cos_sin
 from .torque import Torque
@@ -49,6 +49,8 @@ class Parameter:
         Range of the values.
     open_end : bool
         Whether the bound ``lowest`` is excluded.
+    gap : tuple of float, or None
+        Ends of an open interval inside the range that has no values.
     """
 
     symbol: str
@@ -61,10 +63,14 @@ class Parameter:
     lowest: float = -np.inf
     highest: float = np.inf
     open_end: bool = False
+    gap: tuple[float, float] | None = None
 
     @property
     def rule(self) -> str:
         """The rule for the values."""
+        if self.gap is not None:
+            below, above = self.gap
+            return f"must lie in [{self.lowest:.6g}, {below:g}] or [{above:g}, {self.highest:.6g}]"
         if self.highest < np.inf:
             return f"must lie in [{self.lowest:.6g}, {self.highest:.6g}]"
         if self.lowest > 0.0:
@@ -75,6 +81,8 @@ class Parameter:
         """Which values are out of range."""
         low = values <= self.lowest if self.open_end else values < self.lowest
         rejected: NDArray[np.bool_] = low | (values > self.highest)
+        if self.gap is not None:
+            rejected |= (values > self.gap[0]) & (values < self.gap[1])
         return rejected
 
     def why_not(self, scene: Scene, start: Start) -> str:
@@ -484,6 +492,7 @@ PARAMETERS: Mapping[str, Parameter] = {
         (1,),
         lowest=0.0,
         highest=HYPERBOLA[1],
+        gap=(MOST_ECCENTRIC, HYPERBOLA[0]),
     ),
     "anomaly": Parameter("$M_0$", "rad", "mean anomaly of the orbit at t = 0", "orbit", (2,)),
     "spin": Parameter("spin", "rad/s", "rate about the axis of the start", "spin"),

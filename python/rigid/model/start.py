@@ -40,15 +40,22 @@ class Noise:
         attitude. The size is 1 then.
     relative : bool
         Whether the size is a share of the nominal value, for the parameters of bodies.
+    high : float or None
+        The largest value of a uniform distribution from ``size`` to ``high``, for the parameters of
+        bodies; None of deviations about the nominal value.
     """
 
     kind: str
     size: float | tuple[float, float, float] = 1.0
     cov: tuple[tuple[float, ...], ...] | None = None
     relative: bool = False
+    high: float | None = None
 
     def __post_init__(self) -> None:
         one_of("kind", self.kind, NOISE_KINDS)
+        if self.high is not None:
+            self._check_ends()
+            return
         object.__setattr__(self, "size", _size(self.size))
         if self.is_direction and isinstance(self.size, tuple):
             raise ValueError("kappa: expected a single concentration, got 3 numbers")
@@ -57,6 +64,19 @@ class Noise:
                 raise ValueError("cov: belongs to normal noise without a size; use normal(cov=...)")
             object.__setattr__(self, "cov", _covariance(self.cov))
             self.factor()
+
+    def _check_ends(self) -> None:
+        """Check the two ends of a range of values."""
+        low, high = finite_float("size", self.size), finite_float("high", self.high)
+        if self.kind != "uniform" or self.cov is not None or self.relative:
+            raise ValueError(
+                f"high = {high:g}: belongs to rigid.uniform(low, high), whose values do not depend "
+                "on a nominal one"
+            )
+        if not low < high:
+            raise ValueError(f"high = {high:g}: must be above the low end, {low:g}")
+        object.__setattr__(self, "size", low)
+        object.__setattr__(self, "high", high)
 
     @property
     def is_plain_normal(self) -> bool:
@@ -85,7 +105,8 @@ class Noise:
         if self.cov is not None:
             return {"kind": self.kind, "cov": [list(row) for row in self.cov]}
         relative = {"relative": True} if self.relative else {}
-        return {"kind": self.kind, "size": size, **relative}
+        ends = {} if self.high is None else {"high": self.high}
+        return {"kind": self.kind, "size": size, **relative, **ends}
 
     def describe(self, *, varied: bool = False) -> str:
         """The noise in words; ``varied`` if an axis of a map sets its size."""
@@ -95,6 +116,8 @@ class Noise:
             return f"{self.kind}(varied)"
         if self.cov is not None:
             return f"{self.kind}(cov {len(self.cov)} x {len(self.cov)})"
+        if self.high is not None:
+            return f"{self.kind}({self.size:g}, {self.high:g})"
         sizes = self.size if isinstance(self.size, tuple) else (self.size,)
         relative = ", relative" if self.relative else ""
         return f"{self.kind}({', '.join(f'{size:g}' for size in sizes)}{relative})"
@@ -209,16 +232,19 @@ def normal(
     return Noise("normal", size, relative=relative)  # type: ignore[arg-type]
 
 
-def uniform(size: float | ArrayLike, *, relative: bool = False) -> Noise:
+def uniform(size: float | ArrayLike, high: float | None = None, *, relative: bool = False) -> Noise:
     """Independent uniform perturbations ``size * U(-1, 1)`` of each body component.
 
-    The size is as in :func:`normal`.
+    The size is as in :func:`normal`. With two numbers: values of a parameter from the first to the
+    second, whatever its nominal value, for ``vary=`` of :func:`stability_map`.
 
     Parameters
     ----------
     size : float or array_like, shape (3,)
         Largest deviation: rad/s for rates; rad for an attitude, where the deviates are the
-        components of a rotation vector applied on the body side.
+        components of a rotation vector applied on the body side. With ``high`` the least value.
+    high : float, optional
+        The largest value.
     relative : bool
         The size is a share of the nominal value: for ``vary=`` of :func:`stability_map`.
 
@@ -229,15 +255,18 @@ def uniform(size: float | ArrayLike, *, relative: bool = False) -> Noise:
     Raises
     ------
     ValueError
-        If a size is negative or not finite.
+        If a size is negative or not finite; if ``high`` is not above the least value, or is given
+        with ``relative``.
 
     Examples
     --------
     >>> import rigid
     >>> rigid.Start(spin=1.0, noise=rigid.uniform([0.1, 0.0, 0.1])).noise.size
     (0.1, 0.0, 0.1)
+    >>> rigid.uniform(0.01, 0.1).describe()
+    'uniform(0.01, 0.1)'
     """
-    return Noise("uniform", size, relative=relative)  # type: ignore[arg-type]
+    return Noise("uniform", size, relative=relative, high=high)  # type: ignore[arg-type]
 
 
 @dataclass(frozen=True, slots=True)
@@ -570,10 +599,10 @@ class Start:
                 raise TypeError(
                     f"{name} = {brief(noise)}: must be a Noise such as rigid.normal(1e-3)"
                 )
-            if isinstance(noise, Noise) and noise.relative:
+            if isinstance(noise, Noise) and (noise.relative or noise.high is not None):
+                what = "a relative size" if noise.relative else "a range of values"
                 raise ValueError(
-                    f"{name} = {noise.describe()}: a start has absolute noise; a relative size is "
-                    "for vary="
+                    f"{name} = {noise.describe()}: a start has absolute noise; {what} is for vary="
                 )
         if isinstance(self.noise, Noise) and self.noise.kind == "uniform_attitude":
             raise ValueError(

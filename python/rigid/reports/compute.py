@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from .. import _core
 from .._checks.arguments import finite_float
-from .._checks.progress import Interrupted, ProgressOption, reporting
+from .._checks.progress import PERCENT, Interrupted, ProgressOption, reporting
 from ..model.scene import Scene
 from ..model.seed import seed_from
 from ..solve.methods import EXACT, run_methods
@@ -211,10 +211,7 @@ def run_report(
     horizons: list[Horizon] = []
     complete = False
 
-    def failures() -> int:
-        return 0 if spec.revolutions else sum(one.failures for one in sweeps)
-
-    with hundredths(progress, begun, failures) as told:
+    with hundredths(progress, begun, len(refused)) as told:
         swept = 1.0
 
         def tell() -> None:
@@ -261,18 +258,22 @@ def run_report(
 
 @contextmanager
 def hundredths(
-    progress: ProgressOption, begun: float, failures: Callable[[], int]
+    progress: ProgressOption, begun: float, refused: int
 ) -> Iterator[Callable[[float], None]]:
     """The function to call with the completed share of the work; the share never decreases."""
     done = 0
-    with reporting(progress, 100, unit="%", begun=begun) as tell:
+
+    def words(count: int) -> str:
+        return f"{count} methods do not apply" if count > 1 else "1 method does not apply"
+
+    with reporting(progress, 100, unit=PERCENT, begun=begun, failed=words) as tell:
 
         def told(share: float) -> None:
             nonlocal done
             hundredths = min(100, int(100.0 * share))
             if hundredths > done:
                 done = hundredths
-                tell(done, failures())
+                tell(done, refused)
 
         yield told
 

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from .. import _core
 from .._checks.arguments import one_of
 from .._checks.progress import ProgressOption, reporting
-from .._checks.shown import aligned
+from .._checks.shown import aligned, wrapped
 from ..drawing.figure import html_text
 from ..solve.bodies import bodies_of
 from ..solve.methods import EXACT, known_method, run_methods
@@ -96,17 +96,18 @@ class Extremes:
 
     def __str__(self) -> str:
         """A table: a row for each case with the classes of its results, and the counts below."""
-        rows: list[tuple[str, ...]] = [
-            ("case", "right", "worst error", "flagged", "refused or status", UNDETECTED_ERROR, "s")
-        ]
+        rows: list[tuple[str, ...]] = [("case", "right", "worst error", "s", "other runs")]
         family = ""
         for case in dict.fromkeys(id(cell.case) for cell in self.cells):
             mine = [cell for cell in self.cells if id(cell.case) == case]
             if mine[0].case.family != family:
                 family = mine[0].case.family
-                rows.append((family, *[""] * 6))
+                rows.append((family, *[""] * 4))
             rows.append(_row(mine))
-        return "\n".join([*aligned(rows, right=range(1, 7)), "", self.conclusion()])
+        lines = aligned(rows, right=range(1, 4))
+        last = lines[0].index(rows[0][-1])
+        table = [wrapped(line, indent=last) for line in lines]
+        return "\n".join([*table, "", wrapped(self.conclusion(), indent=2)])
 
     def conclusion(self) -> str:
         """The last line: how many undetected errors there are, and what the other runs say."""
@@ -121,15 +122,13 @@ class Extremes:
 def _row(cells: list[Cell]) -> tuple[str, ...]:
     verdicts = [cell.verdict for cell in cells]
     right = [cell.error for cell in cells if cell.verdict == "right"]
-    others = [v for v in verdicts if v not in ("right", "flagged", UNDETECTED_ERROR)]
+    others = sorted(v for v in verdicts if v != "right")
     return (
         f"  {cells[0].case.name}",
         str(len(right)),
         f"{max(right):.0e}" if right else "",
-        str(verdicts.count("flagged") or ""),
-        ", ".join(f"{others.count(v)} {v}" for v in dict.fromkeys(others)),
-        str(verdicts.count(UNDETECTED_ERROR) or ""),
         f"{sum(cell.seconds for cell in cells):.1f}",
+        ", ".join(f"{others.count(v)} {v}" for v in dict.fromkeys(others)),
     )
 
 

@@ -80,11 +80,6 @@ class Sweep:
     runs: dict[int, list[Measured]] = field(default_factory=dict)
     ended: str | None = None
 
-    @property
-    def failures(self) -> int:
-        """Runs in which half of the bodies did not arrive."""
-        return sum(not math.isfinite(run.error) for run, *_ in self.runs.values())
-
     def next_steps(self, horizon: Horizon) -> tuple[int, float | None] | None:
         """The steps of the next run; None if a further run would show nothing new.
 

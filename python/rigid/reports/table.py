@@ -4,18 +4,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from textwrap import wrap
 
 import numpy as np
 
-from .._checks.shown import aligned
+from .._checks.shown import LABEL, aligned, labelled, wrapped
 from ..model.scene import Scene
 from ..solve.methods import EXACT, methods
 from ..solve.plan import carried, left_out, not_left_out
-from .data import REPEATS, ReportData, Row
+from .data import AT_UNCERTAINTY, REFERENCE, REPEATS, ReportData, Row
 
-NAMES = 60
-"""Characters of a line of other names."""
+SIDE_BY_SIDE = 4
+"""Most columns of times in a table."""
 
 ERRORS = {"energy": "energy_drift", "momentum": "momentum_drift", "phase": "phase"}
 """The errors that are shown over revolutions, and their names in rows."""
@@ -26,10 +25,10 @@ def report_text(report: ReportData) -> str:
 
     Over revolutions the errors of each method in equal time, and the Pareto fronts.
     """
-    parts = [_head(report), _costs(report), _front(report)]
+    parts = [_head(report), *_costs(report), _same(report), _front(report)]
     if report.spec.revolutions:
         parts = [_long_head(report), *_growth(report)]
-    return "\n\n".join("\n".join(lines) for lines in parts)
+    return "\n\n".join("\n".join(lines) for lines in parts if lines)
 
 
 def _head(report: ReportData) -> list[str]:
@@ -42,7 +41,10 @@ def _head(report: ReportData) -> list[str]:
             f"{reference.method}, {how}; may be off by {reference.uncertainty:.1e}, "
             f"worst {reference.worst:.1e}"
         ),
-        "error": "median of the bodies: of the rates, relative, or of the attitude, rad",
+        "error": (
+            "median of the bodies: of the rates, relative, or of the attitude, rad; "
+            "< below the uncertainty of the reference"
+        ),
         "time": (
             f"processor time, ns per body and {spec.unit} of motion; "
             f"median of {report.rounds}{too_few}"
@@ -65,8 +67,11 @@ def _heading(report: ReportData, what: str, untitled: str, lines: Mapping[str, s
     ]
     if not report.complete:
         told.append(("stopped", f"before its end: the {what.split()[-1]} is partial"))
-    told += [("not for", f"{name}: {_brief(name, why)}") for name, why in report.refused.items()]
-    return [f"{name:<12}{text}" for name, text in told]
+    refused: dict[str, list[str]] = {}
+    for name, reason in report.refused.items():
+        refused.setdefault(_brief(name, reason), []).append(name)
+    told += [("not for", f"{', '.join(names)}: {reason}") for reason, names in refused.items()]
+    return wrapped(labelled(told)).splitlines()
 
 
 def _carried(scene: Scene) -> list[tuple[str, str]]:
@@ -81,18 +86,23 @@ def _carried(scene: Scene) -> list[tuple[str, str]]:
     ]
 
 
-def _costs(report: ReportData) -> list[str]:
-    """For each method its order, the time for each error, and its other names.
+def _costs(report: ReportData) -> list[list[str]]:
+    """For each method its order and the time for each error, a few errors in each table.
 
     The cheapest method, and the cheapest one without the closed form, have stars, and so do methods
     whose costs are not distinct.
     """
     wanted = report.spec.errors
+    groups = range(0, len(wanted), SIDE_BY_SIDE)
+    return [_times(report, wanted[first : first + SIDE_BY_SIDE]) for first in groups]
+
+
+def _times(report: ReportData, wanted: Sequence[float]) -> list[str]:
     orders = {method.name: method.order for method in methods()}
     # The numbers below are times: `ns/s at 1e-06` is the time that an error of 1e-6 needs.
     table = [
-        ["* cheapest", "order", "measured", *(f"ns/{report.spec.unit} at " for _ in wanted), ""],
-        ["", "", "order", *(f"{error:.0e} " for error in wanted), ""],
+        ["* cheapest", "order", "measured", *(f"ns/{report.spec.unit} at " for _ in wanted)],
+        ["", "", "order", *(f"{error:.0e} " for error in wanted)],
     ]
     winners = [{*report.cheapest(error), *report.cheapest(error, schemes=True)} for error in wanted]
     for method in report.methods:
@@ -102,19 +112,23 @@ def _costs(report: ReportData) -> list[str]:
             cost = report.cost(method, error)
             star = "*" if method in best else " "
             cells.append("- " if cost is None else f"{time_text(cost)}{star}")
-        names = wrap(", ".join(report.same.get(method, ())), NAMES) or [""]
-        table.append([*cells, f"= {names[0]}" if names[0] else ""])
-        table += [[*("" for _ in cells), f"  {more}"] for more in names[1:]]
+        table.append(cells)
     return _aligned(table)
+
+
+def _same(report: ReportData) -> list[str]:
+    """The other names of the methods in the tables."""
+    if not report.same:
+        return []
+    lines = labelled((method, f"= {', '.join(names)}") for method, names in report.same.items())
+    head = "Methods with bit-identical results share a row:"
+    return [head, *wrapped(lines, indent=LABEL + 2).splitlines()]
 
 
 def _front(report: ReportData) -> list[str]:
     time = f"ns/{report.spec.unit}"
-    head = ["front", "steps", "rad/step", "time", "±", "total", "error", "worst", "energy"]
-    table = [
-        [*head, "momentum", ""],
-        ["", "", "", time, time, "ns", "rad", "rad", "relative", "relative", ""],
-    ]
+    head = ["front", "steps", "rad/step", "time", "±", "error", "worst", "energy", "momentum"]
+    table = [head, ["", "", "", time, "", "rad", "rad", "rel.", "rel."]]
     closed = [row for row in report.front() if row.method == EXACT]
     for row in [*closed, *report.front(schemes=True)]:
         table.append(
@@ -124,12 +138,10 @@ def _front(report: ReportData) -> list[str]:
                 "-" if row.angle is None else f"{row.angle:.2g}",
                 time_text(row.nanoseconds),
                 "-" if row.spread is None else time_text(row.spread, 1),
-                time_text(row.total),
-                f"{row.error:.1e}",
+                f"{'<' if row.mark in (REFERENCE, AT_UNCERTAINTY) else ''}{row.error:.1e}",
                 f"{row.worst:.1e}",
                 f"{row.energy_drift:.0e}",
                 f"{row.momentum_drift:.0e}",
-                row.mark,
             ]
         )
     return _aligned(table)
@@ -153,10 +165,10 @@ def _brief(method: str, why: str) -> str:
 
 
 def _aligned(table: Sequence[Sequence[str]]) -> list[str]:
-    """Columns side by side: names to the left, numbers to the right; marks have no heading."""
+    """Columns side by side: names to the left, numbers to the right."""
     first, *rest = table
     wide = [first[0].ljust(10), *first[1:]]
-    return aligned([wide, *rest], right=range(1, len(first) - (not first[-1])))
+    return aligned([wide, *rest], right=range(1, len(first)))
 
 
 def known_errors(report: ReportData) -> list[str]:
@@ -222,25 +234,22 @@ def _growth(report: ReportData) -> list[list[str]]:
         return []
     errors = known_errors(report)
     counts = [in_short(count) for count in report.spec.revolutions]
-    head = ["method", "rad/step", "ns/rev"]
-    for name in errors:
-        head += [f"{name} {counts[0]}", *counts[1:]]
-    table = [[*head, ""]]
-    for row in report.at_common_time():
-        cells = _beginning(report, row)
-        for name in errors:
-            grown = [_error_text(report, one, name) for one in report.growth(row)]
-            cells += grown + ["-"] * (len(counts) - len(grown))
-        table.append([*cells, ""])
     most = time_text(report.spec.time_of(report.common_time))
-    tables = [[f"Each method with the shortest step of at most {most} ns:", *_aligned(table)]]
+    tables = [[f"Each method with the shortest step of at most {most} ns, after revolutions:"]]
+    for name in errors:
+        table = [[name, "rad/step", "ns/rev", *counts]]
+        for row in report.at_common_time():
+            grown = [_error_text(report, one, name) for one in report.growth(row)]
+            missing = ["-"] * (len(counts) - len(grown))
+            table.append([*_beginning(report, row), *grown, *missing])
+        tables.append(_aligned(table))
     over = in_short(report.horizon)
     for name in errors:
         front = report.front(ERRORS[name]) if name != "momentum" else ()
-        table = [["front", "rad/step", "ns/rev", *errors, ""]]
+        table = [["front", "rad/step", "ns/rev", *errors]]
         for row in front:
             cells = [_error_text(report, row, error) for error in errors]
-            table.append([*_beginning(report, row), *cells, ""])
+            table.append([*_beginning(report, row), *cells])
         if front:
             tables.append([f"The least {name} over {over} revolutions:", *_aligned(table)])
     return tables

@@ -187,6 +187,8 @@ def poincare(
         square=np.zeros((len(bodies), 1)),
         value=np.full((len(bodies), 1), surface.value),
         rotor=np.zeros((len(bodies), 3)),
+        pointing=np.zeros((1, 13)),
+        orbit=np.zeros((len(bodies), 9)),
         ends=np.full(len(bodies), end),
         count=most,
         method=chosen,

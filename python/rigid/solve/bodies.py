@@ -163,9 +163,7 @@ class Bodies:
             Instead of bounds: the rates that the steps of this method follow. Without torque and
             damping the bounds hold for all times and are these rates.
         """
-        spans = None
-        if self.forces is not None:
-            spans = np.ascontiguousarray(np.atleast_2d(np.transpose(span)))
+        spans = None if self.forces is None else _rows_of(span)
         key = None if spans is None else (spans.tobytes(), method)
         if key not in self._rates:
             rates = (
@@ -176,6 +174,22 @@ class Bodies:
             rates.flags.writeable = False
             self._rates[key] = rates
         return self._rates[key]
+
+    def planned_steps(self, method: str, span: Range, of: str) -> tuple[Floats, Floats]:
+        """The longest step of each body (s), and the time in which so long ones are as many.
+
+        The time differs from that of the run on an orbit over whose anomaly the steps are equal.
+
+        Parameters
+        ----------
+        method : str
+        span : tuple of float, or of ndarray of shape (n,)
+            First and last time (s).
+        of : {"states", "samples", "growth"}
+            What the run is for: states, the samples of a map, or the growth of their deviations.
+        """
+        step, time = _core.planned_steps(self, method, _rows_of(span), of).T
+        return step, time
 
     def longest_unseen(self, span: float | Floats) -> float | Floats:
         """The longest step (s) that looks at the torque of a function often enough in a run."""
@@ -362,3 +376,8 @@ def _inertia_of_one(
     for column in columns:
         column.flags.writeable = False
     return columns
+
+
+def _rows_of(span: Range) -> Floats:
+    """First and last time in rows: one for all bodies, or one for each."""
+    return np.ascontiguousarray(np.atleast_2d(np.transpose(span)), dtype=np.float64)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,10 +43,6 @@ from .planned import UNKNOWN, Reason, plan_of, why_unforeseen
 from .request import USUAL_ACCURACY, Problem
 from .surfaces import default_method
 
-if TYPE_CHECKING:
-    pass
-
-
 FIRST = 13.0
 """Angle (rad) of the first steps for an accuracy, ``FIRST * (accuracy / angle)**(1 / order)``.
 
@@ -80,7 +76,8 @@ def plan_states(problem: Problem) -> Plan:
     groups = [mine for _, mine in parts]
     chosen = plans[0]() if len(plans) == 1 else plan_of_parts(problem.scene, plans, groups)
     if chosen.method == EXACT and chosen.error is not None:
-        unforeseen = why_unforeseen(known, problem.times)
+        assert isinstance(problem.end, float)
+        unforeseen = why_unforeseen(known, problem.end)
         if unforeseen is not None:
             why = (*chosen.why, UNKNOWN.format(unforeseen))
             chosen = replace(chosen, error=None, why=why)

@@ -72,8 +72,8 @@ class Events(Points):
         1 where the quantity rises through the value, -1 where it falls, 0 where it touches it. Of
         :func:`turns` 1 where it is least and -1 where it is largest.
     slope : ndarray, shape (p,)
-        Rate of the quantity; of :func:`turns` its second derivative, of a tilt the rate of minus
-        its cosine.
+        Rate of the quantity; of :func:`turns` its second derivative. Of the turns of a tilt and of
+        pointing it is the second derivative of minus the cosine, of a pitch of the sine.
     grazing : ndarray of bool, shape (p,)
         Events at which the quantity turns so near the value, within 1e-12 of its scale or within
         the error of a closed form, that rounding may decide whether it crosses. They are kept
@@ -258,6 +258,8 @@ def find_events(
     """
     n = len(bodies)
     normals = np.array([[event.omega, event.gamma] for event in events])
+    pointing = np.array([event.pointing(scene, frame) for event in events])
+    orbit = np.zeros(9) if scene.orbit is None else scene.orbit.numbers
     if frame is not None:
         normals = turned(frame.T, normals)
     # Moments are counted in this unit.
@@ -273,6 +275,8 @@ def find_events(
         square=_of_each([event.square for event in events], n),
         value=_of_each([event.level for event in events], n),
         rotor=np.broadcast_to(np.ldexp(rotor, -exponents), (n, 3)),
+        pointing=pointing,
+        orbit=np.broadcast_to(in_rows(orbit, bodies.shape), (n, 9)),
         ends=np.broadcast_to(ends, (n,)).astype(np.float64),
         count=count,
         method=SERIES if method == EXACT else method,

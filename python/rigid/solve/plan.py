@@ -13,6 +13,7 @@ from collections.abc import Callable, Mapping, Sequence, Sized
 from dataclasses import dataclass
 from typing import Any, Generic, Self, TypeVar
 
+from .._checks.shown import labelled
 from ..drawing.figure import html_table
 from ..model.forces import FORCES, forces_in_words
 from ..model.scene import Scene
@@ -149,7 +150,7 @@ class Plan:
         return f"<Plan: {self.scene}; {self.method_words()}{error}>"
 
     def __str__(self) -> str:
-        return "\n".join(f"{name:<12}{text}" for name, text in self._lines())
+        return labelled(self._lines())
 
     def _repr_html_(self) -> str:
         return html_table(self._lines())
@@ -327,7 +328,8 @@ def not_left_out(done: tuple[str, ...], forces: tuple[str, ...]) -> tuple[str, .
     ]
     if not idle:
         return ()
-    return (f"one kernel has all further forces: {forces_in_words(idle)} are computed as zeros",)
+    zero = "is computed as zero" if len(idle) == 1 else "are computed as zeros"
+    return (f"one kernel has all further forces: {forces_in_words(idle)} {zero}",)
 
 
 def carried(

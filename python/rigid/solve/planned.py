@@ -9,7 +9,7 @@ from typing import TypeAlias
 import numpy as np
 
 from .. import _core
-from .arrays import Floats, Range, lengths
+from .arrays import Floats, lengths
 from .bodies import Bodies
 from .closed_form import Codes, names, question_words
 from .methods import EXACT
@@ -85,21 +85,22 @@ def _step_and_count(
     problem: Problem, method: str, steps: Floats | None, accuracy: float | None
 ) -> tuple[float | None, int | None]:
     """The shortest step (s) and the most steps, as far as they are known before a run."""
-    rates = problem.rates(method)
     if problem.tolerance is not None or (steps is None and accuracy is not None):
         return None, None
-    if problem.bodies is None or rates is None:
+    bodies = problem.bodies
+    if bodies is None or (problem.span is None and problem.scene.forces):
         return problem.step, None
+    own, time = bodies.planned_steps(method, problem.times, "states")
     if problem.step is not None:
-        steps = np.full(len(rates), problem.step)
-    elif steps is None:
-        steps = _core.default_steps(method, rates)
-    return shortest_and_most(steps, problem.span, problem.states)
+        own = np.full(len(bodies), problem.step)
+    elif steps is not None:
+        own = steps
+    return shortest_and_most(own, None if problem.span is None else time, problem.states)
 
 
 @np.errstate(all="ignore")
 def shortest_and_most(
-    steps: Floats, span: float | Floats | None, states: int = 1
+    steps: Floats, times: Floats | None, states: int = 1
 ) -> tuple[float | None, int | None]:
     """The shortest step (s), and about how many steps the body with the most of them takes.
 
@@ -107,15 +108,15 @@ def shortest_and_most(
     ----------
     steps : ndarray, shape (n,)
         The longest step of each body (s), infinite for a body at rest.
-    span : float, ndarray of shape (n,), or None
-        How much time is covered (s), None if it is not known.
+    times : ndarray, shape (n,), or None
+        In which steps of that length are as many as those of the run (s), None if not known.
     states : int
         Number of output times: each interval between them has a whole number of steps.
     """
     shortest = float(steps.min(initial=np.inf))
     most = np.inf
-    if span is not None:
-        each = np.ceil(span / steps + 0.5 * (states - 1))
+    if times is not None:
+        each = np.ceil(times / steps + 0.5 * (states - 1))
         most = float(np.maximum(each, max(states, 1)).max(initial=0.0))
     return shortest if shortest < np.inf else None, int(most) if most < 2.0**63 else None
 
@@ -134,26 +135,18 @@ def closed_form_error(rates: Floats | None, span: float | Floats | None) -> floa
 
 
 @np.errstate(all="ignore")
-def why_unforeseen(bodies: Bodies, times: Range) -> str | None:
-    """The reason why the error of closed forms is not known before the run; None if it is.
-
-    Parameters
-    ----------
-    bodies : Bodies
-    times : tuple of float, or of ndarray of shape (n,)
-        First and last time (s).
-    """
+def why_unforeseen(bodies: Bodies, end: float) -> str | None:
+    """Why the error of closed forms until a time (s) is not known before the run; None if it is."""
     if not np.count_nonzero(bodies.weight):
         return None
     tops = np.flatnonzero(np.broadcast_to(bodies.weight.any(axis=1), len(bodies)))
     if not len(tops):
         return None
     some = bodies.select(tops)
-    first, last = (np.broadcast_to(time, len(bodies))[tops] for time in times)
-    if np.any(some.fastest_rates(times) > SLOW * _fastest_above_rest(some)):
+    if np.any(some.fastest_rates((0.0, end)) > SLOW * _fastest_above_rest(some)):
         return "a body is nearly at rest, and its small rates are what the error is relative to"
     distance, exponent = some.separatrices()
-    growth = np.exp(exponent * np.maximum(-first, last))
+    growth = np.exp(exponent * end)
     if np.any(np.fmin(growth, 1.0 / distance) > MAGNIFIED):
         return "a body passes a saddle, which magnifies it"
     return None

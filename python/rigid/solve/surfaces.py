@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
+from ..model.orbit import Orbit
 from .arrays import Floats, lengths
 from .bodies import Bodies
 from .methods import FUNCTION, SERIES, TO_ROUNDING
@@ -47,7 +48,8 @@ def default_tolerance(forces: Collection[str]) -> float:
 class Search:
     """The points of some bodies on their surfaces.
 
-    A surface is ``normal·(omega, gamma) + momentum·L + square |omega|² = value``.
+    A surface is ``normal·(omega, gamma) + momentum·L + square |omega|² + cosine = value``, with the
+    cosine of a body axis from a direction.
 
     Attributes
     ----------
@@ -62,6 +64,10 @@ class Search:
     value : ndarray, shape (n, kinds)
     rotor : ndarray, shape (n, 3)
         Momentum of a rotor in each body, in the unit of moments of the bodies.
+    pointing : ndarray, shape (kinds, 13)
+        Of :meth:`Event.pointing`.
+    orbit : ndarray, shape (n, 9)
+        The numbers of the orbit of each body.
     ends : ndarray, shape (n,)
         Time at which the motion of each body ends (s).
     count : int or None
@@ -82,6 +88,8 @@ class Search:
     square: Floats
     value: Floats
     rotor: Floats
+    pointing: Floats
+    orbit: Floats
     ends: Floats
     count: int | None
     method: str
@@ -104,7 +112,35 @@ class Search:
             if check or self.closed
             else (np.full(len(body), np.nan), np.full(len(self.bodies), np.nan))
         )
+        found["slope"] = found["slope"] / self._shares(found, body)
         return found
+
+    def _shares(self, found: dict[str, NDArray[Any]], body: NDArray[np.intp]) -> Floats:
+        """What the slopes of roll and yaw are times, or the slope of their rates; one of others."""
+        share = np.ones(len(body))
+        at = np.flatnonzero(self.pointing[found["kind"], 6:12].any(axis=-1))
+        if len(at):
+            own = {name: found[name][at, np.newaxis] for name in ("t", "attitude", "kind")}
+            first, second = self._cosines(own["attitude"], own, self.orbit[body[at]])
+            turns = self._turns[found["kind"][at]]
+            share[at] = np.where(turns, first[:, 0] ** 2 + second[:, 0] ** 2, second[:, 0])
+        return share
+
+    def _cosines(
+        self, attitude: Floats, known: Mapping[str, Any], orbit: Floats
+    ) -> tuple[Floats, Floats]:
+        """The products of both pairs of an axis and a direction at attitudes at points, (n, m)."""
+        rows = self.pointing[known["kind"]]
+        pairs = np.moveaxis(rows[..., :12].reshape(*rows.shape[:-1], 2, 2, 3), (-3, -2), (0, 1))
+        in_orbit, space = rows[..., 12:] != 0.0, _space_axes(attitude)
+        frame = space
+        if in_orbit.any():
+            frame = Orbit.of_numbers(orbit).frame(known["t"])
+        first, second = (
+            _dot(_times(space, axis), np.where(in_orbit, _times(frame, direction), direction))
+            for axis, direction in pairs
+        )
+        return first, second
 
     def _points(self) -> dict[str, NDArray[Any]]:
         """The columns of the core for all bodies."""
@@ -112,6 +148,7 @@ class Search:
             self.bodies,
             method=self.method,
             kinds=list(self.kinds),
+            pointing=np.ascontiguousarray(self.pointing),
             normal=np.ascontiguousarray(self.normal.reshape(-1, 6)),
             momentum=np.ascontiguousarray(self.momentum.reshape(-1, 3)),
             square=np.ascontiguousarray(self.square.ravel()),
@@ -126,7 +163,7 @@ class Search:
 
     def _select(self, some: NDArray[np.intp]) -> Self:
         """The search of some bodies."""
-        names = ("normal", "momentum", "square", "value", "rotor", "ends")
+        names = ("normal", "momentum", "square", "value", "rotor", "orbit", "ends")
         own = {name: getattr(self, name)[some] for name in names}
         return replace(self, bodies=self.bodies.select(some), **own)
 
@@ -157,6 +194,7 @@ class Search:
             scale: Floats = size(of_omega, axis=-1) * rate + size(of_gamma, axis=-1)
             scale = scale + np.where(of_momentum > 0.0, of_momentum * momentum, 0.0)
             scale = scale + np.where(self.square != 0.0, np.abs(self.square) * rate**2, 0.0)
+            scale = scale + self.pointing.any(axis=-1)
             return np.where(self._turns, scale * rate, scale)
 
     def _errors(
@@ -198,7 +236,7 @@ class Search:
         """The largest value on the surface in a second run until each point, (p,)."""
         off = np.full(len(found["t"]), np.nan)
         first = np.concatenate([[0], np.cumsum(counts)])
-        uses_momentum = bool(self.momentum.any())
+        record = "attitude" if self.momentum.any() or self.pointing.any() else "axis"
         for some in _alike(counts):
             most = np.arange(counts[some].max())
             places = first[some, np.newaxis] + np.minimum(most, counts[some, np.newaxis] - 1)
@@ -207,12 +245,13 @@ class Search:
                 bodies=own.bodies,
                 times=found["t"][places],
                 method=self._other_method,
-                record="attitude" if uses_momentum else "axis",
+                record=record,
                 max_steps=self.max_steps,
                 threads=self.threads,
                 tolerance=max(1e-3 * self.tolerance, min(self.tolerance, TOLERANCE)),
             ).states(None, _core.ELSEWHERE if self.method == FUNCTION else 1.0)
-            known = {name: found[name][places] for name in ("omega", "gamma", "attitude", "kind")}
+            names = ("t", "omega", "gamma", "attitude", "kind")
+            known = {name: found[name][places] for name in names}
             values = own._values(states, known)
             # Errors grow along a motion; where two runs agree by chance, those before still count.
             off[places] = np.maximum.accumulate(np.abs(values), axis=1)
@@ -227,13 +266,15 @@ class Search:
         of_momentum = self.momentum[rows, kind]
         omega, gamma = states["omega"], states["gamma"]
         turning = self._turns[kind]
-        if states["attitude"] is None:  # no event of any body has the momentum
+        if states["attitude"] is None:  # no event of any body needs it
             along = np.zeros(kind.shape)
         else:
             axes = _space_axes(states["attitude"])
             gamma = axes[..., 2, :]
             momentum = self.bodies.moments[:, np.newaxis] * omega + self.rotor[:, np.newaxis]
             along = np.einsum("...j,...jk,...k->...", of_momentum, axes, momentum)
+        if self.pointing.any():
+            along += self._cosines(states["attitude"], known, self.orbit)[0]
         square = self.square[rows, kind]
         values: Floats = _dot(of_omega, omega) + _dot(of_gamma, gamma) + along
         values += square * _dot(omega, omega)
@@ -244,10 +285,15 @@ class Search:
         # on the torque, the distance of two states is taken instead.
         rate = _dot(of_gamma, np.cross(gamma, omega))
         unknown = of_omega.any(axis=-1) | of_momentum.any(axis=-1) | (square != 0.0)
+        unknown |= self.pointing[kind].any(axis=-1)
         if (turning & unknown).any():
             met = lengths(known["omega"]).max(axis=1)
             pair = [
-                {"omega": one["omega"], "gamma": turned, "attitude": None}
+                {
+                    "omega": one["omega"],
+                    "gamma": turned,
+                    "attitude": one["attitude"] if self.pointing.any() else None,
+                }
                 for one, turned in ((states, gamma), (known, known["gamma"]))
             ]
             apart = _core.distances(pair[0], pair[1], self._fastest(met))
@@ -258,6 +304,11 @@ class Search:
 def _dot(a: Floats, b: Floats) -> Floats:
     dot: Floats = np.einsum("...i,...i->...", a, b)
     return dot
+
+
+def _times(matrix: Floats, v: Floats) -> Floats:
+    product: Floats = np.einsum("...ij,...j->...i", matrix, v)
+    return product
 
 
 def _space_axes(attitude: Floats) -> Floats:

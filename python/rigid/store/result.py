@@ -515,8 +515,7 @@ class StabilityMap(MapData):
         A browser opens the page without a network. The page computes the motions from the exact
         starts, by a Taylor series of order 24; the outcomes come from the map. A chaotic motion may
         differ from the motion that the map has classified: :meth:`replay` gives this motion.
-        Motions under torques that act in space or change in time, and of satellites, are not in the
-        page.
+        Motions under the torque of a function are not in the page.
 
         Parameters
         ----------

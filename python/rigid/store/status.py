@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .._checks.shown import labelled
 from ..maps.data import CLASSES, MapData
 from ..maps.job import to_core
 from ..maps.plan import map_plan
@@ -99,7 +100,7 @@ class Status:
             build = f"rigid {writer.get('version')} {writer.get('commit') or ''}".strip()
             lines.append(("writer", f"{who}{what}, {build}, {writer.get('host')}; {_how(writer)}"))
         lines += [("damage", text) for text in self.damage]
-        return "\n".join(f"{name:<12}{text}" for name, text in lines)
+        return labelled(lines)
 
 
 _ENDS = {"waiting": "has done its part", "complete": "has done its part, the last one"}

@@ -17,11 +17,12 @@ from ..maps.data import MapData
 from ..maps.page import (
     MOST_SAMPLES,
     content_of_map,
+    content_of_numbers,
     content_of_outcomes,
     content_of_starts,
     drawn_edges,
 )
-from ..maps.samples import outcomes, starts
+from ..maps.samples import outcomes
 from ..maps.spec import MapSpec
 from .resume import carry_on, result_of
 from .running import Memory
@@ -52,7 +53,8 @@ def widget_of(whole: MapData, threads: int | None) -> MapWidget:
 
     def bodies(data: MapData, pixel: int) -> dict[str, Any]:
         seen = outcomes(data, bodies_shown, pixel, workers)
-        return content_of_starts(starts(data, bodies_shown, pixel)) | content_of_outcomes(seen)
+        held = content_of_starts(data, bodies_shown, pixel) | content_of_outcomes(seen)
+        return held | content_of_numbers(data, bodies_shown, pixel)
 
     return MapWidget(whole, content=content, finer=finer, bodies=bodies)
 

@@ -61,6 +61,24 @@ pub struct Surface {
     pub value: f64,
 }
 
+/// Cosines between body axes and directions, all of length one: the first is added to the left side of a surface. With a
+/// second one the two are, times a positive number, sine and cosine of an angle. The motion is on the surface only where
+/// the second is positive, and the rate is that of the angle, times the square of this number.
+#[derive(Clone, Copy, Debug)]
+pub struct Pointing {
+    /// The first body axis and direction, and the second; zeros if there is none.
+    pub pairs: [[[f64; 3]; 2]; 2],
+    /// Whether the directions have components radial, along and normal in the frame of the orbit; else in space.
+    pub in_orbit: bool,
+}
+
+impl Pointing {
+    /// Whether it is an angle with sine and cosine.
+    pub fn is_angle(&self) -> bool {
+        self.pairs[1][0] != [0.0; 3]
+    }
+}
+
 /// What the surfaces of all bodies that are of one kind share.
 #[derive(Clone, Copy, Debug)]
 pub struct SurfaceKind {
@@ -70,6 +88,8 @@ pub struct SurfaceKind {
     pub direction: i8,
     /// Whether its points are counted.
     pub counts: bool,
+    /// Where a body axis points, if that matters.
+    pub pointing: Option<Pointing>,
 }
 
 /// The section that is wanted.

@@ -1,8 +1,9 @@
 //! What is zero on the surfaces of one kind, inside the last step of each lane.
 
-use super::{NEAR, NOISE, Polynomial, Side, Surface, SurfaceKind, TERMS, Zero};
-use crate::forces::BodyForces;
+use super::{NEAR, NOISE, Pointing, Polynomial, Side, Surface, SurfaceKind, TERMS, Zero};
+use crate::forces::{BodyForces, Orbit, conic_sign};
 use crate::kernel::{AdaptiveSteps, Group, System};
+use crate::kinematics::cross;
 use crate::simd::{LANES, Row, set_lane};
 use crate::start::{Body, VERTICAL};
 
@@ -19,6 +20,8 @@ pub struct Watch {
     value: Row,
     /// Momentum of a rotor.
     rotor: [Row; 3],
+    /// The orbit of each lane.
+    orbit: [Orbit<f64>; LANES],
     /// Which components of the normals are not all zero.
     used: [bool; 6],
     /// Whether a surface depends on the angular momentum in space.
@@ -32,6 +35,8 @@ pub struct Watch {
     has_second_axis: bool,
     /// Whether the vertical follows from the quaternion.
     turns: bool,
+    /// Index of the variables of the orbit in the state.
+    orbit_at: Option<usize>,
     /// The order of products of two polynomials.
     order: usize,
     /// The sides of the surface at the end of the last step; `None` at the start.
@@ -46,6 +51,8 @@ pub struct Watch {
     end_slope: Row,
     /// The unit of time by which the rate is one, or one.
     unit: Row,
+    /// Of an angle, what must be positive on the surface: powers of the share of the step.
+    second: [Powers; LANES],
 }
 
 /// The powers of a number of the state of a lane.
@@ -78,12 +85,14 @@ impl Watch {
             square: Row::ZERO,
             value: Row::ZERO,
             rotor: [Row::ZERO; 3],
+            orbit: [Orbit([0.0; 9]); LANES],
             used,
             uses_momentum,
             uses_square,
             quaternion: system.quaternion_at,
             has_second_axis: system.vectors > 2,
             turns: system.turns,
+            orbit_at: system.own_at,
             order,
             side: [None; LANES],
             scale: Row::ZERO,
@@ -91,6 +100,7 @@ impl Watch {
             rest: Row::ZERO,
             end_slope: Row::ZERO,
             unit: Row([1.0; LANES]),
+            second: [[0.0; TERMS]; LANES],
         }
     }
 
@@ -101,6 +111,7 @@ impl Watch {
         set_lane(&mut self.normal, lane, &normal);
         set_lane(&mut self.momentum, lane, &momentum);
         set_lane(&mut self.rotor, lane, &rotor);
+        self.orbit[lane] = forces.further.orbit;
         self.square.0[lane] = square;
         self.value.0[lane] = value;
         self.side[lane] = None;
@@ -108,7 +119,8 @@ impl Watch {
         let largest = body.moments.iter().fold(0.0_f64, |a, &b| a.max(b));
         let of_momentum = length(&momentum) * (largest * rate + length(&rotor));
         let of_speed = square.abs() * rate * rate;
-        let scale = length(&normal[..3]) * rate + length(&normal[3..]) + of_momentum + of_speed;
+        let of_pointing = if self.kind.pointing.is_some() { 1.0 } else { 0.0 };
+        let scale = length(&normal[..3]) * rate + length(&normal[3..]) + of_momentum + of_speed + of_pointing;
         self.scale.0[lane] = if self.kind.of_rate { scale * rate } else { scale + value.abs() };
     }
 
@@ -131,12 +143,13 @@ impl Watch {
         }
         let of_momentum = self.uses_momentum.then(|| self.along_momentum(group, adaptive));
         let of_speed = self.uses_square.then(|| self.along_square(adaptive));
+        let of_pointing = self.kind.pointing.map(|pointing| self.along_directions(pointing, group, adaptive));
         let vertical = self.turns.then(|| self.vertical(adaptive));
         let mut scale = Row([1.0; LANES]);
         for k in 0..self.terms() {
             let of_state = k + usize::from(of_rate);
             let mut sum = of_momentum.as_ref().map_or([0.0; LANES], |powers| powers[of_state].0);
-            if let Some(powers) = &of_speed {
+            for powers in [&of_speed, &of_pointing].into_iter().flatten() {
                 for lane in 0..LANES {
                     sum[lane] += powers[of_state].0[lane];
                 }
@@ -183,30 +196,138 @@ impl Watch {
             if along == [0.0; 3] {
                 continue;
             }
-            let of = |d: usize| powers_of(adaptive, d, lane);
             let direction = match self.quaternion {
-                Some(at) => self.turned_back([0, 1, 2, 3].map(|k| of(at + k)), along),
+                Some(at) => self.turned_back([0, 1, 2, 3].map(|k| powers_of(adaptive, at + k, lane)), along),
                 None => {
-                    let (third, first) = ([3, 4, 5].map(of), [6, 7, 8].map(of));
-                    let second = match self.has_second_axis {
-                        true => [9, 10, 11].map(of),
-                        false => self.cross(&third, &first),
-                    };
-                    [0, 1, 2].map(|k| {
-                        let mut powers = [0.0; TERMS];
-                        for (axis, along) in [first, second, third].iter().zip(along) {
-                            (0..=self.order).for_each(|i| powers[i] += along * axis[k][i]);
-                        }
-                        powers
-                    })
+                    let axes = self.space_axes(adaptive, lane);
+                    [0, 1, 2].map(|k| self.sum(axes.map(|axis| axis[k]), along))
                 }
             };
             for k in 0..3 {
-                let mut momentum = of(k).map(|x| x * group.moments[k].0[lane]);
+                let mut momentum = powers_of(adaptive, k, lane).map(|x| x * group.moments[k].0[lane]);
                 momentum[0] += self.rotor[k].0[lane];
                 let product = self.product(&direction[k], &momentum);
                 (0..=self.order).for_each(|i| sum[i].0[lane] += product[i]);
             }
+        }
+        sum
+    }
+
+    /// The space axes in the body, of a state without a quaternion.
+    fn space_axes(&self, adaptive: &AdaptiveSteps, lane: usize) -> [[Powers; 3]; 3] {
+        let of = |d: usize| powers_of(adaptive, d, lane);
+        let (third, first) = ([3, 4, 5].map(of), [6, 7, 8].map(of));
+        let second = match self.has_second_axis {
+            true => [9, 10, 11].map(of),
+            false => self.cross(&third, &first),
+        };
+        [first, second, third]
+    }
+
+    /// A body axis in space.
+    fn in_space(&self, axis: [f64; 3], adaptive: &AdaptiveSteps, lane: usize) -> [Powers; 3] {
+        match self.quaternion {
+            // Turned back by the opposite rotation.
+            Some(at) => {
+                let [w, u @ ..] = [0, 1, 2, 3].map(|k| powers_of(adaptive, at + k, lane));
+                let [x, y, z] = u.map(|powers| powers.map(|x| -x));
+                self.turned_back([w, x, y, z], axis)
+            }
+            None => self.space_axes(adaptive, lane).map(|row| self.sum(row, axis)),
+        }
+    }
+
+    /// The direction from the planet along the semi-axes of the orbit, whose series is a quotient of series.
+    fn radial(&self, adaptive: &AdaptiveSteps, lane: usize) -> [Powers; 2] {
+        let (orbit, at) = (&self.orbit[lane], self.orbit_at.expect("an orbit has variables"));
+        let (e, first, second) =
+            (orbit.eccentricity(), powers_of(adaptive, at, lane), powers_of(adaptive, at + 1, lane));
+        let (mut radial, mut distance) = ([[0.0; TERMS]; 2], [0.0; TERMS]);
+        let sign = conic_sign(e);
+        for k in 0..=self.order {
+            let one = if k == 0 { 1.0 } else { 0.0 };
+            let [cos, sin] = orbit.cos_sin([first[k], second[k]]);
+            distance[k] = sign * (one - e * cos);
+            for (powers, place) in radial.iter_mut().zip([cos - e * one, sin]) {
+                let known = (1..=k).map(|j| distance[j] * powers[k - j]).sum::<f64>();
+                powers[k] = (place - known) / distance[0];
+            }
+        }
+        radial
+    }
+
+    /// A direction in space.
+    fn direction(&self, of: [f64; 3], in_orbit: bool, adaptive: &AdaptiveSteps, lane: usize) -> [Powers; 3] {
+        let mut direction = [[0.0; TERMS]; 3];
+        if !in_orbit {
+            (0..3).for_each(|k| direction[k][0] = of[k]);
+            return direction;
+        }
+        let (orbit, radial) = (&self.orbit[lane], self.radial(adaptive, lane));
+        let normal = orbit.normal().expect("there is an orbit");
+        for (powers, axis) in radial.iter().zip(orbit.semi_axes()) {
+            let along = cross(&normal, &axis);
+            for k in 0..3 {
+                let factor = of[0] * axis[k] + of[1] * along[k];
+                (0..=self.order).for_each(|i| direction[k][i] += factor * powers[i]);
+            }
+        }
+        (0..3).for_each(|k| direction[k][0] += of[2] * normal[k]);
+        direction
+    }
+
+    /// The powers of the first cosine of a pointing in the units of time of the step; of the rate of an angle the integral
+    /// of what is zero with this rate.
+    fn along_directions(
+        &mut self,
+        pointing: Pointing,
+        group: &Group,
+        adaptive: &AdaptiveSteps,
+    ) -> [Row; TERMS] {
+        let mut sum = [Row::ZERO; TERMS];
+        for lane in (0..LANES).filter(|&lane| group.step.0[lane] != 0.0) {
+            let cosine = |[axis, direction]: [[f64; 3]; 2]| {
+                let axis = self.in_space(axis, adaptive, lane);
+                let direction = self.direction(direction, pointing.in_orbit, adaptive, lane);
+                self.sum([0, 1, 2].map(|k| self.product(&axis[k], &direction[k])), [1.0; 3])
+            };
+            let mut first = cosine(pointing.pairs[0]);
+            if pointing.is_angle() {
+                let mut second = cosine(pointing.pairs[1]);
+                if self.kind.of_rate {
+                    let (rates, squares) = (self.turned_by(&first, &second), [&first, &second]);
+                    second = self.sum(squares.map(|x| self.product(x, x)), [1.0; 2]);
+                    first = rates;
+                }
+                let (share, mut scale) = (group.step.0[lane] / adaptive.unit.0[lane], 1.0);
+                for power in &mut second {
+                    *power *= scale;
+                    scale *= share;
+                }
+                self.second[lane] = second;
+            }
+            (0..=self.order).for_each(|i| sum[i].0[lane] = first[i]);
+        }
+        sum
+    }
+
+    /// The integral of `y' x - x' y`.
+    fn turned_by(&self, y: &Powers, x: &Powers) -> Powers {
+        let mut integral = [0.0; TERMS];
+        for i in 1..=self.order {
+            for k in 0..=self.order - i {
+                integral[i + k] += i as f64 * (y[i] * x[k] - x[i] * y[k]);
+            }
+        }
+        (1..=self.order).for_each(|k| integral[k] /= k as f64);
+        integral
+    }
+
+    /// The sum of series with factors.
+    fn sum<const N: usize>(&self, series: [Powers; N], factors: [f64; N]) -> Powers {
+        let mut sum = [0.0; TERMS];
+        for (powers, factor) in series.iter().zip(factors) {
+            (0..=self.order).for_each(|i| sum[i] += factor * powers[i]);
         }
         sum
     }
@@ -304,9 +425,11 @@ impl Watch {
             self.side[lane] = Some(Side { positive: begin >= 0.0, rising });
             return false;
         }
+        let is_angle = self.kind.pointing.is_some_and(|pointing| pointing.is_angle());
+        let second = if is_angle { self.second[lane] } else { [0.0; TERMS] };
         if begin.abs() + rest <= near {
             // On the surface all along: nothing is crossed.
-            return true;
+            return !is_angle || second[0] > 0.0;
         }
         let mut powers = [0.0; TERMS];
         for k in 0..self.terms() {
@@ -316,7 +439,15 @@ impl Watch {
         let side = self.side[lane].unwrap_or_else(|| Side::after_begin(powers, NOISE * scale));
         let polynomial = Polynomial { powers, noise: NOISE * scale, near };
         let wanted = self.kind.direction;
-        let positive = polynomial.zeros(side, &mut |zero| {
+        let positive = polynomial.zeros(side, &mut |mut zero| {
+            if is_angle {
+                // Where both cosines are nearly zero the angle leaps.
+                let second = second.iter().rev().fold(0.0, |sum, power| sum * zero.at + power);
+                zero.grazes |= second.abs() <= NEAR;
+                if second < 0.0 && !zero.grazes {
+                    return;
+                }
+            }
             if wanted == 0 || zero.direction == 0 || zero.direction == wanted {
                 found(zero, polynomial.value(zero.at).1 / unit);
             }

@@ -1,6 +1,7 @@
 """The starts that the page of the explorer draws, against those of the core."""
 
 import itertools
+from collections.abc import Callable
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -25,7 +26,7 @@ def test_a_product_and_a_sum_are_rounded_once() -> None:
     assert found == [float(one) for one in exact]
 
 
-LAWS = [rigid.normal, rigid.uniform, rigid.direction]
+LAWS: list[Callable[..., rigid.Noise]] = [rigid.normal, rigid.uniform, rigid.direction]
 
 
 @pytest.mark.skipif(NODE is None, reason="needs node")

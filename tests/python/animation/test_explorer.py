@@ -5,6 +5,7 @@ import ctypes
 import html
 import itertools
 import json
+import math
 import re
 import subprocess
 import sys
@@ -19,7 +20,13 @@ import rigid
 from browsers import Opened
 from pages import NODE, content, under_node, unpacked
 from rigid import cli
+from rigid.cli.toml_map import read_spec
+from rigid.cli.toml_table import names_of
 from rigid.drawing import colours
+from rigid.maps.grid import nominal_starts
+from rigid.maps.page import numbers_of_motion
+from rigid.model.parameters import AT_REST
+from rigid.solve.run import scene_of
 
 BOX = rigid.stability_map(
     rigid.FreeBody(rigid.Body.box(0.25, 0.08, 0.01, mass=0.3)),
@@ -114,20 +121,6 @@ def test_a_page_has_as_many_bodies_as_are_asked_for(tmp_path: Path) -> None:
     assert (held["samples"], len(unpacked(held["outcome"]))) == (2, 28 * 2)
 
 
-def test_motions_under_torques_in_space_are_not_in_the_page(tmp_path: Path) -> None:
-    body = rigid.Body((1.0, 2.0, 2.5))
-    pushed = rigid.FreeBody(body, torque=rigid.Torque.space((0.0, 0.0, 0.1)))
-    held = content(
-        tops(
-            scene=pushed,
-            axes={"spin": [1.0, 2.0]},
-            stable=rigid.no_flip(3),
-            start=rigid.Start(spin=1.0),
-        ).explore(tmp_path / "a.html")
-    )
-    assert held["motion"] is None
-
-
 @pytest.mark.parametrize(
     ("name", "options", "message"),
     [
@@ -210,37 +203,121 @@ def test_outcomes_are_told_apart_by_the_colour_blind(sight: str) -> None:
 # The motions of the page
 
 
-def moved(*arguments: Any) -> dict[str, NDArray[np.float64]]:
-    """The motion of the page."""
-    found = under_node("motionOf", *arguments)
-    return {name: np.array(values) for name, values in found.items()}
+def rows(held: dict[str, Any]) -> NDArray[np.float64]:
+    """The numbers of the equations of motion of each body of a page, (pixels, samples, numbers)."""
+    of_pixel = unpacked(held["motion"]["numbers"]).reshape(np.prod(held["shape"]), 1, -1)
+    each = of_pixel.repeat(held["samples"], axis=1)
+    if "own" in held:
+        columns = held["own"]["columns"]
+        each[..., columns] = unpacked(held["own"]["values"]).reshape(*each.shape[:2], -1)
+    return each
+
+
+def moved(
+    held: dict[str, Any], omega: Any, attitude: Any, bodies: Any, t: Any
+) -> list[dict[str, NDArray[np.float64]]]:
+    """The motions of bodies, (pixel, sample), by a page, each at its times."""
+    pixels, samples = np.transpose(bodies)
+    found = under_node(
+        "(n, w, q, t) => n.map((row, k) => motionOf(row, w[k], q[k], t[k]))",
+        rows(held)[pixels, samples],
+        omega[pixels, samples],
+        attitude[pixels, samples],
+        t,
+    )
+    return [{name: np.array(values) for name, values in one.items()} for one in found]
+
+
+LONG = rigid.Body((1.0, 1.3, 1.6))
+SIDEWAYS = {"normal": (0.0, 0.6, 0.8), "periapsis": (0.0, 0.8, -0.6)}
+FORCED: dict[str, Any] = {
+    "torque in the body": {"torque": rigid.Torque.body((0.05, -0.02, 0.01))},
+    "torque in space": {"torque": rigid.Torque.space((0.05, 0.03, -0.02))},
+    "damping": {"damping": np.diag([0.01, 0.02, 0.03])},
+    "drag": {"drag": (0.1, 0.05, 0.2)},
+    "rotor": {"rotor": (0.1, -0.3, 0.5)},
+    "energy sink": {"dissipation": rigid.EnergySink((0.1, 0.05, 0.02))},
+    "circle": {"orbit": rigid.Orbit(1.0)},
+    "ellipse": {"orbit": rigid.Orbit(1.0, 0.5, 2.0, **SIDEWAYS)},
+    # The planet is passed at t = 15, a tenth of the first distance away.
+    "flyby": {"orbit": rigid.Orbit(0.5, 1.6, -7.5, **SIDEWAYS)},
+    "all": {
+        "torque": rigid.Torque.body((0.1, 0.2, 0.0)) + rigid.Torque.space((0.0, 0.1, 0.1)),
+        "damping": np.diag([0.01, 0.02, 0.03]),
+        "drag": 0.01,
+        "rotor": (0.1, 0.2, 0.3),
+        "dissipation": rigid.EnergySink(0.01),
+        "orbit": rigid.Orbit(0.3, 0.2),
+    },
+}
 
 
 @pytest.mark.skipif(NODE is None, reason="needs node")
-@pytest.mark.parametrize("kind", ["box", "top", "damped", "pushed"])
-def test_motions_of_the_page_are_those_of_replay(kind: str, tmp_path: Path) -> None:
+def test_motions_of_the_page_are_those_of_simulate() -> None:
+    """States by the page's Taylor series of order 24, and by the core with errors below 1e-10."""
     top = rigid.HeavyTop(rigid.Body((1.0, 1.3, 0.5)), mgl=1.0, damping=np.diag([0.01, 0.02, 0.03]))
-    if kind == "box":
-        result = BOX
-    elif kind == "pushed":
-        result = tops(axes={"torque3": [0.01, 0.1], "spin": [3.0, 5.0]})
-    else:
-        result = tops(scene=top) if kind == "damped" else tops()
+    scenes: dict[str, Any] = {
+        name: rigid.FreeBody(LONG, **forces) for name, forces in FORCED.items()
+    }
+    scenes |= {"free": rigid.FreeBody(LONG), "damped top": top}
+    rng = np.random.default_rng(5)
+    omega = rng.normal(size=(len(scenes), 3))
+    attitude = rng.normal(size=(len(scenes), 4))
+    attitude /= np.linalg.norm(attitude, axis=1, keepdims=True)
+    t = np.linspace(0.0, 30.0, 61)
+    numbers = np.concatenate(
+        [numbers_of_motion(nominal_starts(scene, AT_REST)) for scene in scenes.values()]
+    )
+    found = under_node(
+        "(n, w, q, t) => n.map((row, k) => motionOf(row, w[k], q[k], t))",
+        numbers,
+        omega,
+        attitude,
+        t,
+    )
+    for (name, scene), w, q, seen in zip(scenes.items(), omega, attitude, found, strict=True):
+        run = rigid.simulate(scene, w, q, t=t, accuracy=1e-10)
+        assert run.attitude is not None
+        # The page errs by rounding, 1e-16 a step, which grows with the motion as `error` does.
+        assert np.abs(np.array(seen["omega"]) - run.omega).max() < 2e-10, name
+        assert np.abs(np.array(seen["attitude"]) - run.attitude).max() < 2e-10, name
+
+
+@pytest.mark.skipif(NODE is None, reason="needs node")
+@pytest.mark.parametrize("name", names_of("map"))
+def test_bodies_of_every_built_in_map_move_in_the_page(name: str, tmp_path: Path) -> None:
+    """Over 30 rad: chaos enlarges an error of 1e-10 in this time by less than a hundred."""
+    spec = read_spec(name).spec
+    axes = {
+        axis.name: [axis.values[len(axis.values) * k // 8] for k in (3, 6)] for axis in spec.axes
+    }
+    spec = spec.replace(samples=min(spec.samples, 2), axes=axes)
+    result = rigid.stability_map(spec, progress=False)
     held = content(result.explore(tmp_path / "a.html"))
-    numbers = unpacked(held["motion"]["numbers"]).reshape(-1, 18)
-    for pixel, sample in ((0, 1), (3, 2)):
-        seen = result.replay(pixel, sample)
-        again = rigid.simulate(
-            result.spec.grid.scene[pixel],
-            seen.omega,
-            seen.attitude,
-            t=seen.run.t,
-            method="taylor26",
+    possible = np.flatnonzero(result.status.ravel() == 0)
+    bodies = [(pixel, sample) for pixel in possible.tolist() for sample in range(held["samples"])]
+    assert bodies
+    starts = result.starts(range(held["samples"]))
+    omega, attitude = starts.omega.reshape(4, -1, 3), starts.attitude.reshape(4, -1, 4)
+    rate = max(np.linalg.norm(omega[possible], axis=-1).max(), 0.5 * orbital_rate(spec.scene))
+    t = np.linspace(0.0, min(30.0 / rate, spec.t_end), 31)
+    found = moved(held, omega, attitude, bodies, np.tile(t, (len(bodies), 1)))
+    for (pixel, sample), seen in zip(bodies, found, strict=True):
+        run = result.replay(pixel, sample).run
+        scene = scene_of(run) if isinstance(run, rigid.Run) else spec.grid.scene[pixel]
+        truth = rigid.simulate(
+            scene, omega[pixel, sample], attitude[pixel, sample], t=t, accuracy=1e-10
         )
-        run: Any = seen.run if seen.method == "exact" else again
-        found = moved(numbers[pixel], seen.omega, seen.attitude, run.t)
-        assert np.abs(found["omega"] - run.omega).max() < 1e-9
-        assert np.abs(found["attitude"] - run.attitude).max() < 1e-9
+        assert truth.attitude is not None
+        size = np.abs(truth.omega).max()
+        assert np.abs(seen["omega"] - truth.omega).max() < 1e-8 * size
+        assert np.abs(seen["attitude"] - truth.attitude).max() < 1e-8
+
+
+def orbital_rate(scene: Any) -> float:
+    """The mean motion (rad/s) of an ellipse, 0 of other scenes."""
+    orbit = scene.orbit if isinstance(scene, rigid.FreeBody) else None
+    return 0.0 if orbit is None or np.max(orbit.eccentricity) > 1.0 else float(orbit.rate)
 
 
 # What the criterion watches
@@ -250,6 +327,17 @@ SPUN = rigid.HeavyTop(rigid.Body((1.0, 1.3, 0.5)), mgl=1.0)
 LEANING = rigid.Start(spin=3.0, axis=3, tilt=0.4, noise=rigid.normal(0.3))
 FREE = rigid.FreeBody(rigid.Body((1.0, 1.5, 2.0)))
 BRAKED = rigid.FreeBody(rigid.Body((1.0, 1.5, 2.0)), damping=np.diag([0.1, 0.1, 0.2]))
+MOON = rigid.FreeBody(
+    rigid.Body((1.0, 1.5, 2.0)),
+    orbit=rigid.Orbit(2.0, 0.1, normal=(0.0, -0.6, 0.8), periapsis=(1.0, 0.0, 0.0)),
+)
+# Axes 1, 2, 3 at first along the periapsis, along the orbit and its normal.
+ROCKED = rigid.Start(
+    spin=2.5,
+    axis=3,
+    attitude=(math.sqrt(0.9), math.sqrt(0.1), 0.0, 0.0),
+    noise=rigid.normal(0.1),
+)
 TURNED = rigid.Start(spin=2.0, axis=2, noise=rigid.normal(0.1))
 
 
@@ -270,6 +358,26 @@ TURNED = rigid.Start(spin=2.0, axis=2, noise=rigid.normal(0.1))
         (FREE, TURNED, rigid.spin_above(0.5, axis=2), "ω₂ (rad/s)"),
         (FREE, TURNED, rigid.spin_above(0.05, axis=-1), "−ω₁ (rad/s)"),
         (FREE, TURNED, rigid.no_flip(2), "ω (rad/s)"),
+        (MOON, ROCKED, rigid.pointing_within(0.5, 1), "angle of axis 1 from the radial direction"),
+        (MOON, ROCKED, rigid.pointing_within(1.5, -1, either=True), "angle of axis −1 from the"),
+        (
+            MOON,
+            ROCKED,
+            rigid.pointing_within(0.5, 2, "along"),
+            "angle of axis 2 from the direction ",
+        ),
+        (
+            MOON,
+            ROCKED,
+            rigid.pointing_within(0.3, 3, "normal"),
+            "angle of axis 3 from the normal o",
+        ),
+        (
+            MOON,
+            ROCKED,
+            rigid.tilt_below(0.3, reference="vertical"),
+            "tilt of axis 3 from the normal of t",
+        ),
     ],
 )
 def test_a_body_leaves_where_its_chart_meets_the_limit(
@@ -282,7 +390,7 @@ def test_a_body_leaves_where_its_chart_meets_the_limit(
     chart = held["charts"][0]
     assert chart["label"].startswith(label)
     limits = [unpacked(limit) for limit in chart["limits"]]
-    numbers = unpacked(held["motion"]["numbers"]).reshape(-1, 18)
+    numbers = rows(held)[:, 0]
     starts, outcomes = result.starts(range(8)), result.outcomes(range(8))
     leaving = np.argwhere((outcomes.outcome == "unstable") & (outcomes.left > 0.0))
     assert len(leaving) > 2
@@ -299,8 +407,9 @@ def test_a_body_leaves_where_its_chart_meets_the_limit(
     for pixel, of_body in zip(pixels, values, strict=True):
         at = np.array(of_body)[:, -1]
         reached = [np.abs(at - limit[pixel]).min() for limit in limits]
-        # Maps whose step is chosen for each body err by about 1e-8 rad, which is 6e-7 degrees.
-        assert min(reached) < 1e-6
+        # Maps whose step is chosen for each body err by about 1e-8 rad, which is 6e-7 degrees. A
+        # moon that tumbles past its planet enlarges errors tenfold.
+        assert min(reached) < (1e-5 if scene is MOON else 1e-6)
 
 
 def test_joined_criteria_share_the_charts_of_what_they_watch(tmp_path: Path) -> None:
@@ -348,7 +457,7 @@ def test_a_page_says_from_when_on_a_chaotic_motion_is_doubtful() -> None:
     com = np.array([0.30076793861678304, 0.20051195907785537, 0.9323806097120270])
     top = rigid.HeavyTop(rigid.Body((1.0, 1.6, 0.7)), mgl=1.2, com=com)
     t = np.linspace(0.0, 200.0, 2001)
-    numbers = np.concatenate([[1.0, 1.6, 0.7], 1.2 * com, np.zeros(12)])
+    numbers = numbers_of_motion(nominal_starts(top, AT_REST))[0]
     attitude = [np.cos(0.5), np.sin(0.5), 0.0, 0.0]
     found = []
     for spin in (2.0, 40.0):
@@ -529,6 +638,11 @@ def braking(t: float, omega: Any, attitude: Any, data: Any, torque: Any) -> None
 
 
 BRAKED = rigid.FreeBody(rigid.Body((1.0, 1.5, 2.0)), torque=rigid.Torque.call(braking, fastest=1.0))
+
+
+def test_motions_under_the_torque_of_a_function_are_not_in_the_page(tmp_path: Path) -> None:
+    result = tops(scene=BRAKED, axes={"spin": [1.0, 2.0]}, stable=rigid.no_flip(3), start=None)
+    assert content(result.explore(tmp_path / "a.html"))["motion"] is None
 
 
 def longer(spin: Any) -> rigid.FreeBody:

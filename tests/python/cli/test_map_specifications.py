@@ -247,6 +247,9 @@ def test_parameters_vary_from_body_to_body() -> None:
     spec = parse_spec(BOX.replace("[stable]", f"{vary}[stable]"), "x.toml")
     (one,) = spec.vary
     assert (one.name, one.noise) == ("mass", rigid.normal(0.05, relative=True))
+    ends = '[vary]\nmass = { kind = "uniform", size = 0.2, high = 0.4 }\n'
+    (one,) = parse_spec(BOX.replace("[stable]", f"{ends}[stable]"), "x.toml").vary
+    assert one.noise == rigid.uniform(0.2, 0.4)
     for wrong, words in (
         ('spin = { kind = "normal", size = 1.0 }', "[vary] vary: 'spin' belongs to the start"),
         (

@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 
 import rigid
+from printed_text import unwrapped
 from processes import PATIENCE, Capture, environment, python_command
 from rigid.cli import main
 from rigid.store.disk import Disk
@@ -202,7 +203,7 @@ def test_the_status_is_told(capsys: Capture) -> None:
     main(["map", "small.toml", "--store", "run.rigid", "--part", "1/2", QUIET])
     capsys.readouterr()
     assert main(["status", "run.rigid"]) == 0
-    told = capsys.readouterr().out
+    told = unwrapped(capsys.readouterr().out)
     assert re.search(r"units +\d+ of \d+ are stored, \d+ are missing", told)
     assert re.search(
         r"writer +\S+\.tar: part 1/2, \d+ units in .* rigid .*; has done its part", told
@@ -250,12 +251,13 @@ def test_a_budget_that_is_spent_is_no_interruption(capsys: Capture) -> None:
     Path("small.toml").write_text(text)
     for store in ([], ["--store", "run.rigid", "--out", "stored"]):
         assert main(["map", "small.toml", *store, QUIET]) == 0
-        told = capsys.readouterr()
-        assert told.err == ""
+        output, errors = capsys.readouterr()
+        told = unwrapped(output)
+        assert errors == ""
         assert re.search(
-            r"until the share is known to within 0.1: so in \d+ pixels, not in \d+; seed", told.out
+            r"until the share is known to within 0.1: so in \d+ pixels, not in \d+; seed", told
         )
-        assert re.search(r"1,\d+ in \d+ of \d+ pixels; the budget of 1,500 omits \d", told.out)
+        assert re.search(r"1,\d+ in \d+ of \d+ pixels; the budget of 1,500 omits \d", told)
     result = rigid.load_map("small.npz")
     assert not result.complete
     assert 1500 - result.spec.samples < result.samples.sum() <= 1500

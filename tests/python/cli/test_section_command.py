@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import rigid
+from printed_text import unwrapped
 from rigid.cli import main
 from rigid.cli.toml_section import read_section
 from rigid.cli.toml_table import names_of
@@ -80,7 +81,8 @@ def test_a_built_in_section_is_complete(name: str, folder: Path) -> None:
 
 def test_built_in_sections_are_listed(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["sections"]) == 0
-    names = [line.split()[0] for line in capsys.readouterr().out.splitlines()]
+    lines = unwrapped(capsys.readouterr().out, indent=21)
+    names = [line.split()[0] for line in lines.splitlines()]
     assert names == ["chaotic", "goryachev-chaplygin", "kovalevskaya", "lagrange"]
 
 

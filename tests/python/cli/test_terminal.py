@@ -9,8 +9,13 @@ from test_command_line import SPEC
 import rigid
 from processes import PATIENCE, Capture
 from rigid._checks.progress import reporting
+from rigid._checks.shown import WIDTH
 from rigid.cli import main
+from rigid.cli.parser import GROUPS, make_parser
 from rigid.cli.toml_table import names_of
+from rigid.literature.validation import Compared, Validation, entries
+from rigid.reports.stress import UNDETECTED_ERROR, Cell
+from rigid.reports.stress_cases import cases
 from terminals import in_terminal, read
 
 
@@ -42,12 +47,33 @@ def test_the_bare_command_shows_help(capsys: Capture) -> None:
     output = capsys.readouterr().out
     assert output.startswith("usage: rigid")
     assert "rigid map thrown-box" in output
+    assert main(["help"]) == 0
+    assert capsys.readouterr().out == output
+
+
+def test_each_command_stands_in_one_group_of_the_help(capsys: Capture) -> None:
+    named = [name for names in GROUPS.values() for name in names]
+    assert sorted(named) == sorted(make_parser().commands())
+    assert main(["help"]) == 0
+    output = capsys.readouterr().out
+    groups = [output.index(f"\n{title}:\n") for title in GROUPS]
+    assert groups == sorted(groups)
+    assert all(output.count(f"\n  {name} ") == 1 for name in named)
+    message = refused(["help", "mapp"], capsys)
+    assert "TOPIC = 'mapp': did you mean 'map'? must be one of 'map'" in message
+
+
+def test_help_on_a_command_is_its_own(capsys: Capture) -> None:
+    for name in make_parser().commands():
+        assert main(["help", name]) == 0
+        told = capsys.readouterr().out
+        with pytest.raises(SystemExit):
+            main([name, "--help"])
+        assert capsys.readouterr().out.rstrip() == told.rstrip()
 
 
 @pytest.mark.parametrize("command", ["map", "section", "report", "extremes", "validation", "new"])
 def test_help_has_examples_and_they_are_understood(command: str, capsys: Capture) -> None:
-    from rigid.cli.parser import make_parser
-
     with pytest.raises(SystemExit):
         main([command, "--help"])
     _, _, examples = capsys.readouterr().out.partition("examples:\n")
@@ -204,3 +230,122 @@ def test_a_long_message_is_wrapped_in_a_terminal() -> None:
     assert len(lines) >= 2
     assert max(map(len, lines)) <= 60
     assert "validation" in shown
+
+
+# Eighty columns
+
+
+def widest(text: str) -> int:
+    """Length of the longest line, of those that could be broken at a space."""
+    return max((len(line) for line in text.splitlines() if " " in line.strip()), default=0)
+
+
+QUICK = ["--no-progress", "--force"]
+STORED = [*QUICK, "--samples", "2", "--store", "run.rigid"]
+
+
+@pytest.mark.parametrize("topic", [*make_parser().commands(), "exit-codes", ""])
+def test_help_has_eighty_columns(topic: str, capsys: Capture) -> None:
+    assert main(["help", topic] if topic else []) == 0
+    assert 0 < widest(capsys.readouterr().out) <= WIDTH
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        ["maps"],
+        ["sections"],
+        ["reports"],
+        ["info"],
+        ["new", "map", "a-map-with-a-long-name-of-many-words.toml"],
+        ["section", "kovalevskaya", "--bodies", "1", *QUICK, "--set", "run.points=3"],
+        ["report", "satellite", "--seconds", "0.3", *QUICK],
+        ["report", "lagrange-top", "--long", "--method", "rk4", "--seconds", "0.3", *QUICK],
+        ["extremes", "lamina", "--method", "dop853"],
+        ["validation", "flip-period", "geometric-phase"],
+        *(["map", name, "--check"] for name in ("small.toml", "apophis", "hyperion")),
+        ["map", "small.toml", "--check", "--part", "1/2", "--store", "new.rigid"],
+    ],
+    ids=" ".join,
+)
+def test_a_command_prints_eighty_columns(command: list[str], capsys: Capture) -> None:
+    assert main(command) == 0
+    assert 0 < widest(capsys.readouterr().out) <= WIDTH
+
+
+@pytest.mark.parametrize("name", names_of("map"))
+def test_a_built_in_map_prints_eighty_columns(name: str, capsys: Capture) -> None:
+    few = ["--set", "x.count=2", "--set", "y.count=2", "--samples", "2", *QUICK]
+    assert main(["map", name, *few]) == 0
+    told = capsys.readouterr().out
+    assert 0 < widest(told) <= WIDTH
+    assert "\nleft out    " in told
+
+
+def test_the_commands_of_a_store_print_eighty_columns(capsys: Capture) -> None:
+    for command, code in (
+        (["map", "small.toml", *STORED, "--part", "1/2"], 75),
+        (["status", "run.rigid"], 0),
+        (["pack", "run.rigid", "run.npz"], 75),
+        (["resume", "run.rigid", *QUICK], 0),
+        (["status", "run.rigid"], 0),
+        (["pack", "run.rigid", "run.npz", "--force"], 0),
+        (["verify", "run.rigid"], 0),
+        (["map", "small.toml", *QUICK, "--samples", "3", "--out", "other"], 0),
+        (["diff", "run.npz", "other.npz"], 1),
+        (["merge", "run.rigid", "--into", "all.rigid"], 0),
+    ):
+        assert main(command) == code, command
+        assert widest(capsys.readouterr().out) <= WIDTH, command
+
+
+def test_all_numbers_of_the_literature_have_eighty_columns() -> None:
+    """Of each entry the number of its model, where it has one, else half of the number."""
+    compared = [
+        Compared(entry=entry, number=entry.model if entry.reason else entry.value / 2, seconds=0.0)
+        for entry in entries()
+    ]
+    table = str(Validation(tuple(compared)))
+    assert widest(table) <= WIDTH
+    for row in compared:
+        assert row.agrees or f"* {row.entry.name}: {row.verdict}; " in table
+
+
+def test_all_extreme_cases_have_eighty_columns() -> None:
+    verdicts = ["right", "flagged", "step limit", "not finite", "drifted", "refused", "unknown"]
+    cells = tuple(
+        Cell(case=case, method="", error=1e-9, bound=1e-8, verdict=one, reason="", seconds=99.0)
+        for case in cases()
+        for one in [*verdicts, *verdicts, UNDETECTED_ERROR]
+    )
+    table = str(rigid.Extremes(cells))
+    assert widest(table) <= WIDTH
+    assert all(case.name in table for case in cases())
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        ["mapp"],
+        ["map", "small.toml", "--set", "y.name=nosie"],
+        ["map", "thrown-bix"],
+        ["map", "small.toml", "--what", "mean of flips"],
+        ["report", "lagrange-top", "--method", "rk5"],
+        ["extremes", "pancake"],
+        ["validation", "moon"],
+        ["help", "x"],
+    ],
+    ids=" ".join,
+)
+def test_a_message_has_eighty_columns(
+    command: list[str], monkeypatch: pytest.MonkeyPatch, capsys: Capture
+) -> None:
+    monkeypatch.setattr("sys.stderr.isatty", lambda: True)
+    try:
+        code: object = main(command)
+    except SystemExit as stop:
+        code = stop.code
+    told = capsys.readouterr().err
+    assert code == 2
+    assert 0 < widest(told) <= WIDTH
+    assert not told.endswith("\n\n")

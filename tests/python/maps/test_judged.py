@@ -1,5 +1,6 @@
 """Bodies that a function of the user judges."""
 
+import time
 from pathlib import Path
 from typing import Any
 
@@ -88,6 +89,58 @@ def test_the_function_sees_the_motion_and_the_parameters() -> None:
         assert one.outcome == "stable"
         assert one.parts[0].outcome == "stable"
         assert str(one.parts[0].criterion) == "judged by look"
+
+
+def test_the_second_run_of_a_judged_map_is_finer() -> None:
+    """By a hundredth of the tolerance and another order; where both methods are one, in half steps.
+
+    Truth: a series by a tolerance of 1e-13.
+    """
+    seen: list[rigid.States] = []
+
+    def look(states: rigid.States) -> Verdicts:
+        seen.append(states)
+        return np.ones(len(states.omega), dtype=bool)
+
+    stable = rigid.judged(look, np.linspace(0.0, 20.0, 9))
+    few = {**TOPS, "samples": 3}
+    rigid.stability_map(TOP, stable=stable, **few)
+    errors = []
+    for states in seen:
+        assert states.attitude is not None
+        start = (states.omega[:, 0], states.attitude[:, 0])
+        truth = rigid.simulate(
+            TOP, *start, t=states.t, method="taylor20", tolerance=1e-13, check=False
+        )
+        errors.append(np.abs(states.omega - truth.omega).max(axis=(1, 2)))
+    assert (errors[1] < 0.1 * errors[0]).all()  # by one tolerance they would be alike
+
+    for step in ({}, {"step": 0.03}):
+        options: dict[str, Any] = {**few, **step}
+        once, twice = (
+            rigid.stability_map(TOP, stable=stable, method="taylor16", check=check, **options)
+            for check in (0.0, 1.0)
+        )
+        # Nine intervals have whole numbers of steps.
+        share = (twice.steps - once.steps) / once.steps
+        assert share == pytest.approx(2.0, rel=0.05)
+
+
+def test_the_cost_of_a_judged_map_is_the_processor_time_of_its_function() -> None:
+    spent = 0.0
+
+    def slow(states: rigid.States) -> Verdicts:
+        nonlocal spent
+        begin = time.thread_time()
+        while time.thread_time() < begin + 0.02:
+            pass
+        spent += time.thread_time() - begin
+        return np.ones(len(states.omega), dtype=bool)
+
+    begin = time.process_time()
+    result = rigid.stability_map(TOP, stable=rigid.judged(slow, [1.0]), threads=1, **TOPS)
+    whole = time.process_time() - begin
+    assert spent <= 1e-9 * result.nanoseconds.sum() <= whole
 
 
 def test_numbers_are_margins_and_nan_is_undecided() -> None:

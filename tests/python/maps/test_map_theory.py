@@ -166,6 +166,19 @@ def test_the_law_of_the_middle_axis(t_end: float) -> None:
     np.testing.assert_allclose(theory.share, expected, rtol=1e-12, atol=1e-15)
 
 
+def test_the_law_is_silent_where_noise_of_the_spin_changes_the_growth() -> None:
+    """The exponent is proportional to the spin: here its spread is a quarter of one or less."""
+    sizes, t_end = np.array([0.02, 0.0282, 0.0284, 0.035]), 25.0
+    theory = prediction(
+        axes={"noise": sizes}, start=rigid.Start(spin=1.3, axis=2, noise=rigid.normal(0.0)),
+        stable=rigid.no_flip(2), t_end=t_end,
+    )  # fmt: skip
+    rate, a1, a3 = growth(np.array([1.0, 1.5, 2.0]), 1.3)
+    assert sizes.max() < 0.05 * min(a1, a3)  # not what the other bound leaves out
+    spread = sizes / 1.3 * rate * t_end
+    np.testing.assert_array_equal(np.isfinite(theory.share), spread <= 0.25)
+
+
 def test_the_law_is_that_of_the_exact_flip_time_for_small_perturbations() -> None:
     # With w3 = 0 the middle rate starts at its largest, a quarter period before its zero. For small
     # |u| that time is ln(2 A1/|u|)/rate up to a relative u²: at the bound of the law it is t_end.

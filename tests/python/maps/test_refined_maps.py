@@ -193,6 +193,8 @@ def test_both_savings_together(full: rigid.StabilityMap) -> None:
     both = small_map(**options, refine=8)
     assert both.complete
     assert both.samples.sum() < 0.6 * small_map(**options).samples.sum()
+    # Pixels that are left out do not count as too wide.
+    assert f": so in {(both.samples > 0).sum():,} pixels; seed" in both.summary()
 
 
 def drawn(axes: Axes) -> NDArray[np.float64]:

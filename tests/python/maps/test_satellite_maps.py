@@ -11,8 +11,10 @@ import rigid
 from rigid.cli.toml_map import read_spec
 from rigid.maps.satellites import median_across, time_to_separatrix
 from rigid.maps.spec import MapSpec
+from rigid.maps.theory import predict
 from rigid.solve.energy_loss import mean_products
 from rigid.store.call import run_map
+from small_maps import spec_of
 
 
 def coarse(name: str, every: int, samples: int) -> rigid.StabilityMap:
@@ -90,6 +92,31 @@ def test_the_separatrix_is_reached_in_the_time_of_the_mean_loss(
         off.append(abs(passed / expected - 1.0))
     assert off[0] < 0.1
     assert off[1] < 0.03
+
+
+def test_nothing_is_predicted_near_the_time_of_the_separatrix() -> None:
+    """Within a tenth of the times of the largest and of the smallest noise that is likely."""
+    moments, noise, spin, sink = (1.0, 1.7, 2.2), 0.01, 1.3, 0.02
+    last, first = time_to_separatrix(
+        np.array([moments] * 2), np.full(3, sink), np.full(2, spin), noise * np.array([4.0, 1e-3])
+    )
+    assert last < first  # the smaller the noise, the later
+    for t_end, share in (
+        (0.89 * last, 1.0),
+        (0.91 * last, np.nan),
+        (1.09 * first, np.nan),
+        (1.11 * first, 0.0),
+    ):
+        spec = spec_of(
+            scene=rigid.FreeBody(rigid.Body(moments), dissipation=rigid.EnergySink(sink)),
+            axes={"spin": [spin]},
+            start=rigid.Start(spin=spin, axis=1, noise=rigid.normal(noise)),
+            stable=rigid.no_flip(1),
+            method="auto",
+            t_end=float(t_end),
+        )
+        theory = predict(spec)  # None if it has nothing to say
+        np.testing.assert_array_equal(np.nan if theory is None else theory.share[0], share)
 
 
 def test_next_to_a_symmetric_body_the_separatrix_is_near() -> None:

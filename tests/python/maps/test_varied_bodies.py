@@ -211,6 +211,10 @@ def test_no_theory_is_claimed_of_bodies_that_vary() -> None:
             "vary: 'drag2' and 'drag' exclude each other: both set the drag",
         ),
         (
+            {"drag1": rigid.normal(0.1, relative=True)},
+            "vary: 'drag1' is 0, and a share of 0 varies nothing; give an absolute size",
+        ),
+        (
             {"I1": rigid.normal(1e9)},
             "vary: none of 1000 draws gave a body that can exist, in pixel",
         ),
@@ -225,7 +229,7 @@ def test_what_cannot_vary(vary: dict[str, Any], message: str) -> None:
     ("vary", "message"),
     [
         (["I1"], "vary = ['I1']: must be a dict of names and distributions"),
-        ({"I1": 0.1}, "vary['I1'] = 0.1: must be rigid.normal(size) or rigid.uniform(size)"),
+        ({"I1": 0.1}, "vary['I1'] = 0.1: must be rigid.normal(size), rigid.uniform(size), with"),
         ({"I1": rigid.normal([1.0, 2.0, 3.0])}, "vary['I1'] = normal(1, 2, 3): must be"),
         ({"I1": rigid.direction(0.1)}, "vary['I1'] = direction(0.1): must be"),
     ],
@@ -246,6 +250,51 @@ def test_shapes_are_told_in_one_way() -> None:
             t_end=1.0,
             stable=rigid.no_flip(),
         )
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: rigid.uniform(0.2, 0.1), "high = 0.1: must be above the low end, 0.2"),
+        (lambda: rigid.uniform(0.1, np.nan), "high = nan: must be finite"),
+        (
+            lambda: rigid.uniform(0.1, 0.2, relative=True),
+            "high = 0.2: belongs to rigid.uniform(low, high), whose values do not depend on a",
+        ),
+        (
+            lambda: rigid.Start(spin=1.0, noise=rigid.uniform(0.1, 0.2)),
+            "noise = uniform(0.1, 0.2): a start has absolute noise; a range of values is for vary=",
+        ),
+    ],
+)
+def test_what_is_no_range_of_values(call: Any, message: str) -> None:
+    with pytest.raises(ValueError, match="^" + re.escape(message)):
+        call()
+
+
+def test_a_range_of_values_does_not_depend_on_the_nominal_one(tmp_path: Path) -> None:
+    result = flipping({"I3": rigid.uniform(2.1, 2.9)})
+    drawn = result.starts(np.arange(70), pixel=0)
+    assert drawn.draws is not None
+    once = drawn.draws == 1
+    values = 2.5 + 0.4 * (2.0 * uniforms(3, 0, 70) - 1.0)
+    # Doubles near 2.5 are 4e-16 apart.
+    assert drawn.parameters["I3"][once] == pytest.approx(values[once], rel=4e-16)
+    assert once.mean() > 0.8
+    path = tmp_path / "map.npz"
+    result.save(path)
+    again = rigid.load_map(path).starts(np.arange(70), pixel=0)
+    assert np.array_equal(again.parameters["I3"], drawn.parameters["I3"])
+
+
+def test_an_orbit_that_is_nearly_a_parabola_is_drawn_again() -> None:
+    satellite = rigid.FreeBody(rigid.Body((1.0, 2.0, 2.5)), orbit=rigid.Orbit(1.0, 0.9))
+    drawn = rigid.sample_bodies(satellite, {"eccentricity": rigid.uniform(0.3)}, 400, rng=SEED)
+    assert drawn.orbit is not None
+    e = np.asarray(drawn.orbit.eccentricity)
+    assert not np.any((e > 0.95) & (e < 1.05))
+    # Of the interval 0.6 to 1.2 a share of 7/10 ends below 0.95: four standard deviations.
+    assert abs(np.mean(e < 0.95) - 0.7) < 4.0 * np.sqrt(0.7 * 0.3 / 400)
 
 
 def test_a_start_has_no_relative_noise() -> None:

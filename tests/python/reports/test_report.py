@@ -16,8 +16,10 @@ import pytest
 import rigid
 from interrupts import sigint
 from physics import ROUNDOFF, golden_scene, rotation_angle
+from printed_text import refused_in, unwrapped
 from processes import Capture
 from refusals import refuses
+from rigid._checks.shown import WIDTH
 from rigid.cli import main
 from rigid.cli.toml_report import parse_report, read_report
 from rigid.cli.toml_table import SpecError, names_of
@@ -66,7 +68,8 @@ def top() -> rigid.Report:
 
 @pytest.mark.parametrize(("method", "order"), [("rk4", 4.0), ("splitting", 2.0)])
 def test_the_order_of_a_method_is_found(box: rigid.Report, method: str, order: float) -> None:
-    assert box.order(method) == pytest.approx(order, abs=0.4)
+    # The shortest steps whose errors are no rounding show 3.978 and 2.000, the longest 3.83, 2.06.
+    assert box.order(method) == pytest.approx(order, abs=0.03)
 
 
 def test_errors_are_those_of_the_state_against_the_closed_form(box: rigid.Report) -> None:
@@ -306,13 +309,13 @@ def test_a_method_is_known_by_all_of_its_names() -> None:
     assert report.cost("rk4", 1e-2) == report.cost("etd4", 1e-2)
     assert report.order("rk4") == report.order("etd4")
     assert rigid.Report.from_json(report.to_json()) == report
-    assert re.search(r"^etd4 .* = rk4$", str(report), re.MULTILINE)
+    assert "\n\nMethods with bit-identical results share a row:\netd4        = rk4\n" in str(report)
 
 
 def test_many_names_are_wrapped(box: rigid.Report) -> None:
     names = tuple(f"method{k}" for k in range(30))
     many = dataclasses.replace(box, same={"rk4": names})
-    assert max(map(len, str(many).splitlines())) <= 160
+    assert max(map(len, str(many).splitlines())) <= WIDTH
     assert all(name in str(many) for name in names)
 
 
@@ -385,7 +388,7 @@ def test_too_few_repeats_tell_no_cheapest(box: rigid.Report, repeats: int) -> No
     report = timed(box, {"rk4": [100.0] * repeats, "dop853": [300.0] * repeats})
     assert report.cheapest(1e-3) == ()
     assert starred(report) == set()
-    assert f"median of {repeats}, too few to tell the cheapest" in str(report)
+    assert f"median of {repeats}, too few to tell the cheapest" in unwrapped(str(report))
     # One alone has none beside it.
     assert timed(box, {"rk4": [100.0] * repeats}).cheapest(1e-3) == ("rk4",)
 
@@ -439,7 +442,7 @@ def test_the_table_names_methods_reference_and_wanted_errors(box: rigid.Report) 
     assert "reference   exact, closed form; may be off by" in text
     for part in ("rk4", "splitting", "1e-03", "1e-05", "avx512" if "avx512" in text else "isa"):
         assert part in text or part == "isa"
-    assert max(map(len, text.splitlines())) <= 160
+    assert max(map(len, text.splitlines())) <= WIDTH
 
 
 def test_json_there_and_back(box: rigid.Report, top: rigid.Report, tmp_path: Path) -> None:
@@ -547,7 +550,7 @@ def test_every_method_has_a_family_whose_colour_can_be_read() -> None:
 
 
 def header_of(text: str) -> dict[str, str]:
-    lines = text.partition("\n\n")[0].splitlines()
+    lines = unwrapped(text.partition("\n\n")[0]).splitlines()
     return {line[:12].strip(): line[12:] for line in lines if not line.startswith("not for")}
 
 
@@ -556,9 +559,9 @@ def test_the_table_in_the_docs_is_that_of_the_report_as_it_is_now(name: str) -> 
     text = (DOCS / "reports" / f"{name}.txt").read_text(encoding="utf-8")
     costs = text.split("\n\n")[1].partition("\n")[2]  # without the heads of columns
     known = set(re.findall(r"^([a-z]+\w*) ", costs, re.MULTILINE))
-    # The other names of a method stand beside it, on one line or more.
-    known |= set(re.findall(r"(?<=[ ,=])([a-z]+\w*)(?=,|$)", costs, re.MULTILINE))
-    refused = set(re.findall(r"^not for +(\w+):", text, re.MULTILINE))
+    for others in re.findall(r"^[a-z]+\w* += (.*)$", unwrapped(text, 14), re.MULTILINE):
+        known |= set(others.split(", "))
+    refused = refused_in(text)
     assert known | refused == {"exact", *(method.name for method in rigid.methods())}
     assert not known & refused
     spec = read_report(name)[1]
@@ -801,5 +804,5 @@ def test_the_columns_of_a_table_tell_their_units(box: rigid.Report) -> None:
     assert lines[costs].split()[-2:] == ["ns/s", "at"]
     assert lines[costs + 1].split() == ["order", "1e-03"]
     front = next(k for k, line in enumerate(lines) if line.startswith("front"))
-    units = ["ns/s", "ns/s", "ns", "rad", "rad", "relative", "relative"]
+    units = ["ns/s", "rad", "rad", "rel.", "rel."]
     assert lines[front + 1].split() == units

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import rigid
+from printed_text import unwrapped
 from refusals import refuses
 from rigid import _core
 from rigid.reports.stress_cases import cases
@@ -56,7 +57,7 @@ def test_every_scene_without_damping_has_a_method_that_is_right(found: rigid.Ext
 
 def test_the_table_counts_its_cells(found: rigid.Extremes) -> None:
     text = str(found)
-    last = text.splitlines()[-1]
+    last = unwrapped(text, indent=2).splitlines()[-1]
     assert last.startswith(f"no undetected error in {len(found.cells)} runs: ")
     assert f"{found.counts()['right']} right" in last
     wrong = dataclasses.replace(found.cells[0], verdict="undetected error")

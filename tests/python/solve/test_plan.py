@@ -201,6 +201,13 @@ def test_an_error_that_is_not_foreseen_is_unknown(words: str) -> None:
     assert rigid.plan(scene, "attitude", omega=rows, attitude=attitude, t_end=end).error is None
 
 
+def test_ten_times_slower_than_a_fall_is_nearly_at_rest() -> None:
+    """A hanging top, whose weight could give it 1 rad/s."""
+    for rate, known in ((0.105, True), (0.095, False)):
+        plan = rigid.plan(LAGRANGE, omega=[rate, 0.0, 0.0], attitude=tilted(np.pi), t_end=1.0)
+        assert (plan.error is not None) == known
+
+
 # Which form
 
 
@@ -342,6 +349,44 @@ def test_the_steps_that_are_planned_are_taken(scene: Scene, method: rigid.Method
         assert run.plan == plan
         # Both round the bound of the rates, perhaps across a whole number of steps.
         assert abs(int(run.steps) - (plan.steps or 0)) <= 1
+
+
+@pytest.mark.parametrize("method", ["rk4", "dop853", "taylor16"])
+@pytest.mark.parametrize(("eccentricity", "anomaly"), [(0.0, 0.0), (0.8, 1.0), (4.25, -20.0)])
+def test_the_steps_that_are_planned_over_an_orbit_are_taken(
+    method: str, eccentricity: float, anomaly: float
+) -> None:
+    """The steps of two of them are equal over the anomaly, and as short as far from the planet."""
+    scene = rigid.FreeBody(FREE.body, orbit=rigid.Orbit(1.0, eccentricity, anomaly))
+    request: dict[str, Any] = {"attitude": tilted(0.3), "method": method}
+    run = rigid.simulate(scene, RATES, t=[30.0], **request)
+    plan = rigid.plan(scene, "attitude", omega=RATES, t_end=30.0, **request)
+    assert abs(int(run.steps) - (plan.steps or 0)) <= 1
+
+
+@pytest.mark.parametrize("method", ["rk4", "dop853", "auto"])
+@pytest.mark.parametrize(("eccentricity", "anomaly"), [(0.0, 0.0), (0.05, 1.0), (4.25, -20.0)])
+def test_the_steps_that_are_planned_for_a_map_over_an_orbit_are_taken(
+    method: str, eccentricity: float, anomaly: float
+) -> None:
+    scene = rigid.FreeBody(FREE.body, orbit=rigid.Orbit(1.0, eccentricity, anomaly))
+    result = rigid.stability_map(
+        scene,
+        axes={"spin": [3.0]},
+        start=rigid.Start(spin=3.0, axis=3),
+        stable=rigid.no_flip(),
+        t_end=60.0,
+        samples=1,
+        rng=1,
+        method=method,
+        progress=False,
+    )
+    body = result.replay(pixel=(0,), sample=0)
+    assert body.outcome == "stable"  # a body that flips stops
+    planned = result.plan.steps
+    assert planned is not None
+    # Whole blocks of 16 steps are taken.
+    assert planned <= body.steps < planned + 16
 
 
 @pytest.mark.parametrize("record", RECORDS)

@@ -141,11 +141,25 @@ def test_a_table_about_a_principal_axis_is_integrated_exactly(method: str) -> No
     assert np.abs(run.omega - known).max() < 1e-13
 
 
+def is_stiff(case: Golden) -> bool:
+    """Whether explicit steps that resolve the damping are millions."""
+    forcing = case.scene.acting()
+    assert forcing is not None
+    moments = np.array([case.scene.body.moments])
+    return bool(forcing.damping_rates(moments)[0] * case.t[-1] > 1e4)
+
+
 CASES = golden("forced_damped")
+#: Stiff cases by some methods: the others show the same.
+RESOLVED = [
+    (method, case)
+    for method in NAMES
+    for case in CASES
+    if method not in ("rk4", "dop853", "taylor12") or not is_stiff(case)
+]
 
 
-@pytest.mark.parametrize("case", CASES, ids=lambda case: case.id)
-@pytest.mark.parametrize("method", NAMES)
+@pytest.mark.parametrize(("method", "case"), RESOLVED, ids=lambda one: getattr(one, "id", one))
 def test_the_error_is_the_one_that_halving_the_step_reveals(method: str, case: Golden) -> None:
     """And rounding; bounds as in the test of that name for bodies that nothing acts on.
 
@@ -153,11 +167,6 @@ def test_the_error_is_the_one_that_halving_the_step_reveals(method: str, case: G
     one; twice that is granted. Rounding: a random walk of some operations a step, times the
     condition of the problem.
     """
-    forcing = case.scene.acting()
-    assert forcing is not None
-    stiff = forcing.damping_rates(np.array([case.scene.body.moments]))[0] * case.t[-1] > 1e4
-    if stiff and method in ("rk4", "dop853", "taylor12"):
-        pytest.skip("a million steps: the others show the same")
     coarse = case.run(method, check=False)
     fine = case.run(method, step=case.t[-1] / (2.0 * float(coarse.steps)), check=False)
     assert coarse.status == fine.status == rigid.Status.UNCHECKED

@@ -1,6 +1,9 @@
 """Parts of a map: each has its share of the work, and together they are the map."""
 
 import itertools
+import os
+import time
+from calendar import timegm
 from pathlib import Path
 from typing import Any
 
@@ -9,6 +12,7 @@ import pytest
 
 import rigid
 from rigid.store.head import Head, divided
+from rigid.store.log import UTC
 from rigid.store.resume import Part, missing
 from rigid.store.running import Folder, Memory
 from small_maps import assert_same_map, saved_bytes, small_map, spec_of
@@ -189,6 +193,30 @@ def test_the_status_never_tells_a_time_that_is_not_known(tmp_path: Path) -> None
     assert "cost        0 s of processor time, how much is left is not known yet" in words
     assert "nan" not in words
     assert "5 of 144 are stored, 139 are missing" in words
+
+
+def test_the_time_left_is_that_of_the_rows_that_are_missing(tmp_path: Path) -> None:
+    """36 of 144 rows took 2 s each; their process wrote for 36 s and has half of the others."""
+    go_on(tmp_path / "quiet")
+    table = Folder(tmp_path / "quiet").table
+    folder = Folder.at(tmp_path / "run", SPEC)
+    folder.begin()
+    folder.append(table.rows[table.known][:36], np.full(36, 2e9, np.float32))
+    folder.read()
+    (log,) = folder.logs
+    assert log.writer is not None
+    begun = timegm(time.strptime(log.writer["begin"], UTC))
+    os.utime(tmp_path / "run" / "logs" / log.name, (begun + 36.0, begun + 36.0))
+    status = rigid.open_store(tmp_path / "run").status()
+    assert (status.done, status.missing) == (36, 108)
+    assert status.seconds == pytest.approx(72.0)
+    assert status.remaining == pytest.approx(216.0)
+    (writer,) = status.writers
+    assert writer["missing"] == 108
+    assert writer["remaining"] == pytest.approx(108.0)  # one row a second
+    assert "216 s left" in str(status)
+    assert "about 108 s at its pace" in str(status)
+    folder.end("interrupted")
 
 
 def test_sittings_and_parts_in_any_order_fill_each_other(tmp_path: Path) -> None:

@@ -197,6 +197,20 @@ def test_parts_merged_in_any_order_are_the_map(tmp_path: Path, count: int) -> No
     assert again.status().twice == 0
 
 
+def test_a_part_that_has_grown_is_merged_again(tmp_path: Path) -> None:
+    """Its log, which a process goes on to write, has rows that the first copy lacks."""
+    go_on(tmp_path / "quiet")
+    table = Folder(tmp_path / "quiet").table
+    rows = table.rows[table.known]
+    writing = Folder.at(tmp_path / "part", SPEC)
+    writing.begin()
+    for begin in (0, 20):
+        writing.append(rows[begin : begin + 20], np.full(20, 1.0, np.float32))
+        merged = rigid.merge([tmp_path / "part"], tmp_path / "merged")
+        assert merged.status().done == begin + 20
+    writing.end("interrupted")
+
+
 def test_parts_meet_in_one_folder(tmp_path: Path, quiet: rigid.StabilityMap) -> None:
     options = request(store=tmp_path / "run")
     results = [rigid.stability_map(**options, part=f"{k}/3") for k in (3, 1, 2)]

@@ -297,9 +297,10 @@ class Explorer extends MapOnCanvas {
   }
 
   // The bodies of a pixel, by its number in arrays of the bodies of pixels. Starts are in arrays too, or are drawn.
-  bodiesIn({outcome, left, omega, attitude, draw}, pixel) {
+  bodiesIn({outcome, left, omega, attitude, draw, own}, pixel) {
     const {samples} = this.map, first = pixel * samples, row = (array, width, k) => Array.from(array.subarray(width * k, width * (k + 1)));
     return {outcome: row(outcome, samples, pixel), left: row(left, samples, pixel),
+      own: k => own?.columns.map((column, j) => [column, own.values[(first + k) * own.columns.length + j]]) ?? [],
       start: k => draw ? startOf(draw, pixel, k) : [row(omega, 3, first + k), row(attitude, 4, first + k)]};
   }
 
@@ -366,7 +367,7 @@ class Explorer extends MapOnCanvas {
   note(doubtful = Infinity) {
     const {map} = this;
     this.find(".note").textContent = `Here are ${map.samples} of ${map.of} bodies of each pixel. ` + (!map.motion
-      ? "The page does not compute motions under these torques: use the Python line."
+      ? "The page does not compute motions under the torque of a function: use the Python line."
       : `The page computes their motions from their exact starts by a Taylor series; the outcomes come from the map. ${Number.isFinite(doubtful)
         ? `A change of this start by 1e-12 shows from t = ${shown(doubtful)} s on: from there this motion may differ from the motions of the map and of replay.`
         : "Chaotic motions may differ from the map."}`);
@@ -378,19 +379,21 @@ class Explorer extends MapOnCanvas {
   }
 
   film(pixel, sample, words) {
-    const {map} = this, numbers = Array.from(map.motion.numbers.subarray(18 * pixel, 18 * pixel + 18)), horizon = map.horizon[pixel];
+    const {map} = this, numbers = Array.from(map.motion.numbers.subarray(WIDTH * pixel, WIDTH * (pixel + 1))), horizon = map.horizon[pixel];
+    for (const [column, value] of this.bodies.own(sample)) numbers[column] = value;
     const [omega, attitude] = this.bodies.start(sample);
-    const begun = performance.now(), frames = Math.round(clamp(horizon * size(omega) / 0.2, 500, FRAMES));
+    const begun = performance.now(), {orbit} = named(numbers), pace = Math.max(size(omega), orbit[1] < 1 ? 2 * orbit[0] : 0);
+    const frames = Math.round(clamp(horizon * pace / 0.2, 500, FRAMES));
     const times = Array.from({length: frames + 1}, (_, k) => horizon * k / frames);
     const motion = motionOf(numbers, omega, attitude, times);
     const doubtful = doubtfulFrom(numbers, omega, attitude, times, motion);
     this.computed = performance.now() - begun;
     this.moved = {pixel, numbers, motion, doubtful};
     this.note(doubtful);
-    const seconds = clamp(horizon, 4, 20), speed = horizon / seconds;
+    const seconds = Math.max(clamp(horizon, 4, 20), Math.min(horizon * pace / 9, 90)), speed = horizon / seconds;
     this.player ??= new Player(this.find("#player"), KEYS);
     this.player.root.hidden = false;
-    const film = filmOf(map, numbers, this.strip(), times, motion, speed);
+    const film = filmOf(map, numbers, this.strip(), motion, speed);
     const short = motion.omega.length < times.length ? "; the page could not compute it to the end" : "";
     this.player.show([film], `${words}; film at ${shown(speed)} × the speed of the motion${short}`);
   }

@@ -56,19 +56,23 @@ function separatrixOf(moments) {
 function stripOf(map, chart, pixel, numbers, motion, doubtful) {
   const {inks} = map, values = quantityOf(chart, numbers, motion), isRates = chart.what === "rates";
   const ink = chart.what === "rate" ? inks.axes[Math.abs(chart.axis) - 1]
-    : {tilt: inks.body, turn: inks.body, direction: chart.of === "L" ? inks.L : inks.omega, speed: inks.omega}[chart.what];
+    : {tilt: inks.body, turn: inks.body, pointing: inks.planet, distance: inks.planet, direction: chart.of === "L" ? inks.L : inks.omega, speed: inks.omega}[chart.what];
   return {label: chart.label, names: isRates ? ["ω₁", "ω₂", "ω₃"] : [], colours: isRates ? inks.axes : [ink], axes: inks.axes,
     values, limits: chart.limits.map(limits => limits[pixel]), after: chart.after, doubtful};
 }
 
-function filmOf(map, numbers, strip, times, {omega, attitude}, speed) {
-  const {inks} = map, moments = numbers.slice(0, 3), weight = numbers.slice(3, 6);
-  const t = times.slice(0, omega.length), isTop = size(weight) > 0, isFree = numbers.slice(3).every(x => x === 0);
-  const momentum = omega.map((w, k) => turned(attitude[k], w.map((x, i) => x * moments[i])));
+const PLANET = 2;  // where the planet is drawn: its direction alone is to scale
+
+function filmOf(map, numbers, strip, {t, omega, attitude}, speed) {
+  const {inks} = map, body = named(numbers), {moments, weight, orbit} = body;
+  const isTop = size(weight) > 0, hasOrbit = orbit[0] > 0, isFree = numbers.slice(3).every(x => x === 0);
+  // A rotor and an energy sink leave the angular momentum at rest.
+  const keepsMomentum = Object.entries(body).every(([name, values]) => ["moments", "rotor", "sink"].includes(name) || values.every(x => x === 0));
+  const momentum = omega.map((w, k) => turned(attitude[k], momentumOf(body, w)));
   const rates = omega.map((w, k) => turned(attitude[k], w));
   const longest = vectors => vectors.reduce((most, v) => Math.max(most, size(v)), 0) || 1;
   const part = (kind, points, colours, more = {}) => ({kind, points, colours, opacity: 1, carried: false, label: "", meaning: "", ...more});
-  const unitVectors = [[1, 0, 0], [0, 1, 0], [0, 0, 1]], up = !isFree ? [0, 0, 1] : unit(momentum[0]);
+  const unitVectors = [[1, 0, 0], [0, 1, 0], [0, 0, 1]], up = hasOrbit ? axesOfOrbit(orbit, 0).normal : keepsMomentum && size(momentum[0]) > 0 ? unit(momentum[0]) : [0, 0, 1];
   let parts, reach, centre = [0, 0, 0];
   if (isTop) {
     const direction = unit(weight);
@@ -87,12 +91,18 @@ function filmOf(map, numbers, strip, times, {omega, attitude}, speed) {
       part("arrow", tips, [inks.omega], {label: "ω", meaning: "angular velocity"}),
       part("arrow", momentum.map(v => scaled(v, 1.5 / spun)), [inks.L], {label: "L", meaning: "angular momentum"})];
     reach = 1.75;
+    if (hasOrbit) {
+      const [first, second] = across(up), circle = Array.from({length: 97}, (_, k) => Math.PI * k / 48);
+      parts.push(part("line", circle.map(angle => sum(scaled(first, PLANET * Math.cos(angle)), second, PLANET * Math.sin(angle))), [inks.path], {meaning: "plane of the orbit"}),
+        part("planet", t.map(time => scaled(axesOfOrbit(orbit, time).radial, -PLANET)), [inks.planet], {label: "planet", meaning: "direction to the planet"}));
+      reach = 1.15 * PLANET;
+    }
   }
   const some = Array.from({length: 64}, (_, k) => attitude[Math.floor(k * (attitude.length - 1) / 63)]);
   const grounded = isTop && parts[0].points.flat().every(p => some.every(q => turned(q, p)[2] > -0.02));
   const step = t.length > 1 ? t[1] - t[0] : 1, digits = Math.max(0, Math.ceil(-Math.log10(step) - 1e-9));
   return {view: isTop ? "top" : "box", title: map.scene, grounded, t, digits, shown: t.map(() => step / speed),
-    trail: 0.25 * t[t.length - 1], attitude, frame: across(up), centre, reach, camera: map.camera, parts, chart: strip,
+    trail: hasOrbit ? Math.min(0.25 * t[t.length - 1], 12 * t.length / rates.reduce((all, w) => all + size(w), 0)) : 0.25 * t[t.length - 1], attitude, frame: across(up), centre, reach, camera: map.camera, parts, chart: strip,
     polhode: isFree && isFinite(momentum[0][0]) && size(momentum[0]) > 0 ? {
       points: omega.map(w => unit(w.map((x, i) => x * moments[i]))), separatrix: separatrixOf(moments)} : null};
 }

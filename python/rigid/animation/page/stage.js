@@ -111,10 +111,20 @@ function ballFaces(centre, radius) {
   });
 }
 
+// A planet in its direction, at the end of a line from the body.
+function planetFaces(place, reach) {
+  const [first, second] = across(place), angles = [0, 1, 2, 3, 4, 5, 6].map(k => k * Math.PI / 3);
+  const ring = share => angles.map(angle => sum(sum(scaled(place, share), first, 0.006 * reach * Math.cos(angle)), second, 0.006 * reach * Math.sin(angle)));
+  const [near, far] = [ring(0), ring(1)];
+  return [...near.slice(1).map((_, k) => [near[k], near[k + 1], far[k + 1], far[k]]), ...ballFaces(place, 0.09 * reach)];
+}
+
+const FACES_OF_VECTOR = {arrow: arrowFaces, planet: planetFaces, dot: (point, reach) => ballFaces(point, 0.03 * reach)};
+
 // Points of a part in a frame, in the axes in which the part is at rest.
 function pointsAt(film, part, frame) {
   const points = part.points;
-  if (part.kind === "arrow" || part.kind === "dot") return [points[points.length > 1 ? frame : 0]];
+  if (FACES_OF_VECTOR[part.kind]) return [points[points.length > 1 ? frame : 0]];
   if (part.kind !== "trail") return points;
   return points.slice(trailBegin(film, frame), frame + 1);
 }
@@ -273,7 +283,7 @@ function glPainter(canvas) {
   const corners = stored(new Float32Array([0, -1, 0, 1, 1, -1, 1, 1]), gl.STATIC_DRAW);
   const round = Array.from({length: 48}, (_, k) => [Math.cos(Math.PI * k / 24), Math.sin(Math.PI * k / 24), 0]);
   const disc = stored(trianglesOf([round], [[0, 0, 0]]), gl.STATIC_DRAW);
-  const isVector = part => part.kind === "arrow" || part.kind === "dot";
+  const isVector = part => part.kind in FACES_OF_VECTOR;
   let meshes = new Map(), colours = null;
 
   function load(film) {
@@ -306,8 +316,7 @@ function glPainter(canvas) {
   function vectorMesh(film, part, point) {
     const mesh = meshes.get(part);
     if (mesh.point !== point) {
-      const faces = part.kind === "arrow" ? arrowFaces(point, film.reach) : ballFaces(point, 0.03 * film.reach);
-      const data = trianglesOf(faces, part.colours.map(inked));
+      const data = trianglesOf(FACES_OF_VECTOR[part.kind](point, film.reach), part.colours.map(inked));
       gl.bindBuffer(gl.ARRAY_BUFFER, mesh.buffer);
       gl.bufferData(gl.ARRAY_BUFFER, data, gl.DYNAMIC_DRAW);
       [mesh.count, mesh.point] = [data.length / 9, point];
@@ -451,9 +460,9 @@ function flatPainter(canvas) {
         });
         continue;
       }
-      const ends = part.kind === "arrow" ? Array.from({length: 9}, (_, k) => scaled(points[0], k / 8)) : points;
+      const ends = part.kind === "arrow" || part.kind === "planet" ? Array.from({length: 9}, (_, k) => scaled(points[0], k / 8)) : points;
       const seen = ends.map(look.project), before = 0.03 * film.reach;
-      if (part.kind === "dot") drawn.push({depth: seen[0][2] - before, corners: seen, dot: ink[0]});
+      if (part.kind === "dot" || part.kind === "planet") drawn.push({depth: seen.at(-1)[2] - before, corners: [seen.at(-1)], dot: ink[0], wide: part.kind === "dot" ? 5 : 12});
       for (let k = 0; k + 1 < seen.length; k++)
         drawn.push({depth: 0.5 * (seen[k][2] + seen[k + 1][2]) - before, corners: [seen[k], seen[k + 1]], stroke: ink[0]});
       if (part.kind === "arrow") {
@@ -467,9 +476,9 @@ function flatPainter(canvas) {
     pen.setTransform(look.ratio, 0, 0, look.ratio, 0, 0);
     pen.clearRect(0, 0, look.width, look.height);
     pen.lineWidth = 2;
-    for (const {corners, fill, stroke, dot: spot} of drawn) {
+    for (const {corners, fill, stroke, dot: spot, wide} of drawn) {
       pen.beginPath();
-      if (spot) pen.arc(corners[0][0], corners[0][1], 5, 0, 7);
+      if (spot) pen.arc(corners[0][0], corners[0][1], wide, 0, 7);
       corners.forEach(([x, y], i) => i ? pen.lineTo(x, y) : spot || pen.moveTo(x, y));
       if (stroke) pen.strokeStyle = stroke, pen.stroke();
       else pen.fillStyle = spot ?? fill, pen.fill();
