@@ -416,7 +416,7 @@ def _tutorials(options: argparse.Namespace) -> int:
     for path, content in made.items():
         with published(path) as file:
             file.write(content.encode())
-        say(f"wrote {path}")
+    say(f"wrote {len(made)} notebooks into {folder}")
     return DONE
 
 

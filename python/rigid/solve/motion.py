@@ -32,7 +32,7 @@ class Motion:
     microseconds. The steps are the steps of :func:`simulate` with the same method: the states have
     the bits of a run with the end of each step as output time, if the times of both are the same
     numbers, as with steps of ``2**-k`` s. The error of a motion is not estimated: compare it with a
-    motion of half the step.
+    motion of half the step. Between steps :attr:`omega` and :attr:`attitude` may be set.
 
     Parameters
     ----------
