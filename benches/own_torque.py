@@ -85,12 +85,14 @@ def rate(t: float, y: Any, moments: Any, data: Any, torque: Any, slope: Any) -> 
 
 
 def by_hand(numba: Any, rows: Any, weights: Any, function: Any) -> Any:
-    """A loop over bodies and steps of a Runge-Kutta method."""
+    """A loop over bodies and steps of a Runge-Kutta method, until a body is slow."""
     jit = numba.njit(error_model="numpy")
     slope_of, torque_of = jit(rate), jit(function)
     stages, nodes = len(weights), rows.sum(axis=1)
 
-    def loop(omega: Any, moments: Any, data: Any, step: float, steps: int) -> Any:
+    def loop(
+        omega: Any, moments: Any, data: Any, step: float, steps: int, slow: float = 0.0
+    ) -> Any:
         slopes, at, torque = np.empty((stages, 7)), np.empty(7), np.empty(3)
         states = np.zeros((len(omega), 7))
         states[:, :3], states[:, 3] = omega, 1.0
@@ -109,6 +111,8 @@ def by_hand(numba: Any, rows: Any, weights: Any, function: Any) -> Any:
                 for i in range(stages):
                     for d in range(7):
                         y[d] += step * weights[i] * slopes[i, d]
+                if y[0] * y[0] + y[1] * y[1] + y[2] * y[2] < slow * slow:
+                    break
         return states
 
     return jit(loop)
@@ -135,6 +139,24 @@ def simulated(
         scene, omega, t=[steps * step], method=method, step=step, check=False, threads=1
     )
     return run.omega[:, -1]
+
+
+def stopped(scene: Scene, slow: float) -> Any:
+    """The rates when the bodies become slow, or at the end."""
+    run = rigid.simulate(
+        scene,
+        TUMBLING,
+        t=[HOURS * 3600.0],
+        until=rigid.crosses("speed", slow, -1),
+        method="dop853",
+        tolerance=1e-6,
+        check=False,
+        threads=1,
+        progress=False,
+    )
+    ends, found = run.omega[:, -1], run.events[0]
+    ends[found.body] = found.omega
+    return ends
 
 
 def mapped(scene: Any) -> rigid.StabilityMap:
@@ -209,6 +231,18 @@ def main() -> None:
     times = in_turns(sides, lambda ends: moved(ends, TUMBLING), repeats=REPEATS)
     each = 1e9 * float(np.median(times["rigid"])) / (SATELLITES * steps)
     line = f"{SATELLITES} detumblings in {HOURS:g} h, dop853: ns a step {each:.0f}"
+    if numba is not None:
+        line += f", over numba by hand {over('rigid', times['rigid'], times['numba']):.2f}"
+    print(line)
+
+    speeds = np.linalg.norm(TUMBLING, axis=1)
+    slow = 0.3 * float(np.median(speeds))
+    sides = {"rigid": partial(stopped, cube, slow)}
+    if numba is not None:
+        sides["numba"] = lambda: loop(TUMBLING, CUBE, numbers, WATCH, steps, slow)[:, :3]
+    times = in_turns(sides, lambda ends: moved(ends, TUMBLING), repeats=REPEATS)
+    each = 1e6 * float(np.median(times["rigid"])) / SATELLITES
+    line = f"the same until their speed is {slow:.3f} rad/s, tolerance 1e-6: µs a body {each:.0f}"
     if numba is not None:
         line += f", over numba by hand {over('rigid', times['rigid'], times['numba']):.2f}"
     print(line)

@@ -426,7 +426,7 @@ def judged_by_wheel(states: Any) -> Any:
     return (np.abs(states.states[:, :, 2]) < 0.9).all(axis=1)
 
 
-def test_a_map_judges_the_states_of_wheels() -> None:
+def test_a_map_judges_the_states_of_wheels(tmp_path: Path) -> None:
     times = np.linspace(0.0, 20.0, 41)
     result = rigid.stability_map(
         scene(rigid.Torque.call(wheels, GAINS, states=6)),
@@ -449,6 +449,36 @@ def test_a_map_judges_the_states_of_wheels() -> None:
     assert result.spec.start.describe().endswith("states (0.1, 0, -0.2, 0, 0, 0)")
     again = rigid.Start.from_dict(result.spec.start.to_dict())
     assert again == result.spec.start
+    # A file has no function: the scene that is given again begins at the states of the start.
+    path = result.save(tmp_path / "map.npz")
+    loaded = rigid.load_map(path, scene=scene(), stable=judged_by_wheel)
+    run: Any = loaded.replay(1, 0).run
+    assert np.array_equal(run.states[0], STARTS)
+    other = scene(rigid.Torque.call(wheels, (0.1, 1.2, 0.3), states=6))
+    with pytest.raises(ValueError, match="scene: differs from the scene of the map"):
+        rigid.load_map(path, scene=other)
+
+
+def test_a_criterion_of_rates_sees_bodies_with_wheels() -> None:
+    # The controller stops each body; a Runge-Kutta run tells which has been slow by then.
+    asked = rigid.Torque.call(wheels, GAINS, states=6, fastest=4.0)
+    result = rigid.stability_map(
+        scene(asked),
+        axes={"spin": [0.2, 0.5, 0.8]},
+        start=rigid.Start(spin=0.2, axis=3, noise=rigid.normal(0.1), states=STARTS),
+        stable=~rigid.spin_above(0.15, axis=3),
+        t_end=3.0,
+        samples=8,
+        rng=4,
+        progress=False,
+    )
+    fine = np.linspace(0.0, 3.0, 3001)
+    for pixel in range(3):
+        starts = result.starts(np.arange(8), pixel=pixel)
+        run = simulate(scene(), starts.omega, starts.attitude, states=STARTS, t=fine, accuracy=1e-8)
+        slow = (run.omega[..., 2] < 0.15).any(axis=-1)
+        assert result.stable[pixel] == slow.sum()
+    assert 0 < result.stable.sum() < 24
 
 
 # What is refused
