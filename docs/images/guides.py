@@ -342,7 +342,7 @@ def running_maps() -> Figure:
         ax.set(yscale="log", xlabel="side b (mm)", facecolor=SURFACE)
         known = 100.0 * np.mean(~np.isnan(state.share))
         ax.set_title(f"{known:.0f} % of the pixels", fontsize="medium")
-    panels[0].set_ylabel("noise (rad/s)")
+    panels[0].set_ylabel("perturbation (rad/s)")
     figure.colorbar(shown, ax=panels, label="share without a flip", pad=0.01)
     return figure
 

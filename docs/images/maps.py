@@ -21,7 +21,7 @@ MAPS = (
 
 REGIONS = {
     "gravity-gradient": (
-        ("Lagrange", 0.6, 0.8, 0.0),
+        ("Lagrange", 0.4, 0.9, 0.0),
         ("DeBra and Delp", 1.06, 1.6, 90.0),
         ("unstable in\nroll or yaw", 0.63, 1.3, 0.0),
         ("unstable in\nroll or yaw", 1.75, 1.25, 0.0),

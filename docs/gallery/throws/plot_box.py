@@ -3,7 +3,7 @@
 
 A box of 25 cm by 8 cm by 1 cm is thrown with a spin. Rotation is stable about the axis through the
 largest face, which has the largest moment of inertia, and about the axis through the smallest face.
-About the axis between them every disturbance grows, at a rate of 0.89 per second for a spin of 1
+About the axis between them every perturbation grows, at a rate of 0.89 per second for a spin of 1
 rad/s, and the box tumbles.
 
 How to: :doc:`describe a body of your own </own_bodies>`.

@@ -3,7 +3,7 @@
 
 A box of 1 cm by 8 cm by 25 cm rotates at 1 rad/s. Exactly about a principal axis the rotation
 continues for ever. With noise of 0.05 rad/s on every component, the rotation about the middle axis
-flips again and again. The dots are the growth rate of a disturbance if the rates were constant.
+flips again and again. The dots are the growth rate of a perturbation if the rates were constant.
 They describe the beginning of the motion only; later they are positive on stable motions too.
 
 How to: :doc:`throw a box of your own </quickstart>`.

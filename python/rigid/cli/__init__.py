@@ -361,7 +361,7 @@ def _report(options: argparse.Namespace) -> int:
     result = run_report(spec, seconds=options.seconds, progress=options.progress, partial=True)
     return finished(
         result.save,
-        lambda: result.plot(_axes()),
+        result.plot,
         target,
         "report",
         words=lambda: f"{result}\n",

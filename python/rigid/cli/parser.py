@@ -25,7 +25,7 @@ GROUPS: Mapping[str, tuple[str, ...]] = {
         *("resume", "status", "merge", "diff", "verify", "pack"),
     ),
     "look up and check": (
-        *("maps", "sections", "reports", "extremes", "validation", "info", "help"),
+        *("maps", "sections", "reports", "tutorials", "extremes", "validation", "info", "help"),
     ),
 }
 """The commands by what they are for."""

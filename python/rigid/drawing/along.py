@@ -76,9 +76,12 @@ def write_along(
             base, up, above = found
             right = half * np.array([up[1], -up[0]])
             centre = base + (0.5 if above else -0.5) * height * up
-            place, *ends = ax.transData.inverted().transform([base, centre - right, centre + right])
+            (x, y), *ends = ax.transData.inverted().transform(
+                [base, centre - right, centre + right]
+            )
             written = ax.text(
-                *place,
+                x,
+                y,
                 text,
                 color="white",
                 fontsize=SIZE,

@@ -49,9 +49,18 @@ def shown_figure() -> Figure:
     return plain if pyplot is None else pyplot.figure(**_SIZE)
 
 
-def axes_to_draw_on(ax: Any | None) -> Any:
-    """The given axes, or the axes of a new figure."""
-    return shown_figure().add_subplot() if ax is None else check_axes(ax)
+SMALL = 6.4, 5.2
+"""Width and height of a picture (inches) whose words are legible on a page of 375 pixels."""
+
+
+def axes_to_draw_on(ax: Any | None, size: tuple[float, float] | None = None) -> Any:
+    """The given axes, or the axes of a new figure of this size (inches)."""
+    if ax is not None:
+        return check_axes(ax)
+    figure = shown_figure()
+    if size is not None:
+        figure.set_size_inches(*size)
+    return figure.add_subplot()
 
 
 def check_axes(ax: Any) -> Any:

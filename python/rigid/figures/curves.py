@@ -67,7 +67,7 @@ def throw(experiment: free.ThrowExperiment) -> Picture:
     """The rates of a body thrown about each of its axes, with and without noise.
 
     The dots are the largest real part of an eigenvalue of the Jacobian at whole seconds: the growth
-    rate of a disturbance if the angular velocity were constant. The value is positive on stable
+    rate of a perturbation if the angular velocity were constant. The value is positive on stable
     motions too, so do not read it as stability (Buller and Wernstål 2011, fig. 3; errata S-14,
     S-15).
 

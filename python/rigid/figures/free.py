@@ -337,8 +337,8 @@ def polhodes(body: BodyLike | Run, *, count: int = 5, samples: int = 361) -> Pic
     """The polhodes of one energy on the inertia ellipsoid, with the separatrix.
 
     Polhodes encircle the axes of the largest and of the smallest moment: rotations about these axes
-    are stable. No polhode encircles the middle axis, and a small disturbance of a rotation about it
-    grows until the body has turned over (Landau and Lifshitz, *Mechanics*, § 37, fig. 51).
+    are stable. No polhode encircles the middle axis, and a small perturbation of a rotation about
+    it grows until the body has turned over (Landau and Lifshitz, *Mechanics*, § 37, fig. 51).
 
     Parameters
     ----------

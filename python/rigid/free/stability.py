@@ -30,7 +30,7 @@ it after 6."""
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class PermanentRotation:
-    """A rotation about a principal axis, and the evolution of a small disturbance.
+    """A rotation about a principal axis, and the evolution of a small perturbation.
 
     Attributes
     ----------
@@ -41,8 +41,8 @@ class PermanentRotation:
     frequency, growth : ndarray, shape (...)
         ``sqrt(K)`` if K is positive (rad/s), and ``sqrt(-K)`` if K is negative (1/s); else 0.
     kind : str, or ndarray of str of shape (...)
-        ``"stable"``: the disturbance oscillates; ``"unstable"``: the disturbance grows
-        exponentially; ``"neutral"``: K = 0, and the disturbance grows linearly, or is constant if
+        ``"stable"``: the perturbation oscillates; ``"unstable"``: the perturbation grows
+        exponentially; ``"neutral"``: K = 0, and the perturbation grows linearly, or is constant if
         all moments are equal.
     """
 
@@ -199,7 +199,7 @@ def jacobian(factors: ArrayLike, omega: ArrayLike) -> Floats:
 def local_stability(factors: ArrayLike, omega: ArrayLike) -> Floats:
     """The largest real part of the eigenvalues of :func:`jacobian`: a local indicator.
 
-    The indicator is the growth rate of a disturbance if the angular velocity were constant: the
+    The indicator is the growth rate of a perturbation if the angular velocity were constant: the
     eigenvalues are the roots of ``x³ - s x - q`` with ``q`` the determinant and
     ``s = gamma1 gamma2 omega3² + gamma2 gamma3 omega1² + gamma3 gamma1 omega2²``. It is
     never negative, because the trace is zero, and it is positive nearly everywhere on stable

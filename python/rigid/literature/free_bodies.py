@@ -39,13 +39,13 @@ ROD = (1.0, 49.0, 50.0)
 
 
 def growth_by_formula() -> float:
-    """Growth rate of a disturbance of the rotation about the middle axis at 1 rad/s."""
+    """Growth rate of a perturbation of the rotation about the middle axis at 1 rad/s."""
     i1, i2, i3 = RACKET
     return sqrt((i2 - i1) * (i3 - i2) / (i1 * i3))
 
 
 def growth_by_motion() -> float:
-    """Growth rate of a disturbance of 1e-10, between the times with exp(k t) = e⁸ and e¹⁴."""
+    """Growth rate of a perturbation of 1e-10, between the times with exp(k t) = e⁸ and e¹⁴."""
     times = np.array([8.0, 14.0]) / growth_by_formula()
     run = simulate(FreeBody(Body(RACKET)), [1e-10, 1.0, 0.0], t=times, record="rates")
     first, last = np.abs(run.omega[:, 0])
@@ -126,12 +126,12 @@ def flat_spin() -> float:
 ENTRIES = (
     Entry(
         name="middle-axis-growth",
-        quantity="tennis racket at 1 rad/s about its middle axis: growth rate of a disturbance, "
+        quantity="tennis racket at 1 rad/s about its middle axis: growth rate of a perturbation, "
         "from its motion",
         printed="ω √((I2 - I1)(I3 - I2)/(I1 I3))",
         value=growth_by_formula(),
         within=1e-6,
-        interval="size of the disturbance",
+        interval="size of the perturbation",
         unit="1/s",
         source=LANDAU,
         seen=RACKET_SEEN,

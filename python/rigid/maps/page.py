@@ -178,6 +178,7 @@ def content_of_map(
         "words": class_words(spec),
         "leaves": not is_regular,
         "horizon": packed(spec.horizons, np.float64),
+        "clock": {"name": spec.clock.shown("s")[0], "size": spec.clock.size},
         "motion": _motion(spec),
         "charts": [
             chart | {"limits": [packed(limits, np.float64) for limits in of_chart]}

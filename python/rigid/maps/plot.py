@@ -16,7 +16,7 @@ from .._checks.arguments import brief, finite_float, nearest
 from ..drawing import colours
 from ..drawing.along import write_along
 from ..drawing.colours import on_ground
-from ..drawing.figure import axes_to_draw_on, shown_figure
+from ..drawing.figure import SMALL, axes_to_draw_on, shown_figure
 from ..model.criteria import Regular
 from ..solve.methods import AUTO
 from .axes import Axis
@@ -53,9 +53,6 @@ LONGEST = 76
 
 LETTERS = 30
 """Most letters of an entry of a legend with two columns."""
-
-SIZE = 6.4, 5.2
-"""Width and height of a picture (inches): its words are legible on a page of 375 pixels."""
 
 UNDECIDED, MANY = 0.05, " > 5 %"
 """Cells with more than this share of undecided (or of failed) bodies are hatched."""
@@ -175,9 +172,7 @@ def plot_map(
     free = [k for k in range(len(data.spec.axes)) if k not in fixed]
     theory = predict(data.spec)
     if len(free) <= 2:
-        if ax is None:
-            ax = axes_to_draw_on(None)
-            ax.figure.set_size_inches(*SIZE)
+        ax = axes_to_draw_on(ax, SMALL)
         view = View.of(data, theory, fixed)
         shown = None if field is None else field[view.index]
         _draw(view, ax, _title(data, fixed), shown, label)
@@ -452,10 +447,11 @@ def _draw_curves(view: View, ax: Axes, *, named: bool) -> list[Any]:
         x, y = (axis.values for axis in axes)
         lines = ax.contour(x, y, curve.field, levels=[0.0], colors="white", linewidths=1.6)
         (path,) = lines.get_paths()
-        if len(path.vertices) == 0:
+        corners = np.asarray(path.vertices)
+        if not len(corners):
             continue  # between pixels, or where theory does not reach
         begins = np.flatnonzero(path.codes == path.MOVETO)[1:]
-        drawn[curve.label] = lines, np.split(path.vertices, begins)
+        drawn[curve.label] = lines, np.split(corners, begins)
     # A black line below the dashes too: dashes alone read as equality signs in a legend.
     below = Stroke(
         linewidth=3.4, foreground="black", dashes={"dash_offset": 0.0, "dash_list": None}

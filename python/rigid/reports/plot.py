@@ -1,4 +1,4 @@
-"""The picture of a report: error against time, the best of each family named at its line."""
+"""The picture of a report: error against time, a line with a name at its end for each method."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from ..drawing.colours import BAND, GRID, HUES, NEUTRAL, PALE, SURFACE, ground, on_ground
-from ..drawing.figure import axes_to_draw_on, check_axes, shown_figure
+from ..drawing.colours import BAND, GRID, HUES, NEUTRAL, PALE, SURFACE, on_ground
+from ..drawing.figure import SMALL, axes_to_draw_on, check_axes, shown_figure
 from ..solve.methods import EXACT
-from .data import ReportData, Row
+from .data import ReportData
 from .reference import Reference
 from .table import ERRORS, in_short, known_errors, time_text
 
@@ -25,9 +25,6 @@ Floats = NDArray[np.float64]
 
 Points: TypeAlias = Sequence[tuple[float, float]]
 """The line of a method: times, or revolutions, and errors."""
-
-Name: TypeAlias = tuple[Floats, Floats]
-"""The middle of a name and half its size, in shares of the axes."""
 
 
 class Family(NamedTuple):
@@ -61,23 +58,20 @@ LEAST = 1e-17
 
 LABELS = {"energy": "energy, relative", "momentum": "momentum, relative", "phase": "phase, rad"}
 
-NAME_SIZE = 8.5
-"""Size of the names of families (points)."""
-
-ROOM = 3.0
-"""A name is as well off with so much room, in half widths, as with more."""
+NAME_SIZE = 8.0
+"""Size of the names of methods (points)."""
 
 
 def plot_report(report: ReportData, *, ax: Axes | None = None) -> Any:
     """Draw error against processor time, both axes logarithmic.
 
-    Each method has a pale line. The best of a family of methods has a line in a colour, with the
-    name of the family; the Pareto front of all methods is the broad line, with the names of the
-    methods that begin there to be the best. Nothing is known in the hatched region below the
-    uncertainty of the reference. Slow families may end beyond the right edge.
+    Each method has a line, with its name at the end, in the colour of its family. The broad line
+    is the Pareto front: no method that makes steps is faster and better. Nothing is known in the
+    hatched region below the uncertainty of the reference. Slow methods may end beyond the right
+    edge.
 
     Over revolutions a grid of axes, in the place of ``ax``, shows the errors of energy, momentum
-    and phase: above against time, below their growth in about the same time.
+    and phase: against time, and beside it their growth in about the same time.
 
     Parameters
     ----------
@@ -97,7 +91,7 @@ def plot_report(report: ReportData, *, ax: Axes | None = None) -> Any:
     """
     if report.spec.revolutions:
         return _plot_growth(report, ax)
-    ax = axes_to_draw_on(ax)
+    ax = axes_to_draw_on(ax, SMALL)
     spec = report.spec
     ax.set_xlabel(f"processor time per body and {spec.unit} of motion (ns)")
     ax.set_ylabel(f"error of the state at t = {spec.t_end:g} {spec.unit}")
@@ -113,26 +107,30 @@ def _plot_growth(report: ReportData, ax: Axes | None) -> NDArray[Any]:
     else:
         figure = check_axes(ax).get_figure(root=True)
         ax.remove()
-    errors, spec, reference = known_errors(report), report.spec, report.reference
-    figure.set_size_inches(4.0 * len(errors), 8.0)
-    grid: NDArray[Any] = figure.subplots(2, len(errors), squeeze=False)
+    spec, reference = report.spec, report.reference
+    errors = [
+        name for name in known_errors(report) if any(_lines(report, ERRORS[name]).values())
+    ] or known_errors(report)
+    figure.set_size_inches(8.0, 3.4 * len(errors) + 0.4)
+    grid: NDArray[Any] = figure.subplots(len(errors), 2, squeeze=False)
     figure.suptitle(_title(report), x=0.01, ha="left", fontsize="medium")
     most = time_text(spec.time_of(report.common_time))
-    for (upper, lower), name in zip(grid.T, errors, strict=True):
-        over = f"over {in_short(report.horizon)} revolutions"
-        upper.set_title(f"error of the {LABELS[name]}, {over}", fontsize="small")
-        upper.set_xlabel("processor time per body and revolution (ns)", fontsize="small")
-        lower.set_xlabel(f"revolutions, in at most {most} ns each", fontsize="small")
+    for (first, second), name in zip(grid, errors, strict=True):
+        first.set_title(f"over {in_short(report.horizon)} revolutions", fontsize="small")
+        first.set_xlabel("processor time per body and revolution (ns)", fontsize="small")
+        second.set_title(f"in at most {most} ns per revolution", fontsize="small")
+        second.set_xlabel("revolutions", fontsize="small")
         known = None
         if name == "phase" and reference.method:
             known = replace(reference, uncertainty=reference.worst)
         times = [spec.time_of(row.nanoseconds) for row in report.rows] or [1.0]
         lines = _lines(report, ERRORS[name], spec.time_of)
-        _draw_trade_off(upper, lines, reference=known, times=(min(times), max(times)))
-        _draw_growth(lower, report, ERRORS[name])
-        for one in (upper, lower):
+        _draw_trade_off(first, lines, reference=known, times=(min(times), max(times)))
+        _draw_growth(second, report, ERRORS[name])
+        for one in (first, second):
+            one.set_ylabel(f"error of the {LABELS[name]}", fontsize="small")
             one.tick_params(labelsize="small")
-    return grid
+    return grid.T
 
 
 def _lines(
@@ -152,32 +150,22 @@ def _lines(
 def _draw_growth(ax: Axes, report: ReportData, error: str) -> None:
     """Draw an error against the revolutions, of each method in about the same time."""
     _log_axes(ax)
-    lines: dict[Row, Points] = {}
-    best: dict[Family, Row] = {}
+    lines: dict[str, Points] = {}
     for row in report.at_common_time():
-        lines[row] = [
+        points = [
             (one.revolutions, max(getattr(one, error), LEAST))
             for one in report.growth(row)
             if getattr(one, error) < 1.0
         ]
-    lines = {row: points for row, points in lines.items() if points}
-
-    def rank(row: Row) -> tuple[float, int]:
-        at_horizon = [y for x, y in lines[row] if x == report.horizon]
-        return min(at_horizon, default=math.inf), -len(lines[row])
-
-    for row in sorted(lines, key=rank):
-        best.setdefault(family_of(row.method), row)
-    if not best:
+        if points:
+            lines[row.method] = points
+    if not lines:
         return
-    for points in lines.values():
-        ax.plot(*np.transpose(points), color=on_ground(ax, PALE), linewidth=0.9, zorder=1.0)
     errors = [error for points in lines.values() for _, error in points]
     counts = report.spec.revolutions
     ax.set_xlim(counts[0] / 1.5, counts[-1] * 1.5)
     ax.set_ylim(min(errors) / 3.0, min(3.0 * max(errors), TOP))
-    ordered = [family for family in _families(report.methods) if family in best]
-    _draw_families(ax, {family: lines[best[family]] for family in ordered})
+    _draw_methods(ax, lines)
 
 
 def _log_axes(ax: Axes) -> None:
@@ -200,91 +188,115 @@ def _draw_trade_off(
     """
     _log_axes(ax)
     known = {method: _drawable(points) for method, points in lines.items()}
-    best = {
-        family: front
-        for family in _families(known)
-        if (front := _front(known, [name for name in known if family_of(name) == family]))
-    }
-    if not best:
+    known = {method: points for method, points in known.items() if points}
+    if not known:
         return
     front = _front(known, [method for method in known if method != EXACT])
     if times is None:
-        ends = sorted(line[-1][0] for line in best.values())
+        ends = sorted(points[-1][0] for points in known.values())
         slowest = max([ends[len(ends) // 2], *(time for time, _, _ in front[-1:])])
-        times = min(line[0][0] for line in best.values()), slowest
+        times = min(points[0][0] for points in known.values()), slowest
     unknown = math.inf if reference is None else min(reference.uncertainty, 1.0)
-    low = 0.1 * min(unknown, *(line[-1][1] for line in best.values()))
+    low = 0.1 * min(unknown, *(error for points in known.values() for _, error in points))
     ax.set_xlim(0.4 * times[0], 2.0 * times[1])
     ax.set_ylim(low, TOP)
     if reference is not None:
         _hatch(ax, low, unknown, reference.method)
-    for points in filter(None, known.values()):
-        ax.plot(*np.transpose(points), color=on_ground(ax, PALE), linewidth=0.9, zorder=1.0)
-    names = _draw_front(ax, front) if front else []
-    _draw_families(
-        ax, {family: [point[:2] for point in line] for family, line in best.items()}, names
-    )
+    if front:
+        ax.plot(
+            *np.transpose([point[:2] for point in front]),
+            color=on_ground(ax, BAND),
+            linewidth=8.0,
+            solid_capstyle="round",
+            solid_joinstyle="round",
+            zorder=2.0,
+            label="Pareto front",
+        )
+    _draw_methods(ax, known)
 
 
-def _draw_front(ax: Axes, front: Sequence[tuple[float, float, str]]) -> list[Name]:
-    """Draw the Pareto front, with the name of a method where it begins to be the best."""
-    points = [point[:2] for point in front]
-    ax.plot(
-        *np.transpose(points),
-        color=on_ground(ax, BAND),
-        linewidth=8.0,
-        solid_capstyle="round",
-        solid_joinstyle="round",
-        zorder=2.0,
-        label="Pareto front",
-    )
-    names: list[Name] = []
-    before = None
-    for (_, _, method), place in zip(front, _in_axes(ax, points), strict=True):
-        half = _half(ax, method, 0.8 * NAME_SIZE)
-        corner = place - half - [0.006, 0.008]  # nothing of the front is to the left and below
-        if method != before and not _clashes(corner, half, names) and (corner > half).all():
-            _write(ax, method, corner, on_ground(ax, family_of(method).colour), 0.8 * NAME_SIZE)
-            names.append((corner, half))
-        before = method
-    return names
+def _draw_methods(ax: Axes, lines: Mapping[str, Points]) -> None:
+    """Draw a line for each method, and its name to the right of the axes, at the end of the line.
 
-
-def _draw_families(ax: Axes, lines: Mapping[Family, Points], names: Sequence[Name] = ()) -> None:
-    """Draw a line for each family, with its name on it, where no other name is.
-
-    The name is written where it covers no other line, if there is such a place.
+    Names move up or down where they would cover each other; a thin line leads to each.
     """
-    for family, points in lines.items():
+    ends: list[tuple[float, float, str]] = []
+    for method, points in lines.items():
+        colour = on_ground(ax, family_of(method).colour)
         ax.plot(
             *np.transpose(points),
-            color=on_ground(ax, family.colour),
-            linewidth=1.8,
-            marker="*" if EXACT in family.members else "o",
-            markersize=10.0 if EXACT in family.members else 3.5,
+            color=colour,
+            linewidth=1.3,
+            marker="*" if method == EXACT else "o",
+            markersize=10.0 if method == EXACT else 2.5,
             zorder=3.0,
-            label=family.name,
+            label=method,
         )
-    paths = {family: _path(_in_axes(ax, line)) for family, line in lines.items()}
-    names = list(names)
-    for family, path in paths.items():
-        half = _half(ax, family.name, NAME_SIZE)
-        others = [other for other in paths.values() if other is not path]
-        place = _place(path, half, np.concatenate([*others, path[:0]]), names)
-        if place is not None:
-            _write(ax, family.name, place, on_ground(ax, family.colour), NAME_SIZE)
-            names.append((place, half))
+        if (end := _last_inside(_in_axes(ax, points))) is not None:
+            ends.append((end[1], end[0], method))
+    ends.sort(key=lambda end: (end[0], -end[1]))
+    figure = ax.get_figure(root=True)
+    assert figure is not None
+    height = figure.get_size_inches()[1] * ax.get_position().height
+    apart = 1.15 * NAME_SIZE / 72.0 / height
+    for (y, x, method), place in zip(ends, spread([end[0] for end in ends], apart), strict=True):
+        colour = on_ground(ax, family_of(method).colour)
+        ax.plot(
+            *([x, 1.015], [y, place]),
+            transform=ax.transAxes,
+            color=colour,
+            linewidth=0.5,
+            alpha=0.6,
+            clip_on=False,
+            zorder=1.0,
+        )
+        ax.text(
+            *(1.02, place, method),
+            transform=ax.transAxes,
+            color=colour,
+            fontsize=NAME_SIZE,
+            va="center",
+        )
+
+
+def _last_inside(places: Floats) -> Floats | None:
+    """The end of a line in shares of the axes: where it leaves them, if it does."""
+    end: Floats = places[-1]
+    if ((end >= 0.0) & (end <= 1.0)).all():
+        return end
+    # On each piece, the largest share of it at which the line is still within the axes.
+    for first, last in zip(places[-2::-1], places[:0:-1], strict=True):
+        shares = np.linspace(1.0, 0.0, 101)[:, np.newaxis]
+        line = first + shares * (last - first)
+        within = ((line >= 0.0) & (line <= 1.0)).all(axis=1)
+        if within.any():
+            return np.asarray(line[np.argmax(within)])
+    return None
+
+
+def spread(heights: Sequence[float], apart: float) -> Floats:
+    """The increasing heights, moved as little as possible to be so far apart and in [0, 1].
+
+    With ``apart`` times the index subtracted they must not decrease: the nearest such numbers are
+    means of neighbours (pool adjacent violators).
+    """
+    blocks: list[tuple[float, int]] = []
+    for k, height in enumerate(heights):
+        total, count = height - apart * k, 1
+        while blocks and blocks[-1][0] / blocks[-1][1] > total / count:
+            more, others = blocks.pop()
+            total, count = total + more, count + others
+        blocks.append((total, count))
+    means = [total / count for total, count in blocks for _ in range(count)]
+    room = max(1.0 - apart * (len(means) - 1), 0.0)
+    placed: Floats = np.clip(means, 0.0, room) + apart * np.arange(len(means))
+    return placed
 
 
 def family_of(method: str) -> Family:
     """The family of a method; an own scheme is a family by itself."""
     own = Family(method, OTHERS, (method,))
     return next((family for family in FAMILIES if method in family.members), own)
-
-
-def _families(methods: Iterable[str]) -> list[Family]:
-    """All families, in the order of the pictures."""
-    return list(dict.fromkeys([*FAMILIES, *map(family_of, methods)]))
 
 
 def _drawable(points: Points) -> Points:
@@ -323,49 +335,6 @@ def _hatch(ax: Axes, low: float, unknown: float, reference: str) -> None:
     )
 
 
-def _place(path: Floats, half: Floats, others: Floats, names: Sequence[Name]) -> Floats | None:
-    """Where on a path a name covers the least of other lines, far from them if there is room."""
-    best, least = None, math.inf
-    inside = ((path >= 0.0) & (path <= 1.0)).all(axis=1)
-    for place in np.clip(path[inside], half, 1.0 - half):
-        if _clashes(place, half, names):
-            continue
-        distance = (np.abs(others - place) / half).max(axis=1)
-        cost = float((distance < 1.0).sum()) - float(distance.min(initial=ROOM))
-        if cost < least:
-            best, least = place, cost
-    return best
-
-
-def _clashes(place: Floats, half: Floats, names: Iterable[Name]) -> bool:
-    return any(bool((np.abs(place - at) < half + of).all()) for at, of in names)
-
-
-def _half(ax: Axes, text: str, size: float) -> Floats:
-    """About half the width and height of a text, in shares of the axes."""
-    figure = ax.get_figure(root=True)
-    assert figure is not None
-    inches = np.array([0.29 * len(text), 0.7]) * size / 72.0
-    half: Floats = inches / figure.get_size_inches() / ax.get_position().size
-    return half
-
-
-def _write(ax: Axes, text: str, place: Floats, colour: str, size: float) -> None:
-    x, y = place.tolist()
-    ax.text(
-        x,
-        y,
-        text,
-        transform=ax.transAxes,
-        color=colour,
-        fontsize=size,
-        ha="center",
-        va="center",
-        zorder=4.0,
-        bbox={"facecolor": ground(ax), "edgecolor": "none", "pad": 0.6, "alpha": 0.85},
-    )
-
-
 def _in_axes(ax: Axes, points: Points) -> Floats:
     """Points in shares of the axes."""
     low, high = np.log([ax.get_xlim(), ax.get_ylim()]).T
@@ -373,25 +342,15 @@ def _in_axes(ax: Axes, points: Points) -> Floats:
     return places
 
 
-def _path(corners: Floats) -> Floats:
-    """Places along a line, but not at its ends; around the only point of a short one."""
-    if len(corners) == 1:
-        around: Floats = corners + np.array([[0.0, 0.04], [0.0, -0.04], [0.15, 0.0], [-0.15, 0.0]])
-        return around
-    share = np.linspace(0.15, len(corners) - 1.15, 40 * len(corners))
-    k = np.arange(len(corners))
-    return np.stack([np.interp(share, k, column) for column in corners.T], axis=1)
-
-
 def _title(report: ReportData) -> str:
     spec = report.spec
     which, title = "median", spec.title or "Error against run time"
-    bands = "grey band: Pareto front"
+    bands = "broad: Pareto front"
     if spec.revolutions:
         which, title = "largest", f"{spec.title or spec.scene.words()}: the long run"
-        bands = "grey bands: Pareto fronts"
+        bands = "broad: Pareto fronts"
     cpu, isa = report.machine.get("cpu", "?"), report.machine.get("isa")
     detail = f"{which} of {spec.bodies} bodies, one core of {cpu}{f' ({isa})' if isa else ''}"
     if not report.complete:
         detail += "; partial"
-    return f"{title}\n{detail}; {bands}"
+    return f"{title}\n{detail}\n{bands}"

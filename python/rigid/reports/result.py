@@ -46,11 +46,12 @@ class Report(ReportData):
     __slots__ = ()
 
     def plot(self, ax: Axes | None = None) -> Any:
-        """Draw error against time, the best of each family of methods, and the Pareto front.
+        """Draw error against time of each method, and the Pareto front.
 
-        Over revolutions it draws the errors of energy, momentum and, if it is known, phase: in the
-        upper row over the :attr:`horizon` against time per revolution, in the lower row against
-        revolutions, of the step of each method that takes about the same time.
+        Each method has a line in the colour of its family, and its name at the end. Over
+        revolutions two columns show the errors of energy, momentum and, if it is known, phase: over
+        the :attr:`horizon` against time per revolution, and against revolutions, of the step of
+        each method that takes about the same time.
 
         Parameters
         ----------

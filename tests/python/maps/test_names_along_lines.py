@@ -57,7 +57,7 @@ def test_names_of_crossing_lines_do_not_overlap() -> None:
         ends = write_along(ax, name, [own], others + written)
         assert ends is not None
         written.append(ends)
-    middles = [pixels(ax, np.linspace(*ends, 30)) for ends in written]
+    middles = [pixels(ax, np.linspace(ends[0], ends[1], 30)) for ends in written]
     for k, one in enumerate(middles):
         for other in middles[:k]:
             assert np.hypot(*(one[:, np.newaxis] - other).transpose(2, 0, 1)).min() > EM

@@ -105,7 +105,8 @@ def test_on_an_orbit_of_rate_one_rates_are_multiples_of_the_mean_motion() -> Non
 
 def test_measures_of_times_are_shown_in_the_unit() -> None:
     pytest.importorskip("matplotlib")
-    asked = {"stable": rigid.pointing_within(0.5, 1), "measure": rigid.time_to_leave()}
+    leaving = rigid.time_to_leave()
+    asked: dict[str, Any] = {"stable": rigid.pointing_within(0.5, 1), "measure": leaving}
     result = moon_map(time_unit="d", samples=9, **asked)
     measured = result.measures["time_to_leave"]
     drawn = result.plot(what="mean of time_to_leave")

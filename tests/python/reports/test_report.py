@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.optimize import minimize
 
 import rigid
 from interrupts import sigint
@@ -27,7 +28,7 @@ from rigid.model.scene import Scene
 from rigid.reports.compute import run_report
 from rigid.reports.data import AT_UNCERTAINTY, REFERENCE, USELESS
 from rigid.reports.ensemble import ensemble_of, probe, same_steps
-from rigid.reports.plot import FAMILIES, OTHERS, family_of
+from rigid.reports.plot import FAMILIES, OTHERS, family_of, spread
 from rigid.reports.reference import find_reference
 from rigid.reports.spec import ReportSpec, make_spec
 from rigid.solve.methods import run_methods
@@ -499,10 +500,11 @@ def test_rows_that_no_measurement_gives_are_refused(
     assert rule in str(caught.value)
 
 
-def test_the_picture_names_each_family_once_and_no_name_hides_another(box: rigid.Report) -> None:
+def test_the_picture_names_each_method_at_the_end_of_its_line(box: rigid.Report) -> None:
+    methods = ("rk4", "taylor12", "taylor16", "splitting", "chin4a", "dmv2", "dmv10")
     rows = [
         dataclasses.replace(row, method=method, nanoseconds=factor * row.nanoseconds)
-        for factor, method in enumerate(("rk4", "taylor12", "splitting", "chin4a", "dmv2"), 1)
+        for factor, method in enumerate(methods, 1)
         for row in box.of("rk4")
     ]
     many = dataclasses.replace(box, rows=(*box.of("exact"), *rows))
@@ -510,15 +512,35 @@ def test_the_picture_names_each_family_once_and_no_name_hides_another(box: rigid
     ax.figure.draw_without_rendering()
     assert ax.get_legend() is None
     assert ax.get_xscale() == ax.get_yscale() == "log"
-    drawn = {family_of(method).name for method in many.methods}
-    names = [text for text in ax.texts if text.get_text() in drawn]
-    assert sorted(text.get_text() for text in names) == sorted(drawn)
-    boxes = [text.get_window_extent() for text in names]
-    assert not any(a.overlaps(b) for a, b in itertools.combinations(boxes, 2))
+    names = {text.get_text(): text for text in ax.texts}
+    assert set(many.methods) < set(names)
     inside = ax.get_window_extent()
-    assert all(inside.x0 <= one.x0 and one.x1 <= inside.x1 for one in boxes)
-    # The method that is the best everywhere is named at the front.
-    assert "rk4" in [text.get_text() for text in ax.texts]
+    boxes = [names[method].get_window_extent() for method in many.methods]
+    assert not any(a.overlaps(b) for a, b in itertools.combinations(boxes, 2))
+    assert all(inside.x1 < one.x0 and one.x1 <= ax.figure.bbox.x1 for one in boxes)
+    lines = {line.get_label(): line for line in ax.lines}
+    for method in many.methods:
+        colours = {names[method].get_color(), lines[method].get_color()}
+        assert colours == {family_of(method).colour}
+
+
+def test_names_are_spread_by_the_least_squares() -> None:
+    """Against SciPy's constrained minimum, for ends that crowd at the bottom and in the middle."""
+    heights = [0.0, 0.01, 0.011, 0.3, 0.31, 0.31, 0.9, 0.99]
+    apart, count = 0.06, 8
+    found = minimize(
+        lambda places: float(((places - heights) ** 2).sum()),
+        np.linspace(0.0, 1.0, count),
+        constraints=[
+            {"type": "ineq", "fun": lambda places: np.diff(places) - apart},
+            {"type": "ineq", "fun": lambda places: np.array([places[0], 1.0 - places[-1]])},
+        ],
+        method="SLSQP",
+        options={"ftol": 1e-14, "maxiter": 500},
+    )
+    placed = spread(heights, apart)
+    assert np.diff(placed).min() >= apart - 1e-15
+    np.testing.assert_allclose(placed, found.x, atol=1e-6)  # of the optimiser
 
 
 def test_a_slow_family_does_not_stretch_the_axis(box: rigid.Report) -> None:

@@ -15,6 +15,8 @@ function digitsOf(low, high, step, least) {
   return step > 0 && most > 0 ? clamp(Math.ceil(Math.log10(most / step)) + 1, least, 15) : least;
 }
 
+const SECOND = {name: "s", size: 1};  // a film without another unit of time
+
 function ticks(low, high, wanted) {
   const rough = (high - low) / wanted, power = 10 ** Math.floor(Math.log10(rough));
   const step = [1, 2, 5, 10].map(x => x * power).find(x => x >= rough) ?? power;
@@ -123,10 +125,11 @@ class StripChart extends Chart {
     }
     pen.textBaseline = "top";
     pen.textAlign = "center";
-    for (const [value, text] of ticks(t[0], t[t.length - 1], Math.max(2, (right - left) / 80)))
-      pen.fillText(text, clamp(x(value), left + 4, right - 12), bottom + 5);
+    const {name, size} = this.film.unit ?? SECOND;
+    for (const [value, text] of ticks(t[0] / size, t[t.length - 1] / size, Math.max(2, (right - left) / 80)))
+      pen.fillText(text, clamp(x(size * value), left + 4, right - 12), bottom + 5);
     pen.textAlign = "right";
-    pen.fillText("t (s)", right, top - 18);
+    pen.fillText(`t (${name})`, right, top - 18);
     pen.textAlign = "left";
     let at = 6;
     pen.fillText(chart.label, at, 4);

@@ -21,14 +21,14 @@ from rigid import figures
 #
 # .. math:: \dot\omega_1 = \gamma_1\,\omega_2\omega_3,\quad \gamma_1 = \frac{I_2 - I_3}{I_1}
 #
-# and cyclically. Near a rotation about axis :math:`k` a small disturbance grows like
+# and cyclically. Near a rotation about axis :math:`k` a small perturbation grows like
 # :math:`e^{\lambda t}` if the product of the other two :math:`\gamma` is positive. That is so for
 # the middle axis only.
 body = rigid.Body.box(0.25, 0.08, 0.01, mass=0.3)
 gammas = np.array(body.gammas)
 growth = np.sqrt(gammas[0] * gammas[2])  # at 1 rad/s
 print("gamma:", gammas.round(3))
-print(f"about axis 2, at 1 rad/s, a disturbance grows by e in {1 / growth:.3f} s")
+print(f"about axis 2, at 1 rad/s, a perturbation grows by e in {1 / growth:.3f} s")
 # sphinx_gallery_start_ignore
 assert np.allclose(gammas, [-63 / 65, 312 / 313, -561 / 689])
 assert abs(growth - 0.888352678) < 1e-9
