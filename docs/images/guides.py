@@ -100,13 +100,13 @@ def maps_steps() -> Figure:
     share.set(xlim=(-1.8, 1.5), ylim=(0.0, 64.0), yticks=[0, 16, 32, 48, 64])
     share.set_title("2  Their share", loc="left", fontsize="medium")
     result.plot(ax=picture)
-    picture.set_ylabel("push: perturbation (rad)")
+    picture.set_ylabel("push (rad)")
     picture.set_title("3  The map", loc="left", fontsize="medium")
     picture.plot(*values, "s", mfc="none", mec="white", ms=9.0, mew=2.5)
     picture.plot(*values, "s", mfc="none", mec="black", ms=9.0, mew=1.0)
-    legend = picture.get_legend()
-    if legend is not None:
-        legend.remove()
+    for name in (*picture.texts, picture.get_legend()):  # of the lines: the panel is small
+        if name is not None:
+            name.remove()
     return figure
 
 
