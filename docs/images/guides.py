@@ -104,9 +104,9 @@ def maps_steps() -> Figure:
     picture.set_title("3  The map", loc="left", fontsize="medium")
     picture.plot(*values, "s", mfc="none", mec="white", ms=9.0, mew=2.5)
     picture.plot(*values, "s", mfc="none", mec="black", ms=9.0, mew=1.0)
-    legend = picture.get_legend()
-    if legend is not None:
-        legend.remove()
+    for name in (*picture.texts, picture.get_legend()):  # of the lines: the panel is small
+        if name is not None:
+            name.remove()
     return figure
 
 
