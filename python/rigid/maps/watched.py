@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..model.bounds import (
-    DIRECTIONS,
     NearStart,
     PointingWithin,
     RateWithin,
@@ -23,6 +22,7 @@ from ..model.bounds import (
 )
 from ..model.criteria import NoFlip, TiltBelow
 from ..model.criterion import Criterion
+from ..model.orbit_axes import DIRECTIONS
 from ..model.scene import HeavyTop
 from .spec import MapSpec
 
