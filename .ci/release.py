@@ -12,10 +12,10 @@ import tomllib
 from pathlib import Path
 
 url, ref = sys.argv[1:]
-urls = tomllib.loads(Path("pyproject.toml").read_text())["project"]["urls"]
+urls = tomllib.loads(Path("pyproject.toml").read_text())["project"].get("urls", {})
 version = tomllib.loads(Path("Cargo.toml").read_text())["package"]["version"]
-if urls["Repository"] != url:
-    sys.exit(f"[project.urls] Repository = {urls['Repository']!r}: must be {url!r}")
+if urls.get("Repository") != url:
+    sys.exit(f"[project.urls] Repository = {urls.get('Repository')!r}: must be {url!r}")
 if ref.startswith("refs/tags/") and ref != f"refs/tags/v{version}":
     sys.exit(f"tag {ref!r}: must be v{version}, the version of Cargo.toml")
 readme = Path("README.md")

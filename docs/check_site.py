@@ -1,9 +1,10 @@
 """Check the built pages: ``python docs/check_site.py FOLDER``.
 
-No page asks another server for anything. In Chromium no page scrolls sideways on a phone, no table
-is wider than its page, no code of a guide is cut on a desk (what programs print may be), and films
-show their view on a phone and have the theme of the page. A page with each of these faults is
-checked first.
+No page asks another server for anything or holds a placeholder. In Chromium no page scrolls
+sideways on a phone, no table is wider than its page, no code of a guide is cut on a desk (what
+programs print may be), films show their view on a phone and have the theme of the page, and the
+search finds for each term of ``search_terms.py`` its page first. A page with each of these faults
+is checked first.
 """
 
 from __future__ import annotations
@@ -18,6 +19,8 @@ from typing import Any
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "shared"))
 
+from search_terms import TERMS
+
 from browsers import NoBrowserError, chromium
 
 PHONES, DESK = (320, 375), 1280
@@ -28,15 +31,26 @@ LEAST_VIEW = 100
 Fault = tuple[str, str]
 """Its kind and what is wrong, where."""
 
-FAULTY = """<!doctype html><link rel="stylesheet" href="https://example.org/a.css">
+PLACEHOLDER = re.compile(r"\b(?:OWNER|TODO|FIXME)\b")
+"""What somebody forgot to fill in."""
+
+FAULTY = """<!doctype html>OWNER<link rel="stylesheet" href="https://example.org/a.css">
 <div style="width: 2000px">wide</div>
 <div class="table-wrapper" style="width: 9px; overflow: auto"><table><td>wide</table></div>
 <div class="highlight-python"><pre style="width: 9px; overflow: auto">wide</pre></div>
 <iframe></iframe>
 <div class="film"><iframe srcdoc="<canvas class=stage style='height: 9px'></canvas>"></iframe></div>
 """
-KINDS = {"other server", "request", "page", "table", "code", "bare film", "view", "theme"}
-"""The faults of this page."""
+FAULTY_SEARCH = """<!doctype html><script>
+const Search = {hasIndex: () => true, _parseQuery: term => [term],
+    _performSearch: () => [["another page"]]};
+</script>"""
+UNSEEN = {"other server", "placeholder"}
+KINDS = {*UNSEEN, "request", "page", "table", "code", "bare film", "view", "theme", "search"}
+"""The faults of these pages; some need no browser."""
+
+FIRST_FOUND = "term => Search._performSearch(...Search._parseQuery(term)).at(-1)?.[0] ?? 'nothing'"
+"""The page that the JavaScript of the site shows first."""
 
 OVERFLOWS = """() => {
     const wide = (query) => [...document.querySelectorAll(query)]
@@ -61,9 +75,11 @@ class Resources(HTMLParser):
                 self.names += re.split(r"[\s,]+", value or "")
 
 
-def other_servers(path: Path) -> Iterator[Fault]:
-    """What this page or style sheet loads from elsewhere."""
+def read(path: Path) -> Iterator[Fault]:
+    """What this page or style sheet loads from elsewhere, and what was not filled in."""
     text = path.read_text(encoding="utf-8")
+    for found in PLACEHOLDER.finditer(text):
+        yield "placeholder", f"{path}: {text[max(0, found.start() - 40) : found.end() + 40]}"
     names = re.findall(r"(?:url\(|@import)\s*[\"']?([^\"')\s;]+)", text)
     if path.suffix == ".html":
         resources = Resources()
@@ -112,6 +128,19 @@ def looks(browser: Any, folder: Path, paths: list[Path]) -> Iterator[Fault]:
     page.close()
 
 
+def searched(browser: Any, folder: Path) -> Iterator[Fault]:
+    """Terms whose page the search does not find first."""
+    page = browser.new_page()
+    page.goto((folder / "search.html").as_uri())
+    page.wait_for_function("Search.hasIndex()")
+    for expected, terms in TERMS.items():
+        for term in terms:
+            found = page.evaluate(FIRST_FOUND, term)
+            if found != expected:
+                yield "search", f"{term!r} finds {found}, not {expected}"
+    page.close()
+
+
 def films(page: Any, name: str) -> Iterator[Fault]:
     """What is wrong with the films of a page, which is left as wide as a desk."""
     for place in page.locator(".film > iframe").all():
@@ -135,9 +164,10 @@ def check(folder: Path, browser: Any) -> tuple[int, list[Fault]]:
     """The number of pages below a folder, and their faults."""
     pages = sorted(folder.rglob("*.html"))
     shown = [page for page in pages if not {"_static", "_modules"} & set(page.parts)]
-    faults = [fault for path in [*pages, *folder.rglob("*.css")] for fault in other_servers(path)]
+    faults = [fault for path in [*pages, *folder.rglob("*.css")] for fault in read(path)]
     if browser is not None:
         faults += looks(browser, folder, shown)
+        faults += searched(browser, folder)
     return len(pages), faults
 
 
@@ -145,8 +175,9 @@ def report(folder: Path, browser: Any) -> None:
     """Say what was checked; end the process if something is wrong."""
     with TemporaryDirectory() as name:
         (Path(name) / "faulty.html").write_text(FAULTY, encoding="utf-8")
+        (Path(name) / "search.html").write_text(FAULTY_SEARCH, encoding="utf-8")
         found = {kind for kind, _ in check(Path(name), browser)[1]}
-        expected = KINDS if browser is not None else {"other server"}
+        expected = KINDS if browser is not None else UNSEEN
         if found != expected:
             sys.exit(f"the faults {sorted(expected - found)} of a faulty page were not found")
     count, faults = check(folder, browser)

@@ -2,19 +2,21 @@
 
 A sentence of a guide has at most 30 words. Guides, docstrings and messages say the noun instead of
 "that of", and use the words of the field. Code and formulas count as one word. A line of code has
-at most 80 columns, so that no page cuts it.
+at most 80 columns, so that no page cuts it. All pages of the site together have a limit of words.
 """
 
 import ast
 import re
 import sys
 import tokenize
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 
 ROOT = Path(__file__).parent.parent
 LONGEST = 30
 COLUMNS = 80
+MOST = 19_000
+"""Words of the pages of the site, tutorials and gallery included, without the reference."""
 
 PHRASES = {
     r"\b(that|those) of\b": "name the noun",
@@ -27,6 +29,22 @@ PHRASES = {
     r"\bsilently wrong\b": "say: undetected",
     r"\bjudged (samples|maps?|bodies)\b": "say: custom criterion",
 }
+
+PAGE_PHRASES = {
+    r"\btells?\b(?! \w+ apart)": "say: shows, says",
+    r"\bmend(s|ed)?\b": "say: fix, repair",
+    r"\b(way|run|carry) forth\b": "say: forwards",
+    r"\bfacts\b": "name them",
+    r"\berrors? bounds?\b|\bbounds the (error|rounding)\b": "an error is an estimate",
+    r"\b(of the|your) hands?\b": "say: perturbation",
+    r"\bdisturbances?\b": "say: perturbation",
+    r"\brates\b": "say: angular velocity, or components of it",
+    r"\bdecisions? \d": "give the reason",
+}
+"""Of pages of the site: telegraphic words, and two names of one thing."""
+
+UNSEEN = ("capabilities.md", "errata.md", "how_it_works.md")
+"""What is not on the site."""
 
 GUIDES = ("README.md", "CHANGELOG.md", "CONTRIBUTING.md")
 SOURCES = ("python/rigid", "docs/gallery")
@@ -46,24 +64,32 @@ def main() -> int:
     sources = chosen(path for folder in SOURCES for path in sorted((ROOT / folder).rglob("*.*")))
     sources = [path for path in sources if path.suffix in SUFFIXES]
     faults: list[str] = []
-    sentences = longest = 0
+    sentences = longest = words = 0
     for path in guides:
         faults.extend(wide_code(path))
+        is_page = path.parent.name == "docs" and path.name not in UNSEEN
         for where, line, sentence in guide_sentences(path):
             count = len(sentence.split())
+            words += count * is_page
             sentences, longest = sentences + 1, max(longest, count)
             if count > LONGEST:
                 faults.append(f"{where}:{line}: {count} words: {sentence}")
-            faults.extend(wrong_phrases(where, line, sentence))
+            faults.extend(wrong_phrases(where, line, sentence, PHRASES))
+            if is_page or path.name == "README.md":
+                faults.extend(wrong_phrases(where, line, sentence, PAGE_PHRASES))
     for path in sources:
+        is_page = path.parent.name in ("gallery", "tutorials")
         for where, line, text in source_texts(path):
-            faults.extend(wrong_phrases(where, line, text))
+            words += len(text.split()) * is_page
+            faults.extend(wrong_phrases(where, line, text, PHRASES))
+    if words > MOST:
+        faults.append(f"the pages of the site have {words} words, at most {MOST}: take away")
     faults = list(dict.fromkeys(faults))  # a part of an f-string is met twice
     for fault in faults:
         print(fault)
     print(
-        f"{sentences} sentences of guides, the longest has {longest} words; {len(sources)} sources;"
-        f" {len(faults)} faults"
+        f"{sentences} sentences of guides, the longest has {longest} words; {words} words of pages;"
+        f" {len(sources)} sources; {len(faults)} faults"
     )
     if not guides and not sources:
         print(f"no file matches {only}")
@@ -71,9 +97,9 @@ def main() -> int:
     return int(bool(faults) or (not only and sentences < 1000))
 
 
-def wrong_phrases(where: str, line: int, text: str) -> Iterator[str]:
-    """Each phrase of the list in a text, with its place and what to say instead."""
-    for pattern, instead in PHRASES.items():
+def wrong_phrases(where: str, line: int, text: str, phrases: Mapping[str, str]) -> Iterator[str]:
+    """Each phrase of a list in a text, with its place and what to say instead."""
+    for pattern, instead in phrases.items():
         for found in re.finditer(pattern, text, re.IGNORECASE):
             around = text[max(0, found.start() - 40) : found.end() + 40]
             yield f"{where}:{line}: '{found[0]}' ({instead}): ...{around}..."

@@ -1,7 +1,6 @@
 """The pages of rigid: ``sphinx-build -W -b html docs out``."""
 
 import sys
-import tomllib
 from pathlib import Path
 
 import rigid
@@ -26,7 +25,12 @@ extensions = [
     "formulas",
     "page_hooks",
 ]
+# For contributors, in the repository only: reasons, proofs, errata of books, how the core works.
 exclude_patterns = [
+    "decisions/*",
+    "capabilities.md",
+    "errata.md",
+    "how_it_works.md",
     "gallery/*",
     "_build",
     "_templates",
@@ -38,16 +42,11 @@ html_theme = "furo"
 html_title = f"rigid {release}"
 html_static_path = ["_static", "style"]
 html_css_files = ["site.css"]
+html_favicon = "style/favicon.svg"
 html_js_files = [("films.js", {"defer": "defer"})]
 
 myst_enable_extensions = ["dollarmath"]
 myst_heading_anchors = 3
-# Pages link to places of the repository by `repository:releases`.
-_project = tomllib.loads((Path(__file__).parents[1] / "pyproject.toml").read_text())["project"]
-myst_url_schemes = {
-    **dict.fromkeys(("http", "https", "mailto")),
-    "repository": _project["urls"]["Repository"] + "/{{path}}",
-}
 
 autodoc_member_order = "bysource"
 autodoc_typehints = "signature"

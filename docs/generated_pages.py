@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 import re
+import tomllib
 from collections.abc import Callable, Collection, Iterator, Mapping
 from itertools import groupby
 from pathlib import Path
@@ -44,20 +45,34 @@ def write_generated_pages(docs: Path) -> None:
     for name, text in toml_tables().items():
         _write(folder / f"toml_{name}.txt", text)
     _write(folder / "validation.txt", validation_table())
+    _write(folder / "install.txt", install_commands())
     write_films(docs / "_static")
     for name in modules():
         _write(docs / "api" / f"{name}.rst", module_page(name))
 
 
 def write_films(folder: Path) -> None:
-    """The films of the first pages: a box thrown about its middle axis, and two such throws."""
+    """The films of the first pages, by the code that the pages show."""
     folder.mkdir(exist_ok=True)
     box = rigid.FreeBody(rigid.Body.box(0.25, 0.08, 0.01, mass=0.3))
-    one = rigid.simulate(box, [0.01, 10.0, 0.01], t=np.linspace(0.0, 6.0, 361))
-    one.animate(folder / "thrown-box.html")
     throws = [[0.01, 10.0, 0.0], [1e-6, 10.0, 0.0]]
-    two = rigid.simulate(box, throws, t=np.linspace(0.0, 1.8, 181))
-    two.animate(folder / "two-throws.html", speed=0.3)
+    two = rigid.simulate(box, throws, t=np.linspace(0.0, 2.6, 261))
+    two.animate(folder / "two-throws.html", body=[0, 1], speed=0.3)
+
+
+def install_commands() -> str:
+    """How to install the package: from a clone, until ``pyproject.toml`` names the repository."""
+    project = tomllib.loads((Path(__file__).parents[1] / "pyproject.toml").read_text())["project"]
+    repository = project.get("urls", {}).get("Repository")
+    if repository is not None:
+        command = f"pip install '{project['name']}[maps]'"
+        return f"```sh\n{command}\n```\n\nThe source is on <{repository}>.\n"
+    return """```sh
+# not on an index yet: in a clone, with Rust 1.89 or newer
+python3 -m venv .venv && . .venv/bin/activate
+pip install '.[maps]'
+```
+"""
 
 
 def _write(path: Path, text: str) -> None:
@@ -102,23 +117,27 @@ def module_table() -> str:
     return "\n".join(lines) + "\n"
 
 
+SHOWN = (
+    *("toutatis-precession", "apophis-period", "envisat-2013", "mercury-libration"),
+    *("phobos-libration", "earth-solar-precession", "flip-period", "moon-longitude"),
+)
+"""The published numbers of ``reliability.md``; ``rigid validation`` has all."""
+
+
 def validation_table() -> str:
-    """The tables of ``validation.md``: published numbers beside those computed now, and sources."""
-    lines = ["| number | published | here | difference |", "|---|---|---|---|"]
-    sources = []
-    for row in rigid.validation(progress=False).rows:
-        entry, cells = row.entry, row.cells()
+    """The table of ``reliability.md``: published numbers beside those computed now."""
+    lines = ["| number | published | here |", "|---|---|---|"]
+    for row in rigid.validation(SHOWN, progress=False).rows:
+        entry = row.entry
         unit = f" {entry.unit}" if entry.unit else ""
         reason = f" The model differs: {entry.reason}." if entry.reason else ""
-        facts = [
+        cells = (
             f"`{entry.name}`: {entry.quantity}.{reason}",
-            f"{entry.printed}{unit}" if entry.digits else f"{entry.printed}: {cells[1]}{unit}",
-            cells[2],
-            f"{cells[3]}; interval {cells[4]}, {entry.interval}",
-        ]
-        lines.append("| " + " | ".join(fact.replace("|", "\\|") for fact in facts) + " |")
-        sources.append(f"* `{entry.name}`: {entry.source}. Looked up: {entry.seen}.")
-    return "\n".join([*lines, "", "## Sources", "", *sources]) + "\n"
+            f"{entry.printed}{unit}" if entry.digits else entry.printed,
+            f"{row.cells()[2]}{unit}",
+        )
+        lines.append("| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |")
+    return "\n".join(lines) + "\n"
 
 
 def _first_sentence(name: str) -> str:
@@ -167,7 +186,7 @@ def _home(value: object) -> str | None:
 
 
 def toml_tables() -> dict[str, str]:
-    """The tables of ``toml.md``: the keys of a table of a file are the arguments of a function."""
+    """The tables of keys in ``maps_reference.md``: the keys are the arguments of a function."""
     top, free = (keys(KINDS[kind]) for kind in ("heavy-top", "free-body"))
     only_free = [key for key in free if key not in top]
     outside = [key for key in keys(rigid.FreeBody) if key not in free]
@@ -293,13 +312,13 @@ def command_help() -> str:
     parts = []
     for name, command in {"": parser, **parser.commands()}.items():
         title = f"rigid {name}".strip()
-        parts.append(f"## {title}\n\n```text\n{command.format_help().rstrip()}\n```\n")
-    parts.append(f"## rigid help {CODES}\n\n```text\n{help_on(parser, CODES)}\n```\n")
+        parts.append(f"### {title}\n\n```text\n{command.format_help().rstrip()}\n```\n")
+    parts.append(f"### rigid help {CODES}\n\n```text\n{help_on(parser, CODES)}\n```\n")
     return "\n".join(parts)
 
 
 def write_explorer(path: Path) -> None:
-    """The page of ``explorer.md`` to try: the sleeping top."""
+    """The page of ``maps.md`` to try: the sleeping top."""
     path.parent.mkdir(exist_ok=True)
     result = rigid.stability_map(
         rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0),

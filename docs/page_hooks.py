@@ -3,15 +3,46 @@
 from __future__ import annotations
 
 import re
+from html import escape
+from textwrap import shorten
 from typing import Any
 
 from docutils import nodes
 from numpydoc.docscrape import ClassDoc
+from search_terms import TERMS
 from sphinx.application import Sphinx
 from sphinx.ext.autosummary import autosummary_toc
 
 WIDE = 3
 """Tables with so many columns become lists on a phone."""
+
+
+DESCRIBED = 155
+"""Characters of a description that search engines show."""
+
+
+def put_into_index(app: Sphinx, page: str, source: list[str]) -> None:
+    """Put what readers search for into the index of the site, at the title of its page."""
+    entries = ", ".join(f"! {term}" for term in TERMS.get(page, ()))
+    if not entries:
+        return
+    if app.env.doc2path(page).suffix == ".md":
+        source[0] = re.sub(
+            r"^# .*\n", rf"\g<0>\n```{{index}} {entries}\n```\n", source[0], count=1, flags=re.M
+        )
+    else:
+        source[0] = f".. index:: {entries}\n\n{source[0]}"
+
+
+def describe(
+    app: Sphinx, page: str, template: str, context: dict[str, Any], doctree: nodes.document | None
+) -> None:
+    """Describe a page by its first sentences, for search engines and previews of links."""
+    first = next(doctree.findall(nodes.paragraph), None) if doctree is not None else None
+    if first is not None:
+        words = " ".join(first.astext().split())
+        short = shorten(words, DESCRIBED, placeholder=" …")
+        context["metatags"] += f'<meta name="description" content="{escape(short)}">'
 
 
 def name_cells(app: Sphinx, doctree: nodes.document) -> None:
@@ -82,8 +113,10 @@ _SIDEBARS: dict[str, str] = {}
 
 def setup(app: Sphinx) -> dict[str, bool]:
     """Before Sphinx collects the entries of tables of contents, and before numpydoc."""
+    app.connect("source-read", put_into_index)
     app.connect("doctree-read", name_cells)
     app.connect("doctree-read", list_on_one_page, priority=400)
     app.connect("html-page-context", share_sidebar, priority=400)
+    app.connect("html-page-context", describe)
     app.connect("autodoc-process-signature", tidy_signature, priority=400)
     return {"parallel_read_safe": True, "parallel_write_safe": True}

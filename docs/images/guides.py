@@ -1,16 +1,20 @@
 """Draw the pictures of the guides: ``python docs/images/guides.py [NAME ...]``.
 
-Each function draws the picture of its name from a short run of the library. Without names all are
-drawn, in some minutes.
+Each function draws the picture of its name from what the code of its page computes before it.
+Without names all are drawn, in half a minute.
 """
 
-import ctypes
+import doctest
+import os
+import re
 import sys
 import tempfile
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
+from typing import Any
 
+import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -22,8 +26,29 @@ import rigid
 from rigid.drawing.colours import CLASSES, FACE, FAINT, HUES, NEUTRAL, SHARE_MAP, SURFACE, on_ground
 
 RATES = tuple(HUES[name] for name in ("blue", "green", "vermilion"))
-TOP = rigid.HeavyTop(rigid.Body((1.0, 1.6, 0.7)), mgl=1.2, com=(0.6, 0.0, 0.8))
-LEANING = [0.9, 0.3, 0.2, 0.1]
+DOCS = Path(__file__).parents[1]
+
+
+@cache
+def computed(page: str, until: str) -> dict[str, Any]:
+    """The names that the code of a page defines before a text of the page."""
+    before, found, _ = (DOCS / page).read_text(encoding="utf-8").partition(until)
+    assert found, f"{page} has no {until}"
+    names: dict[str, Any] = {"__name__": page}
+    here = Path.cwd()
+    with tempfile.TemporaryDirectory() as folder:
+        os.chdir(folder)
+        try:
+            for block in re.findall(r"^```python\n(.*?)^```", before, re.MULTILINE | re.DOTALL):
+                code = block
+                if ">>>" in block:
+                    examples = doctest.DocTestParser().get_examples(block)
+                    code = "".join(example.source for example in examples)
+                exec(compile(code, page, "exec"), names)
+        finally:
+            os.chdir(here)
+            plt.close("all")
+    return names
 
 
 def blank(height: float, panels: int = 1) -> tuple[Figure, list[Axes]]:
@@ -40,25 +65,17 @@ def lines_of(ax: Axes, t: NDArray[np.float64], values: NDArray[np.float64], name
 
 def maps_steps() -> Figure:
     """The bodies of a pixel, their share, and the map."""
-    result = rigid.stability_map(
-        rigid.FreeBody(rigid.Body((1.0, 1.5, 2.0))),
-        axes={"I2/I1": np.linspace(1.05, 1.95, 37), "noise": np.geomspace(1e-3, 0.1, 25)},
-        start=rigid.Start(spin=1.0, axis=2, noise=rigid.normal(1e-2)),
-        stable=rigid.no_flip(),
-        t_end=20.0,
-        samples=64,
-        rng=2026,
-        progress=False,
-    )
-    row, column = 9, 26
+    names = computed("maps.md", "## Look at one body again")
+    result, (row, column) = names["result"], names["pixel"]
     figure, (bodies, share, picture) = blank(3.4, 3)
     for sample in range(24):
-        replay = result.replay((row, column), sample, t=np.linspace(0.0, 20.0, 201))
+        replay = result.replay((row, column), sample, t=np.linspace(0.0, 40.0, 401))
         word = "regular" if replay.outcome == "stable" else "chaotic"
         colour = on_ground(bodies, CLASSES[word])
-        bodies.plot(replay.run.t, replay.run.omega[:, 1], color=colour, linewidth=0.7)
-    bodies.axhline(0.0, color=on_ground(bodies, NEUTRAL), linewidth=0.8, linestyle="dashed")
-    bodies.set(xlabel="t (s)", ylabel=r"rate about axis 2 (rad/s)")
+        tilt = np.arccos(np.clip(replay.run.gamma[:, 2], -1.0, 1.0))
+        bodies.plot(replay.run.t, tilt, color=colour, linewidth=0.5)
+    bodies.axhline(0.5, color=on_ground(bodies, HUES["black"]), linewidth=1.2, linestyle="dashed")
+    bodies.set(xlabel="t (s)", ylabel="tilt (rad)", xlim=(0.0, 20.0), ylim=(0.0, None))
     bodies.set_title("1  The bodies of a pixel", loc="left", fontsize="medium")
     values = np.array(
         [axis.values[k] for axis, k in zip(result.spec.axes, (column, row), strict=True)]
@@ -83,6 +100,7 @@ def maps_steps() -> Figure:
     share.set(xlim=(-1.8, 1.5), ylim=(0.0, 64.0), yticks=[0, 16, 32, 48, 64])
     share.set_title("2  Their share", loc="left", fontsize="medium")
     result.plot(ax=picture)
+    picture.set_ylabel("push (rad)")
     picture.set_title("3  The map", loc="left", fontsize="medium")
     picture.plot(*values, "s", mfc="none", mec="white", ms=9.0, mew=2.5)
     picture.plot(*values, "s", mfc="none", mec="black", ms=9.0, mew=1.0)
@@ -132,206 +150,84 @@ def reliability() -> Figure:
 
 def satellites() -> Figure:
     """A spin about the long axis ends in a flat spin."""
-    body = rigid.Body((0.3, 1.7, 2.0))
-    debris = rigid.FreeBody(body, dissipation=rigid.EnergySink(0.01))
-    t = np.linspace(0.0, 3000.0, 6001)
-    run = rigid.simulate(debris, [3.0, 0.02, 0.01], t=t)
-    figure, (rates, angle) = blank(3.4, 2)
-    lines_of(rates, t, run.omega, r"\omega")
-    rates.set(xlabel="t (s)", ylabel="rate in the body (rad/s)")
-    rates.legend(loc="upper right")
-    momentum = run.omega * np.array(body.moments)
-    size = np.linalg.norm(momentum, axis=1)
-    tilt = np.degrees(np.arccos(np.clip(np.abs(momentum[:, 0]) / size, 0.0, 1.0)))
-    angle.plot(t, tilt, color=on_ground(angle, RATES[0]), linewidth=1.2)
+    run = computed("forces.md", "](images/satellites.png)")["run"]
+    figure, (velocity, angle) = blank(3.4, 2)
+    lines_of(velocity, run.t, run.omega, r"\omega")
+    velocity.set(xlabel="t (s)", ylabel="angular velocity (rad/s)")
+    velocity.legend(loc="upper right")
+    momentum = run.momentum()
+    tilt = np.degrees(np.arccos(np.abs(momentum[:, 0]) / np.linalg.norm(momentum, axis=1)))
+    angle.plot(run.t, tilt, color=on_ground(angle, RATES[0]), linewidth=1.2)
     angle.set(xlabel="t (s)", ylabel="angle of the long axis from L (°)", yticks=[0, 30, 60, 90])
-    return figure
-
-
-def criteria() -> Figure:
-    """The tilt of one top, two criteria, and what their joins make of them."""
-    top = rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0)
-    attitude = rigid.rotations.euler_to_quaternion([0.0, 0.25, 0.0])
-    t = np.linspace(0.0, 12.0, 1201)
-    run = rigid.simulate(top, [0.0, 0.12, 3.6], attitude, t=t)
-    tilt = np.arccos(np.clip(run.gamma[:, 2], -1.0, 1.0))
-    spin = np.linalg.norm(run.omega, axis=1)
-    low, limit = 0.6, float(np.quantile(spin, 0.88))
-    first = {"a": t[np.argmax(tilt > low)], "b": t[np.argmax(spin > limit)]}
-    figure = Figure(figsize=(8.0, 4.6), layout="constrained")
-    above, middle, below = figure.subplots(3, 1, sharex=True, height_ratios=(1.0, 1.0, 0.9))
-    blue = on_ground(above, HUES["blue"])
-    for ax, values, line, words in (
-        (above, tilt, low, "tilt (rad)"),
-        (middle, spin, limit, "$|\\omega|$ (rad/s)"),
-    ):
-        ax.plot(t, values, color=blue)
-        ax.axhline(line, color=on_ground(ax, HUES["vermilion"]), linestyle="dashed", linewidth=1.2)
-        ax.set_ylabel(words)
-    above.set_title(f"$a$: tilt_below({low:g})", loc="left", fontsize="medium")
-    middle.set_title(f"$b$: ~spin_above({limit:.3g})", loc="left", fontsize="medium")
-    rows = (
-        ("a", first["a"]),
-        ("b", first["b"]),
-        ("a & b", min(first.values())),
-        ("a | b", max(first.values())),
-    )
-    for place, (_, end) in enumerate(reversed(rows)):
-        kept, left = (on_ground(below, CLASSES[word]) for word in ("regular", "chaotic"))
-        below.add_patch(Rectangle((0.0, place - 0.3), end, 0.6, color=kept))
-        below.add_patch(Rectangle((end, place - 0.3), t[-1] - end, 0.6, color=left))
-        below.text(end, place, f" left at {end:.1f} s", color=figure.get_facecolor(), va="center")
-    below.set(
-        yticks=range(len(rows)), yticklabels=[name for name, _ in reversed(rows)], xlabel="t (s)"
-    )
-    below.set(ylim=(-0.5, len(rows) - 0.5), xlim=(0.0, t[-1]))
     return figure
 
 
 def torque_and_damping() -> Figure:
     """A motor brings a wheel up to speed for five seconds; then friction slows it down."""
-    motor = rigid.Torque.body([(0, 0, 2), (0, 0, 2), (0, 0, 0), (0, 0, 0)], times=[0, 5, 5, 60])
-    wind = rigid.Torque.space((0.05, 0.0, 0.0))
-    scene = rigid.FreeBody(
-        rigid.Body((1.0, 1.0, 1.8)), torque=motor + wind, damping=(0.0, 0.0, 0.1)
-    )
-    t = np.linspace(0.0, 60.0, 1201)
-    run = rigid.simulate(scene, [0.0, 0.0, 1.0], t=t, accuracy=1e-9)
-    figure, (rates, energy) = blank(3.4, 2)
-    lines_of(rates, t, run.omega, r"\omega")
-    rates.axvspan(0.0, 5.0, color=on_ground(rates, FAINT), alpha=0.3, linewidth=0.0)
-    rates.text(5.5, rates.get_ylim()[1] * 0.92, "motor on for 5 s")
-    rates.set(xlabel="t (s)", ylabel="rate in the body (rad/s)")
-    rates.legend(loc="center right")
-    work = np.asarray(run.work)
-    energy.plot(t, run.energy(), color=on_ground(energy, HUES["blue"]), label="energy $E$")
-    energy.plot(t, work, color=on_ground(energy, HUES["vermilion"]), label="work $W$")
-    energy.plot(
-        t,
-        run.energy() - work,
-        color=on_ground(energy, HUES["black"]),
-        linestyle="dashed",
-        label="$E - W$, constant",
-    )
+    run = computed("forces.md", "](images/torque-and-damping.png)")["run"]
+    figure, (velocity, energy) = blank(3.4, 2)
+    lines_of(velocity, run.t, run.omega, r"\omega")
+    velocity.axvspan(0.0, 5.0, color=on_ground(velocity, FAINT), alpha=0.3, linewidth=0.0)
+    velocity.text(5.5, velocity.get_ylim()[1] * 0.92, "motor on for 5 s")
+    velocity.set(xlabel="t (s)", ylabel="angular velocity (rad/s)")
+    velocity.legend(loc="center right")
+    for values, ink, style, label in (
+        (run.energy(), "blue", "solid", "energy $E$"),
+        (run.work, "vermilion", "solid", "work $W$"),
+        (run.energy() - run.work, "black", "dashed", "$E - W$, constant"),
+    ):
+        colour = on_ground(energy, HUES[ink])
+        energy.plot(run.t, values, color=colour, linestyle=style, label=label)
     energy.set(xlabel="t (s)", ylabel="(J)")
     energy.legend(loc="upper right")
     return figure
 
 
-@cache
-def detumbled() -> rigid.StabilityMap:
-    """Satellites that a torque in Python brakes, which takes two minutes."""
-    doubles = ctypes.POINTER(ctypes.c_double)
-
-    @ctypes.CFUNCTYPE(None, ctypes.c_double, doubles, doubles, doubles, doubles)
-    def brake(t, omega, attitude, data, torque):  # type: ignore[no-untyped-def]
-        for k in range(3):
-            torque[k] = max(-data[1], min(data[1], -data[0] * omega[k]))
-
-    def scene(gain: NDArray[np.float64]) -> rigid.FreeBody:
-        data = np.stack([gain, np.full_like(gain, 2e-3)], -1)
-        torque = rigid.Torque.call(brake, data, fastest=0.5)
-        return rigid.FreeBody(rigid.Body((1.0, 1.5, 2.0)), torque=torque)
-
-    return rigid.stability_map(
-        scene,
-        axes={"gain": np.linspace(2e-3, 3e-2, 12), "spin": np.linspace(0.05, 0.45, 12)},
-        t_end=600.0,
-        stable=~rigid.spin_above(0.01),
-        start=rigid.Start(spin=0.2, axis=3),
-        samples=1,
-        rng=2026,
-        progress=False,
-    )
-
-
-def detumbling() -> Figure:
-    """Which satellites are slow after ten minutes, over the gain and the first rate."""
-    figure, (ax,) = blank(4.6)
-    detumbled().plot(ax=ax)
-    # About axis 3 the rate falls linearly to 2e-3 / k, and from there on as exp(-k t / I3).
-    gain = np.linspace(2e-3, 3e-2, 200)
-    knee = np.maximum(2e-3 / gain, 0.01)
-    rest = 600.0 - 2.0 / gain * np.log(knee / 0.01)
-    fastest = np.where(rest > 0.0, knee + 1e-3 * rest, 0.01 * np.exp(0.5 * gain * 600.0))
-    ax.plot(gain, fastest, color="black", linewidth=3.4)
-    ax.plot(gain, fastest, color="white", linewidth=1.6, label="by hand")
-    ax.set_ylim(0.032, 0.468)
-    ax.set_title("Is the satellite slow after ten minutes?", loc="left", fontsize="medium")
-    ax.set(xlabel="gain k (N m s)", ylabel="spin at the start (rad/s)")
-    return figure
-
-
 def events() -> Figure:
     """Two kinds of events of a box that turns over."""
-    box = rigid.FreeBody(rigid.Body((1.0, 2.0, 3.0)))
+    names = computed("runs.md", "](images/events.png)")
     t = np.linspace(0.0, 60.0, 1201)
-    run = rigid.simulate(
-        box,
-        [0.01, 1.0, 0.01],
-        t=t,
-        events=[rigid.crosses("omega2"), rigid.turns("omega1", -1)],
-    )
+    curve = names["run"].at(t)
     figure, (ax,) = blank(3.2)
     for k, ink in ((0, "blue"), (1, "green")):
-        ax.plot(t, run.omega[:, k], color=on_ground(ax, HUES[ink]), label=rf"$\omega_{k + 1}$")
+        ax.plot(t, curve.omega[:, k], color=on_ground(ax, HUES[ink]), label=rf"$\omega_{k + 1}$")
     ax.axhline(0.0, color=on_ground(ax, FAINT), linewidth=0.8)
-    flips, largest = run.events
-    dots = {"ls": "", "zorder": 4, "ms": 7.0}
-    ax.plot(
-        flips.t,
-        flips.omega[:, 1],
-        "o",
-        color=on_ground(ax, HUES["vermilion"]),
-        label='crosses("omega2")',
-        **dots,
-    )
-    ax.plot(
-        largest.t,
-        largest.omega[:, 0],
-        "^",
-        color=on_ground(ax, HUES["purple"]),
-        label='turns("omega1", -1)',
-        **dots,
-    )
-    for time in flips.t:
+    for found, k, mark, ink, words in (
+        (names["flips"], 1, "o", "vermilion", 'crosses("omega2")'),
+        (names["largest"], 0, "^", "purple", 'turns("omega1", -1)'),
+    ):
+        colour = on_ground(ax, HUES[ink])
+        ax.plot(found.t, found.omega[:, k], mark, color=colour, label=words, zorder=4, ms=7.0)
+    for time in names["flips"].t:
         ax.annotate(f"{time:.2f} s", (time, 0.0), (6, 6), textcoords="offset points")
-    ax.set(xlabel="t (s)", ylabel="rate in the body (rad/s)")
-    ax.set_ylim(-1.75, 1.15)
+    ax.set(xlabel="t (s)", ylabel="angular velocity (rad/s)", ylim=(-1.75, 1.15))
     ax.legend(loc="lower center", ncols=4)
     return figure
 
 
 def results() -> Figure:
-    """Rates in the body and the tip of an axis in space, of a thrown phone."""
-    phone = rigid.Body.box(0.15, 0.07, 0.008, mass=0.2)
-    run = rigid.simulate(phone, [0.05, 12.0, 0.05], t=np.linspace(0.0, 2.0, 801))
-    figure, (rates, energy) = blank(3.4, 2)
-    lines_of(rates, run.t, run.omega, r"\omega")
-    rates.set(xlabel="t (s)", ylabel="rate in the body (rad/s)")
-    rates.set_title("run.omega", loc="left", fontsize="medium", family="monospace")
-    rates.legend(loc="lower left")
-    momentum = run.momentum("space")
-    lines_of(energy, run.t, momentum, "L")
-    energy.set(xlabel="t (s)", ylabel="angular momentum in space (kg m²/s)")
-    energy.set_title('run.momentum("space")', loc="left", fontsize="medium", family="monospace")
-    energy.legend(loc="center left")
+    """Angular velocity in the body and angular momentum in space, of a thrown phone."""
+    names = computed("runs.md", "](images/results.png)")
+    run, momentum = names["run"], names["in_space"]
+    figure, (velocity, constant) = blank(3.4, 2)
+    lines_of(velocity, run.t, run.omega, r"\omega")
+    velocity.set(xlabel="t (s)", ylabel="angular velocity (rad/s)", xlim=(0.0, 2.0))
+    velocity.set_title("run.omega", loc="left", fontsize="medium", family="monospace")
+    velocity.legend(loc="lower left")
+    lines_of(constant, run.t, momentum, "L")
+    constant.set(xlabel="t (s)", ylabel="angular momentum (kg m²/s)", xlim=(0.0, 2.0))
+    constant.set_title('run.momentum("space")', loc="left", fontsize="medium", family="monospace")
+    constant.legend(loc="center left")
     return figure
 
 
 def measurements() -> Figure:
-    """A fit of the moments to measured rates, and what it leaves."""
-    t = np.arange(600) / 10.0
-    truth = rigid.simulate(rigid.Body((1.0, 1.5, 2.0)), [0.1, 1.0, 0.2], t=t)
-    measured = truth.omega + 0.01 * np.random.default_rng(7).normal(size=truth.omega.shape)
-    guess = rigid.Body((1.0, 1.4, 2.1))
-    found = rigid.fit(guess, t, omega=measured, sigma=0.01, free=("I2/I1", "I3/I1", "omega"))
-    ratios = found.values[:2]
+    """A fit of the moments to a measured motion, and what remains."""
+    names = computed("bodies.md", "](images/measurements.png)")
+    t, measured, found = (names[name] for name in ("t", "measured", "found"))
     fine = np.linspace(0.0, 60.0, 1201)
-    fitted = rigid.Body((1.0, *ratios.tolist()))
-    start = found.values[2:5]
-    curve = rigid.simulate(fitted, start, t=fine)
-    left = measured - rigid.simulate(fitted, start, t=t).omega
+    curve = rigid.simulate(found.scene, found.omega, t=fine)
+    left = measured - rigid.simulate(found.scene, found.omega, t=t).omega
     figure = Figure(figsize=(8.0, 4.2), layout="constrained")
     above, below = figure.subplots(2, 1, sharex=True, height_ratios=(2.0, 1.0))
     for k, colour in enumerate(RATES):
@@ -341,38 +237,25 @@ def measurements() -> Figure:
         below.plot(t, left[:, k], ".", color=ink, ms=2.5)
     words = ", ".join(
         f"{name} = {value:.4f} ± {std:.4f}"
-        for name, value, std in zip(found.names[:2], ratios, found.std[:2], strict=True)
+        for name, value, std in zip(found.names[:2], found.values[:2], found.std[:2], strict=True)
     )
     above.set_title(f"measured (dots) and fitted (lines): {words}", loc="left", fontsize="medium")
-    above.set(ylabel="rate (rad/s)", ylim=(-1.5, 1.1))
+    above.set(ylabel="angular velocity (rad/s)", ylim=(-1.5, 1.1))
     above.legend(loc="lower right", ncols=3)
     for sigma in (-0.01, 0.01):
         below.axhline(sigma, color=on_ground(below, NEUTRAL), linewidth=0.8, linestyle="dashed")
-    below.set(xlabel="t (s)", ylabel="left over (rad/s)")
+    below.set(xlabel="t (s)", ylabel="remains (rad/s)")
     return figure
 
 
 def own_bodies() -> Figure:
     """A bracket of two plates: its centre of mass and its principal axes."""
-    plates = (((0.12, 0.06, 0.01), (0.06, 0.0, 0.005)), ((0.01, 0.06, 0.09), (0.005, 0.0, 0.055)))
-    parts = [
-        rigid.solids.box(*sides, mass=2700.0 * float(np.prod(sides))).placed(centre)
-        for sides, centre in plates
-    ]
-    whole = rigid.inertia.compose(parts)
-    body, axes = rigid.Body.from_tensor(whole.tensor)
+    names = computed("bodies.md", "](images/own-bodies.png)")
+    whole, body, axes = (names[name] for name in ("whole", "bracket", "axes"))
     figure, (ax,) = blank(4.4)
-    for (a, _, c), (x, _, z) in plates:
-        ax.add_patch(
-            Rectangle(
-                (x - 0.5 * a, z - 0.5 * c),
-                a,
-                c,
-                facecolor=FACE,
-                alpha=0.5,
-                edgecolor=on_ground(ax, NEUTRAL),
-            )
-        )
+    for corner, width, height in (((0.0, 0.0), 0.12, 0.01), ((0.0, 0.01), 0.01, 0.09)):
+        ink = on_ground(ax, NEUTRAL)
+        ax.add_patch(Rectangle(corner, width, height, facecolor=FACE, alpha=0.5, edgecolor=ink))
     x, _, z = whole.centre
     for k, colour in enumerate(RATES):
         ink = on_ground(ax, colour)
@@ -398,22 +281,15 @@ def own_bodies() -> Figure:
 
 def chaos() -> Figure:
     """How a deviation vector grows in a regular and in a chaotic motion."""
-    t = np.linspace(0.5, 100.0, 400)
-    growth = rigid.lyapunov(TOP, [[0.3, 0.4, 1.0], [0.1, 0.0, 20.0]], LEANING, t=t)
-    starts = np.array([[0.3, 0.4, 1.0], [0.3, 0.4, 1.0 + 1e-8]])
-    close = np.linspace(0.0, 60.0, 1201)
-    runs = rigid.simulate(TOP, starts, [LEANING, LEANING], t=close)
-    apart = np.linalg.norm(runs.omega[1] - runs.omega[0], axis=-1)
-    figure, (left, right) = blank(3.4, 2)
+    names = computed("chaos.md", "](images/chaos.png)")
+    growth = names["growth"]
+    figure, (ax,) = blank(3.4)
     for values, verdict in zip(growth.log_growth, growth.verdict.tolist(), strict=True):
-        ink = on_ground(left, CLASSES[verdict])
-        left.plot(t, values, color=ink, label=verdict)
-    left.set(xlabel="t (s)", ylabel=r"logarithm of the growth, $\Lambda$", ylim=(0.0, None))
-    left.set_title("growth of a small deviation", loc="left", fontsize="medium")
-    left.legend(loc="upper left")
-    right.semilogy(close, apart, color=on_ground(right, CLASSES["chaotic"]))
-    right.set(xlabel="t (s)", ylabel="distance of the rates (rad/s)")
-    right.set_title("two chaotic tops, 10⁻⁸ rad/s apart", loc="left", fontsize="medium")
+        ink = on_ground(ax, CLASSES[verdict])
+        ax.plot(growth.t, values, color=ink)
+        place = (100.0, values[199])
+        ax.annotate(verdict, place, (-8, 8), ha="right", textcoords="offset points", color=ink)
+    ax.set(xlabel="t (s)", ylabel=r"logarithm of the growth, $\Lambda$", ylim=(0.0, None))
     return figure
 
 
@@ -429,18 +305,15 @@ def stop_at(share: float) -> Callable[[rigid.Progress], None]:
 
 @cache
 def stopped_maps() -> list[rigid.StabilityMap]:
-    """A stored map that was stopped twice and went on, after each stop and at its end."""
+    """The map of the page when it was stopped twice and went on, after each stop and at its end.
+
+    Its closed form is so fast that a stop would come too late: here it is integrated.
+    """
+    spec = computed("large_maps.md", "](images/running-maps.png)")["result"].spec
     with tempfile.TemporaryDirectory() as folder:
         return [
             rigid.stability_map(
-                rigid.Body.box(0.25, 0.08, 0.01, mass=0.3),
-                axes={"b": np.linspace(0.012, 0.248, 80), "noise": np.geomspace(1e-3, 1.0, 60)},
-                samples=256,
-                t_end=1.0,
-                stable=rigid.no_flip(),
-                start=rigid.Start(spin=10.0, axis=2, noise=rigid.normal(1e-3)),
-                method="rk4",
-                rng=2026,
+                spec.replace(method="rk4"),
                 threads=1,
                 store=Path(folder) / "run.rigid",
                 progress=stop_at(share),
@@ -477,7 +350,7 @@ def running_maps() -> Figure:
 PICTURES: dict[str, Callable[[], Figure]] = {
     draw.__name__.replace("_", "-"): draw
     for draw in (
-        *(maps_steps, reliability, satellites, criteria, torque_and_damping, detumbling),
+        *(maps_steps, reliability, satellites, torque_and_damping),
         *(events, results, measurements, own_bodies, chaos, running_maps),
     )
 }

@@ -20,19 +20,29 @@ MAPS = (
 )
 
 REGIONS = {
+    "thrown-box": (
+        ("has turned over", 0.07, 0.15, 0.0),
+        ("lands as thrown", 0.16, 1.5e-3, 0.0),
+        ("b = 8 cm", 0.074, 3e-4, 90.0),
+    ),
     "gravity-gradient": (
         ("Lagrange", 0.4, 0.9, 0.0),
         ("DeBra and Delp", 1.06, 1.6, 90.0),
         ("unstable in\nroll or yaw", 0.63, 1.3, 0.0),
         ("unstable in\nroll or yaw", 1.75, 1.25, 0.0),
-    )
+    ),
 }
 """Names of the regions of a map, with their places and angles (degrees)."""
 
+BODY = {"thrown-box": 0.08}
+"""The side of the box that the pages throw."""
+
 
 def drawn(result: rigid.StabilityMap, name: str) -> Figure:
-    """The picture of a map, with the names of its regions."""
+    """The picture of a map, with the names of its regions and the body of the pages."""
     ax = result.plot()
+    if name in BODY:
+        ax.axvline(BODY[name], color="black", linewidth=1.0, linestyle="dotted")
     for words, x, y, angle in REGIONS.get(name, ()):
         text = ax.text(x, y, words, color="white", ha="center", va="center", rotation=angle)
         text.set_path_effects([Stroke(linewidth=3.0, foreground="black"), Normal()])

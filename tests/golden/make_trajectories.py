@@ -28,8 +28,9 @@ mpmath.mp.prec = BITS + 64
 #: The last term of a series, as a share of the largest variable: 57 digits.
 LAST_TERM = 2.0**-190
 
-#: Error of tangents by central differences, of satellites and flybys.
-TANGENT = Fraction(1, 10**18)
+#: Error of the tangents of satellites and flybys, which are central differences of 1e-11: the
+#: square of that times a third derivative, which grows as the cube of the tangents.
+TANGENT = Fraction(1, 10**20)
 
 Number = int | float | Fraction
 Term = tuple[Number, str, str]
@@ -349,20 +350,33 @@ def deviations(scene: Mapping[str, Any]) -> Iterator[tuple[Motion, Comparison]]:
 
 
 def tangents(body: Body, scene: Mapping[str, Any]) -> Iterator[tuple[Motion, Comparison]]:
+    """States and changes; of bodies on orbits a time may be rounded, as of two revolutions."""
     motion, comparison = body.motion(), Comparison()
     for state in scene["at"]:
         now = motion.at(state["t"])
+        is_exact = "matrix" in state
+        slope = {} if is_exact else motion.slope()
+
+        def allowed(name: str, time: Number = state["t"], slope: Values = slope) -> Fraction:
+            return Fraction(time) * abs(slope.get(name, 0)) / ONE / 2**53
+
         for name, key in (("w", "omega"), ("r", "position")):
-            comparison.vector(now, name, state.get(key, ()))
-        for i, row in enumerate(state.get("matrix") or state["tangent"]):
+            for i, stored in enumerate(state.get(key, ())):
+                comparison.number(now[f"{name}{i}"], stored, allowed(f"{name}{i}"))
+        matrix = state["matrix" if is_exact else "tangent"]
+        largest = max(abs(stored) for row in matrix for stored in row)
+        of_differences = 0 if is_exact else TANGENT * Fraction(max(largest, 5.0)) ** 3
+        for i, row in enumerate(matrix):
             for column, stored in enumerate(row):
-                found = now[f"{'ux'[i // 3]}{column}{i % 3}"]
-                comparison.number(found, stored, TANGENT if "tangent" in state else 0)
-        if "attitude" in state and "position" in state:
-            q = [now["q3"], now["q0"], now["q1"], now["q2"]]
-            opposite = sum(a * fixed(b) for a, b in zip(q, state["attitude"], strict=True)) < 0
-            for value, stored in zip(q, state["attitude"], strict=True):
-                comparison.number(-value if opposite else value, stored)
+                name = f"{'ux'[i // 3]}{column}{i % 3}"
+                comparison.number(now[name], stored, of_differences + allowed(name))
+        if not is_exact:
+            names = ("q3", "q0", "q1", "q2")
+            pairs = zip(names, state["attitude"], strict=True)
+            opposite = sum(now[name] * fixed(stored) for name, stored in pairs) < 0
+            for name, stored in zip(names, state["attitude"], strict=True):
+                found = -now[name] if opposite else now[name]
+                comparison.number(found, stored, allowed(name))
         yield motion, comparison
 
 

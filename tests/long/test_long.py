@@ -44,6 +44,14 @@ def test_script_finds_nothing_wrong(name: str) -> None:
     assert done.returncode == 0
 
 
+def test_reference_motions_are_made_again() -> None:
+    """One of each kind of file; the others take hours."""
+    script = Path(__file__).parents[1] / "golden" / "make_trajectories.py"
+    scenes = ("kov_a", "torque_axis3", "section-close-pairs", "chaos/asymmetric", "/circular")
+    done = subprocess.run(python_command(str(script), *scenes), env=environment(), check=False)
+    assert done.returncode == 0
+
+
 @pytest.mark.parametrize("size", LONG)
 def test_ctrl_c_returns_within_two_seconds(size: str) -> None:
     with sigint(signal.default_int_handler):

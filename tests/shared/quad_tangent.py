@@ -54,11 +54,6 @@ class Deviating:
         return Motion(high, np.pad(long, [(0, 0), (0, 4)]) - high)
 
     @property
-    def mean_log(self) -> Floats:
-        """Mean over the time of ``l = ln |v| / |v(0)|`` of the first deviation vector."""
-        return self.high[:, 7] / self.t
-
-    @property
     def mean_megno(self) -> Floats:
         return 2.0 * (self.high[:, 7] - self.high[:, 8]) / self.t
 

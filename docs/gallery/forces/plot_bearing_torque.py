@@ -7,7 +7,7 @@ torque rotates with the body and grows with the square of the rate. Only the com
 axis, ``I_zz omega'``, is the torque of the drive. If the drive speeds the body up, the products of
 inertia load the bearings from the start.
 
-How to: :doc:`balance a rotor </measurements>`.
+How to: :doc:`balance a rotor </bodies>`.
 """
 
 import matplotlib.pyplot as plt

@@ -7,7 +7,7 @@ the square root of the stiffness, and the cost of the integration grows with the
 the motion of the rigid body is inversely proportional to the stiffness. To compute a rotation, use
 the rigid body, not the springs.
 
-Background: :doc:`the model of a rigid body </model>`.
+Background: :doc:`the equations of motion </notation>`.
 """
 
 import matplotlib.pyplot as plt

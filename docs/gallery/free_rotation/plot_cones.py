@@ -7,7 +7,7 @@ cones touch along omega, where the body is instantaneously at rest. So the body 
 space cone: outside for a prolate top, around it for an oblate top. The lower pictures are later by
 a sixth of a period of the body cone.
 
-How to: :doc:`compute free rotation, step by step </tutorial_pages/plot_2_free_rotation>`.
+How to: :doc:`compute free rotation, step by step </tutorial_pages/plot_1_free_rotation>`.
 """
 
 import matplotlib.pyplot as plt

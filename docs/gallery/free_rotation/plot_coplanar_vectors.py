@@ -5,7 +5,7 @@ A free symmetric top has its axis, its angular velocity and its angular momentum
 turns about L. The angles from the axis obey ``tan theta = (I / I3) tan alpha``: L lies between axis
 and omega if the top is oblate, and beyond omega if it is prolate.
 
-How to: :doc:`compute free rotation, step by step </tutorial_pages/plot_2_free_rotation>`.
+How to: :doc:`compute free rotation, step by step </tutorial_pages/plot_1_free_rotation>`.
 """
 
 import matplotlib.pyplot as plt

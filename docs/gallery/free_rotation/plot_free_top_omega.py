@@ -7,7 +7,7 @@ from the body, omega moves around the axis on a cone. For an oblate top it moves
 spin: the pole of a rigid Earth would move on a small circle in some 300 days. For a prolate top it
 moves in the opposite sense.
 
-How to: :doc:`compute free rotation, step by step </tutorial_pages/plot_2_free_rotation>`.
+How to: :doc:`compute free rotation, step by step </tutorial_pages/plot_1_free_rotation>`.
 """
 
 import matplotlib.pyplot as plt

@@ -7,7 +7,7 @@ body is instantaneously at rest. On the ellipsoid the point of contact moves aro
 the polhode. In the plane it draws the herpolhode, which in general does not close: bold from its
 first point to the present one, thin after it.
 
-How to: :doc:`compute free rotation, step by step </tutorial_pages/plot_2_free_rotation>`.
+How to: :doc:`compute free rotation, step by step </tutorial_pages/plot_1_free_rotation>`.
 """
 
 import matplotlib.pyplot as plt

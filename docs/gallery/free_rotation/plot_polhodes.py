@@ -7,7 +7,7 @@ about these axes is stable. The two ellipses through the ends of the middle axis
 Near the separatrix the body rotates about its middle axis for a long time, then flips, and flips
 back.
 
-How to: :doc:`compute free rotation, step by step </tutorial_pages/plot_2_free_rotation>`.
+How to: :doc:`compute free rotation, step by step </tutorial_pages/plot_1_free_rotation>`.
 """
 
 import matplotlib.pyplot as plt

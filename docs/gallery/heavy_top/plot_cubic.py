@@ -6,7 +6,7 @@ where f is positive between -1 and 1 (grey), from u1 to u2; it never reaches the
 precession reverses at ``u = a/b``. For a top with loops, as here, this height lies between the
 roots; for a top with cusps it is u2.
 
-How to: :doc:`compute a heavy top, step by step </tutorial_pages/plot_3_heavy_top>`.
+How to: :doc:`compute a heavy top, step by step </tutorial_pages/plot_2_heavy_top>`.
 """
 
 import matplotlib.pyplot as plt

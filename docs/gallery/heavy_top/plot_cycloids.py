@@ -7,7 +7,7 @@ as fast as the steady precession, it never turns back; if it is pushed backward,
 The first-order cycloid (dashed) has the right width, but gets ahead or behind over a long time,
 because the true frequency differs by twice the precession.
 
-How to: :doc:`compute a heavy top, step by step </tutorial_pages/plot_3_heavy_top>`.
+How to: :doc:`compute a heavy top, step by step </tutorial_pages/plot_2_heavy_top>`.
 """
 
 import matplotlib.pyplot as plt

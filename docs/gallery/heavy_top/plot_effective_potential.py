@@ -7,7 +7,7 @@ away from the vertical. With the energy E' the tilt moves between the two angles
 potential is E'. With the least energy the tilt stays at the minimum: this is steady precession.
 Here a top is released at 60 degrees with a spin of 5 rad/s; this tilt is its upper turning point.
 
-How to: :doc:`compute a heavy top, step by step </tutorial_pages/plot_3_heavy_top>`.
+How to: :doc:`compute a heavy top, step by step </tutorial_pages/plot_2_heavy_top>`.
 """
 
 import matplotlib.pyplot as plt

@@ -6,7 +6,7 @@ torque ``mgl sin theta`` is along the line of nodes, perpendicular to the vertic
 of the top. So the angular momenta about the vertical and about the axis are constant, and theta is
 the only unknown.
 
-How to: :doc:`describe a top on its tip </own_bodies>`.
+How to: :doc:`describe a top on its tip </bodies>`.
 """
 
 import matplotlib.pyplot as plt

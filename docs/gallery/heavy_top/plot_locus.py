@@ -7,7 +7,7 @@ upper circle, as for a top that is released at rest: cusps. Outside the circles:
 monotone; it has the sense of the spin or, if ``a/b`` is below both circles, is retrograde. All four
 tops start at 60 degrees, pushed sideways at -0.3, 0, 0.2 and -4 rad/s.
 
-How to: :doc:`compute a heavy top, step by step </tutorial_pages/plot_3_heavy_top>`.
+How to: :doc:`compute a heavy top, step by step </tutorial_pages/plot_2_heavy_top>`.
 """
 
 import matplotlib.pyplot as plt

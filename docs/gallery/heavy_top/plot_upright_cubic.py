@@ -6,7 +6,7 @@ sqrt(mgl I1) / I3`` f is positive there (blue), and the top falls as far as f is
 approximation ``(1 - u)² (2 beta - b²)`` is zero at the least spin and does not decide; f itself is
 ``-beta (1 - u)³`` there, and the top sleeps.
 
-How to: :doc:`compute which tops sleep </tutorial_pages/plot_3_heavy_top>`.
+How to: :doc:`compute which tops sleep </tutorial_pages/plot_2_heavy_top>`.
 """
 
 import matplotlib.pyplot as plt

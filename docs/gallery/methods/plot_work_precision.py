@@ -6,7 +6,7 @@ error against the closed form over the processor time of a body. The best of eac
 colour, and the broad line is the Pareto front. The star is the closed form. The times belong to the
 machine that built the page.
 
-How to: :doc:`compare methods on your own problem </reports>`.
+How to: :doc:`compare methods on your own problem </methods>`.
 """
 
 import matplotlib.pyplot as plt

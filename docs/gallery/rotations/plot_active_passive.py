@@ -6,7 +6,7 @@ epsilon; the vector stays and gets other components. Active: the vector rotates 
 to first order the vector changes by ``epsilon n × r``, perpendicular to itself. The rotations of
 this library are active, from body to space. The passive matrices are their transposes.
 
-Background: :doc:`axes, attitudes and signs in this library </conventions>`.
+Background: :doc:`axes, attitudes and signs in this library </notation>`.
 """
 
 import matplotlib.pyplot as plt

@@ -8,7 +8,7 @@ quaternion ``(w, x, y, z)`` describes the same rotation. Below: a top in the sam
 weight acts along -z'. The centre of mass lies in the direction ``com`` of the body, at a distance l
 from the fixed point.
 
-Background: :doc:`axes, attitudes and signs in this library </conventions>`.
+Background: :doc:`axes, attitudes and signs in this library </notation>`.
 """
 
 import matplotlib.pyplot as plt

@@ -6,7 +6,7 @@ of nodes N, by psi about the axis of the body. Each panel shows the axes before 
 and after the rotation solid; two axes move by the same angle, and one stays. Seen from above, the
 first rotation is a rotation of the plane: a point keeps its place and gets other coordinates.
 
-How to: :doc:`convert Euler angles </own_bodies>`.
+How to: :doc:`convert Euler angles </bodies>`.
 """
 
 import matplotlib.pyplot as plt

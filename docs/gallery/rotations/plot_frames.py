@@ -6,7 +6,7 @@ angles for their direction. The dashed axes are parallel to the axes of space (t
 with the origin of the body (thick, O). A point P of the body has constant components along the
 thick axes. Its position in space is ``r = R + r'``.
 
-Background: :doc:`axes, attitudes and signs in this library </conventions>`.
+Background: :doc:`axes, attitudes and signs in this library </notation>`.
 """
 
 import matplotlib.pyplot as plt

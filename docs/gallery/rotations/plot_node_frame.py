@@ -6,7 +6,7 @@ the axis of the body. In this frame the angular velocity has its simplest form, 
 theta, phi' cos theta + psi')``: theta changes about ON, phi about the vertical z', psi about the
 axis z. The moments of a symmetric top are constant in this frame too.
 
-Background: :doc:`axes, attitudes and signs in this library </conventions>`.
+Background: :doc:`axes, attitudes and signs in this library </notation>`.
 """
 
 import matplotlib.pyplot as plt

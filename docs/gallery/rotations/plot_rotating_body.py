@@ -5,7 +5,7 @@ At each instant, every point of a body that rotates about a fixed point moves on
 axis through omega, with the velocity ``v = omega × r``. Points on the axis are at rest. The speed
 grows with the distance from the axis, and the distance between any two points is constant.
 
-Background: :doc:`the model of a rigid body </model>`.
+Background: :doc:`the equations of motion </notation>`.
 """
 
 import matplotlib.pyplot as plt

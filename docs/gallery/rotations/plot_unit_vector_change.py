@@ -6,7 +6,7 @@ itself: ``de/dt = omega × e``. In a small rotation by delta about the second ax
 vector moves by delta towards the negative third axis. The difference between the true change and
 its first order decreases with the square of the angle.
 
-Background: :doc:`the model of a rigid body </model>`.
+Background: :doc:`the equations of motion </notation>`.
 """
 
 import matplotlib.pyplot as plt

@@ -6,7 +6,7 @@ largest face, which has the largest moment of inertia, and about the axis throug
 About the axis between them every perturbation grows, at a rate of 0.89 per second for a spin of 1
 rad/s, and the box tumbles.
 
-How to: :doc:`describe a body of your own </own_bodies>`.
+How to: :doc:`describe a body of your own </bodies>`.
 """
 
 import matplotlib.pyplot as plt

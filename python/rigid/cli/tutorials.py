@@ -60,8 +60,11 @@ def notebook(script: str) -> str:
 
 
 def markdown(text: str) -> str:
-    """Text of a tutorial in Markdown: title, formulas and names of code."""
+    """Text of a tutorial in Markdown: headings, formulas, links and names of code."""
     text = re.sub(r"^(.+)\n=+$", r"# \1", text, flags=re.M)
+    text = re.sub(r"^(.+)\n--+$", r"## \1", text, flags=re.M)
+    text = re.sub(r":doc:`([^<`]+?) <[^`]+>`", r"\1", text)
+    text = re.sub(r":(?:doc|func):`~?([^`]+)`", r"`\1`", text)
     text = re.sub(r"^\.\. math:: (.+)$", r"$$\1$$", text, flags=re.M)
     text = re.sub(r":math:`([^`]+)`", lambda found: f"${' '.join(found[1].split())}$", text)
     return re.sub(r"``([^`]+)``", r"`\1`", text)

@@ -31,9 +31,6 @@ NUMBERS = ("mean", "std", "least", "largest", "count", "error")
 _REST = 46
 """Bits of the mantissa that are offsets in a bin."""
 
-QUANTILE_ERROR = 2.0**-6
-"""Relative error of a quantile: the width of a bin."""
-
 
 class Measured:
     """The values of one measure in each pixel; arrays have the shape of the grid.

@@ -40,5 +40,5 @@ def axis_words(spec: MapSpec, axis: Axis) -> str:
 
 
 def own_unit(spec: MapSpec, unit: str) -> str:
-    """The unit of the numbers of a map, whose time is that of an orbit or the second."""
+    """The unit of the numbers of a map, whose time is counted in orbits or seconds."""
     return {"rad/s": "n", "s": "1/n"}.get(unit, unit) if spec.clock.by_motion else unit

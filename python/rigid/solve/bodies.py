@@ -178,7 +178,7 @@ class Bodies:
     def planned_steps(self, method: str, span: Range, of: str) -> tuple[Floats, Floats]:
         """The longest step of each body (s), and the time in which so long ones are as many.
 
-        The time differs from that of the run on an orbit over whose anomaly the steps are equal.
+        On an orbit over whose anomaly the steps are equal the time is not the time of the run.
 
         Parameters
         ----------

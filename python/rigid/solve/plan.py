@@ -485,7 +485,7 @@ def shortest_and_most(
     steps : ndarray, shape (n,)
         The longest step of each body (s), infinite for a body at rest.
     times : ndarray, shape (n,), or None
-        In which steps of that length are as many as those of the run (s), None if not known.
+        In which steps of that length are as many as in the run (s), None if not known.
     states : int
         Number of output times: each interval between them has a whole number of steps.
     """

@@ -178,8 +178,8 @@ def simulate(
     threads : int, optional
         Number of threads. Default: ``RIGID_NUM_THREADS``, else the cores that this process may use.
     dtype : {numpy.float64, numpy.float32}
-        Type of all states but ``work``. The states are computed in float64; float32
-        takes half the memory and rounds the states, which :attr:`Run.error` includes.
+        Type of all arrays of times but ``work`` and ``states``. They are computed in float64;
+        float32 takes half the memory and rounds them, which :attr:`Run.error` includes.
     out : mapping of str to ndarray, optional
         Arrays to fill, by the names of the attributes of :class:`Run` with an axis of times:
         C-contiguous, of the shape that the run has, float64 or float32. The run refers to these
@@ -317,11 +317,11 @@ def simulate(
             parameters=parameters,
             target=target,
         )
-    estimate, states = made.estimate, made.states
+    estimate, columns = made.estimate, made.states
     if "energy" in derived:
-        states["energy"] = energy_of(scene, bodies.shape, states["omega"], states["gamma"])
+        columns["energy"] = energy_of(scene, bodies.shape, columns["omega"], columns["gamma"])
     if "momentum" in derived:
-        states["momentum"] = momentum_of(scene, bodies.shape, states["omega"])
+        columns["momentum"] = momentum_of(scene, bodies.shape, columns["omega"])
     if target is not PLAIN:
         estimate = ErrorEstimate(target.finish(made.states, estimate.error), estimate.lost_from)
     own_step = None if made.method == EXACT else step

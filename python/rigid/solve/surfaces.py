@@ -176,8 +176,8 @@ class Search:
 
     def _select(self, some: NDArray[np.intp]) -> Self:
         """The search of some bodies."""
-        names = ("normal", "momentum", "square", "states", "starts", "value", "rotor", "orbit")
-        names = (*names, "ends")
+        of_bodies = "states", "starts", "rotor", "orbit", "ends"
+        names = ("normal", "momentum", "square", "value", *of_bodies)
         own = {name: getattr(self, name)[some] for name in names}
         return replace(self, bodies=self.bodies.select(some), **own)
 

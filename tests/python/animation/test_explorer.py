@@ -622,6 +622,27 @@ def test_charts_and_layers_are_chosen_and_kept(browser: Any, tmp_path: Path) -> 
 
 
 @pytest.mark.browser
+@pytest.mark.parametrize("swapped", [False, True])
+def test_the_chart_is_that_of_the_limit_that_a_body_meets(
+    swapped: bool, browser: Any, tmp_path: Path
+) -> None:
+    """A body of 2 rad/s has turned by 2 rad after 1 s; damping halves its spin after 10 s."""
+    parts = [rigid.spin_above(1.0), rigid.near_start(2.0)][:: -1 if swapped else 1]
+    body = rigid.FreeBody(rigid.Body((1.0, 1.5, 2.0)), damping=np.diag([0.1, 0.1, 0.2]))
+    result = tops(scene=body, axes={"spin": [2.0, 2.1]}, stable=parts[0] & parts[1], start=TURNED)
+    assert (result.outcomes(range(4)).left < 2.0).all()
+    opened = Opened(browser, result.explore(tmp_path / "a.html"))
+    shown = opened.page
+    shown.wait_for_selector("canvas.stage")
+    strip = "explorer.player.films[0].chart"
+    assert shown.evaluate(f"{strip}.label") == "rotation from the start (°)"
+    shown.locator("select.quantity").select_option("|ω| (rad/s)")
+    opened.press("n")  # what the reader has chosen stays
+    assert shown.evaluate(f"{strip}.label") == "|ω| (rad/s)"
+    opened.close()
+
+
+@pytest.mark.browser
 def test_a_page_says_what_an_old_browser_lacks(browser: Any, page: Path) -> None:
     old = Opened(browser, page, before="delete window.DecompressionStream")
     said = old.page.locator(".detail").text_content()

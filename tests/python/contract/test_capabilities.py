@@ -82,7 +82,7 @@ def test_every_public_module_has_its_page() -> None:
 
 
 def test_a_symbol_has_one_meaning_and_pictures_use_it() -> None:
-    page = (ROOT / "docs" / "symbols.md").read_text(encoding="utf-8")
+    page = (ROOT / "docs" / "notation.md").read_text(encoding="utf-8")
     symbols = [
         symbol
         for cell in re.findall(r"^\| (\$.*?) \|", page, re.MULTILINE)

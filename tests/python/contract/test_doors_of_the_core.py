@@ -70,6 +70,7 @@ def test_there_may_be_more_threads_than_numbers() -> None:
         momentum=np.zeros((n, 3)),
         square=np.zeros(n),
         states=np.zeros((n, _core.MOST_STATES)),
+        pointing=np.zeros((1, 13)),
         value=np.zeros(n),
         ends=np.ones(n),
         count=1,

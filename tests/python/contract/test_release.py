@@ -59,6 +59,39 @@ def test_commands_install_this_distribution(file: Path) -> None:
     assert {extra for _, extras in named for extra in extras.split(",") if extra} <= EXTRAS
 
 
+def test_the_readme_says_whether_the_package_is_on_an_index() -> None:
+    """The pages of the site ask the same of ``pyproject.toml`` when they are built."""
+    released = "Repository" in PROJECT.get("urls", {})
+    readme = (ROOT / "README.md").read_text(encoding="utf-8")
+    assert ("not on an index yet" in readme) is not released
+
+
+READ_IN_THE_REPOSITORY = [
+    *(ROOT / name for name in ("README.md", "CHANGELOG.md", "CONTRIBUTING.md")),
+    ROOT / "benches" / "README.md",
+    *(ROOT / "docs" / f"{name}.md" for name in ("capabilities", "errata", "how_it_works")),
+    *sorted((ROOT / "docs" / "decisions").glob("*.md")),
+]
+
+
+def anchors(page: Path) -> set[str]:
+    """The anchors of the headings of a page, as GitHub makes them."""
+    heads = re.findall(r"^#+ (.*)$", page.read_text(encoding="utf-8"), re.MULTILINE)
+    plain = (re.sub(r"\[([^]]*)\]\([^)]*\)", r"\1", head) for head in heads)
+    return {re.sub(r"[^\w\- ]", "", head.lower()).replace(" ", "-") for head in plain}
+
+
+@pytest.mark.parametrize("page", READ_IN_THE_REPOSITORY, ids=lambda page: page.name)
+def test_links_of_pages_that_are_not_on_the_site_lead_somewhere(page: Path) -> None:
+    """Sphinx checks the links of the others."""
+    text = re.sub(r"```.*?```", "", page.read_text(encoding="utf-8"), flags=re.DOTALL)
+    for link in re.findall(r"\]\((?!https?:)([^)\s]+)\)", text):
+        path, _, anchor = link.partition("#")
+        target = page.parent / path if path else page
+        assert target.exists(), link
+        assert not anchor or anchor in anchors(target), link
+
+
 def test_changelog_and_citation_have_the_version_and_its_date() -> None:
     heading = re.search(r"^## (\S+) \((\S+)\)$", (ROOT / "CHANGELOG.md").read_text(), re.MULTILINE)
     assert heading is not None

@@ -32,7 +32,17 @@ def test_a_notebook_of_each_tutorial_is_written(tmp_path: Path, capfd: Capture) 
         assert title.cell_type == "markdown"
         assert title.source.startswith("# ")
         text = "".join(cell.source for cell in read.cells)
-        for left in ("sphinx_gallery", ":math:", ".. ", "``", "# %%", "assert "):
+        for left in (
+            "sphinx_gallery",
+            ":doc:",
+            ":func:",
+            ":math:",
+            ".. ",
+            "``",
+            "# %%",
+            "assert ",
+            "----",
+        ):
             assert left not in text, (name, left)
     assert main(["tutorials", str(folder)]) == 2
     assert "exists; take another name" in capfd.readouterr().err
@@ -53,7 +63,8 @@ def test_text_code_and_formulas_are_cells() -> None:
         "x = 1\n# a remark\nprint(x)",
     ]
     assert [cell["cell_type"] for cell in cells] == ["markdown", "code", "markdown", "code"]
-    assert markdown("One\n===\n") == "# One\n"
+    assert markdown("One\n===\n\nTwo\n---\n") == "# One\n\n## Two\n"
+    assert markdown("See :doc:`maps </maps>`, :func:`rigid.fit`.") == "See maps, `rigid.fit`."
 
 
 def test_a_tutorial_runs_as_a_notebook_and_shows_pictures(
@@ -62,7 +73,7 @@ def test_a_tutorial_runs_as_a_notebook_and_shows_pictures(
     for name, value in environment().items():
         monkeypatch.setenv(name, value)
     assert main(["tutorials", str(tmp_path)]) == 0
-    path = tmp_path / "2_free_rotation.ipynb"
+    path = tmp_path / "1_free_rotation.ipynb"
     read: Any = nbformat.read(path, as_version=4)  # type: ignore[no-untyped-call]
     NotebookClient(read, timeout=300, resources={"metadata": {"path": tmp_path}}).execute()
     outputs = [output for cell in read.cells for output in cell.get("outputs", [])]

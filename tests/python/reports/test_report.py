@@ -592,7 +592,7 @@ def test_the_table_in_the_docs_is_that_of_the_report_as_it_is_now(name: str) -> 
     assert header["scene"] == spec.scene.words()
     assert f"{spec.bodies} close to it, seed {spec.seed}; t = {spec.t_end:g}" in header["bodies"]
     assert (DOCS / "reports" / f"{name}.png").is_file()
-    assert f"reports/{name}.png" in (DOCS / "reports.md").read_text(encoding="utf-8")
+    assert f"reports/{name}.png" in (DOCS / "methods.md").read_text(encoding="utf-8")
 
 
 # Progress, interruption

@@ -2,6 +2,7 @@
 
 import dataclasses
 import math
+import time
 
 import numpy as np
 import pytest
@@ -71,6 +72,16 @@ def test_one_family_by_one_method() -> None:
     some = rigid.extremes("near spherical", method="taylor16", progress=False)
     assert {cell.method for cell in some.cells} == {"taylor16"}
     assert len(some.cells) == 6
+
+
+def test_the_seconds_of_all_cells_are_those_of_the_call() -> None:
+    """Of runs, and of refusals."""
+    begin = time.perf_counter()
+    some = rigid.extremes("damping", method="exact", progress=False)
+    whole = time.perf_counter() - begin
+    assert {cell.verdict for cell in some.cells} == {"right", "refused"}
+    assert all(cell.seconds > 0.0 for cell in some.cells)
+    assert sum(cell.seconds for cell in some.cells) < whole
 
 
 test_unknown_names_are_refused = refuses(

@@ -22,6 +22,7 @@ class Explorer extends MapOnCanvas {
     this.kept = () => {};  // called when the reader has changed the view
     this.bodiesOf = pixel => this.bodiesIn(this.map, pixel);  // the bodies of a pixel, or a promise of them
     this.quantity = this.find(".quantity");
+    this.hasAsked = false;  // whether the reader has chosen the chart
   }
 
   find(name) {
@@ -32,6 +33,7 @@ class Explorer extends MapOnCanvas {
     const find = name => this.find(name);
     find(".layer").onchange = () => { this.layer = this.map.layers[find(".layer").selectedIndex]; this.draw(); this.kept(); };
     this.quantity.onchange = () => {
+      this.hasAsked = true;
       this.kept();
       if (!this.player || this.player.root.hidden) return;
       this.player.films[0].chart = this.strip();
@@ -149,7 +151,7 @@ class Explorer extends MapOnCanvas {
   restore(address) {
     const asked = new URLSearchParams(address.slice(1)), {map} = this;
     if (asked.has("layer")) this.chooseLayer(asked.get("layer"));
-    if (map.charts[asked.get("chart")]) this.quantity.selectedIndex = Number(asked.get("chart"));
+    if (map.charts[asked.get("chart")]) [this.quantity.selectedIndex, this.hasAsked] = [Number(asked.get("chart")), true];
     const view = (asked.get("zoom") ?? "").split(",").map(Number);
     if (view.length === 4 && view.every(Number.isFinite) && view[0] < view[1] && view[2] < view[3]) this.view = view;
     const index = (asked.get("pixel") ?? "").split(",").map(Number), lengths = map.axes.map(axis => axis.values.length).reverse();
@@ -160,7 +162,7 @@ class Explorer extends MapOnCanvas {
 
   get address() {
     const parts = [`layer=${this.layer.name}`];
-    if (this.quantity.selectedIndex) parts.push(`chart=${this.quantity.selectedIndex}`);
+    if (this.hasAsked && this.quantity.selectedIndex) parts.push(`chart=${this.quantity.selectedIndex}`);
     if (this.pixel !== null) parts.push(`pixel=${this.index(this.pixel).join()}`, `body=${this.sample}`);
     if (this.view.some((x, i) => x !== this.own[i])) parts.push(`zoom=${this.view.map(x => Number(x.toPrecision(8))).join()}`);
     return `#${parts.join("&")}`;
@@ -423,6 +425,17 @@ class Explorer extends MapOnCanvas {
     if (!map.motion) this.find(".about").open = true;
   }
 
+  // The chart whose limit a body meets at the time at which it left.
+  broken(left) {
+    const {pixel, numbers, motion} = this.moved, {charts} = this.map;
+    const at = Math.max(motion.t.findIndex(time => time >= left), 0);
+    const misses = charts.map(chart => {
+      const of = quantityOf(chart, numbers, motion), range = of.flat().reduce((most, x) => Math.max(most, Math.abs(x)), 0) || 1;
+      return Math.min(...chart.limits.flatMap(limits => of.map(values => Math.abs(values[at] - limits[pixel]) / range)));
+    });
+    return misses.indexOf(Math.min(...misses));
+  }
+
   strip() {
     const {pixel, numbers, motion, doubtful} = this.moved;
     return stripOf(this.map, this.map.charts[this.quantity.selectedIndex], pixel, numbers, motion, doubtful);
@@ -440,6 +453,8 @@ class Explorer extends MapOnCanvas {
     this.computed = performance.now() - begun;
     this.moved = {pixel, numbers, motion, doubtful};
     this.note(doubtful);
+    const left = this.bodies.left[sample];
+    if (!this.hasAsked) this.quantity.selectedIndex = map.leaves && Number.isFinite(left) ? this.broken(left) : 0;
     const seconds = Math.max(clamp(horizon, 4, 20), Math.min(horizon * pace / 9, 90)), speed = horizon / seconds;
     this.player ??= new Player(this.find("#player"), KEYS);
     this.player.root.hidden = false;

@@ -3,11 +3,9 @@ Dimorphos after the impact
 ==========================
 
 DART hit Dimorphos in 2022 and changed orbit and shape of this moon. Does it still keep one side to
-Didymos? That depends on two ratios of its axes, which the spacecraft Hera measures.
-
-Agrusa and others asked this before the impact (*Icarus* 370 (2021) 114624): where the small
-oscillations of the moon are in resonance with its orbit, it may tumble, or roll about its long
-axis.
+Didymos? That depends on two ratios of its axes, which the spacecraft Hera measures. Agrusa and
+others asked this before the impact (*Icarus* 370 (2021) 114624): where small oscillations of the
+moon are in resonance with its orbit, it may tumble, or roll about its long axis.
 """
 
 import matplotlib.pyplot as plt
@@ -17,6 +15,9 @@ import rigid
 from rigid.drawing.colours import HUES
 
 # %%
+# The orbit and the shape
+# -----------------------
+#
 # After the impact an orbit takes 11.367 h and has an eccentricity of 0.028 ± 0.016 (Scheirich and
 # others 2024; Naidu and others 2024). The impact was against the motion, so the orbit begins at its
 # apoapsis; the moon turns as before, once in 11.92 h. The time unit here is the day.
@@ -25,9 +26,8 @@ spin = 2.0 * np.pi * 24.0 / 11.92
 
 # %%
 # The precession of the orbit shows the shape: a/b is about 1.3 and a/c about 1.6 (Naidu and others
-# 2024). Before the impact the moon was nearly oblate. Axis 1 (roll) lies along the motion, axis 2
-# (pitch) along the normal of the orbit; axis 3 (yaw) is the long one and points away from Didymos.
-# Small oscillations have these periods:
+# 2024). Axis 1 (roll) lies along the motion, axis 2 (pitch) along the normal of the orbit; axis 3
+# (yaw) is the long one and points away from Didymos. Small oscillations have these periods:
 
 
 def moon(ab, bc):
@@ -47,14 +47,17 @@ assert abs(1.5 * periods[1.3][1] / 11.367 - 1.0) < 0.01
 # sphinx_gallery_end_ignore
 
 # %%
-# The eccentric orbit swings the moon in pitch. This swing pumps roll and yaw where twice their
-# frequency is a multiple of the rate of the orbit. Of two shapes, the first keeps its attitude. The
+# Two shapes in motion
+# --------------------
+#
+# The eccentric orbit makes the moon swing in pitch. This swing excites roll and yaw where twice
+# their frequency is a multiple of the mean motion. Of two shapes, the first keeps its attitude. The
 # second, near the shape of today, rolls and tumbles. Both begin one degree off.
 toward = rigid.rotations.matrix_to_quaternion(orbit.frame(0.0)[:, [1, 2, 0]])
 off = rigid.rotations.exp_quaternion([0.0, 0.0, np.radians(1.0)])
 start = rigid.rotations.quaternion_product(toward, off)
 t = np.linspace(0.0, 40.0, 4001)
-figure, both = plt.subplots(2, 1, sharex=True, figsize=(8.0, 6.0))
+figure, both = plt.subplots(2, 1, sharex=True, figsize=(8, 6), layout="constrained")
 largest = {}
 for ax, (ab, bc) in zip(both, ((1.2, 1.1), (1.3, 1.25)), strict=True):
     scene = rigid.FreeBody(moon(ab, bc), orbit=orbit)
@@ -79,10 +82,12 @@ assert largest[1.3][0] > 60.0
 plt.show()
 
 # %%
-# A map tries many shapes: which keep one side to Didymos for 35 days, with their pole within a
-# radian of the normal? In a map the long axis is axis 1 and the pole axis 3. The lines are the
-# shapes whose oscillations are in resonance with the orbit. ``rigid map dimorphos`` draws it finer,
-# for seventy days.
+# A map of all shapes
+# -------------------
+#
+# Which shapes keep one side to Didymos for 35 days, with their pole within a radian of the normal?
+# In a map the long axis is axis 1 and the pole axis 3. The lines are the shapes whose oscillations
+# are in resonance with the orbit.
 scene = rigid.FreeBody(rigid.Body((1.0, 1.0, 1.0)), orbit=orbit)
 result = rigid.stability_map(
     scene,
@@ -92,10 +97,13 @@ result = rigid.stability_map(
     measure=[rigid.libration_amplitude(1), rigid.obliquity(3)],
     samples=2,
     t_end=35.0,
+    time_unit=("d", 1.0),
     rng=2026,
     progress=False,
 )
-result.plot()
+figure, ax = plt.subplots(figsize=(8, 6), layout="constrained")
+result.plot(ax=ax)
+ax.set_title("Which shapes keep one side to Didymos for 35 days?", loc="left")
 plt.show()
 
 # %%
@@ -115,32 +123,26 @@ assert share[beyond].mean() < 0.1
 # sphinx_gallery_end_ignore
 
 # %%
-# What can Hera see? Of a moon that keeps its attitude, the angle by which it swings. Its size and
-# its period show how long the moon is. The impact left it with a free libration, and the eccentric
-# orbit forces another one. Both grow towards a/b = 1.41, where the libration has the period of the
-# orbit. At a/b = 1.1 the libration takes two orbits, and roll and yaw are pumped.
+# What Hera can see
+# -----------------
+#
+# A moon that keeps its attitude swings. The amplitude shows how long the moon is: it grows towards
+# a/b = 1.41, where the free libration has the period of the orbit.
 row = int(np.argmin(np.abs(bc - 1.1)))
 swing = np.degrees(result.measures["libration_amplitude(1)"].mean[row])
-period = 2.0 * np.pi / rigid.free.libration(moon(ab, 1.1), orbit.rate).pitch * 24.0
 kept = result.share[row] == 1.0
 # sphinx_gallery_start_ignore
 assert kept[ab < 1.3].all()
 assert swing[np.searchsorted(ab, 1.3)] > 1.5 * swing[np.searchsorted(ab, 1.1)]
 # sphinx_gallery_end_ignore
 
-figure, ax = plt.subplots()
+figure, ax = plt.subplots(figsize=(8, 4), layout="constrained")
 ax.plot(ab[kept], swing[kept], "o-", color=HUES["blue"])
 ax.set(xlabel="a/b", ylabel="largest angle of the long axis (degrees)", ylim=(0.0, None))
 ax.set_title("Swing of moons with b/c = 1.1 that keep their attitude")
-right = ax.twinx()
-right.plot(ab[kept], period[kept], "--", color=HUES["vermilion"])
-right.set_ylabel("period of the free libration, dashed (h)", color=HUES["vermilion"])
 plt.show()
 
 # %%
-# If the moon has left its attitude, Hera sees its other sides. When it rolls, the long axis stays
-# near the line to Didymos and the light curve hardly changes: the pole must be watched.
-# ``run.animate("dimorphos.html")`` writes a film of such a motion.
-#
 # The model is a rigid ellipsoid on a given orbit. The orbit of the real moon feels the rotation,
-# and Didymos is flat: these change the frequencies by some percent (Agrusa and others, section 5).
+# and Didymos is flat: both change the frequencies by some percent (Agrusa and others, section 5).
+# ``run.animate("dimorphos.html")`` writes a film of a motion above.

@@ -2,8 +2,8 @@ r"""
 A tumbling asteroid
 ===================
 
-(4179) Toutatis turns about no fixed axis. Its two periods follow from its moments of inertia and
-its rates on one day.
+The asteroid (4179) Toutatis turns about no fixed axis. Two periods describe its rotation. They
+follow from its moments of inertia and its angular velocity on one day.
 
 Radar showed in 1992 that Toutatis turns about its long axis in 5.41 days, while the long axis goes
 round the angular momentum in 7.35 days on average (Hudson and Ostro, *Science* 270 (1995) 84).
@@ -18,11 +18,15 @@ import rigid
 from rigid.drawing.colours import HUES
 
 # %%
-# Ratios of the moments and the rates of 9 November 1992, as Takahashi, Busch and Scheeres give
-# them (*Astronomical Journal* 146 (2013) 95); axis 3 is the long one. The unit of time is the day.
+# The motion
+# ----------
+#
+# Ratios of the moments and the angular velocity of 9 November 1992 are from Takahashi, Busch and
+# Scheeres (*Astronomical Journal* 146 (2013) 95). Axis 3 is the long one. The unit of time is the
+# day. The motion is torque-free, so it has a closed form.
 asteroid = rigid.FreeBody(rigid.Body((3.0836, 3.235, 1.0)))
-rates = np.radians([14.5, 33.7, -98.5])
-run = rigid.simulate(asteroid, rates, t=np.linspace(0.0, 1500.0, 30001))
+omega = np.radians([14.5, 33.7, -98.5])
+run = rigid.simulate(asteroid, omega, t=np.linspace(0.0, 1500.0, 30001))
 
 # %%
 # The rotation: the angle of the angular momentum about the long axis, seen in the body.
@@ -47,8 +51,8 @@ assert abs(precession - 7.40) < 0.03
 # sphinx_gallery_end_ignore
 
 # %%
-# Both periods follow from the state of one day in closed form, without a run.
-found = rigid.free.spin_periods(asteroid, rates)
+# Both periods follow from the state of one day without a run.
+found = rigid.free.spin_periods(asteroid, omega)
 print(f"rotation {found.rotation:.4f} d, precession {found.precession:.4f} d, {found.mode}")
 # sphinx_gallery_start_ignore
 assert abs(found.rotation - rotation) < 0.01
@@ -56,10 +60,12 @@ assert abs(found.precession - precession) < 0.01
 # sphinx_gallery_end_ignore
 
 # %%
-# Observers found these periods half a percent different in 1995: the rates of a day are known to a
-# degree a day. In space the tip of the long axis goes round the angular momentum in a narrow band.
-# The tip of axis 1, which the rotation about the long axis carries, never comes back: here are the
-# paths of two months.
+# In space
+# --------
+#
+# The tip of the long axis goes round the angular momentum in a narrow band. The tip of axis 1,
+# which the rotation about the long axis carries around, never comes back to its start. These are
+# the paths of two months.
 days = run.t < 60.0
 side = attitude[days].apply([1.0, 0.0, 0.0])
 towards = np.array([across, np.cross(pole, across), pole])  # the angular momentum points up
@@ -77,3 +83,7 @@ ax.set_box_aspect((1.0, 1.0, 1.0), zoom=1.3)
 ax.set(xlim=(-1.0, 1.0), ylim=(-1.0, 1.0), zlim=(-0.9, 1.1), title="Toutatis in two months")
 ax.legend(loc="lower right")
 plt.show()
+
+# %%
+# :func:`rigid.free.spin_state` goes the other way: from two observed periods to the angular
+# velocity. :doc:`plot_6_apophis` begins so.
