@@ -82,10 +82,10 @@ class TiltBetween(Criterion):
         return "tilt_from_vertical", abs(self.axis)
 
     def __str__(self) -> str:
-        return (
-            f"tilt of axis {self.axis} from the vertical between {angle_words(self.low)} "
-            f"and {angle_words(self.high)}"
-        )
+        low, high = angle_words(self.low), angle_words(self.high)
+        if not (low.endswith("°") and high.endswith("°")):
+            low, high = f"{self.low:g}", f"{self.high:g} rad"
+        return f"tilt of axis {self.axis} from the vertical between {low} and {high}"
 
 
 @dataclass(frozen=True, slots=True)
