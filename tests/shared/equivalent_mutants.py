@@ -24,6 +24,11 @@ EQUIVALENT: dict[tuple[str, str, str], str] = {
         "max_steps=10**9,",
         "10 -> 11",
     ): "no body takes so many steps before its call is given up",
+    (
+        "solve/timing.py",
+        "PACK = 8",
+        "8 -> 9",
+    ): "it decides how fast a cost is measured, not what it is",
 }
 
 
