@@ -86,7 +86,10 @@ impl MethodChoice {
                 rate = Some(body.pace_rate(&place, farthest) * pace);
             }
         }
-        let rate = rate.unwrap_or_else(|| body.step_rate(method, forces, range));
+        let rate = rate.unwrap_or_else(|| match of {
+            PlannedRun::Sample | PlannedRun::Growth if forces.is_none() => body.neighbours_rate(),
+            _ => body.step_rate(method, forces, range),
+        });
         let step = self.default_step(of == PlannedRun::Growth, rate).min(forces.longest_unseen(range));
         [step, time]
     }

@@ -57,8 +57,8 @@ def write_aem(
     for k in range(1, len(stamps)):
         if stamps[k] == stamps[k - 1]:
             raise ValueError(
-                f"t[{k}] = {times[k]!r}: is the same microsecond as t[{k - 1}], which a message "
-                "cannot tell apart"
+                f"t[{k}] = {float(times[k])}: is the same microsecond as t[{k - 1}], which a "
+                "message cannot tell apart"
             )
     unit = attitudes / np.linalg.norm(attitudes, axis=-1, keepdims=True)
     # A quaternion and its negative are one attitude; readers interpolate between neighbours.

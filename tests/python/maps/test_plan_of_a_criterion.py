@@ -132,6 +132,7 @@ def test_the_plan_of_a_pixel_of_a_built_in_map_is_that_of_a_map_of_this_pixel(na
         (HEAVY, rigid.tilt_below(3.1), "rk4"),
         (HEAVY, rigid.tilt_below(3.1), "dop853"),
         (FREE, rigid.no_flip(3), "rk4"),  # which has a closed form
+        (SCENES["lagrange"], rigid.tilt_below(3.1), "rk4"),
     ],
     ids=str,
 )
