@@ -25,7 +25,7 @@ DOUBLES = ctypes.POINTER(ctypes.c_double)
 _ARGUMENTS = "t, omega, attitude, data, torque"
 
 _OF_STATES = "states, rates"
-"""Further arguments of a function with states of its own."""
+"""Further arguments of a function with states."""
 
 _PLACE = "orbit_position"
 """The name of a last argument by which a function asks for the place of the body on its orbit."""

@@ -123,8 +123,8 @@ def judged(
         if that is undecided. What it says of a body must not depend on the other bodies, which are
         those that happen to be computed together. ``states.t`` (m,); ``states.omega`` (n, m, 3),
         rad/s; ``states.gamma`` (n, m, 3), the upward vertical in the body; ``states.attitude``
-        (n, m, 4), quaternions; ``states.states`` (n, m, k), those of :meth:`Torque.call` with
-        ``states=k``; ``states.parameters``: the values of the axes of the map by their
+        (n, m, 4), quaternions; ``states.states`` (n, m, k), the states of :meth:`Torque.call`
+        with ``states=k``; ``states.parameters``: the values of the axes of the map by their
         names, (n,), among them ``limit``, which the function may take as it likes. Saved maps hold
         digests of its source and of what it takes from outside: default arguments, closures,
         globals that its code names, attributes of ``self``, and the same of the functions it calls.

@@ -290,7 +290,7 @@ class Scene(HasForces, ABC):
 
     @property
     def states(self) -> int:
-        """How many states of its own the function of a torque has for each body."""
+        """How many states the function of a torque has for each body."""
         return 0 if self.torque is None else self.torque.states
 
     def replaced(self, body: Body, damping: ArrayLike | None, **own: Any) -> Self:

@@ -175,9 +175,9 @@ class Torque:
         signal of a filter, which are integrated with the body. The function then takes ``(t, omega,
         attitude, data, torque, states, rates)`` and writes the rates of change of its states (k)
         into ``rates``, in the units of the user per second. They begin at zero, or at the
-        ``states`` of :func:`simulate` and :class:`Start`. The error of a step, and of a run, is
-        that of the states too, relative to the largest value of each. Values below 1e-9, or below a
-        millionth of the largest state of the body, count as that large: choose units for that.
+        ``states`` of :func:`simulate` and :class:`Start`. The error of a step, and of a run,
+        includes the error of each state, relative to its largest value. Values below 1e-9, or below
+        a millionth of the largest state of the body, count as that large: choose units for that.
 
         A function whose last argument is named ``orbit_position`` is told the place of the body on
         its ``orbit``, from the planet, along the axes of space, over the semi-major axis of an
@@ -268,7 +268,7 @@ class Torque:
 
     @property
     def states(self) -> int:
-        """How many states of its own a function has for each body."""
+        """How many states a function has for each body."""
         return 0 if self.function is None else self.function.states
 
     def started(self, states: ArrayLike) -> Torque:
