@@ -82,7 +82,7 @@ from .solve.lyapunov import lyapunov
 from .solve.methods import Method, methods
 from .solve.motion import Motion
 from .solve.plan import Plan
-from .solve.run import Run, load_run
+from .solve.run import OrbitStates, Run, load_run
 from .solve.sensitivity import condition
 from .solve.simulate import simulate
 from .solve.status import Status
@@ -132,6 +132,7 @@ __all__ = [
     "Motion",
     "Noise",
     "Orbit",
+    "OrbitStates",
     "Outcomes",
     "Plan",
     "Progress",
