@@ -77,7 +77,7 @@ from .solve.chunks import simulate_chunks
 from .solve.events import Events
 from .solve.fit import Fit, FitWarning, fit
 from .solve.frequencies import FrequencyDrift, Lines, frequencies, frequency_drift
-from .solve.growth import Growth
+from .solve.growth import Growth, LyapunovTime
 from .solve.lyapunov import lyapunov
 from .solve.methods import Method, methods
 from .solve.motion import Motion
@@ -125,6 +125,7 @@ __all__ = [
     "HeavyTop",
     "Interrupted",
     "Lines",
+    "LyapunovTime",
     "MapSpec",
     "Method",
     "Mixture",
