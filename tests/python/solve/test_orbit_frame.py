@@ -112,6 +112,7 @@ def test_axes_of_a_drawing_and_the_end_of_a_body() -> None:
     until = rigid.crosses("pitch", 0.5)
     run = rigid.simulate(scene, *orbit.to_space([0.2, 0.1, 0.3]), t=TIMES, until=until)
     beside, drawn = run.in_orbit_frame(), run.in_frame(frame).in_orbit_frame()
+    assert run.end is not None
     ended = run.end < TIMES
     assert 0 < ended.sum() < len(TIMES)
     assert np.isnan(beside.omega[ended]).all()
