@@ -30,11 +30,14 @@ from .model.body import Body
 from .model.bounds import (
     librates,
     near_start,
+    pitch_within,
     pointing_within,
     rate_within,
     returns,
+    roll_within,
     spin_above,
     tilt_between,
+    yaw_within,
 )
 from .model.criteria import no_flip, regular, tilt_below
 from .model.events import Event, crosses, turns
@@ -43,12 +46,16 @@ from .model.judged import States, judged
 from .model.measures import (
     drift,
     flips,
+    largest_pitch,
+    largest_roll,
     largest_tilt,
+    largest_yaw,
     libration_amplitude,
     mean_rate,
     obliquity,
     spin_orbit_ratio,
     time_to_leave,
+    time_to_settle,
 )
 from .model.mixture import Mixture, mixture
 from .model.orbit import Orbit
@@ -173,7 +180,10 @@ __all__ = [
     "frequency_drift",
     "inertia",
     "judged",
+    "largest_pitch",
+    "largest_roll",
     "largest_tilt",
+    "largest_yaw",
     "librates",
     "libration_amplitude",
     "load_map",
@@ -190,6 +200,7 @@ __all__ = [
     "obliquity",
     "open_store",
     "particles",
+    "pitch_within",
     "plan",
     "poincare",
     "pointing_within",
@@ -197,6 +208,7 @@ __all__ = [
     "regular",
     "report",
     "returns",
+    "roll_within",
     "rotations",
     "sample_bodies",
     "samples",
@@ -212,6 +224,7 @@ __all__ = [
     "tilt_below",
     "tilt_between",
     "time_to_leave",
+    "time_to_settle",
     "top",
     "turns",
     "uniform",
@@ -219,6 +232,7 @@ __all__ = [
     "units",
     "validation",
     "von_mises_fisher",
+    "yaw_within",
 ]
 
 if not TYPE_CHECKING:  # a type checker would take any name for a module

@@ -15,12 +15,15 @@ import numpy as np
 from .._checks.arguments import brief, finite_float, one_of
 from .bounds import (
     NearStart,
+    PitchWithin,
     PointingWithin,
     RateWithin,
     ReturnsNear,
+    RollWithin,
     SpinAbove,
     TiltBetween,
     WithinAngle,
+    YawWithin,
 )
 from .criterion import Criterion, Joined
 from .forces import forces_in_words
@@ -195,6 +198,9 @@ CRITERIA: Mapping[str, type[Criterion]] = {
         ReturnsNear,
         SpinAbove,
         PointingWithin,
+        RollWithin,
+        PitchWithin,
+        YawWithin,
         Regular,
     )
 }
