@@ -69,6 +69,7 @@ def test_there_may_be_more_threads_than_numbers() -> None:
         normal=np.tile([1.0, 0.0, 0.0, 0.0, 0.0, 0.0], (n, 1)),
         momentum=np.zeros((n, 3)),
         square=np.zeros(n),
+        pointing=np.zeros((1, 13)),
         value=np.zeros(n),
         ends=np.ones(n),
         count=1,
