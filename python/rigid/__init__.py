@@ -30,11 +30,14 @@ from .model.body import Body
 from .model.bounds import (
     librates,
     near_start,
+    pitch_within,
     pointing_within,
     rate_within,
     returns,
+    roll_within,
     spin_above,
     tilt_between,
+    yaw_within,
 )
 from .model.criteria import no_flip, regular, tilt_below
 from .model.events import Event, crosses, turns
@@ -43,12 +46,16 @@ from .model.judged import States, judged
 from .model.measures import (
     drift,
     flips,
+    largest_pitch,
+    largest_roll,
     largest_tilt,
+    largest_yaw,
     libration_amplitude,
     mean_rate,
     obliquity,
     spin_orbit_ratio,
     time_to_leave,
+    time_to_settle,
 )
 from .model.mixture import Mixture, mixture
 from .model.orbit import Orbit
@@ -79,12 +86,12 @@ from .solve.chunks import simulate_chunks
 from .solve.events import Events
 from .solve.fit import Fit, FitWarning, fit
 from .solve.frequencies import FrequencyDrift, Lines, frequencies, frequency_drift
-from .solve.growth import Growth
+from .solve.growth import Growth, LyapunovTime
 from .solve.lyapunov import lyapunov
 from .solve.methods import Method, methods
 from .solve.motion import Motion
 from .solve.plan import Plan
-from .solve.run import Run, load_run
+from .solve.run import OrbitStates, Run, load_run
 from .solve.sensitivity import condition
 from .solve.simulate import simulate
 from .solve.status import Status
@@ -128,6 +135,7 @@ __all__ = [
     "HeavyTop",
     "Interrupted",
     "Lines",
+    "LyapunovTime",
     "MapSpec",
     "Method",
     "Mixture",
@@ -135,6 +143,7 @@ __all__ = [
     "Motion",
     "Noise",
     "Orbit",
+    "OrbitStates",
     "Outcomes",
     "Plan",
     "Progress",
@@ -175,7 +184,10 @@ __all__ = [
     "frequency_drift",
     "inertia",
     "judged",
+    "largest_pitch",
+    "largest_roll",
     "largest_tilt",
+    "largest_yaw",
     "librates",
     "libration_amplitude",
     "load_aem",
@@ -193,6 +205,7 @@ __all__ = [
     "obliquity",
     "open_store",
     "particles",
+    "pitch_within",
     "plan",
     "poincare",
     "pointing_within",
@@ -200,6 +213,7 @@ __all__ = [
     "regular",
     "report",
     "returns",
+    "roll_within",
     "rotations",
     "sample_bodies",
     "samples",
@@ -216,6 +230,7 @@ __all__ = [
     "tilt_below",
     "tilt_between",
     "time_to_leave",
+    "time_to_settle",
     "top",
     "turns",
     "uniform",
@@ -223,6 +238,7 @@ __all__ = [
     "units",
     "validation",
     "von_mises_fisher",
+    "yaw_within",
 ]
 
 if not TYPE_CHECKING:  # a type checker would take any name for a module

@@ -29,7 +29,7 @@ pub use function::{
     Returned, SMALL_STATE, TorqueCall, TorqueCalls, TorqueFunction, TorqueRows, attitude_of_stage,
     unit_of_stage,
 };
-pub use orbit::{Orbit, anomaly_cos_sin, conic_sign};
+pub use orbit::{Orbit, anomaly_cos_sin, conic_sign, is_open};
 pub use place::{Along, OrbitPlace, StepAlong};
 pub use rotor::Rotor;
 pub use set::ForceSet;

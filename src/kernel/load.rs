@@ -248,16 +248,18 @@ impl<'a> Entry<'a> {
     }
 }
 
+/// The vector of a body axis: 1, 2, 3 or -1, -2, -3; zeros of any other number.
+fn unit_axis(axis: i32) -> [f64; 3] {
+    [1, 2, 3].map(|k| if axis.abs() == k { f64::from(axis.signum()) } else { 0.0 })
+}
+
 /// Loads a body into a lane.
 pub fn load(group: &mut Group, lane: usize, compiled: Compiled, assignment: KernelAssignment, entry: &Entry) {
     let &Entry { body, forces, axis, limit, step, ref own, ref states, ref place, ref deviation, ref bound } =
         entry;
     let kernel = compiled.kernel();
-    let mut unit = [0.0; 3];
-    if axis != 0 {
-        unit[axis.unsigned_abs() as usize - 1] = f64::from(axis.signum());
-    }
-    let unit = assignment.to_kernel_axes(unit);
+    let unit_of = |axis: i32| assignment.to_kernel_axes(unit_axis(axis));
+    let (unit, second_unit) = (unit_of(axis), unit_of(bound.map_or(0, |bound| bound.second_axis())));
     let mut y = kernel_state(kernel.system, assignment, body, unit);
     if let Some(at) = kernel.system.own_at {
         y[at..at + own.len()].copy_from_slice(own);
@@ -343,6 +345,7 @@ pub fn load(group: &mut Group, lane: usize, compiled: Compiled, assignment: Kern
         forces: forces.map(|(forces, rate)| (forces, rate * place.as_ref().map_or(1.0, OrbitPlace::rate))),
         axis,
         unit,
+        second_unit,
         direction,
         limit,
         deviation: &deviation,

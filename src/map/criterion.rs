@@ -3,7 +3,7 @@
 
 use super::Rule;
 use crate::error::Error;
-use crate::observe::{Bound, Direction, Observed, Quantity};
+use crate::observe::{Angle, Bound, Direction, Observed, Quantity};
 use crate::scene::Scene;
 
 /// When a sample counts as stable.
@@ -34,7 +34,7 @@ const RULE: usize = 4;
 /// rule in their order.
 type Named = (&'static str, usize, fn(&[f64]) -> Criterion);
 
-const NAMED: [Named; 16] = [
+const NAMED: [Named; 20] = [
     ("no_flip", 0, |_| Criterion::NoFlip),
     ("tilt_from_start", 1, |of| Criterion::TiltFromStart(of[0])),
     ("tilt_from_vertical", 1, |of| Criterion::TiltFromVertical(of[0])),
@@ -42,6 +42,7 @@ const NAMED: [Named; 16] = [
     ("regular_attitude", RULE, |of| Criterion::RegularAttitude(rule(of))),
     ("rate_above", 1, |of| Criterion::bounded(Quantity::Rate, of[0], false)),
     ("speed_above", 1, |of| Criterion::bounded(Quantity::Speed, of[0], false)),
+    ("speed_below", 1, |of| Criterion::bounded(Quantity::Speed, of[0], true)),
     ("omega_within_body", 1, |of| Criterion::within(false, false, of[0])),
     ("omega_within_space", 1, |of| Criterion::within(false, true, of[0])),
     ("momentum_within_body", 1, |of| Criterion::within(true, false, of[0])),
@@ -53,6 +54,9 @@ const NAMED: [Named; 16] = [
     ("pointing_radial", 2, |of| Criterion::pointing(Direction::Radial, of[0], of[1] != 0.0)),
     ("pointing_along", 2, |of| Criterion::pointing(Direction::Along, of[0], of[1] != 0.0)),
     ("pointing_normal", 2, |of| Criterion::pointing(Direction::Normal, of[0], of[1] != 0.0)),
+    ("roll_within", 2, |of| Criterion::angle(Angle::Roll, of[0], of[1])),
+    ("pitch_within", 2, |of| Criterion::angle(Angle::Pitch, of[0], of[1])),
+    ("yaw_within", 2, |of| Criterion::angle(Angle::Yaw, of[0], of[1])),
 ];
 
 fn rule(numbers: &[f64]) -> Rule {
@@ -75,6 +79,12 @@ impl Criterion {
         Criterion::bounded(Quantity::Pointing { from, either }, angle, true)
     }
 
+    /// A criterion that an angle in the frame of the orbit stays within a limit from either side; the watched axis lies
+    /// along the line from the planet at rest, this axis along the normal.
+    fn angle(of: Angle, angle: f64, normal: f64) -> Criterion {
+        Criterion::bounded(Quantity::Angle { of, normal: normal as i32 }, angle, true)
+    }
+
     /// The bound that is observed, if one is.
     #[inline]
     pub(super) fn bound(self) -> Option<Bound> {
@@ -93,7 +103,9 @@ impl Criterion {
 
     /// Whether the criterion watches a body axis.
     pub(super) fn has_axis(self) -> bool {
-        let of_axis = |bound: Bound| matches!(bound.quantity, Quantity::Rate | Quantity::Pointing { .. });
+        let of_axis = |bound: Bound| {
+            matches!(bound.quantity, Quantity::Rate | Quantity::Pointing { .. } | Quantity::Angle { .. })
+        };
         self.rule().is_none() && self.bound().is_none_or(of_axis)
     }
 
@@ -134,8 +146,8 @@ impl Criterion {
             Criterion::TiltFromStart(_) => 1 + usize::from(scene.has_weight),
             Criterion::TiltFromVertical(_) => 1,
             Criterion::Bounded(bound) => match bound.quantity {
-                Quantity::Turn { in_space: true, .. } | Quantity::Attitude | Quantity::Pointing { .. } => 2,
-                _ => 0,
+                Quantity::Rate | Quantity::Speed | Quantity::Turn { in_space: false, .. } => 0,
+                _ => 2,
             },
         }
     }

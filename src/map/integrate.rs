@@ -7,7 +7,7 @@ use crate::error::Error;
 use crate::forces::OrbitPlace;
 use crate::kernel::{Compiled, Entry, ForcesRows, Group, Job, Kernel, drive, load};
 use crate::memory;
-use crate::observe::{Deviation, EXIT_TIME, Observed};
+use crate::observe::{Bounds, Deviation, EXIT_TIME, Observed};
 use crate::parallel::Interrupt;
 use crate::simd::Isa;
 use crate::simd::LANES;
@@ -82,8 +82,10 @@ impl Watched<'_> {
     /// Translates an outcome over the anomaly of an orbit to the time. On an orbit no component of the momentum is constant;
     /// the Jacobi integral is on a circle.
     fn translate(&self, OnOrbit { place, pace, .. }: &OnOrbit, outcome: &mut Outcome) {
-        if outcome.left < f64::INFINITY {
-            outcome.left = place.time_until(outcome.left).clamp(0.0, self.t_end);
+        for time in [&mut outcome.left, &mut outcome.settled] {
+            if *time < f64::INFINITY {
+                *time = place.time_until(*time).clamp(0.0, self.t_end);
+            }
         }
         let turned = outcome.step * outcome.steps as f64;
         // The integral of the rates over the pace is that of the rates over the time.
@@ -127,6 +129,7 @@ impl Watched<'_> {
             flips: if observed == Observed::Flips { value as u64 } else { 0 },
             left,
             tilt,
+            settled: if observed == Observed::Bounds { rows[Bounds::SETTLED] } else { f64::NAN },
             mean_rate: if observed == Observed::MeanRate { value } else { f64::NAN },
             exponent: f64::NAN,
             mean_megno: f64::NAN,

@@ -54,23 +54,46 @@ pub enum Quantity {
     AngleFromRadial,
     /// The largest angle of the axis from the normal of the orbit.
     AngleFromNormal,
+    /// The largest roll, pitch or yaw, of either sign.
+    LargestAngle,
+    /// The time from which on a criterion is kept until the horizon.
+    TimeToSettle,
+}
+
+impl Quantity {
+    /// What is observed in a run of its own until the horizon; `None` if the runs that classify tell the value, or if the
+    /// criterion is given.
+    fn watched(self) -> Option<Criterion> {
+        match self {
+            Quantity::TimeToLeave | Quantity::Drift | Quantity::LargestAngle | Quantity::TimeToSettle => None,
+            Quantity::Flips => Some(Criterion::NoFlip),
+            Quantity::TiltFromStart => Some(Criterion::TiltFromStart(f64::INFINITY)),
+            Quantity::TiltFromVertical => Some(Criterion::TiltFromVertical(f64::INFINITY)),
+            Quantity::MeanRate => Some(Criterion::MeanRate),
+            Quantity::MeanRateOverMotion => Some(Criterion::MeanRateOverMotion),
+            Quantity::AngleFromRadial => Some(Criterion::pointing(Direction::Radial, PI, true)),
+            Quantity::AngleFromNormal => Some(Criterion::pointing(Direction::Normal, PI, false)),
+        }
+    }
 }
 
 /// A measure: a quantity, of a body axis if it has one.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Measure {
     /// What is measured.
     pub quantity: Quantity,
     /// The body axis: 1, 2, 3 or -1, -2, -3; 0 for none.
     pub axis: i32,
+    /// What is observed in a run of its own until the horizon; `None` if the runs that classify tell the value.
+    watched: Option<Criterion>,
 }
 
 impl Measure {
-    /// The measure of that name.
+    /// The measure of that name: `largest_` and `settled_` come before the name of a bounded criterion with these numbers.
     ///
     /// # Errors
     /// Naming the known ones, or the axis.
-    pub fn parse(name: &str, axis: i32) -> Result<Measure, Error> {
+    pub fn parse(name: &str, axis: i32, numbers: &[f64]) -> Result<Measure, Error> {
         const NAMES: [(&str, Quantity); 9] = [
             ("time_to_leave", Quantity::TimeToLeave),
             ("drift", Quantity::Drift),
@@ -82,12 +105,28 @@ impl Measure {
             ("angle_from_radial", Quantity::AngleFromRadial),
             ("angle_from_normal", Quantity::AngleFromNormal),
         ];
-        let Some((_, quantity)) = NAMES.into_iter().find(|(known, _)| *known == name) else {
+        const OF_CRITERIA: [(&str, Quantity); 2] =
+            [("largest_", Quantity::LargestAngle), ("settled_", Quantity::TimeToSettle)];
+        let of_criterion =
+            OF_CRITERIA.iter().find_map(|(kind, quantity)| Some((name.strip_prefix(kind)?, *quantity)));
+        let (quantity, watched) = if let Some((criterion, quantity)) = of_criterion {
+            let criterion = Criterion::parse(criterion, numbers)?;
+            if criterion.bound().is_none_or(|bound| bound.is_pointing()) {
+                let (value, rule) = (
+                    name.to_string(),
+                    "must be of a rate, an angle of the orbit, or a distance from the start",
+                );
+                return Err(Error::Value { argument: "measure", value, rule });
+            }
+            (quantity, Some(criterion))
+        } else if let Some((_, quantity)) = NAMES.into_iter().find(|(known, _)| *known == name) {
+            (quantity, quantity.watched())
+        } else {
             let known = NAMES.map(|(known, _)| known).join(", ");
             return Err(Error::Unknown { argument: "measure", value: name.into(), known });
         };
-        let measure = Measure { quantity, axis };
-        let least = u32::from(measure.watched().is_some());
+        let measure = Measure { quantity, axis, watched };
+        let least = u32::from(watched.is_some_and(Criterion::has_axis));
         if !(least..=3).contains(&axis.unsigned_abs()) {
             let rule = "must be 1, 2, 3 or -1, -2, -3";
             return Err(Error::Value { argument: "axis", value: axis.to_string(), rule });
@@ -95,18 +134,9 @@ impl Measure {
         Ok(measure)
     }
 
-    /// What is observed in a run of its own until the horizon; `None` if the runs that classify tell the value.
+    /// See [`Measure::watched`].
     pub(super) fn watched(self) -> Option<Criterion> {
-        match self.quantity {
-            Quantity::TimeToLeave | Quantity::Drift => None,
-            Quantity::Flips => Some(Criterion::NoFlip),
-            Quantity::TiltFromStart => Some(Criterion::TiltFromStart(f64::INFINITY)),
-            Quantity::TiltFromVertical => Some(Criterion::TiltFromVertical(f64::INFINITY)),
-            Quantity::MeanRate => Some(Criterion::MeanRate),
-            Quantity::MeanRateOverMotion => Some(Criterion::MeanRateOverMotion),
-            Quantity::AngleFromRadial => Some(Criterion::pointing(Direction::Radial, PI, true)),
-            Quantity::AngleFromNormal => Some(Criterion::pointing(Direction::Normal, PI, false)),
-        }
+        self.watched
     }
 
     /// Whether the runs that classify tell the value.
@@ -143,6 +173,8 @@ impl Measure {
             _ if own.class == Class::Failed => f64::NAN,
             Quantity::Flips => own.flips as f64,
             Quantity::MeanRate | Quantity::MeanRateOverMotion => own.mean_rate,
+            Quantity::TimeToSettle if own.settled < f64::INFINITY => own.settled,
+            Quantity::TimeToSettle => f64::NAN,
             _ => own.tilt,
         }
     }
@@ -151,7 +183,7 @@ impl Measure {
     fn compared(self, one: f64, again: Option<f64>, t_end: f64) -> Value {
         let Some(other) = again else { return Value::unchecked(one) };
         let least = match self.quantity {
-            Quantity::TimeToLeave | Quantity::Drift | Quantity::Flips => 0.0,
+            Quantity::TimeToLeave | Quantity::TimeToSettle | Quantity::Drift | Quantity::Flips => 0.0,
             Quantity::MeanRate | Quantity::MeanRateOverMotion => 1.0 / t_end,
             _ => 1.0,
         };

@@ -42,6 +42,8 @@ pub struct Outcome {
     pub left: f64,
     /// Largest tilt, NaN if no tilt is observed (rad).
     pub tilt: f64,
+    /// Time from which on a bound is kept, infinite if it is not at the end; NaN if none is observed.
+    pub settled: f64,
     /// Mean rate about the watched axis, NaN if it is not observed.
     pub mean_rate: f64,
     /// Logarithm of the growth of a deviation vector over the time, at the end; NaN if it is not observed (1/s).
@@ -90,6 +92,7 @@ impl Outcome {
         flips: 0,
         left: f64::INFINITY,
         tilt: f64::NAN,
+        settled: f64::NAN,
         mean_rate: f64::NAN,
         exponent: f64::NAN,
         mean_megno: f64::NAN,

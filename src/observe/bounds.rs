@@ -4,11 +4,11 @@ use super::inside::{self, Inside, crossing, state};
 use super::{
     EXIT_TIME, Observable, Rows, Segment, Start, Update, angle_of, chord2, look_inside, motion_inside, three,
 };
-use crate::forces::{Orbit, anomaly_cos_sin, conic_sign};
+use crate::forces::{Orbit, anomaly_cos_sin, conic_sign, is_open};
 use crate::kinematics::{cross, direction, dot, half_rows};
 use crate::method::{Coefficients, Engine, Variables};
 use crate::real::{Apart, Real};
-use crate::scene::{ForcedFrame, Layout, Model, Parameters, ROWS_LEN, in_rows};
+use crate::scene::{FurtherFrame, Layout, Model, Parameters, ROWS_LEN, in_rows};
 use crate::special::sincos;
 use std::f64::consts::PI;
 use std::marker::PhantomData;
@@ -37,6 +37,25 @@ pub enum Quantity {
         /// Of the end of the axis that is nearer to the direction at the start.
         either: bool,
     },
+    /// An angle in the frame of the orbit, from either side: by a sequence 3-2-1 from rest, where the observed axis lies
+    /// along the line from the planet.
+    Angle {
+        /// The angle.
+        of: Angle,
+        /// The body axis that lies along the normal at rest: 1, 2, 3 or -1, -2, -3.
+        normal: i32,
+    },
+}
+
+/// An angle of a body in the frame of its orbit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Angle {
+    /// About the axis along the orbit.
+    Roll,
+    /// About the normal of the orbit.
+    Pitch,
+    /// About the line from the planet.
+    Yaw,
 }
 
 /// A direction of the frame of an orbit.
@@ -71,8 +90,8 @@ impl Bound {
             // No angle is larger.
             Quantity::Turn { .. } | Quantity::Attitude if self.below && self.limit >= PI => f64::INFINITY,
             Quantity::Rate | Quantity::Speed => self.limit,
-            Quantity::Pointing { .. } if self.limit >= PI => Bound::NO_CHORD2,
-            Quantity::Turn { .. } | Quantity::Pointing { .. } => 4.0 * half * half,
+            Quantity::Pointing { .. } | Quantity::Angle { .. } if self.limit >= PI => Bound::NO_CHORD2,
+            Quantity::Turn { .. } | Quantity::Pointing { .. } | Quantity::Angle { .. } => 4.0 * half * half,
             Quantity::Attitude => 8.0 * half * half,
         };
         [limit, if self.below { 1.0 } else { -1.0 }]
@@ -83,12 +102,18 @@ impl Bound {
         matches!(self.quantity, Quantity::Pointing { .. })
     }
 
+    /// The second body axis that is observed; 0 if there is none.
+    pub fn second_axis(&self) -> i32 {
+        if let Quantity::Angle { normal, .. } = self.quantity { normal } else { 0 }
+    }
+
     /// More than the square of any distance between two directions.
     const NO_CHORD2: f64 = 5.0;
 
-    /// The largest angle of the observed axis from its direction, by the smallest margin; NaN of another quantity.
+    /// The largest angle of the observed axis from its direction, or in the frame of the orbit, by the smallest margin; NaN
+    /// of another quantity.
     pub fn largest_angle(self, margin: f64) -> f64 {
-        if !self.is_pointing() {
+        if !matches!(self.quantity, Quantity::Pointing { .. } | Quantity::Angle { .. }) {
             return f64::NAN;
         }
         angle_of(self.of_scalar()[0] - margin)
@@ -105,27 +130,33 @@ impl Bounds {
     /// The square of the largest distance between the directions at neighbouring places. A vector that almost vanishes
     /// turns faster than the places can tell.
     const LEAP2: usize = 2;
+    /// The time from which on the scalar is inside its limit; infinite while it is not.
+    pub const SETTLED: usize = 3;
     /// The limit.
-    const LIMIT: usize = 3;
+    const LIMIT: usize = 4;
     /// 1 if the scalar stays below the limit, -1 if above.
-    const SIDE: usize = 4;
+    const SIDE: usize = 5;
     /// The time from which the scalar is observed.
-    const AFTER: usize = 5;
+    const AFTER: usize = 6;
     /// One of the numbers below.
-    const KIND: usize = 6;
+    const KIND: usize = 7;
     /// Whether the angular momentum is observed, not the rates.
-    const MOMENTUM: usize = 7;
+    const MOMENTUM: usize = 8;
     /// The observed axis, the direction at the start in the body, or the vertical at the start.
-    const AXIS: usize = 8;
+    const AXIS: usize = 9;
     /// The direction at the start in space, or space axis 1 at the start in the body; of an orbit the normal, or the first
     /// of the two semi-axes from which the direction follows.
-    const SPACE: usize = 11;
+    const SPACE: usize = 12;
     /// The second semi-axis.
-    const SECOND: usize = 14;
+    const SECOND: usize = 15;
     /// Eccentricity and rate of the orbit.
-    const ORBIT: usize = 17;
+    const ORBIT: usize = 18;
     /// The anomaly at the start, of a body that is integrated over it.
-    const ANOMALY: usize = Bounds::SECOND;
+    const ANOMALY: usize = 20;
+    /// The second observed axis.
+    const ACROSS: usize = 21;
+    /// The normal of the orbit, of an angle.
+    const ABOUT: usize = 24;
 
     /// The largest `LEAP2` of a motion that is known well enough: a leap of 1 rad.
     const MOST_LEAP2: f64 = 0.9193953882637205;
@@ -137,6 +168,9 @@ impl Bounds {
     const ATTITUDE: f64 = 4.0;
     const POINTING: f64 = 5.0;
     const NORMAL: f64 = 6.0;
+    const PITCH: f64 = 7.0;
+    const ROLL: f64 = 8.0;
+    const YAW: f64 = 9.0;
 
     /// Places inside a step at which the scalar is computed, the end among them. A step is at most about 1 rad.
     const PLACES: usize = 4;
@@ -174,6 +208,17 @@ fn orbit<R: Real>(rows: &Rows<R>) -> Orbit<R> {
     Orbit([rate, eccentricity, R::splat(0.0), a1, a2, a3, b1, b2, b3])
 }
 
+/// The direction from the planet that is watched, at the start in the body, from the variables of the orbit and the axes of
+/// space.
+fn radial_at_start(rows: &Rows<f64>, own: &[f64], [first, second, third]: &[[f64; 3]; 3]) -> [f64; 3] {
+    let mut y = [0.0; 14];
+    for (at, part) in [(3, third), (6, first), (9, second)] {
+        y[at..at + 3].copy_from_slice(part);
+    }
+    y[12..].copy_from_slice(own);
+    orbit(rows).radial(&y, 12)
+}
+
 /// The observed vector of a state, its length and its direction: zero, if the vector is.
 #[inline(always)]
 fn vector<R: Real, const D: usize>(
@@ -191,6 +236,24 @@ fn vector<R: Real, const D: usize>(
     let size = dot(&v, &v).sqrt();
     let inverse = R::splat(1.0) / size.max(R::splat(f64::MIN_POSITIVE));
     (v, size, [v[0] * inverse, v[1] * inverse, v[2] * inverse])
+}
+
+/// The square of the chord of an angle in the frame of the orbit, from the direction from the planet and the normal of the
+/// orbit in the body: the angle is that of the vector `(x, y)`, or its opposite.
+#[inline(always)]
+fn angle2<R: Real>(rows: &Rows<R>, radial: &[R; 3], normal: &[R; 3]) -> R {
+    let (kind, one) = (rows[Bounds::KIND], R::splat(1.0));
+    let (outward, across) = (three(rows, Bounds::AXIS), three(rows, Bounds::ACROSS));
+    let ahead = cross(&across, &outward);
+    let (up, side, front) = (dot(radial, &outward), dot(radial, &across), dot(radial, &ahead));
+    let (turned, along) = (dot(normal, &ahead), dot(&cross(normal, radial), &ahead));
+    let is_pitch = kind.lt(R::splat(Bounds::ROLL));
+    let is_roll = kind.lt(R::splat(Bounds::YAW));
+    let y = R::select(is_pitch, front, R::select(is_roll, side, turned));
+    let x = R::select(is_pitch, up.fma(up, side * side).sqrt(), R::select(is_roll, up, along));
+    let inverse = one / y.fma(y, x * x).sqrt().max(R::splat(f64::MIN_POSITIVE));
+    let (sine, less) = (y * inverse, x * inverse - one);
+    sine.fma(sine, less * less)
 }
 
 /// How far the scalar of a state is inside its limit.
@@ -222,6 +285,8 @@ fn margin<R: Real, L: Layout, const D: usize>(
                 fixed[k] = R::select(kind.lt(R::splat(Bounds::NORMAL)), moving[k], fixed[k]);
             }
             scalar = R::select(R::splat(Bounds::ATTITUDE).lt(kind), chord2(&axis, &fixed), scalar);
+            let normal = in_body(&three(rows, Bounds::ABOUT), &[one, two, third]);
+            scalar = R::select(R::splat(Bounds::NORMAL).lt(kind), angle2(rows, &moving, &normal), scalar);
         }
     }
     (rows[Bounds::LIMIT] - scalar) * rows[Bounds::SIDE]
@@ -233,8 +298,8 @@ trait Within<R, const D: usize> {
     fn at(&self, fraction: R) -> [R; D];
 }
 
-/// Rates and space axes of a body that is integrated over the anomaly of its orbit, in the layout [`ForcedFrame`]; axis 1
-/// of this space leads to the periapsis, axis 3 is the normal of the orbit.
+/// Rates, space axes and place of a body that is integrated over the anomaly of its orbit, in the layout [`FurtherFrame`];
+/// axis 1 of this space leads to the periapsis, axis 3 is the normal of the orbit.
 struct OnOrbit<'a, R, const D: usize> {
     dense: &'a Coefficients<R, D>,
     /// The anomaly at the begin of the step, and the step.
@@ -263,12 +328,16 @@ impl<R: Real, const D: usize> OnOrbit<'_, R, D> {
             all[6 + k] = first[k] + first[k];
             all[9 + k] = second[k] + second[k];
         }
+        let open = is_open(e);
+        let half = R::splat(0.5);
+        all[FurtherFrame::OWN_AT] = R::select(open, half * (cos + sin), cos);
+        all[FurtherFrame::OWN_AT + 1] = R::select(open, half * (cos - sin), sin);
         all
     }
 }
 
-/// Length of a state with rates and space axes.
-const FRAME: usize = ForcedFrame::LEN;
+/// Length of a state with rates, space axes and place.
+const FRAME: usize = FurtherFrame::LEN;
 
 /// The directions of the plane of an orbit that are fixed in space, from those that move, which the cosine and the sine of
 /// the true anomaly turn.
@@ -314,8 +383,8 @@ impl<R: Real, L: Layout, W: Within<R, D>, const D: usize> Inside<R> for Margin<'
 }
 
 impl Observable for Bounds {
-    const ROWS: usize = 19;
-    const CHANGING: usize = 3;
+    const ROWS: usize = 27;
+    const CHANGING: usize = 4;
 
     fn start(start: &Start) -> Rows<f64> {
         let mut rows = super::UNOBSERVED;
@@ -362,6 +431,36 @@ impl Observable for Bounds {
                 put(&mut rows, Bounds::SPACE, first);
                 0.0
             }
+            Quantity::Angle { of, .. } => {
+                rows[Bounds::KIND] = match of {
+                    Angle::Roll => Bounds::ROLL,
+                    Angle::Pitch => Bounds::PITCH,
+                    Angle::Yaw => Bounds::YAW,
+                };
+                put(&mut rows, Bounds::AXIS, start.unit);
+                put(&mut rows, Bounds::ACROSS, start.second_unit);
+                let known = start.forces.map(|(forces, _)| forces.further.orbit);
+                let orbit = known.and_then(|orbit| Some((orbit, orbit.normal()?)));
+                if let Some((place, [outward, _, about])) = &start.on_orbit {
+                    let e = place.eccentricity();
+                    put(&mut rows, Bounds::SPACE, [conic_sign(e), 0.0, 0.0]);
+                    put(&mut rows, Bounds::SECOND, [0.0, ((1.0 - e) * (1.0 + e)).abs().sqrt(), 0.0]);
+                    put(&mut rows, Bounds::ABOUT, [0.0, 0.0, 1.0]);
+                    angle2(&rows, outward, about)
+                } else if let Some((known, normal)) = orbit {
+                    let [first_axis, second_axis] = known.semi_axes();
+                    put(&mut rows, Bounds::SPACE, first_axis);
+                    put(&mut rows, Bounds::SECOND, second_axis);
+                    put(&mut rows, Bounds::ABOUT, normal);
+                    [rows[Bounds::ORBIT + 1], rows[Bounds::ORBIT]] = [known.0[0], known.0[1]];
+                    let axes = [first, cross(&third, &first), third];
+                    angle2(&rows, &radial_at_start(&rows, start.own, &axes), &in_body(&normal, &axes))
+                } else {
+                    // Without an orbit there is no direction, and no limit is passed.
+                    rows[Bounds::LIMIT] = f64::INFINITY;
+                    0.0
+                }
+            }
             Quantity::Pointing { from, either } => {
                 let is_normal = from == Direction::Normal;
                 rows[Bounds::KIND] = if is_normal { Bounds::NORMAL } else { Bounds::POINTING };
@@ -377,16 +476,11 @@ impl Observable for Bounds {
                         put(&mut rows, Bounds::SPACE, if is_normal { normal } else { first_axis });
                         put(&mut rows, Bounds::SECOND, second_axis);
                         [rows[Bounds::ORBIT + 1], rows[Bounds::ORBIT]] = [known.0[0], known.0[1]];
-                        let second = cross(&third, &first);
-                        let mut y = [0.0; 14];
-                        for (at, part) in [(3, third), (6, first), (9, second)] {
-                            y[at..at + 3].copy_from_slice(&part);
-                        }
-                        y[12..].copy_from_slice(start.own);
+                        let axes = [first, cross(&third, &first), third];
                         let aimed = if is_normal {
-                            in_body(&normal, &[first, second, third])
+                            in_body(&normal, &axes)
                         } else {
-                            orbit(&rows).radial(&y, 12)
+                            radial_at_start(&rows, start.own, &axes)
                         };
                         let mut axis = start.unit;
                         if either && dot(&axis, &aimed) < 0.0 {
@@ -405,6 +499,7 @@ impl Observable for Bounds {
         };
         if bound.after <= 0.0 {
             rows[Bounds::MARGIN] = (rows[Bounds::LIMIT] - scalar) * rows[Bounds::SIDE];
+            rows[Bounds::SETTLED] = if rows[Bounds::MARGIN] < 0.0 { f64::INFINITY } else { 0.0 };
             if rows[Bounds::MARGIN] < 0.0 {
                 rows[EXIT_TIME] = 0.0;
             }
@@ -458,7 +553,7 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Bou
         let within = &OnOrbit { dense, anomaly, step: p.step, eccentricity, rate };
         let [first, last] = [within.seen(R::splat(0.0), before), within.seen(R::splat(1.0), after)];
         let (ends, layout) = ([&first, &last], PhantomData);
-        Look::<R, ForcedFrame, _, false, FRAME> { p, rows, begin, ends, within, layout }.run();
+        Look::<R, FurtherFrame, _, false, FRAME> { p, rows, begin, ends, within, layout }.run();
     }
 }
 
@@ -492,6 +587,8 @@ impl<R: Real, L: Layout, W: Within<R, D>, const MOMENTA: bool, const D: usize> A
         let (mut margins, mut least) = ([never; 3], rows[Bounds::MARGIN]);
         let (mut low, mut high, mut ends) = (zero, zero, [zero; 2]);
         let mut exit = never;
+        // The last part of the step at whose end the scalar comes back inside the limit.
+        let (mut back, mut entry, mut margins_of_entry) = ([zero; 2], never, [zero, one]);
         let (_, _, mut unit) = vector(variables, p, rows, before);
         let mut leap2 = rows[Bounds::LEAP2];
         for place in 0..=Bounds::PLACES {
@@ -538,7 +635,28 @@ impl<R: Real, L: Layout, W: Within<R, D>, const MOMENTA: bool, const D: usize> A
                     R::select(half.lt(new), R::select(half.lt(from_middle), last, before_last), ends[0]);
                 ends[1] = R::select(half.lt(new), deepest, ends[1]);
                 exit = R::select(half.lt(new), at, exit);
+                let [next, inside] = [
+                    R::select(half.lt(from_middle), fraction, middle),
+                    R::select(half.lt(from_middle), now, last),
+                ];
+                let returns = R::select(half.lt(new), R::select(inside.lt(zero), zero, one), zero);
+                back = [R::select(half.lt(returns), at, back[0]), R::select(half.lt(returns), next, back[1])];
+                margins_of_entry = [
+                    R::select(half.lt(returns), deepest, margins_of_entry[0]),
+                    R::select(half.lt(returns), inside, margins_of_entry[1]),
+                ];
+                entry = R::select(half.lt(returns), next, entry);
             }
+            let returns = R::select(last.lt(zero), R::select(now.lt(zero), zero, one), zero);
+            back = [
+                R::select(half.lt(returns), fraction - size, back[0]),
+                R::select(half.lt(returns), fraction, back[1]),
+            ];
+            margins_of_entry = [
+                R::select(half.lt(returns), last, margins_of_entry[0]),
+                R::select(half.lt(returns), now, margins_of_entry[1]),
+            ];
+            entry = R::select(half.lt(returns), fraction, entry);
             least = least.min(now);
             least = R::select(dip.lt(least), dip, least);
             let crosses = R::select(exit.lt(never), zero, R::select(now.lt(zero), one, zero));
@@ -548,6 +666,13 @@ impl<R: Real, L: Layout, W: Within<R, D>, const MOMENTA: bool, const D: usize> A
             ends[1] = R::select(half.lt(crosses), now, ends[1]);
             exit = R::select(half.lt(crosses), fraction, exit);
         }
+        let (is_back, at_end) = (entry.lt(never), margins[2]);
+        if R::any(is_back) {
+            // The part of the step the other way round.
+            let fraction = crossing(&scalar, [back[1], back[0]], [margins_of_entry[1], margins_of_entry[0]]);
+            rows[Bounds::SETTLED] = R::select(is_back, p.step.fma(fraction, time), rows[Bounds::SETTLED]);
+        }
+        rows[Bounds::SETTLED] = R::select(at_end.lt(zero), never, rows[Bounds::SETTLED]);
         // Before its time, and after the limit was passed, nothing is observed.
         let is_open = R::select(rows[EXIT_TIME].lt(never), zero, R::select(zero.lt(span), one, zero));
         rows[Bounds::MARGIN] = R::select(zero.lt(span), least, rows[Bounds::MARGIN]);

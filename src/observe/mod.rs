@@ -10,7 +10,7 @@ mod inside;
 mod mean_rate;
 mod tilt;
 
-pub use bounds::{Bound, Bounds, Direction, Quantity};
+pub use bounds::{Angle, Bound, Bounds, Direction, Quantity};
 pub use flips::Flips;
 pub use growth::{Deviation, Growth};
 pub use mean_rate::MeanRate;
@@ -173,6 +173,8 @@ pub struct Start<'a> {
     pub axis: i32,
     /// The observed body axis as a unit vector, in the axes of the kernel.
     pub unit: [f64; 3],
+    /// The second observed body axis of a bound likewise; zeros without one.
+    pub second_unit: [f64; 3],
     /// The direction in space that is integrated for the observable, in body components along the axes of the kernel.
     pub direction: [f64; 3],
     /// The largest allowed angle.

@@ -298,7 +298,7 @@ struct MapRequest<'py> {
     shares: Vec<f64>,
     conditions: Vec<(String, i32, Vec<f64>)>,
     logic: String,
-    measures: Vec<(String, i32)>,
+    measures: Vec<(String, i32, Vec<f64>)>,
     t_end: f64,
     step: Option<f64>,
     max_steps: u64,
@@ -441,7 +441,7 @@ impl MapRequest<'_> {
             measures: self
                 .measures
                 .iter()
-                .map(|(name, axis)| Measure::parse(name, *axis))
+                .map(|(name, axis, numbers)| Measure::parse(name, *axis, numbers))
                 .collect::<Result<_, Error>>()?,
             t_end: self.t_end,
             step: self.step,

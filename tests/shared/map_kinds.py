@@ -299,6 +299,20 @@ KINDS: dict[str, tuple[dict[str, Any], str]] = {
         },
         "axis 1 within 1.4 rad",
     ),
+    "roll, pitch and yaw": (
+        {
+            **POINTING,
+            "scene": rigid.FreeBody(rigid.Body(MOMENTS), orbit=ORBIT),
+            "axes": {"eccentricity": [0.0, 0.4], "rotor2": [0.0, 0.1]},
+            "stable": rigid.yaw_within(2.0) & rigid.roll_within(2.5, axes=(3, -2)),
+            "measure": [
+                rigid.largest_pitch(),
+                rigid.time_to_settle(0.6),
+                rigid.time_to_settle(1.5, "roll"),
+            ],
+        },
+        "yaw within 2 rad and roll within 2.5 rad",
+    ),
     "pointing, rotors by a function": (
         {**POINTING, "scene": wheel, "axes": {"eccentricity": [0.0, 0.4], "wheel": [0.0, 0.1]}},
         "free body by wheel(wheel)",

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
+from ..model.criterion import Condition
 
 Floats = NDArray[np.float64]
 
@@ -65,8 +66,8 @@ class CoreRequest:
         Name, axis and numbers of each condition.
     logic : str
         How they are joined: their numbers, and the operations after their operands.
-    measures : sequence of (str, int)
-        Name and axis of each measure.
+    measures : sequence of (str, int, tuple of float)
+        Name, axis and numbers of each measure.
     t_end : float
     step : float or None
     max_steps, samples, seed : int
@@ -88,7 +89,7 @@ class CoreRequest:
     shares: Sequence[float] = (1.0,)
     conditions: Sequence[tuple[str, int, Sequence[float]]]
     logic: str
-    measures: Sequence[tuple[str, int]]
+    measures: Sequence[Condition]
     t_end: float
     step: float | None
     max_steps: int

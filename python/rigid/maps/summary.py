@@ -144,7 +144,10 @@ def _undecided(data: MapData, measured: Measured) -> int:
     """Bodies without a value whose verdict says that they have one."""
     name, spec = measured.measure.name, data.spec
     is_joined = len(spec.stable.leaves) > 1
-    if name == "drift" or spec.check == 0.0 or (name == "time_to_leave" and is_joined):
+    # No verdict tells how many bodies settle.
+    if name in ("drift", "time_to_settle") or spec.check == 0.0:
+        return 0
+    if name == "time_to_leave" and is_joined:
         return 0
     asked = data.unstable if name == "time_to_leave" else data.samples - data.failed
     return max(int((asked - measured.count).sum()), 0)

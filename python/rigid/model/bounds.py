@@ -9,7 +9,7 @@ from typing import ClassVar, Self
 from .._checks.arguments import brief, finite_float, one_of
 from .._checks.shown import angle_words
 from .criterion import Condition, Criterion
-from .orbit_axes import DIRECTIONS, extreme_axis, require_orbit
+from .orbit_axes import DIRECTIONS, Axes, checked_axes, extreme_axis, require_orbit, rest_axes
 from .scene import Scene
 from .start import Start, body_axis
 
@@ -171,6 +171,54 @@ class PointingWithin(WithinAngle):
         axis = "long axis" if self.axis is None else f"axis {self.axis}"
         either = ", or of its opposite" if self.either else ""
         return f"{axis} within {angle_words(self.angle)} of {DIRECTIONS[self.of]}{either}"
+
+
+@dataclass(frozen=True, slots=True)
+class AngleWithin(WithinAngle):
+    """Stable while an angle in the frame of the orbit stays within a limit, from either side."""
+
+    record: ClassVar[str] = "attitude"
+
+    axes: Axes | None = None
+
+    def __post_init__(self) -> None:
+        WithinAngle.__post_init__(self)  # super() does not know a class with slots
+        if self.axes is not None:
+            object.__setattr__(self, "axes", checked_axes(self.axes))
+
+    def resolved(self, scene: Scene, start: Start) -> Self:
+        """The criterion with its axes, if there is an orbit."""
+        require_orbit(self.name, scene)
+        return self if self.axes is not None else replace(self, axes=rest_axes(scene))
+
+    def core(self) -> Condition:
+        """Name, the axis of yaw, the limit (rad) and the axis of pitch, as the core takes them."""
+        assert self.axes is not None
+        return self.name, self.axes[0], (self.angle, float(self.axes[1]))
+
+    def __str__(self) -> str:
+        return f"{self.name.removesuffix('_within')} within {self.angle:g} rad"
+
+
+class RollWithin(AngleWithin):
+    """Stable while the roll stays within a limit; made by :func:`roll_within`."""
+
+    __slots__ = ()
+    name: ClassVar[str] = "roll_within"
+
+
+class PitchWithin(AngleWithin):
+    """Stable while the pitch stays within a limit; made by :func:`pitch_within`."""
+
+    __slots__ = ()
+    name: ClassVar[str] = "pitch_within"
+
+
+class YawWithin(AngleWithin):
+    """Stable while the yaw stays within a limit; made by :func:`yaw_within`."""
+
+    __slots__ = ()
+    name: ClassVar[str] = "yaw_within"
 
 
 @dataclass(frozen=True, slots=True)
@@ -398,6 +446,119 @@ def librates(axis: int | None = None) -> PointingWithin:
     'axis 1 within 90° of the radial direction, or of its opposite'
     """
     return PointingWithin(0.5 * pi, axis, either=True)
+
+
+def roll_within(angle: float, axes: Axes | None = None) -> RollWithin:
+    """Stable: the roll of a body on its orbit stays within an angle, from either side.
+
+    Roll is about the axis that lies along the orbit at rest.
+
+    Parameters
+    ----------
+    angle : float
+        Limit in rad, in (0, pi].
+    axes : (int, int), optional
+        The body axes at rest along the line from the planet and along the normal, as in
+        :func:`rigid.free.roll_pitch_yaw`, which states the sequence. By default the long axis and
+        the axis of the largest moment, if they are the same in all pixels, as a moon rests, and a
+        satellite with the least energy.
+
+    Returns
+    -------
+    RollWithin
+
+    Raises
+    ------
+    ValueError
+        If the angle or the axes are out of range. A map of a scene without an orbit, or with two
+        equal moments, refuses the criterion.
+
+    Notes
+    -----
+    Near gimbal lock, a pitch of 90 degrees, the roll swings fast: a short swing inside a step may
+    pass unseen.
+
+    Examples
+    --------
+    >>> import rigid
+    >>> str(rigid.roll_within(0.5, axes=(3, 2)))
+    'roll within 0.5 rad'
+    """
+    return RollWithin(angle, axes)
+
+
+def pitch_within(angle: float, axes: Axes | None = None) -> PitchWithin:
+    """Stable: the pitch of a body on its orbit stays within an angle, from either side.
+
+    Pitch is about the axis along the normal at rest: of a motion in the plane of the orbit it is
+    the libration.
+
+    Parameters
+    ----------
+    angle : float
+        Limit in rad, in (0, pi].
+    axes : (int, int), optional
+        The body axes at rest along the line from the planet and along the normal, as in
+        :func:`rigid.free.roll_pitch_yaw`, which states the sequence. By default the long axis and
+        the axis of the largest moment, if they are the same in all pixels, as a moon rests, and a
+        satellite with the least energy.
+
+    Returns
+    -------
+    PitchWithin
+
+    Raises
+    ------
+    ValueError
+        If the angle or the axes are out of range. A map of a scene without an orbit, or with two
+        equal moments, refuses the criterion.
+
+    Examples
+    --------
+    >>> import rigid
+    >>> str(rigid.pitch_within(0.5, axes=(3, 2)))
+    'pitch within 0.5 rad'
+    """
+    return PitchWithin(angle, axes)
+
+
+def yaw_within(angle: float, axes: Axes | None = None) -> YawWithin:
+    """Stable: the yaw of a body on its orbit stays within an angle, from either side.
+
+    Yaw is about the axis along the line from the planet at rest.
+
+    Parameters
+    ----------
+    angle : float
+        Limit in rad, in (0, pi].
+    axes : (int, int), optional
+        The body axes at rest along the line from the planet and along the normal, as in
+        :func:`rigid.free.roll_pitch_yaw`, which states the sequence. By default the long axis and
+        the axis of the largest moment, if they are the same in all pixels, as a moon rests, and a
+        satellite with the least energy.
+
+    Returns
+    -------
+    YawWithin
+
+    Raises
+    ------
+    ValueError
+        If the angle or the axes are out of range. A map of a scene without an orbit, or with two
+        equal moments, refuses the criterion.
+
+    Notes
+    -----
+    Near gimbal lock, a pitch of 90 degrees, the yaw swings fast: a short swing inside a step may
+    pass unseen.
+
+    Examples
+    --------
+    >>> import rigid
+    >>> str(rigid.yaw_within(0.5, axes=(3, 2)))
+    'yaw within 0.5 rad'
+    """
+    return YawWithin(angle, axes)
 
 
 def returns(angle: float, after: float) -> ReturnsNear:

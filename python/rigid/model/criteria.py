@@ -16,12 +16,15 @@ from .._checks.arguments import brief, finite_float, one_of
 from .._checks.shown import angle_words
 from .bounds import (
     NearStart,
+    PitchWithin,
     PointingWithin,
     RateWithin,
     ReturnsNear,
+    RollWithin,
     SpinAbove,
     TiltBetween,
     WithinAngle,
+    YawWithin,
 )
 from .criterion import Criterion, Joined
 from .forces import forces_in_words
@@ -197,6 +200,9 @@ CRITERIA: Mapping[str, type[Criterion]] = {
         ReturnsNear,
         SpinAbove,
         PointingWithin,
+        RollWithin,
+        PitchWithin,
+        YawWithin,
         Regular,
     )
 }

@@ -110,7 +110,7 @@ class Event:
     of : str or tuple of float or None
         The direction of ``"pointing"``: a name, or a unit vector in space.
     axes : (int, int) or None
-        The body axes of roll, pitch and yaw at rest; None for the axes of the body.
+        The body axes of roll, pitch and yaw at rest; None for the default of the body.
     """
 
     name: str
@@ -176,8 +176,8 @@ class Event:
 
         The function is the product of the first axis and direction. Of roll and yaw it is, times a
         positive number, the sine of the angle less its value; the product of the second pair is the
-        cosine, and positive. Body axes are principal axes, or the axes of a frame. Zeros
-        of other quantities.
+        cosine, and positive. Body axes are principal axes, in a frame the axes of the drawing.
+        Zeros of other quantities.
 
         Raises
         ------

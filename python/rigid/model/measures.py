@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
+from math import pi
 from typing import Any
 
-from .._checks.arguments import brief, one_of
-from .bounds import PointingWithin
+from .._checks.arguments import brief, finite_float, one_of
+from .bounds import AngleWithin, PointingWithin, checked_angle
 from .criteria import REFERENCES, no_flip, tilt_below
-from .orbit_axes import extreme_axis, require_orbit
+from .criterion import Condition
+from .orbit_axes import ANGLES, Axes, checked_axes, extreme_axis, require_orbit, rest_axes
 from .scene import Scene
 from .start import Start, body_axis
 
@@ -21,6 +23,10 @@ MEASURES: Mapping[str, tuple[str, str]] = {
     "libration_amplitude": ("rad", "largest angle from the line to the planet"),
     "obliquity": ("rad", "largest angle from the normal of the orbit"),
     "spin_orbit_ratio": ("1", "mean rate over the mean motion of the orbit"),
+    "largest_roll": ("rad", "largest roll of either sign"),
+    "largest_pitch": ("rad", "largest pitch of either sign"),
+    "largest_yaw": ("rad", "largest yaw of either sign"),
+    "time_to_settle": ("s", "time from which on"),
     "drift": ("1", "largest drift of an invariant"),
 }
 """All measures by their name, with unit and meaning; a function of this name makes each."""
@@ -47,14 +53,25 @@ class Measure:
         The body axis; None for a default that is still open, or without meaning.
     reference : {"start", "vertical"} or None
         The direction of a tilt.
+    of : {"speed", "roll", "pitch", "yaw"} or None
+        What settles, or the angle whose largest value is measured.
+    limit : float or None
+        The limit (rad/s or rad) below which it settles.
+    axes : (int, int) or None
+        The body axes of an angle at rest along the line from the planet and along the normal.
     """
 
     name: str
     axis: int | None = None
     reference: str | None = None
+    of: str | None = None
+    limit: float | None = None
+    axes: Axes | None = None
 
     def __post_init__(self) -> None:
         one_of("name", self.name, MEASURES)
+        if self.axes is not None:
+            object.__setattr__(self, "axes", checked_axes(self.axes))
         if self.axis is not None:
             object.__setattr__(self, "axis", body_axis(self.axis, signed=self.name != "flips"))
         if self.reference is not None:
@@ -73,6 +90,9 @@ class Measure:
             if self.axis is None:
                 is_long = self.name == "libration_amplitude"
                 return replace(self, axis=extreme_axis(scene, long=is_long))
+        if self.of in ANGLES:
+            require_orbit(self.name, scene)
+            return self if self.axes is not None else replace(self, axes=rest_axes(scene))
         return self
 
     @property
@@ -85,10 +105,16 @@ class Measure:
         if self.name == "largest_tilt":
             tilt_below(1.0, reference=self.reference).check_forced(scene, forces)
 
-    def core(self) -> tuple[str, int]:
-        """Name and axis as the core takes them."""
+    def core(self) -> Condition:
+        """Name, axis and numbers as the core takes them."""
+        if self.of is not None:
+            kind = "largest" if self.limit is None else "settled"
+            limit = pi if self.limit is None else self.limit
+            if self.axes is None:
+                return f"{kind}_speed_below", 0, (limit,)
+            return f"{kind}_{self.of}_within", self.axes[0], (limit, float(self.axes[1]))
         name = f"tilt_from_{self.reference}" if self.name == "largest_tilt" else self.name
-        return ON_ORBIT.get(name, name), self.axis or 0
+        return ON_ORBIT.get(name, name), self.axis or 0, ()
 
     @property
     def unit(self) -> str:
@@ -98,15 +124,23 @@ class Measure:
     @property
     def words(self) -> str:
         """Meaning in a few words."""
+        if self.limit is not None:
+            what, unit = ("|omega|", "rad/s") if self.of == "speed" else (self.of, "rad")
+            return f"{MEASURES[self.name][1]} {what} stays within {self.limit:g} {unit}"
         of_axis = "" if self.axis is None else f" of axis {self.axis}"
         origin = "" if self.reference is None else f" from the {self.reference}"
         return f"{MEASURES[self.name][1]}{of_axis}{origin}"
 
     def to_dict(self) -> dict[str, Any]:
         """The measure as a JSON-able dictionary."""
-        return asdict(self)
+        every = asdict(self)
+        own = {key: every[key] for key in ("of", "limit", "axes") if every[key] is not None}
+        return {**{key: every[key] for key in ("name", "axis", "reference")}, **own}
 
     def __str__(self) -> str:
+        if self.limit is not None:
+            of = "" if self.of == "speed" else f", {self.of}"
+            return f"{self.name}({self.limit:g}{of})"
         return self.name if self.axis is None else f"{self.name}({self.axis})"
 
 
@@ -128,9 +162,14 @@ def make_measures(measure: Measure | Iterable[Measure]) -> tuple[Measure, ...]:
 def asks_for_an_axis(asked: object) -> bool:
     """Whether the default axis of a criterion or a measure on an orbit follows from the bodies."""
     if isinstance(asked, Measure):
-        return asked.name in ON_ORBIT and asked.axis is None
+        of_angle = asked.of in ANGLES and asked.axes is None
+        return of_angle or (asked.name in ON_ORBIT and asked.axis is None)
     leaves = getattr(asked, "leaves", ())
-    return any(isinstance(leaf, PointingWithin) and leaf.axis is None for leaf in leaves)
+    return any(
+        (isinstance(leaf, PointingWithin) and leaf.axis is None)
+        or (isinstance(leaf, AngleWithin) and leaf.axes is None)
+        for leaf in leaves
+    )
 
 
 def check_distinct(measures: tuple[Measure, ...]) -> None:
@@ -332,6 +371,136 @@ def spin_orbit_ratio(axis: int | None = None) -> Measure:
     'spin_orbit_ratio(3)'
     """
     return Measure("spin_orbit_ratio", axis)
+
+
+def largest_roll(axes: Axes | None = None) -> Measure:
+    """Largest roll (rad) of either sign of a body on its orbit, until the horizon.
+
+    Parameters
+    ----------
+    axes : (int, int), optional
+        As in :func:`roll_within`.
+
+    Returns
+    -------
+    Measure
+
+    Raises
+    ------
+    ValueError
+        If the axes are unknown. A map of a scene without an orbit refuses the measure.
+
+    Examples
+    --------
+    >>> import rigid
+    >>> rigid.largest_roll().words
+    'largest roll of either sign'
+    """
+    return Measure("largest_roll", of="roll", axes=axes)
+
+
+def largest_pitch(axes: Axes | None = None) -> Measure:
+    """Largest pitch (rad) of either sign of a body on its orbit, until the horizon.
+
+    Parameters
+    ----------
+    axes : (int, int), optional
+        As in :func:`pitch_within`.
+
+    Returns
+    -------
+    Measure
+
+    Raises
+    ------
+    ValueError
+        If the axes are unknown. A map of a scene without an orbit refuses the measure.
+
+    Examples
+    --------
+    >>> import rigid
+    >>> rigid.largest_pitch().words
+    'largest pitch of either sign'
+    """
+    return Measure("largest_pitch", of="pitch", axes=axes)
+
+
+def largest_yaw(axes: Axes | None = None) -> Measure:
+    """Largest yaw (rad) of either sign of a body on its orbit, until the horizon.
+
+    Parameters
+    ----------
+    axes : (int, int), optional
+        As in :func:`yaw_within`.
+
+    Returns
+    -------
+    Measure
+
+    Raises
+    ------
+    ValueError
+        If the axes are unknown. A map of a scene without an orbit refuses the measure.
+
+    Examples
+    --------
+    >>> import rigid
+    >>> rigid.largest_yaw().words
+    'largest yaw of either sign'
+    """
+    return Measure("largest_yaw", of="yaw", axes=axes)
+
+
+def time_to_settle(limit: float, of: str = "speed", axes: Axes | None = None) -> Measure:
+    """Time (s) from which on a body stays slow, or near its rest on the orbit, until the horizon.
+
+    Parameters
+    ----------
+    limit : float
+        The limit of the quantity: rad/s of the speed, rad of an angle.
+    of : {"speed", "roll", "pitch", "yaw"}
+        The length of the rates; or an angle in the frame of the orbit, of either sign.
+    axes : (int, int), optional
+        Of an angle, as in :func:`roll_within`.
+
+    Returns
+    -------
+    Measure
+
+    Raises
+    ------
+    ValueError
+        If the limit is not positive, the quantity is unknown, or axes are given for the speed. A
+        map of a scene without an orbit refuses an angle.
+
+    Notes
+    -----
+    The time is zero of a body that never leaves the limit. A body beyond the limit at the horizon
+    has no time: quantiles and means are of the bodies that have settled.
+
+    Examples
+    --------
+    How long does a damper need to slow tumbling bodies down to 0.1 rad/s?
+
+    >>> import numpy as np, rigid
+    >>> result = rigid.stability_map(
+    ...     rigid.FreeBody(rigid.Body((2.0, 2.0, 2.0)), damping=0.5),
+    ...     axes={"spin": [1.0]}, t_end=60.0, samples=64, rng=1,
+    ...     start=rigid.Start(spin=1.0, noise=rigid.normal(0.0)),
+    ...     stable=~rigid.spin_above(0.1), measure=rigid.time_to_settle(0.1),
+    ... )
+    >>> settled = result.measures["time_to_settle"]
+    >>> bool(np.isclose(settled.quantile(0.5)[0], 4.0 * np.log(10.0), rtol=1e-6))
+    True
+    """
+    of = one_of("of", of, ("speed", *ANGLES))
+    if of == "speed":
+        limit = finite_float("limit", limit, positive=True, unit="rad/s")
+        if axes is not None:
+            raise ValueError(f"axes = {brief(axes)}: the speed has none")
+    else:
+        limit = checked_angle("limit", limit)
+    return Measure("time_to_settle", of=of, limit=limit, axes=axes)
 
 
 def drift() -> Measure:

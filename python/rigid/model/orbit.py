@@ -11,7 +11,10 @@ from numpy.typing import ArrayLike
 
 from .. import _core
 from .._checks.arguments import first_place, shaped
-from .._checks.arrays import UNIT, Floats, unit_vectors
+from .._checks.arrays import UNIT, AttitudeLike, Floats, attitudes, unit_vectors, vectors
+from ..rotations import matrix_to_quaternion
+from ..rotations.apply import to_body
+from ..rotations.quaternions import product_of_checked
 from .leading import Shape, Vector, frozen, leading_shape, same, vector_of
 
 MOST_ECCENTRIC = 0.95
@@ -308,6 +311,74 @@ class Orbit:
         normal = np.asarray(self.normal)
         normal = np.broadcast_to(normal[..., np.newaxis, :] if np.ndim(t) else normal, radial.shape)
         return np.stack([radial, np.cross(normal, radial), normal], axis=-1)
+
+    def to_space(
+        self, omega: ArrayLike, attitude: AttitudeLike | None = None, t: ArrayLike = 0.0
+    ) -> tuple[Floats, Floats]:
+        """Rates and attitudes in space, of a body whose motion is told in the frame of the orbit.
+
+        A run, a map and every other call take a start in space, so that rates and attitudes have
+        one meaning: this turns a start that is told beside the orbit, and
+        :meth:`Run.in_orbit_frame` turns the results.
+
+        Parameters
+        ----------
+        omega : array_like, shape (..., 3)
+            Angular velocities relative to the frame of the orbit, in the body (rad/s).
+        attitude : array_like, shape (..., 4), or scipy Rotation, optional
+            Attitudes relative to the axes of :meth:`frame`, radial, along and normal: from the body
+            to these axes. Default: the body axes 1, 2, 3 lie along them.
+        t : array_like, shape (...)
+            Times (s) of the states.
+
+        Returns
+        -------
+        omega : ndarray, shape (..., 3)
+            Angular velocities in space, in the body (rad/s).
+        attitude : ndarray, shape (..., 4)
+            Unit quaternions, from the body to space.
+
+        Raises
+        ------
+        ValueError
+            If the shapes do not broadcast, an attitude is zero, or as for :meth:`position`.
+
+        Examples
+        --------
+        A moon at rest in the frame of its circular orbit stays there:
+
+        >>> import numpy as np, rigid
+        >>> orbit = rigid.Orbit(2e-5, anomaly=0.4)
+        >>> moon = rigid.FreeBody(rigid.Body.ellipsoid(1.3, 1.1, 1.0), orbit=orbit)
+        >>> run = rigid.simulate(moon, *orbit.to_space([0.0, 0.0, 0.0]), t=[0.0, 1e6])
+        >>> bool(np.allclose(run.in_orbit_frame().attitude, [1.0, 0.0, 0.0, 0.0]))
+        True
+        """
+        rates = vectors("omega", omega)
+        relative, times = attitudes(attitude), shaped("t", t)
+        leading = {"omega": rates.shape[:-1], "attitude": relative.shape[:-1], "t": times.shape}
+        shape = leading_shape({"orbit": self.shape, **leading})
+        frame, turning = self._turning(np.broadcast_to(times, shape)[..., np.newaxis])
+        turned = product_of_checked(matrix_to_quaternion(frame[..., 0, :, :]), relative)
+        return rates + to_body(relative, turning[..., 0, :]), turned
+
+    def from_space(self, omega: Floats, attitude: Floats, t: Floats) -> tuple[Floats, Floats]:
+        """The inverse of :meth:`to_space`, of checked arrays with the axis of times."""
+        frame, turning = self._turning(t)
+        back = matrix_to_quaternion(frame) * np.array([1.0, -1.0, -1.0, -1.0])
+        relative = product_of_checked(back, attitude)
+        return omega - to_body(relative, turning), relative
+
+    def _turning(self, t: Floats) -> tuple[Floats, Floats]:
+        """The axes of the orbit, and how fast they turn, along these axes (rad/s).
+
+        The direction from the planet turns by ``n sqrt|1 - e²| (a/r)²`` about the normal.
+        """
+        place, e = self.position(t), np.asarray(self.eccentricity)
+        momentum = np.asarray(self.rate) * np.sqrt(np.abs((1.0 - e) * (1.0 + e)))
+        turning = np.zeros(place.shape)
+        turning[..., 2] = momentum[..., np.newaxis] / np.sum(place * place, axis=-1)
+        return self.frame(t), turning
 
     @property
     def numbers(self) -> Floats:

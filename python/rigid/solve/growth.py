@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .._checks.arguments import one_of, one_time
+from .._checks.arguments import one_of, one_time, positive_int
 from ..drawing.colours import CLASSES, on_ground
 from ..drawing.figure import axes_to_draw_on, html_with_picture, name_classes
 from ..model.criteria import Regular
@@ -33,6 +33,21 @@ LABELS: Mapping[str, str] = {
     "fli": "FLI",
     "sali": "SALI",
 }
+
+
+class LyapunovTime(NamedTuple):
+    """A Lyapunov time with its spread, from :meth:`Growth.lyapunov_time`.
+
+    Attributes
+    ----------
+    time : ndarray, shape (n,)
+        Time in which a deviation grows by the factor e (s).
+    error : ndarray, shape (n,)
+        Standard error, from the scatter of parts of the run (s).
+    """
+
+    time: Floats
+    error: Floats
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -64,12 +79,14 @@ class Growth(Result):
     gali : ndarray, shape (n, m, k - 1), or None
         Generalised alignment indices ``GALI_2`` to ``GALI_k``; None with one exponent.
     error : ndarray, shape (n,)
-        Estimated error of ``log_growth``, the largest at these times: three times the difference
-        from a run with a method of another order in other steps, and rounding. NaN without that
-        run.
+        Estimated error of ``log_growth``, the largest at these times, of a motion that is not
+        regular at those before ``lost_from``: three times the difference from a run with a method
+        of another order in other steps, and rounding. NaN without that run, and without such a
+        time. It is no error of a Lyapunov exponent, whose spread :meth:`lyapunov_time` states.
     lost_from : ndarray, shape (n,)
         Time from which on the motion itself is lost to rounding or truncation: later exponents
-        belong to a numerical motion. Infinite if there is none, NaN where it is not known.
+        belong to a numerical motion, whose growth differs from run to run. Infinite if there is
+        none, NaN where it is not known.
     verdict : ndarray of str, shape (n,)
         At the last time: ``"regular"``, ``"chaotic"``, ``"undecided"``, or ``"failed"`` for a body
         that was not run to its end. A free body or a Lagrange top without torque and damping is
@@ -129,6 +146,68 @@ class Growth(Result):
     def resolution(self) -> float:
         """The smallest exponent (1/s) that this horizon can show: ``10 / t[-1]``."""
         return Regular().resolution(float(self.t[-1]))
+
+    def lyapunov_time(self, parts: int = 8) -> LyapunovTime:
+        """The time in which a deviation grows by the factor e, and how well the run tells it.
+
+        It is one over the exponent at the last time. Its error follows from the exponents of parts
+        of the run of about equal length, which scatter: the standard error of their mean. This
+        holds for numerical motions too, which are lost: they are motions of the same chaotic zone.
+
+        Parameters
+        ----------
+        parts : int
+            Number of parts, at least 4. They end at times of the run.
+
+        Returns
+        -------
+        LyapunovTime
+            ``time``, shape (n,), of the motions whose verdict is chaotic; infinite of the regular
+            ones, NaN of all others. ``error``, shape (n,), one standard deviation; NaN of all but
+            the chaotic ones. Both in s.
+
+        Raises
+        ------
+        ValueError
+            If there are fewer than 4 parts, or the run has too few times for them.
+
+        Notes
+        -----
+        Parts that are shorter than some Lyapunov times depend on each other; the error is then too
+        small. The first part has the time in which the deviation vector turns to the direction of
+        the fastest growth. Of an ensemble in one chaotic zone, ``growth.exponent[:, -1]`` of many
+        bodies shows the scatter directly.
+
+        Examples
+        --------
+        >>> import numpy as np, rigid
+        >>> top = rigid.HeavyTop(rigid.Body((1.0, 1.6, 0.7)), mgl=1.2, com=(0.6, 0.0, 0.8))
+        >>> times = np.linspace(100.0, 1600.0, 16)
+        >>> growth = rigid.lyapunov(top, [0.3, 0.4, 1.0], [0.9, 0.3, 0.2, 0.1], t=times)
+        >>> found = growth.lyapunov_time()
+        >>> bool(3.0 < found.time < 4.5), bool(found.error < 0.5)
+        (True, True)
+        """
+        count = positive_int("parts", parts, minimum=4)
+        times = np.concatenate([[0.0], self.t])
+        ends = np.linspace(0.0, times[-1], count + 1)
+        places = np.abs(times - ends[:, np.newaxis]).argmin(axis=1)
+        if len(np.unique(places)) <= count:
+            raise ValueError(
+                f"parts = {count}: the run has {len(self.t)} times; ask rigid.lyapunov for a time "
+                "at the end of each part"
+            )
+        log = np.concatenate([np.zeros((*self.log_growth.shape[:-1], 1)), self.log_growth], axis=-1)
+        spans = np.diff(times[places])
+        exponent = self.log_growth[..., -1] / times[-1]
+        of_parts = np.diff(log[..., places], axis=-1) - exponent[..., np.newaxis] * spans
+        # Of equal parts this is the standard deviation over the root of their number.
+        error = np.sqrt(count / (count - 1.0) * np.sum(of_parts**2, axis=-1)) / times[-1]
+        chaotic = self.verdict == "chaotic"
+        with np.errstate(divide="ignore", invalid="ignore"):
+            time = np.where(chaotic, 1.0 / exponent, np.nan)
+            spread = np.where(chaotic, error / exponent**2, np.nan)
+        return LyapunovTime(np.where(self.verdict == "regular", np.inf, time)[()], spread[()])
 
     @property
     def pairing(self) -> Floats | None:

@@ -212,7 +212,7 @@ def growth_of(
     output = np.searchsorted(every, times)
     marks = np.searchsorted(every, times[-1] * np.array(CHECKPOINTS))
     log, largest, mean, mean_megno = np.moveaxis(found["logs"], -1, 0)
-    error = np.full(len(bodies), np.nan)
+    error = np.full((len(bodies), len(times)), np.nan)
     second = None
     lost_from = np.full(len(bodies), np.nan)
     status = found["status"]
@@ -222,9 +222,9 @@ def growth_of(
         again = grown(bodies.repeat(2), pairs, another, None, FEWEST_AGAIN)
         apart = np.abs(again["logs"][0::2, output, 0] - log[:, output])
         rounding = ROUNDING * np.maximum(1.0, np.abs(log[:, output]))
-        error = (3.0 * apart + rounding).max(axis=1)
         second = np.ascontiguousarray(2.0 * again["logs"][1::2, marks, 3])
         lost_from = _lost_from(problem, times, max_steps, threads)
+        error = 3.0 * apart + rounding
     else:
         status = np.where(status == Status.OK, Status.UNCHECKED, status).astype(np.uint8)
     means = np.ascontiguousarray(2.0 * mean_megno[:, marks])
@@ -233,6 +233,9 @@ def growth_of(
     verdict = np.where((verdict == "chaotic") & _is_integrable(bodies), "undecided", verdict)
     verdict = np.where(np.isin(status, (Status.OK, Status.UNCHECKED)), verdict, "failed")
 
+    # Two runs of a motion that is lost are two motions, which grow alike if they are regular only.
+    lost = (times >= lost_from[:, np.newaxis]) & (verdict != "regular")[:, np.newaxis]
+    error = np.where(lost, -np.inf, error).max(axis=1)
     several = count > 1
     words = f"{count} deviation vector{'s' if several else ''} of the {of}, growth by their tangent"
     choice.plan.amend(words)
@@ -244,7 +247,7 @@ def growth_of(
         "fli": largest[:, output],
         "spectrum": found["log_diagonal"][:, output] / times[:, np.newaxis],
         "zeros": _zeros(scene, bodies, of),
-        "error": error,
+        "error": np.where(lost.all(axis=1), np.nan, error),
         "lost_from": lost_from,
         "verdict": verdict,
         "energy_drift": found["energy_drift"],

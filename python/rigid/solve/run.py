@@ -7,7 +7,7 @@ import os
 from collections.abc import Callable, Mapping, MutableMapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import TYPE_CHECKING, Any, overload
+from typing import TYPE_CHECKING, Any, NamedTuple, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -85,6 +85,24 @@ _DEAD_ZONE = (
 
 
 # Not frozen: a frozen object takes twice as long to make.
+class OrbitStates(NamedTuple):
+    """States relative to the frame of an orbit, from :meth:`Run.in_orbit_frame`.
+
+    Attributes
+    ----------
+    t : ndarray, shape (m,) or (n, m)
+        Times (s).
+    attitude : ndarray, shape (n, m, 4)
+        Unit quaternions, from the body to the axes radial, along and normal.
+    omega : ndarray, shape (n, m, 3)
+        Rates relative to these axes, in the body (rad/s).
+    """
+
+    t: Floats
+    attitude: Floats
+    omega: Floats
+
+
 @dataclass(slots=True, eq=False)
 class Run(Result):
     """States of bodies at output times, with errors and statuses; made by :func:`simulate`.
@@ -338,6 +356,41 @@ class Run(Result):
         if frame is not None:
             spec["frame"] = frame.tolist()
         return replace(run, _spec=Lazy.of(spec))
+
+    def in_orbit_frame(self) -> OrbitStates:
+        """The motion relative to the frame of the orbit: radial, along and normal.
+
+        A run keeps rates and attitudes in space, so that they have one meaning everywhere: this
+        turns the results, and :meth:`Orbit.to_space` turns a start. Roll, pitch and yaw follow from
+        :func:`rigid.free.roll_pitch_yaw`.
+
+        Returns
+        -------
+        OrbitStates
+            Named arrays: ``t``; ``attitude``, shape (n, m, 4), from the body to the axes of
+            :meth:`Orbit.frame`; ``omega``, shape (n, m, 3), the rates relative to these axes, in
+            the body (rad/s). The rates in space are :attr:`omega` of the run.
+
+        Raises
+        ------
+        ValueError
+            If the scene has no orbit, or the attitude was not recorded.
+
+        Examples
+        --------
+        >>> import rigid
+        >>> orbit = rigid.Orbit(1.0, eccentricity=0.1)
+        >>> moon = rigid.FreeBody(rigid.Body((1.0, 1.2, 1.3)), orbit=orbit)
+        >>> run = rigid.simulate(moon, *orbit.to_space([0.0, 0.0, 0.05]), t=[0.0, 2.0])
+        >>> run.in_orbit_frame().omega[0].round(12).tolist()
+        [0.0, 0.0, 0.05]
+        """
+        orbit = scene_from_dict(self.spec["scene"]).orbit
+        if orbit is None:
+            raise ValueError("scene: has no orbit; give rigid.FreeBody one by orbit=")
+        attitude = self._recorded_attitude()
+        omega, relative = orbit.from_space(self.omega, attitude, np.asarray(self.t))
+        return OrbitStates(self.t, relative, omega)
 
     def _turned(self, axes: Floats, attitudes: Callable[[Floats], Floats]) -> Run:
         """The run with ``axes @ v`` for all vectors in the body, and with turned attitudes."""

@@ -101,7 +101,8 @@ def stability_map(
     stable : Criterion
         The criterion: :func:`no_flip`, :func:`tilt_below`, :func:`tilt_between`,
         :func:`rate_within`, :func:`near_start`, :func:`returns`, :func:`spin_above`,
-        :func:`pointing_within`, :func:`librates`, alone or joined by ``&``, ``|`` and ``~``;
+        :func:`pointing_within`, :func:`librates`, :func:`roll_within`, :func:`pitch_within`,
+        :func:`yaw_within`, alone or joined by ``&``, ``|`` and ``~``;
         :func:`regular`; or a custom criterion by :func:`judged`.
     start : Start or Mixture, optional
         Nominal start and perturbations. By default a free body spins at 1 rad/s about the axis of
@@ -157,6 +158,7 @@ def stability_map(
     measure : Measure or sequence of Measure, optional
         Numbers to collect of each body besides its class: :func:`time_to_leave`, :func:`flips`,
         :func:`largest_tilt`, :func:`mean_rate`, :func:`drift`, :func:`libration_amplitude`,
+        :func:`largest_roll`, :func:`largest_pitch`, :func:`largest_yaw`, :func:`time_to_settle`,
         :func:`obliquity`, :func:`spin_orbit_ratio`. The result holds them as ``result.measures``.
         Checked bodies are measured by both runs, whose difference is the error.
     vary : dict of str to Noise, optional

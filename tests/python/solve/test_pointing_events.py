@@ -110,7 +110,7 @@ def damp(t: float, omega: Any, attitude: Any, data: Any, torque: Any) -> None:
     torque[1] += 0.3 * np.sin(t)
 
 
-def damped(t: float, w: Floats) -> Floats:
+def damped(t: float, w: Floats) -> Any:
     return -0.05 * w + [0.0, 0.3 * np.sin(t), 0.0]
 
 
