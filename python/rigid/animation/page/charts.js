@@ -25,6 +25,8 @@ function ticks(low, high, wanted) {
   return found.map(x => [x, words(Number(x.toPrecision(digitsOf(low, high, step, 6))))]);
 }
 
+const SECONDS = {unit: "s", factor: 1};  // how times are shown, unless a film has another clock
+
 // A chart: what a film changes is drawn over a picture of the rest.
 class Chart {
   constructor(canvas, film, label) {
@@ -123,10 +125,11 @@ class StripChart extends Chart {
     }
     pen.textBaseline = "top";
     pen.textAlign = "center";
-    for (const [value, text] of ticks(t[0], t[t.length - 1], Math.max(2, (right - left) / 80)))
-      pen.fillText(text, clamp(x(value), left + 4, right - 12), bottom + 5);
+    const {unit, factor} = this.film.clock ?? SECONDS;
+    for (const [value, text] of ticks(factor * t[0], factor * t[t.length - 1], Math.max(2, (right - left) / 80)))
+      pen.fillText(text, clamp(x(value / factor), left + 4, right - 12), bottom + 5);
     pen.textAlign = "right";
-    pen.fillText("t (s)", right, top - 18);
+    pen.fillText(`t (${unit})`, right, top - 18);
     pen.textAlign = "left";
     let at = 6;
     pen.fillText(chart.label, at, 4);
