@@ -116,7 +116,8 @@ impl Bound {
         if !matches!(self.quantity, Quantity::Pointing { .. } | Quantity::Angle { .. }) {
             return f64::NAN;
         }
-        angle_of(self.of_scalar()[0] - margin)
+        // `max` in `angle_of` ignores a NaN.
+        if margin.is_nan() { margin } else { angle_of(self.of_scalar()[0] - margin) }
     }
 }
 
@@ -238,10 +239,10 @@ fn vector<R: Real, const D: usize>(
     (v, size, [v[0] * inverse, v[1] * inverse, v[2] * inverse])
 }
 
-/// The square of the chord of an angle in the frame of the orbit, from the direction from the planet and the normal of the
-/// orbit in the body: the angle is that of the vector `(x, y)`, or its opposite.
+/// Sine and cosine of an angle in the frame of the orbit, or of its opposite, from the direction from the planet and the
+/// normal of the orbit in the body.
 #[inline(always)]
-fn angle2<R: Real>(rows: &Rows<R>, radial: &[R; 3], normal: &[R; 3]) -> R {
+fn sine_cosine<R: Real>(rows: &Rows<R>, radial: &[R; 3], normal: &[R; 3]) -> [R; 2] {
     let (kind, one) = (rows[Bounds::KIND], R::splat(1.0));
     let (outward, across) = (three(rows, Bounds::AXIS), three(rows, Bounds::ACROSS));
     let ahead = cross(&across, &outward);
@@ -252,8 +253,42 @@ fn angle2<R: Real>(rows: &Rows<R>, radial: &[R; 3], normal: &[R; 3]) -> R {
     let y = R::select(is_pitch, front, R::select(is_roll, side, turned));
     let x = R::select(is_pitch, up.fma(up, side * side).sqrt(), R::select(is_roll, up, along));
     let inverse = one / y.fma(y, x * x).sqrt().max(R::splat(f64::MIN_POSITIVE));
-    let (sine, less) = (y * inverse, x * inverse - one);
+    [y * inverse, x * inverse]
+}
+
+/// The square of the chord of this angle.
+#[inline(always)]
+fn angle2<R: Real>(rows: &Rows<R>, radial: &[R; 3], normal: &[R; 3]) -> R {
+    let [sine, cosine] = sine_cosine(rows, radial, normal);
+    let less = cosine - R::splat(1.0);
     sine.fma(sine, less * less)
+}
+
+/// The direction of a state that may leap between two places: of the observed vector, or of an angle in the frame of the
+/// orbit, which swings fast near gimbal lock.
+#[inline(always)]
+fn leaping<R: Real, L: Layout, const D: usize>(
+    variables: Variables,
+    p: &Parameters<R>,
+    rows: &Rows<R>,
+    y: &[R; D],
+) -> [R; 3] {
+    if const { L::TURNS } {
+        return leaping::<R, L::Rows, ROWS_LEN>(variables, p, rows, &in_rows::<L, R, D>(y));
+    }
+    let (_, _, mut unit) = vector(variables, p, rows, y);
+    if const { L::OWN > 0 } {
+        let is_angle = R::splat(Bounds::NORMAL).lt(rows[Bounds::KIND]);
+        if R::any(is_angle) {
+            let normal = in_body(&three(rows, Bounds::ABOUT), &frame::<R, L, D>(y));
+            let [sine, cosine] = sine_cosine(rows, &orbit(rows).radial(y, L::OWN_AT), &normal);
+            let angle = [sine, cosine, R::splat(0.0)];
+            for k in 0..3 {
+                unit[k] = R::select(is_angle, angle[k], unit[k]);
+            }
+        }
+    }
+    unit
 }
 
 /// How far the scalar of a state is inside its limit.
@@ -589,13 +624,13 @@ impl<R: Real, L: Layout, W: Within<R, D>, const MOMENTA: bool, const D: usize> A
         let mut exit = never;
         // The last part of the step at whose end the scalar comes back inside the limit.
         let (mut back, mut entry, mut margins_of_entry) = ([zero; 2], never, [zero, one]);
-        let (_, _, mut unit) = vector(variables, p, rows, before);
+        let mut unit = leaping::<R, L, D>(variables, p, rows, before);
         let mut leap2 = rows[Bounds::LEAP2];
         for place in 0..=Bounds::PLACES {
             let fraction = size.fma(R::splat(place as f64), watched);
             let y = if place == Bounds::PLACES { *after } else { within.at(fraction) };
             margins = [margins[1], margins[2], margin::<R, L, D>(variables, p, rows, &y)];
-            let (_, _, now_along) = vector(variables, p, rows, &y);
+            let now_along = leaping::<R, L, D>(variables, p, rows, &y);
             leap2 = leap2.max(chord2(&now_along, &unit));
             unit = now_along;
             let [before_last, last, now] = margins;
@@ -676,10 +711,11 @@ impl<R: Real, L: Layout, W: Within<R, D>, const MOMENTA: bool, const D: usize> A
         // Before its time, and after the limit was passed, nothing is observed.
         let is_open = R::select(rows[EXIT_TIME].lt(never), zero, R::select(zero.lt(span), one, zero));
         rows[Bounds::MARGIN] = R::select(zero.lt(span), least, rows[Bounds::MARGIN]);
-        // Rates and attitudes have no direction that could leap.
-        let has_direction =
-            R::select(rows[Bounds::KIND].lt(R::splat(Bounds::ATTITUDE)), rows[Bounds::KIND], zero);
-        rows[Bounds::LEAP2] = R::select(R::splat(Bounds::SPEED).lt(has_direction), leap2, zero);
+        // Rates and attitudes have no direction that could leap, nor does an axis that points somewhere.
+        let kind = rows[Bounds::KIND];
+        let leaps = R::select(R::splat(Bounds::NORMAL).lt(kind), one, zero);
+        let leaps = R::select(kind.lt(R::splat(Bounds::ATTITUDE)), kind, leaps + leaps);
+        rows[Bounds::LEAP2] = R::select(R::splat(Bounds::SPEED).lt(leaps), leap2, zero);
         let leaves = R::select(half.lt(is_open), exit, never).lt(never);
         if R::any(leaves) {
             let fraction = crossing(&scalar, [low, high], [ends[0].max(zero), ends[1]]);

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import operator
 import os
@@ -31,7 +32,7 @@ from .samples import Outcomes, bodies_of, outcomes, starts
 from .spec import MapSpec
 from .theory import predict
 from .watched import watched
-from .words import axis_label, class_words, default_title
+from .words import axis_label, class_words, default_title, own_unit
 
 MOST_BYTES = 500_000
 """Most compressed bytes of the bodies in a page, unless a number of bodies is given."""
@@ -153,6 +154,7 @@ def content_of_map(
     shape = spec.shape if len(spec.shape) > 1 else (1, *spec.shape)
     is_regular = isinstance(spec.stable, Regular)
     asks = "criterion" if is_regular else "stable"
+    rate, _ = spec.clock.shown("rad/s")
     return {
         "title": spec.title or default_title(spec),
         "load": load,
@@ -178,10 +180,14 @@ def content_of_map(
         "words": class_words(spec),
         "leaves": not is_regular,
         "horizon": packed(spec.horizons, np.float64),
-        "clock": {"name": spec.clock.shown("s")[0], "size": spec.clock.size},
+        "clock": dict(zip(("unit", "factor"), spec.clock.shown("s"), strict=True)),
         "motion": _motion(spec),
         "charts": [
-            chart | {"limits": [packed(limits, np.float64) for limits in of_chart]}
+            chart
+            | {
+                "label": chart["label"].replace("(rad/s)", f"({rate})"),
+                "limits": [packed(limits, np.float64) for limits in of_chart],
+            }
             for chart, of_chart in watched(spec)
         ],
         "scene": spec.scene.title
@@ -241,7 +247,7 @@ def _axis(spec: MapSpec, axis: Axis, geometric: bool) -> dict[str, Any]:
     return {
         "name": _plain_words(axis.parameter.symbol),
         "label": _plain_words(axis_label(spec, axis)),
-        "unit": "" if axis.unit == "1" else axis.unit,
+        "unit": "" if axis.unit == "1" else own_unit(spec, axis.unit),
         "values": list(axis.values),
         "edges": drawn_edges(axis, geometric).tolist(),
         "geometric": geometric,
@@ -324,7 +330,7 @@ def _curves(data: MapData, whole: MapSpec) -> list[dict[str, Any]]:
             np.log(axis.values) if drawn_as.geometric else np.array(axis.values)
             for axis, drawn_as in zip(axes, whole.axes, strict=False)
         )
-        for curve, dashes in zip(curves, DASHES, strict=False):
+        for curve, dashes in zip(curves, itertools.cycle(DASHES)):
             label = _plain_words(curve.label)
             known = drawn.setdefault(label, {"label": label, "dashes": dashes, "planes": {}})
             lines = zero_lines(x, y, curve.field)

@@ -475,8 +475,8 @@ def roll_within(angle: float, axes: Axes | None = None) -> RollWithin:
 
     Notes
     -----
-    Near gimbal lock, a pitch of 90 degrees, the roll swings fast: a short swing inside a step may
-    pass unseen.
+    Near gimbal lock, a pitch of 90 degrees, the roll swings fast. A body is undecided if within a
+    quarter of a step its roll changes by more than 1 rad, and the limit may be passed unseen.
 
     Examples
     --------
@@ -549,8 +549,8 @@ def yaw_within(angle: float, axes: Axes | None = None) -> YawWithin:
 
     Notes
     -----
-    Near gimbal lock, a pitch of 90 degrees, the yaw swings fast: a short swing inside a step may
-    pass unseen.
+    Near gimbal lock, a pitch of 90 degrees, the yaw swings fast. A body is undecided if within a
+    quarter of a step its yaw changes by more than 1 rad, and the limit may be passed unseen.
 
     Examples
     --------

@@ -456,7 +456,7 @@ def test_regular_maps_show_tilt_and_rates_without_a_limit(tmp_path: Path) -> Non
     ]
 
 
-def test_lines_of_theory_are_fine_and_have_the_dashes_of_the_picture(tmp_path: Path) -> None:
+def test_lines_of_theory_are_fine_and_told_apart_by_dashes(tmp_path: Path) -> None:
     """Pitch is stable above I1 = I3, which the pixels would draw as a stair."""
     spec = read_spec("gravity-gradient").spec
     axes = {axis.name: [0.5, 0.8, 1.1, 1.4, 1.7, 2.0] for axis in spec.axes}
@@ -639,6 +639,30 @@ def test_the_chart_is_that_of_the_limit_that_a_body_meets(
     shown.locator("select.quantity").select_option("|ω| (rad/s)")
     opened.press("n")  # what the reader has chosen stays
     assert shown.evaluate(f"{strip}.label") == "|ω| (rad/s)"
+    opened.close()
+
+
+@pytest.mark.browser
+def test_times_and_rates_are_those_of_the_clock_of_the_map(browser: Any, tmp_path: Path) -> None:
+    result = rigid.stability_map(
+        rigid.FreeBody(rigid.Body((1.0, 1.5, 2.0)), orbit=rigid.Orbit(1.0, 0.1)),
+        axes={"spin": [1.0, 2.6]},
+        start=rigid.Start(spin=1.0, axis=3, tilt=0.3, noise=rigid.normal(0.1)),
+        stable=rigid.pointing_within(0.5, 1),
+        t_end=4.0 * np.pi,
+        samples=4,
+        rng=3,
+        time_unit="orbit",
+    )
+    opened = Opened(browser, result.explore(tmp_path / "a.html"), address="#pixel=1&body=0")
+    shown = opened.page
+    shown.wait_for_selector("canvas.stage")
+    left = result.outcomes(0, pixel=1).left
+    assert f"left at {left / (2.0 * np.pi):.4g} orbits" in shown.locator(".chosen").inner_text()
+    assert "spin = 2.6 n" in shown.locator(".chosen").inner_text()
+    opened.press("End")
+    assert shown.locator("#player output").inner_text() == "t = 2.000 orbits"
+    assert "ω (n)" in shown.locator("select.quantity").inner_text()
     opened.close()
 
 

@@ -15,7 +15,6 @@ function digitsOf(low, high, step, least) {
   return step > 0 && most > 0 ? clamp(Math.ceil(Math.log10(most / step)) + 1, least, 15) : least;
 }
 
-const SECOND = {name: "s", size: 1};  // a film without another unit of time
 
 function ticks(low, high, wanted) {
   const rough = (high - low) / wanted, power = 10 ** Math.floor(Math.log10(rough));
@@ -26,6 +25,8 @@ function ticks(low, high, wanted) {
   const words = x => isFar && x ? x.toExponential(digitsOf(low, high, step, 1) - 1).replace(/\.?0*e\+?/, "e") : String(x);
   return found.map(x => [x, words(Number(x.toPrecision(digitsOf(low, high, step, 6))))]);
 }
+
+const SECONDS = {unit: "s", factor: 1};  // how times are shown, unless a film has another clock
 
 // A chart: what a film changes is drawn over a picture of the rest.
 class Chart {
@@ -125,11 +126,11 @@ class StripChart extends Chart {
     }
     pen.textBaseline = "top";
     pen.textAlign = "center";
-    const {name, size} = this.film.unit ?? SECOND;
-    for (const [value, text] of ticks(t[0] / size, t[t.length - 1] / size, Math.max(2, (right - left) / 80)))
-      pen.fillText(text, clamp(x(size * value), left + 4, right - 12), bottom + 5);
+    const {unit, factor} = this.film.clock ?? SECONDS;
+    for (const [value, text] of ticks(factor * t[0], factor * t[t.length - 1], Math.max(2, (right - left) / 80)))
+      pen.fillText(text, clamp(x(value / factor), left + 4, right - 12), bottom + 5);
     pen.textAlign = "right";
-    pen.fillText(`t (${name})`, right, top - 18);
+    pen.fillText(`t (${unit})`, right, top - 18);
     pen.textAlign = "left";
     let at = 6;
     pen.fillText(chart.label, at, 4);

@@ -307,6 +307,11 @@ class Explorer extends MapOnCanvas {
     return [...share, ...this.isOfShare() ? [] : [`${this.layer.label}: ${shown(this.layer.data[pixel])}`]].join("; ");
   }
 
+  time(t, digits = 4) {  // in words
+    const {unit, factor} = this.map.clock;
+    return `${shown(factor * t, digits)} ${unit}`;
+  }
+
   counted(pixel) {  // [outcome, number of bodies] of all bodies of a pixel
     return this.map.classes.map(name => [name, this.map.counts[name][pixel]]);
   }
@@ -358,7 +363,7 @@ class Explorer extends MapOnCanvas {
       button.className = of(k);
       button.style.background = map.inks.outcomes[of(k)];
       button.textContent = SIGNS[of(k)];
-      const when = map.leaves && Number.isFinite(left(k)) ? `, left at ${shown(left(k) / map.clock.size)} ${map.clock.name}` : "";
+      const when = map.leaves && Number.isFinite(left(k)) ? `, left at ${this.time(left(k))}` : "";
       button.title = `body ${k}: ${map.words[of(k)]}${when}`;
       button.setAttribute("aria-label", button.title);
       button.dataset.sample = k;
@@ -420,7 +425,7 @@ class Explorer extends MapOnCanvas {
     this.find(".note").textContent = !map.motion
       ? "The page does not compute motions under the torque of a function: use the Python line."
       : `The page computes the motions from the exact starts of the bodies by a Taylor series; the outcomes come from the map. ${Number.isFinite(doubtful)
-        ? `A change of this start by 1e-12 shows from t = ${shown(doubtful)} s on: from there this motion may differ from the motions of the map and of replay.`
+        ? `A change of this start by 1e-12 shows from t = ${this.time(doubtful)} on: from there this motion may differ from the motions of the map and of replay.`
         : "Chaotic motions may differ from the map."}`;
     if (!map.motion) this.find(".about").open = true;
   }
@@ -459,9 +464,8 @@ class Explorer extends MapOnCanvas {
     this.player ??= new Player(this.find("#player"), KEYS);
     this.player.root.hidden = false;
     const film = filmOf(map, numbers, this.strip(), motion, speed);
-    if (map.clock.name !== "s") film.unit = {...map.clock, digits: Math.max(0, Math.ceil(-Math.log10(horizon / frames / map.clock.size)))};
     const short = motion.omega.length < times.length ? "; the page could not compute it to the end" : "";
-    this.player.show([film], `${words}; film at ${shown(speed)} × the speed of the motion${short}`);
+    this.player.show([film], `${words}; ${map.clock.unit === "s" ? `film at ${shown(speed)} × the speed of the motion` : `a second of the film is ${this.time(speed, 3)}`}${short}`);
   }
 
   async copy() {

@@ -163,8 +163,8 @@ class Player {
     if (look === this.shown && !this.stale) return;
     [this.shown, this.stale] = [look, false];
     this.slider.value = frame;
-    const {name, size, digits} = film.unit ?? {...SECOND, digits: film.digits};
-    this.clock.textContent = `t = ${(film.t[frame] / size).toFixed(digits)} ${name}`;
+    const {unit, factor} = film.clock ?? SECONDS;
+    this.clock.textContent = `t = ${(factor * film.t[frame]).toFixed(film.digits)} ${unit}`;
     this.slider.setAttribute("aria-valuetext", this.clock.textContent);
     this.root.querySelectorAll(".meanings b").forEach(mark => { mark.style.color = css(mark.dataset.ink); });
     this.stages.forEach(stage => stage.draw(frame));

@@ -103,8 +103,8 @@ function filmOf(map, numbers, strip, {t, omega, attitude}, speed) {
   }
   const some = Array.from({length: 64}, (_, k) => attitude[Math.floor(k * (attitude.length - 1) / 63)]);
   const grounded = isTop && parts[0].points.flat().every(p => some.every(q => turned(q, p)[2] > -0.02));
-  const step = t.length > 1 ? t[1] - t[0] : 1, digits = Math.max(0, Math.ceil(-Math.log10(step) - 1e-9));
-  return {view: isTop ? "top" : "box", title: map.scene, grounded, t, digits, shown: t.map(() => step / speed),
+  const step = t.length > 1 ? t[1] - t[0] : 1, digits = Math.max(0, Math.ceil(-Math.log10(map.clock.factor * step) - 1e-9));
+  return {view: isTop ? "top" : "box", title: map.scene, clock: map.clock, grounded, t, digits, shown: t.map(() => step / speed),
     trail: hasOrbit ? Math.min(0.25 * t[t.length - 1], 12 * t.length / rates.reduce((all, w) => all + size(w), 0)) : 0.25 * t[t.length - 1], attitude, frame: across(up), centre, reach, camera: map.camera, parts, chart: strip,
     polhode: isFree && isFinite(momentum[0][0]) && size(momentum[0]) > 0 ? {
       points: omega.map(w => unit(w.map((x, i) => x * moments[i]))), separatrix: separatrixOf(moments)} : null};
