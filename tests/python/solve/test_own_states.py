@@ -452,8 +452,8 @@ def test_a_map_judges_the_states_of_wheels(tmp_path: Path) -> None:
     # A file has no function: the scene that is given again begins at the states of the start.
     path = result.save(tmp_path / "map.npz")
     loaded = rigid.load_map(path, scene=scene(), stable=judged_by_wheel)
-    run: Any = loaded.replay(1, 0).run
-    assert np.array_equal(run.states[0], STARTS)
+    replayed: Any = loaded.replay(1, 0).run
+    assert np.array_equal(replayed.states[0], STARTS)
     other = scene(rigid.Torque.call(wheels, (0.1, 1.2, 0.3), states=6))
     with pytest.raises(ValueError, match="scene: differs from the scene of the map"):
         rigid.load_map(path, scene=other)

@@ -15,7 +15,6 @@ function digitsOf(low, high, step, least) {
   return step > 0 && most > 0 ? clamp(Math.ceil(Math.log10(most / step)) + 1, least, 15) : least;
 }
 
-
 function ticks(low, high, wanted) {
   const rough = (high - low) / wanted, power = 10 ** Math.floor(Math.log10(rough));
   const step = [1, 2, 5, 10].map(x => x * power).find(x => x >= rough) ?? power;
