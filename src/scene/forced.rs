@@ -154,6 +154,7 @@ impl<R: Real> Applied<R> {
             return Some(Returned { torque: functions.torques(time, &omega, &attitude), states });
         }
         if L::STATES {
+            #[allow(clippy::manual_memcpy)] // The compiler does not always inline `copy_from_slice`.
             for k in 0..MOST_STATES {
                 states[k] = y[L::STATES_AT + k];
             }

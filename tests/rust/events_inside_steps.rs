@@ -1,7 +1,7 @@
 //! Events inside long steps: flips on the polynomial of `dop853`, tilts on that through values, slopes and bends.
 
 use rigid::exact::derived::{sign_changes, tilt_time, top_quantities};
-use rigid::forces::{BodyForces, Further};
+use rigid::forces::{BodyForces, Further, MOST_STATES};
 use rigid::kernel::Group;
 use rigid::kernel::{Compiled, ForcesRows, Kernel, System};
 use rigid::kernel::{Entry, KernelAssignment, load};
@@ -35,6 +35,7 @@ impl Run {
             limit,
             step,
             own: Further::NONE.start(0.0),
+            states: [0.0; MOST_STATES],
             deviation: Deviation::NONE,
             bound: None,
         };

@@ -1,7 +1,7 @@
 //! Flips: sign changes of a component of the rates, counted once each and located inside the step.
 
 use crate::tests::scene_of;
-use rigid::forces::{ForcesInterval, Further};
+use rigid::forces::{ForcesInterval, Further, MOST_STATES};
 use rigid::kernel::Group;
 use rigid::kernel::{Compiled, ForcesRows, Kernel, System};
 use rigid::kernel::{Entry, KernelAssignment, load};
@@ -49,6 +49,7 @@ impl ObservedBody {
             limit: f64::INFINITY,
             step,
             own: Further::NONE.start(0.0),
+            states: [0.0; MOST_STATES],
             deviation: Deviation::NONE,
             bound: None,
         };
@@ -352,6 +353,7 @@ fn stable_spin_for_a_million_steps() {
                     limit,
                     step,
                     own: Further::NONE.start(0.0),
+                    states: [0.0; MOST_STATES],
                     deviation: Deviation::NONE,
                     bound: None,
                 };

@@ -102,16 +102,17 @@ def test_angles_are_those_of_a_fine_motion(where: str, of: str, axes: tuple[int,
         told, steep = str(found.outcome[0, k]), bool(step[k].max() > 5e-3)
         if abs(largest[k] - limit) > 2.0 * step[k].max() and not (told == "undecided" and steep):
             assert told == ("unstable" if beyond.any() else "stable")
-        if beyond.any() and found.outcome[0, k] == "unstable":
+        left = found.left[0, k]  # not known if only the second run has seen it
+        if beyond.any() and told == "unstable" and not (np.isnan(left) and steep):
             first = int(beyond.argmax())
             before, after = TIMES[max(first - 1, 0)], TIMES[first]
-            assert before - 1e-6 <= found.left[0, k] <= after + 1e-6
+            assert before - 1e-6 <= left <= after + 1e-6
         near = int(angle[k].argmax())
         around = step[k, max(near - 2, 0) : near + 2].max()
-        # Errors of the steps, 1e-8 for each of some 20 rad, are magnified near gimbal lock. Where
-        # the angle swings by tens of rad/s, two runs may see different ones: it is undecided.
+        # Errors of the steps, 1e-8 for each of some 20 rad, are magnified near gimbal lock. A body
+        # whose angle swings by 5 rad/s or more at any time may have no largest one.
         value = values(found, f"largest_{of}")[k]
-        if not (np.isnan(value) and around > 5e-3):
+        if not (np.isnan(value) and steep):
             assert value == pytest.approx(largest[k], abs=around + 1e-5)
         late = angle[k] > 1.0
         settled = values(found, "time_to_settle")[k]

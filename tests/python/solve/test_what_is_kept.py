@@ -191,8 +191,8 @@ def test_states_of_few_and_of_many_bodies_have_the_same_columns() -> None:
     assert isinstance(few, MutableMapping)
     assert {*few} == {*many}
     assert few.worst == many.worst == few.error.max()
-    assert {name for name in few if few[name] is None} == {"gamma", "tangent", "work"}
-    for name in {*few} - {"nanoseconds", "gamma", "tangent", "work"}:
+    assert {name for name in few if few[name] is None} == {"gamma", "states", "tangent", "work"}
+    for name in {*few} - {"nanoseconds", "gamma", "states", "tangent", "work"}:
         assert few[name].dtype == many[name].dtype
         assert np.array_equal(few[name], many[name][:2])
 

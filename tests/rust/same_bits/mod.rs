@@ -11,7 +11,7 @@ mod trajectories;
 use crate::tests::scene_of;
 use rigid::exact::derived::{free_quantities, sign_changes, tilt_time, top_quantities};
 use rigid::exact::{CanonicalForm, Evaluator, EvaluatorKind, ExitRows, StartRows, StateRows};
-use rigid::forces::{Forces, Further};
+use rigid::forces::{Forces, Further, MOST_STATES};
 use rigid::kernel::Group;
 use rigid::kernel::{Compiled, ForcesRows, Kernel, System};
 use rigid::kernel::{Entry, KernelAssignment, load};
@@ -176,6 +176,7 @@ fn load_lane(group: &mut Group, lane: usize, kernel: Kernel, compiled: Compiled,
         limit: lane_start.limit,
         step: lane_start.step,
         own: Further::NONE.start(0.0),
+        states: [0.0; MOST_STATES],
         deviation: Deviation::new([0.5, -0.25, 0.375, 0.3125, 0.4375, -0.5]),
         bound: Some(lane_start.bound),
     };
