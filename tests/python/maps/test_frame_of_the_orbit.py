@@ -213,8 +213,6 @@ def test_eccentricity_and_anomaly_are_axes_of_a_map() -> None:
     with pytest.raises(ValueError, match="'eccentricity' does not apply: the scene has no orbit"):
         small_map(axes={"eccentricity": [0.1]})
     with pytest.raises(ValueError, match=r"\[1\] = 1: must lie in \[0, 0\.95\] or \[1\.05, "):
-        ValueError, match=r"\[1\] = 1: must lie in \[0, 0\.95\] or \[1\.05, 1e\+06\]"
-    ):
         small_map(scene, axes={"eccentricity": [0.1, 1.0]})
 
 
