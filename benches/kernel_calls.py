@@ -43,9 +43,9 @@ ALLOWED = {
 }
 # A function of the user is called by its address, by these kernels only: in steps of one body, or
 # for those of a pack by one function of the library.
-OF_THE_USER = re.compile(r"^call\s+\*|^<rigid::forces::function::TorqueRows>::call$")
+OF_THE_USER = re.compile(r"^call\s+\*|^<rigid::forces::function::TorqueRows>::call(::<\d+, \d+>)?$")
 MAY_CALL_IT = re.compile(
-    r"::(kernels_of::|observe::(Look|MotionInside)<).*::Function(Frame|Turns)\b"
+    r"::(kernels_of::|observe::(Look|MotionInside)<).*::(Function(Frame|Turns)|StatesTurns)\b"
     r"|::midpoint::TorqueInTheMiddle<"
 )
 # The plain path is for processors without FMA: it rounds products as FMA does with the C library.
@@ -59,7 +59,7 @@ MAY_COPY = {
         r"::(ForcedFrame|FurtherFrame)\b"
     ),
     "a state of eight bodies is in memory, not in registers": re.compile(
-        r"::Function(Frame|Turns)\b"
+        r"::(Function(Frame|Turns)|StatesTurns)\b"
     ),
     "the set-up of a pack copies the tables of its drift": re.compile(r"::KickMoserVeselov\b"),
     "the set-up of a pack copies the functions of its damping": re.compile(r"::Exponential<"),
