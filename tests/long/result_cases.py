@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 import rigid
 from rigid import cli, figures
+from rigid.cli.toml_table import names_of
 from rigid.model.criteria import Regular
 from rigid.solve.status import ARRIVED
 
@@ -546,11 +547,7 @@ def _builtin_maps() -> Iterator[Case]:
             assert code == 0, name
             return _numbers_of(rigid.load_map(f"{stem}.npz"))
 
-    listed = io.StringIO()
-    with contextlib.redirect_stdout(listed):
-        cli.main(["maps"])
-    for line in listed.getvalue().splitlines():
-        name = line.split()[0]
+    for name in names_of("map"):
         if name in LONG_MAPS:
             continue
         samples = 1 if name == "falling-top" else 3

@@ -188,7 +188,8 @@ def roll_pitch_yaw(
     scene : FreeBody or Orbit
         One body on an orbit, or an orbit alone.
     attitude : array_like, shape (..., 4), or scipy Rotation
-        Attitudes.
+        Attitudes of the principal axes. For a run with ``frame=`` take the
+        attitudes of ``run.in_frame(None)``, or name the axes of the drawing by ``axes``.
     t : array_like, shape (...)
         Times (s) of the attitudes.
     axes : (int, int), optional

@@ -76,7 +76,8 @@ assert np.ptp(tilt) < 1e-11
 # -----
 #
 # An upright top is stable above the spin :math:`2\sqrt{mgl\,I_1}/I_3`. Two tops begin with a tilt
-# of 3°: the slow one falls and rises again and again, the fast one hardly moves.
+# of 3°: the slow one falls and rises again and again, the fast one hardly moves. There is no table:
+# a top may swing below its fixed point.
 bound = float(rigid.exact.sleeping_spin(top))
 print(f"a top sleeps above {bound} rad/s")
 upright = rigid.rotations.euler_to_quaternion([0.0, np.radians(3.0), 0.0])
