@@ -91,7 +91,7 @@ class Bodies:
         low, high = int(8 * self.turns), int(64 * self.turns)
         while errs(high) > ALLOWED:
             low, high = high, 2 * high
-        while high / low > NEAR:
+        while high - low > 1 and high / low > NEAR:
             middle = int(np.sqrt(low * high)) + 1
             low, high = (low, middle) if errs(middle) < ALLOWED else (middle, high)
         return high
