@@ -41,7 +41,6 @@ __all__ = [
     "closed_form_names",
     "closed_forms",
     "closed_forms_for",
-    "default_steps",
     "deviates",
     "deviation_starts",
     "distances",
@@ -198,11 +197,6 @@ def fastest_rates(
     bodies: Bodies,
     span: NDArray[np.float64] | None = None,
     method: str | None = None,
-) -> NDArray[np.float64]: ...
-def default_steps(
-    method: str,
-    rates: NDArray[np.float64],
-    of_growth: bool = False,
 ) -> NDArray[np.float64]: ...
 def planned_steps(
     bodies: Bodies,

@@ -69,8 +69,7 @@ mod _core {
     use super::section::section;
     #[pymodule_export]
     use super::simulate::{
-        default_steps, fastest_rates, first_tolerance, planned_steps, simulate, solve, state_bytes,
-        status_names,
+        fastest_rates, first_tolerance, planned_steps, simulate, solve, state_bytes, status_names,
     };
     #[pymodule_export]
     use super::states::PyStates;

@@ -2,8 +2,8 @@
 
 use super::bodies::Bodies;
 use super::convert::{
-    Aligned1, Aligned2, BodyColumns, at_once, column, copied, copied_numbers, evaluated, interruptible_calls,
-    parse_record, rows, same_length, times_of_bodies,
+    Aligned1, Aligned2, BodyColumns, at_once, copied_numbers, evaluated, interruptible_calls, parse_record,
+    rows, same_length, times_of_bodies,
 };
 use super::forces::PyForces;
 use super::states::{PyStates, of_bodies, shaped};
@@ -290,22 +290,6 @@ pub fn fastest_rates<'py>(
         rates.extend(evaluated(py, "rates", bodies.len(), own)?);
     }
     Ok(of_bodies(py, rates))
-}
-
-/// The default steps of a method at these rates, or those of a map that chooses its method, for its samples or for the
-/// growth of their deviation vectors; infinite for a rate of zero.
-#[pyfunction]
-#[pyo3(signature = (method, rates, of_growth=false))]
-pub fn default_steps<'py>(
-    py: Python<'py>,
-    method: &str,
-    rates: Aligned1<'py, f64>,
-    of_growth: bool,
-) -> PyResult<Bound<'py, PyArray1<f64>>> {
-    let _standard = FloatEnvironment::standard();
-    let choice = MethodChoice::parse(method)?;
-    let rates = copied("rates", &rates)?;
-    column(py, &rates, |&rate| choice.default_step(of_growth, rate))
 }
 
 /// The longest step of each body between two times, and the time in which equal steps of that length are as many as those of

@@ -274,8 +274,7 @@ class CustomJob:
             return None, None
         if is_adaptive(spec, method):
             return (0.01 * TOLERANCE if is_second else TOLERANCE), None
-        own = _core.default_steps(method, batch.fastest_rates((0.0, t_end), method), False)
-        own = np.minimum(own, batch.longest_unseen(t_end))
+        own, _ = batch.planned_steps(method, (0.0, t_end), "states")
         if spec.step is None:
             return None, 0.5 * own if is_second and method == spec.scheme else own
         return None, np.minimum(own, 0.5 * spec.step) if is_second else np.full_like(own, spec.step)

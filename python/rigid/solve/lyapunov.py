@@ -285,8 +285,8 @@ def _grown(
 ) -> dict[str, Any]:
     """The growth of deviation vectors (n, k, 6) by a method, with its longest steps (s)."""
     if steps is None:
-        rates = bodies.fastest_rates((0.0, float(times[-1])), method)
-        steps = np.minimum(_core.default_steps(method, rates), times[0] / fewest)
+        longest, _ = bodies.planned_steps(method, (0.0, float(times[-1])), "states")
+        steps = np.minimum(longest, times[0] / fewest)
     return _core.growth(
         bodies,
         method=method,
