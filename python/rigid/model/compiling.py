@@ -38,7 +38,7 @@ class Callback:
     Attributes
     ----------
     address : int
-        Where it is.
+        Where it is; 0 if it was read from a file, which has none.
     of_eight : bool
         Whether it is told eight bodies at once.
     kept : object
@@ -52,11 +52,15 @@ class Callback:
     """
 
     address: int
-    of_eight: bool
-    kept: object
+    of_eight: bool = False
+    kept: object = None
     why_slow: str | None = None
     is_long: bool = False
     asks_place: bool = False
+
+
+UNKNOWN = Callback(0)
+"""That of a file."""
 
 
 def of_python(function: Callable[..., object], width: int, states: int) -> Callback:
@@ -119,25 +123,10 @@ def _made(function: Callable[..., object], width: int, states: int, asks_place: 
 
 def _told(one: Callable[..., object], states: int, asks_place: bool) -> Callable[..., object]:
     """A function of all arguments that calls one of those that it takes."""
-
-    def all_of_them(
-        t: Any, omega: Any, attitude: Any, data: Any, torque: Any, own: Any, rates: Any, place: Any
-    ) -> None:
-        one(t, omega, attitude, data, torque, own, rates, place)
-
-    def with_states(
-        t: Any, omega: Any, attitude: Any, data: Any, torque: Any, own: Any, rates: Any, place: Any
-    ) -> None:
-        one(t, omega, attitude, data, torque, own, rates)
-
-    def with_place(
-        t: Any, omega: Any, attitude: Any, data: Any, torque: Any, own: Any, rates: Any, place: Any
-    ) -> None:
-        one(t, omega, attitude, data, torque, place)
-
-    if not asks_place:
-        return with_states
-    return all_of_them if states else with_place
+    own = 7 if states else 5
+    if asks_place:
+        return lambda *told: one(*told[:own], *told[7:])
+    return lambda *told: one(*told[:own])
 
 
 def _compiled(
@@ -195,25 +184,20 @@ def _called(
         # A pointer without numbers is null.
         return np.array(numbers[:length]) if length else np.empty(0)
 
-    def one(t: float, omega: Any, attitude: Any, data: Any, torque: Any) -> None:
-        returned = np.full(3, np.nan)
-        function(t, copied(omega, 3), copied(attitude, 4), copied(data, width), returned)
-        torque[0], torque[1], torque[2] = returned
-
     every = _told(function, states, asks_place)
 
-    def one_long(
-        t: float, omega: Any, attitude: Any, data: Any, torque: Any, own: Any, rate: Any, place: Any
-    ) -> None:
+    def one(t: float, omega: Any, attitude: Any, data: Any, torque: Any, *further: Any) -> None:
         returned, rates = np.full(3, np.nan), np.full(states, np.nan)
         known = copied(omega, 3), copied(attitude, 4), copied(data, width)
-        every(t, *known, returned, copied(own, states), rates, copied(place, 3))
+        own, rate, place = further or (None, None, None)
+        more = (copied(own, states), rates, copied(place, 3)) if further else ()
+        every(t, *known, returned, *more)
         torque[0], torque[1], torque[2] = returned
         for k in range(states):
             rate[k] = rates[k]
 
     pointers = [DOUBLES] * (7 if is_long else 4)
-    kept = ctypes.CFUNCTYPE(None, ctypes.c_double, *pointers)(one_long if is_long else one)
+    kept = ctypes.CFUNCTYPE(None, ctypes.c_double, *pointers)(one)
     address = ctypes.cast(kept, ctypes.c_void_p).value
     assert address is not None
     return Callback(address, False, kept, why, is_long, asks_place)
