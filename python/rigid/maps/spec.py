@@ -366,7 +366,7 @@ class MapSpec:
     def functions(self) -> dict[str, Any]:
         """The functions that are known, as :meth:`with_functions` takes them."""
         known = {name: source.function for name, source in self._sources.items()}
-        found = {name: function for name, function in known.items() if function is not None}
+        found: dict[str, Any] = {name: one for name, one in known.items() if one is not None}
         if self._torque is not None and self._torque.is_known:
             found["scene"] = self.scene
         return found
