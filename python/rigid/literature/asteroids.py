@@ -13,7 +13,7 @@ from ..solve.simulate import simulate
 
 
 def toutatis_of_1995(quantity: str) -> float:
-    """A quantity of the state of Hudson and Ostro; axes short, intermediate and long, time in days."""
+    """A quantity of the state of Hudson and Ostro; axes short, middle and long, time in days."""
     state = spin_periods((3.22, 3.09, 1.0), np.radians([31.3, 20.7, 98.0]))
     return float(getattr(state, quantity))
 
