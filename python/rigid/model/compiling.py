@@ -9,7 +9,7 @@ from __future__ import annotations
 import ctypes
 import inspect
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import Any
 
@@ -33,7 +33,7 @@ _PLACE = "orbit_position"
 
 @dataclass(frozen=True, slots=True)
 class Callback:
-    """A function that the core can call.
+    """A function that the core can call, known by its address.
 
     Attributes
     ----------
@@ -52,11 +52,11 @@ class Callback:
     """
 
     address: int
-    of_eight: bool = False
-    kept: object = None
-    why_slow: str | None = None
-    is_long: bool = False
-    asks_place: bool = False
+    of_eight: bool = field(default=False, compare=False)
+    kept: object = field(default=None, compare=False)
+    why_slow: str | None = field(default=None, compare=False)
+    is_long: bool = field(default=False, compare=False)
+    asks_place: bool = field(default=False, compare=False)
 
 
 UNKNOWN = Callback(0)
@@ -123,10 +123,25 @@ def _made(function: Callable[..., object], width: int, states: int, asks_place: 
 
 def _told(one: Callable[..., object], states: int, asks_place: bool) -> Callable[..., object]:
     """A function of all arguments that calls one of those that it takes."""
-    own = 7 if states else 5
-    if asks_place:
-        return lambda *told: one(*told[:own], *told[7:])
-    return lambda *told: one(*told[:own])
+
+    def all_of_them(
+        t: Any, omega: Any, attitude: Any, data: Any, torque: Any, own: Any, rates: Any, place: Any
+    ) -> None:
+        one(t, omega, attitude, data, torque, own, rates, place)
+
+    def with_states(
+        t: Any, omega: Any, attitude: Any, data: Any, torque: Any, own: Any, rates: Any, place: Any
+    ) -> None:
+        one(t, omega, attitude, data, torque, own, rates)
+
+    def with_place(
+        t: Any, omega: Any, attitude: Any, data: Any, torque: Any, own: Any, rates: Any, place: Any
+    ) -> None:
+        one(t, omega, attitude, data, torque, place)
+
+    if not asks_place:
+        return with_states
+    return all_of_them if states else with_place
 
 
 def _compiled(
@@ -184,20 +199,25 @@ def _called(
         # A pointer without numbers is null.
         return np.array(numbers[:length]) if length else np.empty(0)
 
+    def one(t: float, omega: Any, attitude: Any, data: Any, torque: Any) -> None:
+        returned = np.full(3, np.nan)
+        function(t, copied(omega, 3), copied(attitude, 4), copied(data, width), returned)
+        torque[0], torque[1], torque[2] = returned
+
     every = _told(function, states, asks_place)
 
-    def one(t: float, omega: Any, attitude: Any, data: Any, torque: Any, *further: Any) -> None:
+    def one_long(
+        t: float, omega: Any, attitude: Any, data: Any, torque: Any, own: Any, rate: Any, place: Any
+    ) -> None:
         returned, rates = np.full(3, np.nan), np.full(states, np.nan)
         known = copied(omega, 3), copied(attitude, 4), copied(data, width)
-        own, rate, place = further or (None, None, None)
-        more = (copied(own, states), rates, copied(place, 3)) if further else ()
-        every(t, *known, returned, *more)
+        every(t, *known, returned, copied(own, states), rates, copied(place, 3))
         torque[0], torque[1], torque[2] = returned
         for k in range(states):
             rate[k] = rates[k]
 
     pointers = [DOUBLES] * (7 if is_long else 4)
-    kept = ctypes.CFUNCTYPE(None, ctypes.c_double, *pointers)(one)
+    kept = ctypes.CFUNCTYPE(None, ctypes.c_double, *pointers)(one_long if is_long else one)
     address = ctypes.cast(kept, ctypes.c_void_p).value
     assert address is not None
     return Callback(address, False, kept, why, is_long, asks_place)

@@ -15,14 +15,14 @@ from numpy.typing import ArrayLike
 
 from .._checks.arguments import brief, finite_float, shaped
 from .frame import turned
-from .leading import Floats, Index, Shape, Vector, axes_of, same, taken, vector_of
+from .leading import ByValue, Floats, Index, Shape, Vector, axes_of, taken, vector_of
 from .orbit import Orbit
 
 Value = TypeVar("Value")
 
 
 @dataclass(frozen=True, slots=True, init=False, eq=False, repr=False)
-class EnergySink:
+class EnergySink(ByValue):
     """Internal dissipation, which drains energy and keeps the angular momentum in space.
 
     Inside the body something lags behind: a viscous fluid, or a damper. To first order its momentum
@@ -129,14 +129,6 @@ class EnergySink:
     def shape(self) -> Shape:
         """The axes of the bodies: ``()`` of one sink, ``(n,)`` of one for each of n bodies."""
         return axes_of(self.coefficient, 1)
-
-    def __eq__(self, other: object) -> bool:
-        if not isinstance(other, EnergySink):
-            return NotImplemented
-        return same(self.coefficient, other.coefficient)
-
-    def __hash__(self) -> int:
-        return hash(("sink", self.shape or self.coefficient))
 
     def __repr__(self) -> str:
         if self.shape:

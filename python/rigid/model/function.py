@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from .._checks.arguments import brief, finite_float, shaped
 from .._core import MOST_STATES
 from .compiling import UNKNOWN, Callback, of_python
-from .leading import Index, Shape, axes_of, frozen, leading_shape, same, taken
+from .leading import ByValue, Index, Shape, axes_of, frozen, leading_shape, taken
 
 Floats = NDArray[np.float64]
 
@@ -22,7 +22,7 @@ NO_STATES = "states: the scene has none; give Torque.call(..., states=k)"
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class TorqueFunction:
+class TorqueFunction(ByValue):
     """A callback that returns a torque; made by :meth:`Torque.call`.
 
     Attributes
@@ -160,15 +160,6 @@ class TorqueFunction:
 
     def __deepcopy__(self, memo: object) -> Self:
         return self  # nothing of it changes
-
-    def __eq__(self, other: object) -> bool:
-        if not isinstance(other, TorqueFunction):
-            return NotImplemented
-        own = self.callback.address == other.callback.address and self.fastest == other.fastest
-        return own and same(self.data, other.data) and same(self.start, other.start)
-
-    def __hash__(self) -> int:
-        return hash((self.callback.address, self.fastest, self.shape))
 
     def __repr__(self) -> str:
         data = "" if self.data is None else f", data of shape {self.data.shape}"

@@ -25,6 +25,7 @@ from .frame import checked_frame, turned, turned_matrix
 from .function import NO_STATES
 from .gravity import about_pivot, checked_properties
 from .leading import (
+    ByValue,
     Index,
     Shape,
     Vector,
@@ -33,7 +34,6 @@ from .leading import (
     holds,
     index_of_bodies,
     leading_shape,
-    same,
     taken,
     vector_of,
 )
@@ -58,7 +58,7 @@ Made = TypeVar("Made")
 _ACTING = ("torque", "damping", *FORCES)
 
 
-class Scene(ABC):
+class Scene(ByValue, ABC):
     """A body with its weight, applied torque and damping: the interface of all scenes.
 
     A scene holds many bodies if one of its parts does: ``len(scene)`` is their number, ``scene[i]``
@@ -194,17 +194,6 @@ class Scene(ABC):
         self._shape_of_parts()
         if frame is not None:
             self._turn_into_principal_axes(frame)
-
-    def __eq__(self, other: object) -> bool:
-        if type(other) is not type(self):
-            return NotImplemented
-        names = ("body", *self.fields, *_ACTING)
-        return all(same(getattr(self, name), getattr(other, name)) for name in names)
-
-    def __hash__(self) -> int:
-        values = [getattr(self, name) for name in self.fields]
-        own = tuple([value for value in values if not isinstance(value, np.ndarray)])
-        return hash((self.kind, self.body, own, self.torque))
 
     @property
     def forces(self) -> tuple[str, ...]:
