@@ -156,18 +156,12 @@ class Scene(ByValue, ABC):
     def __getitem__(self, index: Index) -> Self:
         shape = self.shape
         index_of_bodies(shape, index)
-        body = self.body
-        if body.shape:
-            every = np.broadcast_to(body.moments, (*shape, 3))
-            mass = None if body.mass is None else np.broadcast_to(body.mass, shape)
-            moments, mass = taken(every, 1, shape, index), taken(mass, 0, shape, index)
-            body = Body(moments, mass=mass, physical=body.physical)
         own = {
             name: taken(getattr(self, name), axes, shape, index)
             for name, axes in self.fields.items()
         }
         torque = None if self.torque is None else self.torque.of(shape, index)
-        some = type(self)(body, **own, torque=torque)  # type: ignore[call-arg]
+        some = type(self)(self.body.of(shape, index), **own, torque=torque)  # type: ignore[call-arg]
         if self.damping is not None:
             # Not through the constructor: one damping of all would be read as one of each body.
             damping = taken(self.damping, 2, shape, index)
