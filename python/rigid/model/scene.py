@@ -73,7 +73,7 @@ class Scene(ByValue, ABC):
         The scene in two words; with a hyphen it is the ``kind`` of a map file.
     fields : mapping of str to int
         The scene's own numbers, attributes and keyword arguments of the class, and how many axes
-        those of one body have: 1 of a vector.
+        the numbers of one body have: 1 of a vector.
     directions : tuple of str
         Directions fixed in space that the equations of motion contain, by their name in
         :attr:`rigid.Plan.carried`: ``"gamma"`` is the upward vertical.
