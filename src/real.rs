@@ -66,6 +66,18 @@ pub trait Real:
         let (zero, one) = (Self::splat(0.0), Self::splat(1.0));
         !Self::any(zero.lt(Self::select(mask, zero, one)))
     }
+    /// Where both masks are true.
+    #[inline(always)]
+    fn both(one: Self::Mask, other: Self::Mask) -> Self::Mask {
+        let zero = Self::splat(0.0);
+        zero.lt(Self::select(one, Self::select(other, Self::splat(1.0), zero), zero))
+    }
+    /// Where the first mask is true and the other is not.
+    #[inline(always)]
+    fn except(one: Self::Mask, other: Self::Mask) -> Self::Mask {
+        let zero = Self::splat(0.0);
+        zero.lt(Self::select(one, Self::select(other, zero, Self::splat(1.0)), zero))
+    }
     /// 2^self for an integer-valued self in -1022 ..= 1023.
     fn exp2i(self) -> Self;
     /// Mantissa in [1, 2) and exponent of a positive normal number.

@@ -5,7 +5,7 @@ use super::{Compiled, System};
 use crate::forces::{BodyForces, ForcesInterval, Further, MOST_STATES, OrbitPlace};
 use crate::kinematics::{attitude_of_rows, dot, half_rows, length, space_axes, to_body_frame, vertical};
 use crate::method::{Method, Step, Variables};
-use crate::observe::{self, Bound, Deviation, Observed};
+use crate::observe::{self, Deviation, Observed};
 use crate::scene::{Parameters, Scene};
 use crate::simd::{Row, set_lane};
 use crate::start::{Body, VERTICAL};
@@ -221,8 +221,6 @@ pub struct Entry<'a> {
     /// The observed body axis: 1, 2, 3 or -1, -2, -3; 0 for none. The direction integrated with a free body is the
     /// initial direction of this axis, or the vertical.
     pub axis: i32,
-    /// The largest allowed tilt of the observed axis.
-    pub limit: f64,
     /// Time step.
     pub step: f64,
     /// The variables of further forces at the start.
@@ -233,8 +231,6 @@ pub struct Entry<'a> {
     pub place: Option<OrbitPlace>,
     /// The deviation vector at the start, for systems that integrate one.
     pub deviation: Deviation,
-    /// The bound that is observed, if one is.
-    pub bound: Option<Bound>,
 }
 
 impl<'a> Entry<'a> {
@@ -243,8 +239,7 @@ impl<'a> Entry<'a> {
         static NO_FORCES: OnceLock<ForcesInterval<'static, f64>> = OnceLock::new();
         let forces = forced_rate.map(|rate| (NO_FORCES.get_or_init(ForcesInterval::none), rate));
         let (own, states, deviation) = (Further::NONE.start(0.0), [0.0; MOST_STATES], Deviation::NONE);
-        let (limit, place) = (f64::INFINITY, None);
-        Entry { body, forces, axis: 0, limit, step, own, states, place, deviation, bound: None }
+        Entry { body, forces, axis: 0, step, own, states, place: None, deviation }
     }
 }
 
@@ -255,11 +250,10 @@ fn unit_axis(axis: i32) -> [f64; 3] {
 
 /// Loads a body into a lane.
 pub fn load(group: &mut Group, lane: usize, compiled: Compiled, assignment: KernelAssignment, entry: &Entry) {
-    let &Entry { body, forces, axis, limit, step, ref own, ref states, ref place, ref deviation, ref bound } =
-        entry;
+    let &Entry { body, forces, axis, step, ref own, ref states, ref place, ref deviation } = entry;
     let kernel = compiled.kernel();
     let unit_of = |axis: i32| assignment.to_kernel_axes(unit_axis(axis));
-    let (unit, second_unit) = (unit_of(axis), unit_of(bound.map_or(0, |bound| bound.second_axis())));
+    let (unit, second_unit) = (unit_of(axis), unit_of(kernel.observed.second_axis()));
     let mut y = kernel_state(kernel.system, assignment, body, unit);
     if let Some(at) = kernel.system.own_at {
         y[at..at + own.len()].copy_from_slice(own);
@@ -347,9 +341,7 @@ pub fn load(group: &mut Group, lane: usize, compiled: Compiled, assignment: Kern
         unit,
         second_unit,
         direction,
-        limit,
         deviation: &deviation,
-        bound: bound.as_ref(),
         own,
         states,
         on_orbit,

@@ -3,7 +3,7 @@
 
 use super::Rule;
 use crate::error::Error;
-use crate::observe::{Angle, Bound, Direction, Observed, Quantity};
+use crate::observe::{Angle, Bound, Direction, Observed, Quantity, Tilt};
 use crate::scene::Scene;
 
 /// When a sample counts as stable.
@@ -131,9 +131,11 @@ impl Criterion {
     pub(super) fn observed(self) -> Observed {
         match self {
             Criterion::NoFlip => Observed::Flips,
-            Criterion::TiltFromStart(_) | Criterion::TiltFromVertical(_) => Observed::Tilt,
+            Criterion::TiltFromStart(angle) | Criterion::TiltFromVertical(angle) => {
+                Observed::Tilt(Tilt::within(angle))
+            }
             Criterion::RegularRates(_) | Criterion::RegularAttitude(_) => Observed::Growth,
-            Criterion::Bounded(_) => Observed::Bounds,
+            Criterion::Bounded(bound) => Observed::Bound(bound),
             Criterion::MeanRate | Criterion::MeanRateOverMotion => Observed::MeanRate,
         }
     }

@@ -7,7 +7,7 @@ use crate::error::Error;
 use crate::forces::OrbitPlace;
 use crate::kernel::{Compiled, Entry, ForcesRows, Group, Job, Kernel, drive, load};
 use crate::memory;
-use crate::observe::{Bounds, Deviation, EXIT_TIME, Observed};
+use crate::observe::{Bound, Deviation, EXIT_TIME, Observed};
 use crate::parallel::Interrupt;
 use crate::simd::Isa;
 use crate::simd::LANES;
@@ -106,10 +106,11 @@ impl Watched<'_> {
         let rows = group.observed_in(lane);
         let left = rows[EXIT_TIME];
         let value = observed.outcome(&rows);
-        let tilt = match self.criterion.bound() {
-            _ if observed == Observed::Tilt => value,
-            Some(bound) => bound.largest_angle(value),
-            None => f64::NAN,
+        let is_bounded = matches!(observed, Observed::Bound(_));
+        let tilt = match observed {
+            Observed::Tilt(_) => value,
+            Observed::Bound(bound) => bound.largest_angle(value),
+            _ => f64::NAN,
         };
         let finite = energy_drift.is_finite() && momentum_drift.is_finite() && unit_drift.is_finite();
         let (class, status) = if !finite {
@@ -118,7 +119,7 @@ impl Watched<'_> {
             (Class::Failed, Status::Drifted)
         } else if left < f64::INFINITY {
             (Class::Unstable, Status::Stopped)
-        } else if observed == Observed::Bounds && value.is_nan() {
+        } else if is_bounded && value.is_nan() {
             (Class::Undecided, Status::Finished)
         } else {
             (Class::Stable, Status::Finished)
@@ -129,7 +130,7 @@ impl Watched<'_> {
             flips: if observed == Observed::Flips { value as u64 } else { 0 },
             left,
             tilt,
-            settled: if observed == Observed::Bounds { rows[Bounds::SETTLED] } else { f64::NAN },
+            settled: if is_bounded { rows[Bound::SETTLED] } else { f64::NAN },
             mean_rate: if observed == Observed::MeanRate { value } else { f64::NAN },
             exponent: f64::NAN,
             mean_megno: f64::NAN,
@@ -209,8 +210,7 @@ impl MapJob<'_> {
             None => body.fastest_rate(forces, [0.0, map.t_end]),
         };
         let forces = interval.as_ref().map(|interval| (interval, rate()));
-        let (limit, bound) = (map.criterion.limit(), map.criterion.bound());
-        let entry = Entry { body, forces, axis: map.axis, limit, step, own, states, place, deviation, bound };
+        let entry = Entry { body, forces, axis: map.axis, step, own, states, place, deviation };
         load(&mut self.group, lane, self.compiled, assignment, &entry);
         if let Some(course) = &course {
             course.settle(&mut self.group, self.compiled.kernel().system, lane);

@@ -5,7 +5,7 @@ use super::statistics::Sample;
 use super::{Class, Criterion, Map, Outcome, Watched};
 use crate::error::Error;
 use crate::memory;
-use crate::observe::Direction;
+use crate::observe::{Direction, Tilt};
 use crate::parallel::Interrupt;
 use crate::simd::Isa;
 use std::f64::consts::PI;
@@ -111,7 +111,7 @@ impl Measure {
             OF_CRITERIA.iter().find_map(|(kind, quantity)| Some((name.strip_prefix(kind)?, *quantity)));
         let (quantity, watched) = if let Some((criterion, quantity)) = of_criterion {
             let criterion = Criterion::parse(criterion, numbers)?;
-            if criterion.bound().is_none_or(|bound| bound.is_pointing()) {
+            if criterion.bound().is_none_or(|bound| Tilt::of(bound).is_some()) {
                 let (value, rule) = (
                     name.to_string(),
                     "must be of a rate, an angle of the orbit, or a distance from the start",

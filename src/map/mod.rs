@@ -29,7 +29,7 @@ use crate::forces::{BodyForces, ForceSet, OrbitPlace};
 use crate::kernel::{Kernel, KernelAssignment, Needs, System};
 use crate::memory;
 use crate::method::{self, Method, Step, default_step};
-use crate::observe::Observed;
+use crate::observe::{Observed, Tilt};
 use crate::parallel::{Interrupt, over_blocks, thread_nanoseconds};
 use crate::simd::Isa;
 use crate::start::Body;
@@ -389,10 +389,8 @@ impl Watched<'_> {
 
     /// The observable of the samples with that step. Over an anomaly the pointing is a tilt from the frame of the orbit.
     fn observed(&self, step: Step) -> Observed {
-        match self.criterion.bound() {
-            Some(bound) if step.is_on_clock() && bound.is_pointing() => Observed::Tilt,
-            _ => self.criterion.observed(),
-        }
+        let tilt = self.criterion.bound().filter(|_| step.is_on_clock()).and_then(Tilt::of);
+        tilt.map_or_else(|| self.criterion.observed(), Observed::Tilt)
     }
 
     /// The method of a run of a sample.

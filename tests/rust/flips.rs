@@ -46,12 +46,10 @@ impl ObservedBody {
             body,
             forces: None,
             axis,
-            limit: f64::INFINITY,
             step,
             own: Further::NONE.start(0.0),
             states: [0.0; MOST_STATES],
             deviation: Deviation::NONE,
-            bound: None,
         };
         load(&mut group, 0, compiled, assignment, &entry);
         ObservedBody { group, compiled }
@@ -202,7 +200,7 @@ fn observe_step(rows: &mut Rows<f64>, begin: f64, before: [f64; 3], after: [f64;
         <Classical as Engine<f64, Free<f64>, Rates, 3>>::new(&BODY, &ForcesInterval::none(), &Numbers::NONE);
     let nothing = Coefficients::new();
     let segment = Segment { begin, before: &before, after: &after, dense: &nothing };
-    <Flips as Update<f64, Free<f64>, Rates, 3>>::after_step(&engine, &BODY, rows, &segment);
+    <Flips as Update<f64, Free<f64>, Rates, 3>>::after_step(Flips, &engine, &BODY, rows, &segment);
 }
 
 /// A step that ends exactly at zero has not yet flipped, whatever the sign of the zero.
@@ -344,18 +342,16 @@ fn stable_spin_for_a_million_steps() {
                 omega[axis - 1] += 1.0 + 0.01 * angle;
                 let body = free([1.0, 1.6, 2.0], omega);
                 let assignment = KernelAssignment::of(method, &body, &FREE);
-                let (axis, limit, step) = (axis as i32, f64::INFINITY, 1.0 / 16.0);
+                let (axis, step) = (axis as i32, 1.0 / 16.0);
                 let entry = Entry {
                     place: None,
                     body: &body,
                     forces: None,
                     axis,
-                    limit,
                     step,
                     own: Further::NONE.start(0.0),
                     states: [0.0; MOST_STATES],
                     deviation: Deviation::NONE,
-                    bound: None,
                 };
                 load(&mut group, lane, compiled, assignment, &entry);
             }
