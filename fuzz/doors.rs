@@ -7,7 +7,7 @@ use rigid::body::{Inertia, principal_axes};
 use rigid::error::Error;
 use rigid::exact::derived::{free_quantities, saddle, sign_changes, tilt_time, top_quantities};
 use rigid::forces::Forces;
-use rigid::map::{Check, Condition, Criterion, Laws, Logic, Map, MethodChoice, Pixel, Rule, clopper_pearson};
+use rigid::map::{Check, Condition, Criterion, Laws, Logic, Map, Pixel, Rule, clopper_pearson};
 use rigid::method::{AnyMethod, default_step};
 use rigid::parallel::Interrupt;
 use rigid::sample::Law;
@@ -215,7 +215,7 @@ fn map(numbers: &mut Bytes) {
     let asked = Map {
         scene,
         forces: None,
-        method: if numbers.below(2) == 0 { MethodChoice::Auto } else { MethodChoice::Only(numbers.method()) },
+        method: if numbers.below(2) == 0 { AnyMethod::Auto } else { numbers.method() },
         pixels: numbers.list(3, |numbers| Pixel {
             body: numbers.body(scene),
             omega_size: numbers.vector(),
@@ -322,7 +322,6 @@ fn names(bytes: &[u8]) {
         Law::parse("law", &name).err(),
         // A known criterion of more limits is refused by their number.
         Criterion::parse(&name, &[1.0]).err().filter(|error| !matches!(error, Error::Shape { .. })),
-        MethodChoice::parse(&name).err(),
     ];
     assert!(refused.iter().flatten().all(|error| error.to_string().contains(&*name)));
 }

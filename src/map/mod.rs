@@ -20,7 +20,7 @@ pub use interval::{clopper_pearson, clopper_pearson_of_each};
 pub use joined::{Condition, Logic, MOST_CONDITIONS};
 pub use measure::{Measure, Quantity, Value};
 pub use regular::{DEVIATIONS, PARTS, Rule, SECOND as SECOND_OF_GROWTH, deviation_start};
-pub use request::{Map, MethodChoice, Pixel, PlannedRun};
+pub use request::{Map, Pixel, PlannedRun};
 pub use sketch::{Bin, Sketch};
 pub use statistics::{Class, Column, FIXED_POINT, Field, Outcome, Statistics};
 
@@ -28,7 +28,7 @@ use crate::error::Error;
 use crate::forces::{BodyForces, ForceSet, OrbitPlace};
 use crate::kernel::{Kernel, KernelAssignment, Needs, System};
 use crate::memory;
-use crate::method::{self, Method, Step, default_step};
+use crate::method::{self, AnyMethod, Method, Step, default_step};
 use crate::observe::{Observed, Tilt};
 use crate::parallel::{Interrupt, over_blocks, thread_nanoseconds};
 use crate::simd::Isa;
@@ -417,7 +417,7 @@ impl Watched<'_> {
         (on_orbit, span): (Option<OnOrbit>, f64),
     ) -> u64 {
         let method = self.method(cross_check);
-        let (is_ruled, is_auto) = (self.criterion.rule().is_some(), self.map.method == MethodChoice::Auto);
+        let (is_ruled, is_auto) = (self.criterion.rule().is_some(), self.map.method == AnyMethod::Auto);
         let is_alike = method == self.method(false);
         let pace = on_orbit.map_or(1.0, |on_orbit| on_orbit.pace);
         let rate = match on_orbit {
@@ -429,7 +429,7 @@ impl Watched<'_> {
             (true, true) => regular::second_step(rate, self.t_end),
             (true, false) if is_auto => self.map.method.default_step(is_ruled, rate) / SECOND_SHARE,
             (true, false) if method == method::SECOND && !is_alike => {
-                MethodChoice::Auto.default_step(is_ruled, rate)
+                AnyMethod::Auto.default_step(is_ruled, rate)
             }
             (true, false) => default_step(method, rate),
             _ => self.map.method.default_step(is_ruled, rate),

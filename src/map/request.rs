@@ -23,38 +23,17 @@ pub struct Pixel {
     pub possible: bool,
 }
 
-/// How the samples of a map are classified.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum MethodChoice {
-    /// In closed form where there is one, else by the default method.
-    Auto,
-    /// By this method; with the closed forms, a sample without one is refused.
-    Only(AnyMethod),
-}
-
-impl MethodChoice {
-    /// The name that leaves the choice to each sample.
-    pub const AUTO: &str = "auto";
-
-    /// The choice of that name.
-    pub fn parse(name: &str) -> Result<MethodChoice, Error> {
-        if name == MethodChoice::AUTO {
-            Ok(MethodChoice::Auto)
-        } else {
-            AnyMethod::parse(name).map(MethodChoice::Only)
-        }
-    }
-
-    /// Whether closed forms are used.
+impl AnyMethod {
+    /// Whether closed forms classify samples of a map.
     pub(super) fn exact(self) -> bool {
-        matches!(self, MethodChoice::Auto | MethodChoice::Only(AnyMethod::Exact))
+        !matches!(self, AnyMethod::Steps(_))
     }
 
     /// The method of the samples that have no closed form.
     pub fn by_steps(self) -> &'static Method {
         match self {
-            MethodChoice::Only(AnyMethod::Steps(method)) => method,
-            _ => &method::DOP853,
+            AnyMethod::Steps(method) => method,
+            AnyMethod::Auto | AnyMethod::Exact => &method::DOP853,
         }
     }
 
@@ -63,9 +42,9 @@ impl MethodChoice {
     /// on its digits: the steps in which deviation vectors grow are a radian and a quarter.
     pub fn default_step(self, of_growth: bool, rate: f64) -> f64 {
         let longer = match self {
-            MethodChoice::Only(_) => 1.0,
-            _ if of_growth => GROWTH_STEPS,
-            _ => MOTION_STEPS,
+            AnyMethod::Exact | AnyMethod::Steps(_) => 1.0,
+            AnyMethod::Auto if of_growth => GROWTH_STEPS,
+            AnyMethod::Auto => MOTION_STEPS,
         };
         longer * default_step(self.by_steps(), rate)
     }
@@ -120,7 +99,7 @@ pub struct Map {
     /// The forces on the pixels, or those on all; none if nothing acts.
     pub forces: Option<Forces>,
     /// How the samples are classified.
-    pub method: MethodChoice,
+    pub method: AnyMethod,
     /// The pixels.
     pub pixels: Vec<Pixel>,
     /// Laws of the perturbations.
@@ -194,7 +173,7 @@ impl Map {
         if !(self.t_end.is_finite() && self.t_end > 0.0) {
             return refuse("t_end", self.t_end.to_string(), "must be positive and finite");
         }
-        let is_exact = self.method == MethodChoice::Only(AnyMethod::Exact);
+        let is_exact = self.method == AnyMethod::Exact;
         if is_exact && !self.measures.iter().all(|measure| measure.is_known()) {
             return refuse("method", format!("'{}'", AnyMethod::EXACT), "measures are taken along steps");
         }
@@ -271,7 +250,7 @@ impl Map {
     fn check_forced(&self) -> Result<(), Error> {
         let method = self.method.by_steps();
         let refuse = |argument, value, rule| Err(Error::Value { argument, value, rule });
-        if self.method == MethodChoice::Only(AnyMethod::Exact) {
+        if self.method == AnyMethod::Exact {
             let rule = "no classification in closed form is known under torque and damping";
             return refuse("method", format!("'{}'", AnyMethod::EXACT), rule);
         }
@@ -317,7 +296,7 @@ mod tests {
         Map {
             scene: &FREE,
             forces: None,
-            method: MethodChoice::Auto,
+            method: AnyMethod::Auto,
             pixels: Vec::new(),
             laws: Laws::NONE,
             mixture: Vec::new(),
@@ -357,11 +336,5 @@ mod tests {
             let message = map.checked().unwrap_err().to_string();
             assert!(message.starts_with(words), "{message}");
         }
-    }
-
-    #[test]
-    fn methods_have_names() {
-        assert_eq!(MethodChoice::parse("auto"), Ok(MethodChoice::Auto));
-        assert_eq!(MethodChoice::parse("exact"), Ok(MethodChoice::Only(AnyMethod::Exact)));
     }
 }

@@ -1,27 +1,32 @@
-//! The method of a body: its closed form, or one that makes steps.
+//! The choice of a method: left to each sample of a map, the closed form, or one that makes steps.
 
 use super::Method;
 use crate::error::Error;
 
-/// The method of a body.
+/// The method of bodies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AnyMethod {
-    /// The closed form.
+    /// Of a map: the closed form of each sample that has one, else the default method.
+    Auto,
+    /// The closed form; a body without one is refused.
     Exact,
     /// A method that makes steps.
     Steps(&'static Method),
 }
 
 impl AnyMethod {
+    /// The name that leaves the choice to each sample.
+    pub const AUTO: &str = "auto";
+
     /// The name of the closed forms among the methods.
     pub const EXACT: &str = "exact";
 
     /// The method of this name.
     pub fn parse(name: &str) -> Result<AnyMethod, Error> {
-        if name == AnyMethod::EXACT {
-            Ok(AnyMethod::Exact)
-        } else {
-            Method::parse(name).map(AnyMethod::Steps)
+        match name {
+            AnyMethod::AUTO => Ok(AnyMethod::Auto),
+            AnyMethod::EXACT => Ok(AnyMethod::Exact),
+            _ => Method::parse(name).map(AnyMethod::Steps),
         }
     }
 }
@@ -39,6 +44,7 @@ mod tests {
 
     #[test]
     fn methods_have_names() {
+        assert_eq!(AnyMethod::parse("auto"), Ok(AnyMethod::Auto));
         assert_eq!(AnyMethod::parse("exact"), Ok(AnyMethod::Exact));
         assert_eq!(AnyMethod::parse("rk4"), Ok(AnyMethod::Steps(&method::RK4)));
         assert!(AnyMethod::parse("rk5").is_err());

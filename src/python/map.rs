@@ -8,10 +8,11 @@ use crate::body::MomentStatus;
 use crate::error::Error;
 use crate::float_environment::FloatEnvironment;
 use crate::map::{
-    Bin, Check, Class, Column, Condition, Criterion, Field, Laws, Logic, Map, Measure, MethodChoice, Mixed,
-    NO_VERDICT, OF_START, Outcome, Pixel, Sketch, Statistics, Value, Verdict, clopper_pearson_of_each,
+    Bin, Check, Class, Column, Condition, Criterion, Field, Laws, Logic, Map, Measure, Mixed, NO_VERDICT,
+    OF_START, Outcome, Pixel, Sketch, Statistics, Value, Verdict, clopper_pearson_of_each,
 };
 use crate::memory;
+use crate::method::AnyMethod;
 use crate::sample::{self, Given, Law};
 use crate::scene::Scene;
 use crate::simd::Isa;
@@ -432,7 +433,7 @@ impl MapRequest<'_> {
         let map = Map {
             scene: Scene::parse(&self.scene)?,
             forces,
-            method: MethodChoice::parse(&self.method)?,
+            method: AnyMethod::parse(&self.method)?,
             pixels: starting,
             laws,
             mixture,

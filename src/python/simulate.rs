@@ -12,7 +12,7 @@ use crate::accuracy::{self, Asked, Estimate, Solved};
 use crate::error::Error;
 use crate::float_environment::FloatEnvironment;
 use crate::forces::{Forces, ParameterChange};
-use crate::map::{MethodChoice, PlannedRun};
+use crate::map::PlannedRun;
 use crate::memory;
 use crate::method::{AnyMethod, Method};
 use crate::parallel::Interrupt;
@@ -303,7 +303,7 @@ pub fn planned_steps<'py>(
     of: &str,
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
     let _standard = FloatEnvironment::standard();
-    let choice = MethodChoice::parse(method)?;
+    let choice = AnyMethod::parse(method)?;
     let of = match of {
         "growth" => PlannedRun::Growth,
         "samples" => PlannedRun::Sample,

@@ -81,6 +81,10 @@ pub fn simulate_into(
                 None => fixed::simulate(request, method, states, threads, isa, stop),
             }
         }
+        AnyMethod::Auto => {
+            let (value, rule) = (format!("'{}'", AnyMethod::AUTO), "is chosen for the samples of maps only");
+            Err(Error::Value { argument: "method", value, rule })
+        }
         AnyMethod::Exact => {
             if request.record.is_tangent() {
                 let value = format!("'{}'", AnyMethod::EXACT);

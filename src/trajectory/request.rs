@@ -163,7 +163,7 @@ impl Request<'_> {
         };
         let made = match (self.method, &self.schedule) {
             _ if bodies * states > FEW => return false,
-            (AnyMethod::Exact, _) => 0.0,
+            (AnyMethod::Auto | AnyMethod::Exact, _) => 0.0,
             (AnyMethod::Steps(_), Schedule::Strides(strides)) => bodies * strides.iter().sum::<u64>() as f64,
             (AnyMethod::Steps(_), _) => {
                 self.refinement * self.steps.iter().enumerate().map(steps).sum::<f64>()

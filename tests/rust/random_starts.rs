@@ -4,7 +4,7 @@
 //! The draws are fixed, so the tests are deterministic: the mean of n draws has at most 4 of its standard errors.
 
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
-use rigid::map::{Check, Condition, Criterion, Laws, Logic, Map, MethodChoice, Pixel};
+use rigid::map::{Check, Condition, Criterion, Laws, Logic, Map, Pixel};
 use rigid::method;
 use rigid::method::AnyMethod;
 use rigid::sample::{Law, attitude, philox4x64, uniforms, vector};
@@ -214,7 +214,7 @@ fn draws_do_not_shift_each_other() {
         let map = Map {
             scene: &FREE,
             forces: None,
-            method: MethodChoice::Only(AnyMethod::Steps(&method::RK4)),
+            method: AnyMethod::Steps(&method::RK4),
             pixels: vec![pixel_of; 3],
             laws: Laws { omega, attitude, ..Laws::NONE },
             mixture: Vec::new(),

@@ -15,9 +15,7 @@ use rigid::forces::{Forces, Further, MOST_STATES};
 use rigid::kernel::Group;
 use rigid::kernel::{Compiled, ForcesRows, Kernel, System};
 use rigid::kernel::{Entry, KernelAssignment, load};
-use rigid::map::{
-    Check, Class, Condition, Criterion, Laws, Logic, Map, MethodChoice, Pixel, Rule, Statistics,
-};
+use rigid::map::{Check, Class, Condition, Criterion, Laws, Logic, Map, Pixel, Rule, Statistics};
 use rigid::method::{self, AnyMethod, EngineName, Method, Step};
 use rigid::observe::{Bound, Deviation, EXIT_TIME, Flips, Observed, Quantity, Tilt};
 use rigid::parallel::Interrupt;
