@@ -1,6 +1,6 @@
 //! A body at its start: moments, weight, rates and attitude, a bound of its rates, and the scales of its drifts.
 
-use crate::forces::BodyForces;
+use crate::forces::{BodyForces, Further, OrbitPlace};
 use crate::kinematics::{dot, to_body_frame};
 
 /// One body with its start.
@@ -72,6 +72,15 @@ impl Body {
     /// for a symmetric top, and the power balance a bound for a forced body.
     pub fn fastest_rate(&self, forces: BodyForces, span: [f64; 2]) -> f64 {
         self.rate_bound(forces, span, self.lagrange_axis())
+    }
+
+    /// The rate over the pace of the anomaly that determines the steps over the anomaly of an orbit on which nothing else
+    /// acts: a bound on a circle. On an eccentric orbit it is that of the circle of [`OrbitPlace::circle`] for a body that
+    /// begins with its rates at the largest distance; a body whose rates grow in many orbits may be faster.
+    pub fn pace_rate(&self, place: &OrbitPlace, farthest: f64) -> f64 {
+        let further = Further { orbit: place.circle(), ..Further::NONE };
+        let forces = BodyForces { further: &further, ..BodyForces::NONE };
+        Body { omega: place.to_slowest_pace(self.omega, farthest), ..*self }.fastest_rate(forces, [0.0; 2])
     }
 
     /// The bound without forces of a body whose moments are almost the same: it does not know that the spin is constant.

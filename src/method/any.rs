@@ -2,6 +2,8 @@
 
 use super::Method;
 use crate::error::Error;
+use crate::forces::BodyForces;
+use crate::start::Body;
 
 /// The method of bodies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -28,6 +30,20 @@ impl AnyMethod {
             AnyMethod::EXACT => Ok(AnyMethod::Exact),
             _ => Method::parse(name).map(AnyMethod::Steps),
         }
+    }
+}
+
+impl Body {
+    /// The rate that determines the steps of a method: the fastest rate of the body, and the fastest damping rate if
+    /// the method is stable only for short steps.
+    pub fn step_rate(&self, method: &Method, forces: BodyForces, span: [f64; 2]) -> f64 {
+        let turning = self.fastest_rate(forces, span);
+        if forces.is_none() || method.is_stiff() {
+            return turning;
+        }
+        let [.., slowing] = forces.damping.rates(self.moments);
+        let own = forces.further_step_rate(self.moments, self.omega, turning);
+        (turning * turning + slowing * slowing).sqrt() + own
     }
 }
 
