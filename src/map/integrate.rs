@@ -1,8 +1,9 @@
 //! Integrates samples side by side: a lane whose sample is finished gets the next sample.
 
 use super::Criterion;
+use super::observation::RUNS;
 use super::regular::{self, Course};
-use super::{Class, OnOrbit, Outcome, STEP_BLOCK, Watched};
+use super::{Class, Observation, OnOrbit, Outcome, STEP_BLOCK};
 use crate::error::Error;
 use crate::forces::OrbitPlace;
 use crate::kernel::{Compiled, Entry, ForcesRows, Group, Job, Kernel, drive, load};
@@ -13,9 +14,6 @@ use crate::simd::Isa;
 use crate::simd::LANES;
 use crate::start::Body;
 use crate::status::{DRIFT_LIMIT, Status};
-
-/// What the lists of samples of a block are called if they do not fit into memory.
-pub(super) const RUNS: &str = "runs of a block";
 
 /// The sample of an active lane: its index in the block, its step, and its way through the checkpoints of regularity.
 #[derive(Clone, Copy)]
@@ -38,7 +36,7 @@ pub(super) struct Run<'a> {
     pub(super) interrupt: &'a Interrupt<'a>,
 }
 
-impl Watched<'_> {
+impl Observation<'_> {
     /// Integrates samples of a block, given by their indices, and writes their outcomes. The bodies are those of the
     /// samples from `first` on.
     pub(super) fn integrate(
@@ -146,7 +144,7 @@ impl Watched<'_> {
 
 /// The samples of one kernel.
 struct MapJob<'a> {
-    map: &'a Watched<'a>,
+    map: &'a Observation<'a>,
     /// The bodies of the samples from `first` on.
     bodies: &'a [Body],
     first: u64,

@@ -3,7 +3,7 @@
 //! The mean MEGNO of deviation vectors that grow like a power `t^p` of the time stays at `2 p`. It grows like `lambda T
 //! / 2` where deviation vectors grow exponentially, so it doubles with the time.
 
-use super::{Class, Outcome, STEP_BLOCK, Watched};
+use super::{Class, Observation, Outcome, STEP_BLOCK};
 use crate::forces::BodyForces;
 use crate::kernel::{Group, System};
 use crate::kinematics::cross;
@@ -254,7 +254,7 @@ pub(super) fn keep_in_range<'a>(
     }
 }
 
-impl Watched<'_> {
+impl Observation<'_> {
     /// Steps of a sample are a multiple of the first number, and at least the second.
     pub(super) fn whole_steps(&self, cross_check: bool) -> [u64; 2] {
         match (self.criterion.rule(), cross_check) {

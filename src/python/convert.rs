@@ -194,7 +194,7 @@ pub fn interruptible<T: Send>(
     interrupted: Option<&Bound<'_, PyAny>>,
     work: impl FnOnce(&Interrupt) -> Result<T, Error> + Send,
 ) -> PyResult<Result<T, Error>> {
-    watched(py, interrupted, 0, work)
+    stoppable(py, interrupted, 0, work)
 }
 
 /// The same; work that may call functions of Python is done in another thread, see [`apart`]. It stops when a function
@@ -208,11 +208,11 @@ pub fn interruptible_calls<T: Send>(
     if !calls {
         return interruptible(py, interrupted, work);
     }
-    carrying(py, |call| watched(py, interrupted, call, |stop| apart(stop, || owned(call, || work(stop)))))
+    carrying(py, |call| stoppable(py, interrupted, call, |stop| apart(stop, || owned(call, || work(stop)))))
 }
 
 /// Runs the work of the call of that number until a function that it calls has raised, or a signal handler raises.
-fn watched<T: Send>(
+fn stoppable<T: Send>(
     py: Python<'_>,
     interrupted: Option<&Bound<'_, PyAny>>,
     call: u64,
