@@ -5,7 +5,7 @@
 //! of `h omega` with the rate in the middle, `omega = I^(-1) (m0 + m1) / 2`. The only unknown is `u = h omega / 2`,
 //! which is found by Newton's method.
 
-use super::{Coefficients, Engine, EngineName, Facts, Method, Numbers, Step, Variables};
+use super::{Engine, EngineName, Facts, Method, Numbers, Step, Variables};
 use crate::forces::{ForcesInterval, attitude_of_stage};
 use crate::kinematics::{cross, direction, dot, plus, put, quaternion_product};
 use crate::real::{Apart, Real};
@@ -242,7 +242,7 @@ impl<R: Real> ImplicitMidpoint<R> {
             u[i] = start[i] * self.inverse_ratios[i];
         }
         if L::BALANCE {
-            let middle = y[D - 1] + half;
+            let middle = y[L::TIME_AT] + half;
             for i in 0..3 {
                 torque[i] = middle.fma(self.interval.body[1][i], self.interval.body[0][i]);
                 start[i] = constants.torque_factor.fma(torque[i], start[i]);
@@ -429,12 +429,12 @@ impl<R: Real> ImplicitMidpoint<R> {
                 middle[i] = rate;
                 z[i] = R::select(moves, two.fms(p.moments[i] * rate, momentum[i]), momentum[i]);
             }
-            middle[D - 1] = y[D - 1] + half;
+            middle[L::TIME_AT] = y[L::TIME_AT] + half;
             let torque = self.applied.torque_where::<L, D>(&middle, wanted);
             let [power, impulse] = self.applied.balance::<L, D>(&torque, &middle);
-            z[D - 3] = constants.step.fma(power, y[D - 3]);
-            z[D - 2] = constants.step.fma(impulse, y[D - 2]);
-            z[D - 1] = y[D - 1] + constants.step;
+            z[L::BALANCE_AT] = constants.step.fma(power, y[L::BALANCE_AT]);
+            z[L::IMPULSE_AT] = constants.step.fma(impulse, y[L::IMPULSE_AT]);
+            z[L::TIME_AT] = y[L::TIME_AT] + constants.step;
         } else {
             // The momentum is turned between two half kicks, so its length is conserved even if `u` is not exact.
             let mut kick = [R::splat(0.0); 3];
@@ -461,13 +461,7 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Engine<R, M, L, D> for Imp
     }
 
     #[inline(always)]
-    fn step(
-        &self,
-        p: &Parameters<R>,
-        y: &mut [R; D],
-        _compensation: &mut [R; D],
-        _dense: &mut Coefficients<R, D>,
-    ) {
+    fn step(&self, p: &Parameters<R>, y: &mut [R; D]) {
         let (zero, one, half) = (R::splat(0.0), R::splat(1.0), R::splat(0.5));
         let largest = R::splat(LARGEST_CORRECTION);
         let (mut next, correction) = self.moved::<M, L, D>(p, &self.whole, y, one);

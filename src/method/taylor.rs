@@ -548,7 +548,12 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Engine<R, M, L, D> for Tay
     }
 
     #[inline(always)]
-    fn step(
+    fn step(&self, p: &Parameters<R>, y: &mut [R; D]) {
+        Engine::<R, M, L, D>::step_on(self, p, y, &mut [R::splat(0.0); D], &mut Coefficients::new());
+    }
+
+    #[inline(always)]
+    fn step_on(
         &self,
         _p: &Parameters<R>,
         y: &mut [R; D],

@@ -63,13 +63,12 @@ impl Apart for AfterStart<'_> {
         if interval.functions.is_some() {
             // Nobody knows the derivatives of the torque of a function: a step of the fourth order is made.
             let engine = <Called as Engine<_, _, StatesTurns, CALLED>>::new(&p, interval, NUMBERS);
-            let (mut y, mut unused) = ([0.0; CALLED], [0.0; CALLED]);
+            let mut y = [0.0; CALLED];
             y[..3].copy_from_slice(&body.omega);
             y[StatesTurns::QUATERNION_AT..StatesTurns::BALANCE_AT].copy_from_slice(&body.attitude);
             y[StatesTurns::OWN_AT..StatesTurns::STATES_AT].copy_from_slice(&interval.further.start(0.0));
             y[StatesTurns::STATES_AT..].copy_from_slice(states);
-            let dense = &mut Coefficients::new();
-            Engine::<_, _, StatesTurns, CALLED>::step(&engine, &p, &mut y, &mut unused, dense);
+            Engine::<_, _, StatesTurns, CALLED>::step(&engine, &p, &mut y);
             return [y[0], y[1], y[2]];
         }
         let series = <Taylor<f64, Top<f64>> as Engine<_, _, FurtherFrame, LEN>>::new(&p, interval, NUMBERS);

@@ -5,8 +5,8 @@ use crate::tests::scene_of;
 use nalgebra::{Quaternion, SVector, Unit, UnitQuaternion, Vector3};
 use rigid::forces::{Forces, ForcesInterval};
 use rigid::method::{
-    self, AnyMethod, Coefficients, ComposedPlanar, Engine, ExactRotor, Flow, KickRotor, Method, Numbers,
-    Planar, Rk4Tableau, Round, RungeKutta, Splitting,
+    self, AnyMethod, ComposedPlanar, Engine, ExactRotor, Flow, KickRotor, Method, Numbers, Planar,
+    Rk4Tableau, Round, RungeKutta, Splitting,
 };
 use rigid::parallel::Interrupt;
 use rigid::real::Real;
@@ -75,7 +75,7 @@ fn go_by<S, M, L, const D: usize>(
 {
     let engine = S::new(p, &ForcesInterval::none(), numbers);
     for _ in 0..steps {
-        engine.step(p, y, &mut [0.0; D], &mut Coefficients::new());
+        engine.step(p, y);
     }
 }
 
@@ -219,7 +219,7 @@ where
     let engine = S::new(&p, &ForcesInterval::none(), S::NUMBERS);
     let (mut early, mut worst) = (0.0, 0.0_f64);
     for i in 0..LONG {
-        engine.step(&p, &mut y, &mut [0.0; D], &mut Coefficients::new());
+        engine.step(&p, &mut y);
         worst = worst.max((energy(&y) - start).abs());
         if i == LONG / 10 {
             early = worst;

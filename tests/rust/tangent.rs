@@ -6,8 +6,8 @@ use rigid::kernel::{
     Compiled, DeviationRows, Entry, ForcesRows, Group, Kernel, KernelAssignment, System, load,
 };
 use rigid::method::{
-    self, AnyMethod, Coefficients, ComposedPlanar, Dop853Tableau, Engine, EngineName, KickRotor, Method,
-    Numbers, Planar, Rk4Tableau, Round, RungeKutta, Splitting, Taylor,
+    self, AnyMethod, ComposedPlanar, Dop853Tableau, Engine, EngineName, KickRotor, Method, Numbers, Planar,
+    Rk4Tableau, Round, RungeKutta, Splitting, Taylor,
 };
 use rigid::observe::{Deviation, Growth, MAX_ROWS, Observed};
 use rigid::parallel::Interrupt;
@@ -376,8 +376,7 @@ fn stepped_by<R: Real, M: Model<R>, L: Layout, S: Engine<R, M, L, D>, const D: u
     p: &Parameters<R>,
     mut y: [R; D],
 ) -> [R; D] {
-    let mut compensation = [R::splat(0.0); D];
-    S::new(p, interval, numbers).step(p, &mut y, &mut compensation, &mut Coefficients::new());
+    S::new(p, interval, numbers).step(p, &mut y);
     y
 }
 

@@ -3,7 +3,7 @@
 use crate::tests::scene_of;
 use nalgebra::{DMatrix, DVector};
 use rigid::forces::{BodyForces, Forces, ForcesInterval};
-use rigid::method::{self, AnyMethod, Coefficients, Engine, Method, Taylor};
+use rigid::method::{self, AnyMethod, Engine, Method, Taylor};
 use rigid::parallel::Interrupt;
 use rigid::sample::{Law, attitude, uniforms};
 use rigid::scene::{Attitude, Axis, Free, Layout, Model, Parameters, Top};
@@ -81,7 +81,7 @@ where
     L: Layout,
     S: Engine<f64, M, L, D>,
 {
-    engine.step(p, y, &mut [0.0; D], &mut Coefficients::new());
+    engine.step(p, y);
 }
 
 /// The rates of a free symmetric body turn at a constant rate, and so do the directions and, at half the rate, the
