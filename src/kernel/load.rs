@@ -2,7 +2,7 @@
 
 use super::group::{Group, MAX_STATE};
 use super::{Compiled, KernelAssignment, System};
-use crate::forces::{ForcesInterval, Further, MOST_STATES, OrbitPlace};
+use crate::forces::{BodyForces, ForcesInterval, Further, MOST_STATES, OrbitPlace};
 use crate::kinematics::{half_rows, space_axes, to_body_frame};
 use crate::method::Variables;
 use crate::observe::{self, Deviation, Observed};
@@ -74,8 +74,14 @@ impl<'a> Entry<'a> {
     pub fn unobserved(body: &'a Body, forced_rate: Option<f64>, step: f64) -> Self {
         static NO_FORCES: OnceLock<ForcesInterval<'static, f64>> = OnceLock::new();
         let forces = forced_rate.map(|rate| (NO_FORCES.get_or_init(ForcesInterval::none), rate));
-        let (own, states, deviation) = (Further::NONE.start(0.0), [0.0; MOST_STATES], Deviation::NONE);
-        Entry { body, forces, axis: 0, step, own, states, place: None, deviation }
+        let (own, states) = (Further::NONE.start(0.0), [0.0; MOST_STATES]);
+        Entry { body, forces, axis: 0, step, own, states, place: None, deviation: Deviation::NONE }
+    }
+
+    /// The same with the variables that these forces need, of a body on an orbit those of its place.
+    pub fn under(self, forces: BodyForces, place: Option<OrbitPlace>) -> Self {
+        let own = place.map_or_else(|| forces.further.start(0.0), |place| place.clock());
+        Entry { own, states: forces.states(), place, ..self }
     }
 }
 

@@ -195,8 +195,6 @@ impl MapJob<'_> {
             let norm = assignment.deviation(&deviation, body);
             Course::new(rule, norm, map.is_forced(), [steps as f64, map.t_end])
         });
-        let states = forces.states();
-        let own = place.map_or_else(|| forces.further.start(0.0), |place| place.clock());
         let interval = (!forces.is_none()).then(|| {
             let interval = forces.interval(0.0, false, body.moments);
             self.forces_rows.set(lane, &interval);
@@ -207,8 +205,9 @@ impl MapJob<'_> {
             Some(on_orbit) => on_orbit.rate * times as f64,
             None => body.fastest_rate(forces, [0.0, map.t_end]),
         };
+        let entry = Entry::unobserved(body, None, step).under(forces, place);
         let forces = interval.as_ref().map(|interval| (interval, rate()));
-        let entry = Entry { body, forces, axis: map.axis, step, own, states, place, deviation };
+        let entry = Entry { forces, axis: map.axis, deviation, ..entry };
         load(&mut self.group, lane, self.compiled, assignment, &entry);
         if let Some(course) = &course {
             course.settle(&mut self.group, self.compiled.kernel().system, lane);

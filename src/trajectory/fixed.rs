@@ -137,14 +137,9 @@ impl Job for FixedJob<'_, '_> {
         let (body, index) = (legs.body(lane), legs.index(lane));
         self.last[lane] = body.attitude;
         let deviation = Deviation::new(legs.request.record.deviation_of(index));
-        let place = legs.place(lane);
-        let own = match &place {
-            Some(place) => place.clock(),
-            None => legs.request.forces_of(index).further.start(0.0),
-        };
-        let states = legs.request.forces_of(index).states();
-        let entry =
-            Entry { deviation, own, states, place, ..Entry::unobserved(body, legs.forced_rate(lane), 0.0) };
+        let forces = legs.request.forces_of(index);
+        let entry = Entry::unobserved(body, legs.forced_rate(lane), 0.0).under(forces, legs.place(lane));
+        let entry = Entry { deviation, ..entry };
         let assignment = legs.way(lane).assignment;
         load(legs.lanes, lane, legs.compiled, assignment, &entry);
         Ok(Some(Moving { moved: false }))

@@ -1,12 +1,12 @@
 //! Events inside long steps: flips on the polynomial of `dop853`, tilts on that through values, slopes and bends.
 
 use rigid::exact::derived::{sign_changes, tilt_time, top_quantities};
-use rigid::forces::{BodyForces, Further, MOST_STATES};
+use rigid::forces::BodyForces;
 use rigid::kernel::Group;
 use rigid::kernel::{Compiled, ForcesRows, Kernel, System};
 use rigid::kernel::{Entry, KernelAssignment, load};
 use rigid::method::DOP853;
-use rigid::observe::{Deviation, EXIT_TIME, Observed, Tilt};
+use rigid::observe::{EXIT_TIME, Observed, Tilt};
 use rigid::simd::Isa;
 use rigid::start::Body;
 
@@ -27,16 +27,7 @@ impl Run {
         let compiled = Compiled::new(kernel, Isa::available()[0]);
         let mut group = Group::inactive();
         let step = angle / body.fastest_rate(BodyForces::NONE, [0.0; 2]);
-        let entry = Entry {
-            place: None,
-            body,
-            forces: None,
-            axis,
-            step,
-            own: Further::NONE.start(0.0),
-            states: [0.0; MOST_STATES],
-            deviation: Deviation::NONE,
-        };
+        let entry = Entry { axis, ..Entry::unobserved(body, None, step) };
         load(&mut group, 0, compiled, KernelAssignment::of(&DOP853, body, system.scene), &entry);
         Run { group, compiled, step }
     }

@@ -1,12 +1,12 @@
 //! Flips: sign changes of a component of the rates, counted once each and located inside the step.
 
 use crate::tests::scene_of;
-use rigid::forces::{ForcesInterval, Further, MOST_STATES};
+use rigid::forces::ForcesInterval;
 use rigid::kernel::Group;
 use rigid::kernel::{Compiled, ForcesRows, Kernel, System};
 use rigid::kernel::{Entry, KernelAssignment, load};
 use rigid::method::{self, Coefficients, Engine, Method, Numbers, Rk4Tableau, RungeKutta};
-use rigid::observe::{Deviation, EXIT_TIME, Flips, MAX_ROWS, Observed, Rows, Segment, Update};
+use rigid::observe::{EXIT_TIME, Flips, MAX_ROWS, Observed, Rows, Segment, Update};
 use rigid::scene::FREE;
 use rigid::scene::{Free, Parameters, Rates};
 use rigid::simd::Isa;
@@ -41,16 +41,7 @@ impl ObservedBody {
         let kernel = Kernel { system, step: assignment.step, observed: Observed::Flips };
         let compiled = Compiled::new(kernel, Isa::available()[0]);
         let mut group = Group::inactive();
-        let entry = Entry {
-            place: None,
-            body,
-            forces: None,
-            axis,
-            step,
-            own: Further::NONE.start(0.0),
-            states: [0.0; MOST_STATES],
-            deviation: Deviation::NONE,
-        };
+        let entry = Entry { axis, ..Entry::unobserved(body, None, step) };
         load(&mut group, 0, compiled, assignment, &entry);
         ObservedBody { group, compiled }
     }
@@ -343,16 +334,7 @@ fn stable_spin_for_a_million_steps() {
                 let body = free([1.0, 1.6, 2.0], omega);
                 let assignment = KernelAssignment::of(method, &body, &FREE);
                 let (axis, step) = (axis as i32, 1.0 / 16.0);
-                let entry = Entry {
-                    place: None,
-                    body: &body,
-                    forces: None,
-                    axis,
-                    step,
-                    own: Further::NONE.start(0.0),
-                    states: [0.0; MOST_STATES],
-                    deviation: Deviation::NONE,
-                };
+                let entry = Entry { axis, ..Entry::unobserved(&body, None, step) };
                 load(&mut group, lane, compiled, assignment, &entry);
             }
             // Fewer steps of expensive methods.

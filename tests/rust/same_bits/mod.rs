@@ -11,7 +11,7 @@ mod trajectories;
 use crate::tests::scene_of;
 use rigid::exact::derived::{free_quantities, sign_changes, tilt_time, top_quantities};
 use rigid::exact::{CanonicalForm, Evaluator, EvaluatorKind, ExitRows, StartRows, StateRows};
-use rigid::forces::{Forces, Further, MOST_STATES};
+use rigid::forces::Forces;
 use rigid::kernel::Group;
 use rigid::kernel::{Compiled, ForcesRows, Kernel, System};
 use rigid::kernel::{Entry, KernelAssignment, load};
@@ -171,14 +171,9 @@ fn lane_starts(kernel: Kernel) -> Vec<LaneStart> {
 fn load_lane(group: &mut Group, lane: usize, kernel: Kernel, compiled: Compiled, lane_start: &LaneStart) {
     let assignment = assignment(kernel, &lane_start.body).expect("some method asks for every kernel");
     let entry = Entry {
-        place: None,
-        body: &lane_start.body,
-        forces: None,
         axis: lane_start.observed_axis,
-        step: lane_start.step,
-        own: Further::NONE.start(0.0),
-        states: [0.0; MOST_STATES],
         deviation: Deviation::new([0.5, -0.25, 0.375, 0.3125, 0.4375, -0.5]),
+        ..Entry::unobserved(&lane_start.body, None, lane_start.step)
     };
     load(group, lane, compiled, assignment, &entry);
 }
