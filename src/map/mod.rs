@@ -18,7 +18,7 @@ mod steps;
 
 pub use check::Check;
 pub use criterion::Criterion;
-pub use draw::{Laws, Mixed, OF_START};
+pub use draw::{Distributions, Mixed, OF_START};
 pub use interval::{clopper_pearson, clopper_pearson_of_each};
 pub use joined::{Condition, Logic, MOST_CONDITIONS};
 pub use measure::{Measure, Quantity, Value};

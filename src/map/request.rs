@@ -1,7 +1,7 @@
 //! What is asked of a map: the pixels and their samples, the criterion and the method.
 
 use super::check::GROUP;
-use super::{Check, Condition, Criterion, Laws, Logic, Measure, Mixed};
+use super::{Check, Condition, Criterion, Distributions, Logic, Measure, Mixed};
 use crate::error::Error;
 use crate::exact::Question;
 use crate::forces::{BodyForces, ForceSet, Forces};
@@ -34,8 +34,8 @@ pub struct Map {
     pub method: AnyMethod,
     /// The pixels.
     pub pixels: Vec<Pixel>,
-    /// Laws of the perturbations.
-    pub laws: Laws,
+    /// Distributions of the perturbations.
+    pub distributions: Distributions,
     /// The starts of a mixture, of which each sample takes one instead of that of its pixel; empty for none.
     pub mixture: Vec<Mixed>,
     /// The conditions that are observed.
@@ -88,8 +88,8 @@ impl Map {
         if let Some(first) = self.first.iter().find(|first| !begins_group(**first) || **first >= 1 << 63) {
             return refuse("first", first.to_string(), "must be a multiple of 64 below 2**63");
         }
-        let all_laws = self.mixture.iter().map(|mixed| &mixed.laws).chain([&self.laws]);
-        for given in all_laws.filter_map(|laws| laws.given.as_ref()) {
+        let all_laws = self.mixture.iter().map(|mixed| &mixed.distributions).chain([&self.distributions]);
+        for given in all_laws.filter_map(|distributions| distributions.empirical.as_ref()) {
             let rule = "must not be empty, and shares must end at 1";
             if given.omega.is_empty() || given.cumulative.last().is_some_and(|&last| last < 1.0) {
                 return refuse("given_omega", given.omega.len().to_string(), rule);
@@ -222,7 +222,7 @@ mod tests {
             forces: None,
             method: AnyMethod::Auto,
             pixels: Vec::new(),
-            laws: Laws::NONE,
+            distributions: Distributions::NONE,
             mixture: Vec::new(),
             conditions: vec![Condition { criterion: Criterion::NoFlip, axis: 2 }],
             logic: Logic::single(),
@@ -249,7 +249,14 @@ mod tests {
             (Map { samples: 0, ..map() }, "samples = 0"),
             (Map { samples: 64, first: vec![0, 32], ..map() }, "first = 32"),
             (
-                Map { mixture: vec![Mixed { until: 0.5, laws: Laws::NONE, pixels: Vec::new() }], ..map() },
+                Map {
+                    mixture: vec![Mixed {
+                        until: 0.5,
+                        distributions: Distributions::NONE,
+                        pixels: Vec::new(),
+                    }],
+                    ..map()
+                },
                 "mixture = 1",
             ),
             (Map { samples: 64, first: vec![1 << 63], ..map() }, "first = 9223372036854775808"),

@@ -10,7 +10,7 @@ use rigid::method::{
 };
 use rigid::parallel::Interrupt;
 use rigid::real::Real;
-use rigid::sample::{Law, attitude, uniforms};
+use rigid::sample::{Distribution, attitude, uniforms};
 use rigid::scene::{Attitude, AxisAttitude, Free, Layout, Model, Parameters, Top};
 use rigid::simd::Isa;
 use rigid::start::Body;
@@ -456,7 +456,7 @@ fn one_step_as_its_table_says() {
         let [a, b, c, step] = u(0);
         let [x, y, z, _] = u(1).map(|u| 2.0 * u - 1.0);
         let [w1, w2, w3, _] = u(2).map(|u| 2.0 * u - 1.0);
-        let q = attitude(Law::UniformAttitude, [0.0; 3], [1.0, 0.0, 0.0, 0.0], u(3));
+        let q = attitude(Distribution::UniformAttitude, [0.0; 3], [1.0, 0.0, 0.0, 0.0], u(3));
         let [g1, g2, g3] = rigid::kinematics::to_body_frame(&q, &[0.0, 0.0, 1.0]);
         let state = [x, y, z, g1, g2, g3, q[0], q[1], q[2], q[3]];
         let moments = [0.5 + b + c, 0.5 + c + a, 0.5 + a + b];

@@ -20,7 +20,11 @@ fn map(is_top: bool, method: AnyMethod, criterion: Criterion, step: Option<f64>)
         forces: None,
         method,
         pixels,
-        laws: Laws { omega: Law::Normal, attitude: Law::Direction, ..Laws::NONE },
+        distributions: Distributions {
+            omega: Distribution::Normal,
+            attitude: Distribution::Direction,
+            ..Distributions::NONE
+        },
         mixture: Vec::new(),
         conditions: vec![Condition { criterion, axis: -2 }],
         logic: Logic::single(),
@@ -271,13 +275,19 @@ fn a_sample_alone_is_the_sample_of_the_map() {
 
 #[test]
 fn draws_on_every_instruction_set() {
-    let laws =
-        [Law::None, Law::Normal, Law::Uniform, Law::Direction, Law::UniformAttitude, Law::VonMisesFisher(1)];
+    let distributions = [
+        Distribution::None,
+        Distribution::Normal,
+        Distribution::Uniform,
+        Distribution::Direction,
+        Distribution::UniformAttitude,
+        Distribution::VonMisesFisher(1),
+    ];
     let numbers = |b: Body| all_bits(&[&b.moments[..], &b.weight, &b.omega, &b.attitude].concat());
-    for omega in laws {
-        for attitude in laws {
-            let laws = Laws { omega, attitude, ..Laws::NONE };
-            let map = Map { laws, ..maps().swap_remove(2) };
+    for omega in distributions {
+        for attitude in distributions {
+            let distributions = Distributions { omega, attitude, ..Distributions::NONE };
+            let map = Map { distributions, ..maps().swap_remove(2) };
             // From the last samples of a pixel to the first samples of the next but one.
             let range = 2 * SAMPLES - 40..3 * SAMPLES + 45;
             let alone = |flat: u64| numbers(map.draw(Isa::NARROWEST, flat..flat + 1).unwrap()[0]);

@@ -15,11 +15,11 @@ use rigid::forces::Forces;
 use rigid::kernel::Group;
 use rigid::kernel::{Compiled, ForcesRows, Kernel, System};
 use rigid::kernel::{Entry, KernelAssignment, load};
-use rigid::map::{Check, Class, Condition, Criterion, Laws, Logic, Map, Pixel, Rule, Statistics};
+use rigid::map::{Check, Class, Condition, Criterion, Distributions, Logic, Map, Pixel, Rule, Statistics};
 use rigid::method::{self, AnyMethod, EngineName, Method, Step};
 use rigid::observe::{Bound, Deviation, EXIT_TIME, Flips, Observed, Quantity, Tilt};
 use rigid::parallel::Interrupt;
-use rigid::sample::{Law, uniforms};
+use rigid::sample::{Distribution, uniforms};
 use rigid::simd::Isa;
 use rigid::simd::{LANES, Row};
 use rigid::start::Body;
@@ -129,7 +129,8 @@ fn body(number: u64, is_top: bool, symmetric: bool) -> Body {
     } else if is_top {
         weight = u(2).map(|x| 2.0 * x - 1.0)[..3].try_into().unwrap();
     }
-    let attitude = rigid::sample::attitude(Law::UniformAttitude, [0.0; 3], [1.0, 0.0, 0.0, 0.0], u(3));
+    let attitude =
+        rigid::sample::attitude(Distribution::UniformAttitude, [0.0; 3], [1.0, 0.0, 0.0, 0.0], u(3));
     Body { moments, weight, omega: [x, y, z], attitude }
 }
 
