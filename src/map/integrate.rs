@@ -2,7 +2,7 @@
 
 use super::Criterion;
 use super::observation::RUNS;
-use super::regular::{self, Course};
+use super::regular::{self, Checkpoints};
 use super::{Class, Observation, OnOrbit, Outcome, STEP_BLOCK};
 use crate::error::Error;
 use crate::forces::OrbitPlace;
@@ -24,7 +24,7 @@ struct LaneTask {
     times: u64,
     /// Its place on the orbit at the start, if it is integrated over its anomaly.
     on_orbit: Option<OnOrbit>,
-    course: Option<Course>,
+    checkpoints: Option<Checkpoints>,
 }
 
 /// How samples are integrated.
@@ -191,9 +191,9 @@ impl MapJob<'_> {
             }
             None => Deviation::NONE,
         };
-        let course = map.criterion.rule().map(|rule| {
+        let checkpoints = map.criterion.rule().map(|rule| {
             let norm = assignment.deviation(&deviation, body);
-            Course::new(rule, norm, map.is_forced(), [steps as f64, map.t_end])
+            Checkpoints::new(rule, norm, map.is_forced(), [steps as f64, map.t_end])
         });
         let interval = (!forces.is_none()).then(|| {
             let interval = forces.interval(0.0, false, body.moments);
@@ -209,11 +209,11 @@ impl MapJob<'_> {
         let forces = interval.as_ref().map(|interval| (interval, rate()));
         let entry = Entry { forces, axis: map.axis, deviation, ..entry };
         load(&mut self.group, lane, self.compiled, assignment, &entry);
-        if let Some(course) = &course {
-            course.settle(&mut self.group, self.compiled.kernel().system, lane);
+        if let Some(checkpoints) = &checkpoints {
+            checkpoints.renormalise(&mut self.group, self.compiled.kernel().system, lane);
         }
-        self.target[lane] = course.map_or(steps as f64, |course| course.next());
-        Some(LaneTask { index, step, times, on_orbit, course })
+        self.target[lane] = checkpoints.map_or(steps as f64, |checkpoints| checkpoints.next());
+        Some(LaneTask { index, step, times, on_orbit, checkpoints })
     }
 }
 
@@ -241,11 +241,11 @@ impl Job for MapJob<'_> {
             self.compiled.advance(&mut self.group, &self.forces_rows, steps as usize);
             if is_ruled {
                 self.blocks += 1;
-                let courses = tasks.iter().enumerate();
-                let courses =
-                    courses.filter_map(|(lane, task)| Some((lane, task.as_ref()?.course.as_ref()?)));
+                let of_lanes = tasks.iter().enumerate();
+                let of_lanes =
+                    of_lanes.filter_map(|(lane, task)| Some((lane, task.as_ref()?.checkpoints.as_ref()?)));
                 let system = self.compiled.kernel().system;
-                regular::keep_in_range(&mut self.group, system, self.blocks, courses);
+                regular::keep_in_range(&mut self.group, system, self.blocks, of_lanes);
             }
             if any_done(&self.group, &self.target, self.map.is_stopped) {
                 return Ok(());
@@ -276,12 +276,12 @@ impl Job for MapJob<'_> {
             let forces = self.map.forces_of((self.first + task.index as u64) / self.map.samples);
             outcome.mean_rate /= forces.further.orbit.rate();
         }
-        if let Some(course) = &mut task.course {
-            if outcome.class != Class::Failed && !course.look(&mut self.group, kernel.system, lane) {
-                self.target[lane] = course.next();
+        if let Some(checkpoints) = &mut task.checkpoints {
+            if outcome.class != Class::Failed && !checkpoints.look(&mut self.group, kernel.system, lane) {
+                self.target[lane] = checkpoints.next();
                 return Ok(true);
             }
-            outcome = course.outcome(&self.group, lane, outcome);
+            outcome = checkpoints.outcome(&self.group, lane, outcome);
         }
         self.outcomes[task.index] = Some(outcome);
         self.target[lane] = f64::INFINITY;

@@ -191,13 +191,13 @@ impl Job for GrowthJob<'_, '_> {
             let start = assignment.deviation(deviation, body).start;
             rows.state.iter_mut().zip(start).for_each(|(row, number)| row.0[lane] = number);
         }
-        self.settle(b);
+        self.renormalise(b);
         let (norm, gamma, deviations) = self.read(b);
         self.start_logs[b] = self.frames[b].log_diagonal(&norm, &gamma, &deviations[..count]);
         Ok(Some(b))
     }
 
-    /// Advances every body by its leg. Deviation vectors are settled after each so many steps of a leg and at its end,
+    /// Advances every body by its leg. Deviation vectors are renormalised after each so many steps of a leg and at its end,
     /// so that they do not depend on the other bodies of the group.
     fn advance(&mut self, _: &[Option<usize>; LANES]) -> Result<(), Error> {
         self.legs.begin_legs();
@@ -224,7 +224,7 @@ impl Job for GrowthJob<'_, '_> {
                     self.stop.tell((next - done) as f64 / all);
                 }
                 if steps > done && is_due {
-                    self.settle(b);
+                    self.renormalise(b);
                 } else {
                     // So that the drift does not depend on the other bodies either.
                     let lanes = self.legs.lanes_of(b);
@@ -274,11 +274,11 @@ impl GrowthJob<'_, '_> {
     }
 
     /// Makes the deviation vectors of a body orthogonal, and near one in size.
-    fn settle(&mut self, b: usize) {
+    fn renormalise(&mut self, b: usize) {
         let (norm, legs) = (self.norm(b), &mut self.legs);
         let (lane, is_damped) = (legs.lane(b), legs.way(b).forces.act);
         let system = legs.compiled.kernel().system;
-        settle(legs.lanes, system, lane, &norm, is_damped, &mut self.frames[b]);
+        renormalise(legs.lanes, system, lane, &norm, is_damped, &mut self.frames[b]);
     }
 
     /// Writes the growth of a body, number `at` of all.
@@ -331,7 +331,7 @@ fn read(group: &Group, system: System, lane: usize, count: usize) -> ([f64; 3], 
 
 /// Makes the deviation vectors of a body orthogonal, and near one in size, as many as the frame has. They are in lanes
 /// from `lane` on, or in one lane if they share a motion.
-pub fn settle(
+pub fn renormalise(
     group: &mut Group,
     system: System,
     lane: usize,
@@ -349,7 +349,7 @@ pub fn settle(
             remove_turn(deviation, &gamma);
         }
     }
-    let shifts = frame.settle(norm, &gamma, &mut deviations[..count]);
+    let shifts = frame.renormalise(norm, &gamma, &mut deviations[..count]);
     for j in 0..count {
         let (rows, rests, lane) = match group.further.get_mut(j.wrapping_sub(1)) {
             Some(further) => (&mut further.state[..], &mut further.compensation[..], lane),

@@ -16,7 +16,7 @@ mod states;
 
 pub use closed::{ROUNDING, rounding_errors};
 pub use frame::{Frame, MAX_DEVIATIONS};
-pub use growth::{Deviations, Growths, STEPS_TOGETHER, growth, settle};
+pub use growth::{Deviations, Growths, STEPS_TOGETHER, growth, renormalise};
 pub use motion::{Motion, NUMBERS, Torques};
 pub use request::{Record, Request, Schedule, default_steps, time_range};
 pub use section::{Crossings, Point, Pointing, Section, Surface, SurfaceKind, section};
