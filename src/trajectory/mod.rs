@@ -24,9 +24,10 @@ pub use states::{Column, States, StatesPart};
 
 use crate::error::Error;
 use crate::forces::ForceSet;
-use crate::kernel::{Group, KernelAssignment, Needs, System};
+use crate::kernel::{Group, Kernel, KernelAssignment, Needs, System};
 use crate::memory;
 use crate::method::{AnyMethod, Method, Step};
+use crate::observe::Observed;
 use crate::parallel::{Interrupt, caught, over_blocks};
 use crate::simd::{Isa, LANES};
 use crate::start::Body;
@@ -248,27 +249,27 @@ impl Integration {
 
     /// Those of the bodies of a block.
     fn of_block(request: &Request, method: &Method, block: Range<usize>) -> Result<Vec<Self>, Error> {
-        let mut ways = memory::reserved("bodies of a block", block.len())?;
+        let mut integrations = memory::reserved("bodies of a block", block.len())?;
         let mut last: Option<(&Body, Self)> = None;
         let all_free = request.forces.is_none();
         for index in block {
             let is_free = all_free || request.forces_of(index).is_none();
             let body = &request.bodies[index];
-            let way = match last {
+            let integration = match last {
                 // Neighbours mostly have the same moments and the same weight.
-                Some((other, way))
+                Some((other, integration))
                     if is_free
-                        && !way.forces.act
+                        && !integration.forces.act
                         && (other.moments, other.weight) == (body.moments, body.weight) =>
                 {
-                    way
+                    integration
                 }
                 _ => Integration::of(request, method, index),
             };
-            last = Some((body, way));
-            ways.push(way);
+            last = Some((body, integration));
+            integrations.push(integration);
         }
-        Ok(ways)
+        Ok(integrations)
     }
 
     /// What the bodies of a group share.
@@ -277,8 +278,8 @@ impl Integration {
         (self.assignment.step, self.forces)
     }
 
-    /// The system that carries what is recorded and no more.
-    fn system(&self, request: &Request) -> System {
+    /// The kernel, whose system carries what is recorded and no more.
+    fn kernel(&self, request: &Request, observed: Observed) -> Kernel {
         let needs = Needs {
             forces: self.forces,
             directions: usize::from(request.record == Record::Axis),
@@ -286,7 +287,8 @@ impl Integration {
             tangent: request.record.is_tangent(),
             is_changed: request.record.is_sensitivity(),
         };
-        System::carrying(request.scene, self.assignment.step, needs)
+        let step = self.assignment.step;
+        Kernel { system: System::carrying(request.scene, step, needs), step, observed }
     }
 }
 

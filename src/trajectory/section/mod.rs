@@ -206,14 +206,14 @@ pub fn section(
     let blocks = all.chunks_mut(size).enumerate().map(|(index, part)| (index * size, part));
     over_blocks(blocks, threads, stop, |(first, crossings)| {
         let block = first..first + crossings.len();
-        let mut ways = memory::reserved("bodies of a block", block.len())?;
+        let mut integrations = memory::reserved("bodies of a block", block.len())?;
         for index in block.clone() {
-            ways.push(Way::of(request, method, index, section.closed)?);
+            integrations.push(Integration::of(request, method, index, section.closed)?);
         }
-        for members in kinds_in(block.clone(), |index| ways[index - first].kind())? {
+        for members in kinds_in(block.clone(), |index| integrations[index - first].kind())? {
             let own = (&mut *crossings, &points);
             let mut job =
-                SectionJob::new(request, section, &ways, block.clone(), &members, own, (isa, stop))?;
+                SectionJob::new(request, section, &integrations, block.clone(), &members, own, (isa, stop))?;
             drive(&mut job)?;
         }
         Ok(())
@@ -223,22 +223,22 @@ pub fn section(
 
 /// How a body is integrated: as a top in its own frame, a free body as one without weight.
 #[derive(Clone, Copy)]
-struct Way {
+struct Integration {
     assignment: KernelAssignment,
     forces: ForceSet,
     /// The closed form that gives the state at the begin of each step.
     form: Option<CanonicalForm>,
 }
 
-impl Way {
-    fn of(request: &Request, method: &Method, index: usize, closed: bool) -> Result<Way, Error> {
+impl Integration {
+    fn of(request: &Request, method: &Method, index: usize, closed: bool) -> Result<Integration, Error> {
         let (body, forces) = (&request.bodies[index], ForceSet::from(request.forces_of(index)));
         let assignment = KernelAssignment::of_either(forces.act, method, body, &TOP);
         let form = if closed && !forces.act { CanonicalForm::of(body) } else { None };
         if closed && form.is_none() {
             return Err(Error::NoClosedForm { index, rule: Question::RULE_OF_STATES });
         }
-        Ok(Way { assignment, forces, form })
+        Ok(Integration { assignment, forces, form })
     }
 
     fn kind(&self) -> (Step, ForceSet, Option<EvaluatorKind>) {
@@ -274,7 +274,7 @@ struct ClosedForms {
 struct SectionJob<'a> {
     request: &'a Request<'a>,
     section: &'a Section<'a>,
-    ways: &'a [Way],
+    integrations: &'a [Integration],
     block: Range<usize>,
     /// Indices in the block of the bodies that wait.
     queue: Vec<usize>,
@@ -298,16 +298,21 @@ impl<'a> SectionJob<'a> {
     fn new(
         request: &'a Request<'a>,
         section: &'a Section<'a>,
-        ways: &'a [Way],
+        integrations: &'a [Integration],
         block: Range<usize>,
         members: &[usize],
         (crossings, points): (&'a mut [Crossings], &'a AtomicU64),
         (isa, stop): (Isa, &'a Interrupt<'a>),
     ) -> Result<Self, Error> {
-        let way = ways[members[0]];
-        let needs =
-            Needs { forces: way.forces, directions: 1, attitude: true, tangent: false, is_changed: false };
-        let step = way.assignment.step;
+        let integration = integrations[members[0]];
+        let needs = Needs {
+            forces: integration.forces,
+            directions: 1,
+            attitude: true,
+            tangent: false,
+            is_changed: false,
+        };
+        let step = integration.assignment.step;
         let kernel =
             Kernel { system: System::carrying(&TOP, step, needs), step, observed: Observed::Nothing };
         // The polynomial of a Runge-Kutta step is no series cut at its order: the product of the momentum and of two parts
@@ -321,7 +326,7 @@ impl<'a> SectionJob<'a> {
                 |&member: &usize| &section.surfaces[(block.start + member) * section.kinds.len() + index];
             watches.push(Watch::new(kind, members.iter().map(own), system, order));
         }
-        let closed = way.form.map(|form| ClosedForms {
+        let closed = integration.form.map(|form| ClosedForms {
             evaluator: Evaluator::new(form.kind(), isa),
             starts: StartRows::filled(&form.to_canonical(&request.bodies[block.start + members[0]])),
             now: [StateRows::ZERO],
@@ -330,7 +335,7 @@ impl<'a> SectionJob<'a> {
         Ok(SectionJob {
             request,
             section,
-            ways,
+            integrations,
             block,
             queue: memory::collected("bodies of a block", members.len(), queue)?,
             lanes: AdaptiveLanes::new(request, kernel, isa, tolerance)?,
@@ -354,15 +359,15 @@ impl<'a> SectionJob<'a> {
             if self.lanes.steps.now[0].0[lane] == 0.0 {
                 continue;
             }
-            let (index, way) = (self.block.start + task.body, self.ways[task.body]);
+            let (index, integration) = (self.block.start + task.body, self.integrations[task.body]);
             let body = &self.request.bodies[index];
             let omega = [0, 1, 2].map(|k| closed.now[0].omega[k].0[lane]);
             let attitude = [0, 1, 2, 3].map(|k| closed.now[0].attitude[k].0[lane]);
-            let form = way.form.expect("all bodies of the batch have a closed form");
+            let form = integration.form.expect("all bodies of the batch have a closed form");
             let (omega, attitude) = form.to_body(body, omega, attitude);
             let now = Body { omega, attitude, ..*body };
             let entry = Entry::unobserved(&now, None, self.lanes.group.step.0[lane]);
-            load(&mut self.lanes.group, lane, self.lanes.kernel, way.assignment, &entry);
+            load(&mut self.lanes.group, lane, self.lanes.kernel, integration.assignment, &entry);
             self.lanes.steps.now[1].0[lane] = 0.0;
         }
     }
@@ -445,7 +450,8 @@ impl<'a> SectionJob<'a> {
         let units = self.lanes.group.step.0[lane] / adaptive.unit.0[lane] * zero.at;
         let time = adaptive.begin[0].0[lane] + (adaptive.begin[1].0[lane] + units * adaptive.unit.0[lane]);
         let y = self.lanes.kernel.dense_output(adaptive, lane, units);
-        let state = read(&self.lanes.group, lane, self.lanes.kernel, self.ways[task.body].assignment, y);
+        let state =
+            read(&self.lanes.group, lane, self.lanes.kernel, self.integrations[task.body].assignment, y);
         self.note_drift(lane, &state, own);
         let attitude = state.attitude.expect("the system has an attitude");
         Ok(Point {
@@ -463,7 +469,8 @@ impl<'a> SectionJob<'a> {
 
     /// The errors of the invariants at the end of a motion.
     fn note_end(&self, lane: usize, task: Task, own: &mut Crossings) {
-        let state = unload(&self.lanes.group, lane, self.lanes.kernel, self.ways[task.body].assignment);
+        let state =
+            unload(&self.lanes.group, lane, self.lanes.kernel, self.integrations[task.body].assignment);
         self.note_drift(lane, &state, own);
     }
 
@@ -493,12 +500,12 @@ impl Job for SectionJob<'_> {
 
     fn load(&mut self, lane: usize) -> Result<Option<Task>, Error> {
         let Some(member) = self.queue.pop() else { return Ok(None) };
-        let (index, way) = (self.block.start + member, self.ways[member]);
+        let (index, integration) = (self.block.start + member, self.integrations[member]);
         let (body, forces) = (&self.request.bodies[index], self.request.forces_of(index));
         let end = self.section.ends[index];
-        let rate = self.lanes.enter(lane, index, way.assignment, [0.0, end], false);
+        let rate = self.lanes.enter(lane, index, integration.assignment, [0.0, end], false);
         self.lanes.aim(lane, end, false);
-        if let (Some(closed), Some(form)) = (&mut self.closed, way.form) {
+        if let (Some(closed), Some(form)) = (&mut self.closed, integration.form) {
             closed.starts.set(lane, &form.to_canonical(body));
         }
         let kinds = self.watches.len();
