@@ -174,6 +174,11 @@ pub fn section(
         let rule = "a run watches 32 at most";
         return refused("events", section.kinds.len().to_string(), rule);
     }
+    let in_orbit = |kind: &SurfaceKind| kind.pointing.is_some_and(|pointing| pointing.in_orbit);
+    let has_orbit = |body: usize| request.forces_of(body).further.orbit.normal().is_some();
+    if section.kinds.iter().any(in_orbit) && !(0..n).all(has_orbit) {
+        return refused("events", "a direction of the orbit".into(), "the bodies are on no orbit");
+    }
     let forces = ForceSet::from(request.forces.of(0));
     if !method.is_known_inside(forces) {
         let rule = if forces.function {
