@@ -672,7 +672,7 @@ pub trait Engine<R: Real, M: Model<R>, L: Layout, const D: usize>: Copy {
     /// Whether a step has so few operations that the loop over packs counts. Its sums are not
     /// compensated.
     const IS_SHORT: bool = false;
-    /// Whether steps are so long that what is watched is sought inside them too.
+    /// Whether steps are so long that what is observed is sought inside them too.
     const IS_LONG: bool = false;
     /// Whether the steps can use other variables than the state.
     const PROCESSED: bool = false;

@@ -6,7 +6,7 @@
 //! coefficients shows that there is none. A body with a closed form may begin each step at its state in closed form:
 //! the errors of steps then do not add up.
 
-mod watch;
+mod surface_function;
 mod zeros;
 
 use super::adaptive_lanes::AdaptiveLanes;
@@ -26,7 +26,7 @@ use crate::start::Body;
 use crate::status::{DRIFT_LIMIT, Status};
 use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
-use watch::Watch;
+use surface_function::SurfaceFunction;
 use zeros::{Polynomial, Side, TERMS, Zero};
 
 /// Most bodies in a block.
@@ -286,7 +286,7 @@ struct SectionJob<'a> {
     lanes: AdaptiveLanes<'a>,
     closed: Option<ClosedForms>,
     /// One for each kind of surface.
-    watches: Vec<Watch>,
+    functions: Vec<SurfaceFunction>,
     /// The zeros of the last step of a lane.
     found: Vec<Found>,
     crossings: &'a mut [Crossings],
@@ -325,11 +325,11 @@ impl<'a> SectionJob<'a> {
         let order = step.numbers.order * if step.is_series() { 1 } else { 3 };
         let queue = members.iter().rev().copied();
         let system = kernel.system;
-        let mut watches = memory::reserved("surfaces", section.kinds.len())?;
+        let mut functions = memory::reserved("surfaces", section.kinds.len())?;
         for (index, &kind) in section.kinds.iter().enumerate() {
             let own =
                 |&member: &usize| &section.surfaces[(block.start + member) * section.kinds.len() + index];
-            watches.push(Watch::new(kind, members.iter().map(own), system, order));
+            functions.push(SurfaceFunction::new(kind, members.iter().map(own), system, order));
         }
         let closed = integration.form.map(|form| ClosedForms {
             evaluator: Evaluator::new(form.kind(), isa),
@@ -345,7 +345,7 @@ impl<'a> SectionJob<'a> {
             queue: memory::collected("bodies of a block", members.len(), queue)?,
             lanes: AdaptiveLanes::new(request, kernel, isa, tolerance)?,
             closed,
-            watches,
+            functions,
             found: Vec::new(),
             crossings,
             points,
@@ -396,14 +396,14 @@ impl<'a> SectionJob<'a> {
         let error = if self.closed.is_some() { CLOSED_ERROR * task.rate * now } else { 0.0 };
         let step = self.lanes.group.step.0[lane];
         self.found.clear();
-        for (kind, watch) in self.watches.iter_mut().enumerate() {
+        for (kind, function) in self.functions.iter_mut().enumerate() {
             let found = &mut self.found;
-            let stays = watch.zeros(lane, error, &mut |zero, slope| {
+            let stays = function.zeros(lane, error, &mut |zero, slope| {
                 found.push(Found { zero, slope: slope / step, kind });
             });
             own.stays |= u32::from(stays) << kind;
         }
-        if self.watches.len() > 1 {
+        if self.functions.len() > 1 {
             self.found.sort_unstable_by(|a, b| a.zero.at.total_cmp(&b.zero.at).then(a.kind.cmp(&b.kind)));
         }
         for index in 0..self.found.len() {
@@ -437,7 +437,7 @@ impl<'a> SectionJob<'a> {
         }
         if self.lanes.pass_knot(lane, self.block.start + task.body, false) {
             // The torque may jump there, and the slope with it.
-            self.watches.iter_mut().for_each(|watch| watch.bend(lane));
+            self.functions.iter_mut().for_each(|function| function.bend(lane));
         }
         self.lanes.aim(lane, end, false);
         Ok(true)
@@ -513,9 +513,9 @@ impl Job for SectionJob<'_> {
         if let (Some(closed), Some(form)) = (&mut self.closed, integration.form) {
             closed.starts.set(lane, &form.to_canonical(body));
         }
-        let kinds = self.watches.len();
-        for (kind, watch) in self.watches.iter_mut().enumerate() {
-            watch.enter(lane, &self.section.surfaces[index * kinds + kind], body, forces, rate);
+        let kinds = self.functions.len();
+        for (kind, function) in self.functions.iter_mut().enumerate() {
+            function.enter(lane, &self.section.surfaces[index * kinds + kind], body, forces, rate);
         }
         Ok(Some(Task { body: member, rate }))
     }
@@ -532,8 +532,8 @@ impl Job for SectionJob<'_> {
         }
         self.rounds += 1;
         self.lanes.advance(1);
-        for watch in &mut self.watches {
-            watch.expand(&self.lanes.group, &self.lanes.steps);
+        for function in &mut self.functions {
+            function.expand(&self.lanes.group, &self.lanes.steps);
         }
         Ok(())
     }

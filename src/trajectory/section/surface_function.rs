@@ -11,7 +11,7 @@ use crate::start::{Body, VERTICAL};
 type Powers = [f64; TERMS];
 
 /// The surfaces of one kind, one for each lane, and the polynomial that is zero on each.
-pub struct Watch {
+pub struct SurfaceFunction {
     kind: SurfaceKind,
     /// The surface of each lane.
     normal: [Row; 6],
@@ -69,14 +69,14 @@ fn powers_of(adaptive: &AdaptiveSteps, d: usize, lane: usize) -> Powers {
     powers
 }
 
-impl Watch {
+impl SurfaceFunction {
     /// The surfaces of some bodies, of one kind.
     pub fn new<'a>(
         kind: SurfaceKind,
         surfaces: impl Iterator<Item = &'a Surface>,
         system: System,
         order: usize,
-    ) -> Watch {
+    ) -> SurfaceFunction {
         let (mut used, mut uses_momentum, mut uses_square) = ([false; 6], false, false);
         let mut used_states = [false; MOST_STATES];
         for surface in surfaces {
@@ -85,7 +85,7 @@ impl Watch {
             uses_momentum |= surface.momentum != [0.0; 3];
             uses_square |= surface.square != 0.0;
         }
-        Watch {
+        SurfaceFunction {
             kind,
             normal: [Row::ZERO; 6],
             momentum: [Row::ZERO; 3],
