@@ -57,6 +57,50 @@ def test_a_force_acts_on_as_many_bodies_as_it_has_rows() -> None:
             _core.Motion(bodies, method="rk4", time=0.0, units=np.ones(units), threads=1)
 
 
+def test_no_rows_of_moments_are_no_bodies() -> None:
+    none = np.empty((0, 3))
+    for rows in (1, 2):
+        forces = _core.Forces(
+            times=np.empty(0), body=none, space=none, damping=np.ones((rows, 1)) * np.eye(1, 6)
+        )
+        for rates in (forces.slows_evenly, forces.damping_rates):
+            assert len(rates(np.ones((1, 3)))) == rows
+            if rows == 1:
+                assert len(rates(none)) == 0
+            else:
+                with pytest.raises(ValueError, match=r"moments: expected shape \(2, \.\.\.\)"):
+                    rates(none)
+
+
+def test_times_of_no_body_beyond_any_array_are_refused() -> None:
+    bodies = bodies_of(SCENE, np.empty((0, 3)), None)
+    with pytest.raises(ValueError, match=r"reshape|too big"):
+        _core.flip_times(bodies, 1, 2**62)
+
+
+def test_a_direction_of_an_orbit_needs_an_orbit() -> None:
+    pointing = np.zeros((1, 13))
+    pointing[0, [0, 5, 12]] = 1.0
+    with pytest.raises(ValueError, match="events = a direction of the orbit: the bodies are on no"):
+        _core.section(
+            bodies_of(SCENE, OMEGA, None),
+            method="taylor16",
+            kinds=[(False, 0, True)],
+            pointing=pointing,
+            normal=np.zeros((2, 6)),
+            momentum=np.zeros((2, 3)),
+            square=np.zeros(2),
+            states=np.zeros((2, _core.MOST_STATES)),
+            value=np.zeros(2),
+            ends=np.ones(2),
+            count=1,
+            closed=False,
+            tolerance=1e-12,
+            max_steps=1000,
+            threads=1,
+        )
+
+
 def test_there_may_be_more_threads_than_numbers() -> None:
     """Blocks of bodies were as long as a quotient by four times the threads, which was zero."""
     n = 64
