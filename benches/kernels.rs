@@ -6,13 +6,13 @@
 #[path = "timing.rs"]
 mod timing;
 
+use rigid::body::Body;
 use rigid::kernel::{Compiled, Entry, ForcesRows, Group, Kernel, KernelAssignment, System, load};
 use rigid::method::{self, EngineName};
 use rigid::observe::{Deviation, Observed, Tilt};
 use rigid::parallel::thread_nanoseconds;
 use rigid::simd::Isa;
 use rigid::simd::LANES;
-use rigid::start::Body;
 use std::hint::black_box;
 
 /// The largest tilt, without a limit.

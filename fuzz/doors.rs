@@ -3,10 +3,11 @@
 //! Whatever the numbers are, a door refuses them or gives a result that is one: states that are called finished are
 //! finite, samples are counted once, and nothing panics.
 
-use rigid::body::{Inertia, principal_axes};
+use rigid::body::{Body, unit_quaternion};
 use rigid::error::Error;
 use rigid::exact::derived::{free_quantities, saddle, sign_changes, tilt_time, top_quantities};
 use rigid::forces::Forces;
+use rigid::inertia::{Inertia, principal_axes};
 use rigid::map::{Check, Condition, Criterion, Distributions, Logic, Map, Pixel, Rule, clopper_pearson};
 use rigid::method::{AnyMethod, default_step};
 use rigid::parallel::Interrupt;
@@ -14,7 +15,6 @@ use rigid::sample::Distribution;
 use rigid::scene::{FREE, Scene, TOP};
 use rigid::simd::Isa;
 use rigid::special;
-use rigid::start::{Body, unit_quaternion};
 use rigid::status::Status;
 use rigid::trajectory::{self, Motion, Record, Request, Schedule};
 

@@ -1,5 +1,6 @@
 //! Bodies that are run alike.
 
+use crate::body::Body;
 use crate::error::Error;
 use crate::estimate::{round_otherwise, sign_of_forces};
 use crate::forces::Forces;
@@ -8,7 +9,6 @@ use crate::method::{AnyMethod, Method};
 use crate::parallel::Interrupt;
 use crate::scene::Scene;
 use crate::simd::Isa;
-use crate::start::Body;
 use crate::trajectory::{
     Record, Request, Schedule, States, StatesPart, default_steps, simulate_into, time_range,
 };

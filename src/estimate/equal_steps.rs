@@ -1,6 +1,7 @@
 //! Errors that a run by equal steps and its check share: their steps round alike.
 
 use super::{Run, Sized, cross, larger, least, length, smaller};
+use crate::body::Body;
 use crate::error::Error;
 use crate::forces::Forces;
 use crate::memory;
@@ -9,7 +10,6 @@ use crate::parallel::Interrupt;
 use crate::scene::Scene;
 use crate::simd::Isa;
 use crate::special::{exp, ln};
-use crate::start::Body;
 use crate::trajectory::{Record, Request, Schedule, simulate, time_range};
 use std::f64::consts::PI;
 

@@ -21,11 +21,11 @@ pub use rounded_start::{ROUNDINGS, round_otherwise, sign_of_forces};
 pub use separatrix::{PhaseError, phase_error};
 pub use turns::longest_interval;
 
+use crate::body::Body;
 use crate::forces::{BodyForces, MOST_STATES};
 use crate::kinematics::{length, plain_dot as dot};
 use crate::method::Method;
 use crate::simd::Isa;
-use crate::start::Body;
 use crate::trajectory::time_range;
 
 /// Rates count as rest below this share of the fastest possible rate of a body and of the rate of its swing.

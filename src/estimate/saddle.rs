@@ -4,10 +4,10 @@
 //! a start in equilibrium stays one, and a tiny tilt changes by a share of itself: there the distance of both runs does not show it.
 
 use super::{Sized, cross, larger, least, length, vertical};
+use crate::body::Body;
 use crate::exact::derived;
 use crate::simd::Isa;
 use crate::special::{exp, exp_m1};
-use crate::start::Body;
 use nalgebra::{Matrix3, Matrix6, Schur};
 
 /// A start is near an equilibrium if its rates of change are below this share of its rates.

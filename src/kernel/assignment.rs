@@ -1,9 +1,9 @@
 //! How a method integrates a body in a kernel: the step, and the axes that the step needs.
 
+use crate::body::Body;
 use crate::method::{Method, Step, Variables};
 use crate::observe::Deviation;
 use crate::scene::Scene;
-use crate::start::Body;
 
 /// How a kernel integrates a body: the step, and the cyclic permutation of the body axes that the step needs.
 ///

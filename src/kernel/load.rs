@@ -2,13 +2,13 @@
 
 use super::group::{Group, MAX_STATE};
 use super::{Compiled, KernelAssignment, System};
+use crate::body::Body;
 use crate::forces::{BodyForces, ForcesInterval, Further, MOST_STATES, OrbitPlace};
 use crate::kinematics::{half_rows, space_axes, to_body_frame};
 use crate::method::Variables;
 use crate::observe::{self, Deviation, Observed};
 use crate::scene::Parameters;
 use crate::simd::set_lane;
-use crate::start::Body;
 use crate::status::DRIFT_LIMIT;
 use std::sync::OnceLock;
 

@@ -2,12 +2,12 @@
 
 use super::group::{Group, MAX_STATE};
 use super::{Compiled, KernelAssignment};
+use crate::body::{Body, VERTICAL};
 use crate::forces::{MOST_STATES, OrbitPlace};
 use crate::kinematics::{attitude_of_rows, dot, length, to_body_frame, vertical};
 use crate::method::Variables;
 use crate::scene::Parameters;
 use crate::simd::Row;
-use crate::start::{Body, VERTICAL};
 
 /// A state in the user's axes.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,9 +1,9 @@
 //! Which samples are classified again by the second method.
 
 use super::{Class, Criterion, Map, Observation, Outcome, Quantity};
+use crate::body::Body;
 use crate::error::Error;
 use crate::memory;
-use crate::start::Body;
 use std::ops::Range;
 
 /// The samples of a pixel that are classified again.

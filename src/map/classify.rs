@@ -1,6 +1,7 @@
 //! Classification in closed form: when a sample leaves stability, without its trajectory.
 
 use super::{Class, Criterion, Observation, Outcome};
+use crate::body::Body;
 use crate::exact::derived::is_on_separatrix;
 use crate::exact::{
     CanonicalForm, ClosedForm, Evaluator, EvaluatorKind, ExitRows, Question, StartRows, depths, versines,
@@ -8,7 +9,6 @@ use crate::exact::{
 use crate::observe::Observed;
 use crate::simd::Isa;
 use crate::simd::{LANES, Row};
-use crate::start::Body;
 use crate::status::Status;
 
 /// A sample is undecided if its exit time and the horizon differ by less than this share of their sum: fifty times

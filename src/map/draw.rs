@@ -1,12 +1,12 @@
 //! The starts of samples, drawn side by side: each a pure function of seed, pixel and sample.
 
 use super::{Map, Pixel};
+use crate::body::Body;
 use crate::error::Error;
 use crate::memory;
 use crate::real::Pack;
 use crate::sample::{self, Distribution, Empirical, Mix};
 use crate::simd::{Isa, LANES, Row, Work, load_rows, set_lane, store_rows};
-use crate::start::Body;
 use std::ops::Range;
 
 /// The distributions of the perturbations of a start.

@@ -4,6 +4,7 @@ use super::Criterion;
 use super::observation::RUNS;
 use super::regular::{self, Checkpoints};
 use super::{Class, Observation, OnOrbit, Outcome, STEP_BLOCK};
+use crate::body::Body;
 use crate::error::Error;
 use crate::forces::OrbitPlace;
 use crate::kernel::{Compiled, Entry, ForcesRows, Group, Job, Kernel, drive, load};
@@ -12,7 +13,6 @@ use crate::observe::{Bound, Deviation, EXIT_TIME, Observed};
 use crate::parallel::Interrupt;
 use crate::simd::Isa;
 use crate::simd::LANES;
-use crate::start::Body;
 use crate::status::{DRIFT_LIMIT, Status};
 
 /// The sample of an active lane: its index in the block, its step, and its way through the checkpoints of regularity.

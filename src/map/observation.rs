@@ -5,6 +5,7 @@ use super::classify::ClosedFormClassifier;
 use super::integrate::Run;
 use super::statistics::Sample;
 use super::{Class, Criterion, Map, Outcome, regular};
+use crate::body::Body;
 use crate::error::Error;
 use crate::forces::{BodyForces, ForceSet, OrbitPlace};
 use crate::kernel::{Kernel, KernelAssignment, Needs, System};
@@ -13,7 +14,6 @@ use crate::method::{Method, Step};
 use crate::observe::{Observed, Tilt};
 use crate::parallel::Interrupt;
 use crate::simd::Isa;
-use crate::start::Body;
 use std::ops::{Deref, Range};
 
 /// What the lists of samples of a block are called if they do not fit into memory.

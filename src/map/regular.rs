@@ -4,13 +4,13 @@
 //! / 2` where deviation vectors grow exponentially, so it doubles with the time.
 
 use super::{Class, Observation, Outcome, STEP_BLOCK};
+use crate::body::Body;
 use crate::forces::BodyForces;
 use crate::kernel::{Group, System};
 use crate::kinematics::cross;
 use crate::method::{self, Method};
 use crate::observe::{Deviation, Growth};
 use crate::simd::Isa;
-use crate::start::Body;
 use crate::status::Status;
 use crate::trajectory::{Frame, STEPS_TOGETHER, renormalise};
 

@@ -2,13 +2,13 @@
 
 use super::check::GROUP;
 use super::{Check, Condition, Criterion, Distributions, Logic, Measure, Mixed};
+use crate::body::Body;
 use crate::error::Error;
 use crate::exact::Question;
 use crate::forces::{BodyForces, ForceSet, Forces};
 use crate::kernel::System;
 use crate::method::{AnyMethod, Step};
 use crate::scene::Scene;
-use crate::start::Body;
 
 /// The nominal body of a pixel and the size of the perturbations of its samples.
 #[derive(Clone, Copy, Debug)]

@@ -1,10 +1,10 @@
 //! The steps of the runs of samples, and those that are planned.
 
 use super::{Observation, OnOrbit, regular};
+use crate::body::Body;
 use crate::forces::{BodyForces, OrbitPlace};
 use crate::kernel::KernelAssignment;
 use crate::method::{self, AnyMethod, Method, default_step};
-use crate::start::Body;
 
 impl AnyMethod {
     /// Whether closed forms classify samples of a map.

@@ -1,9 +1,9 @@
 //! The choice of a method: left to each sample of a map, the closed form, or one that makes steps.
 
 use super::Method;
+use crate::body::Body;
 use crate::error::Error;
 use crate::forces::BodyForces;
-use crate::start::Body;
 
 /// The method of bodies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -2,13 +2,13 @@
 
 use super::inside::{Inside, Part, has_minimum, least, lowest};
 use super::{EXIT_TIME, Observable, Rows, Segment, Start, Update, along, look_inside, motion_inside, three};
+use crate::body::{Body, VERTICAL};
 use crate::forces::{BodyForces, ForcesInterval};
 use crate::kinematics::{put, to_body_frame};
 use crate::method::{Coefficients, Engine, Numbers, Rk4Tableau, RungeKutta, Taylor};
 use crate::real::{Apart, Real};
 use crate::scene::{FurtherFrame, Layout, Model, Parameters, StatesTurns, Top};
 use crate::simd::Isa;
-use crate::start::{Body, VERTICAL};
 
 /// Sign changes of one component of the rates, located inside the step.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -16,6 +16,7 @@ pub use growth::{Deviation, Growth};
 pub use mean_rate::MeanRate;
 pub use tilt::Tilt;
 
+use crate::body::Body;
 use crate::forces::{ForcesInterval, OrbitPlace};
 use crate::kinematics::dot;
 use crate::method::{Coefficients, Engine, in_halves};
@@ -23,7 +24,6 @@ use crate::real::{Apart, Pack, Real};
 use crate::scene::{Layout, Model, Parameters};
 use crate::simd::Row;
 use crate::special::{atan2, sincos};
-use crate::start::Body;
 use std::f64::consts::PI;
 use std::marker::PhantomData;
 

@@ -1,12 +1,12 @@
 //! Arrays and names of Python as the core reads them, and work without the interpreter.
 
 use super::unraisable::{carrying, has_raised};
+use crate::body::Body;
 use crate::error::Error;
 use crate::float_environment::FloatEnvironment;
 use crate::forces::ParameterChange;
 use crate::memory;
 use crate::parallel::{Interrupt, apart, caught, owned};
-use crate::start::Body;
 use crate::trajectory::{Record, Schedule};
 use numpy::ndarray::{Dimension, Ix1, Ix2, IxDyn};
 use numpy::npyffi::NPY_ARRAY_WRITEABLE;

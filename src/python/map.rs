@@ -4,9 +4,9 @@ use super::convert::{
     self, Aligned1, Aligned2, bodies, interruptible, interruptible_calls, rows, rows_of, same_length,
 };
 use super::forces::PyForces;
-use crate::body::MomentStatus;
 use crate::error::Error;
 use crate::float_environment::FloatEnvironment;
+use crate::inertia::MomentStatus;
 use crate::map::{
     Bin, Check, Class, Column, Condition, Criterion, Distributions, Field, Logic, Map, Measure, Mixed,
     NO_VERDICT, OF_START, Outcome, Pixel, Sketch, Statistics, Value, Verdict, clopper_pearson_of_each,

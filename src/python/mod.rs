@@ -14,15 +14,17 @@ mod states;
 mod target;
 mod unraisable;
 
-use crate::body::{Inertia, MomentStatus, excess, nearest_possible as nearest_of, principal_axes as axes_of};
+use crate::body::unit_quaternion;
 use crate::error::Error;
 use crate::float_environment::FloatEnvironment;
+use crate::inertia::{
+    Inertia, MomentStatus, excess, nearest_possible as nearest_of, principal_axes as axes_of,
+};
 use crate::map::SECOND_OF_GROWTH;
 use crate::memory;
 use crate::method::{self, AnyMethod, Method};
 use crate::scene::Scene;
 use crate::simd::Isa;
-use crate::start::unit_quaternion;
 use convert::{Aligned2, column, rows};
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods};
 use pyo3::exceptions::{PyImportError, PyMemoryError, PyRuntimeError, PyValueError};

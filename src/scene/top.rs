@@ -1,9 +1,9 @@
 //! The heavy top: I omega' = (I omega) x omega + gamma x (mgl com), gamma' = gamma x omega.
 
 use super::{ConservedMomentum, Model, Parameters, Scene};
+use crate::body::Body;
 use crate::kinematics::{cross, direction, dot, plus};
 use crate::real::Real;
-use crate::start::Body;
 
 /// The scene of a heavy top.
 pub const TOP: Scene = Scene {

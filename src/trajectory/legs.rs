@@ -2,6 +2,7 @@
 //! bodies of a group are moved leg by leg together.
 
 use super::{Integration, Request, Schedule};
+use crate::body::Body;
 use crate::error::Error;
 use crate::forces::{Further, Orbit, OrbitPlace, Table};
 use crate::kernel::{Compiled, ForcesRows, Group, reset_time};
@@ -9,7 +10,6 @@ use crate::memory;
 use crate::method::AnyMethod;
 use crate::parallel::Interrupt;
 use crate::simd::LANES;
-use crate::start::Body;
 use std::ops::Range;
 
 /// The forces on free motions.

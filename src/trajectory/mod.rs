@@ -22,6 +22,7 @@ pub use request::{Record, Request, Schedule, default_steps, time_range};
 pub use section::{Crossings, Point, Pointing, Section, Surface, SurfaceKind, section};
 pub use states::{Column, States, StatesPart};
 
+use crate::body::Body;
 use crate::error::Error;
 use crate::forces::ForceSet;
 use crate::kernel::{Group, Kernel, KernelAssignment, Needs, System};
@@ -30,7 +31,6 @@ use crate::method::{AnyMethod, Method, Step};
 use crate::observe::Observed;
 use crate::parallel::{Interrupt, caught, over_blocks};
 use crate::simd::{Isa, LANES};
-use crate::start::Body;
 use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;

@@ -1,12 +1,12 @@
 //! The request of a trajectory: bodies, record and times.
 
+use crate::body::Body;
 use crate::error::Error;
 use crate::forces::ForceSet;
 use crate::forces::{BodyForces, Forces, ForcesInterval, ParameterChange};
 use crate::memory;
 use crate::method::{AnyMethod, Method, default_step};
 use crate::scene::Scene;
-use crate::start::Body;
 use std::ops::Range;
 
 /// The variables that are integrated and recorded.

@@ -2,12 +2,12 @@
 //! output takes no steps, and few lanes are inactive.
 
 use crate::tests::scene_of;
+use rigid::body::Body;
 use rigid::forces::{BodyForces, Code, Forces, TorqueFunction};
 use rigid::method::{self, AnyMethod, Method};
 use rigid::parallel::Interrupt;
 use rigid::sample::{Distribution, attitude, uniforms};
 use rigid::simd::Isa;
-use rigid::start::Body;
 use rigid::status::Status;
 use rigid::trajectory::{Record, Request, Schedule, States, simulate};
 

@@ -1,5 +1,6 @@
 //! Events inside long steps: flips on the polynomial of `dop853`, tilts on that through values, slopes and bends.
 
+use rigid::body::Body;
 use rigid::exact::derived::{sign_changes, tilt_time, top_quantities};
 use rigid::forces::BodyForces;
 use rigid::kernel::Group;
@@ -8,7 +9,6 @@ use rigid::kernel::{Entry, KernelAssignment, load};
 use rigid::method::DOP853;
 use rigid::observe::{EXIT_TIME, Observed, Tilt};
 use rigid::simd::Isa;
-use rigid::start::Body;
 
 /// Angles of a step (rad) of the bound of the rates: as in trajectories, and up to those of maps.
 const ANGLES: [f64; 3] = [0.1, 0.3, 0.75];

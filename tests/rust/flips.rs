@@ -1,6 +1,7 @@
 //! Flips: sign changes of a component of the rates, counted once each and located inside the step.
 
 use crate::tests::scene_of;
+use rigid::body::Body;
 use rigid::forces::ForcesInterval;
 use rigid::kernel::Group;
 use rigid::kernel::{Compiled, ForcesRows, Kernel, System};
@@ -11,7 +12,6 @@ use rigid::scene::FREE;
 use rigid::scene::{Free, Parameters, Rates};
 use rigid::simd::Isa;
 use rigid::simd::LANES;
-use rigid::start::Body;
 
 const UPRIGHT: [f64; 4] = [1.0, 0.0, 0.0, 0.0];
 

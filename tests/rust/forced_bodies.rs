@@ -2,6 +2,7 @@
 //! and refused requests.
 
 use crate::tests::scene_of;
+use rigid::body::Body;
 use rigid::forces::Forces;
 use rigid::kernel::{Compiled, Kernel, System};
 use rigid::kernel::{Entry, KernelAssignment, load};
@@ -13,7 +14,6 @@ use rigid::sample::{Distribution, attitude, uniforms};
 use rigid::scene::FREE;
 use rigid::simd::Isa;
 use rigid::simd::LANES;
-use rigid::start::Body;
 use rigid::status::Status;
 use rigid::trajectory::{Record, Request, Schedule, States, simulate};
 

@@ -4,13 +4,13 @@
 //! The draws are fixed, so the tests are deterministic: the mean of n draws has at most 4 of its standard errors.
 
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+use rigid::body::Body;
 use rigid::map::{Check, Condition, Criterion, Distributions, Logic, Map, Pixel};
 use rigid::method;
 use rigid::method::AnyMethod;
 use rigid::sample::{Distribution, attitude, philox4x64, uniforms, vector};
 use rigid::scene::FREE;
 use rigid::simd::Isa;
-use rigid::start::Body;
 
 const N: u64 = 100_000;
 const KEY: [u64; 2] = [20_261_121, 0];

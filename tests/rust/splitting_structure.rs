@@ -3,6 +3,7 @@
 
 use crate::tests::scene_of;
 use nalgebra::{Quaternion, SVector, Unit, UnitQuaternion, Vector3};
+use rigid::body::Body;
 use rigid::forces::{Forces, ForcesInterval};
 use rigid::method::{
     self, AnyMethod, ComposedPlanar, Engine, ExactRotor, Flow, KickRotor, Method, Numbers, Planar,
@@ -13,7 +14,6 @@ use rigid::real::Real;
 use rigid::sample::{Distribution, attitude, uniforms};
 use rigid::scene::{Attitude, AxisAttitude, Free, Layout, Model, Parameters, Top};
 use rigid::simd::Isa;
-use rigid::start::Body;
 use rigid::trajectory::{Record, Request, Schedule, States, simulate};
 
 const EPS: f64 = f64::EPSILON;

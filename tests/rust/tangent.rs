@@ -1,6 +1,7 @@
 //! Deviation vectors: the derivative of the steps, without any change of the motion.
 
 use crate::tests::scene_of;
+use rigid::body::Body;
 use rigid::forces::{Forces, ForcesInterval, ParameterChange};
 use rigid::kernel::{
     Compiled, DeviationRows, Entry, ForcesRows, Group, Kernel, KernelAssignment, System, load,
@@ -16,7 +17,6 @@ use rigid::scene::{
     Axis, AxisTangent, ForcedFrame, ForcedFrameTangent, Free, Layout, Model, Parameters, Top,
 };
 use rigid::simd::{Isa, LANES};
-use rigid::start::Body;
 use rigid::trajectory::{Record, Request, Schedule, simulate};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 

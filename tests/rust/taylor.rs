@@ -2,13 +2,13 @@
 
 use crate::tests::scene_of;
 use nalgebra::{DMatrix, DVector};
+use rigid::body::Body;
 use rigid::forces::{BodyForces, Forces, ForcesInterval};
 use rigid::method::{self, AnyMethod, Engine, Method, Taylor};
 use rigid::parallel::Interrupt;
 use rigid::sample::{Distribution, attitude, uniforms};
 use rigid::scene::{Attitude, Axis, Free, Layout, Model, Parameters, Top};
 use rigid::simd::Isa;
-use rigid::start::Body;
 use rigid::status::Status;
 use rigid::trajectory::{Record, Request, Schedule, States, simulate};
 

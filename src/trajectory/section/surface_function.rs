@@ -1,11 +1,11 @@
 //! What is zero on the surfaces of one kind, inside the last step of each lane.
 
 use super::{NEAR, NOISE, Pointing, Polynomial, Side, Surface, SurfaceKind, TERMS, Zero};
+use crate::body::{Body, VERTICAL};
 use crate::forces::{BodyForces, MOST_STATES, Orbit, SMALL_STATE, conic_sign};
 use crate::kernel::{AdaptiveSteps, Group, System};
 use crate::kinematics::cross;
 use crate::simd::{LANES, Row, set_lane};
-use crate::start::{Body, VERTICAL};
 
 /// A polynomial in the time: coefficients of its powers.
 type Powers = [f64; TERMS];

@@ -9,6 +9,7 @@ mod maps;
 mod trajectories;
 
 use crate::tests::scene_of;
+use rigid::body::Body;
 use rigid::exact::derived::{free_quantities, sign_changes, tilt_time, top_quantities};
 use rigid::exact::{CanonicalForm, Evaluator, EvaluatorKind, ExitRows, StartRows, StateRows};
 use rigid::forces::Forces;
@@ -22,7 +23,6 @@ use rigid::parallel::Interrupt;
 use rigid::sample::{Distribution, uniforms};
 use rigid::simd::Isa;
 use rigid::simd::{LANES, Row};
-use rigid::start::Body;
 use rigid::status::Status;
 use rigid::trajectory::{Record, Request, Schedule, States, simulate};
 use std::mem::discriminant;
