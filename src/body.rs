@@ -1,7 +1,7 @@
 //! A body at its start: moments, weight, rates and attitude, a bound of its rates, and the scales of its drifts.
 
 use crate::forces::{BodyForces, Further, OrbitPlace};
-use crate::kinematics::{dot, to_body_frame};
+use crate::kinematics::{dot, length, to_body_frame};
 
 /// One body with its start.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,9 +29,19 @@ impl Body {
     /// The unit of changes of the rates, `sqrt(|omega|^2 + mgl / I_min)`; 1 if that is zero.
     pub fn rate_unit(&self) -> f64 {
         let square = |v: &[f64; 3]| v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
-        let least = self.moments.iter().fold(f64::INFINITY, |a, &b| a.min(b));
+        let [least, _] = self.moment_range();
         let unit = (square(&self.omega) + square(&self.weight).sqrt() / least).sqrt();
         if unit > 0.0 { unit } else { 1.0 }
+    }
+
+    /// The least and the largest moment.
+    pub(crate) fn moment_range(&self) -> [f64; 2] {
+        self.moments.iter().fold([f64::INFINITY, 0.0], |[least, largest], &b| [least.min(b), largest.max(b)])
+    }
+
+    /// Weight times the distance of the centre of mass.
+    pub(crate) fn mgl(&self) -> f64 {
+        length(&self.weight)
     }
 
     /// The kinetic energy at the start.
@@ -93,7 +103,7 @@ impl Body {
 
     fn rate_bound(&self, forces: BodyForces, span: [f64; 2], lagrange_axis: Option<usize>) -> f64 {
         let twice_kinetic: f64 = (0..3).map(|k| self.moments[k] * self.omega[k] * self.omega[k]).sum();
-        let mgl = self.weight.iter().map(|c| c * c).sum::<f64>().sqrt();
+        let mgl = self.mgl();
         if forces.is_none() && mgl == 0.0 {
             return self.polhode_bounds(twice_kinetic).iter().sum::<f64>().sqrt();
         }
@@ -113,8 +123,8 @@ impl Body {
             None => (0..3).map(|k| reach / self.moments[k]).sum(),
         };
         // A top also swings, so its rate is at least the pendulum frequency, even for a top at rest.
-        let smallest = self.moments.iter().fold(f64::INFINITY, |a, &b| a.min(b));
-        squares.max(mgl / smallest).sqrt()
+        let [least, _] = self.moment_range();
+        squares.max(mgl / least).sqrt()
     }
 
     /// Moments in ascending order, and the rates about their axes; equal moments stay in their order.

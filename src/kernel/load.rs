@@ -144,8 +144,7 @@ pub fn load(group: &mut Group, lane: usize, compiled: Compiled, assignment: Kern
         // The rates and their bound are over the pace of the anomaly. Rates beyond the bound count as a drift.
         let (pace, rate) =
             (Body { omega: [y[0], y[1], y[2]], ..*body }, forces.map_or(0.0, |(_, rate)| rate));
-        let least = body.moments.iter().fold(f64::INFINITY, |a, &b| a.min(b));
-        let square = rate * rate;
+        let ([least, _], square) = (body.moment_range(), rate * rate);
         group.energy.inverse_scale.0[lane] = 1.0 / (0.5 * least).mul_add(square, pace.kinetic_energy());
         (group.momentum.start.0[lane], group.momentum.inverse_scale.0[lane]) = (0.0, DRIFT_LIMIT / square);
     }
@@ -204,9 +203,8 @@ pub fn reset_time(group: &mut Group, system: System, lane: usize) {
 
 /// Adds the largest energy and momentum that forces can supply to the scales of the drifts; `rate` bounds |omega|.
 fn widen_scales(group: &mut Group, lane: usize, system: System, body: &Body, rate: f64) {
-    let least = body.moments.iter().fold(f64::INFINITY, |a, &b| a.min(b));
-    let momentum = body.moments.iter().fold(0.0_f64, |a, &b| a.max(b)) * rate;
-    let momentum = system.scene.conserved.scale(momentum);
+    let [least, largest] = body.moment_range();
+    let momentum = system.scene.conserved.scale(largest * rate);
     for (rows, gain) in [(&mut group.energy, 0.5 * least * rate * rate), (&mut group.momentum, momentum)] {
         let inverse = rows.inverse_scale.0[lane];
         let scale = if inverse > 0.0 && inverse.is_finite() { 1.0 / inverse } else { 0.0 };

@@ -7,7 +7,7 @@
 
 use super::{Engine, EngineName, Facts, Method, Numbers, Step, Variables};
 use crate::forces::{ForcesInterval, attitude_of_stage};
-use crate::kinematics::{cross, direction, dot, plus, put, quaternion_product};
+use crate::kinematics::{cross, direction, dot, plus, put, quaternion_product, symmetric};
 use crate::real::{Apart, Real};
 use crate::scene::{Applied, Layout, Model, Parameters};
 
@@ -89,12 +89,6 @@ struct Equation<R> {
     first: [R; 3],
     middle: R,
     damping: [[R; 3]; 3],
-}
-
-/// A symmetric matrix, from its entries 11, 22, 33, 23, 31, 12.
-#[inline(always)]
-fn matrix<R: Real>(d: &[R; 6]) -> [[R; 3]; 3] {
-    [[d[0], d[5], d[4]], [d[5], d[1], d[3]], [d[4], d[3], d[2]]]
 }
 
 /// The rotation of a step.
@@ -261,7 +255,7 @@ impl<R: Real> ImplicitMidpoint<R> {
         let gamma = if const { M::HEAVY && L::VECTORS > 0 } { direction(y, 0) } else { zeros };
         let first = if L::FUNCTION { direction(y, 1) } else { zeros };
         let middle = if L::FUNCTION { y[L::TIME_AT] + half } else { half };
-        (Equation { start, space, gamma, first, middle, damping: matrix(&constants.damping) }, u)
+        (Equation { start, space, gamma, first, middle, damping: symmetric(&constants.damping) }, u)
     }
 
     /// The residual of an equation at `u`, and the columns of its derivative, for the lanes in which `wanted` is above zero.

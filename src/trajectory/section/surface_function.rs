@@ -127,7 +127,7 @@ impl SurfaceFunction {
         self.value.0[lane] = value;
         self.side[lane] = None;
         let length = |v: &[f64]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
-        let largest = body.moments.iter().fold(0.0_f64, |a, &b| a.max(b));
+        let [_, largest] = body.moment_range();
         let of_momentum = length(&momentum) * (largest * rate + length(&rotor));
         let of_speed = square.abs() * rate * rate;
         let of_pointing = if self.kind.pointing.is_some() { 1.0 } else { 0.0 };
