@@ -9,7 +9,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 pub(crate) const INTEGER_SHIFT: f64 = 6_755_399_441_055_744.0;
 
 /// Work that several kernels share: a function of its own, which a kernel calls.
-pub trait Apart {
+pub trait Outlined {
     /// What it returns.
     type Out;
     /// Does the work. It is `#[inline(always)]`, and takes on the instruction set of its caller.
@@ -87,7 +87,7 @@ pub trait Real:
     /// Whether the integer-valued `n` (below 2^51) is odd.
     fn odd(n: Self) -> Self::Mask;
     /// Runs work in a function of its own, with the instructions of the registers.
-    fn apart<W: Apart>(work: W) -> W::Out;
+    fn outlined<W: Outlined>(work: W) -> W::Out;
 }
 
 /// A `Real` with a body in each lane.
@@ -199,7 +199,7 @@ impl Real for f64 {
         (n + INTEGER_SHIFT).to_bits() & 1 == 1
     }
     #[inline(never)]
-    fn apart<W: Apart>(work: W) -> W::Out {
+    fn outlined<W: Outlined>(work: W) -> W::Out {
         work.run()
     }
 }

@@ -8,7 +8,7 @@
 use super::{Engine, EngineName, Facts, Method, Numbers, Step, Variables};
 use crate::forces::{ForcesInterval, attitude_of_stage};
 use crate::kinematics::{cross, direction, dot, plus, put, quaternion_product, symmetric};
-use crate::real::{Apart, Real};
+use crate::real::{Outlined, Real};
 use crate::scene::{Applied, Layout, Model, Parameters};
 
 /// The implicit midpoint rule. The method is used in the frame of the body, as published.
@@ -148,7 +148,7 @@ struct TorqueInTheMiddle<'a, R: Real> {
     torque: &'a mut [R; 3],
 }
 
-impl<R: Real> Apart for TorqueInTheMiddle<'_, R> {
+impl<R: Real> Outlined for TorqueInTheMiddle<'_, R> {
     type Out = ();
     #[inline(always)]
     fn run(self) {
@@ -346,7 +346,7 @@ impl<R: Real> ImplicitMidpoint<R> {
         wanted: R,
     ) -> [R; 3] {
         let mut torque = *u;
-        R::apart(TorqueInTheMiddle { engine: self, constants, equation, u, wanted, torque: &mut torque });
+        R::outlined(TorqueInTheMiddle { engine: self, constants, equation, u, wanted, torque: &mut torque });
         torque
     }
 

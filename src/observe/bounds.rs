@@ -7,7 +7,7 @@ use super::{
 use crate::forces::{Orbit, anomaly_cos_sin, conic_sign, is_open};
 use crate::kinematics::{cross, direction, dot, half_rows, put};
 use crate::method::{Coefficients, Engine, Variables};
-use crate::real::{Apart, Real};
+use crate::real::{Outlined, Real};
 use crate::scene::{FurtherFrame, Layout, Model, Parameters, ROWS_LEN, in_rows};
 use crate::special::sincos;
 use std::f64::consts::PI;
@@ -510,9 +510,9 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Bou
         if const { !L::CLOCK } {
             let (ends, layout) = ([before, after], PhantomData::<L>);
             if const { matches!(S::VARIABLES, Variables::Rates) } {
-                R::apart(Look::<_, _, _, false, D> { bound, p, rows, begin, ends, within: dense, layout });
+                R::outlined(Look::<_, _, _, false, D> { bound, p, rows, begin, ends, within: dense, layout });
             } else {
-                R::apart(Look::<_, _, _, true, D> { bound, p, rows, begin, ends, within: dense, layout });
+                R::outlined(Look::<_, _, _, true, D> { bound, p, rows, begin, ends, within: dense, layout });
             }
             return;
         }
@@ -536,7 +536,7 @@ struct Look<'a, R, L, W, const MOMENTA: bool, const D: usize> {
     layout: PhantomData<L>,
 }
 
-impl<R: Real, L: Layout, W: Within<R, D>, const MOMENTA: bool, const D: usize> Apart
+impl<R: Real, L: Layout, W: Within<R, D>, const MOMENTA: bool, const D: usize> Outlined
     for Look<'_, R, L, W, MOMENTA, D>
 {
     type Out = ();

@@ -6,7 +6,7 @@ use crate::body::{Body, VERTICAL};
 use crate::forces::{BodyForces, ForcesInterval};
 use crate::kinematics::{put, to_body_frame};
 use crate::method::{Coefficients, Engine, Numbers, Rk4Tableau, RungeKutta, Taylor};
-use crate::real::{Apart, Real};
+use crate::real::{Outlined, Real};
 use crate::scene::{FurtherFrame, Layout, Model, Parameters, StatesTurns, Top};
 use crate::simd::Isa;
 
@@ -51,7 +51,7 @@ struct AfterStart<'a> {
     rate: f64,
 }
 
-impl Apart for AfterStart<'_> {
+impl Outlined for AfterStart<'_> {
     type Out = [f64; 3];
     #[inline(always)]
     fn run(self) -> [f64; 3] {

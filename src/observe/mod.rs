@@ -20,7 +20,7 @@ use crate::body::Body;
 use crate::forces::{ForcesInterval, OrbitPlace};
 use crate::kinematics::dot;
 use crate::method::{Coefficients, Engine, in_halves};
-use crate::real::{Apart, Pack, Real};
+use crate::real::{Outlined, Pack, Real};
 use crate::scene::{Layout, Model, Parameters};
 use crate::simd::Row;
 use crate::special::{atan2, sincos};
@@ -92,7 +92,7 @@ struct Look<'a, O, R: Real, M, L, S, const D: usize> {
     of: PhantomData<(M, L)>,
 }
 
-impl<O, R, M, L, S, const D: usize> Apart for Look<'_, O, R, M, L, S, D>
+impl<O, R, M, L, S, const D: usize> Outlined for Look<'_, O, R, M, L, S, D>
 where
     O: Update<R, M, L, D>,
     R: Real,
@@ -134,7 +134,7 @@ fn look_inside<O, R, M, L, S, const D: usize>(
         let (mut seen, length) = ([begin; MAX_ROWS], const { O::ROWS });
         in_halves!(r in length { seen[r] = rows[r]; });
         let (before, after, of) = (&before, &after, PhantomData);
-        R::apart(Look { observable, engine, p, rows: &mut seen, begin, before, after, of });
+        R::outlined(Look { observable, engine, p, rows: &mut seen, begin, before, after, of });
         for r in 0..O::CHANGING {
             rows[r] = R::select(wanted, seen[r], rows[r]);
         }
@@ -150,7 +150,7 @@ struct MotionInside<'a, R: Real, M, L, S, const D: usize> {
     of: PhantomData<(M, L)>,
 }
 
-impl<R: Real, M: Model<R>, L: Layout, S: Engine<R, M, L, D>, const D: usize> Apart
+impl<R: Real, M: Model<R>, L: Layout, S: Engine<R, M, L, D>, const D: usize> Outlined
     for MotionInside<'_, R, M, L, S, D>
 {
     type Out = ();
@@ -169,7 +169,7 @@ fn motion_inside<R: Real, M: Model<R>, L: Layout, S: Engine<R, M, L, D>, const D
 ) -> Coefficients<R, D> {
     let mut dense = Coefficients::new();
     let ends = [segment.before, segment.after];
-    R::apart(MotionInside { engine, p, ends, dense: &mut dense, of: PhantomData::<(M, L)> });
+    R::outlined(MotionInside { engine, p, ends, dense: &mut dense, of: PhantomData::<(M, L)> });
     dense
 }
 

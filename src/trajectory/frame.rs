@@ -1,7 +1,7 @@
 //! Deviation vectors of a body made orthogonal: what they span, however much they grow and align.
 
 use crate::observe::Deviation;
-use crate::real::{Apart, Real};
+use crate::real::{Outlined, Real};
 use crate::simd::Isa;
 use crate::special::ln;
 
@@ -153,7 +153,7 @@ struct Renormalisation<'a> {
     deviations: &'a mut [[f64; 6]],
 }
 
-impl Apart for Renormalisation<'_> {
+impl Outlined for Renormalisation<'_> {
     type Out = [i64; MAX_DEVIATIONS];
     #[inline(always)]
     fn run(self) -> [i64; MAX_DEVIATIONS] {

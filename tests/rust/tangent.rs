@@ -12,7 +12,7 @@ use rigid::method::{
 };
 use rigid::observe::{Deviation, Growth, MAX_ROWS, Observed};
 use rigid::parallel::Interrupt;
-use rigid::real::{Apart, Real};
+use rigid::real::{Outlined, Real};
 use rigid::scene::{
     Axis, AxisTangent, ForcedFrame, ForcedFrameTangent, Free, Layout, Model, Parameters, Top,
 };
@@ -296,7 +296,7 @@ impl Neg for Dual {
 }
 impl Real for Dual {
     type Mask = bool;
-    fn apart<W: Apart>(work: W) -> W::Out {
+    fn outlined<W: Outlined>(work: W) -> W::Out {
         work.run()
     }
     fn splat(x: f64) -> Self {
