@@ -366,9 +366,10 @@ class MapSpec:
     def functions(self) -> dict[str, Any]:
         """The functions that are known, as :meth:`with_functions` takes them."""
         known = {name: source.function for name, source in self._sources.items()}
-        found = {name: function for name, function in known.items() if function is not None}
-        torque = self._torque
-        return found if torque is None or not torque.address else {**found, "scene": self.scene}
+        found: dict[str, Any] = {name: one for name, one in known.items() if one is not None}
+        if self._torque is not None and self._torque.is_known:
+            found["scene"] = self.scene
+        return found
 
     @property
     def _torque(self) -> TorqueFunction | None:
@@ -395,7 +396,7 @@ class MapSpec:
 
     def require_torque(self) -> None:
         """Raise ValueError if the torque of the scene is a function that is not known."""
-        if self._torque is not None and not self._torque.address:
+        if self._torque is not None and not self._torque.is_known:
             raise ValueError(
                 "scene: its torque is a function, which no file has; give the scene again, as "
                 "scene= of load_map or open_store"

@@ -754,7 +754,7 @@ def test_a_function_of_python_is_its_twin_of_ctypes(way: str, method: str) -> No
     one = rigid.Torque.call(plain_damping, COEFFICIENTS)
     pair = [one, rigid.Torque.call(SIGNATURE(plain_damping), COEFFICIENTS)]
     assert one.function is not None
-    assert one.function.of_eight == (way == "compiled")
+    assert one.function.callback.of_eight == (way == "compiled")
     runs: list[Any] = [
         rigid.simulate(top(torque=torque), OMEGA, TILTED, t=[-0.5, 3.0], method=method, step=0.02)
         for torque in pair
@@ -837,8 +837,8 @@ def test_a_jitted_function_is_compiled_once() -> None:
     pair = [rigid.Torque.call(jitted, row) for row in (COEFFICIENTS, (0.0, 0.0, 0.1))]
     assert pair[0].function is not None
     assert pair[1].function is not None
-    assert pair[0].function.of_eight
-    assert pair[0].function.address == pair[1].function.address
+    assert pair[0].function.callback.of_eight
+    assert pair[0].function.callback.address == pair[1].function.callback.address
     assert rigid.Torque.call(jitted, COEFFICIENTS) == pair[0]
 
 
