@@ -59,8 +59,7 @@ def test_the_path_moves_in_the_well() -> None:
     # E' - V'(theta) = ½ I1 theta'² along the motion; theta' from the rates across the axis.
     omega = omega_of("loop")
     data = figures.effective_potential(TOP, omega, TILTED, samples=20001)
-    run = rigid.simulate(TOP, omega, TILTED, t=np.linspace(0.0, 6.0, 400), record="axis")
-    assert run.gamma is not None
+    run: Any = rigid.simulate(TOP, omega, TILTED, t=np.linspace(0.0, 6.0, 400), record="axis")
     u_rate = np.cross(run.gamma, run.omega)[:, 2]
     sine = np.hypot(run.gamma[:, 0], run.gamma[:, 1])
     tilt = np.arctan2(sine, run.gamma[:, 2])
@@ -116,9 +115,7 @@ def test_roots_of_the_cubic(name: str) -> None:
     assert (data.f_allowed >= -1e-13).all()
     outside = (data.near < data.roots[0]) | (data.near > data.roots[1])
     assert (data.f_near[outside] < 0.0).all()
-    known = top.heavy_constants(TOP, omega_of(name), TILTED)
-    assert known.a is not None
-    assert known.b is not None
+    known: Any = top.heavy_constants(TOP, omega_of(name), TILTED)
     assert data.still == pytest.approx(float(known.a / known.b))
     # f is lowest where it has to be: f(±1) = -(a ∓ b)².
     ends = np.interp([1.0, -1.0], data.u, data.f)
@@ -129,8 +126,7 @@ def test_roots_of_the_cubic(name: str) -> None:
 def test_the_height_of_a_path_obeys_the_cubic() -> None:
     omega = omega_of("loop")
     data = figures.cubic(TOP, omega, TILTED, samples=4001)
-    run = rigid.simulate(TOP, omega, TILTED, t=np.linspace(0.0, 6.0, 300), record="axis")
-    assert run.gamma is not None
+    run: Any = rigid.simulate(TOP, omega, TILTED, t=np.linspace(0.0, 6.0, 300), record="axis")
     u_rate = np.cross(run.gamma, run.omega)[:, 2]
     seen = np.interp(run.gamma[:, 2], data.allowed, data.f_allowed)
     np.testing.assert_allclose(seen, u_rate**2, atol=1e-6)
@@ -208,10 +204,8 @@ def test_an_upright_top_sleeps_where_f_is_negative() -> None:
 
 @pytest.mark.parametrize("name", STARTS)
 def test_the_axis_stays_between_its_circles_and_touches_them(name: str) -> None:
-    data = figures.locus(TOP, omega_of(name), TILTED)
+    data: Any = figures.locus(TOP, omega_of(name), TILTED)
     assert data.kind == name.split()[0]
-    assert data.theta_upper is not None
-    assert data.theta_lower is not None
     assert np.cos(data.theta_lower) == pytest.approx(STARTS[name][2], abs=2e-11)
     assert data.theta.min() > data.theta_upper - 1e-12
     assert data.theta.max() < data.theta_lower + 1e-12

@@ -1,5 +1,7 @@
 """The attitude: a unit quaternion, scalar first, active, body to space."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -16,9 +18,8 @@ START = np.array([0.5, -0.1, 0.7, 0.5])  # of length one
 def test_a_scipy_rotation_goes_in_and_comes_out() -> None:
     given = Rotation.from_quat(START, scalar_first=True)
     t = [0.0, 1.0, 2.0]
-    run = rigid.simulate(FREE, RATES, given, t=t)
+    run: Any = rigid.simulate(FREE, RATES, given, t=t)
     plain = rigid.simulate(FREE, RATES, given.as_quat(scalar_first=True), t=t)
-    assert run.attitude is not None
     assert run.attitude.tobytes() == present(plain.attitude).tobytes()
     assert run.rotation().shape == (3,)
     assert (run.rotation()[0] * given.inv()).magnitude() < 4 * ROUNDOFF

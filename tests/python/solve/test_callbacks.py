@@ -18,6 +18,7 @@ from scipy.integrate import solve_ivp
 
 import rigid
 from interrupts import sigint
+from refusals import refuses
 from rigid.model import compiling
 
 METHODS = [method.name for method in rigid.methods() if "function" in method.forces]
@@ -201,8 +202,7 @@ def test_a_function_of_cffi() -> None:
     assert runs[0].omega.tobytes() == runs[1].omega.tobytes()
 
 
-@pytest.mark.parametrize(
-    ("address", "error", "words"),
+test_what_is_no_address_is_refused = refuses(
     [
         (0, ValueError, "address = 0: must be the address of a function"),
         (-4, ValueError, "address = -4: must be the address"),
@@ -225,10 +225,8 @@ def test_a_function_of_cffi() -> None:
             r"it takes \(int64\) and returns none",
         ),
     ],
+    by=lambda address: rigid.Torque.call(address),
 )
-def test_what_is_no_address_is_refused(address: Any, error: type[Exception], words: str) -> None:
-    with pytest.raises(error, match=words):
-        rigid.Torque.call(address)
 
 
 @SIGNATURE  # type: ignore[untyped-decorator]
@@ -479,11 +477,10 @@ def test_until_ends_the_record_of_a_body_at_its_event() -> None:
     gain = np.array([0.2, 0.5, 1.0])
     data = gain[:, np.newaxis] * np.ones(3)
     wheel = rigid.FreeBody(BODY, torque=rigid.Torque.call(damping, data, fastest=2.0))
-    run = rigid.simulate(
+    run: Any = rigid.simulate(
         wheel, [0.0, 0.0, 1.0], t=[0.0, 30.0], until=rigid.crosses("omega3", value=0.1)
     )
     assert run.plan.method == "dop853"
-    assert run.end is not None
     assert np.abs(run.end - np.log(10.0) * 2.0 / gain).max() < 1e-10
     assert np.isnan(run.omega[:, 1]).all()
     assert np.all(run.status == rigid.Status.STOPPED)
@@ -551,8 +548,7 @@ def test_a_table_that_jumps_adds_to_a_function() -> None:
     assert float(run.error) < 1e-9
 
 
-@pytest.mark.parametrize(
-    ("asked", "words"),
+test_what_steps_under_a_function_cannot_do_is_refused = refuses(
     [
         ({"method": "rk4", "tolerance": 1e-9}, "only 'dop853' chooses its steps by a tolerance"),
         ({"method": "dop853", "tolerance": 1e-15}, "tolerance = 1e-15: must be at least 1e-14"),
@@ -566,10 +562,8 @@ def test_a_table_that_jumps_adds_to_a_function() -> None:
             "the derivative of a function is not known",
         ),
     ],
+    by=lambda asked: rigid.simulate(PAIRS[0][1], OMEGA, t=[1.0], **asked),
 )
-def test_what_steps_under_a_function_cannot_do_is_refused(asked: Any, words: str) -> None:
-    with pytest.raises(ValueError, match=words):
-        rigid.simulate(PAIRS[0][1], OMEGA, t=[1.0], **asked)
 
 
 def test_other_sections_and_growth_are_refused() -> None:
@@ -751,9 +745,8 @@ def way(request: pytest.FixtureRequest) -> str:
 
 @pytest.mark.parametrize("method", METHODS)
 def test_a_function_of_python_is_its_twin_of_ctypes(way: str, method: str) -> None:
-    one = rigid.Torque.call(plain_damping, COEFFICIENTS)
+    one: Any = rigid.Torque.call(plain_damping, COEFFICIENTS)
     pair = [one, rigid.Torque.call(SIGNATURE(plain_damping), COEFFICIENTS)]
-    assert one.function is not None
     assert one.function.of_eight == (way == "compiled")
     runs: list[Any] = [
         rigid.simulate(top(torque=torque), OMEGA, TILTED, t=[-0.5, 3.0], method=method, step=0.02)
@@ -834,9 +827,7 @@ def test_a_compiled_function_is_not_called_slow() -> None:
 def test_a_jitted_function_is_compiled_once() -> None:
     numba: Any = pytest.importorskip("numba")
     jitted = numba.njit(plain_damping)
-    pair = [rigid.Torque.call(jitted, row) for row in (COEFFICIENTS, (0.0, 0.0, 0.1))]
-    assert pair[0].function is not None
-    assert pair[1].function is not None
+    pair: Any = [rigid.Torque.call(jitted, row) for row in (COEFFICIENTS, (0.0, 0.0, 0.1))]
     assert pair[0].function.of_eight
     assert pair[0].function.address == pair[1].function.address
     assert rigid.Torque.call(jitted, COEFFICIENTS) == pair[0]

@@ -1,5 +1,7 @@
 """Damping of any strength: the methods that act by its exponential, and who chooses them."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -127,8 +129,7 @@ def test_reference_trajectories_at_any_product_of_step_and_damping(
     2e-2 of its fourth power and 1e-8, that of the layer in which the start is forgotten.
     """
     case = golden_scene(f"forced_damped/{name}")
-    forcing = case.scene.acting()
-    assert forcing is not None
+    forcing: Any = case.scene.acting()
     rate = forcing.damping_rates(np.array([case.scene.body.moments]))[0]
     # Strong damping stops what the body started with before it turns.
     moving = case.t > 5.0 / rate if rate > 100.0 else case.t >= 0.0
@@ -182,8 +183,7 @@ def test_strong_damping_is_noticed() -> None:
     with pytest.raises(ValueError, match="unstable under damping"):
         rigid.simulate(scene, *START, t=[0.4], method="dop853", step=0.01)
     # Left to itself an explicit method takes the many steps that it needs, and says how many.
-    many = rigid.plan(scene, "rates", omega=START[0], t_end=0.4, method="rk4")
-    assert many.steps is not None
+    many: Any = rigid.plan(scene, "rates", omega=START[0], t_end=0.4, method="rk4")
     assert many.steps > 1e5
 
 
@@ -241,9 +241,8 @@ SCENES: dict[str, Scene] = {
 
 def turning(scene: Scene, omega: Floats, attitude: Floats) -> float:
     """The bound of the rates that steps follow: the default ones are a sixteenth of a radian."""
-    step = rigid.plan(scene, "rates", omega=omega, attitude=attitude, method="midpoint").step
-    assert step is not None
-    return 1.0 / (16.0 * step)
+    step: Any = rigid.plan(scene, "rates", omega=omega, attitude=attitude, method="midpoint").step
+    return float(1.0 / (16.0 * step))
 
 
 def kept(scene: Scene, run: rigid.Run) -> dict[str, Floats]:
