@@ -159,41 +159,6 @@ def test_the_tilt_of_a_lagrange_top_is_that_of_its_closed_form() -> None:
     np.testing.assert_allclose(largest.tilt(), motion.tilt_max, rtol=1e-12)
 
 
-def test_a_constant_torque_in_space_changes_the_momentum_evenly() -> None:
-    # I omega in space is L(0) + t M: it reaches a value at a time that is known.
-    torque = np.array([0.3, -0.2, 0.1])
-    scene = rigid.FreeBody(rigid.Body(MOMENTS), torque=rigid.Torque.space(tuple(torque)))
-    start = [0.4, 0.5, -0.6]
-    momentum = quaternion_to_matrix(TILTED) @ (np.array(MOMENTS) * start)
-    along = np.array([1.0, -2.0, 0.5])
-    run = rigid.simulate(
-        scene,
-        start,
-        TILTED,
-        t=[0.0, 12.0],
-        events=[
-            *(rigid.crosses(f"L{k + 1}", momentum[k] + 10.0 * torque[k]) for k in range(3)),
-            rigid.crosses(momentum=along, value=float(along @ (momentum + 7.0 * torque))),
-        ],
-    )
-    assert run.plan.method in [method.name for method in rigid.methods() if method.series]
-    for event, expected in zip(run.events, (10.0, 10.0, 10.0, 7.0), strict=True):
-        assert len(event) == 1
-        assert bool(event.complete)
-        np.testing.assert_allclose(event.t, expected, rtol=1e-12)
-        assert (np.abs(event.t - expected) <= event.error).all()
-    np.testing.assert_allclose([one.slope[0] for one in run.events[:3]], torque, rtol=1e-12)
-
-
-def test_even_damping_slows_as_an_exponential() -> None:
-    # A sphere turns as exp(-D t / I).
-    scene = rigid.FreeBody(rigid.Body((2.0, 2.0, 2.0)), damping=0.1)
-    run = rigid.simulate(scene, [0.0, 0.0, 3.0], t=[100.0], events=rigid.crosses("omega3", 1.0))
-    expected = 20.0 * np.log(3.0)
-    np.testing.assert_allclose(run.events[0].t, [expected], rtol=1e-12)
-    assert abs(run.events[0].t[0] - expected) <= run.events[0].error[0]
-
-
 def test_random_events_agree_with_those_of_another_method() -> None:
     rng = np.random.default_rng(11)
     compared = 0
