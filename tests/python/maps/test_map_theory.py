@@ -177,21 +177,6 @@ def test_the_law_is_silent_where_noise_of_the_spin_changes_the_growth() -> None:
     np.testing.assert_array_equal(np.isfinite(theory.share), spread <= 0.25)
 
 
-def test_the_law_is_that_of_the_exact_flip_time_for_small_perturbations() -> None:
-    # With w3 = 0 the middle rate starts at its largest, a quarter period before its zero. For small
-    # |u| that time is ln(2 A1/|u|)/rate up to a relative u²: at the bound of the law it is t_end.
-    moments = np.array([1.0, 1.5, 2.0])
-    rate, a1, _ = growth(moments, 1.0)
-
-    def late(w1: float, t_end: float) -> float:
-        return quarter_period(moments, np.array([w1, 1.0, 0.0])) - t_end
-
-    for t_end in (10.0, 20.0, 30.0):
-        w1 = brentq(late, 1e-12, 0.5, args=(t_end,), xtol=1e-15)
-        u = 0.5 * w1
-        assert u == pytest.approx(2.0 * a1 * math.exp(-rate * t_end), rel=10.0 * u**2 + 1e-9)
-
-
 @pytest.mark.parametrize("order", list(itertools.permutations(range(3))))
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_the_growing_direction_has_the_right_sign(order: tuple[int, ...], sign: float) -> None:

@@ -199,24 +199,6 @@ def test_times_of_joined_criteria_are_compared() -> None:
     assert np.count_nonzero(np.abs(alone - truths) > 1e-3 * truths) > 0
 
 
-def test_a_free_body_about_its_axis_turns_at_its_spin() -> None:
-    result = rigid.stability_map(
-        rigid.FreeBody,
-        axes={"spin": [1.0, 2.0]},
-        samples=2,
-        t_end=30.0,
-        rng=1,
-        start=rigid.Start(spin=1.0, axis=3),
-        stable=rigid.no_flip(),
-        measure=[rigid.mean_rate(3), rigid.flips(), rigid.drift()],
-    )
-    np.testing.assert_allclose(result.measures["mean_rate"].mean, [1.0, 2.0], rtol=1e-15)
-    assert not result.measures["mean_rate"].std.any()
-    assert not result.measures["flips"].mean.any()
-    # In closed form nothing drifts.
-    assert not result.measures["drift"].count.any()
-
-
 @pytest.mark.parametrize(("axis", "values"), [("t_end", [3.0, 8.0, 1.0e-3]), ("limit", [0.3, 0.6])])
 def test_each_horizon_and_each_limit_has_the_values_of_its_own_map(
     axis: str, values: list[float]

@@ -447,7 +447,7 @@ def test_what_is_no_sink_is_refused() -> None:
 
 @pytest.mark.parametrize("name", SCENES)
 def test_points_of_a_section_lie_on_it(name: str) -> None:
-    points = rigid.poincare(SCENES[name], OMEGA, ATTITUDE, "omega2", t_end=40.0)
+    points = rigid.poincare(SCENES[name], OMEGA, ATTITUDE, "omega2", t_end=25.0)
     assert len(points.t) >= 3
     omega, _ = solved(SCENES[name], OMEGA, ATTITUDE, np.array([0.0, *points.t]))
     assert np.abs(omega[1:, 1]).max() < 1e-10
@@ -460,7 +460,7 @@ def test_stated_errors_of_random_satellites_are_true() -> None:
     ``tests/long/stated_errors.py --kinds satellite`` runs more of them.
     """
     kinds = {"satellite": KINDS["satellite"]}
-    findings = [judge(number, 1, kinds) for number in range(20)]
+    findings = [judge(number, 1, kinds) for number in range(10)]
     verdicts = [one.verdict for one in findings]
     assert verdicts.count("UNDETECTED") == 0
-    assert verdicts.count("right") > 15
+    assert verdicts.count("right") > 7

@@ -220,7 +220,7 @@ def test_a_top_that_hardly_swings_is_compared_with_its_own_rates(
     top = rigid.HeavyTop(rigid.Body((1.0, 1.3, 0.6)), mgl=1.0)
     start = size * np.array([0.3, 0.2, 1.0])
     attitude = [size, 1.0, 0.3 * size, 0.0]
-    t = np.linspace(0.0, 300.0, 40)
+    t = np.linspace(0.0, 100.0, 14)
     run, true = both(top, start, t, attitude, method=method, accuracy=accuracy)
     assert true.max() > 1e-10
     assert true.max() <= run.error
@@ -310,9 +310,9 @@ def test_the_error_of_the_work_is_stated_by_tolerance(method: str) -> None:
 
 
 def test_no_body_speaks_for_another() -> None:
-    """Body 7 is chaotic among 200 fast tops."""
+    """Body 7 is chaotic among 40 fast tops."""
     top = rigid.HeavyTop(rigid.Body((1.0, 1.6, 0.7)), mgl=1.2, com=(0.6, 0.0, 0.8))
-    omega = np.tile([0.1, 0.2, 40.0], (200, 1)) + np.linspace(0.0, 0.1, 200)[:, None]
+    omega = np.tile([0.1, 0.2, 40.0], (40, 1)) + np.linspace(0.0, 0.1, 40)[:, None]
     omega[7] = [0.1, 0.0, 0.2]
     run = rigid.simulate(top, omega, tilted(0.3), t=[400.0], method="taylor16")
     assert np.flatnonzero(run.status != Status.OK).tolist() == [7]
