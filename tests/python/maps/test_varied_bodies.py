@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +10,6 @@ import pytest
 
 import rigid
 from refusals import refuses
-from rigid.maps import job
 from rigid.maps.theory import predict
 from rigid.model.parameters import PARAMETERS
 
@@ -101,31 +99,6 @@ def test_draws_that_no_body_can_have_are_repeated_and_counted() -> None:
     assert np.array_equal(drawn.parameters["I3"][known], values[first, np.arange(400)][known])
 
 
-def test_bits_do_not_depend_on_blocks_threads_and_executors(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
-    vary = {"I1": rigid.normal(0.1), "damping2": rigid.uniform(0.02), "mgl": rigid.uniform(0.5)}
-    scene = rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.7)), mgl=1.2, damping=0.03)
-    asked: dict[str, Any] = {
-        "axes": {"spin": [3.0, 3.6], "t_end": [5.0, 10.0]},
-        "samples": 70,
-        "stable": rigid.tilt_below(0.5),
-        "vary": vary,
-        "rng": SEED,
-    }
-    whole = rigid.stability_map(scene, threads=1, **asked)
-    assert 0 < whole.stable.sum() < 280
-    monkeypatch.setattr(job, "BLOCK", 19)
-    others = [rigid.stability_map(scene, threads=2, **asked)]
-    others.append(rigid.stability_map(scene, store=tmp_path / "map.rigid", **asked))
-    with ThreadPoolExecutor(2) as pool:
-        others.append(rigid.stability_map(scene, executor=pool, **asked))
-    for other in others:
-        for name in ("stable", "unstable", "undecided", "failed", "checked", "steps"):
-            assert np.array_equal(getattr(other, name), getattr(whole, name)), name
-        assert np.array_equal(other.energy_drift, whole.energy_drift, equal_nan=True)
-
-
 @pytest.mark.parametrize("stable", [rigid.tilt_below(0.5), rigid.regular()])
 def test_a_replay_is_the_body_that_was_drawn(stable: Any) -> None:
     result = flipping({"I1": rigid.normal(0.05)}, stable=stable, samples=3)
@@ -157,15 +130,6 @@ def test_measures_and_more_samples_until_an_interval_is_narrow() -> None:
     alone = flipping(vary, samples=int(result.samples[0]), axes={"spin": [1.0]})
     assert alone.stable[0] == result.stable[0]
     assert result.measures["flips"].count.tolist() == result.samples.tolist()
-
-
-def test_a_file_keeps_what_varies(tmp_path: Path) -> None:
-    result = flipping({"I1": rigid.normal(0.05, relative=True)})
-    result.save(tmp_path / "map.npz")
-    again = rigid.load_map(tmp_path / "map.npz")
-    assert again.spec == result.spec
-    assert again.spec.vary[0].noise == rigid.normal(0.05, relative=True)
-    assert again.replay((0,), 5).omega.tolist() == result.replay((0,), 5).omega.tolist()
 
 
 def test_ratios_follow_the_moment_that_is_drawn_too() -> None:
