@@ -447,7 +447,7 @@ def test_what_is_no_sink_is_refused() -> None:
 
 @pytest.mark.parametrize("name", SCENES)
 def test_points_of_a_section_lie_on_it(name: str) -> None:
-    points = rigid.poincare(SCENES[name], OMEGA, ATTITUDE, "omega2", t_end=25.0)
+    points = rigid.poincare(SCENES[name], OMEGA, ATTITUDE, "omega2", t_end=40.0)
     assert len(points.t) >= 3
     omega, _ = solved(SCENES[name], OMEGA, ATTITUDE, np.array([0.0, *points.t]))
     assert np.abs(omega[1:, 1]).max() < 1e-10
