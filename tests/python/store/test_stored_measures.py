@@ -122,8 +122,7 @@ def test_a_log_is_a_tar_file_of_rows_and_bins(run: Folder) -> None:
     with tarfile.open(log) as archive:
         for name in archive.getnames():
             if name.endswith(".bins.npy"):
-                member = archive.extractfile(name)
-                assert member is not None
+                member: Any = archive.extractfile(name)
                 bins = np.load(io.BytesIO(member.read()), allow_pickle=False)
                 assert bins.dtype == BIN_ROW
                 units.append(np.unique(bins["unit"]))
