@@ -15,7 +15,7 @@ from ..model.start import Noise, Samples, Start
 from ..solve.methods import AUTO, EXACT, known_method, map_methods, series_methods
 from .core_request import CoreRequest, CoreStarts
 from .grid import Pixels
-from .judge import CustomJob
+from .judge import Blocks, CustomJob
 from .sequential import LOOK
 from .spec import MapSpec
 
@@ -31,12 +31,17 @@ class Jobs:
         The request of each part, and which of all requested rows belong to it, ascending.
     samples : int
         Samples of each row.
+    measures : int
+        Number of measures.
     """
 
     def __init__(
-        self, jobs: list[tuple[_core.MapJob | CustomJob | VaryingJob, Ints]], samples: int
+        self,
+        jobs: list[tuple[_core.MapJob | CustomJob | VaryingJob, Ints]],
+        samples: int,
+        measures: int,
     ) -> None:
-        self._jobs, self._samples = jobs, samples
+        self._jobs, self._samples, self._measures = jobs, samples, measures
         self.status = np.empty(sum(len(rows) for _, rows in jobs), dtype=np.uint8)
         for job, rows in jobs:
             self.status[rows] = job.status
@@ -50,20 +55,13 @@ class Jobs:
     ) -> dict[str, Any] | None:
         """As ``MapJob.run``, of all samples."""
         assert (start, stop) == (0, len(self.status) * self._samples)
-        parts = []
+        statistics = _core.MapStatistics(len(self.status), self._measures)
         for job, rows in self._jobs:
             part = job.run(0, len(rows) * self._samples, threads, interrupted)
             if part is None:
                 return None
-            parts.append({**part, "pixels": rows})
-        statistics = _core.MapStatistics(len(self.status), len(parts[0]["measures"]))
-        for part in parts:
-            statistics.merge(part)
-        return {
-            "pixels": np.arange(len(self.status)),
-            "measures": statistics.bins(),
-            **statistics.arrays(),
-        }
+            statistics.merge({**part, "pixels": rows})
+        return {**statistics.arrays(), "measures": statistics.bins()}
 
     def starts(self, samples: NDArray[np.uint64]) -> list[NDArray[np.float64]]:
         """As ``MapJob.starts``."""
@@ -100,7 +98,7 @@ BLOCK = 2**14
 """Bodies of a varying map that a request to the core has: some tens of milliseconds or more."""
 
 
-class VaryingJob:
+class VaryingJob(Blocks):
     """The request of a map whose bodies vary: in the core each body is a pixel with one sample.
 
     Parameters
@@ -120,57 +118,30 @@ class VaryingJob:
     def __init__(
         self, spec: MapSpec, pixels: Ints, count: int, first: Ints, fixed: Mapping[str, float]
     ) -> None:
-        self._spec, self._pixels, self._fixed = spec, pixels, fixed
-        self._count, self._first = count, first
+        status = spec.starting(spec.start.starts[0], pixels).status
+        super().__init__(status, count, len(spec.measure), BLOCK)
+        self._spec, self._pixels, self._first, self._fixed = spec, pixels, first, fixed
         self._checked = spec.checked_before(count, first)
-        self.status = spec.starting(spec.start.starts[0], pixels).status
-
-    def run(
-        self,
-        start: int,
-        stop: int,
-        threads: int,
-        interrupted: Callable[[], bool] | None = None,
-    ) -> dict[str, Any] | None:
-        """As ``MapJob.run``."""
-        first, last = start // self._count, -(-stop // self._count)
-        statistics = _core.MapStatistics(last - first, len(self._spec.measure))
-        for begin in range(start, stop, BLOCK):
-            flat = np.arange(begin, min(begin + BLOCK, stop))
-            flat = flat[self.status[flat // self._count] == 0]
-            if not len(flat):
-                continue
-            part = self._of(flat).run(0, len(flat), threads, interrupted)
-            if part is None:
-                return None
-            statistics.merge({**part, "pixels": flat // self._count - first})
-        return {
-            "pixels": np.arange(first, last),
-            "measures": statistics.bins(),
-            **statistics.arrays(),
-        }
 
     def starts(self, samples: NDArray[np.uint64]) -> list[NDArray[np.float64]]:
         """As ``MapJob.starts``."""
-        parts = [job.starts(every) for job, every in self._parts(samples)]
+        parts = [
+            self._of(flat).starts(np.arange(len(flat), dtype=np.uint64))
+            for flat in self._blocks(samples)
+        ]
         return [np.concatenate(columns) for columns in zip(*parts, strict=True)]
 
-    def outcomes(self, samples: NDArray[np.uint64], threads: int) -> dict[str, NDArray[Any]]:
-        """As ``MapJob.outcomes``."""
-        parts = [job.outcomes(every, threads) for job, every in self._parts(samples)]
-        return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+    def _counted(
+        self, flat: Ints, threads: int, interrupted: Callable[[], bool] | None
+    ) -> dict[str, Any] | None:
+        return self._of(flat).run(0, len(flat), threads, interrupted)
 
-    def _parts(
-        self, samples: NDArray[np.uint64]
-    ) -> Iterator[tuple[_core.MapJob | CustomJob, NDArray[np.uint64]]]:
-        """Requests for these samples, and the numbers of the samples there."""
-        for begin in range(0, max(len(samples), 1), BLOCK):
-            flat = samples[begin : begin + BLOCK].astype(np.int64)
-            yield self._of(flat), np.arange(len(flat), dtype=np.uint64)
+    def _found(self, flat: Ints, threads: int) -> dict[str, NDArray[Any]]:
+        return self._of(flat).outcomes(np.arange(len(flat), dtype=np.uint64), threads)
 
     def _of(self, flat: Ints) -> _core.MapJob | CustomJob:
         """The request of these samples."""
-        row, within = np.divmod(flat, self._count)
+        row, within = np.divmod(flat, self._samples)
         spec, pixels, number = self._spec, self._pixels[row], self._first[row] + within
         grids = [spec.bodies(start, pixels, number) for start in spec.start.starts]
         return _of_rows(spec, grids, pixels, (1, number), self._checked, self._fixed)
@@ -221,7 +192,7 @@ def to_core(
         if len(rows):
             own = np.searchsorted(part.pixels, asked[rows])
             jobs.append((_one(part.spec, own, count, begins[rows], part.fixed), rows))
-    return jobs[0][0] if len(jobs) == 1 else Jobs(jobs, count)
+    return jobs[0][0] if len(jobs) == 1 else Jobs(jobs, count, len(spec.measure))
 
 
 def _one(
