@@ -68,7 +68,7 @@ class Blocks:
         self.status = status
         self._samples, self._measures, self._most = samples, measures, most
 
-    def _blocks(self, numbers: Sequence[int] | Ints) -> Iterator[Ints]:
+    def _blocks(self, numbers: Sequence[int] | NDArray[Any]) -> Iterator[Ints]:
         """Some numbers of bodies at a time."""
         for begin in range(0, len(numbers), self._most):
             yield np.asarray(numbers[begin : begin + self._most], dtype=np.int64)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import json
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, TypeVar
@@ -520,13 +520,20 @@ class MapSpec:
             parts.append(MapPart(self.replace(**changes), np.flatnonzero(mine), fixed))
         return tuple(parts)
 
-    def part_of(self, pixel: int) -> tuple[MapSpec, int]:
-        """The part that a pixel, by its number in C order, belongs to, and its number there."""
+    def by_part(
+        self, pixels: NDArray[np.int64]
+    ) -> Iterator[tuple[MapPart, NDArray[np.intp], NDArray[np.int64]]]:
+        """Pixels by their numbers: each part, the places of its pixels, and their numbers there."""
         for part in self.parts:
-            at = int(np.searchsorted(part.pixels, pixel))
-            if at < len(part.pixels) and part.pixels[at] == pixel:
-                return part.spec, at
-        raise IndexError(f"pixel = {pixel}: lies outside the map of shape {self.shape}")
+            if len(self.parts) == 1:
+                yield part, np.arange(len(pixels)), pixels
+            else:
+                mine = np.flatnonzero(np.isin(pixels, part.pixels))
+                yield part, mine, np.searchsorted(part.pixels, pixels[mine])
+
+    def part_of(self, pixel: int) -> tuple[MapPart, NDArray[np.int64]]:
+        """The part that a pixel belongs to, and its number there."""
+        return next((part, own) for part, _, own in self.by_part(np.array([pixel])) if len(own))
 
     @property
     def horizons(self) -> NDArray[np.float64]:

@@ -24,8 +24,7 @@ from ..maps.identity import receipt
 from ..maps.plan import map_plan
 from ..maps.plot import SHARE, plot_map
 from ..maps.replay import Replay, replay
-from ..maps.samples import Outcomes, Starts, outcomes, starts
-from ..maps.sensitivity import map_condition
+from ..maps.samples import Outcomes, Starts, condition, outcomes, starts
 from ..maps.spec import MapSpec
 from ..maps.summary import summary
 from ..maps.theory import Theory, disagreement, predict
@@ -426,7 +425,7 @@ class StabilityMap(MapData):
             raise ValueError(
                 f"samples = {brief(count)}: the map has {self.spec.samples} in a pixel"
             )
-        return map_condition(self.spec, count, resolve_threads(threads))
+        return condition(self, count, resolve_threads(threads))
 
     def plot(
         self,

@@ -253,8 +253,10 @@ def _seconds_of_one(
     def run(count: int, share: float) -> None:
         rng = np.random.default_rng(0)
         some = np.resize(rng.permutation(pixels), count)
-        job = to_core(until(share), some, samples, LOOK * rng.integers(looks, size=count))
-        job.run(0, count * samples, threads)
+        first = LOOK * rng.integers(looks, size=count)
+        for part, mine, own in until(share).by_part(some):
+            job = to_core(part.spec, own, samples, first[mine], part.fixed)
+            job.run(0, len(own) * samples, threads)
 
     share = 1.0 if steps is not None and steps * samples <= QUICK else LEAST_SHARE
     most, few = looks * len(pixels), max(1, FEW // samples)
