@@ -154,7 +154,9 @@ def condition(data: MapData, samples: int, threads: int) -> Floats:
         bodies = every.bodies(np.arange(len(own)), *_drawn(part, own, sample))
         factors[mine] = amplification(bodies, np.array([part.spec.t_end]), threads)[:, 0]
     layer = np.full(spec.shape, np.nan)
-    layer.flat[np.flatnonzero(possible[::samples])] = np.median(factors.reshape(-1, samples), axis=1)
+    layer.flat[np.flatnonzero(possible[::samples])] = np.median(
+        factors.reshape(-1, samples), axis=1
+    )
     return layer
 
 

@@ -168,7 +168,7 @@ class MapSpec:
                 ("scene", "own", "axes"), own_scene(self.scene, self.axes), strict=True
             ):
                 put(name, made)
-        if isinstance(self.axes, Mapping):
+        if not isinstance(self.axes, tuple):
             put("axes", make_axes(self.axes, () if self.own is None else self.own.names))
         if self.own is not None:
             for start in self.start.starts:

@@ -15,9 +15,8 @@ from numpy.typing import NDArray
 from .._checks.shown import labelled
 from ..maps.data import CLASSES, MapData
 from ..maps.job import to_core
-from ..maps.plan import map_plan
+from ..maps.plan import map_plan, shortened
 from ..maps.refine import refined
-from ..maps.request import shortened
 from ..maps.sequential import LOOK
 from ..maps.spec import MapSpec
 from ..solve.plan import Plan
