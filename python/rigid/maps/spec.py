@@ -357,7 +357,7 @@ class MapSpec:
             self.own.source.call("scene")
 
     @property
-    def _sources(self) -> dict[str, Sourced]:
+    def sources(self) -> dict[str, Sourced]:
         """The functions that the numbers depend on, by their arguments of ``with_functions``."""
         found = {} if self.own is None else {"scene": self.own.source}
         return {**found, "stable": self.stable.source} if isinstance(self.stable, Custom) else found
@@ -365,7 +365,7 @@ class MapSpec:
     @property
     def functions(self) -> dict[str, Any]:
         """The functions that are known, as :meth:`with_functions` takes them."""
-        known = {name: source.function for name, source in self._sources.items()}
+        known = {name: source.function for name, source in self.sources.items()}
         found = {name: function for name, function in known.items() if function is not None}
         torque = self._torque
         return found if torque is None or not torque.address else {**found, "scene": self.scene}
@@ -379,7 +379,7 @@ class MapSpec:
     @property
     def left_out(self) -> dict[str, str]:
         """Names of what a file of the map leaves out, by the arguments of ``with_functions``."""
-        names = {argument: source.name for argument, source in self._sources.items()}
+        names = {argument: source.name for argument, source in self.sources.items()}
         return names if self._torque is None else {**names, "scene": "scene"}
 
     @property
@@ -389,7 +389,7 @@ class MapSpec:
 
     def require_functions(self) -> None:
         """Raise ValueError if a function must be given again."""
-        for name, source in self._sources.items():
+        for name, source in self.sources.items():
             source.call(name)
         self.require_torque()
 
@@ -403,20 +403,15 @@ class MapSpec:
 
     def renewed(self) -> MapSpec:
         """The specification with its functions as they are now, if they are known."""
-        now = {name: one.renewed(name) for name, one in self._sources.items()}
+        now = {name: one.renewed(name) for name, one in self.sources.items()}
         return self._with_sources(
-            {name: one for name, one in now.items() if one != self._sources[name]}
+            {name: one for name, one in now.items() if one != self.sources[name]}
         )
-
-    @property
-    def tells_captured(self) -> bool:
-        """Whether there are digests of functions."""
-        return bool(self._sources)
 
     @property
     def doubt(self) -> str:
         """Why a function may give other numbers than before, in words; empty without a reason."""
-        return "; ".join(filter(None, (one.doubt(name) for name, one in self._sources.items())))
+        return "; ".join(filter(None, (one.doubt(name) for name, one in self.sources.items())))
 
     def with_functions(
         self,
@@ -457,7 +452,7 @@ class MapSpec:
             return dataclasses.replace(self, scene=scene).with_functions(
                 stable=stable, carried=carried
             )
-        known = self._sources
+        known = self.sources
         if stable is not None and "stable" not in known:
             raise ValueError("stable: this map has no custom criterion")
         if scene is not None and "scene" not in known:

@@ -20,7 +20,6 @@ from ..maps.counts import counted
 from ..maps.data import CLASSES, MapData
 from ..maps.dataset import map_dataset, map_table, write_zarr
 from ..maps.file import read_map, write_map
-from ..maps.identity import receipt
 from ..maps.plan import map_plan
 from ..maps.plot import SHARE, plot_map
 from ..maps.replay import Replay, replay
@@ -31,6 +30,7 @@ from ..maps.theory import Theory, disagreement, predict
 from ..model.scene import Scene
 from ..solve.columns import write_table
 from ..solve.plan import Plan
+from .head import receipt
 
 if TYPE_CHECKING:
     from pathlib import Path
