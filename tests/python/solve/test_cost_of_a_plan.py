@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 import rigid
 from rigid import planning
-from rigid.maps.request import shortened
+from rigid.maps.plan import shortened
 from rigid.solve import timing
 from small_maps import small_map
 

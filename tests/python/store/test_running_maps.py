@@ -223,7 +223,7 @@ def test_segments_of_many_samples_merge_to_the_pixel(
 ) -> None:
     spec = small_map(samples=1).spec
     many = rigid.MapSpec.from_dict({**spec.to_dict(), "samples": 200})
-    monkeypatch.setattr("rigid.maps.identity.SEGMENT", 64)
+    monkeypatch.setattr("rigid.store.head.SEGMENT", 64)
     go_on(tmp_path / "run", spec=many)
     folder = Folder(tmp_path / "run")
     assert folder.head.segments == 4
