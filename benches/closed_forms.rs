@@ -8,10 +8,10 @@
 #[path = "timing.rs"]
 mod timing;
 
+use rigid::body::Body;
 use rigid::exact::{Evaluator, EvaluatorKind, ExitRows, StartRows, StateRows};
 use rigid::simd::Isa;
 use rigid::simd::{LANES, Row};
-use rigid::start::Body;
 use std::hint::black_box;
 
 const REPEATS: usize = 31;

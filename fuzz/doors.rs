@@ -3,18 +3,18 @@
 //! Whatever the numbers are, a door refuses them or gives a result that is one: states that are called finished are
 //! finite, samples are counted once, and nothing panics.
 
-use rigid::body::{Inertia, principal_axes};
+use rigid::body::{Body, unit_quaternion};
 use rigid::error::Error;
 use rigid::exact::derived::{free_quantities, saddle, sign_changes, tilt_time, top_quantities};
 use rigid::forces::Forces;
-use rigid::map::{Check, Condition, Criterion, Laws, Logic, Map, MethodChoice, Pixel, Rule, clopper_pearson};
+use rigid::inertia::{Inertia, principal_axes};
+use rigid::map::{Check, Condition, Criterion, Distributions, Logic, Map, Pixel, Rule, clopper_pearson};
 use rigid::method::{AnyMethod, default_step};
 use rigid::parallel::Interrupt;
-use rigid::sample::Law;
+use rigid::sample::Distribution;
 use rigid::scene::{FREE, Scene, TOP};
 use rigid::simd::Isa;
 use rigid::special;
-use rigid::start::{Body, unit_quaternion};
 use rigid::status::Status;
 use rigid::trajectory::{self, Motion, Record, Request, Schedule};
 
@@ -209,23 +209,33 @@ fn motion(numbers: &mut Bytes) {
 
 fn map(numbers: &mut Bytes) {
     let scene = numbers.scene();
-    let laws = [Law::None, Law::Normal, Law::Uniform, Law::Direction, Law::VonMisesFisher(0)];
+    let distributions = [
+        Distribution::None,
+        Distribution::Normal,
+        Distribution::Uniform,
+        Distribution::Direction,
+        Distribution::VonMisesFisher(0),
+    ];
     let angle = numbers.number();
     let rule = Rule { sure: angle, low: numbers.number(), high: numbers.number(), ratio: numbers.number() };
     let asked = Map {
         scene,
         forces: None,
-        method: if numbers.below(2) == 0 { MethodChoice::Auto } else { MethodChoice::Only(numbers.method()) },
+        method: if numbers.below(2) == 0 { AnyMethod::Auto } else { numbers.method() },
         pixels: numbers.list(3, |numbers| Pixel {
             body: numbers.body(scene),
             omega_size: numbers.vector(),
             attitude_size: numbers.vector(),
             possible: numbers.below(4) > 0,
         }),
-        laws: Laws {
-            omega: numbers.of(laws),
-            attitude: if numbers.below(4) == 0 { Law::UniformAttitude } else { numbers.of(laws) },
-            ..Laws::NONE
+        distributions: Distributions {
+            omega: numbers.of(distributions),
+            attitude: if numbers.below(4) == 0 {
+                Distribution::UniformAttitude
+            } else {
+                numbers.of(distributions)
+            },
+            ..Distributions::NONE
         },
         mixture: Vec::new(),
         conditions: vec![Condition {
@@ -319,10 +329,9 @@ fn names(bytes: &[u8]) {
     let refused = [
         AnyMethod::parse(&name).err(),
         Scene::parse(&name).err(),
-        Law::parse("law", &name).err(),
+        Distribution::parse("distribution", &name).err(),
         // A known criterion of more limits is refused by their number.
         Criterion::parse(&name, &[1.0]).err().filter(|error| !matches!(error, Error::Shape { .. })),
-        MethodChoice::parse(&name).err(),
     ];
     assert!(refused.iter().flatten().all(|error| error.to_string().contains(&*name)));
 }

@@ -42,6 +42,13 @@ pub fn length<const N: usize>(v: &[f64; N]) -> f64 {
     v.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
+/// A symmetric matrix, from its entries 11, 22, 33, 23, 31, 12.
+#[inline(always)]
+pub fn symmetric<R: Copy>(entries: &[R; 6]) -> [[R; 3]; 3] {
+    let [d11, d22, d33, d23, d31, d12] = *entries;
+    [[d11, d12, d31], [d12, d22, d23], [d31, d23, d33]]
+}
+
 /// |omega| of a state.
 #[inline(always)]
 pub fn speed<R: Real, const D: usize>(y: &[R; D]) -> R {

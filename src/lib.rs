@@ -3,8 +3,8 @@
 //! An arrow points from a module to the modules that it uses:
 //!
 //! ```text
-//! real ← simd        real ← special ← kinematics        kinematics ← series ← forces ← {body, start}
-//! {kinematics, forces} ← scene ← method ← observe ← kernel        {special, start} ← exact
+//! real ← simd        real ← special ← kinematics        kinematics ← series ← forces ← {inertia, body}
+//! {kinematics, forces} ← scene ← method ← observe ← kernel        {special, body} ← exact
 //! special ← sample        memory ← {forces, kernel, parallel}        float_environment ← {parallel, python}
 //! {kernel, exact, sample, parallel} ← trajectory ← {estimate ← accuracy, map} ← python
 //! ```
@@ -16,6 +16,7 @@ pub mod estimate;
 pub mod exact;
 pub mod float_environment;
 pub mod forces;
+pub mod inertia;
 pub mod kernel;
 pub mod kinematics;
 pub mod map;
@@ -32,7 +33,6 @@ pub mod scene;
 pub mod series;
 pub mod simd;
 pub mod special;
-pub mod start;
 pub mod status;
 pub mod trajectory;
 

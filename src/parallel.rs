@@ -207,7 +207,10 @@ pub fn owned<T>(owner: u64, work: impl FnOnce() -> T) -> T {
 ///
 /// A function of Python that `work` calls in the thread of the caller would handle the signals, and lose what their
 /// handlers raise.
-pub fn apart<T: Send>(stop: &Interrupt, work: impl FnOnce() -> Result<T, Error> + Send) -> Result<T, Error> {
+pub fn in_another_thread<T: Send>(
+    stop: &Interrupt,
+    work: impl FnOnce() -> Result<T, Error> + Send,
+) -> Result<T, Error> {
     let (caller, work, result) = (thread::current(), Mutex::new(Some(work)), Mutex::new(None));
     let once = || {
         let work = work.lock().expect("nothing panics here").take();
@@ -341,14 +344,14 @@ mod tests {
         let asked = AtomicBool::new(false);
         let ask = |_| !asked.swap(true, Ordering::Relaxed);
         let stop = Interrupt::when(&ask);
-        let worker = apart(&stop, || {
+        let worker = in_another_thread(&stop, || {
             while !stop.is_wanted() {
                 thread::sleep(Duration::from_millis(1));
             }
             Ok(thread::current().id())
         });
         assert!(worker.is_ok_and(|worker| worker != caller));
-        let fault = apart(&stop, || -> Result<(), Error> { panic!("it is bad") });
+        let fault = in_another_thread(&stop, || -> Result<(), Error> { panic!("it is bad") });
         assert_eq!(fault, Err(Error::Fault { words: "it is bad".into() }));
     }
 

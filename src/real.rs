@@ -9,7 +9,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 pub(crate) const INTEGER_SHIFT: f64 = 6_755_399_441_055_744.0;
 
 /// Work that several kernels share: a function of its own, which a kernel calls.
-pub trait Apart {
+pub trait Outlined {
     /// What it returns.
     type Out;
     /// Does the work. It is `#[inline(always)]`, and takes on the instruction set of its caller.
@@ -66,6 +66,18 @@ pub trait Real:
         let (zero, one) = (Self::splat(0.0), Self::splat(1.0));
         !Self::any(zero.lt(Self::select(mask, zero, one)))
     }
+    /// Where both masks are true.
+    #[inline(always)]
+    fn both(one: Self::Mask, other: Self::Mask) -> Self::Mask {
+        let zero = Self::splat(0.0);
+        zero.lt(Self::select(one, Self::select(other, Self::splat(1.0), zero), zero))
+    }
+    /// Where the first mask is true and the other is not.
+    #[inline(always)]
+    fn except(one: Self::Mask, other: Self::Mask) -> Self::Mask {
+        let zero = Self::splat(0.0);
+        zero.lt(Self::select(one, Self::select(other, zero, Self::splat(1.0)), zero))
+    }
     /// 2^self for an integer-valued self in -1022 ..= 1023.
     fn exp2i(self) -> Self;
     /// Mantissa in [1, 2) and exponent of a positive normal number.
@@ -75,7 +87,7 @@ pub trait Real:
     /// Whether the integer-valued `n` (below 2^51) is odd.
     fn odd(n: Self) -> Self::Mask;
     /// Runs work in a function of its own, with the instructions of the registers.
-    fn apart<W: Apart>(work: W) -> W::Out;
+    fn outlined<W: Outlined>(work: W) -> W::Out;
 }
 
 /// A `Real` with a body in each lane.
@@ -187,7 +199,7 @@ impl Real for f64 {
         (n + INTEGER_SHIFT).to_bits() & 1 == 1
     }
     #[inline(never)]
-    fn apart<W: Apart>(work: W) -> W::Out {
+    fn outlined<W: Outlined>(work: W) -> W::Out {
         work.run()
     }
 }

@@ -54,7 +54,7 @@ pub fn uniforms_together<const N: usize>(key: [u64; 2], block: u64, samples: [[u
 
 /// The distributions of a perturbation. Each takes four uniforms, even if it needs fewer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Law {
+pub enum Distribution {
     /// No perturbation.
     None,
     /// Three independent standard normals (Box and Muller 1958).
@@ -69,27 +69,29 @@ pub enum Law {
     VonMisesFisher(usize),
 }
 
-impl Law {
-    const NAMES: [(&'static str, Law); 8] = [
-        ("none", Law::None),
-        ("normal", Law::Normal),
-        ("uniform", Law::Uniform),
-        ("direction", Law::Direction),
-        ("uniform_attitude", Law::UniformAttitude),
-        ("von_mises_fisher1", Law::VonMisesFisher(0)),
-        ("von_mises_fisher2", Law::VonMisesFisher(1)),
-        ("von_mises_fisher3", Law::VonMisesFisher(2)),
+impl Distribution {
+    const NAMES: [(&'static str, Distribution); 8] = [
+        ("none", Distribution::None),
+        ("normal", Distribution::Normal),
+        ("uniform", Distribution::Uniform),
+        ("direction", Distribution::Direction),
+        ("uniform_attitude", Distribution::UniformAttitude),
+        ("von_mises_fisher1", Distribution::VonMisesFisher(0)),
+        ("von_mises_fisher2", Distribution::VonMisesFisher(1)),
+        ("von_mises_fisher3", Distribution::VonMisesFisher(2)),
     ];
 
     /// The distribution of this name.
-    pub fn parse(argument: &'static str, name: &str) -> Result<Law, Error> {
-        Law::NAMES.iter().find(|(known, _)| *known == name).map(|&(_, law)| law).ok_or_else(|| {
-            Error::Unknown {
+    pub fn parse(argument: &'static str, name: &str) -> Result<Distribution, Error> {
+        Distribution::NAMES
+            .iter()
+            .find(|(known, _)| *known == name)
+            .map(|&(_, distribution)| distribution)
+            .ok_or_else(|| Error::Unknown {
                 argument,
                 value: name.to_string(),
-                known: Law::NAMES.map(|(known, _)| known).join(", "),
-            }
-        })
+                known: Distribution::NAMES.map(|(known, _)| known).join(", "),
+            })
     }
 }
 
@@ -103,16 +105,18 @@ fn box_muller<R: Real>(u: R, v: R) -> [R; 2] {
 
 /// Three numbers of the distribution, of unit size.
 #[inline(always)]
-pub fn vector<R: Real>(law: Law, u: [R; 4]) -> [R; 3] {
+pub fn vector<R: Real>(distribution: Distribution, u: [R; 4]) -> [R; 3] {
     let (one, two) = (R::splat(1.0), R::splat(2.0));
-    match law {
-        Law::None | Law::UniformAttitude | Law::VonMisesFisher(_) => [R::splat(0.0); 3],
-        Law::Normal => {
+    match distribution {
+        Distribution::None | Distribution::UniformAttitude | Distribution::VonMisesFisher(_) => {
+            [R::splat(0.0); 3]
+        }
+        Distribution::Normal => {
             let [a, b] = box_muller(u[0], u[1]);
             [a, b, box_muller(u[2], u[3])[0]]
         }
-        Law::Uniform => [two * u[0] - one, two * u[1] - one, two * u[2] - one],
-        Law::Direction => {
+        Distribution::Uniform => [two * u[0] - one, two * u[1] - one, two * u[2] - one],
+        Distribution::Direction => {
             let z = two * u[0] - one;
             let radius = ((one - z) * (one + z)).sqrt();
             let (sin, cos) = sincos(R::splat(TAU) * u[1]);
@@ -163,16 +167,16 @@ pub fn turned_rates<R: Real>(concentration: R, rates: [R; 3], u: [R; 4]) -> [R; 
 
 /// A perturbed attitude: `q` turned in the body by a rotation vector of the distribution, or a uniform random attitude.
 #[inline(always)]
-pub fn attitude<R: Real>(law: Law, size: [R; 3], q: [R; 4], u: [R; 4]) -> [R; 4] {
-    match law {
-        Law::None => q,
-        Law::UniformAttitude => {
+pub fn attitude<R: Real>(distribution: Distribution, size: [R; 3], q: [R; 4], u: [R; 4]) -> [R; 4] {
+    match distribution {
+        Distribution::None => q,
+        Distribution::UniformAttitude => {
             let (s1, c1) = sincos(R::splat(TAU) * u[1]);
             let (s2, c2) = sincos(R::splat(TAU) * u[2]);
             let (a, b) = ((R::splat(1.0) - u[0]).sqrt(), u[0].sqrt());
             [a * s1, a * c1, b * s2, b * c2]
         }
-        Law::VonMisesFisher(axis) => {
+        Distribution::VonMisesFisher(axis) => {
             let half = versine(size[0], u[0]) * R::splat(0.5);
             let (sin, cos) = sincos(R::splat(TAU) * u[1]);
             // About an axis across: the nominal direction and the new one are in a plane with no turn about either.
@@ -181,7 +185,7 @@ pub fn attitude<R: Real>(law: Law, size: [R; 3], q: [R; 4], u: [R; 4]) -> [R; 4]
             turn[1 + (axis + 2) % 3] = half.sqrt() * sin;
             quaternion_product(&q, &turn)
         }
-        _ => turned(size, vector(law, u), q),
+        _ => turned(size, vector(distribution, u), q),
     }
 }
 
@@ -193,7 +197,7 @@ pub fn turned<R: Real>(size: [R; 3], v: [R; 3], q: [R; 4]) -> [R; 4] {
 
 /// A list of perturbations, of which each body takes one.
 #[derive(Clone, Debug)]
-pub struct Given {
+pub struct Empirical {
     /// What is added to the rates.
     pub omega: Vec<[f64; 3]>,
     /// Rotations applied on the body side, as many; or none.
@@ -202,7 +206,7 @@ pub struct Given {
     pub cumulative: Vec<f64>,
 }
 
-impl Given {
+impl Empirical {
     /// The entry of a body that draws these uniforms.
     pub fn index(&self, sample: u64, u: [f64; 4]) -> usize {
         if self.cumulative.is_empty() {

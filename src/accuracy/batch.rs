@@ -1,5 +1,6 @@
 //! Bodies that are run alike.
 
+use crate::body::Body;
 use crate::error::Error;
 use crate::estimate::{round_otherwise, sign_of_forces};
 use crate::forces::Forces;
@@ -8,7 +9,6 @@ use crate::method::{AnyMethod, Method};
 use crate::parallel::Interrupt;
 use crate::scene::Scene;
 use crate::simd::Isa;
-use crate::start::Body;
 use crate::trajectory::{
     Record, Request, Schedule, States, StatesPart, default_steps, simulate_into, time_range,
 };
@@ -29,7 +29,7 @@ pub struct Job<'a> {
 
 /// How bodies are run.
 #[derive(Clone, Copy)]
-pub struct Way {
+pub struct Solver {
     pub method: &'static Method,
     /// Tolerance of adaptive steps.
     pub tolerance: Option<f64>,
@@ -38,10 +38,10 @@ pub struct Way {
     pub may_stop: bool,
 }
 
-impl Way {
-    /// The way of a second run: it may need more steps than the run whose limit this is.
+impl Solver {
+    /// The solver of a second run: it may need more steps than the run whose limit this is.
     pub fn with_more_steps(self) -> Self {
-        Way { max_steps: self.max_steps.saturating_mul(64).min(1 << 63), ..self }
+        Solver { max_steps: self.max_steps.saturating_mul(64).min(1 << 63), ..self }
     }
 }
 
@@ -159,22 +159,22 @@ impl<'a> Batch<'a> {
     }
 
     /// Memory for the states of a run.
-    pub fn reserved(&self, way: Way) -> Result<States, Error> {
-        States::reserved(&self.request(way, &[], 1.0), self.len(), &[])
+    pub fn reserved(&self, solver: Solver) -> Result<States, Error> {
+        States::reserved(&self.request(solver, &[], 1.0), self.len(), &[])
     }
 
     /// The states of a run. Between two output times a body takes `refinement` times the steps, rounded up. Without longest
     /// steps it takes those of the method.
-    pub fn run(&self, way: Way, longest: Option<&[f64]>, refinement: f64) -> Result<States, Error> {
-        let mut states = self.reserved(way)?;
-        self.run_into(way, longest, refinement, states.whole())?;
+    pub fn run(&self, solver: Solver, longest: Option<&[f64]>, refinement: f64) -> Result<States, Error> {
+        let mut states = self.reserved(solver)?;
+        self.run_into(solver, longest, refinement, states.whole())?;
         Ok(states)
     }
 
     /// Writes the states of a run.
     pub fn run_into(
         &self,
-        way: Way,
+        solver: Solver,
         longest: Option<&[f64]>,
         refinement: f64,
         states: StatesPart,
@@ -182,25 +182,25 @@ impl<'a> Batch<'a> {
         let Job { threads, isa, stop, nanoseconds, .. } = self.job;
         let steps = match longest {
             Some(longest) => Cow::Borrowed(longest),
-            None => Cow::Owned(self.longest_steps(way.method)?),
+            None => Cow::Owned(self.longest_steps(solver.method)?),
         };
-        let effort = simulate_into(&self.request(way, &steps, refinement), states, threads, isa, stop)?;
+        let effort = simulate_into(&self.request(solver, &steps, refinement), states, threads, isa, stop)?;
         nanoseconds.set(nanoseconds.get() + effort.nanoseconds);
         Ok(())
     }
 
-    fn request<'b>(&'b self, way: Way, steps: &'b [f64], refinement: f64) -> Request<'b> {
+    fn request<'b>(&'b self, solver: Solver, steps: &'b [f64], refinement: f64) -> Request<'b> {
         Request {
             bodies: &self.bodies,
             scene: self.job.scene,
             forces: &self.forces,
-            method: AnyMethod::Steps(way.method),
+            method: AnyMethod::Steps(solver.method),
             record: self.job.record,
             schedule: self.schedule(),
             steps,
             refinement,
-            tolerance: way.tolerance,
-            max_steps: way.max_steps,
+            tolerance: solver.tolerance,
+            max_steps: solver.max_steps,
         }
     }
 }

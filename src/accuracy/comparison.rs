@@ -1,6 +1,6 @@
 //! The errors of states from a second run, or from a coarser run.
 
-use super::batch::{Batch, Way, picked};
+use super::batch::{Batch, Solver, picked};
 use super::second_run::{HALVINGS, Steps, second_run};
 use super::tolerances::is_ruled_by_rounding;
 use crate::error::Error;
@@ -92,7 +92,7 @@ fn safety_of_finer(halvings: f64) -> f64 {
 /// The errors of states that were made with these steps, from second runs; or from a coarser run with these steps.
 pub fn estimate(
     batch: &Batch,
-    way: Way,
+    solver: Solver,
     states: Rows,
     steps: Steps,
     coarser: Option<Coarser>,
@@ -114,7 +114,7 @@ pub fn estimate(
                 ..coarser
             });
             let states = Rows { rows: Some(&of_run), ..states };
-            write(&mut all, &some, &estimate(&batch.select(&some)?, way, states, steps, coarser)?);
+            write(&mut all, &some, &estimate(&batch.select(&some)?, solver, states, steps, coarser)?);
         }
         return Ok(all);
     }
@@ -127,8 +127,8 @@ pub fn estimate(
     let (safety, tolerance) = match coarser {
         Some(coarser) => (safety_of_finer(steps.halvings), coarser.tolerance),
         None => {
-            for rounding in 0..if is_ruled_by_rounding(way) { ROUNDINGS } else { 1 } {
-                checks.push(second_run(batch, way, steps, &taken, rounding)?);
+            for rounding in 0..if is_ruled_by_rounding(solver) { ROUNDINGS } else { 1 } {
+                checks.push(second_run(batch, solver, steps, &taken, rounding)?);
             }
             (SAFETY, None)
         }
@@ -138,10 +138,10 @@ pub fn estimate(
         Some(coarser) => vec![coarser.states],
         None => checks.iter().map(Rows::all).collect(),
     };
-    let told = stated_of_all(batch, way, states, &taken, &others, (safety, tolerance), false)?;
+    let told = stated_of_all(batch, solver, states, &taken, &others, (safety, tolerance), false)?;
     let mut all = memory::collected("errors of the bodies", n, told.iter().map(Estimate::of))?;
     if told.iter().any(|stated| stated.looks > 0.0) {
-        count_turns(batch, way, &taken, &told, &mut all)?;
+        count_turns(batch, solver, &taken, &told, &mut all)?;
     }
     Ok(all)
 }
@@ -150,7 +150,7 @@ pub fn estimate(
 /// common; or the distance alone. `taken` are the steps of the run with the longer ones; a coarser run names its tolerance.
 fn stated_of_all(
     batch: &Batch,
-    way: Way,
+    solver: Solver,
     states: Rows,
     taken: &[u64],
     others: &[Rows],
@@ -174,8 +174,8 @@ fn stated_of_all(
             steps: states.steps(index) as f64,
             taken: taken[index] as f64,
             change: None,
-            method: way.method,
-            tolerance: way.tolerance,
+            method: solver.method,
+            tolerance: solver.tolerance,
             coarser_tolerance,
         };
         if !alone && depends_on_change(&run) {
@@ -195,7 +195,7 @@ fn stated_of_all(
 /// runs is compared.
 fn count_turns(
     batch: &Batch,
-    way: Way,
+    solver: Solver,
     taken: &[u64],
     stated: &[Stated],
     all: &mut [Estimate],
@@ -214,12 +214,12 @@ fn count_turns(
         let step = |body: usize| dense.span_of(body) / taken[body] as f64;
         let longest = memory::collected("steps", some.len(), (0..some.len()).map(step))?;
         // It stops at more times.
-        let mut states = dense.run(way.with_more_steps(), Some(&longest), 1.0)?;
+        let mut states = dense.run(solver.with_more_steps(), Some(&longest), 1.0)?;
         let steps = Steps { longest: Some(&longest), refinement: 1.0, halvings: HALVINGS };
-        let mut other = second_run(&dense, way, steps, &taken, 0)?;
+        let mut other = second_run(&dense, solver, steps, &taken, 0)?;
         let (states, other) = (states.whole(), other.whole());
         let [states, other] = [&states, &other].map(Rows::all);
-        let own = stated_of_all(&dense, way, states, &taken, &[other], (SAFETY, None), true)?;
+        let own = stated_of_all(&dense, solver, states, &taken, &[other], (SAFETY, None), true)?;
         for (own, body) in own.iter().zip(some) {
             if own.error > all[body].error {
                 all[body] = Estimate::of(own);

@@ -21,7 +21,7 @@ use crate::method::{Method, SERIES};
 use crate::parallel::Interrupt;
 use crate::simd::Isa;
 use crate::trajectory::{Effort, Request, StatesPart};
-use batch::{Batch, Job, Way, picked};
+use batch::{Batch, Job, Solver, picked};
 use comparison::{Coarser, Rows, estimate, with_phase_errors, write};
 use second_run::{
     HALVINGS, HALVINGS_AGAIN, RUNGE_KUTTA, Steps, is_damped_stiffly, is_refined_alike, step_ratio,
@@ -99,26 +99,31 @@ pub fn solve(
     let job =
         Job { scene: request.scene, record: request.record, threads, isa, stop, nanoseconds: &nanoseconds };
     let batch = Batch::of(request, job);
-    let way =
-        Way { method, tolerance: request.tolerance, max_steps: request.max_steps, may_stop: asked.may_stop };
+    let solver = Solver {
+        method,
+        tolerance: request.tolerance,
+        max_steps: request.max_steps,
+        may_stop: asked.may_stop,
+    };
     let longest = (!request.steps.is_empty()).then_some(request.steps);
     let mut series_made = memory::filled("bodies by a series", batch.len(), false)?;
     let estimates = match (asked.accuracy, longest) {
-        (Some(accuracy), _) if way.tolerance.is_some() => {
+        (Some(accuracy), _) if solver.tolerance.is_some() => {
             if asked.free && method.facts.name == SERIES.facts.name {
-                by_series(&batch, way, accuracy, asked.check, &mut states)?
+                by_series(&batch, solver, accuracy, asked.check, &mut states)?
             } else {
-                by_tolerance(&batch, way, accuracy, asked.check, &mut states)?
+                by_tolerance(&batch, solver, accuracy, asked.check, &mut states)?
             }
         }
         (Some(accuracy), Some(longest)) => {
-            by_equal_steps(&batch, way, longest, (accuracy, asked), &mut states, &mut series_made)?
+            by_equal_steps(&batch, solver, longest, (accuracy, asked), &mut states, &mut series_made)?
         }
         _ => {
-            batch.run_into(way, longest, 1.0, states.again())?;
+            batch.run_into(solver, longest, 1.0, states.again())?;
             let steps = Steps { longest, ..Steps::ADAPTIVE };
             let rows = Rows::all(&states);
-            let own = if asked.check { estimate(&batch, way, rows, steps, None)? } else { unknown(&batch)? };
+            let own =
+                if asked.check { estimate(&batch, solver, rows, steps, None)? } else { unknown(&batch)? };
             with_phase_errors(&batch, rows, own)
         }
     };
@@ -128,19 +133,19 @@ pub fn solve(
 /// The states by the tolerance of the request, or down to rounding.
 fn by_tolerance(
     batch: &Batch,
-    way: Way,
+    solver: Solver,
     accuracy: f64,
     check: bool,
     states: &mut StatesPart,
 ) -> Result<Vec<Estimate>, Error> {
-    batch.run_into(way, None, 1.0, states.again())?;
+    batch.run_into(solver, None, 1.0, states.again())?;
     if !check {
         return Ok(with_phase_errors(batch, Rows::all(states), unknown(batch)?));
     }
-    let mut all = errors_by_tolerance(batch, way, Rows::all(states), accuracy, None)?;
-    let (finest, pending) = (finest_tolerance(way.method), above(&all, accuracy)?);
-    if !pending.is_empty() && way.tolerance > Some(finest) {
-        let (some, finer) = (batch.select(&pending)?, Way { tolerance: Some(finest), ..way });
+    let mut all = errors_by_tolerance(batch, solver, Rows::all(states), accuracy, None)?;
+    let (finest, pending) = (finest_tolerance(solver.method), above(&all, accuracy)?);
+    if !pending.is_empty() && solver.tolerance > Some(finest) {
+        let (some, finer) = (batch.select(&pending)?, Solver { tolerance: Some(finest), ..solver });
         let mut others = some.run(finer, None, 1.0)?;
         let others = others.whole();
         let own = errors_by_tolerance(&some, finer, Rows::all(&others), accuracy, None)?;
@@ -154,25 +159,25 @@ fn by_tolerance(
 /// Bodies that drag may stop are integrated in equal steps, for an accuracy in shorter ones.
 fn by_series(
     batch: &Batch,
-    way: Way,
+    solver: Solver,
     accuracy: f64,
     check: bool,
     states: &mut StatesPart,
 ) -> Result<Vec<Estimate>, Error> {
-    let way = Way { method: SERIES, tolerance: Some(SERIES_TOLERANCE), ..way };
-    batch.run_into(way, None, 1.0, states.again())?;
-    let stops = stopping(batch, way, states)?;
+    let solver = Solver { method: SERIES, tolerance: Some(SERIES_TOLERANCE), ..solver };
+    batch.run_into(solver, None, 1.0, states.again())?;
+    let stops = stopping(batch, solver, states)?;
     let rows = Rows::all(states);
     let mut all = if check {
-        let smooth = Way { may_stop: false, ..way };
+        let smooth = Solver { may_stop: false, ..solver };
         errors_by_tolerance(batch, smooth, rows, accuracy, Some(&stops))?
     } else {
         with_phase_errors(batch, rows, unknown(batch)?)
     };
     if !stops.is_empty() {
         let some = batch.select(&stops)?;
-        let equal = Way { method: RUNGE_KUTTA, tolerance: None, ..way };
-        let asked = Asked { accuracy: Some(accuracy), check, free: false, may_stop: way.may_stop };
+        let equal = Solver { method: RUNGE_KUTTA, tolerance: None, ..solver };
+        let asked = Asked { accuracy: Some(accuracy), check, free: false, may_stop: solver.may_stop };
         let longest = some.longest_steps(RUNGE_KUTTA)?;
         let mut others = some.reserved(equal)?;
         let mut others = others.whole();
@@ -191,31 +196,31 @@ fn by_series(
 /// that drag stops, whose errors are found otherwise. Where a torque or a stop by drag may have corners, one finer run does.
 fn errors_by_tolerance(
     batch: &Batch,
-    way: Way,
+    solver: Solver,
     states: Rows,
     accuracy: f64,
     stops: Option<&[usize]>,
 ) -> Result<Vec<Estimate>, Error> {
-    if !way.method.is_series() || way.may_stop {
-        let own = estimate(batch, way, states, Steps::ADAPTIVE, None)?;
+    if !solver.method.is_series() || solver.may_stop {
+        let own = estimate(batch, solver, states, Steps::ADAPTIVE, None)?;
         return Ok(with_phase_errors(batch, states, own));
     }
-    let to_rounding = is_ruled_by_rounding(way);
-    let tolerance = match way.tolerance {
+    let to_rounding = is_ruled_by_rounding(solver);
+    let tolerance = match solver.tolerance {
         Some(tolerance) if !to_rounding => APART * tolerance,
         _ => COARSER_TOLERANCE,
     };
-    let mut coarser = coarser_run(batch, way, tolerance)?;
+    let mut coarser = coarser_run(batch, solver, tolerance)?;
     let coarser = coarser.whole();
     let coarser = Coarser { states: Rows::all(&coarser), tolerance: (!to_rounding).then_some(tolerance) };
     let again = Steps { halvings: HALVINGS_AGAIN, ..Steps::ADAPTIVE };
-    let mut all = estimate(batch, way, states, again, Some(coarser))?;
+    let mut all = estimate(batch, solver, states, again, Some(coarser))?;
     if to_rounding {
         let mut rough = above(&all, accuracy)?;
         rough.retain(|body| stops.is_none_or(|stops| stops.binary_search(body).is_err()));
         if !rough.is_empty() {
             let rows = Rows { rows: Some(&rough), ..states };
-            let own = estimate(&batch.select(&rough)?, way, rows, Steps::ADAPTIVE, None)?;
+            let own = estimate(&batch.select(&rough)?, solver, rows, Steps::ADAPTIVE, None)?;
             write(&mut all, &rough, &own);
         }
     }
@@ -225,9 +230,9 @@ fn errors_by_tolerance(
 /// The bodies that drag may stop: those that turn about one direction at all times.
 ///
 /// The rates of others vanish one after another, and their speed is a series.
-fn stopping(batch: &Batch, way: Way, states: &StatesPart) -> Result<Vec<usize>, Error> {
+fn stopping(batch: &Batch, solver: Solver, states: &StatesPart) -> Result<Vec<usize>, Error> {
     let mut stops = Vec::new();
-    if !way.may_stop {
+    if !solver.may_stop {
         return Ok(stops);
     }
     let m = batch.number_of_times();
@@ -254,7 +259,7 @@ fn stopping(batch: &Batch, way: Way, states: &StatesPart) -> Result<Vec<usize>, 
 /// of a body that drag may stop is no series.
 fn by_equal_steps(
     batch: &Batch,
-    way: Way,
+    solver: Solver,
     longest: &[f64],
     (accuracy, asked): (f64, Asked),
     states: &mut StatesPart,
@@ -267,20 +272,20 @@ fn by_equal_steps(
     };
     let mut longest = memory::collected("steps", batch.len(), longest.iter().enumerate().map(cut))?;
     if !asked.check {
-        let refined = is_refined_alike(batch, way);
-        let ratio = if refined { step_ratio(batch, way.method, HALVINGS) } else { 1.0 };
-        batch.run_into(way, Some(&longest), ratio, states.again())?;
+        let refined = is_refined_alike(batch, solver);
+        let ratio = if refined { step_ratio(batch, solver.method, HALVINGS) } else { 1.0 };
+        batch.run_into(solver, Some(&longest), ratio, states.again())?;
         return Ok(with_phase_errors(batch, Rows::all(states), unknown(batch)?));
     }
     let steps = Steps { longest: Some(&longest), refinement: 1.0, halvings: HALVINGS };
-    let mut all = checked(batch, way, steps, states)?;
+    let mut all = checked(batch, solver, steps, states)?;
     let mut pending = above(&all, accuracy)?;
-    let stiffly = is_damped_stiffly(batch, way.method);
-    if asked.free && !pending.is_empty() && !(stiffly || way.may_stop) {
+    let stiffly = is_damped_stiffly(batch, solver.method);
+    if asked.free && !pending.is_empty() && !(stiffly || solver.may_stop) {
         let some = batch.select(&pending)?;
-        let mut others = some.reserved(way)?;
+        let mut others = some.reserved(solver)?;
         let mut others = others.whole();
-        let own = by_series(&some, way, accuracy, true, &mut others)?;
+        let own = by_series(&some, solver, accuracy, true, &mut others)?;
         let better = take_better(batch, (states, &mut all), &pending, (&others, &own))?;
         for (&body, better) in pending.iter().zip(better) {
             series_made[body] = better;
@@ -298,7 +303,7 @@ fn by_equal_steps(
             if stiffly {
                 shortened.push(DIVISION);
             } else {
-                shortened.push(step_reduction(all[body].error, accuracy, way.method.facts.order));
+                shortened.push(step_reduction(all[body].error, accuracy, solver.method.facts.order));
                 longest[body] /= shortened[shortened.len() - 1];
             }
         }
@@ -306,9 +311,9 @@ fn by_equal_steps(
         let some = batch.select(&pending)?;
         let shorter = picked("steps", &longest, &pending)?;
         let steps = Steps { longest: Some(&shorter), refinement, halvings: HALVINGS_AGAIN };
-        let mut others = some.reserved(way)?;
+        let mut others = some.reserved(solver)?;
         let mut others = others.whole();
-        let own = checked(&some, way, steps, &mut others)?;
+        let own = checked(&some, solver, steps, &mut others)?;
         let better = take_better(batch, (states, &mut all), &pending, (&others, &own))?;
         let helped = |k: usize| {
             own[k].error < before[k].error / FALLS
@@ -323,18 +328,23 @@ fn by_equal_steps(
 
 /// Writes the states of a run whose steps are shorter than these, and estimates their errors from a run by these. Where the
 /// second run differs in more than shorter steps, the states are those of the run by these steps.
-fn checked(batch: &Batch, way: Way, steps: Steps, states: &mut StatesPart) -> Result<Vec<Estimate>, Error> {
+fn checked(
+    batch: &Batch,
+    solver: Solver,
+    steps: Steps,
+    states: &mut StatesPart,
+) -> Result<Vec<Estimate>, Error> {
     let Steps { longest, refinement, halvings } = steps;
-    let own = if is_refined_alike(batch, way) {
-        let mut coarser = batch.rounded_otherwise(0)?.run(way, longest, refinement)?;
-        let ratio = step_ratio(batch, way.method, halvings);
-        batch.run_into(way, longest, refinement * ratio, states.again())?;
+    let own = if is_refined_alike(batch, solver) {
+        let mut coarser = batch.rounded_otherwise(0)?.run(solver, longest, refinement)?;
+        let ratio = step_ratio(batch, solver.method, halvings);
+        batch.run_into(solver, longest, refinement * ratio, states.again())?;
         let coarser = coarser.whole();
         let coarser = Coarser { states: Rows::all(&coarser), tolerance: None };
-        estimate(batch, way, Rows::all(states), steps, Some(coarser))?
+        estimate(batch, solver, Rows::all(states), steps, Some(coarser))?
     } else {
-        batch.run_into(way, longest, refinement, states.again())?;
-        estimate(batch, way, Rows::all(states), steps, None)?
+        batch.run_into(solver, longest, refinement, states.again())?;
+        estimate(batch, solver, Rows::all(states), steps, None)?
     };
     Ok(with_phase_errors(batch, Rows::all(states), own))
 }

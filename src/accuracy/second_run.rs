@@ -2,7 +2,7 @@
 //!
 //! It begins at a start that is rounded otherwise, and takes shorter steps.
 
-use super::batch::{Batch, Way};
+use super::batch::{Batch, Solver};
 use crate::error::Error;
 use crate::estimate::smaller;
 use crate::memory;
@@ -64,17 +64,17 @@ impl Steps<'_> {
 /// ways.
 pub fn second_run(
     batch: &Batch,
-    way: Way,
+    solver: Solver,
     steps: Steps,
     taken: &[u64],
     rounding: usize,
 ) -> Result<States, Error> {
-    let (again, way) = (batch.rounded_otherwise(rounding)?, way.with_more_steps());
-    let method = way.method;
-    if way.may_stop {
-        return past_stops(&again, way, steps, taken);
+    let (again, solver) = (batch.rounded_otherwise(rounding)?, solver.with_more_steps());
+    let method = solver.method;
+    if solver.may_stop {
+        return past_stops(&again, solver, steps, taken);
     }
-    if let Some(tolerance) = way.tolerance {
+    if let Some(tolerance) = solver.tolerance {
         let (mut tighter, mut refinement) = (TIGHTER, 1.0);
         let other = if !method.is_series() {
             // The only one under the torque of a function.
@@ -93,20 +93,20 @@ pub fn second_run(
             tighter *= 2.0_f64.powi(other.facts.order as i32);
         }
         let tolerance = Some((tolerance / tighter).max(tolerance.min(FINEST)));
-        return again.run(Way { method: other, tolerance, ..way }, None, refinement);
+        return again.run(Solver { method: other, tolerance, ..solver }, None, refinement);
     }
     let ratio = step_ratio(batch, method, steps.halvings);
     let own = |longest: &[f64]| memory::collected("steps", longest.len(), longest.iter().copied());
-    let (mut way, mut longest) = (way, steps.longest.map(own).transpose()?);
+    let (mut solver, mut longest) = (solver, steps.longest.map(own).transpose()?);
     if method.is_series() && !method.any.is_compensated() {
         // Rounding that is alike in each step shows against none only.
         longest = Some(longest.map_or_else(|| again.longest_steps(method), Ok)?);
-        way.method = COMPENSATED;
+        solver.method = COMPENSATED;
     }
     for (body, step) in longest.iter_mut().flatten().enumerate() {
         *step = smaller(*step, steps.refinement * ratio / FEWEST * batch.span_of(body));
     }
-    again.run(way, longest.as_deref(), steps.refinement * ratio)
+    again.run(solver, longest.as_deref(), steps.refinement * ratio)
 }
 
 /// The states of bodies that drag may stop, by a Runge-Kutta method in far shorter steps.
@@ -114,14 +114,14 @@ pub fn second_run(
 /// Where the body stops the speed has a corner. The error of the step that passes the corner falls with its cube, whatever the
 /// order, and depends on where in the step the corner is: of two runs with like steps either may err more. A series continues
 /// as if there were no corner.
-fn past_stops(again: &Batch, way: Way, steps: Steps, taken: &[u64]) -> Result<States, Error> {
-    if !way.method.is_series() {
-        return again.run(way, steps.longest, steps.refinement * FINER);
+fn past_stops(again: &Batch, solver: Solver, steps: Steps, taken: &[u64]) -> Result<States, Error> {
+    if !solver.method.is_series() {
+        return again.run(solver, steps.longest, steps.refinement * FINER);
     }
     let default = again.longest_steps(RUNGE_KUTTA)?;
     let own = |body: usize| smaller(again.span_of(body) / taken[body] as f64 / FINER, default[body]);
     let longest = memory::collected("steps", default.len(), (0..default.len()).map(own))?;
-    again.run(Way { method: RUNGE_KUTTA, tolerance: None, ..way }, Some(&longest), 1.0)
+    again.run(Solver { method: RUNGE_KUTTA, tolerance: None, ..solver }, Some(&longest), 1.0)
 }
 
 /// Factor by which the steps of the second run are shorter, in steps of the same method.
@@ -142,9 +142,9 @@ pub fn step_ratio(batch: &Batch, method: &Method, halvings: f64) -> f64 {
 
 /// Whether the second run is by the same method, and its error falls with the order: not at a stop by drag, nor under strong
 /// damping.
-pub fn is_refined_alike(batch: &Batch, way: Way) -> bool {
-    let has_its_order = batch.is_free() || !(way.may_stop || way.method.is_stiff());
-    has_its_order && (!way.method.is_series() || way.method.any.is_compensated())
+pub fn is_refined_alike(batch: &Batch, solver: Solver) -> bool {
+    let has_its_order = batch.is_free() || !(solver.may_stop || solver.method.is_stiff());
+    has_its_order && (!solver.method.is_series() || solver.method.any.is_compensated())
 }
 
 /// Whether a method for strong damping integrates forced bodies.

@@ -3,7 +3,7 @@
 //! A run begins with a tolerance below its accuracy. A body that is not accurate is run once more, by a tolerance that leaves
 //! nothing but rounding: chaos or a saddle magnifies its error.
 
-use super::batch::{Batch, Way};
+use super::batch::{Batch, Solver};
 use crate::error::Error;
 use crate::method::{Method, TO_ROUNDING};
 use crate::trajectory::States;
@@ -59,15 +59,17 @@ pub fn finest_tolerance(method: &Method) -> f64 {
 }
 
 /// Whether the tolerance of a series leaves less truncation than rounding.
-pub fn is_ruled_by_rounding(way: Way) -> bool {
-    way.tolerance.is_some_and(|tolerance| tolerance <= RULED) && way.method.is_series() && !way.may_stop
+pub fn is_ruled_by_rounding(solver: Solver) -> bool {
+    solver.tolerance.is_some_and(|tolerance| tolerance <= RULED)
+        && solver.method.is_series()
+        && !solver.may_stop
 }
 
 /// The states from the start rounded otherwise, by a series with a larger tolerance.
 ///
 /// Two series of high order may err alike: their errors do not fall evenly with the tolerance.
-pub fn coarser_run(batch: &Batch, way: Way, tolerance: f64) -> Result<States, Error> {
-    let coarser = Way { method: TO_ROUNDING, tolerance: Some(tolerance), ..way.with_more_steps() };
+pub fn coarser_run(batch: &Batch, solver: Solver, tolerance: f64) -> Result<States, Error> {
+    let coarser = Solver { method: TO_ROUNDING, tolerance: Some(tolerance), ..solver.with_more_steps() };
     batch.rounded_otherwise(0)?.run(coarser, None, 1.0)
 }
 

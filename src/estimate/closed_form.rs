@@ -2,10 +2,10 @@
 
 use super::saddle::{magnified, separatrix};
 use super::{REST, larger, swing};
+use crate::body::Body;
 use crate::forces::BodyForces;
 use crate::simd::Isa;
 use crate::special::ln;
-use crate::start::Body;
 use crate::trajectory::ROUNDING;
 
 /// The error of a closed form between two times around 0, and the time from which on it is 1 or more: rounding for each

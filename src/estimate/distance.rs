@@ -1,6 +1,6 @@
 //! The distance of two runs.
 
-use super::{Recorded, Sized, larger, largest, least, length, smaller, unit};
+use super::{Recorded, Sized, larger, largest, length, smaller, unit};
 use crate::forces::{MOST_STATES, SMALL_STATE};
 
 /// Relative distances of the states of two runs of a body at their times: the largest of `|d omega|` over the largest
@@ -32,7 +32,7 @@ pub fn stated(known: &Sized, other: &Recorded, safety: f64, error: &mut [f64]) {
     }
     if let (Some(work), Some(others)) = (run.work, other.work) {
         // The fastest rate is reached about the axis of the least moment.
-        let energy = 0.5 * least(known.run.body.moments) * (known.bound * known.bound);
+        let energy = 0.5 * known.run.body.moment_range()[0] * (known.bound * known.bound);
         let energy = if energy > 0.0 { energy } else { 1.0 };
         for (error, (work, other)) in error.iter_mut().zip(work.iter().zip(others)) {
             *error = larger(*error, safety * ((work - other).abs() / energy));

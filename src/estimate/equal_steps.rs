@@ -1,15 +1,16 @@
 //! Errors that a run by equal steps and its check share: their steps round alike.
 
-use super::{Run, Sized, cross, larger, least, length, smaller};
+use super::{Run, Sized, cross, larger, length, smaller};
+use crate::body::Body;
 use crate::error::Error;
 use crate::forces::Forces;
+use crate::kinematics::symmetric;
 use crate::memory;
 use crate::method::{AnyMethod, MIDPOINT, RK4, STIFF, default_step};
 use crate::parallel::Interrupt;
 use crate::scene::Scene;
 use crate::simd::Isa;
 use crate::special::{exp, ln};
-use crate::start::Body;
 use crate::trajectory::{Record, Request, Schedule, simulate, time_range};
 use std::f64::consts::PI;
 
@@ -99,13 +100,12 @@ fn of_steady_rates(known: &Sized) -> f64 {
 /// Without weight the rates turn in the body, and so do their changes. The change by the weight turns with the body. Methods
 /// that preserve `|L|` add it apart from the turn.
 fn second_difference(run: &Run) -> f64 {
-    let (moments, weight) = (run.body.moments, run.body.weight);
-    let by_weight = length(&weight) / least(moments);
+    let moments = run.body.moments;
+    let by_weight = run.body.mgl() / run.body.moment_range()[0];
     if run.method.facts.group_preserving && by_weight > 0.0 {
         return by_weight;
     }
-    let [d11, d22, d33, d23, d31, d12] = run.forces.damping.0;
-    let matrix = [[d11, d12, d31], [d12, d22, d23], [d31, d23, d33]];
+    let matrix = symmetric(&run.forces.damping.0);
     // At rest there are no rates to be rounded.
     let turning = run.states.omega.iter().filter(|omega| length(omega) > 0.0).map(|omega| {
         let torque = cross(&[0, 1, 2].map(|k| moments[k] * omega[k]), omega);

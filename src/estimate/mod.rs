@@ -21,11 +21,11 @@ pub use rounded_start::{ROUNDINGS, round_otherwise, sign_of_forces};
 pub use separatrix::{PhaseError, phase_error};
 pub use turns::longest_interval;
 
+use crate::body::Body;
 use crate::forces::{BodyForces, MOST_STATES};
 use crate::kinematics::{length, plain_dot as dot};
 use crate::method::Method;
 use crate::simd::Isa;
-use crate::start::Body;
 use crate::trajectory::time_range;
 
 /// Rates count as rest below this share of the fastest possible rate of a body and of the rate of its swing.
@@ -199,7 +199,7 @@ impl<'a> Sized<'a> {
 
 /// The rate of the swing of a body.
 fn swing(body: &Body) -> f64 {
-    (length(&body.weight) / least(body.moments)).sqrt()
+    (body.mgl() / body.moment_range()[0]).sqrt()
 }
 
 /// The size to which errors of rates are relative: the largest rate, or a scale beside which that is rest.
@@ -231,10 +231,6 @@ pub(crate) fn smaller(a: f64, b: f64) -> f64 {
 /// The largest of some numbers and 0; no number if one is none.
 fn largest(numbers: impl Iterator<Item = f64>) -> f64 {
     numbers.fold(0.0, larger)
-}
-
-fn least(moments: [f64; 3]) -> f64 {
-    moments.iter().fold(f64::INFINITY, |a, &b| a.min(b))
 }
 
 /// a x b, as plainly: equal products cancel to zero.

@@ -3,11 +3,12 @@
 //! No method can do better: the start itself is known to rounding only. The start of a second run is rounded otherwise, but
 //! a start in equilibrium stays one, and a tiny tilt changes by a share of itself: there the distance of both runs does not show it.
 
-use super::{Sized, cross, larger, least, length, vertical};
+use super::{Sized, cross, larger, length, vertical};
+use crate::body::Body;
 use crate::exact::derived;
+use crate::kinematics::symmetric;
 use crate::simd::Isa;
 use crate::special::{exp, exp_m1};
-use crate::start::Body;
 use nalgebra::{Matrix3, Matrix6, Schur};
 
 /// A start is near an equilibrium if its rates of change are below this share of its rates.
@@ -90,13 +91,12 @@ impl Departure {
             return None;
         }
         let gamma = vertical(attitude);
-        let rate = (omega.iter().map(|x| x * x).sum::<f64>() + length(&weight) / least(moments)).sqrt();
+        let rate = (omega.iter().map(|x| x * x).sum::<f64>() + body.mgl() / body.moment_range()[0]).sqrt();
         let tilt = length(&cross(&gamma, &omega)) / rate;
         if !(tilt < NEAR) {
             return None;
         }
-        let [d11, d22, d33, d23, d31, d12] = damping;
-        let damping = [[d11, d12, d31], [d12, d22, d23], [d31, d23, d33]];
+        let damping = symmetric(&damping);
         let turning = cross(&[0, 1, 2].map(|k| moments[k] * omega[k]), &omega);
         let falling = cross(&gamma, &weight);
         let torque = [0, 1, 2].map(|k| turning[k] + falling[k] - super::dot(&damping[k], &omega));

@@ -1,9 +1,9 @@
 //! The phase error that the drift of a run causes in a free body next to its separatrix.
 
 use super::{largest, smaller};
+use crate::body::Body;
 use crate::exact::derived::{sign_change_time, sign_changes};
 use crate::simd::Isa;
-use crate::start::Body;
 
 /// A distance from the separatrix below this share of the largest on its side is near.
 const NEAR: f64 = 1e-3;

@@ -5,10 +5,10 @@
 //! may be simpler: a permanent rotation, or a top that swings in a plane.
 
 use super::lagrange::falls;
+use crate::body::Body;
 use crate::kinematics::quaternion_product;
 use crate::named::named;
 use crate::special::sincos;
-use crate::start::Body;
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
 named! {

@@ -2,9 +2,9 @@
 
 use super::canonical::{CanonicalForm, ClosedForm, EvaluatorKind, depths, versines};
 use super::{Exit, Free, Lagrange, Motion, Symmetric, power_near};
+use crate::body::Body;
 use crate::simd::Isa;
 use crate::special::atan2;
-use crate::start::Body;
 use std::f64::consts::PI;
 
 /// A free motion as a whole.

@@ -1,9 +1,9 @@
 //! Closed forms of many bodies at once.
 
 use super::{EvaluatorKind, Exit, Free, Lagrange, Motion, Symmetric};
+use crate::body::Body;
 use crate::real::Pack;
 use crate::simd::{Arr, Isa, LANES, Row, Work, load_rows, set_lane, store_rows};
-use crate::start::Body;
 
 /// Bodies at their start, one in each lane, in the variables of their closed form.
 #[derive(Clone, Copy)]

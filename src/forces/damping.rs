@@ -1,6 +1,7 @@
 //! Linear damping: the torque `-D omega`.
 
 use crate::error::Error;
+use crate::kinematics::symmetric;
 use crate::real::Real;
 
 /// Entries 11, 22, 33, 23, 31, 12 of the matrix `D`.
@@ -35,9 +36,7 @@ impl Damping {
         // The error of an eigenvalue is a few roundings of the largest one.
         if least < -8.0 * f64::EPSILON * largest.abs().max(least.abs()) {
             let rule = "must be positive semi-definite, so that damping cannot add energy";
-            let [d11, d22, d33, d23, d31, d12] = self.0;
-            let matrix = [[d11, d12, d31], [d12, d22, d23], [d31, d23, d33]];
-            return refuse(format!("{matrix:?}"), rule);
+            return refuse(format!("{:?}", symmetric(&self.0)), rule);
         }
         Ok(())
     }
@@ -74,8 +73,7 @@ impl Damping {
 
     /// The eigenvalues of `I^(-1/2) D I^(-1/2)`, and its eigenvectors as columns.
     pub fn modes(&self, moments: [f64; 3]) -> ([f64; 3], [[f64; 3]; 3]) {
-        let [d11, d22, d33, d23, d31, d12] = self.0;
-        let mut scaled = [[d11, d12, d31], [d12, d22, d23], [d31, d23, d33]];
+        let mut scaled = symmetric(&self.0);
         for i in 0..3 {
             for k in 0..3 {
                 // The root of a square would be rounded.

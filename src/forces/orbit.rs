@@ -11,7 +11,7 @@
 use super::{AtStart, Bounded, Force, Order, Pace, Varied, deviation, length, range};
 use crate::error::Error;
 use crate::kinematics::{add_cross, cross, direction, dot, plus, put, to_body_frame};
-use crate::real::{Apart, Real};
+use crate::real::{Outlined, Real};
 use crate::series::{Coefficients, VectorSeries};
 use crate::simd::Isa;
 use crate::special::{exp, ln, sincos, sinhcosh};
@@ -602,7 +602,7 @@ struct Growth {
     growth: f64,
 }
 
-impl Apart for Growth {
+impl Outlined for Growth {
     type Out = f64;
     #[inline(always)]
     fn run(self) -> f64 {
@@ -643,7 +643,7 @@ fn area_sinh(x: f64) -> f64 {
     ln(x.abs() + x.mul_add(x, 1.0).sqrt()).copysign(x)
 }
 
-impl Apart for Kepler {
+impl Outlined for Kepler {
     type Out = f64;
     #[inline(always)]
     fn run(self) -> f64 {

@@ -3,16 +3,20 @@
 
 mod adaptive;
 mod alone;
+mod assignment;
 mod compiled;
 mod drive;
 mod group;
 mod load;
 mod registry;
+mod state;
 mod step;
 
 pub use adaptive::AdaptiveSteps;
+pub use assignment::KernelAssignment;
 pub use compiled::Compiled;
 pub use drive::{Job, drive};
 pub use group::{DeviationRows, DriftRows, ForcesRows, Group, MAX_STATE};
-pub use load::{Balance, Entry, KernelAssignment, State, load, read, reset_time, unload};
+pub use load::{Entry, load, reset_time};
 pub use registry::{Kernel, Needs, System, Traits};
+pub use state::{Balance, State, read, unload};

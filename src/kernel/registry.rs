@@ -17,6 +17,7 @@ use crate::scene::{
 #[cfg(target_arch = "x86_64")]
 use crate::simd::{Arr, V4, V8};
 use crate::simd::{Isa, LANES};
+use std::marker::PhantomData;
 use std::ops::Deref;
 
 /// A kernel: system, step and observable.
@@ -69,69 +70,67 @@ macro_rules! entry_points {
         pub mod $isa {
             use super::*;
 
-            $($feature)*
-            fn advance<P, S, M, L, const D: usize, const PACKS: usize>(
-                g: &mut Group,
-                forces: &ForcesRows,
-                steps: usize,
-                observed: Observed,
-                numbers: &'static Numbers,
-            ) where
-                P: Pack,
-                S: Engine<P, M, L, D>,
-                M: Model<P>,
-                L: Layout,
-            {
-                step_block::<P, PACKS, M, L, S, D>(g, forces, steps, observed, numbers)
-            }
+            /// Bodies in packs.
+            pub struct Packs<P, S, M, L, const D: usize, const PACKS: usize>(PhantomData<(P, S, M, L)>);
 
-            $($feature)*
-            fn processed<P, S, M, L, const D: usize, const PACKS: usize>(
-                g: &mut Group,
-                leaving: bool,
-                numbers: &'static Numbers,
-            ) where
-                P: Pack,
-                S: Engine<P, M, L, D>,
-                M: Model<P>,
-                L: Layout,
-            {
-                process::<P, PACKS, M, L, S, D>(g, leaving, numbers)
-            }
-
-            $($feature)*
-            fn adaptive<P, S, M, L, const D: usize, const PACKS: usize>(
-                g: &mut Group,
-                forces: &ForcesRows,
-                l: &mut AdaptiveSteps,
-                most: usize,
-                numbers: &'static Numbers,
-            ) -> usize
+            impl<P, S, M, L, const D: usize, const PACKS: usize> Packs<P, S, M, L, D, PACKS>
             where
                 P: Pack,
                 S: Engine<P, M, L, D>,
                 M: Model<P>,
                 L: Layout,
             {
-                let mut bodies = prepared::<P, PACKS, M, L, S, D>(g, forces, numbers);
-                adaptive_block::<P, PACKS, M, L, S, D>(g, l, &mut bodies, most)
-            }
+                $($feature)*
+                fn advance(
+                    g: &mut Group,
+                    forces: &ForcesRows,
+                    steps: usize,
+                    observed: Observed,
+                    numbers: &'static Numbers,
+                ) {
+                    step_block::<P, PACKS, M, L, S, D>(g, forces, steps, observed, numbers)
+                }
 
-            $($feature)*
-            #[allow(dead_code)] // Plain code has no such registers.
-            fn alone<R, M, L, const D: usize>(
-                g: &mut Group,
-                forces: &ForcesRows,
-                l: &mut AdaptiveSteps,
-                most: usize,
-                numbers: &'static Numbers,
-            ) -> usize
-            where
-                R: Quad,
-                M: Model<R>,
-                L: Layout,
-            {
-                adaptive_alone::<R, M, L, D>(g, forces, l, most, numbers)
+                $($feature)*
+                fn processed(g: &mut Group, leaving: bool, numbers: &'static Numbers) {
+                    process::<P, PACKS, M, L, S, D>(g, leaving, numbers)
+                }
+
+                $($feature)*
+                fn adaptive(
+                    g: &mut Group,
+                    forces: &ForcesRows,
+                    l: &mut AdaptiveSteps,
+                    most: usize,
+                    numbers: &'static Numbers,
+                ) -> usize {
+                    let mut bodies = prepared::<P, PACKS, M, L, S, D>(g, forces, numbers);
+                    adaptive_block::<P, PACKS, M, L, S, D>(g, l, &mut bodies, most)
+                }
+
+                pub const fn code<T, N>(alone: Option<Adaptive>) -> Option<Code>
+                where
+                    T: Engine<f64, N, L, D>,
+                    N: Model<f64>,
+                {
+                    if !S::MOVES || S::ON_CLOCK != L::CLOCK || (L::TANGENT && !S::HAS_TANGENT) {
+                        return None;
+                    }
+                    Some(Code {
+                        advance: Self::advance,
+                        process: if S::PROCESSED { Some(Self::processed) } else { None },
+                        invariants: invariants_of::<T, N, L, D>,
+                        shares_motion: S::SHARES_MOTION,
+                        adaptive: if S::IS_SERIES { Some(Self::adaptive) } else { None },
+                        alone: match S::IS_SERIES {
+                            // One lane pays for one body.
+                            true if L::FUNCTION => Some(Packs::<f64, T, N, L, D, 1>::adaptive),
+                            true => alone,
+                            false => None,
+                        },
+                        dense: if S::IS_SERIES { Some(dense::<D>) } else { None },
+                    })
+                }
             }
 
             $($feature)*
@@ -161,46 +160,23 @@ macro_rules! entry_points {
                 invariants::<f64, N, L, T, D>(p, &state)
             }
 
-            /// Adaptive steps of a body whose directions stand side by side. With one direction nothing is gained.
-            #[allow(dead_code)] // As above.
-            pub const fn code_alone<R, M, L, const D: usize>() -> Option<Adaptive>
-            where
-                R: Quad,
-                M: Model<R>,
-                L: Layout,
-            {
-                let has_more = L::TANGENT || L::FURTHER || L::FUNCTION;
-                if L::VECTORS > 1 && !has_more { Some(alone::<R, M, L, D>) } else { None }
+            $($feature)*
+            #[allow(dead_code)] // Plain code has no such registers.
+            fn alone<R: Quad, M: Model<R>, L: Layout, const D: usize>(
+                g: &mut Group,
+                forces: &ForcesRows,
+                l: &mut AdaptiveSteps,
+                most: usize,
+                numbers: &'static Numbers,
+            ) -> usize {
+                adaptive_alone::<R, M, L, D>(g, forces, l, most, numbers)
             }
 
-            pub const fn code<P, S, M, T, N, L, const D: usize, const PACKS: usize>(
-                alone: Option<Adaptive>,
-            ) -> Option<Code>
-            where
-                P: Pack,
-                S: Engine<P, M, L, D>,
-                M: Model<P>,
-                T: Engine<f64, N, L, D>,
-                N: Model<f64>,
-                L: Layout,
-            {
-                if !S::MOVES || S::ON_CLOCK != L::CLOCK || (L::TANGENT && !S::HAS_TANGENT) {
-                    return None;
-                }
-                Some(Code {
-                    advance: advance::<P, S, M, L, D, PACKS>,
-                    process: if S::PROCESSED { Some(processed::<P, S, M, L, D, PACKS>) } else { None },
-                    invariants: invariants_of::<T, N, L, D>,
-                    shares_motion: S::SHARES_MOTION,
-                    adaptive: if S::IS_SERIES { Some(adaptive::<P, S, M, L, D, PACKS>) } else { None },
-                    alone: match S::IS_SERIES {
-                        // One lane pays for one body.
-                        true if L::FUNCTION => Some(adaptive::<f64, T, N, L, D, 1>),
-                        true => alone,
-                        false => None,
-                    },
-                    dense: if S::IS_SERIES { Some(dense::<D>) } else { None },
-                })
+            /// Adaptive steps of a body whose directions stand side by side. With one direction nothing is gained.
+            #[allow(dead_code)] // As above.
+            pub const fn code_alone<R: Quad, M: Model<R>, L: Layout, const D: usize>() -> Option<Adaptive> {
+                let has_more = L::TANGENT || L::FURTHER || L::FUNCTION;
+                if L::VECTORS > 1 && !has_more { Some(alone::<R, M, L, D>) } else { None }
             }
         }
     };
@@ -292,7 +268,7 @@ macro_rules! kernels {
                         type M = $model<R>;
                         let alone = kernels_of::$engine::avx512::code_alone::<V4, $model<V4>, $layout, D>();
                         if gains_by_avx512::<$layout>(EngineName::$engine) {
-                            kernels_of::$engine::avx512::code::<R, $code, M, Alone, AloneModel, $layout, D, { LANES / R::LANES }>(alone)
+                            kernels_of::$engine::avx512::Packs::<R, $code, M, $layout, D, { LANES / R::LANES }>::code::<Alone, AloneModel>(alone)
                         } else {
                             None
                         }
@@ -302,13 +278,13 @@ macro_rules! kernels {
                         type R = <$layout as Layout>::Lanes<$avx2>;
                         type M = $model<R>;
                         let alone = kernels_of::$engine::avx2::code_alone::<V4, $model<V4>, $layout, D>();
-                        kernels_of::$engine::avx2::code::<R, $code, M, Alone, AloneModel, $layout, D, { LANES / R::LANES }>(alone)
+                        kernels_of::$engine::avx2::Packs::<R, $code, M, $layout, D, { LANES / R::LANES }>::code::<Alone, AloneModel>(alone)
                     },
                     #[cfg(plain)]
                     scalar: {
                         type R = <$layout as Layout>::Lanes<f64>;
                         type M = $model<R>;
-                        kernels_of::$engine::scalar::code::<R, $code, M, Alone, AloneModel, $layout, D, { LANES / R::LANES }>(None)
+                        kernels_of::$engine::scalar::Packs::<R, $code, M, $layout, D, { LANES / R::LANES }>::code::<Alone, AloneModel>(None)
                     },
                 }
             },)*

@@ -135,7 +135,7 @@ pub(super) fn step_block<P, const PACKS: usize, M, L, S, const D: usize>(
             if S::COMPENSATES {
                 compensation = load_rows(&g.compensation, at);
             }
-            engine.step(p, &mut y, &mut compensation, &mut dense);
+            engine.step_on(p, &mut y, &mut compensation, &mut dense);
             if S::COMPENSATES {
                 store_rows(&compensation, &mut g.compensation, at);
             }
@@ -238,8 +238,7 @@ fn short_steps<P, const PACKS: usize, M, L, S, const D: usize>(
     for _ in 0..steps {
         each_pack!(B < PACKS => {
             let (p, engine) = &bodies[B];
-            let (mut compensation, mut dense) = (states[B], Coefficients::new());
-            engine.step(p, &mut states[B], &mut compensation, &mut dense);
+            engine.step(p, &mut states[B]);
         });
     }
     each_pack!(B < PACKS => {

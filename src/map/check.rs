@@ -1,9 +1,9 @@
 //! Which samples are classified again by the second method.
 
-use super::{Class, Criterion, Map, Outcome, Quantity, Watched};
+use super::{Class, Criterion, Map, Observation, Outcome, Quantity};
+use crate::body::Body;
 use crate::error::Error;
 use crate::memory;
-use crate::start::Body;
 use std::ops::Range;
 
 /// The samples of a pixel that are classified again.
@@ -68,7 +68,7 @@ impl Map {
     }
 }
 
-impl Watched<'_> {
+impl Observation<'_> {
     /// The check with the criterion considered: only a tilt tells how far from its limit it stayed. A time of leaving that
     /// is measured is checked in every body.
     pub(super) fn resolved_check(&self) -> Check {

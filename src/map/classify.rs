@@ -1,6 +1,7 @@
 //! Classification in closed form: when a sample leaves stability, without its trajectory.
 
-use super::{Class, Criterion, Outcome, Watched};
+use super::{Class, Criterion, Observation, Outcome};
+use crate::body::Body;
 use crate::exact::derived::is_on_separatrix;
 use crate::exact::{
     CanonicalForm, ClosedForm, Evaluator, EvaluatorKind, ExitRows, Question, StartRows, depths, versines,
@@ -8,7 +9,6 @@ use crate::exact::{
 use crate::observe::Observed;
 use crate::simd::Isa;
 use crate::simd::{LANES, Row};
-use crate::start::Body;
 use crate::status::Status;
 
 /// A sample is undecided if its exit time and the horizon differ by less than this share of their sum: fifty times
@@ -33,13 +33,13 @@ enum Exit {
 impl Exit {
     /// The exit of a body of a map, if its time has a closed form.
     #[inline(always)]
-    fn of(map: Watched<'_>, body: &Body, form: &CanonicalForm) -> Option<Exit> {
+    fn of(map: Observation<'_>, body: &Body, form: &CanonicalForm) -> Option<Exit> {
         const NEVER: Option<Exit> = Some(Exit::At(f64::INFINITY));
-        let watched = (map.axis.unsigned_abs() as usize).max(1) - 1;
-        let axis = form.axis(watched);
+        let observed = (map.axis.unsigned_abs() as usize).max(1) - 1;
+        let axis = form.axis(observed);
         // The plan of a map depends on the moments and the weight only, so it cannot treat a top at rest separately.
         let symmetric =
-            body.is_symmetric_about(watched) && (body.weight == [0.0; 3] || body.is_weighed_along(watched));
+            body.is_symmetric_about(observed) && (body.weight == [0.0; 3] || body.is_weighed_along(observed));
         match (map.criterion, form.closed_form) {
             (criterion, _) if !map.scene.has_weight && criterion.is_kept_without_torque() => NEVER,
             (Criterion::NoFlip, ClosedForm::PermanentRotation) if !map.scene.has_weight || symmetric => NEVER,
@@ -50,13 +50,13 @@ impl Exit {
             (Criterion::TiltFromVertical(angle), ClosedForm::Lagrange | ClosedForm::PermanentRotation)
                 if map.scene.has_weight && symmetric =>
             {
-                let along = (map.axis > 0) == (body.weight[watched] > 0.0);
+                let along = (map.axis > 0) == (body.weight[observed] > 0.0);
                 let [w, rest] = versines(angle);
                 let (limit, direction) = if along { ([w, rest], 1.0) } else { ([rest, w], -1.0) };
                 if form.closed_form == ClosedForm::Lagrange {
                     return Some(Exit::Crossing { axis, limit, direction });
                 }
-                let mut now = depths(body, watched);
+                let mut now = depths(body, observed);
                 if !along {
                     now.reverse();
                 }
@@ -69,7 +69,7 @@ impl Exit {
 }
 
 /// Whether the body is classified in closed form.
-pub(super) fn answers(map: Watched<'_>, body: &Body) -> bool {
+pub(super) fn answers(map: Observation<'_>, body: &Body) -> bool {
     if map.criterion.rule().is_some() {
         return is_integrable(body);
     }
@@ -92,13 +92,13 @@ struct Waiting {
 
 /// Classifies samples in closed form, a full register at a time.
 pub(super) struct ClosedFormClassifier<'a> {
-    map: Watched<'a>,
+    map: Observation<'a>,
     isa: Isa,
     waiting: [Option<Waiting>; 3],
 }
 
 impl<'a> ClosedFormClassifier<'a> {
-    pub(super) fn new(map: Watched<'a>, isa: Isa) -> Self {
+    pub(super) fn new(map: Observation<'a>, isa: Isa) -> Self {
         ClosedFormClassifier { map, isa, waiting: [None, None, None] }
     }
 
@@ -162,7 +162,7 @@ impl<'a> ClosedFormClassifier<'a> {
     }
 }
 
-fn classify(map: Watched<'_>, waiting: &mut Waiting, outcomes: &mut [Option<Outcome>]) {
+fn classify(map: Observation<'_>, waiting: &mut Waiting, outcomes: &mut [Option<Outcome>]) {
     let mut times = Row([0.0; LANES]);
     waiting.evaluator.exits(&waiting.starts, &waiting.exits, &mut times);
     for (lane, &index) in waiting.indices[..waiting.filled].iter().enumerate() {
@@ -171,7 +171,7 @@ fn classify(map: Watched<'_>, waiting: &mut Waiting, outcomes: &mut [Option<Outc
     waiting.filled = 0;
 }
 
-fn outcome(map: Watched<'_>, left: f64) -> Outcome {
+fn outcome(map: Observation<'_>, left: f64) -> Outcome {
     let doubtful = left.is_finite() && (left - map.t_end).abs() <= DOUBT * (left + map.t_end);
     let (class, status) = if left.is_nan() {
         (Class::Failed, Status::NotFinite)

@@ -3,17 +3,17 @@
 
 use super::Rule;
 use crate::error::Error;
-use crate::observe::{Angle, Bound, Direction, Observed, Quantity};
+use crate::observe::{Angle, Bound, Direction, Observed, Quantity, Tilt};
 use crate::scene::Scene;
 
 /// When a sample counts as stable.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Criterion {
-    /// The component of the rates along the watched axis never changes sign.
+    /// The component of the rates along the observed axis never changes sign.
     NoFlip,
-    /// The watched axis stays within this angle of where it started.
+    /// The observed axis stays within this angle of where it started.
     TiltFromStart(f64),
-    /// The watched axis stays within this angle of the vertical.
+    /// The observed axis stays within this angle of the vertical.
     TiltFromVertical(f64),
     /// The motion is regular, by the growth of rates and vertical.
     RegularRates(Rule),
@@ -21,9 +21,9 @@ pub enum Criterion {
     RegularAttitude(Rule),
     /// A scalar of the state stays on one side of a limit.
     Bounded(Bound),
-    /// None: the mean rate about the watched axis is measured.
+    /// None: the mean rate about the observed axis is measured.
     MeanRate,
-    /// None: the mean rate about the watched axis over that of the orbit is measured.
+    /// None: the mean rate about the observed axis over that of the orbit is measured.
     MeanRateOverMotion,
 }
 
@@ -74,12 +74,12 @@ impl Criterion {
         Criterion::bounded(Quantity::Turn { of_momentum, in_space }, angle, true)
     }
 
-    /// A criterion that the watched axis, or its opposite, stays within an angle of a direction of the orbit.
+    /// A criterion that the observed axis, or its opposite, stays within an angle of a direction of the orbit.
     pub(super) fn pointing(from: Direction, angle: f64, either: bool) -> Criterion {
         Criterion::bounded(Quantity::Pointing { from, either }, angle, true)
     }
 
-    /// A criterion that an angle in the frame of the orbit stays within a limit from either side; the watched axis lies
+    /// A criterion that an angle in the frame of the orbit stays within a limit from either side; the observed axis lies
     /// along the line from the planet at rest, this axis along the normal.
     fn angle(of: Angle, angle: f64, normal: f64) -> Criterion {
         Criterion::bounded(Quantity::Angle { of, normal: normal as i32 }, angle, true)
@@ -101,7 +101,7 @@ impl Criterion {
         self.bound().is_some_and(|bound| bound.quantity == constant)
     }
 
-    /// Whether the criterion watches a body axis.
+    /// Whether the criterion observes a body axis.
     pub(super) fn has_axis(self) -> bool {
         let of_axis = |bound: Bound| {
             matches!(bound.quantity, Quantity::Rate | Quantity::Pointing { .. } | Quantity::Angle { .. })
@@ -109,7 +109,7 @@ impl Criterion {
         self.rule().is_none() && self.bound().is_none_or(of_axis)
     }
 
-    /// The largest angle that the watched axis may tilt; infinite if its tilt is not asked for.
+    /// The largest angle that the observed axis may tilt; infinite if its tilt is not asked for.
     pub(super) fn limit(self) -> f64 {
         match self {
             Criterion::TiltFromStart(angle) | Criterion::TiltFromVertical(angle) => angle,
@@ -131,9 +131,11 @@ impl Criterion {
     pub(super) fn observed(self) -> Observed {
         match self {
             Criterion::NoFlip => Observed::Flips,
-            Criterion::TiltFromStart(_) | Criterion::TiltFromVertical(_) => Observed::Tilt,
+            Criterion::TiltFromStart(angle) | Criterion::TiltFromVertical(angle) => {
+                Observed::Tilt(Tilt::within(angle))
+            }
             Criterion::RegularRates(_) | Criterion::RegularAttitude(_) => Observed::Growth,
-            Criterion::Bounded(_) => Observed::Bounds,
+            Criterion::Bounded(bound) => Observed::Bound(bound),
             Criterion::MeanRate | Criterion::MeanRateOverMotion => Observed::MeanRate,
         }
     }

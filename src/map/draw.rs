@@ -1,33 +1,38 @@
 //! The starts of samples, drawn side by side: each a pure function of seed, pixel and sample.
 
 use super::{Map, Pixel};
+use crate::body::Body;
 use crate::error::Error;
 use crate::memory;
 use crate::real::Pack;
-use crate::sample::{self, Given, Law, Mix};
+use crate::sample::{self, Distribution, Empirical, Mix};
 use crate::simd::{Isa, LANES, Row, Work, load_rows, set_lane, store_rows};
-use crate::start::Body;
 use std::ops::Range;
 
-/// The laws of the perturbations of a start.
+/// The distributions of the perturbations of a start.
 #[derive(Clone, Debug)]
-pub struct Laws {
+pub struct Distributions {
     /// Of the rates.
-    pub omega: Law,
+    pub omega: Distribution,
     /// Of the attitude.
-    pub attitude: Law,
+    pub attitude: Distribution,
     /// Factor of the covariance of both, for normal perturbations that hang together.
     pub mix: Option<Mix>,
     /// Whether the perturbations of the rates and of the attitude are mixed by this factor.
     pub mixed: [bool; 2],
     /// Perturbations that are given one by one.
-    pub given: Option<Given>,
+    pub empirical: Option<Empirical>,
 }
 
-impl Laws {
+impl Distributions {
     /// No perturbation.
-    pub const NONE: Laws =
-        Laws { omega: Law::None, attitude: Law::None, mix: None, mixed: [false; 2], given: None };
+    pub const NONE: Distributions = Distributions {
+        omega: Distribution::None,
+        attitude: Distribution::None,
+        mix: None,
+        mixed: [false; 2],
+        empirical: None,
+    };
 }
 
 /// One start of a mixture.
@@ -36,7 +41,7 @@ pub struct Mixed {
     /// The share of the samples that begin so or as one before.
     pub until: f64,
     /// Its perturbations.
-    pub laws: Laws,
+    pub distributions: Distributions,
     /// The nominal start of each pixel, and the sizes of its perturbations.
     pub pixels: Vec<Pixel>,
 }
@@ -63,16 +68,16 @@ struct Draws {
 }
 
 #[inline(always)]
-fn vectors<P: Pack>(law: Law, mix: Option<&Mix>, draws: &mut Draws) {
+fn vectors<P: Pack>(distribution: Distribution, mix: Option<&Mix>, draws: &mut Draws) {
     for at in (0..LANES).step_by(P::LANES) {
-        if let Law::VonMisesFisher(_) = law {
+        if let Distribution::VonMisesFisher(_) = distribution {
             let ([size, ..], [x, y, z, _]) =
                 (load_rows::<P, 4>(&draws.sizes, at), load_rows::<P, 4>(&draws.start, at));
             let rates = sample::turned_rates(size, [x, y, z], load_rows(&draws.uniforms, at));
             store_rows(&rates, &mut draws.start, at);
             continue;
         }
-        let mut v = sample::vector(law, load_rows::<P, 4>(&draws.uniforms, at));
+        let mut v = sample::vector(distribution, load_rows::<P, 4>(&draws.uniforms, at));
         if let Some(mix) = mix {
             v = sample::mixed_rates(mix, v);
         }
@@ -84,15 +89,19 @@ fn vectors<P: Pack>(law: Law, mix: Option<&Mix>, draws: &mut Draws) {
 }
 
 #[inline(always)]
-fn attitudes<P: Pack>(law: Law, mix: Option<&Mix>, draws: &mut Draws) {
+fn attitudes<P: Pack>(distribution: Distribution, mix: Option<&Mix>, draws: &mut Draws) {
     for at in (0..LANES).step_by(P::LANES) {
         let [s0, s1, s2, _] = load_rows::<P, 4>(&draws.sizes, at);
         let (u, q) = (load_rows::<P, 4>(&draws.uniforms, at), load_rows(&draws.start, at));
         let q = match mix {
-            None => sample::attitude(law, [s0, s1, s2], q, u),
+            None => sample::attitude(distribution, [s0, s1, s2], q, u),
             Some(mix) => {
-                let rates = sample::vector(law, load_rows(&draws.of_rates, at));
-                sample::turned([s0, s1, s2], sample::mixed_turn(mix, rates, sample::vector(law, u)), q)
+                let rates = sample::vector(distribution, load_rows(&draws.of_rates, at));
+                sample::turned(
+                    [s0, s1, s2],
+                    sample::mixed_turn(mix, rates, sample::vector(distribution, u)),
+                    q,
+                )
             }
         };
         store_rows(&q, &mut draws.start, at);
@@ -101,7 +110,7 @@ fn attitudes<P: Pack>(law: Law, mix: Option<&Mix>, draws: &mut Draws) {
 
 /// The draws of all lanes, for packs of any width.
 struct Drawing<'a> {
-    law: Law,
+    distribution: Distribution,
     mix: Option<&'a Mix>,
     draws: &'a mut Draws,
     of_attitudes: bool,
@@ -111,8 +120,12 @@ impl Work for Drawing<'_> {
     type Out = ();
     #[inline(always)]
     fn run<P: Pack>(self) {
-        let Drawing { law, mix, draws, of_attitudes } = self;
-        if of_attitudes { attitudes::<P>(law, mix, draws) } else { vectors::<P>(law, mix, draws) }
+        let Drawing { distribution, mix, draws, of_attitudes } = self;
+        if of_attitudes {
+            attitudes::<P>(distribution, mix, draws)
+        } else {
+            vectors::<P>(distribution, mix, draws)
+        }
     }
 }
 
@@ -152,7 +165,7 @@ impl Map {
     pub fn draw_at(&self, isa: Isa, places: &[(u64, u64)]) -> Result<Vec<Body>, Error> {
         const MIXTURE: &str = "starts of a mixture";
         if self.mixture.is_empty() {
-            return self.drawn(isa, &self.laws, &self.pixels, places);
+            return self.drawn(isa, &self.distributions, &self.pixels, places);
         }
         let of_each = places.iter().map(|place| {
             let [number, sample] = self.counter(*place);
@@ -166,18 +179,18 @@ impl Map {
             let mut mine = memory::reserved(MIXTURE, places.len())?;
             mine.extend((0..places.len()).filter(|&at| of_each[at] == k));
             let own = memory::collected(MIXTURE, mine.len(), mine.iter().map(|&at| places[at]))?;
-            for (&at, body) in mine.iter().zip(self.drawn(isa, &mixed.laws, &mixed.pixels, &own)?) {
+            for (&at, body) in mine.iter().zip(self.drawn(isa, &mixed.distributions, &mixed.pixels, &own)?) {
                 bodies[at] = body;
             }
         }
         Ok(bodies)
     }
 
-    /// The starts of samples, perturbed by these laws from the nominal ones of these pixels.
+    /// The starts of samples, perturbed by these distributions from the nominal ones of these pixels.
     fn drawn(
         &self,
         isa: Isa,
-        laws: &Laws,
+        distributions: &Distributions,
         pixels: &[Pixel],
         places: &[(u64, u64)],
     ) -> Result<Vec<Body>, Error> {
@@ -191,18 +204,23 @@ impl Map {
             sizes: [NOTHING; 4],
             start: [NOTHING; 4],
         };
-        let mix = laws.mix.as_ref();
-        let [of_rates, of_attitude] = laws.mixed;
+        let mix = distributions.mix.as_ref();
+        let [of_rates, of_attitude] = distributions.mixed;
         let (rates_mix, attitude_mix) = (mix.filter(|_| of_rates), mix.filter(|_| of_attitude));
         for (bodies, places) in bodies.chunks_mut(LANES).zip(places.chunks(LANES)) {
-            if laws.omega != Law::None {
+            if distributions.omega != Distribution::None {
                 self.draw_uniforms(0, places, &mut draws.uniforms);
                 for (lane, place) in places.iter().enumerate() {
                     let Pixel { body, omega_size, .. } = pixel(place);
                     set_lane(&mut draws.sizes, lane, omega_size);
                     set_lane(&mut draws.start, lane, &body.omega);
                 }
-                isa.call(Drawing { law: laws.omega, mix: rates_mix, draws: &mut draws, of_attitudes: false });
+                isa.call(Drawing {
+                    distribution: distributions.omega,
+                    mix: rates_mix,
+                    draws: &mut draws,
+                    of_attitudes: false,
+                });
                 for (lane, (body, place)) in bodies.iter_mut().zip(places).enumerate() {
                     if pixel(place).possible {
                         for k in 0..3 {
@@ -211,7 +229,7 @@ impl Map {
                     }
                 }
             }
-            if laws.attitude != Law::None {
+            if distributions.attitude != Distribution::None {
                 self.draw_uniforms(1, places, &mut draws.uniforms);
                 if attitude_mix.is_some() {
                     self.draw_uniforms(0, places, &mut draws.of_rates);
@@ -221,8 +239,8 @@ impl Map {
                     set_lane(&mut draws.sizes, lane, attitude_size);
                     set_lane(&mut draws.start, lane, &body.attitude);
                 }
-                let (law, mix) = (laws.attitude, attitude_mix);
-                isa.call(Drawing { law, mix, draws: &mut draws, of_attitudes: true });
+                let (distribution, mix) = (distributions.attitude, attitude_mix);
+                isa.call(Drawing { distribution, mix, draws: &mut draws, of_attitudes: true });
                 for (lane, (body, place)) in bodies.iter_mut().zip(places).enumerate() {
                     if pixel(place).possible {
                         for k in 0..4 {
@@ -232,7 +250,7 @@ impl Map {
                 }
             }
         }
-        if let Some(given) = &laws.given {
+        if let Some(given) = &distributions.empirical {
             for (body, place) in bodies.iter_mut().zip(places).filter(|(_, place)| pixel(place).possible) {
                 let [number, sample] = self.counter(*place);
                 let index = given.index(sample, sample::uniforms(self.key, 0, sample, number));

@@ -1,21 +1,19 @@
 //! Integrates samples side by side: a lane whose sample is finished gets the next sample.
 
 use super::Criterion;
-use super::regular::{self, Course};
-use super::{Class, OnOrbit, Outcome, STEP_BLOCK, Watched};
+use super::observation::RUNS;
+use super::regular::{self, Checkpoints};
+use super::{Class, Observation, OnOrbit, Outcome, STEP_BLOCK};
+use crate::body::Body;
 use crate::error::Error;
 use crate::forces::OrbitPlace;
 use crate::kernel::{Compiled, Entry, ForcesRows, Group, Job, Kernel, drive, load};
 use crate::memory;
-use crate::observe::{Bounds, Deviation, EXIT_TIME, Observed};
+use crate::observe::{Bound, Deviation, EXIT_TIME, Observed};
 use crate::parallel::Interrupt;
 use crate::simd::Isa;
 use crate::simd::LANES;
-use crate::start::Body;
 use crate::status::{DRIFT_LIMIT, Status};
-
-/// What the lists of samples of a block are called if they do not fit into memory.
-pub(super) const RUNS: &str = "runs of a block";
 
 /// The sample of an active lane: its index in the block, its step, and its way through the checkpoints of regularity.
 #[derive(Clone, Copy)]
@@ -26,7 +24,7 @@ struct LaneTask {
     times: u64,
     /// Its place on the orbit at the start, if it is integrated over its anomaly.
     on_orbit: Option<OnOrbit>,
-    course: Option<Course>,
+    checkpoints: Option<Checkpoints>,
 }
 
 /// How samples are integrated.
@@ -38,7 +36,7 @@ pub(super) struct Run<'a> {
     pub(super) interrupt: &'a Interrupt<'a>,
 }
 
-impl Watched<'_> {
+impl Observation<'_> {
     /// Integrates samples of a block, given by their indices, and writes their outcomes. The bodies are those of the
     /// samples from `first` on.
     pub(super) fn integrate(
@@ -106,10 +104,11 @@ impl Watched<'_> {
         let rows = group.observed_in(lane);
         let left = rows[EXIT_TIME];
         let value = observed.outcome(&rows);
-        let tilt = match self.criterion.bound() {
-            _ if observed == Observed::Tilt => value,
-            Some(bound) => bound.largest_angle(value),
-            None => f64::NAN,
+        let is_bounded = matches!(observed, Observed::Bound(_));
+        let tilt = match observed {
+            Observed::Tilt(_) => value,
+            Observed::Bound(bound) => bound.largest_angle(value),
+            _ => f64::NAN,
         };
         let finite = energy_drift.is_finite() && momentum_drift.is_finite() && unit_drift.is_finite();
         let (class, status) = if !finite {
@@ -118,7 +117,7 @@ impl Watched<'_> {
             (Class::Failed, Status::Drifted)
         } else if left < f64::INFINITY {
             (Class::Unstable, Status::Stopped)
-        } else if observed == Observed::Bounds && value.is_nan() {
+        } else if is_bounded && value.is_nan() {
             (Class::Undecided, Status::Finished)
         } else {
             (Class::Stable, Status::Finished)
@@ -129,7 +128,7 @@ impl Watched<'_> {
             flips: if observed == Observed::Flips { value as u64 } else { 0 },
             left,
             tilt,
-            settled: if observed == Observed::Bounds { rows[Bounds::SETTLED] } else { f64::NAN },
+            settled: if is_bounded { rows[Bound::SETTLED] } else { f64::NAN },
             mean_rate: if observed == Observed::MeanRate { value } else { f64::NAN },
             exponent: f64::NAN,
             mean_megno: f64::NAN,
@@ -145,7 +144,7 @@ impl Watched<'_> {
 
 /// The samples of one kernel.
 struct MapJob<'a> {
-    map: &'a Watched<'a>,
+    map: &'a Observation<'a>,
     /// The bodies of the samples from `first` on.
     bodies: &'a [Body],
     first: u64,
@@ -192,12 +191,10 @@ impl MapJob<'_> {
             }
             None => Deviation::NONE,
         };
-        let course = map.criterion.rule().map(|rule| {
+        let checkpoints = map.criterion.rule().map(|rule| {
             let norm = assignment.deviation(&deviation, body);
-            Course::new(rule, norm, map.is_forced(), [steps as f64, map.t_end])
+            Checkpoints::new(rule, norm, map.is_forced(), [steps as f64, map.t_end])
         });
-        let states = forces.states();
-        let own = place.map_or_else(|| forces.further.start(0.0), |place| place.clock());
         let interval = (!forces.is_none()).then(|| {
             let interval = forces.interval(0.0, false, body.moments);
             self.forces_rows.set(lane, &interval);
@@ -208,15 +205,15 @@ impl MapJob<'_> {
             Some(on_orbit) => on_orbit.rate * times as f64,
             None => body.fastest_rate(forces, [0.0, map.t_end]),
         };
+        let entry = Entry::unobserved(body, None, step).under(forces, place);
         let forces = interval.as_ref().map(|interval| (interval, rate()));
-        let (limit, bound) = (map.criterion.limit(), map.criterion.bound());
-        let entry = Entry { body, forces, axis: map.axis, limit, step, own, states, place, deviation, bound };
+        let entry = Entry { forces, axis: map.axis, deviation, ..entry };
         load(&mut self.group, lane, self.compiled, assignment, &entry);
-        if let Some(course) = &course {
-            course.settle(&mut self.group, self.compiled.kernel().system, lane);
+        if let Some(checkpoints) = &checkpoints {
+            checkpoints.renormalise(&mut self.group, self.compiled.kernel().system, lane);
         }
-        self.target[lane] = course.map_or(steps as f64, |course| course.next());
-        Some(LaneTask { index, step, times, on_orbit, course })
+        self.target[lane] = checkpoints.map_or(steps as f64, |checkpoints| checkpoints.next());
+        Some(LaneTask { index, step, times, on_orbit, checkpoints })
     }
 }
 
@@ -244,11 +241,11 @@ impl Job for MapJob<'_> {
             self.compiled.advance(&mut self.group, &self.forces_rows, steps as usize);
             if is_ruled {
                 self.blocks += 1;
-                let courses = tasks.iter().enumerate();
-                let courses =
-                    courses.filter_map(|(lane, task)| Some((lane, task.as_ref()?.course.as_ref()?)));
+                let of_lanes = tasks.iter().enumerate();
+                let of_lanes =
+                    of_lanes.filter_map(|(lane, task)| Some((lane, task.as_ref()?.checkpoints.as_ref()?)));
                 let system = self.compiled.kernel().system;
-                regular::keep_in_range(&mut self.group, system, self.blocks, courses);
+                regular::keep_in_range(&mut self.group, system, self.blocks, of_lanes);
             }
             if any_done(&self.group, &self.target, self.map.is_stopped) {
                 return Ok(());
@@ -279,12 +276,12 @@ impl Job for MapJob<'_> {
             let forces = self.map.forces_of((self.first + task.index as u64) / self.map.samples);
             outcome.mean_rate /= forces.further.orbit.rate();
         }
-        if let Some(course) = &mut task.course {
-            if outcome.class != Class::Failed && !course.look(&mut self.group, kernel.system, lane) {
-                self.target[lane] = course.next();
+        if let Some(checkpoints) = &mut task.checkpoints {
+            if outcome.class != Class::Failed && !checkpoints.look(&mut self.group, kernel.system, lane) {
+                self.target[lane] = checkpoints.next();
                 return Ok(true);
             }
-            outcome = course.outcome(&self.group, lane, outcome);
+            outcome = checkpoints.outcome(&self.group, lane, outcome);
         }
         self.outcomes[task.index] = Some(outcome);
         self.target[lane] = f64::INFINITY;

@@ -9,12 +9,12 @@ use super::{Class, Criterion, Outcome};
 use crate::error::Error;
 use crate::status::Status;
 
-/// What is watched of a sample, and of which body axis.
+/// What is observed of a sample, and of which body axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Condition {
     /// When the condition is kept.
     pub criterion: Criterion,
-    /// The watched body axis: 1, 2, 3 or -1, -2, -3; 0 if the criterion watches none.
+    /// The observed body axis: 1, 2, 3 or -1, -2, -3; 0 if the criterion observes none.
     pub axis: i32,
 }
 

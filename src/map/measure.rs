@@ -2,10 +2,10 @@
 
 use super::integrate::Run;
 use super::statistics::Sample;
-use super::{Class, Criterion, Map, Outcome, Watched};
+use super::{Class, Criterion, Map, Observation, Outcome};
 use crate::error::Error;
 use crate::memory;
-use crate::observe::Direction;
+use crate::observe::{Direction, Tilt};
 use crate::parallel::Interrupt;
 use crate::simd::Isa;
 use std::f64::consts::PI;
@@ -63,7 +63,7 @@ pub enum Quantity {
 impl Quantity {
     /// What is observed in a run of its own until the horizon; `None` if the runs that classify tell the value, or if the
     /// criterion is given.
-    fn watched(self) -> Option<Criterion> {
+    fn observed(self) -> Option<Criterion> {
         match self {
             Quantity::TimeToLeave | Quantity::Drift | Quantity::LargestAngle | Quantity::TimeToSettle => None,
             Quantity::Flips => Some(Criterion::NoFlip),
@@ -85,7 +85,7 @@ pub struct Measure {
     /// The body axis: 1, 2, 3 or -1, -2, -3; 0 for none.
     pub axis: i32,
     /// What is observed in a run of its own until the horizon; `None` if the runs that classify tell the value.
-    watched: Option<Criterion>,
+    pub(super) observed: Option<Criterion>,
 }
 
 impl Measure {
@@ -109,9 +109,9 @@ impl Measure {
             [("largest_", Quantity::LargestAngle), ("settled_", Quantity::TimeToSettle)];
         let of_criterion =
             OF_CRITERIA.iter().find_map(|(kind, quantity)| Some((name.strip_prefix(kind)?, *quantity)));
-        let (quantity, watched) = if let Some((criterion, quantity)) = of_criterion {
+        let (quantity, observed) = if let Some((criterion, quantity)) = of_criterion {
             let criterion = Criterion::parse(criterion, numbers)?;
-            if criterion.bound().is_none_or(|bound| bound.is_pointing()) {
+            if criterion.bound().is_none_or(|bound| Tilt::of(bound).is_some()) {
                 let (value, rule) = (
                     name.to_string(),
                     "must be of a rate, an angle of the orbit, or a distance from the start",
@@ -120,13 +120,13 @@ impl Measure {
             }
             (quantity, Some(criterion))
         } else if let Some((_, quantity)) = NAMES.into_iter().find(|(known, _)| *known == name) {
-            (quantity, quantity.watched())
+            (quantity, quantity.observed())
         } else {
             let known = NAMES.map(|(known, _)| known).join(", ");
             return Err(Error::Unknown { argument: "measure", value: name.into(), known });
         };
-        let measure = Measure { quantity, axis, watched };
-        let least = u32::from(watched.is_some_and(Criterion::has_axis));
+        let measure = Measure { quantity, axis, observed };
+        let least = u32::from(observed.is_some_and(Criterion::has_axis));
         if !(least..=3).contains(&axis.unsigned_abs()) {
             let rule = "must be 1, 2, 3 or -1, -2, -3";
             return Err(Error::Value { argument: "axis", value: axis.to_string(), rule });
@@ -134,14 +134,9 @@ impl Measure {
         Ok(measure)
     }
 
-    /// See [`Measure::watched`].
-    pub(super) fn watched(self) -> Option<Criterion> {
-        self.watched
-    }
-
     /// Whether the runs that classify tell the value.
     pub(super) fn is_known(self) -> bool {
-        self.watched().is_none()
+        self.observed.is_none()
     }
 
     /// Whether it can be measured under torque and damping.
@@ -219,7 +214,7 @@ impl Map {
         let (mut samples, mut checked) = (Vec::new(), Vec::new());
         let mut bodies = Vec::new();
         for measure in &self.measures {
-            let Some(criterion) = measure.watched() else {
+            let Some(criterion) = measure.observed else {
                 all.push(Vec::new());
                 continue;
             };
@@ -236,12 +231,12 @@ impl Map {
                 }
             }
             let mut outcomes = memory::filled(MEASURES, bodies.len(), None)?;
-            let watched = Watched { map: self, criterion, axis: measure.axis, is_stopped: false };
+            let observation = Observation { map: self, criterion, axis: measure.axis, is_stopped: false };
             let run = Run { cross_check: false, isa, interrupt };
-            watched.integrate((&bodies, range.start), &samples, run, &mut outcomes)?;
+            observation.integrate((&bodies, range.start), &samples, run, &mut outcomes)?;
             let mut again = memory::filled(MEASURES, bodies.len(), None::<Outcome>)?;
             let run = Run { cross_check: true, ..run };
-            watched.integrate((&bodies, range.start), &checked, run, &mut again)?;
+            observation.integrate((&bodies, range.start), &checked, run, &mut again)?;
             let own = outcomes.iter().zip(&again).map(|(first, second)| {
                 let (first, second) = (first.as_ref()?, second.as_ref().filter(|second| second.was_run()));
                 let other = second.map(|second| measure.of_run(second));

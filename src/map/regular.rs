@@ -3,16 +3,16 @@
 //! The mean MEGNO of deviation vectors that grow like a power `t^p` of the time stays at `2 p`. It grows like `lambda T
 //! / 2` where deviation vectors grow exponentially, so it doubles with the time.
 
-use super::{Class, Outcome, STEP_BLOCK, Watched};
+use super::{Class, Observation, Outcome, STEP_BLOCK};
+use crate::body::Body;
 use crate::forces::BodyForces;
 use crate::kernel::{Group, System};
 use crate::kinematics::cross;
 use crate::method::{self, Method};
 use crate::observe::{Deviation, Growth};
 use crate::simd::Isa;
-use crate::start::Body;
 use crate::status::Status;
-use crate::trajectory::{Frame, STEPS_TOGETHER, settle};
+use crate::trajectory::{Frame, STEPS_TOGETHER, renormalise};
 
 /// The horizon over the times at which the mean MEGNO is read, the checkpoints.
 pub const PARTS: [u64; 4] = [8, 4, 2, 1];
@@ -159,7 +159,7 @@ fn largest(components: &[f64]) -> f64 {
 
 /// The way of a sample through its checkpoints.
 #[derive(Clone, Copy)]
-pub(super) struct Course {
+pub(super) struct Checkpoints {
     rule: Rule,
     norm: Deviation,
     /// The rotation about the vertical is removed from the deviation vector every so many steps: damping shrinks the
@@ -171,28 +171,28 @@ pub(super) struct Course {
     /// Mean MEGNO at the checkpoints that were reached.
     means: [f64; 4],
     reached: usize,
-    /// Steps after which the deviation vector was settled.
-    settled: f64,
+    /// Steps after which the deviation vector was renormalised.
+    renormalised: f64,
 }
 
-impl Course {
-    pub(super) fn new(rule: Rule, norm: Deviation, is_forced: bool, [steps, t_end]: [f64; 2]) -> Course {
+impl Checkpoints {
+    pub(super) fn new(rule: Rule, norm: Deviation, is_forced: bool, [steps, t_end]: [f64; 2]) -> Checkpoints {
         let turns = is_forced && !norm.of_attitude;
-        Course { rule, norm, turns, steps, t_end, means: [f64::NAN; 4], reached: 0, settled: 0.0 }
+        Checkpoints { rule, norm, turns, steps, t_end, means: [f64::NAN; 4], reached: 0, renormalised: 0.0 }
     }
 
     /// Steps until the next time at which the sample is looked at.
     pub(super) fn next(&self) -> f64 {
         let checkpoint = self.steps / PARTS[self.reached] as f64;
-        if self.turns { checkpoint.min(self.settled + STEPS_TOGETHER[0] as f64) } else { checkpoint }
+        if self.turns { checkpoint.min(self.renormalised + STEPS_TOGETHER[0] as f64) } else { checkpoint }
     }
 
     /// Looks at the sample in a lane at that time; returns whether its class is known.
     pub(super) fn look(&mut self, group: &mut Group, system: System, lane: usize) -> bool {
         let now = group.count.0[lane];
         if self.turns {
-            self.settle(group, system, lane);
-            self.settled = now;
+            self.renormalise(group, system, lane);
+            self.renormalised = now;
         }
         if now < self.steps / PARTS[self.reached] as f64 {
             return false;
@@ -204,9 +204,9 @@ impl Course {
     }
 
     /// Brings the deviation vector of a lane near one in size, which changes no digit of its growth.
-    pub(super) fn settle(&self, group: &mut Group, system: System, lane: usize) {
+    pub(super) fn renormalise(&self, group: &mut Group, system: System, lane: usize) {
         // One deviation vector takes so few operations that the instruction set does not matter.
-        settle(group, system, lane, &self.norm, self.turns, &mut Frame::new(1, Isa::NARROWEST));
+        renormalise(group, system, lane, &self.norm, self.turns, &mut Frame::new(1, Isa::NARROWEST));
     }
 
     /// The outcome, from that of the motion alone.
@@ -239,22 +239,22 @@ pub(super) fn keep_in_range<'a>(
     group: &mut Group,
     system: System,
     blocks: u64,
-    courses: impl Iterator<Item = (usize, &'a Course)>,
+    checkpoints: impl Iterator<Item = (usize, &'a Checkpoints)>,
 ) {
     if !blocks.is_multiple_of(BLOCKS_TOGETHER) {
         return;
     }
     let at = system.tangent_at.expect("the system has a deviation vector");
-    for (lane, course) in courses {
+    for (lane, one) in checkpoints {
         let size = (0..6).fold(0.0_f64, |size, k| size.max(group.state[at + k].0[lane].abs()));
         let exponent = (size.to_bits() >> 52).abs_diff(1023);
         if exponent > LARGEST_EXPONENT && size > 0.0 {
-            course.settle(group, system, lane);
+            one.renormalise(group, system, lane);
         }
     }
 }
 
-impl Watched<'_> {
+impl Observation<'_> {
     /// Steps of a sample are a multiple of the first number, and at least the second.
     pub(super) fn whole_steps(&self, cross_check: bool) -> [u64; 2] {
         match (self.criterion.rule(), cross_check) {

@@ -1,14 +1,14 @@
 //! What is asked of a map: the pixels and their samples, the criterion and the method.
 
 use super::check::GROUP;
-use super::{Check, Condition, Criterion, Laws, Logic, Measure, Mixed, Watched};
+use super::{Check, Condition, Criterion, Distributions, Logic, Measure, Mixed};
+use crate::body::Body;
 use crate::error::Error;
 use crate::exact::Question;
-use crate::forces::{BodyForces, ForceSet, Forces, OrbitPlace};
-use crate::kernel::{KernelAssignment, System};
-use crate::method::{self, AnyMethod, Method, Step, default_step};
+use crate::forces::{BodyForces, ForceSet, Forces};
+use crate::kernel::System;
+use crate::method::{AnyMethod, Step};
 use crate::scene::Scene;
-use crate::start::Body;
 
 /// The nominal body of a pixel and the size of the perturbations of its samples.
 #[derive(Clone, Copy, Debug)]
@@ -23,95 +23,6 @@ pub struct Pixel {
     pub possible: bool,
 }
 
-/// How the samples of a map are classified.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum MethodChoice {
-    /// In closed form where there is one, else by the default method.
-    Auto,
-    /// By this method; with the closed forms, a sample without one is refused.
-    Only(AnyMethod),
-}
-
-impl MethodChoice {
-    /// The name that leaves the choice to each sample.
-    pub const AUTO: &str = "auto";
-
-    /// The choice of that name.
-    pub fn parse(name: &str) -> Result<MethodChoice, Error> {
-        if name == MethodChoice::AUTO {
-            Ok(MethodChoice::Auto)
-        } else {
-            AnyMethod::parse(name).map(MethodChoice::Only)
-        }
-    }
-
-    /// Whether closed forms are used.
-    pub(super) fn exact(self) -> bool {
-        matches!(self, MethodChoice::Auto | MethodChoice::Only(AnyMethod::Exact))
-    }
-
-    /// The method of the samples that have no closed form.
-    pub fn by_steps(self) -> &'static Method {
-        match self {
-            MethodChoice::Only(AnyMethod::Steps(method)) => method,
-            _ => &method::DOP853,
-        }
-    }
-
-    /// The longest step at a rate. By default it is 0.75 rad of the bound of the rates: its error is about 1e-10 rad per radian
-    /// turned in the median, seldom above 1e-8, and the check knows it. Whether a motion is chaotic does not depend
-    /// on its digits: the steps in which deviation vectors grow are a radian and a quarter.
-    pub fn default_step(self, of_growth: bool, rate: f64) -> f64 {
-        let longer = match self {
-            MethodChoice::Only(_) => 1.0,
-            _ if of_growth => GROWTH_STEPS,
-            _ => MOTION_STEPS,
-        };
-        longer * default_step(self.by_steps(), rate)
-    }
-
-    /// The longest step of a run in a range of times, and the time in which equal steps of that length are as many as those
-    /// of the run: another than that of the run where the steps are equal over the anomaly of an orbit.
-    pub fn planned_step(self, of: PlannedRun, body: &Body, forces: BodyForces, range: [f64; 2]) -> [f64; 2] {
-        let method = self.by_steps();
-        let is_on_clock =
-            of != PlannedRun::Growth && forces.orbit_alone() && KernelAssignment::on_orbit(method).is_some();
-        let (mut rate, mut time) = (None, range[1] - range[0]);
-        if is_on_clock {
-            let orbit = &forces.further.orbit;
-            let farthest = orbit.farthest(range);
-            let (place, pace) = (OrbitPlace::of(*orbit, orbit.anomaly_at(range[0])), orbit.pace(farthest));
-            time = place.anomaly_until(time) / pace;
-            if of == PlannedRun::Sample {
-                rate = Some(body.pace_rate(&place, farthest) * pace);
-            }
-        }
-        let rate = rate.unwrap_or_else(|| match of {
-            PlannedRun::Sample | PlannedRun::Growth if forces.is_none() => body.neighbours_rate(),
-            _ => body.step_rate(method, forces, range),
-        });
-        let step = self.default_step(of == PlannedRun::Growth, rate).min(forces.longest_unseen(range));
-        [step, time]
-    }
-}
-
-/// What a planned run is for: each has its rule for the longest step.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum PlannedRun {
-    /// States at output times.
-    States,
-    /// The class of a sample of a map.
-    Sample,
-    /// The growth of a deviation vector of a sample.
-    Growth,
-}
-
-/// Steps of the default method, over those for states.
-const MOTION_STEPS: f64 = 7.5;
-
-/// The same for the growth of deviation vectors.
-const GROWTH_STEPS: f64 = 12.5;
-
 /// Everything that the statistics of a map depend on.
 #[derive(Clone, Debug)]
 pub struct Map {
@@ -120,14 +31,14 @@ pub struct Map {
     /// The forces on the pixels, or those on all; none if nothing acts.
     pub forces: Option<Forces>,
     /// How the samples are classified.
-    pub method: MethodChoice,
+    pub method: AnyMethod,
     /// The pixels.
     pub pixels: Vec<Pixel>,
-    /// Laws of the perturbations.
-    pub laws: Laws,
+    /// Distributions of the perturbations.
+    pub distributions: Distributions,
     /// The starts of a mixture, of which each sample takes one instead of that of its pixel; empty for none.
     pub mixture: Vec<Mixed>,
-    /// The conditions that are watched.
+    /// The conditions that are observed.
     pub conditions: Vec<Condition>,
     /// When a sample is stable, from its conditions.
     pub logic: Logic,
@@ -177,8 +88,8 @@ impl Map {
         if let Some(first) = self.first.iter().find(|first| !begins_group(**first) || **first >= 1 << 63) {
             return refuse("first", first.to_string(), "must be a multiple of 64 below 2**63");
         }
-        let all_laws = self.mixture.iter().map(|mixed| &mixed.laws).chain([&self.laws]);
-        for given in all_laws.filter_map(|laws| laws.given.as_ref()) {
+        let all_laws = self.mixture.iter().map(|mixed| &mixed.distributions).chain([&self.distributions]);
+        for given in all_laws.filter_map(|distributions| distributions.empirical.as_ref()) {
             let rule = "must not be empty, and shares must end at 1";
             if given.omega.is_empty() || given.cumulative.last().is_some_and(|&last| last < 1.0) {
                 return refuse("given_omega", given.omega.len().to_string(), rule);
@@ -194,21 +105,21 @@ impl Map {
         if !(self.t_end.is_finite() && self.t_end > 0.0) {
             return refuse("t_end", self.t_end.to_string(), "must be positive and finite");
         }
-        let is_exact = self.method == MethodChoice::Only(AnyMethod::Exact);
+        let is_exact = self.method == AnyMethod::Exact;
         if is_exact && !self.measures.iter().all(|measure| measure.is_known()) {
             return refuse("method", format!("'{}'", AnyMethod::EXACT), "measures are taken along steps");
         }
-        for watched in self.each_watched().filter(|_| !is_exact) {
+        for observation in self.observations().filter(|_| !is_exact) {
             let method = self.method.by_steps();
             method.check(self.scene)?;
-            if watched.criterion.rule().is_none() {
+            if observation.criterion.rule().is_none() {
                 method.check_observed()?;
             } else {
                 method.check_tangent(self.is_forced())?;
                 self.forces().check_deviations()?;
             }
             let steps = [method.any, method.symmetric].map(Step::torque_free);
-            let is_framed = watched.criterion.directions(self.scene) > 1 && !self.scene.has_weight;
+            let is_framed = observation.criterion.directions(self.scene) > 1 && !self.scene.has_weight;
             let moves_frame =
                 |&step: &Step| System::TopTwoAxes.is_moved_by(step) || System::TopTurns.is_moved_by(step);
             if is_framed && !self.is_forced() && !steps.iter().all(moves_frame) {
@@ -216,7 +127,7 @@ impl Map {
                 return refuse("method", format!("'{}'", method.facts.name), rule);
             }
         }
-        let of_measures = self.measures.iter().filter_map(|measure| measure.watched());
+        let of_measures = self.measures.iter().filter_map(|measure| measure.observed);
         if of_measures.count() > 0 {
             self.method.by_steps().check_observed()?;
         }
@@ -235,7 +146,8 @@ impl Map {
 
     /// The first pixel with a possible body that is not classified in closed form.
     fn first_without_closed_form(&self) -> Option<usize> {
-        let answers = |body| self.each_watched().all(|watched| super::classify::answers(watched, body));
+        let answers =
+            |body| self.observations().all(|observation| super::classify::answers(observation, body));
         self.pixels.iter().position(|pixel| pixel.possible && !answers(&pixel.body))
     }
 
@@ -271,7 +183,7 @@ impl Map {
     fn check_forced(&self) -> Result<(), Error> {
         let method = self.method.by_steps();
         let refuse = |argument, value, rule| Err(Error::Value { argument, value, rule });
-        if self.method == MethodChoice::Only(AnyMethod::Exact) {
+        if self.method == AnyMethod::Exact {
             let rule = "no classification in closed form is known under torque and damping";
             return refuse("method", format!("'{}'", AnyMethod::EXACT), rule);
         }
@@ -299,15 +211,6 @@ impl Map {
     }
 }
 
-impl Watched<'_> {
-    /// Whether a sample under these forces is integrated over the anomaly of an orbit on which nothing else acts. Its bits do
-    /// not depend on what acts on others.
-    pub(super) fn is_on_orbit(&self, forces: BodyForces) -> bool {
-        let has_steps = || KernelAssignment::on_orbit(self.map.method.by_steps()).is_some();
-        self.criterion.rule().is_none() && forces.orbit_alone() && has_steps()
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -317,9 +220,9 @@ mod tests {
         Map {
             scene: &FREE,
             forces: None,
-            method: MethodChoice::Auto,
+            method: AnyMethod::Auto,
             pixels: Vec::new(),
-            laws: Laws::NONE,
+            distributions: Distributions::NONE,
             mixture: Vec::new(),
             conditions: vec![Condition { criterion: Criterion::NoFlip, axis: 2 }],
             logic: Logic::single(),
@@ -346,7 +249,14 @@ mod tests {
             (Map { samples: 0, ..map() }, "samples = 0"),
             (Map { samples: 64, first: vec![0, 32], ..map() }, "first = 32"),
             (
-                Map { mixture: vec![Mixed { until: 0.5, laws: Laws::NONE, pixels: Vec::new() }], ..map() },
+                Map {
+                    mixture: vec![Mixed {
+                        until: 0.5,
+                        distributions: Distributions::NONE,
+                        pixels: Vec::new(),
+                    }],
+                    ..map()
+                },
                 "mixture = 1",
             ),
             (Map { samples: 64, first: vec![1 << 63], ..map() }, "first = 9223372036854775808"),
@@ -357,11 +267,5 @@ mod tests {
             let message = map.checked().unwrap_err().to_string();
             assert!(message.starts_with(words), "{message}");
         }
-    }
-
-    #[test]
-    fn methods_have_names() {
-        assert_eq!(MethodChoice::parse("auto"), Ok(MethodChoice::Auto));
-        assert_eq!(MethodChoice::parse("exact"), Ok(MethodChoice::Only(AnyMethod::Exact)));
     }
 }

@@ -44,7 +44,7 @@ pub struct Outcome {
     pub tilt: f64,
     /// Time from which on a bound is kept, infinite if it is not at the end; NaN if none is observed.
     pub settled: f64,
-    /// Mean rate about the watched axis, NaN if it is not observed.
+    /// Mean rate about the observed axis, NaN if it is not observed.
     pub mean_rate: f64,
     /// Logarithm of the growth of a deviation vector over the time, at the end; NaN if it is not observed (1/s).
     pub exponent: f64,

@@ -6,7 +6,7 @@
 
 use super::acceleration;
 use super::splitting::turn;
-use super::{Coefficients, Engine, EngineName, Facts, ForcedStep, Method, Numbers, RK4, Step, Variables};
+use super::{Engine, EngineName, Facts, ForcedStep, Method, Numbers, RK4, Step, Variables};
 use crate::forces::ForcesInterval;
 use crate::kinematics::{cross, direction, dot, plus, put};
 use crate::real::Real;
@@ -166,18 +166,12 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Engine<R, M, L, D> for Aff
     }
 
     #[inline(always)]
-    fn step(
-        &self,
-        p: &Parameters<R>,
-        y: &mut [R; D],
-        _compensation: &mut [R; D],
-        _dense: &mut Coefficients<R, D>,
-    ) {
+    fn step(&self, p: &Parameters<R>, y: &mut [R; D]) {
         let half = R::splat(0.5);
         for axis in [0, 1, 2] {
             turn::<R, L, D>(y, axis, self.turn[axis] * y[axis]);
         }
-        y[D - 1] = p.step.fma(half, y[D - 1]);
+        y[L::TIME_AT] = p.step.fma(half, y[L::TIME_AT]);
         let mut weight = M::torque(p, y);
         let applied = self.applied.undamped::<L, D>(y);
         let torque = plus(&weight, &applied);
@@ -201,10 +195,10 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Engine<R, M, L, D> for Aff
         // contains it.
         let twice_v = plus(&v, &plus(&v, &increment));
         let gained = half * dot(&increment, &twice_v);
-        y[D - 3] = y[D - 3] + (gained - (weight[0] + weight[1] + weight[2]));
+        y[L::BALANCE_AT] = y[L::BALANCE_AT] + (gained - (weight[0] + weight[1] + weight[2]));
         let impulse = if L::VECTORS == 0 { dot(&change, &twice) } else { dot(&change, &direction(y, 0)) };
-        y[D - 2] = y[D - 2] + impulse;
-        y[D - 1] = p.step.fma(half, y[D - 1]);
+        y[L::IMPULSE_AT] = y[L::IMPULSE_AT] + impulse;
+        y[L::TIME_AT] = p.step.fma(half, y[L::TIME_AT]);
         for axis in [2, 1, 0] {
             turn::<R, L, D>(y, axis, self.turn[axis] * y[axis]);
         }
@@ -358,7 +352,7 @@ impl<R: Real, M: Model<R>> Exponential<R, M> {
                 put(&mut at, 3 + 3 * v, in_body);
             }
         }
-        at[D - 1] = y[D - 1] + time;
+        at[L::TIME_AT] = y[L::TIME_AT] + time;
         at
     }
 }
@@ -421,13 +415,7 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Engine<R, M, L, D> for Exp
     }
 
     #[inline(always)]
-    fn step(
-        &self,
-        p: &Parameters<R>,
-        y: &mut [R; D],
-        _compensation: &mut [R; D],
-        _dense: &mut Coefficients<R, D>,
-    ) {
+    fn step(&self, p: &Parameters<R>, y: &mut [R; D]) {
         let zero = [R::splat(0.0); 3];
         let omega = [y[0], y[1], y[2]];
         let v = self.modes.of(&self.modes.momentum(&omega));
@@ -464,8 +452,8 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Engine<R, M, L, D> for Exp
         // The impulse of strong damping is a small difference of large ones, so it is set to the gain of momentum.
         let impulse = M::conserved(&<Self as Engine<R, M, L, D>>::momentum(p, &at), &at)
             - M::conserved(&<Self as Engine<R, M, L, D>>::momentum(p, y), y);
-        at[D - 3] = y[D - 3] + (gained - worked);
-        at[D - 2] = y[D - 2] + impulse;
+        at[L::BALANCE_AT] = y[L::BALANCE_AT] + (gained - worked);
+        at[L::IMPULSE_AT] = y[L::IMPULSE_AT] + impulse;
         *y = at;
     }
 

@@ -5,10 +5,10 @@
 //! of `h omega` with the rate in the middle, `omega = I^(-1) (m0 + m1) / 2`. The only unknown is `u = h omega / 2`,
 //! which is found by Newton's method.
 
-use super::{Coefficients, Engine, EngineName, Facts, Method, Numbers, Step, Variables};
+use super::{Engine, EngineName, Facts, Method, Numbers, Step, Variables};
 use crate::forces::{ForcesInterval, attitude_of_stage};
-use crate::kinematics::{cross, direction, dot, plus, put, quaternion_product};
-use crate::real::{Apart, Real};
+use crate::kinematics::{cross, direction, dot, plus, put, quaternion_product, symmetric};
+use crate::real::{Outlined, Real};
 use crate::scene::{Applied, Layout, Model, Parameters};
 
 /// The implicit midpoint rule. The method is used in the frame of the body, as published.
@@ -91,12 +91,6 @@ struct Equation<R> {
     damping: [[R; 3]; 3],
 }
 
-/// A symmetric matrix, from its entries 11, 22, 33, 23, 31, 12.
-#[inline(always)]
-fn matrix<R: Real>(d: &[R; 6]) -> [[R; 3]; 3] {
-    [[d[0], d[5], d[4]], [d[5], d[1], d[3]], [d[4], d[3], d[2]]]
-}
-
 /// The rotation of a step.
 #[derive(Clone, Copy)]
 struct Turn<R> {
@@ -154,7 +148,7 @@ struct TorqueInTheMiddle<'a, R: Real> {
     torque: &'a mut [R; 3],
 }
 
-impl<R: Real> Apart for TorqueInTheMiddle<'_, R> {
+impl<R: Real> Outlined for TorqueInTheMiddle<'_, R> {
     type Out = ();
     #[inline(always)]
     fn run(self) {
@@ -242,7 +236,7 @@ impl<R: Real> ImplicitMidpoint<R> {
             u[i] = start[i] * self.inverse_ratios[i];
         }
         if L::BALANCE {
-            let middle = y[D - 1] + half;
+            let middle = y[L::TIME_AT] + half;
             for i in 0..3 {
                 torque[i] = middle.fma(self.interval.body[1][i], self.interval.body[0][i]);
                 start[i] = constants.torque_factor.fma(torque[i], start[i]);
@@ -261,7 +255,7 @@ impl<R: Real> ImplicitMidpoint<R> {
         let gamma = if const { M::HEAVY && L::VECTORS > 0 } { direction(y, 0) } else { zeros };
         let first = if L::FUNCTION { direction(y, 1) } else { zeros };
         let middle = if L::FUNCTION { y[L::TIME_AT] + half } else { half };
-        (Equation { start, space, gamma, first, middle, damping: matrix(&constants.damping) }, u)
+        (Equation { start, space, gamma, first, middle, damping: symmetric(&constants.damping) }, u)
     }
 
     /// The residual of an equation at `u`, and the columns of its derivative, for the lanes in which `wanted` is above zero.
@@ -352,7 +346,7 @@ impl<R: Real> ImplicitMidpoint<R> {
         wanted: R,
     ) -> [R; 3] {
         let mut torque = *u;
-        R::apart(TorqueInTheMiddle { engine: self, constants, equation, u, wanted, torque: &mut torque });
+        R::outlined(TorqueInTheMiddle { engine: self, constants, equation, u, wanted, torque: &mut torque });
         torque
     }
 
@@ -429,12 +423,12 @@ impl<R: Real> ImplicitMidpoint<R> {
                 middle[i] = rate;
                 z[i] = R::select(moves, two.fms(p.moments[i] * rate, momentum[i]), momentum[i]);
             }
-            middle[D - 1] = y[D - 1] + half;
+            middle[L::TIME_AT] = y[L::TIME_AT] + half;
             let torque = self.applied.torque_where::<L, D>(&middle, wanted);
             let [power, impulse] = self.applied.balance::<L, D>(&torque, &middle);
-            z[D - 3] = constants.step.fma(power, y[D - 3]);
-            z[D - 2] = constants.step.fma(impulse, y[D - 2]);
-            z[D - 1] = y[D - 1] + constants.step;
+            z[L::BALANCE_AT] = constants.step.fma(power, y[L::BALANCE_AT]);
+            z[L::IMPULSE_AT] = constants.step.fma(impulse, y[L::IMPULSE_AT]);
+            z[L::TIME_AT] = y[L::TIME_AT] + constants.step;
         } else {
             // The momentum is turned between two half kicks, so its length is conserved even if `u` is not exact.
             let mut kick = [R::splat(0.0); 3];
@@ -461,13 +455,7 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Engine<R, M, L, D> for Imp
     }
 
     #[inline(always)]
-    fn step(
-        &self,
-        p: &Parameters<R>,
-        y: &mut [R; D],
-        _compensation: &mut [R; D],
-        _dense: &mut Coefficients<R, D>,
-    ) {
+    fn step(&self, p: &Parameters<R>, y: &mut [R; D]) {
         let (zero, one, half) = (R::splat(0.0), R::splat(1.0), R::splat(0.5));
         let largest = R::splat(LARGEST_CORRECTION);
         let (mut next, correction) = self.moved::<M, L, D>(p, &self.whole, y, one);

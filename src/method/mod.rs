@@ -672,7 +672,7 @@ pub trait Engine<R: Real, M: Model<R>, L: Layout, const D: usize>: Copy {
     /// Whether a step has so few operations that the loop over packs counts. Its sums are not
     /// compensated.
     const IS_SHORT: bool = false;
-    /// Whether steps are so long that what is watched is sought inside them too.
+    /// Whether steps are so long that what is observed is sought inside them too.
     const IS_LONG: bool = false;
     /// Whether the steps can use other variables than the state.
     const PROCESSED: bool = false;
@@ -683,15 +683,20 @@ pub trait Engine<R: Real, M: Model<R>, L: Layout, const D: usize>: Copy {
     /// Transforms a state to the variables of the steps, before the first of equal steps; or back, after the last.
     #[inline(always)]
     fn process(&self, _p: &Parameters<R>, _y: &mut [R; D], _leaving: bool) {}
-    /// Advances the state by one step. An engine with compensation keeps the rounding error of the state in
-    /// `compensation`. A series stores its coefficients in `dense`, in powers of the fraction of the step.
-    fn step(
+    /// Advances the state by one step.
+    fn step(&self, p: &Parameters<R>, y: &mut [R; D]);
+    /// The same. An engine with compensation keeps the rounding error of the state in `compensation`. A series stores its
+    /// coefficients in `dense`, in powers of the fraction of the step.
+    #[inline(always)]
+    fn step_on(
         &self,
         p: &Parameters<R>,
         y: &mut [R; D],
-        compensation: &mut [R; D],
-        dense: &mut Coefficients<R, D>,
-    );
+        _compensation: &mut [R; D],
+        _dense: &mut Coefficients<R, D>,
+    ) {
+        self.step(p, y);
+    }
     /// The motion inside a step between two states, in powers of the fraction of the step: of a short step the cubic with
     /// the values and slopes at both ends.
     #[inline(always)]

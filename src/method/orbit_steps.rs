@@ -187,13 +187,7 @@ impl<T: Tableau, R: Real, M: Model<R>, L: Layout, const D: usize> Engine<R, M, L
     }
 
     #[inline(always)]
-    fn step(
-        &self,
-        _p: &Parameters<R>,
-        y: &mut [R; D],
-        _compensation: &mut [R; D],
-        _dense: &mut Coefficients<R, D>,
-    ) {
+    fn step(&self, _p: &Parameters<R>, y: &mut [R; D]) {
         let (before, clock) = parts(y);
         let mut k = [before; MAX_STAGES];
         let mut sum = before;

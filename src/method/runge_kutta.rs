@@ -592,7 +592,12 @@ impl<T: Tableau, R: Real, M: Model<R>, L: Layout, const D: usize> Engine<R, M, L
     }
 
     #[inline(always)]
-    fn step(
+    fn step(&self, p: &Parameters<R>, y: &mut [R; D]) {
+        Engine::<R, M, L, D>::step_on(self, p, y, &mut [R::splat(0.0); D], &mut Coefficients::new());
+    }
+
+    #[inline(always)]
+    fn step_on(
         &self,
         _p: &Parameters<R>,
         y: &mut [R; D],
@@ -728,10 +733,9 @@ mod tests {
     /// The state after a time, by many steps.
     fn truth(time: f64) -> [f64; D] {
         let (p, engine) = engine(time / 64.0);
-        let (mut y, mut unused) = (start(), [0.0; D]);
+        let mut y = start();
         for _ in 0..64 {
-            let dense = &mut Coefficients::new();
-            Engine::<_, _, FunctionTurns, D>::step(&engine, &p, &mut y, &mut unused, dense);
+            Engine::<_, _, FunctionTurns, D>::step(&engine, &p, &mut y);
         }
         y
     }
@@ -756,8 +760,8 @@ mod tests {
         let mut errors = Vec::new();
         for step in [0.3, 0.15] {
             let (p, engine) = engine(step);
-            let (mut y, mut unused, mut dense) = (start(), [0.0; D], Coefficients::new());
-            Engine::<_, _, FunctionTurns, D>::step(&engine, &p, &mut y, &mut unused, &mut dense);
+            let (mut y, mut dense) = (start(), Coefficients::new());
+            Engine::<_, _, FunctionTurns, D>::step(&engine, &p, &mut y);
             Engine::<_, _, FunctionTurns, D>::motion_inside(&engine, &p, [&start(), &y], &mut dense);
             // A rounding of each of the eight terms.
             assert!(apart(&inside(&dense, 1.0), &y) < 1e-14 && apart(dense.order(0), &start()) == 0.0);

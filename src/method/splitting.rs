@@ -6,7 +6,7 @@
 //! A deviation vector is a change d of the momenta and a rotation vector x in the body, `R -> R exp(hat(x))`. It is
 //! moved by the derivative of each flow, so it is the derivative of the step to rounding, and symplectic at any step.
 
-use super::{Coefficients, Engine, Numbers, Variables};
+use super::{Engine, Numbers, Variables};
 use crate::forces::ForcesInterval;
 use crate::kinematics::{self, plus};
 use crate::real::Real;
@@ -289,13 +289,7 @@ impl<C: Round, R: Real, M: Model<R>, L: Layout, const D: usize> Engine<R, M, L, 
     }
 
     #[inline(always)]
-    fn step(
-        &self,
-        p: &Parameters<R>,
-        y: &mut [R; D],
-        _compensation: &mut [R; D],
-        _dense: &mut Coefficients<R, D>,
-    ) {
+    fn step(&self, p: &Parameters<R>, y: &mut [R; D]) {
         let width = const {
             assert!(C::FLOWS.len() <= 6);
             C::FLOWS.len()

@@ -9,7 +9,7 @@ use crate::forces::{ForcesInterval, Further, FurtherSeries, Order};
 use crate::kinematics::{
     add_cross, add_roll_across, add_roll_along, add_turn_across, add_turn_along, direction, plus, put,
 };
-use crate::real::{Apart, Real, is_finite};
+use crate::real::{Outlined, Real, is_finite};
 use crate::scene::{Applied, Layout, Model, Parameters, quaternion};
 use crate::series::{Coefficients, INVERSE, MAX_ORDER, VectorSeries};
 use crate::special::{exp, ln};
@@ -508,7 +508,7 @@ struct Expansion<'a, R, M, L, const D: usize> {
     layout: PhantomData<L>,
 }
 
-impl<R: Real, M: Model<R>, L: Layout, const D: usize> Apart for Expansion<'_, R, M, L, D> {
+impl<R: Real, M: Model<R>, L: Layout, const D: usize> Outlined for Expansion<'_, R, M, L, D> {
     type Out = ();
     #[inline(always)]
     fn run(self) {
@@ -520,7 +520,7 @@ impl<R: Real, M: Model<R>> Taylor<R, M> {
     #[inline(always)]
     fn expanded<L: Layout, const D: usize>(&self, unit: R, y: &[R; D], c: &mut Coefficients<R, D>) {
         if const { L::BALANCE || L::TANGENT } {
-            R::apart(Expansion { engine: self, unit, y, c, layout: PhantomData::<L> });
+            R::outlined(Expansion { engine: self, unit, y, c, layout: PhantomData::<L> });
         } else {
             self.coefficients::<L, D>(unit, y, c);
         }
@@ -548,7 +548,12 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Engine<R, M, L, D> for Tay
     }
 
     #[inline(always)]
-    fn step(
+    fn step(&self, p: &Parameters<R>, y: &mut [R; D]) {
+        Engine::<R, M, L, D>::step_on(self, p, y, &mut [R::splat(0.0); D], &mut Coefficients::new());
+    }
+
+    #[inline(always)]
+    fn step_on(
         &self,
         _p: &Parameters<R>,
         y: &mut [R; D],

@@ -1,13 +1,13 @@
 //! A scalar of the state that stays on one side of a limit.
 
-use super::inside::{self, Inside, crossing, state};
+use super::inside::{self, Inside, Part, state};
 use super::{
     EXIT_TIME, Observable, Rows, Segment, Start, Update, angle_of, chord2, look_inside, motion_inside, three,
 };
 use crate::forces::{Orbit, anomaly_cos_sin, conic_sign, is_open};
-use crate::kinematics::{cross, direction, dot, half_rows};
+use crate::kinematics::{cross, direction, dot, half_rows, put};
 use crate::method::{Coefficients, Engine, Variables};
-use crate::real::{Apart, Real};
+use crate::real::{Outlined, Real};
 use crate::scene::{FurtherFrame, Layout, Model, Parameters, ROWS_LEN, in_rows};
 use crate::special::sincos;
 use std::f64::consts::PI;
@@ -69,7 +69,8 @@ pub enum Direction {
     Normal,
 }
 
-/// A limit of a quantity, and the side of it on which the quantity stays.
+/// A scalar that stays on one side of a limit. The scalar is computed at a few places inside each step and its least
+/// margin between them, so a pair of crossings inside a step is seen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bound {
     /// The quantity.
@@ -82,50 +83,21 @@ pub struct Bound {
     pub after: f64,
 }
 
-impl Bound {
-    /// The limit of the scalar, 1 if this is the largest allowed one and -1 if it is the least.
-    fn of_scalar(self) -> [f64; 2] {
-        let half = sincos(0.5 * self.limit).0;
-        let limit = match self.quantity {
-            // No angle is larger.
-            Quantity::Turn { .. } | Quantity::Attitude if self.below && self.limit >= PI => f64::INFINITY,
-            Quantity::Rate | Quantity::Speed => self.limit,
-            Quantity::Pointing { .. } | Quantity::Angle { .. } if self.limit >= PI => Bound::NO_CHORD2,
-            Quantity::Turn { .. } | Quantity::Pointing { .. } | Quantity::Angle { .. } => 4.0 * half * half,
-            Quantity::Attitude => 8.0 * half * half,
-        };
-        [limit, if self.below { 1.0 } else { -1.0 }]
+impl Quantity {
+    /// Whether a direction may leap between two places: of the observed vector, or of an angle in the frame of the orbit,
+    /// which swings fast near gimbal lock. Rates and attitudes have no direction that could, nor does an axis that points
+    /// somewhere.
+    fn may_leap(self) -> bool {
+        matches!(self, Quantity::Turn { .. } | Quantity::Angle { .. })
     }
 
-    /// Whether it is the angle of an axis from a direction of an orbit.
-    pub fn is_pointing(&self) -> bool {
-        matches!(self.quantity, Quantity::Pointing { .. })
-    }
-
-    /// The second body axis that is observed; 0 if there is none.
-    pub fn second_axis(&self) -> i32 {
-        if let Quantity::Angle { normal, .. } = self.quantity { normal } else { 0 }
-    }
-
-    /// More than the square of any distance between two directions.
-    const NO_CHORD2: f64 = 5.0;
-
-    /// The largest angle of the observed axis from its direction, or in the frame of the orbit, by the smallest margin; NaN
-    /// of another quantity.
-    pub fn largest_angle(self, margin: f64) -> f64 {
-        if !matches!(self.quantity, Quantity::Pointing { .. } | Quantity::Angle { .. }) {
-            return f64::NAN;
-        }
-        // `max` in `angle_of` ignores a NaN.
-        if margin.is_nan() { margin } else { angle_of(self.of_scalar()[0] - margin) }
+    /// Whether it is seen from the orbit. Then the largest angle is told.
+    fn is_of_orbit(self) -> bool {
+        matches!(self, Quantity::Pointing { .. } | Quantity::Angle { .. })
     }
 }
 
-/// A scalar that stays on one side of a limit. The scalar is computed at a few places inside each step and its least
-/// margin between them, so a pair of crossings inside a step is seen.
-pub struct Bounds;
-
-impl Bounds {
+impl Bound {
     /// Smallest distance from the limit, negative beyond.
     const MARGIN: usize = 1;
     /// The square of the largest distance between the directions at neighbouring places. A vector that almost vanishes
@@ -133,48 +105,100 @@ impl Bounds {
     const LEAP2: usize = 2;
     /// The time from which on the scalar is inside its limit; infinite while it is not.
     pub const SETTLED: usize = 3;
-    /// The limit.
+    /// The limit of the scalar; infinite for none.
     const LIMIT: usize = 4;
-    /// 1 if the scalar stays below the limit, -1 if above.
-    const SIDE: usize = 5;
-    /// The time from which the scalar is observed.
-    const AFTER: usize = 6;
-    /// One of the numbers below.
-    const KIND: usize = 7;
-    /// Whether the angular momentum is observed, not the rates.
-    const MOMENTUM: usize = 8;
+    /// The time, or the anomaly, from which the scalar is observed.
+    const AFTER: usize = 5;
     /// The observed axis, the direction at the start in the body, or the vertical at the start.
-    const AXIS: usize = 9;
-    /// The direction at the start in space, or space axis 1 at the start in the body; of an orbit the normal, or the first
-    /// of the two semi-axes from which the direction follows.
-    const SPACE: usize = 12;
+    const AXIS: usize = 6;
+    /// The direction at the start in space, or space axis 1 at the start in the body; of an orbit the first of the two
+    /// semi-axes from which the direction follows.
+    const SPACE: usize = 9;
     /// The second semi-axis.
-    const SECOND: usize = 15;
+    const SECOND: usize = 12;
+    /// The normal of the orbit.
+    const NORMAL: usize = 15;
     /// Eccentricity and rate of the orbit.
     const ORBIT: usize = 18;
     /// The anomaly at the start, of a body that is integrated over it.
     const ANOMALY: usize = 20;
     /// The second observed axis.
     const ACROSS: usize = 21;
-    /// The normal of the orbit, of an angle.
-    const ABOUT: usize = 24;
 
     /// The largest `LEAP2` of a motion that is known well enough: a leap of 1 rad.
     const MOST_LEAP2: f64 = 0.9193953882637205;
 
-    const RATE: f64 = 0.0;
-    const SPEED: f64 = 1.0;
-    const IN_BODY: f64 = 2.0;
-    const IN_SPACE: f64 = 3.0;
-    const ATTITUDE: f64 = 4.0;
-    const POINTING: f64 = 5.0;
-    const NORMAL: f64 = 6.0;
-    const PITCH: f64 = 7.0;
-    const ROLL: f64 = 8.0;
-    const YAW: f64 = 9.0;
-
     /// Places inside a step at which the scalar is computed, the end among them. A step is at most about 1 rad.
     const PLACES: usize = 4;
+
+    /// More than the square of any distance between two directions.
+    const NO_CHORD2: f64 = 5.0;
+
+    /// The limit of the scalar.
+    fn limit_of_scalar(self) -> f64 {
+        let half = sincos(0.5 * self.limit).0;
+        match self.quantity {
+            // No angle is larger.
+            Quantity::Turn { .. } | Quantity::Attitude if self.below && self.limit >= PI => f64::INFINITY,
+            Quantity::Rate | Quantity::Speed => self.limit,
+            Quantity::Pointing { .. } | Quantity::Angle { .. } if self.limit >= PI => Bound::NO_CHORD2,
+            Quantity::Turn { .. } | Quantity::Pointing { .. } | Quantity::Angle { .. } => 4.0 * half * half,
+            Quantity::Attitude => 8.0 * half * half,
+        }
+    }
+
+    /// 1 if the limit is the largest allowed scalar, -1 if it is the least.
+    fn side(self) -> f64 {
+        if self.below { 1.0 } else { -1.0 }
+    }
+
+    /// The largest angle of the observed axis from its direction, or in the frame of the orbit, by the smallest margin; NaN
+    /// of another quantity.
+    pub fn largest_angle(self, margin: f64) -> f64 {
+        // `max` in `angle_of` ignores a NaN.
+        if !self.quantity.is_of_orbit() || margin.is_nan() {
+            return f64::NAN;
+        }
+        angle_of(self.limit_of_scalar() - margin)
+    }
+
+    /// The scalar at the start of an axis or an angle in the frame of an orbit, whose numbers it writes. Without an orbit
+    /// there is no direction, and no limit is passed.
+    fn start_on_orbit(self, start: &Start, rows: &mut Rows<f64>) -> f64 {
+        let [third, first] = start.frame;
+        let axes = [first, cross(&third, &first), third];
+        let (mut semi_axes, normal, mut seen);
+        if let Some((place, [outward, _, about])) = &start.on_orbit {
+            let e = place.eccentricity();
+            semi_axes = [[conic_sign(e), 0.0, 0.0], [0.0, ((1.0 - e) * (1.0 + e)).abs().sqrt(), 0.0]];
+            (normal, seen) = ([0.0, 0.0, 1.0], Some([*outward, *about]));
+        } else {
+            let orbit = start.forces.map(|(forces, _)| forces.further.orbit);
+            let Some((orbit, about)) = orbit.and_then(|orbit| Some((orbit, orbit.normal()?))) else {
+                rows[Bound::LIMIT] = f64::INFINITY;
+                return 0.0;
+            };
+            [rows[Bound::ORBIT + 1], rows[Bound::ORBIT]] = [orbit.0[0], orbit.0[1]];
+            (semi_axes, normal, seen) = (orbit.semi_axes(), about, None);
+        }
+        if let Quantity::Pointing { from: Direction::Along, .. } = self.quantity {
+            semi_axes = semi_axes.map(|axis| cross(&normal, &axis));
+        }
+        put(rows, Bound::SPACE, semi_axes[0]);
+        put(rows, Bound::SECOND, semi_axes[1]);
+        put(rows, Bound::NORMAL, normal);
+        let seen =
+            seen.get_or_insert_with(|| [radial_at_start(rows, start.own, &axes), in_body(&normal, &axes)]);
+        let Quantity::Pointing { from, either } = self.quantity else {
+            put(rows, Bound::ACROSS, start.second_unit);
+            return chord2_of_turn(sine_cosine(self.quantity, rows, seen));
+        };
+        let aimed = seen[usize::from(from == Direction::Normal)];
+        if either && dot(&start.unit, &aimed) < 0.0 {
+            put(rows, Bound::AXIS, start.unit.map(|x| -x));
+        }
+        chord2(&three(rows, Bound::AXIS), &aimed)
+    }
 }
 
 /// The directions of the space axes in the body: 3, and 1 if the layout has it, and then 2.
@@ -201,15 +225,15 @@ fn in_body<R: Real>(v: &[R; 3], [one, two, third]: &[[R; 3]; 3]) -> [R; 3] {
     sum
 }
 
-/// The orbit whose direction from the planet is the one that is watched: the semi-axes may be others.
+/// The orbit whose direction from the planet is the one that is observed: the semi-axes may be others.
 #[inline(always)]
 fn orbit<R: Real>(rows: &Rows<R>) -> Orbit<R> {
-    let ([a1, a2, a3], [b1, b2, b3]) = (three(rows, Bounds::SPACE), three(rows, Bounds::SECOND));
-    let (eccentricity, rate) = (rows[Bounds::ORBIT], rows[Bounds::ORBIT + 1]);
+    let ([a1, a2, a3], [b1, b2, b3]) = (three(rows, Bound::SPACE), three(rows, Bound::SECOND));
+    let (eccentricity, rate) = (rows[Bound::ORBIT], rows[Bound::ORBIT + 1]);
     Orbit([rate, eccentricity, R::splat(0.0), a1, a2, a3, b1, b2, b3])
 }
 
-/// The direction from the planet that is watched, at the start in the body, from the variables of the orbit and the axes of
+/// The direction from the planet that is observed, at the start in the body, from the variables of the orbit and the axes of
 /// space.
 fn radial_at_start(rows: &Rows<f64>, own: &[f64], [first, second, third]: &[[f64; 3]; 3]) -> [f64; 3] {
     let mut y = [0.0; 14];
@@ -220,111 +244,79 @@ fn radial_at_start(rows: &Rows<f64>, own: &[f64], [first, second, third]: &[[f64
     orbit(rows).radial(&y, 12)
 }
 
-/// The observed vector of a state, its length and its direction: zero, if the vector is.
-#[inline(always)]
-fn vector<R: Real, const D: usize>(
-    variables: Variables,
-    p: &Parameters<R>,
-    rows: &Rows<R>,
-    y: &[R; D],
-) -> ([R; 3], R, [R; 3]) {
-    let (rates, momentum) = (variables.rates(p, y), variables.momentum(p, y));
-    let of_momentum = R::splat(0.5).lt(rows[Bounds::MOMENTUM]);
-    let mut v = rates;
-    for k in 0..3 {
-        v[k] = R::select(of_momentum, momentum[k], rates[k]);
-    }
-    let size = dot(&v, &v).sqrt();
-    let inverse = R::splat(1.0) / size.max(R::splat(f64::MIN_POSITIVE));
-    (v, size, [v[0] * inverse, v[1] * inverse, v[2] * inverse])
-}
-
 /// Sine and cosine of an angle in the frame of the orbit, or of its opposite, from the direction from the planet and the
 /// normal of the orbit in the body.
 #[inline(always)]
-fn sine_cosine<R: Real>(rows: &Rows<R>, radial: &[R; 3], normal: &[R; 3]) -> [R; 2] {
-    let (kind, one) = (rows[Bounds::KIND], R::splat(1.0));
-    let (outward, across) = (three(rows, Bounds::AXIS), three(rows, Bounds::ACROSS));
+fn sine_cosine<R: Real>(quantity: Quantity, rows: &Rows<R>, [radial, normal]: &[[R; 3]; 2]) -> [R; 2] {
+    let (outward, across) = (three(rows, Bound::AXIS), three(rows, Bound::ACROSS));
     let ahead = cross(&across, &outward);
-    let (up, side, front) = (dot(radial, &outward), dot(radial, &across), dot(radial, &ahead));
-    let (turned, along) = (dot(normal, &ahead), dot(&cross(normal, radial), &ahead));
-    let is_pitch = kind.lt(R::splat(Bounds::ROLL));
-    let is_roll = kind.lt(R::splat(Bounds::YAW));
-    let y = R::select(is_pitch, front, R::select(is_roll, side, turned));
-    let x = R::select(is_pitch, up.fma(up, side * side).sqrt(), R::select(is_roll, up, along));
-    let inverse = one / y.fma(y, x * x).sqrt().max(R::splat(f64::MIN_POSITIVE));
+    let (up, side) = (dot(radial, &outward), dot(radial, &across));
+    let [y, x] = match quantity {
+        Quantity::Angle { of: Angle::Pitch, .. } => [dot(radial, &ahead), up.fma(up, side * side).sqrt()],
+        Quantity::Angle { of: Angle::Roll, .. } => [side, up],
+        _ => [dot(normal, &ahead), dot(&cross(normal, radial), &ahead)],
+    };
+    let inverse = R::splat(1.0) / y.fma(y, x * x).sqrt().max(R::splat(f64::MIN_POSITIVE));
     [y * inverse, x * inverse]
 }
 
-/// The square of the chord of this angle.
+/// The square of the chord of an angle with this sine and cosine.
 #[inline(always)]
-fn angle2<R: Real>(rows: &Rows<R>, radial: &[R; 3], normal: &[R; 3]) -> R {
-    let [sine, cosine] = sine_cosine(rows, radial, normal);
+fn chord2_of_turn<R: Real>([sine, cosine]: [R; 2]) -> R {
     let less = cosine - R::splat(1.0);
     sine.fma(sine, less * less)
 }
 
-/// The direction of a state that may leap between two places: of the observed vector, or of an angle in the frame of the
-/// orbit, which swings fast near gimbal lock.
+/// The scalar of a state, and the direction that may leap, if there is one.
 #[inline(always)]
-fn leaping<R: Real, L: Layout, const D: usize>(
+fn scalar<R: Real, L: Layout, const D: usize>(
+    quantity: Quantity,
     variables: Variables,
     p: &Parameters<R>,
     rows: &Rows<R>,
     y: &[R; D],
-) -> [R; 3] {
+) -> (R, [R; 3]) {
     if const { L::TURNS } {
-        return leaping::<R, L::Rows, ROWS_LEN>(variables, p, rows, &in_rows::<L, R, D>(y));
+        return scalar::<R, L::Rows, ROWS_LEN>(quantity, variables, p, rows, &in_rows::<L, R, D>(y));
     }
-    let (_, _, mut unit) = vector(variables, p, rows, y);
-    if const { L::OWN > 0 } {
-        let is_angle = R::splat(Bounds::NORMAL).lt(rows[Bounds::KIND]);
-        if R::any(is_angle) {
-            let normal = in_body(&three(rows, Bounds::ABOUT), &frame::<R, L, D>(y));
-            let [sine, cosine] = sine_cosine(rows, &orbit(rows).radial(y, L::OWN_AT), &normal);
-            let angle = [sine, cosine, R::splat(0.0)];
-            for k in 0..3 {
-                unit[k] = R::select(is_angle, angle[k], unit[k]);
-            }
+    let axis = three(rows, Bound::AXIS);
+    match quantity {
+        Quantity::Rate => (dot(&variables.rates(p, y), &axis), axis),
+        Quantity::Speed => {
+            let rates = variables.rates(p, y);
+            (dot(&rates, &rates).sqrt(), axis)
         }
-    }
-    unit
-}
-
-/// How far the scalar of a state is inside its limit.
-#[inline(always)]
-fn margin<R: Real, L: Layout, const D: usize>(
-    variables: Variables,
-    p: &Parameters<R>,
-    rows: &Rows<R>,
-    y: &[R; D],
-) -> R {
-    if const { L::TURNS } {
-        return margin::<R, L::Rows, ROWS_LEN>(variables, p, rows, &in_rows::<L, R, D>(y));
-    }
-    let kind = rows[Bounds::KIND];
-    let axis = three(rows, Bounds::AXIS);
-    let (v, size, unit) = vector(variables, p, rows, y);
-    let mut scalar = R::select(kind.lt(R::splat(Bounds::SPEED)), dot(&v, &axis), size);
-    scalar = R::select(R::splat(Bounds::SPEED).lt(kind), chord2(&unit, &axis), scalar);
-    if const { L::VECTORS > 1 } {
-        let [one, two, third] = frame::<R, L, D>(y);
-        let space = three(rows, Bounds::SPACE);
-        let mut fixed = in_body(&space, &[one, two, third]);
-        scalar = R::select(R::splat(Bounds::IN_BODY).lt(kind), chord2(&unit, &fixed), scalar);
-        let turned = chord2(&third, &axis) + chord2(&one, &space) + chord2(&two, &cross(&axis, &space));
-        scalar = R::select(R::splat(Bounds::IN_SPACE).lt(kind), turned, scalar);
-        if const { L::OWN > 0 } {
-            let moving = orbit(rows).radial(y, L::OWN_AT);
-            for k in 0..3 {
-                fixed[k] = R::select(kind.lt(R::splat(Bounds::NORMAL)), moving[k], fixed[k]);
+        Quantity::Turn { of_momentum, in_space } => {
+            let v = if of_momentum { variables.momentum(p, y) } else { variables.rates(p, y) };
+            // The direction of a vector that vanishes is zero.
+            let inverse = R::splat(1.0) / dot(&v, &v).sqrt().max(R::splat(f64::MIN_POSITIVE));
+            let unit = [v[0] * inverse, v[1] * inverse, v[2] * inverse];
+            let mut from = axis;
+            if in_space {
+                from = in_body(&three(rows, Bound::SPACE), &frame::<R, L, D>(y));
             }
-            scalar = R::select(R::splat(Bounds::ATTITUDE).lt(kind), chord2(&axis, &fixed), scalar);
-            let normal = in_body(&three(rows, Bounds::ABOUT), &[one, two, third]);
-            scalar = R::select(R::splat(Bounds::NORMAL).lt(kind), angle2(rows, &moving, &normal), scalar);
+            (chord2(&unit, &from), unit)
         }
+        Quantity::Attitude => {
+            let ([one, two, third], first) = (frame::<R, L, D>(y), three(rows, Bound::SPACE));
+            (chord2(&third, &axis) + chord2(&one, &first) + chord2(&two, &cross(&axis, &first)), axis)
+        }
+        Quantity::Pointing { from: Direction::Normal, .. } => {
+            let normal = in_body(&three(rows, Bound::NORMAL), &frame::<R, L, D>(y));
+            (chord2(&axis, &normal), axis)
+        }
+        Quantity::Pointing { .. } if const { L::OWN > 0 } => {
+            (chord2(&axis, &orbit(rows).radial(y, L::OWN_AT)), axis)
+        }
+        Quantity::Angle { .. } if const { L::OWN > 0 } => {
+            let normal = in_body(&three(rows, Bound::NORMAL), &frame::<R, L, D>(y));
+            let seen = [orbit(rows).radial(y, L::OWN_AT), normal];
+            let [sine, cosine] = sine_cosine(quantity, rows, &seen);
+            (chord2_of_turn([sine, cosine]), [sine, cosine, R::splat(0.0)])
+        }
+        // No orbit.
+        _ => (R::splat(0.0), axis),
     }
-    (rows[Bounds::LIMIT] - scalar) * rows[Bounds::SIDE]
 }
 
 /// States inside a step.
@@ -401,141 +393,79 @@ impl<R: Real, const D: usize> Within<R, D> for Coefficients<R, D> {
     }
 }
 
-/// The margin inside a step.
-struct Margin<'a, R, L, W, const D: usize> {
-    variables: Variables,
+/// How far the scalar is inside its limit.
+struct Margin<'a, R, L, W, const MOMENTA: bool, const D: usize> {
+    bound: Bound,
     p: &'a Parameters<R>,
     rows: &'a Rows<R>,
     within: &'a W,
     layout: PhantomData<L>,
 }
 
-impl<R: Real, L: Layout, W: Within<R, D>, const D: usize> Inside<R> for Margin<'_, R, L, W, D> {
+impl<R: Real, L: Layout, W: Within<R, D>, const MOMENTA: bool, const D: usize>
+    Margin<'_, R, L, W, MOMENTA, D>
+{
+    /// The margin of a state, and the direction that may leap.
     #[inline(always)]
-    fn at(&self, fraction: R) -> R {
-        margin::<R, L, D>(self.variables, self.p, self.rows, &self.within.at(fraction))
+    fn of(&self, y: &[R; D]) -> (R, [R; 3]) {
+        let variables = if MOMENTA { Variables::Momenta } else { Variables::Rates };
+        let (scalar, unit) = scalar::<R, L, D>(self.bound.quantity, variables, self.p, self.rows, y);
+        ((self.rows[Bound::LIMIT] - scalar) * R::splat(self.bound.side()), unit)
     }
 }
 
-impl Observable for Bounds {
-    const ROWS: usize = 27;
+impl<R: Real, L: Layout, W: Within<R, D>, const MOMENTA: bool, const D: usize> Inside<R>
+    for Margin<'_, R, L, W, MOMENTA, D>
+{
+    #[inline(always)]
+    fn at(&self, fraction: R) -> R {
+        self.of(&self.within.at(fraction)).0
+    }
+}
+
+impl Observable for Bound {
+    const ROWS: usize = 24;
     const CHANGING: usize = 4;
 
-    fn start(start: &Start) -> Rows<f64> {
+    fn start(self, start: &Start) -> Rows<f64> {
         let mut rows = super::UNOBSERVED;
-        let bound = start.bound.expect("a map gives the bound that is observed");
         if let Some((place, _)) = start.on_orbit {
-            rows[Bounds::ANOMALY] = place.anomaly();
-            [rows[Bounds::ORBIT], rows[Bounds::ORBIT + 1]] = [place.eccentricity(), place.rate()];
+            rows[Bound::ANOMALY] = place.anomaly();
+            [rows[Bound::ORBIT], rows[Bound::ORBIT + 1]] = [place.eccentricity(), place.rate()];
         }
-        [rows[Bounds::LIMIT], rows[Bounds::SIDE]] = bound.of_scalar();
-        rows[Bounds::AFTER] =
-            start.on_orbit.map_or(bound.after, |(place, _)| place.anomaly_until(bound.after));
-        rows[Bounds::MARGIN] = f64::INFINITY;
-        let put = |rows: &mut Rows<f64>, at: usize, v: [f64; 3]| rows[at..at + 3].copy_from_slice(&v);
+        rows[Bound::LIMIT] = self.limit_of_scalar();
+        rows[Bound::AFTER] = start.on_orbit.map_or(self.after, |(place, _)| place.anomaly_until(self.after));
+        rows[Bound::MARGIN] = f64::INFINITY;
+        put(&mut rows, Bound::AXIS, start.unit);
         // The frame of the kernel at the start: space axis 3, then 1.
         let [third, first] = start.frame;
-        let scalar = match bound.quantity {
-            Quantity::Rate => {
-                rows[Bounds::KIND] = Bounds::RATE;
-                put(&mut rows, Bounds::AXIS, start.unit);
-                dot(&start.rates, &start.unit)
-            }
-            Quantity::Speed => {
-                rows[Bounds::KIND] = Bounds::SPEED;
-                dot(&start.rates, &start.rates).sqrt()
-            }
-            Quantity::Turn { of_momentum, in_space } => {
-                rows[Bounds::KIND] = if in_space { Bounds::IN_SPACE } else { Bounds::IN_BODY };
-                rows[Bounds::MOMENTUM] = f64::from(u8::from(of_momentum));
+        let scalar = match self.quantity {
+            Quantity::Rate => dot(&start.rates, &start.unit),
+            Quantity::Speed => dot(&start.rates, &start.rates).sqrt(),
+            Quantity::Turn { of_momentum, .. } => {
                 let v = if of_momentum { start.momentum } else { start.rates };
                 let size = dot(&v, &v).sqrt().max(f64::MIN_POSITIVE);
                 let unit = v.map(|x| x / size);
-                put(&mut rows, Bounds::AXIS, unit);
+                put(&mut rows, Bound::AXIS, unit);
                 if unit == [0.0; 3] {
                     // Without a direction at the start no limit is passed, and the motion is not known well enough.
-                    (rows[Bounds::LIMIT], rows[Bounds::LEAP2]) = (f64::INFINITY, f64::INFINITY);
+                    (rows[Bound::LIMIT], rows[Bound::LEAP2]) = (f64::INFINITY, f64::INFINITY);
                 }
                 let second = cross(&third, &first);
-                put(&mut rows, Bounds::SPACE, [dot(&first, &unit), dot(&second, &unit), dot(&third, &unit)]);
+                put(&mut rows, Bound::SPACE, [dot(&first, &unit), dot(&second, &unit), dot(&third, &unit)]);
                 0.0
             }
             Quantity::Attitude => {
-                rows[Bounds::KIND] = Bounds::ATTITUDE;
-                put(&mut rows, Bounds::AXIS, third);
-                put(&mut rows, Bounds::SPACE, first);
+                put(&mut rows, Bound::AXIS, third);
+                put(&mut rows, Bound::SPACE, first);
                 0.0
             }
-            Quantity::Angle { of, .. } => {
-                rows[Bounds::KIND] = match of {
-                    Angle::Roll => Bounds::ROLL,
-                    Angle::Pitch => Bounds::PITCH,
-                    Angle::Yaw => Bounds::YAW,
-                };
-                put(&mut rows, Bounds::AXIS, start.unit);
-                put(&mut rows, Bounds::ACROSS, start.second_unit);
-                let known = start.forces.map(|(forces, _)| forces.further.orbit);
-                let orbit = known.and_then(|orbit| Some((orbit, orbit.normal()?)));
-                if let Some((place, [outward, _, about])) = &start.on_orbit {
-                    let e = place.eccentricity();
-                    put(&mut rows, Bounds::SPACE, [conic_sign(e), 0.0, 0.0]);
-                    put(&mut rows, Bounds::SECOND, [0.0, ((1.0 - e) * (1.0 + e)).abs().sqrt(), 0.0]);
-                    put(&mut rows, Bounds::ABOUT, [0.0, 0.0, 1.0]);
-                    angle2(&rows, outward, about)
-                } else if let Some((known, normal)) = orbit {
-                    let [first_axis, second_axis] = known.semi_axes();
-                    put(&mut rows, Bounds::SPACE, first_axis);
-                    put(&mut rows, Bounds::SECOND, second_axis);
-                    put(&mut rows, Bounds::ABOUT, normal);
-                    [rows[Bounds::ORBIT + 1], rows[Bounds::ORBIT]] = [known.0[0], known.0[1]];
-                    let axes = [first, cross(&third, &first), third];
-                    angle2(&rows, &radial_at_start(&rows, start.own, &axes), &in_body(&normal, &axes))
-                } else {
-                    // Without an orbit there is no direction, and no limit is passed.
-                    rows[Bounds::LIMIT] = f64::INFINITY;
-                    0.0
-                }
-            }
-            Quantity::Pointing { from, either } => {
-                let is_normal = from == Direction::Normal;
-                rows[Bounds::KIND] = if is_normal { Bounds::NORMAL } else { Bounds::POINTING };
-                put(&mut rows, Bounds::AXIS, start.unit);
-                let known = start.forces.map(|(forces, _)| forces.further.orbit);
-                match known.and_then(|orbit| Some((orbit, orbit.normal()?))) {
-                    Some((known, normal)) => {
-                        let [mut first_axis, mut second_axis] = known.semi_axes();
-                        if from == Direction::Along {
-                            first_axis = cross(&normal, &first_axis);
-                            second_axis = cross(&normal, &second_axis);
-                        }
-                        put(&mut rows, Bounds::SPACE, if is_normal { normal } else { first_axis });
-                        put(&mut rows, Bounds::SECOND, second_axis);
-                        [rows[Bounds::ORBIT + 1], rows[Bounds::ORBIT]] = [known.0[0], known.0[1]];
-                        let axes = [first, cross(&third, &first), third];
-                        let aimed = if is_normal {
-                            in_body(&normal, &axes)
-                        } else {
-                            radial_at_start(&rows, start.own, &axes)
-                        };
-                        let mut axis = start.unit;
-                        if either && dot(&axis, &aimed) < 0.0 {
-                            axis = axis.map(|x| -x);
-                        }
-                        put(&mut rows, Bounds::AXIS, axis);
-                        chord2(&axis, &aimed)
-                    }
-                    // Without an orbit there is no direction, and no limit is passed.
-                    None => {
-                        rows[Bounds::LIMIT] = f64::INFINITY;
-                        0.0
-                    }
-                }
-            }
+            Quantity::Pointing { .. } | Quantity::Angle { .. } => self.start_on_orbit(start, &mut rows),
         };
-        if bound.after <= 0.0 {
-            rows[Bounds::MARGIN] = (rows[Bounds::LIMIT] - scalar) * rows[Bounds::SIDE];
-            rows[Bounds::SETTLED] = if rows[Bounds::MARGIN] < 0.0 { f64::INFINITY } else { 0.0 };
-            if rows[Bounds::MARGIN] < 0.0 {
+        if self.after <= 0.0 {
+            rows[Bound::MARGIN] = (rows[Bound::LIMIT] - scalar) * self.side();
+            rows[Bound::SETTLED] = if rows[Bound::MARGIN] < 0.0 { f64::INFINITY } else { 0.0 };
+            if rows[Bound::MARGIN] < 0.0 {
                 rows[EXIT_TIME] = 0.0;
             }
         }
@@ -544,17 +474,18 @@ impl Observable for Bounds {
 
     /// The smallest margin of the scalar; NaN if it may have been smaller between two places.
     fn outcome(rows: &Rows<f64>) -> f64 {
-        if rows[Bounds::LEAP2] > Bounds::MOST_LEAP2 { f64::NAN } else { rows[Bounds::MARGIN] }
+        if rows[Bound::LEAP2] > Bound::MOST_LEAP2 { f64::NAN } else { rows[Bound::MARGIN] }
     }
 }
 
-impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Bounds {
+impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Bound {
     /// True for the rates alone, and for rates with a vertical or a frame.
     const FITS: bool =
         L::CLOCK || !L::TANGENT && (L::TURNS || !L::QUATERNION && (L::VECTORS != 1 || M::HEAVY));
 
     #[inline(always)]
     fn after_step<S: Engine<R, M, L, D>>(
+        self,
         engine: &S,
         p: &Parameters<R>,
         rows: &mut Rows<R>,
@@ -562,11 +493,12 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Bou
     ) {
         // Of each body; an inactive one has a step of zero.
         let wanted = R::splat(0.0).lt(p.step.abs());
-        look_inside::<Bounds, R, M, L, S, D>(engine, p, rows, segment, wanted);
+        look_inside::<_, R, M, L, S, D>(self, engine, p, rows, segment, wanted);
     }
 
     #[inline(always)]
     fn look<S: Engine<R, M, L, D>>(
+        self,
         engine: &S,
         p: &Parameters<R>,
         rows: &mut Rows<R>,
@@ -574,26 +506,28 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Bou
     ) {
         let &Segment { begin, before, after, .. } = segment;
         let dense = &motion_inside(engine, p, segment);
+        let bound = self;
         if const { !L::CLOCK } {
             let (ends, layout) = ([before, after], PhantomData::<L>);
             if const { matches!(S::VARIABLES, Variables::Rates) } {
-                R::apart(Look::<_, _, _, false, D> { p, rows, begin, ends, within: dense, layout });
+                R::outlined(Look::<_, _, _, false, D> { bound, p, rows, begin, ends, within: dense, layout });
             } else {
-                R::apart(Look::<_, _, _, true, D> { p, rows, begin, ends, within: dense, layout });
+                R::outlined(Look::<_, _, _, true, D> { bound, p, rows, begin, ends, within: dense, layout });
             }
             return;
         }
-        let [eccentricity, rate] = [rows[Bounds::ORBIT], rows[Bounds::ORBIT + 1]];
-        let anomaly = rows[Bounds::ANOMALY] + begin;
+        let [eccentricity, rate] = [rows[Bound::ORBIT], rows[Bound::ORBIT + 1]];
+        let anomaly = rows[Bound::ANOMALY] + begin;
         let within = &OnOrbit { dense, anomaly, step: p.step, eccentricity, rate };
         let [first, last] = [within.seen(R::splat(0.0), before), within.seen(R::splat(1.0), after)];
         let (ends, layout) = ([&first, &last], PhantomData);
-        Look::<R, FurtherFrame, _, false, FRAME> { p, rows, begin, ends, within, layout }.run();
+        Look::<R, FurtherFrame, _, false, FRAME> { bound, p, rows, begin, ends, within, layout }.run();
     }
 }
 
 /// The scalar inside a step, in a function that all engines with the same variables share.
 struct Look<'a, R, L, W, const MOMENTA: bool, const D: usize> {
+    bound: Bound,
     p: &'a Parameters<R>,
     rows: &'a mut Rows<R>,
     begin: R,
@@ -602,38 +536,37 @@ struct Look<'a, R, L, W, const MOMENTA: bool, const D: usize> {
     layout: PhantomData<L>,
 }
 
-impl<R: Real, L: Layout, W: Within<R, D>, const MOMENTA: bool, const D: usize> Apart
+impl<R: Real, L: Layout, W: Within<R, D>, const MOMENTA: bool, const D: usize> Outlined
     for Look<'_, R, L, W, MOMENTA, D>
 {
     type Out = ();
     #[inline(always)]
     fn run(self) {
-        let Look { p, rows, begin: time, ends: [before, after], within, layout } = self;
-        let variables = if MOMENTA { Variables::Momenta } else { Variables::Rates };
+        let Look { bound, p, rows, begin: time, ends: [before, after], within, layout } = self;
         let numbers = *rows;
-        let scalar = Margin { variables, p, rows: &numbers, within, layout };
+        let margin = Margin::<R, L, W, MOMENTA, D> { bound, p, rows: &numbers, within, layout };
         let (zero, half, one) = (R::splat(0.0), R::splat(0.5), R::splat(1.0));
         let never = R::splat(f64::INFINITY);
         // The observed part of the step. An inactive lane has a step of zero.
-        let watched = one.min(((rows[Bounds::AFTER] - time) / p.step).max(zero));
-        let span = one - watched;
-        let size = span * R::splat(1.0 / Bounds::PLACES as f64);
-        // The last three places, the margins there, and the first part of the step that has an end beyond the limit.
-        let (mut margins, mut least) = ([never; 3], rows[Bounds::MARGIN]);
-        let (mut low, mut high, mut ends) = (zero, zero, [zero; 2]);
-        let mut exit = never;
-        // The last part of the step at whose end the scalar comes back inside the limit.
-        let (mut back, mut entry, mut margins_of_entry) = ([zero; 2], never, [zero, one]);
-        let mut unit = leaping::<R, L, D>(variables, p, rows, before);
-        let mut leap2 = rows[Bounds::LEAP2];
-        for place in 0..=Bounds::PLACES {
-            let fraction = size.fma(R::splat(place as f64), watched);
-            let y = if place == Bounds::PLACES { *after } else { within.at(fraction) };
-            margins = [margins[1], margins[2], margin::<R, L, D>(variables, p, rows, &y)];
-            let now_along = leaping::<R, L, D>(variables, p, rows, &y);
-            leap2 = leap2.max(chord2(&now_along, &unit));
-            unit = now_along;
-            let [before_last, last, now] = margins;
+        let begin = one.min(((rows[Bound::AFTER] - time) / p.step).max(zero));
+        let span = one - begin;
+        let size = span * R::splat(1.0 / Bound::PLACES as f64);
+        // The first part of the step that ends beyond the limit, and the last one that ends inside it again.
+        let (mut exit, mut entry) = (Part::none(), Part::none());
+        // The margins at the last three places.
+        let (mut margins, mut least) = ([never; 3], rows[Bound::MARGIN]);
+        let (_, mut unit) = margin.of(before);
+        let mut leap2 = rows[Bound::LEAP2];
+        for place in 0..=Bound::PLACES {
+            let fraction = size.fma(R::splat(place as f64), begin);
+            let y = if place == Bound::PLACES { *after } else { within.at(fraction) };
+            let (now, unit_now) = margin.of(&y);
+            if bound.quantity.may_leap() {
+                leap2 = leap2.max(chord2(&unit_now, &unit));
+                unit = unit_now;
+            }
+            margins = [margins[1], margins[2], now];
+            let [before_last, last, _] = margins;
             // The minimum of the parabola through three places; its distance before the middle one, in places.
             let bend = (before_last - last) + (now - last);
             let slope = (now - before_last) * half;
@@ -641,85 +574,51 @@ impl<R: Real, L: Layout, W: Within<R, D>, const MOMENTA: bool, const D: usize> A
             let depth = before_middle.fnma(slope * half, last);
             let spread = (before_last - last).abs() + (now - last).abs();
             // A NaN, of the first two places, is no minimum.
-            let is_between = R::select(before_middle.abs().lt(R::splat(1.25)), one, zero);
-            let is_minimum = R::select(zero.lt(bend), is_between, zero);
-            let mut dip = R::select(half.lt(is_minimum), depth, never);
-            let mut at = before_middle.fnma(size, fraction - size);
+            let is_minimum = R::both(zero.lt(bend), before_middle.abs().lt(R::splat(1.25)));
+            let mut dip = R::select(is_minimum, depth, never);
             // The parabola is wrong by a small part of what the scalar changes by: near the limit the minimum is sought.
             // Of a direction of an orbit near the least margin so far too, for its largest angle is told.
-            let is_told = R::splat(Bounds::ATTITUDE).lt(rows[Bounds::KIND]);
-            let level = R::select(is_told, least.max(zero), zero);
-            let near = R::select(spread.fma(half, level).lt(dip), zero, R::select(dip.lt(never), one, zero));
-            let near = R::select(exit.lt(never), zero, near);
-            if R::any(half.lt(near)) {
-                let [first, end] = [fraction - (size + size), fraction];
-                let middle = fraction - size;
-                at = R::select(half.lt(near), at.max(first).min(end), middle);
-                let [place_of_deepest, deepest] =
-                    inside::least::<R, 6>(&scalar, [first, end], at, size * half);
-                dip = R::select(half.lt(near), deepest, dip);
-                at = R::select(half.lt(near), place_of_deepest, at);
+            let level = if bound.quantity.is_of_orbit() { least.max(zero) } else { zero };
+            let is_far = spread.fma(half, level).lt(dip);
+            let near = R::except(R::except(dip.lt(never), is_far), exit.is_known());
+            if R::any(near) {
+                let (first, middle) = (fraction - (size + size), fraction - size);
+                let at = before_middle.fnma(size, middle).max(first).min(fraction);
+                let at = R::select(near, at, middle);
+                let [at, deepest] = inside::least::<R, 6>(&margin, [first, fraction], at, size * half);
+                dip = R::select(near, deepest, dip);
                 // A pair of crossings: the margin before is not negative, the one at the minimum is.
-                let dives = R::select(half.lt(near), R::select(deepest.lt(zero), one, zero), zero);
-                let new = R::select(half.lt(dives), one, zero);
-                // The last place inside the limit before the minimum.
-                let from_middle = R::select(middle.lt(at), R::select(last.lt(zero), zero, one), zero);
-                low = R::select(half.lt(new), R::select(half.lt(from_middle), middle, first), low);
-                high = R::select(half.lt(new), at, high);
-                ends[0] =
-                    R::select(half.lt(new), R::select(half.lt(from_middle), last, before_last), ends[0]);
-                ends[1] = R::select(half.lt(new), deepest, ends[1]);
-                exit = R::select(half.lt(new), at, exit);
-                let [next, inside] = [
-                    R::select(half.lt(from_middle), fraction, middle),
-                    R::select(half.lt(from_middle), now, last),
-                ];
-                let returns = R::select(half.lt(new), R::select(inside.lt(zero), zero, one), zero);
-                back = [R::select(half.lt(returns), at, back[0]), R::select(half.lt(returns), next, back[1])];
-                margins_of_entry = [
-                    R::select(half.lt(returns), deepest, margins_of_entry[0]),
-                    R::select(half.lt(returns), inside, margins_of_entry[1]),
-                ];
-                entry = R::select(half.lt(returns), next, entry);
+                let dives = R::both(near, deepest.lt(zero));
+                // The last place inside the limit before the minimum, and the first place after the minimum.
+                let is_after = R::except(middle.lt(at), last.lt(zero));
+                let from_inside =
+                    [R::select(is_after, middle, first), R::select(is_after, last, before_last)];
+                let to_inside = [R::select(is_after, fraction, middle), R::select(is_after, now, last)];
+                exit.set(dives, Part { from: from_inside, to: [at, deepest] });
+                let returns = R::except(dives, to_inside[1].lt(zero));
+                entry.set(returns, Part { from: [at, deepest], to: to_inside });
             }
-            let returns = R::select(last.lt(zero), R::select(now.lt(zero), zero, one), zero);
-            back = [
-                R::select(half.lt(returns), fraction - size, back[0]),
-                R::select(half.lt(returns), fraction, back[1]),
-            ];
-            margins_of_entry = [
-                R::select(half.lt(returns), last, margins_of_entry[0]),
-                R::select(half.lt(returns), now, margins_of_entry[1]),
-            ];
-            entry = R::select(half.lt(returns), fraction, entry);
+            let part = Part { from: [fraction - size, last], to: [fraction, now] };
+            entry.set(R::except(last.lt(zero), now.lt(zero)), part);
             least = least.min(now);
             least = R::select(dip.lt(least), dip, least);
-            let crosses = R::select(exit.lt(never), zero, R::select(now.lt(zero), one, zero));
-            low = R::select(half.lt(crosses), if place == 0 { watched } else { fraction - size }, low);
-            high = R::select(half.lt(crosses), fraction, high);
-            ends[0] = R::select(half.lt(crosses), if place == 0 { zero } else { last }, ends[0]);
-            ends[1] = R::select(half.lt(crosses), now, ends[1]);
-            exit = R::select(half.lt(crosses), fraction, exit);
+            let part = if place == 0 { Part { from: [begin, zero], ..part } } else { part };
+            exit.set(R::except(now.lt(zero), exit.is_known()), part);
         }
-        let (is_back, at_end) = (entry.lt(never), margins[2]);
+        let is_back = entry.is_known();
         if R::any(is_back) {
-            // The part of the step the other way round.
-            let fraction = crossing(&scalar, [back[1], back[0]], [margins_of_entry[1], margins_of_entry[0]]);
-            rows[Bounds::SETTLED] = R::select(is_back, p.step.fma(fraction, time), rows[Bounds::SETTLED]);
+            let settled = p.step.fma(entry.reversed().crossing(&margin), time);
+            rows[Bound::SETTLED] = R::select(is_back, settled, rows[Bound::SETTLED]);
         }
-        rows[Bounds::SETTLED] = R::select(at_end.lt(zero), never, rows[Bounds::SETTLED]);
+        rows[Bound::SETTLED] = R::select(margins[2].lt(zero), never, rows[Bound::SETTLED]);
         // Before its time, and after the limit was passed, nothing is observed.
-        let is_open = R::select(rows[EXIT_TIME].lt(never), zero, R::select(zero.lt(span), one, zero));
-        rows[Bounds::MARGIN] = R::select(zero.lt(span), least, rows[Bounds::MARGIN]);
-        // Rates and attitudes have no direction that could leap, nor does an axis that points somewhere.
-        let kind = rows[Bounds::KIND];
-        let leaps = R::select(R::splat(Bounds::NORMAL).lt(kind), one, zero);
-        let leaps = R::select(kind.lt(R::splat(Bounds::ATTITUDE)), kind, leaps + leaps);
-        rows[Bounds::LEAP2] = R::select(R::splat(Bounds::SPEED).lt(leaps), leap2, zero);
-        let leaves = R::select(half.lt(is_open), exit, never).lt(never);
+        let is_observed = zero.lt(span);
+        rows[Bound::MARGIN] = R::select(is_observed, least, rows[Bound::MARGIN]);
+        rows[Bound::LEAP2] = leap2;
+        let leaves = R::both(R::except(is_observed, rows[EXIT_TIME].lt(never)), exit.is_known());
         if R::any(leaves) {
-            let fraction = crossing(&scalar, [low, high], [ends[0].max(zero), ends[1]]);
-            let at = p.step.fma(fraction, time);
+            exit.from[1] = exit.from[1].max(zero);
+            let at = p.step.fma(exit.crossing(&margin), time);
             rows[EXIT_TIME] = R::select(leaves, at, rows[EXIT_TIME]);
         }
     }

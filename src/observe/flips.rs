@@ -1,18 +1,17 @@
 //! Sign changes of a component of the rates.
 
-use super::inside::{Inside, crossing, has_minimum, least, lowest};
-use super::{
-    EXIT_TIME, Observable, Rows, Segment, Start, Update, along, first_time, look_inside, motion_inside, three,
-};
+use super::inside::{Inside, Part, has_minimum, least, lowest};
+use super::{EXIT_TIME, Observable, Rows, Segment, Start, Update, along, look_inside, motion_inside, three};
+use crate::body::{Body, VERTICAL};
 use crate::forces::{BodyForces, ForcesInterval};
-use crate::kinematics::to_body_frame;
+use crate::kinematics::{put, to_body_frame};
 use crate::method::{Coefficients, Engine, Numbers, Rk4Tableau, RungeKutta, Taylor};
-use crate::real::{Apart, Real};
+use crate::real::{Outlined, Real};
 use crate::scene::{FurtherFrame, Layout, Model, Parameters, StatesTurns, Top};
 use crate::simd::Isa;
-use crate::start::{Body, VERTICAL};
 
 /// Sign changes of one component of the rates, located inside the step.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Flips;
 
 impl Flips {
@@ -52,7 +51,7 @@ struct AfterStart<'a> {
     rate: f64,
 }
 
-impl Apart for AfterStart<'_> {
+impl Outlined for AfterStart<'_> {
     type Out = [f64; 3];
     #[inline(always)]
     fn run(self) -> [f64; 3] {
@@ -64,13 +63,12 @@ impl Apart for AfterStart<'_> {
         if interval.functions.is_some() {
             // Nobody knows the derivatives of the torque of a function: a step of the fourth order is made.
             let engine = <Called as Engine<_, _, StatesTurns, CALLED>>::new(&p, interval, NUMBERS);
-            let (mut y, mut unused) = ([0.0; CALLED], [0.0; CALLED]);
+            let mut y = [0.0; CALLED];
             y[..3].copy_from_slice(&body.omega);
             y[StatesTurns::QUATERNION_AT..StatesTurns::BALANCE_AT].copy_from_slice(&body.attitude);
             y[StatesTurns::OWN_AT..StatesTurns::STATES_AT].copy_from_slice(&interval.further.start(0.0));
             y[StatesTurns::STATES_AT..].copy_from_slice(states);
-            let dense = &mut Coefficients::new();
-            Engine::<_, _, StatesTurns, CALLED>::step(&engine, &p, &mut y, &mut unused, dense);
+            Engine::<_, _, StatesTurns, CALLED>::step(&engine, &p, &mut y);
             return [y[0], y[1], y[2]];
         }
         let series = <Taylor<f64, Top<f64>> as Engine<_, _, FurtherFrame, LEN>>::new(&p, interval, NUMBERS);
@@ -112,7 +110,7 @@ impl Observable for Flips {
     const CHANGING: usize = 3;
 
     /// The sign of the component at the start; for a component that is zero, the sign just after the start.
-    fn start(start: &Start) -> Rows<f64> {
+    fn start(self, start: &Start) -> Rows<f64> {
         let mut rows = super::UNOBSERVED;
         let k = start.axis.unsigned_abs() as usize - 1;
         let value = match (start.body.omega[k], start.forces) {
@@ -124,7 +122,7 @@ impl Observable for Flips {
             (omega, _) => omega,
         };
         rows[Flips::SIGN] = f64::from(start.axis.signum()) * if value < 0.0 { -1.0 } else { 1.0 };
-        rows[Flips::AXIS..Flips::AXIS + 3].copy_from_slice(&start.unit);
+        put(&mut rows, Flips::AXIS, start.unit);
         rows
     }
 
@@ -141,6 +139,7 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Fli
 
     #[inline(always)]
     fn after_step<S: Engine<R, M, L, D>>(
+        self,
         engine: &S,
         p: &Parameters<R>,
         rows: &mut Rows<R>,
@@ -155,16 +154,16 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Fli
                 along(&axis, &engine.velocity(p, segment.before)) * signed,
                 along(&axis, &engine.velocity(p, segment.after)) * signed,
             ];
-            let is_inside = R::splat(0.5).lt(has_minimum(slopes));
-            sought = sought.min(R::select(is_inside, lowest(ends, slopes), R::splat(0.0)));
+            sought = sought.min(R::select(has_minimum(slopes), lowest(ends, slopes), R::splat(0.0)));
         }
-        look_inside::<Flips, R, M, L, S, D>(engine, p, rows, segment, sought.lt(R::splat(0.0)));
+        look_inside::<_, R, M, L, S, D>(self, engine, p, rows, segment, sought.lt(R::splat(0.0)));
     }
 
     /// One flip where the component ends with the other sign, two where it has the other sign between; the first is
     /// found. An exact zero keeps the sign before it.
     #[inline(always)]
     fn look<S: Engine<R, M, L, D>>(
+        self,
         engine: &S,
         p: &Parameters<R>,
         rows: &mut Rows<R>,
@@ -180,22 +179,21 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Fli
         let (last, last_value) = (R::select(flipped, one, lowest_at), R::select(flipped, end, lowest));
         // A body that begins with a rate of zero moves away from zero first: the flip is after its largest rate.
         let mut first = [zero, begin];
-        let is_zero = R::select(zero.lt(begin), zero, one);
-        if R::any(half.lt(is_zero)) {
+        if !R::all(zero.lt(begin)) {
             let [highest_at, highest] = least::<R, 6>(
                 &Component { sign: -sign, ..inside },
                 [zero, last],
                 last * half,
                 last * R::splat(0.25),
             );
-            let is_away = half.lt(R::select(highest.lt(zero), is_zero, zero));
+            let is_away = R::except(highest.lt(zero), zero.lt(begin));
             first = [R::select(is_away, highest_at, zero), R::select(is_away, -highest, begin.max(zero))];
         }
         let count = R::select(flipped, one, R::select(last_value.lt(zero), one + one, zero));
-        let fraction = crossing(&inside, [first[0], last], [first[1], last_value]);
+        let fraction = Part { from: first, to: [last, last_value] }.crossing(&inside);
         let at = p.step.fma(fraction, segment.begin);
-        let exit = R::select(half.lt(count), first_time(rows[EXIT_TIME], at), rows[EXIT_TIME]);
-        rows[EXIT_TIME] = exit;
+        let leaves = R::except(half.lt(count), rows[EXIT_TIME].lt(R::splat(f64::INFINITY)));
+        rows[EXIT_TIME] = R::select(leaves, at, rows[EXIT_TIME]);
         rows[Flips::COUNT] = rows[Flips::COUNT] + count;
         rows[Flips::SIGN] = R::select(flipped, -sign, sign);
     }

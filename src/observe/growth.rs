@@ -48,6 +48,7 @@ impl Deviation {
 /// 10.1051/aas:2000108), and its mean over the time is `(2 / t) (A - integral of A / t)`. The integrals are trapezoids of
 /// the steps of a Runge-Kutta method. A series is known inside its steps: there they are those of the implicit
 /// Runge-Kutta method of Gauss with four stages.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Growth;
 
 impl Growth {
@@ -197,7 +198,7 @@ impl Observable for Growth {
     const ROWS: usize = 12;
     const CHANGING: usize = 6;
 
-    fn start(start: &Start) -> Rows<f64> {
+    fn start(self, start: &Start) -> Rows<f64> {
         let mut rows = super::UNOBSERVED;
         let Deviation { start: [d1, d2, d3, x1, x2, x3], inverse_scale, of_attitude } = *start.deviation;
         rows[Growth::INVERSE_SCALE..Growth::OF_ATTITUDE].copy_from_slice(&inverse_scale);
@@ -217,6 +218,7 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Gro
 
     #[inline(always)]
     fn after_step<S: Engine<R, M, L, D>>(
+        self,
         _engine: &S,
         p: &Parameters<R>,
         rows: &mut Rows<R>,

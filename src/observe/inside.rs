@@ -34,11 +34,11 @@ pub(super) fn lowest<R: Real>([begin, end]: [R; 2], [begin_slope, end_slope]: [R
     spread.fnma(R::splat(1.0 / 16.0), lowest)
 }
 
-/// One where a number with these slopes at both ends has a minimum between them, else zero.
+/// Where a number with these slopes at both ends has a minimum between them.
 #[inline(always)]
-pub(super) fn has_minimum<R: Real>([begin_slope, end_slope]: [R; 2]) -> R {
-    let (zero, one) = (R::splat(0.0), R::splat(1.0));
-    R::select(begin_slope.lt(zero), R::select(zero.lt(end_slope), one, zero), zero)
+pub(super) fn has_minimum<R: Real>([begin_slope, end_slope]: [R; 2]) -> R::Mask {
+    let zero = R::splat(0.0);
+    R::both(begin_slope.lt(zero), zero.lt(end_slope))
 }
 
 /// The place of the least value between two places, and the value: by the parabola through three places about the best one
@@ -58,10 +58,9 @@ pub(super) fn least<R: Real, const TIMES: usize>(
         for side in 0..3 {
             let there = reach.fma(R::splat(side as f64 - 1.0), at);
             around[side] = inside.at(there);
-            let is_between = R::select(there.lt(first), zero, R::select(last.lt(there), zero, one));
-            let is_lower = R::select(around[side].lt(value), is_between, zero);
-            value = R::select(half.lt(is_lower), around[side], value);
-            place = R::select(half.lt(is_lower), there, place);
+            let is_lower = R::except(R::except(around[side].lt(value), there.lt(first)), last.lt(there));
+            value = R::select(is_lower, around[side], value);
+            place = R::select(is_lower, there, place);
         }
         let bend = (around[0] - around[1]) + (around[2] - around[1]);
         let shift = ((around[0] - around[2]) * half) / bend;
@@ -73,26 +72,61 @@ pub(super) fn least<R: Real, const TIMES: usize>(
     [place, value]
 }
 
-/// Where a number passes zero between two places, at the first of which it is not negative and at the last of which it is:
-/// regula falsi with half the value of an end that remains twice (the Illinois rule; Dowell & Jarratt 1971,
-/// doi 10.1007/BF01934364).
-#[inline(always)]
-pub(super) fn crossing<R: Real>(
-    inside: &impl Inside<R>,
-    [mut low, mut high]: [R; 2],
-    [mut inner, mut outer]: [R; 2],
-) -> R {
-    let (zero, half, one) = (R::splat(0.0), R::splat(0.5), R::splat(1.0));
-    let mut last_side = zero;
-    for _ in 0..16 {
-        let fraction = (high - low).fma(inner / (inner - outer), low);
-        let value = inside.at(fraction);
-        let beyond = value.lt(zero);
-        let side = R::select(beyond, one, -one);
-        let weight = R::select(zero.lt(side * last_side), half, one);
-        last_side = side;
-        (low, high) = (R::select(beyond, low, fraction), R::select(beyond, fraction, high));
-        (inner, outer) = (R::select(beyond, inner * weight, value), R::select(beyond, value, outer * weight));
+/// A part of a step, with a number at two places: it passes zero between them, if it is not negative at the first and
+/// negative at the last.
+#[derive(Clone, Copy)]
+pub(super) struct Part<R> {
+    /// The place of either end, as a fraction of the step, and the number there.
+    pub(super) from: [R; 2],
+    pub(super) to: [R; 2],
+}
+
+impl<R: Real> Part<R> {
+    /// No part: it ends nowhere.
+    #[inline(always)]
+    pub(super) fn none() -> Self {
+        Part { from: [R::splat(0.0); 2], to: [R::splat(f64::INFINITY); 2] }
     }
-    (high - low).fma(inner / (inner - outer), low)
+
+    /// Whether it ends somewhere.
+    #[inline(always)]
+    pub(super) fn is_known(&self) -> R::Mask {
+        self.to[0].lt(R::splat(f64::INFINITY))
+    }
+
+    /// Replaces it by another part in some lanes.
+    #[inline(always)]
+    pub(super) fn set(&mut self, lanes: R::Mask, other: Part<R>) {
+        for k in 0..2 {
+            self.from[k] = R::select(lanes, other.from[k], self.from[k]);
+            self.to[k] = R::select(lanes, other.to[k], self.to[k]);
+        }
+    }
+
+    /// The part the other way round.
+    #[inline(always)]
+    pub(super) fn reversed(self) -> Self {
+        Part { from: self.to, to: self.from }
+    }
+
+    /// Where the number passes zero: regula falsi with half the value of an end that remains twice (the Illinois rule;
+    /// Dowell & Jarratt 1971, doi 10.1007/BF01934364).
+    #[inline(always)]
+    pub(super) fn crossing(self, inside: &impl Inside<R>) -> R {
+        let (zero, half, one) = (R::splat(0.0), R::splat(0.5), R::splat(1.0));
+        let Part { from: [mut low, mut inner], to: [mut high, mut outer] } = self;
+        let mut last_side = zero;
+        for _ in 0..16 {
+            let fraction = (high - low).fma(inner / (inner - outer), low);
+            let value = inside.at(fraction);
+            let beyond = value.lt(zero);
+            let side = R::select(beyond, one, -one);
+            let weight = R::select(zero.lt(side * last_side), half, one);
+            last_side = side;
+            (low, high) = (R::select(beyond, low, fraction), R::select(beyond, fraction, high));
+            (inner, outer) =
+                (R::select(beyond, inner * weight, value), R::select(beyond, value, outer * weight));
+        }
+        (high - low).fma(inner / (inner - outer), low)
+    }
 }

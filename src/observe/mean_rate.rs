@@ -1,12 +1,14 @@
 //! The mean over the time of a component of the rates.
 
 use super::{Observable, Rows, Segment, Start, Update, along, look_inside, motion_inside, three};
+use crate::kinematics::put;
 use crate::method::Engine;
 use crate::real::Real;
 use crate::scene::{Layout, Model, Parameters};
 
 /// The integral over the time of the rate about the observed axis: of the motion inside each long step, else of the cubic
 /// through the values and slopes at the ends of the step.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MeanRate;
 
 impl MeanRate {
@@ -22,9 +24,9 @@ impl Observable for MeanRate {
     const ROWS: usize = 7;
     const CHANGING: usize = 4;
 
-    fn start(start: &Start) -> Rows<f64> {
+    fn start(self, start: &Start) -> Rows<f64> {
         let mut rows = super::UNOBSERVED;
-        rows[MeanRate::AXIS..MeanRate::AXIS + 3].copy_from_slice(&start.unit);
+        put(&mut rows, MeanRate::AXIS, start.unit);
         rows
     }
 
@@ -41,6 +43,7 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Mea
 
     #[inline(always)]
     fn after_step<S: Engine<R, M, L, D>>(
+        self,
         engine: &S,
         p: &Parameters<R>,
         rows: &mut Rows<R>,
@@ -49,7 +52,7 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Mea
         if const { S::IS_LONG } {
             // Of each body; an inactive one has a step of zero.
             let wanted = R::splat(0.0).lt(p.step.abs());
-            look_inside::<MeanRate, R, M, L, S, D>(engine, p, rows, segment, wanted);
+            look_inside::<_, R, M, L, S, D>(self, engine, p, rows, segment, wanted);
             return;
         }
         let &Segment { before, after, .. } = segment;
@@ -67,6 +70,7 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Mea
 
     #[inline(always)]
     fn look<S: Engine<R, M, L, D>>(
+        self,
         engine: &S,
         p: &Parameters<R>,
         rows: &mut Rows<R>,

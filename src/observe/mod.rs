@@ -10,20 +10,20 @@ mod inside;
 mod mean_rate;
 mod tilt;
 
-pub use bounds::{Angle, Bound, Bounds, Direction, Quantity};
+pub use bounds::{Angle, Bound, Direction, Quantity};
 pub use flips::Flips;
 pub use growth::{Deviation, Growth};
 pub use mean_rate::MeanRate;
 pub use tilt::Tilt;
 
+use crate::body::Body;
 use crate::forces::{ForcesInterval, OrbitPlace};
 use crate::kinematics::dot;
 use crate::method::{Coefficients, Engine, in_halves};
-use crate::real::{Apart, Pack, Real};
+use crate::real::{Outlined, Pack, Real};
 use crate::scene::{Layout, Model, Parameters};
 use crate::simd::Row;
 use crate::special::{atan2, sincos};
-use crate::start::Body;
 use std::f64::consts::PI;
 use std::marker::PhantomData;
 
@@ -33,14 +33,14 @@ pub const EXIT_TIME: usize = 0;
 /// The rows of one body.
 pub type Rows<R> = [R; MAX_ROWS];
 
-/// The numbers of an observable for one body.
-pub trait Observable {
+/// An observable, and its numbers for one body.
+pub trait Observable: Copy {
     /// Number of rows for each body, `EXIT_TIME` among them.
     const ROWS: usize;
     /// Number of leading rows that change after the start.
     const CHANGING: usize;
     /// The numbers at the start.
-    fn start(start: &Start) -> Rows<f64>;
+    fn start(self, start: &Start) -> Rows<f64>;
     /// The observed value at the end.
     fn outcome(rows: &Rows<f64>) -> f64;
 }
@@ -51,6 +51,7 @@ pub trait Update<R: Real, M: Model<R>, L: Layout, const D: usize>: Observable {
     const FITS: bool;
     /// Updates the rows after a step.
     fn after_step<S: Engine<R, M, L, D>>(
+        self,
         engine: &S,
         p: &Parameters<R>,
         rows: &mut Rows<R>,
@@ -59,6 +60,7 @@ pub trait Update<R: Real, M: Model<R>, L: Layout, const D: usize>: Observable {
     /// Updates the rows after a step of a body for which it matters what is inside the step.
     #[inline(always)]
     fn look<S: Engine<R, M, L, D>>(
+        self,
         _engine: &S,
         _p: &Parameters<R>,
         _rows: &mut Rows<R>,
@@ -68,22 +70,29 @@ pub trait Update<R: Real, M: Model<R>, L: Layout, const D: usize>: Observable {
     }
     /// Updates the rows at the end of a block of steps.
     #[inline(always)]
-    fn after_block<S: Engine<R, M, L, D>>(_engine: &S, _p: &Parameters<R>, _rows: &mut Rows<R>, _y: &[R; D]) {
+    fn after_block<S: Engine<R, M, L, D>>(
+        self,
+        _engine: &S,
+        _p: &Parameters<R>,
+        _rows: &mut Rows<R>,
+        _y: &[R; D],
+    ) {
     }
 }
 
 /// A look inside a step, of the bodies that need it.
 struct Look<'a, O, R: Real, M, L, S, const D: usize> {
+    observable: O,
     engine: &'a S,
     p: &'a Parameters<R>,
     rows: &'a mut Rows<R>,
     begin: R,
     before: &'a [R; D],
     after: &'a [R; D],
-    of: PhantomData<(O, M, L)>,
+    of: PhantomData<(M, L)>,
 }
 
-impl<O, R, M, L, S, const D: usize> Apart for Look<'_, O, R, M, L, S, D>
+impl<O, R, M, L, S, const D: usize> Outlined for Look<'_, O, R, M, L, S, D>
 where
     O: Update<R, M, L, D>,
     R: Real,
@@ -94,8 +103,8 @@ where
     type Out = ();
     #[inline(always)]
     fn run(self) {
-        let Look { engine, p, rows, begin, before, after, .. } = self;
-        O::look(engine, p, rows, &Segment { begin, before, after, dense: &Coefficients::new() });
+        let Look { observable, engine, p, rows, begin, before, after, .. } = self;
+        observable.look(engine, p, rows, &Segment { begin, before, after, dense: &Coefficients::new() });
     }
 }
 
@@ -103,6 +112,7 @@ where
 #[expect(clippy::manual_memcpy, reason = "a copied slice has an address: its state would stay in memory")]
 #[inline(always)]
 fn look_inside<O, R, M, L, S, const D: usize>(
+    observable: O,
     engine: &S,
     p: &Parameters<R>,
     rows: &mut Rows<R>,
@@ -124,7 +134,7 @@ fn look_inside<O, R, M, L, S, const D: usize>(
         let (mut seen, length) = ([begin; MAX_ROWS], const { O::ROWS });
         in_halves!(r in length { seen[r] = rows[r]; });
         let (before, after, of) = (&before, &after, PhantomData);
-        R::apart(Look::<O, R, M, L, S, D> { engine, p, rows: &mut seen, begin, before, after, of });
+        R::outlined(Look { observable, engine, p, rows: &mut seen, begin, before, after, of });
         for r in 0..O::CHANGING {
             rows[r] = R::select(wanted, seen[r], rows[r]);
         }
@@ -140,7 +150,7 @@ struct MotionInside<'a, R: Real, M, L, S, const D: usize> {
     of: PhantomData<(M, L)>,
 }
 
-impl<R: Real, M: Model<R>, L: Layout, S: Engine<R, M, L, D>, const D: usize> Apart
+impl<R: Real, M: Model<R>, L: Layout, S: Engine<R, M, L, D>, const D: usize> Outlined
     for MotionInside<'_, R, M, L, S, D>
 {
     type Out = ();
@@ -159,7 +169,7 @@ fn motion_inside<R: Real, M: Model<R>, L: Layout, S: Engine<R, M, L, D>, const D
 ) -> Coefficients<R, D> {
     let mut dense = Coefficients::new();
     let ends = [segment.before, segment.after];
-    R::apart(MotionInside { engine, p, ends, dense: &mut dense, of: PhantomData::<(M, L)> });
+    R::outlined(MotionInside { engine, p, ends, dense: &mut dense, of: PhantomData::<(M, L)> });
     dense
 }
 
@@ -177,12 +187,8 @@ pub struct Start<'a> {
     pub second_unit: [f64; 3],
     /// The direction in space that is integrated for the observable, in body components along the axes of the kernel.
     pub direction: [f64; 3],
-    /// The largest allowed angle.
-    pub limit: f64,
     /// The deviation vector at the start.
     pub deviation: &'a Deviation,
-    /// The bound that is observed, if one is.
-    pub bound: Option<&'a Bound>,
     /// The variables of further forces.
     pub own: &'a [f64],
     /// The states of a function.
@@ -211,13 +217,15 @@ pub struct Segment<'a, R, const D: usize> {
 
 /// The list of all observables.
 macro_rules! observables {
-    ($($name:ident)*) => {
+    (@value $name:ident) => { $name };
+    (@value $name:ident $value:ident) => { $value };
+    ($($name:ident $(($value:ident))?)*) => {
         /// The observable of a kernel.
-        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        #[derive(Clone, Copy, Debug, PartialEq)]
         #[allow(missing_docs)] // The names are those of the types.
         pub enum Observed {
             Nothing,
-            $($name,)*
+            $($name $((observables!(@value $value $name)))?,)*
         }
 
         /// The largest number of rows of an observable.
@@ -232,7 +240,7 @@ macro_rules! observables {
             pub const fn fits<M: Model<f64>, L: Layout, const D: usize>(self) -> bool {
                 match self {
                     Observed::Nothing => true,
-                    $(Observed::$name => <$name as Update<f64, M, L, D>>::FITS,)*
+                    $(Observed::$name { .. } => <$name as Update<f64, M, L, D>>::FITS,)*
                 }
             }
 
@@ -240,7 +248,7 @@ macro_rules! observables {
             pub fn start(self, start: &Start) -> Rows<f64> {
                 match self {
                     Observed::Nothing => UNOBSERVED,
-                    $(Observed::$name => $name::start(start),)*
+                    $(Observed::$name $(($value))? => observables!(@value $name $($value)?).start(start),)*
                 }
             }
 
@@ -248,7 +256,7 @@ macro_rules! observables {
             pub fn outcome(self, rows: &Rows<f64>) -> f64 {
                 match self {
                     Observed::Nothing => f64::NAN,
-                    $(Observed::$name => $name::outcome(rows),)*
+                    $(Observed::$name { .. } => $name::outcome(rows),)*
                 }
             }
 
@@ -263,11 +271,12 @@ macro_rules! observables {
                 segment: &Segment<P, D>,
             ) {
                 $(if const { <$name as Update<P, M, L, D>>::FITS && is_observed::<P, M, L, S, D>() }
-                    && self == Observed::$name
+                    && let Observed::$name $(($value))? = self
                 {
                     let mut values = [P::splat(0.0); MAX_ROWS];
                     load::<P, $name>(rows, at, &mut values);
-                    <$name as Update<P, M, L, D>>::after_step(engine, p, &mut values, segment);
+                    let observable = observables!(@value $name $($value)?);
+                    Update::<P, M, L, D>::after_step(observable, engine, p, &mut values, segment);
                     store::<P, $name>(rows, at, &values);
                 })*
             }
@@ -282,17 +291,28 @@ macro_rules! observables {
                 at: usize,
                 y: &[P; D],
             ) {
-                $(if const { <$name as Update<P, M, L, D>>::FITS } && self == Observed::$name {
+                $(if const { <$name as Update<P, M, L, D>>::FITS } && let Observed::$name $(($value))? = self {
                     let mut values = [P::splat(0.0); MAX_ROWS];
                     load::<P, $name>(rows, at, &mut values);
-                    <$name as Update<P, M, L, D>>::after_block(engine, p, &mut values, y);
+                    let observable = observables!(@value $name $($value)?);
+                    Update::<P, M, L, D>::after_block(observable, engine, p, &mut values, y);
                     store::<P, $name>(rows, at, &values);
                 })*
             }
         }
     };
 }
-observables! { Flips Tilt Growth Bounds MeanRate }
+observables! { Flips Tilt(tilt) Growth Bound(bound) MeanRate }
+
+impl Observed {
+    /// The second body axis that is observed: 1, 2, 3 or -1, -2, -3; 0 if there is none.
+    pub fn second_axis(self) -> i32 {
+        match self {
+            Observed::Bound(Bound { quantity: Quantity::Angle { normal, .. }, .. }) => normal,
+            _ => 0,
+        }
+    }
+}
 
 /// Whether maps observe the steps of the engine: of a series the growth of deviation vectors only.
 const fn is_observed<R: Real, M: Model<R>, L: Layout, S: Engine<R, M, L, D>, const D: usize>() -> bool {
@@ -358,10 +378,4 @@ fn combined<R: Real>(v: &[R; 3], axes: &[[R; 3]; 3]) -> [R; 3] {
         sum[i] = v[2].fma(third[i], v[0].fma(first[i], v[1] * second[i]));
     }
     sum
-}
-
-/// `at`, unless stability was lost before.
-#[inline(always)]
-fn first_time<R: Real>(exit_time: R, at: R) -> R {
-    R::select(exit_time.lt(R::splat(f64::INFINITY)), exit_time, at)
 }

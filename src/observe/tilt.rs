@@ -1,11 +1,11 @@
 //! The angle between a body axis and a direction in space.
 
-use super::inside::{Inside, crossing, has_minimum, least, lowest, state};
+use super::inside::{Inside, Part, has_minimum, least, lowest, state};
 use super::{
-    Bound, EXIT_TIME, Observable, Quantity, Rows, Segment, Start, Update, along, angle_of, chord2, chord2_of,
-    combined, look_inside, motion_inside, three,
+    Bound, Direction, EXIT_TIME, Observable, Quantity, Rows, Segment, Start, Update, along, angle_of, chord2,
+    chord2_of, combined, look_inside, motion_inside, three,
 };
-use crate::kinematics::{add_cross, cross, direction, direction_rate, dot, half_rows, plus, space_axes};
+use crate::kinematics::{add_cross, cross, direction, direction_rate, dot, half_rows, plus, put, space_axes};
 use crate::method::{Coefficients, Engine};
 use crate::real::Real;
 use crate::scene::{Layout, Model, Parameters, quaternion};
@@ -14,9 +14,28 @@ use std::marker::PhantomData;
 /// Largest angle between a body axis and a direction that is fixed in space: `Layout::OBSERVED`, or the normal of an orbit.
 /// Of a body that is integrated over the anomaly of its orbit, from any direction of the frame of the orbit. The angle is
 /// observed as the square of the chord, which is accurate for small angles.
-pub struct Tilt;
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tilt {
+    /// The largest allowed angle.
+    limit: f64,
+    /// The direction of the frame of the orbit.
+    from: Direction,
+    /// Of the end of the axis that is nearer to this direction at the start.
+    either: bool,
+}
 
 impl Tilt {
+    /// The tilt with this largest allowed angle; in the frame of an orbit from its normal.
+    pub const fn within(limit: f64) -> Tilt {
+        Tilt { limit, from: Direction::Normal, either: false }
+    }
+
+    /// The tilt that a bound of the pointing is in the frame of the orbit; `None` for a bound of something else.
+    pub fn of(bound: Bound) -> Option<Tilt> {
+        let Bound { quantity: Quantity::Pointing { from, either }, limit, .. } = bound else { return None };
+        Some(Tilt { limit, from, either })
+    }
+
     /// The square of the largest chord.
     const CHORD2: usize = 1;
     /// The limit of that; infinite for none.
@@ -32,38 +51,32 @@ impl Observable for Tilt {
     const ROWS: usize = 9;
     const CHANGING: usize = 2;
 
-    fn start(start: &Start) -> Rows<f64> {
+    fn start(self, start: &Start) -> Rows<f64> {
         let mut rows = super::UNOBSERVED;
         let (mut normal, mut reference) = ([0.0, 0.0, 1.0], start.direction);
         let [third, first] = start.frame;
         if start.on_orbit.is_none() && reference != third {
             normal = [&first, &cross(&third, &first), &third].map(|axis| dot(axis, &reference));
         }
-        let (mut axis, mut limit) = (start.unit, start.limit);
+        let mut axis = start.unit;
         if let Some((_, axes)) = start.on_orbit {
-            reference = axes[2];
-            if let Some(Bound { quantity: Quantity::Pointing { from, either }, limit: largest, .. }) =
-                start.bound
-            {
-                let column = *from as usize;
-                normal = [0, 1, 2].map(|k| f64::from(u8::from(k == column)));
-                reference = axes[column];
-                if *either && dot(&axis, &reference) < 0.0 {
-                    axis = axis.map(|x| -x);
-                }
-                limit = *largest;
+            let column = self.from as usize;
+            normal = [0, 1, 2].map(|k| f64::from(u8::from(k == column)));
+            reference = axes[column];
+            if self.either && dot(&axis, &reference) < 0.0 {
+                axis = axis.map(|x| -x);
             }
         } else if let Some(of_orbit) = start.forces.and_then(|(forces, _)| forces.further.orbit.normal()) {
             normal = of_orbit;
             reference = combined(&normal, &[first, cross(&third, &first), third]);
         }
         rows[Tilt::CHORD2] = chord2(&axis, &reference);
-        rows[Tilt::LIMIT] = chord2_of(limit);
+        rows[Tilt::LIMIT] = chord2_of(self.limit);
         if rows[Tilt::CHORD2] > rows[Tilt::LIMIT] {
             rows[EXIT_TIME] = 0.0;
         }
-        rows[Tilt::AXIS..Tilt::AXIS + 3].copy_from_slice(&axis);
-        rows[Tilt::NORMAL..Tilt::NORMAL + 3].copy_from_slice(&normal);
+        put(&mut rows, Tilt::AXIS, axis);
+        put(&mut rows, Tilt::NORMAL, normal);
         rows
     }
 
@@ -79,6 +92,7 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Til
 
     #[inline(always)]
     fn after_step<S: Engine<R, M, L, D>>(
+        self,
         engine: &S,
         p: &Parameters<R>,
         rows: &mut Rows<R>,
@@ -101,14 +115,14 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Til
                 along(&axis, &direction_rate(&at_end, &engine.turning(p, segment.after))) * twice,
             ];
             let spare = largest + lowest([-begin, -end], slopes);
-            let is_inside = R::splat(0.5).lt(has_minimum(slopes));
-            sought = sought.min(R::select(is_inside, spare, R::splat(0.0)));
+            sought = sought.min(R::select(has_minimum(slopes), spare, R::splat(0.0)));
         }
-        look_inside::<Tilt, R, M, L, S, D>(engine, p, rows, segment, sought.lt(R::splat(0.0)));
+        look_inside::<_, R, M, L, S, D>(self, engine, p, rows, segment, sought.lt(R::splat(0.0)));
     }
 
     #[inline(always)]
     fn look<S: Engine<R, M, L, D>>(
+        self,
         engine: &S,
         p: &Parameters<R>,
         rows: &mut Rows<R>,
@@ -121,11 +135,11 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Til
         let [begin, end] = [-chord2(&axis, &ends[0].direction), -chord2(&axis, &ends[1].direction)];
         let [first, second] = [along(&axis, &ends[0].slope), along(&axis, &ends[1].slope)];
         let slopes = [first + first, second + second];
-        let is_inside = half.lt(has_minimum(slopes));
+        let is_inside = has_minimum(slopes);
         let near = R::select(is_inside, slopes[0] / (slopes[0] - slopes[1]), half);
         // The chord of the slopes meets zero within a tenth of the step of the minimum, and the value is flat there.
         let [place, value] = least::<R, 3>(&inside, [zero, one], near, R::splat(0.125));
-        let is_deeper = half.lt(R::select(is_inside, R::select(value.lt(end), one, zero), zero));
+        let is_deeper = R::both(is_inside, value.lt(end));
         let (last, least) = (R::select(is_deeper, place, one), R::select(is_deeper, value, end));
         rows[Tilt::CHORD2] = rows[Tilt::CHORD2].max(-least);
         let limit = rows[Tilt::LIMIT];
@@ -133,11 +147,10 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Til
         let exceeded = margin.lt(zero);
         if R::any(exceeded) {
             // The time is the begin of the step if the limit was exceeded there.
-            let values = [(limit + begin).max(zero), margin];
+            let part = Part { from: [zero, (limit + begin).max(zero)], to: [last, margin] };
             let dense = &motion_inside(engine, p, segment);
             let below = Below::<R, L, D> { dense, rows: &*rows, layout: PhantomData };
-            let fraction = crossing(&below, [zero, last], values);
-            let at = p.step.fma(fraction, segment.begin);
+            let at = p.step.fma(part.crossing(&below), segment.begin);
             rows[EXIT_TIME] = R::select(exceeded, at, rows[EXIT_TIME]);
         }
     }

@@ -2,9 +2,9 @@
 
 use super::convert::{BodyColumns, of_rows, same_length};
 use super::forces::PyForces;
+use crate::body::Body;
 use crate::forces::Forces;
 use crate::scene::Scene;
-use crate::start::Body;
 use numpy::PyArray2;
 use pyo3::prelude::*;
 use pyo3::types::PyString;

@@ -1,12 +1,12 @@
 //! Arrays and names of Python as the core reads them, and work without the interpreter.
 
 use super::unraisable::{carrying, has_raised};
+use crate::body::Body;
 use crate::error::Error;
 use crate::float_environment::FloatEnvironment;
 use crate::forces::ParameterChange;
 use crate::memory;
-use crate::parallel::{Interrupt, apart, caught, owned};
-use crate::start::Body;
+use crate::parallel::{Interrupt, caught, in_another_thread, owned};
 use crate::trajectory::{Record, Schedule};
 use numpy::ndarray::{Dimension, Ix1, Ix2, IxDyn};
 use numpy::npyffi::NPY_ARRAY_WRITEABLE;
@@ -194,10 +194,10 @@ pub fn interruptible<T: Send>(
     interrupted: Option<&Bound<'_, PyAny>>,
     work: impl FnOnce(&Interrupt) -> Result<T, Error> + Send,
 ) -> PyResult<Result<T, Error>> {
-    watched(py, interrupted, 0, work)
+    stoppable(py, interrupted, 0, work)
 }
 
-/// The same; work that may call functions of Python is done in another thread, see [`apart`]. It stops when a function
+/// The same; work that may call functions of Python is done in another thread, see [`in_another_thread`]. It stops when a function
 /// raises, and what the function raised is raised.
 pub fn interruptible_calls<T: Send>(
     py: Python<'_>,
@@ -208,11 +208,13 @@ pub fn interruptible_calls<T: Send>(
     if !calls {
         return interruptible(py, interrupted, work);
     }
-    carrying(py, |call| watched(py, interrupted, call, |stop| apart(stop, || owned(call, || work(stop)))))
+    carrying(py, |call| {
+        stoppable(py, interrupted, call, |stop| in_another_thread(stop, || owned(call, || work(stop))))
+    })
 }
 
 /// Runs the work of the call of that number until a function that it calls has raised, or a signal handler raises.
-fn watched<T: Send>(
+fn stoppable<T: Send>(
     py: Python<'_>,
     interrupted: Option<&Bound<'_, PyAny>>,
     call: u64,

@@ -158,9 +158,9 @@ impl PyForces {
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let _standard = FloatEnvironment::standard();
         let moments = rows::<3>("moments", moments)?;
-        let bodies = self.0.bodies().max(moments.len());
-        if moments.len() > 1 && self.0.bodies() > 1 {
-            same_length("moments", self.0.bodies(), moments.len())?;
+        let bodies = if moments.len() == 1 { self.0.bodies() } else { moments.len() };
+        if self.0.bodies() > 1 {
+            same_length("moments", self.0.bodies(), bodies)?;
         }
         let number = |body: usize| of(self.0.of(body), moments[if moments.len() == 1 { 0 } else { body }]);
         Ok(memory::collected("numbers of the bodies", bodies, (0..bodies).map(number))?.into_pyarray(py))

@@ -2,6 +2,7 @@
 
 use super::bodies::Bodies;
 use super::convert::{Aligned1, Aligned2, column, copied, evaluated, interruptible, rows, same_length};
+use crate::body::Body;
 use crate::error::Error;
 use crate::float_environment::FloatEnvironment;
 use crate::map::{Class, DEVIATIONS, Rule, deviation_start};
@@ -10,7 +11,6 @@ use crate::method::{AnyMethod, Method};
 use crate::observe::Deviation;
 use crate::parallel::Interrupt;
 use crate::simd::Isa;
-use crate::start::Body;
 use crate::status::Status;
 use crate::trajectory::{self, Deviations, Growths, MAX_DEVIATIONS, Record, Request, Schedule};
 use numpy::ndarray::Array3;

@@ -4,15 +4,16 @@ use super::convert::{
     self, Aligned1, Aligned2, bodies, interruptible, interruptible_calls, rows, rows_of, same_length,
 };
 use super::forces::PyForces;
-use crate::body::MomentStatus;
 use crate::error::Error;
 use crate::float_environment::FloatEnvironment;
+use crate::inertia::MomentStatus;
 use crate::map::{
-    Bin, Check, Class, Column, Condition, Criterion, Field, Laws, Logic, Map, Measure, MethodChoice, Mixed,
+    Bin, Check, Class, Column, Condition, Criterion, Distributions, Field, Logic, Map, Measure, Mixed,
     NO_VERDICT, OF_START, Outcome, Pixel, Sketch, Statistics, Value, Verdict, clopper_pearson_of_each,
 };
 use crate::memory;
-use crate::sample::{self, Given, Law};
+use crate::method::AnyMethod;
+use crate::sample::{self, Distribution, Empirical};
 use crate::scene::Scene;
 use crate::simd::Isa;
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods};
@@ -28,17 +29,19 @@ const GIVEN: &str = "given samples";
 #[pyfunction]
 pub fn deviates<'py>(
     py: Python<'py>,
-    law: &str,
+    distribution: &str,
     seed: u128,
     block: u64,
     pixels: Aligned1<'py, u64>,
     samples: Aligned1<'py, u64>,
 ) -> PyResult<Bound<'py, PyArray1<f64>>> {
-    let (law, key) = (Law::parse("law", law)?, [seed as u64, (seed >> 64) as u64]);
+    let (distribution, key) =
+        (Distribution::parse("distribution", distribution)?, [seed as u64, (seed >> 64) as u64]);
     let (pixels, samples) = (pixels.as_array(), samples.as_array());
     same_length("samples", pixels.len(), samples.len())?;
     let drawn = pixels.iter().zip(samples).map(|(&pixel, &sample)| {
-        let [first, ..] = sample::vector(law, sample::uniforms(key, OF_START + block, sample, pixel));
+        let [first, ..] =
+            sample::vector(distribution, sample::uniforms(key, OF_START + block, sample, pixel));
         first
     });
     Ok(memory::collected("deviates", pixels.len(), drawn)?.into_pyarray(py))
@@ -310,7 +313,7 @@ struct MapRequest<'py> {
     first: Option<Aligned1<'py, u64>>,
 }
 
-/// `Laws`, with the nominal start and the sizes of each pixel.
+/// `Distributions`, with the nominal start and the sizes of each pixel.
 #[derive(FromPyObject)]
 struct StartsRequest<'py> {
     omega: Aligned2<'py, f64>,
@@ -327,13 +330,13 @@ struct StartsRequest<'py> {
 }
 
 impl StartsRequest<'_> {
-    /// The pixels with these moments and weights, and their laws.
+    /// The pixels with these moments and weights, and their distributions.
     fn pixels(
         &self,
         moments: &[[f64; 3]],
         weight: &[[f64; 3]],
         status: &[u8],
-    ) -> PyResult<(Vec<Pixel>, Laws)> {
+    ) -> PyResult<(Vec<Pixel>, Distributions)> {
         let pixels = moments.len();
         let omega_size = rows::<3>("omega_size", &self.omega_size)?;
         same_length("omega_size", pixels, omega_size.len())?;
@@ -348,10 +351,10 @@ impl StartsRequest<'_> {
             attitude_size: attitude_size[i],
             possible: status[i] == MomentStatus::Possible as u8,
         };
-        Ok((memory::collected(PIXELS, pixels, (0..pixels).map(pixel))?, self.laws()?))
+        Ok((memory::collected(PIXELS, pixels, (0..pixels).map(pixel))?, self.distributions()?))
     }
 
-    fn laws(&self) -> PyResult<Laws> {
+    fn distributions(&self) -> PyResult<Distributions> {
         let mix = match &self.mix {
             Some(mix) => {
                 let factor = rows::<6>("mix", mix)?;
@@ -362,11 +365,11 @@ impl StartsRequest<'_> {
             }
             None => None,
         };
-        let given = match &self.given_omega {
+        let empirical = match &self.given_omega {
             Some(omega) => {
                 let of_rates = rows::<3>("given_omega", omega)?;
                 let count = of_rates.len();
-                let mut given = Given {
+                let mut empirical = Empirical {
                     omega: memory::collected(GIVEN, count, of_rates.iter().copied())?,
                     attitude: Vec::new(),
                     cumulative: Vec::new(),
@@ -374,22 +377,23 @@ impl StartsRequest<'_> {
                 if let Some(attitude) = &self.given_attitude {
                     let rotations = rows::<4>("given_attitude", attitude)?;
                     same_length("given_attitude", count, rotations.len())?;
-                    given.attitude = memory::collected(GIVEN, count, rotations.iter().copied())?;
+                    empirical.attitude = memory::collected(GIVEN, count, rotations.iter().copied())?;
                 }
                 if let Some(shares) = &self.given_shares {
                     same_length("given_shares", count, shares.as_array().len())?;
-                    given.cumulative = memory::collected(GIVEN, count, shares.as_array().iter().copied())?;
+                    empirical.cumulative =
+                        memory::collected(GIVEN, count, shares.as_array().iter().copied())?;
                 }
-                Some(given)
+                Some(empirical)
             }
             None => None,
         };
-        Ok(Laws {
-            omega: Law::parse("omega_noise", &self.omega_noise)?,
-            attitude: Law::parse("attitude_noise", &self.attitude_noise)?,
+        Ok(Distributions {
+            omega: Distribution::parse("omega_noise", &self.omega_noise)?,
+            attitude: Distribution::parse("attitude_noise", &self.attitude_noise)?,
             mix,
             mixed: self.mixed,
-            given,
+            empirical,
         })
     }
 }
@@ -408,11 +412,11 @@ impl MapRequest<'_> {
                 Error::Value { argument: "starts", value: "()".into(), rule: "must not be empty" }.into()
             );
         };
-        let (starting, laws) = nominal.pixels(moments, weight, &status)?;
+        let (starting, distributions) = nominal.pixels(moments, weight, &status)?;
         let mut mixture = Vec::new();
         for (starts, &until) in self.starts.iter().zip(&self.shares).filter(|_| !others.is_empty()) {
-            let (pixels, laws) = starts.pixels(moments, weight, &status)?;
-            memory::push(PIXELS, &mut mixture, Mixed { until, laws, pixels })?;
+            let (pixels, distributions) = starts.pixels(moments, weight, &status)?;
+            memory::push(PIXELS, &mut mixture, Mixed { until, distributions, pixels })?;
         }
         let forces = self.forces.as_ref().map(|forces| forces.0.copied()).transpose()?;
         let of_each = |name, numbers: &Option<Aligned1<'_, u64>>| -> PyResult<Vec<u64>> {
@@ -432,9 +436,9 @@ impl MapRequest<'_> {
         let map = Map {
             scene: Scene::parse(&self.scene)?,
             forces,
-            method: MethodChoice::parse(&self.method)?,
+            method: AnyMethod::parse(&self.method)?,
             pixels: starting,
-            laws,
+            distributions,
             mixture,
             conditions,
             logic: Logic::parse(&self.logic, self.conditions.len())?,

@@ -14,15 +14,17 @@ mod states;
 mod target;
 mod unraisable;
 
-use crate::body::{Inertia, MomentStatus, excess, nearest_possible as nearest_of, principal_axes as axes_of};
+use crate::body::unit_quaternion;
 use crate::error::Error;
 use crate::float_environment::FloatEnvironment;
-use crate::map::{MethodChoice, SECOND_OF_GROWTH};
+use crate::inertia::{
+    Inertia, MomentStatus, excess, nearest_possible as nearest_of, principal_axes as axes_of,
+};
+use crate::map::SECOND_OF_GROWTH;
 use crate::memory;
-use crate::method::{self, Method};
+use crate::method::{self, AnyMethod, Method};
 use crate::scene::Scene;
 use crate::simd::Isa;
-use crate::start::unit_quaternion;
 use convert::{Aligned2, column, rows};
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods};
 use pyo3::exceptions::{PyImportError, PyMemoryError, PyRuntimeError, PyValueError};
@@ -200,7 +202,7 @@ fn methods(py: Python<'_>) -> PyResult<Vec<Bound<'_, PyDict>>> {
 fn chosen_methods(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
     let names = PyDict::new(py);
     names.set_item("default", method::DEFAULT.facts.name)?;
-    names.set_item("map", MethodChoice::Auto.by_steps().facts.name)?;
+    names.set_item("map", AnyMethod::Auto.by_steps().facts.name)?;
     names.set_item("second", method::SECOND.facts.name)?;
     names.set_item("function", method::FUNCTION.facts.name)?;
     names.set_item("many_times", method::MANY_TIMES.facts.name)?;

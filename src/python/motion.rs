@@ -3,12 +3,12 @@
 use super::bodies::Bodies;
 use super::convert::{Aligned1, Aligned2, copied, interruptible_calls, rows, same_length};
 use super::unraisable::carrying;
+use crate::body::Body;
 use crate::float_environment::FloatEnvironment;
 use crate::memory;
 use crate::method::Method;
 use crate::parallel::{Interrupt, caught, owned};
 use crate::simd::Isa;
-use crate::start::Body;
 use crate::trajectory::{Motion, NUMBERS, Torques};
 use numpy::{IntoPyArray, PyArray2, PyArrayMethods};
 use pyo3::exceptions::PyTypeError;

@@ -9,16 +9,16 @@ use super::forces::PyForces;
 use super::states::{PyStates, of_bodies, shaped};
 use super::target::Target;
 use crate::accuracy::{self, Asked, Estimate, Solved};
+use crate::body::Body;
 use crate::error::Error;
 use crate::float_environment::FloatEnvironment;
 use crate::forces::{Forces, ParameterChange};
-use crate::map::{MethodChoice, PlannedRun};
+use crate::map::PlannedRun;
 use crate::memory;
 use crate::method::{AnyMethod, Method};
 use crate::parallel::Interrupt;
 use crate::scene::Scene;
 use crate::simd::Isa;
-use crate::start::Body;
 use crate::status::Status;
 use crate::trajectory::{self, Record, Request, Schedule, States, default_steps as default_steps_of};
 use numpy::{PyArray1, PyArray2, PyArrayDyn, PyUntypedArrayMethods};
@@ -303,7 +303,7 @@ pub fn planned_steps<'py>(
     of: &str,
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
     let _standard = FloatEnvironment::standard();
-    let choice = MethodChoice::parse(method)?;
+    let choice = AnyMethod::parse(method)?;
     let of = match of {
         "growth" => PlannedRun::Growth,
         "samples" => PlannedRun::Sample,

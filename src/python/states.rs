@@ -169,7 +169,8 @@ where
     Dim<[usize; N]>: Dimension,
     [usize; N]: IntoDimension<Dim = Dim<[usize; N]>>,
 {
-    if values.len() > FEW {
+    // NumPy may refuse a shape without numbers.
+    if values.len() > FEW || values.is_empty() {
         return values.into_pyarray(py).reshape(shape);
     }
     let array = PyArray::zeros(py, shape, false);

@@ -16,9 +16,9 @@ pub use layout::{
 };
 pub use top::{TOP, Top};
 
+use crate::body::Body;
 use crate::error::Error;
 use crate::real::Real;
-use crate::start::Body;
 
 /// All scenes, in the order in which they are listed to users.
 pub const ALL: &[&Scene] = &[&FREE, &TOP];

@@ -1,9 +1,9 @@
 //! The heavy top: I omega' = (I omega) x omega + gamma x (mgl com), gamma' = gamma x omega.
 
 use super::{ConservedMomentum, Model, Parameters, Scene};
+use crate::body::Body;
 use crate::kinematics::{cross, direction, dot, plus};
 use crate::real::Real;
-use crate::start::Body;
 
 /// The scene of a heavy top.
 pub const TOP: Scene = Scene {
@@ -16,8 +16,7 @@ pub const TOP: Scene = Scene {
 
 /// Kinetic energy plus `mgl`, and |L| plus `sqrt(mgl I_max)`: the invariants themselves may vanish.
 fn invariant_scales(body: &Body) -> [f64; 2] {
-    let mgl = body.weight.iter().map(|c| c * c).sum::<f64>().sqrt();
-    let largest = body.moments.iter().fold(0.0_f64, |a, &b| a.max(b));
+    let (mgl, [_, largest]) = (body.mgl(), body.moment_range());
     [body.kinetic_energy() + mgl, body.squared_momentum().sqrt() + (mgl * largest).sqrt()]
 }
 

@@ -1,6 +1,6 @@
 //! `Arr<R, K>`: K packs in flight, so that one chain of operations hides the latency of the others.
 
-use crate::real::{Apart, Pack, Real};
+use crate::real::{Outlined, Pack, Real};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// K registers that pass through a kernel together.
@@ -124,8 +124,8 @@ impl<R: Real, const K: usize> Real for Arr<R, K> {
         mask
     }
     #[inline(always)]
-    fn apart<W: Apart>(work: W) -> W::Out {
-        R::apart(work)
+    fn outlined<W: Outlined>(work: W) -> W::Out {
+        R::outlined(work)
     }
 }
 

@@ -3,7 +3,7 @@
 #[cfg(target_arch = "x86_64")]
 use super::{V4, V8};
 use crate::error::Error;
-use crate::real::{Apart, Pack, Real};
+use crate::real::{Outlined, Pack, Real};
 use std::marker::PhantomData;
 use std::sync::OnceLock;
 
@@ -18,7 +18,7 @@ pub trait Work {
 /// Work by packs of one width.
 struct By<P, W>(W, PhantomData<P>);
 
-impl<P: Pack, W: Work> Apart for By<P, W> {
+impl<P: Pack, W: Work> Outlined for By<P, W> {
     type Out = W::Out;
     #[inline(always)]
     fn run(self) -> W::Out {
@@ -94,23 +94,23 @@ impl Isa {
         assert!(self.is_available(), "{} is not available on this CPU", self.name());
         match self {
             #[cfg(target_arch = "x86_64")]
-            Isa::Avx512 => V8::apart(By::<V8, W>(work, PhantomData)),
+            Isa::Avx512 => V8::outlined(By::<V8, W>(work, PhantomData)),
             #[cfg(target_arch = "x86_64")]
-            Isa::Avx2 => V4::apart(By::<V4, W>(work, PhantomData)),
+            Isa::Avx2 => V4::outlined(By::<V4, W>(work, PhantomData)),
             #[cfg(plain)]
-            Isa::Scalar => f64::apart(By::<f64, W>(work, PhantomData)),
+            Isa::Scalar => f64::outlined(By::<f64, W>(work, PhantomData)),
         }
     }
 
     /// Does work of single numbers with fused products of the CPU; those of plain code are calls of the C library, with the
     /// same bits. Panics if the CPU lacks the instruction set.
-    pub fn call_with_fma<W: Apart>(self, work: W) -> W::Out {
+    pub fn call_with_fma<W: Outlined>(self, work: W) -> W::Out {
         assert!(self.is_available(), "{} is not available on this CPU", self.name());
         match self {
             #[cfg(target_arch = "x86_64")]
-            Isa::Avx512 | Isa::Avx2 => V4::apart(work),
+            Isa::Avx512 | Isa::Avx2 => V4::outlined(work),
             #[cfg(plain)]
-            Isa::Scalar => f64::apart(work),
+            Isa::Scalar => f64::outlined(work),
         }
     }
 

@@ -4,7 +4,7 @@
 //! points of `kernel` name them, which are entered after `Isa::is_available` has seen the CPU's feature bits.
 
 use super::Arr;
-use crate::real::{Apart, INTEGER_SHIFT, Pack, Quad, Real};
+use crate::real::{INTEGER_SHIFT, Outlined, Pack, Quad, Real};
 use std::arch::x86_64::*;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -148,14 +148,14 @@ impl Real for V8 {
         }
     }
     #[inline(always)]
-    fn apart<W: Apart>(work: W) -> W::Out {
+    fn outlined<W: Outlined>(work: W) -> W::Out {
         #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx512bw,avx2,fma")]
         #[inline(never)]
-        fn apart<W: Apart>(work: W) -> W::Out {
+        fn outlined<W: Outlined>(work: W) -> W::Out {
             work.run()
         }
         // SAFETY: the CPU has the instructions; see the module.
-        unsafe { apart(work) }
+        unsafe { outlined(work) }
     }
 }
 
@@ -242,14 +242,14 @@ impl Real for V4 {
         }
     }
     #[inline(always)]
-    fn apart<W: Apart>(work: W) -> W::Out {
+    fn outlined<W: Outlined>(work: W) -> W::Out {
         #[target_feature(enable = "avx2,fma")]
         #[inline(never)]
-        fn apart<W: Apart>(work: W) -> W::Out {
+        fn outlined<W: Outlined>(work: W) -> W::Out {
             work.run()
         }
         // SAFETY: the CPU has the instructions; see the module.
-        unsafe { apart(work) }
+        unsafe { outlined(work) }
     }
 }
 

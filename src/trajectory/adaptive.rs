@@ -8,7 +8,7 @@ use super::{
 };
 use crate::error::Error;
 use crate::forces::BodyForces;
-use crate::kernel::{Job, Kernel, KernelAssignment, State, drive, read, unload};
+use crate::kernel::{Job, KernelAssignment, State, drive, read, unload};
 use crate::memory;
 use crate::method::Method;
 use crate::observe::Observed;
@@ -47,10 +47,11 @@ pub fn simulate(
     over_blocks_of(request, &blocks, states, threads, stop, |block, mut states| {
         states.forget();
         let mut lane_steps = 0;
-        let ways = Integration::of_block(request, method, block.clone())?;
-        for members in kinds_in(block.clone(), |index| ways[index - block.start].kind())? {
+        let integrations = Integration::of_block(request, method, block.clone())?;
+        for members in kinds_in(block.clone(), |index| integrations[index - block.start].kind())? {
             let how = (isa, tolerance);
-            let mut job = AdaptiveJob::new(request, &ways, block.start, &members, how, &mut states, stop)?;
+            let mut job =
+                AdaptiveJob::new(request, &integrations, block.start, &members, how, &mut states, stop)?;
             drive(&mut job)?;
             lane_steps += job.lane_steps;
         }
@@ -78,7 +79,7 @@ struct Task {
 struct AdaptiveJob<'a, 'b> {
     request: &'a Request<'a>,
     /// How the bodies of the block are integrated.
-    ways: &'a [Integration],
+    integrations: &'a [Integration],
     /// Index of the first body of the block.
     first: usize,
     /// Rate and index of the bodies that wait.
@@ -95,7 +96,7 @@ struct AdaptiveJob<'a, 'b> {
 impl<'a, 'b> AdaptiveJob<'a, 'b> {
     fn new(
         request: &'a Request<'a>,
-        ways: &'a [Integration],
+        integrations: &'a [Integration],
         first: usize,
         members: &[usize],
         (isa, tolerance): (Isa, f64),
@@ -108,12 +109,10 @@ impl<'a, 'b> AdaptiveJob<'a, 'b> {
         let mut queue = memory::collected("bodies of a block", members.len(), queue)?;
         // The fastest bodies first (the queue is emptied from its end): at the end no lane is inactive for long.
         queue.sort_unstable();
-        let way = ways[members[0]];
-        let kernel =
-            Kernel { system: way.system(request), step: way.assignment.step, observed: Observed::Nothing };
+        let kernel = integrations[members[0]].kernel(request, Observed::Nothing);
         let lanes = AdaptiveLanes::new(request, kernel, isa, tolerance)?;
         let members = queue.len();
-        Ok(AdaptiveJob { request, ways, first, queue, lanes, states, lane_steps: 0, members, stop })
+        Ok(AdaptiveJob { request, integrations, first, queue, lanes, states, lane_steps: 0, members, stop })
     }
 
     /// Loads a body into a lane, at its start. Whether a requested time is left.
@@ -178,7 +177,7 @@ impl Job for AdaptiveJob<'_, '_> {
     fn load(&mut self, lane: usize) -> Result<Option<Task>, Error> {
         while let Some((_, body)) = self.queue.pop() {
             let split = self.times(body).partition_point(|&t| t < 0.0);
-            let assignment = self.ways[body].assignment;
+            let assignment = self.integrations[body].assignment;
             let mut task =
                 Task { body, assignment, split, output: split, backward: false, steps: 0, last: [0.0; 4] };
             for drift in self.states.drifts() {

@@ -69,9 +69,8 @@ impl<'a> AdaptiveLanes<'a> {
         let direction = if backward { -1.0 } else { 1.0 };
         let deviation = Deviation::new(self.request.record.deviation_of(index));
         let forced_rate = (!forces.is_none()).then_some(rate);
-        let (own, states) = (forces.further.start(0.0), forces.states());
-        let entry =
-            Entry { deviation, own, states, ..Entry::unobserved(body, forced_rate, direction * first) };
+        let entry = Entry::unobserved(body, forced_rate, direction * first).under(forces, None);
+        let entry = Entry { deviation, ..entry };
         load(&mut self.group, lane, self.kernel, assignment, &entry);
         self.steps.direction.0[lane] = direction;
         self.steps.trial.0[lane] = direction * first;

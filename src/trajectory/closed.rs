@@ -4,6 +4,7 @@ use super::states::worse;
 use super::{
     Effort, Record, Request, Schedule, StatesPart, kinds_in, neighbours, over_blocks_of, time_range,
 };
+use crate::body::Body;
 use crate::error::Error;
 use crate::exact::{CanonicalForm, Evaluator, Question, StartRows, StateRows};
 use crate::forces::BodyForces;
@@ -12,7 +13,6 @@ use crate::memory;
 use crate::parallel::Interrupt;
 use crate::scene::Scene;
 use crate::simd::{Isa, LANES, Row};
-use crate::start::Body;
 use crate::status::Status;
 use std::ops::Range;
 

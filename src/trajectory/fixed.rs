@@ -6,7 +6,7 @@ use super::{
     steps_of_legs,
 };
 use crate::error::Error;
-use crate::kernel::{Entry, Group, Job, drive, load, unload};
+use crate::kernel::{Compiled, Entry, Group, Job, drive, load, unload};
 use crate::memory;
 use crate::method::Method;
 use crate::observe::{Deviation, Observed};
@@ -28,10 +28,10 @@ pub fn simulate(
     stop: &Interrupt,
 ) -> Result<Effort, Error> {
     let count = request.bodies.len();
-    let ways = Integration::of_block(request, method, 0..count)?;
+    let integrations = Integration::of_block(request, method, 0..count)?;
     let steps =
         memory::collected("steps of the bodies", count, (0..count).map(|b| steps_of_legs(request, b)))?;
-    let kind = |index: usize| ways[index].kind();
+    let kind = |index: usize| integrations[index].kind();
     let blocks = blocks(count, threads, |index| (kind(index), steps[index]))?;
     // The bits of a body do not depend on the others of its group.
     over_blocks_of(request, &blocks, states, threads, stop, |block, mut states| {
@@ -41,8 +41,8 @@ pub fn simulate(
             // A group makes the steps of the body that needs most.
             members.sort_unstable_by_key(|&member| steps[block.start + member]);
             for group in members.chunks(LANES) {
-                let own = &ways[block.clone()];
-                let compiled = LegGroup::compiled(request, own[group[0]], Observed::Nothing, isa);
+                let own = &integrations[block.clone()];
+                let compiled = Compiled::new(own[group[0]].kernel(request, Observed::Nothing), isa);
                 let legs = LegGroup::new(request, own, block.start, group, compiled, (&mut lanes, 1), stop)?;
                 FixedJob { legs, states: &mut states, loaded: 0, last: [[0.0; 4]; LANES], stop }.run()?;
             }
@@ -106,7 +106,7 @@ impl FixedJob<'_, '_> {
     fn record(&mut self, lane: usize, state: usize, moved: bool) {
         let legs = &self.legs;
         let (request, member) = (legs.request, legs.members[lane]);
-        let mut now = unload(legs.lanes, lane, legs.compiled, legs.way(lane).assignment);
+        let mut now = unload(legs.lanes, lane, legs.compiled, legs.integration(lane).assignment);
         let place = legs.place(lane);
         if let Some(place) = &place {
             now = now.at(place, legs.body(lane));
@@ -137,15 +137,10 @@ impl Job for FixedJob<'_, '_> {
         let (body, index) = (legs.body(lane), legs.index(lane));
         self.last[lane] = body.attitude;
         let deviation = Deviation::new(legs.request.record.deviation_of(index));
-        let place = legs.place(lane);
-        let own = match &place {
-            Some(place) => place.clock(),
-            None => legs.request.forces_of(index).further.start(0.0),
-        };
-        let states = legs.request.forces_of(index).states();
-        let entry =
-            Entry { deviation, own, states, place, ..Entry::unobserved(body, legs.forced_rate(lane), 0.0) };
-        let assignment = legs.way(lane).assignment;
+        let forces = legs.request.forces_of(index);
+        let entry = Entry::unobserved(body, legs.forced_rate(lane), 0.0).under(forces, legs.place(lane));
+        let entry = Entry { deviation, ..entry };
+        let assignment = legs.integration(lane).assignment;
         load(legs.lanes, lane, legs.compiled, assignment, &entry);
         Ok(Some(Moving { moved: false }))
     }

@@ -1,7 +1,7 @@
 //! Deviation vectors of a body made orthogonal: what they span, however much they grow and align.
 
 use crate::observe::Deviation;
-use crate::real::{Apart, Real};
+use crate::real::{Outlined, Real};
 use crate::simd::Isa;
 use crate::special::ln;
 
@@ -63,13 +63,13 @@ impl Frame {
 
     /// Makes deviation vectors orthogonal to those before them (modified Gram-Schmidt) and returns the power of two by
     /// which each was divided. The first is only divided. `norm` measures them; `gamma` is that of the body.
-    pub fn settle(
+    pub fn renormalise(
         &mut self,
         norm: &Deviation,
         gamma: &[f64; 3],
         deviations: &mut [[f64; 6]],
     ) -> [i64; MAX_DEVIATIONS] {
-        self.isa.call_with_fma(Settling { frame: self, norm, gamma, deviations })
+        self.isa.call_with_fma(Renormalisation { frame: self, norm, gamma, deviations })
     }
 
     /// Multiplies U from the left by the factors of a round.
@@ -145,19 +145,19 @@ impl Frame {
     }
 }
 
-/// One round of [`Frame::settle`].
-struct Settling<'a> {
+/// One round of [`Frame::renormalise`].
+struct Renormalisation<'a> {
     frame: &'a mut Frame,
     norm: &'a Deviation,
     gamma: &'a [f64; 3],
     deviations: &'a mut [[f64; 6]],
 }
 
-impl Apart for Settling<'_> {
+impl Outlined for Renormalisation<'_> {
     type Out = [i64; MAX_DEVIATIONS];
     #[inline(always)]
     fn run(self) -> [i64; MAX_DEVIATIONS] {
-        let Settling { frame, norm, gamma, deviations } = self;
+        let Renormalisation { frame, norm, gamma, deviations } = self;
         let mut shifts = [0; MAX_DEVIATIONS];
         let (mut measured, mut squares) = ([[0.0; 6]; MAX_DEVIATIONS], [0.0; MAX_DEVIATIONS]);
         // The factors of this round: unit upper triangular.

@@ -9,7 +9,7 @@ use super::legs::LegGroup;
 use super::states::first;
 use super::{Integration, Request, blocks, kinds_in, steps_of_legs};
 use crate::error::Error;
-use crate::kernel::{DeviationRows, Entry, Group, Job, System, drive, load};
+use crate::kernel::{Compiled, DeviationRows, Entry, Group, Job, System, drive, load};
 use crate::memory;
 use crate::method::Method;
 use crate::observe::{Deviation, Growth, Observed};
@@ -110,12 +110,12 @@ pub fn growth(
     let parts =
         blocks.iter().map(|block| (block.clone(), rest.split_off(times, deviations.count, block.len())));
     over_blocks(parts, threads, stop, |(block, mut part)| {
-        let ways = Integration::of_block(request, method, block.clone())?;
-        let kind = |index: usize| ways[index - block.start].kind();
+        let integrations = Integration::of_block(request, method, block.clone())?;
+        let kind = |index: usize| integrations[index - block.start].kind();
         for mut alike in kinds_in(block.clone(), kind)? {
             // Bodies with as many steps together, so that few wait for others.
             alike.sort_unstable_by_key(|&index| steps_of_legs(request, block.start + index));
-            let compiled = LegGroup::compiled(request, ways[alike[0]], Observed::Growth, isa);
+            let compiled = Compiled::new(integrations[alike[0]].kernel(request, Observed::Growth), isa);
             let (lanes_each, together) = if compiled.shares_motion() {
                 (1, FEW)
             } else {
@@ -125,7 +125,7 @@ pub fn growth(
             for members in alike.chunks(together) {
                 let lanes = (&mut lanes, lanes_each);
                 let job = GrowthJob {
-                    legs: LegGroup::new(request, &ways, block.start, members, compiled, lanes, stop)?,
+                    legs: LegGroup::new(request, &integrations, block.start, members, compiled, lanes, stop)?,
                     deviations,
                     part: &mut part,
                     loaded: 0,
@@ -181,7 +181,7 @@ impl Job for GrowthJob<'_, '_> {
         }
         self.loaded += 1;
         let (body, lane, count) = (legs.body(b), legs.lane(b), self.deviations.count);
-        let (rate, assignment) = (legs.forced_rate(b), legs.way(b).assignment);
+        let (rate, assignment) = (legs.forced_rate(b), legs.integration(b).assignment);
         let each = &self.deviations.each[legs.index(b) * count..][..count];
         for j in 0..legs.lanes_each {
             let entry = Entry { deviation: each[j], ..Entry::unobserved(body, rate, 0.0) };
@@ -191,13 +191,13 @@ impl Job for GrowthJob<'_, '_> {
             let start = assignment.deviation(deviation, body).start;
             rows.state.iter_mut().zip(start).for_each(|(row, number)| row.0[lane] = number);
         }
-        self.settle(b);
+        self.renormalise(b);
         let (norm, gamma, deviations) = self.read(b);
         self.start_logs[b] = self.frames[b].log_diagonal(&norm, &gamma, &deviations[..count]);
         Ok(Some(b))
     }
 
-    /// Advances every body by its leg. Deviation vectors are settled after each so many steps of a leg and at its end,
+    /// Advances every body by its leg. Deviation vectors are renormalised after each so many steps of a leg and at its end,
     /// so that they do not depend on the other bodies of the group.
     fn advance(&mut self, _: &[Option<usize>; LANES]) -> Result<(), Error> {
         self.legs.begin_legs();
@@ -224,7 +224,7 @@ impl Job for GrowthJob<'_, '_> {
                     self.stop.tell((next - done) as f64 / all);
                 }
                 if steps > done && is_due {
-                    self.settle(b);
+                    self.renormalise(b);
                 } else {
                     // So that the drift does not depend on the other bodies either.
                     let lanes = self.legs.lanes_of(b);
@@ -262,7 +262,7 @@ impl GrowthJob<'_, '_> {
     /// The norm of a body in the variables of the kernel.
     fn norm(&self, b: usize) -> Deviation {
         let norm = self.deviations.each[self.legs.index(b) * self.deviations.count];
-        self.legs.way(b).assignment.deviation(&norm, self.legs.body(b))
+        self.legs.integration(b).assignment.deviation(&norm, self.legs.body(b))
     }
 
     /// Norm, vertical and deviation vectors of a body, in the variables of the kernel.
@@ -274,11 +274,11 @@ impl GrowthJob<'_, '_> {
     }
 
     /// Makes the deviation vectors of a body orthogonal, and near one in size.
-    fn settle(&mut self, b: usize) {
+    fn renormalise(&mut self, b: usize) {
         let (norm, legs) = (self.norm(b), &mut self.legs);
-        let (lane, is_damped) = (legs.lane(b), legs.way(b).forces.act);
+        let (lane, is_damped) = (legs.lane(b), legs.integration(b).forces.act);
         let system = legs.compiled.kernel().system;
-        settle(legs.lanes, system, lane, &norm, is_damped, &mut self.frames[b]);
+        renormalise(legs.lanes, system, lane, &norm, is_damped, &mut self.frames[b]);
     }
 
     /// Writes the growth of a body, number `at` of all.
@@ -331,7 +331,7 @@ fn read(group: &Group, system: System, lane: usize, count: usize) -> ([f64; 3], 
 
 /// Makes the deviation vectors of a body orthogonal, and near one in size, as many as the frame has. They are in lanes
 /// from `lane` on, or in one lane if they share a motion.
-pub fn settle(
+pub fn renormalise(
     group: &mut Group,
     system: System,
     lane: usize,
@@ -349,7 +349,7 @@ pub fn settle(
             remove_turn(deviation, &gamma);
         }
     }
-    let shifts = frame.settle(norm, &gamma, &mut deviations[..count]);
+    let shifts = frame.renormalise(norm, &gamma, &mut deviations[..count]);
     for j in 0..count {
         let (rows, rests, lane) = match group.further.get_mut(j.wrapping_sub(1)) {
             Some(further) => (&mut further.state[..], &mut further.compensation[..], lane),

@@ -2,15 +2,14 @@
 //! bodies of a group are moved leg by leg together.
 
 use super::{Integration, Request, Schedule};
+use crate::body::Body;
 use crate::error::Error;
 use crate::forces::{Further, Orbit, OrbitPlace, Table};
-use crate::kernel::{Compiled, ForcesRows, Group, Kernel, reset_time};
+use crate::kernel::{Compiled, ForcesRows, Group, reset_time};
 use crate::memory;
 use crate::method::AnyMethod;
-use crate::observe::Observed;
 use crate::parallel::Interrupt;
-use crate::simd::{Isa, LANES};
-use crate::start::Body;
+use crate::simd::LANES;
 use std::ops::Range;
 
 /// The forces on free motions.
@@ -229,7 +228,7 @@ impl Iterator for GroupStops<'_> {
 pub(super) struct LegGroup<'a> {
     pub(super) request: &'a Request<'a>,
     /// How the bodies of the block are integrated.
-    ways: &'a [Integration],
+    integrations: &'a [Integration],
     /// Index of the first body of the block.
     first: usize,
     /// Indices of the bodies of the group in the block.
@@ -261,19 +260,19 @@ impl<'a> LegGroup<'a> {
     /// The bodies before their first leg, not loaded yet. Counts the steps of all legs.
     pub(super) fn new(
         request: &'a Request<'a>,
-        ways: &'a [Integration],
+        integrations: &'a [Integration],
         first: usize,
         members: &'a [usize],
         compiled: Compiled,
         (lanes, lanes_each): (&'a mut Group, usize),
         stop: &Interrupt,
     ) -> Result<Self, Error> {
-        let is_changing = ways[members[0]].forces.act || request.record.is_sensitivity();
+        let is_changing = integrations[members[0]].forces.act || request.record.is_sensitivity();
         let bodies = members.iter().map(|&member| first + member);
         let stops = GroupStops::new(request, bodies, false)?;
         let mut group = LegGroup {
             request,
-            ways,
+            integrations,
             first,
             members,
             compiled,
@@ -315,11 +314,6 @@ impl<'a> LegGroup<'a> {
         Ok(group)
     }
 
-    /// The kernel of a group of such bodies.
-    pub(super) fn compiled(request: &Request, way: Integration, observed: Observed, isa: Isa) -> Compiled {
-        Compiled::new(Kernel { system: way.system(request), step: way.assignment.step, observed }, isa)
-    }
-
     /// The index of a body among all.
     pub(super) fn index(&self, b: usize) -> usize {
         self.first + self.members[b]
@@ -329,8 +323,8 @@ impl<'a> LegGroup<'a> {
         &self.request.bodies[self.index(b)]
     }
 
-    pub(super) fn way(&self, b: usize) -> Integration {
-        self.ways[self.members[b]]
+    pub(super) fn integration(&self, b: usize) -> Integration {
+        self.integrations[self.members[b]]
     }
 
     /// The orbit of a body that is integrated over its anomaly.
@@ -434,7 +428,7 @@ impl<'a> LegGroup<'a> {
     }
 
     fn is_forced(&self) -> bool {
-        self.way(0).forces.act
+        self.integration(0).forces.act
     }
 
     fn stops(&self, backward: bool) -> Result<GroupStops<'a>, Error> {

@@ -16,20 +16,21 @@ mod states;
 
 pub use closed::{ROUNDING, rounding_errors};
 pub use frame::{Frame, MAX_DEVIATIONS};
-pub use growth::{Deviations, Growths, STEPS_TOGETHER, growth, settle};
+pub use growth::{Deviations, Growths, STEPS_TOGETHER, growth, renormalise};
 pub use motion::{Motion, NUMBERS, Torques};
 pub use request::{Record, Request, Schedule, default_steps, time_range};
 pub use section::{Crossings, Point, Pointing, Section, Surface, SurfaceKind, section};
 pub use states::{Column, States, StatesPart};
 
+use crate::body::Body;
 use crate::error::Error;
 use crate::forces::ForceSet;
-use crate::kernel::{Group, KernelAssignment, Needs, System};
+use crate::kernel::{Group, Kernel, KernelAssignment, Needs, System};
 use crate::memory;
 use crate::method::{AnyMethod, Method, Step};
+use crate::observe::Observed;
 use crate::parallel::{Interrupt, caught, over_blocks};
 use crate::simd::{Isa, LANES};
-use crate::start::Body;
 use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
@@ -80,6 +81,10 @@ pub fn simulate_into(
                 Some(_) => adaptive::simulate(request, method, states, threads, isa, stop),
                 None => fixed::simulate(request, method, states, threads, isa, stop),
             }
+        }
+        AnyMethod::Auto => {
+            let (value, rule) = (format!("'{}'", AnyMethod::AUTO), "is chosen for the samples of maps only");
+            Err(Error::Value { argument: "method", value, rule })
         }
         AnyMethod::Exact => {
             if request.record.is_tangent() {
@@ -244,27 +249,27 @@ impl Integration {
 
     /// Those of the bodies of a block.
     fn of_block(request: &Request, method: &Method, block: Range<usize>) -> Result<Vec<Self>, Error> {
-        let mut ways = memory::reserved("bodies of a block", block.len())?;
+        let mut integrations = memory::reserved("bodies of a block", block.len())?;
         let mut last: Option<(&Body, Self)> = None;
         let all_free = request.forces.is_none();
         for index in block {
             let is_free = all_free || request.forces_of(index).is_none();
             let body = &request.bodies[index];
-            let way = match last {
+            let integration = match last {
                 // Neighbours mostly have the same moments and the same weight.
-                Some((other, way))
+                Some((other, integration))
                     if is_free
-                        && !way.forces.act
+                        && !integration.forces.act
                         && (other.moments, other.weight) == (body.moments, body.weight) =>
                 {
-                    way
+                    integration
                 }
                 _ => Integration::of(request, method, index),
             };
-            last = Some((body, way));
-            ways.push(way);
+            last = Some((body, integration));
+            integrations.push(integration);
         }
-        Ok(ways)
+        Ok(integrations)
     }
 
     /// What the bodies of a group share.
@@ -273,8 +278,8 @@ impl Integration {
         (self.assignment.step, self.forces)
     }
 
-    /// The system that carries what is recorded and no more.
-    fn system(&self, request: &Request) -> System {
+    /// The kernel, whose system carries what is recorded and no more.
+    fn kernel(&self, request: &Request, observed: Observed) -> Kernel {
         let needs = Needs {
             forces: self.forces,
             directions: usize::from(request.record == Record::Axis),
@@ -282,7 +287,8 @@ impl Integration {
             tangent: request.record.is_tangent(),
             is_changed: request.record.is_sensitivity(),
         };
-        System::carrying(request.scene, self.assignment.step, needs)
+        let step = self.assignment.step;
+        Kernel { system: System::carrying(request.scene, step, needs), step, observed }
     }
 }
 

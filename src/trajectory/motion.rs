@@ -1,6 +1,7 @@
 //! Bodies that are moved step by step, under a torque that may change at each step.
 
 use super::kinds_in;
+use crate::body::Body;
 use crate::error::Error;
 use crate::forces::{ForceSet, Forces, TorqueFunction};
 use crate::kernel::{Compiled, Entry, ForcesRows, Group, Kernel, MAX_STATE};
@@ -12,7 +13,6 @@ use crate::observe::Observed;
 use crate::parallel::{Interrupt, over_blocks};
 use crate::scene::Scene;
 use crate::simd::{Isa, LANES, set_lane};
-use crate::start::Body;
 use crate::status::DRIFT_LIMIT;
 
 /// Numbers of a body in motion: of its steps with their rounding errors, its rates and its attitude.

@@ -1,12 +1,12 @@
 //! The request of a trajectory: bodies, record and times.
 
+use crate::body::Body;
 use crate::error::Error;
 use crate::forces::ForceSet;
 use crate::forces::{BodyForces, Forces, ForcesInterval, ParameterChange};
 use crate::memory;
 use crate::method::{AnyMethod, Method, default_step};
 use crate::scene::Scene;
-use crate::start::Body;
 use std::ops::Range;
 
 /// The variables that are integrated and recorded.
@@ -163,7 +163,7 @@ impl Request<'_> {
         };
         let made = match (self.method, &self.schedule) {
             _ if bodies * states > FEW => return false,
-            (AnyMethod::Exact, _) => 0.0,
+            (AnyMethod::Auto | AnyMethod::Exact, _) => 0.0,
             (AnyMethod::Steps(_), Schedule::Strides(strides)) => bodies * strides.iter().sum::<u64>() as f64,
             (AnyMethod::Steps(_), _) => {
                 self.refinement * self.steps.iter().enumerate().map(steps).sum::<f64>()

@@ -2,12 +2,12 @@
 //! output takes no steps, and few lanes are inactive.
 
 use crate::tests::scene_of;
+use rigid::body::Body;
 use rigid::forces::{BodyForces, Code, Forces, TorqueFunction};
 use rigid::method::{self, AnyMethod, Method};
 use rigid::parallel::Interrupt;
-use rigid::sample::{Law, attitude, uniforms};
+use rigid::sample::{Distribution, attitude, uniforms};
 use rigid::simd::Isa;
-use rigid::start::Body;
 use rigid::status::Status;
 use rigid::trajectory::{Record, Request, Schedule, States, simulate};
 
@@ -70,7 +70,7 @@ fn body(number: u64, is_top: bool, symmetric: bool, spin: f64) -> Body {
     let [a, b, c, _] = u(0).map(|x| 0.2 + x);
     let [x, y, z, _] = u(1).map(|x| spin * (2.0 * x - 1.0));
     let [c1, c2, c3, _] = u(2).map(|x| if is_top { 2.0 * x - 1.0 } else { 0.0 });
-    let attitude = attitude(Law::UniformAttitude, [0.0; 3], [1.0, 0.0, 0.0, 0.0], u(3));
+    let attitude = attitude(Distribution::UniformAttitude, [0.0; 3], [1.0, 0.0, 0.0, 0.0], u(3));
     let (moments, weight) = match symmetric {
         true => ([a + b, a + b, 2.0 * a], [0.0, 0.0, c3]),
         false => ([b + c, c + a, a + b], [c1, c2, c3]),

@@ -2,15 +2,15 @@
 
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use proptest::prelude::*;
-use rigid::body::{Inertia, nearest_possible, principal_axes};
+use rigid::body::Body;
 use rigid::error::Error;
 use rigid::forces::Forces;
+use rigid::inertia::{Inertia, nearest_possible, principal_axes};
 use rigid::method;
 use rigid::method::AnyMethod;
 use rigid::parallel::Interrupt;
 use rigid::scene::FREE;
 use rigid::simd::Isa;
-use rigid::start::Body;
 use rigid::status::Status;
 use rigid::trajectory::{Record, Request, Schedule, simulate};
 

@@ -2,13 +2,13 @@
 //! closed form or a converged run; reversibility; lengths; and an energy without drift.
 
 use crate::tests::scene_of;
+use rigid::body::Body;
 use rigid::error::Error;
 use rigid::forces::Forces;
 use rigid::method::{self, AnyMethod, Method};
 use rigid::parallel::Interrupt;
 use rigid::sample::uniforms;
 use rigid::simd::Isa;
-use rigid::start::Body;
 use rigid::status::Status;
 use rigid::trajectory::{Record, Request, Schedule, States, simulate};
 

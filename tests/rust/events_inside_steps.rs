@@ -1,14 +1,14 @@
 //! Events inside long steps: flips on the polynomial of `dop853`, tilts on that through values, slopes and bends.
 
+use rigid::body::Body;
 use rigid::exact::derived::{sign_changes, tilt_time, top_quantities};
-use rigid::forces::{BodyForces, Further, MOST_STATES};
+use rigid::forces::BodyForces;
 use rigid::kernel::Group;
 use rigid::kernel::{Compiled, ForcesRows, Kernel, System};
 use rigid::kernel::{Entry, KernelAssignment, load};
 use rigid::method::DOP853;
-use rigid::observe::{Deviation, EXIT_TIME, Observed};
+use rigid::observe::{EXIT_TIME, Observed, Tilt};
 use rigid::simd::Isa;
-use rigid::start::Body;
 
 /// Angles of a step (rad) of the bound of the rates: as in trajectories, and up to those of maps.
 const ANGLES: [f64; 3] = [0.1, 0.3, 0.75];
@@ -21,24 +21,13 @@ struct Run {
 }
 
 impl Run {
-    fn new(body: &Body, angle: f64, system: System, observed: Observed, (axis, limit): (i32, f64)) -> Run {
+    fn new(body: &Body, angle: f64, system: System, observed: Observed, axis: i32) -> Run {
         let kernel =
             Kernel { system, step: KernelAssignment::of(&DOP853, body, system.scene).step, observed };
         let compiled = Compiled::new(kernel, Isa::available()[0]);
         let mut group = Group::inactive();
         let step = angle / body.fastest_rate(BodyForces::NONE, [0.0; 2]);
-        let entry = Entry {
-            place: None,
-            body,
-            forces: None,
-            axis,
-            limit,
-            step,
-            own: Further::NONE.start(0.0),
-            states: [0.0; MOST_STATES],
-            deviation: Deviation::NONE,
-            bound: None,
-        };
+        let entry = Entry { axis, ..Entry::unobserved(body, None, step) };
         load(&mut group, 0, compiled, KernelAssignment::of(&DOP853, body, system.scene), &entry);
         Run { group, compiled, step }
     }
@@ -66,8 +55,7 @@ fn the_flip_of_a_tumbler() {
                 continue;
             }
             for angle in ANGLES {
-                let run = Run::new(&body, angle, System::FreeRates, Observed::Flips, (axis, f64::INFINITY))
-                    .until(first + 1.0);
+                let run = Run::new(&body, angle, System::FreeRates, Observed::Flips, axis).until(first + 1.0);
                 let off = (run.exit_time() - first).abs();
                 let bound = 1e-8 * angle.powi(8) + 3e-14;
                 assert!(off < bound, "{angle}, axis {axis} of {omega:?}: {off:e} at {first}");
@@ -90,9 +78,9 @@ fn the_largest_tilt_of_a_top() {
         let body = top(omega);
         let quantities = top_quantities(Isa::available()[0], &body).unwrap();
         for angle in ANGLES {
-            let run = Run::new(&body, angle, System::TopAxis, Observed::Tilt, (3, f64::INFINITY))
-                .until(1.2 * quantities.period);
-            let off = (Observed::Tilt.outcome(&run.group.observed_in(0)) - quantities.tilt[1]).abs();
+            let tilt = Observed::Tilt(Tilt::within(f64::INFINITY));
+            let run = Run::new(&body, angle, System::TopAxis, tilt, 3).until(1.2 * quantities.period);
+            let off = (tilt.outcome(&run.group.observed_in(0)) - quantities.tilt[1]).abs();
             let bound = angle.powi(6) / 46080.0 + 1e-14;
             assert!(off < bound, "{angle} of {omega:?}: {off:e}");
         }
@@ -118,7 +106,8 @@ fn the_limit_of_the_tilt_of_a_top() {
                 if err > 0.1 * (high - limit) {
                     continue;
                 }
-                let run = Run::new(&body, angle, System::TopAxis, Observed::Tilt, (3, limit));
+                let tilt = Observed::Tilt(Tilt::within(limit));
+                let run = Run::new(&body, angle, System::TopAxis, tilt, 3);
                 let run = run.until(1.2 * quantities.period);
                 let off = (run.exit_time() - expected).abs();
                 let bound = (err + 1e-13) / (1.0 - part).sqrt();

@@ -1,17 +1,17 @@
 //! Flips: sign changes of a component of the rates, counted once each and located inside the step.
 
 use crate::tests::scene_of;
-use rigid::forces::{ForcesInterval, Further, MOST_STATES};
+use rigid::body::Body;
+use rigid::forces::ForcesInterval;
 use rigid::kernel::Group;
 use rigid::kernel::{Compiled, ForcesRows, Kernel, System};
 use rigid::kernel::{Entry, KernelAssignment, load};
 use rigid::method::{self, Coefficients, Engine, Method, Numbers, Rk4Tableau, RungeKutta};
-use rigid::observe::{Deviation, EXIT_TIME, Flips, MAX_ROWS, Observed, Rows, Segment, Update};
+use rigid::observe::{EXIT_TIME, Flips, MAX_ROWS, Observed, Rows, Segment, Update};
 use rigid::scene::FREE;
 use rigid::scene::{Free, Parameters, Rates};
 use rigid::simd::Isa;
 use rigid::simd::LANES;
-use rigid::start::Body;
 
 const UPRIGHT: [f64; 4] = [1.0, 0.0, 0.0, 0.0];
 
@@ -41,18 +41,7 @@ impl ObservedBody {
         let kernel = Kernel { system, step: assignment.step, observed: Observed::Flips };
         let compiled = Compiled::new(kernel, Isa::available()[0]);
         let mut group = Group::inactive();
-        let entry = Entry {
-            place: None,
-            body,
-            forces: None,
-            axis,
-            limit: f64::INFINITY,
-            step,
-            own: Further::NONE.start(0.0),
-            states: [0.0; MOST_STATES],
-            deviation: Deviation::NONE,
-            bound: None,
-        };
+        let entry = Entry { axis, ..Entry::unobserved(body, None, step) };
         load(&mut group, 0, compiled, assignment, &entry);
         ObservedBody { group, compiled }
     }
@@ -202,7 +191,7 @@ fn observe_step(rows: &mut Rows<f64>, begin: f64, before: [f64; 3], after: [f64;
         <Classical as Engine<f64, Free<f64>, Rates, 3>>::new(&BODY, &ForcesInterval::none(), &Numbers::NONE);
     let nothing = Coefficients::new();
     let segment = Segment { begin, before: &before, after: &after, dense: &nothing };
-    <Flips as Update<f64, Free<f64>, Rates, 3>>::after_step(&engine, &BODY, rows, &segment);
+    <Flips as Update<f64, Free<f64>, Rates, 3>>::after_step(Flips, &engine, &BODY, rows, &segment);
 }
 
 /// A step that ends exactly at zero has not yet flipped, whatever the sign of the zero.
@@ -344,19 +333,8 @@ fn stable_spin_for_a_million_steps() {
                 omega[axis - 1] += 1.0 + 0.01 * angle;
                 let body = free([1.0, 1.6, 2.0], omega);
                 let assignment = KernelAssignment::of(method, &body, &FREE);
-                let (axis, limit, step) = (axis as i32, f64::INFINITY, 1.0 / 16.0);
-                let entry = Entry {
-                    place: None,
-                    body: &body,
-                    forces: None,
-                    axis,
-                    limit,
-                    step,
-                    own: Further::NONE.start(0.0),
-                    states: [0.0; MOST_STATES],
-                    deviation: Deviation::NONE,
-                    bound: None,
-                };
+                let (axis, step) = (axis as i32, 1.0 / 16.0);
+                let entry = Entry { axis, ..Entry::unobserved(&body, None, step) };
                 load(&mut group, lane, compiled, assignment, &entry);
             }
             // Fewer steps of expensive methods.

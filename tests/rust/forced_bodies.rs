@@ -2,6 +2,7 @@
 //! and refused requests.
 
 use crate::tests::scene_of;
+use rigid::body::Body;
 use rigid::forces::Forces;
 use rigid::kernel::{Compiled, Kernel, System};
 use rigid::kernel::{Entry, KernelAssignment, load};
@@ -9,11 +10,10 @@ use rigid::kernel::{ForcesRows, Group};
 use rigid::method::{self, AnyMethod, Method, Step};
 use rigid::observe::Observed;
 use rigid::parallel::Interrupt;
-use rigid::sample::{Law, attitude, uniforms};
+use rigid::sample::{Distribution, attitude, uniforms};
 use rigid::scene::FREE;
 use rigid::simd::Isa;
 use rigid::simd::LANES;
-use rigid::start::Body;
 use rigid::status::Status;
 use rigid::trajectory::{Record, Request, Schedule, States, simulate};
 
@@ -29,7 +29,7 @@ fn body(number: u64, is_top: bool) -> Body {
     let [a, b, c, _] = u(0).map(|x| 0.2 + x);
     let [x, y, z, _] = u(1).map(|x| 4.0 * x - 2.0);
     let weight = if is_top { u(2).map(|x| 2.0 * x - 1.0)[..3].try_into().unwrap() } else { [0.0; 3] };
-    let attitude = attitude(Law::UniformAttitude, [0.0; 3], [1.0, 0.0, 0.0, 0.0], u(3));
+    let attitude = attitude(Distribution::UniformAttitude, [0.0; 3], [1.0, 0.0, 0.0, 0.0], u(3));
     Body { moments: [b + c, c + a, a + b], weight, omega: [x, y, z], attitude }
 }
 

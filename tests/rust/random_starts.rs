@@ -4,13 +4,13 @@
 //! The draws are fixed, so the tests are deterministic: the mean of n draws has at most 4 of its standard errors.
 
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
-use rigid::map::{Check, Condition, Criterion, Laws, Logic, Map, MethodChoice, Pixel};
+use rigid::body::Body;
+use rigid::map::{Check, Condition, Criterion, Distributions, Logic, Map, Pixel};
 use rigid::method;
 use rigid::method::AnyMethod;
-use rigid::sample::{Law, attitude, philox4x64, uniforms, vector};
+use rigid::sample::{Distribution, attitude, philox4x64, uniforms, vector};
 use rigid::scene::FREE;
 use rigid::simd::Isa;
-use rigid::start::Body;
 
 const N: u64 = 100_000;
 const KEY: [u64; 2] = [20_261_121, 0];
@@ -69,18 +69,18 @@ impl Mean {
 
 /// Draws N vectors of a distribution and compares first, second, mixed and fourth moments with those of its components:
 /// `m2` = <x^2>, `m4` = <x^4>, `m22` = <x^2 y^2>, `m8` = <x^8>, `m44` = <x^4 y^4>; odd moments vanish.
-fn check_moments(law: Law, [m2, m22, m4, m8, m44]: [f64; 5]) {
+fn check_moments(distribution: Distribution, [m2, m22, m4, m8, m44]: [f64; 5]) {
     let mut means = Vec::new();
     for i in 0..3 {
         let j = (i + 1) % 3;
-        means.push(Mean::new(format!("{law:?} x{i}"), 0.0, m2));
-        means.push(Mean::new(format!("{law:?} x{i}^2"), m2, m4 - m2 * m2));
-        means.push(Mean::new(format!("{law:?} x{i}^4"), m4, m8 - m4 * m4));
-        means.push(Mean::new(format!("{law:?} x{i} x{j}"), 0.0, m22));
-        means.push(Mean::new(format!("{law:?} x{i}^2 x{j}^2"), m22, m44 - m22 * m22));
+        means.push(Mean::new(format!("{distribution:?} x{i}"), 0.0, m2));
+        means.push(Mean::new(format!("{distribution:?} x{i}^2"), m2, m4 - m2 * m2));
+        means.push(Mean::new(format!("{distribution:?} x{i}^4"), m4, m8 - m4 * m4));
+        means.push(Mean::new(format!("{distribution:?} x{i} x{j}"), 0.0, m22));
+        means.push(Mean::new(format!("{distribution:?} x{i}^2 x{j}^2"), m22, m44 - m22 * m22));
     }
     for sample in 0..N {
-        let v = vector(law, uniforms(KEY, 0, sample, 3));
+        let v = vector(distribution, uniforms(KEY, 0, sample, 3));
         for i in 0..3 {
             let (x, y) = (v[i], v[(i + 1) % 3]);
             for (mean, value) in means[5 * i..].iter_mut().zip([x, x * x, x.powi(4), x * y, x * x * y * y]) {
@@ -115,38 +115,39 @@ fn uniform_numbers() {
 fn the_ends_of_the_uniforms() {
     // The largest number is 1 - 2^-53, below one; every distribution is finite at both ends.
     let most = 1.0 - 2.0_f64.powi(-53);
-    for law in [Law::Normal, Law::Uniform, Law::Direction] {
+    for distribution in [Distribution::Normal, Distribution::Uniform, Distribution::Direction] {
         for u in [[0.0; 4], [most; 4], [0.0, most, most, 0.0], [most, 0.0, 0.0, most]] {
-            let v = vector(law, u);
-            assert!(v.iter().all(|x| x.is_finite() && x.abs() < 9.0), "{law:?}({u:?}) = {v:?}");
+            let v = vector(distribution, u);
+            assert!(v.iter().all(|x| x.is_finite() && x.abs() < 9.0), "{distribution:?}({u:?}) = {v:?}");
         }
     }
     // ln 0 does not occur: the longest normal is sqrt(-2 ln 2^-53).
-    let [x, ..] = vector(Law::Normal, [most, 0.0, 0.0, 0.0]);
+    let [x, ..] = vector(Distribution::Normal, [most, 0.0, 0.0, 0.0]);
     assert!((x - (106.0 * std::f64::consts::LN_2).sqrt()).abs() < 4.0 * f64::EPSILON * x);
 }
 
 #[test]
 fn normal_numbers() {
     // <x^2> = 1, <x^4> = 3, <x^8> = 105; independent components.
-    check_moments(Law::Normal, [1.0, 1.0, 3.0, 105.0, 9.0]);
+    check_moments(Distribution::Normal, [1.0, 1.0, 3.0, 105.0, 9.0]);
 }
 
 #[test]
 fn uniform_perturbations() {
     // In [-1, 1): <x^k> = 1/(k + 1); independent components.
-    check_moments(Law::Uniform, [1.0 / 3.0, 1.0 / 9.0, 1.0 / 5.0, 1.0 / 9.0, 1.0 / 25.0]);
-    let inside =
-        |sample| vector(Law::Uniform, uniforms(KEY, 0, sample, 0)).iter().all(|x| (-1.0..1.0).contains(x));
+    check_moments(Distribution::Uniform, [1.0 / 3.0, 1.0 / 9.0, 1.0 / 5.0, 1.0 / 9.0, 1.0 / 25.0]);
+    let inside = |sample| {
+        vector(Distribution::Uniform, uniforms(KEY, 0, sample, 0)).iter().all(|x| (-1.0..1.0).contains(x))
+    };
     assert!((0..N).all(inside));
 }
 
 #[test]
 fn directions_are_isotropic() {
     // Archimedes: each component is uniform in [-1, 1]; <x^2 y^2> = 1/(3 5), <x^4 y^4> = 3 3/(3 5 7 9).
-    check_moments(Law::Direction, [1.0 / 3.0, 1.0 / 15.0, 1.0 / 5.0, 1.0 / 9.0, 1.0 / 105.0]);
+    check_moments(Distribution::Direction, [1.0 / 3.0, 1.0 / 15.0, 1.0 / 5.0, 1.0 / 9.0, 1.0 / 105.0]);
     for sample in 0..N {
-        let [x, y, z] = vector(Law::Direction, uniforms(KEY, 0, sample, 0));
+        let [x, y, z] = vector(Distribution::Direction, uniforms(KEY, 0, sample, 0));
         // radius^2 with three roundings, half of it and one each for the two squares of an ulp: 4 eps.
         assert!((x * x + y * y + z * z - 1.0).abs() < 4.0 * f64::EPSILON);
     }
@@ -165,7 +166,12 @@ fn attitudes_are_uniform() {
     }
     let mut trace = Mean::new("trace", 0.0, 1.0);
     for sample in 0..N {
-        let q = attitude(Law::UniformAttitude, [7.0; 3], [0.6, 0.8, 0.0, 0.0], uniforms(KEY, 1, sample, 3));
+        let q = attitude(
+            Distribution::UniformAttitude,
+            [7.0; 3],
+            [0.6, 0.8, 0.0, 0.0],
+            uniforms(KEY, 1, sample, 3),
+        );
         for i in 0..4 {
             for (mean, value) in
                 means[4 * i..].iter_mut().zip([q[i], q[i] * q[i], q[i] * q[(i + 1) % 4], q[i].powi(4)])
@@ -185,18 +191,18 @@ fn attitudes_are_uniform() {
 #[test]
 fn a_perturbed_attitude() {
     let q = [0.8, 0.4, -0.4, 0.2];
-    for law in [Law::Normal, Law::Uniform, Law::Direction] {
+    for distribution in [Distribution::Normal, Distribution::Uniform, Distribution::Direction] {
         for size in [0.0, 1e-9, 0.3, 2.0] {
             let u = uniforms(KEY, 1, 17, 4);
-            let got = attitude(law, [size; 3], q, u);
-            let by = UnitQuaternion::from_scaled_axis(Vector3::from(vector(law, u)) * size);
+            let got = attitude(distribution, [size; 3], q, u);
+            let by = UnitQuaternion::from_scaled_axis(Vector3::from(vector(distribution, u)) * size);
             let wanted = Quaternion::new(q[0], q[1], q[2], q[3]) * by.into_inner();
             let miss = (Quaternion::new(got[0], got[1], got[2], got[3]) - wanted).norm();
             // Half the angle, at most 4, with two roundings, and a product of four terms.
-            assert!(miss < 6.0 * f64::EPSILON, "{law:?} {size}: {miss:e}");
+            assert!(miss < 6.0 * f64::EPSILON, "{distribution:?} {size}: {miss:e}");
         }
     }
-    assert_eq!(attitude(Law::None, [0.3; 3], q, [0.1; 4]), q);
+    assert_eq!(attitude(Distribution::None, [0.3; 3], q, [0.1; 4]), q);
 }
 
 /// Each distribution takes one block of four numbers, so the draws of one part of a start do not change those of
@@ -214,9 +220,9 @@ fn draws_do_not_shift_each_other() {
         let map = Map {
             scene: &FREE,
             forces: None,
-            method: MethodChoice::Only(AnyMethod::Steps(&method::RK4)),
+            method: AnyMethod::Steps(&method::RK4),
             pixels: vec![pixel_of; 3],
-            laws: Laws { omega, attitude, ..Laws::NONE },
+            distributions: Distributions { omega, attitude, ..Distributions::NONE },
             mixture: Vec::new(),
             conditions: vec![Condition { criterion: Criterion::NoFlip, axis: 2 }],
             logic: Logic::single(),
@@ -233,51 +239,51 @@ fn draws_do_not_shift_each_other() {
         let flat = pixel * samples + sample;
         map.draw(Isa::NARROWEST, flat..flat + 1).unwrap()[0]
     };
-    let laws = [Law::Normal, Law::Uniform, Law::Direction];
-    for law in laws {
-        let alone = draw(law, Law::None, 10, 1, 6);
+    let distributions = [Distribution::Normal, Distribution::Uniform, Distribution::Direction];
+    for distribution in distributions {
+        let alone = draw(distribution, Distribution::None, 10, 1, 6);
         assert_eq!(alone.attitude, body.attitude);
         assert_ne!(alone.omega, body.omega);
         // Block 0 of the sample, for any other draws and any number of samples.
-        let v = vector(law, uniforms(KEY, 0, 6, 1));
+        let v = vector(distribution, uniforms(KEY, 0, 6, 1));
         for k in 0..3 {
             assert_eq!(alone.omega[k], [0.5_f64, 0.25, 2.0][k].mul_add(v[k], body.omega[k]));
         }
-        for other in [Law::Normal, Law::UniformAttitude] {
-            assert_eq!(draw(law, other, 1000, 1, 6).omega, alone.omega);
+        for other in [Distribution::Normal, Distribution::UniformAttitude] {
+            assert_eq!(draw(distribution, other, 1000, 1, 6).omega, alone.omega);
         }
-        let turned = draw(Law::None, law, 10, 1, 6);
+        let turned = draw(Distribution::None, distribution, 10, 1, 6);
         assert_eq!(turned.omega, body.omega);
         // Block 1.
-        assert_eq!(turned.attitude, attitude(law, [0.1; 3], body.attitude, uniforms(KEY, 1, 6, 1)));
-        for other in laws {
-            assert_eq!(draw(other, law, 1000, 1, 6).attitude, turned.attitude);
+        assert_eq!(turned.attitude, attitude(distribution, [0.1; 3], body.attitude, uniforms(KEY, 1, 6, 1)));
+        for other in distributions {
+            assert_eq!(draw(other, distribution, 1000, 1, 6).attitude, turned.attitude);
         }
         // Rates and attitude of a sample, samples, and pixels have different draws.
-        assert_ne!(vector(law, uniforms(KEY, 1, 6, 1)), v);
+        assert_ne!(vector(distribution, uniforms(KEY, 1, 6, 1)), v);
         for (pixel, sample) in [(1, 5), (0, 6), (2, 6)] {
-            assert_ne!(draw(law, Law::None, 10, pixel, sample).omega, alone.omega);
+            assert_ne!(draw(distribution, Distribution::None, 10, pixel, sample).omega, alone.omega);
         }
     }
 }
 
 #[test]
 fn laws_by_name() {
-    for (name, law) in [
-        ("none", Law::None),
-        ("normal", Law::Normal),
-        ("uniform", Law::Uniform),
-        ("direction", Law::Direction),
-        ("uniform_attitude", Law::UniformAttitude),
-        ("von_mises_fisher1", Law::VonMisesFisher(0)),
-        ("von_mises_fisher3", Law::VonMisesFisher(2)),
+    for (name, distribution) in [
+        ("none", Distribution::None),
+        ("normal", Distribution::Normal),
+        ("uniform", Distribution::Uniform),
+        ("direction", Distribution::Direction),
+        ("uniform_attitude", Distribution::UniformAttitude),
+        ("von_mises_fisher1", Distribution::VonMisesFisher(0)),
+        ("von_mises_fisher3", Distribution::VonMisesFisher(2)),
     ] {
-        assert_eq!(Law::parse("law", name).unwrap(), law);
+        assert_eq!(Distribution::parse("distribution", name).unwrap(), distribution);
     }
-    let message = Law::parse("omega law", "gauss").unwrap_err().to_string();
+    let message = Distribution::parse("omega law", "gauss").unwrap_err().to_string();
     assert_eq!(
         message,
-        "omega law = 'gauss': must be one of none, normal, uniform, direction, uniform_attitude, \
+        "omega distribution = 'gauss': must be one of none, normal, uniform, direction, uniform_attitude, \
          von_mises_fisher1, von_mises_fisher2, von_mises_fisher3"
     );
 }

@@ -3,17 +3,17 @@
 
 use crate::tests::scene_of;
 use nalgebra::{Quaternion, SVector, Unit, UnitQuaternion, Vector3};
+use rigid::body::Body;
 use rigid::forces::{Forces, ForcesInterval};
 use rigid::method::{
-    self, AnyMethod, Coefficients, ComposedPlanar, Engine, ExactRotor, Flow, KickRotor, Method, Numbers,
-    Planar, Rk4Tableau, Round, RungeKutta, Splitting,
+    self, AnyMethod, ComposedPlanar, Engine, ExactRotor, Flow, KickRotor, Method, Numbers, Planar,
+    Rk4Tableau, Round, RungeKutta, Splitting,
 };
 use rigid::parallel::Interrupt;
 use rigid::real::Real;
-use rigid::sample::{Law, attitude, uniforms};
+use rigid::sample::{Distribution, attitude, uniforms};
 use rigid::scene::{Attitude, AxisAttitude, Free, Layout, Model, Parameters, Top};
 use rigid::simd::Isa;
-use rigid::start::Body;
 use rigid::trajectory::{Record, Request, Schedule, States, simulate};
 
 const EPS: f64 = f64::EPSILON;
@@ -75,7 +75,7 @@ fn go_by<S, M, L, const D: usize>(
 {
     let engine = S::new(p, &ForcesInterval::none(), numbers);
     for _ in 0..steps {
-        engine.step(p, y, &mut [0.0; D], &mut Coefficients::new());
+        engine.step(p, y);
     }
 }
 
@@ -219,7 +219,7 @@ where
     let engine = S::new(&p, &ForcesInterval::none(), S::NUMBERS);
     let (mut early, mut worst) = (0.0, 0.0_f64);
     for i in 0..LONG {
-        engine.step(&p, &mut y, &mut [0.0; D], &mut Coefficients::new());
+        engine.step(&p, &mut y);
         worst = worst.max((energy(&y) - start).abs());
         if i == LONG / 10 {
             early = worst;
@@ -456,7 +456,7 @@ fn one_step_as_its_table_says() {
         let [a, b, c, step] = u(0);
         let [x, y, z, _] = u(1).map(|u| 2.0 * u - 1.0);
         let [w1, w2, w3, _] = u(2).map(|u| 2.0 * u - 1.0);
-        let q = attitude(Law::UniformAttitude, [0.0; 3], [1.0, 0.0, 0.0, 0.0], u(3));
+        let q = attitude(Distribution::UniformAttitude, [0.0; 3], [1.0, 0.0, 0.0, 0.0], u(3));
         let [g1, g2, g3] = rigid::kinematics::to_body_frame(&q, &[0.0, 0.0, 1.0]);
         let state = [x, y, z, g1, g2, g3, q[0], q[1], q[2], q[3]];
         let moments = [0.5 + b + c, 0.5 + c + a, 0.5 + a + b];

@@ -1,22 +1,22 @@
 //! Deviation vectors: the derivative of the steps, without any change of the motion.
 
 use crate::tests::scene_of;
+use rigid::body::Body;
 use rigid::forces::{Forces, ForcesInterval, ParameterChange};
 use rigid::kernel::{
     Compiled, DeviationRows, Entry, ForcesRows, Group, Kernel, KernelAssignment, System, load,
 };
 use rigid::method::{
-    self, AnyMethod, Coefficients, ComposedPlanar, Dop853Tableau, Engine, EngineName, KickRotor, Method,
-    Numbers, Planar, Rk4Tableau, Round, RungeKutta, Splitting, Taylor,
+    self, AnyMethod, ComposedPlanar, Dop853Tableau, Engine, EngineName, KickRotor, Method, Numbers, Planar,
+    Rk4Tableau, Round, RungeKutta, Splitting, Taylor,
 };
 use rigid::observe::{Deviation, Growth, MAX_ROWS, Observed};
 use rigid::parallel::Interrupt;
-use rigid::real::{Apart, Real};
+use rigid::real::{Outlined, Real};
 use rigid::scene::{
     Axis, AxisTangent, ForcedFrame, ForcedFrameTangent, Free, Layout, Model, Parameters, Top,
 };
 use rigid::simd::{Isa, LANES};
-use rigid::start::Body;
 use rigid::trajectory::{Record, Request, Schedule, simulate};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -296,7 +296,7 @@ impl Neg for Dual {
 }
 impl Real for Dual {
     type Mask = bool;
-    fn apart<W: Apart>(work: W) -> W::Out {
+    fn outlined<W: Outlined>(work: W) -> W::Out {
         work.run()
     }
     fn splat(x: f64) -> Self {
@@ -376,8 +376,7 @@ fn stepped_by<R: Real, M: Model<R>, L: Layout, S: Engine<R, M, L, D>, const D: u
     p: &Parameters<R>,
     mut y: [R; D],
 ) -> [R; D] {
-    let mut compensation = [R::splat(0.0); D];
-    S::new(p, interval, numbers).step(p, &mut y, &mut compensation, &mut Coefficients::new());
+    S::new(p, interval, numbers).step(p, &mut y);
     y
 }
 

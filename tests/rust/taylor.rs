@@ -2,13 +2,13 @@
 
 use crate::tests::scene_of;
 use nalgebra::{DMatrix, DVector};
+use rigid::body::Body;
 use rigid::forces::{BodyForces, Forces, ForcesInterval};
-use rigid::method::{self, AnyMethod, Coefficients, Engine, Method, Taylor};
+use rigid::method::{self, AnyMethod, Engine, Method, Taylor};
 use rigid::parallel::Interrupt;
-use rigid::sample::{Law, attitude, uniforms};
+use rigid::sample::{Distribution, attitude, uniforms};
 use rigid::scene::{Attitude, Axis, Free, Layout, Model, Parameters, Top};
 use rigid::simd::Isa;
-use rigid::start::Body;
 use rigid::status::Status;
 use rigid::trajectory::{Record, Request, Schedule, States, simulate};
 
@@ -81,7 +81,7 @@ where
     L: Layout,
     S: Engine<f64, M, L, D>,
 {
-    engine.step(p, y, &mut [0.0; D], &mut Coefficients::new());
+    engine.step(p, y);
 }
 
 /// The rates of a free symmetric body turn at a constant rate, and so do the directions and, at half the rate, the
@@ -205,7 +205,7 @@ fn random_body(number: u64, is_top: bool) -> Body {
     let [a, b, c, _] = u(0).map(|x| 0.2 + x);
     let [x, y, z, _] = u(1).map(|x| 4.0 * x - 2.0);
     let [c1, c2, c3, _] = u(2).map(|x| if is_top { 2.0 * x - 1.0 } else { 0.0 });
-    let attitude = attitude(Law::UniformAttitude, [0.0; 3], [1.0, 0.0, 0.0, 0.0], u(3));
+    let attitude = attitude(Distribution::UniformAttitude, [0.0; 3], [1.0, 0.0, 0.0, 0.0], u(3));
     Body { moments: [b + c, c + a, a + b], weight: [c1, c2, c3], omega: [x, y, z], attitude }
 }
 

@@ -6,12 +6,13 @@
 //! coefficients shows that there is none. A body with a closed form may begin each step at its state in closed form:
 //! the errors of steps then do not add up.
 
-mod watch;
+mod surface_function;
 mod zeros;
 
 use super::adaptive_lanes::AdaptiveLanes;
 use super::states::{invariant_errors, worse};
 use super::{Request, check_forced, invariants_at_start, kinds_in};
+use crate::body::Body;
 use crate::error::Error;
 use crate::exact::{CanonicalForm, Evaluator, EvaluatorKind, Question, StartRows, StateRows};
 use crate::forces::{ForceSet, MOST_STATES};
@@ -22,11 +23,10 @@ use crate::observe::Observed;
 use crate::parallel::{Interrupt, over_blocks};
 use crate::scene::TOP;
 use crate::simd::{Isa, LANES};
-use crate::start::Body;
 use crate::status::{DRIFT_LIMIT, Status};
 use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
-use watch::Watch;
+use surface_function::SurfaceFunction;
 use zeros::{Polynomial, Side, TERMS, Zero};
 
 /// Most bodies in a block.
@@ -174,6 +174,11 @@ pub fn section(
         let rule = "a run watches 32 at most";
         return refused("events", section.kinds.len().to_string(), rule);
     }
+    let in_orbit = |kind: &SurfaceKind| kind.pointing.is_some_and(|pointing| pointing.in_orbit);
+    let has_orbit = |body: usize| request.forces_of(body).further.orbit.normal().is_some();
+    if section.kinds.iter().any(in_orbit) && !(0..n).all(has_orbit) {
+        return refused("events", "a direction of the orbit".into(), "the bodies are on no orbit");
+    }
     let forces = ForceSet::from(request.forces.of(0));
     if !method.is_known_inside(forces) {
         let rule = if forces.function {
@@ -206,14 +211,14 @@ pub fn section(
     let blocks = all.chunks_mut(size).enumerate().map(|(index, part)| (index * size, part));
     over_blocks(blocks, threads, stop, |(first, crossings)| {
         let block = first..first + crossings.len();
-        let mut ways = memory::reserved("bodies of a block", block.len())?;
+        let mut integrations = memory::reserved("bodies of a block", block.len())?;
         for index in block.clone() {
-            ways.push(Way::of(request, method, index, section.closed)?);
+            integrations.push(Integration::of(request, method, index, section.closed)?);
         }
-        for members in kinds_in(block.clone(), |index| ways[index - first].kind())? {
+        for members in kinds_in(block.clone(), |index| integrations[index - first].kind())? {
             let own = (&mut *crossings, &points);
             let mut job =
-                SectionJob::new(request, section, &ways, block.clone(), &members, own, (isa, stop))?;
+                SectionJob::new(request, section, &integrations, block.clone(), &members, own, (isa, stop))?;
             drive(&mut job)?;
         }
         Ok(())
@@ -223,22 +228,22 @@ pub fn section(
 
 /// How a body is integrated: as a top in its own frame, a free body as one without weight.
 #[derive(Clone, Copy)]
-struct Way {
+struct Integration {
     assignment: KernelAssignment,
     forces: ForceSet,
     /// The closed form that gives the state at the begin of each step.
     form: Option<CanonicalForm>,
 }
 
-impl Way {
-    fn of(request: &Request, method: &Method, index: usize, closed: bool) -> Result<Way, Error> {
+impl Integration {
+    fn of(request: &Request, method: &Method, index: usize, closed: bool) -> Result<Integration, Error> {
         let (body, forces) = (&request.bodies[index], ForceSet::from(request.forces_of(index)));
         let assignment = KernelAssignment::of_either(forces.act, method, body, &TOP);
         let form = if closed && !forces.act { CanonicalForm::of(body) } else { None };
         if closed && form.is_none() {
             return Err(Error::NoClosedForm { index, rule: Question::RULE_OF_STATES });
         }
-        Ok(Way { assignment, forces, form })
+        Ok(Integration { assignment, forces, form })
     }
 
     fn kind(&self) -> (Step, ForceSet, Option<EvaluatorKind>) {
@@ -274,14 +279,14 @@ struct ClosedForms {
 struct SectionJob<'a> {
     request: &'a Request<'a>,
     section: &'a Section<'a>,
-    ways: &'a [Way],
+    integrations: &'a [Integration],
     block: Range<usize>,
     /// Indices in the block of the bodies that wait.
     queue: Vec<usize>,
     lanes: AdaptiveLanes<'a>,
     closed: Option<ClosedForms>,
     /// One for each kind of surface.
-    watches: Vec<Watch>,
+    functions: Vec<SurfaceFunction>,
     /// The zeros of the last step of a lane.
     found: Vec<Found>,
     crossings: &'a mut [Crossings],
@@ -298,16 +303,21 @@ impl<'a> SectionJob<'a> {
     fn new(
         request: &'a Request<'a>,
         section: &'a Section<'a>,
-        ways: &'a [Way],
+        integrations: &'a [Integration],
         block: Range<usize>,
         members: &[usize],
         (crossings, points): (&'a mut [Crossings], &'a AtomicU64),
         (isa, stop): (Isa, &'a Interrupt<'a>),
     ) -> Result<Self, Error> {
-        let way = ways[members[0]];
-        let needs =
-            Needs { forces: way.forces, directions: 1, attitude: true, tangent: false, is_changed: false };
-        let step = way.assignment.step;
+        let integration = integrations[members[0]];
+        let needs = Needs {
+            forces: integration.forces,
+            directions: 1,
+            attitude: true,
+            tangent: false,
+            is_changed: false,
+        };
+        let step = integration.assignment.step;
         let kernel =
             Kernel { system: System::carrying(&TOP, step, needs), step, observed: Observed::Nothing };
         // The polynomial of a Runge-Kutta step is no series cut at its order: the product of the momentum and of two parts
@@ -315,13 +325,13 @@ impl<'a> SectionJob<'a> {
         let order = step.numbers.order * if step.is_series() { 1 } else { 3 };
         let queue = members.iter().rev().copied();
         let system = kernel.system;
-        let mut watches = memory::reserved("surfaces", section.kinds.len())?;
+        let mut functions = memory::reserved("surfaces", section.kinds.len())?;
         for (index, &kind) in section.kinds.iter().enumerate() {
             let own =
                 |&member: &usize| &section.surfaces[(block.start + member) * section.kinds.len() + index];
-            watches.push(Watch::new(kind, members.iter().map(own), system, order));
+            functions.push(SurfaceFunction::new(kind, members.iter().map(own), system, order));
         }
-        let closed = way.form.map(|form| ClosedForms {
+        let closed = integration.form.map(|form| ClosedForms {
             evaluator: Evaluator::new(form.kind(), isa),
             starts: StartRows::filled(&form.to_canonical(&request.bodies[block.start + members[0]])),
             now: [StateRows::ZERO],
@@ -330,12 +340,12 @@ impl<'a> SectionJob<'a> {
         Ok(SectionJob {
             request,
             section,
-            ways,
+            integrations,
             block,
             queue: memory::collected("bodies of a block", members.len(), queue)?,
             lanes: AdaptiveLanes::new(request, kernel, isa, tolerance)?,
             closed,
-            watches,
+            functions,
             found: Vec::new(),
             crossings,
             points,
@@ -354,15 +364,15 @@ impl<'a> SectionJob<'a> {
             if self.lanes.steps.now[0].0[lane] == 0.0 {
                 continue;
             }
-            let (index, way) = (self.block.start + task.body, self.ways[task.body]);
+            let (index, integration) = (self.block.start + task.body, self.integrations[task.body]);
             let body = &self.request.bodies[index];
             let omega = [0, 1, 2].map(|k| closed.now[0].omega[k].0[lane]);
             let attitude = [0, 1, 2, 3].map(|k| closed.now[0].attitude[k].0[lane]);
-            let form = way.form.expect("all bodies of the batch have a closed form");
+            let form = integration.form.expect("all bodies of the batch have a closed form");
             let (omega, attitude) = form.to_body(body, omega, attitude);
             let now = Body { omega, attitude, ..*body };
             let entry = Entry::unobserved(&now, None, self.lanes.group.step.0[lane]);
-            load(&mut self.lanes.group, lane, self.lanes.kernel, way.assignment, &entry);
+            load(&mut self.lanes.group, lane, self.lanes.kernel, integration.assignment, &entry);
             self.lanes.steps.now[1].0[lane] = 0.0;
         }
     }
@@ -386,14 +396,14 @@ impl<'a> SectionJob<'a> {
         let error = if self.closed.is_some() { CLOSED_ERROR * task.rate * now } else { 0.0 };
         let step = self.lanes.group.step.0[lane];
         self.found.clear();
-        for (kind, watch) in self.watches.iter_mut().enumerate() {
+        for (kind, function) in self.functions.iter_mut().enumerate() {
             let found = &mut self.found;
-            let stays = watch.zeros(lane, error, &mut |zero, slope| {
+            let stays = function.zeros(lane, error, &mut |zero, slope| {
                 found.push(Found { zero, slope: slope / step, kind });
             });
             own.stays |= u32::from(stays) << kind;
         }
-        if self.watches.len() > 1 {
+        if self.functions.len() > 1 {
             self.found.sort_unstable_by(|a, b| a.zero.at.total_cmp(&b.zero.at).then(a.kind.cmp(&b.kind)));
         }
         for index in 0..self.found.len() {
@@ -427,7 +437,7 @@ impl<'a> SectionJob<'a> {
         }
         if self.lanes.pass_knot(lane, self.block.start + task.body, false) {
             // The torque may jump there, and the slope with it.
-            self.watches.iter_mut().for_each(|watch| watch.bend(lane));
+            self.functions.iter_mut().for_each(|function| function.bend(lane));
         }
         self.lanes.aim(lane, end, false);
         Ok(true)
@@ -445,7 +455,8 @@ impl<'a> SectionJob<'a> {
         let units = self.lanes.group.step.0[lane] / adaptive.unit.0[lane] * zero.at;
         let time = adaptive.begin[0].0[lane] + (adaptive.begin[1].0[lane] + units * adaptive.unit.0[lane]);
         let y = self.lanes.kernel.dense_output(adaptive, lane, units);
-        let state = read(&self.lanes.group, lane, self.lanes.kernel, self.ways[task.body].assignment, y);
+        let state =
+            read(&self.lanes.group, lane, self.lanes.kernel, self.integrations[task.body].assignment, y);
         self.note_drift(lane, &state, own);
         let attitude = state.attitude.expect("the system has an attitude");
         Ok(Point {
@@ -463,7 +474,8 @@ impl<'a> SectionJob<'a> {
 
     /// The errors of the invariants at the end of a motion.
     fn note_end(&self, lane: usize, task: Task, own: &mut Crossings) {
-        let state = unload(&self.lanes.group, lane, self.lanes.kernel, self.ways[task.body].assignment);
+        let state =
+            unload(&self.lanes.group, lane, self.lanes.kernel, self.integrations[task.body].assignment);
         self.note_drift(lane, &state, own);
     }
 
@@ -493,17 +505,17 @@ impl Job for SectionJob<'_> {
 
     fn load(&mut self, lane: usize) -> Result<Option<Task>, Error> {
         let Some(member) = self.queue.pop() else { return Ok(None) };
-        let (index, way) = (self.block.start + member, self.ways[member]);
+        let (index, integration) = (self.block.start + member, self.integrations[member]);
         let (body, forces) = (&self.request.bodies[index], self.request.forces_of(index));
         let end = self.section.ends[index];
-        let rate = self.lanes.enter(lane, index, way.assignment, [0.0, end], false);
+        let rate = self.lanes.enter(lane, index, integration.assignment, [0.0, end], false);
         self.lanes.aim(lane, end, false);
-        if let (Some(closed), Some(form)) = (&mut self.closed, way.form) {
+        if let (Some(closed), Some(form)) = (&mut self.closed, integration.form) {
             closed.starts.set(lane, &form.to_canonical(body));
         }
-        let kinds = self.watches.len();
-        for (kind, watch) in self.watches.iter_mut().enumerate() {
-            watch.enter(lane, &self.section.surfaces[index * kinds + kind], body, forces, rate);
+        let kinds = self.functions.len();
+        for (kind, function) in self.functions.iter_mut().enumerate() {
+            function.enter(lane, &self.section.surfaces[index * kinds + kind], body, forces, rate);
         }
         Ok(Some(Task { body: member, rate }))
     }
@@ -520,8 +532,8 @@ impl Job for SectionJob<'_> {
         }
         self.rounds += 1;
         self.lanes.advance(1);
-        for watch in &mut self.watches {
-            watch.expand(&self.lanes.group, &self.lanes.steps);
+        for function in &mut self.functions {
+            function.expand(&self.lanes.group, &self.lanes.steps);
         }
         Ok(())
     }

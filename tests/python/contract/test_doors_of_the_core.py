@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import rigid
+from refusals import refuses
 from rigid import _core
 from rigid.solve.bodies import bodies_of
 from rigid.solve.request import Request
@@ -55,6 +56,50 @@ def test_a_force_acts_on_as_many_bodies_as_it_has_rows() -> None:
         bodies.forces = _core.Forces(times=np.empty(0), body=none, space=none, damping=damping)
         with pytest.raises(ValueError, match=words):
             _core.Motion(bodies, method="rk4", time=0.0, units=np.ones(units), threads=1)
+
+
+def test_no_rows_of_moments_are_no_bodies() -> None:
+    none = np.empty((0, 3))
+    for rows in (1, 2):
+        forces = _core.Forces(
+            times=np.empty(0), body=none, space=none, damping=np.ones((rows, 1)) * np.eye(1, 6)
+        )
+        for rates in (forces.slows_evenly, forces.damping_rates):
+            assert len(rates(np.ones((1, 3)))) == rows
+            if rows == 1:
+                assert len(rates(none)) == 0
+            else:
+                with pytest.raises(ValueError, match=r"moments: expected shape \(2, \.\.\.\)"):
+                    rates(none)
+
+
+def test_times_of_no_body_beyond_any_array_are_refused() -> None:
+    bodies = bodies_of(SCENE, np.empty((0, 3)), None)
+    with pytest.raises(ValueError, match=r"reshape|too big"):
+        _core.flip_times(bodies, 1, 2**62)
+
+
+def test_a_direction_of_an_orbit_needs_an_orbit() -> None:
+    pointing = np.zeros((1, 13))
+    pointing[0, [0, 5, 12]] = 1.0
+    with pytest.raises(ValueError, match="events = a direction of the orbit: the bodies are on no"):
+        _core.section(
+            bodies_of(SCENE, OMEGA, None),
+            method="taylor16",
+            kinds=[(False, 0, True)],
+            pointing=pointing,
+            normal=np.zeros((2, 6)),
+            momentum=np.zeros((2, 3)),
+            square=np.zeros(2),
+            states=np.zeros((2, _core.MOST_STATES)),
+            value=np.zeros(2),
+            ends=np.ones(2),
+            count=1,
+            closed=False,
+            tolerance=1e-12,
+            max_steps=1000,
+            threads=1,
+        )
 
 
 def test_there_may_be_more_threads_than_numbers() -> None:
@@ -139,8 +184,7 @@ REQUEST = Request(
 )
 
 
-@pytest.mark.parametrize(
-    ("changes", "step", "words"),
+test_states_of_an_accuracy_are_refused_where_the_request_does_not_fit = refuses(
     [
         ({}, np.ones(3), r"step: expected shape \(2, "),
         ({"times": np.ones((3, 2))}, None, r"t: expected shape \(2, "),
@@ -150,12 +194,8 @@ REQUEST = Request(
         ({"method": "exact"}, None, "method = 'exact'"),
         ({"strides": [1, 2]}, None, "strides = given: an accuracy is of states at times"),
     ],
+    by=lambda changes, step: _core.solve(replace(REQUEST, **changes), step, 1e-8, True, False),
 )
-def test_states_of_an_accuracy_are_refused_where_the_request_does_not_fit(
-    changes: dict[str, Any], step: Any, words: str
-) -> None:
-    with pytest.raises(ValueError, match=words):
-        _core.solve(replace(REQUEST, **changes), step, 1e-8, True, False)
 
 
 def test_errors_and_distances_are_refused_for_states_of_another_shape() -> None:

@@ -5,7 +5,7 @@ use super::*;
 const SAMPLES: u64 = 1000;
 
 /// Pixels with and without symmetry; one has impossible moments, one overflows or needs too many steps.
-fn map(is_top: bool, method: MethodChoice, criterion: Criterion, step: Option<f64>) -> Map {
+fn map(is_top: bool, method: AnyMethod, criterion: Criterion, step: Option<f64>) -> Map {
     let pixel = |number, symmetric| Pixel {
         body: body(number, is_top, symmetric),
         omega_size: [0.3, 0.2, 0.1],
@@ -20,7 +20,11 @@ fn map(is_top: bool, method: MethodChoice, criterion: Criterion, step: Option<f6
         forces: None,
         method,
         pixels,
-        laws: Laws { omega: Law::Normal, attitude: Law::Direction, ..Laws::NONE },
+        distributions: Distributions {
+            omega: Distribution::Normal,
+            attitude: Distribution::Direction,
+            ..Distributions::NONE
+        },
         mixture: Vec::new(),
         conditions: vec![Condition { criterion, axis: -2 }],
         logic: Logic::single(),
@@ -41,8 +45,7 @@ fn bounded(quantity: Quantity, limit: f64) -> Criterion {
 }
 
 fn maps() -> Vec<Map> {
-    let [rk4, splitting] =
-        [&method::RK4, &method::SPLITTING].map(|method| MethodChoice::Only(AnyMethod::Steps(method)));
+    let [rk4, splitting] = [&method::RK4, &method::SPLITTING].map(AnyMethod::Steps);
     vec![
         map(false, rk4, Criterion::NoFlip, Some(0.05)),
         map(false, splitting, Criterion::TiltFromStart(1.5), None),
@@ -58,9 +61,9 @@ fn maps() -> Vec<Map> {
 /// in the same blocks.
 fn maps_in_closed_form() -> Vec<Map> {
     let mut maps = vec![
-        map(false, MethodChoice::Auto, Criterion::NoFlip, None),
-        map(false, MethodChoice::Only(AnyMethod::Exact), Criterion::NoFlip, None),
-        map(true, MethodChoice::Auto, Criterion::TiltFromVertical(2.2), None),
+        map(false, AnyMethod::Auto, Criterion::NoFlip, None),
+        map(false, AnyMethod::Exact, Criterion::NoFlip, None),
+        map(true, AnyMethod::Auto, Criterion::TiltFromVertical(2.2), None),
     ];
     for map in &mut maps {
         // Symmetric about the observed axis, with the centre of mass of a top on this axis.
@@ -158,11 +161,11 @@ fn a_map_does_not_depend_on_the_division_of_the_work() {
 /// theorem.
 fn maps_of_growth() -> Vec<Map> {
     let rule = Rule { sure: 2.1, low: 3.0, high: 5.0, ratio: 1.5 };
-    let taylor = MethodChoice::Only(AnyMethod::Steps(&method::TAYLOR16));
+    let taylor = AnyMethod::Steps(&method::TAYLOR16);
     let mut maps = vec![
-        map(true, MethodChoice::Auto, Criterion::RegularRates(rule), None),
+        map(true, AnyMethod::Auto, Criterion::RegularRates(rule), None),
         map(true, taylor, Criterion::RegularAttitude(rule), Some(0.2)),
-        map(true, MethodChoice::Auto, Criterion::RegularRates(rule), None),
+        map(true, AnyMethod::Auto, Criterion::RegularRates(rule), None),
     ];
     for map in &mut maps {
         let top = Body {
@@ -187,7 +190,7 @@ fn maps_of_growth() -> Vec<Map> {
 fn classes_of_growth_do_not_depend_on_the_division_of_the_work() {
     for map in maps_of_growth() {
         let total = compared(&map);
-        let exact = map.method == MethodChoice::Auto && map.forces.is_none();
+        let exact = map.method == AnyMethod::Auto && map.forces.is_none();
         assert!(total.stable > 12 && total.unstable > 0 && total.failed == 12, "{total:?}");
         assert_eq!(total.exact, if exact { 12 } else { 0 });
         assert!(total.growth > 0 && total.megno > 0 && total.largest_exponent > 0.05, "{total:?}");
@@ -196,9 +199,9 @@ fn classes_of_growth_do_not_depend_on_the_division_of_the_work() {
 
 #[test]
 fn samples_with_common_audits_do_not_depend_on_the_division_of_the_work() {
-    let splitting = MethodChoice::Only(AnyMethod::Steps(&method::SPLITTING));
+    let splitting = AnyMethod::Steps(&method::SPLITTING);
     let tilted = [
-        map(true, MethodChoice::Auto, Criterion::TiltFromVertical(2.2), None),
+        map(true, AnyMethod::Auto, Criterion::TiltFromVertical(2.2), None),
         map(true, splitting, Criterion::TiltFromVertical(2.2), Some(0.05)),
         map(false, splitting, Criterion::TiltFromStart(1.5), Some(0.01)),
     ];
@@ -272,13 +275,19 @@ fn a_sample_alone_is_the_sample_of_the_map() {
 
 #[test]
 fn draws_on_every_instruction_set() {
-    let laws =
-        [Law::None, Law::Normal, Law::Uniform, Law::Direction, Law::UniformAttitude, Law::VonMisesFisher(1)];
+    let distributions = [
+        Distribution::None,
+        Distribution::Normal,
+        Distribution::Uniform,
+        Distribution::Direction,
+        Distribution::UniformAttitude,
+        Distribution::VonMisesFisher(1),
+    ];
     let numbers = |b: Body| all_bits(&[&b.moments[..], &b.weight, &b.omega, &b.attitude].concat());
-    for omega in laws {
-        for attitude in laws {
-            let laws = Laws { omega, attitude, ..Laws::NONE };
-            let map = Map { laws, ..maps().swap_remove(2) };
+    for omega in distributions {
+        for attitude in distributions {
+            let distributions = Distributions { omega, attitude, ..Distributions::NONE };
+            let map = Map { distributions, ..maps().swap_remove(2) };
             // From the last samples of a pixel to the first samples of the next but one.
             let range = 2 * SAMPLES - 40..3 * SAMPLES + 45;
             let alone = |flat: u64| numbers(map.draw(Isa::NARROWEST, flat..flat + 1).unwrap()[0]);

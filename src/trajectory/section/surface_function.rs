@@ -1,17 +1,17 @@
 //! What is zero on the surfaces of one kind, inside the last step of each lane.
 
 use super::{NEAR, NOISE, Pointing, Polynomial, Side, Surface, SurfaceKind, TERMS, Zero};
+use crate::body::{Body, VERTICAL};
 use crate::forces::{BodyForces, MOST_STATES, Orbit, SMALL_STATE, conic_sign};
 use crate::kernel::{AdaptiveSteps, Group, System};
 use crate::kinematics::cross;
 use crate::simd::{LANES, Row, set_lane};
-use crate::start::{Body, VERTICAL};
 
 /// A polynomial in the time: coefficients of its powers.
 type Powers = [f64; TERMS];
 
 /// The surfaces of one kind, one for each lane, and the polynomial that is zero on each.
-pub struct Watch {
+pub struct SurfaceFunction {
     kind: SurfaceKind,
     /// The surface of each lane.
     normal: [Row; 6],
@@ -69,14 +69,14 @@ fn powers_of(adaptive: &AdaptiveSteps, d: usize, lane: usize) -> Powers {
     powers
 }
 
-impl Watch {
+impl SurfaceFunction {
     /// The surfaces of some bodies, of one kind.
     pub fn new<'a>(
         kind: SurfaceKind,
         surfaces: impl Iterator<Item = &'a Surface>,
         system: System,
         order: usize,
-    ) -> Watch {
+    ) -> SurfaceFunction {
         let (mut used, mut uses_momentum, mut uses_square) = ([false; 6], false, false);
         let mut used_states = [false; MOST_STATES];
         for surface in surfaces {
@@ -85,7 +85,7 @@ impl Watch {
             uses_momentum |= surface.momentum != [0.0; 3];
             uses_square |= surface.square != 0.0;
         }
-        Watch {
+        SurfaceFunction {
             kind,
             normal: [Row::ZERO; 6],
             momentum: [Row::ZERO; 3],
@@ -127,7 +127,7 @@ impl Watch {
         self.value.0[lane] = value;
         self.side[lane] = None;
         let length = |v: &[f64]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
-        let largest = body.moments.iter().fold(0.0_f64, |a, &b| a.max(b));
+        let [_, largest] = body.moment_range();
         let of_momentum = length(&momentum) * (largest * rate + length(&rotor));
         let of_speed = square.abs() * rate * rate;
         let of_pointing = if self.kind.pointing.is_some() { 1.0 } else { 0.0 };
