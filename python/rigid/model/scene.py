@@ -184,7 +184,8 @@ class Scene(ByValue, ABC):
         for name, given in further.items():
             set_field(self, name, None if given is None else FORCES[name].checked(given))
         set_field(self, "damping", None)
-        set_field(self, "damping", checked_damping(damping, self._shape_of_parts()))
+        if damping is not None:
+            set_field(self, "damping", checked_damping(damping, self._shape_of_parts()))
         self._shape_of_parts()
         if frame is not None:
             self._turn_into_principal_axes(frame)
@@ -200,15 +201,15 @@ class Scene(ByValue, ABC):
             names.append("function")
         return (*names, *(force.name for force, _ in self.further()))
 
-    def further(self) -> Iterator[tuple[Force[Any], Any]]:
+    def further(self) -> list[tuple[Force[Any], Any]]:
         """The further forces that act, and their values."""
-        values = ((force, getattr(self, name)) for name, force in FORCES.items())
-        return ((force, value) for force, value in values if value is not None)
+        values = [(force, getattr(self, name)) for name, force in FORCES.items()]
+        return [(force, value) for force, value in values if value is not None]
 
     @property
     def has_further(self) -> bool:
         """Whether forces act besides an applied torque, damping and a callback."""
-        return any(self.further())
+        return bool(self.further())
 
     @property
     def bounds_rates(self) -> bool:
