@@ -315,15 +315,10 @@ class Scene(ByValue, ABC):
         return self._in_words(varied) if varied else self.once(Scene._in_words)
 
     def _in_words(self, varied: Container[str] = ()) -> str:
-        bodies = (
-            f"{self.shape} bodies"
-            if len(self.shape) > 1
-            else f"{len(self)} bodies"
-            if self.shape
-            else ""
-        )
-        parts = [f"{self.title} ({bodies})" if bodies else self.title]
-        parts.append(_body_words(self.body, varied))
+        parts = [self.title, _body_words(self.body, varied)]
+        if self.shape:
+            count = self.shape if len(self.shape) > 1 else len(self)
+            parts[0] = f"{self.title} ({count} bodies)"
         for name, axes in self.fields.items():
             value = getattr(self, name)
             if isinstance(value, np.ndarray):
@@ -338,9 +333,7 @@ class Scene(ByValue, ABC):
             parts.append(self.torque.words())
         if self.damping is not None:
             parts.append(damping_words(self.damping))
-        for force, value in self.further():
-            acts = f"{force.name} varied" if force.name in varied else force.words(value, varied)
-            parts.append(acts)
+        parts += [force.words(value, varied) for force, value in self.further()]
         return ", ".join(parts)
 
 
