@@ -197,23 +197,21 @@ def _is_long(function: Any, kinds: Iterable[str], result: str, states: int) -> b
 
 def _callback(function: Any, width: int, states: int) -> Callback:
     """The callback of a function of Python, numba, ctypes or cffi, or at an address."""
-    is_long = states > 0
+    kinds, result = None, "None"
     found = getattr(function, "address", function)
     if type(found).__module__ == "_cffi_backend":
         import cffi
 
         kind = cffi.FFI().typeof(found)
         if kind.kind == "function":
-            given = [one.cname for one in kind.args]
-            is_long = _is_long(found, given, kind.result.cname, states)
+            kinds, result = [one.cname for one in kind.args], kind.result.cname
         found = int(cffi.FFI().cast("intptr_t", found))
     elif hasattr(function, "_sig"):
-        given, result = [*map(str, function._sig.args)], str(function._sig.return_type)
-        is_long = _is_long(function, given, result, states)
+        kinds, result = [*map(str, function._sig.args)], str(function._sig.return_type)
     elif getattr(function, "argtypes", None) is not None:  # a library tells none
+        kinds = [kind.__name__ for kind in function.argtypes]
         result = getattr(function.restype, "__name__", "None")
-        given = [kind.__name__ for kind in function.argtypes]
-        is_long = _is_long(function, given, result, states)
+    is_long = states > 0 if kinds is None else _is_long(function, kinds, result, states)
     if callable(found):
         try:
             found = ctypes.cast(found, ctypes.c_void_p).value
