@@ -578,15 +578,13 @@ def scene_of(scene: Scene, numbers: Mapping[str, Floats], moments: Floats) -> Sc
     ValueError
         If all components of the direction to a centre of mass are zero.
     """
-    count = len(moments)
-    damping = None
-    if "damping" in numbers:
-        damping = numbers["damping"][:, :, np.newaxis] * np.eye(3)
-    elif scene.damping is not None:
-        damping = np.broadcast_to(np.asarray(scene.damping), (count, 3, 3))
     own: dict[str, Any] = {
         name: numbers[name] for name in ("mgl", "rotor", "drag") if name in numbers
     }
+    if "damping" in numbers:
+        own["damping"] = numbers["damping"][:, :, np.newaxis] * np.eye(3)
+    elif scene.damping is not None:
+        own["damping"] = np.broadcast_to(np.asarray(scene.damping), (len(moments), 3, 3))
     if "com angles" in numbers:
         (along, across), (first, second) = np.moveaxis(numbers["com angles"], 0, -1)
         own["com"] = np.stack([across * first, across * second, along], axis=1)
@@ -610,4 +608,6 @@ def scene_of(scene: Scene, numbers: Mapping[str, Floats], moments: Floats) -> Sc
         assert known is not None
         rate, e, anomaly = numbers["orbit"].T
         own["orbit"] = Orbit(rate, e, anomaly, known.normal, known.periapsis)
-    return scene.replaced(Body(moments, physical=scene.body.physical), damping, **own)
+    body = Body(moments, physical=scene.body.physical)
+    made: Scene = replace(scene, body=body, **own)  # type: ignore[type-var]
+    return made

@@ -259,12 +259,6 @@ class Scene(ByValue, ABC):
         """How many states the function of a torque has for each body."""
         return 0 if self.torque is None else self.torque.states
 
-    def replaced(self, body: Body, damping: ArrayLike | None, **own: Any) -> Self:
-        """The scene with another body, damping, torque, further forces and values of its fields."""
-        kept = {name: getattr(self, name) for name in ("torque", *self.fields)}
-        kept.update({force.name: value for force, value in self.further()})
-        return type(self)(body, **{**kept, **own}, damping=damping)  # type: ignore[call-arg]
-
     def _turn_into_principal_axes(self, frame: ArrayLike) -> None:
         """Take the vectors of the scene, just made, from the axes of a drawing."""
         back = checked_frame(frame).T
