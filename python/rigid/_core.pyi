@@ -108,7 +108,11 @@ def clopper_pearson(
     successes: NDArray[np.int64], trials: NDArray[np.int64], confidence: float
 ) -> list[NDArray[np.float64]]: ...
 def deviates(
-    distribution: str, seed: int, block: int, pixels: NDArray[np.uint64], samples: NDArray[np.uint64]
+    distribution: str,
+    seed: int,
+    block: int,
+    pixels: NDArray[np.uint64],
+    samples: NDArray[np.uint64],
 ) -> NDArray[np.float64]: ...
 def in_standard_floats(
     function: Callable[..., Any], args: tuple[Any, ...], kwargs: dict[str, Any]

@@ -12,8 +12,7 @@ from numpy.typing import ArrayLike
 from ._checks.arguments import brief, finite_float, one_of, positive_int
 from ._checks.arrays import AttitudeLike, attitudes
 from .maps.job import to_core
-from .maps.plan import map_plan
-from .maps.request import of_one_pixel, shortened
+from .maps.plan import map_plan, of_one_pixel, shortened
 from .maps.spec import MapSpec
 from .model.body import Body
 from .model.criteria import known_criteria

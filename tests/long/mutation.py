@@ -129,7 +129,6 @@ PYTHON: dict[str, tuple[str, ...]] = {
         "maps/test_every_kind.py",
         "maps/test_mixtures.py",
     ),
-    "maps/identity.py": ("store/test_parts.py", "store/test_proofs.py", "maps/test_map_files.py"),
     "maps/judge.py": ("maps/test_judged.py", "store/test_stored_functions.py"),
     "maps/measured.py": ("maps/test_measures.py", "store/test_stored_measures.py"),
     "maps/moons.py": ("maps/test_moon_maps.py",),

@@ -1,7 +1,7 @@
 """What holds for every test."""
 
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import pytest
@@ -17,6 +17,22 @@ def browser() -> Iterator[Any]:
             yield opened
     except NoBrowserError as reason:
         pytest.skip(str(reason))
+
+
+@pytest.fixture
+def opens(browser: Any) -> Iterator[Callable[..., Any]]:
+    """Opens pages, which at the end have neither complained nor asked for anything."""
+    from browsers import Opened
+
+    every: list[Opened] = []
+
+    def open_page(*page: Any, **options: Any) -> Opened:
+        every.append(Opened(browser, *page, **options))
+        return every[-1]
+
+    yield open_page
+    for opened in every:
+        opened.close()
 
 
 @pytest.fixture(autouse=True)

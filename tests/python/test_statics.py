@@ -70,14 +70,12 @@ def test_constant_momenta_are_not_yet_rest() -> None:
     pair, along = [[0, 0, 5], [0, 0, -5]], [[0, 0, 7], [0, 0, -2]]
     assert statics.equilibrium(pair, along).balanced
     scene = rigid.FreeBody(rigid.Body((1.0, 1.5, 2.0)))
-    moving = rigid.simulate(scene, [0.3, 1.0, 0.2], t=[0.0, 5.0])
+    moving: Any = rigid.simulate(scene, [0.3, 1.0, 0.2], t=[0.0, 5.0])
     momentum = moving.rotation().apply(moving.momentum())
     assert np.abs(momentum[1] - momentum[0]).max() < 1e-13
-    assert moving.attitude is not None
     assert np.abs(moving.attitude[1] - moving.attitude[0]).max() > 0.5
-    resting = rigid.simulate(scene, [0.0, 0.0, 0.0], t=[0.0, 5.0])
+    resting: Any = rigid.simulate(scene, [0.0, 0.0, 0.0], t=[0.0, 5.0])
     assert (resting.momentum() == 0.0).all()
-    assert resting.attitude is not None
     assert (resting.attitude[1] == resting.attitude[0]).all()
 
 

@@ -50,7 +50,7 @@ def chromium() -> Iterator[Any]:
 
 
 class Opened:
-    """A page in the browser, and what it said and asked for."""
+    """A page in the browser, once it shows an element, and what it said and asked for."""
 
     def __init__(
         self,
@@ -64,6 +64,7 @@ class Opened:
         touch: bool = False,
         before: str | None = None,
         functions: Mapping[str, Callable[..., object]] | None = None,
+        shows: str | None = None,
     ) -> None:
         self.page = browser.new_page(
             viewport={"width": width, "height": height},
@@ -83,6 +84,8 @@ class Opened:
         self.page.on("request", lambda request: self.asked.append(request.url))
         self.page.goto(path.as_uri() + address)
         self.settle()
+        if shows is not None:
+            self.page.wait_for_selector(shows)
 
     def settle(self) -> None:
         """Wait until the page has drawn its state."""

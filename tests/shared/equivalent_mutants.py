@@ -15,6 +15,11 @@ EQUIVALENT: dict[tuple[str, str, str], str] = {
         "False -> True",
     ): "the flag guards against a fault of ours: nothing writes into the rates of bodies",
     (
+        "maps/judge.py",
+        'part["nanoseconds"][:] = 1e9 * (time.thread_time() - began) / pixels',
+        "1000000000.0 -> 1000000001.0",
+    ): "a measured time is not known to 1e-9 of itself",
+    (
         "maps/satellites.py",
         "time: Floats = (0.5 * whole * measure / power).sum(axis=-1)",
         "-1 -> +1",

@@ -272,6 +272,22 @@ KINDS: dict[str, tuple[dict[str, Any], str]] = {
         },
         "torque",
     ),
+    "varied bodies": (
+        {
+            "scene": rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.7)), mgl=1.2, damping=0.03),
+            "axes": {"spin": [3.0, 3.6], "t_end": [5.0, 10.0]},
+            "stable": rigid.tilt_below(0.5),
+            "vary": {
+                "I1": rigid.normal(0.1),
+                "damping2": rigid.uniform(0.02),
+                "mgl": rigid.uniform(0.5, relative=True),
+            },
+            "method": None,
+            "samples": 40,
+            "t_end": None,
+        },
+        "mgl by uniform(0.5, relative)",
+    ),
     "satellites": (
         {
             "scene": rigid.FreeBody(

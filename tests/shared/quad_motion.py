@@ -168,7 +168,7 @@ def motion(
         further[9:] = orbit.numbers
     function = np.zeros(13)
     if torque is not None and torque.function is not None:
-        assert torque.function.address == called(), "no other function is known here"
+        assert torque.function.callback.address == called(), "no other function is known here"
         function = np.array(torque.function.data)
     output = np.array(times, dtype=np.float64)
     high, low = np.empty((2, len(output), RECORD))

@@ -12,15 +12,16 @@ def refuses(
     *,
     literal: bool = False,
     kind: type[Exception] | tuple[type[Exception], ...] = ValueError,
-    by: Callable[[Any], object] | None = None,
+    by: Callable[..., object] | None = None,
 ) -> Callable[..., None]:
     """A test that each call raises an error with these words.
 
     Parameters
     ----------
     rows : iterable of tuple
-        The call, or what `by` is given, the kind of the error if it is not that of all rows, and
-        the words: a regular expression, or a list of texts that are all in the message.
+        The call, or what `by` is given, one or more; the kind of the error if it is not that of
+        all rows; and the words: a regular expression, or a list of texts that are all in the
+        message.
     literal : bool
         Whether words are texts too.
     kind : type or tuple of type
@@ -28,14 +29,17 @@ def refuses(
     by : callable, optional
         Makes the call of each row with what stands first in it.
     """
-    table = [(row[0], row[1] if len(row) > 2 else kind, row[-1]) for row in rows]
+    table = []
+    for *given, words in rows:
+        own = given.pop() if _is_kind(given[-1]) else kind
+        table.append((given, own, words))
     firsts = (words if isinstance(words, str) else words[0] for *_, words in table)
     ids = [f"{number}: {first}" for number, first in enumerate(firsts)]
 
-    @pytest.mark.parametrize(("call", "error", "words"), table, ids=ids)
-    def test(call: Any, error: type[Exception], words: str | list[str]) -> None:
+    @pytest.mark.parametrize(("given", "error", "words"), table, ids=ids)
+    def test(given: list[Any], error: type[Exception], words: str | list[str]) -> None:
         with pytest.raises(error) as caught:
-            call() if by is None else by(call)
+            given[0]() if by is None else by(*given)
         message = str(caught.value)
         assert "\n" not in message
         if isinstance(words, str) and not literal:
@@ -46,3 +50,9 @@ def refuses(
 
     made: Callable[..., None] = test
     return made
+
+
+def _is_kind(given: object) -> bool:
+    """Whether this is an exception, or some of them."""
+    kinds = given if isinstance(given, tuple) and given else (given,)
+    return all(isinstance(one, type) and issubclass(one, Exception) for one in kinds)

@@ -82,8 +82,8 @@ def scene_of_keys(
     else:
         assert moments is not None
         body = Body(vector("moments", moments, 3), physical=physical)
-    for name, field in scene.fields.items():
-        if field.width == 1 and name in own:
+    for name, axes in scene.fields.items():
+        if not axes and name in own:
             finite_float(name, own[name])
     given = ((Torque.body, torque), (Torque.space, torque_in_space))
     parts = [make(value) for make, value in given if value is not None]

@@ -9,18 +9,16 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
-from .._checks.arguments import resolve_threads, sorted_times
-from .._checks.arrays import AttitudeLike, attitudes, finite_array, of_size_one, require, vectors
+from .._checks.arguments import sorted_times
+from .._checks.arrays import AttitudeLike, finite_array, of_size_one, require, vectors
 from .._checks.overflow import refuses_overflow
 from .._checks.shown import short_repr
 from ..exact import FreeMotion
+from ..model.body import Body
 from ..model.body_like import BodyLike, moments_of
 from ..model.scene import FreeBody
 from ..model.start import body_axis
-from ..solve.arrays import rows_of_each
-from ..solve.bodies import Bodies
-from ..solve.methods import EXACT
-from ..solve.request import Request
+from ..solve.simulate import simulate
 
 Floats = NDArray[np.float64]
 
@@ -278,27 +276,9 @@ def _states(
         if attitude is not None:
             raise ValueError("attitude: without times t there is no motion to start from it")
         return None, None
-    start = attitudes(attitude)
-    shape = np.broadcast_shapes(rates.shape[:-1], start.shape[:-1])
-    times = sorted_times("t", t)
-    request = Request(
-        bodies=Bodies(
-            kind=FreeBody.kind,
-            shape=shape,
-            moments=rows_of_each(moments, shape),
-            weight=np.zeros((1, 3)),
-            omega=rows_of_each(rates, shape),
-            attitude=rows_of_each(start, shape),
-        ),
-        times=times,
-        method=EXACT,
-        record="attitude",
-        max_steps=1,
-        threads=resolve_threads(None),
-    )
-    found = request.states(None)
-    leading = (*shape, len(times))
-    return found["omega"].reshape(*leading, 3), found["attitude"].reshape(*leading, 4)
+    scene = FreeBody(Body(moments, physical=False))
+    run = simulate(scene, rates, attitude, t=sorted_times("t", t), method="exact")
+    return run.omega, run.attitude
 
 
 def steady_axis_frame(body: BodyLike, spin: ArrayLike, tilt: ArrayLike = 0.0) -> Floats:

@@ -11,12 +11,6 @@ from ..model.body import Body
 from ..model.orbit import Orbit
 from ..model.scene import FreeBody
 from ..solve.simulate import simulate
-from .entry import Entry
-
-SMITH = (
-    "M. L. Smith, A normal mode study of wobble and nutation, in: Nutation and the Earth's "
-    "Rotation, IAU Symposium 78 (1980) 195-202"
-)
 
 FLATTENING = 0.0032737949
 """``(C - A) / C`` of the Earth."""
@@ -36,6 +30,16 @@ def euler_days(ellipticity: float) -> float:
     return float(earth.euler_period(ellipticity, earth.rotation_rate()) / earth.SIDEREAL_DAY)
 
 
+def rigid_days() -> float:
+    """Euler's period of a rigid Earth in sidereal days."""
+    return euler_days(FLATTENING / (1.0 - FLATTENING))
+
+
+def rigid_days_by_formula() -> float:
+    """The same by the formula ``A / (C - A)``."""
+    return 1.0 / FLATTENING - 1.0
+
+
 def precession_by_the_sun() -> float:
     """Precession of the axis by the torque of the Sun (arc seconds a year), from the motion.
 
@@ -49,54 +53,3 @@ def precession_by_the_sun() -> float:
     first, last = run.momentum("space")
     turned = np.arctan2(first[0] * last[1] - first[1] * last[0], first[:2] @ last[:2])
     return -float(np.degrees(turned)) * 3600.0
-
-
-ENTRIES = (
-    Entry(
-        name="earth-euler",
-        quantity="the Earth as a rigid body: Euler's period for (I3 - I1)/I1 = 0.00327",
-        printed="305.81",
-        unit="sid. days",
-        source="H. Goldstein, C. Poole, J. Safko, Classical Mechanics, 3rd edition (2002), section "
-        "5.6",
-        seen="from memory of the textbook",
-        compute=lambda: euler_days(0.00327),
-    ),
-    Entry(
-        name="earth-rigid",
-        quantity="the Earth as a rigid body: Euler's period for (C - A)/C = 0.0032737949",
-        printed="about 305",
-        value=305.0,
-        within=1.0,
-        interval="the source says 'about'",
-        unit="sid. days",
-        source=SMITH,
-        seen="the abstract",
-        compute=lambda: euler_days(FLATTENING / (1.0 - FLATTENING)),
-    ),
-    Entry(
-        name="earth-chandler",
-        quantity="the Earth: observed period of the free polar motion, beside the period of a "
-        "rigid body",
-        printed="435.2",
-        unit="sid. days",
-        source=SMITH,
-        seen="the abstract",
-        compute=lambda: euler_days(FLATTENING / (1.0 - FLATTENING)),
-        reason="the Earth is not rigid: mantle and oceans yield, and the core does not follow",
-        model=1.0 / FLATTENING - 1.0,
-    ),
-    Entry(
-        name="earth-solar-precession",
-        quantity="the Earth: precession of the axis by the torque of the Sun alone, from its "
-        "motion in a year",
-        printed="15.948870",
-        within=2e-4,
-        interval="the ellipticity (C - A)/C of two models of the Earth differs by 1e-5",
-        unit="arcsec/a",
-        source="J. G. Williams, Contributions to the Earth's obliquity rate, precession, and "
-        "nutation, Astron. J. 108 (1994) 711-724, doi 10.1086/117108",
-        seen="from memory of the article 'Axial precession' of Wikipedia, which quotes it",
-        compute=precession_by_the_sun,
-    ),
-)

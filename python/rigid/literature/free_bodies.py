@@ -14,16 +14,9 @@ from ..model.forces import EnergySink
 from ..model.scene import FreeBody
 from ..solve.frequencies import frequencies
 from ..solve.simulate import simulate
-from .entry import Entry
 
 RACKET = (0.00121, 0.01638, 0.01748)
 """Moments of a tennis racket (kg m²)."""
-RACKET_SEEN = (
-    "formula of the textbook, from memory; moments of the racket by Ashbaugh, Chicone and "
-    "Cushman, J. Dyn. Differ. Equ. 3 (1991) 67, as a thread of physics.stackexchange.com has them"
-)
-LANDAU = "L. D. Landau, E. M. Lifshitz, Mechanics, 3rd edition (1976), section 37"
-TEXTBOOK = "formula of the textbook, from memory"
 
 FLIPPING = (0.0, 10.0, 0.1)
 """Rates of the racket thrown about its middle axis (rad/s)."""
@@ -121,74 +114,3 @@ def flat_spin() -> float:
     scene = FreeBody(Body(ROD), dissipation=EnergySink(0.5))
     run = simulate(scene, [1.0, 1e-5, 0.0], t=[0.0, 2e5], record="rates")
     return float(np.abs(run.omega[-1, 2]))
-
-
-ENTRIES = (
-    Entry(
-        name="middle-axis-growth",
-        quantity="tennis racket at 1 rad/s about its middle axis: growth rate of a perturbation, "
-        "from its motion",
-        printed="ω √((I2 - I1)(I3 - I2)/(I1 I3))",
-        value=growth_by_formula(),
-        within=1e-6,
-        interval="size of the perturbation",
-        unit="1/s",
-        source=LANDAU,
-        seen=RACKET_SEEN,
-        compute=growth_by_motion,
-    ),
-    Entry(
-        name="flip-period",
-        quantity="tennis racket thrown at 10 rad/s about its middle axis (Dzhanibekov's effect): "
-        "period of the flips, from an integration",
-        printed="4 K √(I1 I2 I3/((I3 - I2)(L² - 2 E I1)))",
-        value=period_by_formula(),
-        within=1e-9,
-        interval="error of the integration",
-        unit="s",
-        source=LANDAU,
-        seen=RACKET_SEEN,
-        compute=period_by_motion,
-    ),
-    Entry(
-        name="feynman-plate",
-        quantity="thin plate, thrown with a small wobble: rate of the wobble over the spin, from "
-        "its motion",
-        printed="2",
-        within=WOBBLE**2,
-        interval="size of the wobble",
-        source="S. Tuleja, B. Gazovic, A. Tomori, J. Hanc, Feynman's wobbling plate, Am. J. Phys. "
-        "75 (2007) 240-244",
-        seen="letter of B. Holst, New Scientist, 14 January 1995: the wobble is twice as fast, and "
-        "not the spin, as Feynman tells it; S. M. Blinder, Wolfram Demonstrations (2011)",
-        compute=wobble_of_a_plate,
-    ),
-    Entry(
-        name="geometric-phase",
-        quantity="free asymmetric body: turn about L in a period of the rates, modulo a turn, from "
-        "the closed form",
-        printed="2 E T/L - solid angle",
-        value=phase_by_formula(),
-        within=1e-12,
-        interval="rounding of the quadrature",
-        unit="rad",
-        source="R. Montgomery, How much does the rigid body rotate? A Berry's phase from the 18th "
-        "century, Am. J. Phys. 59 (1991) 394-398",
-        seen=TEXTBOOK,
-        compute=phase_by_closed_form,
-    ),
-    Entry(
-        name="explorer-1-flat-spin",
-        quantity="long satellite with dissipation, I3/I1 = 50, that spins about its length: final "
-        "rate about the axis of the largest moment, over the first",
-        printed="I1/I3",
-        value=0.02,
-        within=1e-8,
-        interval="size of the first nutation",
-        source="R. N. Bracewell, O. K. Garriott, Rotation of artificial Earth satellites, Nature "
-        "182 (1958) 760-762",
-        seen="the story of Explorer 1: J. H. Lienhard, Engines of Our Ingenuity 47 and 1332; the "
-        "formula is constant angular momentum",
-        compute=flat_spin,
-    ),
-)

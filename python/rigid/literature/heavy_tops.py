@@ -13,7 +13,6 @@ from ..model.scene import HeavyTop
 from ..sections.starts import on_surface
 from ..solve.run import Run
 from ..solve.simulate import simulate
-from .entry import Entry
 
 Floats = NDArray[np.float64]
 
@@ -25,9 +24,6 @@ STEP_OF_SPIN = 0.0025
 
 FAST = 200.0
 """Spin of the fast top (rad/s)."""
-
-LANDAU = "L. D. Landau, E. M. Lifshitz, Mechanics, 3rd edition (1976), section 35"
-TEXTBOOK = "formula of the textbook, from memory"
 
 
 def least_spin_of_sleep() -> float:
@@ -78,59 +74,3 @@ def goryachev_chaplygin_change(
     assert run.gamma is not None
     p, q, r = np.moveaxis(run.omega, -1, 0)
     return _change(r * (p**2 + q**2) - p * run.gamma[..., 2] / moments[2])
-
-
-ENTRIES = (
-    Entry(
-        name="sleeping-top",
-        quantity="upright top with I1 = 1, I3 = 1/2, mgl = 1: least spin with which it sleeps, "
-        "from motions",
-        printed="(I3 ω3)² = 4 mgl I1",
-        value=4.0,
-        within=STEP_OF_SPIN,
-        interval="distance of the spins",
-        unit="rad/s",
-        source=LANDAU,
-        seen=TEXTBOOK,
-        compute=least_spin_of_sleep,
-    ),
-    Entry(
-        name="fast-top",
-        quantity="fast top with I1 = 1, I3 = 1/2, mgl = 1, ω3 = 200: mean rate of precession, from "
-        "the closed form",
-        printed="mgl/(I3 ω3)",
-        value=0.01,
-        within=1e-6,
-        interval="next order of the formula, mgl I1/(I3 ω3)²",
-        unit="rad/s",
-        source=LANDAU,
-        seen=TEXTBOOK,
-        compute=precession_of_a_fast_top,
-    ),
-    Entry(
-        name="kovalevskaya",
-        quantity="top with I1 = I2 = 2 I3 and its centre of mass on axis 1: largest relative "
-        "change of the fourth integral along motions",
-        printed="|(p + i q)² - (mgl/I3)(γ1 + i γ2)|² is constant",
-        value=0.0,
-        within=1e-9,
-        interval="error of the integration",
-        source="S. Kowalevski, Sur le problème de la rotation d'un corps solide autour d'un point "
-        "fixe, Acta Math. 12 (1889) 177-232, doi 10.1007/BF02592182",
-        seen="moments: A. M. Perelomov, arXiv:math-ph/0111025; integral: from memory",
-        compute=kovalevskaya_change,
-    ),
-    Entry(
-        name="goryachev-chaplygin",
-        quantity="top with I1 = I2 = 4 I3, its centre of mass on axis 1 and L·γ = 0: largest "
-        "relative change of the fourth integral along motions",
-        printed="r (p² + q²) - (mgl/I3) p γ3 is constant",
-        value=0.0,
-        within=1e-9,
-        interval="error of the integration",
-        source="D. N. Goryachev, Mat. Sb. 21 (1900) 431-438; S. A. Chaplygin, Trudy Otd. Fiz. Nauk "
-        "Obshch. Lyub. Estestv. 10 (1901) 31-34; A. V. Borisov, I. S. Mamaev, arXiv:nlin/0204005",
-        seen="case: arXiv:nlin/0204005; integral: from memory",
-        compute=goryachev_chaplygin_change,
-    ),
-)

@@ -10,18 +10,6 @@ from ..model.body import Body
 from ..model.orbit import Orbit
 from ..model.scene import FreeBody
 from ..solve.simulate import simulate
-from .entry import Entry
-
-LIN = (
-    "H.-Y. Lin, C.-Y. Zhao, An estimation of Envisat's rotational state accounting for the "
-    "precession of its rotational axis caused by gravity-gradient torque, Adv. Space Res. 61 "
-    "(2018) 182-188"
-)
-ABSTRACT = (
-    "the abstract; spin 120.674 exp(4.5095e-4 t) s with t in days from 2013, angle 8.53 degrees "
-    "from the negative normal of the orbit, ratio 0.0818 of the least and largest moments: the "
-    "same; two moments are equal in the model of the source"
-)
 
 
 def precession(days: float) -> float:
@@ -36,31 +24,3 @@ def precession(days: float) -> float:
     momentum = run.momentum("space")
     longitude = np.unwrap(np.arctan2(momentum[:, 1], momentum[:, 0]))
     return float(2.0 * pi / abs(np.polyfit(t, longitude, 1)[0]) / 86400.0)
-
-
-ENTRIES = (
-    Entry(
-        name="envisat-2013",
-        quantity="Envisat: period of the precession of its spin by the gravity gradient, in the "
-        "middle of 2013",
-        printed="4.8",
-        within=0.4,
-        interval="half a year, in which the spin slows by 8 %",
-        unit="d",
-        source=LIN,
-        seen=ABSTRACT,
-        compute=lambda: precession(182.0),
-    ),
-    Entry(
-        name="envisat-2015",
-        quantity="Envisat: period of the precession of its spin by the gravity gradient, in the "
-        "middle of 2015",
-        printed="3.4",
-        within=0.28,
-        interval="half a year, in which the spin slows by 8 %",
-        unit="d",
-        source=LIN,
-        seen=ABSTRACT,
-        compute=lambda: precession(912.0),
-    ),
-)

@@ -18,47 +18,9 @@ from ..solve.frequencies import frequencies
 from ..solve.lyapunov import lyapunov
 from ..solve.simulate import simulate
 from ..store.call import stability_map
-from .entry import Entry
 
 Floats = NDArray[np.float64]
 
-WISDOM = (
-    "J. Wisdom, S. J. Peale, F. Mignard, The chaotic rotation of Hyperion, Icarus 58 (1984) "
-    "137-152, doi 10.1016/0019-1035(84)90032-0"
-)
-RAMBAUX = (
-    "N. Rambaux, E. Bois, Theory of the Mercury's spin-orbit motion and analysis of its main "
-    "librations, Astron. Astrophys. 413 (2004) 381-393, doi 10.1051/0004-6361:20031446"
-)
-GOLDREICH = (
-    "P. Goldreich, S. J. Peale, Spin-orbit coupling in the solar system, Astron. J. 71 (1966) "
-    "425-438; C. D. Murray, S. F. Dermott, Solar System Dynamics (1999), § 5.4"
-)
-MARGOT = (
-    "J.-L. Margot et al., Mercury's moment of inertia from spin and gravity data, J. Geophys. Res. "
-    "117 (2012) E00L09, doi 10.1029/2012JE004161"
-)
-STARK = (
-    "A. Stark et al., First MESSENGER orbital observations of Mercury's librations, Geophys. Res. "
-    "Lett. 42 (2015) 7881-7889, doi 10.1002/2015GL065152"
-)
-MANTLE = (
-    "amplitudes, C = 0.346 M R² and the mantle's share 0.431 of C: the abstracts; C22 = 8.088e-6: "
-    "from memory"
-)
-FORMULA = "formula of the textbook, from memory; a test compares its series with the exact mean"
-WILLNER = (
-    "K. Willner, X. Shi, J. Oberst, Phobos' shape and topography models, Planet. Space Sci. 102 "
-    "(2014) 51-59"
-)
-WANG = (
-    "H.-S. Wang, X.-Y. Hou, Breakup of the synchronous state of binary asteroid systems, "
-    "arXiv:2106.15039 (2021)"
-)
-TAN = (
-    "P. Tan, H.-S. Wang, X.-Y. Hou, Attitude instability of the secondary in the synchronous "
-    "binary asteroid, Icarus (2022) 115289, doi 10.1016/j.icarus.2022.115289"
-)
 
 HYPERION = (0.5956, 0.8594, 1.0)
 """Moments of a homogeneous ellipsoid of 190 km x 145 km x 114 km, as in 1984."""
@@ -209,6 +171,16 @@ def forced_libration(moments: ArrayLike, eccentricity: float) -> float:
     return float(np.abs(found.amplitude[nearest]))
 
 
+def libration_over_eccentricity() -> float:
+    """Amplitude over the eccentricity of a moon with a/b = 1.2, from its motion."""
+    return forced_libration(ellipsoid(1.2, 1.2), 1e-4) / 1e-4
+
+
+def libration_of_phobos() -> float:
+    """Amplitude (degrees) of the swing of Phobos, 13.0 km x 11.4 km x 9.1 km."""
+    return degrees(forced_libration(ellipsoid(13.0 / 11.4, 11.4 / 9.1), 0.0151))
+
+
 def formula_of_libration() -> float:
     """Amplitude over the eccentricity of a moon with a/b = 1.2, by the linear equation."""
     first, second, _ = ellipsoid(1.2, 1.2)
@@ -238,137 +210,3 @@ def missing_elongation() -> float:
     )
     leaving = 1.0 - result.share.mean(axis=0)
     return float(np.sum(ab * leaving) / leaving.sum())
-
-
-ENTRIES = (
-    Entry(
-        name="hyperion-chaos",
-        quantity="Hyperion in the plane of its orbit, e = 0.1: time in which a deviation grows by "
-        "a factor e, over the orbit period; median of 13 chaotic motions",
-        printed="10",
-        within=3.0,
-        unit="orbits",
-        interval="the source says *about*",
-        source=WISDOM,
-        seen="as M. Tarnopolski, Astron. Astrophys. 606 (2017) A43, cites it, in its introduction; "
-        "the paper itself was not found",
-        compute=chaotic_time,
-        reason="the exponent is 0.12 with the time in units of 1/n: in this unit the time is 8, "
-        "about ten, and in orbit periods it is 1.3. It grows as by the equation in the "
-        "plane by SciPy",
-        model=1.22,  # 13 spins over 300 orbits by DOP853 of SciPy
-    ),
-    Entry(
-        name="hyperion-attitude",
-        quantity="Hyperion, e = 0.1: how many of the spins of 1/2 and 1 turn an orbit grow out of "
-        "the plane",
-        printed="both",
-        value=2.0,
-        within=0.0,
-        interval="whole number",
-        source=WISDOM,
-        seen="from memory of the abstract",
-        compute=growing_states,
-    ),
-    Entry(
-        name="mercury-libration",
-        quantity="a rigid Mercury of C22 = 1.0e-5 and C = 0.34 M R²: period of the free libration "
-        "in longitude about 3:2",
-        printed="15.847",
-        within=2e-3,
-        interval="rounding, also of the eccentricity 0.2056",
-        unit="a",
-        source=RAMBAUX,
-        seen="period: the abstract; C22 and C: from memory",
-        compute=period_of_mercury,
-    ),
-    Entry(
-        name="mercury-88-days",
-        quantity="Mercury with a liquid core: amplitude of its libration in 88 days, from its "
-        "gravity field and the moment of its mantle",
-        printed="38.5 ± 1.6",
-        unit="arcsec",
-        source=MARGOT,
-        seen=MANTLE,
-        compute=forced_libration_of_mercury,
-    ),
-    Entry(
-        name="mercury-messenger",
-        quantity="the same libration, as MESSENGER has seen it from its orbit",
-        printed="38.9 ± 1.3",
-        unit="arcsec",
-        source=STARK,
-        seen=MANTLE,
-        compute=forced_libration_of_mercury,
-    ),
-    Entry(
-        name="mercury-formula",
-        quantity="a rigid Mercury: period of the free libration in longitude, measured from a "
-        "motion, and by the torque averaged over the orbit",
-        printed="n √(3 (B − A)/C (7e/2 − 123e³/16))",
-        value=formula_of_mercury(),
-        within=0.02,
-        interval="the next term of the series, 489e⁵/128, and (B − A)/C = 1e-4 of it",
-        unit="a",
-        source=GOLDREICH,
-        seen=FORMULA,
-        compute=period_of_mercury,
-    ),
-    Entry(
-        name="resonance-width",
-        quantity="3:2 resonance at e = 0.2: the half width that motions have, over the formula "
-        "ω0 √(7e/2 − 123e³/16)",
-        printed="1",
-        within=0.02,
-        interval="distance of the spins 0.01, ω0 = 0.02 n",
-        source=GOLDREICH,
-        seen=FORMULA,
-        compute=measured_width,
-    ),
-    Entry(
-        name="forced-libration",
-        quantity="synchronous moon with a/b = b/c = 1.2: amplitude of its swing with the orbit, "
-        "over the eccentricity; measured at e = 1e-4",
-        printed="2/(1 − (n/ω0)²)",
-        value=formula_of_libration(),
-        within=2e-6,
-        interval="terms of e², about 100 e²",
-        source=GOLDREICH.replace("§ 5.4", "§ 5.3"),
-        seen="formula of the textbook, from memory",
-        compute=lambda: forced_libration(ellipsoid(1.2, 1.2), 1e-4) / 1e-4,
-    ),
-    Entry(
-        name="phobos-libration",
-        quantity="Phobos as a homogeneous ellipsoid of 13.0 km x 11.4 km x 9.1 km, e = 0.0151: "
-        "amplitude of its swing with the orbit",
-        printed="1.14",
-        within=0.06,
-        interval="rounding of the semi-axes",
-        unit="degrees",
-        source=WILLNER,
-        seen="amplitude: Astron. Astrophys. 636 (2020) A27, introduction; semi-axes and "
-        "eccentricity: from memory",
-        compute=lambda: degrees(forced_libration(ellipsoid(13.0 / 11.4, 11.4 / 9.1), 0.0151)),
-    ),
-    Entry(
-        name="libration-at-n",
-        quantity="elongation a/b of an ellipsoid whose libration has the period of its orbit: "
-        "beyond it hardly any synchronous motion is stable; measured from motions",
-        printed="√2",
-        value=sqrt(2.0),
-        within=1e-4,
-        interval="libration of 1e-3 rad",
-        source=WANG,
-        seen="the abstract",
-        compute=resonant_elongation,
-    ),
-    Entry(
-        name="missing-elongation",
-        quantity="elongation a/b below 1.15 at which no synchronous moons are expected: the pole "
-        "leaves the normal, in a map at e = 0.02 and b/c = 1.1 and 1.15",
-        printed="1.1",
-        source=TAN,
-        seen="the abstract",
-        compute=missing_elongation,
-    ),
-)

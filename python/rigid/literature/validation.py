@@ -3,26 +3,43 @@
 from __future__ import annotations
 
 import time
+import tomllib
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import cache, partial
+from importlib import import_module, resources
 from typing import Any
 
 from .._checks.arguments import one_of
 from .._checks.progress import ProgressOption, reporting
 from .._checks.shown import aligned, wrapped
 from ..drawing.figure import html_table
-from . import asteroids, earth, flybys, free_bodies, heavy_tops, moons, satellites, spin_orbit
 from .entry import Entry
 
 HEADER = ("name", "published", "here", "difference", "interval", "unit")
 
 
+@cache
 def entries() -> tuple[Entry, ...]:
-    """All entries, subject by subject."""
-    subjects = (
-        *(asteroids, flybys, moons, spin_orbit, satellites, earth, free_bodies, heavy_tops),
-    )
-    return tuple(entry for subject in subjects for entry in subject.ENTRIES)
+    """All entries, text by text."""
+    table = resources.files(__package__).joinpath("numbers.toml").read_text(encoding="utf-8")
+    found = []
+    for text in tomllib.loads(table)["text"]:
+        for number in text.pop("number"):
+            row = {**text, **number, "compute": partial(_computed, *number["compute"])}
+            for name in ("value", "within", "model"):
+                if isinstance(row.get(name), list):
+                    row[name] = _computed(*row[name])
+            found.append(Entry(**row))
+    return tuple(found)
+
+
+def _computed(name: str, *arguments: Any) -> float:
+    """What a function of this package returns, or a constant of it."""
+    module, name = name.split(".")
+    found = getattr(import_module(f".{module}", __package__), name)
+    number: float = found(*arguments) if callable(found) else found
+    return number
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -2,6 +2,6 @@
 
 From low to high: ``parameters`` and ``grid`` (the nominal start of every pixel), ``spec``, ``plan``
 and ``job`` (the request as the core reads it), ``data`` (the arrays), what reads these (``theory``,
-``summary``, ``plot``, ``file``, ``dataset``, ``replay``, ``sensitivity``, and ``page`` for the map
+``summary``, ``plot``, ``file``, ``dataset``, ``replay``, ``samples``, and ``page`` for the map
 explorer). Uses ``model``, ``solve``, ``drawing`` and ``animation``; ``store`` computes maps.
 """

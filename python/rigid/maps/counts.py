@@ -10,7 +10,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import brief, first_place, of_known
 from .data import CLASSES, COLUMNS, FAILURES, STATUS, STORED
-from .job import to_core
 from .spec import MapSpec
 
 GROWTH = frozenset({"growth", "megno", "largest_exponent"})
@@ -28,7 +27,7 @@ def counted(spec: MapSpec, given: Mapping[str, ArrayLike]) -> dict[str, NDArray[
     if not isinstance(spec, MapSpec):
         raise TypeError(f"spec = {brief(spec)}: must be a rigid.MapSpec")
     known = [name for name in STORED if name not in ("failed", "status")]
-    arrays: dict[str, NDArray[Any]] = {"status": to_core(spec).status.reshape(spec.shape)}
+    arrays: dict[str, NDArray[Any]] = {"status": spec.grid.status.reshape(spec.shape)}
     for name, values in given.items():
         if name == "failed":
             raise TypeError(f"failed: give its reasons {', '.join(FAILURES)}; their sum is failed")

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping
-from typing import Any, TypeAlias
+from collections.abc import Callable, Mapping
+from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,92 +16,18 @@ from ..model.start import Noise, Samples, Start
 from ..solve.methods import AUTO, EXACT, known_method, map_methods, series_methods
 from .core_request import CoreRequest, CoreStarts
 from .grid import Pixels
-from .judge import CustomJob
+from .judge import Blocks, CustomJob
 from .sequential import LOOK
 from .spec import MapSpec
 
 Ints = NDArray[np.int64]
 
 
-class Jobs:
-    """The requests of the parts of a map, together: the interface of ``_core.MapJob``.
-
-    Parameters
-    ----------
-    jobs : list of (MapJob, ndarray of int64)
-        The request of each part, and which of all requested rows belong to it, ascending.
-    samples : int
-        Samples of each row.
-    """
-
-    def __init__(
-        self, jobs: list[tuple[_core.MapJob | CustomJob | VaryingJob, Ints]], samples: int
-    ) -> None:
-        self._jobs, self._samples = jobs, samples
-        self.status = np.empty(sum(len(rows) for _, rows in jobs), dtype=np.uint8)
-        for job, rows in jobs:
-            self.status[rows] = job.status
-
-    def run(
-        self,
-        start: int,
-        stop: int,
-        threads: int,
-        interrupted: Callable[[], bool] | None = None,
-    ) -> dict[str, Any] | None:
-        """As ``MapJob.run``, of all samples."""
-        assert (start, stop) == (0, len(self.status) * self._samples)
-        parts = []
-        for job, rows in self._jobs:
-            part = job.run(0, len(rows) * self._samples, threads, interrupted)
-            if part is None:
-                return None
-            parts.append({**part, "pixels": rows})
-        statistics = _core.MapStatistics(len(self.status), len(parts[0]["measures"]))
-        for part in parts:
-            statistics.merge(part)
-        return {
-            "pixels": np.arange(len(self.status)),
-            "measures": statistics.bins(),
-            **statistics.arrays(),
-        }
-
-    def starts(self, samples: NDArray[np.uint64]) -> list[NDArray[np.float64]]:
-        """As ``MapJob.starts``."""
-        omega, attitude = (np.empty((len(samples), width)) for width in (3, 4))
-        for job, mine, own in self._split(samples):
-            found = job.starts(own)
-            omega[mine], attitude[mine] = found[0].reshape(-1, 3), found[1].reshape(-1, 4)
-        return [omega.ravel(), attitude.ravel()]
-
-    def outcomes(self, samples: NDArray[np.uint64], threads: int) -> dict[str, NDArray[Any]]:
-        """As ``MapJob.outcomes``."""
-        merged: dict[str, NDArray[Any]] = {}
-        for job, mine, own in self._split(samples):
-            for name, values in job.outcomes(own, threads).items():
-                shape = (len(samples), *values.shape[1:])
-                merged.setdefault(name, np.empty(shape, dtype=values.dtype))
-                merged[name][mine] = values
-        return merged
-
-    def _split(
-        self, samples: NDArray[np.uint64]
-    ) -> Iterator[
-        tuple[_core.MapJob | CustomJob | VaryingJob, NDArray[np.intp], NDArray[np.uint64]]
-    ]:
-        """The request of each part with its own of the samples, and their numbers there."""
-        pixel, within = np.divmod(samples.astype(np.int64), self._samples)
-        for job, rows in self._jobs:
-            mine = np.flatnonzero(np.isin(pixel, rows))
-            own = np.searchsorted(rows, pixel[mine]) * self._samples + within[mine]
-            yield job, mine, own.astype(np.uint64)
-
-
 BLOCK = 2**14
 """Bodies of a varying map that a request to the core has: some tens of milliseconds or more."""
 
 
-class VaryingJob:
+class VaryingJob(Blocks):
     """The request of a map whose bodies vary: in the core each body is a pixel with one sample.
 
     Parameters
@@ -120,57 +47,30 @@ class VaryingJob:
     def __init__(
         self, spec: MapSpec, pixels: Ints, count: int, first: Ints, fixed: Mapping[str, float]
     ) -> None:
-        self._spec, self._pixels, self._fixed = spec, pixels, fixed
-        self._count, self._first = count, first
+        status = spec.starting(spec.start.starts[0], pixels).status
+        super().__init__(status, count, len(spec.measure), BLOCK)
+        self._spec, self._pixels, self._first, self._fixed = spec, pixels, first, fixed
         self._checked = spec.checked_before(count, first)
-        self.status = spec.starting(spec.start.starts[0], pixels).status
-
-    def run(
-        self,
-        start: int,
-        stop: int,
-        threads: int,
-        interrupted: Callable[[], bool] | None = None,
-    ) -> dict[str, Any] | None:
-        """As ``MapJob.run``."""
-        first, last = start // self._count, -(-stop // self._count)
-        statistics = _core.MapStatistics(last - first, len(self._spec.measure))
-        for begin in range(start, stop, BLOCK):
-            flat = np.arange(begin, min(begin + BLOCK, stop))
-            flat = flat[self.status[flat // self._count] == 0]
-            if not len(flat):
-                continue
-            part = self._of(flat).run(0, len(flat), threads, interrupted)
-            if part is None:
-                return None
-            statistics.merge({**part, "pixels": flat // self._count - first})
-        return {
-            "pixels": np.arange(first, last),
-            "measures": statistics.bins(),
-            **statistics.arrays(),
-        }
 
     def starts(self, samples: NDArray[np.uint64]) -> list[NDArray[np.float64]]:
         """As ``MapJob.starts``."""
-        parts = [job.starts(every) for job, every in self._parts(samples)]
+        parts = [
+            self._of(flat).starts(np.arange(len(flat), dtype=np.uint64))
+            for flat in self._blocks(samples)
+        ]
         return [np.concatenate(columns) for columns in zip(*parts, strict=True)]
 
-    def outcomes(self, samples: NDArray[np.uint64], threads: int) -> dict[str, NDArray[Any]]:
-        """As ``MapJob.outcomes``."""
-        parts = [job.outcomes(every, threads) for job, every in self._parts(samples)]
-        return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+    def _counted(
+        self, flat: Ints, threads: int, interrupted: Callable[[], bool] | None
+    ) -> dict[str, Any] | None:
+        return self._of(flat).run(0, len(flat), threads, interrupted)
 
-    def _parts(
-        self, samples: NDArray[np.uint64]
-    ) -> Iterator[tuple[_core.MapJob | CustomJob, NDArray[np.uint64]]]:
-        """Requests for these samples, and the numbers of the samples there."""
-        for begin in range(0, max(len(samples), 1), BLOCK):
-            flat = samples[begin : begin + BLOCK].astype(np.int64)
-            yield self._of(flat), np.arange(len(flat), dtype=np.uint64)
+    def _found(self, flat: Ints, threads: int) -> dict[str, NDArray[Any]]:
+        return self._of(flat).outcomes(np.arange(len(flat), dtype=np.uint64), threads)
 
     def _of(self, flat: Ints) -> _core.MapJob | CustomJob:
         """The request of these samples."""
-        row, within = np.divmod(flat, self._count)
+        row, within = np.divmod(flat, self._samples)
         spec, pixels, number = self._spec, self._pixels[row], self._first[row] + within
         grids = [spec.bodies(start, pixels, number) for start in spec.start.starts]
         return _of_rows(spec, grids, pixels, (1, number), self._checked, self._fixed)
@@ -181,20 +81,19 @@ def of_pixels(bins: NDArray[np.int64], pixels: NDArray[np.int64]) -> NDArray[np.
     return np.concatenate([pixels[bins[:, :1]], bins[:, 1:]], axis=1)
 
 
-Job: TypeAlias = _core.MapJob | CustomJob | VaryingJob | Jobs
-
-
 def to_core(
     spec: MapSpec,
     pixels: Ints | None = None,
     count: int | None = None,
     first: int | Ints = 0,
-) -> Job:
-    """The request of a specification, as the core reads it.
+    fixed: Mapping[str, float] = MappingProxyType({}),
+) -> _core.MapJob | CustomJob | VaryingJob:
+    """The request of a specification of one horizon and one limit, as the core reads it.
 
     Parameters
     ----------
     spec : MapSpec
+        The only part of a map, or one of :attr:`MapSpec.parts`.
     pixels : ndarray of int64, optional
         Numbers of the pixels in C order of the grid, a row of the request for each; default all.
         Their samples have the bits that they have in the whole map.
@@ -202,6 +101,8 @@ def to_core(
         Samples of each row, by default all.
     first : int or ndarray of int64
         Number of the first sample of the rows, or of each: a multiple of 64.
+    fixed : dict of str to float
+        Values of further axes of the whole map.
 
     Raises
     ------
@@ -211,34 +112,13 @@ def to_core(
     known_method("method", spec.method, map_methods())
     spec.require_torque()
     count = spec.samples if count is None else count
-    if len(spec.parts) == 1 and spec.parts[0].spec is spec:
-        return _one(spec, pixels, count, first)
-    asked = np.arange(math.prod(spec.shape)) if pixels is None else pixels
-    begins = np.broadcast_to(first, asked.shape)
-    jobs = []
-    for part in spec.parts:
-        rows = np.flatnonzero(np.isin(asked, part.pixels))
-        if len(rows):
-            own = np.searchsorted(part.pixels, asked[rows])
-            jobs.append((_one(part.spec, own, count, begins[rows], part.fixed), rows))
-    return jobs[0][0] if len(jobs) == 1 else Jobs(jobs, count)
-
-
-def _one(
-    spec: MapSpec,
-    pixels: Ints | None,
-    count: int,
-    first: int | Ints,
-    fixed: Mapping[str, float] | None = None,
-) -> _core.MapJob | CustomJob | VaryingJob:
-    """The request of a map with one horizon and one limit."""
     every = np.arange(math.prod(spec.shape)) if pixels is None else pixels
     begins = np.broadcast_to(first, every.shape)
     if spec.vary:
-        return VaryingJob(spec, every, count, begins, fixed or {})
+        return VaryingJob(spec, every, count, begins, fixed)
     grids = [spec.starting(start, pixels) for start in spec.start.starts]
     checked = spec.checked_before(count, begins)
-    return _of_rows(spec, grids, every, (count, begins), checked, fixed or {})
+    return _of_rows(spec, grids, every, (count, begins), checked, fixed)
 
 
 def _of_rows(

@@ -7,7 +7,7 @@ classifies them.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -25,6 +25,7 @@ from .grid import Pixels
 from .spec import MapSpec
 
 Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
 
 ROWS = 2**16
 """Most states of a block of bodies: the states of a thread stay near its cache."""
@@ -54,7 +55,61 @@ def is_adaptive(spec: MapSpec, method: str) -> bool:
     return spec.step is None and known and (spec.method == AUTO or is_second)
 
 
-class CustomJob:
+class Blocks:
+    """Bodies that are computed some at a time: the interface of ``_core.MapJob``.
+
+    Attributes
+    ----------
+    status : ndarray of uint8
+        The status of the moments of each row.
+    """
+
+    def __init__(self, status: NDArray[np.uint8], samples: int, measures: int, most: int) -> None:
+        self.status = status
+        self._samples, self._measures, self._most = samples, measures, most
+
+    def _blocks(self, numbers: Sequence[int] | NDArray[Any]) -> Iterator[Ints]:
+        """Some numbers of bodies at a time."""
+        for begin in range(0, len(numbers), self._most):
+            yield np.asarray(numbers[begin : begin + self._most], dtype=np.int64)
+
+    def _counted(
+        self, flat: Ints, threads: int, interrupted: Callable[[], bool] | None
+    ) -> dict[str, Any] | None:
+        """The columns of a map with a row for each of these bodies; None if interrupted."""
+        raise NotImplementedError
+
+    def _found(self, flat: Ints, threads: int) -> dict[str, NDArray[Any]]:
+        """As ``MapJob.outcomes``, of a block."""
+        raise NotImplementedError
+
+    def run(
+        self,
+        start: int,
+        stop: int,
+        threads: int,
+        interrupted: Callable[[], bool] | None = None,
+    ) -> dict[str, Any] | None:
+        """As ``MapJob.run``."""
+        first, last = start // self._samples, -(-stop // self._samples)
+        statistics = _core.MapStatistics(last - first, self._measures)
+        for block in self._blocks(range(start, stop)):
+            flat = block[self.status[block // self._samples] == 0]
+            part = self._counted(flat, threads, interrupted) if len(flat) else {}
+            if part is None:
+                return None
+            if part:
+                statistics.merge({**part, "pixels": flat // self._samples - first})
+        return {**statistics.arrays(), "measures": statistics.bins()}
+
+    def outcomes(self, samples: NDArray[np.uint64], threads: int) -> dict[str, NDArray[Any]]:
+        """As ``MapJob.outcomes``."""
+        blocks = list(self._blocks(samples)) or [np.empty(0, np.int64)]
+        parts = [self._found(flat, threads) for flat in blocks]
+        return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+
+
+class CustomJob(Blocks):
     """The request of a map with a custom criterion.
 
     Parameters
@@ -77,77 +132,62 @@ class CustomJob:
         spec: MapSpec,
         drawing: _core.MapJob,
         request: CoreRequest,
-        pixels: NDArray[np.int64],
+        pixels: Ints,
         fixed: Mapping[str, float],
         grid: Pixels,
     ) -> None:
         assert isinstance(spec.stable, Custom)
+        most = max(1, ROWS // len(spec.stable.times))
+        super().__init__(drawing.status, request.samples, len(spec.measure), most)
         self._spec, self._drawing, self._request = spec, drawing, request
         self._stable, self._pixels, self._fixed = spec.stable, pixels, fixed
-        self.status, self._grid = drawing.status, grid
+        self._grid = grid
         self._closed = np.zeros(len(grid.moments), dtype=np.bool_)
         if spec.method in (AUTO, EXACT) and not spec.forces:
             self._closed = closed_forms("states", grid.moments, grid.weight) != NO_FORM
+        self.starts = drawing.starts
 
-    @property
-    def _block(self) -> int:
-        """Number of bodies that the function gets in one call."""
-        return max(1, ROWS // len(self._stable.times))
-
-    def run(
-        self,
-        start: int,
-        stop: int,
-        threads: int,
-        interrupted: Callable[[], bool] | None = None,
+    def _counted(
+        self, flat: Ints, threads: int, interrupted: Callable[[], bool] | None
     ) -> dict[str, Any] | None:
-        """As ``MapJob.run``."""
-        count = self._request.samples
-        first, last = start // count, -(-stop // count)
-        measures = len(self._spec.measure)
-        statistics = _core.MapStatistics(last - first, measures)
-        for begin in range(start, stop, self._block):
-            if interrupted is not None and interrupted():
-                return None
-            began = time.thread_time()
-            flat = np.arange(begin, min(begin + self._block, stop))
-            found = self._outcomes(flat, threads)
-            part = self._counted(flat, found)
-            pixel = (flat // count - first).astype(np.uint64)
-            for measure in range(measures):
-                values, errors = (
-                    np.ascontiguousarray(found[name][:, measure]) for name in ("measures", "errors")
-                )
-                statistics.add(measure, pixel, values, errors)
-            pixels = len(part["nanoseconds"])
-            part["nanoseconds"][:] = 1e9 * (time.thread_time() - began) / pixels
-            part["pixels"] -= first
-            statistics.merge(part)
+        if interrupted is not None and interrupted():
+            return None
+        began = time.thread_time()
+        found = self._judged(flat, threads)
+        statistics = _core.MapStatistics(len(flat), self._measures)
+        for measure in range(self._measures):
+            values, errors = (
+                np.ascontiguousarray(found[name][:, measure]) for name in ("measures", "errors")
+            )
+            statistics.add(measure, np.arange(len(flat), dtype=np.uint64), values, errors)
+        counts = {
+            **{name: found["class"] == code for code, name in enumerate(CLASSES)},
+            "checked": found["checked"],
+            "audited": found["checked"],
+            "audited_undecided": found["checked"] & (found["class"] == UNDECIDED),
+            "step_limit": found["status"] == Status.STEP_LIMIT,
+            "not_finite": found["status"] == Status.NOT_FINITE,
+            "drifted": found["status"] == Status.DRIFTED,
+            "steps": found["steps_of_both"],
+            "exact": found["exact"],
+        }
         return {
-            "pixels": np.arange(first, last),
-            "measures": statistics.bins(),
             **statistics.arrays(),
+            "measures": statistics.bins(),
+            **{name: values.astype(np.int64) for name, values in counts.items()},
+            **{name: found[name] for name in _DRIFTS},
+            "nanoseconds": np.full(len(flat), 1e9 * (time.thread_time() - began) / len(flat)),
         }
 
-    def starts(self, samples: NDArray[np.uint64]) -> list[Floats]:
-        """As ``MapJob.starts``."""
-        return self._drawing.starts(samples)
-
-    def outcomes(self, samples: NDArray[np.uint64], threads: int) -> dict[str, NDArray[Any]]:
-        """As ``MapJob.outcomes``."""
-        flat = samples.astype(np.int64)
-        parts = [
-            self._outcomes(flat[begin : begin + self._block], threads)
-            for begin in range(0, max(len(flat), 1), self._block)
-        ]
-        found = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+    def _found(self, flat: Ints, threads: int) -> dict[str, NDArray[Any]]:
+        found = self._judged(flat, threads)
         return {
             **{name: values for name, values in found.items() if name not in _OF_BOTH_RUNS},
             "part_class": found["class"][:, np.newaxis],
             "part_left": found["left"][:, np.newaxis],
         }
 
-    def _outcomes(self, flat: NDArray[np.int64], threads: int) -> dict[str, NDArray[Any]]:
+    def _judged(self, flat: Ints, threads: int) -> dict[str, NDArray[Any]]:
         """The outcomes of bodies by their numbers, as arrays with one number for each body."""
         count, spec = len(flat), self._spec
         row, within = np.divmod(flat, self._request.samples)
@@ -191,9 +231,7 @@ class CustomJob:
             self._measure(flat, found, threads)
         return found
 
-    def _measure(
-        self, flat: NDArray[np.int64], found: dict[str, NDArray[Any]], threads: int
-    ) -> None:
+    def _measure(self, flat: Ints, found: dict[str, NDArray[Any]], threads: int) -> None:
         """The values of the measures of bodies, with extra runs for the measures that need them."""
         both, steps = self._drawing.measured(flat.astype(np.uint64), threads)
         found["measures"], found["errors"] = both
@@ -207,7 +245,7 @@ class CustomJob:
         self,
         method: str,
         mine: NDArray[np.intp],
-        row: NDArray[np.int64],
+        row: Ints,
         starts: tuple[Floats, Floats],
         threads: int,
         *,
@@ -244,23 +282,15 @@ class CustomJob:
         kept = np.flatnonzero(status == Status.OK)
         if not len(kept):
             return out
-        which: Any = slice(None) if len(kept) == count else kept
-        of_kept: list[Any] = [
-            None if part[name] is None else part[name][which]
+        seen: dict[str, Any] = {
+            name: None if part[name] is None else part[name][kept]
             for name in ("omega", "gamma", "attitude", "states")
-        ]
-        if of_kept[1] is None and of_kept[2] is not None:
-            of_kept[1] = to_body(of_kept[2], UPWARD)  # free bodies, whose motion needs none
-        verdict = self._stable.verdicts(
-            States(
-                t=times,
-                omega=of_kept[0],
-                gamma=of_kept[1],
-                attitude=of_kept[2],
-                states=of_kept[3],
-                parameters=self._parameters(row[mine][kept]),
-            )
-        )
+        }
+        if seen["gamma"] is None and seen["attitude"] is not None:
+            # Of free bodies, whose motion needs none.
+            seen["gamma"] = to_body(seen["attitude"], UPWARD)
+        parameters = self._parameters(row[mine][kept])
+        verdict = self._stable.verdicts(States(t=times, parameters=parameters, **seen))
         known = np.where(verdict > 0.0, STABLE, UNSTABLE)
         out["class"][kept] = np.where(np.isnan(verdict), UNDECIDED, known)
         return out
@@ -279,7 +309,7 @@ class CustomJob:
             return None, 0.5 * own if is_second and method == spec.scheme else own
         return None, np.minimum(own, 0.5 * spec.step) if is_second else np.full_like(own, spec.step)
 
-    def _parameters(self, row: NDArray[np.int64]) -> dict[str, Floats]:
+    def _parameters(self, row: Ints) -> dict[str, Floats]:
         """Values of the axes and of what varies, in these rows."""
         shape = self._spec.shape
         places = reversed(np.unravel_index(self._pixels[row], shape)) if shape else ()
@@ -290,33 +320,3 @@ class CustomJob:
         fixed = {name: np.full(len(row), value) for name, value in self._fixed.items()}
         drawn = {name: every[row] for name, every in self._grid.drawn.items()}
         return {**values, **fixed, **drawn}
-
-    def _counted(self, flat: NDArray[np.int64], found: dict[str, NDArray[Any]]) -> dict[str, Any]:
-        """The columns of a map from the outcomes of bodies whose numbers follow each other."""
-        pixel = flat // self._request.samples
-        first = int(pixel[0])
-        place, size = pixel - first, int(pixel[-1]) - first + 1
-        possible = self.status[pixel] == 0
-        counts = {
-            **{name: found["class"] == code for code, name in enumerate(CLASSES)},
-            "checked": found["checked"],
-            "audited": found["checked"],
-            "audited_undecided": found["checked"] & (found["class"] == UNDECIDED),
-            "step_limit": found["status"] == Status.STEP_LIMIT,
-            "not_finite": found["status"] == Status.NOT_FINITE,
-            "drifted": found["status"] == Status.DRIFTED,
-            "steps": found["steps_of_both"],
-            "exact": found["exact"],
-        }
-        measures = len(self._spec.measure)
-        nothing = _core.MapStatistics(size, measures)
-        part: dict[str, Any] = {
-            "pixels": np.arange(first, first + size),
-            "measures": nothing.bins(),
-            **nothing.arrays(),
-        }
-        for name, values in counts.items():
-            np.add.at(part[name], place, np.where(possible, values, 0).astype(np.int64))
-        for name in _DRIFTS:
-            np.fmax.at(part[name], place, found[name])
-        return part

@@ -1,13 +1,21 @@
-"""The plan of a map."""
+"""The plan of a map, and the smaller maps by which a plan is timed."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..model.body import Body
+from ..model.criterion import Criterion
 from ..model.forces import forces_in_words
+from ..model.judged import Custom
+from ..model.mixture import Mixture
+from ..model.scene import Scene, check_scene
+from ..model.start import Start
 from ..solve.bodies import Bodies
 from ..solve.closed_form import NO_FORM, Codes, closed_forms, names, why_not
 from ..solve.methods import AUTO, EXACT
@@ -21,6 +29,8 @@ from ..solve.plan import (
     shortest_and_most,
     why_unforeseen,
 )
+from ..solve.timing import LEAST_STEPS
+from .axes import Axis
 from .judge import TOLERANCE, is_adaptive
 from .spec import MapSpec
 
@@ -108,3 +118,51 @@ def _batches(spec: MapSpec, pixels: NDArray[np.intp]) -> Iterator[Bodies]:
     for start in spec.start.starts:
         grid = spec.starting(start)
         yield grid.bodies(pixels, grid.omega[pixels], grid.attitude[pixels])
+
+
+def of_one_pixel(
+    scene: Scene | Body,
+    stable: Criterion,
+    *,
+    start: Start | Mixture | None,
+    t_end: float | None,
+    **asked: Any,
+) -> MapSpec:
+    """The specification of a map without axes: of one pixel, in which one body starts."""
+    scene = check_scene(scene)
+    if t_end is None and isinstance(stable, Custom):
+        t_end = stable.times[-1]
+    if t_end is None:
+        raise TypeError("plan() needs t_end")
+    return MapSpec(
+        scene=scene,
+        start=start or scene.default_start(),
+        axes=(),
+        stable=stable,
+        t_end=t_end,
+        samples=1,
+        seed=0,
+        **{name: value for name, value in asked.items() if value is not None},
+    )
+
+
+def shortened(spec: MapSpec, share: float) -> MapSpec:
+    """The same map until this share of its horizon and of its most steps."""
+    if share == 1.0:
+        return spec
+    changes: dict[str, Any] = {
+        "t_end": share * spec.t_end,
+        "max_steps": min(spec.max_steps, max(LEAST_STEPS, int(share * spec.max_steps))),
+        "axes": tuple(_shortened(axis, share) for axis in spec.axes),
+    }
+    if isinstance(spec.stable, Custom):
+        times = tuple(share * time for time in spec.stable.times)
+        changes |= {"stable": replace(spec.stable, times=times), "t_end": times[-1]}
+    return spec.replace(**changes)
+
+
+def _shortened(axis: Axis, share: float) -> Axis:
+    """The axis, with shares of its values if these are horizons."""
+    if axis.name != "t_end":
+        return axis
+    return replace(axis, values=tuple(share * value for value in axis.values))

@@ -178,16 +178,18 @@ def replay(
     # The earliest loss of stability is a time, whose last bits tell more than any count does.
     for place, one in ((flat, number), (int(np.argmin(data.earliest)), 0)):
         _require_same_bits(data, place, one)
-    part, own = spec.part_of(flat)
+    of_pixel, own = spec.part_of(flat)
+    part = of_pixel.spec
     (span,) = (one for one in spans(part, range(part.samples)) if number in one)
-    job, at = to_core(spec, np.array([flat]), len(span), span.start), number - span.start
+    job = to_core(part, own, len(span), span.start, of_pixel.fixed)
+    at = number - span.start
     omega, attitude = start = job.starts(np.array([at], np.uint64))
     found = job.outcomes(np.array([at], np.uint64), 1)
     named = named_outcomes(spec, found)
     measures = {name: values.item() for name, values in named.pop("measures").items()}
     record = {name: values.item() for name, values in named.items()}
     record["status"] = _core.status_names()[record["status"]]
-    body = part.bodies(part.start.starts[0], np.array([own]), np.array([number]))
+    body = part.bodies(part.start.starts[0], own, np.array([number]))
     scene = body.scene[0]
     step, method = record["step"], record["method"]
     run: Any
@@ -341,13 +343,14 @@ def _cause(spec: MapSpec) -> str:
 def _computed(spec: MapSpec, pixel: int, bodies: range) -> dict[str, Any]:
     """Columns and bins of the measures of some bodies of one pixel, computed by this build."""
     merged = _core.MapStatistics(1, len(spec.measure))
+    part, own = spec.part_of(pixel)
     for span in spans(spec, range(spec.samples)):
         begin, end = (max(bodies.start, span.start), min(bodies.stop, span.stop))
         if begin < end:
-            job = to_core(spec, np.array([pixel]), len(span), span.start)
-            part = job.run(begin - span.start, end - span.start, 1)
-            assert part is not None
-            merged.merge({**part, "pixels": np.zeros(1, np.int64)})
+            job = to_core(part.spec, own, len(span), span.start, part.fixed)
+            found = job.run(begin - span.start, end - span.start, 1)
+            assert found is not None
+            merged.merge({**found, "pixels": np.zeros(1, np.int64)})
     columns = {name: values[0] for name, values in merged.arrays().items()}
     return {"measures": merged.bins(), **columns}
 

@@ -1,4 +1,4 @@
-"""Many bodies of a map again: their starts and their outcomes."""
+"""Many bodies of a map again: their starts, their outcomes and their sensitivity to the start."""
 
 from __future__ import annotations
 
@@ -13,14 +13,15 @@ from numpy.typing import ArrayLike, NDArray
 from .._checks.arguments import brief
 from .._checks.quantities import plain
 from .._checks.shown import short_repr
+from ..solve.sensitivity import amplification
 from ..solve.status import Status
 from .data import MapData
-from .grid import Pixels
 from .job import to_core
 from .replay import named_outcomes, pixel_index
-from .spec import MapSpec
+from .spec import MapPart, MapSpec
 
 Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
 
 
 @short_repr
@@ -43,7 +44,7 @@ class Starts:
     omega: Floats
     attitude: Floats
     parameters: dict[str, Floats]
-    draws: NDArray[np.int64] | None
+    draws: Ints | None
 
 
 @short_repr
@@ -83,8 +84,8 @@ class Outcomes:
     tilt: Floats
     exponent: Floats
     mean_megno: Floats
-    flips: NDArray[np.int64]
-    steps: NDArray[np.int64]
+    flips: Ints
+    steps: Ints
     status: NDArray[np.uint8]
     method: NDArray[np.str_]
     energy_drift: Floats
@@ -100,44 +101,63 @@ def starts(data: MapData, sample: ArrayLike, pixel: int | tuple[int, ...] | None
     numbers = _samples(sample, spec.samples)
     flat, possible = _flat(data, numbers, pixel)
     shape = numbers.shape if pixel is not None else (*spec.shape, *numbers.shape)
-    found = [
-        part.reshape(-1, width)
-        for part, width in zip(to_core(spec).starts(flat), (3, 4), strict=True)
-    ]
+    omega, attitude = np.empty((len(flat), 3)), np.empty((len(flat), 4))
+    drawn = {one.name: np.empty(len(flat)) for one in spec.vary}
+    draws = np.zeros(len(flat), dtype=np.int64)
+    for part, mine, own, sample in in_parts(spec, flat):
+        omega[mine], attitude[mine] = _drawn(part, own, sample)
+        if spec.vary:
+            bodies = part.spec.bodies(spec.start.starts[0], own, sample)
+            assert bodies.draws is not None
+            draws[mine] = bodies.draws
+            for name, values in bodies.drawn.items():
+                drawn[name][mine] = values
 
     def each(values: NDArray[Any], nothing: float) -> NDArray[Any]:
         every = np.full((possible.size, *values.shape[1:]), nothing, dtype=values.dtype)
         every[possible] = values
         return every.reshape((*shape, *values.shape[1:]))
 
-    drawn, draws = _drawn(spec, flat.astype(np.int64))
     return Starts(
-        omega=each(found[0], np.nan),
-        attitude=each(found[1], np.nan),
+        omega=each(omega, np.nan),
+        attitude=each(attitude, np.nan),
         parameters={name: each(values, np.nan) for name, values in drawn.items()},
         draws=each(draws, 0) if spec.vary else None,
     )
 
 
-def _drawn(spec: MapSpec, flat: NDArray[np.int64]) -> tuple[dict[str, Floats], NDArray[np.int64]]:
-    """The values of the parameters that vary, of bodies by their numbers, and their draws."""
-    values = {one.name: np.empty(len(flat)) for one in spec.vary}
-    draws = np.zeros(len(flat), dtype=np.int64)
-    for mine, bodies in bodies_of(spec, flat) if spec.vary else ():
-        assert bodies.draws is not None
-        draws[mine] = bodies.draws
-        for name, every in bodies.drawn.items():
-            values[name][mine] = every
-    return values, draws
-
-
-def bodies_of(spec: MapSpec, flat: NDArray[np.int64]) -> Iterator[tuple[NDArray[np.intp], Pixels]]:
-    """Bodies by their numbers, with the parameters that they have: their places, and the bodies."""
+def in_parts(spec: MapSpec, flat: Ints) -> Iterator[tuple[MapPart, NDArray[np.intp], Ints, Ints]]:
+    """Bodies by their numbers: each part, the places of its bodies, their pixels and samples."""
     pixel, sample = np.divmod(flat, spec.samples)
-    for part in spec.parts:
-        mine = np.flatnonzero(np.isin(pixel, part.pixels))
-        own = np.searchsorted(part.pixels, pixel[mine])
-        yield mine, part.spec.bodies(part.spec.start.starts[0], own, sample[mine])
+    for part, mine, own in spec.by_part(pixel):
+        yield part, mine, own, sample[mine]
+
+
+def _numbers(part: MapPart, pixel: Ints, sample: Ints) -> NDArray[np.uint64]:
+    """The numbers of bodies among all of a part, as the core reads them."""
+    return (pixel * part.spec.samples + sample).astype(np.uint64)
+
+
+def _drawn(part: MapPart, pixel: Ints, sample: Ints) -> tuple[Floats, Floats]:
+    """Rates and attitudes of bodies of a part."""
+    rates, rotations = to_core(part.spec).starts(_numbers(part, pixel, sample))
+    return rates.reshape(-1, 3), rotations.reshape(-1, 4)
+
+
+def condition(data: MapData, samples: int, threads: int) -> Floats:
+    """The median condition of the first samples of each pixel; see ``StabilityMap.condition``."""
+    spec = data.spec
+    flat, possible = _flat(data, np.arange(samples))
+    factors = np.empty(len(flat))
+    for part, mine, own, sample in in_parts(spec, flat):
+        every = part.spec.bodies(spec.start.starts[0], own, sample)
+        bodies = every.bodies(np.arange(len(own)), *_drawn(part, own, sample))
+        factors[mine] = amplification(bodies, np.array([part.spec.t_end]), threads)[:, 0]
+    layer = np.full(spec.shape, np.nan)
+    layer.flat[np.flatnonzero(possible[::samples])] = np.median(
+        factors.reshape(-1, samples), axis=1
+    )
+    return layer
 
 
 def outcomes(
@@ -151,7 +171,12 @@ def outcomes(
     numbers = _samples(sample, spec.samples)
     flat, possible = _flat(data, numbers, pixel)
     asked, of_each = np.unique(flat, return_inverse=True)
-    found = to_core(spec).outcomes(asked, threads)
+    found: dict[str, NDArray[Any]] = {}
+    for part, mine, own, sample in in_parts(spec, asked):
+        job = to_core(part.spec, fixed=part.fixed)
+        for name, every in job.outcomes(_numbers(part, own, sample), threads).items():
+            found.setdefault(name, np.empty((len(asked), *every.shape[1:]), dtype=every.dtype))
+            found[name][mine] = every
     shape = numbers.shape if pixel is not None else (*spec.shape, *numbers.shape)
 
     def each(values: NDArray[Any], nothing: object) -> NDArray[Any]:
@@ -166,7 +191,7 @@ def outcomes(
     return Outcomes(measures=measures, **values)
 
 
-def _samples(sample: ArrayLike, count: int) -> NDArray[np.int64]:
+def _samples(sample: ArrayLike, count: int) -> Ints:
     """Numbers of samples, each of 0 .. count - 1."""
     numbers = np.asarray(plain("sample", sample))
     if numbers.dtype.kind not in "iu":
@@ -179,8 +204,8 @@ def _samples(sample: ArrayLike, count: int) -> NDArray[np.int64]:
 
 
 def _flat(
-    data: MapData, numbers: NDArray[np.int64], pixel: int | tuple[int, ...] | None = None
-) -> tuple[NDArray[np.uint64], NDArray[np.bool_]]:
+    data: MapData, numbers: Ints, pixel: int | tuple[int, ...] | None = None
+) -> tuple[Ints, NDArray[np.bool_]]:
     """Numbers among all samples of the map, and which of the requested bodies are possible."""
     spec = data.spec
     pixels = np.arange(math.prod(spec.shape))
@@ -188,4 +213,4 @@ def _flat(
         pixels = np.array([np.ravel_multi_index(pixel_index(pixel, spec.shape), spec.shape)])
     flat = (pixels[:, np.newaxis] * spec.samples + numbers.ravel()).ravel()
     possible = (data.status.ravel()[pixels] == 0).repeat(numbers.size)
-    return flat[possible].astype(np.uint64), possible
+    return flat[possible], possible

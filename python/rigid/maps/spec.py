@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import json
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, TypeVar
@@ -168,7 +168,7 @@ class MapSpec:
                 ("scene", "own", "axes"), own_scene(self.scene, self.axes), strict=True
             ):
                 put(name, made)
-        if isinstance(self.axes, Mapping):
+        if not isinstance(self.axes, tuple):
             put("axes", make_axes(self.axes, () if self.own is None else self.own.names))
         if self.own is not None:
             for start in self.start.starts:
@@ -357,7 +357,7 @@ class MapSpec:
             self.own.source.call("scene")
 
     @property
-    def _sources(self) -> dict[str, Sourced]:
+    def sources(self) -> dict[str, Sourced]:
         """The functions that the numbers depend on, by their arguments of ``with_functions``."""
         found = {} if self.own is None else {"scene": self.own.source}
         return {**found, "stable": self.stable.source} if isinstance(self.stable, Custom) else found
@@ -365,10 +365,11 @@ class MapSpec:
     @property
     def functions(self) -> dict[str, Any]:
         """The functions that are known, as :meth:`with_functions` takes them."""
-        known = {name: source.function for name, source in self._sources.items()}
-        found = {name: function for name, function in known.items() if function is not None}
-        torque = self._torque
-        return found if torque is None or not torque.address else {**found, "scene": self.scene}
+        known = {name: source.function for name, source in self.sources.items()}
+        found: dict[str, Any] = {name: one for name, one in known.items() if one is not None}
+        if self._torque is not None and self._torque.is_known:
+            found["scene"] = self.scene
+        return found
 
     @property
     def _torque(self) -> TorqueFunction | None:
@@ -379,7 +380,7 @@ class MapSpec:
     @property
     def left_out(self) -> dict[str, str]:
         """Names of what a file of the map leaves out, by the arguments of ``with_functions``."""
-        names = {argument: source.name for argument, source in self._sources.items()}
+        names = {argument: source.name for argument, source in self.sources.items()}
         return names if self._torque is None else {**names, "scene": "scene"}
 
     @property
@@ -389,13 +390,13 @@ class MapSpec:
 
     def require_functions(self) -> None:
         """Raise ValueError if a function must be given again."""
-        for name, source in self._sources.items():
+        for name, source in self.sources.items():
             source.call(name)
         self.require_torque()
 
     def require_torque(self) -> None:
         """Raise ValueError if the torque of the scene is a function that is not known."""
-        if self._torque is not None and not self._torque.address:
+        if self._torque is not None and not self._torque.is_known:
             raise ValueError(
                 "scene: its torque is a function, which no file has; give the scene again, as "
                 "scene= of load_map or open_store"
@@ -403,20 +404,15 @@ class MapSpec:
 
     def renewed(self) -> MapSpec:
         """The specification with its functions as they are now, if they are known."""
-        now = {name: one.renewed(name) for name, one in self._sources.items()}
+        now = {name: one.renewed(name) for name, one in self.sources.items()}
         return self._with_sources(
-            {name: one for name, one in now.items() if one != self._sources[name]}
+            {name: one for name, one in now.items() if one != self.sources[name]}
         )
-
-    @property
-    def tells_captured(self) -> bool:
-        """Whether there are digests of functions."""
-        return bool(self._sources)
 
     @property
     def doubt(self) -> str:
         """Why a function may give other numbers than before, in words; empty without a reason."""
-        return "; ".join(filter(None, (one.doubt(name) for name, one in self._sources.items())))
+        return "; ".join(filter(None, (one.doubt(name) for name, one in self.sources.items())))
 
     def with_functions(
         self,
@@ -457,7 +453,7 @@ class MapSpec:
             return dataclasses.replace(self, scene=scene).with_functions(
                 stable=stable, carried=carried
             )
-        known = self._sources
+        known = self.sources
         if stable is not None and "stable" not in known:
             raise ValueError("stable: this map has no custom criterion")
         if scene is not None and "scene" not in known:
@@ -520,13 +516,20 @@ class MapSpec:
             parts.append(MapPart(self.replace(**changes), np.flatnonzero(mine), fixed))
         return tuple(parts)
 
-    def part_of(self, pixel: int) -> tuple[MapSpec, int]:
-        """The part that a pixel, by its number in C order, belongs to, and its number there."""
+    def by_part(
+        self, pixels: NDArray[np.int64]
+    ) -> Iterator[tuple[MapPart, NDArray[np.intp], NDArray[np.int64]]]:
+        """Pixels by their numbers: each part, the places of its pixels, and their numbers there."""
         for part in self.parts:
-            at = int(np.searchsorted(part.pixels, pixel))
-            if at < len(part.pixels) and part.pixels[at] == pixel:
-                return part.spec, at
-        raise IndexError(f"pixel = {pixel}: lies outside the map of shape {self.shape}")
+            if len(self.parts) == 1:
+                yield part, np.arange(len(pixels)), pixels
+            else:
+                mine = np.flatnonzero(np.isin(pixels, part.pixels))
+                yield part, mine, np.searchsorted(part.pixels, pixels[mine])
+
+    def part_of(self, pixel: int) -> tuple[MapPart, NDArray[np.int64]]:
+        """The part that a pixel belongs to, and its number there."""
+        return next((part, own) for part, _, own in self.by_part(np.array([pixel])) if len(own))
 
     @property
     def horizons(self) -> NDArray[np.float64]:

@@ -25,6 +25,7 @@ from .._moments import (
 from .forces import forces_in_words
 from .gravity import checked_properties
 from .leading import (
+    ByValue,
     Index,
     Shape,
     axes_of,
@@ -32,7 +33,6 @@ from .leading import (
     holds,
     index_of_bodies,
     leading_shape,
-    same,
     taken,
     vector_of,
 )
@@ -50,7 +50,7 @@ Moments: TypeAlias = tuple[float, float, float] | Floats
 
 
 @dataclass(frozen=True, slots=True, init=False, eq=False, repr=False)
-class Body:
+class Body(ByValue):
     """A rigid body, known by its principal moments of inertia, or many bodies.
 
     Body axes are the principal axes, through the fixed point if there is one, else through the
@@ -124,7 +124,7 @@ takes such moments as they are
     mass: float | Floats | None
     sides: tuple[float, float, float] | None
     physical: bool
-    about: str | None = field(init=False, default=None)
+    about: str | None = field(init=False, default=None, compare=False)
 
     def __init__(
         self,
@@ -174,18 +174,6 @@ takes such moments as they are
         mass = None if self.mass is None else taken(self.mass, 0, self.shape, index)
         moments = taken(self.moments, 1, self.shape, index)
         return Body(moments, mass=mass, physical=self.physical)._marked(self.about)
-
-    def __eq__(self, other: object) -> bool:
-        if not isinstance(other, Body):
-            return NotImplemented
-        names = ("moments", "mass", "sides", "physical")
-        return all(same(getattr(self, name), getattr(other, name)) for name in names)
-
-    def __hash__(self) -> int:
-        moments = self.moments
-        if isinstance(moments, np.ndarray):
-            return hash(moments.shape)
-        return hash((moments, self.mass, self.sides))
 
     def __repr__(self) -> str:
         physical = "" if self.physical else ", physical=False"

@@ -3,18 +3,34 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import partial
 from math import pi
 from typing import ClassVar, Self
 
 from .._checks.arguments import brief, finite_float, one_of
 from .._checks.shown import angle_words
-from .criterion import Condition, Criterion
+from .criterion import Condition, Criterion, checked
 from .orbit_axes import DIRECTIONS, Axes, checked_axes, extreme_axis, require_orbit, rest_axes
 from .scene import Scene
 from .start import Start, body_axis
 
 VECTORS = {"omega": "omega", "L": "momentum"}
 FRAMES = ("space", "body")
+
+
+NOT_NEGATIVE = partial(finite_float, nonnegative=True)
+
+
+def signed_axis(_name: str, axis: object) -> int:
+    """A body axis, or its opposite direction."""
+    return body_axis(axis, signed=True)
+
+
+def truth(name: str, value: object) -> bool:
+    """True or False."""
+    if not isinstance(value, bool):
+        raise TypeError(f"{name} = {brief(value)}: must be True or False")
+    return value
 
 
 def checked_angle(name: str, value: float) -> float:
@@ -31,10 +47,7 @@ class WithinAngle(Criterion):
 
     limited: ClassVar[str | None] = "angle"
 
-    angle: float
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "angle", checked_angle("angle", self.angle))
+    angle: float = checked(checked_angle)
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,16 +58,14 @@ class TiltBetween(Criterion):
     record: ClassVar[str] = "axis"
     width: ClassVar[int] = 2
 
-    low: float
-    high: float
-    axis: int = 3
+    low: float = checked(NOT_NEGATIVE)
+    high: float = checked(checked_angle)
+    axis: int = checked(signed_axis, 3)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "low", finite_float("low", self.low, nonnegative=True))
-        object.__setattr__(self, "high", checked_angle("high", self.high))
+        Criterion.__post_init__(self)  # super() does not know a class with slots
         if self.low >= self.high:
             raise ValueError(f"low = {self.low}: must be below high = {self.high}")
-        object.__setattr__(self, "axis", body_axis(self.axis, signed=True))
 
     def resolved(self, scene: Scene, start: Start) -> Self:
         """The criterion, if the scene has a vertical."""
@@ -94,13 +105,8 @@ class RateWithin(WithinAngle):
 
     name: ClassVar[str] = "rate_within"
 
-    of: str = "omega"
-    frame: str = "space"
-
-    def __post_init__(self) -> None:
-        WithinAngle.__post_init__(self)  # super() does not know a class with slots
-        one_of("of", self.of, tuple(VECTORS))
-        one_of("frame", self.frame, FRAMES)
+    of: str = checked(partial(one_of, known=VECTORS), "omega")
+    frame: str = checked(partial(one_of, known=FRAMES), "space")
 
     @property
     def record(self) -> str:  # type: ignore[override]
@@ -143,17 +149,9 @@ class PointingWithin(WithinAngle):
     name: ClassVar[str] = "pointing_within"
     record: ClassVar[str] = "attitude"
 
-    axis: int | None = None
-    of: str = "radial"
-    either: bool = False
-
-    def __post_init__(self) -> None:
-        WithinAngle.__post_init__(self)  # super() does not know a class with slots
-        if self.axis is not None:
-            object.__setattr__(self, "axis", body_axis(self.axis, signed=True))
-        one_of("of", self.of, DIRECTIONS)
-        if not isinstance(self.either, bool):
-            raise TypeError(f"either = {brief(self.either)}: must be True or False")
+    axis: int | None = checked(signed_axis, None)
+    of: str = checked(partial(one_of, known=DIRECTIONS), "radial")
+    either: bool = checked(truth, False)
 
     def resolved(self, scene: Scene, start: Start) -> Self:
         """The criterion with an axis, if there is an orbit."""
@@ -179,12 +177,7 @@ class AngleWithin(WithinAngle):
 
     record: ClassVar[str] = "attitude"
 
-    axes: Axes | None = None
-
-    def __post_init__(self) -> None:
-        WithinAngle.__post_init__(self)  # super() does not know a class with slots
-        if self.axes is not None:
-            object.__setattr__(self, "axes", checked_axes(self.axes))
+    axes: tuple[int, int] | None = checked(lambda _, axes: checked_axes(axes), None)
 
     def resolved(self, scene: Scene, start: Start) -> Self:
         """The criterion with its axes, if there is an orbit."""
@@ -228,11 +221,7 @@ class ReturnsNear(WithinAngle):
     name: ClassVar[str] = "returns"
     record: ClassVar[str] = "attitude"
 
-    after: float
-
-    def __post_init__(self) -> None:
-        WithinAngle.__post_init__(self)  # super() does not know a class with slots
-        object.__setattr__(self, "after", finite_float("after", self.after, nonnegative=True))
+    after: float = checked(NOT_NEGATIVE)
 
     def core(self) -> Condition:
         """Condition that the attitude stays away: name, limit (rad), time from which it counts."""
@@ -253,13 +242,8 @@ class SpinAbove(Criterion):
     name: ClassVar[str] = "spin_above"
     record: ClassVar[str] = "rates"
 
-    rate: float
-    axis: int | None = None
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "rate", finite_float("rate", self.rate, nonnegative=True))
-        if self.axis is not None:
-            object.__setattr__(self, "axis", body_axis(self.axis, signed=True))
+    rate: float = checked(NOT_NEGATIVE)
+    axis: int | None = checked(signed_axis, None)
 
     def core(self) -> Condition:
         """Name, axis and limit (rad/s) as the core takes them."""

@@ -9,7 +9,7 @@ from __future__ import annotations
 import ctypes
 import inspect
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import Any
 
@@ -33,12 +33,12 @@ _PLACE = "orbit_position"
 
 @dataclass(frozen=True, slots=True)
 class Callback:
-    """A function that the core can call.
+    """A function that the core can call, known by its address.
 
     Attributes
     ----------
     address : int
-        Where it is.
+        Where it is; 0 if it was read from a file, which has none.
     of_eight : bool
         Whether it is told eight bodies at once.
     kept : object
@@ -52,11 +52,15 @@ class Callback:
     """
 
     address: int
-    of_eight: bool
-    kept: object
-    why_slow: str | None = None
-    is_long: bool = False
-    asks_place: bool = False
+    of_eight: bool = field(default=False, compare=False)
+    kept: object = field(default=None, compare=False)
+    why_slow: str | None = field(default=None, compare=False)
+    is_long: bool = field(default=False, compare=False)
+    asks_place: bool = field(default=False, compare=False)
+
+
+UNKNOWN = Callback(0)
+"""That of a file."""
 
 
 def of_python(function: Callable[..., object], width: int, states: int) -> Callback:

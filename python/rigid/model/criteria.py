@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import MISSING, dataclass, fields, replace
+from functools import partial
 from typing import Any, ClassVar, Self
 
 import numpy as np
@@ -25,13 +26,16 @@ from .bounds import (
     TiltBetween,
     WithinAngle,
     YawWithin,
+    signed_axis,
 )
-from .criterion import Criterion, Joined
+from .criterion import Criterion, Joined, checked
 from .forces import forces_in_words
 from .judged import Custom
 from .scene import Scene
 from .start import Start, body_axis
 from .time_unit import SECONDS, Clock
+
+POSITIVE = partial(finite_float, positive=True)
 
 REFERENCES = ("start", "vertical")
 
@@ -47,11 +51,7 @@ class NoFlip(Criterion):
     name: ClassVar[str] = "no_flip"
     record: ClassVar[str] = "rates"
 
-    axis: int | None = None
-
-    def __post_init__(self) -> None:
-        if self.axis is not None:
-            object.__setattr__(self, "axis", body_axis(self.axis))
+    axis: int | None = checked(lambda _, axis: body_axis(axis), None)
 
     def resolved(self, scene: Scene, start: Start) -> Self:
         """The criterion with the default axis in place of ``None``."""
@@ -78,14 +78,8 @@ class TiltBelow(WithinAngle):
     name: ClassVar[str] = "tilt_below"
     record: ClassVar[str] = "axis"
 
-    axis: int = 3
-    reference: str | None = None
-
-    def __post_init__(self) -> None:
-        WithinAngle.__post_init__(self)  # super() does not know a class with slots
-        object.__setattr__(self, "axis", body_axis(self.axis, signed=True))
-        if self.reference is not None:
-            one_of("reference", self.reference, REFERENCES)
+    axis: int = checked(signed_axis, 3)
+    reference: str | None = checked(partial(one_of, known=REFERENCES), None)
 
     def resolved(self, scene: Scene, start: Start) -> Self:
         """The criterion with the default reference in place of ``None``."""
@@ -138,17 +132,14 @@ class Regular(Criterion):
     has_deviation: ClassVar[bool] = True
     alone: ClassVar[str | None] = "integrates a deviation vector"
 
-    of: str | None = None
-    sure: float = 2.1
-    low: float = 3.0
-    high: float = 5.0
-    ratio: float = 1.5
+    of: str | None = checked(partial(one_of, known=NORMS), None)
+    sure: float = checked(POSITIVE, 2.1)
+    low: float = checked(POSITIVE, 3.0)
+    high: float = checked(POSITIVE, 5.0)
+    ratio: float = checked(POSITIVE, 1.5)
 
     def __post_init__(self) -> None:
-        if self.of is not None:
-            one_of("of", self.of, NORMS)
-        for name in ("sure", "low", "high", "ratio"):
-            object.__setattr__(self, name, finite_float(name, getattr(self, name), positive=True))
+        Criterion.__post_init__(self)  # super() does not know a class with slots
         if self.sure > self.low:
             raise ValueError(f"sure = {self.sure:g}: must be at most low = {self.low:g}")
         if self.low >= self.high:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
-from dataclasses import asdict, dataclass, replace
+from collections.abc import Callable, Sequence
+from dataclasses import MISSING, asdict, dataclass, field, fields, replace
 from typing import Any, ClassVar, Self, TypeAlias
 
 import numpy as np
@@ -23,6 +23,11 @@ MOST_LEAVES = 8
 
 SIGNS = {"and": "&", "or": "|", "not": "~"}
 """The operations by their names in files, as the core takes them."""
+
+
+def checked(check: Callable[[str, Any], Any], default: Any = MISSING) -> Any:
+    """A field of a criterion, whose values other than the default ``check(name, value)`` gives."""
+    return field(default=default, metadata={"check": check})
 
 
 class Criterion(ABC):
@@ -56,6 +61,13 @@ class Criterion(ABC):
     width: ClassVar[int] = 1
     alone: ClassVar[str | None] = None
     limited: ClassVar[str | None] = None
+
+    def __post_init__(self) -> None:
+        for own in fields(self):  # type: ignore[arg-type]
+            value = getattr(self, own.name)
+            if "check" in own.metadata and value is not own.default:
+                value = own.metadata["check"](own.name, value)
+                object.__setattr__(self, own.name, value)
 
     def resolved(self, scene: Scene, start: Start) -> Self:
         """The criterion with all defaults filled in."""

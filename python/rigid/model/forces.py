@@ -1,31 +1,28 @@
 """The further forces of a scene, besides applied torque and linear damping.
 
-A new force is one class in this file, its line in :class:`HasForces`, and its keyword in
-:class:`FreeForces` or :class:`TopForces`. Scenes, TOML files, datasets and the core know it by its
-name.
+A new force is one class in this file, its entry in :data:`FORCES`, and its keyword and attribute in
+the scenes on which it acts. TOML files, datasets and the core know it by its name.
 """
 
 from __future__ import annotations
 
-import inspect
-from collections.abc import Callable, Container, Iterable, Iterator, Mapping
+from collections.abc import Container, Iterable, Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar, Generic, Self, TypedDict, TypeVar, cast, overload
+from typing import Any, ClassVar, Generic, Self, TypeVar, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from .._checks.arguments import brief, finite_float, shaped
 from .frame import turned
-from .leading import Floats, Index, Shape, Vector, axes_of, same, taken, vector_of
+from .leading import ByValue, Floats, Index, Shape, Vector, axes_of, taken, vector_of
 from .orbit import Orbit
 
 Value = TypeVar("Value")
-Class = TypeVar("Class", bound=type)
 
 
 @dataclass(frozen=True, slots=True, init=False, eq=False, repr=False)
-class EnergySink:
+class EnergySink(ByValue):
     """Internal dissipation, which drains energy and keeps the angular momentum in space.
 
     Inside the body something lags behind: a viscous fluid, or a damper. To first order its momentum
@@ -133,14 +130,6 @@ class EnergySink:
         """The axes of the bodies: ``()`` of one sink, ``(n,)`` of one for each of n bodies."""
         return axes_of(self.coefficient, 1)
 
-    def __eq__(self, other: object) -> bool:
-        if not isinstance(other, EnergySink):
-            return NotImplemented
-        return same(self.coefficient, other.coefficient)
-
-    def __hash__(self) -> int:
-        return hash(("sink", self.shape or self.coefficient))
-
     def __repr__(self) -> str:
         if self.shape:
             return f"EnergySink(coefficient of shape {np.shape(self.coefficient)})"
@@ -176,28 +165,15 @@ class Force(Generic[Value]):
         Whether the numbers are in proportion to the mass of the body.
     in_space : bool
         Whether the torque depends on the attitude.
-    parameter : str
-        Its entry among the parameters of scenes.
     """
 
-    name: str
+    name: ClassVar[str]
     title: ClassVar[str]
     unit: ClassVar[str]
     is_vector: ClassVar[bool] = False
     has_corner: ClassVar[bool] = False
     has_mass: ClassVar[bool] = True
     in_space: ClassVar[bool] = False
-    parameter: ClassVar[str]
-
-    def __set_name__(self, owner: type, name: str) -> None:
-        self.name = name
-
-    @overload
-    def __get__(self, scene: None, kind: type) -> Self: ...
-    @overload
-    def __get__(self, scene: HasForces, kind: type) -> Value | None: ...
-    def __get__(self, scene: HasForces | None, kind: type) -> Self | Value | None:
-        return self if scene is None else scene._further.get(self.name)
 
     def checked(self, given: Any) -> Value | None:
         """The given value, as a value of one body or of each; None if it is zero.
@@ -266,11 +242,9 @@ class Force(Generic[Value]):
 class Dissipation(Force[EnergySink]):
     """Internal dissipation."""
 
+    name = "dissipation"
     title = "coefficients of the energy sink"
     unit = "kg m² s"
-    parameter = """\
-    dissipation : EnergySink, optional
-        Internal dissipation, which drains energy and keeps the angular momentum in space."""
 
     def checked(self, given: Any) -> EnergySink | None:
         """The sink, if it drains energy."""
@@ -290,13 +264,11 @@ class Dissipation(Force[EnergySink]):
 class GravityGradient(Force[Orbit]):
     """The gravity gradient on an orbit."""
 
+    name = "orbit"
     title = "rate, eccentricity, mean anomaly and semi-axes of the orbit"
     unit = ""
     has_mass = False
     in_space = True
-    parameter = """\
-    orbit : Orbit, optional
-        The orbit about a planet, whose gravity gradient acts."""
 
     def checked(self, given: Any) -> Orbit | None:
         """The orbit."""
@@ -345,26 +317,19 @@ class GravityGradient(Force[Orbit]):
 class Rotor(Force[Vector | Floats]):
     """A rotor at constant speed."""
 
+    name = "rotor"
     title = "angular momentum of the rotor"
     unit = "kg m²/s"
     is_vector = True
-    parameter = """\
-    rotor : array_like, shape (3,) or (..., 3), optional
-        Angular momentum ``h`` (kg m²/s) of a rotor relative to the body, constant in the body: a
-        gyrostat (Zhukovsky 1885, Volterra 1899). The whole momentum is ``I omega + h``. Energies
-        are energies of ``omega``, without the spin energy of the rotor."""
 
 
 class Drag(Force[Vector | Floats]):
     """Quadratic drag."""
 
+    name = "drag"
     title = "coefficients of the drag"
     unit = "N m s²"
     has_corner = True
-    parameter = """\
-    drag : float or array_like, shape (3,) or (..., 3), optional
-        Quadratic drag: the coefficients ``C`` (N m s²) of the torque ``-|omega| C omega``, one for
-        each body axis or one for all."""
 
     def torque(self, numbers: Floats, omega: Floats) -> Floats:
         """``-|omega| C omega``."""
@@ -372,92 +337,10 @@ class Drag(Force[Vector | Floats]):
         return np.asarray(-speed * omega * numbers)
 
 
-class HasForces:
-    """The further forces as attributes of a scene; None if one does not act."""
-
-    __slots__ = ()
-
-    _further: Mapping[str, Any]
-
-    orbit = GravityGradient()
-    dissipation = Dissipation()
-    rotor = Rotor()
-    drag = Drag()
-
-    def further(self) -> Iterator[tuple[Force[Any], Any]]:
-        """The further forces that act, and their values."""
-        return ((FORCES[name], value) for name, value in self._further.items())
-
-
-class TopForces(TypedDict, total=False):
-    """The keywords of heavy tops for further forces."""
-
-    drag: ArrayLike | None
-
-
-class FreeForces(TopForces, total=False):
-    """The keywords of free bodies for further forces."""
-
-    orbit: Orbit | None
-    dissipation: EnergySink | None
-    rotor: ArrayLike | None
-
-
 FORCES: Mapping[str, Force[Any]] = {
-    name: force for name, force in vars(HasForces).items() if isinstance(force, Force)
+    force.name: force for force in (GravityGradient(), Dissipation(), Rotor(), Drag())
 }
 """The further forces by their names."""
-
-
-def checked_forces(known: type, given: Mapping[str, Any]) -> dict[str, Any]:
-    """The values of the forces that are given and not zero.
-
-    ``known`` is the class of the keywords.
-
-    Raises
-    ------
-    TypeError, ValueError
-        If a keyword is no force, or a value is impossible.
-    """
-    # `dataclasses.replace` gives the forces of a scene under the name of their field.
-    given = {**given.get("_further", {}), **given}
-    given.pop("_further", None)
-    for name in given:
-        if name not in known.__annotations__:
-            raise TypeError(f"got an unexpected keyword argument {name!r}")
-    made = {
-        name: force.checked(given[name])
-        for name, force in FORCES.items()
-        if given.get(name) is not None
-    }
-    return {name: value for name, value in made.items() if value is not None}
-
-
-def with_forces(known: type) -> Callable[[Class], Class]:
-    """A class of scenes with the keywords of its forces in its signature and its docstring."""
-
-    def described(scene: Class) -> Class:
-        names = [name for name in FORCES if name in known.__annotations__]
-        init: Any = vars(scene)["__init__"]
-        own = inspect.signature(init)
-        parameters = [one for one in own.parameters.values() if one.name != "further"]
-        place = next(k for k, one in enumerate(parameters) if one.name == "frame")
-        parameters[place:place] = [
-            inspect.Parameter(
-                name,
-                inspect.Parameter.KEYWORD_ONLY,
-                default=None,
-                annotation=getattr(known.__annotations__[name], "__forward_arg__", "ArrayLike"),
-            )
-            for name in names
-        ]
-        init.__signature__ = own.replace(parameters=parameters)
-        if scene.__doc__ is not None:
-            entries = "\n".join(FORCES[name].parameter for name in names)
-            scene.__doc__ = scene.__doc__.replace("    **further", entries)
-        return scene
-
-    return described
 
 
 _NAMED = {

@@ -13,8 +13,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import brief, finite_float, shaped
 from .._core import MOST_STATES
-from .compiling import Callback, of_python
-from .leading import Index, Shape, axes_of, frozen, leading_shape, same, taken
+from .compiling import UNKNOWN, Callback, of_python
+from .leading import ByValue, Index, Shape, axes_of, frozen, leading_shape, taken
 
 Floats = NDArray[np.float64]
 
@@ -22,39 +22,24 @@ NO_STATES = "states: the scene has none; give Torque.call(..., states=k)"
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class TorqueFunction:
+class TorqueFunction(ByValue):
     """A callback that returns a torque; made by :meth:`Torque.call`.
 
     Attributes
     ----------
-    address : int
-        Address of the function; 0 if it was read from a file, which has none.
+    callback : Callback
+        What the core calls.
     data : ndarray of shape (..., k), or None
         The numbers that it is given, of all bodies or of each.
     fastest : float or None
         A bound of the rates under this torque (rad/s).
-    kept : object
-        The given function, kept alive as long as this object.
-    of_eight : bool
-        Whether the function is told eight bodies at once.
-    why_slow : str or None
-        Why Python calls the function for each body, if it does.
-    is_long : bool
-        Whether the function is told states and the place on the orbit.
-    asks_place : bool
-        Whether the function needs an orbit.
     start : ndarray of shape (..., k), or None
         The states at the start, of all bodies or of each; None without states.
     """
 
-    address: int
+    callback: Callback
     data: Floats | None = None
     fastest: float | None = None
-    kept: object = None
-    of_eight: bool = False
-    why_slow: str | None = None
-    is_long: bool = False
-    asks_place: bool = False
     start: Floats | None = None
 
     @classmethod
@@ -81,18 +66,9 @@ class TorqueFunction:
         bound = None
         if fastest is not None:
             bound = finite_float("fastest", fastest, positive=True, unit="rad/s")
-        made = _callback(function, 0 if numbers is None else numbers.shape[-1], int(states))
-        return cls(
-            made.address,
-            numbers,
-            bound,
-            (function, made.kept),
-            made.of_eight,
-            made.why_slow,
-            made.is_long,
-            made.asks_place,
-            frozen(np.zeros(states)) if states else None,
-        )
+        width = 0 if numbers is None else numbers.shape[-1]
+        start = frozen(np.zeros(states)) if states else None
+        return cls(_callback(function, width, int(states)), numbers, bound, start)
 
     @property
     def states(self) -> int:
@@ -115,15 +91,21 @@ class TorqueFunction:
         return dataclasses.replace(self, start=frozen(np.ascontiguousarray(start)))
 
     @property
+    def is_known(self) -> bool:
+        """Whether it can be called: one that was read from a file cannot."""
+        return self.callback.address != 0
+
+    @property
     def reasons(self) -> tuple[str, ...]:
         """What a plan says of the function: nothing if it is compiled."""
-        if self.why_slow is None:
+        why = self.callback.why_slow
+        if why is None:
             return ()
-        return (f"Python calls the torque, some 5 µs for each body and stage: {self.why_slow}",)
+        return (f"Python calls the torque, some 5 µs for each body and stage: {why}",)
 
     def check_place(self, has_orbit: bool) -> None:
         """Raise ValueError for a function that asks for a place on an orbit if there is none."""
-        if self.asks_place and not has_orbit:
+        if self.callback.asks_place and not has_orbit:
             raise ValueError("orbit_position: the function takes it, but the scene has no orbit")
 
     @property
@@ -153,9 +135,9 @@ class TorqueFunction:
             each = np.broadcast_to(values, (*lead, values.shape[-1]))
             return np.ascontiguousarray(each).reshape(-1, values.shape[-1])
 
-        how = self.address, self.of_eight, self.is_long
-        units = np.ldexp(1.0, -exponents)
-        return *how, rows(self.data), units, self.fastest or 0.0, rows(self.start)
+        how, units = self.callback, np.ldexp(1.0, -exponents)
+        known = rows(self.data), units, self.fastest or 0.0, rows(self.start)
+        return how.address, how.of_eight, how.is_long, *known
 
     def to_dict(self) -> dict[str, Any]:
         """The parts of the callback that a file may hold: all but its address."""
@@ -170,34 +152,19 @@ class TorqueFunction:
             None if given is None else frozen(np.array(given))
             for given in (entries["data"], entries.get("states"))
         )
-        return cls(0, data, entries["fastest"], start=start)
+        return cls(UNKNOWN, data, entries["fastest"], start)
 
     def __reduce__(self) -> tuple[Any, ...]:
         """The callback for another process, with other addresses: it cannot be called there."""
-        return _without_address, (type(self), self.data, self.fastest, self.start)
+        return type(self), (UNKNOWN, self.data, self.fastest, self.start)
 
     def __deepcopy__(self, memo: object) -> Self:
         return self  # nothing of it changes
 
-    def __eq__(self, other: object) -> bool:
-        if not isinstance(other, TorqueFunction):
-            return NotImplemented
-        own = (self.address, self.fastest) == (other.address, other.fastest)
-        return own and same(self.data, other.data) and same(self.start, other.start)
-
-    def __hash__(self) -> int:
-        return hash((self.address, self.fastest, self.shape))
-
     def __repr__(self) -> str:
         data = "" if self.data is None else f", data of shape {self.data.shape}"
         states = f", {self.states} states" if self.states else ""
-        return f"function at {self.address:#x}{data}{states}"
-
-
-def _without_address(
-    kind: type[TorqueFunction], data: Floats | None, fastest: float | None, start: Floats | None
-) -> TorqueFunction:
-    return kind(0, data, fastest, start=start)
+        return f"function at {self.callback.address:#x}{data}{states}"
 
 
 _ARGUMENTS = ("double", *4 * ("double *",))

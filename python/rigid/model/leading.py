@@ -7,6 +7,7 @@ the axes of the bodies first.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import fields
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -100,8 +101,26 @@ def taken(value: Any, width: int, shape: Shape, index: Index) -> Any:
     return every[(*where, Ellipsis)]
 
 
-def same(first: Any, second: Any) -> bool:
-    """Whether two values are equal, arrays of many bodies included."""
+class ByValue:
+    """A dataclass whose objects are equal if all values are, arrays of many bodies included."""
+
+    __slots__ = ()
+
+    def __eq__(self, other: object) -> bool:
+        if type(other) is not type(self):
+            return NotImplemented
+        return all(map(_same, _compared(self), _compared(other)))
+
+    def __hash__(self) -> int:
+        values = [one.shape if isinstance(one, np.ndarray) else one for one in _compared(self)]
+        return hash((type(self), *values))
+
+
+def _compared(value: Any) -> list[Any]:
+    return [getattr(value, own.name) for own in fields(value) if own.compare]
+
+
+def _same(first: Any, second: Any) -> bool:
     if isinstance(first, np.ndarray) or isinstance(second, np.ndarray):
-        return np.shape(first) == np.shape(second) and bool(np.all(first == second))
+        return np.array_equal(first, second)
     return bool(first == second)

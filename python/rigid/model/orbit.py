@@ -15,7 +15,7 @@ from .._checks.arrays import UNIT, AttitudeLike, Floats, attitudes, unit_vectors
 from ..rotations import matrix_to_quaternion
 from ..rotations.apply import to_body
 from ..rotations.quaternions import product_of_checked
-from .leading import Shape, Vector, frozen, leading_shape, same, vector_of
+from .leading import ByValue, Shape, Vector, frozen, leading_shape, vector_of
 
 MOST_ECCENTRIC = 0.95
 """Largest eccentricity of an ellipse."""
@@ -40,7 +40,7 @@ _ROUNDED = 4.0 * np.finfo(np.float64).eps
 
 
 @dataclass(frozen=True, slots=True, init=False, eq=False, repr=False)
-class Orbit:
+class Orbit(ByValue):
     """A Keplerian orbit about a point mass, or a flyby, whose gravity gradient turns the body.
 
     The torque is ``3 n² (a/r)³ o × I o``, with the mean motion ``n``, the semi-major axis ``a``,
@@ -435,14 +435,6 @@ class Orbit:
         True
         """
         return cls(**data)
-
-    def __eq__(self, other: object) -> bool:
-        if not isinstance(other, Orbit):
-            return NotImplemented
-        return all(same(getattr(self, name), getattr(other, name)) for name in self.__slots__)
-
-    def __hash__(self) -> int:
-        return hash(("orbit", self.shape or tuple(self.numbers.tolist())))
 
     def __repr__(self) -> str:
         parts = []

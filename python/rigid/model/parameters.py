@@ -17,9 +17,9 @@ from numpy.typing import ArrayLike, NDArray
 from .. import _core
 from .._moments import box_moments
 from .body import Body
-from .forces import FORCES, EnergySink, TopForces
+from .forces import FORCES, EnergySink
 from .orbit import HYPERBOLA, MOST_ECCENTRIC, Orbit
-from .scene import Scene
+from .scene import HeavyTop, Scene
 from .start import Noise, Start, cos_sin
 from .torque import Torque
 
@@ -298,7 +298,7 @@ def _further(name: str) -> Place:
         value = getattr(scene, name)
         return np.zeros(3) if value is None else np.asarray(force.numbers(value))
 
-    why_not = _anywhere if name in TopForces.__annotations__ else _needs_free_body
+    why_not = _anywhere if name in HeavyTop.__slots__ else _needs_free_body
     return Place(read, 1, why_not, (name,), _OF_FORCES[name])
 
 

@@ -1,7 +1,7 @@
 """Scenes: a body with its weight and the other forces on it.
 
-A new scene is one more class in this file: its facts, its numbers as :class:`Field`, its weight,
-and its entry in :data:`SCENES`. The packages above use this interface and name no class.
+A new scene is one more class in this file: its facts, the names of its numbers, its weight, and its
+entry in :data:`SCENES`. The packages above use this interface and name no class.
 The core integrates the scene under the same ``kind``.
 """
 
@@ -10,8 +10,8 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Container, Iterable, Iterator, Mapping
 from copy import copy
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, ClassVar, Self, TypeVar, Unpack
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, ClassVar, Self, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -20,19 +20,12 @@ from .. import _core
 from .._checks.arguments import brief, finite_float, numbers, one_of, shaped, vector
 from .._checks.arrays import Floats, unit_vectors
 from .body import Body, check_body, pair_hint, require_one
-from .forces import (
-    FORCES,
-    FreeForces,
-    HasForces,
-    TopForces,
-    checked_forces,
-    forces_in_words,
-    with_forces,
-)
+from .forces import FORCES, EnergySink, Force, forces_in_words
 from .frame import checked_frame, turned, turned_matrix
 from .function import NO_STATES
 from .gravity import about_pivot, checked_properties
 from .leading import (
+    ByValue,
     Index,
     Shape,
     Vector,
@@ -41,10 +34,10 @@ from .leading import (
     holds,
     index_of_bodies,
     leading_shape,
-    same,
     taken,
     vector_of,
 )
+from .orbit import Orbit
 from .start import Start, normal
 from .torque import (
     Damping,
@@ -65,23 +58,7 @@ Made = TypeVar("Made")
 _ACTING = ("torque", "damping", *FORCES)
 
 
-@dataclass(frozen=True, slots=True)
-class Field:
-    """A number, or a vector of three, that a scene has in addition to body, torque and damping.
-
-    Attributes
-    ----------
-    width : {1, 3}
-        Number of components of the field.
-    default : tuple of float or None
-        Default value of the field; None if the field is required.
-    """
-
-    width: int = 1
-    default: tuple[float, ...] | None = None
-
-
-class Scene(HasForces, ABC):
+class Scene(ByValue, ABC):
     """A body with its weight, applied torque and damping: the interface of all scenes.
 
     A scene holds many bodies if one of its parts does: ``len(scene)`` is their number, ``scene[i]``
@@ -94,8 +71,9 @@ class Scene(HasForces, ABC):
         Name of the scene in the core, in :data:`SCENES` and in saved files.
     title : str
         The scene in two words; with a hyphen it is the ``kind`` of a map file.
-    fields : mapping of str to Field
-        The scene's own numbers: attributes and keyword arguments of the class.
+    fields : mapping of str to int
+        The scene's own numbers, attributes and keyword arguments of the class, and how many axes
+        those of one body have: 1 of a vector.
     directions : tuple of str
         Directions fixed in space that the equations of motion contain, by their name in
         :attr:`rigid.Plan.carried`: ``"gamma"`` is the upward vertical.
@@ -110,12 +88,16 @@ class Scene(HasForces, ABC):
 
     kind: ClassVar[str]
     title: ClassVar[str]
-    fields: ClassVar[Mapping[str, Field]] = {}
+    fields: ClassVar[Mapping[str, int]] = {}
     directions: ClassVar[tuple[str, ...]] = ()
 
     body: Body
     torque: Torque | None
     damping: Damping | None
+    orbit: Orbit | None = None
+    dissipation: EnergySink | None = None
+    rotor: Vector | Floats | None = None
+    drag: Vector | Floats | None = None
 
     _made: dict[Callable[[Any], Any], Any]
 
@@ -155,8 +137,8 @@ class Scene(HasForces, ABC):
 
     def _shape_of_parts(self) -> Shape:
         shapes = {"moments": self.body.shape}
-        for name, known in self.fields.items():
-            shapes[name] = axes_of(getattr(self, name), int(known.width > 1))
+        for name, axes in self.fields.items():
+            shapes[name] = axes_of(getattr(self, name), axes)
         if self.torque is not None:
             shapes["torque"] = self.torque.shape
         if self.damping is not None:
@@ -181,8 +163,8 @@ class Scene(HasForces, ABC):
             moments, mass = taken(every, 1, shape, index), taken(mass, 0, shape, index)
             body = Body(moments, mass=mass, physical=body.physical)
         own = {
-            name: taken(getattr(self, name), int(known.width > 1), shape, index)
-            for name, known in self.fields.items()
+            name: taken(getattr(self, name), axes, shape, index)
+            for name, axes in self.fields.items()
         }
         torque = None if self.torque is None else self.torque.of(shape, index)
         some = type(self)(body, **own, torque=torque)  # type: ignore[call-arg]
@@ -191,43 +173,27 @@ class Scene(HasForces, ABC):
             damping = taken(self.damping, 2, shape, index)
             known = matrices_of(damping) if np.any(damping) else None
             object.__setattr__(some, "damping", known)
-        further = {force.name: force.of(value, shape, index) for force, value in self.further()}
-        some._set_further(further)
+        for force, value in self.further():
+            object.__setattr__(some, force.name, force.of(value, shape, index))
         return some
 
     def _take(
         self,
-        known: type,
         torque: Torque | None,
         damping: ArrayLike | None,
         frame: ArrayLike | None,
-        further: Mapping[str, Any],
+        **further: Any,
     ) -> None:
         """Take what acts on the body of a new scene; ValueError if the parts do not broadcast."""
         set_field = object.__setattr__  # the dataclass is frozen
         set_field(self, "torque", checked_torque(torque))
-        set_field(self, "_further", checked_forces(known, further))
+        for name, given in further.items():
+            set_field(self, name, None if given is None else FORCES[name].checked(given))
         set_field(self, "damping", None)
         set_field(self, "damping", checked_damping(damping, self._shape_of_parts()))
         self._shape_of_parts()
         if frame is not None:
             self._turn_into_principal_axes(frame)
-
-    def _set_further(self, values: Mapping[str, Any]) -> None:
-        """Take these values of the further forces; None for one that does not act."""
-        further = {name: value for name, value in values.items() if value is not None}
-        object.__setattr__(self, "_further", further)
-
-    def __eq__(self, other: object) -> bool:
-        if type(other) is not type(self):
-            return NotImplemented
-        names = ("body", *self.fields, *_ACTING)
-        return all(same(getattr(self, name), getattr(other, name)) for name in names)
-
-    def __hash__(self) -> int:
-        values = [getattr(self, name) for name in self.fields]
-        own = tuple([value for value in values if not isinstance(value, np.ndarray)])
-        return hash((self.kind, self.body, own, self.torque))
 
     @property
     def forces(self) -> tuple[str, ...]:
@@ -238,12 +204,17 @@ class Scene(HasForces, ABC):
         names = [name for name in ("torque", "damping") if getattr(self, name) is not None]
         if self.torque is not None and self.torque.function is not None:
             names.append("function")
-        return (*names, *self._further)
+        return (*names, *(force.name for force, _ in self.further()))
+
+    def further(self) -> Iterator[tuple[Force[Any], Any]]:
+        """The further forces that act, and their values."""
+        values = ((force, getattr(self, name)) for name, force in FORCES.items())
+        return ((force, value) for force, value in values if value is not None)
 
     @property
     def has_further(self) -> bool:
         """Whether forces act besides an applied torque, damping and a callback."""
-        return bool(self._further)
+        return any(self.further())
 
     @property
     def bounds_rates(self) -> bool:
@@ -296,15 +267,15 @@ class Scene(HasForces, ABC):
     def replaced(self, body: Body, damping: ArrayLike | None, **own: Any) -> Self:
         """The scene with another body, damping, torque, further forces and values of its fields."""
         kept = {name: getattr(self, name) for name in ("torque", *self.fields)}
-        kept.update(self._further)
+        kept.update({force.name: value for force, value in self.further()})
         return type(self)(body, **{**kept, **own}, damping=damping)  # type: ignore[call-arg]
 
     def _turn_into_principal_axes(self, frame: ArrayLike) -> None:
         """Take the vectors of the scene, just made, from the axes of a drawing."""
         back = checked_frame(frame).T
         set_field = object.__setattr__  # the dataclass is frozen
-        for name, known in self.fields.items():
-            if known.width == 3:
+        for name, axes in self.fields.items():
+            if axes:
                 value = getattr(self, name)
                 set_field(self, name, _unit(name, turned(back, np.asarray(value))))
         if self.torque is not None:
@@ -314,17 +285,14 @@ class Scene(HasForces, ABC):
             alike = given == given[..., :1, :1] * np.eye(3)
             if not alike.all():  # the same in all directions stays exactly so
                 set_field(self, "damping", matrices_of(turned_matrix(back, given)))
-        self._set_further(
-            {force.name: force.turned(value, back) for force, value in self.further()}
-        )
+        for force, value in self.further():
+            set_field(self, force.name, force.turned(value, back))
 
     def to_dict(self) -> dict[str, Any]:
         """The scene as a dict of numbers."""
         data: dict[str, Any] = {"kind": self.kind, "body": self.body.to_dict()}
-        for name, known in self.fields.items():
-            value = getattr(self, name)
-            many = isinstance(value, np.ndarray)
-            data[name] = value.tolist() if many else value if known.width == 1 else list(value)
+        for name in self.fields:
+            data[name] = np.asarray(getattr(self, name)).tolist()
         if self.torque is not None:
             data["torque"] = self.torque.to_dict()
         if self.damping is not None:
@@ -361,13 +329,13 @@ class Scene(HasForces, ABC):
         )
         parts = [f"{self.title} ({bodies})" if bodies else self.title]
         parts.append(_body_words(self.body, varied))
-        for name, known in self.fields.items():
+        for name, axes in self.fields.items():
             value = getattr(self, name)
             if isinstance(value, np.ndarray):
                 parts.append(f"{name} of each")
             elif name in varied:
                 parts.append(f"{name} varied")
-            elif known.width == 1:
+            elif not axes:
                 parts.append(f"{name} {_numbers([(name, float(value))], varied)}")
             else:
                 parts.append(f"{name} ({', '.join(f'{part:g}' for part in value)})")
@@ -416,7 +384,6 @@ def _unit(name: str, vectors: Floats) -> Vector | Floats:
     return vector_of(unit_vectors(name, vectors))
 
 
-@with_forces(FreeForces)
 @dataclass(frozen=True, slots=True, init=False, repr=False, eq=False)
 class FreeBody(Scene):
     """A body without weight that turns about its centre of mass.
@@ -436,7 +403,17 @@ class FreeBody(Scene):
         positive semi-definite matrix in body axes. Use ``(0, 0, c)`` to damp only the spin. Axes
         before these count the bodies: ``(n,)``, ``(n, 3)``, ``(n, 3, 3)``. A shape that can be read
         in two ways, such as ``(3,)`` for three bodies, is refused.
-    **further
+    orbit : Orbit, optional
+        The orbit about a planet, whose gravity gradient acts.
+    dissipation : EnergySink, optional
+        Internal dissipation, which drains energy and keeps the angular momentum in space.
+    rotor : array_like, shape (3,) or (..., 3), optional
+        Angular momentum ``h`` (kg m²/s) of a rotor relative to the body, constant in the body: a
+        gyrostat (Zhukovsky 1885, Volterra 1899). The whole momentum is ``I omega + h``. Energies
+        are energies of ``omega``, without the spin energy of the rotor.
+    drag : float or array_like, shape (3,) or (..., 3), optional
+        Quadratic drag: the coefficients ``C`` (N m s²) of the torque ``-|omega| C omega``, one for
+        each body axis or one for all.
     frame : array_like, shape (3, 3), optional
         The axes in which torques in the body, damping and rotor are given, if they are not the
         principal axes: ``axes`` as :meth:`Body.from_tensor` returns them. The scene keeps
@@ -474,9 +451,12 @@ class FreeBody(Scene):
     title: ClassVar[str] = "free body"
 
     body: Body
-    torque: Torque | None = field(default=None, kw_only=True)
-    damping: Damping | None = field(default=None, kw_only=True)
-    _further: dict[str, Any] = field(default_factory=dict, kw_only=True)
+    torque: Torque | None
+    damping: Damping | None
+    orbit: Orbit | None
+    dissipation: EnergySink | None
+    rotor: Vector | Floats | None
+    drag: Vector | Floats | None
 
     def __init__(
         self,
@@ -484,11 +464,15 @@ class FreeBody(Scene):
         *,
         torque: Torque | None = None,
         damping: ArrayLike | None = None,
+        orbit: Orbit | None = None,
+        dissipation: EnergySink | None = None,
+        rotor: ArrayLike | None = None,
+        drag: ArrayLike | None = None,
         frame: ArrayLike | None = None,
-        **further: Unpack[FreeForces],
     ) -> None:
         object.__setattr__(self, "body", check_body(body))  # the dataclass is frozen
-        self._take(FreeForces, torque, damping, frame, further)
+        further = {"orbit": orbit, "dissipation": dissipation, "rotor": rotor, "drag": drag}
+        self._take(torque, damping, frame, **further)
         if frame is not None and not self.forces:
             raise ValueError(
                 "frame: turns the forces of a scene, and there are none; rates and attitudes "
@@ -533,7 +517,6 @@ class FreeBody(Scene):
         return np.zeros(3)
 
 
-@with_forces(TopForces)
 @dataclass(frozen=True, slots=True, init=False, repr=False, eq=False)
 class HeavyTop(Scene):
     """A body that turns about a fixed point under its weight.
@@ -553,7 +536,9 @@ class HeavyTop(Scene):
         Unit vector from the fixed point to the centre of mass in the body. Default ``(0, 0, 1)``.
     torque, damping, frame : optional
         As in :class:`FreeBody`; ``com`` too is given in the frame.
-    **further
+    drag : float or array_like, shape (3,) or (..., 3), optional
+        Quadratic drag: the coefficients ``C`` (N m s²) of the torque ``-|omega| C omega``, one for
+        each body axis or one for all.
 
     Raises
     ------
@@ -575,10 +560,7 @@ class HeavyTop(Scene):
 
     kind: ClassVar[str] = "top"
     title: ClassVar[str] = "heavy top"
-    fields: ClassVar[Mapping[str, Field]] = {
-        "mgl": Field(),
-        "com": Field(width=3, default=(0.0, 0.0, 1.0)),
-    }
+    fields: ClassVar[Mapping[str, int]] = {"mgl": 0, "com": 1}
     directions: ClassVar[tuple[str, ...]] = ("gamma",)
 
     body: Body
@@ -586,7 +568,7 @@ class HeavyTop(Scene):
     com: tuple[float, float, float] | Floats
     torque: Torque | None
     damping: Damping | None
-    _further: dict[str, Any]
+    drag: Vector | Floats | None
 
     def __init__(
         self,
@@ -596,8 +578,8 @@ class HeavyTop(Scene):
         com: ArrayLike = (0.0, 0.0, 1.0),
         torque: Torque | None = None,
         damping: ArrayLike | None = None,
+        drag: ArrayLike | None = None,
         frame: ArrayLike | None = None,
-        **further: Unpack[TopForces],
     ) -> None:
         check_body(body)
         set_field = object.__setattr__  # the dataclass is frozen
@@ -610,7 +592,7 @@ class HeavyTop(Scene):
                 "with com from the fixed point to the centre of mass in m"
             )
         set_field(self, "com", _checked_com(com))
-        self._take(TopForces, torque, damping, frame, further)
+        self._take(torque, damping, frame, drag=drag)
 
     @classmethod
     def from_mass(

@@ -16,7 +16,7 @@ from .._checks.arguments import brief, first_place, numbers, shaped, sorted_time
 from .forces import FORCES
 from .frame import turned
 from .function import NO_STATES, TorqueFunction
-from .leading import Index, Shape, axes_of, frozen, leading_shape, same, taken
+from .leading import ByValue, Index, Shape, axes_of, frozen, leading_shape, taken
 
 Floats = NDArray[np.float64]
 Vector: TypeAlias = tuple[float, float, float]
@@ -27,7 +27,7 @@ NO_EXPONENT: NDArray[np.intc] = np.zeros(1, dtype=np.intc)
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Torque:
+class Torque(ByValue):
     """An applied torque in the body or in space, constant or a table over time, of each body.
 
     Made by :meth:`body`, :meth:`space` and :meth:`call`; torques add.
@@ -75,15 +75,6 @@ class Torque:
         )
         function = None if self.function is None else self.function.of(shape, index)
         return Torque(self.times, _vectors(body), _vectors(space), function)
-
-    def __eq__(self, other: object) -> bool:
-        if not isinstance(other, Torque):
-            return NotImplemented
-        return all(same(getattr(self, name), getattr(other, name)) for name in self.__slots__)
-
-    def __hash__(self) -> int:
-        own = self.shape or (self.in_body, self.in_space)
-        return hash((self.times, own, self.function))
 
     def __repr__(self) -> str:
         if self.shape:

@@ -11,17 +11,23 @@ from numpy.typing import ArrayLike
 
 from .._checks.arguments import brief
 from .._checks.progress import ProgressOption
-from ..maps.request import as_it_is, spec_of
+from ..maps.axes import check_axis_name
+from ..maps.own import own_scene
+from ..maps.sequential import checked_half_width, stop_table
 from ..maps.spec import MapSpec
-from ..maps.vary import make_varied
 from ..model.body import Body
 from ..model.criterion import Criterion
-from ..model.measures import Measure, make_measures
+from ..model.judged import Custom
+from ..model.measures import Measure
 from ..model.mixture import Mixture
-from ..model.scene import Scene
+from ..model.scene import Scene, check_scene
+from ..model.seed import seed_from
 from ..model.start import Noise, Start
 from ..model.time_unit import TimeUnit
 from .result import StabilityMap
+
+ASKED = {*MapSpec.__dataclass_fields__, "rng"} - {"scene", "own", "seed", "version"}
+"""The arguments that a specification has for itself."""
 
 
 def stability_map(
@@ -234,27 +240,8 @@ def stability_map(
     >>> result.plot().get_ylabel()
     'perturbation of the rates (rad/s)'
     """
-    asked = {
-        "axes": axes,
-        "samples": samples,
-        "t_end": t_end,
-        "stable": stable,
-        "start": start,
-        "method": method,
-        "step": step,
-        "check": check,
-        "rng": rng,
-        "max_steps": max_steps,
-        "half_width": half_width,
-        "refine": refine,
-        "budget": budget,
-        "title": title,
-        "time_unit": time_unit,
-        "measure": None if measure is None else make_measures(measure),
-        "vary": None if vary is None else make_varied(vary),
-    }
-    given = {name: value for name, value in asked.items() if value is not None}
-    spec = as_it_is(scene, given) if isinstance(scene, MapSpec) else spec_of(scene, given)
+    given = {name: value for name, value in locals().items() if name in ASKED and value is not None}
+    spec = _as_it_is(scene, given) if isinstance(scene, MapSpec) else _spec_of(scene, given)
     spec = spec.renewed()  # values that a function takes may have changed since it was given
     if part is not None and store is None:
         raise ValueError(f"part = {brief(part)}: needs store=..., the folder of all parts")
@@ -276,3 +263,45 @@ def run_map(spec: MapSpec, **options: Any) -> StabilityMap:
     from .store import run_map  # what stores takes long to import
 
     return run_map(spec, **options)
+
+
+def _as_it_is(spec: MapSpec, given: Mapping[str, Any]) -> MapSpec:
+    """A specification that this version of rigid runs again."""
+    if given:
+        name, value = next(iter(given.items()))
+        field = "seed" if name == "rng" else name
+        raise TypeError(
+            f"{name} = {brief(value)}: the specification has its own; change it by "
+            f"spec.replace({field}=...)"
+        )
+    return spec.replace()
+
+
+def _spec_of(
+    scene: Scene | Body | type[Scene] | Callable[..., Scene], given: dict[str, Any]
+) -> MapSpec:
+    """The specification of a new map, from the arguments that were given."""
+    is_scene = isinstance(scene, type | Scene | Body)
+    if isinstance(given.get("axes"), Mapping):
+        for name in given["axes"] if is_scene else ():
+            check_axis_name(name)  # before what is missing, which would hide a wrong name
+        if "t_end" in given["axes"]:
+            given.setdefault("t_end", 1.0)  # the longest one is taken from the values
+    if isinstance(given.get("stable"), Custom):
+        given.setdefault("t_end", given["stable"].times[-1])
+    missing = [name for name in ("axes", "t_end", "stable") if name not in given]
+    if missing:
+        raise TypeError(f"stability_map() needs {' and '.join(missing)}")
+    if ("samples" in given) == ("half_width" in given):
+        raise TypeError("samples, half_width: give one of the two")
+    if "samples" not in given:
+        given["samples"] = stop_table(checked_half_width(given["half_width"])).last
+    if not is_scene and callable(scene):
+        known, own, given["axes"] = own_scene(scene, given["axes"])
+        given |= {"own": own, "start": given.get("start") or own.default_start(known)}
+    elif isinstance(scene, type) and issubclass(scene, Scene):
+        known = scene.example()
+    else:
+        known = check_scene(scene)
+    given.setdefault("start", known.default_start())
+    return MapSpec(scene=known, seed=seed_from(given.pop("rng", None)), **given)

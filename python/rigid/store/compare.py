@@ -11,9 +11,8 @@ import numpy as np
 from .._checks.arguments import finite_float
 from .._checks.progress import ProgressOption, reporting
 from ..maps.data import COLUMNS, MapData
-from ..maps.identity import head_of, key_of, spec_differences
 from ..maps.job import of_pixels
-from .head import Head
+from .head import Head, spec_differences
 from .result import StabilityMap, load_map
 from .resume import result_of
 from .rows import FIELDS, Block, bins_of, compute, differences, rows_of
@@ -83,7 +82,7 @@ def diff(
     """
     here, there = _map_of(one), _map_of(other)
     specification = spec_differences(here.spec, there.spec)
-    if key_of(head_of(here.spec)) == key_of(head_of(there.spec)):
+    if Head.of(here.spec).key == Head.of(there.spec).key:
         numbers = _bytes(here, there)
         return Difference(same=not numbers, specification=specification, numbers=numbers)
     if here.spec.axes != there.spec.axes:

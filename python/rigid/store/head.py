@@ -1,27 +1,34 @@
-"""The specification of a running map: ``head.json``, written once and never changed."""
+"""The identity of a map: its key, its fingerprint, and ``head.json``, which never changes."""
 
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from .. import _core
 from .._checks.arguments import one_line
-from ..maps.identity import (
-    FORMAT,
-    FORMAT_VERSIONS,
-    LABELS,
-    head_of,
-    key_of,
-    segment_of,
-    spec_differences,
-)
+from ..maps.axes import Axis, axis_letter
+from ..maps.data import COLUMNS, STORED, MapData
 from ..maps.sequential import LOOK
 from ..maps.spec import MapSpec
+
+FORMAT = "rigid running map"
+FORMAT_VERSIONS = (1, 2, 3)
+"""Version 2 is written for maps with measures, whose logs have bins beside the rows. Version 3 is
+written for maps with a function, whose digests include the values that the function uses."""
+
+SEGMENT = 2**20
+"""Most samples of a unit of work in the key of a map, whatever the division of its work."""
+
+
+LABELS = ("title", "time_unit", "version")
+"""Keys of a specification on which no number depends."""
+
 
 UNITS = 1024
 """A map of fewer pixels is divided into about so many units, so that many parts can share it."""
@@ -37,6 +44,12 @@ MOST_BYTES = 2**26
 
 PIXELS_TOGETHER = 2**16
 """Pixels whose starts are made at a time, and kept if the map has no more."""
+
+
+def canonical(value: Any) -> bytes:
+    """JSON with sorted keys and without spaces: equal values are equal bytes."""
+    text = json.dumps(value, sort_keys=True, separators=(",", ":"), allow_nan=False)
+    return text.encode()
 
 
 class StoreError(ValueError):
@@ -60,17 +73,38 @@ class Head:
     @property
     def content(self) -> dict[str, Any]:
         """All of ``head.json``."""
-        return head_of(self.spec, self.segment)
+        spec, build = self.spec, _core.build_info()
+        looks = None
+        if spec.looks is not None:
+            looks = [spec.looks.samples.tolist(), spec.looks.most.tolist()]
+        return {
+            "format": FORMAT,
+            "format_version": 3 if spec.sources else 2 if spec.measure else 1,
+            "spec": spec.to_dict(),
+            "segment": self.segment,
+            "units": self.units,
+            "looks": looks,
+            "columns": [[one.name, one.dtype] for one in COLUMNS if one.reproducible],
+            "version": build["version"],
+            "commit": build.get("commit"),
+        }
 
     @cached_property
     def key(self) -> bytes:
         """BLAKE2b-128 of what the numbers depend on, whatever the division into units."""
-        return key_of(head_of(self.spec))
+        return replace(self, segment=_whole(self.spec)).seal
 
     @cached_property
     def seal(self) -> bytes:
         """As ``key``, with the division that rows are numbered by: the key of digests in logs."""
-        return key_of(self.content)
+        from hashlib import blake2b  # here and below: takes longer to import than this module
+
+        content = self.content
+        for label in ("version", "commit"):
+            del content[label]
+        for label in LABELS:
+            content["spec"].pop(label, None)
+        return blake2b(canonical(content), digest_size=16).digest()
 
     @property
     def units(self) -> int:
@@ -146,13 +180,18 @@ class Head:
             )
 
 
+def _whole(spec: MapSpec) -> int:
+    """Most samples of a unit of work: all of them for a sequential map."""
+    return SEGMENT if spec.looks is None else max(SEGMENT, spec.samples)
+
+
 def divided(spec: MapSpec) -> int:
     """Most samples of a unit of a folder.
 
     Whole pixels are one unit each, unless they are few, or have millions of samples. The looks of a
     pixel depend on those before: it is one unit.
     """
-    segment, whole = _even(spec, UNITS, FEWEST_SAMPLES), segment_of(spec)
+    segment, whole = _even(spec, UNITS, FEWEST_SAMPLES), _whole(spec)
     return segment if spec.looks is None and segment < min(spec.samples, whole) else whole
 
 
@@ -188,3 +227,80 @@ def moment_status(spec: MapSpec) -> NDArray[np.uint8]:
         starts = spec.starting(spec.start.starts[0], index)
         status[index] = starts.status
     return status
+
+
+def fingerprint(data: MapData) -> str:
+    """BLAKE2b-256 of the key and of all reproducible arrays, hexadecimal.
+
+    It depends on neither instruction set, threads, engine nor order. No NaN of any bits but one is
+    in the arrays.
+    """
+    from hashlib import blake2b
+
+    digest = blake2b(Head.of(data.spec).key, digest_size=32)
+    for name, dtype in STORED.items():
+        array = np.ascontiguousarray(getattr(data, name), dtype=dtype.newbyteorder("<"))
+        if array.dtype.kind == "f":
+            array = np.where(np.isnan(array), np.nan, array)
+        digest.update(array.tobytes())
+    for measured in data.measures.values():
+        digest.update(measured.bins.astype("<i8").tobytes())
+    return digest.hexdigest()
+
+
+def receipt(data: MapData) -> dict[str, Any]:
+    """Versions, key and fingerprint of a map; see :meth:`rigid.StabilityMap.receipt`."""
+    return {
+        "spec": data.spec.to_dict(),
+        "key": Head.of(data.spec).key.hex(),
+        "fingerprint": fingerprint(data),
+        "seed": data.spec.seed,
+        "version": data.spec.version,
+        "complete": data.complete,
+        "writers": [dict(writer) for writer in data.writers],
+    }
+
+
+def spec_differences(one: MapSpec, other: MapSpec, *but: str) -> list[str]:
+    """Where two specifications differ, in the words of their files, except in some keys.
+
+    An axis differs in its ends and in the number of its values, before it differs in a value.
+    """
+    described = []
+    for spec, beside in ((one, other), (other, one)):
+        content = {key: value for key, value in spec.to_dict().items() if key not in but}
+        del content["axes"]
+        axes: dict[str, Any] = {}
+        for place, axis in enumerate(spec.axes):
+            twin = beside.axes[place : place + 1]
+            axes[axis_letter(place)] = _axis(axis)
+            if [_axis(theirs) for theirs in twin] == [_axis(axis)]:
+                axes[axis_letter(place)]["values"] = list(axis.values)
+        described.append({**axes, **content})
+    kept, asked = described
+    return _differences(kept, asked)
+
+
+def _axis(axis: Axis) -> dict[str, Any]:
+    ends = {"from": axis.values[0], "to": axis.values[-1]}
+    return {"name": axis.name, **ends, "count": len(axis.values)}
+
+
+def _differences(one: Any, other: Any, path: str = "") -> list[str]:
+    """The paths at which two JSON values differ, with both values, in the order of the first."""
+    if isinstance(one, list) and isinstance(other, list) and len(one) == len(other):
+        one, other = ({f"[{k}]": part for k, part in enumerate(value)} for value in (one, other))
+    if isinstance(one, dict) and isinstance(other, dict):
+        return [
+            text
+            for name in dict.fromkeys((*one, *other))
+            for text in _differences(
+                one.get(name), other.get(name), f"{path}.{name}".lstrip(".").replace(".[", "[")
+            )
+        ]
+    return [] if one == other else [f"{path}: {_short(one)} and {_short(other)}"]
+
+
+def _short(value: Any) -> str:
+    text = json.dumps(value)
+    return text if len(text) <= 60 else f"{text[:57]}..."

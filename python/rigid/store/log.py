@@ -27,8 +27,8 @@ from typing import Any, BinaryIO, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from ..maps.identity import canonical
 from .disk import Buffer, Disk
+from .head import canonical
 from .rows import BIN_ROW, NO_BINS, ROW, Bins, Rows
 
 BLOCK = 512

@@ -20,18 +20,17 @@ from ..maps.counts import counted
 from ..maps.data import CLASSES, MapData
 from ..maps.dataset import map_dataset, map_table, write_zarr
 from ..maps.file import read_map, write_map
-from ..maps.identity import receipt
 from ..maps.plan import map_plan
 from ..maps.plot import SHARE, plot_map
 from ..maps.replay import Replay, replay
-from ..maps.samples import Outcomes, Starts, outcomes, starts
-from ..maps.sensitivity import map_condition
+from ..maps.samples import Outcomes, Starts, condition, outcomes, starts
 from ..maps.spec import MapSpec
 from ..maps.summary import summary
 from ..maps.theory import Theory, disagreement, predict
 from ..model.scene import Scene
 from ..solve.columns import write_table
 from ..solve.plan import Plan
+from .head import receipt
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -426,7 +425,7 @@ class StabilityMap(MapData):
             raise ValueError(
                 f"samples = {brief(count)}: the map has {self.spec.samples} in a pixel"
             )
-        return map_condition(self.spec, count, resolve_threads(threads))
+        return condition(self, count, resolve_threads(threads))
 
     def plot(
         self,

@@ -6,6 +6,7 @@ The values of the measures of a map are bins, some for each unit, beside the row
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -16,7 +17,7 @@ from ..maps.data import COLUMNS
 from ..maps.job import of_pixels, spans, to_core
 from ..maps.measured import BIN
 from ..maps.sequential import Looks
-from ..maps.spec import MapSpec
+from ..maps.spec import MapPart, MapSpec
 from .head import Head, StoreError
 
 _TYPES = {one.name: np.dtype(one.dtype).newbyteorder("<") for one in COLUMNS if one.reproducible}
@@ -129,28 +130,40 @@ def compute(
     pixels, place = np.divmod(units, head.segments)
     first, counts = place * head.segment, head.samples_of(units)
 
-    def columns_of(pixels: Ints, first: int | Ints, count: int) -> Columns | None:
-        """The columns of so many samples of pixels, from the first."""
-        job = to_core(spec, pixels, count, first)
-        return job.run(0, len(pixels) * count, threads, stop)
-
     blocks = []
-    for count in np.unique(counts).tolist():  # the last unit of a pixel may be shorter
-        mine = counts == count
-        if spec.looks is None:
-            columns = columns_of(pixels[mine], first[mine], count)
-        else:
-            columns = _sequential(spec, spec.looks, pixels, columns_of)
-        if columns is None:
-            return None
-        costs = columns["nanoseconds"].astype("<f4")
-        bins = bins_of(units[mine], columns["measures"])
-        blocks.append(Block(rows_of(units[mine], columns), costs, bins))
+    for part, at, own in spec.by_part(pixels):
+        for count in np.unique(counts[at]).tolist():  # the last unit of a pixel may be shorter
+            mine = at[counts[at] == count]
+            of_units = own[counts[at] == count]
+            columns_of = partial(_columns_of, part, threads=threads, stop=stop)
+            if spec.looks is None:
+                columns = columns_of(of_units, first[mine], count)
+            else:
+                columns = _sequential(spec, spec.looks, of_units, columns_of)
+            if columns is None:
+                return None
+            costs = columns["nanoseconds"].astype("<f4")
+            bins = bins_of(units[mine], columns["measures"])
+            blocks.append(Block(rows_of(units[mine], columns), costs, bins))
     if len(blocks) == 1:
         return blocks[0]
     rows, costs, bins = (np.concatenate(parts) for parts in zip(*blocks, strict=True))
     order = np.argsort(rows["unit"], kind="stable")
     return Block(rows[order], costs[order], bins[np.argsort(bins[:, 0], kind="stable")])
+
+
+def _columns_of(
+    part: MapPart,
+    pixels: Ints,
+    first: int | Ints,
+    count: int,
+    *,
+    threads: int,
+    stop: Callable[[], bool] | None,
+) -> Columns | None:
+    """The columns of so many samples of pixels of a part, from the first."""
+    job = to_core(part.spec, pixels, count, first, part.fixed)
+    return job.run(0, len(pixels) * count, threads, stop)
 
 
 def _sequential(

@@ -16,11 +16,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
-from ..maps.identity import canonical
 from ..maps.spec import MapSpec
 from ..model.scene import Scene
 from .disk import DISK, Disk
-from .head import Head, StoreError, divided_in_memory, moment_status
+from .head import Head, StoreError, canonical, divided_in_memory, moment_status
 from .log import LOG_NAME, Found, Log, gone, read_log, utc
 from .rows import Bins, Rows, Table
 

@@ -15,9 +15,8 @@ from numpy.typing import NDArray
 from .._checks.shown import labelled
 from ..maps.data import CLASSES, MapData
 from ..maps.job import to_core
-from ..maps.plan import map_plan
+from ..maps.plan import map_plan, shortened
 from ..maps.refine import refined
-from ..maps.request import shortened
 from ..maps.sequential import LOOK
 from ..maps.spec import MapSpec
 from ..solve.plan import Plan
@@ -253,8 +252,10 @@ def _seconds_of_one(
     def run(count: int, share: float) -> None:
         rng = np.random.default_rng(0)
         some = np.resize(rng.permutation(pixels), count)
-        job = to_core(until(share), some, samples, LOOK * rng.integers(looks, size=count))
-        job.run(0, count * samples, threads)
+        first = LOOK * rng.integers(looks, size=count)
+        for part, mine, own in until(share).by_part(some):
+            job = to_core(part.spec, own, samples, first[mine], part.fixed)
+            job.run(0, len(own) * samples, threads)
 
     share = 1.0 if steps is not None and steps * samples <= QUICK else LEAST_SHARE
     most, few = looks * len(pixels), max(1, FEW // samples)

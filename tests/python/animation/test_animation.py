@@ -189,8 +189,7 @@ def test_the_chart_beside_a_top_is_its_tilt() -> None:
 
 
 def test_the_separatrix_has_the_energy_of_the_middle_axis() -> None:
-    polhode = film_of(run_of(ASYMMETRIC)).polhode
-    assert polhode is not None
+    polhode: Any = film_of(run_of(ASYMMETRIC)).polhode
     moments = np.array(ASYMMETRIC.body.moments)
     assert len(polhode.separatrix) == 2
     for circle in polhode.separatrix:

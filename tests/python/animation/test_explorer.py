@@ -276,8 +276,7 @@ def test_motions_of_the_page_are_those_of_simulate() -> None:
         t,
     )
     for (name, scene), w, q, seen in zip(scenes.items(), omega, attitude, found, strict=True):
-        run = rigid.simulate(scene, w, q, t=t, accuracy=1e-10)
-        assert run.attitude is not None
+        run: Any = rigid.simulate(scene, w, q, t=t, accuracy=1e-10)
         # The page errs by rounding, 1e-16 a step, which grows with the motion as `error` does.
         assert np.abs(np.array(seen["omega"]) - run.omega).max() < 2e-10, name
         assert np.abs(np.array(seen["attitude"]) - run.attitude).max() < 2e-10, name
@@ -320,10 +319,9 @@ def test_bodies_of_every_built_in_map_move_in_the_page(name: str, tmp_path: Path
     for (pixel, sample), seen in zip(bodies, found, strict=True):
         run = result.replay(pixel, sample).run
         scene = scene_of(run) if isinstance(run, rigid.Run) else spec.grid.scene[pixel]
-        truth = rigid.simulate(
+        truth: Any = rigid.simulate(
             scene, omega[pixel, sample], attitude[pixel, sample], t=t, accuracy=1e-10
         )
-        assert truth.attitude is not None
         size = np.abs(truth.omega).max()
         assert np.abs(seen["omega"] - truth.omega).max() < 1e-8 * size
         assert np.abs(seen["attitude"] - truth.attitude).max() < 1e-8
@@ -495,8 +493,7 @@ def test_a_page_says_from_when_on_a_chaotic_motion_is_doubtful() -> None:
     for spin in (2.0, 40.0):
         omega = np.array([0.0, 0.0, spin])
         twins = [omega, omega + 1e-12 * spin * np.array([0.6, -0.64, 0.48])]
-        run = rigid.simulate(top, twins, attitude, t=t, method="taylor26")
-        assert run.attitude is not None
+        run: Any = rigid.simulate(top, twins, attitude, t=t, method="taylor26")
         apart = np.maximum(
             np.linalg.norm(run.omega[1] - run.omega[0], axis=-1) / spin,
             np.linalg.norm(run.attitude[1] - run.attitude[0], axis=-1),
@@ -522,10 +519,9 @@ def test_a_page_says_from_when_on_a_chaotic_motion_is_doubtful() -> None:
 
 @pytest.mark.browser
 @pytest.mark.parametrize(("width", "scheme"), [(1280, "light"), (375, "dark")])
-def test_the_explorer_works_in_a_browser(browser: Any, page: Path, width: int, scheme: str) -> None:
-    opened = Opened(browser, page, width=width, height=800, scheme=scheme)
+def test_the_explorer_works_in_a_browser(opens: Any, page: Path, width: int, scheme: str) -> None:
+    opened = opens(page, width=width, height=800, scheme=scheme, shows=".map[data-ready]")
     shown = opened.page
-    shown.wait_for_selector(".map[data-ready]")
     inks = "new Set(new Uint32Array(document.querySelector('.map').getContext('2d')"
     inks += ".getImageData(0, 0, 300, 200).data.buffer)).size"
     assert shown.evaluate(inks) > 10
@@ -555,23 +551,19 @@ def test_the_explorer_works_in_a_browser(browser: Any, page: Path, width: int, s
     assert len(np.unique(stage.reshape(-1, 3), axis=0)) > 200
     assert len(stage) > 100
     assert shown.evaluate("document.documentElement.scrollWidth") <= width
-    opened.close()
 
 
 @pytest.mark.browser
-def test_the_address_restores_the_view(browser: Any, page: Path) -> None:
-    opened = Opened(browser, page, address="#layer=upper&pixel=1,2&body=3")
-    opened.page.wait_for_selector("canvas.stage")
+def test_the_address_restores_the_view(opens: Any, page: Path) -> None:
+    opened = opens(page, address="#layer=upper&pixel=1,2&body=3", shows="canvas.stage")
     assert opened.page.locator(".python").text_content() == "result.replay(pixel=(1, 2), sample=3)"
     assert opened.page.locator("select.layer").input_value() == "upper"
-    opened.close()
 
 
 @pytest.mark.browser
-def test_the_keyboard_alone_explores_a_map(browser: Any, page: Path) -> None:
-    opened = Opened(browser, page, address="#pixel=2,3")
+def test_the_keyboard_alone_explores_a_map(opens: Any, page: Path) -> None:
+    opened = opens(page, address="#pixel=2,3", shows="canvas.stage")
     shown = opened.page
-    shown.wait_for_selector("canvas.stage")
     shown.locator(".map").focus()
     opened.press("ArrowRight")
     opened.press("ArrowUp")
@@ -596,20 +588,18 @@ def test_the_keyboard_alone_explores_a_map(browser: Any, page: Path) -> None:
     unnamed += " !(one.textContent.trim() && one.tagName == 'BUTTON') && !one.ariaLabel &&"
     unnamed += " !one.labels?.length).map(one => one.outerHTML)"
     assert shown.evaluate(unnamed) == []
-    opened.close()
 
 
 @pytest.mark.browser
-def test_charts_and_layers_are_chosen_and_kept(browser: Any, tmp_path: Path) -> None:
+def test_charts_and_layers_are_chosen_and_kept(opens: Any, tmp_path: Path) -> None:
     result = tops(
         stable=rigid.tilt_between(0.001, 0.5) & rigid.near_start(2.0),
         measure=[rigid.largest_tilt()],
     )
     page = result.explore(tmp_path / "joined.html")
     where = "#layer=largest_tilt(3).mean&chart=1&pixel=1,2&body=0"
-    opened = Opened(browser, page, address=where, width=375, height=800)
+    opened = opens(page, address=where, width=375, height=800, shows="canvas.strip")
     shown = opened.page
-    shown.wait_for_selector("canvas.strip")
     strip = "explorer.player.films[0].chart"
     assert shown.evaluate(f"{strip}.label") == "rotation from the start (°)"
     assert "mean of the pixel" in shown.locator(".legend").text_content()
@@ -618,32 +608,29 @@ def test_charts_and_layers_are_chosen_and_kept(browser: Any, tmp_path: Path) -> 
     opened.settle()
     assert shown.evaluate(f"{strip}.limits") == list(np.rad2deg([0.5, 0.001]))[::-1]
     assert "chart" not in shown.evaluate("location.hash")
-    opened.close()
 
 
 @pytest.mark.browser
 @pytest.mark.parametrize("swapped", [False, True])
 def test_the_chart_is_that_of_the_limit_that_a_body_meets(
-    swapped: bool, browser: Any, tmp_path: Path
+    swapped: bool, opens: Any, tmp_path: Path
 ) -> None:
     """A body of 2 rad/s has turned by 2 rad after 1 s; damping halves its spin after 10 s."""
     parts = [rigid.spin_above(1.0), rigid.near_start(2.0)][:: -1 if swapped else 1]
     body = rigid.FreeBody(rigid.Body((1.0, 1.5, 2.0)), damping=np.diag([0.1, 0.1, 0.2]))
     result = tops(scene=body, axes={"spin": [2.0, 2.1]}, stable=parts[0] & parts[1], start=TURNED)
     assert (result.outcomes(range(4)).left < 2.0).all()
-    opened = Opened(browser, result.explore(tmp_path / "a.html"))
+    opened = opens(result.explore(tmp_path / "a.html"), shows="canvas.stage")
     shown = opened.page
-    shown.wait_for_selector("canvas.stage")
     strip = "explorer.player.films[0].chart"
     assert shown.evaluate(f"{strip}.label") == "rotation from the start (°)"
     shown.locator("select.quantity").select_option("|ω| (rad/s)")
     opened.press("n")  # what the reader has chosen stays
     assert shown.evaluate(f"{strip}.label") == "|ω| (rad/s)"
-    opened.close()
 
 
 @pytest.mark.browser
-def test_times_and_rates_are_those_of_the_clock_of_the_map(browser: Any, tmp_path: Path) -> None:
+def test_times_and_rates_are_those_of_the_clock_of_the_map(opens: Any, tmp_path: Path) -> None:
     result = rigid.stability_map(
         rigid.FreeBody(rigid.Body((1.0, 1.5, 2.0)), orbit=rigid.Orbit(1.0, 0.1)),
         axes={"spin": [1.0, 2.6]},
@@ -654,16 +641,16 @@ def test_times_and_rates_are_those_of_the_clock_of_the_map(browser: Any, tmp_pat
         rng=3,
         time_unit="orbit",
     )
-    opened = Opened(browser, result.explore(tmp_path / "a.html"), address="#pixel=1&body=0")
+    opened = opens(
+        result.explore(tmp_path / "a.html"), address="#pixel=1&body=0", shows="canvas.stage"
+    )
     shown = opened.page
-    shown.wait_for_selector("canvas.stage")
     left = result.outcomes(0, pixel=1).left
     assert f"left at {left / (2.0 * np.pi):.4g} orbits" in shown.locator(".chosen").inner_text()
     assert "spin = 2.6 n" in shown.locator(".chosen").inner_text()
     opened.press("End")
     assert shown.locator("#player output").inner_text() == "t = 2.000 orbits"
     assert "ω (n)" in shown.locator("select.quantity").inner_text()
-    opened.close()
 
 
 @pytest.mark.browser
@@ -680,22 +667,19 @@ def test_a_page_says_what_an_old_browser_lacks(browser: Any, page: Path) -> None
 
 
 @pytest.mark.browser
-def test_films_are_drawn_without_webgl(browser: Any, page: Path) -> None:
+def test_films_are_drawn_without_webgl(opens: Any, page: Path) -> None:
     without = "const got = HTMLCanvasElement.prototype.getContext;"
     without += "HTMLCanvasElement.prototype.getContext = function (kind, ...more) {"
     without += " return kind === 'webgl2' ? null : got.call(this, kind, ...more); };"
-    opened = Opened(browser, page, address="#pixel=1,2&body=3", before=without)
-    opened.page.wait_for_selector("canvas.stage")
+    opened = opens(page, address="#pixel=1,2&body=3", before=without, shows="canvas.stage")
     assert "without WebGL2" in opened.page.locator("#player h2").text_content()
     stage = opened.pixels("canvas.stage")
     assert len(np.unique(stage.reshape(-1, 3), axis=0)) > 50
-    opened.close()
 
 
 @pytest.mark.browser
-def test_a_page_opens_at_the_border_of_stability(browser: Any, page: Path) -> None:
-    opened = Opened(browser, page)
-    opened.page.wait_for_selector("canvas.stage")
+def test_a_page_opens_at_the_border_of_stability(opens: Any, page: Path) -> None:
+    opened = opens(page, shows="canvas.stage")
     share = BOX.share.ravel()
     pairs = [(k, k + 1) for k in range(28) if k % 7 < 6] + [(k, k + 7) for k in range(21)]
     crossed = [pair for pair in pairs if len({share[k] < 0.5 for k in pair}) == 2]
@@ -705,7 +689,6 @@ def test_a_page_opens_at_the_border_of_stability(browser: Any, page: Path) -> No
     opened_at = opened.page.evaluate("explorer.pixel")
     assert far[opened_at] == pytest.approx(min(far.values()))
     assert opened.page.locator(".chosen").text_content().startswith("side b = ")
-    opened.close()
 
 
 DOUBLES = ctypes.POINTER(ctypes.c_double)
@@ -769,16 +752,14 @@ def test_the_copied_python_names_what_no_file_has(
 @pytest.mark.browser
 @pytest.mark.parametrize("pixel", ["2,3", "0,6"])
 def test_the_copied_python_runs_as_it_is(
-    pixel: str, browser: Any, page: Path, tmp_path: Path
+    pixel: str, opens: Any, page: Path, tmp_path: Path
 ) -> None:
     keep = "navigator.clipboard.writeText = async text => { window.copied = text; }"
-    opened = Opened(browser, page, address=f"#pixel={pixel}&body=4", before=keep)
-    opened.page.wait_for_selector("canvas.stage")
+    opened = opens(page, address=f"#pixel={pixel}&body=4", before=keep, shows="canvas.stage")
     opened.page.locator(".copy").click()
     opened.page.wait_for_function("window.copied")
     code = opened.page.evaluate("window.copied")
     start = opened.page.evaluate("explorer.bodies.start(4)")
-    opened.close()
     BOX.save(tmp_path / page.with_suffix(".npz").name)
     done = subprocess.run(
         [
@@ -796,15 +777,13 @@ def test_the_copied_python_runs_as_it_is(
 
 
 @pytest.mark.browser
-def test_the_copied_python_of_a_map_of_chaos_draws_the_growth(browser: Any, tmp_path: Path) -> None:
+def test_the_copied_python_of_a_map_of_chaos_draws_the_growth(opens: Any, tmp_path: Path) -> None:
     result = tops(axes={"spin": [3.0]}, stable=rigid.regular(), samples=1, t_end=50.0)
     keep = "navigator.clipboard.writeText = async text => { window.copied = text; }"
-    opened = Opened(browser, result.explore(tmp_path / "map.html"), before=keep)
-    opened.page.wait_for_selector("canvas.stage")
+    opened = opens(result.explore(tmp_path / "map.html"), before=keep, shows="canvas.stage")
     opened.page.locator(".copy").click()
     opened.page.wait_for_function("window.copied")
     code = opened.page.evaluate("window.copied")
-    opened.close()
     result.save(tmp_path / "map.npz")
     with contextlib.chdir(tmp_path):
         exec(code, {})
@@ -812,10 +791,9 @@ def test_the_copied_python_of_a_map_of_chaos_draws_the_growth(browser: Any, tmp_
 
 
 @pytest.mark.browser
-def test_samples_are_one_stop_of_the_tabulator(browser: Any, page: Path) -> None:
-    opened = Opened(browser, page, address="#pixel=2,3&body=3")
+def test_samples_are_one_stop_of_the_tabulator(opens: Any, page: Path) -> None:
+    opened = opens(page, address="#pixel=2,3&body=3", shows="canvas.stage")
     shown = opened.page
-    shown.wait_for_selector("canvas.stage")
 
     def focused() -> str:
         return str(shown.evaluate("document.activeElement.dataset.sample ?? ''"))
@@ -839,14 +817,12 @@ def test_samples_are_one_stop_of_the_tabulator(browser: Any, page: Path) -> None
     opened.press("Home")
     assert focused() == order[0]
     assert shown.locator(".dots [tabindex='0']").count() == 1
-    opened.close()
 
 
 @pytest.mark.browser
-def test_on_a_phone_a_tap_shows_the_bodies_without_a_jump(browser: Any, page: Path) -> None:
-    opened = Opened(browser, page, width=375, height=720, touch=True)
+def test_on_a_phone_a_tap_shows_the_bodies_without_a_jump(opens: Any, page: Path) -> None:
+    opened = opens(page, width=375, height=720, touch=True, shows="canvas.stage")
     shown = opened.page
-    shown.wait_for_selector("canvas.stage")
     tops = "['.map', '.chosen', '.dots', '#player'].map(n => find(n).getBoundingClientRect().top)"
     places = f"(find => {tops})(name => document.querySelector(name))"
     before = shown.evaluate(places)
@@ -858,13 +834,10 @@ def test_on_a_phone_a_tap_shows_the_bodies_without_a_jump(browser: Any, page: Pa
     assert not shown.locator(".note").is_visible()  # folded
     assert shown.locator(".hint .touch").is_visible()
     assert not shown.locator(".hint .mouse").is_visible()
-    opened.close()
 
 
 @pytest.mark.browser
-def test_a_third_axis_is_chosen_and_has_its_own_lines_of_theory(
-    browser: Any, tmp_path: Path
-) -> None:
+def test_a_third_axis_is_chosen_and_has_its_own_lines_of_theory(opens: Any, tmp_path: Path) -> None:
     """A sleeping top is stable above the spin 2 √(mgl I1) / I3, which the weight moves."""
     result = tops(
         scene=rigid.HeavyTop(rigid.Body((1.0, 1.0, 0.5)), mgl=1.0),
@@ -881,23 +854,20 @@ def test_a_third_axis_is_chosen_and_has_its_own_lines_of_theory(
         spins = unpacked(curve["planes"][plane]).reshape(-1, 2)[:-1, 0]
         # The field is linear in the square of the spin: a chord of h errs by h² / 8 over it.
         np.testing.assert_allclose(spins, 2.0 * np.sqrt(mgl) / 0.5, atol=0.125**2 / 8.0 / 3.0)
-    opened = Opened(browser, page)
+    opened = opens(page, shows="canvas.stage")
     shown = opened.page
-    shown.wait_for_selector("canvas.stage")
     assert shown.locator(".slices select option").all_text_contents() == ["0.75", "1.5"]
     shown.locator(".slices select").select_option("1.5")
     shown.locator(".map").click(position={"x": 300.0, "y": 150.0})
     shown.wait_for_function("explorer.index(explorer.pixel)[0] === 1")
     assert "mgl = 1.5 J" in shown.locator(".chosen").inner_text()
-    opened.close()
 
 
 @pytest.mark.browser
-def test_many_bodies_stand_in_one_row_on_a_phone(browser: Any, tmp_path: Path) -> None:
+def test_many_bodies_stand_in_one_row_on_a_phone(opens: Any, tmp_path: Path) -> None:
     result = tops(samples=40, axes={"spin": [3.0, 4.0]})
-    opened = Opened(browser, result.explore(tmp_path / "a.html"), width=375, height=720)
+    opened = opens(result.explore(tmp_path / "a.html"), width=375, height=720, shows="canvas.stage")
     shown = opened.page
-    shown.wait_for_selector("canvas.stage")
     of_dots = "[...document.querySelectorAll('.dots button')]"
     assert shown.evaluate(f"new Set({of_dots}.map(dot => dot.offsetTop)).size") == 1
     assert shown.evaluate("document.documentElement.scrollWidth") <= 375
@@ -909,13 +879,11 @@ def test_many_bodies_stand_in_one_row_on_a_phone(browser: Any, tmp_path: Path) -
         assert row["x"] <= dot["x"]
         assert dot["x"] + dot["width"] <= row["x"] + row["width"]
         assert shown.evaluate("scrollY") == 0
-    opened.close()
 
 
 @pytest.mark.browser
-def test_fingers_find_targets_of_44_pixels(browser: Any, page: Path) -> None:
-    opened = Opened(browser, page, width=375, height=720, touch=True)
-    opened.page.wait_for_selector("canvas.stage")
+def test_fingers_find_targets_of_44_pixels(opens: Any, page: Path) -> None:
+    opened = opens(page, width=375, height=720, touch=True, shows="canvas.stage")
     small = "[...document.querySelectorAll('button, select, input, summary')].filter(one => {"
     small += " const box = one.getBoundingClientRect();"
     small += (
@@ -924,14 +892,12 @@ def test_fingers_find_targets_of_44_pixels(browser: Any, page: Path) -> None:
     assert opened.page.evaluate(small) == []
     levels = "[...document.querySelectorAll('h1, h2, h3')].map(one => one.tagName).join()"
     assert opened.page.evaluate(levels) == "H1,H2"
-    opened.close()
 
 
 @pytest.mark.browser
-def test_two_fingers_zoom_where_they_are_and_one_moves(browser: Any, page: Path) -> None:
-    opened = Opened(browser, page, width=375, height=720, touch=True)
+def test_two_fingers_zoom_where_they_are_and_one_moves(opens: Any, page: Path) -> None:
+    opened = opens(page, width=375, height=720, touch=True, shows="canvas.stage")
     shown = opened.page
-    shown.wait_for_selector("canvas.stage")
     box = shown.locator(".map").bounding_box()
     driver = shown.context.new_cdp_session(shown)
 
@@ -958,14 +924,12 @@ def test_two_fingers_zoom_where_they_are_and_one_moves(browser: Any, page: Path)
     moved_to = shown.evaluate("explorer.view")
     assert near[0] - moved_to[0] == pytest.approx(30.0 / width * (near[1] - near[0]))
     assert shown.evaluate("explorer.pixel") == chosen
-    opened.close()
 
 
 @pytest.mark.browser
-def test_buttons_zoom_and_a_hint_says_how(browser: Any, page: Path) -> None:
-    opened = Opened(browser, page)
+def test_buttons_zoom_and_a_hint_says_how(opens: Any, page: Path) -> None:
+    opened = opens(page, shows="canvas.stage")
     shown = opened.page
-    shown.wait_for_selector("canvas.stage")
     assert shown.locator(".hint .mouse").inner_text() == (
         "click a pixel · wheel or + − zooms · drag moves"
     )
@@ -979,12 +943,11 @@ def test_buttons_zoom_and_a_hint_says_how(browser: Any, page: Path) -> None:
     assert far[1] - far[0] == pytest.approx(0.7 * (whole[1] - whole[0]))
     shown.locator(".whole").click()
     assert shown.evaluate("explorer.view") == whole
-    opened.close()
 
 
 @pytest.mark.browser
 def test_all_bodies_of_a_pixel_are_counted_and_the_colours_explained(
-    browser: Any, tmp_path: Path
+    opens: Any, tmp_path: Path
 ) -> None:
     result = tops(
         scene=rigid.FreeBody,
@@ -994,9 +957,10 @@ def test_all_bodies_of_a_pixel_are_counted_and_the_colours_explained(
         samples=9,
     )
     assert (result.status[:, 0] > 0).all()  # no body has these moments
-    opened = Opened(browser, result.explore(tmp_path / "a.html", samples=2), address="#pixel=1,2")
+    opened = opens(
+        result.explore(tmp_path / "a.html", samples=2), address="#pixel=1,2", shows="canvas.stage"
+    )
     shown = opened.page
-    shown.wait_for_selector("canvas.stage")
     counts = [
         int(getattr(result, name)[1, 2]) for name in ("stable", "unstable", "undecided", "failed")
     ]
@@ -1013,20 +977,17 @@ def test_all_bodies_of_a_pixel_are_counted_and_the_colours_explained(
     rgb = [tuple(bytes.fromhex(ink[1:])) for ink in colours.OUTCOMES.values()]
     assert shown.evaluate(inks) == [f"rgb{ink}" for ink in rgb]
     assert "no such body" in shown.locator(".legend").inner_text()
-    opened.close()
 
 
 @pytest.mark.browser
-def test_times_of_a_page_are_in_the_unit_of_the_map(browser: Any, tmp_path: Path) -> None:
+def test_times_of_a_page_are_in_the_unit_of_the_map(opens: Any, tmp_path: Path) -> None:
     """Half a second is a beat: twice the number of seconds, at the dots and at the clock."""
     result = tops(axes={"spin": [2.0]}, samples=3, t_end=30.0, time_unit=("beat", 0.5))
     assert result.unstable.sum() == 3
-    opened = Opened(browser, result.explore(tmp_path / "a.html"))
+    opened = opens(result.explore(tmp_path / "a.html"), shows="canvas.stage")
     shown = opened.page
-    shown.wait_for_selector("canvas.stage")
     for dot in shown.locator(".dots button").all():
-        found = re.search(r"left at (\S+) beat", str(dot.get_attribute("title")))
-        assert found is not None
+        found: Any = re.search(r"left at (\S+) beat", str(dot.get_attribute("title")))
         body = result.replay(0, int(str(dot.get_attribute("data-sample"))))
         assert float(found[1]) == pytest.approx(2.0 * body.left, rel=1e-3)
     shown.evaluate("explorer.player.seek(explorer.player.films[0].t.length - 1)")
@@ -1035,16 +996,15 @@ def test_times_of_a_page_are_in_the_unit_of_the_map(browser: Any, tmp_path: Path
 
 
 @pytest.mark.browser
-def test_regular_maps_speak_of_chaos(browser: Any, tmp_path: Path) -> None:
+def test_regular_maps_speak_of_chaos(opens: Any, tmp_path: Path) -> None:
     top = rigid.HeavyTop(rigid.Body((1.0, 1.6, 0.7)), mgl=1.2, com=(0.36, 0.48, 0.8))
     result = tops(
         scene=top, axes={"spin": [2.0, 4.0]}, stable=rigid.regular(), samples=3, t_end=300.0,
         start=rigid.Start(spin=1.0, axis=3, tilt=1.0, noise=rigid.normal(0.3)),
     )  # fmt: skip
     assert result.unstable.sum() > 0
-    opened = Opened(browser, result.explore(tmp_path / "a.html"))
+    opened = opens(result.explore(tmp_path / "a.html"), shows="canvas.stage")
     shown = opened.page
-    shown.wait_for_selector("canvas.stage")
     words = shown.locator("#explorer").inner_text()
     words += "".join(dot.get_attribute("title") for dot in shown.locator(".dots button").all())
     assert "chaotic" in words
@@ -1053,15 +1013,13 @@ def test_regular_maps_speak_of_chaos(browser: Any, tmp_path: Path) -> None:
     assert "share regular" in shown.locator(".legend").inner_text()
     shown.locator("select.layer").select_option("undecided")
     assert "share undecided" in shown.locator(".legend").inner_text()
-    opened.close()
 
 
 @pytest.mark.browser
-def test_an_explorer_follows_the_theme_of_its_page(browser: Any, page: Path) -> None:
+def test_an_explorer_follows_the_theme_of_its_page(opens: Any, page: Path) -> None:
     # The page around sends its theme once the frame is loaded, perhaps before the map is unpacked.
     early = "addEventListener('load', () => postMessage({rigidTheme: 'dark'}, '*'))"
-    opened = Opened(browser, page, before=early)
-    opened.page.wait_for_selector("canvas.stage")
+    opened = opens(page, before=early, shows="canvas.stage")
     opened.settle()
     for selector in (".map", "canvas.stage", ".strip"):
         assert opened.pixels(selector)[2, 2].mean() < 60
@@ -1070,13 +1028,11 @@ def test_an_explorer_follows_the_theme_of_its_page(browser: Any, page: Path) -> 
     opened.settle()
     for selector in (".map", "canvas.stage", ".strip"):
         assert opened.pixels(selector)[2, 2].mean() > 200
-    opened.close()
 
 
 @pytest.mark.browser
-def test_a_map_in_a_notebook_keeps_no_address(browser: Any, tmp_path: Path) -> None:
+def test_a_map_in_a_notebook_keeps_no_address(opens: Any, tmp_path: Path) -> None:
     (tmp_path / "book.html").write_text(BOX.explore(samples=2)._repr_html_(), encoding="utf-8")
-    opened = Opened(browser, tmp_path / "book.html")
+    opened = opens(tmp_path / "book.html")
     frame = opened.page.frames[1]
     frame.wait_for_selector("canvas.stage")
-    opened.close()

@@ -9,7 +9,6 @@ import pytest
 from PIL import Image
 
 import rigid
-from browsers import Opened
 
 pytestmark = pytest.mark.browser
 
@@ -42,11 +41,9 @@ TOPS = rigid.simulate(
     ],
 )
 def test_a_film_is_drawn(
-    run: Any, options: dict[str, Any], scheme: str, browser: Any, tmp_path: Path
+    run: Any, options: dict[str, Any], scheme: str, opens: Any, tmp_path: Path
 ) -> None:
-    opened = Opened(
-        browser, run.animate(tmp_path / "film.html", **options), width=900, scheme=scheme
-    )
+    opened = opens(run.animate(tmp_path / "film.html", **options), width=900, scheme=scheme)
     stages = "player.stages.map(stage => stage.painter.name)"
     assert set(opened.page.evaluate(stages)) == {"WebGL2"}
     pixels = opened.pixels(".holder")
@@ -56,11 +53,10 @@ def test_a_film_is_drawn(
     assert 0.02 < drawn.mean() < 0.7
     opened.press("End")
     assert (np.abs(opened.pixels(".holder") - pixels).max(axis=-1) > 40).mean() > 0.002
-    opened.close()
 
 
-def test_the_clock_shows_the_frame_that_is_due(browser: Any, tmp_path: Path) -> None:
-    opened = Opened(browser, BOX.animate(tmp_path / "film.html"), width=900, scheme="light")
+def test_the_clock_shows_the_frame_that_is_due(opens: Any, tmp_path: Path) -> None:
+    opened = opens(BOX.animate(tmp_path / "film.html"), width=900, scheme="light")
     # Two ticks of a clock of our own, 1.05 s apart: frames are 0.02 s apart.
     frame = opened.page.evaluate(
         "() => { player.play(true); player.last = 0; player.tick(1050); return player.frame; }"
@@ -70,11 +66,10 @@ def test_the_clock_shows_the_frame_that_is_due(browser: Any, tmp_path: Path) -> 
     points = opened.page.evaluate("player.films[0].parts[0].points")
     meant = BOX.rotation()[52].apply(np.reshape(points, (-1, 3)))
     np.testing.assert_allclose(np.reshape(part, (-1, 3)), meant, atol=1e-12)
-    opened.close()
 
 
-def test_keys_move_the_film(browser: Any, tmp_path: Path) -> None:
-    opened = Opened(browser, BOX.animate(tmp_path / "film.html"), width=900, scheme="light")
+def test_keys_move_the_film(opens: Any, tmp_path: Path) -> None:
+    opened = opens(BOX.animate(tmp_path / "film.html"), width=900, scheme="light")
     state = opened.page.evaluate
     assert state("player.playing") is False  # the reader wants less motion
     opened.press("Space")
@@ -105,17 +100,14 @@ def test_keys_move_the_film(browser: Any, tmp_path: Path) -> None:
     assert state("[player.camera.azimuth, player.camera.elevation]") != first
     opened.press("r")
     assert state("[player.camera.azimuth, player.camera.elevation]") == first
-    opened.close()
 
 
 @pytest.mark.parametrize("width", [320, 375])
 @pytest.mark.parametrize(("run", "body"), [(BOX, None), (TOPS, [0, 1])])
 def test_nothing_is_cut_off_on_a_small_screen(
-    run: Any, body: Any, width: int, browser: Any, tmp_path: Path
+    run: Any, body: Any, width: int, opens: Any, tmp_path: Path
 ) -> None:
-    opened = Opened(
-        browser, run.animate(tmp_path / "film.html", body=body), width=width, scheme="light"
-    )
+    opened = opens(run.animate(tmp_path / "film.html", body=body), width=width, scheme="light")
     assert opened.page.evaluate("document.documentElement.scrollWidth") <= width
     for one in opened.page.locator("h1, canvas, footer *:not(option)").all():
         if one.is_visible():
@@ -123,7 +115,6 @@ def test_nothing_is_cut_off_on_a_small_screen(
             assert place["x"] >= 0
             assert place["x"] + place["width"] <= width
             assert place["y"] + place["height"] <= 720
-    opened.close()
 
 
 FRAME = """<!doctype html><meta name="viewport" content="width=device-width">
@@ -135,11 +126,11 @@ iframe { border: 0 }</style><iframe src="film.html"></iframe>"""
 @pytest.mark.parametrize("width", [320, 375, 480, 768])
 @pytest.mark.parametrize("run", [BOX, BOXES, TOPS])
 def test_the_motion_is_seen_in_a_page_of_the_site(
-    run: Any, width: int, browser: Any, tmp_path: Path
+    run: Any, width: int, opens: Any, tmp_path: Path
 ) -> None:
     run.animate(tmp_path / "film.html")
     (tmp_path / "page.html").write_text(FRAME, encoding="utf-8")
-    opened = Opened(browser, tmp_path / "page.html", width=width, height=700)
+    opened = opens(tmp_path / "page.html", width=width, height=700)
     frame = opened.page.frames[1]
     frame.wait_for_function("player.stages.length > 0 && player.shown")
     least = 150 if len(run.omega.shape) == 3 else 200
@@ -159,13 +150,12 @@ def test_the_motion_is_seen_in_a_page_of_the_site(
     picture = opened.page.screenshot(clip=frame.locator(".stages").bounding_box())
     pixels = np.asarray(Image.open(io.BytesIO(picture)).convert("RGB"), dtype=int)
     assert (np.abs(pixels - pixels[2, 2]).max(axis=-1) > 40).mean() > 0.01
-    opened.close()
 
 
-def test_the_film_follows_the_theme_of_its_page(browser: Any, tmp_path: Path) -> None:
+def test_the_film_follows_the_theme_of_its_page(opens: Any, tmp_path: Path) -> None:
     BOX.animate(tmp_path / "film.html")
     (tmp_path / "page.html").write_text(FRAME, encoding="utf-8")
-    opened = Opened(browser, tmp_path / "page.html", width=768, scheme="light")
+    opened = opens(tmp_path / "page.html", width=768, scheme="light")
     frame = opened.page.frames[1]
     frame.wait_for_function("player.stages.length > 0 && player.shown")
 
@@ -190,23 +180,21 @@ def test_the_film_follows_the_theme_of_its_page(browser: Any, tmp_path: Path) ->
     # The page decides, once it has spoken.
     opened.page.emulate_media(color_scheme="dark")
     assert light() == (True, True)
-    opened.close()
 
 
-def test_a_film_alone_follows_the_system(browser: Any, tmp_path: Path) -> None:
-    opened = Opened(browser, BOX.animate(tmp_path / "film.html"), width=900, scheme="light")
+def test_a_film_alone_follows_the_system(opens: Any, tmp_path: Path) -> None:
+    opened = opens(BOX.animate(tmp_path / "film.html"), width=900, scheme="light")
     assert opened.pixels(".holder")[2, 2].mean() > 200
     opened.page.emulate_media(color_scheme="dark")
     opened.settle()
     assert opened.pixels(".holder")[2, 2].mean() < 60
-    opened.close()
 
 
 @pytest.mark.parametrize(("run", "view"), [(BOX, None), (BOX, "poinsot"), (BOXES, None)])
 def test_labels_do_not_lie_on_one_another(
-    run: Any, view: str | None, browser: Any, tmp_path: Path
+    run: Any, view: str | None, opens: Any, tmp_path: Path
 ) -> None:
-    opened = Opened(browser, run.animate(tmp_path / "film.html", view=view), width=900)
+    opened = opens(run.animate(tmp_path / "film.html", view=view), width=900)
     overlaps = opened.page.evaluate(
         """() => {
           let found = 0;
@@ -223,11 +211,10 @@ def test_labels_do_not_lie_on_one_another(
         }"""
     )
     assert overlaps == 0
-    opened.close()
 
 
-def test_the_shadow_of_a_top_lies_under_it(browser: Any, tmp_path: Path) -> None:
-    opened = Opened(browser, TOPS.animate(tmp_path / "film.html", body=0), width=900)
+def test_the_shadow_of_a_top_lies_under_it(opens: Any, tmp_path: Path) -> None:
+    opened = opens(TOPS.animate(tmp_path / "film.html", body=0), width=900)
 
     def seen(grounded: str) -> Any:
         opened.page.evaluate(f"player.films[0].grounded = {grounded}; player.stale = true")
@@ -243,11 +230,10 @@ def test_the_shadow_of_a_top_lies_under_it(browser: Any, tmp_path: Path) -> None
     rows = np.flatnonzero((darker > 60.0).any(axis=1))
     at = opened.page.evaluate("player.stages[0].names[0].top")
     assert rows.min() > at  # all below the label of the vertical
-    opened.close()
 
 
-def test_the_legend_says_what_is_drawn(browser: Any, tmp_path: Path) -> None:
-    opened = Opened(browser, BOX.animate(tmp_path / "film.html"), width=900)
+def test_the_legend_says_what_is_drawn(opens: Any, tmp_path: Path) -> None:
+    opened = opens(BOX.animate(tmp_path / "film.html"), width=900)
     words = opened.page.locator(".meanings").text_content()
     assert "1, 2, 3 principal axes" in words
     for one in ("— path of ω", "ω angular velocity", "L angular momentum"):
@@ -255,11 +241,10 @@ def test_the_legend_says_what_is_drawn(browser: Any, tmp_path: Path) -> None:
     assert opened.page.locator("h1").text_content() == (
         "A box spins at 5 rad/s about its middle axis, and turns over once in 4 s."
     )
-    opened.close()
 
 
-def test_a_picture_and_a_video_are_saved(browser: Any, tmp_path: Path) -> None:
-    opened = Opened(browser, BOXES.animate(tmp_path / "film.html", speed=2.0), width=900)
+def test_a_picture_and_a_video_are_saved(opens: Any, tmp_path: Path) -> None:
+    opened = opens(BOXES.animate(tmp_path / "film.html", speed=2.0), width=900)
     shown = opened.page
     shown.evaluate("player.seek(100)")
     opened.settle()
@@ -284,4 +269,3 @@ def test_a_picture_and_a_video_are_saved(browser: Any, tmp_path: Path) -> None:
     download.value.save_as(tmp_path / "film.video")
     assert (tmp_path / "film.video").stat().st_size > 1000  # more than the header
     assert shown.locator(".video").get_attribute("aria-pressed") == "false"
-    opened.close()

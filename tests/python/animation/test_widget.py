@@ -13,7 +13,6 @@ import numpy as np
 import pytest
 
 import rigid
-from browsers import Opened
 from pages import unpacked
 from rigid.animation.widget import MapWidget
 from rigid.store.zooms import zoomed
@@ -259,7 +258,7 @@ import(SCRIPT).then(async made => {
 class Notebook:
     """A widget in a browser, whose kernel is this process."""
 
-    def __init__(self, browser: Any, widget: MapWidget, folder: Path, **options: Any) -> None:
+    def __init__(self, opens: Any, widget: MapWidget, folder: Path, **options: Any) -> None:
         self.widget = widget
         self.sent: list[dict[str, Any]] = []
         widget.send = self.sent.append
@@ -268,7 +267,7 @@ class Notebook:
         state = json.dumps(json.dumps(self.state())).replace("<", "\\u003c")
         path = folder / "notebook.html"
         path.write_text(STAND_IN.replace("SCRIPT", json.dumps(address)).replace("STATE", state))
-        self.opened = Opened(browser, path, functions={"kernel": self.answer}, **options)
+        self.opened = opens(path, functions={"kernel": self.answer}, **options)
         self.page = self.opened.page
         self.page.wait_for_selector("iframe")
         self.frame = self.page.frames[1]
@@ -289,8 +288,8 @@ class Notebook:
 
 @pytest.mark.browser
 @pytest.mark.parametrize(("width", "scheme"), [(1000, "light"), (375, "dark")])
-def test_the_view_zooms_in_and_back(browser: Any, width: int, scheme: str, tmp_path: Path) -> None:
-    notebook = Notebook(browser, MAP.widget(), tmp_path, width=width, height=760, scheme=scheme)
+def test_the_view_zooms_in_and_back(opens: Any, width: int, scheme: str, tmp_path: Path) -> None:
+    notebook = Notebook(opens, MAP.widget(), tmp_path, width=width, height=760, scheme=scheme)
     frame, page = notebook.frame, notebook.page
     place = frame.locator(".map").bounding_box()
     page.mouse.move(place["x"] + 0.6 * place["width"], place["y"] + 0.4 * place["height"])
@@ -334,29 +333,27 @@ def test_the_view_zooms_in_and_back(browser: Any, width: int, scheme: str, tmp_p
     assert frame.evaluate("explorer.layer.name") == "upper"
     assert frame.evaluate("explorer.player.root.hidden")
     assert frame.locator(".chosen").text_content() == "Click a pixel to see its bodies."
-    notebook.opened.close()
 
 
 @pytest.mark.browser
 def test_the_view_says_why_there_is_no_finer_map(
-    browser: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    opens: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def fail(*_: object) -> None:
         raise ValueError("axes: too fine")
 
     monkeypatch.setattr("rigid.store.zooms.zoomed", fail)
-    notebook = Notebook(browser, MAP.widget(), tmp_path)
+    notebook = Notebook(opens, MAP.widget(), tmp_path)
     notebook.frame.evaluate("explorer.view = [2, 3, -6, -5]; explorer.kept()")
     notebook.frame.wait_for_selector(".said:not(:empty)")
     words = notebook.frame.locator(".said").text_content()
     assert words == "The finer map cannot be computed: axes: too fine"
     assert notebook.frame.evaluate("explorer.map.region") is None
-    notebook.opened.close()
 
 
 @pytest.mark.browser
-def test_a_moved_frame_shows_the_map_and_the_body_again(browser: Any, tmp_path: Path) -> None:
-    notebook = Notebook(browser, MAP.widget(), tmp_path)
+def test_a_moved_frame_shows_the_map_and_the_body_again(opens: Any, tmp_path: Path) -> None:
+    notebook = Notebook(opens, MAP.widget(), tmp_path)
     notebook.frame.evaluate("explorer.view = [2, 6, -6, -3]; explorer.kept()")
     notebook.frame.wait_for_function("explorer.map.region")
     notebook.frame.evaluate("explorer.choose(9, 3)")
@@ -369,12 +366,11 @@ def test_a_moved_frame_shows_the_map_and_the_body_again(browser: Any, tmp_path: 
     # The cell is deleted.
     notebook.page.evaluate("clean()")
     assert notebook.page.evaluate("Object.values(calls).flat().length") == 0
-    notebook.opened.close()
 
 
 @pytest.mark.browser
-def test_a_frame_moved_while_it_zooms_asks_for_the_finer_map(browser: Any, tmp_path: Path) -> None:
-    notebook = Notebook(browser, MAP.widget(), tmp_path)
+def test_a_frame_moved_while_it_zooms_asks_for_the_finer_map(opens: Any, tmp_path: Path) -> None:
+    notebook = Notebook(opens, MAP.widget(), tmp_path)
     notebook.frame.evaluate("explorer.view = [2, 6, -6, -3]; explorer.kept()")
     # The new page is slower than the pause after a zoom of the old one.
     notebook.page.evaluate("""() => {
@@ -388,4 +384,3 @@ def test_a_frame_moved_while_it_zooms_asks_for_the_finer_map(browser: Any, tmp_p
     notebook.page.wait_for_function("el.firstChild.contentWindow.explorer?.map?.region")
     (frame,) = notebook.page.frames[1:]
     assert frame.evaluate("explorer.map.region.view") == [2, 6, -6, -3]
-    notebook.opened.close()

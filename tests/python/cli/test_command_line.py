@@ -115,8 +115,7 @@ def test_a_map_writes_picture_and_data_and_prints_what_was_computed(
         count = int(getattr(result, name).sum())
         assert f"{count} {name} ({count / 90:.2%})" in facts["classes"]
     assert facts["worst"] == "drift none: closed form"
-    theory = result.theory()
-    assert theory is not None
+    theory: Any = result.theory()
     compared = int((~np.isnan(theory.share) & ~np.isnan(result.share)).sum())
     assert compared >= 5
     assert f": {result.disagreement().sum()} of {compared} pixels" in facts["theory"]
@@ -666,8 +665,7 @@ def test_a_map_is_checked_without_a_computation(folder: Path, capsys: Capture) -
 def test_a_check_tells_what_a_map_costs_at_most(folder: Path, capsys: Capture) -> None:
     method = ["--set", "run.method=rk4"]
     assert main(["map", "small.toml", "--check", "--threads", "1", *method]) == 0
-    cost = re.search(r"cost +about (\S+) s on 1 free thread\n", capsys.readouterr().out)
-    assert cost is not None
+    cost: Any = re.search(r"cost +about (\S+) s on 1 free thread\n", capsys.readouterr().out)
     assert float(cost[1]) > 0.0
     assert main(["map", "small.toml", "--check", "--half-width", "0.1", "--threads", "2"]) == 0
     shown = capsys.readouterr().out

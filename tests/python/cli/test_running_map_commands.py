@@ -106,8 +106,7 @@ def test_the_speed_is_that_of_what_this_command_computed(capsys: Capture) -> Non
     assert main(["resume", "run.rigid", QUIET]) == 0
     lines = capsys.readouterr().out.splitlines()
     speed = next(line for line in lines if line.startswith("speed"))
-    found = re.search(r"([\d,]+) of ([\d,]+) bodies in", speed)
-    assert found is not None
+    found: Any = re.search(r"([\d,]+) of ([\d,]+) bodies in", speed)
     every = int(rigid.load_map("run.npz").samples.sum())
     assert [int(number) for number in found.groups()] == [0.75 * every, every]
     assert main(["resume", "run.rigid", "--out", "again", QUIET]) == 0
@@ -189,8 +188,7 @@ def test_a_damaged_map_is_no_finished_one(capsys: Capture) -> None:
     assert "damage      " in capsys.readouterr().out
     assert main(["pack", "run.rigid", "damaged.npz"]) == 75
     told = capsys.readouterr().err
-    found = re.match(r"rigid: (\d+) of (\d+) pixels are stored, nothing is written", told)
-    assert found is not None
+    found: Any = re.match(r"rigid: (\d+) of (\d+) pixels are stored, nothing is written", told)
     assert int(found[1]) < int(found[2]) == possible
     # What is damaged is computed again: the log stays as it is, the map is whole.
     assert main(["resume", "run.rigid", "--out", "again", QUIET]) == 0

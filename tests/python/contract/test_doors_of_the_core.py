@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import rigid
+from refusals import refuses
 from rigid import _core
 from rigid.solve.bodies import bodies_of
 from rigid.solve.request import Request
@@ -183,8 +184,7 @@ REQUEST = Request(
 )
 
 
-@pytest.mark.parametrize(
-    ("changes", "step", "words"),
+test_states_of_an_accuracy_are_refused_where_the_request_does_not_fit = refuses(
     [
         ({}, np.ones(3), r"step: expected shape \(2, "),
         ({"times": np.ones((3, 2))}, None, r"t: expected shape \(2, "),
@@ -194,12 +194,8 @@ REQUEST = Request(
         ({"method": "exact"}, None, "method = 'exact'"),
         ({"strides": [1, 2]}, None, "strides = given: an accuracy is of states at times"),
     ],
+    by=lambda changes, step: _core.solve(replace(REQUEST, **changes), step, 1e-8, True, False),
 )
-def test_states_of_an_accuracy_are_refused_where_the_request_does_not_fit(
-    changes: dict[str, Any], step: Any, words: str
-) -> None:
-    with pytest.raises(ValueError, match=words):
-        _core.solve(replace(REQUEST, **changes), step, 1e-8, True, False)
 
 
 def test_errors_and_distances_are_refused_for_states_of_another_shape() -> None:

@@ -80,6 +80,15 @@ def test_what_is_done_grows_to_the_end(name: str) -> None:
     assert done[-2] > 60
 
 
+def test_runs_that_follow_each_other_share_one_progress() -> None:
+    records: list[rigid.Progress] = []
+    listening = progressing.Listening(records.append, runs=2)
+    with listening:
+        for share in (0.0, 0.5, 0.5, 1.0, 0.5):
+            listening._hear(share)
+    assert [record.done for record in records] == [0, 25, 25, 50, 75, 100]
+
+
 @pytest.mark.parametrize("name", ["steps", "tolerance", "growth", "section", "page"])
 def test_what_a_listener_raises_ends_the_call(name: str) -> None:
     def stop(_: rigid.Progress) -> None:

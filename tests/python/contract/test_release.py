@@ -93,8 +93,9 @@ def test_links_of_pages_that_are_not_on_the_site_lead_somewhere(page: Path) -> N
 
 
 def test_changelog_and_citation_have_the_version_and_its_date() -> None:
-    heading = re.search(r"^## (\S+) \((\S+)\)$", (ROOT / "CHANGELOG.md").read_text(), re.MULTILINE)
-    assert heading is not None
+    heading: Any = re.search(
+        r"^## (\S+) \((\S+)\)$", (ROOT / "CHANGELOG.md").read_text(), re.MULTILINE
+    )
     citation = (ROOT / "CITATION.cff").read_text()
     facts = dict(re.findall(r"^(version|date-released): (\S+)$", citation, re.MULTILINE))
     assert heading[1] == facts["version"] == rigid.__version__
@@ -210,8 +211,7 @@ REGISTRY = "registry+https://github.com/rust-lang/crates.io-index"
 def resolved() -> dict[str, Any]:
     """What cargo resolves for a build on this machine, tests included."""
     host = subprocess.run(["rustc", "-vV"], capture_output=True, text=True, check=True).stdout
-    triple = re.search(r"^host: (.*)$", host, re.MULTILINE)
-    assert triple is not None
+    triple: Any = re.search(r"^host: (.*)$", host, re.MULTILINE)
     command = ["cargo", "metadata", "--locked", "--all-features", "--format-version", "1"]
     command += ["--filter-platform", triple[1]]
     metadata = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True).stdout

@@ -90,8 +90,7 @@ def test_no_module_has_a_colour_of_its_own() -> None:
 
 def test_the_page_of_maps_has_the_colour_map_of_pictures() -> None:
     script = (SOURCES / "animation" / "page" / "map.js").read_text(encoding="utf-8")
-    listed = re.search(r"CIVIDIS = \[(.*?)\]", script)
-    assert listed is not None
+    listed: Any = re.search(r"CIVIDIS = \[(.*?)\]", script)
     stops = re.findall(r"#[0-9a-f]{6}", listed.group(1))
     shades = matplotlib.colormaps[colours.SHARE_MAP](np.linspace(0.0, 1.0, len(stops)))
     for stop, shade in zip(stops, shades, strict=True):
@@ -103,8 +102,7 @@ def test_the_page_of_maps_has_the_colour_map_of_pictures() -> None:
 
 def test_the_pages_of_films_have_the_colours_of_dark_pictures() -> None:
     script = (SOURCES / "animation" / "page" / "vectors.js").read_text(encoding="utf-8")
-    table = re.search(r"ON_DARK = \{(.*?)\}", script, re.DOTALL)
-    assert table is not None
+    table: Any = re.search(r"ON_DARK = \{(.*?)\}", script, re.DOTALL)
     found = dict(re.findall(r'"(#[0-9a-f]{6})": "(#[0-9a-f]{6})"', table.group(1)))
     ax = Figure(facecolor=colours.DARK).add_subplot(facecolor=colours.DARK)
     listed = [*colours.HUES.values(), colours.NEUTRAL, colours.FAINT]

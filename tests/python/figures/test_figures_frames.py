@@ -28,8 +28,7 @@ XYZ = [ink.colour for ink in colours.AXES]
 
 def test_a_point_is_at_the_sum_of_origin_and_relative_position() -> None:
     point = np.array([0.5, -0.9, 0.3])
-    data = figures.frames(ANGLES, origin=[1.0, 2.0, 3.0], point=point)
-    assert data.relative is not None
+    data: Any = figures.frames(ANGLES, origin=[1.0, 2.0, 3.0], point=point)
     assert data.position is not None
     np.testing.assert_allclose(data.position, data.origin + data.relative, rtol=0, atol=1e-15)
     np.testing.assert_allclose(data.body @ data.relative, point, rtol=0, atol=1e-15)
@@ -228,8 +227,7 @@ def test_velocities_are_drawn_to_one_scale() -> None:
 def test_a_block_shows_the_body_of_the_points() -> None:
     data = figures.rotating_body([[0.5, -1.0, 0.2]], [0.0, 0.0, 3.0], sides=(1.0, 2.0, 0.4))
     ax = drawn(data)
-    faces = data.faces
-    assert faces is not None
+    faces: Any = data.faces
     assert artist(ax, "faces") is not None
     corners = {tuple(corner) for corner in faces.reshape(-1, 3).round(12).tolist()}
     assert corners == {(x, y, z) for x in (-0.5, 0.5) for y in (-1.0, 1.0) for z in (-0.2, 0.2)}

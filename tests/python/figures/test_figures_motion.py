@@ -5,7 +5,6 @@ from typing import Any
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
 import rigid
 from figure_cases import (
@@ -28,8 +27,6 @@ from figure_cases import (
 from processes import python_process
 from refusals import refuses
 from rigid import figures, top
-
-Floats = NDArray[np.float64]
 
 
 def wrong(value: Any) -> Any:
@@ -59,8 +56,7 @@ def test_the_path_moves_in_the_well() -> None:
     # E' - V'(theta) = ½ I1 theta'² along the motion; theta' from the rates across the axis.
     omega = omega_of("loop")
     data = figures.effective_potential(TOP, omega, TILTED, samples=20001)
-    run = rigid.simulate(TOP, omega, TILTED, t=np.linspace(0.0, 6.0, 400), record="axis")
-    assert run.gamma is not None
+    run: Any = rigid.simulate(TOP, omega, TILTED, t=np.linspace(0.0, 6.0, 400), record="axis")
     u_rate = np.cross(run.gamma, run.omega)[:, 2]
     sine = np.hypot(run.gamma[:, 0], run.gamma[:, 1])
     tilt = np.arctan2(sine, run.gamma[:, 2])
@@ -116,28 +112,12 @@ def test_roots_of_the_cubic(name: str) -> None:
     assert (data.f_allowed >= -1e-13).all()
     outside = (data.near < data.roots[0]) | (data.near > data.roots[1])
     assert (data.f_near[outside] < 0.0).all()
-    known = top.heavy_constants(TOP, omega_of(name), TILTED)
-    assert known.a is not None
-    assert known.b is not None
+    known: Any = top.heavy_constants(TOP, omega_of(name), TILTED)
     assert data.still == pytest.approx(float(known.a / known.b))
     # f is lowest where it has to be: f(±1) = -(a ∓ b)².
     ends = np.interp([1.0, -1.0], data.u, data.f)
     expected = [-((known.a - known.b) ** 2), -((known.a + known.b) ** 2)]
     np.testing.assert_allclose(ends, expected, atol=2e-3 * np.abs(data.f).max())
-
-
-def test_the_height_of_a_path_obeys_the_cubic() -> None:
-    omega = omega_of("loop")
-    data = figures.cubic(TOP, omega, TILTED, samples=4001)
-    run = rigid.simulate(TOP, omega, TILTED, t=np.linspace(0.0, 6.0, 300), record="axis")
-    assert run.gamma is not None
-    u_rate = np.cross(run.gamma, run.omega)[:, 2]
-    seen = np.interp(run.gamma[:, 2], data.allowed, data.f_allowed)
-    np.testing.assert_allclose(seen, u_rate**2, atol=1e-6)
-    # The precession reverses at a/b: the loop's phi' has its sign.
-    phi = np.gradient(np.unwrap(top.locus(TOP, omega, TILTED, t=run.t).phi), run.t)
-    apart = np.abs(run.gamma[:, 2] - data.still) > 0.01
-    np.testing.assert_array_equal((phi > 0.0)[apart], (run.gamma[:, 2] < data.still)[apart])
 
 
 def test_the_picture_of_the_cubic_carries_its_numbers() -> None:
@@ -208,10 +188,8 @@ def test_an_upright_top_sleeps_where_f_is_negative() -> None:
 
 @pytest.mark.parametrize("name", STARTS)
 def test_the_axis_stays_between_its_circles_and_touches_them(name: str) -> None:
-    data = figures.locus(TOP, omega_of(name), TILTED)
+    data: Any = figures.locus(TOP, omega_of(name), TILTED)
     assert data.kind == name.split()[0]
-    assert data.theta_upper is not None
-    assert data.theta_lower is not None
     assert np.cos(data.theta_lower) == pytest.approx(STARTS[name][2], abs=2e-11)
     assert data.theta.min() > data.theta_upper - 1e-12
     assert data.theta.max() < data.theta_lower + 1e-12
@@ -273,26 +251,6 @@ def test_tops_without_circles_are_drawn_for_given_times() -> None:
 
 
 # Cycloids
-
-
-def test_fast_tops_come_near_cycloids() -> None:
-    coarse, fine = (figures.cycloids(TOP, 1.0, spin, periods=2.0) for spin in (20.0, 40.0))
-    assert coarse.kind.tolist() == ["monotone", "cusp", "loop"]
-    np.testing.assert_allclose(coarse.precession, [0.05, 0.0, -0.1], rtol=1e-14)
-    errors = []
-    for data in (coarse, fine):
-        np.testing.assert_allclose(data.theta[:, 0], 1.0, rtol=1e-14)
-        rate = np.diff(data.phi[:, :2], axis=1)[:, 0] / data.t[1]
-        np.testing.assert_allclose(rate, data.precession, atol=1e-4)
-        width = np.ptp(data.theta_approx, axis=1)
-        errors.append(np.abs(data.theta - data.theta_approx).max(axis=1) / width)
-        # phi' never reverses, stands still, reverses.
-        slowest = np.diff(data.phi, axis=1).min(axis=1) / np.diff(data.phi, axis=1).max(axis=1)
-        assert slowest[0] > 0.2
-        assert abs(slowest[1]) < 0.01
-        assert slowest[2] < -0.2
-    # The error is of second order in 1 / spin, for a given number of nutations (D-38).
-    np.testing.assert_allclose(errors[0] / errors[1], 4.0, rtol=0.1)
 
 
 def test_any_axis_may_be_that_of_a_cycloid() -> None:

@@ -132,6 +132,7 @@ def test_the_kinetic_energy_changes_by_the_power() -> None:
         t = np.linspace(0.0, 2.0, count)
         run = rigid.simulate(scene, [0.2, 0.1, 5.0], tilted(1.0), t=t, method="dop853", step=2.5e-3)
         balance = free.power_balance(run)
+        assert balance.residual.shape == balance.power.shape == (count,)
         left.append(np.abs(balance.residual[5:-5]).max())
         assert np.abs(balance.power).max() > 0.1
     # Differences of second order.

@@ -8,6 +8,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import rigid
+from refusals import refuses
 from rigid import free
 
 Pair = tuple[float, float]
@@ -138,8 +139,7 @@ def test_motions_without_two_periods_have_no_mode() -> None:
     assert free.spin_periods((1.0, 2.0, 3.0), (0.0, 0.0, 2.0)).energy == 1.0
 
 
-@pytest.mark.parametrize(
-    ("moments", "periods", "mode", "message"),
+test_what_no_motion_has_is_refused = refuses(
     [
         ((1.0, 2.0, 3.0), (1.0, 2.0), "NPA", "mode = 'NPA': must be one of 'SAM', 'LAM'"),
         ((1.0, 2.0, 3.0), (0.0, 2.0), "SAM", "precession.*positive"),
@@ -149,12 +149,10 @@ def test_motions_without_two_periods_have_no_mode() -> None:
         ((1.0, 2.0, 3.0), (1.0, 0.73), "LAM", "rotation / precession = 0.73: must be above 0.732"),
         ((1.0, 2.0, 3.0), (1.0, 1e5), "SAM", "rotation / precession = 100000.0: .*separatrix"),
     ],
+    by=lambda moments, periods, mode: free.spin_state(
+        moments, precession=periods[0], rotation=periods[1], mode=mode
+    ),
 )
-def test_what_no_motion_has_is_refused(
-    moments: Any, periods: Pair, mode: str, message: str
-) -> None:
-    with pytest.raises(ValueError, match=message):
-        free.spin_state(moments, precession=periods[0], rotation=periods[1], mode=mode)
 
 
 # Loss of energy over ages: the averaged motion against integrations and a closed form
@@ -286,8 +284,7 @@ def test_toutatis_is_damped_later_than_its_age() -> None:
     assert found.states.mode.tolist() == ["LAM"] * 3  # type: ignore[union-attr]
 
 
-@pytest.mark.parametrize(
-    ("omega", "t", "sink", "error", "message"),
+test_what_does_not_relax_is_refused = refuses(
     [
         ([0.0, 0.0, 1.0], [1.0], 0.1, ValueError, r"omega = \[0.0, 0.0, 1.0\].*does not nutate"),
         ([0.0, 1.0, 0.0], [1.0], 0.1, ValueError, "does not nutate"),
@@ -302,12 +299,8 @@ def test_toutatis_is_damped_later_than_its_age() -> None:
         ),
         ([[0.1, 0.0, 1.0]], [1.0], 0.1, ValueError, r"shape \(3,\), \(1, 3\): one body at a time"),
     ],
+    by=lambda omega, t, sink: free.relaxation((1.0, 2.0, 2.5), omega, t, rigid.EnergySink(sink)),
 )
-def test_what_does_not_relax_is_refused(
-    omega: Any, t: Any, sink: Any, error: type[Exception], message: str
-) -> None:
-    with pytest.raises(error, match=message):
-        free.relaxation((1.0, 2.0, 2.5), omega, t, rigid.EnergySink(sink))
 
 
 def test_arguments_of_damping_are_checked() -> None:

@@ -10,7 +10,6 @@ from scipy.integrate import solve_ivp
 import rigid
 from printed_text import unwrapped
 from rigid.cli import main
-from rigid.literature import asteroids
 from rigid.literature.entry import Entry
 from rigid.literature.heavy_tops import goryachev_chaplygin_change, kovalevskaya_change
 from rigid.literature.spin_orbit import HYPERION, about_normal, growing_states, in_orbits
@@ -102,7 +101,8 @@ def test_what_differs_without_a_reason_is_found(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     wrong = replace(ENTRIES["toutatis-precession"], value=7.50)
-    monkeypatch.setattr(asteroids, "ENTRIES", (wrong, ENTRIES["toutatis-rotation"]))
+    both = (wrong, ENTRIES["toutatis-rotation"])
+    monkeypatch.setattr("rigid.literature.validation.entries", lambda: both)
     names = ["toutatis-rotation", "toutatis-precession"]
     found = rigid.validation(names, progress=False)
     assert [row.entry.name for row in found.rows] == names

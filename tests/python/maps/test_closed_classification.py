@@ -46,8 +46,7 @@ def judged(
         t_end=t_end,
         step=STEP,
     )
-    counted = job.run(0, len(scenes), 2)
-    assert counted is not None
+    counted: Any = job.run(0, len(scenes), 2)
     assert not counted["failed"].any()
     names = ("stable", "undecided", "exact", "steps", "earliest")
     return Verdicts(job, *(counted[name] for name in names))

@@ -5,6 +5,7 @@ import pytest
 from scipy.special import betaincinv
 from scipy.stats import binom, binomtest
 
+from refusals import refuses
 from rigid import _core
 from rigid.maps.data import CONFIDENCE, interval
 from small_maps import Floats
@@ -120,8 +121,7 @@ def test_other_levels_are_those_asked_for() -> None:
     assert binom.cdf(5, 64, upper[0]) == pytest.approx(0.0175, rel=1e-12)
 
 
-@pytest.mark.parametrize(
-    ("successes", "trials", "confidence", "message"),
+test_counts_that_cannot_be_have_no_interval = refuses(
     [
         ([2], [1], 0.95, "successes = 2 of 1: must be at most the trials"),
         ([-1], [1], 0.95, "successes = -1: must not be negative"),
@@ -131,9 +131,7 @@ def test_other_levels_are_those_asked_for() -> None:
         ([1], [2], np.nan, "confidence = NaN: must lie between 0 and 1"),
         ([1, 1], [2], 0.95, r"trials: expected shape \(2, ...\), got \(1, ...\)"),
     ],
+    by=lambda successes, trials, confidence: _core.clopper_pearson(
+        np.array(successes), np.array(trials), confidence
+    ),
 )
-def test_counts_that_cannot_be_have_no_interval(
-    successes: list[int], trials: list[int], confidence: float, message: str
-) -> None:
-    with pytest.raises(ValueError, match=message):
-        _core.clopper_pearson(np.array(successes), np.array(trials), confidence)

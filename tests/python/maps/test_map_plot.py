@@ -125,8 +125,7 @@ def test_labels_say_what_stable_means_and_until_when() -> None:
     assert title.splitlines()[0] == "My map"
     assert "stable: no flip about axis 2 until t = 20 s" in title
     assert "20 bodies per pixel" in title
-    figure = ax.figure
-    assert figure is not None
+    figure: Any = ax.figure
     (bar,) = (one for one in figure.axes if one is not ax)
     assert bar.get_ylabel() == "share stable until t = 20 s"
 
@@ -325,8 +324,7 @@ def test_a_line_has_its_interval_as_a_band() -> None:
     for x, lower, upper in zip(result.spec.axes[0].values, result.lower, result.upper, strict=True):
         heights: Floats = outline[outline[:, 0] == x, 1]
         assert (heights.min(), heights.max()) == (lower, upper)
-    theory = result.theory()
-    assert theory is not None
+    theory: Any = result.theory()
     line = next(line for line in ax.lines if line.get_label() == "theory")
     np.testing.assert_array_equal(line.get_ydata(), theory.share)
     assert legend_of(ax) == ["share", "95 % interval", "theory"]

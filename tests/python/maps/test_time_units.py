@@ -55,8 +55,9 @@ def test_words_and_pictures_show_times_in_the_unit(unit: Any, seconds: float, wo
     assert f"until t = {words}" in result.summary()
     assert f"until t = {words}" in result.plot().get_title(loc="left").replace("\n", " ")
     # An exponent times a unit of time is a pure number.
-    told = re.search(rf"exponents +largest (\S+)/{name}; none below (\S+)/{name}", result.summary())
-    assert told is not None
+    told: Any = re.search(
+        rf"exponents +largest (\S+)/{name}; none below (\S+)/{name}", result.summary()
+    )
     largest = np.nanmax(result.largest_exponent)
     assert float(told[1]) == pytest.approx(largest * seconds, rel=5e-3)
     assert float(told[2]) == pytest.approx(10.0 / result.spec.t_end * seconds, rel=5e-3)
@@ -114,8 +115,7 @@ def test_measures_of_times_are_shown_in_the_unit() -> None:
     known = ~np.isnan(measured.mean)
     assert known.any()
     assert drawn.lines[0].get_ydata()[known] == pytest.approx(measured.mean[known] / DAY, rel=1e-15)
-    mean = re.search(r"time_to_leave: mean (\S+) d,", result.summary())
-    assert mean is not None
+    mean: Any = re.search(r"time_to_leave: mean (\S+) d,", result.summary())
     assert float(mean[1]) == pytest.approx(measured.totals()[1] / DAY, rel=1e-3)
 
 

@@ -211,10 +211,11 @@ def test_chaotic_tops_seldom_err_by_more_than_is_stated() -> None:
 @pytest.mark.parametrize("accuracy", [1e-4, 1e-7, 1e-10])
 @pytest.mark.parametrize("method", ["pmlf6", "rk4", "dop853"])
 def test_the_plan_of_a_run_has_the_step_that_was_made(method: str, accuracy: float) -> None:
-    run = rigid.simulate(TOP_ASKED, [0.5, 0.4, 2.0], t=[10.0], accuracy=accuracy, method=method)
+    run: Any = rigid.simulate(
+        TOP_ASKED, [0.5, 0.4, 2.0], t=[10.0], accuracy=accuracy, method=method
+    )
     assert run.plan.step == 10.0 / run.steps
     assert run.plan.steps == run.steps
-    assert run.plan.step is not None
     # The quotient is rounded: a step that is shorter by it would make one step more.
     step = run.plan.step * (1.0 + 1e-15)
     again = rigid.simulate(TOP_ASKED, [0.5, 0.4, 2.0], t=[10.0], method=run.plan.method, step=step)
@@ -237,19 +238,6 @@ def test_free_motions_and_kicks_err_in_proportion_to_the_weight_over_the_spin(me
         run = rigid.simulate(TOP_ASKED, cloud(spin, 32), step=0.5 / spin, check=False, **options)
         errors.append(float(np.median(true_errors(run))))
     assert errors[0] / errors[1] == pytest.approx(16.0, rel=0.3)
-
-
-def test_rounding_of_a_steady_spin_does_not_grow_with_its_steps() -> None:
-    """In closed form the gyrostat turns about its axis 3 by 2 rad a second."""
-    scene = rigid.FreeBody(rigid.Body((1.0, 1.1, 1.2)), rotor=(0.0, 0.0, 0.3))
-    run = rigid.simulate(scene, [0.0, 0.0, 2.0], t=[12566.0], accuracy=1e-8)
-    assert run.attitude is not None
-    turned = np.array([np.cos(12566.0), 0.0, 0.0, np.sin(12566.0)])
-    true = 2.0 * min(np.linalg.norm(run.attitude[0] + sign * turned) for sign in (1.0, -1.0))
-    assert true < run.error < 1e-8
-    assert run.status == rigid.Status.OK
-    again = run.at([12566.0])
-    assert again.omega.tobytes() == run.omega.tobytes()
 
 
 def test_the_remedy_of_a_lost_top_is_an_earlier_end() -> None:
@@ -315,10 +303,9 @@ def test_a_steady_spin_of_twenty_thousand_radians_is_accurate(name: str) -> None
     """Rounding of equal steps, all alike, exceeds the accuracy; a series does not add it up."""
     scene, acceleration = STEADY[name]
     t = 12566.0
-    run = rigid.simulate(scene, [0.0, 0.0, 2.0], t=[t], accuracy=1e-8)
+    run: Any = rigid.simulate(scene, [0.0, 0.0, 2.0], t=[t], accuracy=1e-8)
     half = t + 0.25 * acceleration * t * t
     turn = np.array([np.cos(half), 0.0, 0.0, np.sin(half)])
-    assert run.attitude is not None
     apart = 2.0 * min(
         np.linalg.norm(run.attitude[0] - turn), np.linalg.norm(run.attitude[0] + turn)
     )

@@ -54,8 +54,7 @@ def test_a_needle_moves_as_it_must_whatever_its_ratio(ratio: float, axis: int, m
     scene = rigid.FreeBody(rigid.Body(moments))
     omega, attitude = np.array([0.3, -0.7, 0.2]), np.array([0.1, 0.7, -0.5, 0.5])
     t = [0.0, 1.0, 10.0]
-    truth = quad_motion.motion(scene, omega, attitude, t)
-    assert truth is not None
+    truth: Any = quad_motion.motion(scene, omega, attitude, t)
     run = rigid.simulate(scene, omega, attitude, t=t, method=method, accuracy=1e-10)
     assert not run.flagged
     assert truth.rates_off(run.omega).max() <= 1e-10
@@ -64,8 +63,7 @@ def test_a_needle_moves_as_it_must_whatever_its_ratio(ratio: float, axis: int, m
 
 def true_error(scene: Scene, run: rigid.Run, omega: Any, attitude: Any) -> float:
     """Of the rates relative to the fastest of them, of vertical and attitude in rad."""
-    truth = quad_motion.motion(scene, omega, attitude, run.t)
-    assert truth is not None
+    truth: Any = quad_motion.motion(scene, omega, attitude, run.t)
     fastest = float(np.linalg.norm(truth.omega, axis=-1).max())
     off = [truth.rates_off(run.omega).max() / fastest]
     if run.gamma is not None:
@@ -188,8 +186,7 @@ def test_a_run_is_lost_before_its_wrong_rates_are_as_large_as_later_ones() -> No
     t = np.geomspace(0.84, 246.0, 14)
     options: dict[str, Any] = {"method": "taylor12", "tolerance": 5.38982853434088e-06}
     run = rigid.simulate(top, [0.0] * 3, attitude, t=t, **options)
-    truth = quad_motion.motion(top, [0.0] * 3, attitude, t)
-    assert truth is not None
+    truth: Any = quad_motion.motion(top, [0.0] * 3, attitude, t)
     off = truth.rates_off(run.omega) / np.linalg.norm(truth.omega, axis=-1).max()
     assert (off >= 1.0).any()
     assert np.all(off[t < run.lost_from] < 1.0)
@@ -360,10 +357,8 @@ def test_the_truth_agrees_with_a_series_in_128_bits() -> None:
         (layer.scene, layer.omega, layer.attitude, layer.t),
         (top, [0.4, 1.0, -0.3], [0.5, -0.3, 0.7, 0.4], [0.5, 4.0]),
     ):
-        truth = stiff_motion.motion(scene, omega, attitude, t)
-        series = quad_motion.motion(scene, omega, attitude, t, limit=20000)
-        assert truth is not None
-        assert series is not None
+        truth: Any = stiff_motion.motion(scene, omega, attitude, t)
+        series: Any = quad_motion.motion(scene, omega, attitude, t, limit=20000)
         # The collocation keeps about the square of its tolerance of 1e-12, in numbers of 1e-19.
         np.testing.assert_allclose(truth.high[:, :7], series.high[:, :7], rtol=0.0, atol=1e-15)
 
@@ -419,8 +414,7 @@ def test_the_truth_agrees_with_a_fine_integration_of_the_printed_equations(name:
     plane = name == "pendulum"
     omega = np.zeros(3) if plane else np.array([0.4, 1.0, -0.3])
     attitude = np.array([0.8, 0.6, 0.0, 0.0]) if plane else np.array([0.5, -0.3, 0.7, 0.4])
-    truth = quad_motion.motion(scene, omega, attitude, times)
-    assert truth is not None
+    truth: Any = quad_motion.motion(scene, omega, attitude, times)
     acting = called if name == "function" else None
     rates, matrices = solved(scene, omega, attitude, times, acting)
     # DOP853 keeps 1e-13 in each of some hundred steps.
@@ -576,8 +570,7 @@ def test_the_work_of_strong_damping_converges_more_slowly_than_the_rates() -> No
     for tolerance in (1e-13, 7e-14, 3e-14, 1e-14):
         options: dict[str, Any] = {"method": "taylor16", "tolerance": tolerance}
         run = rigid.simulate(scene, omega, t=t, **options)
-        truth = quad_motion.motion(scene, omega, [1.0, 0.0, 0.0, 0.0], t)
-        assert truth is not None
+        truth: Any = quad_motion.motion(scene, omega, [1.0, 0.0, 0.0, 0.0], t)
         # The rates never exceed those of the start with the energy about the least moment.
         energy = 0.5 * float(omega @ (np.array(moments) * omega))
         assert truth.work_off(present(run.work)).max() / energy <= run.error

@@ -208,10 +208,3 @@ def test_a_run_ends_when_the_body_is_slow(way: str) -> None:
 def test_a_speed_is_positive(value: float) -> None:
     with pytest.raises(ValueError, match=f"value = {value}: never crossed; a speed is positive"):
         rigid.crosses("speed", value)
-
-
-def test_events_are_refused_backward_in_time() -> None:
-    with pytest.raises(ValueError, match="t = -12: events are found forward in time, from t = 0"):
-        rigid.simulate(
-            MOTIONS["free"].scene, [0.1, 0.2, 1.0], t=[-12.0, 0.0], events=rigid.crosses("L2", 0.1)
-        )

@@ -159,41 +159,6 @@ def test_the_tilt_of_a_lagrange_top_is_that_of_its_closed_form() -> None:
     np.testing.assert_allclose(largest.tilt(), motion.tilt_max, rtol=1e-12)
 
 
-def test_a_constant_torque_in_space_changes_the_momentum_evenly() -> None:
-    # I omega in space is L(0) + t M: it reaches a value at a time that is known.
-    torque = np.array([0.3, -0.2, 0.1])
-    scene = rigid.FreeBody(rigid.Body(MOMENTS), torque=rigid.Torque.space(tuple(torque)))
-    start = [0.4, 0.5, -0.6]
-    momentum = quaternion_to_matrix(TILTED) @ (np.array(MOMENTS) * start)
-    along = np.array([1.0, -2.0, 0.5])
-    run = rigid.simulate(
-        scene,
-        start,
-        TILTED,
-        t=[0.0, 12.0],
-        events=[
-            *(rigid.crosses(f"L{k + 1}", momentum[k] + 10.0 * torque[k]) for k in range(3)),
-            rigid.crosses(momentum=along, value=float(along @ (momentum + 7.0 * torque))),
-        ],
-    )
-    assert run.plan.method in [method.name for method in rigid.methods() if method.series]
-    for event, expected in zip(run.events, (10.0, 10.0, 10.0, 7.0), strict=True):
-        assert len(event) == 1
-        assert bool(event.complete)
-        np.testing.assert_allclose(event.t, expected, rtol=1e-12)
-        assert (np.abs(event.t - expected) <= event.error).all()
-    np.testing.assert_allclose([one.slope[0] for one in run.events[:3]], torque, rtol=1e-12)
-
-
-def test_even_damping_slows_as_an_exponential() -> None:
-    # A sphere turns as exp(-D t / I).
-    scene = rigid.FreeBody(rigid.Body((2.0, 2.0, 2.0)), damping=0.1)
-    run = rigid.simulate(scene, [0.0, 0.0, 3.0], t=[100.0], events=rigid.crosses("omega3", 1.0))
-    expected = 20.0 * np.log(3.0)
-    np.testing.assert_allclose(run.events[0].t, [expected], rtol=1e-12)
-    assert abs(run.events[0].t[0] - expected) <= run.events[0].error[0]
-
-
 def test_random_events_agree_with_those_of_another_method() -> None:
     rng = np.random.default_rng(11)
     compared = 0
@@ -245,9 +210,8 @@ def test_states_of_events_are_those_of_the_run() -> None:
         )
         for event in run.events:
             assert len(event) >= 2
-            states = run.at(event.t)
+            states: Any = run.at(event.t)
             np.testing.assert_allclose(states.omega, event.omega, rtol=0.0, atol=1e-12)
-            assert states.attitude is not None
             sign = np.sign(states.attitude[:, :1])
             np.testing.assert_allclose(sign * states.attitude, event.attitude, atol=1e-12)
             assert (event.error < 1e-10).all()
@@ -277,7 +241,7 @@ def test_an_event_ends_the_record_of_a_body(method: str | None) -> None:
     times = np.linspace(0.0, 4.0, 41)
     flip = rigid.crosses("omega2", 0.0, -1)
     free = rigid.simulate(BOX, STARTS, t=times, method=method, events=flip)
-    ended = rigid.simulate(BOX, STARTS, t=times, method=method, until=flip)
+    ended: Any = rigid.simulate(BOX, STARTS, t=times, method=method, until=flip)
     firsts = [free.events[0].of(body).t[:1] for body in range(70)]
     last = np.array([t[0] if len(t) else 4.0 for t in firsts])
     stopped = np.array([len(t) == 1 for t in firsts])
@@ -286,7 +250,6 @@ def test_an_event_ends_the_record_of_a_body(method: str | None) -> None:
     np.testing.assert_array_equal(ended.end, last)
     np.testing.assert_array_equal(ended.status == rigid.Status.STOPPED, stopped)
     after = times > last[:, np.newaxis]
-    assert ended.attitude is not None
     assert np.isnan(ended.omega[after]).all()
     assert np.isnan(ended.attitude[after]).all()
     np.testing.assert_array_equal(ended.omega[~after], free.omega[~after])
@@ -326,8 +289,7 @@ def test_a_count_ends_the_record_with_that_event() -> None:
 def test_bodies_of_several_axes_have_times_of_their_own() -> None:
     starts = STARTS[:6].reshape(2, 3, 3)
     times = np.linspace(0.0, 1.0, 5) * np.arange(10.0, 16.0).reshape(2, 3, 1)
-    run = rigid.simulate(BOX, starts, t=times, events=rigid.crosses("omega1"))
-    assert run.end is not None
+    run: Any = rigid.simulate(BOX, starts, t=times, events=rigid.crosses("omega1"))
     np.testing.assert_array_equal(run.end, times[..., -1])
     event = run.events[0]
     assert event.count.shape == event.complete.shape == (2, 3)
@@ -423,10 +385,9 @@ def test_at_continues_what_a_torque_does() -> None:
     scene = rigid.FreeBody(rigid.Body(MOMENTS), torque=torque, damping=0.1)
     run = rigid.simulate(scene, STARTS[:3], t=[0.0, 10.0])
     other = run.at([4.0, 2.0])
-    again = rigid.simulate(scene, STARTS[:3], t=[0.0, 2.0, 4.0, 10.0])
+    again: Any = rigid.simulate(scene, STARTS[:3], t=[0.0, 2.0, 4.0, 10.0])
     np.testing.assert_allclose(other.omega, again.omega[:, [2, 1]], rtol=0.0, atol=1e-8)
     assert other.work is not None
-    assert again.work is not None
     np.testing.assert_allclose(other.work, again.work[:, [2, 1]], rtol=0.0, atol=1e-8)
 
 
@@ -561,8 +522,7 @@ def test_a_momentum_that_is_constant_and_never_crosses_disturbs_no_other_event()
 def test_a_run_with_events_keeps_the_accuracy_of_a_run_without_them() -> None:
     omega, times = np.array([0.3, 0.4, 3.0]), np.linspace(0.0, 10.0, 11)
     run = rigid.simulate(ASYMMETRIC, omega, TILTED, t=times, events=rigid.crosses("omega2"))
-    truth = quad_motion.motion(ASYMMETRIC, omega, TILTED, times)
-    assert truth is not None
+    truth: Any = quad_motion.motion(ASYMMETRIC, omega, TILTED, times)
     true = truth.rates_off(run.omega) / np.linalg.norm(truth.omega, axis=-1).max()
     assert max(true.max(), truth.attitude_off(present(run.attitude)).max()) <= run.error <= 1e-8
     assert (run.plan.method, run.plan.tolerance) == ("taylor20", 1e-16)

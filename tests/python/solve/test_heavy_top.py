@@ -89,48 +89,6 @@ def test_six_loci_after_ten_seconds(
     assert axis == pytest.approx(golden_number(f"heavy.{name}.t10.axis(x,y,z)"), abs=tolerance)
 
 
-@pytest.mark.parametrize(("name", "spin", "precession"), LOCI)
-def test_nutation_between_the_roots_of_the_cubic(name: str, spin: float, precession: float) -> None:
-    period, *_ = golden_number(f"heavy.{name}.T,dphi,dpsi,mean_phidot")
-    low, high, _ = golden_number(f"heavy.{name}.u1,u2,u3")
-    # A whole period from one circle to the other and back; 8 divides it, so both are met on time.
-    run = locus(spin, precession, np.linspace(0.0, period, 257), step=2e-3)
-    height = present(run.gamma)[:, 2]
-    assert height.min() == pytest.approx(low, abs=1e-10)
-    assert height.max() == pytest.approx(high, abs=1e-10)
-    assert height[-1] == pytest.approx(0.5, abs=1e-10)
-    other = low if high == pytest.approx(0.5) else high
-    assert height[128] == pytest.approx(other, abs=1e-10)
-
-
-def test_asymmetric_top_after_five_seconds() -> None:
-    top = rigid.HeavyTop(rigid.Body((1.0, 1.5, 0.5)), mgl=1.0)
-    run = rigid.simulate(top, [0.2, 0.1, 5.0], tilted(SIXTY), t=5.0, step=2.5e-4)
-    axis = rotation_matrix(present(run.attitude)[0])[:, 2]
-    assert run.omega[0] == pytest.approx(golden_number("heavy.asym.t5.w"), abs=1e-12)
-    assert axis == pytest.approx(golden_number("heavy.asym.t5.axis"), abs=1e-12)
-    # Only the vertical momentum is kept; along the axis of the body it changes.
-    assert 0.5 * (run.omega[0, 2] - 5.0) == pytest.approx(-0.00728107, abs=5e-9)
-    assert run.momentum_drift < 1e-12
-
-
-@pytest.mark.parametrize("which", ["slow", "fast"])
-@pytest.mark.parametrize("method", METHODS, ids=lambda method: method.name)
-def test_steady_precession_keeps_its_angle(method: rigid.Method, which: str) -> None:
-    """Both roots of I1 cos(theta) Omega^2 - I3 omega_3 Omega + mgl = 0."""
-    precession = golden_number(f"heavy.steady60.w3=5.{which}")
-    root = 5.0 * 0.5 + np.array([-1.0, 1.0]) * np.sqrt((5.0 * 0.5) ** 2 - 4.0 * 0.5)
-    assert precession == pytest.approx(root[int(which == "fast")], rel=1e-14)
-    t = np.linspace(0.0, 100.0, 1001)
-    run = locus(5.0, precession, t, method=method.name, step=0.01)
-    leaning = np.arccos(present(run.gamma)[:, 2])
-    # A tenth of a radian a step: order 4 forgets 1e-7 a turn, order 2 stays within 1e-3.
-    assert np.abs(leaning - SIXTY).max() < (1e-3 if method.order == 2 else 1e-5)
-    # Off the root by a hundredth of it the top nods.
-    nods = locus(5.0, 1.01 * precession, t, step=0.01)
-    assert np.ptp(np.arccos(present(nods.gamma)[:, 2])) > 3e-3
-
-
 @pytest.mark.parametrize("method", METHODS, ids=lambda method: method.name)
 def test_hanging_top_hangs(method: rigid.Method) -> None:
     hanging = rigid.HeavyTop(rigid.Body((1.0, 1.5, 2.0)), mgl=3.0, com=(0.0, 0.0, -1.0))
@@ -144,18 +102,6 @@ def test_hanging_top_hangs(method: rigid.Method) -> None:
     )
     # The amplitude lengthens the period by (theta/4)^2 = 2e-10; order 2 misses 1e-7 of it.
     assert 1e4 * swing.omega[:, 0] == pytest.approx([0.0, -1.0, 1.0], abs=1e-6)
-
-
-@pytest.mark.parametrize("method", METHODS, ids=lambda method: method.name)
-def test_upright_top_without_spin_falls_and_with_spin_sleeps(method: rigid.Method) -> None:
-    limit = golden_number("heavy.w3sleep")
-    assert limit == pytest.approx(2.0 * np.sqrt(1.0 * 1.0) / 0.5)
-    t = np.linspace(0.0, 60.0, 601)
-    push = tilted(1e-4)
-    awake = rigid.simulate(TOP, [0.0, 0.0, 0.9 * limit], push, t=t, method=method.name, step=0.01)
-    asleep = rigid.simulate(TOP, [0.0, 0.0, 1.1 * limit], push, t=t, method=method.name, step=0.01)
-    assert present(awake.gamma)[:, 2].min() < 0.9
-    assert present(asleep.gamma)[:, 2].min() > 1.0 - 1e-6
 
 
 # --- the smallest motions -------------------------------------------------------------------------
@@ -264,17 +210,3 @@ def test_the_names_of_the_body_axes_do_not_matter(
         # 700 steps of regular motion: rounding grows to some 1e-14.
         assert other_omega == pytest.approx(omega, abs=2e-13)
         assert other_matrix == pytest.approx(matrix, abs=2e-13)
-
-
-def test_symmetric_top_lying_on_any_axis() -> None:
-    """The symmetry axis may be any of the three; the same nodding, the spin on its own axis."""
-    for axis in range(3):
-        turns = axis - 2
-        body = rigid.Body(renamed((1.0, 1.0, 0.5), turns))
-        top = rigid.HeavyTop(body, mgl=1.0, com=renamed((0.0, 0.0, 1.0), turns))
-        assert body.symmetry_axis == axis + 1
-        run = rigid.simulate(
-            top, renamed((0.1, 0.2, 3.0), turns), t=np.linspace(0, 9, 10), step=0.01
-        )
-        spin = run.omega[:, axis]
-        assert spin == pytest.approx(3.0, abs=1e-12)

@@ -247,17 +247,6 @@ def test_the_size_of_the_rates_is_refused_where_turns_about_the_vertical_change_
     assert str(named.spec.stable) == str(usual.spec.stable)
 
 
-def test_it_is_the_growth_of_a_column_of_the_tangent() -> None:
-    times = np.array([1.0, 5.0, 20.0])
-    run = rigid.simulate(TOP, CHAOTIC, ATTITUDE, t=times, tangent=True, check=False)
-    start = np.array([0.3, -0.2, 0.5, 0.1, 0.4, -0.3])
-    found = rigid.lyapunov(TOP, CHAOTIC, ATTITUDE, t=times, of="attitude", start=start)
-    unit = np.array([np.sqrt(0.09 + 0.16 + 1.0 + 1.2 / 0.7)] * 3 + [1.0] * 3)
-    sizes = np.linalg.norm(present(run.tangent) @ start / unit, axis=1)
-    true = np.log(sizes / np.linalg.norm(start / unit))
-    np.testing.assert_allclose(found.log_growth, true, rtol=0.0, atol=1e-9)
-
-
 @pytest.mark.parametrize("method", ["splitting", "splitting4", "splitting8"])
 def test_exponents_of_splittings_add_up_to_zero_at_any_step(method: str) -> None:
     """Their steps keep volumes, whether or not they follow the motion."""
@@ -388,27 +377,6 @@ def test_resonances_of_a_goryachev_chaplygin_top_are_quadratic_in_the_time_off_i
     assert (kept.mean_megno < 3.0).all()
     assert (changed.mean_megno > 3.0).mean() > 0.02
     assert changed.mean_megno.max() < 5.0
-
-
-@pytest.mark.parametrize(
-    ("name", "values"),
-    [
-        ("damping", np.multiply.outer([0.0, 0.1, 0.0], np.eye(3))),
-        ("mgl", np.array([0.0, 1.0, 2.0])),
-    ],
-    ids=["damping", "mgl"],
-)
-def test_the_deviation_of_a_body_is_its_own(name: str, values: Floats) -> None:
-    """Tops keep ``L·gamma`` beside damped tops and beside free bodies."""
-    fixed: dict[str, Any] = {"mgl": 1.2, "com": (0.6, 0.0, 0.8)}
-    body, times = rigid.Body((1.0, 1.6, 0.7)), [10.0, 40.0]
-    many = rigid.HeavyTop(body, **{**fixed, name: values})
-    together = rigid.lyapunov(many, CHAOTIC, ATTITUDE, t=times, method="dop853")
-    for index, value in enumerate(values):
-        one = rigid.HeavyTop(body, **{**fixed, name: value})
-        alone = rigid.lyapunov(one, CHAOTIC, ATTITUDE, t=times, method="dop853")
-        assert alone.mean_megno.tobytes() == together.mean_megno[index].tobytes()
-        assert alone.error == together.error[index]
 
 
 def test_verdicts_on_a_chaotic_sea_and_on_islands() -> None:

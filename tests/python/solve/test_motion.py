@@ -20,7 +20,6 @@ from rigid.solve.methods import longest_angle
 BODY = rigid.Body((1.0, 1.6, 2.1))
 START = [0.3, 1.1, -0.4]
 TILTED = [0.8, 0.36, -0.48, 0.0]
-EPS = np.finfo(float).eps
 STEP = 2.0**-6
 """Sums of such steps are not rounded."""
 
@@ -90,29 +89,6 @@ def test_one_torque_acts_on_bodies_of_different_moments() -> None:
         ValueError, match=r"scene: expected one body or n in a row, got .* \(1, 2\)"
     ):
         rigid.Motion(rigid.Body(moments[np.newaxis]), [0.0, 0.0, 0.0])
-
-
-def test_a_torque_about_the_axis_of_a_wheel_spins_it_up_and_down() -> None:
-    """`I3 w3' = N`: the rates of a Runge-Kutta method are exact but for rounding."""
-    motion = rigid.Motion(rigid.FreeBody(rigid.Body((1.0, 1.0, 2.0))), [0.0, 0.0, 0.0])
-    for torque in (0.5, 0.5, -0.25, -0.75):
-        for _ in range(64):
-            motion.step(STEP, torque=(0.0, 0.0, torque))
-    assert motion.t == 4.0
-    assert abs(motion.omega[2]) <= 256 * np.finfo(float).eps
-    turned = 2.0 * math.atan2(motion.attitude[3], motion.attitude[0])
-    # At accelerations of 1/4, 1/4, -1/8 and -3/8 rad/s² for a second each; 256 roundings.
-    assert turned == pytest.approx(0.125 + 0.375 + 0.4375 + 0.1875, abs=256 * EPS)
-
-
-def test_energy_of_a_free_body_is_constant() -> None:
-    """Over a thousand steps of order 16 that turn the body by 0.02 rad each."""
-    motion = rigid.Motion(rigid.FreeBody(BODY), START, method="taylor16")
-    moments = np.array(BODY.moments)
-    before = moments @ motion.omega**2
-    for _ in range(1000):
-        motion.step(STEP)
-    assert abs(moments @ motion.omega**2 - before) < 4 * np.finfo(float).eps * before
 
 
 def losses(motion: rigid.Motion, steps: int, dt: float) -> float:
@@ -265,30 +241,6 @@ def test_setting_one_body_changes_no_bit_of_the_others(
     assert np.any(motion.attitude[2] != alone.attitude[2])
 
 
-def test_bodies_of_different_moments_move_as_if_alone() -> None:
-    moments = np.random.default_rng(2).uniform(1.0, 1.9, (70, 3))
-    rates = np.random.default_rng(3).normal(size=(70, 3))
-    many = rigid.Motion(rigid.Body(moments), rates)
-    for _ in range(8):
-        many.step(STEP)
-    for k in (0, 31, 32, 69):
-        one = rigid.Motion(rigid.Body(tuple(moments[k])), rates[k])
-        for _ in range(8):
-            one.step(STEP)
-        assert one.omega.tobytes() == many.omega[k].tobytes()
-        assert one.attitude.tobytes() == many.attitude[k].tobytes()
-
-
-def test_a_wall_that_turns_the_spin_round() -> None:
-    """A symmetric body about its axis: each quarter turn the sign of its rate changes."""
-    # A step of dop853 over 0.5 rad errs by 5e-13 rad: eight of them by 4e-12 at most.
-    motion = rigid.Motion(rigid.Body((1.0, 1.0, 1.8)), [0.0, 0.0, 2.0])
-    for k in range(8):
-        motion.step(0.25)
-        motion.omega = -motion.omega
-        assert motion.rotation().as_rotvec()[2] == pytest.approx(0.5 * (k % 2 == 0), abs=4e-12)
-
-
 def set_states(motion: rigid.Motion, **states: Any) -> None:
     for name, value in states.items():
         setattr(motion, name, value)
@@ -309,8 +261,8 @@ test_states_that_cannot_be_set = refuses(
 
 @pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="needs a timer of Unix")
 def test_a_step_over_many_knots_can_be_interrupted_and_changes_nothing() -> None:
-    """A step over 200 000 knots takes a second, and kept the interpreter to its end."""
-    times = np.linspace(0.0, 1.0, 200_001)
+    """A step over 60 000 knots takes a third of a second, and kept the interpreter to its end."""
+    times = np.linspace(0.0, 1.0, 60_001)
     table = rigid.Torque.body(np.ones((len(times), 3)), times=times)
     scene = rigid.FreeBody(BODY, torque=table)
     motion = rigid.Motion(scene, START, TILTED, method="taylor26")

@@ -14,6 +14,7 @@ import pytest
 from scipy.integrate import quad, solve_ivp
 
 import rigid
+from refusals import refuses
 from rigid.model import compiling
 from rigid.rotations.apply import to_body, to_space
 
@@ -489,19 +490,14 @@ def made_of_gain(gain: Any) -> rigid.FreeBody:
     return scene(rigid.Torque.call(wheels, data, states=6))
 
 
-@pytest.mark.parametrize(
-    ("given", "error", "words"),
+test_states_that_no_function_has_are_refused = refuses(
     [
         ({"states": 9}, ValueError, "states = 9: must be at most 8"),
         ({"states": 1.0}, TypeError, r"states = 1\.0: must be a whole number"),
         ({"states": 0}, TypeError, r"must take \(t, omega, attitude, data, torque\), or be"),
     ],
+    by=lambda given: rigid.Torque.call(wheels, GAINS, **given),
 )
-def test_states_that_no_function_has_are_refused(
-    given: Any, error: type[Exception], words: str
-) -> None:
-    with pytest.raises(error, match=words):
-        rigid.Torque.call(wheels, GAINS, **given)
 
 
 def test_a_function_of_other_arguments_is_refused() -> None:

@@ -1,7 +1,6 @@
 """What acts on a satellite: an energy sink, a rotor, and the gravity gradient on an orbit."""
 
 import itertools
-from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -104,20 +103,6 @@ def test_adaptive_steps_keep_their_tolerance(name: str) -> None:
     assert np.abs(run.omega - exact).max() < 1e-11
 
 
-@pytest.mark.parametrize("accuracy", [1e-3, 1e-6, 1e-9])
-@pytest.mark.parametrize("name", SCENES)
-def test_the_stated_error_is_no_less_than_the_true_one(name: str, accuracy: float) -> None:
-    times = np.linspace(0.0, 12.0, 7)
-    run = rigid.simulate(SCENES[name], OMEGA, ATTITUDE, t=times, accuracy=accuracy)
-    omega, matrices = solved(SCENES[name], OMEGA, ATTITUDE, times)
-    turn = Rotation.from_matrix(matrices).inv() * run.rotation()
-    fastest = np.linalg.norm(omega, axis=1).max()
-    error = max(turn.magnitude().max(), np.linalg.norm(run.omega - omega, axis=1).max() / fastest)
-    # The truth has an error of its own.
-    assert error <= run.error + 2e-13
-    assert run.error <= accuracy
-
-
 @pytest.mark.parametrize("name", SCENES)
 def test_the_balance_of_power_of_the_textbook_holds(name: str) -> None:
     t = np.linspace(0.0, 2.0, 4001)
@@ -130,33 +115,6 @@ def test_the_balance_of_power_of_the_textbook_holds(name: str) -> None:
 
 
 # The energy sink.
-
-
-def test_a_symmetric_body_relaxes_by_its_closed_form() -> None:
-    """The tangent of the angle between L and the axis falls exponentially.
-
-    From ``dE/dt = -P |omega'|²`` at constant L: ``tan' = -P (I3 - I1) L² / (I3 I1³) tan``, and the
-    axis turns about L in the body by ``(1/I3 - 1/I1) L cos`` a time.
-    """
-    sink, t = 0.03, np.linspace(0.0, 60.0, 13)
-    for moment in (1.8, 0.4):  # a wheel, and a rod that ends in flat spin
-        body = rigid.Body((1.0, 1.0, moment))
-        scene = rigid.FreeBody(body, dissipation=rigid.EnergySink(sink))
-        omega = np.array([0.6, 0.0, 0.9 / moment])
-        run = rigid.simulate(scene, omega, t=t, method="taylor20")
-        size2 = 0.6**2 + 0.9**2
-        rate = sink * (moment - 1.0) * size2 / moment
-        tangent = 0.6 / 0.9 * np.exp(-rate * t)
-        cosine = 1.0 / np.sqrt(1.0 + tangent**2)
-        size = np.sqrt(size2)
-        np.testing.assert_allclose(run.omega[:, 2], size * cosine / moment, rtol=1e-12)
-        across = np.hypot(run.omega[:, 0], run.omega[:, 1])
-        np.testing.assert_allclose(across, size * cosine * tangent, rtol=1e-11)
-        # The integral of cos over t, with cos = 1 / sqrt(1 + tan²).
-        integral = (np.arcsinh(1.0 / tangent) - np.arcsinh(0.9 / 0.6)) / rate
-        phase = (1.0 - 1.0 / moment) * size * integral
-        turned = (run.omega[:, 0] + 1j * run.omega[:, 1]) / across
-        np.testing.assert_allclose(turned, np.exp(1j * phase), atol=1e-11)
 
 
 def test_momentum_in_space_is_kept_and_the_end_is_a_flat_spin() -> None:
@@ -174,38 +132,6 @@ def test_momentum_in_space_is_kept_and_the_end_is_a_flat_spin() -> None:
     # Axis 3 lies along L.
     along = run.rotation()[-1].apply([0.0, 0.0, 1.0]) @ momentum[0] / size
     assert 1.0 - abs(along) < 1e-12
-
-
-def test_the_end_of_the_relaxation_is_linear() -> None:
-    """Damping and frequency of the nutation about the axis of the largest moment.
-
-    The linearised motion is ``w1' = a w2 - g p2 b w1``, ``w2' = b w1 + g p1 a w2`` up to factors of
-    the moments; its eigenvalues are those of a matrix of four numbers.
-    """
-    i1, i2, i3 = moments = np.array([1.0, 1.7, 2.2])
-    p1, p2 = 0.02, 0.05
-    spin = 1.4
-    a, b = -(i3 - i2) * spin / i1, (i3 - i1) * spin / i2
-    matrix = np.array(
-        [
-            [-i3 * spin * p2 * b / (i1 * i2), a],
-            [b, i3 * spin * p1 * a / (i1 * i2)],
-        ]
-    )
-    scene = rigid.FreeBody(rigid.Body(moments), dissipation=rigid.EnergySink((p1, p2, 0.7)))
-    values, vectors = np.linalg.eig(matrix)
-    small, t = 1e-6, np.linspace(0.0, 120.0, 25)
-    start = small * np.array([1.0, 0.5])
-    linear = (vectors * np.exp(np.outer(t, values))[:, np.newaxis, :]) @ np.linalg.solve(
-        vectors, start
-    )
-    run = rigid.simulate(scene, [*start, spin], t=t, method="taylor20", record="rates")
-    # The next terms are smaller by the square of the angle.
-    np.testing.assert_allclose(run.omega[:, :2], linear.real, atol=1e-9 * small)
-    rate = -0.5 * np.trace(matrix)
-    closed = 0.5 * i3 * spin**2 / (i1 * i2) * (p2 * (i3 - i1) / i2 + p1 * (i3 - i2) / i1)
-    assert rate == pytest.approx(closed, rel=1e-14)
-    assert values.real == pytest.approx(-closed, rel=1e-12)
 
 
 def test_a_sphere_of_viscous_fluid_lags_by_its_relative_momentum() -> None:
@@ -231,26 +157,6 @@ def test_backward_in_time_the_energy_grows() -> None:
 
 
 # The rotor.
-
-
-def test_a_rotor_along_the_axis_of_a_symmetric_body_changes_the_nutation() -> None:
-    """``omega3`` is constant, and the rates across turn at ``((I3 - I1) omega3 + h) / I1``."""
-    scene = rigid.FreeBody(rigid.Body((1.2, 1.2, 0.7)), rotor=(0.0, 0.0, 0.9))
-    t = np.linspace(0.0, 50.0, 11)
-    run = rigid.simulate(scene, [0.4, 0.0, 0.8], t=t, method="taylor20")
-    turned = ((0.7 - 1.2) * 0.8 + 0.9) / 1.2 * t
-    exact = np.stack([0.4 * np.cos(turned), 0.4 * np.sin(turned), np.full(11, 0.8)], axis=-1)
-    np.testing.assert_allclose(run.omega, exact, atol=1e-12)
-
-
-@pytest.mark.parametrize("multiplier", [-0.7, 0.4, 1.3, 2.0, 5.0])
-def test_permanent_rotations_of_a_gyrostat_stay(multiplier: float) -> None:
-    """``I omega + h`` is along ``omega`` for ``omega = h / (mu - I)``, with any ``mu``."""
-    moments, rotor = np.array([1.0, 1.7, 2.2]), np.array([0.3, -0.2, 0.5])
-    omega = rotor / (multiplier - moments)
-    scene = rigid.FreeBody(rigid.Body(moments), rotor=rotor)
-    run = rigid.simulate(scene, omega, t=[0.0, 5.0], method="taylor16", step=0.01)
-    np.testing.assert_allclose(run.omega[-1], omega, rtol=1e-9)
 
 
 def test_a_gyrostat_keeps_its_energy_and_its_whole_momentum() -> None:
@@ -284,13 +190,6 @@ def on_orbit(moments: ArrayLike, rate: float = 1.0) -> tuple[rigid.FreeBody, Rot
     scene = rigid.FreeBody(rigid.Body(moments), orbit=rigid.Orbit(rate, periapsis=(-1, 0, 0)))
     axes = np.array([[0.0, -1.0, 0.0], [0.0, 0.0, 1.0], [-1.0, 0.0, 0.0]]).T
     return scene, Rotation.from_matrix(axes)
-
-
-def test_a_satellite_at_rest_on_its_orbit_stays() -> None:
-    scene, attitude = on_orbit((2.0, 2.1, 0.3))
-    t = np.linspace(0.0, 20.0, 5)
-    run = rigid.simulate(scene, [0.0, 1.0, 0.0], attitude, t=t, method="taylor16")
-    np.testing.assert_allclose(run.omega, [[0.0, 1.0, 0.0]] * 5, atol=1e-13)
 
 
 @pytest.mark.parametrize("moments", [(2.0, 2.1, 0.3), (1.5, 1.9, 1.1), (0.9, 1.0, 0.15)])
@@ -490,13 +389,6 @@ def test_steps_one_by_one_are_those_of_a_run() -> None:
     np.testing.assert_allclose(motion.omega, run.omega[-1], atol=1e-14)
 
 
-def test_a_chosen_method_moves_satellites() -> None:
-    for name, scene in SCENES.items():
-        for accuracy in (1e-3, 1e-10):
-            plan = rigid.plan(scene, "rates", omega=OMEGA, t_end=10.0, accuracy=accuracy)
-            assert plan.method in METHODS, name
-
-
 @pytest.mark.parametrize(
     ("method", "words"),
     [
@@ -553,17 +445,6 @@ def test_what_is_no_sink_is_refused() -> None:
         rigid.FreeBody(BODY, dissipation=0.1)  # type: ignore[arg-type]
 
 
-def test_energies_fall_in_order_of_the_sink() -> None:
-    """A weaker sink drains less."""
-    energies = [
-        rigid.simulate(
-            rigid.FreeBody(BODY, dissipation=rigid.EnergySink(p)), OMEGA, t=[20.0], accuracy=1e-9
-        ).energy()[-1]
-        for p in (0.0, 0.01, 0.02, 0.05)
-    ]
-    assert all(weaker > stronger for weaker, stronger in pairwise(energies))
-
-
 @pytest.mark.parametrize("name", SCENES)
 def test_points_of_a_section_lie_on_it(name: str) -> None:
     points = rigid.poincare(SCENES[name], OMEGA, ATTITUDE, "omega2", t_end=40.0)
@@ -579,7 +460,7 @@ def test_stated_errors_of_random_satellites_are_true() -> None:
     ``tests/long/stated_errors.py --kinds satellite`` runs more of them.
     """
     kinds = {"satellite": KINDS["satellite"]}
-    findings = [judge(number, 1, kinds) for number in range(20)]
+    findings = [judge(number, 1, kinds) for number in range(10)]
     verdicts = [one.verdict for one in findings]
     assert verdicts.count("UNDETECTED") == 0
-    assert verdicts.count("right") > 15
+    assert verdicts.count("right") > 7

@@ -1,5 +1,7 @@
 """Damping of any strength: the methods that act by its exponential, and who chooses them."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -72,38 +74,6 @@ def test_measured_order_of_the_methods_for_damping(method: str) -> None:
     assert all(run.unit_drift < 1e-13 for run in runs)
 
 
-@pytest.mark.parametrize("c", [1.0, 1e2, 1e4, 1e6])
-def test_the_error_falls_with_the_step_whatever_the_damping(c: float) -> None:
-    """`h c/I` from 1e-2 to 1e4 and beyond: never above 1e-2, and of order 4 for weak damping.
-
-    Under strong damping each halving gains at least a factor of 4 until the error is that of the
-    layer in which the start is forgotten, `h omega^2 I/c` (no step of a stiff method resolves it).
-    """
-    scene = damped_top(c)
-    end = 0.4
-    truth = rigid.simulate(
-        scene,
-        *START,
-        t=[end],
-        **({"method": "taylor26"} if c <= 1e4 else {"method": "etd4", "step": end / 20000}),
-        check=False,
-    )
-    counts = 10 * 2 ** np.arange(5)
-    found = []
-    for count in counts:
-        run = rigid.simulate(
-            scene, *START, t=[end], method="etd4", step=end / int(count), check=False
-        )
-        assert run.status in ARRIVED
-        found.append(max(errors(run, truth)))
-    assert max(found) < 1e-2
-    speed = float(np.linalg.norm(START[0]))
-    for h, before, error in zip(end / counts[1:], found, found[1:], strict=False):
-        layer = h * speed**2 / c if c > 10.0 else 0.0
-        least = 12.0 if c == 1.0 else 4.0
-        assert error < before / least + layer
-
-
 #: Products of step and damping of each trajectory: of weak damping longer steps are bounded by the
 #: motion, of strong damping shorter ones would be millions.
 PRODUCTS = {
@@ -127,8 +97,7 @@ def test_reference_trajectories_at_any_product_of_step_and_damping(
     2e-2 of its fourth power and 1e-8, that of the layer in which the start is forgotten.
     """
     case = golden_scene(f"forced_damped/{name}")
-    forcing = case.scene.acting()
-    assert forcing is not None
+    forcing: Any = case.scene.acting()
     rate = forcing.damping_rates(np.array([case.scene.body.moments]))[0]
     # Strong damping stops what the body started with before it turns.
     moving = case.t > 5.0 / rate if rate > 100.0 else case.t >= 0.0
@@ -182,8 +151,7 @@ def test_strong_damping_is_noticed() -> None:
     with pytest.raises(ValueError, match="unstable under damping"):
         rigid.simulate(scene, *START, t=[0.4], method="dop853", step=0.01)
     # Left to itself an explicit method takes the many steps that it needs, and says how many.
-    many = rigid.plan(scene, "rates", omega=START[0], t_end=0.4, method="rk4")
-    assert many.steps is not None
+    many: Any = rigid.plan(scene, "rates", omega=START[0], t_end=0.4, method="rk4")
     assert many.steps > 1e5
 
 
@@ -241,9 +209,8 @@ SCENES: dict[str, Scene] = {
 
 def turning(scene: Scene, omega: Floats, attitude: Floats) -> float:
     """The bound of the rates that steps follow: the default ones are a sixteenth of a radian."""
-    step = rigid.plan(scene, "rates", omega=omega, attitude=attitude, method="midpoint").step
-    assert step is not None
-    return 1.0 / (16.0 * step)
+    step: Any = rigid.plan(scene, "rates", omega=omega, attitude=attitude, method="midpoint").step
+    return float(1.0 / (16.0 * step))
 
 
 def kept(scene: Scene, run: rigid.Run) -> dict[str, Floats]:
@@ -344,32 +311,6 @@ def test_large_steps_find_the_way_back(angle: float) -> None:
         missed = np.linalg.norm(back.omega[0] - omega) / np.linalg.norm(omega)
         assert missed < 1e-9
         assert rotation_angle(present(back.attitude)[0], attitude) < 1e-9
-
-
-def test_the_error_of_rates_and_attitude_falls_with_the_square_of_the_step() -> None:
-    """Of the three kinds of scene, and under torque and damping."""
-    torque = rigid.Torque.body([(0.2, -0.5, 0.9), (1.0, 0.3, -0.7)], times=[0.0, 4.0])
-    driven = rigid.HeavyTop(
-        BODY_LARGE,
-        mgl=1.0,
-        com=(0.6, 0.0, 0.8),
-        torque=torque + rigid.Torque.space((0.3, -0.2, 0.1)),
-        damping=(0.3, 0.2, 0.4),
-    )
-    for scene in (*SCENES.values(), driven):
-        truth = rigid.simulate(scene, *START_LARGE, t=[4.0], method="taylor26")
-        errors = []
-        for count in (100, 200, 400, 800):
-            run = rigid.simulate(
-                scene, *START_LARGE, t=[4.0], method="midpoint", step=4.0 / count, check=False
-            )
-            of_rates = np.linalg.norm(run.omega - truth.omega)
-            angle = rotation_angle(present(run.attitude), present(truth.attitude))[0]
-            errors.append((of_rates, angle))
-            # Energy less work, momentum less impulse: the rule keeps the balances too.
-            assert max(run.energy_drift, run.momentum_drift) < 1e-13
-        slopes = np.log2(np.array(errors[:-1]) / np.array(errors[1:]))
-        assert slopes == pytest.approx(2.0, abs=0.1)
 
 
 @pytest.mark.parametrize("product", [1.0, 1e2, 1e4, 1e6])

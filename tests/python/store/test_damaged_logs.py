@@ -3,6 +3,7 @@
 import io
 import tarfile
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -52,8 +53,7 @@ def test_a_log_is_a_tar_file_of_numpy_tables(log: bytes, run: Folder) -> None:
         names = archive.getnames()
         for name in names:
             if name.endswith(".npy") and ".ns." not in name:
-                member = archive.extractfile(name)
-                assert member is not None
+                member: Any = archive.extractfile(name)
                 units.append(np.load(io.BytesIO(member.read()), allow_pickle=False)["unit"])
     assert (names[0], names[-1]) == ("writer.json", "end.json")
     assert len(units) == 12

@@ -223,7 +223,7 @@ def test_segments_of_many_samples_merge_to_the_pixel(
 ) -> None:
     spec = small_map(samples=1).spec
     many = rigid.MapSpec.from_dict({**spec.to_dict(), "samples": 200})
-    monkeypatch.setattr("rigid.maps.identity.SEGMENT", 64)
+    monkeypatch.setattr("rigid.store.head.SEGMENT", 64)
     go_on(tmp_path / "run", spec=many)
     folder = Folder(tmp_path / "run")
     assert folder.head.segments == 4
@@ -343,10 +343,9 @@ def test_killed_runs_go_on_to_the_same_bytes(tmp_path: Path) -> None:
     go_on(tmp_path / "quiet")
     kills = 0
     for _ in range(4):
-        process = subprocess.Popen(
+        process: Any = subprocess.Popen(
             python_command("-c", SLOW, str(path)), env=environment(), stdout=subprocess.PIPE
         )
-        assert process.stdout is not None
         process.stdout.readline()  # rows are written from now on
         time.sleep(random.uniform(0.0, 0.05))
         process.kill()

@@ -12,7 +12,6 @@ import numpy as np
 import pytest
 
 import rigid
-from rigid.maps import identity
 from rigid.store import drive
 from rigid.store.log import Found, read_log
 from rigid.store.resume import carry_on
@@ -73,7 +72,7 @@ def test_segments_of_a_pixel_are_merged(
 ) -> None:
     asked: dict[str, Any] = {"samples": 150, "axes": {"I2/I1": [1.2, 1.5, 1.8]}}
     expected = measured(**asked)
-    monkeypatch.setattr(identity, "SEGMENT", 64)
+    monkeypatch.setattr("rigid.store.head.SEGMENT", 64)
     result = measured(store=tmp_path / "run", **asked)
     assert Folder(tmp_path / "run").head.segments == 3
     assert saved_bytes(result, tmp_path) == saved_bytes(expected, tmp_path)
@@ -122,8 +121,7 @@ def test_a_log_is_a_tar_file_of_rows_and_bins(run: Folder) -> None:
     with tarfile.open(log) as archive:
         for name in archive.getnames():
             if name.endswith(".bins.npy"):
-                member = archive.extractfile(name)
-                assert member is not None
+                member: Any = archive.extractfile(name)
                 bins = np.load(io.BytesIO(member.read()), allow_pickle=False)
                 assert bins.dtype == BIN_ROW
                 units.append(np.unique(bins["unit"]))
