@@ -215,18 +215,6 @@ class Listening:
         About how many calls of equal length follow each other.
     """
 
-    __slots__ = (
-        "_before",
-        "_begun",
-        "_done",
-        "_last",
-        "_number",
-        "_option",
-        "_report",
-        "_runs",
-        "_stack",
-    )
-
     _report: Callable[..., None]
 
     def __init__(self, option: ProgressOption, runs: int = 1) -> None:

@@ -63,7 +63,7 @@ def flat_spin(spec: MapSpec) -> Predicted | None:
         or not noise.is_plain_normal
     ):
         return None
-    tested = stable.core()[1] - 1
+    tested = stable.conditions()[0][1] - 1
     moments, omega, size = grid.moments, grid.omega, grid.omega_size
     across = [(tested + 1) % 3, (tested + 2) % 3]
     spin = np.abs(omega[:, tested])

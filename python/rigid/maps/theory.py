@@ -243,7 +243,7 @@ def _free_no_flip(spec: MapSpec) -> Theory | None:
     sized = isinstance(noise, Noise) and noise.cov is None and not noise.is_direction
     if noise is not None and not sized:
         return None  # its size is no bound of what it adds to the rates
-    tested = stable.core()[1] - 1
+    tested = stable.conditions()[0][1] - 1
     order = np.argsort(grid.moving, axis=1, kind="stable")
     moments, omega, size = (
         np.take_along_axis(array, order, axis=1)

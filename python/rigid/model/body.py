@@ -171,8 +171,13 @@ takes such moments as they are
 
     def __getitem__(self, index: Index) -> Body:
         index_of_bodies(self.shape, index)
-        mass = None if self.mass is None else taken(self.mass, 0, self.shape, index)
-        moments = taken(self.moments, 1, self.shape, index)
+        return self.of(self.shape, index)
+
+    def of(self, shape: Shape, index: Index) -> Body:
+        """Some of the bodies of this shape."""
+        if not self.shape:
+            return self
+        moments, mass = taken(self.moments, 1, shape, index), taken(self.mass, 0, shape, index)
         return Body(moments, mass=mass, physical=self.physical)._marked(self.about)
 
     def __repr__(self) -> str:

@@ -76,13 +76,10 @@ class TiltBetween(Criterion):
             )
         return self
 
-    def core(self) -> Condition:
-        """The condition of the upper limit."""
-        return "tilt_from_vertical", self.axis, (self.high,)
-
     def conditions(self) -> tuple[Condition, ...]:
         """The axis stays below the upper limit, its opposite below the rest of the lower one."""
-        return self.core(), ("tilt_from_vertical", -self.axis, (pi - self.low,))
+        name = "tilt_from_vertical"
+        return (name, self.axis, (self.high,)), (name, -self.axis, (pi - self.low,))
 
     def logic(self) -> tuple[int | str, ...]:
         """Both limits are kept."""
@@ -113,9 +110,9 @@ class RateWithin(WithinAngle):
         """A direction in space needs the attitude."""
         return "attitude" if self.frame == "space" else "rates"
 
-    def core(self) -> Condition:
+    def conditions(self) -> tuple[Condition, ...]:
         """Name, no axis, and the limit (rad) as the core takes them."""
-        return f"{VECTORS[self.of]}_within_{self.frame}", 0, (self.angle,)
+        return ((f"{VECTORS[self.of]}_within_{self.frame}", 0, (self.angle,)),)
 
     def closed_form_question(self) -> tuple[str, int | None] | None:
         """The angular momentum of a free body is constant in space."""
@@ -134,9 +131,9 @@ class NearStart(WithinAngle):
     name: ClassVar[str] = "near_start"
     record: ClassVar[str] = "attitude"
 
-    def core(self) -> Condition:
+    def conditions(self) -> tuple[Condition, ...]:
         """Name, no axis, and the limit (rad) as the core takes them."""
-        return self.name, 0, (self.angle,)
+        return ((self.name, 0, (self.angle,)),)
 
     def __str__(self) -> str:
         return f"attitude within {angle_words(self.angle)} of the start"
@@ -160,10 +157,10 @@ class PointingWithin(WithinAngle):
             self, axis=extreme_axis(scene, long=True) if self.axis is None else self.axis
         )
 
-    def core(self) -> Condition:
+    def conditions(self) -> tuple[Condition, ...]:
         """Name, axis, the limit (rad) and whether the opposite counts, as the core takes them."""
         assert self.axis is not None
-        return f"pointing_{self.of}", self.axis, (self.angle, float(self.either))
+        return ((f"pointing_{self.of}", self.axis, (self.angle, float(self.either))),)
 
     def __str__(self) -> str:
         axis = "long axis" if self.axis is None else f"axis {self.axis}"
@@ -184,10 +181,10 @@ class AngleWithin(WithinAngle):
         require_orbit(self.name, scene)
         return self if self.axes is not None else replace(self, axes=rest_axes(scene))
 
-    def core(self) -> Condition:
+    def conditions(self) -> tuple[Condition, ...]:
         """Name, the axis of yaw, the limit (rad) and the axis of pitch, as the core takes them."""
         assert self.axes is not None
-        return self.name, self.axes[0], (self.angle, float(self.axes[1]))
+        return ((self.name, self.axes[0], (self.angle, float(self.axes[1]))),)
 
     def __str__(self) -> str:
         return f"{self.name.removesuffix('_within')} within {self.angle:g} rad"
@@ -223,9 +220,9 @@ class ReturnsNear(WithinAngle):
 
     after: float = checked(NOT_NEGATIVE)
 
-    def core(self) -> Condition:
+    def conditions(self) -> tuple[Condition, ...]:
         """Condition that the attitude stays away: name, limit (rad), time from which it counts."""
-        return "away_from_start", 0, (self.angle, self.after)
+        return (("away_from_start", 0, (self.angle, self.after)),)
 
     def logic(self) -> tuple[int | str, ...]:
         """Stable is the opposite: the body does not stay away."""
@@ -245,11 +242,11 @@ class SpinAbove(Criterion):
     rate: float = checked(NOT_NEGATIVE)
     axis: int | None = checked(signed_axis, None)
 
-    def core(self) -> Condition:
+    def conditions(self) -> tuple[Condition, ...]:
         """Name, axis and limit (rad/s) as the core takes them."""
         if self.axis is None:
-            return "speed_above", 0, (self.rate,)
-        return "rate_above", self.axis, (self.rate,)
+            return (("speed_above", 0, (self.rate,)),)
+        return (("rate_above", self.axis, (self.rate,)),)
 
     def __str__(self) -> str:
         what = "|omega|" if self.axis is None else f"rate about axis {self.axis}"

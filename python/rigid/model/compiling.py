@@ -60,7 +60,7 @@ class Callback:
 
 
 UNKNOWN = Callback(0)
-"""That of a file."""
+"""The callback of a file, which cannot be called."""
 
 
 def of_python(function: Callable[..., object], width: int, states: int) -> Callback:

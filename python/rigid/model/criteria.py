@@ -1,7 +1,7 @@
 """The criteria of a map: definitions of *stable*; the horizon is stated elsewhere.
 
 A new criterion is one more class here or in ``bounds.py``, and its entry in :data:`CRITERIA`; the
-core selects the observable by the name that :meth:`Criterion.core` gives.
+core selects the observable by the name that :meth:`Criterion.conditions` gives.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from .bounds import (
     YawWithin,
     signed_axis,
 )
-from .criterion import Criterion, Joined, checked
+from .criterion import Condition, Criterion, Joined, checked
 from .forces import forces_in_words
 from .judged import Custom
 from .scene import Scene
@@ -57,11 +57,11 @@ class NoFlip(Criterion):
         """The criterion with the default axis in place of ``None``."""
         return self if self.axis is not None else replace(self, axis=_axis_of(start))
 
-    def core(self) -> tuple[str, int, tuple[float, ...]]:
+    def conditions(self) -> tuple[Condition, ...]:
         """Name, axis and no limits as the core takes them."""
         if self.axis is None:
             raise ValueError("no_flip() without an axis needs a start: call resolved() first")
-        return "no_flip", self.axis, ()
+        return (("no_flip", self.axis, ()),)
 
     def closed_form_question(self) -> tuple[str, int | None]:
         """Free bodies have closed forms, and Lagrange tops about their symmetry axis."""
@@ -94,13 +94,13 @@ class TiltBelow(WithinAngle):
             )
         return replace(self, reference="start")
 
-    def core(self) -> tuple[str, int, tuple[float, ...]]:
+    def conditions(self) -> tuple[Condition, ...]:
         """Name, axis and limit (rad) as the core takes them."""
         if self.reference is None:
             raise ValueError(
                 "tilt_below() without a reference needs a scene: call resolved() first"
             )
-        return f"tilt_from_{self.reference}", self.axis, (self.angle,)
+        return ((f"tilt_from_{self.reference}", self.axis, (self.angle,)),)
 
     def closed_form_question(self) -> tuple[str, int] | None:
         """Lagrange tops have closed forms, for the tilt of their axis from the vertical."""
@@ -163,9 +163,9 @@ class Regular(Criterion):
         """The criterion with the norm that serves the scene."""
         return replace(self, of=norm_of(self.of, scene))
 
-    def core(self) -> tuple[str, int, tuple[float, ...]]:
+    def conditions(self) -> tuple[Condition, ...]:
         """Name, no axis, and the numbers of the rule as the core takes them."""
-        return f"regular_{self.of}", 0, self.limits
+        return ((f"regular_{self.of}", 0, self.limits),)
 
     def closed_form_question(self) -> tuple[str, None]:
         """Free bodies and Lagrange tops are regular by theorem."""

@@ -74,12 +74,8 @@ class Criterion(ABC):
         return self
 
     @abstractmethod
-    def core(self) -> Condition:
-        """Name, axis and limits as the core takes them."""
-
     def conditions(self) -> tuple[Condition, ...]:
-        """The conditions that the core watches, each with its axis and limits."""
-        return (self.core(),)
+        """The conditions that the core watches: name, axis and limits of each."""
 
     def logic(self) -> tuple[int | str, ...]:
         """How the conditions are joined, in postfix notation: their numbers and ``& | ~``."""
@@ -172,10 +168,6 @@ class Joined(Criterion):
     def resolved(self, scene: Scene, start: Start) -> Self:
         """The criteria with all defaults filled in."""
         return replace(self, parts=tuple(part.resolved(scene, start) for part in self.parts))
-
-    def core(self) -> Condition:
-        """Raise TypeError: there are several conditions."""
-        raise TypeError("joined criteria have several conditions: see conditions()")
 
     def conditions(self) -> tuple[Condition, ...]:
         """The conditions of all criteria."""

@@ -67,9 +67,9 @@ class Custom(Criterion):
         """The criterion whose function sees the times up to one of them."""
         return replace(self, times=tuple(t for t in self.times if t <= t_end))
 
-    def core(self) -> Condition:
+    def conditions(self) -> tuple[Condition, ...]:
         """The condition of a request that draws the starts; the core does not watch it."""
-        return "no_flip", 1, ()
+        return (("no_flip", 1, ()),)
 
     def closed_form_question(self) -> tuple[str, None]:
         """Bodies whose states have a closed form are not integrated."""

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import brief, numbers
-from .start import Start
+from .start import Start, cumulative
 
 MOST_STARTS = 16
 
@@ -49,9 +49,7 @@ class Mixture:
 
     def shares(self) -> NDArray[np.float64]:
         """Cumulative chances of the starts, the last 1."""
-        sums = np.cumsum(np.array(self.weights) / max(self.weights))
-        shares: NDArray[np.float64] = sums / sums[-1]
-        return shares
+        return cumulative(self.weights)
 
     def to_dict(self) -> dict[str, Any]:
         """The mixture as a JSON-able dictionary; :func:`start_from_dict` reads it.

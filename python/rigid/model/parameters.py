@@ -381,6 +381,15 @@ def _of_each_axis(
     return found
 
 
+def _of_all_and_each(
+    name: str, unit: str, of_all: tuple[str, str], of_each: tuple[str, str]
+) -> dict[str, Parameter]:
+    """A parameter of all body axes, and one for each, by symbol and meaning; not negative."""
+    symbol, meaning = of_all
+    each = _of_each_axis(f"{name}#", of_each[0], unit, of_each[1], name, lowest=0.0)
+    return {name: Parameter(symbol, unit, meaning, name, lowest=0.0), **each}
+
+
 PARAMETERS: Mapping[str, Parameter] = {
     **_of_each_axis("I#", "$I_#$", "kg m²", "principal moment", "moments"),
     **{
@@ -441,45 +450,27 @@ PARAMETERS: Mapping[str, Parameter] = {
         lowest=-2.0 * pi,
         highest=2.0 * pi,
     ),
-    "damping": Parameter(
-        "damping", "N m s", "damping, the same about all body axes", "damping", lowest=0.0
-    ),
-    **_of_each_axis(
-        "damping#",
-        "damping about axis #, $D_{##}$",
-        "N m s",
-        "damping about body axis #",
+    **_of_all_and_each(
         "damping",
-        lowest=0.0,
+        "N m s",
+        ("damping", "damping, the same about all body axes"),
+        ("damping about axis #, $D_{##}$", "damping about body axis #"),
     ),
     **_of_each_axis("torque#", "$N_#$", "N m", "constant torque about body axis #", "torque"),
     **_of_each_axis(
         "rotor#", "$h_#$", "kg m²/s", "angular momentum of the rotor about body axis #", "rotor"
     ),
-    "dissipation": Parameter(
-        "$P$",
-        "kg m² s",
-        "coefficient of the energy sink, the same along all axes",
+    **_of_all_and_each(
         "dissipation",
-        lowest=0.0,
-    ),
-    **_of_each_axis(
-        "dissipation#",
-        "$P_#$",
         "kg m² s",
-        "coefficient of the energy sink along axis #",
-        "dissipation",
-        lowest=0.0,
+        ("$P$", "coefficient of the energy sink, the same along all axes"),
+        ("$P_#$", "coefficient of the energy sink along axis #"),
     ),
-    "drag": Parameter(
-        "drag $C$",
-        "N m s²",
-        "coefficient of the quadratic drag, the same about all axes",
+    **_of_all_and_each(
         "drag",
-        lowest=0.0,
-    ),
-    **_of_each_axis(
-        "drag#", "$C_#$", "N m s²", "coefficient of the quadratic drag about axis #", "drag", 0.0
+        "N m s²",
+        ("drag $C$", "coefficient of the quadratic drag, the same about all axes"),
+        ("$C_#$", "coefficient of the quadratic drag about axis #"),
     ),
     "rate": Parameter(
         "rate $n$", "rad/s", "rate of the orbit", "orbit", (0,), lowest=0.0, open_end=True
@@ -513,31 +504,20 @@ PARAMETERS: Mapping[str, Parameter] = {
         "l_gamma",
     ),
     **_of_each_axis("omega#", r"$\omega_#$", "rad/s", "rate in body components", "omega"),
-    "noise": Parameter(
-        "perturbation of the rates", "rad/s", "size of the rate noise", "noise", lowest=0.0
-    ),
-    **_of_each_axis(
-        "noise#",
-        r"perturbation of $\omega_#$",
-        "rad/s",
-        "size of the noise of rate #",
+    **_of_all_and_each(
         "noise",
-        lowest=0.0,
+        "rad/s",
+        ("perturbation of the rates", "size of the rate noise"),
+        (r"perturbation of $\omega_#$", "size of the noise of rate #"),
     ),
-    "attitude_noise": Parameter(
-        "perturbation of the attitude",
-        "rad",
-        "size of the attitude noise",
+    **_of_all_and_each(
         "attitude_noise",
-        lowest=0.0,
-    ),
-    **_of_each_axis(
-        "attitude_noise#",
-        "perturbation of the attitude about axis #",
         "rad",
-        "size of component # of the rotation vector of the attitude noise",
-        "attitude_noise",
-        lowest=0.0,
+        ("perturbation of the attitude", "size of the attitude noise"),
+        (
+            "perturbation of the attitude about axis #",
+            "size of component # of the rotation vector of the attitude noise",
+        ),
     ),
     "kappa": Parameter(
         r"$\kappa$", "1", "concentration of the direction of the rates", "noise", lowest=0.0

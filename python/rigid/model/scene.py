@@ -73,7 +73,7 @@ class Scene(ByValue, ABC):
         The scene in two words; with a hyphen it is the ``kind`` of a map file.
     fields : mapping of str to int
         The scene's own numbers, attributes and keyword arguments of the class, and how many axes
-        those of one body have: 1 of a vector.
+        the numbers of one body have: 1 of a vector.
     directions : tuple of str
         Directions fixed in space that the equations of motion contain, by their name in
         :attr:`rigid.Plan.carried`: ``"gamma"`` is the upward vertical.
@@ -156,18 +156,12 @@ class Scene(ByValue, ABC):
     def __getitem__(self, index: Index) -> Self:
         shape = self.shape
         index_of_bodies(shape, index)
-        body = self.body
-        if body.shape:
-            every = np.broadcast_to(body.moments, (*shape, 3))
-            mass = None if body.mass is None else np.broadcast_to(body.mass, shape)
-            moments, mass = taken(every, 1, shape, index), taken(mass, 0, shape, index)
-            body = Body(moments, mass=mass, physical=body.physical)
         own = {
             name: taken(getattr(self, name), axes, shape, index)
             for name, axes in self.fields.items()
         }
         torque = None if self.torque is None else self.torque.of(shape, index)
-        some = type(self)(body, **own, torque=torque)  # type: ignore[call-arg]
+        some = type(self)(self.body.of(shape, index), **own, torque=torque)  # type: ignore[call-arg]
         if self.damping is not None:
             # Not through the constructor: one damping of all would be read as one of each body.
             damping = taken(self.damping, 2, shape, index)
@@ -190,7 +184,8 @@ class Scene(ByValue, ABC):
         for name, given in further.items():
             set_field(self, name, None if given is None else FORCES[name].checked(given))
         set_field(self, "damping", None)
-        set_field(self, "damping", checked_damping(damping, self._shape_of_parts()))
+        if damping is not None:
+            set_field(self, "damping", checked_damping(damping, self._shape_of_parts()))
         self._shape_of_parts()
         if frame is not None:
             self._turn_into_principal_axes(frame)
@@ -206,15 +201,15 @@ class Scene(ByValue, ABC):
             names.append("function")
         return (*names, *(force.name for force, _ in self.further()))
 
-    def further(self) -> Iterator[tuple[Force[Any], Any]]:
+    def further(self) -> list[tuple[Force[Any], Any]]:
         """The further forces that act, and their values."""
-        values = ((force, getattr(self, name)) for name, force in FORCES.items())
-        return ((force, value) for force, value in values if value is not None)
+        values = [(force, getattr(self, name)) for name, force in FORCES.items()]
+        return [(force, value) for force, value in values if value is not None]
 
     @property
     def has_further(self) -> bool:
         """Whether forces act besides an applied torque, damping and a callback."""
-        return any(self.further())
+        return bool(self.further())
 
     @property
     def bounds_rates(self) -> bool:
@@ -320,15 +315,10 @@ class Scene(ByValue, ABC):
         return self._in_words(varied) if varied else self.once(Scene._in_words)
 
     def _in_words(self, varied: Container[str] = ()) -> str:
-        bodies = (
-            f"{self.shape} bodies"
-            if len(self.shape) > 1
-            else f"{len(self)} bodies"
-            if self.shape
-            else ""
-        )
-        parts = [f"{self.title} ({bodies})" if bodies else self.title]
-        parts.append(_body_words(self.body, varied))
+        parts = [self.title, _body_words(self.body, varied)]
+        if self.shape:
+            count = self.shape if len(self.shape) > 1 else len(self)
+            parts[0] = f"{self.title} ({count} bodies)"
         for name, axes in self.fields.items():
             value = getattr(self, name)
             if isinstance(value, np.ndarray):
@@ -343,9 +333,7 @@ class Scene(ByValue, ABC):
             parts.append(self.torque.words())
         if self.damping is not None:
             parts.append(damping_words(self.damping))
-        for force, value in self.further():
-            acts = f"{force.name} varied" if force.name in varied else force.words(value, varied)
-            parts.append(acts)
+        parts += [force.words(value, varied) for force, value in self.further()]
         return ", ".join(parts)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Container, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from decimal import Decimal, localcontext
 from math import pi
 from typing import Any
@@ -12,7 +12,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._checks.arguments import brief, finite_float, first_place, numbers, one_of, vector
+from .._checks.arguments import (
+    brief,
+    finite_float,
+    first_place,
+    numbers,
+    of_shape,
+    one_of,
+    vector,
+)
 from .._checks.arrays import attitudes, unit_quaternions
 
 NOISE_KINDS = ("normal", "uniform", "direction", "uniform_attitude", "von_mises_fisher")
@@ -138,9 +146,7 @@ def _covariance(value: Any) -> tuple[tuple[float, ...], ...]:
     array = numbers("cov", value)
     if array.shape not in ((3, 3), (6, 6)):
         raise ValueError(f"cov: expected shape (3, 3) or (6, 6), got {array.shape}")
-    if not np.isfinite(array).all():
-        index, place = first_place(~np.isfinite(array))
-        raise ValueError(f"cov{place} = {array[index]}: must be finite")
+    of_shape("cov", array)
     differs = array != array.T
     if differs.any():
         index, place = first_place(differs)
@@ -331,20 +337,11 @@ class Samples:
         """Cumulative chances of the entries, the last 1; None if they are used in order."""
         if self.in_order:
             return None
-        weights = np.ones(len(self.omega)) if self.weights is None else np.array(self.weights)
-        sums = np.cumsum(weights / weights.max())
-        shares: NDArray[np.float64] = sums / sums[-1]
-        return shares
+        return cumulative(np.ones(len(self.omega)) if self.weights is None else self.weights)
 
     def to_dict(self) -> dict[str, Any]:
         """The samples as a JSON-able dictionary."""
-        return {
-            "kind": "samples",
-            "omega": [list(row) for row in self.omega],
-            "attitude": None if self.attitude is None else [list(row) for row in self.attitude],
-            "weights": None if self.weights is None else list(self.weights),
-            "in_order": self.in_order,
-        }
+        return {"kind": "samples", **plain_fields(self)}
 
     def describe(self, *, varied: bool = False) -> str:
         """The samples in words; no axis of a map varies them."""
@@ -353,14 +350,29 @@ class Samples:
         return f"{len(self.omega)} given samples{' with attitudes' * self.turns}{how}"
 
 
+def cumulative(weights: ArrayLike) -> NDArray[np.float64]:
+    """Cumulative chances by weights, the last 1."""
+    sums = np.cumsum(np.asarray(weights) / np.max(weights))
+    shares: NDArray[np.float64] = sums / sums[-1]
+    return shares
+
+
+def plain_fields(value: Any) -> dict[str, Any]:
+    """The fields of a dataclass by their names, with lists for tuples, as JSON has them."""
+    return {own.name: _plain(getattr(value, own.name)) for own in fields(value)}
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, tuple):
+        return [_plain(one) for one in value]
+    return value.to_dict() if hasattr(value, "to_dict") else value
+
+
 def _rows(name: str, value: Any, width: int) -> NDArray[np.float64]:
     array = numbers(name, value)
     if array.ndim != 2 or array.shape[1] != width:
         raise ValueError(f"{name}: expected shape (n, {width}), got {array.shape}")
-    if not np.isfinite(array).all():
-        index, place = first_place(~np.isfinite(array))
-        raise ValueError(f"{name}{place} = {array[index]}: must be finite")
-    return array
+    return of_shape(name, array)
 
 
 def _same_count(name: str, count: int, wanted: int) -> None:
@@ -639,19 +651,10 @@ class Start:
         -------
         dict
         """
-        return {
-            "omega": None if self.omega is None else list(self.omega),
-            "spin": self.spin,
-            "axis": self.axis,
-            "tilt": self.tilt,
-            # Starts without one have the bytes that they had before there was any.
-            **({} if self.attitude is None else {"attitude": list(self.attitude)}),
-            "noise": None if self.noise is None else self.noise.to_dict(),
-            "attitude_noise": (
-                None if self.attitude_noise is None else self.attitude_noise.to_dict()
-            ),
-            **({} if self.states is None else {"states": list(self.states)}),
-        }
+        # Starts without one have the bytes that they had before there was any.
+        late = ("attitude", "states")
+        every = plain_fields(self).items()
+        return {name: value for name, value in every if value is not None or name not in late}
 
     @classmethod
     def from_dict(cls, data: Mapping[str, Any]) -> Start:

@@ -454,8 +454,8 @@ def checked_torque(torque: object) -> Torque | None:
     )
 
 
-def checked_damping(damping: ArrayLike | None, shape: Shape = ()) -> Damping | None:
-    """The matrices of a damping given by coefficients or matrices; None if there is none.
+def checked_damping(damping: ArrayLike, shape: Shape = ()) -> Damping | None:
+    """The matrices of a damping given by coefficients or matrices; None if all are zero.
 
     ``shape`` has the axes of the bodies that the damping is for.
 
@@ -464,8 +464,6 @@ def checked_damping(damping: ArrayLike | None, shape: Shape = ()) -> Damping | N
     ValueError
         If it has another shape, is not finite, not symmetric, or would add energy.
     """
-    if damping is None:
-        return None
     array = numbers("damping", damping)
     width = _components(array.shape, shape)
     finite = np.isfinite(array)

@@ -125,12 +125,12 @@ test_criteria = refuses(
             "reference = 'vertikal': must be one of 'start', 'vertical'; did you mean 'vertical'?",
         ),
         (
-            lambda: NoFlip().core(),
+            lambda: NoFlip().conditions(),
             ValueError,
             "no_flip() without an axis needs a start: call resolved() first",
         ),
         (
-            lambda: TiltBelow(0.5).core(),
+            lambda: TiltBelow(0.5).conditions(),
             ValueError,
             "tilt_below() without a reference needs a scene: call resolved() first",
         ),
