@@ -45,7 +45,7 @@ def test_rows_are_the_columns_of_maps() -> None:
     assert tuple(column.name for column in COLUMNS if column.reproducible) == FIELDS
 
 
-@pytest.mark.parametrize("threads", [1, 2, 7])
+@pytest.mark.parametrize("threads", [1, 7])
 def test_a_stored_map_has_the_bytes_of_an_unstored_one(
     tmp_path: Path, quiet: rigid.StabilityMap, threads: int
 ) -> None:
@@ -92,18 +92,6 @@ def test_a_worker_makes_only_its_own_rows_of_the_grid() -> None:
         assert tracemalloc.get_traced_memory()[1] < 2**20
     finally:
         tracemalloc.stop()
-
-
-def test_integrated_maps_are_stored_too(tmp_path: Path) -> None:
-    result = small_map(store=tmp_path / "run")
-    assert_same_map(result, small_map())
-
-
-def test_maps_of_joined_criteria_are_stored_too(tmp_path: Path) -> None:
-    stable = rigid.near_start(2.0) | ~rigid.spin_above(0.5, axis=2)
-    result = small_map(stable=stable, samples=10, store=tmp_path / "run")
-    assert_same_map(result, small_map(stable=stable, samples=10))
-    assert 0 < result.stable.sum() < result.samples.sum()
 
 
 def test_one_sitting_after_the_other_computes_nothing_twice(
@@ -209,13 +197,6 @@ def test_a_part_that_has_grown_is_merged_again(tmp_path: Path) -> None:
         merged = rigid.merge([tmp_path / "part"], tmp_path / "merged")
         assert merged.status().done == begin + 20
     writing.end("interrupted")
-
-
-def test_parts_meet_in_one_folder(tmp_path: Path, quiet: rigid.StabilityMap) -> None:
-    options = request(store=tmp_path / "run")
-    results = [rigid.stability_map(**options, part=f"{k}/3") for k in (3, 1, 2)]
-    assert [result.complete for result in results] == [False, False, True]
-    assert_same_map(results[-1], quiet)
 
 
 def test_segments_of_many_samples_merge_to_the_pixel(
