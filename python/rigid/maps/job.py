@@ -47,7 +47,7 @@ class VaryingJob(Blocks):
     def __init__(
         self, spec: MapSpec, pixels: Ints, count: int, first: Ints, fixed: Mapping[str, float]
     ) -> None:
-        status = spec.starting(spec.start.starts[0], pixels).status
+        status = spec.bodies(spec.start.starts[0], pixels).status
         super().__init__(status, count, len(spec.measure), BLOCK)
         self._spec, self._pixels, self._first, self._fixed = spec, pixels, first, fixed
         self._checked = spec.checked_before(count, first)
@@ -116,7 +116,7 @@ def to_core(
     begins = np.broadcast_to(first, every.shape)
     if spec.vary:
         return VaryingJob(spec, every, count, begins, fixed)
-    grids = [spec.starting(start, pixels) for start in spec.start.starts]
+    grids = [spec.bodies(start, pixels) for start in spec.start.starts]
     checked = spec.checked_before(count, begins)
     return _of_rows(spec, grids, every, (count, begins), checked, fixed)
 

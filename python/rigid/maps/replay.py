@@ -221,11 +221,8 @@ def replay(
         pixel=index,
         sample=number,
         parameters={
-            **{
-                axis.name: axis.values[position]
-                for axis, position in zip(spec.axes, reversed(index), strict=True)
-            },
-            **{name: values.item() for name, values in body.drawn.items()},
+            name: value.item()
+            for name, value in {**spec.values(np.array([flat])), **body.drawn}.items()
         },
         omega=omega,
         attitude=attitude,
