@@ -173,7 +173,7 @@ def plan(
         scene=scene,
         record=one_of("question", question, RECORDS),
         bodies=None if omega is None else bodies_of(scene, omega, attitude, rod=True),
-        end=None if t_end is None else finite_float("t_end", t_end, positive=True),
+        reach=None if t_end is None else (0.0, finite_float("t_end", t_end, positive=True)),
         accuracy=accuracy,
         method=method,
         step=step,
@@ -193,7 +193,7 @@ def _timed_states(
     made: Plan, problem: Problem, omega: ArrayLike, attitude: AttitudeLike | None
 ) -> Plan:
     """The plan of a valid call of :func:`simulate`, with its cost and the error of its steps."""
-    scene, known, t_end = problem.scene, problem.bodies, problem.end
+    scene, known, t_end = problem.scene, problem.bodies, problem.span
     assert known is not None
     assert isinstance(t_end, float)
     rates, turned = np.asarray(omega, dtype=np.float64), attitudes(attitude)

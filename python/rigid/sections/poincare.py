@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,7 +13,6 @@ from numpy.typing import ArrayLike
 from .._checks.arguments import brief, finite_float, positive_int, resolve_threads
 from .._checks.arrays import AttitudeLike
 from .._checks.progress import Listening, ProgressOption
-from .._core import MOST_STATES
 from ..model.body import Body
 from ..model.scene import Scene, check_scene
 from ..rotations.apply import to_body
@@ -22,7 +22,7 @@ from ..solve.methods import EXACT, adaptive_methods, known_method
 from ..solve.request import Problem
 from ..solve.simulate import simulate
 from ..solve.status import Status
-from ..solve.surfaces import Search, default_method, default_tolerance
+from ..solve.surfaces import Watched, default_method, default_tolerance, search_of
 from .crossings import Crossings
 from .surface import Section, at_equal_times, checked_section
 
@@ -169,37 +169,21 @@ def poincare(
     bodies = bodies_of(scene, omega, attitude)
     weight = np.broadcast_to(bodies.weight, (len(bodies), 3))
     normals = surface.normals(scene, weight)
-    plan = choose_method(
-        Problem(
-            scene=scene,
-            record="attitude",
-            bodies=bodies,
-            end=end,
-            method=chosen,
-            tolerance=tolerance,
-            states=0,
-        )
-    ).plan
-    search = Search(
+    problem = Problem(
+        scene=scene,
+        record="attitude",
         bodies=bodies,
-        kinds=((surface.is_height, surface.direction, True),),
-        normal=normals[:, np.newaxis],
-        momentum=np.zeros((len(bodies), 1, 3)),
-        square=np.zeros((len(bodies), 1)),
-        states=np.zeros((len(bodies), 1, MOST_STATES)),
-        starts=np.zeros((len(bodies), MOST_STATES)),
-        value=np.full((len(bodies), 1), surface.value),
-        rotor=np.zeros((len(bodies), 3)),
-        pointing=np.zeros((1, 13)),
-        orbit=np.zeros((len(bodies), 9)),
-        ends=np.full(len(bodies), end),
-        count=most,
+        reach=(0.0, end),
         method=chosen,
-        closed=False,
         tolerance=tolerance,
+        states=0,
         max_steps=max_steps,
         threads=threads,
     )
+    plan = choose_method(problem).plan
+    watched = Watched((surface.event(),), (True,), most)
+    # The height of the centre of mass has another normal in each body.
+    search = replace(search_of(problem, watched, chosen), normal=normals[:, np.newaxis])
     with Listening(progress, 2 if check else 1):
         found = search.found(check=check)
     status = found["status"]

@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from .. import _core
 from .._checks.arguments import two_digits_above
 from ..model.forces import forces_in_words
-from ..model.scene import Scene
 from .arrays import Floats, roots
 from .closed_form import (
     FORCED_RULE,
@@ -24,7 +23,6 @@ from .closed_form import (
     moment_rows,
     question_words,
     rule,
-    weight_rows,
     why_not,
 )
 from .methods import (
@@ -75,8 +73,8 @@ def plan_states(problem: Problem) -> Plan:
     groups = [mine for _, mine in parts]
     chosen = plans[0]() if len(plans) == 1 else plan_of_parts(problem.scene, plans, groups)
     if chosen.method == EXACT and chosen.error is not None:
-        assert isinstance(problem.end, float)
-        unforeseen = why_unforeseen(known, problem.end)
+        assert isinstance(problem.span, float)
+        unforeseen = why_unforeseen(known, problem.span)
         if unforeseen is not None:
             why = (*chosen.why, UNKNOWN.format(unforeseen))
             chosen = replace(chosen, error=None, why=why)
@@ -139,12 +137,14 @@ def bodies_alike(problem: Problem) -> list[tuple[Problem, NDArray[np.intp]]]:
 
 def choose_method(problem: Problem) -> Choice:
     """The method for bodies of a problem that are solved alike, its steps, and the plan."""
+    if problem.is_plain:
+        return Choice(EXACT, None, None, None, Lazy(_plan_of_any_start, problem))
     scene = problem.scene
     asked = problem.method
     # A requested method does not depend on them.
     forms = _known_closed_forms(problem) if asked in (None, EXACT) else np.empty(0, np.uint8)
-    if scene.torque is not None and problem.span is not None:
-        scene.torque.at(np.ravel(problem.times))  # ValueError outside the times of its table
+    if scene.torque is not None and problem.reach is not None:
+        scene.torque.at(np.ravel(problem.reach))  # ValueError outside the times of its table
     method, why = _preferred(problem, forms)
     steps, accuracy = None, problem.accuracy
     if accuracy is None and _takes_usual_accuracy(problem, method):
@@ -215,18 +215,12 @@ def _check_rates_are_known(problem: Problem) -> None:
         raise ValueError(f"{NO_BOUND}, or leave the method out: {FUNCTION} chooses its steps")
 
 
-def has_closed_form(scene: Scene) -> bool:
-    """Whether the scene is one body without torque and damping, whose states have a closed form.
-
-    From any start: of a top that swings as a pendulum from some it is false.
-    """
-    return scene.once(_has_closed_form)
-
-
-def _has_closed_form(scene: Scene) -> bool:
-    if scene.shape or scene.forces:
-        return False
-    return bool(closed_forms("rates", moment_rows(scene), weight_rows(scene)).all())
+def _plan_of_any_start(problem: Problem) -> Plan:
+    """The plan of a scene whose motions all have a closed form."""
+    assert problem.bodies is not None
+    number = max(len(problem.bodies), 1)
+    own = replace(problem, bodies=None, times=None, method=None, number=number)
+    return choose_method(own).plan()
 
 
 def _known_closed_forms(problem: Problem) -> Codes:

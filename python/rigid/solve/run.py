@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Callable, Mapping, MutableMapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple, overload
@@ -28,11 +28,11 @@ from .attitude_ephemeris import write_aem
 from .bodies import Bodies, bodies_of
 from .columns import Column, Columns, Result, take_numbers
 from .conserved import energy_of, momentum_of, needs_vertical
-from .events import Events, FoundEvents
+from .events import Events
 from .methods import EXACT
 from .plan import Lazy, Plan
-from .request import Problem, Request
-from .solution import COLUMNS, ErrorEstimate, end_records, solve
+from .request import Problem
+from .solution import COLUMNS, Solution, end_records, solve
 from .status import (
     COARSE_ERROR,
     Status,
@@ -525,33 +525,25 @@ an accuracy
             )
         bodies = Bodies.of_scene(scene, self.start_omega, self.start_attitude, shape)
         last = np.array([[np.inf]]) if self.end is None else np.reshape(self.end, (-1, 1))
-        request = Request(
-            bodies=bodies,
-            times=np.minimum(times, last) if (times > last).any() else times,
-            method=EXACT,
-            record=spec["record"],
-            max_steps=10**9,
-            threads=resolve_threads(None),
-        )
         accuracy, named = spec["accuracy"], spec["asked"] is not None
         problem = Problem(
             scene=scene,
             record=spec["record"],
             bodies=bodies,
-            begin=reached[0],
-            end=reached[1],
+            times=np.minimum(times, last) if (times > last).any() else times,
+            reach=reached,
             accuracy=accuracy,
             method=spec["asked"],
             step=spec["step"],
             tolerance=spec["tolerance"] if named and accuracy is None else None,
-            states=times.shape[-1],
             inside=bool(self.events),
+            threads=resolve_threads(None),
         )
         check = accuracy is not None or not np.isnan(self.error).all()
-        solution = solve(scene, problem, request, check=check)
-        states, estimate = solution.states, solution.estimate
-        end_records(states, times, last)
-        made = to_run(states, ascending, estimate, accuracy, Lazy.of(spec), self._plan, bodies)
+        solution = solve(problem, check=check)
+        end_records(solution.states, times, last)
+        made = to_run(problem, solution, ascending)
+        made = replace(made, _spec=Lazy.of(spec), _plan=self._plan)
         if (order[..., 1:] < order[..., :-1]).any():
             made = _in_order(made, given, order)
         return made if self.frame is None else made.in_frame(self.frame)
@@ -1058,20 +1050,15 @@ def turns_over(scene: Scene, t: Floats, omega: Floats) -> tuple[float, int]:
 
 
 def to_run(
-    states: MutableMapping[str, Any],
-    times: Floats,
-    estimate: ErrorEstimate | _core.States,
-    accuracy: float | None,
-    spec: Lazy[dict[str, Any]],
-    plan: Lazy[Plan],
-    bodies: Bodies,
-    parameters: tuple[str, ...] = (),
-    found: FoundEvents | None = None,
+    problem: Problem, made: Solution, times: Floats, parameters: tuple[str, ...] = ()
 ) -> Run:
-    """The run of these bodies, from the columns of the core."""
-    worst = estimate.worst if isinstance(estimate, _core.States) else None
+    """The run of the bodies of a problem at its times, as a user has given these."""
+    bodies, states, found, accuracy = problem.bodies, made.states, made.found, problem.accuracy
+    assert bodies is not None
+    worst = states.worst if isinstance(states, _core.States) else None
     if worst is None or not is_accurate(worst, accuracy):
-        error, lost_from = estimate.error, estimate.lost_from
+        nothing = np.full(len(bodies), np.nan)
+        error, lost_from = (states.get(name, nothing) for name in ("error", "lost_from"))
         if np.count_nonzero(states["status"]):
             unknown = np.isin(states["status"], (Status.STEP_LIMIT, Status.NOT_FINITE))
             error, lost_from = (np.where(unknown, np.nan, values) for values in (error, lost_from))
@@ -1088,11 +1075,24 @@ def to_run(
     return Run(
         _parameters=parameters,
         _events=() if found is None else found.events,
-        _spec=spec,
+        _spec=Lazy(_spec_of, problem, made.method, made.tolerance),
         _shape=bodies.shape,
         _columns=states,
-        _plan=plan,
+        _plan=made.plan,
     )
+
+
+def _spec_of(problem: Problem, method: str, tolerance: float | None) -> dict[str, Any]:
+    """The request of a run in the form of a file."""
+    return {
+        "scene": problem.scene.to_dict(),
+        "asked": problem.method,
+        "method": method,
+        "step": None if method == EXACT else problem.step,
+        "accuracy": problem.accuracy,
+        "tolerance": tolerance,
+        "record": problem.record,
+    }
 
 
 def _check_inside(times: Floats, reached: Range) -> None:
