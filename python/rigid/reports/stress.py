@@ -19,7 +19,7 @@ from .._checks.progress import ProgressOption, reporting
 from .._checks.shown import aligned, wrapped
 from ..drawing.figure import html_text
 from ..solve.bodies import bodies_of
-from ..solve.methods import EXACT, known_method, run_methods
+from ..solve.methods import EXACT, run_methods
 from ..solve.run import Run
 from ..solve.simulate import simulate
 from ..solve.status import Status
@@ -171,7 +171,7 @@ def extremes(
         one_of("family", family, dict.fromkeys(case.family for case in cases()))
     names = run_methods()
     if method is not None:
-        known_method("method", method, names)
+        one_of("method", method, names)
     cells: list[Cell] = []
     with reporting(progress, len(wanted), unit=" cases") as report:
         for done, case in enumerate(wanted, start=1):

@@ -18,7 +18,7 @@ from ..model.scene import Scene, check_scene
 from ..rotations.apply import to_body
 from ..solve.bodies import bodies_of
 from ..solve.choose_method import choose_method
-from ..solve.methods import EXACT, adaptive_methods, known_method
+from ..solve.methods import adaptive_methods
 from ..solve.request import Problem
 from ..solve.simulate import simulate
 from ..solve.status import Status
@@ -133,9 +133,8 @@ def poincare(
     scene = check_scene(scene, many=True)
     end = finite_float("t_end", t_end, positive=True)
     most = None if count is None else positive_int("count", count)
-    chosen = default_method(scene.forces)
-    if method is not None:
-        chosen = one_of_series(method, scene.forces)
+    chosen = default_method(scene.forces) if method is None else method
+    _check_method(chosen, scene.forces)
     given = default_tolerance(scene.forces) if tolerance is None else tolerance
     tolerance = finite_float("tolerance", given, positive=True)
     max_steps = positive_int("max_steps", max_steps)
@@ -261,13 +260,12 @@ def _at_times(run: Run, scene: Scene, section: Section, asked: dict[str, Any]) -
     )
 
 
-def one_of_series(method: str, forces: Collection[str]) -> str:
-    """``method`` if it is a Taylor method, or the method that a callback has in its place."""
+def _check_method(method: str, forces: Collection[str]) -> None:
+    """Raise ValueError unless it is a Taylor method, or the method of a callback in its place."""
     names = adaptive_methods(forces)
-    if method == EXACT or method not in names:
+    if method not in names:
         who = "a Taylor method" if len(names) > 1 else f"{names[0]!r} under a function"
         raise ValueError(
             f"method = {brief(method)}: only {who} is a polynomial inside its steps, of "
             f"which no crossing is missed; take one of {', '.join(map(repr, names))}"
         )
-    return known_method("method", method, names)

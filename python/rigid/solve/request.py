@@ -11,12 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
-from .._checks.arguments import finite_float
+from .._checks.arguments import finite_float, one_of
 from ..model.scene import Scene
 from .arrays import Floats, Range, time_ranges
 from .bodies import Bodies
 from .closed_form import closed_forms, moment_rows, weight_rows
-from .methods import EXACT, check_method, known_method, run_methods
+from .methods import EXACT, check_method, run_methods
 
 MutableMapping.register(_core.States)
 
@@ -87,7 +87,7 @@ class Problem:
 
     def __post_init__(self) -> None:
         if self.method is not None:
-            known_method("method", self.method, run_methods())
+            one_of("method", self.method, run_methods())
             check_method(self.method, self.scene.kind, watched=False, forces=self.scene.forces)
         if self.step is not None:
             self.step = finite_float("step", self.step, positive=True)

@@ -14,8 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
+from .._checks.arguments import one_of
 from ..model.forces import forces_in_words
-from .methods import EXACT, TO_ROUNDING, known_method, run_methods, tangent_methods
+from .methods import EXACT, TO_ROUNDING, run_methods, tangent_methods
 from .request import Request
 from .status import Status
 
@@ -41,7 +42,7 @@ def check_tangent(
     known = tangent_methods(forced=bool(forces) or by_parameters)
     if method in (None, EXACT, *known):
         return
-    known_method("method", method, run_methods())
+    one_of("method", method, run_methods())
     where = f"under {forces_in_words(forces)}" if forces else "by parameters"
     why = "has no tangent, because its steps are not differentiated"
     if method in tangent_methods():
