@@ -6,14 +6,13 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from .._checks.arguments import brief, finite_float, one_of, vector
+from .._checks.arrays import Floats
 from ..model.events import COMPONENTS, PLANE, WORDS, Event, check_reached, checked_direction
 from ..model.leading import three
 from ..model.scene import HeavyTop, Scene
-
-Floats = NDArray[np.float64]
 
 HEIGHT = "height"
 """The section where the height of the centre of mass turns."""

@@ -10,16 +10,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._checks.arguments import brief
+from .._checks.arrays import Floats
 from ..model.events import Event
 from ..model.frame import turned
 from ..model.leading import Shape
 from ..model.scene import Scene
-from .arrays import Floats
 from .bodies import Bodies
 from .columns import Column, Columns, HasColumns
 from .methods import EXACT, adaptive_methods
 from .request import Problem
-from .status import Status
 from .surfaces import Watched, search_of
 
 
@@ -247,18 +246,14 @@ def find_events(problem: Problem, watched: Watched, method: str, *, check: bool)
     found: dict[str, Any] = search_of(problem, watched, method).found(check=check)
     scene, bodies = problem.scene, problem.bodies
     assert bodies is not None
-    body = found["body"]
-    ended = found["status"] == Status.OK
     records = []
     for k, event in enumerate(watched.events):
         mine = np.flatnonzero(found["kind"] == k)
-        grazing = np.bincount(body[mine], found["grazing"][mine], minlength=len(bodies)) > 0
-        complete = ended & ~grazing & ((found["stays"] >> k) & 1 == 0)
         rows: dict[str, Any] = {name: found[name][mine] for name in Events._of_points()}
         if not scene.states:
             del rows["states"]
         rows["slope"] = rows["slope"] / event.slope_scale
-        rows |= {"complete": complete, "lost_from": found["lost_from"]}
+        rows |= {"complete": found["complete"][:, k], "lost_from": found["lost_from"]}
         records.append(Events(event=event, _columns=rows, _shape=bodies.shape))
     return FoundEvents(tuple(records), found["end"], found["stopped"])
 

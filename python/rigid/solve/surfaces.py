@@ -10,14 +10,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
+from .._checks.arrays import Floats
 from .._core import LEAST_STATE, MOST_STATES
 from ..model.events import Event
 from ..model.frame import turned
 from ..model.orbit import Orbit
-from .arrays import Floats, in_rows, lengths
+from .arrays import in_rows, lengths
 from .bodies import Bodies
 from .methods import EXACT, FUNCTION, SERIES, TO_ROUNDING
 from .request import Problem, Request
+from .status import Status
 
 TOLERANCE = 2.0**-57
 """Size of the last terms of a step: a sixteenth of rounding, which alone is left then."""
@@ -131,7 +133,8 @@ class Search:
         """The columns of the core, with the ``body`` and the ``error`` of each point.
 
         ``lost_from`` is the time from which on the points of each body are lost. Both are NaN
-        without a ``check``, unless a closed form gives them.
+        without a ``check``, unless a closed form gives them. ``complete``, (n, kinds), is whether
+        no point of a surface is missed or doubtful.
         """
         found = self._points()
         counts = found.pop("points").astype(np.intp)
@@ -142,6 +145,10 @@ class Search:
             else (np.full(len(body), np.nan), np.full(len(self.bodies), np.nan))
         )
         found["slope"] = found["slope"] / self._shares(found, body)
+        ended, grazing = found["status"] == Status.OK, found["grazing"]
+        stays = found["stays"][:, np.newaxis] >> np.arange(len(self.kinds)) & 1
+        found["complete"] = ended[:, np.newaxis] & (stays == 0)
+        found["complete"][body[grazing], found["kind"][grazing]] = False
         return found
 
     def _shares(self, found: dict[str, NDArray[Any]], body: NDArray[np.intp]) -> Floats:
@@ -419,20 +426,12 @@ def _times(matrix: Floats, v: Floats) -> Floats:
 def _space_axes(attitude: Floats) -> Floats:
     """The rows of the rotation matrices of quaternions: the space axes in the body."""
     w, x, y, z = np.moveaxis(attitude, -1, 0)
-    return np.stack(
-        [
-            np.stack(
-                [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)], -1
-            ),
-            np.stack(
-                [2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x)], -1
-            ),
-            np.stack(
-                [2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)], -1
-            ),
-        ],
-        axis=-2,
-    )
+    rows = [
+        [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)],
+        [2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x)],
+        [2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)],
+    ]
+    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
 
 
 def _alike(counts: NDArray[np.intp]) -> Iterator[NDArray[np.intp]]:
