@@ -25,7 +25,7 @@ from .methods import EXACT, TO_ROUNDING
 from .request import Problem
 from .solution import solve
 from .status import Status
-from .tangent import check_tangent, rate_scale
+from .tangent import check_tangent
 
 GENERIC = _core.generic_deviations()
 """Deviation vectors at the start: rates in the unit of the body, rotation vectors in rad. Each has
@@ -277,7 +277,7 @@ def _grown(
         bodies,
         method=method,
         deviations=np.ascontiguousarray(vectors.reshape(-1, 6)),
-        scale=rate_scale(bodies),
+        scale=_core.rate_units(bodies),
         of_attitude=of == "attitude",
         times=times,
         step=np.ascontiguousarray(steps),
@@ -288,16 +288,11 @@ def _grown(
 
 def _pairs(bodies: Bodies, first: Floats) -> Floats:
     """For each body twice, the same deviation vector (n, 6) and another, (n, 2, 6)."""
-    starts, scale = _starts(bodies), rate_scale(bodies)
+    starts, scale = _core.deviation_starts(bodies), _core.rate_units(bodies)
     first_in_units, in_units = (_unscaled(one, 1.0 / scale) for one in (first, starts[:, 1]))
     alike = np.linalg.norm(first_in_units - in_units, axis=1) < 1e-8
     other = np.where(alike[:, np.newaxis], starts[:, 0], starts[:, 1])
     return np.stack([first, other], axis=1)
-
-
-def _starts(bodies: Bodies) -> Floats:
-    """Deviation vectors at the start of the two runs of a verdict, for each body, (n, 2, 6)."""
-    return _core.deviation_starts(bodies)
 
 
 def _unscaled(vectors: Floats, scale: Floats) -> Floats:
@@ -312,10 +307,10 @@ def _unscaled(vectors: Floats, scale: Floats) -> Floats:
 
 def _deviations(bodies: Bodies, start: ArrayLike | None, count: int, of: str) -> Floats:
     """Deviation vectors of each body at its start, (n, k, 6)."""
-    scale = rate_scale(bodies)
+    scale = _core.rate_units(bodies)
     if start is None:
         several = _unscaled(np.broadcast_to(GENERIC[:count], (len(bodies), count, 6)), scale)
-        several[:, 0] = _starts(bodies)[:, 0]
+        several[:, 0] = _core.deviation_starts(bodies)[:, 0]
         return several
     given = np.atleast_2d(numbers("start", start))
     if given.shape != (count, 6):

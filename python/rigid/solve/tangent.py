@@ -13,18 +13,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import _core
 from .._checks.arguments import one_of
+from .._checks.arrays import Floats
 from ..model.forces import forces_in_words
 from .methods import EXACT, TO_ROUNDING, run_methods, tangent_methods
 from .request import Request
 from .status import Status
 
 if TYPE_CHECKING:
-    from .bodies import Bodies
+    pass
 
-
-Floats = NDArray[np.float64]
 
 ROUNDING = 2.0**-53
 """Tolerance of a tangent for which no method is given."""
@@ -48,11 +46,6 @@ def check_tangent(
     if method in tangent_methods():
         why = f"has no tangent {where}"
     raise ValueError(f"method = {method!r}: {why}; {', '.join(map(repr, known))} have one")
-
-
-def rate_scale(bodies: Bodies) -> Floats:
-    """Unit of the rates, ``sqrt(|omega|² + mgl / I_min)`` at the start; 1 if that is zero."""
-    return _core.rate_units(bodies)
 
 
 def tangent_of(
