@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 
 from .. import _core
 from .._checks.arguments import two_digits_above
+from .._checks.arrays import Floats
 from ..model.forces import forces_in_words
-from .arrays import Floats, roots
+from .arrays import roots
 from .closed_form import (
     FORCED_RULE,
     NO_FORM,
@@ -20,7 +21,6 @@ from .closed_form import (
     all_have,
     are_slowed_evenly,
     closed_forms,
-    moment_rows,
     question_words,
     rule,
     why_not,
@@ -235,7 +235,7 @@ def _known_closed_forms(problem: Problem) -> Codes:
     moments, weight = problem.inertia()
     forms = closed_forms(record, moments, weight)
     if scene.forces:
-        forces = scene.acting() if problem.bodies is None else problem.bodies.forces
+        forces = problem.forces()
         assert forces is not None
         evenly = are_slowed_evenly(scene, forces, moments)
         forms = np.where(evenly, forms, np.uint8(NO_FORM))
@@ -300,9 +300,9 @@ def _by_steps(problem: Problem, why: list[Reason]) -> tuple[str, list[Reason]]:
     others = scene.has_further or "function" in scene.forces
     if others or not _are_damped_strongly(problem).any():
         return usual, why
-    forces = scene.acting()
+    forces = problem.forces()
     assert forces is not None  # damping is one of them
-    slowing = float(forces.damping_rates(moment_rows(scene)).max(initial=0.0))
+    slowing = float(forces.damping_rates(problem.inertia()[0]).max(initial=0.0))
     return STIFF, [*why, f"strong damping, at a rate of {slowing:.3g} 1/s: {STIFF}"]
 
 
@@ -313,12 +313,10 @@ def _are_damped_strongly(problem: Problem) -> NDArray[np.bool_]:
     A given step is compared instead: an explicit method would have the error of the damping in it,
     not of the motion.
     """
-    scene, bodies = problem.scene, problem.bodies
-    forces = scene.acting() if bodies is None else bodies.forces
+    forces, turning = problem.forces(), problem.rates()
     if forces is None:
         return np.zeros(1, dtype=bool)
     slowing = forces.damping_rates(problem.inertia()[0])
-    turning = problem.rates()
     if problem.step is not None:
         return np.asarray(problem.step * slowing > 1.0)
     if turning is None:

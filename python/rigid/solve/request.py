@@ -12,10 +12,12 @@ from numpy.typing import NDArray
 
 from .. import _core
 from .._checks.arguments import finite_float, one_of
+from .._checks.arrays import Floats
+from .._moments import without_spin
 from ..model.scene import Scene
-from .arrays import Floats, Range, time_ranges
+from .arrays import Range, in_rows, time_ranges
 from .bodies import Bodies
-from .closed_form import closed_forms, moment_rows, weight_rows
+from .closed_form import closed_forms
 from .methods import EXACT, check_method, run_methods
 
 MutableMapping.register(_core.States)
@@ -155,7 +157,11 @@ class Problem:
         """Moments and weight of the bodies in rows, in any unit; one row may hold for all."""
         if self.bodies is not None:
             return self.bodies.moments, self.bodies.weight
-        return moment_rows(self.scene), weight_rows(self.scene)
+        return _inertia(self.scene)
+
+    def forces(self) -> _core.Forces | None:
+        """What acts on the bodies, None if nothing does, in the unit of :meth:`inertia`."""
+        return self.scene.acting() if self.bodies is None else self.bodies.forces
 
     def rates(self, method: str | None = None) -> Floats | None:
         """Bounds of the rates, or the rates that the steps of a method follow, if known."""
@@ -168,7 +174,13 @@ def _has_closed_form(scene: Scene) -> bool:
     """Whether the scene is one body without torque and damping, with a closed form of any start."""
     if scene.shape or scene.forces:
         return False
-    return bool(closed_forms("rates", moment_rows(scene), weight_rows(scene)).all())
+    return bool(closed_forms("rates", *_inertia(scene)).all())
+
+
+def _inertia(scene: Scene) -> tuple[Floats, Floats]:
+    """Moments and ``mgl com`` of the bodies in rows; one row if all have the same."""
+    moments = without_spin(np.asarray(scene.body.moments))
+    return in_rows(moments, scene.shape), in_rows(scene.weight, scene.shape)
 
 
 @dataclass(slots=True, kw_only=True, eq=False)
