@@ -296,7 +296,7 @@ def _states(
         max_steps=1,
         threads=resolve_threads(None),
     )
-    found = request.states(None)
+    found = request.states()
     leading = (*shape, len(times))
     return found["omega"].reshape(*leading, 3), found["attitude"].reshape(*leading, 4)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 from typing import NamedTuple
@@ -37,7 +38,7 @@ from .methods import (
     order_of,
 )
 from .plan import UNKNOWN, Lazy, Plan, Reason, plan_of, plan_of_parts, why_unforeseen
-from .request import USUAL_ACCURACY, Problem
+from .request import USUAL_ACCURACY, Problem, Request
 from .surfaces import default_method
 
 FIRST = 13.0
@@ -103,6 +104,22 @@ class Choice(NamedTuple):
     tolerance: float | None
     accuracy: float | None
     plan: Lazy[Plan]
+
+    def request(self, problem: Problem, strides: Sequence[int] | None = None) -> Request:
+        """The call of the core for the states of the problem."""
+        assert problem.bodies is not None
+        assert problem.times is not None
+        return Request(
+            bodies=problem.bodies,
+            times=problem.times,
+            method=self.method,
+            record=problem.record,
+            max_steps=problem.max_steps,
+            threads=problem.threads,
+            tolerance=self.tolerance,
+            steps=self.steps,
+            strides=strides,
+        )
 
 
 def bodies_alike(problem: Problem) -> list[tuple[Problem, NDArray[np.intp]]]:

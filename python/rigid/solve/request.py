@@ -136,23 +136,6 @@ class Problem:
         number = None if self.number is None else round(self.number * len(some) / len(bodies))
         return replace(self, scene=scene, bodies=own, times=times, reach=reach, number=number)
 
-    def request(
-        self, method: str, tolerance: float | None = None, strides: Sequence[int] | None = None
-    ) -> Request:
-        """The call of the core for the states by a method."""
-        assert self.bodies is not None
-        assert self.times is not None
-        return Request(
-            bodies=self.bodies,
-            times=self.times,
-            method=method,
-            record=self.record,
-            max_steps=self.max_steps,
-            threads=self.threads,
-            tolerance=tolerance,
-            strides=strides,
-        )
-
     def inertia(self) -> tuple[Floats, Floats]:
         """Moments and weight of the bodies in rows, in any unit; one row may hold for all."""
         if self.bodies is not None:
@@ -200,6 +183,8 @@ class Request:
     threads : int
     tolerance : float or None
         Tolerance of adaptive steps, for a Taylor method, and for ``dop853`` under a function.
+    steps : ndarray, shape (n,), or None
+        The longest step of each body (s); None leaves them to the core.
     strides : sequence of int, optional
         The states are those after these numbers of further steps of exactly the longest step.
     """
@@ -211,11 +196,11 @@ class Request:
     max_steps: int
     threads: int
     tolerance: float | None = None
+    steps: Floats | None = None
     strides: Sequence[int] | None = None
 
     def states(
         self,
-        steps: Floats | None,
         refinement: float = 1.0,
         *,
         deviations: Floats | None = None,
@@ -223,7 +208,7 @@ class Request:
         out: Mapping[str, NDArray[Any]] | None = None,
         single: bool = False,
     ) -> _core.States:
-        """The states, each body with its longest step (s); None leaves the steps to the core.
+        """The states.
 
         Between two output times a body takes ``refinement`` times the steps, rounded up. Columns of
         ``out``, of shape (n, m, k), are written where they are; other columns of rows are new, in
@@ -231,11 +216,11 @@ class Request:
         record is ``"tangent"``, from those at the start, (n, 6), or ``"sensitivity"``, by changes
         of parameters, (n, 15).
         """
-        return self._cut(_core.simulate(self, steps, refinement, deviations, changes, out, single))
+        found = _core.simulate(self, self.steps, refinement, deviations, changes, out, single)
+        return self._cut(found)
 
     def solve(
         self,
-        steps: Floats | None,
         accuracy: float | None,
         *,
         check: bool,
@@ -246,8 +231,6 @@ class Request:
 
         Parameters
         ----------
-        steps : ndarray, shape (n,), or None
-            The longest step of each body (s); None leaves them to the core.
         accuracy : float or None
             Largest error: tolerance or steps of a body are made smaller until its estimated error
             is smaller. None for a tolerance or a step that the user chose.
@@ -259,7 +242,7 @@ class Request:
         out : mapping, optional
             Arrays for columns, in double precision.
         """
-        return self._cut(_core.solve(self, steps, accuracy, check, free, out))
+        return self._cut(_core.solve(self, self.steps, accuracy, check, free, out))
 
     def _cut(self, states: _core.States) -> _core.States:
         """The states without columns of states of a function beyond those that there are."""
@@ -271,4 +254,5 @@ class Request:
     def select(self, some: NDArray[np.intp]) -> Self:
         """The request for some of the bodies."""
         times = self.times if self.times.ndim == 1 else self.times[some]
-        return replace(self, bodies=self.bodies.select(some), times=times)
+        steps = None if self.steps is None else self.steps[some]
+        return replace(self, bodies=self.bodies.select(some), times=times, steps=steps)

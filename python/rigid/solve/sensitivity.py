@@ -90,8 +90,7 @@ def amplification(bodies: Bodies, times: Floats, threads: int) -> Floats:
             max_steps=10**9,
             threads=threads,
             tolerance=ROUNDING,
-        ),
-        None,
+        )
     )
     scale = _core.rate_units(bodies)[:, None, None, None]
     matrices[..., :3, 3:] /= scale

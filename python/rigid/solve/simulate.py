@@ -386,8 +386,7 @@ def replayed(
         max_steps=2**63,
     )
     choice = choose_method(problem)
-    steps = choice.steps if tolerance is None else None
-    states = problem.request(method, tolerance, strides).states(steps)
+    states = choice.request(problem, strides).states()
     # The map that this body comes from has its own check of the error.
     return to_run(problem, Solution(states, method, tolerance, choice.plan), t)
 

@@ -239,7 +239,7 @@ def _solve_alike(
 ) -> Solution:
     """The motion of bodies that one method solves."""
     choice = choose_method(problem)
-    request, found = problem.request(choice.method, choice.tolerance), None
+    request, found = choice.request(problem), None
     if watched is not None:
         found = find_events(problem, watched, choice.method, check=check)
         if found.stopped.any():
@@ -257,15 +257,16 @@ def _solve_alike(
         change = None
         if parameters:
             change = parameter_changes(problem.scene, request.bodies, parameters)
-        matrices, sensitivity, words = tangent_of(request, choice.steps, problem.method, change)
-        states["tangent"], states["sensitivity"] = matrices, sensitivity
+        states["tangent"], states["sensitivity"], words = tangent_of(
+            request, problem.method, change
+        )
         made.plan.amend(words)
     return made
 
 
 def _by_closed_form(request: Request, choice: Choice, target: Target) -> Solution:
     """The motion in closed form."""
-    states = request.states(None, out=target.given or None, single=target.single)
+    states = request.states(out=target.given or None, single=target.single)
     worst = states.worst
     if worst is None:
         bodies = request.bodies
@@ -282,7 +283,6 @@ def _by_steps(
 ) -> Solution:
     """The motion by steps; the plan tells which."""
     states = request.solve(
-        choice.steps,
         choice.accuracy,
         check=check or problem.accuracy is not None,
         free=problem.method is None,

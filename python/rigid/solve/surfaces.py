@@ -290,7 +290,7 @@ class Search:
                 max_steps=self.max_steps,
                 threads=self.threads,
                 tolerance=max(1e-3 * self.tolerance, min(self.tolerance, TOLERANCE)),
-            ).states(None, _core.ELSEWHERE if self.method == FUNCTION else 1.0)
+            ).states(_core.ELSEWHERE if self.method == FUNCTION else 1.0)
             names = ("t", "omega", "gamma", "attitude", "states", "kind")
             known = {name: found[name][places] for name in names}
             with np.errstate(divide="ignore", invalid="ignore"):
