@@ -11,9 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
+from .._checks.arguments import one_of
 from ..model.mixture import Mixture
 from ..model.start import Noise, Samples, Start
-from ..solve.methods import AUTO, EXACT, known_method, map_methods, series_methods
+from ..solve.methods import AUTO, EXACT, map_methods, series_methods
 from .core_request import CoreRequest, CoreStarts
 from .grid import Pixels
 from .judge import Blocks, CustomJob
@@ -109,7 +110,7 @@ def to_core(
     ValueError
         If its method is not one of maps, or its torque is a function that is not known.
     """
-    known_method("method", spec.method, map_methods())
+    one_of("method", spec.method, map_methods())
     spec.require_torque()
     count = spec.samples if count is None else count
     every = np.arange(math.prod(spec.shape)) if pixels is None else pixels

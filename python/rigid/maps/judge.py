@@ -264,7 +264,8 @@ class CustomJob(Blocks):
             max_steps=self._spec.max_steps,
             threads=threads,
             tolerance=tolerance,
-        ).states(steps, _core.ELSEWHERE if is_second and steps is None else 1.0)
+            steps=steps,
+        ).states(_core.ELSEWHERE if is_second and steps is None else 1.0)
         nothing = np.full(count, np.nan)
         drifts = {name: nothing if part[name] is None else part[name] for name in _DRIFTS}
         worst = np.fmax.reduce([np.zeros(count), *drifts.values()])

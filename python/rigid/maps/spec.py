@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
-from .._checks.arguments import brief, finite_float, of_known, positive_int
+from .._checks.arguments import brief, finite_float, of_known, one_of, positive_int
 from ..model.body import Body, refuse_rods
 from ..model.bounds import RateWithin
 from ..model.criteria import check_criterion, criterion_from_dict
@@ -44,9 +44,8 @@ from ..solve.methods import (
     STIFF,
     TO_ROUNDING,
     check_method,
-    is_stiff,
-    known_method,
     map_methods,
+    method_named,
 )
 from ..solve.tangent import check_tangent
 from .axes import Axis, check_applicable, make_axes
@@ -236,7 +235,7 @@ class MapSpec:
                     f"samples = {self.samples}: must be {last}, which half_width = "
                     f"{self.half_width} needs"
                 )
-        known_method("method", self.method, map_methods())
+        one_of("method", self.method, map_methods())
         if "rotor" in self.forces:
             for leaf in self.stable.leaves:
                 if isinstance(leaf, RateWithin) and leaf.of == "L":
@@ -642,7 +641,7 @@ class MapSpec:
             return self.scheme
         if self.is_judged:
             return TO_ROUNDING
-        return STIFF if self.forces and is_stiff(self.scheme) else SECOND
+        return STIFF if self.forces and method_named(self.scheme).stiff else SECOND
 
     def _require_closed_forms(self) -> None:
         """Raise ValueError for the first possible body without a closed form."""
