@@ -68,7 +68,8 @@ def run(what: str, method: str, moments: tuple[float, float, float]) -> Moved:
         record=what,
         max_steps=10**9,
         threads=1,
-    ).states(longest, **own)
+        steps=longest,
+    ).states(**own)
     return done[end][:, 0], start, done["steps"]
 
 

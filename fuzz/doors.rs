@@ -7,7 +7,7 @@ use rigid::body::{Body, unit_quaternion};
 use rigid::error::Error;
 use rigid::exact::derived::{free_quantities, saddle, sign_changes, tilt_time, top_quantities};
 use rigid::forces::Forces;
-use rigid::inertia::{Inertia, principal_axes};
+use rigid::inertia::{check_moments, principal_axes};
 use rigid::map::{Check, Condition, Criterion, Distributions, Logic, Map, Pixel, Rule, clopper_pearson};
 use rigid::method::{AnyMethod, default_step};
 use rigid::parallel::Interrupt;
@@ -91,8 +91,7 @@ impl Bytes<'_> {
         let moments =
             self.of([[1.0, 2.0, 3.0], [1.0, 1.0, 0.5], [2.0, 2.0, 2.0], [1e-9, 1.0, 1.0], [1.0, 2.0, 2.5]]);
         let other = self.vector();
-        let moments =
-            if self.below(2) == 0 { moments } else { Inertia::new(other).map_or(moments, Inertia::moments) };
+        let moments = if self.below(2) == 0 || check_moments(other).is_err() { moments } else { other };
         let weight = match (scene.has_weight, self.below(2)) {
             (false, _) => [0.0; 3],
             (true, 0) => [0.0, 0.0, self.number()],
@@ -297,8 +296,6 @@ fn special_functions(numbers: &mut Bytes) {
     special::agm(x, y);
     special::jacobi(x, y);
     special::complete_k(x);
-    special::complete_e(x);
-    special::complete_pi(x, y);
     let [successes, trials] = [numbers.byte(), numbers.byte()].map(|byte| 1_u64 << (byte % 60));
     if let Some([lower, upper]) = let_out(clopper_pearson(successes, trials, numbers.number())) {
         let share = successes as f64 / trials as f64;

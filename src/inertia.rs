@@ -1,4 +1,4 @@
-//! `Inertia`: principal moments that a real body can have.
+//! Principal moments that a real body can have, and principal axes.
 
 use crate::error::Error;
 use crate::named::named;
@@ -78,30 +78,21 @@ fn ascending(moments: [f64; 3]) -> [usize; 3] {
     order
 }
 
-/// Principal moments about the body axes 1, 2, 3, in the user's order: finite, positive, none above the sum of the
+/// Checks that a distribution of mass with these principal moments exists: finite, positive, none above the sum of the
 /// other two.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Inertia([f64; 3]);
-
-impl Inertia {
-    /// Checks that a distribution of mass with these moments exists.
-    pub fn new(moments: [f64; 3]) -> Result<Self, Error> {
-        let [a, b, c] = moments;
-        match MomentStatus::of(moments, true) {
-            MomentStatus::Possible => Ok(Inertia(moments)),
-            MomentStatus::NotFinite => Err(Error::MomentNotFinite(a, b, c)),
-            MomentStatus::NotPositive => Err(Error::MomentNotPositive(a, b, c)),
-            MomentStatus::Triangle => Err(Error::MomentTriangle {
-                moments,
-                nearest: nearest_possible(moments),
-                excess: excess(moments),
-            }),
+///
+/// # Errors
+/// Naming the moments and the rule.
+pub fn check_moments(moments: [f64; 3]) -> Result<(), Error> {
+    let [a, b, c] = moments;
+    match MomentStatus::of(moments, true) {
+        MomentStatus::Possible => Ok(()),
+        MomentStatus::NotFinite => Err(Error::MomentNotFinite(a, b, c)),
+        MomentStatus::NotPositive => Err(Error::MomentNotPositive(a, b, c)),
+        MomentStatus::Triangle => {
+            let (nearest, excess) = (nearest_possible(moments), excess(moments));
+            Err(Error::MomentTriangle { moments, nearest, excess })
         }
-    }
-
-    /// The three moments.
-    pub fn moments(self) -> [f64; 3] {
-        self.0
     }
 }
 
@@ -156,7 +147,7 @@ mod tests {
         ];
         for (moments, status) in cases {
             assert_eq!(MomentStatus::of(moments, true), status, "{moments:?}");
-            assert_eq!(Inertia::new(moments).is_ok(), status == MomentStatus::Possible);
+            assert_eq!(check_moments(moments).is_ok(), status == MomentStatus::Possible);
         }
     }
 }

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ._checks.arguments import brief, finite_float, one_of, positive_int
-from ._checks.arrays import AttitudeLike, attitudes
+from ._checks.arrays import AttitudeLike
 from .maps.job import to_core
 from .maps.plan import map_plan, of_one_pixel, shortened
 from .maps.spec import MapSpec
@@ -172,7 +171,7 @@ def plan(
         scene=scene,
         record=one_of("question", question, RECORDS),
         bodies=None if omega is None else bodies_of(scene, omega, attitude, rod=True),
-        end=None if t_end is None else finite_float("t_end", t_end, positive=True),
+        reach=None if t_end is None else (0.0, finite_float("t_end", t_end, positive=True)),
         accuracy=accuracy,
         method=method,
         step=step,
@@ -185,37 +184,29 @@ def plan(
     if omega is None or t_end is None:
         name = "omega" if omega is None else "t_end"
         raise ValueError(f"cost = True: some of the bodies are run, for which {name} is missing")
-    return _timed_states(made, problem, omega, attitude)
+    return _timed_states(made, problem)
 
 
-def _timed_states(
-    made: Plan, problem: Problem, omega: ArrayLike, attitude: AttitudeLike | None
-) -> Plan:
+def _timed_states(made: Plan, problem: Problem) -> Plan:
     """The plan of a valid call of :func:`simulate`, with its cost and the error of its steps."""
-    scene, known, t_end = problem.scene, problem.bodies, problem.end
-    assert known is not None
+    bodies, t_end = problem.bodies, problem.span
+    assert bodies is not None
     assert isinstance(t_end, float)
-    rates, turned = np.asarray(omega, dtype=np.float64), attitudes(attitude)
-    shape, given = known.shape, len(known)
     # The most steps of a body under a function are a hundredth of others.
-    first = 100.0 * LEAST_SHARE if "function" in scene.forces else LEAST_SHARE
-    if not given:
+    first = 100.0 * LEAST_SHARE if "function" in problem.scene.forces else LEAST_SHARE
+    if not len(bodies):
         raise ValueError("cost = True: some of the bodies are run, and there are none")
-    alone = not shape and problem.number in (None, 1)
-    rates = rates if alone else np.broadcast_to(rates, (*shape, 3)).reshape(-1, 3)
-    turned = turned if alone else np.broadcast_to(turned, (*shape, 4)).reshape(-1, 4)
-    places = np.arange(math.prod(scene.shape)).reshape(scene.shape)
-    places = np.broadcast_to(places, shape).ravel()
+    alone = not bodies.shape and problem.number in (None, 1)
 
     def run(count: int, share: float) -> Run:
-        some: Any = ...
-        if not alone:  # fewer bodies than the call has are repeated
-            some = np.resize(spread_indices(given, count), count)
-        own = np.unravel_index(places[some], scene.shape) if scene.shape else None
+        # Fewer bodies than the call has are repeated.
+        part = problem.select(np.resize(spread_indices(len(bodies), count), count))
+        own, row = part.bodies, 0 if alone else slice(None)
+        assert own is not None
         return simulate(
-            scene if own is None else scene[own],
-            rates[some],
-            None if attitude is None else turned[some],
+            part.scene,
+            own.omega[row],
+            own.attitude[row],
             t=np.linspace(0.0, share * t_end, math.ceil(share * problem.states) + 1)[1:],
             max_steps=None if share == 1.0 else int(LEAST_STEPS * share / first),
             progress=False,
@@ -225,7 +216,7 @@ def _timed_states(
             step=problem.step,
         )
 
-    seconds, whole = seconds_of_one(run, problem.number or given, share=first)
+    seconds, whole = seconds_of_one(run, problem.number or len(bodies), share=first)
     error = made.error
     if whole is not None and made.method != EXACT:
         worst = float(np.fmax.reduce(np.ravel(whole.error)))  # NaN of bodies that are not checked

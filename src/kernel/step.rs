@@ -155,11 +155,7 @@ pub(super) fn step_block<P, const PACKS: usize, M, L, S, const D: usize>(
     for b in 0..PACKS {
         let at = b * P::LANES;
         let y: [P; D] = load_rows(&g.state, at);
-        let (p, engine) = &bodies[b];
-        if observed != Observed::Nothing {
-            observed.after_block::<P, M, L, S, D>(engine, p, &mut g.observed, at, &y);
-        }
-        end_block::<P, M, L, S, D>(g, at, p, &y, steps);
+        end_block::<P, M, L, S, D>(g, at, &bodies[b].0, &y, steps);
     }
 }
 
@@ -283,7 +279,7 @@ pub(super) fn invariants<R: Real, M: Model<R>, L: Layout, S: Engine<R, M, L, D>,
         // No momentum is constant; the square of the rates shows whether the steps are short enough.
         return [jacobi(p, y), dot(&[y[0], y[1], y[2]], &[y[0], y[1], y[2]])];
     }
-    let momentum = S::momentum(p, y);
+    let momentum = S::VARIABLES.momentum(p, y);
     let (mut potential, mut conserved) = if const { L::TURNS } {
         let mut rows = in_rows::<L, R, D>(y);
         put(&mut rows, 3, vertical(&quaternion::<L, R, D>(y)));
@@ -295,7 +291,7 @@ pub(super) fn invariants<R: Real, M: Model<R>, L: Layout, S: Engine<R, M, L, D>,
         potential = potential - y[L::BALANCE_AT];
         conserved = conserved - y[L::IMPULSE_AT];
     }
-    [S::kinetic(p, y) + potential, conserved]
+    [S::VARIABLES.kinetic(p, y) + potential, conserved]
 }
 
 /// The Jacobi integral of a body on a circular orbit over the square of the mean motion; zero on an eccentric orbit, where

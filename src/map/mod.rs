@@ -41,4 +41,4 @@ pub type Verdict = (Class, Outcome, Option<Outcome>);
 pub const NO_VERDICT: Verdict = (Class::Failed, Outcome::REFUSED, None);
 
 /// The class of a condition of a sample, and the time at which its first run left it.
-pub type Part = (Class, f64);
+pub type ConditionVerdict = (Class, f64);

@@ -5,7 +5,8 @@ use super::measure::Own;
 use super::observation::{Classified, RUNS};
 use super::statistics::Sample;
 use super::{
-    Class, Condition, MOST_CONDITIONS, Map, NO_VERDICT, Observation, Part, Sketch, Statistics, Value, Verdict,
+    Class, Condition, ConditionVerdict, MOST_CONDITIONS, Map, NO_VERDICT, Observation, Sketch, Statistics,
+    Value, Verdict,
 };
 use crate::error::Error;
 use crate::memory;
@@ -169,7 +170,7 @@ impl Map {
         threads: usize,
         isa: Isa,
         interrupt: &Interrupt,
-    ) -> Result<(Vec<Verdict>, Vec<Part>), Error> {
+    ) -> Result<(Vec<Verdict>, Vec<ConditionVerdict>), Error> {
         const VERDICTS: &str = "outcomes of the samples";
         // Samples of one group are classified together, and neighbours side by side.
         let parts = parts(flat, |sample, later| self.belong_together(sample, later))?;

@@ -450,8 +450,8 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Engine<R, M, L, D> for Exp
             worked = worked + dot(&weight, &alone);
         }
         // The impulse of strong damping is a small difference of large ones, so it is set to the gain of momentum.
-        let impulse = M::conserved(&<Self as Engine<R, M, L, D>>::momentum(p, &at), &at)
-            - M::conserved(&<Self as Engine<R, M, L, D>>::momentum(p, y), y);
+        let [after, before] = [Variables::Rates.momentum(p, &at), Variables::Rates.momentum(p, y)];
+        let impulse = M::conserved(&after, &at) - M::conserved(&before, y);
         at[L::BALANCE_AT] = y[L::BALANCE_AT] + (gained - worked);
         at[L::IMPULSE_AT] = y[L::IMPULSE_AT] + impulse;
         *y = at;

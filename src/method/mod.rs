@@ -189,6 +189,12 @@ impl Variables {
             Variables::Momenta => [y[0], y[1], y[2]],
         }
     }
+
+    /// Kinetic energy.
+    #[inline(always)]
+    pub fn kinetic<R: Real, const D: usize>(self, p: &Parameters<R>, y: &[R; D]) -> R {
+        dot(&self.momentum(p, y), &self.rates(p, y)) * R::splat(0.5)
+    }
 }
 
 /// The numbers of a step.
@@ -745,7 +751,7 @@ pub trait Engine<R: Real, M: Model<R>, L: Layout, const D: usize>: Copy {
     /// The angular velocity with which a state turns the frame of the body.
     #[inline(always)]
     fn turning(&self, p: &Parameters<R>, y: &[R; D]) -> [R; 3] {
-        Self::rates(p, y)
+        Self::VARIABLES.rates(p, y)
     }
     /// Its rate of change.
     #[inline(always)]
@@ -754,19 +760,4 @@ pub trait Engine<R: Real, M: Model<R>, L: Layout, const D: usize>: Copy {
     }
     /// Rate of change of the first three numbers of the state.
     fn velocity(&self, p: &Parameters<R>, y: &[R; D]) -> [R; 3];
-    /// The angular velocity in the body.
-    #[inline(always)]
-    fn rates(p: &Parameters<R>, y: &[R; D]) -> [R; 3] {
-        Self::VARIABLES.rates(p, y)
-    }
-    /// The angular momentum in the body.
-    #[inline(always)]
-    fn momentum(p: &Parameters<R>, y: &[R; D]) -> [R; 3] {
-        Self::VARIABLES.momentum(p, y)
-    }
-    /// Kinetic energy.
-    #[inline(always)]
-    fn kinetic(p: &Parameters<R>, y: &[R; D]) -> R {
-        dot(&Self::momentum(p, y), &Self::rates(p, y)) * R::splat(0.5)
-    }
 }

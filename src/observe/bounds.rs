@@ -1,6 +1,6 @@
 //! A scalar of the state that stays on one side of a limit.
 
-use super::inside::{self, Inside, Part, state};
+use super::inside::{self, Bracket, Inside, state};
 use super::{
     EXIT_TIME, Observable, Rows, Segment, Start, Update, angle_of, chord2, look_inside, motion_inside, three,
 };
@@ -551,8 +551,8 @@ impl<R: Real, L: Layout, W: Within<R, D>, const MOMENTA: bool, const D: usize> O
         let begin = one.min(((rows[Bound::AFTER] - time) / p.step).max(zero));
         let span = one - begin;
         let size = span * R::splat(1.0 / Bound::PLACES as f64);
-        // The first part of the step that ends beyond the limit, and the last one that ends inside it again.
-        let (mut exit, mut entry) = (Part::none(), Part::none());
+        // Of the first time beyond the limit, and of the last one inside it again.
+        let (mut exit, mut entry) = (Bracket::none(), Bracket::none());
         // The margins at the last three places.
         let (mut margins, mut least) = ([never; 3], rows[Bound::MARGIN]);
         let (_, mut unit) = margin.of(before);
@@ -594,16 +594,16 @@ impl<R: Real, L: Layout, W: Within<R, D>, const MOMENTA: bool, const D: usize> O
                 let from_inside =
                     [R::select(is_after, middle, first), R::select(is_after, last, before_last)];
                 let to_inside = [R::select(is_after, fraction, middle), R::select(is_after, now, last)];
-                exit.set(dives, Part { from: from_inside, to: [at, deepest] });
+                exit.set(dives, Bracket { from: from_inside, to: [at, deepest] });
                 let returns = R::except(dives, to_inside[1].lt(zero));
-                entry.set(returns, Part { from: [at, deepest], to: to_inside });
+                entry.set(returns, Bracket { from: [at, deepest], to: to_inside });
             }
-            let part = Part { from: [fraction - size, last], to: [fraction, now] };
-            entry.set(R::except(last.lt(zero), now.lt(zero)), part);
+            let bracket = Bracket { from: [fraction - size, last], to: [fraction, now] };
+            entry.set(R::except(last.lt(zero), now.lt(zero)), bracket);
             least = least.min(now);
             least = R::select(dip.lt(least), dip, least);
-            let part = if place == 0 { Part { from: [begin, zero], ..part } } else { part };
-            exit.set(R::except(now.lt(zero), exit.is_known()), part);
+            let bracket = if place == 0 { Bracket { from: [begin, zero], ..bracket } } else { bracket };
+            exit.set(R::except(now.lt(zero), exit.is_known()), bracket);
         }
         let is_back = entry.is_known();
         if R::any(is_back) {

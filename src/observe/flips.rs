@@ -1,6 +1,6 @@
 //! Sign changes of a component of the rates.
 
-use super::inside::{Inside, Part, has_minimum, least, lowest};
+use super::inside::{Bracket, Inside, has_minimum, least, lowest};
 use super::{EXIT_TIME, Observable, Rows, Segment, Start, Update, along, look_inside, motion_inside, three};
 use crate::body::{Body, VERTICAL};
 use crate::forces::{BodyForces, ForcesInterval};
@@ -190,7 +190,7 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Fli
             first = [R::select(is_away, highest_at, zero), R::select(is_away, -highest, begin.max(zero))];
         }
         let count = R::select(flipped, one, R::select(last_value.lt(zero), one + one, zero));
-        let fraction = Part { from: first, to: [last, last_value] }.crossing(&inside);
+        let fraction = Bracket { from: first, to: [last, last_value] }.crossing(&inside);
         let at = p.step.fma(fraction, segment.begin);
         let leaves = R::except(half.lt(count), rows[EXIT_TIME].lt(R::splat(f64::INFINITY)));
         rows[EXIT_TIME] = R::select(leaves, at, rows[EXIT_TIME]);

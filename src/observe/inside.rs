@@ -72,20 +72,20 @@ pub(super) fn least<R: Real, const TIMES: usize>(
     [place, value]
 }
 
-/// A part of a step, with a number at two places: it passes zero between them, if it is not negative at the first and
-/// negative at the last.
+/// A bracket of a zero: two places inside a step, as fractions of it, and a number at each, which is not negative at the
+/// first place and negative at the last.
 #[derive(Clone, Copy)]
-pub(super) struct Part<R> {
-    /// The place of either end, as a fraction of the step, and the number there.
+pub(super) struct Bracket<R> {
+    /// The place, and the number there.
     pub(super) from: [R; 2],
     pub(super) to: [R; 2],
 }
 
-impl<R: Real> Part<R> {
-    /// No part: it ends nowhere.
+impl<R: Real> Bracket<R> {
+    /// No bracket: it ends nowhere.
     #[inline(always)]
     pub(super) fn none() -> Self {
-        Part { from: [R::splat(0.0); 2], to: [R::splat(f64::INFINITY); 2] }
+        Bracket { from: [R::splat(0.0); 2], to: [R::splat(f64::INFINITY); 2] }
     }
 
     /// Whether it ends somewhere.
@@ -94,19 +94,19 @@ impl<R: Real> Part<R> {
         self.to[0].lt(R::splat(f64::INFINITY))
     }
 
-    /// Replaces it by another part in some lanes.
+    /// Replaces it by another one in some lanes.
     #[inline(always)]
-    pub(super) fn set(&mut self, lanes: R::Mask, other: Part<R>) {
+    pub(super) fn set(&mut self, lanes: R::Mask, other: Bracket<R>) {
         for k in 0..2 {
             self.from[k] = R::select(lanes, other.from[k], self.from[k]);
             self.to[k] = R::select(lanes, other.to[k], self.to[k]);
         }
     }
 
-    /// The part the other way round.
+    /// The bracket the other way round.
     #[inline(always)]
     pub(super) fn reversed(self) -> Self {
-        Part { from: self.to, to: self.from }
+        Bracket { from: self.to, to: self.from }
     }
 
     /// Where the number passes zero: regula falsi with half the value of an end that remains twice (the Illinois rule;
@@ -114,7 +114,7 @@ impl<R: Real> Part<R> {
     #[inline(always)]
     pub(super) fn crossing(self, inside: &impl Inside<R>) -> R {
         let (zero, half, one) = (R::splat(0.0), R::splat(0.5), R::splat(1.0));
-        let Part { from: [mut low, mut inner], to: [mut high, mut outer] } = self;
+        let Bracket { from: [mut low, mut inner], to: [mut high, mut outer] } = self;
         let mut last_side = zero;
         for _ in 0..16 {
             let fraction = (high - low).fma(inner / (inner - outer), low);

@@ -57,7 +57,8 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Mea
         }
         let &Segment { before, after, .. } = segment;
         let axis = three(rows, MeanRate::AXIS);
-        let (begin, end) = (along(&axis, &S::rates(p, before)), along(&axis, &S::rates(p, after)));
+        let (begin, end) = (S::VARIABLES.rates(p, before), S::VARIABLES.rates(p, after));
+        let (begin, end) = (along(&axis, &begin), along(&axis, &end));
         // The state may consist of momenta.
         let [mut slope, last] = [engine.velocity(p, before), engine.velocity(p, after)];
         for k in 0..3 {

@@ -1,7 +1,7 @@
 //! Observables: a few numbers of a motion that are updated during the integration. Nothing is stored per step.
 //!
 //! An observable is one type, listed in `observables!`. Each body has a few rows of numbers, which the observable
-//! updates after each step and after each block of steps. Code is compiled only for systems that the observable fits.
+//! updates after each step. Code is compiled only for systems that the observable fits.
 
 mod bounds;
 mod flips;
@@ -67,16 +67,6 @@ pub trait Update<R: Real, M: Model<R>, L: Layout, const D: usize>: Observable {
         _segment: &Segment<R, D>,
     ) {
         unreachable!("only some observables look inside such steps")
-    }
-    /// Updates the rows at the end of a block of steps.
-    #[inline(always)]
-    fn after_block<S: Engine<R, M, L, D>>(
-        self,
-        _engine: &S,
-        _p: &Parameters<R>,
-        _rows: &mut Rows<R>,
-        _y: &[R; D],
-    ) {
     }
 }
 
@@ -277,25 +267,6 @@ macro_rules! observables {
                     load::<P, $name>(rows, at, &mut values);
                     let observable = observables!(@value $name $($value)?);
                     Update::<P, M, L, D>::after_step(observable, engine, p, &mut values, segment);
-                    store::<P, $name>(rows, at, &values);
-                })*
-            }
-
-            /// Updates the rows at the end of a block of steps of the pack that begins at a lane.
-            #[inline(always)]
-            pub fn after_block<P: Pack, M: Model<P>, L: Layout, S: Engine<P, M, L, D>, const D: usize>(
-                self,
-                engine: &S,
-                p: &Parameters<P>,
-                rows: &mut [Row; MAX_ROWS],
-                at: usize,
-                y: &[P; D],
-            ) {
-                $(if const { <$name as Update<P, M, L, D>>::FITS } && let Observed::$name $(($value))? = self {
-                    let mut values = [P::splat(0.0); MAX_ROWS];
-                    load::<P, $name>(rows, at, &mut values);
-                    let observable = observables!(@value $name $($value)?);
-                    Update::<P, M, L, D>::after_block(observable, engine, p, &mut values, y);
                     store::<P, $name>(rows, at, &values);
                 })*
             }

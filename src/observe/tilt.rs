@@ -1,6 +1,6 @@
 //! The angle between a body axis and a direction in space.
 
-use super::inside::{Inside, Part, has_minimum, least, lowest, state};
+use super::inside::{Bracket, Inside, has_minimum, least, lowest, state};
 use super::{
     Bound, Direction, EXIT_TIME, Observable, Quantity, Rows, Segment, Start, Update, along, angle_of, chord2,
     chord2_of, combined, look_inside, motion_inside, three,
@@ -147,10 +147,10 @@ impl<R: Real, M: Model<R>, L: Layout, const D: usize> Update<R, M, L, D> for Til
         let exceeded = margin.lt(zero);
         if R::any(exceeded) {
             // The time is the begin of the step if the limit was exceeded there.
-            let part = Part { from: [zero, (limit + begin).max(zero)], to: [last, margin] };
+            let bracket = Bracket { from: [zero, (limit + begin).max(zero)], to: [last, margin] };
             let dense = &motion_inside(engine, p, segment);
             let below = Below::<R, L, D> { dense, rows: &*rows, layout: PhantomData };
-            let at = p.step.fma(part.crossing(&below), segment.begin);
+            let at = p.step.fma(bracket.crossing(&below), segment.begin);
             rows[EXIT_TIME] = R::select(exceeded, at, rows[EXIT_TIME]);
         }
     }

@@ -17,9 +17,7 @@ mod unraisable;
 use crate::body::unit_quaternion;
 use crate::error::Error;
 use crate::float_environment::FloatEnvironment;
-use crate::inertia::{
-    Inertia, MomentStatus, excess, nearest_possible as nearest_of, principal_axes as axes_of,
-};
+use crate::inertia::{self, MomentStatus, excess, nearest_possible as nearest_of, principal_axes as axes_of};
 use crate::map::SECOND_OF_GROWTH;
 use crate::memory;
 use crate::method::{self, AnyMethod, Method};
@@ -235,8 +233,7 @@ fn check_method(method: &str, scene: &str, watched: bool) -> PyResult<()> {
 /// Raises if no rigid body has these moments.
 #[pyfunction]
 fn check_moments(moments: [f64; 3]) -> PyResult<()> {
-    Inertia::new(moments)?;
-    Ok(())
+    Ok(inertia::check_moments(moments)?)
 }
 
 /// Whether a rigid body has these moments: 0, or the code of the first rule that they break.

@@ -89,12 +89,6 @@ impl<R: Real> Applied<R> {
         Applied { moments: p.moments, inverse: [one / i1, one / i2, one / i3], forces }
     }
 
-    /// Principal moments.
-    #[inline(always)]
-    pub fn moments(&self) -> &[R; 3] {
-        &self.moments
-    }
-
     /// Torque and damping.
     #[inline(always)]
     pub fn torques(&self) -> Torques<R> {

@@ -135,8 +135,17 @@ PYTHON: dict[str, tuple[str, ...]] = {
     "maps/own.py": ("maps/test_own_scenes.py", "maps/test_own_starts.py"),
     "maps/plan.py": ("maps/test_plan_of_a_criterion.py", "solve/test_plan.py"),
     "maps/refine.py": ("maps/test_refined_maps.py",),
-    "maps/replay.py": ("maps/test_map_again.py", "maps/test_map_grid.py", "maps/test_measures.py"),
-    "maps/samples.py": ("maps/test_given_samples.py", "maps/test_map_bad_input.py"),
+    "maps/replay.py": (
+        "contract/test_notebook.py",
+        "maps/test_map_again.py",
+        "maps/test_map_grid.py",
+        "maps/test_measures.py",
+    ),
+    "maps/samples.py": (
+        "maps/test_map_again.py",
+        "maps/test_given_samples.py",
+        "maps/test_map_bad_input.py",
+    ),
     "maps/satellites.py": ("maps/test_satellite_maps.py",),
     "maps/sequential.py": ("maps/test_sequential.py", "maps/test_refined_maps.py"),
     "maps/summary.py": (

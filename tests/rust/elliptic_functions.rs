@@ -4,9 +4,7 @@
 //! The bounds in ulp are the largest errors of some 1e4 random points of each function, rounded up; the table contains
 //! these points.
 
-use rigid::special::{
-    agm, carlson_rc, carlson_rd, carlson_rf, carlson_rj, complete_e, complete_k, complete_pi, jacobi,
-};
+use rigid::special::{agm, carlson_rc, carlson_rd, carlson_rf, carlson_rj, complete_k, jacobi};
 use serde_json::Value;
 use std::f64::consts::{FRAC_PI_2, SQRT_2};
 
@@ -87,10 +85,8 @@ fn arithmetic_geometric_mean() {
 }
 
 #[test]
-fn complete_integrals() {
+fn complete_integral() {
     within_ulps(5.0, "complete_k", |[mc]| complete_k(mc));
-    within_ulps(4.0, "complete_e", |[mc]| complete_e(mc));
-    within_ulps(6.0, "complete_pi", |[n, mc]| complete_pi(n, mc));
 }
 
 /// sn, cn and dn: 5 ulp, and 4 roundings of the argument times the derivative, because the period has this error.
@@ -122,7 +118,6 @@ fn circular_and_hyperbolic_limits() {
     assert_eq!(jacobi(0.0, 0.7), (0.0, 1.0, 1.0));
     assert_eq!(complete_k(1.0), FRAC_PI_2);
     assert_eq!(complete_k(0.0), f64::INFINITY);
-    assert_eq!(complete_e(0.0), 1.0);
     let (sn, cn, dn) = jacobi(1e300, 0.0);
     assert_eq!((sn, cn), (1.0, dn));
     assert!(cn < 1e-150);
@@ -192,6 +187,8 @@ fn equal_arguments_degenerate() {
 /// one rounding, and two sums. An ulp is at most 2^-52 of the value.
 #[test]
 fn legendre_relation() {
+    // Two integrals whose sum does not cancel (DLMF 19.25.1).
+    let complete_e = |mc: f64| mc / 3.0 * (carlson_rd(0.0, mc, 1.0) + carlson_rd(0.0, 1.0, mc));
     for ([mc], _) in golden::<1>("complete_k") {
         let m = 1.0 - mc;
         if m < 1e-3 || mc < 1e-3 || 1.0 - m != mc {

@@ -214,7 +214,7 @@ where
     L: Layout,
     S: Engine<f64, M, L, D> + Tested,
 {
-    let energy = |y: &[f64; D]| S::kinetic(&p, y) + M::potential(&p, y);
+    let energy = |y: &[f64; D]| S::VARIABLES.kinetic(&p, y) + M::potential(&p, y);
     let start = energy(&y);
     let engine = S::new(&p, &ForcesInterval::none(), S::NUMBERS);
     let (mut early, mut worst) = (0.0, 0.0_f64);

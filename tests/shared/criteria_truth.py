@@ -104,8 +104,9 @@ def states(scenes: Scenes, times: Floats) -> tuple[Floats, Floats]:
         record="attitude",
         max_steps=10**6,
         threads=2,
+        steps=None if exact else np.full(len(scenes), LOOK),
     )
-    found = request.states(None if exact else np.full(len(scenes), LOOK))
+    found = request.states()
     return found["omega"], found["attitude"]
 
 

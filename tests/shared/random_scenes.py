@@ -76,8 +76,9 @@ class Scenes:
             record="attitude",
             max_steps=10**6,
             threads=threads,
+            steps=None if method == "exact" else np.full(len(self), step),
         )
-        states = request.states(None if method == "exact" else np.full(len(self), step))
+        states = request.states()
         return states["omega"], states["attitude"]
 
 

@@ -11,9 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
+from .._checks.arguments import one_of
 from ..model.mixture import Mixture
 from ..model.start import Noise, Samples, Start
-from ..solve.methods import AUTO, EXACT, known_method, map_methods, series_methods
+from ..solve.methods import AUTO, EXACT, map_methods, series_methods
 from .core_request import CoreRequest, CoreStarts
 from .grid import Pixels
 from .judge import Blocks, CustomJob
@@ -47,7 +48,7 @@ class VaryingJob(Blocks):
     def __init__(
         self, spec: MapSpec, pixels: Ints, count: int, first: Ints, fixed: Mapping[str, float]
     ) -> None:
-        status = spec.starting(spec.start.starts[0], pixels).status
+        status = spec.bodies(spec.start.starts[0], pixels).status
         super().__init__(status, count, len(spec.measure), BLOCK)
         self._spec, self._pixels, self._first, self._fixed = spec, pixels, first, fixed
         self._checked = spec.checked_before(count, first)
@@ -109,14 +110,14 @@ def to_core(
     ValueError
         If its method is not one of maps, or its torque is a function that is not known.
     """
-    known_method("method", spec.method, map_methods())
+    one_of("method", spec.method, map_methods())
     spec.require_torque()
     count = spec.samples if count is None else count
     every = np.arange(math.prod(spec.shape)) if pixels is None else pixels
     begins = np.broadcast_to(first, every.shape)
     if spec.vary:
         return VaryingJob(spec, every, count, begins, fixed)
-    grids = [spec.starting(start, pixels) for start in spec.start.starts]
+    grids = [spec.bodies(start, pixels) for start in spec.start.starts]
     checked = spec.checked_before(count, begins)
     return _of_rows(spec, grids, every, (count, begins), checked, fixed)
 

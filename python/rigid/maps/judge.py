@@ -264,7 +264,8 @@ class CustomJob(Blocks):
             max_steps=self._spec.max_steps,
             threads=threads,
             tolerance=tolerance,
-        ).states(steps, _core.ELSEWHERE if is_second and steps is None else 1.0)
+            steps=steps,
+        ).states(_core.ELSEWHERE if is_second and steps is None else 1.0)
         nothing = np.full(count, np.nan)
         drifts = {name: nothing if part[name] is None else part[name] for name in _DRIFTS}
         worst = np.fmax.reduce([np.zeros(count), *drifts.values()])
@@ -311,12 +312,7 @@ class CustomJob(Blocks):
 
     def _parameters(self, row: Ints) -> dict[str, Floats]:
         """Values of the axes and of what varies, in these rows."""
-        shape = self._spec.shape
-        places = reversed(np.unravel_index(self._pixels[row], shape)) if shape else ()
-        values = {
-            axis.name: np.array(axis.values)[place]
-            for axis, place in zip(self._spec.axes, places, strict=True)
-        }
+        values = self._spec.values(self._pixels[row])
         fixed = {name: np.full(len(row), value) for name, value in self._fixed.items()}
         drawn = {name: every[row] for name, every in self._grid.drawn.items()}
         return {**values, **fixed, **drawn}

@@ -116,7 +116,7 @@ def _choice(spec: MapSpec, moments: Floats, weight: Floats, forms: Codes) -> tup
 def _batches(spec: MapSpec, pixels: NDArray[np.intp]) -> Iterator[Bodies]:
     """The nominal starts of these pixels, for each start of a mixture."""
     for start in spec.start.starts:
-        grid = spec.starting(start)
+        grid = spec.bodies(start)
         yield grid.bodies(pixels, grid.omega[pixels], grid.attitude[pixels])
 
 

@@ -23,8 +23,9 @@ from ..model.judged import Custom
 from ..solve.growth import Growth
 from ..solve.lyapunov import growth_of
 from ..solve.methods import EXACT, GROWTH_SECOND
+from ..solve.request import Problem
 from ..solve.run import Run
-from ..solve.simulate import replay_states, replay_steps, simulate
+from ..solve.simulate import replayed, simulate
 from .data import CLASSES, COLUMNS, STATUS, MapData
 from .grid import Pixels
 from .job import spans, to_core
@@ -196,7 +197,7 @@ def replay(
     if isinstance(spec.stable, Regular):
         run = _growth(part, body, start, record, t)
     elif isinstance(part.stable, Custom):
-        run = replay_states(
+        run = replayed(
             scene,
             *start,
             t=sorted_times("t", part.stable.times if t is None else t),
@@ -213,7 +214,7 @@ def replay(
         total = round(min(part.t_end / step, spec.max_steps))
         ends = np.linspace(0, total, min(total, 500) + 1).astype(np.int64)
         strides = np.diff(ends, prepend=0).tolist()
-        run = replay_steps(scene, *start, method=method, step=step, strides=strides)
+        run = replayed(scene, *start, t=ends * step, method=method, step=step, strides=strides)
     else:
         run = simulate(scene, *start, t=t, method=method, step=step)
     classes = [CLASSES[code] for code in found["part_class"][0]]
@@ -221,11 +222,8 @@ def replay(
         pixel=index,
         sample=number,
         parameters={
-            **{
-                axis.name: axis.values[position]
-                for axis, position in zip(spec.axes, reversed(index), strict=True)
-            },
-            **{name: values.item() for name, values in body.drawn.items()},
+            name: value.item()
+            for name, value in {**spec.values(np.array([flat])), **body.drawn}.items()
         },
         omega=omega,
         attitude=attitude,
@@ -283,14 +281,16 @@ def _growth(
     omega, attitude = (rows[np.newaxis] for rows in start)
     batch = body.bodies(np.array([0]), omega, attitude)
     return growth_of(
-        body.scene[0],
-        replace(batch, shape=()),
-        times,
+        Problem(
+            scene=body.scene[0],
+            record="axis",
+            bodies=replace(batch, shape=()),
+            times=times,
+            method=record["method"] if taken else GROWTH_SECOND,
+            step=step if taken else None,
+            max_steps=spec.max_steps,
+        ),
         of=norm_of(spec.stable.of, spec.scene),
-        method=record["method"] if taken else GROWTH_SECOND,
-        step=step if taken else None,
-        max_steps=spec.max_steps,
-        threads=1,
     )
 
 

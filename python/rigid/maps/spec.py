@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 import dataclasses
+import itertools
 import json
 import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
-from .._checks.arguments import brief, finite_float, of_known, positive_int
+from .._checks.arguments import brief, finite_float, of_known, one_of, positive_int
 from ..model.body import Body, refuse_rods
 from ..model.bounds import RateWithin
 from ..model.criteria import check_criterion, criterion_from_dict
@@ -43,9 +44,8 @@ from ..solve.methods import (
     STIFF,
     TO_ROUNDING,
     check_method,
-    is_stiff,
-    known_method,
     map_methods,
+    method_named,
 )
 from ..solve.tangent import check_tangent
 from .axes import Axis, check_applicable, make_axes
@@ -78,6 +78,28 @@ Resolvable = TypeVar("Resolvable", Criterion, Measure)
 
 MOST_TITLE = 1000
 """Most characters of a title, so that a file of a map has a known size."""
+
+
+def _share(name: str, value: object) -> float:
+    """A number in [0, 1], checked."""
+    share = finite_float(name, value, nonnegative=True)
+    if share > 1.0:
+        raise ValueError(f"{name} = {share}: must lie in [0, 1]")
+    return share
+
+
+_NUMBERS: Mapping[str, Callable[[str, Any], float]] = {
+    "t_end": partial(finite_float, positive=True),
+    "samples": positive_int,
+    "max_steps": positive_int,
+    "half_width": lambda _, value: checked_half_width(value),
+    "refine": partial(positive_int, minimum=2),
+    "budget": positive_int,
+    "step": partial(finite_float, positive=True),
+    "check": _share,
+    "seed": checked_seed,
+}
+"""The numbers of a specification, and what checks each."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -190,15 +212,16 @@ class MapSpec:
         for axis in self.axes:
             if axis.name == "t_end":
                 put("t_end", max(axis.values))
-        put("t_end", finite_float("t_end", self.t_end, positive=True))
+        for name, check in _NUMBERS.items():
+            value = getattr(self, name)
+            if value is not None or self.__dataclass_fields__[name].default is not None:
+                put(name, check(name, value))
         if isinstance(self.stable, Custom):
             self._check_custom(self.stable)
         self._check_leaving(self.stable)
         limited = self.stable.limited is not None or self.is_judged
         if "limit" in self.varied and not limited:
             raise ValueError(f"axes: 'limit' does not apply: {self.stable} limits no angle")
-        put("samples", positive_int("samples", self.samples))
-        put("max_steps", positive_int("max_steps", self.max_steps))
         for name, count in (
             ("samples", self.samples * math.prod(self.shape)),
             ("max_steps", self.max_steps),
@@ -206,24 +229,13 @@ class MapSpec:
             if count >= 2**63:
                 raise ValueError(f"{name} = {getattr(self, name)}: too many to count")
         if self.half_width is not None:
-            put("half_width", checked_half_width(self.half_width))
             last = stop_table(self.half_width).last
             if self.samples != last:
                 raise ValueError(
                     f"samples = {self.samples}: must be {last}, which half_width = "
                     f"{self.half_width} needs"
                 )
-        if self.refine is not None:
-            put("refine", positive_int("refine", self.refine, minimum=2))
-        if self.budget is not None:
-            put("budget", positive_int("budget", self.budget))
-        if self.step is not None:
-            put("step", finite_float("step", self.step, positive=True))
-        if self.check is not None:
-            put("check", finite_float("check", self.check, nonnegative=True))
-            if self.check > 1.0:
-                raise ValueError(f"check = {self.check}: must lie in [0, 1]")
-        known_method("method", self.method, map_methods())
+        one_of("method", self.method, map_methods())
         if "rotor" in self.forces:
             for leaf in self.stable.leaves:
                 if isinstance(leaf, RateWithin) and leaf.of == "L":
@@ -259,7 +271,6 @@ class MapSpec:
                 put("stable", self._resolved("stable", asked, every))
                 own = [self._resolved("measure", one, every) for one in measures]
                 put("measure", tuple(own))
-        put("seed", checked_seed("seed", self.seed))
         if self.title is not None and not isinstance(self.title, str):
             raise TypeError(f"title = {brief(self.title)}: must be a string")
         if self.title is not None and len(self.title) > MOST_TITLE:
@@ -344,17 +355,16 @@ class MapSpec:
         """The scene of all pixels, and the rates and attitudes that a function gives for them."""
         if self.own is None or self.own.source.function is None:
             return self.scene, {}
-        places = np.unravel_index(np.arange(math.prod(self.shape)), self.shape)
-        values = {
+        return self.own.made(self.values())
+
+    def values(self, pixels: NDArray[np.int64] | None = None) -> dict[str, NDArray[np.float64]]:
+        """The values of the axes in every pixel, or in some by their numbers."""
+        every = np.arange(math.prod(self.shape)) if pixels is None else pixels
+        places = np.unravel_index(every, self.shape) if self.shape else ()
+        return {
             axis.name: np.array(axis.values)[place]
             for axis, place in zip(self.axes, reversed(places), strict=True)
         }
-        return self.own.made(values)
-
-    def require_scene(self) -> None:
-        """Raise ValueError if a function makes the scenes and must be given again."""
-        if self.own is not None:
-            self.own.source.call("scene")
 
     @property
     def sources(self) -> dict[str, Sourced]:
@@ -491,28 +501,20 @@ class MapSpec:
 
         Each part draws by the numbers of its pixels: the bodies of all parts are the same.
         """
-        runs = [place for place, axis in enumerate(self.axes) if axis.parameter.place == OF_RUN]
-        count = math.prod(self.shape)
+        runs = [axis for axis in self.axes if axis.parameter.place == OF_RUN]
         if not runs:
-            return (MapPart(self, np.arange(count)),)
-        places = list(reversed(np.unravel_index(np.arange(count), self.shape)))
-        others = tuple(axis for axis in self.axes if axis.parameter.place != OF_RUN)
-        parts = []
-        for index in np.ndindex(*(len(self.axes[place].values) for place in runs)):
-            changes: dict[str, Any] = {"axes": others}
-            fixed: dict[str, float] = {}
-            mine = np.ones(count, dtype=np.bool_)
-            for place, at in zip(runs, index, strict=True):
-                value = self.axes[place].values[at]
-                mine &= places[place] == at
-                fixed[self.axes[place].name] = value
-                if self.axes[place].name == "t_end":
-                    changes["t_end"] = value
-                    if isinstance(self.stable, Custom):
-                        changes["stable"] = self.stable.until_time(value)
-                elif self.stable.limited is not None:
-                    limited: Any = {self.stable.limited: value}
-                    changes["stable"] = dataclasses.replace(self.stable, **limited)  # type: ignore[type-var]
+            return (MapPart(self, np.arange(math.prod(self.shape))),)
+        others = tuple(axis for axis in self.axes if axis not in runs)
+        values, parts = self.values(), []
+        for ends in itertools.product(*(axis.values for axis in runs)):
+            fixed = {axis.name: end for axis, end in zip(runs, ends, strict=True)}
+            mine = np.logical_and.reduce([values[name] == end for name, end in fixed.items()])
+            changes: dict[str, Any] = {"axes": others, "t_end": fixed.get("t_end", self.t_end)}
+            if isinstance(self.stable, Custom):
+                changes["stable"] = self.stable.until_time(changes["t_end"])
+            elif "limit" in fixed and self.stable.limited is not None:
+                limited: Any = {self.stable.limited: fixed["limit"]}
+                changes["stable"] = dataclasses.replace(self.stable, **limited)  # type: ignore[type-var]
             parts.append(MapPart(self.replace(**changes), np.flatnonzero(mine), fixed))
         return tuple(parts)
 
@@ -544,15 +546,19 @@ class MapSpec:
         """The nominal start of every pixel, computed once; for a mixture its first start."""
         return self._nominal(self.start.starts[0])
 
-    def bodies(self, start: Start, pixels: NDArray[np.int64], samples: NDArray[np.int64]) -> Pixels:
-        """The nominal starts of bodies by pixel and sample, with the parameters that they have."""
-        if not self.vary:
-            return self.starting(start, pixels)
-        draws = Draws(self.vary, self.seed, pixels.astype(np.uint64), samples.astype(np.uint64))
-        return self._nominal(start, pixels, draws)
+    def bodies(
+        self,
+        start: Start,
+        pixels: NDArray[np.int64] | None = None,
+        samples: NDArray[np.int64] | None = None,
+    ) -> Pixels:
+        """The nominal start of every pixel, or of some, by one of the starts of a mixture.
 
-    def starting(self, start: Start, pixels: NDArray[np.int64] | None = None) -> Pixels:
-        """The nominal start of every pixel, or of some, by one of the starts of a mixture."""
+        With the numbers of the samples the bodies have the parameters that vary.
+        """
+        if self.vary and pixels is not None and samples is not None:
+            draws = Draws(self.vary, self.seed, pixels.astype(np.uint64), samples.astype(np.uint64))
+            return self._nominal(start, pixels, draws)
         if start is self.start.starts[0] and (pixels is None or "grid" in self.__dict__):
             return self.grid if pixels is None else self.grid.of_pixels(pixels)
         # Not the starts of other pixels, of which there may be millions.
@@ -564,7 +570,8 @@ class MapSpec:
         pixels: NDArray[np.int64] | None = None,
         draws: Draws | None = None,
     ) -> Pixels:
-        self.require_scene()
+        if self.own is not None:
+            self.own.source.call("scene")  # which must be given again, if it is not known
         scene, given = self._made
         return nominal_starts(scene, start, self.axes, pixels, given, draws)
 
@@ -602,10 +609,6 @@ class MapSpec:
         return None if self.half_width is None else stop_table(self.half_width)
 
     @property
-    def _unit_in_json(self) -> str | list[Any]:
-        return self.time_unit if isinstance(self.time_unit, str) else list(self.time_unit)
-
-    @property
     def clock(self) -> Clock:
         """How words and pictures show times."""
         return clock_of(self.time_unit, self.scene)
@@ -638,7 +641,7 @@ class MapSpec:
             return self.scheme
         if self.is_judged:
             return TO_ROUNDING
-        return STIFF if self.forces and is_stiff(self.scheme) else SECOND
+        return STIFF if self.forces and method_named(self.scheme).stiff else SECOND
 
     def _require_closed_forms(self) -> None:
         """Raise ValueError for the first possible body without a closed form."""
@@ -705,6 +708,7 @@ class MapSpec:
         """
         measured = {"measure": [one.to_dict() for one in self.measure]} if self.measure else {}
         vary = {one.name: one.noise.to_dict() for one in self.vary}
+        unit = self.time_unit if isinstance(self.time_unit, str) else list(self.time_unit)
         return {
             **measured,
             **({"vary": vary} if vary else {}),
@@ -726,7 +730,7 @@ class MapSpec:
             },
             "seed": self.seed,
             "title": self.title,
-            **({} if self.time_unit == SECONDS.name else {"time_unit": self._unit_in_json}),
+            **({} if self.time_unit == SECONDS.name else {"time_unit": unit}),
             **({} if self.own is None else {"own": self.own.to_dict()}),
             "version": self.version,
         }

@@ -7,16 +7,15 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from .._checks.arrays import Floats
 from ..solve.bodies import bodies_of
 from ..solve.methods import EXACT, order_of
 from ..solve.run import Run
 from ..solve.simulate import simulate
 from ..solve.status import ARRIVED
 from .spec import ReportSpec
-
-Floats = NDArray[np.float64]
 
 PERTURBATION = 1e-3
 """Standard deviation of the relative perturbation of each rate."""

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from .._checks.arrays import Floats
 from ..drawing.colours import BAND, GRID, HUES, NEUTRAL, PALE, SURFACE, on_ground
 from ..drawing.figure import SMALL, axes_to_draw_on, check_axes, shown_figure
 from ..solve.methods import EXACT
@@ -20,8 +21,6 @@ from .table import ERRORS, in_short, known_errors, time_text
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-
-Floats = NDArray[np.float64]
 
 Points: TypeAlias = Sequence[tuple[float, float]]
 """The line of a method: times, or revolutions, and errors."""

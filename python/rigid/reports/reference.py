@@ -9,16 +9,14 @@ from dataclasses import dataclass
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .. import _core
+from .._checks.arrays import Floats
 from ..solve.methods import EXACT, order_of
 from ..solve.run import Run
 from ..solve.simulate import simulate
 from .ensemble import SHORT, Ensemble, ensemble_of
 from .spec import ReportSpec
-
-Floats = NDArray[np.float64]
 
 FIRST_ANGLE = 0.5
 """Angle (rad) turned in a step of the first run of a search for a reference."""

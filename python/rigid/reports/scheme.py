@@ -18,8 +18,9 @@ from ..rotations.apply import to_body
 from ..solve.bodies import bodies_of
 from ..solve.conserved import energy_of, momentum_of
 from ..solve.plan import Lazy, Plan
+from ..solve.request import Problem
 from ..solve.run import Run, to_run
-from ..solve.solution import unknown_error
+from ..solve.solution import Solution
 from ..solve.status import Status
 
 
@@ -69,9 +70,9 @@ class Scheme:
             "steps": np.full(count, before, dtype=np.uint64),
             "nanoseconds": spent,
         }
-        spec = Lazy.of({"scene": scene.to_dict(), "method": self.name, "accuracy": None})
         bodies = bodies_of(scene, omega, attitude)
-        return to_run(states, times, unknown_error(count), None, spec, Lazy(_no_plan), bodies)
+        problem = Problem(scene=scene, record="attitude", bodies=bodies, times=times)
+        return to_run(problem, Solution(states, self.name, None, Lazy(_no_plan)), times)
 
     def _checked(self, made: object, count: int) -> list[NDArray[Any]]:
         """What the function returned: rates and attitudes."""

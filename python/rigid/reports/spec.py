@@ -11,12 +11,12 @@ from typing import TYPE_CHECKING, Any
 from numpy.typing import ArrayLike
 
 from .. import _core
-from .._checks.arguments import brief, finite_float, numbers, positive_int, vector
+from .._checks.arguments import brief, finite_float, numbers, one_of, positive_int, vector
 from ..model.body import Body
 from ..model.scene import Scene, check_scene, scene_from_dict
 from ..model.seed import checked_seed
 from ..solve.bodies import bodies_of
-from ..solve.methods import EXACT, known_method, run_methods
+from ..solve.methods import EXACT, run_methods
 from .scheme import Scheme
 
 if TYPE_CHECKING:
@@ -189,7 +189,7 @@ def _methods(
                 raise ValueError(f"methods[{k}] = {brief(name)}: is a method of the library")
         else:
             name = one
-            known_method(f"methods[{k}]", name, known)
+            one_of(f"methods[{k}]", name, known)
         if name in names:
             raise ValueError(f"methods[{k}] = {brief(name)}: is there already")
         names.append(name)

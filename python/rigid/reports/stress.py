@@ -11,21 +11,19 @@ from importlib import resources
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .. import _core
 from .._checks.arguments import one_of
+from .._checks.arrays import Floats
 from .._checks.progress import ProgressOption, reporting
 from .._checks.shown import aligned, wrapped
 from ..drawing.figure import html_text
 from ..solve.bodies import bodies_of
-from ..solve.methods import EXACT, known_method, run_methods
+from ..solve.methods import EXACT, run_methods
 from ..solve.run import Run
 from ..solve.simulate import simulate
 from ..solve.status import Status
 from .stress_cases import Case, cases
-
-Floats = NDArray[np.float64]
 
 ACCURACY = 1e-8
 """The requested accuracy of each run, which is also the largest error of a right result."""
@@ -171,30 +169,31 @@ def extremes(
         one_of("family", family, dict.fromkeys(case.family for case in cases()))
     names = run_methods()
     if method is not None:
-        known_method("method", method, names)
+        one_of("method", method, names)
     cells: list[Cell] = []
     with reporting(progress, len(wanted), unit=" cases") as report:
         for done, case in enumerate(wanted, start=1):
             truth = _truth(case)
             for name in [method] if method else names:
-                run, reason, seconds = _run(case, name)
-                verdict = _verdict(case, run, truth)
-                cell = Cell(case=case, method=name, reason=reason, seconds=seconds, **verdict)
-                cells.append(cell)
+                cells.append(_cell(case, name, truth))
             report(done)
     return Extremes(tuple(cells))
 
 
-def _run(case: Case, method: str) -> tuple[Run | None, str, float]:
+def _cell(case: Case, method: str, truth: _Truth | None) -> Cell:
+    """The result of a method for a case."""
     begin = time.perf_counter()
-    how: dict[str, Any] = {} if method == EXACT else {"accuracy": ACCURACY}
-    if case.step is not None and method != EXACT:
-        how = {"step": case.step}
+    steps = {"accuracy": ACCURACY} if case.step is None else {"step": case.step}
+    how = {} if method == EXACT else steps
+    run: Run | None = None
     try:
         run = _simulated(case, method=method, max_steps=MAX_STEPS, **how)
+        reason = run.reasons()[0]
     except ValueError as error:
-        return None, str(error), time.perf_counter() - begin
-    return run, run.reasons()[0], time.perf_counter() - begin
+        reason = str(error)
+    seconds = time.perf_counter() - begin
+    verdict = _verdict(case, run, truth)
+    return Cell(case=case, method=method, reason=reason, seconds=seconds, **verdict)
 
 
 def _simulated(case: Case, **how: Any) -> Run:

@@ -11,16 +11,13 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from .._checks.arrays import Floats
 from ..model.body import Body
 from ..model.forces import EnergySink
 from ..model.orbit import Orbit
 from ..model.scene import FreeBody, HeavyTop, Scene
 from ..model.torque import Torque
-
-Floats = NDArray[np.float64]
-
 
 TUMBLE = (0.3, -0.5, 1.1)
 """Rates of a body that turns about no axis in particular (rad/s)."""

@@ -19,16 +19,14 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from .._checks.arrays import Floats
 from ..model.scene import Scene
 from ..solve.methods import EXACT
 from ..solve.run import Run
 from .data import AT_UNCERTAINTY, FAILED, REFERENCE, USELESS, Row, at_common_time
 from .ensemble import Ensemble
 from .reference import LOST, Horizon, Reference
-
-Floats = NDArray[np.float64]
 
 WORK = 4e6
 """Processor time (ns) that a timed call should take at least."""

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import one_of
+from .._checks.arrays import Floats
 from ..drawing.colours import CLASSES, HUES, on_ground
 from ..drawing.figure import axes_to_draw_on, html_with_picture, name_classes
 from ..model.events import COMPONENTS
@@ -25,8 +26,6 @@ from .surface import Section
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-
-Floats = NDArray[np.float64]
 
 LABELS = {
     **{f"omega{i}": rf"$\omega_{i}$ (rad/s)" for i in (1, 2, 3)},

@@ -4,25 +4,25 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from .._checks.arguments import brief, finite_float, positive_int, resolve_threads
-from .._checks.arrays import AttitudeLike
+from .._checks.arrays import AttitudeLike, Floats
 from .._checks.progress import Listening, ProgressOption
-from .._core import MOST_STATES
 from ..model.body import Body
 from ..model.scene import Scene, check_scene
 from ..rotations.apply import to_body
 from ..solve.bodies import bodies_of
 from ..solve.choose_method import choose_method
-from ..solve.methods import EXACT, adaptive_methods, known_method
+from ..solve.methods import adaptive_methods
 from ..solve.request import Problem
 from ..solve.simulate import simulate
 from ..solve.status import Status
-from ..solve.surfaces import Search, default_method, default_tolerance
+from ..solve.surfaces import Watched, default_method, default_tolerance, search_of
 from .crossings import Crossings
 from .surface import Section, at_equal_times, checked_section
 
@@ -133,100 +133,41 @@ def poincare(
     scene = check_scene(scene, many=True)
     end = finite_float("t_end", t_end, positive=True)
     most = None if count is None else positive_int("count", count)
-    chosen = default_method(scene.forces)
-    if method is not None:
-        chosen = one_of_series(method, scene.forces)
+    chosen = default_method(scene.forces) if method is None else method
+    _check_method(chosen, scene.forces)
     given = default_tolerance(scene.forces) if tolerance is None else tolerance
-    tolerance = finite_float("tolerance", given, positive=True)
-    max_steps = positive_int("max_steps", max_steps)
-    threads = resolve_threads(threads)
-    if every is not None:
+    how: dict[str, Any] = {
+        "method": chosen,
+        "tolerance": finite_float("tolerance", given, positive=True),
+        "max_steps": positive_int("max_steps", max_steps),
+        "threads": resolve_threads(threads),
+    }
+    if every is None:
+        surface = checked_section(section)
+        bodies = bodies_of(scene, omega, attitude)
+        problem = Problem(
+            scene=scene, record="attitude", bodies=bodies, reach=(0.0, end), states=0, **how
+        )
+        shape, plan = bodies.shape, choose_method(problem).plan()
+        with Listening(progress, 2 if check else 1):
+            columns = _crossed(problem, surface, most, check=check)
+    else:
         if section is not None:
             raise ValueError(f"section = {brief(section)}: leave it out beside every")
         period = finite_float("every", every, positive=True)
-        if period > end:
-            raise ValueError(f"every = {period:g}: must not be above t_end = {end:g}")
-        if end / period > MOST_POINTS:
-            raise ValueError(
-                f"every = {period:g}: gives more than {MOST_POINTS:g} points until t_end = {end:g}"
-            )
-        known = math.floor(end / period * (1.0 + 1e-12))
-        times = period * np.arange(1.0, min(known, most or known) + 1.0)
-        run = simulate(
-            scene,
-            omega,
-            attitude,
-            t=times,
-            method=chosen,
-            tolerance=tolerance,
-            check=check,
-            max_steps=max_steps,
-            threads=threads,
-            progress=progress,
-        )
-        return _at_times(run, scene, at_equal_times(period), {"t_end": end, "count": count})
-    surface = checked_section(section)
-    bodies = bodies_of(scene, omega, attitude)
-    weight = np.broadcast_to(bodies.weight, (len(bodies), 3))
-    normals = surface.normals(scene, weight)
-    plan = choose_method(
-        Problem(
-            scene=scene,
-            record="attitude",
-            bodies=bodies,
-            end=end,
-            method=chosen,
-            tolerance=tolerance,
-            states=0,
-        )
-    ).plan
-    search = Search(
-        bodies=bodies,
-        kinds=((surface.is_height, surface.direction, True),),
-        normal=normals[:, np.newaxis],
-        momentum=np.zeros((len(bodies), 1, 3)),
-        square=np.zeros((len(bodies), 1)),
-        states=np.zeros((len(bodies), 1, MOST_STATES)),
-        starts=np.zeros((len(bodies), MOST_STATES)),
-        value=np.full((len(bodies), 1), surface.value),
-        rotor=np.zeros((len(bodies), 3)),
-        pointing=np.zeros((1, 13)),
-        orbit=np.zeros((len(bodies), 9)),
-        ends=np.full(len(bodies), end),
-        count=most,
-        method=chosen,
-        closed=False,
-        tolerance=tolerance,
-        max_steps=max_steps,
-        threads=threads,
-    )
-    with Listening(progress, 2 if check else 1):
-        found = search.found(check=check)
-    status = found["status"]
-    if check:
-        lost = np.isfinite(found["lost_from"])
-        status = np.where((status == Status.OK) & lost, Status.FLAGGED, status)
-    else:
-        status = np.where(status == Status.OK, Status.UNCHECKED, status)
-    ended = found["status"] == Status.OK
-    grazing = np.bincount(found["body"][found["grazing"]], minlength=len(bodies)) > 0
-
-    columns = {
-        **found,
-        "complete": ended & ~grazing & (found["stays"] == 0),
-        "status": status.astype(np.uint8),
-        "stays": found["stays"] > 0,
-    }
+        surface, times = at_equal_times(period), _multiples(period, end, most)
+        run = simulate(scene, omega, attitude, t=times, check=check, progress=progress, **how)
+        shape, plan, columns = np.shape(run.status), run.plan, _at_times(run)
     return Crossings(
         _columns=columns,
-        _shape=bodies.shape,
+        _shape=shape,
         section=surface,
-        plan=plan(),
+        plan=plan,
         orbit=scene.orbit,
         spec={
             "scene": scene.to_dict(),
             "method": chosen,
-            "tolerance": tolerance,
+            "tolerance": how["tolerance"],
             "section": surface.to_dict(),
             "t_end": end,
             "count": count,
@@ -234,56 +175,71 @@ def poincare(
     )
 
 
-def _at_times(run: Run, scene: Scene, section: Section, asked: dict[str, Any]) -> Crossings:
-    """The states of a run as the points of a section of equal times."""
-    omega = np.reshape(run.omega, (run.status.size, len(run.t), 3))
+def _crossed(
+    problem: Problem, surface: Section, most: int | None, *, check: bool
+) -> dict[str, Any]:
+    """The columns of the points at which the bodies of a problem cross a surface."""
+    bodies, method = problem.bodies, problem.method
+    assert bodies is not None
+    assert method is not None
+    # The height of the centre of mass has another normal in each body.
+    normals = surface.normals(problem.scene, np.broadcast_to(bodies.weight, (len(bodies), 3)))
+    search = search_of(problem, Watched((surface.event(),), (True,), most), method)
+    found = replace(search, normal=normals[:, np.newaxis]).found(check=check)
+    lost = np.isfinite(found["lost_from"]) if check else True
+    told = Status.FLAGGED if check else Status.UNCHECKED
+    return {
+        **found,
+        "complete": found["complete"][:, 0],
+        "status": np.where((found["status"] == Status.OK) & lost, np.uint8(told), found["status"]),
+        "stays": found["stays"] > 0,
+    }
+
+
+def _multiples(period: float, end: float, most: int | None) -> Floats:
+    """The multiples of a time until the end, at most so many."""
+    if period > end:
+        raise ValueError(f"every = {period:g}: must not be above t_end = {end:g}")
+    if end / period > MOST_POINTS:
+        raise ValueError(
+            f"every = {period:g}: gives more than {MOST_POINTS:g} points until t_end = {end:g}"
+        )
+    known = math.floor(end / period * (1.0 + 1e-12))
+    return period * np.arange(1.0, min(known, most or known) + 1.0)
+
+
+def _at_times(run: Run) -> dict[str, Any]:
+    """The columns of the states of a run as points."""
+    columns = run._columns
     # Those that a body did not reach are no points.
-    reached = np.asarray(np.isfinite(omega).all(axis=2))
-    whole = np.asarray(reached.all(axis=1))
+    reached = np.isfinite(columns["omega"]).all(axis=2)
     body, at = np.nonzero(reached)
-    attitude = np.reshape(np.asarray(run.attitude), (*reached.shape, 4))[reached]
+    attitude = columns["attitude"][reached]
     attitude = np.where(attitude[:, :1] < 0.0, -attitude, attitude)
     attitude /= np.linalg.norm(attitude, axis=1, keepdims=True)
-    ends = np.where(reached, run.t, 0.0).max(axis=1)
-    columns = {
+    return {
         "body": body,
         "t": run.t[at],
-        "omega": omega[reached],
+        "omega": columns["omega"][reached],
         "gamma": to_body(attitude, np.array([0.0, 0.0, 1.0])),
         "attitude": attitude,
         "direction": np.ones(len(at), dtype=np.int8),
         "slope": np.ones(len(at)),
         "grazing": np.zeros(len(at), dtype=np.bool_),
-        "error": np.ravel(run.error)[body],
-        "complete": whole,
-        "end": ends,
-        "stays": np.zeros(len(whole), dtype=np.bool_),
-        "lost_from": np.ravel(run.lost_from),
-        "energy_drift": np.ravel(run.energy_drift),
-        "status": np.ravel(run.status),
-        "steps": np.ravel(run.steps),
+        "error": columns["error"][body],
+        "complete": reached.all(axis=1),
+        "end": np.where(reached, run.t, 0.0).max(axis=1),
+        "stays": np.zeros(len(reached), dtype=np.bool_),
+        **{name: columns[name] for name in ("lost_from", "energy_drift", "status", "steps")},
     }
-    return Crossings(
-        _columns=columns,
-        _shape=np.shape(run.status),
-        section=section,
-        plan=run.plan,
-        orbit=scene.orbit,
-        spec={
-            **{name: run.spec[name] for name in ("scene", "method", "tolerance")},
-            "section": section.to_dict(),
-            **asked,
-        },
-    )
 
 
-def one_of_series(method: str, forces: Collection[str]) -> str:
-    """``method`` if it is a Taylor method, or the method that a callback has in its place."""
+def _check_method(method: str, forces: Collection[str]) -> None:
+    """Raise ValueError unless it is a Taylor method, or the method of a callback in its place."""
     names = adaptive_methods(forces)
-    if method == EXACT or method not in names:
+    if method not in names:
         who = "a Taylor method" if len(names) > 1 else f"{names[0]!r} under a function"
         raise ValueError(
             f"method = {brief(method)}: only {who} is a polynomial inside its steps, of "
             f"which no crossing is missed; take one of {', '.join(map(repr, names))}"
         )
-    return known_method("method", method, names)

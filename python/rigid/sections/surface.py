@@ -6,14 +6,13 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from .._checks.arguments import brief, finite_float, one_of, vector
-from ..model.events import COMPONENTS, WORDS, check_reached, checked_direction
+from .._checks.arrays import Floats
+from ..model.events import COMPONENTS, PLANE, WORDS, Event, check_reached, checked_direction
 from ..model.leading import three
 from ..model.scene import HeavyTop, Scene
-
-Floats = NDArray[np.float64]
 
 HEIGHT = "height"
 """The section where the height of the centre of mass turns."""
@@ -71,6 +70,18 @@ class Section:
         if self.name in COMPONENTS:
             return f"{self.name} = {self.value:g}, {WORDS[self.direction]}"
         return f"{self.omega}·omega + {self.gamma}·gamma = {self.value:g}, {WORDS[self.direction]}"
+
+    def event(self) -> Event:
+        """The crossings as events: of the height the turns of a plane that each body has."""
+        return Event(
+            name=PLANE,
+            omega=self.omega,
+            gamma=self.gamma,
+            momentum=(0.0, 0.0, 0.0),
+            value=self.value,
+            direction=self.direction,
+            turns=self.is_height,
+        )
 
     def normals(self, scene: Scene, weight: Floats) -> Floats:
         """The normals of the surface for bodies with these weights (n, 3).

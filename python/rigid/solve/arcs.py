@@ -8,12 +8,10 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from .._checks.arrays import Floats
 from .least_squares import Minimum, descents, minimum
 from .unknowns import Unknowns
-
-Floats = NDArray[np.float64]
 
 _CHANCE = 1e-6
 """Chance of a sum of squares of unit normal numbers that is called impossible."""

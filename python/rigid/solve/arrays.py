@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from .._checks.arrays import Floats
 
 
 def largest(values: Floats) -> float:
@@ -61,14 +61,14 @@ def spread_indices(count: int, most: int) -> NDArray[np.intp]:
     return np.unique(spread.round().astype(np.intp))
 
 
-def in_rows(array: Floats, shape: tuple[int, ...]) -> Floats:
+def in_rows(array: NDArray[Any], shape: tuple[int, ...]) -> NDArray[Any]:
     """The rows (n, N) of bodies of this shape; one row if it holds for all bodies."""
     if array.ndim == 1:
         return array[np.newaxis]
     return rows_of_each(array, shape)
 
 
-def rows_of_each(array: Floats, shape: tuple[int, ...]) -> Floats:
+def rows_of_each(array: NDArray[Any], shape: tuple[int, ...]) -> NDArray[Any]:
     """The rows (n, N) of bodies of this shape, one row for each body."""
     if array.ndim == 1 and not shape:
         return array[np.newaxis]

@@ -12,10 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._checks.arguments import brief, one_line
+from .._checks.arrays import Floats
 from .._checks.shown import short_repr
 from .._files import published
-
-Floats = NDArray[np.float64]
 
 _WIDTHS = {"QUATERNION": 4, "QUATERNION/DERIVATIVE": 8, "QUATERNION/ANGVEL": 7}
 """Numbers of a line of data after its time, by the ``ATTITUDE_TYPE``; first the quaternion."""

@@ -212,7 +212,6 @@ class Bodies:
         distance, exponent = _core.saddles(self).T
         return distance, exponent
 
-    @np.errstate(all="ignore")
     def note_rates(self, rates: Floats) -> None:
         """Keep the bounds of the rates that a run in closed form has returned."""
         if self.forces is None:
@@ -254,7 +253,7 @@ class Bodies:
             found = np.flatnonzero((rates > 0.0) & (rates < SLOWEST))
             slow = int(found[0]) if len(found) else None
         if slow is not None:
-            rate = max(swing[slow if len(swing) > 1 else 0], np.abs(self.omega[slow]).max())
+            rate = max(np.broadcast_to(swing, len(self))[slow], np.abs(self.omega[slow]).max())
             raise ValueError(
                 f"omega{self._place(slow)}: the rates of the body are {rate:.3g} rad/s at most; "
                 f"they must be zero or reach {SLOWEST:g} rad/s: count the time in another unit"
@@ -265,12 +264,11 @@ class Bodies:
             heavy = ~(np.abs(self.weight).max(axis=1) / self.moments.min(axis=1) < HEAVIEST)
         if not heavy.any():
             return
-        body = int(np.flatnonzero(heavy)[0])
+        body = int(np.argmax(heavy))
         place = self._place(body) if len(heavy) > 1 else ""
-        values, exponents = in_rows(scene.weight, self.shape), self.scale_exponent
-        value = np.abs(values[body if len(values) > 1 else 0]).max()
-        least = self.moments[body if len(self.moments) > 1 else 0].min()
-        least = math.ldexp(float(least), int(exponents[body if len(exponents) > 1 else 0]))
+        values = np.abs(in_rows(scene.weight, self.shape)).max(axis=1)
+        leasts = np.ldexp(self.moments.min(axis=1), self.scale_exponent)
+        value, least = (np.broadcast_to(each, heavy.shape)[body] for each in (values, leasts))
         raise ValueError(
             f"mgl{place} = {value:g}: must be below {HEAVIEST:g} times the least moment, "
             f"{least:.3g}: count the time in another unit"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 from typing import NamedTuple
@@ -11,9 +12,9 @@ from numpy.typing import NDArray
 
 from .. import _core
 from .._checks.arguments import two_digits_above
+from .._checks.arrays import Floats
 from ..model.forces import forces_in_words
-from ..model.scene import Scene
-from .arrays import Floats, roots
+from .arrays import roots
 from .closed_form import (
     FORCED_RULE,
     NO_FORM,
@@ -21,10 +22,8 @@ from .closed_form import (
     all_have,
     are_slowed_evenly,
     closed_forms,
-    moment_rows,
     question_words,
     rule,
-    weight_rows,
     why_not,
 )
 from .methods import (
@@ -39,7 +38,7 @@ from .methods import (
     order_of,
 )
 from .plan import UNKNOWN, Lazy, Plan, Reason, plan_of, plan_of_parts, why_unforeseen
-from .request import USUAL_ACCURACY, Problem
+from .request import USUAL_ACCURACY, Problem, Request
 from .surfaces import default_method
 
 FIRST = 13.0
@@ -75,8 +74,8 @@ def plan_states(problem: Problem) -> Plan:
     groups = [mine for _, mine in parts]
     chosen = plans[0]() if len(plans) == 1 else plan_of_parts(problem.scene, plans, groups)
     if chosen.method == EXACT and chosen.error is not None:
-        assert isinstance(problem.end, float)
-        unforeseen = why_unforeseen(known, problem.end)
+        assert isinstance(problem.span, float)
+        unforeseen = why_unforeseen(known, problem.span)
         if unforeseen is not None:
             why = (*chosen.why, UNKNOWN.format(unforeseen))
             chosen = replace(chosen, error=None, why=why)
@@ -105,6 +104,22 @@ class Choice(NamedTuple):
     tolerance: float | None
     accuracy: float | None
     plan: Lazy[Plan]
+
+    def request(self, problem: Problem, strides: Sequence[int] | None = None) -> Request:
+        """The call of the core for the states of the problem."""
+        assert problem.bodies is not None
+        assert problem.times is not None
+        return Request(
+            bodies=problem.bodies,
+            times=problem.times,
+            method=self.method,
+            record=problem.record,
+            max_steps=problem.max_steps,
+            threads=problem.threads,
+            tolerance=self.tolerance,
+            steps=self.steps,
+            strides=strides,
+        )
 
 
 def bodies_alike(problem: Problem) -> list[tuple[Problem, NDArray[np.intp]]]:
@@ -139,12 +154,14 @@ def bodies_alike(problem: Problem) -> list[tuple[Problem, NDArray[np.intp]]]:
 
 def choose_method(problem: Problem) -> Choice:
     """The method for bodies of a problem that are solved alike, its steps, and the plan."""
+    if problem.is_plain:
+        return Choice(EXACT, None, None, None, Lazy(_plan_of_any_start, problem))
     scene = problem.scene
     asked = problem.method
     # A requested method does not depend on them.
     forms = _known_closed_forms(problem) if asked in (None, EXACT) else np.empty(0, np.uint8)
-    if scene.torque is not None and problem.span is not None:
-        scene.torque.at(np.ravel(problem.times))  # ValueError outside the times of its table
+    if scene.torque is not None and problem.reach is not None:
+        scene.torque.at(np.ravel(problem.reach))  # ValueError outside the times of its table
     method, why = _preferred(problem, forms)
     steps, accuracy = None, problem.accuracy
     if accuracy is None and _takes_usual_accuracy(problem, method):
@@ -215,18 +232,12 @@ def _check_rates_are_known(problem: Problem) -> None:
         raise ValueError(f"{NO_BOUND}, or leave the method out: {FUNCTION} chooses its steps")
 
 
-def has_closed_form(scene: Scene) -> bool:
-    """Whether the scene is one body without torque and damping, whose states have a closed form.
-
-    From any start: of a top that swings as a pendulum from some it is false.
-    """
-    return scene.once(_has_closed_form)
-
-
-def _has_closed_form(scene: Scene) -> bool:
-    if scene.shape or scene.forces:
-        return False
-    return bool(closed_forms("rates", moment_rows(scene), weight_rows(scene)).all())
+def _plan_of_any_start(problem: Problem) -> Plan:
+    """The plan of a scene whose motions all have a closed form."""
+    assert problem.bodies is not None
+    number = max(len(problem.bodies), 1)
+    own = replace(problem, bodies=None, times=None, method=None, number=number)
+    return choose_method(own).plan()
 
 
 def _known_closed_forms(problem: Problem) -> Codes:
@@ -241,7 +252,7 @@ def _known_closed_forms(problem: Problem) -> Codes:
     moments, weight = problem.inertia()
     forms = closed_forms(record, moments, weight)
     if scene.forces:
-        forces = scene.acting() if problem.bodies is None else problem.bodies.forces
+        forces = problem.forces()
         assert forces is not None
         evenly = are_slowed_evenly(scene, forces, moments)
         forms = np.where(evenly, forms, np.uint8(NO_FORM))
@@ -306,9 +317,9 @@ def _by_steps(problem: Problem, why: list[Reason]) -> tuple[str, list[Reason]]:
     others = scene.has_further or "function" in scene.forces
     if others or not _are_damped_strongly(problem).any():
         return usual, why
-    forces = scene.acting()
+    forces = problem.forces()
     assert forces is not None  # damping is one of them
-    slowing = float(forces.damping_rates(moment_rows(scene)).max(initial=0.0))
+    slowing = float(forces.damping_rates(problem.inertia()[0]).max(initial=0.0))
     return STIFF, [*why, f"strong damping, at a rate of {slowing:.3g} 1/s: {STIFF}"]
 
 
@@ -319,12 +330,10 @@ def _are_damped_strongly(problem: Problem) -> NDArray[np.bool_]:
     A given step is compared instead: an explicit method would have the error of the damping in it,
     not of the motion.
     """
-    scene, bodies = problem.scene, problem.bodies
-    forces = scene.acting() if bodies is None else bodies.forces
+    forces, turning = problem.forces(), problem.rates()
     if forces is None:
         return np.zeros(1, dtype=bool)
     slowing = forces.damping_rates(problem.inertia()[0])
-    turning = problem.rates()
     if problem.step is not None:
         return np.asarray(problem.step * slowing > 1.0)
     if turning is None:

@@ -9,10 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
-from .._moments import without_spin
+from .._checks.arrays import Floats
 from ..model.criterion import Criterion, Joined
 from ..model.scene import Scene
-from .arrays import Floats, in_rows
 
 Codes: TypeAlias = NDArray[np.uint8]
 """The closed forms of bodies, by their codes."""
@@ -123,13 +122,3 @@ def are_slowed_evenly(scene: Scene, forces: _core.Forces, moments: Floats) -> ND
     if scene.directions:
         return np.zeros(1, dtype=bool)
     return ~np.isnan(forces.slows_evenly(moments))
-
-
-def moment_rows(scene: Scene) -> Floats:
-    """The moments of the bodies, shape (n, 3), or (1, 3) if they are equal."""
-    return in_rows(without_spin(np.asarray(scene.body.moments)), scene.shape)
-
-
-def weight_rows(scene: Scene) -> Floats:
-    """``mgl com`` of the bodies, shape (n, 3), or (1, 3) if it is the same for all."""
-    return in_rows(scene.weight, scene.shape)

@@ -24,6 +24,7 @@ from .._checks.extras import install_extra
 from .._files import TABLE, published
 from ..model.forces import FORCES
 from ..model.leading import Shape
+from ..model.scene import Scene, scene_from_dict
 from .archive import write_archive
 
 if TYPE_CHECKING:
@@ -156,6 +157,11 @@ class Result(HasColumns):
         def plan(self) -> Any:
             """The plan."""
 
+    @property
+    def _scene(self) -> Scene:
+        """The scene, in principal axes."""
+        return scene_from_dict(self.spec["scene"])
+
     def save(self, path: str | os.PathLike[str]) -> Path:
         """Save the arrays as an ``.npz`` file, which :func:`numpy.load` reads.
 
@@ -260,8 +266,8 @@ class Result(HasColumns):
 
     def _dataset(self, spec: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
         """The variables and coordinates of a Dataset, which may take parts of ``spec``."""
-        bodies = tuple(f"body{k or ''}" for k in range(len(self._shape)))
-        known, labels = self._known(), {**_LABELS, **self._labels()}
+        bodies, known = _axes_of_bodies(self._shape), self._known()
+        labels = {**_LABELS, **self._labels()}
         variables: dict[str, Any] = {}
         coordinates: dict[str, Any] = {}
         for name, array in self._arrays().items():
@@ -277,8 +283,9 @@ class Result(HasColumns):
         """The columns of a tidy table, which broadcast."""
         rows, table = self._ROWS, {}
         if rows[0] == "body":
-            for k, grid in enumerate(np.indices(self._shape, sparse=True)):
-                table[f"body{k or ''}"] = grid[..., np.newaxis]
+            grids = np.indices(self._shape, sparse=True)
+            for name, grid in zip(_axes_of_bodies(self._shape), grids, strict=True):
+                table[name] = grid[..., np.newaxis]
         known, labels = self._known(), {**_LABELS, **self._labels()}
         for name, array in self._arrays().items():
             axes = known[name].axes
@@ -289,6 +296,11 @@ class Result(HasColumns):
                 for k, label in enumerate(labels.get(axes[-1], numbered)):
                     table[_PARTS[axes[-1]].format(name=name, label=label)] = array[..., k]
         return table
+
+
+def _axes_of_bodies(shape: Shape) -> tuple[str, ...]:
+    """The names of the axes of bodies of this shape."""
+    return tuple(f"body{k or ''}" for k in range(len(shape)))
 
 
 def as_dataset(
@@ -351,7 +363,7 @@ def take_numbers(scene: dict[str, Any], shape: Shape) -> tuple[dict[str, Any], d
 
     In the scene the name of the variable replaces them. What all bodies have in common stays.
     """
-    bodies = tuple(f"body{k or ''}" for k in range(len(shape)))
+    bodies = _axes_of_bodies(shape)
     times = (scene.get("torque") or {}).get("times")
     variables: dict[str, Any] = {}
     coordinates: dict[str, Any] = {}

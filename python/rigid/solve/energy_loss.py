@@ -5,11 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .. import _core
-
-Floats = NDArray[np.float64]
+from .._checks.arrays import Floats
 
 
 def mean_loss(

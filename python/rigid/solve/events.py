@@ -10,17 +10,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._checks.arguments import brief
-from .._core import MOST_STATES
+from .._checks.arrays import Floats
 from ..model.events import Event
 from ..model.frame import turned
 from ..model.leading import Shape
 from ..model.scene import Scene
-from .arrays import Floats, in_rows
 from .bodies import Bodies
 from .columns import Column, Columns, HasColumns
-from .methods import EXACT, SERIES, adaptive_methods
-from .status import Status
-from .surfaces import Search, default_tolerance
+from .methods import EXACT, adaptive_methods
+from .request import Problem
+from .surfaces import Watched, search_of
 
 
 class Points(HasColumns):
@@ -239,83 +238,22 @@ def check_event_method(method: str | None, scene: Scene) -> None:
         )
 
 
-def find_events(
-    scene: Scene,
-    bodies: Bodies,
-    ends: Floats,
-    events: tuple[Event, ...],
-    counted: tuple[bool, ...],
-    count: int | None,
-    frame: Floats | None,
-    *,
-    method: str,
-    tolerance: float | None,
-    check: bool,
-    max_steps: int,
-    threads: int,
-) -> FoundEvents:
-    """The events of bodies until their ends (s), or until the given number of counted events.
+def find_events(problem: Problem, watched: Watched, method: str, *, check: bool) -> FoundEvents:
+    """The events of bodies until their ends, or until the given number of counted events.
 
     The states are in principal axes, whatever the frame of the events.
-
-    A closed form gives the state at the begin of each step of a Taylor series; without one, or
-    under damping, the series goes on from step to step.
     """
-    n = len(bodies)
-    normals = np.array([[event.omega, event.gamma] for event in events])
-    pointing = np.array([event.pointing(scene, frame) for event in events])
-    orbit = np.zeros(9) if scene.orbit is None else scene.orbit.numbers
-    if frame is not None:
-        normals = turned(frame.T, normals)
-    of_states = np.zeros((len(events), MOST_STATES))
-    for row, event in zip(of_states, events, strict=True):
-        if event.state > scene.states:
-            raise ValueError(
-                f"name = {event.name!r}: the scene has {scene.states} states of Torque.call"
-            )
-        if event.state:
-            row[event.state - 1] = 1.0
-    starts = np.zeros((n, MOST_STATES))
-    function = None if scene.torque is None else scene.torque.function
-    if function is not None and function.start is not None:
-        starts[:, : function.states] = in_rows(function.start, bodies.shape)
-    # Moments are counted in this unit.
-    exponents = bodies.scale_exponent[:, np.newaxis]
-    rotor = in_rows(np.zeros(3) if scene.rotor is None else np.asarray(scene.rotor), bodies.shape)
-    momentum = _of_each([event.momentum for event in events], n, 3)
-    kinds = zip(events, counted, strict=True)
-    found: dict[str, Any] = Search(
-        bodies=bodies,
-        kinds=tuple((event.turns, event.direction, counts) for event, counts in kinds),
-        normal=_of_each(normals, n, 6),
-        momentum=np.ldexp(momentum, exponents[:, np.newaxis]),
-        square=_of_each([event.square for event in events], n),
-        states=_of_each(of_states, n, MOST_STATES),
-        starts=starts,
-        value=_of_each([event.level for event in events], n),
-        rotor=np.broadcast_to(np.ldexp(rotor, -exponents), (n, 3)),
-        pointing=pointing,
-        orbit=np.broadcast_to(in_rows(orbit, bodies.shape), (n, 9)),
-        ends=np.broadcast_to(ends, (n,)).astype(np.float64),
-        count=count,
-        method=SERIES if method == EXACT else method,
-        closed=method == EXACT and bodies.forces is None,
-        tolerance=default_tolerance(scene.forces) if tolerance is None else tolerance,
-        max_steps=max_steps,
-        threads=threads,
-    ).found(check=check)
-    body = found["body"]
-    ended = found["status"] == Status.OK
+    found: dict[str, Any] = search_of(problem, watched, method).found(check=check)
+    scene, bodies = problem.scene, problem.bodies
+    assert bodies is not None
     records = []
-    for k, event in enumerate(events):
+    for k, event in enumerate(watched.events):
         mine = np.flatnonzero(found["kind"] == k)
-        grazing = np.bincount(body[mine], found["grazing"][mine], minlength=n) > 0
-        complete = ended & ~grazing & ((found["stays"] >> k) & 1 == 0)
         rows: dict[str, Any] = {name: found[name][mine] for name in Events._of_points()}
         if not scene.states:
             del rows["states"]
         rows["slope"] = rows["slope"] / event.slope_scale
-        rows |= {"complete": complete, "lost_from": found["lost_from"]}
+        rows |= {"complete": found["complete"][:, k], "lost_from": found["lost_from"]}
         records.append(Events(event=event, _columns=rows, _shape=bodies.shape))
     return FoundEvents(tuple(records), found["end"], found["stopped"])
 
@@ -347,9 +285,3 @@ def _joined(bodies: Bodies, parts: Sequence[Events], groups: Sequence[NDArray[np
         complete[mine], lost_from[mine] = part.complete, part.lost_from
     rows |= {"body": body[order], "complete": complete, "lost_from": lost_from}
     return Events(event=parts[0].event, _columns=rows, _shape=bodies.shape)
-
-
-def _of_each(values: Any, n: int, *width: int) -> Floats:
-    """The values of all events for each of n bodies, shape (n, events, ...)."""
-    row = np.array(values, dtype=np.float64).reshape(1, len(values), *width)
-    return np.repeat(row, n, axis=0)

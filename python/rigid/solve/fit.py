@@ -10,9 +10,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from .._checks.arguments import brief, shaped, sorted_times, vector
+from .._checks.arrays import Floats
 from .._checks.progress import ProgressOption, reporting
 from .._checks.shown import aligned
 from .._checks.warned import warn_caller
@@ -31,8 +32,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from scipy.spatial.transform import Rotation
 
-
-Floats = NDArray[np.float64]
 
 _PART = 1e-3
 """Least coefficient that is named in a combination that is not determined."""
@@ -515,19 +514,15 @@ def _covariance(
     """Covariance of the parameters, and the combinations that are not determined."""
     mass = float(max(unknowns.scene.body.moments))
     rate = float(np.linalg.norm(unknowns.start)) or 1.0
-    sizes = np.empty(len(values))
-    for k, name in enumerate(unknowns.names):
-        if name in (*MOMENTS, *RATIOS, *SCALE):
-            least = 0.0
-        elif name in (*START, *BIAS):
-            least = rate
-        elif name in SENSOR:
-            least = 1.0
-        elif name in DAMPING:
-            least = mass / (span or 1.0)
-        else:
-            least = mass * rate**2 if name == "mgl" else unknowns.sizes[k]
-        sizes[k] = max(abs(values[k]), least)
+    least = {
+        **dict.fromkeys((*MOMENTS, *RATIOS, *SCALE), 0.0),
+        **dict.fromkeys((*START, *BIAS), rate),
+        **dict.fromkeys(SENSOR, 1.0),
+        **dict.fromkeys(DAMPING, mass / (span or 1.0)),
+        "mgl": mass * rate**2,
+    }
+    names = zip(unknowns.names, unknowns.sizes, strict=True)
+    sizes = np.maximum(np.abs(values), [least.get(name, size) for name, size in names])
     _, strengths, turns = np.linalg.svd(by_value * sizes, full_matrices=False)
     told = strengths > 1.0 / UNTOLD
     inverse = turns[told].T / strengths[told]

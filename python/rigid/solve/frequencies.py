@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._checks.arguments import brief, one_of, positive_int, sorted_times
+from .._checks.arrays import Floats
 from .._checks.quantities import plain
 from .._checks.shown import short_repr
 from .run import Run
 
-Floats = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
 FEWEST = 16

@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._checks.arguments import one_of, one_time, positive_int
+from .._checks.arrays import Floats
 from ..drawing.colours import CLASSES, on_ground
 from ..drawing.figure import axes_to_draw_on, html_with_picture, name_classes
 from ..model.criteria import Regular
 from ..model.leading import Shape
-from ..model.scene import scene_from_dict
 from .columns import Column, Columns, Result
 from .plan import Plan
 from .status import Status, sentences
@@ -22,8 +22,6 @@ from .status import Status, sentences
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-
-Floats = NDArray[np.float64]
 
 LABELS: Mapping[str, str] = {
     "exponent": "exponent (1/s)",
@@ -216,7 +214,7 @@ class Growth(Result):
         None if not all exponents were requested, or under torque and damping.
         """
         complete = 6 if self.spec["of"] == "attitude" else 5
-        if self.spectrum.shape[-1] != complete or scene_from_dict(self.spec["scene"]).forces:
+        if self.spectrum.shape[-1] != complete or self._scene.forces:
             return None
         return np.abs(self.spectrum + self.spectrum[..., ::-1])
 

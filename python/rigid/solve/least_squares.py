@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from .._checks.arrays import Floats
 
 UNTOLD = 1.0
 """Standard deviation, as a share of the sizes, above which a combination is not determined."""

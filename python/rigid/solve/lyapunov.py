@@ -17,16 +17,15 @@ from .._checks.progress import Listening, ProgressOption
 from ..model.body import Body
 from ..model.criteria import Regular, norm_of
 from ..model.scene import Scene, check_scene
-from .arrays import time_span
 from .bodies import Bodies, bodies_of
 from .choose_method import choose_method
 from .closed_form import NO_FORM, closed_forms
 from .growth import Growth
 from .methods import EXACT, TO_ROUNDING
-from .request import Problem, Request
+from .request import Problem
 from .solution import solve
 from .status import Status
-from .tangent import check_tangent, rate_scale
+from .tangent import check_tangent
 
 GENERIC = _core.generic_deviations()
 """Deviation vectors at the start: rates in the unit of the body, rotation vectors in rad. Each has
@@ -36,7 +35,7 @@ ANOTHER = "taylor20"
 """The method of the second run of :data:`TO_ROUNDING`."""
 
 LOOKS = 100
-"""Number of times at which a motion is compared with a second run."""
+"""Number of times at which a motion is compared with a second run; it is lost from one of them."""
 
 CHECKPOINTS = tuple(1.0 / parts for parts in _core.CHECKPOINT_PARTS)
 """Shares of the horizon at which the mean MEGNO is read for the verdict."""
@@ -163,50 +162,37 @@ def lyapunov(
         raise ValueError("method = 'exact': deviation vectors are integrated; name another method")
     check_tangent(method, forces=scene.forces)
     bodies = bodies_of(scene, omega, attitude)
-    # The second run has two bodies for each, and the motion alone is checked last.
-    with Listening(progress, 3 if check else 1):
-        return growth_of(
-            scene,
-            bodies,
-            times,
-            of=of,
-            count=count,
-            start=start,
-            method=method or TO_ROUNDING,
-            step=step,
-            check=check,
-            max_steps=positive_int("max_steps", max_steps),
-            threads=resolve_threads(threads),
-        )
-
-
-def growth_of(
-    scene: Scene,
-    bodies: Bodies,
-    times: Floats,
-    *,
-    of: str,
-    method: str,
-    step: float | None,
-    max_steps: int,
-    threads: int,
-    count: int = 1,
-    start: ArrayLike | None = None,
-    check: bool = True,
-) -> Growth:
-    """The growth of deviation vectors of checked bodies."""
     problem = Problem(
         scene=scene,
         record="axis",
         bodies=bodies,
-        end=time_span(times),
-        method=method,
+        times=times,
+        method=method or TO_ROUNDING,
         step=step,
-        states=len(times),
+        max_steps=positive_int("max_steps", max_steps),
+        threads=resolve_threads(threads),
     )
+    # The second run has two bodies for each, and the motion alone is checked last.
+    with Listening(progress, 3 if check else 1):
+        return growth_of(problem, of=of, count=count, start=start, check=check)
+
+
+def growth_of(
+    problem: Problem,
+    *,
+    of: str,
+    count: int = 1,
+    start: ArrayLike | None = None,
+    check: bool = True,
+) -> Growth:
+    """The growth of deviation vectors of the bodies of a problem, whose method is named."""
+    scene, bodies, times, method = problem.scene, problem.bodies, problem.times, problem.method
+    assert bodies is not None
+    assert times is not None
+    assert method is not None
     choice = choose_method(problem)
     every = np.union1d(times, times[-1] * np.array(CHECKPOINTS))
-    grown = partial(_grown, times=every, of=of, max_steps=max_steps, threads=threads)
+    grown = partial(_grown, replace(problem, times=every), of)
     vectors = _deviations(bodies, start, count, of)
     found = grown(bodies, vectors, method, choice.steps, FEWEST)
     output = np.searchsorted(every, times)
@@ -223,7 +209,8 @@ def growth_of(
         apart = np.abs(again["logs"][0::2, output, 0] - log[:, output])
         rounding = ROUNDING * np.maximum(1.0, np.abs(log[:, output]))
         second = np.ascontiguousarray(2.0 * again["logs"][1::2, marks, 3])
-        lost_from = _lost_from(problem, times, max_steps, threads)
+        looks = np.union1d(times, np.linspace(0.0, times[-1], LOOKS + 1)[1:])
+        lost_from = solve(replace(problem, record="rates", times=looks)).states["lost_from"]
         error = 3.0 * apart + rounding
     else:
         status = np.where(status == Status.OK, Status.UNCHECKED, status).astype(np.uint8)
@@ -264,7 +251,7 @@ def growth_of(
         spec={
             "scene": scene.to_dict(),
             "method": method,
-            "step": step,
+            "step": problem.step,
             "of": of,
             "exponents": count,
         },
@@ -272,18 +259,17 @@ def growth_of(
 
 
 def _grown(
+    problem: Problem,
+    of: str,
     bodies: Bodies,
     vectors: Floats,
     method: str,
     steps: Floats | None,
     fewest: int,
-    *,
-    times: Floats,
-    of: str,
-    max_steps: int,
-    threads: int,
 ) -> dict[str, Any]:
     """The growth of deviation vectors (n, k, 6) by a method, with its longest steps (s)."""
+    times = problem.times
+    assert times is not None
     if steps is None:
         longest, _ = bodies.planned_steps(method, (0.0, float(times[-1])), "states")
         steps = np.minimum(longest, times[0] / fewest)
@@ -291,27 +277,22 @@ def _grown(
         bodies,
         method=method,
         deviations=np.ascontiguousarray(vectors.reshape(-1, 6)),
-        scale=rate_scale(bodies),
+        scale=_core.rate_units(bodies),
         of_attitude=of == "attitude",
         times=times,
         step=np.ascontiguousarray(steps),
-        max_steps=max_steps,
-        threads=threads,
+        max_steps=problem.max_steps,
+        threads=problem.threads,
     )
 
 
 def _pairs(bodies: Bodies, first: Floats) -> Floats:
     """For each body twice, the same deviation vector (n, 6) and another, (n, 2, 6)."""
-    starts, scale = _starts(bodies), rate_scale(bodies)
+    starts, scale = _core.deviation_starts(bodies), _core.rate_units(bodies)
     first_in_units, in_units = (_unscaled(one, 1.0 / scale) for one in (first, starts[:, 1]))
     alike = np.linalg.norm(first_in_units - in_units, axis=1) < 1e-8
     other = np.where(alike[:, np.newaxis], starts[:, 0], starts[:, 1])
     return np.stack([first, other], axis=1)
-
-
-def _starts(bodies: Bodies) -> Floats:
-    """Deviation vectors at the start of the two runs of a verdict, for each body, (n, 2, 6)."""
-    return _core.deviation_starts(bodies)
 
 
 def _unscaled(vectors: Floats, scale: Floats) -> Floats:
@@ -326,10 +307,10 @@ def _unscaled(vectors: Floats, scale: Floats) -> Floats:
 
 def _deviations(bodies: Bodies, start: ArrayLike | None, count: int, of: str) -> Floats:
     """Deviation vectors of each body at its start, (n, k, 6)."""
-    scale = rate_scale(bodies)
+    scale = _core.rate_units(bodies)
     if start is None:
         several = _unscaled(np.broadcast_to(GENERIC[:count], (len(bodies), count, 6)), scale)
-        several[:, 0] = _starts(bodies)[:, 0]
+        several[:, 0] = _core.deviation_starts(bodies)[:, 0]
         return several
     given = np.atleast_2d(numbers("start", start))
     if given.shape != (count, 6):
@@ -355,20 +336,6 @@ def _measured(bodies: Bodies, vectors: Floats, scale: Floats, of: str) -> Floats
         return scaled
     turned = np.cross(bodies.gammas()[:, np.newaxis], scaled[..., 3:])
     return np.concatenate([scaled[..., :3], turned], axis=-1)
-
-
-def _lost_from(problem: Problem, times: Floats, max_steps: int, threads: int) -> Floats:
-    """Time from which on the rates of each body are lost, to a hundredth of the horizon."""
-    assert problem.bodies is not None
-    request = Request(
-        bodies=problem.bodies,
-        times=np.union1d(times, np.linspace(0.0, times[-1], LOOKS + 1)[1:]),
-        method=EXACT,
-        record="rates",
-        max_steps=max_steps,
-        threads=threads,
-    )
-    return solve(problem.scene, replace(problem, record="rates"), request).estimate.lost_from
 
 
 def _is_integrable(bodies: Bodies) -> NDArray[np.bool_]:

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable
+from collections.abc import Collection
 from dataclasses import dataclass
 from functools import cache
 
 from .. import _core
-from .._checks.arguments import one_of
+from .._checks.shown import aligned
 from ..drawing.figure import html_table
 from ..model.forces import forces_in_words
 
@@ -140,12 +140,7 @@ class Methods(tuple[Method, ...]):
         ]
 
     def __repr__(self) -> str:
-        rows = [self.HEADER, *self._rows()]
-        widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-        return "\n".join(
-            "  ".join(word.ljust(width) for word, width in zip(row, widths, strict=True)).rstrip()
-            for row in rows
-        )
+        return "\n".join(aligned([self.HEADER, *self._rows()]))
 
     def _repr_html_(self) -> str:
         return html_table(self._rows(), header=self.HEADER)
@@ -165,27 +160,21 @@ def methods() -> Methods:
     >>> [(method.name, method.order) for method in rigid.methods() if not method.symplectic][:3]
     [('rk4', 4), ('dop853', 8), ('taylor12', 12)]
     """
-    return _all()
+    return _METHODS
+
+
+_METHODS = Methods(Method(**facts) for facts in _core.methods())
 
 
 @cache
-def _all() -> Methods:
-    return Methods(Method(**facts) for facts in _core.methods())
+def method_named(name: str) -> Method:
+    """The method of a name."""
+    return next(method for method in _METHODS if method.name == name)
 
 
 def order_of(name: str) -> int:
     """The order of a method."""
-    return _named(name).order
-
-
-def longest_angle(name: str) -> float:
-    """The largest angle (rad) of a step that a method bears; see :class:`Method`."""
-    return _named(name).longest_angle
-
-
-@cache
-def _named(name: str) -> Method:
-    return next(method for method in methods() if method.name == name)
+    return method_named(name).order
 
 
 @cache
@@ -216,24 +205,14 @@ def map_methods() -> list[str]:
     return [AUTO, *run_methods()]
 
 
-def known_method(argument: str, name: object, known: Iterable[str]) -> str:
-    """The name, if it is known; ValueError for others."""
-    return one_of(argument, name, known)
-
-
 def check_method(name: str, kind: str, *, watched: bool, forces: Collection[str] = ()) -> None:
     """Raise ValueError if a method does not integrate the scene, or cannot be observed."""
     if name in (AUTO, EXACT):
         return
     _core.check_method(name, kind, watched)
-    left_out = [force for force in forces if force not in _named(name).forces]
+    left_out = [force for force in forces if force not in method_named(name).forces]
     if left_out:
         words = forces_in_words(left_out)
         known = (method.name for method in methods() if set(forces) <= set(method.forces))
         others = ", ".join(map(repr, known))
         raise ValueError(f"method = {name!r}: does not integrate {words}; use one of {others}")
-
-
-def is_stiff(name: str) -> bool:
-    """Whether a method takes long steps under strong damping."""
-    return _named(name).stiff

@@ -9,14 +9,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .. import _core
-from .._checks.arguments import finite_float, resolve_threads, rows
+from .._checks.arguments import finite_float, one_of, resolve_threads, rows
 from .._checks.arrays import AttitudeLike, Floats
 from .._checks.warned import warn_caller
 from ..model.body import Body
 from ..model.frame import attitudes_in_frame, checked_frame, turned
 from ..model.scene import Scene, check_scene
 from .bodies import bodies_of, holds_rods
-from .methods import check_method, known_method, longest_angle, methods
+from .methods import check_method, method_named, methods
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
@@ -96,7 +96,7 @@ class Motion:
         frame: ArrayLike | None = None,
     ) -> None:
         scene = self._scene = check_scene(scene, many=True)
-        self._method = known_method("method", method, [method.name for method in methods()])
+        self._method = one_of("method", method, [method.name for method in methods()])
         check_method(method, scene.kind, watched=False, forces=scene.forces)
         self._frame = None if frame is None else checked_frame(frame)
         bodies = bodies_of(scene, omega, attitude, frame=self._frame, rod=True)
@@ -255,9 +255,10 @@ class Motion:
                 torque = turned(self._frame.T, torque)
         angle = self._core.step(dt, torque)
         if angle is not None:
+            longest = method_named(self.method).longest_angle
             warn_caller(
                 f"dt = {dt:g}: the step turns the body by {angle:.2g} rad; {self.method!r} keeps "
-                f"energy and attitude to 1e-3 over 1000 rad up to {longest_angle(self.method):g} "
+                f"energy and attitude to 1e-3 over 1000 rad up to {longest:g} "
                 "rad a step"
             )
 

@@ -10,13 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._checks.arguments import brief, of_known
+from .._checks.arrays import Floats
 from ..model.forces import FORCES
 from ..model.parameters import CHANGES, OF_WEIGHT, PARAMETERS
 from ..model.scene import Scene
 from .arrays import in_rows
 from .bodies import Bodies
-
-Floats = NDArray[np.float64]
 
 _GROUPS = {"com": ("com1", "com2", "com3")}
 

@@ -17,11 +17,12 @@ from typing import Any, Generic, Self, TypeAlias, TypeVar
 import numpy as np
 
 from .. import _core
+from .._checks.arrays import Floats
 from .._checks.shown import labelled
 from ..drawing.figure import html_table
 from ..model.forces import FORCES, forces_in_words
 from ..model.scene import Scene
-from .arrays import Floats, lengths
+from .arrays import lengths
 from .bodies import Bodies
 from .closed_form import Codes, Question, names, question_words
 from .methods import EXACT
@@ -466,7 +467,7 @@ def _step_and_count(
     bodies = problem.bodies
     if bodies is None or (problem.span is None and problem.scene.forces):
         return problem.step, None
-    own, time = bodies.planned_steps(method, problem.times, "states")
+    own, time = bodies.planned_steps(method, problem.reach or (0.0, 0.0), "states")
     if problem.step is not None:
         own = np.full(len(bodies), problem.step)
     elif steps is not None:
@@ -547,11 +548,10 @@ def _memory(problem: Problem) -> int | None:
         number = prod(problem.scene.shape)
     if number is None:
         return None
-    forces = problem.scene.acting() if problem.bodies is None else problem.bodies.forces
     return _core.state_bytes(
         scene=problem.scene.kind,
         record=problem.record,
         bodies=number,
         times=problem.states,
-        forces=forces,
+        forces=problem.forces(),
     )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, MutableMapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from math import prod
 from typing import Any, Self
 
@@ -11,12 +11,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
-from .._checks.arguments import finite_float
+from .._checks.arguments import finite_float, one_of
+from .._checks.arrays import Floats
+from .._moments import without_spin
 from ..model.scene import Scene
-from .arrays import Floats, Range
+from .arrays import Range, in_rows, time_ranges
 from .bodies import Bodies
-from .closed_form import moment_rows, weight_rows
-from .methods import check_method, known_method, run_methods
+from .closed_form import closed_forms
+from .methods import EXACT, check_method, run_methods
 
 MutableMapping.register(_core.States)
 
@@ -28,7 +30,7 @@ LEAST_TOLERANCE = _core.LEAST_UNDER_FUNCTION
 """The least tolerance of Runge-Kutta steps: the second run has a smaller tolerance."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(slots=True, kw_only=True, eq=False)
 class Problem:
     """Requested states for which a method is to be chosen, and all that is known of them.
 
@@ -38,10 +40,11 @@ class Problem:
     record : {"rates", "axis", "attitude"}
     bodies : Bodies or None
         The bodies with their starts, None if the starts are not known.
-    begin : float or ndarray, shape (n,)
-        First time of the run (s), not positive; of all bodies or of each.
-    end : float, ndarray of shape (n,), or None
-        Last time of the run (s), None if it is not known.
+    times : ndarray, shape (m,) or (n, m), or None
+        Output times (s), ascending; of all bodies or of each. None if they are not known.
+    reach : Range or None
+        First and last time (s) of the motion and 0, from which the steps follow: by default of the
+        output times, which a user may change later. None if they are not known or needed.
     accuracy, step : float or None
         Largest error at the end; longest step (s). Only one of the two can be given.
     method : str or None
@@ -49,11 +52,17 @@ class Problem:
     tolerance : float or None
         Tolerance of adaptive steps, which need no bound of the rates.
     states : int
-        Number of requested states of a body.
+        Number of requested states of a body: of the output times, if they are known.
     number : int or None
         How many share a call; None: as many as the bodies.
     inside : bool
         Whether the motion must be known inside its steps, as events ask for.
+    max_steps : int
+        A body that needs more is not run to its end.
+    threads : int
+    is_plain : bool
+        Whether nothing but the closed form is asked for of bodies of one inertia without torque and
+        damping, which have it from any start. Not so a top that may swing as a pendulum.
 
     Raises
     ------
@@ -65,8 +74,8 @@ class Problem:
     scene: Scene
     record: str
     bodies: Bodies | None = None
-    begin: float | Floats = 0.0
-    end: float | Floats | None = None
+    times: Floats | None = None
+    reach: Range | None = None
     accuracy: float | None = None
     method: str | None = None
     step: float | None = None
@@ -74,34 +83,40 @@ class Problem:
     states: int = 1
     number: int | None = None
     inside: bool = False
+    max_steps: int = 10**9
+    threads: int = 1
+    is_plain: bool = field(default=False, init=False)
 
     def __post_init__(self) -> None:
         if self.method is not None:
-            known_method("method", self.method, run_methods())
+            one_of("method", self.method, run_methods())
             check_method(self.method, self.scene.kind, watched=False, forces=self.scene.forces)
-        for name in ("step", "accuracy"):
-            if getattr(self, name) is not None:
-                value = finite_float(name, getattr(self, name), positive=True)
-                object.__setattr__(self, name, value)
+        if self.step is not None:
+            self.step = finite_float("step", self.step, positive=True)
+        if self.accuracy is not None:
+            self.accuracy = finite_float("accuracy", self.accuracy, positive=True)
         if self.accuracy is not None and self.step is not None:
             raise ValueError(
                 f"accuracy = {self.accuracy:g}, step = {self.step:g}: exclude each other, "
                 "because the step follows from the accuracy"
             )
-
-    @property
-    def times(self) -> Range:
-        """First and last time of the run (s)."""
-        begin, end = self.begin, 0.0 if self.end is None else self.end
-        if isinstance(begin, float) and isinstance(end, float):
-            return begin, end
-        first, last = np.broadcast_arrays(begin, end)
-        return first, last
+        if self.times is not None:
+            self.states = self.times.shape[-1]
+            self.is_plain = (
+                self.method in (None, EXACT)
+                and self.step is None
+                and self.accuracy is None
+                and self.tolerance is None
+                and self.times.ndim == 1
+                and self.scene.once(_has_closed_form)
+            )
+            if self.reach is None and (self.inside or not self.is_plain):
+                self.reach = time_ranges(self.times)
 
     @property
     def span(self) -> float | Floats | None:
         """Time that the run covers (s), None if unknown."""
-        return None if self.end is None else self.end - self.begin
+        return None if self.reach is None else self.reach[1] - self.reach[0]
 
     def select(self, some: NDArray[np.intp]) -> Self:
         """The problem of some of the bodies, as if they were alone."""
@@ -113,23 +128,42 @@ class Problem:
             scene = scene[np.unravel_index(places, scene.shape)]
         chosen = bodies.select(some)
         may_stop = chosen.forces is not None and scene.may_stop
-        begin = self.begin[some] if isinstance(self.begin, np.ndarray) else self.begin
-        end = self.end[some] if isinstance(self.end, np.ndarray) else self.end
+        times = self.times if self.times is None or self.times.ndim == 1 else self.times[some]
+        reach = self.reach
+        if reach is not None and isinstance(reach[0], np.ndarray):
+            reach = reach[0][some], reach[1][some]
         own = replace(chosen, may_stop=may_stop)
         number = None if self.number is None else round(self.number * len(some) / len(bodies))
-        return replace(self, scene=scene, bodies=own, begin=begin, end=end, number=number)
+        return replace(self, scene=scene, bodies=own, times=times, reach=reach, number=number)
 
     def inertia(self) -> tuple[Floats, Floats]:
         """Moments and weight of the bodies in rows, in any unit; one row may hold for all."""
         if self.bodies is not None:
             return self.bodies.moments, self.bodies.weight
-        return moment_rows(self.scene), weight_rows(self.scene)
+        return _inertia(self.scene)
+
+    def forces(self) -> _core.Forces | None:
+        """What acts on the bodies, None if nothing does, in the unit of :meth:`inertia`."""
+        return self.scene.acting() if self.bodies is None else self.bodies.forces
 
     def rates(self, method: str | None = None) -> Floats | None:
         """Bounds of the rates, or the rates that the steps of a method follow, if known."""
         if self.bodies is None or (self.span is None and self.scene.forces):
             return None
-        return self.bodies.fastest_rates(self.times, method)
+        return self.bodies.fastest_rates(self.reach or (0.0, 0.0), method)
+
+
+def _has_closed_form(scene: Scene) -> bool:
+    """Whether the scene is one body without torque and damping, with a closed form of any start."""
+    if scene.shape or scene.forces:
+        return False
+    return bool(closed_forms("rates", *_inertia(scene)).all())
+
+
+def _inertia(scene: Scene) -> tuple[Floats, Floats]:
+    """Moments and ``mgl com`` of the bodies in rows; one row if all have the same."""
+    moments = without_spin(np.asarray(scene.body.moments))
+    return in_rows(moments, scene.shape), in_rows(scene.weight, scene.shape)
 
 
 @dataclass(slots=True, kw_only=True, eq=False)
@@ -149,6 +183,8 @@ class Request:
     threads : int
     tolerance : float or None
         Tolerance of adaptive steps, for a Taylor method, and for ``dop853`` under a function.
+    steps : ndarray, shape (n,), or None
+        The longest step of each body (s); None leaves them to the core.
     strides : sequence of int, optional
         The states are those after these numbers of further steps of exactly the longest step.
     """
@@ -160,11 +196,11 @@ class Request:
     max_steps: int
     threads: int
     tolerance: float | None = None
+    steps: Floats | None = None
     strides: Sequence[int] | None = None
 
     def states(
         self,
-        steps: Floats | None,
         refinement: float = 1.0,
         *,
         deviations: Floats | None = None,
@@ -172,7 +208,7 @@ class Request:
         out: Mapping[str, NDArray[Any]] | None = None,
         single: bool = False,
     ) -> _core.States:
-        """The states, each body with its longest step (s); None leaves the steps to the core.
+        """The states.
 
         Between two output times a body takes ``refinement`` times the steps, rounded up. Columns of
         ``out``, of shape (n, m, k), are written where they are; other columns of rows are new, in
@@ -180,11 +216,11 @@ class Request:
         record is ``"tangent"``, from those at the start, (n, 6), or ``"sensitivity"``, by changes
         of parameters, (n, 15).
         """
-        return self._cut(_core.simulate(self, steps, refinement, deviations, changes, out, single))
+        found = _core.simulate(self, self.steps, refinement, deviations, changes, out, single)
+        return self._cut(found)
 
     def solve(
         self,
-        steps: Floats | None,
         accuracy: float | None,
         *,
         check: bool,
@@ -195,8 +231,6 @@ class Request:
 
         Parameters
         ----------
-        steps : ndarray, shape (n,), or None
-            The longest step of each body (s); None leaves them to the core.
         accuracy : float or None
             Largest error: tolerance or steps of a body are made smaller until its estimated error
             is smaller. None for a tolerance or a step that the user chose.
@@ -208,7 +242,7 @@ class Request:
         out : mapping, optional
             Arrays for columns, in double precision.
         """
-        return self._cut(_core.solve(self, steps, accuracy, check, free, out))
+        return self._cut(_core.solve(self, self.steps, accuracy, check, free, out))
 
     def _cut(self, states: _core.States) -> _core.States:
         """The states without columns of states of a function beyond those that there are."""
@@ -220,4 +254,5 @@ class Request:
     def select(self, some: NDArray[np.intp]) -> Self:
         """The request for some of the bodies."""
         times = self.times if self.times.ndim == 1 else self.times[some]
-        return replace(self, bodies=self.bodies.select(some), times=times)
+        steps = None if self.steps is None else self.steps[some]
+        return replace(self, bodies=self.bodies.select(some), times=times, steps=steps)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Callable, Mapping, MutableMapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple, overload
@@ -28,11 +28,11 @@ from .attitude_ephemeris import write_aem
 from .bodies import Bodies, bodies_of
 from .columns import Column, Columns, Result, take_numbers
 from .conserved import energy_of, momentum_of, needs_vertical
-from .events import Events, FoundEvents
+from .events import Events
 from .methods import EXACT
 from .plan import Lazy, Plan
-from .request import Problem, Request
-from .solution import COLUMNS, ErrorEstimate, end_records, solve
+from .request import Problem
+from .solution import COLUMNS, Solution, end_records, solve
 from .status import (
     COARSE_ERROR,
     Status,
@@ -238,7 +238,7 @@ class Run(Result):
         """Size, method, largest known error, and how many bodies ended how."""
         times = f"{len(self.t.T):,} time{'' if len(self.t.T) == 1 else 's'}"
         worst = _largest(self.error)
-        error = "error unknown" if worst is None else f"error {worst:.1e}"
+        error = "error unknown" if np.isnan(worst) else f"error {worst:.1e}"
         if self.status.ndim == 0:
             how = self._named(int(self.status))
             return f"Run(one body at {times}; {self.spec['method']}; {error}; {how})"
@@ -253,10 +253,9 @@ class Run(Result):
 
     def _named(self, code: int) -> str:
         """The name of a status; of ``ok`` bodies with a surprising error with what it allows."""
-        if code == Status.OK and self._free_steps:
-            worst = _largest(np.where(self.status == Status.OK, self.error, np.nan))
-            if worst is not None and worst > _SURPRISING_ERROR:
-                return f"ok (error below {COARSE_ERROR:g})"
+        surprising = (self.status == Status.OK) & (self.error > _SURPRISING_ERROR)
+        if code == Status.OK and self._free_steps and surprising.any():
+            return f"ok (error below {COARSE_ERROR:g})"
         return Status(code).name.lower()
 
     @property
@@ -385,7 +384,7 @@ class Run(Result):
         >>> run.in_orbit_frame().omega[0].round(12).tolist()
         [0.0, 0.0, 0.05]
         """
-        orbit = scene_from_dict(self.spec["scene"]).orbit
+        orbit = self._scene.orbit
         if orbit is None:
             raise ValueError("scene: has no orbit; give rigid.FreeBody one by orbit=")
         attitude = self._recorded_attitude()
@@ -443,7 +442,7 @@ an accuracy
     def _words(self, code: int, error: float, since: float) -> str:
         """A sentence: how a body ended, and the remedy."""
         status = Status(code)
-        if status == Status.STEP_LIMIT and "function" in scene_from_dict(self.spec["scene"]).forces:
+        if status == Status.STEP_LIMIT and "function" in self._scene.forces:
             return _STATUS_WORDS[status] + _DEAD_ZONE
         if status not in (Status.FLAGGED, Status.COARSE):
             return _STATUS_WORDS[status]
@@ -518,41 +517,33 @@ an accuracy
         times = ascending if given.ndim == 1 else in_rows(ascending, shape)
         _check_inside(times, reached)
         spec = {name: value for name, value in self.spec.items() if name != "frame"}
-        scene = scene_from_dict(spec["scene"])
+        scene = self._scene
         if "function" in scene.forces:
             raise ValueError(
                 "t: a run under a function keeps no function; give these times to rigid.simulate"
             )
         bodies = Bodies.of_scene(scene, self.start_omega, self.start_attitude, shape)
         last = np.array([[np.inf]]) if self.end is None else np.reshape(self.end, (-1, 1))
-        request = Request(
-            bodies=bodies,
-            times=np.minimum(times, last) if (times > last).any() else times,
-            method=EXACT,
-            record=spec["record"],
-            max_steps=10**9,
-            threads=resolve_threads(None),
-        )
         accuracy, named = spec["accuracy"], spec["asked"] is not None
         problem = Problem(
             scene=scene,
             record=spec["record"],
             bodies=bodies,
-            begin=reached[0],
-            end=reached[1],
+            times=np.minimum(times, last) if (times > last).any() else times,
+            reach=reached,
             accuracy=accuracy,
             method=spec["asked"],
             step=spec["step"],
             tolerance=spec["tolerance"] if named and accuracy is None else None,
-            states=times.shape[-1],
             inside=bool(self.events),
+            threads=resolve_threads(None),
         )
         check = accuracy is not None or not np.isnan(self.error).all()
-        solution = solve(scene, problem, request, check=check)
-        states, estimate = solution.states, solution.estimate
-        end_records(states, times, last)
-        made = to_run(states, ascending, estimate, accuracy, Lazy.of(spec), self._plan, bodies)
-        if (order[..., 1:] < order[..., :-1]).any():
+        solution = solve(problem, check=check)
+        end_records(solution.states, times, last)
+        made = to_run(problem, solution, ascending)
+        made = replace(made, _spec=Lazy.of(spec), _plan=self._plan)
+        if (np.diff(order, axis=-1) < 0).any():
             made = _in_order(made, given, order)
         return made if self.frame is None else made.in_frame(self.frame)
 
@@ -583,8 +574,7 @@ an accuracy
         recorded = self._energy
         if recorded is not None:
             return recorded
-        scene = scene_from_dict(self.spec["scene"])
-        run = self if self.frame is None else self.in_frame(None)
+        scene, run = self._scene, self.in_frame(None)
         if run.gamma is None and needs_vertical(scene):
             raise ValueError("record = 'rates': the potential energy of a top needs its vertical")
         columns = run._columns
@@ -623,8 +613,7 @@ an accuracy
         one_of("frame", frame, ("body", "space"))
         momentum = self._momentum
         if momentum is None:
-            scene, axes = scene_from_dict(self.spec["scene"]), self.frame
-            omega = self._columns["omega"]
+            scene, axes, omega = self._scene, self.frame, self._columns["omega"]
             omega = omega if axes is None else turned(axes.T, omega)
             momentum = momentum_of(scene, self._shape, omega).reshape(self.omega.shape)
             if axes is not None:
@@ -982,10 +971,8 @@ def scene_of(run: object, body: int | None = None) -> Scene:
     """The scene of a run, of one body of many; TypeError if the run is none."""
     if not isinstance(run, Run):
         raise TypeError(f"run = {brief(run)}: must be a rigid.Run, which rigid.simulate returns")
-    scene = scene_from_dict(run.spec["scene"])
-    if not scene.shape:
-        return scene
-    return scene[0 if len(scene) == 1 else body or 0]
+    scene = run._scene
+    return scene[0 if len(scene) == 1 else body or 0] if scene.shape else scene
 
 
 def states_of(
@@ -1002,7 +989,7 @@ def states_of(
     index = run._index(body)
     if run.t.ndim > 1:
         raise ValueError(f"t of shape {run.t.shape}: needs times that all bodies share, (m,)")
-    plain = run if run.frame is None else run.in_frame(None)
+    plain = run.in_frame(None)
     states: list[Floats] = [getattr(plain, name)[index] for name in names]
     if run.status[index] == Status.STOPPED:
         known = int(np.isfinite(states[0]).all(axis=-1).cumprod().sum())
@@ -1058,20 +1045,15 @@ def turns_over(scene: Scene, t: Floats, omega: Floats) -> tuple[float, int]:
 
 
 def to_run(
-    states: MutableMapping[str, Any],
-    times: Floats,
-    estimate: ErrorEstimate | _core.States,
-    accuracy: float | None,
-    spec: Lazy[dict[str, Any]],
-    plan: Lazy[Plan],
-    bodies: Bodies,
-    parameters: tuple[str, ...] = (),
-    found: FoundEvents | None = None,
+    problem: Problem, made: Solution, times: Floats, parameters: tuple[str, ...] = ()
 ) -> Run:
-    """The run of these bodies, from the columns of the core."""
-    worst = estimate.worst if isinstance(estimate, _core.States) else None
+    """The run of the bodies of a problem at its times, as a user has given these."""
+    bodies, states, found, accuracy = problem.bodies, made.states, made.found, problem.accuracy
+    assert bodies is not None
+    worst = states.worst if isinstance(states, _core.States) else None
     if worst is None or not is_accurate(worst, accuracy):
-        error, lost_from = estimate.error, estimate.lost_from
+        nothing = np.full(len(bodies), np.nan)
+        error, lost_from = (states.get(name, nothing) for name in ("error", "lost_from"))
         if np.count_nonzero(states["status"]):
             unknown = np.isin(states["status"], (Status.STEP_LIMIT, Status.NOT_FINITE))
             error, lost_from = (np.where(unknown, np.nan, values) for values in (error, lost_from))
@@ -1088,11 +1070,24 @@ def to_run(
     return Run(
         _parameters=parameters,
         _events=() if found is None else found.events,
-        _spec=spec,
+        _spec=Lazy(_spec_of, problem, made.method, made.tolerance),
         _shape=bodies.shape,
         _columns=states,
-        _plan=plan,
+        _plan=made.plan,
     )
+
+
+def _spec_of(problem: Problem, method: str, tolerance: float | None) -> dict[str, Any]:
+    """The request of a run in the form of a file."""
+    return {
+        "scene": problem.scene.to_dict(),
+        "asked": problem.method,
+        "method": method,
+        "step": None if method == EXACT else problem.step,
+        "accuracy": problem.accuracy,
+        "tolerance": tolerance,
+        "record": problem.record,
+    }
 
 
 def _check_inside(times: Floats, reached: Range) -> None:
@@ -1109,26 +1104,19 @@ def _check_inside(times: Floats, reached: Range) -> None:
 
 def _in_order(run: Run, times: Floats, order: NDArray[np.intp]) -> Run:
     """The states of ascending times, in the order of the requested times."""
-    place = np.argsort(order, axis=-1)
-
-    def moved(array: NDArray[Any] | None, width: int) -> NDArray[Any] | None:
-        if array is None:
-            return None
-        axis = array.ndim - 1 - (width > 1)
-        shape = (*place.shape, 1) if width > 1 else place.shape
-        index = place.reshape((1,) * (array.ndim - len(shape)) + shape)
-        return np.take_along_axis(array, index, axis=axis)
-
-    arrays = run._arrays()
-    states = {name: moved(arrays.get(name), width) for name, width in COLUMNS.items()}
-    return run.with_arrays(**states, t=times)
+    place = np.argsort(in_rows(order, run._shape), axis=-1)
+    known = {name: run._columns.get(name) for name in COLUMNS}
+    moved = {
+        name: np.take_along_axis(rows, place if rows.ndim == 2 else place[..., np.newaxis], axis=1)
+        for name, rows in known.items()
+        if rows is not None
+    }
+    return replace(run, _columns={**run._columns, **moved, "t": times})
 
 
-def _largest(error: Floats) -> float | None:
-    """The largest error that is known, if any is."""
-    known = np.atleast_1d(error)
-    known = known[~np.isnan(known)]
-    return float(known.max()) if len(known) else None
+def _largest(error: Floats) -> float:
+    """The largest error that is known, NaN if none is."""
+    return float(np.fmax.reduce(np.ravel(error), initial=np.nan))
 
 
 def _turned_rows(axes: Floats, matrices: Floats) -> Floats:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from .. import _core
 from .._checks.arguments import resolve_threads, sorted_times
 from .._checks.arrays import AttitudeLike, Floats
 from ..model.body import Body
@@ -12,7 +13,7 @@ from ..model.scene import Scene, check_scene
 from .bodies import Bodies, bodies_of
 from .methods import TO_ROUNDING
 from .request import Request
-from .tangent import ROUNDING, rate_scale, tangent_matrices
+from .tangent import ROUNDING, tangent_matrices
 
 
 def condition(
@@ -89,10 +90,9 @@ def amplification(bodies: Bodies, times: Floats, threads: int) -> Floats:
             max_steps=10**9,
             threads=threads,
             tolerance=ROUNDING,
-        ),
-        None,
+        )
     )
-    scale = rate_scale(bodies)[:, None, None, None]
+    scale = _core.rate_units(bodies)[:, None, None, None]
     matrices[..., :3, 3:] /= scale
     matrices[..., 3:, :3] *= scale
     finite = np.isfinite(matrices).all(axis=(-2, -1))

@@ -23,27 +23,25 @@ from ..model.events import Event, checked_events
 from ..model.frame import checked_frame
 from ..model.scene import Scene, check_scene
 from ..model.torque import NO_EXPONENT
-from .arrays import in_rows, time_ranges, time_span
+from .arrays import in_rows, time_ranges
 from .bodies import Bodies, bodies_of
-from .choose_method import choose_method, has_closed_form
+from .choose_method import choose_method
 from .closed_form import RECORDS
 from .conserved import energy_of, momentum_of, needs_vertical
 from .events import check_event_method
-from .methods import EXACT, FUNCTION, adaptive_methods
+from .methods import FUNCTION, adaptive_methods
 from .parameters import check_parameters
-from .plan import Lazy
-from .request import LEAST_TOLERANCE, Problem, Request
+from .request import LEAST_TOLERANCE, Problem
 from .run import Run, to_run
 from .solution import (
     DERIVED,
     PLAIN,
-    ErrorEstimate,
+    Solution,
     Target,
-    Watched,
     end_records,
     solve,
-    unknown_error,
 )
+from .surfaces import Watched
 from .tangent import check_tangent
 
 if TYPE_CHECKING:
@@ -256,7 +254,7 @@ def simulate(
     watched = None
     if events is not None or until is not None or count is not None:
         found, counted = checked_events(events, until)
-        watched = Watched(found, counted, _checked_count(count, found, until), None)
+        watched = Watched(found, counted, _checked_count(count, found, until))
         check_event_method(method, scene)
     parameters = None if tangent is False else check_parameters(tangent, scene)
     if parameters is not None:
@@ -279,66 +277,34 @@ def simulate(
         tolerance = _checked_tolerance(tolerance, method, step, accuracy, scene)
     if watched is not None:
         _check_forward(given)
-    request = Request(
+    problem = Problem(
+        scene=scene,
+        record=record,
         bodies=bodies,
         times=times,
-        method=EXACT,
-        record=record,
+        accuracy=accuracy,
+        method=method,
+        step=step,
+        tolerance=tolerance,
+        inside=watched is not None,
         max_steps=_most_steps(scene) if max_steps is None else positive_int("max_steps", max_steps),
         threads=resolve_threads(threads, len(bodies.omega)),
     )
-    plain = step is None and accuracy is None and tolerance is None and given.ndim == 1
-    problem = None
-    if not (plain and method in (None, EXACT) and has_closed_form(scene)):
-        begin, end = time_ranges(times)
-        problem = Problem(
-            scene=scene,
-            record=record,
-            bodies=bodies,
-            begin=begin,
-            end=end,
-            accuracy=accuracy,
-            method=method,
-            step=step,
-            tolerance=tolerance,
-            states=times.shape[-1],
-            inside=watched is not None,
-        )
-    if problem is None and progress is None and len(bodies) * times.shape[-1] < AT_ONCE:
-        progress = False
+    is_brief = len(bodies) * times.shape[-1] < AT_ONCE and problem.is_plain
+    progress = False if is_brief and progress is None else progress
     # One more run, and its second run, find the events.
     with Listening(progress, 1 if watched is None else 3 if check else 2):
-        made = solve(
-            scene,
-            problem,
-            request,
-            check=check,
-            watched=watched,
-            parameters=parameters,
-            target=target,
-        )
-    estimate, columns = made.estimate, made.states
+        made = solve(problem, check=check, watched=watched, parameters=parameters, target=target)
+    columns = made.states
     if "energy" in derived:
         columns["energy"] = energy_of(scene, bodies.shape, columns["omega"], columns["gamma"])
     if "momentum" in derived:
         columns["momentum"] = momentum_of(scene, bodies.shape, columns["omega"])
     if target is not PLAIN:
-        estimate = ErrorEstimate(target.finish(made.states, estimate.error), estimate.lost_from)
-    own_step = None if made.method == EXACT else step
-    spec = Lazy(_spec, scene, method, made.method, own_step, accuracy, made.tolerance, record)
+        made.states = target.finish(columns)
     if made.found is not None:
         end_records(made.states, times, made.found.last)
-    run = to_run(
-        made.states,
-        given,
-        estimate,
-        accuracy,
-        spec,
-        made.plan,
-        bodies,
-        parameters or (),
-        made.found,
-    )
+    run = to_run(problem, made, given, parameters or ())
     return run if frame is None else run.in_frame(frame)
 
 
@@ -368,27 +334,6 @@ def _most_steps(scene: Scene) -> int:
     return 10**7 if "function" in scene.forces else 10**9
 
 
-def _spec(
-    scene: Scene,
-    asked: str | None,
-    method: str,
-    step: float | None,
-    accuracy: float | None,
-    tolerance: float | None,
-    record: str,
-) -> dict[str, Any]:
-    """The request of a run in the form of a file."""
-    return {
-        "scene": scene.to_dict(),
-        "asked": asked,
-        "method": method,
-        "step": step,
-        "accuracy": accuracy,
-        "tolerance": tolerance,
-        "record": record,
-    }
-
-
 def _checked_count(count: int | None, watched: Sequence[Event], until: object) -> int | None:
     """The number of events that end the record of a body, None if none do."""
     if count is None:
@@ -414,21 +359,7 @@ def _recorded(scene: Scene, record: str) -> tuple[str, ...]:
     return (*names, "work") if scene.forces else tuple(names)
 
 
-def replay_steps(
-    scene: Scene,
-    omega: NDArray[np.float64],
-    attitude: NDArray[np.float64],
-    *,
-    method: str,
-    step: float,
-    strides: Sequence[int],
-) -> Run:
-    """A body of a map again: its states after these numbers of steps of exactly ``step``."""
-    times = np.cumsum(strides) * step
-    return _replayed(scene, omega, attitude, times, method, step, strides=strides)
-
-
-def replay_states(
+def replayed(
     scene: Scene,
     omega: NDArray[np.float64],
     attitude: NDArray[np.float64],
@@ -436,48 +367,28 @@ def replay_states(
     t: NDArray[np.float64],
     method: str,
     step: float | None,
-    tolerance: float | None,
-) -> Run:
-    """A body of a map again: its states at these times, in steps or by a tolerance."""
-    return _replayed(scene, omega, attitude, t, method, step, tolerance=tolerance)
-
-
-def _replayed(
-    scene: Scene,
-    omega: NDArray[np.float64],
-    attitude: NDArray[np.float64],
-    times: NDArray[np.float64],
-    method: str,
-    step: float | None,
-    *,
     tolerance: float | None = None,
     strides: Sequence[int] | None = None,
 ) -> Run:
-    """A body from the start of a map bit for bit: an attitude of a user would be normalised."""
-    bodies = Bodies.of_scene(scene, omega, attitude, (), NO_EXPONENT)
+    """A body of a map again: its states at these times, in steps or by a tolerance.
+
+    From the start of the map bit for bit: an attitude of a user would be normalised. With
+    ``strides`` the states are those after these numbers of further steps of exactly ``step``.
+    """
     problem = Problem(
         scene=scene,
         record="attitude",
-        bodies=bodies,
-        end=time_span(times),
+        bodies=Bodies.of_scene(scene, omega, attitude, (), NO_EXPONENT),
+        times=t,
         method=method,
         step=step,
         tolerance=tolerance,
+        max_steps=2**63,
     )
     choice = choose_method(problem)
-    states = Request(
-        bodies=bodies,
-        times=times,
-        method=method,
-        record="attitude",
-        max_steps=2**63,
-        threads=1,
-        tolerance=tolerance,
-        strides=strides,
-    ).states(choice.steps if tolerance is None else None)
-    spec = Lazy(_spec, scene, method, method, step, None, tolerance, "attitude")
+    states = choice.request(problem, strides).states()
     # The map that this body comes from has its own check of the error.
-    return to_run(states, times, unknown_error(1), None, spec, choice.plan, bodies)
+    return to_run(problem, Solution(states, method, tolerance, choice.plan), t)
 
 
 def _checked_tolerance(

@@ -9,16 +9,14 @@ from __future__ import annotations
 from collections.abc import Mapping, MutableMapping, Sequence
 from dataclasses import dataclass, replace
 from math import prod
-from typing import Any, NamedTuple, Self
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
 from .. import _core
 from .._checks.arguments import brief, one_of, two_digits_above
-from ..model.events import Event
-from ..model.scene import Scene
-from .arrays import Floats, Range, largest, time_ranges, time_span
+from .arrays import Range, largest, time_span
 from .bodies import Bodies
 from .choose_method import Choice, bodies_alike, choose_method
 from .events import FoundEvents, events_of_parts, find_events
@@ -26,6 +24,7 @@ from .methods import EXACT, SERIES, SERIES_TOLERANCE
 from .parameters import parameter_changes
 from .plan import Lazy, Plan, plan_of_parts
 from .request import Problem, Request
+from .surfaces import Watched
 from .tangent import tangent_of
 
 COLUMNS: Mapping[str, int] = {
@@ -42,26 +41,6 @@ SINGLE = 2.0**-23
 
 SLOWEST, FASTEST = 1e-30, 1e30
 """Rates between these are rounded to single precision relative to their size (rad/s)."""
-
-
-class ErrorEstimate(NamedTuple):
-    """Estimated errors of some bodies.
-
-    Attributes
-    ----------
-    error : ndarray, shape (n,)
-        The largest error at the compared times; NaN if it is not known.
-    lost_from : ndarray, shape (n,)
-        The time (s) nearest to 0 from which on the error is 1 or more; infinite if there is none.
-    """
-
-    error: Floats
-    lost_from: Floats
-
-
-def unknown_error(count: int) -> ErrorEstimate:
-    """The estimate of bodies whose error is unknown."""
-    return ErrorEstimate(np.full(count, np.nan), np.full(count, np.nan))
 
 
 @dataclass(frozen=True, slots=True)
@@ -142,8 +121,9 @@ class Target:
         """The given arrays of double precision, in which steps are compared before rounding."""
         return {name: array for name, array in self.given.items() if array.dtype == np.float64}
 
-    def finish(self, states: MutableMapping[str, Any], error: Floats) -> Floats:
-        """Store all states; return their errors with the rounding included."""
+    def finish(self, made: MutableMapping[str, Any]) -> dict[str, Any]:
+        """All states stored, and the columns with these arrays and with errors of the rounding."""
+        states = dict(made)
         for name, width in COLUMNS.items():
             array, given = states.get(name), self.given.get(name)
             try:
@@ -161,7 +141,9 @@ class Target:
                     f"dtype = float32: {name} reaches {most:.3g}; the largest "
                     f"number is {np.finfo(np.float32).max:.3g}: take other units, or float64"
                 ) from None
-        return error + SINGLE if self._rounds else error
+        if self._rounds:
+            states["error"] = states["error"] + SINGLE
+        return states
 
 
 PLAIN = Target(single=False, given={})
@@ -197,15 +179,6 @@ def end_records(
             states[name][after] = np.nan
 
 
-class Watched(NamedTuple):
-    """Events to find: which of them are counted, and how many of these end the record of a body."""
-
-    events: tuple[Event, ...]
-    counted: tuple[bool, ...]
-    number: int | None
-    frame: Floats | None
-
-
 @dataclass(slots=True, eq=False)
 class Solution:
     """The motion of the bodies of a problem.
@@ -213,9 +186,7 @@ class Solution:
     Attributes
     ----------
     states : mapping
-        The columns of the core.
-    estimate : ErrorEstimate or States
-        The estimated errors; the states themselves where the core gives both.
+        The columns of the core, with ``error`` and ``lost_from`` where they are known.
     method : str
         The method of bodies without a closed form; ``"exact"`` if all have one.
     tolerance : float or None
@@ -224,7 +195,6 @@ class Solution:
     """
 
     states: MutableMapping[str, Any]
-    estimate: ErrorEstimate | _core.States
     method: str
     tolerance: float | None
     plan: Lazy[Plan]
@@ -232,25 +202,19 @@ class Solution:
 
 
 def solve(
-    scene: Scene,
-    problem: Problem | None,
-    request: Request,
+    problem: Problem,
     *,
     check: bool = True,
     watched: Watched | None = None,
     parameters: Sequence[str] | None = None,
     target: Target = PLAIN,
 ) -> Solution:
-    """The motion of the bodies of a request, by the methods that the problem asks for.
+    """The motion of the bodies of a problem, by the methods that it asks for.
 
     Parameters
     ----------
-    scene : Scene
-    problem : Problem or None
-        Its horizon may be longer than the times of the request: the steps follow from the horizon.
-        None for a body with a closed form from any start.
-    request : Request
-        For the bodies of the problem. Method and tolerance are chosen here.
+    problem : Problem
+        With bodies and output times.
     check : bool
         Whether errors are estimated.
     watched : Watched, optional
@@ -259,52 +223,30 @@ def solve(
     target : Target
         Arrays for the states.
     """
-    options = check, watched, parameters
-    if problem is None:
-        return _solve_alike(scene, None, request, *options, target)
-    problems = bodies_alike(problem)
-    if len(problems) == 1:
-        return _solve_alike(scene, problem, request, *options, target)
-    parts = []
-    for own, some in problems:
-        assert own.bodies is not None
-        times = request.times if request.times.ndim == 1 else request.times[some]
-        part = replace(request, bodies=own.bodies, times=times)
-        parts.append(_solve_alike(own.scene, own, part, *options, PLAIN))
+    problems = [] if problem.is_plain else bodies_alike(problem)
+    if len(problems) < 2:
+        return _solve_alike(problem, check, watched, parameters, target)
+    parts = [_solve_alike(own, check, watched, parameters, PLAIN) for own, _ in problems]
     return _merged(problem, parts, [some for _, some in problems])
 
 
 def _solve_alike(
-    scene: Scene,
-    problem: Problem | None,
-    request: Request,
+    problem: Problem,
     check: bool,
     watched: Watched | None,
     parameters: Sequence[str] | None,
     target: Target,
 ) -> Solution:
     """The motion of bodies that one method solves."""
-    choice = None if problem is None else choose_method(problem)
-    if choice is not None:
-        request = replace(request, method=choice.method, tolerance=choice.tolerance)
-    found = None
+    choice = choose_method(problem)
+    request, found = choice.request(problem), None
     if watched is not None:
-        found = find_events(
-            scene,
-            request.bodies,
-            np.asarray(time_ranges(request.times)[1]),
-            *watched,
-            method=request.method,
-            tolerance=None if problem is None else problem.tolerance,
-            check=check,
-            max_steps=request.max_steps,
-            threads=request.threads,
-        )
+        found = find_events(problem, watched, choice.method, check=check)
         if found.stopped.any():
             # States are computed up to the end of a body, and so are their errors.
             request = replace(request, times=np.minimum(request.times, found.last))
-    if problem is None or choice is None or request.method == EXACT:
-        made = _by_closed_form(scene, request, choice, target)
+    if choice.method == EXACT:
+        made = _by_closed_form(request, choice, target)
     else:
         made = _by_steps(problem, request, choice, check=check, target=target)
     made.found = found
@@ -312,44 +254,28 @@ def _solve_alike(
     if states["work"] is not None:
         np.ldexp(states["work"], scale_exponent[:, np.newaxis], out=states["work"])
     if parameters is not None:
-        change = parameter_changes(scene, request.bodies, parameters) if parameters else None
-        steps = None if choice is None else choice.steps
-        asked = None if problem is None else problem.method
-        matrices, sensitivity, words = tangent_of(request, steps, asked, change)
-        states["tangent"], states["sensitivity"] = matrices, sensitivity
+        change = None
+        if parameters:
+            change = parameter_changes(problem.scene, request.bodies, parameters)
+        states["tangent"], states["sensitivity"], words = tangent_of(
+            request, problem.method, change
+        )
         made.plan.amend(words)
     return made
 
 
-def _by_closed_form(
-    scene: Scene, request: Request, choice: Choice | None, target: Target
-) -> Solution:
+def _by_closed_form(request: Request, choice: Choice, target: Target) -> Solution:
     """The motion in closed form."""
-    states = request.states(None, out=target.given or None, single=target.single)
-    estimate: ErrorEstimate | _core.States = states
+    states = request.states(out=target.given or None, single=target.single)
     worst = states.worst
     if worst is None:
         bodies = request.bodies
         bodies.note_rates(states.pop("fastest_rate"))
         known = _core.errors_of_closed_forms(bodies, request.times, states["omega"])
-        estimate = ErrorEstimate(*known)
-        worst = largest(estimate.error)
-    error = worst if worst < 1.0 else None
-    if choice is None:
-        number, times = max(len(request.bodies.omega), 1), len(request.times)
-        plan = Lazy(_plan_of_any_start, scene, request.record, number, times, error)
-    else:
-        plan = choice.plan
-        plan.amend(error=error)
-    return Solution(states, estimate, EXACT, None, plan)
-
-
-def _plan_of_any_start(
-    scene: Scene, record: str, number: int, states: int, error: float | None
-) -> Plan:
-    """The plan of a scene whose motions all have a closed form."""
-    problem = Problem(scene=scene, record=record, number=number, states=states)
-    return replace(choose_method(problem).plan(), error=error)
+        states["error"], states["lost_from"] = known
+        worst = largest(known[0])
+    choice.plan.amend(error=worst if worst < 1.0 else None)
+    return Solution(states, EXACT, None, choice.plan)
 
 
 def _by_steps(
@@ -357,14 +283,13 @@ def _by_steps(
 ) -> Solution:
     """The motion by steps; the plan tells which."""
     states = request.solve(
-        choice.steps,
         choice.accuracy,
         check=check or problem.accuracy is not None,
         free=problem.method is None,
         out=target.exact,
     )
     by_series = states.pop("by_series", None)
-    made = Solution(states, states, choice.method, choice.tolerance, choice.plan)
+    made = Solution(states, choice.method, choice.tolerance, choice.plan)
     if choice.accuracy is None or choice.steps is None:
         return made
     if by_series is None:
@@ -392,14 +317,9 @@ def _merged(
     assert problem.bodies is not None
     count = len(problem.bodies)
     states: dict[str, Any] = {"nanoseconds": 0}
-    estimate = ErrorEstimate(np.empty(count), np.empty(count))
     for part, mine in zip(parts, groups, strict=True):
         states["nanoseconds"] += part.states.pop("nanoseconds")
-        estimate.error[mine] = part.estimate.error
-        estimate.lost_from[mine] = part.estimate.lost_from
         for name, values in part.states.items():
-            if name in ("error", "lost_from", "fastest_rate"):
-                continue
             if values is None:
                 states.setdefault(name, None)
                 continue
@@ -412,7 +332,6 @@ def _merged(
     by_steps = min(parts, key=lambda part: part.method == EXACT)
     return Solution(
         states,
-        estimate,
         by_steps.method,
         by_steps.tolerance,
         plan,

@@ -4,18 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, replace
-from typing import Any, Self
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
+from .._checks.arrays import Floats
 from .._core import LEAST_STATE, MOST_STATES
+from ..model.events import Event
+from ..model.frame import turned
 from ..model.orbit import Orbit
-from .arrays import Floats, lengths
+from .arrays import in_rows, lengths
 from .bodies import Bodies
-from .methods import FUNCTION, SERIES, TO_ROUNDING
-from .request import Request
+from .methods import EXACT, FUNCTION, SERIES, TO_ROUNDING
+from .request import Problem, Request
+from .status import Status
 
 TOLERANCE = 2.0**-57
 """Size of the last terms of a step: a sixteenth of rounding, which alone is left then."""
@@ -46,6 +50,24 @@ def default_method(forces: Collection[str]) -> str:
 def default_tolerance(forces: Collection[str]) -> float:
     """The tolerance of the method that finds points under these forces."""
     return FUNCTION_TOLERANCE if "function" in forces else TOLERANCE
+
+
+_WIDTHS: Mapping[str, tuple[int, ...]] = {
+    **{"normal": (6,), "momentum": (3,), "square": (), "states": (MOST_STATES,), "value": ()}
+}
+"""Coefficients of a surface of a body, and how many numbers each has."""
+
+_OF_BODIES = ("starts", "rotor", "orbit", "ends")
+"""What each body has once, whatever its surfaces."""
+
+
+class Watched(NamedTuple):
+    """Events to find: which of them are counted, and how many of these end the record of a body."""
+
+    events: tuple[Event, ...]
+    counted: tuple[bool, ...]
+    number: int | None
+    frame: Floats | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -111,7 +133,8 @@ class Search:
         """The columns of the core, with the ``body`` and the ``error`` of each point.
 
         ``lost_from`` is the time from which on the points of each body are lost. Both are NaN
-        without a ``check``, unless a closed form gives them.
+        without a ``check``, unless a closed form gives them. ``complete``, (n, kinds), is whether
+        no point of a surface is missed or doubtful.
         """
         found = self._points()
         counts = found.pop("points").astype(np.intp)
@@ -122,6 +145,10 @@ class Search:
             else (np.full(len(body), np.nan), np.full(len(self.bodies), np.nan))
         )
         found["slope"] = found["slope"] / self._shares(found, body)
+        ended, grazing = found["status"] == Status.OK, found["grazing"]
+        stays = found["stays"][:, np.newaxis] >> np.arange(len(self.kinds)) & 1
+        found["complete"] = ended[:, np.newaxis] & (stays == 0)
+        found["complete"][body[grazing], found["kind"][grazing]] = False
         return found
 
     def _shares(self, found: dict[str, NDArray[Any]], body: NDArray[np.intp]) -> Floats:
@@ -153,16 +180,13 @@ class Search:
 
     def _points(self) -> dict[str, NDArray[Any]]:
         """The columns of the core for all bodies."""
+        rows = {name: getattr(self, name).reshape(-1, *width) for name, width in _WIDTHS.items()}
         found = _core.section(
             self.bodies,
             method=self.method,
             kinds=list(self.kinds),
-            pointing=np.ascontiguousarray(self.pointing),
-            normal=np.ascontiguousarray(self.normal.reshape(-1, 6)),
-            momentum=np.ascontiguousarray(self.momentum.reshape(-1, 3)),
-            square=np.ascontiguousarray(self.square.ravel()),
-            states=np.ascontiguousarray(self.states.reshape(-1, MOST_STATES)),
-            value=np.ascontiguousarray(self.value.ravel()),
+            pointing=self.pointing,
+            **{name: np.ascontiguousarray(array) for name, array in rows.items()},
             ends=self.ends,
             count=2**63 - 1 if self.count is None else self.count,
             closed=self.closed,
@@ -176,9 +200,7 @@ class Search:
 
     def _select(self, some: NDArray[np.intp]) -> Self:
         """The search of some bodies."""
-        of_bodies = "states", "starts", "rotor", "orbit", "ends"
-        names = ("normal", "momentum", "square", "value", *of_bodies)
-        own = {name: getattr(self, name)[some] for name in names}
+        own = {name: getattr(self, name)[some] for name in (*_WIDTHS, *_OF_BODIES)}
         return replace(self, bodies=self.bodies.select(some), **own)
 
     @property
@@ -268,7 +290,7 @@ class Search:
                 max_steps=self.max_steps,
                 threads=self.threads,
                 tolerance=max(1e-3 * self.tolerance, min(self.tolerance, TOLERANCE)),
-            ).states(None, _core.ELSEWHERE if self.method == FUNCTION else 1.0)
+            ).states(_core.ELSEWHERE if self.method == FUNCTION else 1.0)
             names = ("t", "omega", "gamma", "attitude", "states", "kind")
             known = {name: found[name][places] for name in names}
             with np.errstate(divide="ignore", invalid="ignore"):
@@ -331,6 +353,66 @@ class Search:
         return np.where(turning, rate, values)
 
 
+def search_of(problem: Problem, watched: Watched, method: str) -> Search:
+    """The search of the events of a problem, which is solved by a method.
+
+    A closed form gives the state at the begin of each step of a Taylor series; without one, or
+    under damping, the series goes on from step to step.
+    """
+    scene, bodies, (events, counted, number, frame) = problem.scene, problem.bodies, watched
+    assert bodies is not None
+    assert problem.reach is not None
+    n = len(bodies)
+    normals = np.array([[event.omega, event.gamma] for event in events])
+    if frame is not None:
+        normals = turned(frame.T, normals)
+    of_states = np.zeros((len(events), MOST_STATES))
+    for row, event in zip(of_states, events, strict=True):
+        if event.state > scene.states:
+            raise ValueError(
+                f"name = {event.name!r}: the scene has {scene.states} states of Torque.call"
+            )
+        if event.state:
+            row[event.state - 1] = 1.0
+    starts = np.zeros((n, MOST_STATES))
+    function = None if scene.torque is None else scene.torque.function
+    if function is not None and function.start is not None:
+        starts[:, : function.states] = in_rows(function.start, bodies.shape)
+    # Moments are counted in this unit.
+    exponents = bodies.scale_exponent[:, np.newaxis]
+    rotor = in_rows(np.zeros(3) if scene.rotor is None else np.asarray(scene.rotor), bodies.shape)
+    orbit = np.zeros(9) if scene.orbit is None else scene.orbit.numbers
+    momentum = _of_each([event.momentum for event in events], n, 3)
+    kinds = zip(events, counted, strict=True)
+    tolerance = problem.tolerance
+    return Search(
+        bodies=bodies,
+        kinds=tuple((event.turns, event.direction, counts) for event, counts in kinds),
+        normal=_of_each(normals, n, 6),
+        momentum=np.ldexp(momentum, exponents[:, np.newaxis]),
+        square=_of_each([event.square for event in events], n),
+        states=_of_each(of_states, n, MOST_STATES),
+        starts=starts,
+        value=_of_each([event.level for event in events], n),
+        rotor=np.broadcast_to(np.ldexp(rotor, -exponents), (n, 3)),
+        pointing=np.array([event.pointing(scene, frame) for event in events]),
+        orbit=np.broadcast_to(in_rows(orbit, bodies.shape), (n, 9)),
+        ends=np.broadcast_to(problem.reach[1], (n,)).astype(np.float64),
+        count=number,
+        method=SERIES if method == EXACT else method,
+        closed=method == EXACT and bodies.forces is None,
+        tolerance=default_tolerance(scene.forces) if tolerance is None else tolerance,
+        max_steps=problem.max_steps,
+        threads=problem.threads,
+    )
+
+
+def _of_each(values: Any, n: int, *width: int) -> Floats:
+    """The values of all events for each of n bodies, shape (n, events, ...)."""
+    row = np.array(values, dtype=np.float64).reshape(1, len(values), *width)
+    return np.repeat(row, n, axis=0)
+
+
 def _dot(a: Floats, b: Floats) -> Floats:
     dot: Floats = np.einsum("...i,...i->...", a, b)
     return dot
@@ -344,20 +426,12 @@ def _times(matrix: Floats, v: Floats) -> Floats:
 def _space_axes(attitude: Floats) -> Floats:
     """The rows of the rotation matrices of quaternions: the space axes in the body."""
     w, x, y, z = np.moveaxis(attitude, -1, 0)
-    return np.stack(
-        [
-            np.stack(
-                [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)], -1
-            ),
-            np.stack(
-                [2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x)], -1
-            ),
-            np.stack(
-                [2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)], -1
-            ),
-        ],
-        axis=-2,
-    )
+    rows = [
+        [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)],
+        [2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x)],
+        [2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)],
+    ]
+    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
 
 
 def _alike(counts: NDArray[np.intp]) -> Iterator[NDArray[np.intp]]:

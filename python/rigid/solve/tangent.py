@@ -8,22 +8,17 @@ of a parameter begins at zero, and the change of the parameter is a torque in it
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import _core
+from .._checks.arguments import one_of
+from .._checks.arrays import Floats
 from ..model.forces import forces_in_words
-from .methods import EXACT, TO_ROUNDING, known_method, run_methods, tangent_methods
+from .methods import EXACT, TO_ROUNDING, run_methods, tangent_methods
 from .request import Request
 from .status import Status
-
-if TYPE_CHECKING:
-    from .bodies import Bodies
-
-
-Floats = NDArray[np.float64]
 
 ROUNDING = 2.0**-53
 """Tolerance of a tangent for which no method is given."""
@@ -41,7 +36,7 @@ def check_tangent(
     known = tangent_methods(forced=bool(forces) or by_parameters)
     if method in (None, EXACT, *known):
         return
-    known_method("method", method, run_methods())
+    one_of("method", method, run_methods())
     where = f"under {forces_in_words(forces)}" if forces else "by parameters"
     why = "has no tangent, because its steps are not differentiated"
     if method in tangent_methods():
@@ -49,16 +44,8 @@ def check_tangent(
     raise ValueError(f"method = {method!r}: {why}; {', '.join(map(repr, known))} have one")
 
 
-def rate_scale(bodies: Bodies) -> Floats:
-    """Unit of the rates, ``sqrt(|omega|² + mgl / I_min)`` at the start; 1 if that is zero."""
-    return _core.rate_units(bodies)
-
-
 def tangent_of(
-    request: Request,
-    steps: Floats | None,
-    method: str | None,
-    change: tuple[Floats, NDArray[np.intc]] | None,
+    request: Request, method: str | None, change: tuple[Floats, NDArray[np.intc]] | None
 ) -> tuple[Floats, Floats | None, str]:
     """The tangent of the bodies of a request, the derivative by parameters, and a sentence.
 
@@ -67,21 +54,19 @@ def tangent_of(
     """
     words = f"tangent by {method} too"
     if method not in tangent_methods():
-        request, steps = replace(request, method=TO_ROUNDING, tolerance=ROUNDING), None
+        request = replace(request, method=TO_ROUNDING, tolerance=ROUNDING, steps=None)
         words = f"tangent by {TO_ROUNDING}, its last terms below {ROUNDING:.1e}"
-    matrices = tangent_matrices(request, steps)
-    return matrices, None if change is None else _sensitivity(request, steps, *change), words
+    sensitivity = None if change is None else _sensitivity(request, *change)
+    return tangent_matrices(request), sensitivity, words
 
 
-def tangent_matrices(request: Request, steps: Floats | None) -> Floats:
+def tangent_matrices(request: Request) -> Floats:
     """Derivatives of (rates, rotation vector) by their values at the start, shape (n, m, 6, 6).
 
     Parameters
     ----------
     request : Request
         The bodies and times, with a method that has a tangent.
-    steps : ndarray, shape (n,), or None
-        The longest step of each body (s); None leaves them to the core.
 
     Returns
     -------
@@ -90,38 +75,25 @@ def tangent_matrices(request: Request, steps: Floats | None) -> Floats:
         leaves the range of doubles.
     """
     starts = np.tile(np.eye(6), (len(request.bodies), 1))
-    return _columns(request, steps, 6, deviations=starts)
+    return _columns(request, "tangent", 6, deviations=starts)
 
 
-def _sensitivity(
-    request: Request, steps: Floats | None, changes: Floats, exponents: NDArray[np.intc]
-) -> Floats:
+def _sensitivity(request: Request, changes: Floats, exponents: NDArray[np.intc]) -> Floats:
     """Derivatives of (rates, rotation vector) by parameters, shape (n, m, 6, k)."""
     rows = np.ascontiguousarray(changes.reshape(-1, changes.shape[2]))
-    found = _columns(request, steps, changes.shape[1], changes=rows)
+    found = _columns(request, "sensitivity", changes.shape[1], changes=rows)
     with np.errstate(over="ignore"):
         return np.ldexp(found, exponents[:, np.newaxis, np.newaxis, :])
 
 
-def _columns(
-    request: Request,
-    steps: Floats | None,
-    width: int,
-    *,
-    deviations: Floats | None = None,
-    changes: Floats | None = None,
-) -> Floats:
+def _columns(request: Request, record: str, width: int, **causes: Any) -> Floats:
     """Deviation vectors of each body in columns, shape (n, m, 6, width), a lane for each column.
 
     Their causes are deviation vectors at the start or changes of parameters, (n width, ...).
     """
-    count, record = len(request.bodies), "tangent" if changes is None else "sensitivity"
+    count = len(request.bodies)
     columns = replace(request.select(np.repeat(np.arange(count), width)), record=record)
-    found = columns.states(
-        None if steps is None else np.repeat(steps, width),
-        deviations=deviations,
-        changes=changes,
-    )
+    found = columns.states(**causes)
     matrices = found["tangent"].reshape(count, width, request.times.shape[-1], 6)
     moves = np.isin(found["status"][::width], (Status.OK, Status.DRIFTED))
     known = np.where(moves[:, None, None, None] & ~np.isfinite(matrices), np.inf, matrices)

@@ -7,9 +7,10 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from .._checks.arguments import brief
+from .._checks.arrays import Floats
 from ..model.orbit import HYPERBOLA, MOST_ECCENTRIC
 from ..model.parameters import AT_REST, PARAMETERS, numbers_of, scene_of
 from ..model.scene import Scene
@@ -22,8 +23,6 @@ if TYPE_CHECKING:
 
     from .run import Run
 
-
-Floats = NDArray[np.float64]
 
 MOMENTS = ("I1", "I2", "I3")
 RATIOS = tuple(f"{a}/{b}" for a in MOMENTS for b in MOMENTS if a != b)

@@ -224,7 +224,7 @@ def moment_status(spec: MapSpec) -> NDArray[np.uint8]:
     status = np.empty(pixels, np.uint8)
     for begin in range(0, pixels, PIXELS_TOGETHER):
         index = np.arange(begin, min(begin + PIXELS_TOGETHER, pixels))
-        starts = spec.starting(spec.start.starts[0], index)
+        starts = spec.bodies(spec.start.starts[0], index)
         status[index] = starts.status
     return status
 

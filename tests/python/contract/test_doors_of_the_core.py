@@ -199,7 +199,7 @@ test_states_of_an_accuracy_are_refused_where_the_request_does_not_fit = refuses(
 
 
 def test_errors_and_distances_are_refused_for_states_of_another_shape() -> None:
-    states = REQUEST.states(None)
+    states = REQUEST.states()
     with pytest.raises(ValueError, match="omega: expected shape"):
         _core.errors_of_closed_forms(REQUEST.bodies, REQUEST.times, np.ones((2, 1, 3)))
     with pytest.raises(ValueError, match="scale: expected shape"):
@@ -215,7 +215,7 @@ def test_errors_and_distances_are_refused_for_states_of_another_shape() -> None:
 
 
 def test_distances_of_states_in_another_order_of_memory_are_the_same() -> None:
-    states = {**REQUEST.states(None)}
+    states = {**REQUEST.states()}
     other = {**states, "omega": states["omega"] + 0.1}
     turned = {**other, "omega": np.asfortranarray(other["omega"])}
     plain = _core.distances(states, other)

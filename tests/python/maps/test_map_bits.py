@@ -16,7 +16,7 @@ from physics import angular_momentum, energy, gamma_of
 from processes import PATIENCE, python_process
 from rigid.model.criteria import NoFlip, TiltBelow
 from rigid.model.scene import scene_from_dict
-from rigid.solve.simulate import replay_steps
+from rigid.solve.simulate import replayed
 from small_maps import Floats, assert_same_map, saved_bytes, small_map
 
 # Each has bodies of every class that ends early and late, and the first an impossible body.
@@ -116,10 +116,11 @@ def test_a_seed_of_numpy_integers_is_the_same_seed() -> None:
 
 def every_step(body: rigid.Replay) -> rigid.Run:
     """The trajectory of a replayed body at the end of every step until it was decided."""
-    return replay_steps(
+    return replayed(
         scene_from_dict(body.run.spec["scene"]),
         body.omega,
         body.attitude,
+        t=body.step * np.arange(body.steps + 1.0),
         method=body.run.spec["method"],
         step=body.step,
         strides=[0] + [1] * body.steps,

@@ -54,6 +54,18 @@ def test_built_in_maps_agree_with_their_theory(name: str, least: float, lines: l
         assert curve.label.startswith(words)
 
 
+def test_roll_and_yaw_are_stable_where_the_inequality_of_debra_and_delp_says_so() -> None:
+    result = coarse("gravity-gradient", 12, 1)
+    theory: Any = result.theory()
+    yaw, roll = np.meshgrid(*(axis.values for axis in result.spec.axes))  # over the moment of pitch
+    k1, k3 = (1.0 - yaw) / roll, (1.0 - roll) / yaw
+    swings, product = theory.curves[0].field, k1 * k3
+    inside = (product > 0.0) & (1.0 + 3.0 * k1 + product > 4.0 * np.sqrt(np.abs(product)))
+    known = np.isfinite(swings)
+    np.testing.assert_array_equal(swings[known] > 0.0, inside[known])
+    assert 10 < inside[known].sum() < known.sum() - 10
+
+
 def passage(
     moments: tuple[float, float, float], sink: float, *, spin: float = 1.3, across: float = 0.02
 ) -> tuple[float, float]:

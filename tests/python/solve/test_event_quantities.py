@@ -208,3 +208,10 @@ def test_a_run_ends_when_the_body_is_slow(way: str) -> None:
 def test_a_speed_is_positive(value: float) -> None:
     with pytest.raises(ValueError, match=f"value = {value}: never crossed; a speed is positive"):
         rigid.crosses("speed", value)
+
+
+def test_an_event_says_which_way_its_quantity_goes() -> None:
+    crossed = [rigid.crosses("omega2", 0.5, way).words() for way in (1, -1, 0)]
+    assert crossed == [f"omega2 = 0.5, {way}" for way in ("rising", "falling", "both ways")]
+    turned = [rigid.turns("gamma3", way).words() for way in (1, -1, 0)]
+    assert turned == [f"gamma3 {way}" for way in ("lowest", "highest", "turns")]

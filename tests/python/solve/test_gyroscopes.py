@@ -25,15 +25,20 @@ TRUTH = np.array([1.5, 2.0, *START])
 
 
 @cache
-def rates(damping: float = 0.0, start: tuple[float, ...] = tuple(START)) -> Floats:
+def rates(
+    damping: float = 0.0,
+    start: tuple[float, ...] = tuple(START),
+    times: tuple[float, ...] = tuple(T),
+    moments: tuple[float, ...] = tuple(MOMENTS),
+) -> Floats:
     """Euler's equations by SciPy, to about 1e-12."""
 
     def change(_: float, w: Floats) -> Floats:
-        slope: Floats = (np.cross(MOMENTS * w, w) - damping * w) / MOMENTS
+        slope: Floats = (np.cross(moments * w, w) - damping * w) / moments
         return slope
 
-    ends = T[[0, -1]]
-    found = solve_ivp(change, ends, start, "DOP853", t_eval=T, rtol=1e-13, atol=1e-14)
+    ends = 0.0, times[-1]
+    found = solve_ivp(change, ends, start, "DOP853", t_eval=times, rtol=1e-13, atol=1e-14)
     result: Floats = found.y.T
     return result
 
@@ -199,29 +204,12 @@ def test_a_motion_that_parts_too_far_for_derivatives_is_refused() -> None:
 # Fits of few samples, across pauses and in a wrong unit of time: no alias passes for a success
 
 
-START_ALIAS = np.array([0.1, 1.0, 0.2])
-GUESS_ALIAS = rigid.Body((1.0, 1.3, 2.1))
-FREE = ("I2/I1", "I3/I1", "omega")
-
-
-def rates_alias(t: Floats, moments: Floats, start: Floats) -> Floats:
-    """Euler's equations by SciPy, to about 1e-9 after 60 s."""
-
-    def change(_: float, w: Floats) -> Floats:
-        slope: Floats = np.cross(moments * w, w) / moments
-        return slope
-
-    found = solve_ivp(change, (0.0, t[-1]), start, "DOP853", t_eval=t, rtol=1e-12, atol=1e-13)
-    result: Floats = found.y.T
-    return result
-
-
-def fitted_alias(t: Floats, seed: int, unit: float = 1.0) -> tuple[Any, Floats]:
+def fitted_at(t: Floats, seed: int, unit: float = 1.0) -> tuple[Any, Floats]:
     noise = SIGMA * np.random.default_rng([seed, len(t)]).normal(size=(len(t), 3))
-    measured = rates_alias(t, np.array([1.0, 1.5, 2.0]), START_ALIAS) + noise
+    measured = rates(times=tuple(t)) + noise
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", rigid.FitWarning)
-        return rigid.fit(GUESS_ALIAS, unit * t, omega=measured, sigma=SIGMA, free=FREE), measured
+        return rigid.fit(GUESS, unit * t, omega=measured, sigma=SIGMA, free=RATIOS), measured
 
 
 @pytest.mark.filterwarnings("ignore:the fit failed")
@@ -234,12 +222,12 @@ def test_a_fit_of_few_samples_is_right_or_says_that_it_is_not(number: int) -> No
 
 def test_an_alias_meets_the_samples_as_well() -> None:
     t = np.linspace(0.0, 60.0, 4)
-    found, measured = fitted_alias(t, 0)
+    found, measured = fitted_at(t, 0)
     assert not found.success
     assert "ambiguous: " in found.reason
     assert "3 of 3 gaps" in found.reason
     for values in (found.values, *found.others):
-        predicted = rates_alias(t, np.array([1.0, *values[:2]]), values[2:])
+        predicted = rates(0.0, tuple(values[2:]), tuple(t), (1.0, *values[:2]))
         chi2 = np.sum(np.square((predicted - measured) / SIGMA))
         assert chi2 < found.chi2 + arcs.overtaken(5, found.searched) + 1e-3
     # Far from each other: 20 standard deviations and more.
@@ -248,15 +236,15 @@ def test_an_alias_meets_the_samples_as_well() -> None:
 
 def test_few_samples_suffice_if_the_phase_between_them_stays_small() -> None:
     for seed in range(4):
-        found, _ = fitted_alias(np.linspace(0.0, 12.0, 7), seed)
+        found, _ = fitted_at(np.linspace(0.0, 12.0, 7), seed)
         assert found.success
         assert found.others.shape == (0, 5)
-        assert np.all(np.abs(found.values - [1.5, 2.0, *START_ALIAS]) < 5.0 * found.std)
+        assert np.all(np.abs(found.values - [1.5, 2.0, *START]) < 5.0 * found.std)
 
 
 def test_times_in_a_wrong_unit_are_no_success() -> None:
     # At I2/I1 = 1.336 chi² is 1.08 a degree of freedom, and was taken for a success.
-    found, _ = fitted_alias(np.linspace(0.0, 60.0, 100), 1, unit=60.0)
+    found, _ = fitted_at(np.linspace(0.0, 60.0, 100), 1, unit=60.0)
     assert not found.success
     assert "99 of 99 gaps" in found.reason
 
@@ -267,12 +255,12 @@ def test_a_pause_in_which_the_phase_is_lost_is_told() -> None:
     def around(pause: float) -> Floats:
         return np.append(np.arange(30) / 10.0, pause + np.arange(20) / 10.0)
 
-    found, _ = fitted_alias(around(600.0), 3)
+    found, _ = fitted_at(around(600.0), 3)
     assert not found.success
     assert "passes pi in 1 of 49 gaps" in found.reason
-    short, _ = fitted_alias(around(20.0), 3)
+    short, _ = fitted_at(around(20.0), 3)
     assert short.success
-    assert np.all(np.abs(short.values - [1.5, 2.0, *START_ALIAS]) < 5.0 * short.std)
+    assert np.all(np.abs(short.values - [1.5, 2.0, *START]) < 5.0 * short.std)
 
 
 def test_the_work_of_a_fit_is_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -280,7 +268,7 @@ def test_the_work_of_a_fit_is_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
     t = np.arange(100) / 10.0
     measured = np.random.default_rng(2).normal(size=(100, 3))
     with pytest.warns(rigid.FitWarning, match="the search ended after 60 runs with derivatives"):
-        found = rigid.fit(GUESS_ALIAS, t, omega=measured, sigma=SIGMA, free=FREE)
+        found = rigid.fit(GUESS, t, omega=measured, sigma=SIGMA, free=RATIOS)
     assert found.evaluations <= 60 + 50
 
 

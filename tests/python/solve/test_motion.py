@@ -15,7 +15,7 @@ from scipy.spatial.transform import Rotation
 import rigid
 from refusals import refuses
 from rigid.model.scene import Scene
-from rigid.solve.methods import longest_angle
+from rigid.solve.methods import method_named
 
 BODY = rigid.Body((1.0, 1.6, 2.1))
 START = [0.3, 1.1, -0.4]
@@ -127,7 +127,7 @@ def test_the_default_steps_keep_energy_and_attitude_of_a_tumbling_plate(rate: fl
     In a radian a method of order 8 loses the eighth power of the angle of its step.
     """
     motion = rigid.Motion(rigid.Body.box(1.0, 0.5, 0.02, mass=1.0), [rate] * 3)
-    angle, longest = rate * math.sqrt(3.0) / 60.0, longest_angle("dop853")
+    angle, longest = rate * math.sqrt(3.0) / 60.0, method_named("dop853").longest_angle
     bound = 1e-3 * (3.6 * angle) * (angle / longest) ** 8
     assert losses(motion, 3600, 1.0 / 60.0) < bound
 

@@ -68,21 +68,28 @@ GAINS = (0.4, 1.2, 0.3)
 STARTS = (0.1, 0.0, -0.2, 0.0, 0.0, 0.0)
 
 
-def wheels_by_scipy(times: Any) -> Any:
-    """The same equations with the rotation matrix of the quaternion, by SciPy."""
-    moments = np.array(BODY.moments)
+def by_scipy(moments: Any, acting: Any, y0: Any, times: Any) -> Any:
+    """Rates, attitudes and states at the times; ``acting(t, omega, q, states)`` is their torque and
+    the rates of the states."""
 
     def slope(t: float, y: Any) -> Any:
-        omega, q, states = y[:3], y[3:7], y[7:]
-        torque, rates = np.zeros(3), np.zeros(6)
-        wheels(t, omega, q / np.linalg.norm(q), GAINS, torque, states, rates)
+        omega, q = y[:3], y[3:7] / np.linalg.norm(y[3:7])
+        torque, rates = acting(t, omega, q, y[7:])
         turning = 0.5 * np.concatenate([[-q[1:] @ omega], q[0] * omega + np.cross(q[1:], omega)])
         gained = (torque - np.cross(omega, moments * omega)) / moments
         return np.concatenate([gained, turning, rates])
 
-    y0 = np.concatenate([OMEGA, TILTED, STARTS])
-    found = solve_ivp(slope, (0.0, times[-1]), y0, "DOP853", times, rtol=1e-13, atol=1e-15)
-    return found.y.T
+    ends = 0.0, times[-1]
+    return solve_ivp(slope, ends, np.concatenate(y0), "DOP853", times, rtol=1e-13, atol=1e-16).y.T
+
+
+def wheels_by_scipy(times: Any) -> Any:
+    def acting(t: float, omega: Any, q: Any, states: Any) -> Any:
+        torque, rates = np.zeros(3), np.zeros(6)
+        wheels(t, omega, q, GAINS, torque, states, rates)
+        return torque, rates
+
+    return by_scipy(np.array(BODY.moments), acting, [OMEGA, TILTED, STARTS], times)
 
 
 def scene(torque: Any = None, **acting: Any) -> rigid.FreeBody:
@@ -328,24 +335,18 @@ def test_a_torque_by_the_place_alone_needs_no_states(way: str) -> None:
     orbit = rigid.Orbit(rate, 0.3, 0.4, NORMAL, PERIAPSIS)
     run = simulate(scene(torque, orbit=orbit), OMEGA, t=[20.0], accuracy=1e-10)
 
-    def slope(t: float, y: Any) -> Any:
-        omega, q = y[:3], y[3:7] / np.linalg.norm(y[3:7])
-        E = y[7]
-        place = (math.cos(E) - 0.3) * PERIAPSIS + math.sqrt(0.91) * math.sin(E) * np.cross(
-            NORMAL, PERIAPSIS
-        )
-        o = to_body(q, place)
-        r = np.linalg.norm(o)
-        torque = 2.0 * 3.0 * rate**2 / r**5 * np.cross(o, moments * o)
-        turning = 0.5 * np.concatenate([[-q[1:] @ omega], q[0] * omega + np.cross(q[1:], omega)])
-        gained = (torque - np.cross(omega, moments * omega)) / moments
-        return np.concatenate([gained, turning, [rate / (1.0 - 0.3 * math.cos(E))]])
+    def acting(t: float, omega: Any, q: Any, anomaly: Any) -> Any:
+        E = anomaly[0]
+        across = math.sqrt(0.91) * math.sin(E) * np.cross(NORMAL, PERIAPSIS)
+        o = to_body(q, (math.cos(E) - 0.3) * PERIAPSIS + across)
+        pull = 2.0 * 3.0 * rate**2 / np.linalg.norm(o) ** 5 * np.cross(o, moments * o)
+        return pull, [rate / (1.0 - 0.3 * math.cos(E))]
 
     first = 0.4
     for _ in range(50):
         first -= (first - 0.3 * math.sin(first) - 0.4) / (1.0 - 0.3 * math.cos(first))
-    y0 = np.concatenate([OMEGA, [1.0, 0.0, 0.0, 0.0], [first]])
-    truth = solve_ivp(slope, (0.0, 20.0), y0, "DOP853", rtol=1e-13, atol=1e-14).y[:, -1]
+    start = [OMEGA, [1.0, 0.0, 0.0, 0.0], [first]]
+    truth = by_scipy(moments, acting, start, [0.0, 20.0])[-1]
     assert np.abs(run.omega[-1] - truth[:3]).max() < 1e-9
     assert run.states is None
 
@@ -395,20 +396,15 @@ def test_magnetic_control_beside_the_gradient_and_a_wheel_moves_as_by_scipy(way:
     start, times = np.array([0.02, -0.03, 0.05]), np.array([0.0, 500.0, 3000.0])
     run = simulate(satellite, start, TILTED, t=times, accuracy=1e-10)
 
-    def slope(t: float, y: Any) -> Any:
-        omega, q = y[:3], y[3:7] / np.linalg.norm(y[3:7])
+    def acting(t: float, omega: Any, q: Any, states: Any) -> Any:
         place = math.cos(rate * t) * periapsis
         place += math.sin(rate * t) * np.cross(normal, periapsis)
         torque, rates = np.empty(3), np.empty(1)
-        brakes(t, omega, q, data, torque, y[7:], rates, place)
+        brakes(t, omega, q, data, torque, states, rates, place)
         o = to_body(q, place)
-        torque += 3.0 * rate**2 * np.cross(o, moments * o)
-        turning = 0.5 * np.concatenate([[-q[1:] @ omega], q[0] * omega + np.cross(q[1:], omega)])
-        gained = (torque - np.cross(omega, moments * omega)) / moments
-        return np.concatenate([gained, turning, rates])
+        return torque + 3.0 * rate**2 * np.cross(o, moments * o), rates
 
-    y0 = np.concatenate([start, TILTED, [0.0]])
-    truth = solve_ivp(slope, (0.0, 3000.0), y0, "DOP853", times, rtol=1e-13, atol=1e-16).y.T
+    truth = by_scipy(moments, acting, [start, TILTED, [0.0]], times)
     # SciPy errs by 1e-11 after 100 rad.
     assert np.abs(run.omega - truth[:, :3]).max() < 1e-9 * np.linalg.norm(start)
     sign = np.sign((run.attitude * truth[:, 3:7]).sum(axis=1, keepdims=True))

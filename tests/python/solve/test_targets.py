@@ -161,7 +161,7 @@ def test_the_core_refuses_arrays_that_it_cannot_fill(array: np.ndarray) -> None:
             record="rates",
             max_steps=1,
             threads=1,
-        ).states(None, out={"omega": array})
+        ).states(out={"omega": array})
 
 
 # What is not asked for is not carried, and the rates do not notice: the same bits

@@ -183,7 +183,7 @@ def states(count: int, times: int = 1) -> _core.States:
         max_steps=1,
         threads=1,
     )
-    return request.states(None)
+    return request.states()
 
 
 def test_states_of_few_and_of_many_bodies_have_the_same_columns() -> None:

@@ -14,7 +14,7 @@ use rigid::body::Body;
 use rigid::exact::derived::{free_quantities, sign_changes, tilt_time, top_quantities};
 use rigid::exact::{CanonicalForm, ClosedForm, EvaluatorKind};
 use rigid::forces::{BodyForces, Forces};
-use rigid::inertia::Inertia;
+use rigid::inertia::check_moments;
 use rigid::kinematics::to_body_frame;
 use rigid::method::AnyMethod;
 use rigid::parallel::Interrupt;

@@ -37,15 +37,16 @@ fn all_bits(numbers: &[f64]) -> Vec<u64> {
     numbers.iter().map(|&x| bits(x)).collect()
 }
 
-const TILT: Observed = Observed::Tilt(Tilt::within(0.9));
-const RATE: Observed = above(Quantity::Rate);
-const SPEED: Observed = above(Quantity::Speed);
+// Limits that some of the bodies below pass, and some do not.
+const TILT: Observed = Observed::Tilt(Tilt::within(2.2));
+const RATE: Observed = above(Quantity::Rate, 0.3);
+const SPEED: Observed = above(Quantity::Speed, 1.6);
 const IN_BODY: Observed = below(Quantity::Turn { of_momentum: true, in_space: false });
 const IN_SPACE: Observed = below(Quantity::Turn { of_momentum: false, in_space: true });
 const ATTITUDE: Observed = below(Quantity::Attitude);
 
-const fn above(quantity: Quantity) -> Observed {
-    Observed::Bound(Bound { quantity, limit: 0.3, below: false, after: 0.0 })
+const fn above(quantity: Quantity, limit: f64) -> Observed {
+    Observed::Bound(Bound { quantity, limit, below: false, after: 0.0 })
 }
 
 const fn below(quantity: Quantity) -> Observed {
