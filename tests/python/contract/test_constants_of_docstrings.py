@@ -66,7 +66,7 @@ SAID: list[tuple[object, str, tuple[float | str, ...]]] = [
         'with :func:`regular` uses ``"{}"`` in steps of {} rad',
         (
             CHOSEN["map"],
-            of_core("map/request.rs", "GROWTH_STEPS") * ANGLES[CHOSEN["map"]],
+            of_core("map/steps.rs", "GROWTH_STEPS") * ANGLES[CHOSEN["map"]],
         ),
     ),
     (rigid.stability_map, "``{}`` does it with 0.8 of the steps", (CHOSEN["second"],)),
