@@ -191,11 +191,6 @@ class Bodies:
         step, time = _core.planned_steps(self, method, _rows_of(span), of).T
         return step, time
 
-    def longest_unseen(self, span: float | Floats) -> float | Floats:
-        """The longest step (s) that looks at the torque of a function often enough in a run."""
-        is_called = self.forces is not None and self.forces.calls
-        return span / _core.FEWEST_STEPS if is_called else np.inf
-
     def gammas(self) -> Floats:
         """The upward verticals in body components; shape (n, 3)."""
         w, x, y, z = np.broadcast_to(self.attitude, (len(self), 4)).T

@@ -192,10 +192,8 @@ class Events(Points):
         >>> run.events[0].tilt().round(6).tolist()
         [1.0, 1.0, 1.0]
         """
-        others = [k for k in range(3) if k != axis - 1]
-        return np.arctan2(
-            np.hypot(self.gamma[:, others[0]], self.gamma[:, others[1]]), self.gamma[:, axis - 1]
-        )
+        across = np.delete(self.gamma, axis - 1, axis=1)
+        return np.arctan2(np.hypot(*across.T), self.gamma[:, axis - 1])
 
 
 @dataclass(frozen=True, slots=True)
