@@ -48,12 +48,6 @@ def time_ranges(times: Floats) -> Range:
     return np.minimum(times[:, 0], 0.0), np.maximum(times[:, -1], 0.0)
 
 
-def time_span(times: Floats) -> float | Floats:
-    """Sum of the times covered from 0 backward and forward (s), for all bodies or for each."""
-    first, last = time_ranges(times)
-    return last - first
-
-
 def spread_indices(count: int, most: int) -> NDArray[np.intp]:
     """At most ``most`` indices below ``count``, evenly spread, the last one among them."""
     # From the last to the first: a single one is the last.

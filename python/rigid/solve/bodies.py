@@ -119,16 +119,6 @@ class Bodies:
         return values.reshape(*self.shape, *values.shape[1:]) if self.shape else values[0]
 
     def select(self, bodies: NDArray[np.intp]) -> Self:
-        """Some of the bodies."""
-        chosen = self._taken(bodies)
-        chosen._rates.update({key: rates[bodies] for key, rates in self._rates.items()})
-        return chosen
-
-    def repeat(self, count: int) -> Self:
-        """Each body ``count`` times in a row."""
-        return self._taken(np.repeat(np.arange(len(self)), count))
-
-    def _taken(self, bodies: NDArray[np.intp]) -> Self:
         """The bodies of these indices; a row that holds for all bodies stays."""
         columns = {
             name: column[bodies] if len(column) > 1 else column
@@ -139,7 +129,9 @@ class Bodies:
         if forces is not None and not forces.kinds(len(bodies)).any():
             forces = None
         shape, omega = (len(bodies),), self.omega[bodies]
-        return replace(self, **columns, shape=shape, omega=omega, forces=forces)
+        chosen = replace(self, **columns, shape=shape, omega=omega, forces=forces)
+        chosen._rates.update({key: rates[bodies] for key, rates in self._rates.items()})
+        return chosen
 
     def kinds_of_forces(self) -> NDArray[np.uint64]:
         """Which forces act on each body, as bits in the order of the core; 0 if none does."""
@@ -190,11 +182,6 @@ class Bodies:
         """
         step, time = _core.planned_steps(self, method, _rows_of(span), of).T
         return step, time
-
-    def longest_unseen(self, span: float | Floats) -> float | Floats:
-        """The longest step (s) that looks at the torque of a function often enough in a run."""
-        is_called = self.forces is not None and self.forces.calls
-        return span / _core.FEWEST_STEPS if is_called else np.inf
 
     def gammas(self) -> Floats:
         """The upward verticals in body components; shape (n, 3)."""

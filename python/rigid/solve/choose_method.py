@@ -351,7 +351,10 @@ def _first_steps(problem: Problem, accuracy: float, method: str) -> Floats:
             f"{'omega' if rates is None else 't_end'} is missing"
         )
     assert problem.bodies is not None  # the rates are known
+    forces = problem.bodies.forces
+    # The torque of a function is looked at often enough.
+    longest = span / _core.FEWEST_STEPS if forces is not None and forces.calls else np.inf
     turn = np.minimum(FIRST * roots(accuracy / (rates * span), order_of(method)), LONGEST)
     # What does not turn needs no step.
     steps = np.where(rates > 0.0, turn / rates, np.inf)
-    return np.minimum(steps, problem.bodies.longest_unseen(span))
+    return np.minimum(steps, longest)

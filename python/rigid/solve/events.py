@@ -192,10 +192,8 @@ class Events(Points):
         >>> run.events[0].tilt().round(6).tolist()
         [1.0, 1.0, 1.0]
         """
-        others = [k for k in range(3) if k != axis - 1]
-        return np.arctan2(
-            np.hypot(self.gamma[:, others[0]], self.gamma[:, others[1]]), self.gamma[:, axis - 1]
-        )
+        across = np.delete(self.gamma, axis - 1, axis=1)
+        return np.arctan2(np.hypot(*across.T), self.gamma[:, axis - 1])
 
 
 @dataclass(frozen=True, slots=True)
@@ -262,26 +260,17 @@ def events_of_parts(
     bodies: Bodies, parts: Sequence[FoundEvents], groups: Sequence[NDArray[np.intp]]
 ) -> FoundEvents:
     """The events of all bodies, from the events of their groups."""
-    count = len(bodies)
-    end, stopped = np.empty(count), np.empty(count, dtype=bool)
-    for part, mine in zip(parts, groups, strict=True):
-        end[mine], stopped[mine] = part.end, part.stopped
-    each = zip(*(part.events for part in parts), strict=True)
-    return FoundEvents(tuple(_joined(bodies, one, groups) for one in each), end, stopped)
-
-
-def _joined(bodies: Bodies, parts: Sequence[Events], groups: Sequence[NDArray[np.intp]]) -> Events:
-    """One event of groups of bodies, body after body."""
-    pairs = list(zip(parts, groups, strict=True))
-    body = np.concatenate([mine[part.body] for part, mine in pairs])
-    order = np.argsort(body, kind="stable")
-    rows: dict[str, Any] = {
-        name: np.concatenate([getattr(part, name) for part in parts])[order]
-        for name in Events._of_points()
-        if getattr(parts[0], name) is not None
-    }
-    complete, lost_from = np.empty(len(bodies), dtype=bool), np.empty(len(bodies))
-    for part, mine in pairs:
-        complete[mine], lost_from[mine] = part.complete, part.lost_from
-    rows |= {"body": body[order], "complete": complete, "lost_from": lost_from}
-    return Events(event=parts[0].event, _columns=rows, _shape=bodies.shape)
+    back = np.argsort(np.concatenate(groups))  # from group after group to the order of the bodies
+    end, stopped = (
+        np.concatenate([getattr(part, name) for part in parts])[back] for name in ("end", "stopped")
+    )
+    joined = []
+    for each in zip(*(part.events for part in parts), strict=True):
+        body = np.concatenate([mine[one.body] for one, mine in zip(each, groups, strict=True)])
+        order = np.argsort(body, kind="stable")
+        rows: dict[str, Any] = {"body": body[order]}
+        for name in each[0]._columns.keys() - {"body"}:
+            whole = np.concatenate([one._columns[name] for one in each])
+            rows[name] = whole[order if name in Events._of_points() else back]
+        joined.append(Events(event=each[0].event, _columns=rows, _shape=bodies.shape))
+    return FoundEvents(tuple(joined), end, stopped)

@@ -205,7 +205,8 @@ def growth_of(
     if check:
         another = ANOTHER if method == TO_ROUNDING else TO_ROUNDING
         pairs = _pairs(bodies, vectors[:, 0])
-        again = grown(bodies.repeat(2), pairs, another, None, FEWEST_AGAIN)
+        twice = bodies.select(np.repeat(np.arange(len(bodies)), 2))
+        again = grown(twice, pairs, another, None, FEWEST_AGAIN)
         apart = np.abs(again["logs"][0::2, output, 0] - log[:, output])
         rounding = ROUNDING * np.maximum(1.0, np.abs(log[:, output]))
         second = np.ascontiguousarray(2.0 * again["logs"][1::2, marks, 3])
@@ -216,8 +217,10 @@ def growth_of(
         status = np.where(status == Status.OK, Status.UNCHECKED, status).astype(np.uint8)
     means = np.ascontiguousarray(2.0 * mean_megno[:, marks])
     verdict = np.array(_core.verdicts(means, second, Regular().limits))
-    # Beside a separatrix deviation vectors grow exponentially, although nothing is chaotic.
-    verdict = np.where((verdict == "chaotic") & _is_integrable(bodies), "undecided", verdict)
+    # Beside a separatrix deviation vectors grow exponentially, although all motions are regular.
+    known = closed_forms(Regular(), bodies.moments, bodies.weight) != NO_FORM
+    integrable = known & ~bodies.under_forces()
+    verdict = np.where((verdict == "chaotic") & integrable, "undecided", verdict)
     verdict = np.where(np.isin(status, (Status.OK, Status.UNCHECKED)), verdict, "failed")
 
     # Two runs of a motion that is lost are two motions, which grow alike if they are regular only.
@@ -336,13 +339,6 @@ def _measured(bodies: Bodies, vectors: Floats, scale: Floats, of: str) -> Floats
         return scaled
     turned = np.cross(bodies.gammas()[:, np.newaxis], scaled[..., 3:])
     return np.concatenate([scaled[..., :3], turned], axis=-1)
-
-
-def _is_integrable(bodies: Bodies) -> NDArray[np.bool_]:
-    """Whether all motions of each body are regular by theorem."""
-    known = closed_forms(Regular(), bodies.moments, bodies.weight) != NO_FORM
-    integrable: NDArray[np.bool_] = known & ~bodies.under_forces()
-    return integrable
 
 
 def _zeros(scene: Scene, bodies: Bodies, of: str) -> NDArray[np.intp]:

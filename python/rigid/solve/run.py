@@ -237,7 +237,7 @@ class Run(Result):
     def __repr__(self) -> str:
         """Size, method, largest known error, and how many bodies ended how."""
         times = f"{len(self.t.T):,} time{'' if len(self.t.T) == 1 else 's'}"
-        worst = _largest(self.error)
+        worst = float(np.fmax.reduce(np.ravel(self.error), initial=np.nan))
         error = "error unknown" if np.isnan(worst) else f"error {worst:.1e}"
         if self.status.ndim == 0:
             how = self._named(int(self.status))
@@ -253,15 +253,12 @@ class Run(Result):
 
     def _named(self, code: int) -> str:
         """The name of a status; of ``ok`` bodies with a surprising error with what it allows."""
+        # Steps allow an error, where no accuracy was asked for.
+        by_steps = self.spec["accuracy"] is None and self.spec["method"] != EXACT
         surprising = (self.status == Status.OK) & (self.error > _SURPRISING_ERROR)
-        if code == Status.OK and self._free_steps and surprising.any():
+        if code == Status.OK and by_steps and surprising.any():
             return f"ok (error below {COARSE_ERROR:g})"
         return Status(code).name.lower()
-
-    @property
-    def _free_steps(self) -> bool:
-        """Whether an error was allowed by steps, and not by an accuracy that was asked for."""
-        return self.spec["accuracy"] is None and self.spec["method"] != EXACT
 
     def _repr_html_(self) -> str:
         """The rates over time, of the first body of many, and the line of the run."""
@@ -393,20 +390,15 @@ class Run(Result):
 
     def _turned(self, axes: Floats, attitudes: Callable[[Floats], Floats]) -> Run:
         """The run with ``axes @ v`` for all vectors in the body, and with turned attitudes."""
-        gamma, momentum = self.gamma, self._momentum
-        tangent, sensitivity = self.tangent, self.sensitivity
-        if tangent is not None:
-            rows = _turned_rows(axes, tangent)
-            tangent = np.swapaxes(_turned_rows(axes, np.swapaxes(rows, -1, -2)), -1, -2)
-        run = self.with_arrays(
-            omega=turned(axes, self.omega),
-            gamma=None if gamma is None else turned(axes, gamma),
-            momentum=None if momentum is None else turned(axes, momentum),
-            attitude=None if self.attitude is None else attitudes(self.attitude),
-            tangent=tangent,
-            sensitivity=None if sensitivity is None else _turned_rows(axes, sensitivity),
-            error=self.error + _ROUNDING_OF_TURN,
-        )
+        turns: dict[str, Callable[[Floats], Floats]] = {
+            **dict.fromkeys(("omega", "gamma", "momentum"), partial(turned, axes)),
+            "attitude": attitudes,
+            "tangent": partial(_turned_tangent, axes),
+            "sensitivity": partial(_turned_rows, axes),
+            "error": lambda error: error + _ROUNDING_OF_TURN,
+        }
+        known = self._arrays()
+        run = self.with_arrays(**{k: turn(known[k]) for k, turn in turns.items() if k in known})
         events = tuple(one.turned(axes, attitudes(one.attitude)) for one in self.events)
         return replace(run, _events=events)
 
@@ -1114,11 +1106,6 @@ def _in_order(run: Run, times: Floats, order: NDArray[np.intp]) -> Run:
     return replace(run, _columns={**run._columns, **moved, "t": times})
 
 
-def _largest(error: Floats) -> float:
-    """The largest error that is known, NaN if none is."""
-    return float(np.fmax.reduce(np.ravel(error), initial=np.nan))
-
-
 def _turned_rows(axes: Floats, matrices: Floats) -> Floats:
     """The rows of rates and of a rotation vector in turned axes, from matrices (..., 6, k)."""
     rows = np.swapaxes(matrices, -1, -2)
@@ -1126,6 +1113,12 @@ def _turned_rows(axes: Floats, matrices: Floats) -> Floats:
         halves = [turned(axes, rows[..., :3]), turned(axes, rows[..., 3:])]
     both = np.swapaxes(np.concatenate(halves, axis=-1), -1, -2)
     return np.where(np.isnan(both) & ~np.isnan(matrices).any(), np.inf, both)
+
+
+def _turned_tangent(axes: Floats, matrices: Floats) -> Floats:
+    """Matrices (..., 6, 6) with both their rows and their columns in turned axes."""
+    rows = _turned_rows(axes, matrices)
+    return np.swapaxes(_turned_rows(axes, np.swapaxes(rows, -1, -2)), -1, -2)
 
 
 def load_run(path: str | PathLike[str]) -> Run:
@@ -1181,16 +1174,14 @@ def _run_of(arrays: dict[str, NDArray[Any]], header: dict[str, Any]) -> Run:
     if strange := [name for name, array in arrays.items() if array.dtype.kind not in "bfiu"]:
         raise ValueError(f"{strange[0]} has no numbers")
     known = Run._known()
+    watched = header.get("events", [])
     of_events = [
-        (
-            entries,
-            {
-                name: arrays.pop(f"events{k}_{name}")
-                for name in Events._known()
-                if name != "states" or f"events{k}_states" in arrays
-            },
-        )
-        for k, entries in enumerate(header.get("events", []))
+        {
+            name: arrays.pop(f"events{k}_{name}")
+            for name in Events._known()
+            if name != "states" or f"events{k}_states" in arrays
+        }
+        for k in range(len(watched))
     ]
     if unknown := arrays.keys() - known.keys():
         raise ValueError(f"unknown arrays {sorted(unknown)}")
@@ -1210,7 +1201,7 @@ def _run_of(arrays: dict[str, NDArray[Any]], header: dict[str, Any]) -> Run:
     shape = arrays["status"].shape
     events = tuple(
         Events(Event.from_dict(entries), _columns=Events._rows_of(rows, shape), _shape=shape)
-        for entries, rows in of_events
+        for entries, rows in zip(watched, of_events, strict=True)
     )
     return Run(
         _shape=shape,

@@ -275,8 +275,10 @@ def simulate(
         target.check(bodies, time_ranges(times), accuracy)
     if tolerance is not None:
         tolerance = _checked_tolerance(tolerance, method, step, accuracy, scene)
-    if watched is not None:
-        _check_forward(given)
+    if watched is not None and given.size and given.min() < 0.0:
+        raise ValueError(f"t = {given.min():g}: events are found forward in time, from t = 0")
+    if max_steps is None:  # some minutes
+        max_steps = 10**7 if "function" in scene.forces else 10**9
     problem = Problem(
         scene=scene,
         record=record,
@@ -287,7 +289,7 @@ def simulate(
         step=step,
         tolerance=tolerance,
         inside=watched is not None,
-        max_steps=_most_steps(scene) if max_steps is None else positive_int("max_steps", max_steps),
+        max_steps=positive_int("max_steps", max_steps),
         threads=resolve_threads(threads, len(bodies.omega)),
     )
     is_brief = len(bodies) * times.shape[-1] < AT_ONCE and problem.is_plain
@@ -329,11 +331,6 @@ def _checked_record(record: str | Sequence[str], scene: Scene) -> tuple[str, tup
     return own, tuple(derived)
 
 
-def _most_steps(scene: Scene) -> int:
-    """The default of ``max_steps``: some minutes."""
-    return 10**7 if "function" in scene.forces else 10**9
-
-
 def _checked_count(count: int | None, watched: Sequence[Event], until: object) -> int | None:
     """The number of events that end the record of a body, None if none do."""
     if count is None:
@@ -341,12 +338,6 @@ def _checked_count(count: int | None, watched: Sequence[Event], until: object) -
     if not watched:
         raise ValueError(f"count = {brief(count)}: needs events or until")
     return positive_int("count", count)
-
-
-def _check_forward(times: NDArray[np.float64]) -> None:
-    """Raise ValueError for times before the start, at which no events are found."""
-    if times.size and times.min() < 0.0:
-        raise ValueError(f"t = {times.min():g}: events are found forward in time, from t = 0")
 
 
 def _recorded(scene: Scene, record: str) -> tuple[str, ...]:

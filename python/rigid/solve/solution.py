@@ -16,7 +16,7 @@ from numpy.typing import DTypeLike, NDArray
 
 from .. import _core
 from .._checks.arguments import brief, one_of, two_digits_above
-from .arrays import Range, largest, time_span
+from .arrays import Range, largest, time_ranges
 from .bodies import Bodies
 from .choose_method import Choice, bodies_alike, choose_method
 from .events import FoundEvents, events_of_parts, find_events
@@ -304,7 +304,8 @@ def _by_steps(
     if problem.accuracy is not None and accurate.any():
         taken = states["steps"]
         moved = accurate & (taken > 0)
-        lengths = np.broadcast_to(time_span(request.times), taken.shape)[moved] / taken[moved]
+        first, last = time_ranges(request.times)
+        lengths = np.broadcast_to(last - first, taken.shape)[moved] / taken[moved]
         shortest = float(lengths.min()) if len(lengths) else None
         made.plan.amend(step=shortest, steps=int(taken[accurate].max(initial=0)))
     return made

@@ -119,18 +119,16 @@ class Unknowns:
         low, high = np.full(len(self.numbers), -np.inf), np.full(len(self.numbers), np.inf)
         first, sizes = self.base.copy(), np.ones(len(self.numbers))
         mean = float(np.linalg.norm(self.start)) or 1.0
+        fast, (off, turn) = _FASTER * max(self.fastest, mean), _MOUNTED
+        of_run = {  # first guess, bounds and size
+            **{name: (w, -fast, fast, mean) for name, w in zip(START, self.start, strict=True)},
+            **dict.fromkeys(BIAS, (0.0, -np.inf, np.inf, _SENSOR * mean)),
+            **dict.fromkeys(SCALE, (1.0, 0.0, np.inf, _SENSOR)),
+            **dict.fromkeys(SENSOR, (0.0, -turn, turn, off)),
+        }
         for k, name in enumerate(self.numbers):
-            if name in START:
-                first[k], sizes[k] = self.start[START.index(name)], mean
-                high[k] = _FASTER * max(self.fastest, mean)
-                low[k] = -high[k]
-            elif name in BIAS:
-                sizes[k] = _SENSOR * mean
-            elif name in SCALE:
-                first[k], low[k], sizes[k] = 1.0, 0.0, _SENSOR
-            elif name in SENSOR:
-                sizes[k], high[k] = _MOUNTED
-                low[k] = -high[k]
+            if name in of_run:
+                first[k], low[k], high[k], sizes[k] = of_run[name]
             elif name in self._rows:
                 row = self._rows[name]
                 every = numbers_of(self.scene, AT_REST, {row.place}, 1)[row.place]
