@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple, Self
 
@@ -12,9 +12,11 @@ from numpy.typing import NDArray
 from .. import _core
 from .._checks.arrays import Floats
 from .._core import LEAST_STATE, MOST_STATES
+from ..model.compiling import Callback, Taken, of_state, taken_by
 from ..model.events import Event
 from ..model.frame import turned
 from ..model.orbit import Orbit
+from ..model.scene import Scene
 from .arrays import in_rows, lengths
 from .bodies import Bodies
 from .methods import EXACT, FUNCTION, SERIES, TO_ROUNDING
@@ -70,12 +72,20 @@ class Watched(NamedTuple):
     frame: Floats | None = None
 
 
+class Called(NamedTuple):
+    """A function of the state in place of a surface, what it takes, and the same for the core."""
+
+    function: Callable[..., float]
+    taken: Taken
+    callback: Callback
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Search:
     """The points of some bodies on their surfaces.
 
     A surface is ``normal·(omega, gamma) + momentum·L + square |omega|² + states·s + cosine =
-    value``, with the cosine of a body axis from a direction.
+    value``, with the cosine of a body axis from a direction; or a function in place of all this.
 
     Attributes
     ----------
@@ -95,6 +105,8 @@ class Search:
         Momentum of a rotor in each body, in the unit of moments of the bodies.
     pointing : ndarray, shape (kinds, 13)
         Of :meth:`Event.pointing`.
+    functions : tuple of Called or None
+        Of each kind.
     orbit : ndarray, shape (n, 9)
         The numbers of the orbit of each body.
     ends : ndarray, shape (n,)
@@ -120,6 +132,7 @@ class Search:
     value: Floats
     rotor: Floats
     pointing: Floats
+    functions: tuple[Called | None, ...]
     orbit: Floats
     ends: Floats
     count: int | None
@@ -140,7 +153,7 @@ class Search:
         counts = found.pop("points").astype(np.intp)
         body = found["body"] = np.repeat(np.arange(len(self.bodies)), counts)
         found["error"], found["lost_from"] = (
-            self._errors(found, counts, body)
+            self._errors(found, counts, body, check=check)
             if check or self.closed
             else (np.full(len(body), np.nan), np.full(len(self.bodies), np.nan))
         )
@@ -186,6 +199,10 @@ class Search:
             method=self.method,
             kinds=list(self.kinds),
             pointing=self.pointing,
+            functions=[
+                (0, False) if one is None else (one.callback.address, one.callback.of_eight)
+                for one in self.functions
+            ],
             **{name: np.ascontiguousarray(array) for name, array in rows.items()},
             ends=self.ends,
             count=2**63 - 1 if self.count is None else self.count,
@@ -202,6 +219,11 @@ class Search:
         """The search of some bodies."""
         own = {name: getattr(self, name)[some] for name in (*_WIDTHS, *_OF_BODIES)}
         return replace(self, bodies=self.bodies.select(some), **own)
+
+    @property
+    def _are_called(self) -> NDArray[np.bool_]:
+        """Whether a function stands in place of the surface, of each kind."""
+        return np.array([one is not None for one in self.functions], dtype=bool)
 
     @property
     def _turns(self) -> NDArray[np.bool_]:
@@ -236,33 +258,43 @@ class Search:
             return np.where(self._turns, scale * rate, scale)
 
     def _errors(
-        self, found: dict[str, NDArray[Any]], counts: NDArray[np.intp], body: NDArray[np.intp]
+        self,
+        found: dict[str, NDArray[Any]],
+        counts: NDArray[np.intp],
+        body: NDArray[np.intp],
+        *,
+        check: bool,
     ) -> tuple[Floats, Floats]:
         """Errors of the times (p,), and when the points of each body are lost (n,).
 
-        Of a closed form they follow from its own error; else from a second run, by a method of
-        another order: three times what it makes of the surface, the largest until then.
+        Of a closed form they follow from its own error; else, and of functions, from a second run,
+        by a method of another order: three times what it makes of the surface, the largest until
+        then.
         """
         t, kind = found["t"], found["kind"]
         met = np.zeros(len(self.bodies))
         np.maximum.at(met, body, lengths(found["omega"]))
         scale = self._scales(met)[body, kind]
-        # Nothing tells the size of a state but its start and its rate.
-        grown = np.where(self.states[body, kind].any(axis=-1), np.abs(found["slope"]) * t, 0.0)
+        slope, called = np.abs(found["slope"]), self._are_called[kind]
+        # Nothing tells the size of a state but its start and its rate, of a function its rate.
+        grown = np.where(self.states[body, kind].any(axis=-1) | called, slope * t, 0.0)
         scale = np.maximum(scale, grown)
         if self.closed:
             omega = found["omega"][:, np.newaxis]
             bodies = self.bodies.select(body)
             error, _ = _core.errors_of_closed_forms(bodies, t[:, np.newaxis], omega)
             off = error * scale
-        else:
-            off = SAFETY * self._second_run(found, counts)
+        if called.any() or not self.closed:
+            second = SAFETY * self._second_run(found, counts) if check else np.full(len(t), np.nan)
+            off = np.where(called, second, off) if self.closed else second
         value = np.abs(self.value[body, kind])
         rounding = ROUNDINGS * np.finfo(float).eps * (scale + value)
         with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
-            late = (off + rounding) / np.abs(found["slope"]) + np.spacing(t)
+            late = (off + rounding) / slope + np.spacing(t)
         lost_from = np.full(len(self.bodies), np.inf)
-        lost = np.flatnonzero(~(off <= LOST * scale))
+        # A jump tells no scale of a function, and without a second run nothing tells its error.
+        known = ~called | (np.isfinite(slope) & check)
+        lost = np.flatnonzero(known & ~(off <= LOST * scale))
         np.minimum.at(lost_from, body[lost], t[lost])
         return late, lost_from
 
@@ -277,7 +309,8 @@ class Search:
         """The largest value on the surface in a second run until each point, (p,)."""
         off = np.full(len(found["t"]), np.nan)
         first = np.concatenate([[0], np.cumsum(counts)])
-        record = "attitude" if self.momentum.any() or self.pointing.any() else "axis"
+        needs = self.momentum.any() or self.pointing.any() or self._are_called.any()
+        record = "attitude" if needs else "axis"
         for some in _alike(counts):
             most = np.arange(counts[some].max())
             places = first[some, np.newaxis] + np.minimum(most, counts[some, np.newaxis] - 1)
@@ -295,9 +328,16 @@ class Search:
             known = {name: found[name][places] for name in names}
             with np.errstate(divide="ignore", invalid="ignore"):
                 known["pace"] = (found["steps"][some] / found["end"][some])[:, np.newaxis]
-            values = own._values(states, known)
+            # The value behind a jump is no error.
+            jumps = np.isnan(found["slope"][places])
+            size = np.where(jumps, 0.0, np.abs(own._values(states, known)))
             # Errors grow along a motion; where two runs agree by chance, those before still count.
-            off[places] = np.maximum.accumulate(np.abs(values), axis=1)
+            # The scales of functions differ.
+            alike = np.where(self._are_called[known["kind"]], known["kind"], -1)
+            for kind in np.unique(alike):
+                mine = alike == kind
+                grown = np.maximum.accumulate(np.where(mine, size, 0.0), axis=1)
+                off[places[mine]] = grown[mine]
         return off
 
     def _values(self, states: Mapping[str, Any], known: dict[str, NDArray[Any]]) -> Floats:
@@ -321,6 +361,10 @@ class Search:
         square = self.square[rows, kind]
         values: Floats = _dot(of_omega, omega) + _dot(of_gamma, gamma) + along
         values += square * _dot(omega, omega)
+        for index, one in enumerate(self.functions):
+            if one is not None:
+                mine = kind == index
+                values[mine] = self._of_function(one, mine, states, known["t"])
         values -= self.value[rows, kind]
         of_states = self.states[rows, kind][..., : known["states"].shape[-1]]
         if of_states.any():
@@ -351,6 +395,19 @@ class Search:
             off = MARKOV * known["pace"] * np.maximum(off, self.tolerance * size)
             rate = np.where(of_states.any(axis=-1), off, rate)
         return np.where(turning, rate, values)
+
+    def _of_function(
+        self, one: Called, mine: NDArray[np.bool_], states: Mapping[str, Any], t: Floats
+    ) -> list[float]:
+        """The values of a function at some states of bodies at times, (n, m)."""
+        first, last = one.taken.others
+        attitude = states["attitude"][mine]
+        attitude = np.where(attitude[:, :1] < 0.0, -attitude, attitude)
+        places = Orbit.of_numbers(self.orbit).position(t) if one.taken.asks_place else t
+        own = states["states"] if one.taken.states else t
+        others = [part[mine] for part in (own, t, places)[first:last:2]]
+        told = zip(t[mine], states["omega"][mine], attitude, *others, strict=True)
+        return [float(one.function(*each)) for each in told]
 
 
 def search_of(problem: Problem, watched: Watched, method: str) -> Search:
@@ -396,6 +453,7 @@ def search_of(problem: Problem, watched: Watched, method: str) -> Search:
         value=_of_each([event.level for event in events], n),
         rotor=np.broadcast_to(np.ldexp(rotor, -exponents), (n, 3)),
         pointing=np.array([event.pointing(scene, frame) for event in events]),
+        functions=tuple(_called(event, scene, frame) for event in events),
         orbit=np.broadcast_to(in_rows(orbit, bodies.shape), (n, 9)),
         ends=np.broadcast_to(problem.reach[1], (n,)).astype(np.float64),
         count=number,
@@ -405,6 +463,26 @@ def search_of(problem: Problem, watched: Watched, method: str) -> Search:
         max_steps=problem.max_steps,
         threads=problem.threads,
     )
+
+
+def _called(event: Event, scene: Scene, frame: Floats | None) -> Called | None:
+    """The function of an event for the bodies of a scene, if it has one."""
+    function = event.function
+    if function is None:
+        if event.name.endswith("()"):
+            raise ValueError(f"events: no file has the function {event.name}; give it again")
+        return None
+    if frame is not None:
+        raise ValueError(
+            "frame: the function of an event is told principal axes; turn its arguments in the "
+            "function, and leave the frame out"
+        )
+    takes_states, asks_place = taken_by(function)
+    if takes_states and not scene.states:
+        raise ValueError(f"states: {event.name} takes them; give Torque.call(..., states=k)")
+    if asks_place and scene.orbit is None:
+        raise ValueError(f"orbit_position: {event.name} takes it, but the scene has no orbit")
+    return Called(function, *of_state(function, scene.states))
 
 
 def _of_each(values: Any, n: int, *width: int) -> Floats:

@@ -218,7 +218,9 @@ def test_chaotic_tops_seldom_err_by_more_than_is_stated() -> None:
 def test_the_plan_of_a_run_has_the_step_that_was_made(
     method: str | None, accuracy: float | None
 ) -> None:
-    run: Any = rigid.simulate(TOP_ASKED, [0.5, 0.4, 2.0], t=[10.0], accuracy=accuracy, method=method)
+    run: Any = rigid.simulate(
+        TOP_ASKED, [0.5, 0.4, 2.0], t=[10.0], accuracy=accuracy, method=method
+    )
     assert run.plan.step == 10.0 / run.steps
     assert (run.plan.steps, run.plan.error) == (run.steps, run.error)
     # The quotient is rounded: a step that is shorter by it would make one step more.
