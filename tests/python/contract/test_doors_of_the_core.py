@@ -88,6 +88,7 @@ def test_a_direction_of_an_orbit_needs_an_orbit() -> None:
             method="taylor16",
             kinds=[(False, 0, True)],
             pointing=pointing,
+            functions=[(0, False)],
             normal=np.zeros((2, 6)),
             momentum=np.zeros((2, 3)),
             square=np.zeros(2),

@@ -167,7 +167,7 @@ def test_errors_and_steps_grow_with_the_angle_turned() -> None:
 
 
 def test_adaptive_steps_are_told_by_their_tolerance() -> None:
-    run = rigid.simulate(HEAVY, RATES, t=[1.0], method="taylor16", tolerance=1e-11)
+    run: Any = rigid.simulate(HEAVY, RATES, t=[1.0], method="taylor16", tolerance=1e-11)
     plan = run.plan
     assert (plan.tolerance, plan.step, plan.steps) == (1e-11, None, run.steps)
     assert plan.error == run.error
