@@ -137,7 +137,7 @@ impl<R: Real, M: Model<R>> Taylor<R, M> {
     pub fn coefficients<L: Layout, const D: usize>(&self, unit: R, y: &[R; D], c: &mut Coefficients<R, D>) {
         let side_by_side = const { L::VECTORS < 3 };
         let mut series = Beside::new(self.has_high_orders);
-        let mut moved = MovedSeries { rows: Coefficients::new(), next: [Dual::splat(0.0); MOVED] };
+        let mut moved = MovedSeries::new();
         // Twice at most.
         loop {
             c.clear();
@@ -308,7 +308,8 @@ impl<R: Real, M: Model<R>> Taylor<R, M> {
         impulse.push(k, gains.impulse);
         let (applied, factor) = (&self.applied, unit * R::splat(INVERSE[k + 1]));
         let mut turned = [[R::splat(0.0); 3]; 3];
-        for j in 0..=k {
+        // The check of an index would keep a loop that does nothing.
+        for j in 0..if L::VECTORS > 0 { k + 1 } else { 0 } {
             // SAFETY: the calls for the orders 0 to k, one each and ascending, have pushed the rows 0 to k.
             let sink = unsafe { turn.order(k - j) };
             for v in 0..L::VECTORS {
@@ -322,7 +323,7 @@ impl<R: Real, M: Model<R>> Taylor<R, M> {
             }
         }
         let mut balance = [R::splat(0.0); 2];
-        for j in 0..=k {
+        for j in 0..k + 1 {
             // SAFETY: as above.
             let (torque, impulse) = unsafe { (torques.order(j), impulse.order(j)) };
             let [power, _] = applied.balance::<L, D>(torque, c.order(k - j));
@@ -338,17 +339,17 @@ impl<R: Real, M: Model<R>> Taylor<R, M> {
     fn gains_with_change<L: Layout, const D: usize>(
         &self,
         unit: R,
-        (beside, MovedSeries { rows, next: next_moved }): (&mut Beside<R>, &mut MovedSeries<R>),
+        (beside, moved): (&mut Beside<R>, &mut MovedSeries<R>),
         c: &Coefficients<R, D>,
         next: &mut [R; D],
         k: usize,
     ) -> Gains<R> {
-        let (applied, Beside { further, change, frames, all_orders, .. }) = (&self.applied, beside);
+        let (applied, MovedSeries { rows, next: next_moved, further, frames }) = (&self.applied, moved);
         if k == 0 {
             rows.push(applied.moved::<L, D>(c.order(0)));
         } else {
             let mut axes = [[R::splat(0.0); 3]; 3];
-            for j in 0..=k {
+            for j in 0..k + 1 {
                 add_turned_axes::<R, L, D>(c.order(j), c.order(k - j), &mut axes);
             }
             let mut row = moved_by::<R, L, D>(c.order(k), &axes);
@@ -358,23 +359,26 @@ impl<R: Real, M: Model<R>> Taylor<R, M> {
             rows.push(row);
         }
         let mut products = [Dual::splat(0.0); 3];
-        for j in 0..=k {
+        for j in 0..k + 1 {
             add_rates(rows.order(j), rows.order(k - j), &mut products);
         }
-        let (model, varied, at) =
-            (applied.varied_model(&self.model), applied.varied(), (Dual::constant(unit), k, *all_orders));
+        let (model, varied, at) = (
+            applied.varied_model(&self.model),
+            applied.varied(),
+            (Dual::constant(unit), k, beside.all_orders),
+        );
         let gains = gains_of_order::<Dual<R>, M::Varied, Moved, MOVED>(
             (&model, &varied),
             at,
             &products,
-            change,
+            further,
             rows,
             next_moved,
         );
         let frame = plus(&rates(rows.order(k)), &gains.turn);
         frames.push(k, Dual::values(&frame));
         let mut turning = Dual::slopes(&frame);
-        for j in 0..=k {
+        for j in 0..k + 1 {
             // SAFETY: the calls for the orders 0 to k, one each and ascending, have pushed the rows 0 to k.
             let frame = unsafe { frames.order(k - j) };
             add_cross(&turn::<R, L, D>(c.order(j)), frame, &mut turning);
@@ -387,7 +391,7 @@ impl<R: Real, M: Model<R>> Taylor<R, M> {
         for d in 0..L::OWN {
             next[L::OWN_AT + d] = next_moved[Moved::OWN_AT + d].value;
         }
-        further.turn.push(k, Dual::values(&gains.turn));
+        beside.further.turn.push(k, Dual::values(&gains.turn));
         Gains {
             rate: Dual::values(&gains.rate),
             turn: Dual::values(&gains.turn),
@@ -431,7 +435,7 @@ fn gains_of_order<R: Real, M: Model<R>, L: Layout, const D: usize>(
     turn.push(k, sink);
     let rotor = rotor.across(&sink);
     let mut by_turn = rotor;
-    for j in 0..=k {
+    for j in 0..k + 1 {
         // SAFETY: the calls for the orders 0 to k, one each and ascending, have pushed the rows 0 to k.
         let sink = unsafe { turn.order(k - j) };
         add_cross(&applied.momentum(&rates(c.order(j))), sink, &mut by_turn);
@@ -498,10 +502,6 @@ struct Beside<R: Real> {
     /// The torque of the impulse, under further forces.
     impulse: VectorSeries<R>,
     further: TurnSeries<R>,
-    /// The same with their changes by a deviation vector.
-    change: TurnSeries<Dual<R>>,
-    /// The angular velocity of the frame, where there is a deviation vector.
-    frames: VectorSeries<R>,
     /// Whether no order of the torque is skipped.
     all_orders: bool,
 }
@@ -513,8 +513,6 @@ impl<R: Real> Beside<R> {
             torques: VectorSeries::new(),
             impulse: VectorSeries::new(),
             further: TurnSeries::new(),
-            change: TurnSeries::new(),
-            frames: VectorSeries::new(),
             all_orders,
         }
     }
@@ -535,12 +533,27 @@ impl<R: Real> TurnSeries<R> {
     }
 }
 
-/// Coefficients of a state with their changes by a deviation vector. They are no part of `Beside`: to move what is
-/// partly initialised costs as much as a fifth of a step.
-struct MovedSeries<R> {
+/// Coefficients under further forces, with their changes by a deviation vector. They are no part of `Beside`, so that
+/// motions without one have no memory for them.
+struct MovedSeries<R: Real> {
     rows: Coefficients<Dual<R>, MOVED>,
     /// The variables of the forces of the next order.
     next: [Dual<R>; MOVED],
+    further: TurnSeries<Dual<R>>,
+    /// The angular velocity of the frame.
+    frames: VectorSeries<R>,
+}
+
+impl<R: Real> MovedSeries<R> {
+    #[inline(always)]
+    fn new() -> Self {
+        MovedSeries {
+            rows: Coefficients::new(),
+            next: [Dual::splat(0.0); MOVED],
+            further: TurnSeries::new(),
+            frames: VectorSeries::new(),
+        }
+    }
 }
 
 /// `a + b` and its rounding error (Knuth, TAOCP 2, §4.2.2).
