@@ -90,7 +90,7 @@ fn products<R: Real, const D: usize>(
 ) -> [R; 3] {
     let (zero, half) = (R::splat(0.0), R::splat(0.5));
     let mut square = zero;
-    for j in 0..=k {
+    for j in 0..k + 1 {
         let (a, b) = (c.order(j), c.order(k - j));
         square = a[0].fma(b[0], a[1].fma(b[1], a[2].fma(b[2], square)));
     }
@@ -112,7 +112,7 @@ fn products<R: Real, const D: usize>(
     };
     speeds.push(k, [speed; 3]);
     let mut products = [zero; 3];
-    for j in 0..=k {
+    for j in 0..k + 1 {
         // SAFETY: the rows 0 to k are pushed.
         let ([speed, ..], row) = unsafe { (*speeds.order(j), c.order(k - j)) };
         for i in 0..3 {
@@ -128,7 +128,7 @@ fn products<R: Real, const D: usize>(
 fn speed_from_rest<R: Real, const D: usize>(speeds: &VectorSeries<R>, c: &Coefficients<R, D>, k: usize) -> R {
     let (zero, half) = (R::splat(0.0), R::splat(0.5));
     let mut left = zero;
-    for j in 1..=k {
+    for j in 1..k + 1 {
         let (a, b) = (c.order(j), c.order(k + 1 - j));
         left = a[0].fma(b[0], a[1].fma(b[1], a[2].fma(b[2], left)));
     }

@@ -196,7 +196,7 @@ impl<R: Real> Force<R> for Orbit<R> {
         let zero = R::splat(0.0);
         let row = c.order(k);
         let mut sums = [zero; 2];
-        for j in 1..=k {
+        for j in 1..k + 1 {
             // SAFETY: as above.
             let [.., u] = unsafe { *plane.order(k - j) };
             let row = c.order(j);
@@ -221,7 +221,7 @@ impl<R: Real> Force<R> for Orbit<R> {
         first_axis.push(k, to_body(&a, row));
         second_axis.push(k, to_body(&b, row));
         let (mut o, mut square, mut cube) = ([zero; 3], zero, zero);
-        for j in 0..=k {
+        for j in 0..k + 1 {
             // SAFETY: as above.
             let ([x, y, u], [.., v]) = unsafe { (*plane.order(j), *plane.order(k - j)) };
             // SAFETY: as above.
@@ -231,7 +231,7 @@ impl<R: Real> Force<R> for Orbit<R> {
             }
             square = u.fma(v, square);
         }
-        for j in 1..=k {
+        for j in 1..k + 1 {
             // SAFETY: as above.
             let ([.., u], [v, ..]) = unsafe { (*plane.order(j), *powers.order(k - j)) };
             cube = u.fma(v, cube);
@@ -242,7 +242,7 @@ impl<R: Real> Force<R> for Orbit<R> {
         directions.push(k, o);
 
         let (mut pull, mut products) = ([zero; 3], [zero; 3]);
-        for j in 0..=k {
+        for j in 0..k + 1 {
             // SAFETY: as above.
             let ([_, cube, _], o) = unsafe { (*powers.order(j), directions.order(k - j)) };
             for i in 0..3 {
@@ -250,7 +250,7 @@ impl<R: Real> Force<R> for Orbit<R> {
             }
         }
         pulls.push(k, pull);
-        for j in 0..=k {
+        for j in 0..k + 1 {
             // SAFETY: as above.
             let (pull, o) = unsafe { (pulls.order(j), directions.order(k - j)) };
             add_products(pull, o, &mut products);

@@ -104,7 +104,7 @@ impl<R: Real, M: Model<R>> Taylor<R, M> {
             self.applied.space_torque_of_order::<L, D>(c.order(0), c.order(k), &before)
         };
         torques.push(k, newest);
-        for j in 0..=k {
+        for j in 0..k + 1 {
             // SAFETY: the calls for the orders 0 to k, one each and ascending, have pushed the rows 0 to k.
             let torque = unsafe { torques.order(j) };
             add_cross(torque, &turn::<R, L, D>(c.order(k - j)), &mut sum);
