@@ -287,8 +287,6 @@ fn special_functions(numbers: &mut Bytes) {
     special::agm(x, y);
     special::jacobi(x, y);
     special::complete_k(x);
-    special::complete_e(x);
-    special::complete_pi(x, y);
     let [successes, trials] = [numbers.byte(), numbers.byte()].map(|byte| 1_u64 << (byte % 60));
     if let Some([lower, upper]) = let_out(clopper_pearson(successes, trials, numbers.number())) {
         let share = successes as f64 / trials as f64;

@@ -1,8 +1,8 @@
-//! Jacobi's elliptic functions and Legendre's complete integrals, from the complementary parameter mc = 1 - m.
+//! Jacobi's elliptic functions and their quarter period, from the complementary parameter mc = 1 - m.
 //!
 //! The functions depend on mc, because near the separatrix mc is known and 1 - m is not.
 
-use super::carlson::{agm, carlson_rd, carlson_rf, carlson_rj};
+use super::carlson::agm;
 use super::elementary::{ln, sincos, sinhcosh};
 use crate::real::Real;
 use std::f64::consts::{FRAC_PI_2, LN_2};
@@ -106,31 +106,4 @@ pub fn jacobi<R: Real>(u: R, mc: R) -> (R, R, R) {
 #[inline(always)]
 pub fn complete_k<R: Real>(mc: R) -> R {
     R::splat(FRAC_PI_2) / agm(R::splat(1.0), mc.sqrt())
-}
-
-/// Complete integral of the second kind, by the sum of two integrals that does not cancel (DLMF 19.25.1).
-///
-/// Within 4 ulp (measured: 3.5).
-#[inline(always)]
-pub fn complete_e<R: Real>(mc: R) -> R {
-    let (zero, one) = (R::splat(0.0), R::splat(1.0));
-    let open = zero.lt(mc);
-    let mc = R::select(open, mc, one);
-    let sum = carlson_rd(zero, mc, one) + carlson_rd(zero, one, mc);
-    R::select(open, (mc * R::splat(1.0 / 3.0)) * sum, one)
-}
-
-/// Complete integral of the third kind, of 1 / ((1 - n sin^2) sqrt(1 - m sin^2)), for n < 1 and mc > 0.
-///
-/// A negative n is transformed to (m - n)/(1 - n), so that nothing cancels (DLMF 19.7.9). Within 6 ulp
-/// (measured: 4.9).
-#[inline(always)]
-pub fn complete_pi<R: Real>(n: R, mc: R) -> R {
-    let (zero, one) = (R::splat(0.0), R::splat(1.0));
-    let negative = n.lt(zero);
-    let rest = one - n;
-    let inverse = R::select(negative, one / rest, one);
-    let p = R::select(negative, mc * inverse, rest);
-    let weight = R::select(negative, -(n * inverse) * p, n) * R::splat(1.0 / 3.0);
-    weight.fma(carlson_rj(zero, mc, one, p), inverse * carlson_rf(zero, mc, one))
 }

@@ -29,7 +29,6 @@ WORST = {
     ],
     "agm": [[7.977490895545843e45, 3.322401417916531e-28]],
     "complete_k": [[4.495523487517495e-25]],
-    "complete_e": [[0.5004771074416701]],
 }
 
 
@@ -122,25 +121,6 @@ def jacobi(u: mpf, mc: mpf) -> tuple[mpf, mpf, mpf]:
     return sn, cn, dn
 
 
-def complete_e(mc: mpf) -> mpf:
-    return mpmath.ellipe(1 - mc)
-
-
-def complete_pi(n: mpf, mc: mpf) -> mpf:
-    # mpmath.ellippi goes by way of m, whose distance from 1 it loses.
-    first = mpmath.elliprf(0, mc, 1)
-    return first + n / 3 * mpmath.elliprj(0, mc, 1, 1 - n) if n else first
-
-
-def pi_points() -> list[list[float]]:
-    points = []
-    for mc in complements(40):
-        near_pole, near_zero = 1 - 10.0 ** RNG.uniform(-14, 0), 10.0 ** RNG.uniform(-20, 0)
-        points.append([RNG.choice([RNG.random(), near_pole, near_zero]), mc])
-        points.append([-spread(8.0), mc])
-    return [*points, [0.0, 0.3], [-1.0, 1.0], [0.5, 1.0]]
-
-
 def rows(points: list[list[float]], function: Callable[..., object]) -> list[list[float]]:
     table = []
     for point in points:
@@ -161,10 +141,6 @@ def main() -> None:
         "complete_k": rows(
             [*([mc] for mc in complements(60)), *WORST["complete_k"]], quarter_period
         ),
-        "complete_e": rows(
-            [*([mc] for mc in [0.0, *complements(60)]), *WORST["complete_e"]], complete_e
-        ),
-        "complete_pi": rows(pi_points(), complete_pi),
     }
     for name, table in tables.items():
         print(name, len(table))
