@@ -104,8 +104,7 @@ fn second_difference(run: &Run) -> f64 {
     if run.method.facts.group_preserving && by_weight > 0.0 {
         return by_weight;
     }
-    let [d11, d22, d33, d23, d31, d12] = run.forces.damping.0;
-    let matrix = [[d11, d12, d31], [d12, d22, d23], [d31, d23, d33]];
+    let matrix = run.forces.damping.matrix();
     // At rest there are no rates to be rounded.
     let turning = run.states.omega.iter().filter(|omega| length(omega) > 0.0).map(|omega| {
         let torque = cross(&[0, 1, 2].map(|k| moments[k] * omega[k]), omega);

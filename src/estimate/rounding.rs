@@ -68,8 +68,7 @@ pub fn of_damping(known: &Sized, error: &mut [f64]) {
     if run.forces.damping.is_none() {
         return;
     }
-    let [d11, d22, d33, d23, d31, d12] = run.forces.damping.0;
-    let matrix = [[d11, d12, d31], [d12, d22, d23], [d31, d23, d33]];
+    let matrix = run.forces.damping.matrix();
     let sizes = matrix.map(|row| row.map(f64::abs));
     let quadratic = |matrix: &[[f64; 3]; 3], v: &[f64; 3]| dot(v, &[0, 1, 2].map(|k| dot(&matrix[k], v)));
     for ((error, omega), time) in error.iter_mut().zip(run.states.omega).zip(run.times) {

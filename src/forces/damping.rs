@@ -35,9 +35,7 @@ impl Damping {
         // The error of an eigenvalue is a few roundings of the largest one.
         if least < -8.0 * f64::EPSILON * largest.abs().max(least.abs()) {
             let rule = "must be positive semi-definite, so that damping cannot add energy";
-            let [d11, d22, d33, d23, d31, d12] = self.0;
-            let matrix = [[d11, d12, d31], [d12, d22, d23], [d31, d23, d33]];
-            return refuse(format!("{matrix:?}"), rule);
+            return refuse(format!("{:?}", self.matrix()), rule);
         }
         Ok(())
     }
@@ -45,6 +43,12 @@ impl Damping {
     /// Whether there is none.
     pub fn is_none(&self) -> bool {
         self.0 == [0.0; 6]
+    }
+
+    /// The matrix `D`.
+    pub fn matrix(&self) -> [[f64; 3]; 3] {
+        let [d11, d22, d33, d23, d31, d12] = self.0;
+        [[d11, d12, d31], [d12, d22, d23], [d31, d23, d33]]
     }
 
     /// Refuses damping that slows a body with these moments at a rate beyond the doubles.
@@ -74,8 +78,7 @@ impl Damping {
 
     /// The eigenvalues of `I^(-1/2) D I^(-1/2)`, and its eigenvectors as columns.
     pub fn modes(&self, moments: [f64; 3]) -> ([f64; 3], [[f64; 3]; 3]) {
-        let [d11, d22, d33, d23, d31, d12] = self.0;
-        let mut scaled = [[d11, d12, d31], [d12, d22, d23], [d31, d23, d33]];
+        let mut scaled = self.matrix();
         for i in 0..3 {
             for k in 0..3 {
                 // The root of a square would be rounded.

@@ -352,11 +352,7 @@ impl<R: Real, M: Model<R>> Taylor<R, M> {
             for j in 0..k + 1 {
                 add_turned_axes::<R, L, D>(c.order(j), c.order(k - j), &mut axes);
             }
-            let mut row = moved_by::<R, L, D>(c.order(k), &axes);
-            for d in Moved::OWN_AT..MOVED {
-                row[d] = next_moved[d];
-            }
-            rows.push(row);
+            rows.push(moved_by::<R, L, D>(c.order(k), &axes, *next_moved));
         }
         let mut products = [Dual::splat(0.0); 3];
         for j in 0..k + 1 {

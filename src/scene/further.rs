@@ -141,10 +141,13 @@ impl<R: Real> Applied<R> {
     pub fn moved<L: Layout, const D: usize>(&self, y: &[R; D]) -> [Dual<R>; MOVED] {
         let mut axes = [[R::splat(0.0); 3]; 3];
         add_turned_axes::<R, L, D>(y, y, &mut axes);
-        let mut moved = moved_by::<R, L, D>(y, &axes);
+        let mut own = [Dual::constant(y[0]); MOVED];
+        for d in 0..L::OWN {
+            own[Moved::OWN_AT + d] = Dual::constant(y[L::OWN_AT + d]);
+        }
         let (further, by) = (&self.forces.further, &self.forces.change.further);
-        further.vary(by, y[L::TIME_AT], Moved::OWN_AT, &mut moved);
-        moved
+        further.vary(by, y[L::TIME_AT], Moved::OWN_AT, &mut own);
+        moved_by::<R, L, D>(y, &axes, own)
     }
 
     #[inline(always)]
@@ -187,15 +190,17 @@ pub fn add_turned_axes<R: Real, L: Layout, const D: usize>(y: &[R; D], by: &[R; 
     }
 }
 
-/// A state with the change of the rates by its deviation vector, and these changes of the space axes.
+/// A state with the change of the rates by its deviation vector, with these changes of the space axes, and with these
+/// variables of the forces.
 #[inline(always)]
-pub fn moved_by<R: Real, L: Layout, const D: usize>(y: &[R; D], axes: &[[R; 3]; 3]) -> [Dual<R>; MOVED] {
-    let mut moved = [Dual::constant(y[0]); MOVED];
-    for d in 1..L::TANGENT_AT {
+pub fn moved_by<R: Real, L: Layout, const D: usize>(
+    y: &[R; D],
+    axes: &[[R; 3]; 3],
+    own: [Dual<R>; MOVED],
+) -> [Dual<R>; MOVED] {
+    let mut moved = own;
+    for d in 0..L::TANGENT_AT {
         moved[d] = Dual::constant(y[d]);
-    }
-    for d in 0..L::OWN {
-        moved[Moved::OWN_AT + d] = Dual::constant(y[L::OWN_AT + d]);
     }
     for i in 0..3 {
         moved[i].slope = y[L::TANGENT_AT + i];
