@@ -3,7 +3,7 @@
 //! An arrow points from a module to the modules that it uses:
 //!
 //! ```text
-//! real ← simd        real ← special ← kinematics        kinematics ← series ← forces ← {inertia, body}
+//! real ← {dual, simd}        real ← special ← kinematics        {dual, kinematics} ← series ← forces ← {inertia, body}
 //! {kinematics, forces} ← scene ← method ← observe ← kernel        {special, body} ← exact
 //! special ← sample        memory ← {forces, kernel, parallel}        float_environment ← {parallel, python}
 //! {kernel, exact, sample, parallel} ← trajectory ← {estimate ← accuracy, map} ← python
@@ -11,6 +11,7 @@
 
 pub mod accuracy;
 pub mod body;
+pub mod dual;
 pub mod error;
 pub mod estimate;
 pub mod exact;

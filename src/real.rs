@@ -46,6 +46,11 @@ pub trait Real:
     fn sqrt(self) -> Self;
     /// Absolute value.
     fn abs(self) -> Self;
+    /// Zero of a number that is zero and does not change, else above zero.
+    #[inline(always)]
+    fn size(self) -> Self {
+        self.abs()
+    }
     /// The smaller number; `other` if the numbers are equal or one is NaN.
     fn min(self, other: Self) -> Self;
     /// The larger number; `other` if the numbers are equal or one is NaN.

@@ -4,7 +4,6 @@ use super::{Run, Sized, cross, larger, length, smaller};
 use crate::body::Body;
 use crate::error::Error;
 use crate::forces::Forces;
-use crate::kinematics::symmetric;
 use crate::memory;
 use crate::method::{AnyMethod, MIDPOINT, RK4, STIFF, default_step};
 use crate::parallel::Interrupt;
@@ -105,7 +104,7 @@ fn second_difference(run: &Run) -> f64 {
     if run.method.facts.group_preserving && by_weight > 0.0 {
         return by_weight;
     }
-    let matrix = symmetric(&run.forces.damping.0);
+    let matrix = run.forces.damping.matrix();
     // At rest there are no rates to be rounded.
     let turning = run.states.omega.iter().filter(|omega| length(omega) > 0.0).map(|omega| {
         let torque = cross(&[0, 1, 2].map(|k| moments[k] * omega[k]), omega);

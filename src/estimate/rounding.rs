@@ -1,7 +1,6 @@
 //! Rounding errors that a run and its check share, so that their distance does not show them.
 
 use super::{REST, Sized, dot, larger, length, smaller, vertical};
-use crate::kinematics::symmetric;
 
 /// Rounding error per radian turned that two runs which agree bit for bit may share.
 const EQUAL_RUNS: f64 = 5e-16;
@@ -69,7 +68,7 @@ pub fn of_damping(known: &Sized, error: &mut [f64]) {
     if run.forces.damping.is_none() {
         return;
     }
-    let matrix = symmetric(&run.forces.damping.0);
+    let matrix = run.forces.damping.matrix();
     let sizes = matrix.map(|row| row.map(f64::abs));
     let quadratic = |matrix: &[[f64; 3]; 3], v: &[f64; 3]| dot(v, &[0, 1, 2].map(|k| dot(&matrix[k], v)));
     for ((error, omega), time) in error.iter_mut().zip(run.states.omega).zip(run.times) {

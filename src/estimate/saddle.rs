@@ -6,7 +6,7 @@
 use super::{Sized, cross, larger, length, vertical};
 use crate::body::Body;
 use crate::exact::derived;
-use crate::kinematics::symmetric;
+use crate::forces::Damping;
 use crate::simd::Isa;
 use crate::special::{exp, exp_m1};
 use nalgebra::{Matrix3, Matrix6, Schur};
@@ -63,7 +63,7 @@ pub fn homoclinic(known: &Sized, error: &mut [f64]) {
 pub fn departure(known: &Sized, error: &mut [f64]) {
     let forces = &known.run.forces;
     let Some(damping) = forces.damping_alone() else { return };
-    let Some(Departure { rate, exponent, left }) = Departure::of(known.run.body, damping.0) else { return };
+    let Some(Departure { rate, exponent, left }) = Departure::of(known.run.body, damping) else { return };
     let since = |time: f64| if forces.is_none() { time.abs() } else { time.max(0.0) };
     known.add_with_rates(rate, |time| START * grown(exponent * since(time)).min(1.0 / left), error);
 }
@@ -85,7 +85,7 @@ struct Departure {
 
 impl Departure {
     /// That of a body with this damping; `None` if it is not near an equilibrium, stays, or is stable.
-    fn of(body: &Body, damping: [f64; 6]) -> Option<Departure> {
+    fn of(body: &Body, damping: Damping) -> Option<Departure> {
         let Body { moments, weight, omega, attitude } = *body;
         if weight == [0.0; 3] {
             return None;
@@ -96,7 +96,7 @@ impl Departure {
         if !(tilt < NEAR) {
             return None;
         }
-        let damping = symmetric(&damping);
+        let damping = damping.matrix();
         let turning = cross(&[0, 1, 2].map(|k| moments[k] * omega[k]), &omega);
         let falling = cross(&gamma, &weight);
         let torque = [0, 1, 2].map(|k| turning[k] + falling[k] - super::dot(&damping[k], &omega));
@@ -151,7 +151,7 @@ mod tests {
     }
 
     fn assert_falls_with(body: &Body, exponent: f64) {
-        let found = Departure::of(body, [0.0; 6]).unwrap();
+        let found = Departure::of(body, Damping::NONE).unwrap();
         for time in TIMES {
             let (expected, own) = ((exponent * time).exp_m1(), grown(found.exponent * time));
             // The tilt and the eigenvalue are rounded relative to one, which the tilt itself is far below.
@@ -181,20 +181,20 @@ mod tests {
         for unit in [1e-9, 1e9] {
             let body = upright([2.0, 1.2, 1.0], 0.0);
             let weight = body.weight.map(|x| x * unit * unit);
-            let found = Departure::of(&Body { weight, ..body }, [0.0; 6]).unwrap();
+            let found = Departure::of(&Body { weight, ..body }, Damping::NONE).unwrap();
             assert!((found.exponent / unit / (6.0_f64 / 1.2).sqrt() - 1.0).abs() < 1e-12);
         }
     }
 
     #[test]
     fn a_fast_sleeping_top_stays() {
-        assert!(Departure::of(&upright([2.0, 2.0, 0.8], 20.0), [0.0; 6]).is_none());
+        assert!(Departure::of(&upright([2.0, 2.0, 0.8], 20.0), Damping::NONE).is_none());
     }
 
     #[test]
     fn a_top_that_is_upright_to_the_bit_stays() {
         let body = upright([2.0, 2.0, 0.8], 1.0);
-        assert!(Departure::of(&Body { attitude: [1.0, 0.0, 0.0, 0.0], ..body }, [0.0; 6]).is_none());
+        assert!(Departure::of(&Body { attitude: [1.0, 0.0, 0.0, 0.0], ..body }, Damping::NONE).is_none());
         let half = 0.5_f64.sqrt();
         let lying = Body {
             weight: [0.0, 6.0, 0.0],
@@ -202,13 +202,13 @@ mod tests {
             attitude: [half, half, 0.0, 0.0],
             ..body
         };
-        assert!(Departure::of(&lying, [0.0; 6]).is_none());
+        assert!(Departure::of(&lying, Damping::NONE).is_none());
     }
 
     #[test]
     fn a_free_body_leaves_nothing() {
         let body = Body { weight: [0.0; 3], ..upright([2.0, 2.0, 0.8], 1.0) };
-        assert!(Departure::of(&body, [0.0; 6]).is_none());
+        assert!(Departure::of(&body, Damping::NONE).is_none());
         assert_eq!(separatrix(Isa::current().unwrap(), &body), [1.0, 0.0]);
     }
 }

@@ -533,8 +533,7 @@ mod tests {
         let entries = [2.0, 3.0, 5.0, 0.4, -0.3, 0.7];
         let moments = [1.0, 2.0, 4.0];
         let (rates, modes) = damping(entries).unwrap().of(0).damping.modes(moments);
-        let [d11, d22, d33, d23, d31, d12] = entries;
-        let matrix = [[d11, d12, d31], [d12, d22, d23], [d31, d23, d33]];
+        let matrix = Damping(entries).matrix();
         for k in 0..3 {
             for i in 0..3 {
                 let row: f64 =

@@ -1,7 +1,6 @@
 //! Linear damping: the torque `-D omega`.
 
 use crate::error::Error;
-use crate::kinematics::symmetric;
 use crate::real::Real;
 
 /// Entries 11, 22, 33, 23, 31, 12 of the matrix `D`.
@@ -36,7 +35,7 @@ impl Damping {
         // The error of an eigenvalue is a few roundings of the largest one.
         if least < -8.0 * f64::EPSILON * largest.abs().max(least.abs()) {
             let rule = "must be positive semi-definite, so that damping cannot add energy";
-            return refuse(format!("{:?}", symmetric(&self.0)), rule);
+            return refuse(format!("{:?}", self.matrix()), rule);
         }
         Ok(())
     }
@@ -44,6 +43,12 @@ impl Damping {
     /// Whether there is none.
     pub fn is_none(&self) -> bool {
         self.0 == [0.0; 6]
+    }
+
+    /// The matrix `D`.
+    pub fn matrix(&self) -> [[f64; 3]; 3] {
+        let [d11, d22, d33, d23, d31, d12] = self.0;
+        [[d11, d12, d31], [d12, d22, d23], [d31, d23, d33]]
     }
 
     /// Refuses damping that slows a body with these moments at a rate beyond the doubles.
@@ -73,7 +78,7 @@ impl Damping {
 
     /// The eigenvalues of `I^(-1/2) D I^(-1/2)`, and its eigenvectors as columns.
     pub fn modes(&self, moments: [f64; 3]) -> ([f64; 3], [[f64; 3]; 3]) {
-        let mut scaled = symmetric(&self.0);
+        let mut scaled = self.matrix();
         for i in 0..3 {
             for k in 0..3 {
                 // The root of a square would be rounded.

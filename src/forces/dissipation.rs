@@ -24,13 +24,9 @@ impl<R: Real> Dissipation<R> {
 
 impl<R: Real> Force<R> for Dissipation<R> {
     type Series = ();
-    type Varied = ();
 
     #[inline(always)]
     fn series() {}
-
-    #[inline(always)]
-    fn varied() {}
 }
 
 impl Bounded for Dissipation<f64> {

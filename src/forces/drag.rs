@@ -2,9 +2,9 @@
 //! moment of a rotating sphere or disk over the square of its rate varies slowly (rotating disk: von Kármán, Z. angew.
 //! Math. Mech. 1, 1921, doi 10.1002/zamm.19210010401: the power 9/5).
 
-use super::{Bounded, Force, Order, Pace, Varied, deviation, not_negative};
+use super::{Bounded, Force, Order, Pace, not_negative};
 use crate::error::Error;
-use crate::kinematics::{dot, speed};
+use crate::kinematics::speed;
 use crate::real::Real;
 use crate::series::{Coefficients, VectorSeries};
 
@@ -17,7 +17,7 @@ impl<R: Real> Drag<R> {
     #[inline(always)]
     fn acts(&self) -> R::Mask {
         let [c1, c2, c3] = self.0;
-        R::splat(0.0).lt(c1.abs() + c2.abs() + c3.abs())
+        R::splat(0.0).lt(c1.size() + c2.size() + c3.size())
     }
 
     /// Adds the drag to a torque, where there is one, from the products of speed and rates; linear.
@@ -34,16 +34,9 @@ impl<R: Real> Drag<R> {
 impl<R: Real> Force<R> for Drag<R> {
     /// Of the speed, the same in all three numbers.
     type Series = VectorSeries<R>;
-    /// Of the change of the speed, the same in all three numbers.
-    type Varied = VectorSeries<R>;
 
     #[inline(always)]
     fn series() -> VectorSeries<R> {
-        VectorSeries::new()
-    }
-
-    #[inline(always)]
-    fn varied() -> VectorSeries<R> {
         VectorSeries::new()
     }
 
@@ -67,52 +60,6 @@ impl<R: Real> Force<R> for Drag<R> {
     ) {
         if R::any(self.acts()) {
             self.add(&products(speeds, c, k), torque);
-        }
-    }
-
-    /// The speed changes by `omega.d / |omega|`; where a body stops, it has no derivative, and none is added.
-    #[inline(always)]
-    fn add_varied_torque<const D: usize>(
-        &self,
-        by: &Self,
-        body: &Varied<R>,
-        y: &[R; D],
-        _own: usize,
-        torque: &mut [R; 3],
-    ) {
-        if R::any(self.acts()) || R::any(by.acts()) {
-            let (omega, zero) = ([y[0], y[1], y[2]], R::splat(0.0));
-            let [d, _] = deviation(y, body.tangent);
-            let speed = speed(y);
-            let change = R::select(zero.lt(speed), dot(&omega, &d) / speed, zero);
-            let (mut products, mut by_numbers) = ([zero; 3], [zero; 3]);
-            for i in 0..3 {
-                products[i] = speed.fma(d[i], change * omega[i]);
-                by_numbers[i] = speed * omega[i];
-            }
-            self.add(&products, torque);
-            by.add(&by_numbers, torque);
-        }
-    }
-
-    #[inline(always)]
-    fn add_varied_order<const D: usize>(
-        &self,
-        by: &Self,
-        body: &Varied<R>,
-        c: &Coefficients<R, D>,
-        Order { k, .. }: Order<R>,
-        (speeds, varied): (&mut VectorSeries<R>, &mut VectorSeries<R>),
-        torque: &mut [R; 3],
-    ) {
-        if R::any(self.acts()) {
-            self.add(&varied_products(speeds, varied, c, body.tangent, k), torque);
-        }
-        if R::any(by.acts()) {
-            // The series of the motion has the speeds only where there is drag.
-            let products =
-                if R::any(self.acts()) { speed_times_rates(speeds, c, k) } else { products(speeds, c, k) };
-            by.add(&products, torque);
         }
     }
 }
@@ -143,7 +90,7 @@ fn products<R: Real, const D: usize>(
 ) -> [R; 3] {
     let (zero, half) = (R::splat(0.0), R::splat(0.5));
     let mut square = zero;
-    for j in 0..=k {
+    for j in 0..k + 1 {
         let (a, b) = (c.order(j), c.order(k - j));
         square = a[0].fma(b[0], a[1].fma(b[1], a[2].fma(b[2], square)));
     }
@@ -164,60 +111,12 @@ fn products<R: Real, const D: usize>(
         if R::all(moves) { speed } else { R::select(moves, speed, speed_from_rest(speeds, c, k)) }
     };
     speeds.push(k, [speed; 3]);
-    speed_times_rates(speeds, c, k)
-}
-
-/// The coefficients of order k of the speed times the rates.
-#[inline(always)]
-fn speed_times_rates<R: Real, const D: usize>(
-    speeds: &VectorSeries<R>,
-    c: &Coefficients<R, D>,
-    k: usize,
-) -> [R; 3] {
-    let mut products = [R::splat(0.0); 3];
-    for j in 0..=k {
+    let mut products = [zero; 3];
+    for j in 0..k + 1 {
         // SAFETY: the rows 0 to k are pushed.
         let ([speed, ..], row) = unsafe { (*speeds.order(j), c.order(k - j)) };
         for i in 0..3 {
             products[i] = speed.fma(row[i], products[i]);
-        }
-    }
-    products
-}
-
-/// The coefficients of order k of the change of `|omega| omega` by a deviation vector. Those of the change of the speed,
-/// rows of `varied`, follow from those of `omega.d`; where a body begins at rest, they are zero.
-#[inline(always)]
-fn varied_products<R: Real, const D: usize>(
-    speeds: &VectorSeries<R>,
-    varied: &mut VectorSeries<R>,
-    c: &Coefficients<R, D>,
-    tangent: usize,
-    k: usize,
-) -> [R; 3] {
-    let zero = R::splat(0.0);
-    let mut change = zero;
-    for j in 0..=k {
-        let (row, [d, _]) = (c.order(j), deviation(c.order(k - j), tangent));
-        change = row[0].fma(d[0], row[1].fma(d[1], row[2].fma(d[2], change)));
-    }
-    for j in 1..=k {
-        // SAFETY: the series of the motion has pushed all rows of its orders; the calls for the orders 0 to k - 1, one
-        // each and ascending, have pushed the rows 0 to k - 1 of the change.
-        let (speed, before) = unsafe { (speeds.order(j), varied.order(k - j)) };
-        change = speed[0].fnma(before[0], change);
-    }
-    // SAFETY: as above.
-    let [first, ..] = unsafe { *speeds.order(0) };
-    change = R::select(zero.lt(first), change / first, zero);
-    varied.push(k, [change; 3]);
-    let mut products = [zero; 3];
-    for j in 0..=k {
-        // SAFETY: as above; the row k is pushed too.
-        let (speed, change) = unsafe { (speeds.order(j), varied.order(j)) };
-        let (row, [d, _]) = (c.order(k - j), deviation(c.order(k - j), tangent));
-        for i in 0..3 {
-            products[i] = speed[0].fma(d[i], change[0].fma(row[i], products[i]));
         }
     }
     products
@@ -229,7 +128,7 @@ fn varied_products<R: Real, const D: usize>(
 fn speed_from_rest<R: Real, const D: usize>(speeds: &VectorSeries<R>, c: &Coefficients<R, D>, k: usize) -> R {
     let (zero, half) = (R::splat(0.0), R::splat(0.5));
     let mut left = zero;
-    for j in 1..=k {
+    for j in 1..k + 1 {
         let (a, b) = (c.order(j), c.order(k + 1 - j));
         left = a[0].fma(b[0], a[1].fma(b[1], a[2].fma(b[2], left)));
     }

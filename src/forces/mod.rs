@@ -1,7 +1,7 @@
 //! Forces: what acts on a body besides weight, each in one file.
 //!
-//! A force has numbers and their check, an equation and its derivative, the Taylor products of both, bounds, and what it
-//! adds to the rate that steps follow. Every kernel of a forced body has the table of a torque and linear damping. The *further* forces are
+//! A force has numbers and their check, an equation and its Taylor products, bounds, and what it adds to the rate that
+//! steps follow; dual numbers take the derivative. Every kernel of a forced body has the table of a torque and linear damping. The *further* forces are
 //! the rows of the list below; kernels with them have them all, and a body that has none of one has zeros for its
 //! numbers.
 //!
@@ -35,14 +35,15 @@ pub use rotor::Rotor;
 pub use set::ForceSet;
 pub use table::{Table, add_space_torque};
 
+use crate::dual::Dual;
 use crate::error::Error;
 use crate::kinematics::length;
 use crate::real::{Pack, Real};
 use crate::series::Coefficients;
 use crate::simd::{Row, load_rows, set_lane};
 
-/// A further force in kernels: its equation and its derivative, and the Taylor products of both. `y` is a state, which begins with the rates and, if
-/// there are any, the space axes 3, 1 and 2 in the body. The variables of the force are at `own`.
+/// A further force in kernels: its equation, and the Taylor products of it. `y` is a state, which begins with the rates and,
+/// if there are any, the space axes 3, 1 and 2 in the body. The variables of the force are at `own`.
 pub trait Force<R: Real>: Copy {
     /// Whether the torque depends on the attitude. The force then acts only in kernels with the space axes.
     const IN_SPACE: bool = false;
@@ -50,14 +51,9 @@ pub trait Force<R: Real>: Copy {
     const VARIABLES: usize = 0;
     /// Coefficients of its Taylor product beside those of the state.
     type Series;
-    /// Coefficients of the derivative beside those.
-    type Varied;
 
     /// No coefficients yet.
     fn series() -> Self::Series;
-
-    /// No coefficients of the derivative yet.
-    fn varied() -> Self::Varied;
 
     /// Adds the torque at a state to `torque`.
     #[inline(always)]
@@ -82,51 +78,9 @@ pub trait Force<R: Real>: Copy {
     #[inline(always)]
     fn change<const D: usize>(&self, _y: &[R; D], _own: usize, _change: &mut [R; D]) {}
 
-    /// Adds the change of the torque by the deviation vector in a state to `torque`, and that by a change `by` of the
-    /// numbers of the force.
+    /// Writes the change of its variables at a time by a change of its numbers, which are those of `by`.
     #[inline(always)]
-    fn add_varied_torque<const D: usize>(
-        &self,
-        _by: &Self,
-        _body: &Varied<R>,
-        _y: &[R; D],
-        _own: usize,
-        _torque: &mut [R; 3],
-    ) {
-    }
-
-    /// Adds the coefficient of order k of both to `torque`. The calls are for ascending orders, after those of
-    /// `add_order` for all orders.
-    #[inline(always)]
-    fn add_varied_order<const D: usize>(
-        &self,
-        _by: &Self,
-        _body: &Varied<R>,
-        _c: &Coefficients<R, D>,
-        _at: Order<R>,
-        _series: (&mut Self::Series, &mut Self::Varied),
-        _torque: &mut [R; 3],
-    ) {
-    }
-}
-
-/// What varies besides the numbers of a force.
-#[derive(Clone, Copy)]
-pub struct Varied<R> {
-    /// Principal moments.
-    pub moments: [R; 3],
-    /// Their change.
-    pub change: [R; 3],
-    /// Index of the time in a state.
-    pub time: usize,
-    /// Index of the deviation vector.
-    pub tangent: usize,
-}
-
-/// The deviation vector at an index of a state: a change of the rates, and a rotation vector.
-#[inline(always)]
-fn deviation<R: Real, const D: usize>(y: &[R; D], at: usize) -> [[R; 3]; 2] {
-    [[y[at], y[at + 1], y[at + 2]], [y[at + 3], y[at + 4], y[at + 5]]]
+    fn vary<const D: usize>(&self, _by: &Self, _time: R, _own: usize, _y: &mut [Dual<R>; D]) {}
 }
 
 /// An order of a Taylor product.
@@ -226,11 +180,6 @@ macro_rules! forces {
         /// The coefficients of all forces beside those of the state.
         pub struct FurtherSeries<R: Real> {
             $(pub(crate) $name: <$force<R> as Force<R>>::Series,)*
-        }
-
-        /// The coefficients of the derivatives of all forces beside those.
-        pub struct FurtherVaried<R: Real> {
-            $($name: <$force<R> as Force<R>>::Varied,)*
         }
 
         impl Further<f64> {
@@ -383,44 +332,16 @@ macro_rules! forces {
                 })*
             }
 
-            /// No coefficients of derivatives yet.
+            /// The forces with a change of their numbers.
             #[inline(always)]
-            pub fn varied() -> FurtherVaried<R> {
-                FurtherVaried { $($name: <$force<R> as Force<R>>::varied(),)* }
+            pub fn varied(&self, by: &Self) -> Further<Dual<R>> {
+                Further { $($name: $force(Dual::of(&self.$name.0, &by.$name.0)),)* }
             }
 
-            /// See [`Force::add_varied_torque`]; the variables of all forces begin at `own`.
+            /// See [`Force::vary`]; the variables of all forces begin at `own`.
             #[inline(always)]
-            pub fn add_varied_torques<const D: usize>(
-                &self,
-                by: &Self,
-                body: &Varied<R>,
-                y: &[R; D],
-                own: usize,
-                torque: &mut [R; 3],
-            ) {
-                $({
-                    let own = own + const { before(VARIABLES, Place::$name as usize) };
-                    self.$name.add_varied_torque(&by.$name, body, y, own, torque);
-                })*
-            }
-
-            /// See [`Force::add_varied_order`].
-            #[inline(always)]
-            pub fn add_varied_orders<const D: usize>(
-                &self,
-                by: &Self,
-                body: &Varied<R>,
-                c: &Coefficients<R, D>,
-                at: Order<R>,
-                (series, varied): (&mut FurtherSeries<R>, &mut FurtherVaried<R>),
-                torque: &mut [R; 3],
-            ) {
-                $({
-                    let at = Order { own: at.own + const { before(VARIABLES, Place::$name as usize) }, ..at };
-                    let series = (&mut series.$name, &mut varied.$name);
-                    self.$name.add_varied_order(&by.$name, body, c, at, series, torque);
-                })*
+            pub fn vary<const D: usize>(&self, by: &Self, time: R, own: usize, y: &mut [Dual<R>; D]) {
+                $(self.$name.vary(&by.$name, time, own + const { before(VARIABLES, Place::$name as usize) }, y);)*
             }
 
             /// Writes the rates of change of the variables of all forces, which begin at `own`.

@@ -8,9 +8,10 @@
 //! leads away from the periapsis, and the distance and the mean anomaly `E - e sin E` change their signs (Battin, An
 //! Introduction to the Mathematics and Methods of Astrodynamics, 1999, §4.4).
 
-use super::{AtStart, Bounded, Force, Order, Pace, Varied, deviation, length, range};
+use super::{AtStart, Bounded, Force, Order, Pace, length, range};
+use crate::dual::Dual;
 use crate::error::Error;
-use crate::kinematics::{add_cross, cross, direction, dot, plus, put, to_body_frame};
+use crate::kinematics::{cross, direction, dot, put, to_body_frame};
 use crate::real::{Outlined, Real};
 use crate::series::{Coefficients, VectorSeries};
 use crate::simd::Isa;
@@ -36,22 +37,6 @@ pub struct OrbitSeries<R> {
     directions: VectorSeries<R>,
     /// `u^3 o`.
     pulls: VectorSeries<R>,
-}
-
-/// Coefficients of the changes by a deviation vector and by a change of the orbit.
-pub struct VariedOrbit<R> {
-    /// Of the direction o in the body.
-    directions: VectorSeries<R>,
-    /// The products of `u^3 o` and o, which do not change.
-    products: VectorSeries<R>,
-    /// Of the mean anomaly and `e sin E`, and of the eccentric anomaly.
-    means: VectorSeries<R>,
-    anomalies: VectorSeries<R>,
-    /// Of the position along the semi-axes, and of the distance, which is less by the third; all three times u; and with
-    /// the change of u.
-    places: VectorSeries<R>,
-    moved: VectorSeries<R>,
-    stretched: VectorSeries<R>,
 }
 
 impl<R: Real> Orbit<R> {
@@ -146,50 +131,11 @@ impl<R: Real> Orbit<R> {
         torque[2] = torque[2] + strength * (*i2 - *i1) * products[2];
     }
 
-    /// The rates of change of the variables, from both times u; linear.
+    /// The derivatives of the variables by the eccentric anomaly; linear.
     #[inline(always)]
     fn turn(&self, [first, second]: [R; 2]) -> [R; 2] {
         let open = self.is_open();
-        [self.rate() * R::select(open, first, -second), self.rate() * R::select(open, -second, first)]
-    }
-}
-
-/// Changes of an orbit, which are the numbers of another. With `M = n t + M0 = E - e sin E` the eccentric anomaly changes
-/// by `u (dn t + dM0 + sin E de)`, and u by `u^2 (cos E de + e d(cos E))`; on a hyperbola sin E de and both changes of
-/// u have another sign.
-impl<R: Real> Orbit<R> {
-    /// Which bodies have a change.
-    #[inline(always)]
-    fn acts(&self) -> R::Mask {
-        let mut sum = self.0[0].abs();
-        for number in &self.0[1..] {
-            sum = sum + number.abs();
-        }
-        R::splat(0.0).lt(sum)
-    }
-
-    /// The change of the mean anomaly, and of `e sin E` by the eccentricity alone, on an orbit of that sign.
-    #[inline(always)]
-    fn mean_anomaly(&self, time: R, one: R, sign: R, sin: R) -> R {
-        self.rate().fma(time, self.0[2].fma(one, self.eccentricity() * (sign * sin)))
-    }
-}
-
-impl<R: Real> Orbit<R> {
-    /// Adds the change of the torque by those of the rate and of the moments, from the products; linear.
-    #[inline(always)]
-    fn add_changed(&self, by: &Self, body: &Varied<R>, products: &[R; 3], torque: &mut [R; 3]) {
-        let ([i1, i2, i3], [d1, d2, d3]) = (body.moments, body.change);
-        let (rate, three) = (self.rate(), R::splat(3.0));
-        let (strength, change) = (three * (rate * rate), three * ((rate + rate) * by.rate()));
-        let by_axis = [
-            strength.fma(d3 - d2, change * (i3 - i2)),
-            strength.fma(d1 - d3, change * (i1 - i3)),
-            strength.fma(d2 - d1, change * (i2 - i1)),
-        ];
-        for i in 0..3 {
-            torque[i] = by_axis[i].fma(products[i], torque[i]);
-        }
+        [R::select(open, first, -second), R::select(open, -second, first)]
     }
 }
 
@@ -211,19 +157,10 @@ fn add_products<R: Real>(a: &[R; 3], b: &[R; 3], sums: &mut [R; 3]) {
     *sums = [a[1].fma(b[2], sums[0]), a[2].fma(b[0], sums[1]), a[0].fma(b[1], sums[2])];
 }
 
-/// The change of products of `u^3 o` and o by a change of o.
-#[inline(always)]
-fn add_varied_products<R: Real>(pull: &[R; 3], change: &[R; 3], sums: &mut [R; 3]) {
-    add_products(pull, change, sums);
-    *sums =
-        [change[1].fma(pull[2], sums[0]), change[2].fma(pull[0], sums[1]), change[0].fma(pull[1], sums[2])];
-}
-
 impl<R: Real> Force<R> for Orbit<R> {
     const IN_SPACE: bool = true;
     const VARIABLES: usize = 2;
     type Series = OrbitSeries<R>;
-    type Varied = VariedOrbit<R>;
 
     #[inline(always)]
     fn series() -> OrbitSeries<R> {
@@ -233,19 +170,6 @@ impl<R: Real> Force<R> for Orbit<R> {
             powers: VectorSeries::new(),
             directions: VectorSeries::new(),
             pulls: VectorSeries::new(),
-        }
-    }
-
-    #[inline(always)]
-    fn varied() -> VariedOrbit<R> {
-        VariedOrbit {
-            directions: VectorSeries::new(),
-            products: VectorSeries::new(),
-            means: VectorSeries::new(),
-            anomalies: VectorSeries::new(),
-            places: VectorSeries::new(),
-            moved: VectorSeries::new(),
-            stretched: VectorSeries::new(),
         }
     }
 
@@ -272,7 +196,7 @@ impl<R: Real> Force<R> for Orbit<R> {
         let zero = R::splat(0.0);
         let row = c.order(k);
         let mut sums = [zero; 2];
-        for j in 1..=k {
+        for j in 1..k + 1 {
             // SAFETY: as above.
             let [.., u] = unsafe { *plane.order(k - j) };
             let row = c.order(j);
@@ -288,8 +212,8 @@ impl<R: Real> Force<R> for Orbit<R> {
         };
         let begin = c.order(0);
         sums = [begin[own].fma(u, sums[0]), begin[own + 1].fma(u, sums[1])];
-        let [of_first, of_second] = self.turn(sums);
-        put(next, own, [factor * of_first, factor * of_second]);
+        let ([of_first, of_second], rate) = (self.turn(sums), self.rate());
+        put(next, own, [factor * (rate * of_first), factor * (rate * of_second)]);
         let [cos, sin] = self.cos_sin(sums);
         plane.push(k, [self.eccentricity().fnma(u, cos), sin, u]);
 
@@ -297,7 +221,7 @@ impl<R: Real> Force<R> for Orbit<R> {
         first_axis.push(k, to_body(&a, row));
         second_axis.push(k, to_body(&b, row));
         let (mut o, mut square, mut cube) = ([zero; 3], zero, zero);
-        for j in 0..=k {
+        for j in 0..k + 1 {
             // SAFETY: as above.
             let ([x, y, u], [.., v]) = unsafe { (*plane.order(j), *plane.order(k - j)) };
             // SAFETY: as above.
@@ -307,7 +231,7 @@ impl<R: Real> Force<R> for Orbit<R> {
             }
             square = u.fma(v, square);
         }
-        for j in 1..=k {
+        for j in 1..k + 1 {
             // SAFETY: as above.
             let ([.., u], [v, ..]) = unsafe { (*plane.order(j), *powers.order(k - j)) };
             cube = u.fma(v, cube);
@@ -318,7 +242,7 @@ impl<R: Real> Force<R> for Orbit<R> {
         directions.push(k, o);
 
         let (mut pull, mut products) = ([zero; 3], [zero; 3]);
-        for j in 0..=k {
+        for j in 0..k + 1 {
             // SAFETY: as above.
             let ([_, cube, _], o) = unsafe { (*powers.order(j), directions.order(k - j)) };
             for i in 0..3 {
@@ -326,7 +250,7 @@ impl<R: Real> Force<R> for Orbit<R> {
             }
         }
         pulls.push(k, pull);
-        for j in 0..=k {
+        for j in 0..k + 1 {
             // SAFETY: as above.
             let (pull, o) = unsafe { (pulls.order(j), directions.order(k - j)) };
             add_products(pull, o, &mut products);
@@ -337,149 +261,19 @@ impl<R: Real> Force<R> for Orbit<R> {
     #[inline(always)]
     fn change<const D: usize>(&self, y: &[R; D], own: usize, change: &mut [R; D]) {
         let u = self.inverse(self.cos_sin([y[own], y[own + 1]])[0]);
-        put(change, own, self.turn([y[own] * u, y[own + 1] * u]));
+        let ([of_first, of_second], rate) = (self.turn([y[own] * u, y[own + 1] * u]), self.rate());
+        put(change, own, [rate * of_first, rate * of_second]);
     }
 
+    /// With `M = n t + M0 = E - e sin E` the eccentric anomaly changes by `u (dn t + dM0 + sin E de)`; on a hyperbola
+    /// sin E de has another sign.
     #[inline(always)]
-    fn add_varied_torque<const D: usize>(
-        &self,
-        by: &Self,
-        body: &Varied<R>,
-        y: &[R; D],
-        own: usize,
-        torque: &mut [R; 3],
-    ) {
-        let [o, pull] = self.direction(y, own);
-        // A direction that is fixed in space changes by `o x x` in the body.
-        let mut change = cross(&o, &deviation(y, body.tangent)[1]);
-        let (zero, mut stretch) = ([R::splat(0.0); 3], R::splat(0.0));
-        if R::any(by.acts()) {
-            let ([cos, sin], time) = (self.cos_sin([y[own], y[own + 1]]), y[body.time]);
-            let u = self.inverse(cos);
-            let place = [(cos - self.eccentricity()) * u, sin * u];
-            let sign = self.sign();
-            let anomaly = by.mean_anomaly(time, R::splat(1.0), sign, sin) * u;
-            let [of_cos, of_sin] = [-(sin * (sign * anomaly)), cos * anomaly];
-            stretch = by.eccentricity().fma(cos, self.eccentricity() * of_cos) * (sign * u);
-            let moved =
-                [place[0].fma(stretch, (of_cos - by.eccentricity()) * u), place[1].fma(stretch, of_sin * u)];
-            let (by_place, by_axes) = (self.in_body(moved, y), by.in_body(place, y));
-            change = plus(&change, &plus(&by_place, &by_axes));
-        }
-        let (mut products, mut varied) = (zero, zero);
-        add_products(&pull, &o, &mut products);
-        add_varied_products(&pull, &change, &mut varied);
-        let thrice = stretch * R::splat(3.0);
-        for i in 0..3 {
-            varied[i] = thrice.fma(products[i], varied[i]);
-        }
-        self.add(&body.moments, &varied, torque);
-        self.add_changed(by, body, &products, torque);
-    }
-
-    #[inline(always)]
-    fn add_varied_order<const D: usize>(
-        &self,
-        by: &Self,
-        body: &Varied<R>,
-        c: &Coefficients<R, D>,
-        Order { k, own, factor: unit }: Order<R>,
-        (series, varied): (&mut OrbitSeries<R>, &mut VariedOrbit<R>),
-        torque: &mut [R; 3],
-    ) {
-        // SAFETY of all blocks: the series of the motion has pushed all rows of its orders; the calls for the orders 0 to
-        // k - 1, one each and ascending, have pushed the rows 0 to k - 1 of the changes, and this call pushes each row k
-        // before it reads the row.
-        let OrbitSeries { plane, directions, pulls, .. } = series;
-        let zero = [R::splat(0.0); 3];
-        let mut change = zero;
-        for j in 0..=k {
-            // SAFETY: as above.
-            let o = unsafe { directions.order(k - j) };
-            add_cross(o, &deviation(c.order(j), body.tangent)[1], &mut change);
-        }
-        let is_changed = R::any(by.acts());
-        if is_changed {
-            let row = c.order(k);
-            let one = R::splat(if k == 0 { 1.0 } else { 0.0 });
-            let time = if k == 0 {
-                row[body.time]
-            } else if k == 1 {
-                unit
-            } else {
-                zero[0]
-            };
-            let (sign, [of_cos, of_sin]) = (self.sign(), self.cos_sin([row[own], row[own + 1]]));
-            let mean = by.mean_anomaly(time, one, sign, of_sin);
-            varied.means.push(k, [mean; 3]);
-            let mut anomaly = zero[0];
-            for j in 0..=k {
-                // SAFETY: as above.
-                let ([.., u], [mean, ..]) = unsafe { (plane.order(j), varied.means.order(k - j)) };
-                anomaly = u.fma(*mean, anomaly);
-            }
-            varied.anomalies.push(k, [anomaly; 3]);
-            let (mut cos, mut sin) = (zero[0], zero[0]);
-            for j in 0..=k {
-                // SAFETY: as above.
-                let [anomaly, ..] = unsafe { *varied.anomalies.order(k - j) };
-                let row = c.order(j);
-                let [of_cos, of_sin] = self.cos_sin([row[own], row[own + 1]]);
-                (cos, sin) = ((sign * of_sin).fnma(anomaly, cos), of_cos.fma(anomaly, sin));
-            }
-            // The change of the distance is less by this.
-            let nearer = sign * by.eccentricity().fma(of_cos, self.eccentricity() * cos);
-            varied.places.push(k, [by.eccentricity().fnma(one, cos), sin, nearer]);
-            let mut moved = zero;
-            for j in 0..=k {
-                // SAFETY: as above.
-                let ([.., u], [x, y, nearer]) = unsafe { (plane.order(j), varied.places.order(k - j)) };
-                moved = [u.fma(*x, moved[0]), u.fma(*y, moved[1]), u.fma(*nearer, moved[2])];
-            }
-            // The third is the change of u over u.
-            varied.moved.push(k, moved);
-            let [mut x, mut y, stretch] = moved;
-            for j in 0..=k {
-                // SAFETY: as above.
-                let (place, [.., stretch]) = unsafe { (plane.order(j), varied.moved.order(k - j)) };
-                (x, y) = (place[0].fma(*stretch, x), place[1].fma(*stretch, y));
-            }
-            varied.stretched.push(k, [x, y, stretch]);
-            for j in 0..=k {
-                // SAFETY: as above.
-                let ([x, y, _], [a, b, _]) = unsafe { (varied.stretched.order(j), plane.order(j)) };
-                let row = c.order(k - j);
-                let (by_place, by_axes) = (self.in_body([*x, *y], row), by.in_body([*a, *b], row));
-                change = plus(&change, &plus(&by_place, &by_axes));
-            }
-        }
-        varied.directions.push(k, change);
-        let mut products = zero;
-        for j in 0..=k {
-            // SAFETY: as above.
-            let (pull, change) = unsafe { (pulls.order(j), varied.directions.order(k - j)) };
-            add_varied_products(pull, change, &mut products);
-        }
-        let mut own_products = zero;
-        for j in 0..=k {
-            // SAFETY: as above.
-            let (pull, o) = unsafe { (pulls.order(j), directions.order(k - j)) };
-            add_products(pull, o, &mut own_products);
-        }
-        varied.products.push(k, own_products);
-        if is_changed {
-            let three = R::splat(3.0);
-            for j in 0..=k {
-                // SAFETY: as above.
-                let ([.., stretch], before) =
-                    unsafe { (varied.stretched.order(j), varied.products.order(k - j)) };
-                for i in 0..3 {
-                    products[i] = (three * *stretch).fma(before[i], products[i]);
-                }
-            }
-        }
-        self.add(&body.moments, &products, torque);
-        self.add_changed(by, body, &own_products, torque);
+    fn vary<const D: usize>(&self, by: &Self, time: R, own: usize, y: &mut [Dual<R>; D]) {
+        let variables = [y[own].value, y[own + 1].value];
+        let [cos, sin] = self.cos_sin(variables);
+        let mean = by.rate().fma(time, by.0[2] + by.eccentricity() * (self.sign() * sin));
+        let (anomaly, turned) = (mean * self.inverse(cos), self.turn(variables));
+        (y[own].slope, y[own + 1].slope) = (turned[0] * anomaly, turned[1] * anomaly);
     }
 }
 

@@ -21,13 +21,9 @@ impl<R: Real> Rotor<R> {
 
 impl<R: Real> Force<R> for Rotor<R> {
     type Series = ();
-    type Varied = ();
 
     #[inline(always)]
     fn series() {}
-
-    #[inline(always)]
-    fn varied() {}
 }
 
 impl Bounded for Rotor<f64> {

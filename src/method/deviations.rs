@@ -4,13 +4,12 @@
 //! are solved: each order follows from the Cauchy products of the motion with the lower orders of the deviation vector
 //! (Jorba & Zou 2005, §2). The motion does not depend on its deviation vectors, so any number of them share one motion.
 
-use super::tangent::{Variation, spin, turn};
-use super::taylor::{TurnSeries, add_rates, times_unit};
+use super::tangent::{Variation, turn};
+use super::taylor::{add_rates, times_unit};
 use super::{Coefficients, Taylor};
-use crate::forces::{Further, Order};
 use crate::kinematics::{add_cross, put};
 use crate::real::Real;
-use crate::scene::{Layout, Model, Undamped};
+use crate::scene::{Layout, Model};
 use crate::series::{INVERSE, VectorSeries};
 
 /// Cauchy products of one order with a deviation vector, and those of the rates where a change of the parameters needs
@@ -85,70 +84,6 @@ impl<R: Real, M: Model<R>> Taylor<R, M> {
         c.set(k + 1, L::TANGENT_AT, next);
     }
 
-    /// All coefficients of the deviation vector under further forces: `further_tangent_rate` by Cauchy products.
-    #[inline(always)]
-    pub(super) fn further_deviation<L: Layout, const D: usize>(
-        &self,
-        unit: R,
-        series: &mut TurnSeries<R>,
-        c: &mut Coefficients<R, D>,
-    ) {
-        let applied = &self.applied;
-        let change = &applied.forces.change;
-        let (mut torques, mut turns) = (VectorSeries::new(), VectorSeries::new());
-        let mut varied = Further::varied();
-        for k in 0..self.order {
-            let of_k = c.order(k);
-            let factor = unit * R::splat(INVERSE[k + 1]);
-            let mut sums = VariedProducts::none();
-            for j in 0..=k {
-                sums.add::<M, L, D>(c.order(j), c.order(k - j));
-            }
-            let (d, omega) = (spin::<R, L, D>(of_k), [of_k[0], of_k[1], of_k[2]]);
-            let mut torque = applied.damped(self.varied_torque::<L, D>(unit, &mut torques, c, k), d);
-            let changed = applied.changed_torque(&sums.rates, of_k);
-            let own = applied.changed_applied_torque();
-            for i in 0..3 {
-                // The change of the applied torque is constant: its series has one term.
-                torque[i] = torque[i] + if k == 0 { changed[i] + own[i] } else { changed[i] };
-            }
-            let at = Order { k, own: L::OWN_AT, factor: unit };
-            applied.add_varied_orders::<L, D>(c, at, (&mut series.torques, &mut varied), &mut torque);
-            // SAFETY: the series of the motion has pushed all rows of its orders.
-            let (frame, undamped, gained) =
-                unsafe { (series.turn.order(k), series.undamped.order(k), series.gained.order(k)) };
-            let by_products = sums.variation.acceleration::<M, D>(&self.model, of_k);
-            let undamped = Undamped { omega, rate: *undamped };
-            let mut rate = applied.varied_rate(by_products, &d, &torque, &undamped);
-            let newest = applied.varied_turn(&rate, &undamped.rate, frame);
-            turns.push(k, newest);
-
-            let rotor = &applied.forces.further.rotor;
-            let mut by_turn = rotor.across(&newest);
-            add_cross(&change.further.rotor.0, frame, &mut by_turn);
-            let mut turning = sums.variation.turning(&d);
-            for j in 0..=k {
-                // SAFETY: as above; the calls for the orders 0 to k, one each and ascending, have pushed the rows 0 to k
-                // of the change.
-                let (frame, newest) = unsafe { (series.turn.order(k - j), turns.order(k - j)) };
-                let row = c.order(j);
-                let omega = [row[0], row[1], row[2]];
-                add_cross(&applied.varied_momentum(&omega, &spin::<R, L, D>(row)), frame, &mut by_turn);
-                add_cross(&applied.momentum(&omega), newest, &mut by_turn);
-                add_cross(&turn::<R, L, D>(row), frame, &mut turning);
-            }
-            for i in 0..3 {
-                by_turn[i] = change.moments[i].fnma(gained[i], by_turn[i]);
-            }
-            let by_turn = applied.over_moments(&by_turn);
-            for i in 0..3 {
-                rate[i] = factor * (rate[i] + by_turn[i]);
-                turning[i] = factor * (turning[i] + newest[i]);
-            }
-            c.set(k + 1, L::TANGENT_AT, [rate[0], rate[1], rate[2], turning[0], turning[1], turning[2]]);
-        }
-    }
-
     /// The change of order k of the torque in space by the deviation vector: the torque turns with the body.
     #[inline(always)]
     fn varied_torque<L: Layout, const D: usize>(
@@ -169,7 +104,7 @@ impl<R: Real, M: Model<R>> Taylor<R, M> {
             self.applied.space_torque_of_order::<L, D>(c.order(0), c.order(k), &before)
         };
         torques.push(k, newest);
-        for j in 0..=k {
+        for j in 0..k + 1 {
             // SAFETY: the calls for the orders 0 to k, one each and ascending, have pushed the rows 0 to k.
             let torque = unsafe { torques.order(j) };
             add_cross(torque, &turn::<R, L, D>(c.order(k - j)), &mut sum);

@@ -7,7 +7,9 @@ use super::{acceleration, acceleration_by, cubic_inside, moved, put_turned, turn
 use crate::forces::{ForcesInterval, SMALL_STATE};
 use crate::kinematics::{plus, put, speed};
 use crate::real::Real;
-use crate::scene::{Applied, FurtherRate, Layout, Model, Parameters, ROWS_LEN, Torques, in_rows};
+use crate::scene::{
+    Applied, FurtherRate, Layout, MOVED, Model, Moved, Parameters, ROWS_LEN, Torques, in_rows,
+};
 use std::marker::PhantomData;
 
 /// Classical Runge-Kutta of order 4.
@@ -258,15 +260,18 @@ fn rate<T: Tableau, R: Real, M: Model<R>, L: Layout, const D: usize>(
     let omega = [y[0], y[1], y[2]];
     let mut dy = *y;
     if L::FURTHER {
-        let rates = applied.under_further::<M, L, D>(model, torques, y);
-        let FurtherRate { omega: change, turn, balance, states, .. } = rates;
+        let FurtherRate { omega: change, turn, balance, states } = if L::TANGENT {
+            let (varied, moved) = (applied.varied(), applied.moved::<L, D>(y));
+            let model = applied.varied_model(model);
+            let rates = varied.under_further::<M::Varied, Moved, MOVED>(&model, &varied.torques(), &moved);
+            put(&mut dy, L::TANGENT_AT, further_tangent_rate::<R, L, D>(y, &rates));
+            rates.values()
+        } else {
+            applied.under_further::<M, L, D>(model, torques, y)
+        };
         put(&mut dy, 0, change);
         put(&mut dy, L::BALANCE_AT, balance);
         put_turned::<R, L, D>(y, &plus(&omega, &turn), &mut dy);
-        if L::TANGENT {
-            let rate = further_tangent_rate::<R, M, L, D>(model, applied, y, &rates);
-            put(&mut dy, L::TANGENT_AT, rate);
-        }
         if L::OWN > 0 {
             applied.forces.further.change(y, L::OWN_AT, &mut dy);
         }

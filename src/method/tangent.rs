@@ -11,9 +11,10 @@
 //! the change of the rates of a body without weight is the derivative of the step itself. The rotation vector has an
 //! equation of its own, so with weight both agree with the derivative of the step to the order of the method.
 
+use crate::dual::Dual;
 use crate::kinematics::{add_cross, cross, direction, plus, put};
 use crate::real::Real;
-use crate::scene::{Applied, FurtherRate, Layout, Model, Undamped};
+use crate::scene::{Applied, FurtherRate, Layout, Model};
 
 /// The change of the rates in a state with a deviation vector.
 #[inline(always)]
@@ -123,39 +124,16 @@ pub(super) fn tangent_rate<R: Real, M: Model<R>, L: Layout, const D: usize>(
     rate
 }
 
-/// The rate of the deviation vector of a state under further forces, whose dissipation turns the frame of the body.
+/// The rate of the deviation vector of a state under further forces, from those of the motion with its change.
 #[inline(always)]
-pub(super) fn further_tangent_rate<R: Real, M: Model<R>, L: Layout, const D: usize>(
-    model: &M,
-    applied: &Applied<R>,
+pub(super) fn further_tangent_rate<R: Real, L: Layout, const D: usize>(
     y: &[R; D],
-    rates: &FurtherRate<R>,
+    FurtherRate { omega, turn, .. }: &FurtherRate<Dual<R>>,
 ) -> [R; 6] {
-    let (d, x, omega) = (spin::<R, L, D>(y), turn::<R, L, D>(y), [y[0], y[1], y[2]]);
-    let mut variation = Variation::none();
-    variation.add::<M, L, D>(y, y);
-    let mut torque = applied.damped(cross(&applied.space_torque::<L, D>(y), &x), d);
-    let changed = applied.changed_torque(&[omega[1] * omega[2], omega[2] * omega[0], omega[0] * omega[1]], y);
-    let own = applied.changed_applied_torque();
-    torque = plus(&torque, &plus(&changed, &own));
-    applied.add_varied_torques::<L, D>(y, &mut torque);
-    let undamped = Undamped { omega, rate: rates.undamped };
-    let mut rate = applied.varied_rate(variation.acceleration::<M, D>(model, y), &d, &torque, &undamped);
-    let varied_turn = applied.varied_turn(&rate, &rates.undamped, &rates.turn);
-
-    let change = &applied.forces.change;
-    let momentum = plus(&applied.varied_momentum(&omega, &d), &change.further.rotor.0);
-    let mut by_turn = cross(&momentum, &rates.turn);
-    add_cross(&applied.whole_momentum(&omega), &varied_turn, &mut by_turn);
-    for i in 0..3 {
-        by_turn[i] = change.moments[i].fnma(rates.omega[i] - rates.undamped[i], by_turn[i]);
-    }
-    let gained = applied.over_moments(&by_turn);
-    let mut turning = variation.turning(&d);
-    add_cross(&x, &rates.turn, &mut turning);
-    for i in 0..3 {
-        rate[i] = rate[i] + gained[i];
-        turning[i] = turning[i] + varied_turn[i];
-    }
-    [rate[0], rate[1], rate[2], turning[0], turning[1], turning[2]]
+    let (d, x) = (spin::<R, L, D>(y), self::turn::<R, L, D>(y));
+    let frame = plus(&Dual::of(&[y[0], y[1], y[2]], &d), turn);
+    let mut turning = Dual::slopes(&frame);
+    add_cross(&x, &Dual::values(&frame), &mut turning);
+    let [a, b, c] = Dual::slopes(omega);
+    [a, b, c, turning[0], turning[1], turning[2]]
 }

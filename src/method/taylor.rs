@@ -3,14 +3,16 @@
 //! The equations of motion are quadratic, so each order follows from the Cauchy products of the lower ones
 //! (Jorba & Zou 2005, §2). Coefficients are those of powers of t / step: their sum is the state after a step.
 
+use super::tangent::turn;
 use super::{Engine, EngineName, Facts, Limits, Method, Numbers, Proposal, Step, Variables};
 use super::{acceleration, turning_of_rates};
+use crate::dual::Dual;
 use crate::forces::{ForcesInterval, Further, FurtherSeries, Order};
 use crate::kinematics::{
     add_cross, add_roll_across, add_roll_along, add_turn_across, add_turn_along, direction, plus, put,
 };
 use crate::real::{Outlined, Real, is_finite};
-use crate::scene::{Applied, Layout, Model, Parameters, quaternion};
+use crate::scene::{Applied, Layout, MOVED, Model, Moved, Parameters, add_turned_axes, moved_by, quaternion};
 use crate::series::{Coefficients, INVERSE, MAX_ORDER, VectorSeries};
 use crate::special::{exp, ln};
 use std::marker::PhantomData;
@@ -135,10 +137,12 @@ impl<R: Real, M: Model<R>> Taylor<R, M> {
     pub fn coefficients<L: Layout, const D: usize>(&self, unit: R, y: &[R; D], c: &mut Coefficients<R, D>) {
         let side_by_side = const { L::VECTORS < 3 };
         let mut series = Beside::new(self.has_high_orders);
+        let mut moved = MovedSeries::new();
         // Twice at most.
         loop {
             c.clear();
             c.push(*y);
+            moved.rows.clear();
             for half in 0..self.order / 2 {
                 let k = 2 * half;
                 let (mut sums, mut after) = (Products::none(), Products::none());
@@ -155,7 +159,7 @@ impl<R: Real, M: Model<R>> Taylor<R, M> {
                     }
                 }
                 sums.add::<L, D>(c.order(k), c.order(0));
-                self.push_next::<L, D>(unit, sums, &mut series, c, k);
+                self.push_next::<L, D>(unit, sums, (&mut series, &mut moved), c, k);
                 if !side_by_side {
                     for j in 1..k {
                         after.add::<L, D>(c.order(j + 1), c.order(k - j));
@@ -166,7 +170,7 @@ impl<R: Real, M: Model<R>> Taylor<R, M> {
                 }
                 after.add::<L, D>(c.order(0), c.order(k + 1));
                 after.add::<L, D>(c.order(k + 1), c.order(0));
-                self.push_next::<L, D>(unit, after, &mut series, c, k + 1);
+                self.push_next::<L, D>(unit, after, (&mut series, &mut moved), c, k + 1);
             }
             // All coefficients are finite if those of the highest order are: where one overflows, so do those after it. A
             // torque that is zero times one that has overflowed is not a number, and may not be skipped.
@@ -175,9 +179,7 @@ impl<R: Real, M: Model<R>> Taylor<R, M> {
             }
             series = Beside::new(true);
         }
-        if L::TANGENT && L::FURTHER {
-            self.further_deviation::<L, D>(unit, &mut series.further, c);
-        } else if L::TANGENT {
+        if L::TANGENT && !L::FURTHER {
             self.deviation::<L, D>(unit, c);
         }
     }
@@ -213,13 +215,13 @@ impl<R: Real, M: Model<R>> Taylor<R, M> {
         &self,
         unit: R,
         sums: Products<R>,
-        series: &mut Beside<R>,
+        (series, moved): (&mut Beside<R>, &mut MovedSeries<R>),
         c: &mut Coefficients<R, D>,
         k: usize,
     ) {
         let mut next = self.next::<L, D>(unit, sums, (c.order(k), k));
         if L::FURTHER {
-            self.add_further::<L, D>(unit, &sums.rates, series, c, &mut next, k);
+            self.add_further::<L, D>(unit, &sums.rates, (series, moved), c, &mut next, k);
         } else if L::BALANCE {
             self.add_applied::<L, D>(unit, series, c, &mut next, k);
         }
@@ -253,26 +255,6 @@ impl<R: Real, M: Model<R>> Taylor<R, M> {
         next
     }
 
-    /// The coefficient of order k of the applied torque with damping.
-    #[inline(always)]
-    fn torque<L: Layout, const D: usize>(
-        &self,
-        unit: R,
-        c: &Coefficients<R, D>,
-        k: usize,
-        all_orders: bool,
-    ) -> [R; 3] {
-        let of_k = c.order(k);
-        if k == 0 {
-            self.applied.torque::<L, D>(of_k)
-        } else if k == 1 || all_orders {
-            let before = times_unit::<R, L, D>(c.order(k - 1), unit);
-            self.applied.torque_of_order::<L, D>(c.order(0), of_k, &before)
-        } else {
-            self.applied.damped([R::splat(0.0); 3], [of_k[0], of_k[1], of_k[2]])
-        }
-    }
-
     /// Adds the applied torque to the coefficients of order k + 1, and computes those of the balance. The coefficient
     /// of the torque of order k is linear in the states of orders k and k - 1; the power is one more Cauchy product.
     #[inline(always)]
@@ -285,7 +267,7 @@ impl<R: Real, M: Model<R>> Taylor<R, M> {
         k: usize,
     ) {
         let factor = unit * R::splat(INVERSE[k + 1]);
-        let newest = self.torque::<L, D>(unit, c, k, *all_orders);
+        let newest = torque_of_order::<R, L, D>(&self.applied, unit, c, k, *all_orders);
         torques.push(k, newest);
         let change = self.applied.over_moments(&newest);
         for i in 0..3 {
@@ -310,57 +292,40 @@ impl<R: Real, M: Model<R>> Taylor<R, M> {
         &self,
         unit: R,
         products: &[R; 3],
-        Beside { torques, further: series, all_orders, .. }: &mut Beside<R>,
+        (beside, moved): (&mut Beside<R>, &mut MovedSeries<R>),
         c: &Coefficients<R, D>,
         next: &mut [R; D],
         k: usize,
     ) {
-        let (applied, of_k, zero) = (&self.applied, c.order(k), [R::splat(0.0); 3]);
-        let factor = unit * R::splat(INVERSE[k + 1]);
-        let mut torque = self.torque::<L, D>(unit, c, k, *all_orders);
-        applied.add_further_orders::<L, D>(
-            c,
-            Order { k, own: L::OWN_AT, factor },
-            &mut series.torques,
-            next,
-            &mut torque,
-        );
-        let omega = [of_k[0], of_k[1], of_k[2]];
-        let rotor = &applied.forces.further.rotor;
-        let mut impulse = rotor.across(&omega);
-        impulse = plus(&impulse, &torque);
-        let mut rate = self.model.euler(products, of_k);
-        let change = applied.over_moments(&impulse);
-        rate = plus(&rate, &change);
-        let sink = applied.turn(&rate);
-        series.turn.push(k, sink);
-        series.undamped.push(k, rate);
-        let rotor = rotor.across(&sink);
-        series.impulse.push(k, plus(&impulse, &rotor));
-
-        let (mut by_turn, mut turned) = (rotor, [zero; 3]);
-        for j in 0..=k {
-            // SAFETY: as above.
-            let sink = unsafe { series.turn.order(k - j) };
-            let row = c.order(j);
-            add_cross(&applied.momentum(&[row[0], row[1], row[2]]), sink, &mut by_turn);
+        let gains = if L::TANGENT {
+            self.gains_with_change::<L, D>(unit, (beside, moved), c, next, k)
+        } else {
+            let (equations, at) = ((&self.model, &self.applied), (unit, k, beside.all_orders));
+            gains_of_order::<R, M, L, D>(equations, at, products, &mut beside.further, c, next)
+        };
+        let Beside { torques, impulse, further: TurnSeries { turn, .. }, .. } = beside;
+        torques.push(k, gains.torque);
+        impulse.push(k, gains.impulse);
+        let (applied, factor) = (&self.applied, unit * R::splat(INVERSE[k + 1]));
+        let mut turned = [[R::splat(0.0); 3]; 3];
+        // The check of an index would keep a loop that does nothing.
+        for j in 0..if L::VECTORS > 0 { k + 1 } else { 0 } {
+            // SAFETY: the calls for the orders 0 to k, one each and ascending, have pushed the rows 0 to k.
+            let sink = unsafe { turn.order(k - j) };
             for v in 0..L::VECTORS {
-                add_cross(&direction(row, v), sink, &mut turned[v]);
+                add_cross(&direction(c.order(j), v), sink, &mut turned[v]);
             }
         }
-        torques.push(k, plus(&torque, &by_turn));
-        let change = applied.over_moments(&by_turn);
-        series.gained.push(k, change);
         for i in 0..3 {
-            next[i] = factor * (rate[i] + change[i]);
+            next[i] = factor * gains.rate[i];
             for v in 0..L::VECTORS {
                 next[3 + 3 * v + i] = factor.fma(turned[v][i], next[3 + 3 * v + i]);
             }
         }
         let mut balance = [R::splat(0.0); 2];
-        for j in 0..=k {
+        for j in 0..k + 1 {
             // SAFETY: as above.
-            let (torque, impulse) = unsafe { (torques.order(j), series.impulse.order(j)) };
+            let (torque, impulse) = unsafe { (torques.order(j), impulse.order(j)) };
             let [power, _] = applied.balance::<L, D>(torque, c.order(k - j));
             let [_, gained] = applied.balance::<L, D>(impulse, c.order(k - j));
             balance = [balance[0] + power, balance[1] + gained];
@@ -368,6 +333,141 @@ impl<R: Real, M: Model<R>> Taylor<R, M> {
         put(next, L::BALANCE_AT, [factor * balance[0], factor * balance[1]]);
         next[L::TIME_AT] = if k == 0 { unit } else { R::splat(0.0) };
     }
+
+    /// The same gains with their changes by the deviation vector, whose coefficients of order k + 1 are written too.
+    #[inline(always)]
+    fn gains_with_change<L: Layout, const D: usize>(
+        &self,
+        unit: R,
+        (beside, moved): (&mut Beside<R>, &mut MovedSeries<R>),
+        c: &Coefficients<R, D>,
+        next: &mut [R; D],
+        k: usize,
+    ) -> Gains<R> {
+        let (applied, MovedSeries { rows, next: next_moved, further, frames }) = (&self.applied, moved);
+        if k == 0 {
+            rows.push(applied.moved::<L, D>(c.order(0)));
+        } else {
+            let mut axes = [[R::splat(0.0); 3]; 3];
+            for j in 0..k + 1 {
+                add_turned_axes::<R, L, D>(c.order(j), c.order(k - j), &mut axes);
+            }
+            rows.push(moved_by::<R, L, D>(c.order(k), &axes, *next_moved));
+        }
+        let mut products = [Dual::splat(0.0); 3];
+        for j in 0..k + 1 {
+            add_rates(rows.order(j), rows.order(k - j), &mut products);
+        }
+        let (model, varied, at) = (
+            applied.varied_model(&self.model),
+            applied.varied(),
+            (Dual::constant(unit), k, beside.all_orders),
+        );
+        let gains = gains_of_order::<Dual<R>, M::Varied, Moved, MOVED>(
+            (&model, &varied),
+            at,
+            &products,
+            further,
+            rows,
+            next_moved,
+        );
+        let frame = plus(&rates(rows.order(k)), &gains.turn);
+        frames.push(k, Dual::values(&frame));
+        let mut turning = Dual::slopes(&frame);
+        for j in 0..k + 1 {
+            // SAFETY: the calls for the orders 0 to k, one each and ascending, have pushed the rows 0 to k.
+            let frame = unsafe { frames.order(k - j) };
+            add_cross(&turn::<R, L, D>(c.order(j)), frame, &mut turning);
+        }
+        let (factor, spin) = (unit * R::splat(INVERSE[k + 1]), Dual::slopes(&gains.rate));
+        for i in 0..3 {
+            next[L::TANGENT_AT + i] = factor * spin[i];
+            next[L::TANGENT_AT + 3 + i] = factor * turning[i];
+        }
+        for d in 0..L::OWN {
+            next[L::OWN_AT + d] = next_moved[Moved::OWN_AT + d].value;
+        }
+        beside.further.turn.push(k, Dual::values(&gains.turn));
+        Gains {
+            rate: Dual::values(&gains.rate),
+            turn: Dual::values(&gains.turn),
+            torque: Dual::values(&gains.torque),
+            impulse: Dual::values(&gains.impulse),
+        }
+    }
+}
+
+/// What acts under further forces, of one order.
+struct Gains<R> {
+    /// The rate of change of the rates.
+    rate: [R; 3],
+    /// The turn of the frame by the dissipation.
+    turn: [R; 3],
+    /// The torque that does work.
+    torque: [R; 3],
+    /// The torque of the impulse.
+    impulse: [R; 3],
+}
+
+/// The gains of order k, from the products of the rates; those of order k + 1 of the variables of the forces are written.
+#[inline(always)]
+fn gains_of_order<R: Real, M: Model<R>, L: Layout, const D: usize>(
+    (model, applied): (&M, &Applied<R>),
+    (unit, k, all_orders): (R, usize, bool),
+    products: &[R; 3],
+    TurnSeries { turn, torques }: &mut TurnSeries<R>,
+    c: &Coefficients<R, D>,
+    next: &mut [R; D],
+) -> Gains<R> {
+    let of_k = c.order(k);
+    let at = Order { k, own: L::OWN_AT, factor: unit * R::splat(INVERSE[k + 1]) };
+    let mut torque = torque_of_order::<R, L, D>(applied, unit, c, k, all_orders);
+    applied.add_further_orders::<L, D>(c, at, torques, next, &mut torque);
+    let rotor = &applied.forces.further.rotor;
+    let impulse = plus(&rotor.across(&rates(of_k)), &torque);
+    let change = applied.over_moments(&impulse);
+    let rate = plus(&model.euler(products, of_k), &change);
+    let sink = applied.turn(&rate);
+    turn.push(k, sink);
+    let rotor = rotor.across(&sink);
+    let mut by_turn = rotor;
+    for j in 0..k + 1 {
+        // SAFETY: the calls for the orders 0 to k, one each and ascending, have pushed the rows 0 to k.
+        let sink = unsafe { turn.order(k - j) };
+        add_cross(&applied.momentum(&rates(c.order(j))), sink, &mut by_turn);
+    }
+    Gains {
+        rate: plus(&rate, &applied.over_moments(&by_turn)),
+        turn: sink,
+        torque: plus(&torque, &by_turn),
+        impulse: plus(&impulse, &rotor),
+    }
+}
+
+/// The coefficient of order k of the applied torque with damping.
+#[inline(always)]
+fn torque_of_order<R: Real, L: Layout, const D: usize>(
+    applied: &Applied<R>,
+    unit: R,
+    c: &Coefficients<R, D>,
+    k: usize,
+    all_orders: bool,
+) -> [R; 3] {
+    let of_k = c.order(k);
+    if k == 0 {
+        applied.torque::<L, D>(of_k)
+    } else if k == 1 || all_orders {
+        let before = times_unit::<R, L, D>(c.order(k - 1), unit);
+        applied.torque_of_order::<L, D>(c.order(0), of_k, &before)
+    } else {
+        applied.damped([R::splat(0.0); 3], rates(of_k))
+    }
+}
+
+/// The rates of a state, or of one order of it.
+#[inline(always)]
+fn rates<R: Real, const D: usize>(y: &[R; D]) -> [R; 3] {
+    [y[0], y[1], y[2]]
 }
 
 /// The directions among the coefficients of a state, times the unit of time; the other numbers have no meaning.
@@ -395,6 +495,8 @@ fn directions<R: Real, L: Layout, const D: usize>(c: &Coefficients<R, D>) -> [R;
 /// Coefficients beside those of the state.
 struct Beside<R: Real> {
     torques: VectorSeries<R>,
+    /// The torque of the impulse, under further forces.
+    impulse: VectorSeries<R>,
     further: TurnSeries<R>,
     /// Whether no order of the torque is skipped.
     all_orders: bool,
@@ -403,28 +505,51 @@ struct Beside<R: Real> {
 impl<R: Real> Beside<R> {
     #[inline(always)]
     fn new(all_orders: bool) -> Self {
-        let further = TurnSeries {
-            turn: VectorSeries::new(),
-            undamped: VectorSeries::new(),
-            gained: VectorSeries::new(),
+        Beside {
+            torques: VectorSeries::new(),
             impulse: VectorSeries::new(),
-            torques: Further::series(),
-        };
-        Beside { torques: VectorSeries::new(), further, all_orders }
+            further: TurnSeries::new(),
+            all_orders,
+        }
     }
 }
 
 /// Coefficients under further forces.
-pub(super) struct TurnSeries<R: Real> {
+struct TurnSeries<R: Real> {
     /// The turn of the frame by the dissipation.
-    pub(super) turn: VectorSeries<R>,
-    /// The rates of change of the rates without the dissipation, and what the dissipation adds.
-    pub(super) undamped: VectorSeries<R>,
-    pub(super) gained: VectorSeries<R>,
-    /// The torque of the impulse.
-    impulse: VectorSeries<R>,
+    turn: VectorSeries<R>,
     /// Those of the forces.
-    pub(super) torques: FurtherSeries<R>,
+    torques: FurtherSeries<R>,
+}
+
+impl<R: Real> TurnSeries<R> {
+    #[inline(always)]
+    fn new() -> Self {
+        TurnSeries { turn: VectorSeries::new(), torques: Further::series() }
+    }
+}
+
+/// Coefficients under further forces, with their changes by a deviation vector. They are no part of `Beside`, so that
+/// motions without one have no memory for them.
+struct MovedSeries<R: Real> {
+    rows: Coefficients<Dual<R>, MOVED>,
+    /// The variables of the forces of the next order.
+    next: [Dual<R>; MOVED],
+    further: TurnSeries<Dual<R>>,
+    /// The angular velocity of the frame.
+    frames: VectorSeries<R>,
+}
+
+impl<R: Real> MovedSeries<R> {
+    #[inline(always)]
+    fn new() -> Self {
+        MovedSeries {
+            rows: Coefficients::new(),
+            next: [Dual::splat(0.0); MOVED],
+            further: TurnSeries::new(),
+            frames: VectorSeries::new(),
+        }
+    }
 }
 
 /// `a + b` and its rounding error (Knuth, TAOCP 2, §4.2.2).

@@ -7,7 +7,8 @@
 //!
 //! A forced body has a layout with a balance; the models contain no forces.
 
-use super::{Layout, Parameters, quaternion};
+use super::{Layout, Model, Parameters, quaternion};
+use crate::dual::Dual;
 use crate::forces::{
     ForcesInterval, MOST_STATES, ParameterChange, Returned, add_space_torque, attitude_of_stage, damp,
     unit_of_stage,
@@ -87,6 +88,29 @@ impl<R: Real> Applied<R> {
             *functions = functions.only(p.step.abs());
         }
         Applied { moments: p.moments, inverse: [one / i1, one / i2, one / i3], forces }
+    }
+
+    /// The constants with the change of the parameters.
+    #[inline(always)]
+    pub fn varied(&self) -> Applied<Dual<R>> {
+        let mut forces = ForcesInterval::none();
+        let ForcesInterval { body: [body, slope], space, damping, further, change, .. } = &self.forces;
+        let none = [R::splat(0.0); 3];
+        forces.body = [Dual::of(body, &change.torque), Dual::of(slope, &none)];
+        forces.space = [Dual::of(&space[0], &none), Dual::of(&space[1], &none)];
+        forces.damping = Dual::of(damping, &change.damping);
+        forces.further = further.varied(&change.further);
+        Applied {
+            moments: Dual::of(&self.moments, &change.moments),
+            inverse: Dual::quotients(&self.inverse, none, &change.moments, &self.inverse),
+            forces,
+        }
+    }
+
+    /// The model with the change of the parameters.
+    #[inline(always)]
+    pub fn varied_model<M: Model<R>>(&self, model: &M) -> M::Varied {
+        model.varied(&self.forces.change, &self.inverse)
     }
 
     /// Torque and damping.

@@ -1,6 +1,8 @@
 //! The free body: I omega' = (I omega) x omega (Euler 1758).
 
 use super::{ConservedMomentum, Model, Parameters, Scene, TOP};
+use crate::dual::Dual;
+use crate::forces::ParameterChange;
 use crate::kinematics::dot;
 use crate::real::Real;
 
@@ -23,11 +25,17 @@ pub struct Free<R> {
 
 impl<R: Real> Model<R> for Free<R> {
     const HEAVY: bool = false;
+    type Varied = Free<Dual<R>>;
 
     #[inline(always)]
     fn new(p: &Parameters<R>) -> Self {
         let [i1, i2, i3] = p.moments;
         Free { ratios: [(i2 - i3) / i1, (i3 - i1) / i2, (i1 - i2) / i3] }
+    }
+    #[inline(always)]
+    fn varied(&self, by: &ParameterChange<R>, inverse: &[R; 3]) -> Free<Dual<R>> {
+        let [d1, d2, d3] = by.moments;
+        Free { ratios: Dual::quotients(&self.ratios, [d2 - d3, d3 - d1, d1 - d2], &by.moments, inverse) }
     }
     #[inline(always)]
     fn euler<const D: usize>(&self, products: &[R; 3], _y: &[R; D]) -> [R; 3] {

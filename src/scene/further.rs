@@ -3,22 +3,26 @@
 //! The angular momentum is `L = I omega + h`, with that of the rotor. The frame of the body turns with `omega + e`,
 //! `e` the turn by the dissipation; in space L changes by the torques alone.
 //!
-//! A deviation vector of rates d and rotation vector x changes a torque by its derivative, `e` by a change `f` that
-//! follows from the change of the rates without it, and turns with `d + f + x x (omega + e)`.
+//! A deviation vector of rates d and rotation vector x changes a direction n that is fixed in space by `n x x` in the body.
+//! Dual numbers take the changes through the equations; x turns with `d + f + x x (omega + e)`, f the change of `e`.
 
-use super::{Applied, Layout, Model, ROWS_LEN, Torques, in_rows};
-use crate::forces::{FurtherSeries, FurtherVaried, MOST_STATES, Order, Returned, Varied};
+use super::{Applied, FurtherFrame, Layout, Model, ROWS_LEN, Torques, in_rows};
+use crate::dual::Dual;
+use crate::forces::{FurtherSeries, MOST_STATES, Order, Returned};
 use crate::kinematics::{add_cross, cross, direction, dot, plus};
 use crate::real::Real;
 use crate::series::Coefficients;
+
+/// The layout of a motion whose numbers change by a deviation vector under further forces.
+pub type Moved = FurtherFrame;
+/// Length of its state.
+pub const MOVED: usize = Moved::LEN;
 
 /// The rates of change under further forces.
 #[derive(Clone, Copy)]
 pub struct FurtherRate<R> {
     /// Of the rates.
     pub omega: [R; 3],
-    /// Of the rates without the dissipation.
-    pub undamped: [R; 3],
     /// The turn of the frame of the body in addition to the rates.
     pub turn: [R; 3],
     /// Of the work and the impulse.
@@ -27,13 +31,17 @@ pub struct FurtherRate<R> {
     pub states: [R; MOST_STATES],
 }
 
-/// Rates, and their rates of change without the dissipation, of a state or of one order of it.
-#[derive(Clone, Copy)]
-pub struct Undamped<R> {
-    /// The rates.
-    pub omega: [R; 3],
-    /// Their rates of change.
-    pub rate: [R; 3],
+impl<R: Real> FurtherRate<Dual<R>> {
+    /// The rates without their changes.
+    #[inline(always)]
+    pub fn values(&self) -> FurtherRate<R> {
+        FurtherRate {
+            omega: Dual::values(&self.omega),
+            turn: Dual::values(&self.turn),
+            balance: Dual::values(&self.balance),
+            states: Dual::values(&self.states),
+        }
+    }
 }
 
 impl<R: Real> Applied<R> {
@@ -110,7 +118,7 @@ impl<R: Real> Applied<R> {
         }
         let mut rate = model.euler(&[omega[1] * omega[2], omega[2] * omega[0], omega[0] * omega[1]], y);
         self.add_over_moments(&with_rotor, &mut rate);
-        let (undamped, mut turn, mut power) = (rate, [R::splat(0.0); 3], torque);
+        let (mut turn, mut power) = ([R::splat(0.0); 3], torque);
         if acts {
             turn = self.turn(&rate);
             let by_turn = cross(&self.whole_momentum(&omega), &turn);
@@ -125,75 +133,21 @@ impl<R: Real> Applied<R> {
             dot(&with_rotor, &direction(y, 0))
         };
         // The rotor does no work.
-        FurtherRate { omega: rate, undamped, turn, balance: [dot(&power, &omega), impulse], states }
+        FurtherRate { omega: rate, turn, balance: [dot(&power, &omega), impulse], states }
     }
 
-    /// The change of the rates without the dissipation by a deviation vector with the change d of the rates, and by a
-    /// change of the parameters: from the changes by the products and the weight, and of the torques; linear.
+    /// A state with its change by the deviation vector.
     #[inline(always)]
-    pub fn varied_rate(&self, by_products: [R; 3], d: &[R; 3], torque: &[R; 3], y: &Undamped<R>) -> [R; 3] {
-        let change = &self.forces.change;
-        let mut gained = self.forces.further.rotor.across(d);
-        add_cross(&change.further.rotor.0, &y.omega, &mut gained);
-        for i in 0..3 {
-            gained[i] = change.moments[i].fnma(y.rate[i], gained[i] + torque[i]);
+    pub fn moved<L: Layout, const D: usize>(&self, y: &[R; D]) -> [Dual<R>; MOVED] {
+        let mut axes = [[R::splat(0.0); 3]; 3];
+        add_turned_axes::<R, L, D>(y, y, &mut axes);
+        let mut own = [Dual::constant(y[0]); MOVED];
+        for d in 0..L::OWN {
+            own[Moved::OWN_AT + d] = Dual::constant(y[L::OWN_AT + d]);
         }
-        let gained = self.over_moments(&gained);
-        plus(&by_products, &gained)
-    }
-
-    /// The change of the turn of the frame, from the change of the rates without the dissipation; linear.
-    #[inline(always)]
-    pub fn varied_turn(&self, varied_rate: &[R; 3], rate: &[R; 3], turn: &[R; 3]) -> [R; 3] {
-        let change = &self.forces.change;
-        let mut sum = self.forces.further.dissipation.times(varied_rate);
-        let by_numbers = change.further.dissipation.times(rate);
-        for i in 0..3 {
-            sum[i] = change.moments[i].fnma(turn[i], sum[i] + by_numbers[i]);
-        }
-        self.over_moments(&sum)
-    }
-
-    /// The change of the momentum by those of the moments and of the rates; linear in both.
-    #[inline(always)]
-    pub fn varied_momentum(&self, omega: &[R; 3], d: &[R; 3]) -> [R; 3] {
-        let (mut sum, moments) = (self.momentum(d), &self.forces.change.moments);
-        for i in 0..3 {
-            sum[i] = moments[i].fma(omega[i], sum[i]);
-        }
-        sum
-    }
-
-    /// The change of the further torques by the deviation vector in a state, and by a change of the parameters.
-    #[inline(always)]
-    pub fn add_varied_torques<L: Layout, const D: usize>(&self, y: &[R; D], torque: &mut [R; 3]) {
         let (further, by) = (&self.forces.further, &self.forces.change.further);
-        further.add_varied_torques::<D>(by, &self.varied::<L>(), y, L::OWN_AT, torque);
-    }
-
-    /// Adds the coefficient of order k of the change of all further torques; see [`Force::add_varied_order`].
-    ///
-    /// [`Force::add_varied_order`]: crate::forces::Force::add_varied_order
-    #[inline(always)]
-    pub fn add_varied_orders<L: Layout, const D: usize>(
-        &self,
-        c: &Coefficients<R, D>,
-        at: Order<R>,
-        series: (&mut FurtherSeries<R>, &mut FurtherVaried<R>),
-        torque: &mut [R; 3],
-    ) {
-        let (further, by) = (&self.forces.further, &self.forces.change.further);
-        further.add_varied_orders(by, &self.varied::<L>(), c, at, series, torque);
-    }
-
-    #[inline(always)]
-    fn varied<L: Layout>(&self) -> Varied<R> {
-        Varied {
-            moments: self.moments,
-            change: self.forces.change.moments,
-            time: L::TIME_AT,
-            tangent: L::TANGENT_AT,
-        }
+        further.vary(by, y[L::TIME_AT], Moved::OWN_AT, &mut own);
+        moved_by::<R, L, D>(y, &axes, own)
     }
 
     #[inline(always)]
@@ -225,4 +179,34 @@ impl<R: Real> Applied<R> {
             further.add_orders::<false, D>(&self.moments, c, at, series, next, torque);
         }
     }
+}
+
+/// Adds the changes of the space axes of one state by the rotation vector of another.
+#[inline(always)]
+pub fn add_turned_axes<R: Real, L: Layout, const D: usize>(y: &[R; D], by: &[R; D], axes: &mut [[R; 3]; 3]) {
+    let at = L::TANGENT_AT + 3;
+    for v in 0..3 {
+        add_cross(&direction(y, v), &[by[at], by[at + 1], by[at + 2]], &mut axes[v]);
+    }
+}
+
+/// A state with the change of the rates by its deviation vector, with these changes of the space axes, and with these
+/// variables of the forces.
+#[inline(always)]
+pub fn moved_by<R: Real, L: Layout, const D: usize>(
+    y: &[R; D],
+    axes: &[[R; 3]; 3],
+    own: [Dual<R>; MOVED],
+) -> [Dual<R>; MOVED] {
+    let mut moved = own;
+    for d in 0..L::TANGENT_AT {
+        moved[d] = Dual::constant(y[d]);
+    }
+    for i in 0..3 {
+        moved[i].slope = y[L::TANGENT_AT + i];
+        for v in 0..3 {
+            moved[3 + 3 * v + i].slope = axes[v][i];
+        }
+    }
+    moved
 }

@@ -8,7 +8,7 @@ mod top;
 
 pub use forced::{Applied, Torques};
 pub use free::{FREE, Free};
-pub use further::{FurtherRate, Undamped};
+pub use further::{FurtherRate, MOVED, Moved, add_turned_axes, moved_by};
 pub use layout::{
     Attitude, Axis, AxisAttitude, AxisSensitivity, AxisTangent, ForcedAxis, ForcedFrame, ForcedFrameTangent,
     ForcedRates, ForcedTurns, FunctionFrame, FunctionTurns, FurtherFrame, FurtherFrameTangent, FurtherRates,
@@ -17,7 +17,9 @@ pub use layout::{
 pub use top::{TOP, Top};
 
 use crate::body::Body;
+use crate::dual::Dual;
 use crate::error::Error;
+use crate::forces::ParameterChange;
 use crate::real::Real;
 
 /// All scenes, in the order in which they are listed to users.
@@ -103,8 +105,12 @@ pub struct Parameters<R> {
 pub trait Model<R: Real>: Copy {
     /// Whether there may be weight.
     const HEAVY: bool = true;
+    /// The model of numbers that change.
+    type Varied: Model<Dual<R>>;
     /// Constants of the equations of motion from the constants of the body.
     fn new(p: &Parameters<R>) -> Self;
+    /// The constants with their change by that of the parameters, from one over the moments.
+    fn varied(&self, by: &ParameterChange<R>, inverse: &[R; 3]) -> Self::Varied;
     /// Euler's equations from the products `w2 w3`, `w3 w1`, `w1 w2`. The equations are linear in the products and in
     /// the vertical, so Cauchy products and one order of the vertical give the same order of the rate of change.
     fn euler<const D: usize>(&self, products: &[R; 3], y: &[R; D]) -> [R; 3];

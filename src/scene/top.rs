@@ -2,6 +2,8 @@
 
 use super::{ConservedMomentum, Model, Parameters, Scene};
 use crate::body::Body;
+use crate::dual::Dual;
+use crate::forces::ParameterChange;
 use crate::kinematics::{cross, direction, dot, plus};
 use crate::real::Real;
 
@@ -31,6 +33,7 @@ pub struct Top<R> {
 }
 
 impl<R: Real> Model<R> for Top<R> {
+    type Varied = Top<Dual<R>>;
     #[inline(always)]
     fn new(p: &Parameters<R>) -> Self {
         let [i1, i2, i3] = p.moments;
@@ -39,6 +42,16 @@ impl<R: Real> Model<R> for Top<R> {
             ratios: [(i2 - i3) / i1, (i3 - i1) / i2, (i1 - i2) / i3],
             plus: [c3 / i1, c1 / i2, c2 / i3],
             minus: [c2 / i1, c3 / i2, c1 / i3],
+        }
+    }
+    #[inline(always)]
+    fn varied(&self, by: &ParameterChange<R>, inverse: &[R; 3]) -> Top<Dual<R>> {
+        let (moments, [c1, c2, c3]) = (&by.moments, by.weight);
+        let [d1, d2, d3] = *moments;
+        Top {
+            ratios: Dual::quotients(&self.ratios, [d2 - d3, d3 - d1, d1 - d2], moments, inverse),
+            plus: Dual::quotients(&self.plus, [c3, c1, c2], moments, inverse),
+            minus: Dual::quotients(&self.minus, [c2, c3, c1], moments, inverse),
         }
     }
     #[inline(always)]

@@ -1,4 +1,4 @@
-//! Jacobi's elliptic functions and Legendre's complete integrals, from the complementary parameter mc = 1 - m.
+//! Jacobi's elliptic functions and their quarter period, from the complementary parameter mc = 1 - m.
 //!
 //! The functions depend on mc, because near the separatrix mc is known and 1 - m is not.
 
