@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 import tomllib
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from functools import partial
 from importlib import resources
 from inspect import Parameter, signature
@@ -122,28 +122,17 @@ def _change(document: dict[str, Any], change: str) -> None:
         document[last] = value.strip()
 
 
-class Table:
+class Table(dict[str, Any]):
     """A table of a file; errors name the file, the table and the key."""
 
-    __slots__ = ("_file", "_name", "_values")
+    __slots__ = ("_file", "_name")
 
     def __init__(self, file: str, name: str, values: Mapping[str, Any]) -> None:
-        self._file, self._name, self._values = file, name, values
+        super().__init__(values)
+        self._file, self._name = file, name
 
-    def __contains__(self, key: str) -> bool:
-        return key in self._values
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._values)
-
-    def __getitem__(self, key: str) -> Any:
-        if key not in self._values:
-            raise self.error(f"needs the key {key!r}")
-        return self._values[key]
-
-    def get(self, key: str, default: Any) -> Any:
-        """The value of a key, or a default."""
-        return self._values.get(key, default)
+    def __missing__(self, key: str) -> Any:
+        raise self.error(f"needs the key {key!r}")
 
     def error(self, message: str) -> SpecError:
         """The error with the location of the table before its message."""
@@ -154,9 +143,9 @@ class Table:
 
     def only(self, *known: str) -> None:
         """Raise for a key that is not known."""
-        for key in self._values:
+        for key in self:
             if key not in known:
-                tables = self._values.items()
+                tables = self.items()
                 below = [name for name, one in tables if isinstance(one, Mapping) and key in one]
                 hint = f"; did you mean '{below[0]}.{key}'?" if below else of_known(key, known)
                 raise self.error(f"unknown key {key!r}{hint}")

@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 from .._checks.extras import install_extra
 from .._files import synchronise
 from ..solve.columns import as_dataset
-from .counts import GROWTH
-from .data import COLUMNS, STATUS, MapData
+from .data import COLUMNS, GROWTH, STATUS, MapData
 from .measured import NUMBERS
 from .refine import refined
 

@@ -19,8 +19,7 @@ from .._checks.arguments import one_line
 from .._checks.inputs import described
 from ..solve.archive import Archive, DamageError, FileError, ForeignError, write_archive
 from .axes import MOST_AXES, axis_letter
-from .counts import check_counts
-from .data import CLASSES, STORED, MapData
+from .data import CLASSES, STORED, MapData, check_counts
 from .measured import BIN
 from .spec import MapSpec
 

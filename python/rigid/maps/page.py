@@ -262,55 +262,52 @@ def drawn_edges(axis: Axis, geometric: bool) -> NDArray[np.float64]:
 
 def _layers(data: MapData) -> list[dict[str, Any]]:
     """The quantities to draw, with the ranges of their colours; empty ones are omitted."""
-    done = np.where(data.samples > 0, data.samples, np.nan).astype(np.float64)
-    is_regular = isinstance(data.spec.stable, Regular)
-    shares: dict[str, tuple[str, ArrayLike]] = {
-        "share": ("share regular" if is_regular else "share stable", data.filled),
-        "lower": ("lower end of the 95 % interval", data.lower),
-        "upper": ("upper end of the 95 % interval", data.upper),
-        "undecided": ("share undecided", data.undecided / done),
-        "failed": ("share failed", data.failed / done),
-    }
-    first = "a body was found chaotic" if is_regular else "a body left"
-    clock = data.spec.clock
-    time, per_time = clock.shown("s"), clock.shown("1/s")
-    values: dict[str, tuple[str, ArrayLike, bool]] = {
-        "earliest": (
-            f"earliest time at which {first} ({time[0]})",
-            time[1] * data.earliest,
-            False,
-        ),
-        "energy_drift": ("worst drift of the energy", data.energy_drift, True),
-        "momentum_drift": ("worst drift of the momentum", data.momentum_drift, True),
-        "unit_drift": ("worst drift of unit lengths", data.unit_drift, True),
-    }
-    if is_regular:
-        for name, words in (("exponent", "mean"), ("largest_exponent", "largest")):
-            array = per_time[1] * getattr(data, name)
-            values[name] = (f"{words} exponent ({per_time[0]})", array, False)
-        values["mean_megno"] = ("mean MEGNO", data.mean_megno, False)
-    for name, measured in data.measures.items():
-        shown, factor = clock.shown(measured.measure.unit)
-        unit = "" if shown == "1" else f" ({shown})"
-        for of in ("mean", "least", "largest"):
-            label = f"{measured.measure.words}{unit}, {of} of the pixel"
-            values[f"{name}.{of}"] = (label, factor * getattr(measured, of), False)
-    layers = [
-        {"name": name, "label": label, "low": 0.0, "high": 1.0, "log": False}
-        | {"data": packed(np.asarray(array), np.float32)}
-        for name, (label, array) in shares.items()
-    ]
-    for name, (label, given, log) in values.items():
-        array = np.array(given, dtype=np.float64)
+    layers: list[dict[str, Any]] = []
+
+    def add(
+        name: str,
+        label: str,
+        given: ArrayLike,
+        *,
+        unit: str = "1",
+        log: bool = False,
+        ends: tuple[float, float] | None = None,
+    ) -> None:
+        """Add a layer; ``{}`` in its label is the place of the unit."""
+        shown, factor = data.spec.clock.shown(unit)
+        array = factor * np.array(given, dtype=np.float64)
         array[~np.isfinite(array) | (log & (array <= 0.0))] = np.nan
         known = array[np.isfinite(array)]
-        if not known.size:
-            continue
-        low, high = float(known.min()), float(known.max())
-        layers.append(
-            {"name": name, "label": label, "low": low, "high": high, "log": log}
-            | {"data": packed(array, np.float32)}
-        )
+        if not known.size and ends is None:
+            return
+        low, high = ends or (float(known.min()), float(known.max()))
+        label = label.format("" if shown == "1" else f" ({shown})")
+        layer = {"name": name, "label": label, "low": low, "high": high, "log": log}
+        layers.append({**layer, "data": packed(array, np.float32)})
+
+    done = np.where(data.samples > 0, data.samples, np.nan).astype(np.float64)
+    is_regular = isinstance(data.spec.stable, Regular)
+    for name, label, share in (
+        ("share", "share regular" if is_regular else "share stable", data.filled),
+        ("lower", "lower end of the 95 % interval", data.lower),
+        ("upper", "upper end of the 95 % interval", data.upper),
+        ("undecided", "share undecided", data.undecided / done),
+        ("failed", "share failed", data.failed / done),
+    ):
+        add(name, label, share, ends=(0.0, 1.0))
+    first = "a body was found chaotic" if is_regular else "a body left"
+    add("earliest", f"earliest time at which {first}{{}}", data.earliest, unit="s")
+    add("energy_drift", "worst drift of the energy", data.energy_drift, log=True)
+    add("momentum_drift", "worst drift of the momentum", data.momentum_drift, log=True)
+    add("unit_drift", "worst drift of unit lengths", data.unit_drift, log=True)
+    if is_regular:
+        add("exponent", "mean exponent{}", data.exponent, unit="1/s")
+        add("largest_exponent", "largest exponent{}", data.largest_exponent, unit="1/s")
+        add("mean_megno", "mean MEGNO", data.mean_megno)
+    for name, measured in data.measures.items():
+        for of in ("mean", "least", "largest"):
+            label = f"{measured.measure.words}{{}}, {of} of the pixel"
+            add(f"{name}.{of}", label, getattr(measured, of), unit=measured.measure.unit)
     return layers
 
 

@@ -77,14 +77,6 @@ class View:
     index: tuple[int | slice, ...]
     at: Mapping[int, int]
     axes: tuple[Axis, ...]
-    share: Floats
-    filled: Floats
-    lower: Floats
-    upper: Floats
-    status: NDArray[np.uint8]
-    samples: NDArray[np.int64]
-    failed: NDArray[np.int64]
-    undecided: NDArray[np.int64]
     theory: Theory | None
 
     @classmethod
@@ -95,20 +87,13 @@ class View:
         if theory is not None:
             curves = tuple(replace(one, field=one.field[index]) for one in theory.curves)
             theory = Theory(theory.label, theory.share[index], curves)
-        return cls(
-            data=data,
-            index=index,
-            at=at,
-            axes=tuple(axis for k, axis in enumerate(axes) if k not in at),
-            theory=theory,
-            **{name: getattr(data, name)[index] for name in _DRAWN},
-        )
+        free = tuple(axis for k, axis in enumerate(axes) if k not in at)
+        return cls(data=data, index=index, at=at, axes=free, theory=theory)
 
-
-_DRAWN = (
-    *("share", "filled", "lower", "upper"),
-    *("status", "samples", "failed", "undecided"),
-)
+    def __getitem__(self, name: str) -> NDArray[Any]:
+        """The drawn part of an array of the map."""
+        part: NDArray[Any] = getattr(self.data, name)[self.index]
+        return part
 
 
 def plot_map(
@@ -367,7 +352,7 @@ def _plane(view: View, ax: Axes, *, named: bool = True) -> tuple[Any, list[Any]]
     _set_scale(ax, "y", y)
     shares = colormaps[colours.SHARE_MAP].with_extremes(bad=colours.SURFACE)
     mesh = ax.pcolormesh(
-        *edges, np.ma.masked_invalid(view.filled), cmap=shares, vmin=0, vmax=1, rasterized=True
+        *edges, np.ma.masked_invalid(view["filled"]), cmap=shares, vmin=0, vmax=1, rasterized=True
     )
     handles = _hatch(view, ax, *edges)
     return mesh, handles + _draw_curves(view, ax, named=named)
@@ -409,7 +394,7 @@ def fine_curves(view: View) -> tuple[tuple[Axis, ...], tuple[Curve, ...]]:
         return view.axes, ()
     if spec.own is not None or min(len(axis.values) for axis in view.axes) < 2:
         return view.axes, view.theory.curves  # a function of the user is called for pixels only
-    steps = min(FINER, max(math.isqrt(FINEST // view.share.size), 1))
+    steps = min(FINER, max(math.isqrt(FINEST // view["share"].size), 1))
     axes = tuple(
         replace(axis, values=(axis.values[view.at[k]],) if k in view.at else _finer(axis, steps))
         for k, axis in enumerate(spec.axes)
@@ -480,9 +465,11 @@ def _draw_line(view: View, ax: Axes) -> list[Any]:
     values = np.array(axis.values)
     edges = cell_edges(axis)
     blue, black = (on_ground(ax, colours.HUES[name]) for name in ("blue", "black"))
-    band = ax.fill_between(values, view.lower, view.upper, color=blue, alpha=0.25, linewidth=0.0)
+    band = ax.fill_between(
+        values, view["lower"], view["upper"], color=blue, alpha=0.25, linewidth=0.0
+    )
     band.set_label("95 % interval")
-    (line,) = ax.plot(values, view.share, color=blue, marker=".", label="share")
+    (line,) = ax.plot(values, view["share"], color=blue, marker=".", label="share")
     handles: list[Any] = [line, band]
     if view.theory:
         handles += ax.plot(values, view.theory.share, "--", color=black, lw=1.2, label="theory")
@@ -497,12 +484,12 @@ def _hatch(view: View, ax: Axes, x: NDArray[np.float64], y: NDArray[np.float64])
     from matplotlib.patches import PathPatch
     from matplotlib.path import Path
 
-    impossible = view.status != 0
+    impossible = view["status"] != 0
     marked = (
         impossible,
-        ~impossible & (view.samples == 0),
-        view.failed > UNDECIDED * view.samples,
-        view.undecided > UNDECIDED * view.samples,
+        ~impossible & (view["samples"] == 0),
+        view["failed"] > UNDECIDED * view["samples"],
+        view["undecided"] > UNDECIDED * view["samples"],
     )
     handles = []
     for (label, face, strokes, hatch), cells in zip(_HATCHED, marked, strict=True):

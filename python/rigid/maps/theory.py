@@ -46,6 +46,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -57,7 +58,6 @@ from ..model.forces import FORCES
 from ..model.scene import FreeBody, HeavyTop
 from ..model.start import Noise, Start
 from .data import MapData
-from .grid import Pixels
 from .moons import attitude_resonances, spin_orbit_resonances
 from .satellites import NORMAL_REACH, RAYLEIGH_HALF, flat_spin, on_orbit
 from .spec import MapSpec
@@ -124,7 +124,7 @@ def predict(spec: MapSpec) -> Theory | None:
     if len(spec.parts) > 1:
         return _of_parts(spec)
     with np.errstate(all="ignore"):  # impossible and degenerate pixels end as NaN
-        predictors = [_free_no_flip, _symmetric_top, _falling_top, _satellite, _moon]
+        predictors = [_free_no_flip, _symmetric_top, _satellite, _moon]
         varied = {axis.parameter.place for axis in spec.axes}
         if spec.own is not None or not varied.isdisjoint({"torque", *FORCES}):
             # Satellites and tops read the scene of all pixels.
@@ -354,103 +354,95 @@ _erf = np.vectorize(math.erf, otypes=[np.float64])
 # Heavy symmetric top
 
 
+class _Top(NamedTuple):
+    """Symmetric tops that are released at rest in all but their spin, one for each pixel."""
+
+    mgl: Floats
+    cross: Floats
+    axial: Floats
+    spin: Floats
+    size: Floats
+    limit: float
+    symmetric: Flags
+    known: Flags
+
+
 def _symmetric_top(spec: MapSpec) -> Theory | None:
-    scene, stable, start, grid = spec.scene, spec.stable, _first(spec), spec.grid
-    if spec.forces or not isinstance(scene, HeavyTop) or not isinstance(stable, TiltBelow):
-        return None
-    mgl, axis = _mgl(grid), start.axis
-    along = np.zeros(3)
-    along[axis - 1] = 1.0
-    noise = start.attitude_noise
-    if (
-        stable.reference != "vertical"
-        or stable.axis != axis
-        or tuple(along) != tuple(scene.com)
-        or start.attitude is not None
-        or start.noise is not None
-        or (noise is not None and not noise.is_plain_normal)
-    ):
-        return None
-    cross = grid.moments[:, axis - 2]
-    axial = grid.moments[:, axis - 1]
-    spin = grid.omega[:, axis - 1]
-    about_axis = np.abs(grid.omega).sum(axis=1) == np.abs(spin)
-    symmetric = grid.possible & (cross == grid.moments[:, axis - 3])
-    known = symmetric & about_axis
-    size = grid.attitude_size[:, 0]
-    known &= (grid.attitude_size == size[:, np.newaxis]).all(axis=1)
-    known &= (grid.tilt == 0.0) | (size == 0.0)
-    known &= (grid.tilt != 0.0) | (size > 0.0)
-
-    momentum = (axial * spin) ** 2
-    bound = 4.0 * mgl * cross
-    critical = np.maximum(
-        _nutation_bound(momentum, mgl * cross, stable.angle),
-        _horizon_bound(momentum, mgl, cross, stable.angle, spec.t_end),
-    )
-    chance = -np.expm1(-0.5 * (critical / size) ** 2)
-    share = np.where(size > 0.0, chance, np.abs(grid.tilt) < critical)
-    share = np.where(known, share, np.nan)
-    sleeping = np.where(symmetric, np.abs(axial * spin) / np.sqrt(bound) - 1.0, np.nan)
-    curves = {"sleeping-top bound $\\omega_3 = 2\\sqrt{mgl\\,I_1}/I_3$": sleeping}
-    released = np.where(size > 0.0, RAYLEIGH_HALF * size, np.abs(grid.tilt))
-    verb = "passes" if noise is None else "half pass"
-    name = f"{verb} {angle_words(stable.angle)} by {spec.horizon}"
-    curves[name] = np.where(known, critical - released, np.nan)
-    label = f"nutation of a symmetric top released at rest, until {spec.horizon}"
-    return _theory(spec, label, share, curves)
-
-
-def _falling_top(spec: MapSpec) -> Theory | None:
     scene, stable, start, grid = spec.scene, spec.stable, _first(spec), spec.grid
     noise = start.attitude_noise
     if (
         not isinstance(scene, HeavyTop)
         or not isinstance(stable, TiltBelow)
-        or scene.torque is not None
-        or "damping" not in spec.forces
         or stable.reference != "vertical"
         or stable.axis != start.axis
         or tuple(scene.com) != tuple(np.eye(3)[start.axis - 1])
         or start.attitude is not None
         or start.noise is not None
-        or noise is None
-        or not noise.is_plain_normal
+        or (noise is not None and not noise.is_plain_normal)
     ):
         return None
-    mgl, k = _mgl(grid), start.axis - 1
-    cross, axial = grid.moments[:, k - 1], grid.moments[:, k]
-    c = grid.damping[:, k, k]
-    others = grid.damping
-    others[:, k, k] = 0.0
-    spin = grid.omega[:, k]
-    known = grid.possible & (cross == grid.moments[:, k - 2]) & (grid.tilt == 0.0)
-    known &= ~others.any(axis=(1, 2)) & (np.abs(grid.omega).sum(axis=1) == np.abs(spin))
-    size = grid.attitude_size[:, 0]
+    assert isinstance(grid.scene, HeavyTop)
+    k = start.axis - 1
+    cross, spin, size = grid.moments[:, k - 1], grid.omega[:, k], grid.attitude_size[:, 0]
+    symmetric = grid.possible & (cross == grid.moments[:, k - 2])
+    known = symmetric & (np.abs(grid.omega).sum(axis=1) == np.abs(spin))
     known &= (grid.attitude_size == size[:, np.newaxis]).all(axis=1)
+    mgl, axial = np.broadcast_to(grid.scene.mgl, len(cross)), grid.moments[:, k]
+    top = _Top(mgl, cross, axial, spin, size, stable.angle, symmetric, known)
+    if not spec.forces:
+        return _nutation(spec, top)
+    is_falling = scene.torque is None and "damping" in spec.forces and noise is not None
+    return _fall(spec, top, k) if is_falling else None
+
+
+def _nutation(spec: MapSpec, top: _Top) -> Theory:
+    mgl, cross, axial, spin, size, limit, symmetric, known = top
+    tilt = np.abs(spec.grid.tilt)
+    known &= (tilt == 0.0) | (size == 0.0)
+    known &= (tilt != 0.0) | (size > 0.0)
+    momentum = (axial * spin) ** 2
+    bound = 4.0 * mgl * cross
+    critical = np.maximum(
+        _nutation_bound(momentum, mgl * cross, limit),
+        _horizon_bound(momentum, mgl, cross, limit, spec.t_end),
+    )
+    chance = -np.expm1(-0.5 * (critical / size) ** 2)
+    share = np.where(size > 0.0, chance, tilt < critical)
+    share = np.where(known, share, np.nan)
+    sleeping = np.where(symmetric, np.abs(axial * spin) / np.sqrt(bound) - 1.0, np.nan)
+    curves = {"sleeping-top bound $\\omega_3 = 2\\sqrt{mgl\\,I_1}/I_3$": sleeping}
+    released = np.where(size > 0.0, RAYLEIGH_HALF * size, tilt)
+    verb = "passes" if _first(spec).attitude_noise is None else "half pass"
+    name = f"{verb} {angle_words(limit)} by {spec.horizon}"
+    curves[name] = np.where(known, critical - released, np.nan)
+    label = f"nutation of a symmetric top released at rest, until {spec.horizon}"
+    return _theory(spec, label, share, curves)
+
+
+def _fall(spec: MapSpec, top: _Top, k: int) -> Theory:
+    """Of tops whose spin about axis ``k`` is damped."""
+    mgl, cross, axial, spin, size, limit, _, known = top
+    others = spec.grid.damping
+    c = others[:, k, k].copy()
+    others[:, k, k] = 0.0
+    known &= (spec.grid.tilt == 0.0) & ~others.any(axis=(1, 2))
     bound = np.log(np.abs(axial * spin) / (2.0 * np.sqrt(mgl * cross))) * axial / c
-    lag = falling_lag(mgl, cross, axial, c, stable.angle / (1e-3 * size))
+    lag = falling_lag(mgl, cross, axial, c, limit / (1e-3 * size))
     # A tilt of a thousandth of the noise or less is drawn once in two million samples.
     share = np.where(spec.t_end < bound, 1.0, np.nan)
     share = np.where(spec.t_end > np.maximum(bound, 0.0) + 2.0 * lag, 0.0, share)
     # Nutation before the bound: the noise must be far below the limit.
-    share = np.where(known & (6.0 * size < stable.angle), share, np.nan)
-    half = falling_lag(mgl, cross, axial, c, stable.angle / (RAYLEIGH_HALF * size))
-    until, limit = spec.horizon, angle_words(stable.angle)
+    share = np.where(known & (6.0 * size < limit), share, np.nan)
+    half = falling_lag(mgl, cross, axial, c, limit / (RAYLEIGH_HALF * size))
+    until, angle = spec.horizon, angle_words(limit)
     bound = np.where(known, bound, np.nan)  # the lines too are of symmetric tops
     curves = {
         "onset of the fall $\\omega_3(t) = 2\\sqrt{mgl\\,I_1}/I_3$": bound / spec.t_end - 1.0,
-        f"about half pass {limit} by {until}": (bound + half) / spec.t_end - 1.0,
+        f"about half pass {angle} by {until}": (bound + half) / spec.t_end - 1.0,
     }
     words = "no fall before the onset, all fallen two lags later"
     label = f"quasi-static spin-down until {until} ({words})"
     return _theory(spec, label, share, curves)
-
-
-def _mgl(grid: Pixels) -> Floats:
-    """``mgl`` of the top of each pixel (J)."""
-    assert isinstance(grid.scene, HeavyTop)
-    return np.broadcast_to(grid.scene.mgl, len(grid.moments))
 
 
 def falling_lag(mgl: Floats, cross: Floats, axial: Floats, c: Floats, growth: Floats) -> Floats:

@@ -16,8 +16,7 @@ from .._checks.arguments import brief, positive_int, resolve_threads
 from .._checks.progress import ProgressOption
 from .._files import MAP, require_ending
 from ..drawing.figure import html_with_picture
-from ..maps.counts import counted
-from ..maps.data import CLASSES, MapData
+from ..maps.data import CLASSES, MapData, counted
 from ..maps.dataset import map_dataset, map_table, write_zarr
 from ..maps.file import read_map, write_map
 from ..maps.plan import map_plan
