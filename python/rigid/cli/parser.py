@@ -6,7 +6,7 @@ import argparse
 import re
 from collections.abc import Callable, Mapping
 from functools import partial
-from typing import NoReturn
+from typing import Any, NoReturn
 
 from .._checks.arguments import nearest, of_known, one_of
 from .._checks.shown import WIDTH, wrapped
@@ -140,108 +140,86 @@ def make_parser() -> Parser:
 
     map_ = command("map", "compute a stability map, write a picture and the data")
     _source(map_, "map", "a built-in map, a TOML file, or a saved map (.npz) to compute again")
-    map_.add_argument(
-        "--check",
-        action="store_true",
-        help="check the file, tell the plan, the cost and what would be written; compute nothing",
-    )
-    map_.add_argument("--samples", type=int, metavar="N", help="bodies per pixel")
+    checks = "check the file, tell the plan, the cost and what would be written; compute nothing"
+    _argument(map_, "--check", checks)
+    _argument(map_, "--samples N", "bodies per pixel", int)
     _threads(map_)
     _files(map_, ".npz", "./NAME")
-    map_.add_argument("--seed", type=int, metavar="N", help="key of the random numbers")
+    _argument(map_, "--seed N", "key of the random numbers", int)
     _shown(map_)
-    map_.add_argument(
-        "--half-width",
-        type=float,
-        metavar="W",
-        help="instead of --samples: add bodies until each share is known to within W",
+    narrows = "instead of --samples: add bodies until each share is known to within W"
+    _argument(map_, "--half-width W", narrows, float)
+    refines = "compute every K-th pixel first, then the pixels between different shares"
+    _argument(map_, "--refine K", refines, int)
+    draws = (
+        "what the picture shows: share, cost, a measure such as 'mean of flips', or the "
+        "exponent of a map of chaos"
     )
-    map_.add_argument(
-        "--refine",
-        type=int,
-        metavar="K",
-        help="compute every K-th pixel first, then the pixels between different shares",
-    )
-    map_.add_argument(
-        "--what",
-        metavar="TEXT",
-        default="share",
-        help="what the picture shows: share, cost, a measure such as 'mean of flips', or the "
-        "exponent of a map of chaos",
-    )
-    map_.add_argument("--budget", type=int, metavar="N", help="most bodies of the map")
-    map_.add_argument(
-        "--store",
-        metavar="DIR",
-        help="keep the results in this folder; the same command goes on after an interruption",
-    )
+    _argument(map_, "--what TEXT", draws, default="share")
+    _argument(map_, "--budget N", "most bodies of the map", int)
+    keeps = "keep the results in this folder; the same command goes on after an interruption"
+    _argument(map_, "--store DIR", keeps)
     _parts(map_, "; needs --store")
+
     _running_maps(command)
+
     explore = command("explore", "write a page to explore a computed map in a browser")
-    explore.add_argument("map", metavar="FILE.npz", help="a saved map, which rigid map writes")
-    explore.add_argument("--out", metavar="FILE.html", help="the page (default: FILE.html)")
-    explore.add_argument(
-        "--samples", type=int, metavar="N", help="how many bodies of each pixel the page shows"
-    )
+    _argument(explore, "map FILE.npz", "a saved map, which rigid map writes")
+    _argument(explore, "--out FILE.html", "the page (default: FILE.html)")
+    _argument(explore, "--samples N", "how many bodies of each pixel the page shows", int)
     _threads(explore)
-    explore.add_argument("--force", action="store_true", help="replace an existing file")
+    _argument(explore, "--force", "replace an existing file")
+
     _json(command("maps", "list the built-in maps"))
 
     section = command("section", "compute a Poincaré section, write a picture and the data")
     _source(section, "section", "a built-in section or a TOML file")
-    section.add_argument("--bodies", type=int, metavar="N", help="number of motions")
+    _argument(section, "--bodies N", "number of motions", int)
     _threads(section)
     _files(section, ".npz", "./NAME")
-    section.add_argument("--seed", type=int, metavar="N", help="key of the random starts")
+    _argument(section, "--seed N", "key of the random starts", int)
     _shown(section)
+
     _json(command("sections", "list the built-in sections"))
 
     report = command(
         "report", "measure error against run time of all methods, after a short or a long run"
     )
     _source(report, "report", "a built-in report or a TOML file")
-    report.add_argument(
-        "--long",
-        action="store_true",
-        help="errors of energy, momentum and phase over 1e3 to 1e6 revolutions instead",
-    )
-    report.add_argument(
-        "--seconds",
-        type=float,
-        metavar="S",
-        help=f"seconds to measure (default: {SECONDS:g}, with --long {LONG_SECONDS:g})",
-    )
-    report.add_argument(
-        "--method", action="append", metavar="NAME", help="only this method; may be repeated"
-    )
+    lasts = "errors of energy, momentum and phase over 1e3 to 1e6 revolutions instead"
+    _argument(report, "--long", lasts)
+    measures = f"seconds to measure (default: {SECONDS:g}, with --long {LONG_SECONDS:g})"
+    _argument(report, "--seconds S", measures, float)
+    _argument(report, "--method NAME", "only this method; may be repeated", action="append")
     _files(report, ".json", "./report-NAME")
     _shown(report)
+
     _json(command("reports", "list the built-in reports"))
 
     worst = command("extremes", "run extreme and stiff bodies by every method")
-    worst.add_argument(
-        "family", nargs="?", metavar="FAMILY", help="only this family, such as needle"
-    )
-    worst.add_argument("--method", metavar="NAME", help="only this method")
+    _argument(worst, "family FAMILY", "only this family, such as needle", nargs="?")
+    _argument(worst, "--method NAME", "only this method")
     _shown(worst)
 
     literature = command("validation", "compute numbers of the literature, and compare")
-    literature.add_argument("names", nargs="*", metavar="NAME", help="only these entries")
+    _argument(literature, "names NAME", "only these entries", nargs="*")
     _shown(literature)
 
     new = command("new", "write a specification to change, as a commented TOML file")
     new.add_argument("kind", choices=("map", "section", "report"), help="what the file specifies")
-    new.add_argument("file", nargs="?", metavar="FILE.toml", help="default: my-map.toml, and so on")
-    new.add_argument("--like", metavar="NAME", help="the built-in specification to copy")
-    new.add_argument("--force", action="store_true", help="replace an existing file")
+    _argument(new, "file FILE.toml", "default: my-map.toml, and so on", nargs="?")
+    _argument(new, "--like NAME", "the built-in specification to copy")
+    _argument(new, "--force", "replace an existing file")
 
     written = command("tutorials", "write the tutorials as notebooks of Jupyter")
-    written.add_argument("folder", metavar="DIR", help="a folder, made if there is none")
-    written.add_argument("--force", action="store_true", help="replace existing files")
+    _argument(written, "folder DIR", "a folder, made if there is none")
+    _argument(written, "--force", "replace existing files")
 
     _json(command("info", "describe this build: version, instruction set, threads"))
+
     topic = command("help", "explain a command, or the exit codes")
-    topic.add_argument("topic", nargs="?", metavar="TOPIC", help=f"a command, or {CODES}")
+    _argument(topic, "topic TOPIC", f"a command, or {CODES}", nargs="?")
+
     groups = [
         "\n".join([f"{title}:", *(lines[name] for name in names)])
         for title, names in GROUPS.items()
@@ -269,92 +247,93 @@ def help_on(parser: Parser, topic: str | None) -> str:
 def _running_maps(command: Callable[[str, str], argparse.ArgumentParser]) -> None:
     """The commands that work on stores."""
     resume = command("resume", "go on with a running map")
-    resume.add_argument("store", metavar="DIR", help=_FOLDER)
+    _argument(resume, "store DIR", _FOLDER)
     _threads(resume)
     _files(resume, ".npz", "DIR without its suffix")
     _shown(resume)
     _parts(resume, "")
+
     status = command("status", "tell what a running map has and lacks")
-    status.add_argument("store", metavar="DIR", help=_FOLDER)
+    _argument(status, "store DIR", _FOLDER)
+
     merge = command("merge", "merge running maps of one specification")
-    merge.add_argument("stores", metavar="DIR", nargs="+", help="folders of running maps")
-    merge.add_argument("--into", required=True, metavar="DIR", help="a new folder, or one of these")
+    _argument(merge, "stores DIR", "folders of running maps", nargs="+")
+    _argument(merge, "--into DIR", "a new folder, or one of these", required=True)
+
     diff = command("diff", "tell how two maps differ")
-    diff.add_argument("one", metavar="A", help="a folder of a running map, or a saved map")
-    diff.add_argument("other", metavar="B", help="the map to compare with")
+    _argument(diff, "one A", "a folder of a running map, or a saved map")
+    _argument(diff, "other B", "the map to compare with")
+
     verify = command("verify", "compute stored numbers again, and compare")
-    verify.add_argument("map", metavar="X", help="a folder of a running map, or a saved map")
+    _argument(verify, "map X", "a folder of a running map, or a saved map")
     share = verify.add_mutually_exclusive_group()
-    share.add_argument(
-        "--share",
-        type=float,
-        default=0.01,
-        metavar="F",
-        help="share of the numbers, chosen at random (default: 0.01)",
-    )
-    share.add_argument(
-        "--all", dest="share", action="store_const", const=1.0, help="all numbers that are stored"
-    )
-    verify.add_argument("--seed", type=int, default=0, metavar="N", help="key of the random choice")
+    some = "share of the numbers, chosen at random (default: 0.01)"
+    _argument(share, "--share F", some, float, default=0.01)
+    _constant(share, "--all", "share", 1.0, "all numbers that are stored")
+    _argument(verify, "--seed N", "key of the random choice", int, default=0)
     _threads(verify)
+
     pack = command("pack", "write a running map as one file")
-    pack.add_argument("store", metavar="DIR", help=_FOLDER)
-    pack.add_argument("out", metavar="OUT", help="the file to write, in .npz or .zarr, or a URL")
-    pack.add_argument(
-        "--partial", action="store_true", help="also write a map that is not finished"
-    )
-    pack.add_argument("--force", action="store_true", help="replace an existing file")
+    _argument(pack, "store DIR", _FOLDER)
+    _argument(pack, "out OUT", "the file to write, in .npz or .zarr, or a URL")
+    _argument(pack, "--partial", "also write a map that is not finished")
+    _argument(pack, "--force", "replace an existing file")
+
+
+def _argument(
+    parser: argparse._ActionsContainer,
+    usage: str,
+    words: str,
+    kind: Callable[[str], Any] = str,
+    **how: Any,
+) -> None:
+    """Add an argument as its usage is shown: ``--samples N`` takes a value, ``--force`` none."""
+    name, _, value = usage.partition(" ")
+    if value:
+        parser.add_argument(name, metavar=value, help=words, type=kind, **how)
+    else:
+        parser.add_argument(name, action="store_true", help=words)
+
+
+def _constant(
+    parser: argparse._ActionsContainer, name: str, dest: str, value: object, words: str
+) -> None:
+    """Add an argument that gives a constant to another name."""
+    parser.add_argument(name, dest=dest, action="store_const", const=value, help=words)
 
 
 def _parts(parser: argparse.ArgumentParser, needs: str) -> None:
-    parser.add_argument("--part", metavar="K/N", help=f"compute only part K of N{needs}")
-    parser.add_argument("--dask", metavar="ADDRESS", help=f"compute on this Dask cluster{needs}")
+    _argument(parser, "--part K/N", f"compute only part K of N{needs}")
+    _argument(parser, "--dask ADDRESS", f"compute on this Dask cluster{needs}")
 
 
 def _source(parser: argparse.ArgumentParser, name: str, words: str) -> None:
-    parser.add_argument(name, metavar="NAME|FILE.toml", help=words)
-    parser.add_argument(
-        "--show", action="store_true", help="print the specification and compute nothing"
-    )
-    parser.add_argument(
-        "--set",
-        dest="changes",
-        action="append",
-        default=[],
-        metavar="KEY=VALUE",
-        help="change a key of the specification, such as run.t_end=10; may be repeated",
-    )
+    _argument(parser, f"{name} NAME|FILE.toml", words)
+    _argument(parser, "--show", "print the specification and compute nothing")
+    changes = "change a key of the specification, such as run.t_end=10; may be repeated"
+    _argument(parser, "--set KEY=VALUE", changes, dest="changes", action="append", default=[])
 
 
 def _threads(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "--threads",
-        type=int,
-        metavar="N",
-        help="number of threads (default: all that this process may use)",
-    )
+    words = "number of threads (default: all that this process may use)"
+    _argument(parser, "--threads N", words, int)
 
 
 def _files(parser: argparse.ArgumentParser, data: str, default: str) -> None:
-    parser.add_argument(
-        "--out",
-        metavar="PATH",
-        help=f"writes PATH.png and PATH{data} (default: {default}); a suffix such as .pdf or .svg "
+    _argument(
+        parser,
+        "--out PATH",
+        f"writes PATH.png and PATH{data} (default: {default}); a suffix such as .pdf or .svg "
         "is the format of the picture",
     )
-    parser.add_argument("--force", action="store_true", help="replace existing files")
+    _argument(parser, "--force", "replace existing files")
 
 
 def _shown(parser: argparse.ArgumentParser) -> None:
     _json(parser)
-    parser.add_argument(
-        "--no-progress",
-        dest="progress",
-        action="store_const",
-        const=False,
-        help="neither a progress bar in a terminal nor a line every 10 s elsewhere",
-    )
+    words = "neither a progress bar in a terminal nor a line every 10 s elsewhere"
+    _constant(parser, "--no-progress", "progress", False, words)
 
 
 def _json(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--json", action="store_true", help="print JSON for other programs")
+    _argument(parser, "--json", "print JSON for other programs")
