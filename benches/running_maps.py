@@ -105,7 +105,7 @@ def opening(spec: MapSpec) -> None:
         for begin in range(0, units, 8192):
             rows = np.zeros(min(8192, units - begin), ROW)
             rows["unit"] = np.arange(begin, begin + len(rows))
-            folder.append(rows, np.ones(len(rows), "<f4"))
+            folder.append(Block(rows, np.ones(len(rows), "<f4")))
         folder.end("complete")
         del folder
 

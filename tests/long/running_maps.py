@@ -23,7 +23,7 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "shared"))
 
 from rigid.store import drive as driving
 from rigid.store.log import Found, read_log
-from rigid.store.rows import Table
+from rigid.store.rows import Block, Table
 from rigid.store.running import Folder
 from stores import SPEC, go_on
 
@@ -80,7 +80,7 @@ class Log:
         self.run = Folder.at(folder, SPEC)
         self.run.begin()
         for block in np.array_split(quiet.table.rows[quiet.table.known], 13):
-            self.run.append(block.copy(), np.ones(len(block), "<f4"))
+            self.run.append(Block(block.copy(), np.ones(len(block), "<f4")))
         self.run.end("complete")
         (path,) = (folder / "logs").iterdir()
         self.content = path.read_bytes()
@@ -90,8 +90,8 @@ class Log:
     def read(self, content: bytes, *, may_end: bool = False) -> None:
         """Read a damaged copy; one that ends early tells its loss by its missing end."""
         found, table = Found(), Table(self.run.head)
-        for rows, nanoseconds, bins in read_log(io.BytesIO(content), self.run.head.seal, found):
-            table.add(rows, nanoseconds, bins, "log")
+        for block in read_log(io.BytesIO(content), self.run.head.seal, found):
+            table.add(block, "log")
         known = table.known
         self.wrong += table.rows[known].tobytes() != self.rows[known].tobytes()
         if known.sum() < self.whole:

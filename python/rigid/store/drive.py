@@ -177,7 +177,7 @@ class Intake:
     def take(self, block: Block, seconds: float | None = None) -> None:
         """Keep a block, which took so many seconds; by default its processor time."""
         begin = time.perf_counter()
-        self._running.append(*block)
+        self._running.append(block)
         append = time.perf_counter() - begin
         costs = 1e-9 * block.nanoseconds.astype(np.float64) / self._threads
         self._costliest = max(self._costliest, float(costs.max()))

@@ -22,14 +22,14 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from hashlib import blake2b
 from pathlib import Path
-from typing import Any, BinaryIO, TypeAlias
+from typing import Any, BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .disk import Buffer, Disk
 from .head import canonical
-from .rows import BIN_ROW, NO_BINS, ROW, Bins, Rows
+from .rows import BIN_ROW, NO_BINS, ROW, Block
 
 BLOCK = 512
 """Bytes of a header, and what the length of content is rounded up to."""
@@ -123,12 +123,11 @@ class Found:
     units: int = 0
     seconds: float = 0.0
 
-    def count(self, rows: Rows, nanoseconds: NDArray[np.float32] | None) -> None:
+    def count(self, block: Block) -> None:
         """Count a record."""
         self.records += 1
-        self.units += len(rows)
-        if nanoseconds is not None:
-            self.seconds += 1e-9 * float(np.nansum(nanoseconds, dtype=np.float64))
+        self.units += len(block.rows)
+        self.seconds += 1e-9 * float(np.nansum(block.nanoseconds, dtype=np.float64))
 
 
 class Log:
@@ -186,21 +185,20 @@ class Log:
             raise
         self._size += sum(len(part) for part in buffers)
 
-    def append(
-        self, rows: Rows, nanoseconds: NDArray[np.float32], bins: Bins | None = None
-    ) -> None:
+    def append(self, block: Block, *, measured: bool = False) -> None:
         """Append a record; its bins if the map measures something."""
+        rows, nanoseconds, bins = block
         table: list[Buffer] = [_npy_header(ROW, len(rows)), rows.view(np.uint8).data]
         costs: list[Buffer] = [_npy_header(COST, len(rows)), nanoseconds.view(np.uint8).data]
         digest, number = _digest(self._key, *table), f"{self.found.records:08d}"
         members = self._member(f"{number}-{digest}.npy", *table)
-        if bins is not None:
+        if measured:
             little = np.ascontiguousarray(bins, "<i8").ravel()
             values: list[Buffer] = [_npy_header(BIN_ROW, len(bins)), little.view(np.uint8).data]
             name = _digest(self._key, digest.encode(), *values)
             members += self._member(f"{number}-{name}.bins.npy", *values)
         self._append([*members, *self._member(f"{number}.ns.npy", *costs)])
-        self.found.count(rows, nanoseconds)
+        self.found.count(block)
         if time.monotonic() - self._synchronised >= SYNC_SECONDS:
             self.synchronise()
 
@@ -235,13 +233,9 @@ class Log:
             os.close(self._file)
 
 
-Record: TypeAlias = tuple[Rows, NDArray[np.float32] | None, Bins | None]
-"""Rows, their costs if they are known, and their bins if the map measures something."""
-
-
 def read_log(
     file: BinaryIO, key: bytes, found: Found, *, measured: bool = False
-) -> Iterator[Record]:
+) -> Iterator[Block]:
     """The whole records of a log, whatever happened to the rest."""
     length = file.seek(0, os.SEEK_END)
     at, number, searching = 0, 0, False
@@ -297,10 +291,14 @@ def read_log(
                 if content is not None and _COSTS.fullmatch(name):
                     costs = _vector(content, COST, len(rows))
                     end = after
+                if costs is None:
+                    costs = np.full(len(rows), np.nan, COST)
+                values = NO_BINS
                 if bins is not None:
-                    bins = bins.view("<i8").reshape(-1, NO_BINS.shape[1])
-                found.count(rows, costs)
-                yield rows, costs, bins
+                    values = bins.view("<i8").reshape(-1, NO_BINS.shape[1])
+                block = Block(rows, costs, values)
+                found.count(block)
+                yield block
         elif name == WRITER:
             found.writer = _json(content)
         elif name == END:

@@ -64,7 +64,7 @@ class Block(NamedTuple):
 
     rows: Rows
     nanoseconds: NDArray[np.float32]
-    bins: Bins
+    bins: Bins = NO_BINS
 
     def some(self, which: NDArray[np.bool_]) -> Block:
         """The block of some of the rows."""
@@ -228,13 +228,7 @@ class Table:
         self.twice = 0
         self._bins: list[Bins] = []
 
-    def add(
-        self,
-        rows: Rows,
-        nanoseconds: NDArray[np.float32] | None,
-        bins: Bins | None,
-        source: object,
-    ) -> None:
+    def add(self, new: Block, source: object) -> None:
         """Add rows; those that are known already must be equal.
 
         Raises
@@ -243,13 +237,12 @@ class Table:
             Naming the source, the unit and the fields, if they are not; or for a unit that the map
             does not have.
         """
+        rows, costs, bins = new
         units = rows["unit"]
         if units.size == 0:
             return
         if units.min() < 0 or units.max() >= len(self.rows):
             raise StoreError(f"{source}: a row of a unit that the map does not have")
-        costs = np.full(len(rows), np.nan, np.float32) if nanoseconds is None else nanoseconds
-        new = Block(rows, costs, NO_BINS if bins is None else bins)
         again = self.known[units]
         if again.any():
             known = units[again]
@@ -259,10 +252,9 @@ class Table:
             self.twice += int(again.sum())
         self.rows.view(_WHOLE)[units] = rows.view(_WHOLE)
         self.known[units] = True
-        if nanoseconds is not None:
-            self.nanoseconds[units] = nanoseconds
+        self.nanoseconds[units] = np.where(np.isnan(costs), self.nanoseconds[units], costs)
         if self.head.spec.measure:
-            self._bins.append(new.some(~again).bins if again.any() else new.bins)
+            self._bins.append(new.some(~again).bins if again.any() else bins)
 
     def block(self, units: NDArray[np.int64]) -> Block:
         """The known rows of units."""

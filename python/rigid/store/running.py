@@ -21,7 +21,7 @@ from ..model.scene import Scene
 from .disk import DISK, Disk
 from .head import Head, StoreError, canonical, divided_in_memory, moment_status
 from .log import LOG_NAME, Found, Log, gone, read_log, utc
-from .rows import Bins, Rows, Table
+from .rows import Block, Table
 
 
 def receipt(**facts: Any) -> dict[str, Any]:
@@ -79,11 +79,9 @@ class Memory:
     def begin(self, **facts: Any) -> None:
         """Do nothing: there is no log."""
 
-    def append(
-        self, rows: Rows, nanoseconds: NDArray[np.float32], bins: Bins | None = None
-    ) -> None:
+    def append(self, block: Block) -> None:
         """Keep rows."""
-        self.table.add(rows, nanoseconds, bins, "this process")
+        self.table.add(block, "this process")
 
     def end(self, reason: str) -> None:
         """Do nothing: there is no log."""
@@ -191,8 +189,8 @@ class Folder(Memory):
             found = Found(name, written=(folder / name).stat().st_mtime)
             with (folder / name).open("rb") as file:
                 measured = bool(self.head.spec.measure)
-                for record in read_log(file, self.head.seal, found, measured=measured):
-                    self.table.add(*record, folder / name)
+                for block in read_log(file, self.head.seal, found, measured=measured):
+                    self.table.add(block, folder / name)
             self.logs.append(found)
 
     @property
@@ -220,13 +218,11 @@ class Folder(Memory):
             own = {"key": self.head.key.hex(), **receipt(**facts)}
             self._log = Log(self.path / "logs", self.head.seal, own, self._disk)
 
-    def append(
-        self, rows: Rows, nanoseconds: NDArray[np.float32], bins: Bins | None = None
-    ) -> None:
+    def append(self, block: Block) -> None:
         """Append rows to the log of this process."""
         assert self._log is not None
-        self._log.append(rows, nanoseconds, bins if self.head.spec.measure else None)
-        self.table.add(rows, nanoseconds, bins, self._log.path)
+        self._log.append(block, measured=bool(self.head.spec.measure))
+        self.table.add(block, self._log.path)
 
     def end(self, reason: str) -> None:
         """Close the log of this process, if there is one."""

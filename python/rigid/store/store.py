@@ -289,9 +289,10 @@ class Store:
         known = np.flatnonzero(table.known)
         target.begin(executor="copy")
         for first in range(0, len(known), ROWS):
-            rows, costs, bins = table.block(known[first : first + ROWS])
-            rows["unit"], bins[:, 0] = moved(rows["unit"]), moved(bins[:, 0])
-            target.append(rows, costs, bins)
+            block = table.block(known[first : first + ROWS])
+            for units in (block.rows["unit"], block.bins[:, 0]):
+                units[:] = moved(units)
+            target.append(block)
         target.end("copied")
         return Store(target)
 
@@ -474,8 +475,7 @@ def merge(paths: Sequence[str | os.PathLike[str]], into: str | os.PathLike[str])
                 f"{folder.path}: its units have {folder.head.segment} samples, the units of "
                 f"{first.path} have {first.head.segment}: only one of the two was extended"
             )
-        rows, _, bins = folder.table.block(np.flatnonzero(folder.table.known))
-        first.table.add(rows, None, bins, folder.path)
+        first.table.add(folder.table.block(np.flatnonzero(folder.table.known)), folder.path)
     target = Folder.at(into, first.head.spec, segment=first.head.segment)
     for folder in folders:
         for log in folder.logs:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from rigid.store.log import Found, read_log
-from rigid.store.rows import Table
+from rigid.store.rows import Block, Table
 from rigid.store.running import Folder
 from stores import SPEC, go_on, numbers
 
@@ -22,7 +22,7 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> Folder:
     folder = Folder.at(tmp_path_factory.mktemp("map") / "run", SPEC)
     folder.begin()
     for block in np.array_split(rows, 12):
-        folder.append(block.copy(), np.ones(len(block), "<f4"))
+        folder.append(Block(block.copy(), np.ones(len(block), "<f4")))
     folder.end("complete")
     return Folder(folder.path)
 
@@ -36,8 +36,8 @@ def log(run: Folder) -> bytes:
 def read(content: bytes, run: Folder) -> tuple[Table, Found]:
     """The rows in the bytes of a log; each must be a row of the map."""
     found, table = Found(), Table(run.head)
-    for rows, nanoseconds, bins in read_log(io.BytesIO(content), run.head.seal, found):
-        table.add(rows, nanoseconds, bins, "log")
+    for block in read_log(io.BytesIO(content), run.head.seal, found):
+        table.add(block, "log")
     assert table.rows[table.known].tobytes() == run.table.rows[table.known].tobytes()
     return table, found
 

@@ -14,6 +14,7 @@ import rigid
 from rigid.store.head import Head, divided
 from rigid.store.log import UTC
 from rigid.store.resume import Part, missing
+from rigid.store.rows import Block
 from rigid.store.running import Folder, Memory
 from small_maps import assert_same_map, saved_bytes, small_map, spec_of
 from stores import SPEC, go_on, stops_after, stored_map
@@ -187,7 +188,7 @@ def test_the_status_never_tells_a_time_that_is_not_known(tmp_path: Path) -> None
     rows = Folder(tmp_path / "quiet").table.rows
     some = np.flatnonzero(rows["unit"])[:5]
     folder.begin(part="1/2")
-    folder.append(rows[some], np.full(5, np.nan, np.float32))
+    folder.append(Block(rows[some], np.full(5, np.nan, np.float32)))
     words = str(rigid.open_store(tmp_path / "run").status())
     folder.end("interrupted")
     assert "cost        0 s of processor time, how much is left is not known yet" in words
@@ -201,7 +202,7 @@ def test_the_time_left_is_that_of_the_rows_that_are_missing(tmp_path: Path) -> N
     table = Folder(tmp_path / "quiet").table
     folder = Folder.at(tmp_path / "run", SPEC)
     folder.begin()
-    folder.append(table.rows[table.known][:36], np.full(36, 2e9, np.float32))
+    folder.append(Block(table.rows[table.known][:36], np.full(36, 2e9, np.float32)))
     folder.read()
     (log,) = folder.logs
     assert log.writer is not None

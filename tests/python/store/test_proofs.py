@@ -11,6 +11,7 @@ import pytest
 
 import rigid
 from rigid.store.log import Log
+from rigid.store.rows import Block
 from rigid.store.running import Folder
 from rigid.store.store import Store
 from small_maps import small_map, spec_of
@@ -28,7 +29,7 @@ def altered(path: Path, count: int, wrong: int) -> Folder:
     rows["stable"][:wrong] += 1
     folder = Folder.at(path, SPEC)
     folder.begin()
-    folder.append(rows, np.zeros(count, "<f4"))
+    folder.append(Block(rows, np.zeros(count, "<f4")))
     folder.end("interrupted")
     return folder
 

@@ -28,7 +28,7 @@ from rigid.store import drive as driving
 from rigid.store.drive import Intake, Task, drive, own_build
 from rigid.store.head import Head
 from rigid.store.resume import Part, carry_on, missing
-from rigid.store.rows import FIELDS, ROW, Table, compute
+from rigid.store.rows import FIELDS, ROW, Block, Table, compute
 from rigid.store.running import Folder, Memory
 from small_maps import assert_same_map, saved_bytes, small_map
 from stores import SPEC, go_on, numbers, request, stops_after, stored_map
@@ -152,7 +152,7 @@ def test_a_coarse_lattice_comes_first_and_in_it_what_is_likely_to_take_long(tmp_
     known = before[level >= 4]
     cost = np.arange(len(known), dtype="<f4")
     folder.begin()
-    folder.append(rows[known], cost)
+    folder.append(Block(rows[known], cost))
     folder.end("interrupted")
     after = missing(folder)
     assert set(after) == set(before) - set(known)
@@ -205,7 +205,7 @@ def test_a_part_that_has_grown_is_merged_again(tmp_path: Path) -> None:
     writing = Folder.at(tmp_path / "part", SPEC)
     writing.begin()
     for begin in (0, 20):
-        writing.append(rows[begin : begin + 20], np.full(20, 1.0, np.float32))
+        writing.append(Block(rows[begin : begin + 20], np.full(20, 1.0, np.float32)))
         merged = rigid.merge([tmp_path / "part"], tmp_path / "merged")
         assert merged.status().done == begin + 20
     writing.end("interrupted")
@@ -381,7 +381,7 @@ def test_the_table_refuses_units_that_the_map_does_not_have() -> None:
     rows = np.zeros(1, ROW)
     rows["unit"] = memory.head.units
     with pytest.raises(ValueError, match="a row of a unit that the map does not have"):
-        Table(memory.head).add(rows, None, None, "log")
+        Table(memory.head).add(Block(rows, np.zeros(1, np.float32)), "log")
 
 
 # Files of a running map that somebody removes while it is computed: nothing is claimed

@@ -44,7 +44,7 @@ def run(tmp_path_factory: pytest.TempPathFactory, quiet: rigid.StabilityMap) -> 
     whole.read()
     folder.begin()
     for units in np.array_split(np.flatnonzero(whole.table.known), 9):
-        folder.append(*whole.table.block(units))
+        folder.append(whole.table.block(units))
     folder.end("complete")
     return Folder(folder.path)
 
@@ -134,10 +134,8 @@ def test_a_log_is_a_tar_file_of_rows_and_bins(run: Folder) -> None:
 def read(content: bytes, run: Folder) -> tuple[Table, Found]:
     """What is in the bytes of a log; each row must be one of the map, with its bins."""
     found, table = Found(), Table(run.head)
-    for rows, nanoseconds, bins in read_log(
-        io.BytesIO(content), run.head.seal, found, measured=True
-    ):
-        table.add(rows, nanoseconds, bins, "log")
+    for block in read_log(io.BytesIO(content), run.head.seal, found, measured=True):
+        table.add(block, "log")
     known = np.flatnonzero(table.known)
     for one, other in zip(table.block(known)[::2], run.table.block(known)[::2], strict=True):
         assert one.tobytes() == other.tobytes()
@@ -182,7 +180,7 @@ def altered(run: Folder, path: Path, count: int) -> Folder:
     block.bins[0, 3] += 1
     folder = Folder.at(path, run.head.spec)
     folder.begin()
-    folder.append(*block)
+    folder.append(block)
     folder.end("interrupted")
     return folder
 
