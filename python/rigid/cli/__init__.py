@@ -218,10 +218,6 @@ def _finished_map(
     )
 
 
-def _axes() -> Axes:
-    return new_figure().add_subplot()
-
-
 def _explore(options: argparse.Namespace) -> int:
     source = Path(options.map)
     target = Path(options.out or source.with_suffix(".html"))
@@ -323,7 +319,7 @@ def _section(options: argparse.Namespace) -> int:
     )
 
     def draw() -> Axes:
-        drawn = points.plot(spec.x, spec.y, ax=_axes())
+        drawn = points.plot(spec.x, spec.y, ax=new_figure().add_subplot())
         drawn.set_title(spec.title or "")
         return drawn
 

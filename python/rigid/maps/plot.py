@@ -346,16 +346,19 @@ def _plane(view: View, ax: Axes, *, named: bool = True) -> tuple[Any, list[Any]]
     """The colours and the hatches of a plane, and the lines of theory, ``named`` along them."""
     from matplotlib import colormaps
 
+    shares = colormaps[colours.SHARE_MAP].with_extremes(bad=colours.SURFACE)
+    mesh, handles = _mesh(view, ax, view["filled"], cmap=shares, vmin=0, vmax=1)
+    return mesh, handles + _draw_curves(view, ax, named=named)
+
+
+def _mesh(view: View, ax: Axes, values: Floats, **how: Any) -> tuple[Any, list[Any]]:
+    """Numbers of the pixels of a plane as colours, with their hatches."""
     x, y = view.axes
     edges = cell_edges(x), cell_edges(y)
     _set_scale(ax, "x", x)
     _set_scale(ax, "y", y)
-    shares = colormaps[colours.SHARE_MAP].with_extremes(bad=colours.SURFACE)
-    mesh = ax.pcolormesh(
-        *edges, np.ma.masked_invalid(view["filled"]), cmap=shares, vmin=0, vmax=1, rasterized=True
-    )
-    handles = _hatch(view, ax, *edges)
-    return mesh, handles + _draw_curves(view, ax, named=named)
+    mesh = ax.pcolormesh(*edges, np.ma.masked_invalid(values), rasterized=True, **how)
+    return mesh, _hatch(view, ax, *edges)
 
 
 def _draw_field(view: View, ax: Axes, field: Floats, label: str) -> list[Any]:
@@ -365,15 +368,12 @@ def _draw_field(view: View, ax: Axes, field: Floats, label: str) -> list[Any]:
         ax.plot(np.array(x.values), field, color=on_ground(ax, colours.HUES["blue"]), marker=".")
         ax.set_ylabel(label)
         return _hatch(view, ax, cell_edges(x), np.array(ax.get_ylim()))
-    y = view.axes[1]
-    edges = cell_edges(x), cell_edges(y)
-    _set_scale(ax, "y", y)
-    ax.set_ylabel(axis_label(view.data.spec, y))
     growth = any(label.startswith(name) for name, _ in GROWTH.values())
     cmap = colours.CHAOS_MAP if growth else colours.NUMBER_MAP
-    mesh = ax.pcolormesh(*edges, np.ma.masked_invalid(field), cmap=cmap, rasterized=True)
+    mesh, handles = _mesh(view, ax, field, cmap=cmap)
+    ax.set_ylabel(axis_label(view.data.spec, view.axes[1]))
     ax.figure.colorbar(mesh, ax=ax, pad=0.02).set_label(label)
-    return _hatch(view, ax, *edges)
+    return handles
 
 
 def _draw_cells(data: MapData, ax: Axes) -> None:

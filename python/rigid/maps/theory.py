@@ -59,7 +59,7 @@ from ..model.scene import FreeBody, HeavyTop
 from ..model.start import Noise, Start
 from .data import MapData
 from .moons import attitude_resonances, spin_orbit_resonances
-from .satellites import NORMAL_REACH, RAYLEIGH_HALF, flat_spin, on_orbit
+from .satellites import NORMAL_REACH, RAYLEIGH_HALF, Predicted, flat_spin, on_orbit
 from .spec import MapSpec
 
 Floats = NDArray[np.float64]
@@ -123,15 +123,19 @@ def predict(spec: MapSpec) -> Theory | None:
         return None
     if len(spec.parts) > 1:
         return _of_parts(spec)
+    moons = [attitude_resonances, spin_orbit_resonances]
+    predictors = [_free_no_flip, _symmetric_top, flat_spin, on_orbit, *moons]
+    varied = {axis.parameter.place for axis in spec.axes}
+    if spec.own is not None or not varied.isdisjoint({"torque", *FORCES}):
+        # Satellites and tops read the scene of all pixels.
+        predictors = [_free_no_flip, *(moons if spec.own is None else [])]
     with np.errstate(all="ignore"):  # impossible and degenerate pixels end as NaN
-        predictors = [_free_no_flip, _symmetric_top, _satellite, _moon]
-        varied = {axis.parameter.place for axis in spec.axes}
-        if spec.own is not None or not varied.isdisjoint({"torque", *FORCES}):
-            # Satellites and tops read the scene of all pixels.
-            predictors = [_free_no_flip, *([_moon] if spec.own is None else [])]
-        known = (predictor(spec) for predictor in predictors)
-        theory = next((theory for theory in known if theory is not None), None)
-    return None if theory is None or theory.is_empty else theory
+        for predictor in predictors:
+            found = predictor(spec)
+            theory = None if found is None else _theory(spec, *found)
+            if theory is not None and not theory.is_empty:
+                return theory
+    return None
 
 
 def _of_parts(spec: MapSpec) -> Theory | None:
@@ -236,7 +240,7 @@ def _first(spec: MapSpec) -> Start:
 # Free body
 
 
-def _free_no_flip(spec: MapSpec) -> Theory | None:
+def _free_no_flip(spec: MapSpec) -> Predicted | None:
     stable, grid, noise = spec.stable, spec.grid, _first(spec).noise
     if spec.forces or not isinstance(spec.scene, FreeBody) or not isinstance(stable, NoFlip):
         return None
@@ -275,7 +279,7 @@ def _free_no_flip(spec: MapSpec) -> Theory | None:
             name = "half have flipped by" if normal else "first flip at"
             until = f"{spec.horizon}, for small perturbations"
             curves[f"{name} {until}"] = np.where(np.isnan(law), np.nan, excess)
-    return _theory(spec, label, share, curves)
+    return label, share, curves
 
 
 def _circulation(moments: Floats, w1: Floats, w3: Floats) -> Floats:
@@ -367,7 +371,7 @@ class _Top(NamedTuple):
     known: Flags
 
 
-def _symmetric_top(spec: MapSpec) -> Theory | None:
+def _symmetric_top(spec: MapSpec) -> Predicted | None:
     scene, stable, start, grid = spec.scene, spec.stable, _first(spec), spec.grid
     noise = start.attitude_noise
     if (
@@ -395,7 +399,7 @@ def _symmetric_top(spec: MapSpec) -> Theory | None:
     return _fall(spec, top, k) if is_falling else None
 
 
-def _nutation(spec: MapSpec, top: _Top) -> Theory:
+def _nutation(spec: MapSpec, top: _Top) -> Predicted:
     mgl, cross, axial, spin, size, limit, symmetric, known = top
     tilt = np.abs(spec.grid.tilt)
     known &= (tilt == 0.0) | (size == 0.0)
@@ -416,10 +420,10 @@ def _nutation(spec: MapSpec, top: _Top) -> Theory:
     name = f"{verb} {angle_words(limit)} by {spec.horizon}"
     curves[name] = np.where(known, critical - released, np.nan)
     label = f"nutation of a symmetric top released at rest, until {spec.horizon}"
-    return _theory(spec, label, share, curves)
+    return label, share, curves
 
 
-def _fall(spec: MapSpec, top: _Top, k: int) -> Theory:
+def _fall(spec: MapSpec, top: _Top, k: int) -> Predicted:
     """Of tops whose spin about axis ``k`` is damped."""
     mgl, cross, axial, spin, size, limit, _, known = top
     others = spec.grid.damping
@@ -442,7 +446,7 @@ def _fall(spec: MapSpec, top: _Top, k: int) -> Theory:
     }
     words = "no fall before the onset, all fallen two lags later"
     label = f"quasi-static spin-down until {until} ({words})"
-    return _theory(spec, label, share, curves)
+    return label, share, curves
 
 
 def falling_lag(mgl: Floats, cross: Floats, axial: Floats, c: Floats, growth: Floats) -> Floats:
@@ -470,20 +474,3 @@ def _horizon_bound(
     bound = np.where(growing & (crest > edge), np.minimum(tilt, limit), 0.0)
     # The match to the linear stage needs a few times of growth.
     return np.where(growing & (growth * t_end < 3.0), np.nan, bound)
-
-
-# Satellites
-
-
-def _satellite(spec: MapSpec) -> Theory | None:
-    found = flat_spin(spec) or on_orbit(spec)
-    return None if found is None else _theory(spec, *found)
-
-
-def _moon(spec: MapSpec) -> Theory | None:
-    for lines in (attitude_resonances, spin_orbit_resonances):
-        found = lines(spec)
-        theory = None if found is None else _theory(spec, *found)
-        if theory is not None and theory.curves:
-            return theory
-    return None
