@@ -16,7 +16,7 @@ from ..model.start import Noise, Samples, Start
 from ..solve.methods import AUTO, EXACT, known_method, map_methods, series_methods
 from .core_request import CoreRequest, CoreStarts
 from .grid import Pixels
-from .judge import Blocks, CustomJob
+from .judge import BlockedJob, CustomJob
 from .sequential import LOOK
 from .spec import MapSpec
 
@@ -27,7 +27,7 @@ BLOCK = 2**14
 """Bodies of a varying map that a request to the core has: some tens of milliseconds or more."""
 
 
-class VaryingJob(Blocks):
+class VaryingJob(BlockedJob):
     """The request of a map whose bodies vary: in the core each body is a pixel with one sample.
 
     Parameters

@@ -55,7 +55,7 @@ def is_adaptive(spec: MapSpec, method: str) -> bool:
     return spec.step is None and known and (spec.method == AUTO or is_second)
 
 
-class Blocks:
+class BlockedJob:
     """Bodies that are computed some at a time: the interface of ``_core.MapJob``.
 
     Attributes
@@ -109,7 +109,7 @@ class Blocks:
         return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
 
 
-class CustomJob(Blocks):
+class CustomJob(BlockedJob):
     """The request of a map with a custom criterion.
 
     Parameters
