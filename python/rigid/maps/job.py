@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any
 
@@ -19,8 +20,9 @@ from .core_request import CoreRequest, CoreStarts
 from .grid import Pixels
 from .judge import BlockedJob, CustomJob
 from .sequential import LOOK
-from .spec import MapSpec
+from .spec import MapPart, MapSpec
 
+Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 
@@ -214,3 +216,57 @@ def spans(spec: MapSpec, samples: range) -> list[range]:
     if spec.looks is None or spec.check in (None, 0.0, 1.0):
         return [samples]
     return [range(begin, begin + LOOK) for begin in range(samples.start, samples.stop, LOOK)]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Some:
+    """Some bodies of a map, which one request to the core has.
+
+    Attributes
+    ----------
+    part : MapPart
+    places : ndarray of int
+        Which of all requested bodies they are.
+    pixels, samples : ndarray of int64
+        Number of the pixel of each in the part, and of its sample.
+    span : range
+        The samples of a pixel that are classified together.
+    """
+
+    part: MapPart
+    places: NDArray[np.intp]
+    pixels: Ints
+    samples: Ints
+    span: range
+
+    def request(self) -> tuple[_core.MapJob | CustomJob | VaryingJob, NDArray[np.uint64]]:
+        """The request of their pixels, and their numbers there."""
+        pixels, row = np.unique(self.pixels, return_inverse=True)
+        count, first = len(self.span), self.span.start
+        # The whole grid is kept.
+        some = pixels if len(pixels) < math.prod(self.part.spec.shape) else None
+        job = to_core(self.part.spec, some, count, first, self.part.fixed)
+        return job, (row * count + self.samples - first).astype(np.uint64)
+
+    def starts(self) -> tuple[Floats, Floats]:
+        """Rates and attitudes at the start, shapes (n, 3) and (n, 4)."""
+        job, numbers = self.request()
+        omega, attitude = job.starts(numbers)
+        return omega.reshape(-1, 3), attitude.reshape(-1, 4)
+
+    def bodies(self) -> Pixels:
+        """The bodies, with the parameters that vary."""
+        spec = self.part.spec
+        return spec.bodies(spec.start.starts[0], self.pixels, self.samples)
+
+
+def requests(spec: MapSpec, flat: Ints) -> Iterator[Some]:
+    """The requests for bodies by their numbers among all of a map."""
+    pixel, sample = np.divmod(flat, spec.samples)
+    every = spans(spec, range(spec.samples))
+    of_span = np.searchsorted([span.start for span in every], sample, side="right") - 1
+    for part, mine, own in spec.by_part(pixel):
+        for number in np.unique(of_span[mine]):
+            some = of_span[mine] == number
+            places = mine[some]
+            yield Some(part, places, own[some], sample[places], every[number])

@@ -27,8 +27,9 @@ from .axes import Axis
 from .contours import zero_lines
 from .data import CLASSES, STATUS, MapData
 from .grid import Pixels
+from .job import requests
 from .plot import DASHES, View, cell_edges, fine_curves
-from .samples import Outcomes, in_parts, outcomes, starts
+from .samples import Outcomes, outcomes, starts
 from .spec import MapSpec
 from .theory import predict
 from .watched import watched
@@ -111,8 +112,8 @@ def content_of_numbers(data: MapData, samples: range, pixel: int | None = None) 
     flat = (pixels[:, np.newaxis] * spec.samples + np.array(samples)).ravel()
     of_pixel = numbers_of_motion(spec.grid)[flat // spec.samples]
     own = of_pixel.copy()
-    for part, mine, there, sample in in_parts(spec, flat):
-        own[mine] = numbers_of_motion(part.spec.bodies(spec.start.starts[0], there, sample))
+    for some in requests(spec, flat):
+        own[some.places] = numbers_of_motion(some.bodies())
     columns = np.flatnonzero(((own != of_pixel) & np.isfinite(own)).any(axis=0))
     return {"own": {"columns": columns.tolist(), "values": packed(own[:, columns], np.float64)}}
 

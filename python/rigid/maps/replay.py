@@ -28,7 +28,7 @@ from ..solve.run import Run
 from ..solve.simulate import replayed, simulate
 from .data import CLASSES, COLUMNS, STATUS, MapData
 from .grid import Pixels
-from .job import spans, to_core
+from .job import requests, spans, to_core
 from .judge import TOLERANCE, is_adaptive
 from .spec import MapSpec
 
@@ -179,18 +179,15 @@ def replay(
     # The earliest loss of stability is a time, whose last bits tell more than any count does.
     for place, one in ((flat, number), (int(np.argmin(data.earliest)), 0)):
         _require_same_bits(data, place, one)
-    of_pixel, own = spec.part_of(flat)
-    part = of_pixel.spec
-    (span,) = (one for one in spans(part, range(part.samples)) if number in one)
-    job = to_core(part, own, len(span), span.start, of_pixel.fixed)
-    at = number - span.start
-    omega, attitude = start = job.starts(np.array([at], np.uint64))
-    found = job.outcomes(np.array([at], np.uint64), 1)
+    (some,) = requests(spec, np.array([flat * spec.samples + number]))
+    part, (job, at) = some.part.spec, some.request()
+    omega, attitude = start = job.starts(at)
+    found = job.outcomes(at, 1)
     named = named_outcomes(spec, found)
     measures = {name: values.item() for name, values in named.pop("measures").items()}
     record = {name: values.item() for name, values in named.items()}
     record["status"] = _core.status_names()[record["status"]]
-    body = part.bodies(part.start.starts[0], own, np.array([number]))
+    body = some.bodies()
     scene = body.scene[0]
     step, method = record["step"], record["method"]
     run: Any
@@ -343,7 +340,7 @@ def _cause(spec: MapSpec) -> str:
 def _computed(spec: MapSpec, pixel: int, bodies: range) -> dict[str, Any]:
     """Columns and bins of the measures of some bodies of one pixel, computed by this build."""
     merged = _core.MapStatistics(1, len(spec.measure))
-    part, own = spec.part_of(pixel)
+    ((part, _, own),) = spec.by_part(np.array([pixel]))
     for span in spans(spec, range(spec.samples)):
         begin, end = (max(bodies.start, span.start), min(bodies.stop, span.stop))
         if begin < end:

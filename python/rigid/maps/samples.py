@@ -3,22 +3,22 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .. import _core
 from .._checks.arguments import brief
 from .._checks.quantities import plain
 from .._checks.shown import short_repr
 from ..solve.sensitivity import amplification
 from ..solve.status import Status
 from .data import MapData
-from .job import to_core
+from .job import requests
 from .replay import named_outcomes, pixel_index
-from .spec import MapPart, MapSpec
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -98,66 +98,37 @@ class Outcomes:
 def starts(data: MapData, sample: ArrayLike, pixel: int | tuple[int, ...] | None = None) -> Starts:
     """Starts of bodies; see :meth:`rigid.StabilityMap.starts`."""
     spec = data.spec
-    numbers = _samples(sample, spec.samples)
-    flat, possible = _flat(data, numbers, pixel)
-    shape = numbers.shape if pixel is not None else (*spec.shape, *numbers.shape)
+    flat, on_grid = _asked(data, sample, pixel)
     omega, attitude = np.empty((len(flat), 3)), np.empty((len(flat), 4))
     drawn = {one.name: np.empty(len(flat)) for one in spec.vary}
     draws = np.zeros(len(flat), dtype=np.int64)
-    for part, mine, own, sample in in_parts(spec, flat):
-        omega[mine], attitude[mine] = _drawn(part, own, sample)
+    for some in requests(spec, flat):
+        omega[some.places], attitude[some.places] = some.starts()
         if spec.vary:
-            bodies = part.spec.bodies(spec.start.starts[0], own, sample)
+            bodies = some.bodies()
             assert bodies.draws is not None
-            draws[mine] = bodies.draws
+            draws[some.places] = bodies.draws
             for name, values in bodies.drawn.items():
-                drawn[name][mine] = values
-
-    def each(values: NDArray[Any], nothing: float) -> NDArray[Any]:
-        every = np.full((possible.size, *values.shape[1:]), nothing, dtype=values.dtype)
-        every[possible] = values
-        return every.reshape((*shape, *values.shape[1:]))
+                drawn[name][some.places] = values
 
     return Starts(
-        omega=each(omega, np.nan),
-        attitude=each(attitude, np.nan),
-        parameters={name: each(values, np.nan) for name, values in drawn.items()},
-        draws=each(draws, 0) if spec.vary else None,
+        omega=on_grid(omega, np.nan),
+        attitude=on_grid(attitude, np.nan),
+        parameters={name: on_grid(values, np.nan) for name, values in drawn.items()},
+        draws=on_grid(draws, 0) if spec.vary else None,
     )
-
-
-def in_parts(spec: MapSpec, flat: Ints) -> Iterator[tuple[MapPart, NDArray[np.intp], Ints, Ints]]:
-    """Bodies by their numbers: each part, the places of its bodies, their pixels and samples."""
-    pixel, sample = np.divmod(flat, spec.samples)
-    for part, mine, own in spec.by_part(pixel):
-        yield part, mine, own, sample[mine]
-
-
-def _numbers(part: MapPart, pixel: Ints, sample: Ints) -> NDArray[np.uint64]:
-    """The numbers of bodies among all of a part, as the core reads them."""
-    return (pixel * part.spec.samples + sample).astype(np.uint64)
-
-
-def _drawn(part: MapPart, pixel: Ints, sample: Ints) -> tuple[Floats, Floats]:
-    """Rates and attitudes of bodies of a part."""
-    rates, rotations = to_core(part.spec).starts(_numbers(part, pixel, sample))
-    return rates.reshape(-1, 3), rotations.reshape(-1, 4)
 
 
 def condition(data: MapData, samples: int, threads: int) -> Floats:
     """The median condition of the first samples of each pixel; see ``StabilityMap.condition``."""
     spec = data.spec
-    flat, possible = _flat(data, np.arange(samples))
+    flat, on_grid = _asked(data, np.arange(samples), None)
     factors = np.empty(len(flat))
-    for part, mine, own, sample in in_parts(spec, flat):
-        every = part.spec.bodies(spec.start.starts[0], own, sample)
-        bodies = every.bodies(np.arange(len(own)), *_drawn(part, own, sample))
-        factors[mine] = amplification(bodies, np.array([part.spec.t_end]), threads)[:, 0]
-    layer = np.full(spec.shape, np.nan)
-    layer.flat[np.flatnonzero(possible[::samples])] = np.median(
-        factors.reshape(-1, samples), axis=1
-    )
-    return layer
+    for some in requests(spec, flat):
+        bodies = some.bodies().bodies(np.arange(len(some.pixels)), *some.starts())
+        ends = np.array([some.part.spec.t_end])
+        factors[some.places] = amplification(bodies, ends, threads)[:, 0]
+    return np.asarray(np.median(on_grid(factors, np.nan), axis=-1))
 
 
 def outcomes(
@@ -168,21 +139,18 @@ def outcomes(
 ) -> Outcomes:
     """Outcomes of bodies; see :meth:`rigid.StabilityMap.outcomes`."""
     spec = data.spec
-    numbers = _samples(sample, spec.samples)
-    flat, possible = _flat(data, numbers, pixel)
+    flat, on_grid = _asked(data, sample, pixel)
     asked, of_each = np.unique(flat, return_inverse=True)
-    found: dict[str, NDArray[Any]] = {}
-    for part, mine, own, sample in in_parts(spec, asked):
-        job = to_core(part.spec, fixed=part.fixed)
-        for name, every in job.outcomes(_numbers(part, own, sample), threads).items():
-            found.setdefault(name, np.empty((len(asked), *every.shape[1:]), dtype=every.dtype))
-            found[name][mine] = every
-    shape = numbers.shape if pixel is not None else (*spec.shape, *numbers.shape)
+    found = _core.unknown_outcomes(len(asked))
+    found["measures"] = np.empty((len(asked), len(spec.measure)))
+    for some in requests(spec, asked):
+        job, numbered = some.request()
+        of_some = job.outcomes(numbered, threads)
+        for name, every in found.items():
+            every[some.places] = of_some[name]
 
     def each(values: NDArray[Any], nothing: object) -> NDArray[Any]:
-        every = np.full(possible.shape, nothing, dtype=values.dtype)
-        every[possible] = values[of_each]
-        return every.reshape(shape)
+        return on_grid(values[of_each], nothing)
 
     nothing = {"outcome": "", "method": "", "status": Status.NOT_FINITE, "flips": 0, "steps": 0}
     named = named_outcomes(spec, found)
@@ -191,26 +159,28 @@ def outcomes(
     return Outcomes(measures=measures, **values)
 
 
-def _samples(sample: ArrayLike, count: int) -> Ints:
-    """Numbers of samples, each of 0 .. count - 1."""
+def _asked(
+    data: MapData, sample: ArrayLike, pixel: int | tuple[int, ...] | None
+) -> tuple[Ints, Callable[[NDArray[Any], object], NDArray[Any]]]:
+    """Numbers of the possible bodies among all of the map, and what puts values into their axes."""
+    spec = data.spec
     numbers = np.asarray(plain("sample", sample))
     if numbers.dtype.kind not in "iu":
         raise TypeError(f"sample = {brief(sample)}: must be a whole number, or an array of them")
-    outside = (numbers < 0) | (numbers >= count)
+    outside = (numbers < 0) | (numbers >= spec.samples)
     if outside.any():
         bad = int(numbers[outside].flat[0])
-        raise IndexError(f"sample = {bad}: must lie in 0 .. {count - 1}")
-    return numbers.astype(np.int64)
-
-
-def _flat(
-    data: MapData, numbers: Ints, pixel: int | tuple[int, ...] | None = None
-) -> tuple[Ints, NDArray[np.bool_]]:
-    """Numbers among all samples of the map, and which of the requested bodies are possible."""
-    spec = data.spec
-    pixels = np.arange(math.prod(spec.shape))
+        raise IndexError(f"sample = {bad}: must lie in 0 .. {spec.samples - 1}")
+    pixels, shape = np.arange(math.prod(spec.shape)), (*spec.shape, *numbers.shape)
     if pixel is not None:
-        pixels = np.array([np.ravel_multi_index(pixel_index(pixel, spec.shape), spec.shape)])
-    flat = (pixels[:, np.newaxis] * spec.samples + numbers.ravel()).ravel()
-    possible = (data.status.ravel()[pixels] == 0).repeat(numbers.size)
-    return flat[possible], possible
+        index = pixel_index(pixel, spec.shape)
+        pixels, shape = np.array([np.ravel_multi_index(index, spec.shape)]), numbers.shape
+    flat = pixels[:, np.newaxis] * spec.samples + numbers.ravel().astype(np.int64)
+    possible = np.broadcast_to((data.status.ravel()[pixels] == 0)[:, np.newaxis], flat.shape)
+
+    def on_grid(values: NDArray[Any], nothing: object) -> NDArray[Any]:
+        every = np.full((*flat.shape, *values.shape[1:]), nothing, dtype=values.dtype)
+        every[possible] = values
+        return every.reshape((*shape, *values.shape[1:]))
+
+    return flat[possible], on_grid

@@ -522,16 +522,13 @@ class MapSpec:
         self, pixels: NDArray[np.int64]
     ) -> Iterator[tuple[MapPart, NDArray[np.intp], NDArray[np.int64]]]:
         """Pixels by their numbers: each part, the places of its pixels, and their numbers there."""
+        if len(self.parts) == 1:
+            yield self.parts[0], np.arange(len(pixels)), pixels
+            return
         for part in self.parts:
-            if len(self.parts) == 1:
-                yield part, np.arange(len(pixels)), pixels
-            else:
-                mine = np.flatnonzero(np.isin(pixels, part.pixels))
+            mine = np.flatnonzero(np.isin(pixels, part.pixels))
+            if len(mine):
                 yield part, mine, np.searchsorted(part.pixels, pixels[mine])
-
-    def part_of(self, pixel: int) -> tuple[MapPart, NDArray[np.int64]]:
-        """The part that a pixel belongs to, and its number there."""
-        return next((part, own) for part, _, own in self.by_part(np.array([pixel])) if len(own))
 
     @property
     def horizons(self) -> NDArray[np.float64]:

@@ -173,3 +173,25 @@ test_options_are_checked = refuses(
 def test_a_specification_has_the_samples_of_its_last_look() -> None:
     with pytest.raises(ValueError, match=r"samples = 20: must be 512, which half_width"):
         rigid.MapSpec.from_dict({**spec_of().to_dict(), "half_width": 0.05})
+
+
+def test_bodies_in_bulk_are_checked_as_the_map_has_checked_them() -> None:
+    # A share to check is a share of each look: of 140 checked bodies, 20 in each of 7 looks.
+    result = rigid.stability_map(
+        rigid.HeavyTop,
+        axes={"spin": [3.9, 4.2]},
+        start=rigid.Start(spin=4.0, attitude_noise=rigid.normal(0.1)),
+        stable=rigid.tilt_below(0.5),
+        t_end=60.0,
+        half_width=0.05,
+        check=0.3,
+        method="rk4",
+        step=0.35,
+        rng=5,
+        progress=False,
+    )
+    assert result.undecided.min() > 0
+    for pixel, bodies in enumerate(result.samples.tolist()):
+        outcome = result.outcomes(range(bodies), pixel=pixel).outcome
+        for name in ("stable", "unstable", "undecided"):
+            assert (outcome == name).sum() == getattr(result, name)[pixel]
