@@ -96,7 +96,8 @@ impl<R: Real, M: Model<R>> Taylor<R, M> {
         let applied = &self.applied;
         let change = &applied.forces.change;
         let (mut torques, mut turns) = (VectorSeries::new(), VectorSeries::new());
-        let mut varied = Further::varied();
+        let (mut varied, mut varied_roots) = (Further::varied(), VectorSeries::new());
+        let begin = c.order(0)[L::TIME_AT];
         for k in 0..self.order {
             let of_k = c.order(k);
             let factor = unit * R::splat(INVERSE[k + 1]);
@@ -113,18 +114,30 @@ impl<R: Real, M: Model<R>> Taylor<R, M> {
                 torque[i] = torque[i] + if k == 0 { changed[i] + own[i] } else { changed[i] };
             }
             let at = Order { k, own: L::OWN_AT, factor: unit };
-            applied.add_varied_orders::<L, D>(c, at, (&mut series.torques, &mut varied), &mut torque);
+            let on_trajectory = (&series.on_trajectory, &mut varied_roots);
+            applied.add_varied_orders::<L, D>(
+                c,
+                at,
+                (&mut series.torques, &mut varied),
+                on_trajectory,
+                &mut torque,
+            );
             // SAFETY: the series of the motion has pushed all rows of its orders.
             let (frame, undamped, gained) =
                 unsafe { (series.turn.order(k), series.undamped.order(k), series.gained.order(k)) };
             let by_products = sums.variation.acceleration::<M, D>(&self.model, of_k);
             let undamped = Undamped { omega, rate: *undamped };
-            let mut rate = applied.varied_rate(by_products, &d, &torque, &undamped);
+            let mut before = [[R::splat(0.0); 3]; 2];
+            if k > 0 {
+                // SAFETY: the calls for the orders 0 to k - 1, one each and ascending, have pushed the rows 0 to k - 1.
+                before = [spin::<R, L, D>(c.order(k - 1)), unsafe { *turns.order(k - 1) }];
+            }
+            let by_rotor = applied.across_rotor(begin, [&d, &before[0]], unit);
+            let mut rate = applied.varied_rate(by_products, by_rotor, &torque, &undamped);
             let newest = applied.varied_turn(&rate, &undamped.rate, frame);
             turns.push(k, newest);
 
-            let rotor = &applied.forces.further.rotor;
-            let mut by_turn = rotor.across(&newest);
+            let mut by_turn = applied.across_rotor(begin, [&newest, &before[1]], unit);
             add_cross(&change.further.rotor.0, frame, &mut by_turn);
             let mut turning = sums.variation.turning(&d);
             for j in 0..=k {

@@ -140,13 +140,15 @@ pub(super) fn further_tangent_rate<R: Real, M: Model<R>, L: Layout, const D: usi
     torque = plus(&torque, &plus(&changed, &own));
     applied.add_varied_torques::<L, D>(y, &mut torque);
     let undamped = Undamped { omega, rate: rates.undamped };
-    let mut rate = applied.varied_rate(variation.acceleration::<M, D>(model, y), &d, &torque, &undamped);
+    let rotor = applied.rotor(y[L::TIME_AT]);
+    let by_products = variation.acceleration::<M, D>(model, y);
+    let mut rate = applied.varied_rate(by_products, cross(&rotor, &d), &torque, &undamped);
     let varied_turn = applied.varied_turn(&rate, &rates.undamped, &rates.turn);
 
     let change = &applied.forces.change;
     let momentum = plus(&applied.varied_momentum(&omega, &d), &change.further.rotor.0);
     let mut by_turn = cross(&momentum, &rates.turn);
-    add_cross(&applied.whole_momentum(&omega), &varied_turn, &mut by_turn);
+    add_cross(&plus(&applied.momentum(&omega), &rotor), &varied_turn, &mut by_turn);
     for i in 0..3 {
         by_turn[i] = change.moments[i].fnma(rates.omega[i] - rates.undamped[i], by_turn[i]);
     }

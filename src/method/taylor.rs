@@ -5,7 +5,7 @@
 
 use super::{Engine, EngineName, Facts, Limits, Method, Numbers, Proposal, Step, Variables};
 use super::{acceleration, turning_of_rates};
-use crate::forces::{ForcesInterval, Further, FurtherSeries, Order};
+use crate::forces::{ForcesInterval, Further, FurtherSeries, Order, TrajectorySeries};
 use crate::kinematics::{
     add_cross, add_roll_across, add_roll_along, add_turn_across, add_turn_along, direction, plus, put,
 };
@@ -321,13 +321,19 @@ impl<R: Real, M: Model<R>> Taylor<R, M> {
         applied.add_further_orders::<L, D>(
             c,
             Order { k, own: L::OWN_AT, factor },
-            &mut series.torques,
+            (&mut series.torques, &mut series.on_trajectory),
             next,
             &mut torque,
         );
         let omega = [of_k[0], of_k[1], of_k[2]];
-        let rotor = &applied.forces.further.rotor;
-        let mut impulse = rotor.across(&omega);
+        let begin = c.order(0)[L::TIME_AT];
+        let mut before = [zero; 2];
+        if k > 0 {
+            let row = c.order(k - 1);
+            // SAFETY: the calls for the orders 0 to k, one each and ascending, have pushed the rows 0 to k - 1.
+            before = [[row[0], row[1], row[2]], unsafe { *series.turn.order(k - 1) }];
+        }
+        let mut impulse = applied.across_rotor(begin, [&omega, &before[0]], unit);
         impulse = plus(&impulse, &torque);
         let mut rate = self.model.euler(products, of_k);
         let change = applied.over_moments(&impulse);
@@ -335,7 +341,7 @@ impl<R: Real, M: Model<R>> Taylor<R, M> {
         let sink = applied.turn(&rate);
         series.turn.push(k, sink);
         series.undamped.push(k, rate);
-        let rotor = rotor.across(&sink);
+        let rotor = applied.across_rotor(begin, [&sink, &before[1]], unit);
         series.impulse.push(k, plus(&impulse, &rotor));
 
         let (mut by_turn, mut turned) = (rotor, [zero; 3]);
@@ -409,6 +415,7 @@ impl<R: Real> Beside<R> {
             gained: VectorSeries::new(),
             impulse: VectorSeries::new(),
             torques: Further::series(),
+            on_trajectory: TrajectorySeries::new(),
         };
         Beside { torques: VectorSeries::new(), further, all_orders }
     }
@@ -425,6 +432,7 @@ pub(super) struct TurnSeries<R: Real> {
     impulse: VectorSeries<R>,
     /// Those of the forces.
     pub(super) torques: FurtherSeries<R>,
+    pub(super) on_trajectory: TrajectorySeries<R>,
 }
 
 /// `a + b` and its rounding error (Knuth, TAOCP 2, §4.2.2).

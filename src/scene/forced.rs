@@ -35,6 +35,8 @@ pub struct Torques<R> {
     in_space: bool,
     /// Whether a further force of some lane acts, beside a function; else one does.
     pub further: bool,
+    /// Whether the gravity gradient along a trajectory acts on some lane.
+    pub on_trajectory: bool,
 }
 
 impl<R: Real> Torques<R> {
@@ -72,7 +74,7 @@ impl<R: Real> Torques<R> {
 
 /// Whether a number of some lane is not zero.
 #[inline(always)]
-fn acts<R: Real>(v: &[R; 3]) -> bool {
+pub(super) fn acts<R: Real>(v: &[R; 3]) -> bool {
     R::any(R::splat(0.0).lt(v[0].abs().max(v[1].abs()).max(v[2].abs())))
 }
 
@@ -99,7 +101,7 @@ impl<R: Real> Applied<R> {
     #[inline(always)]
     pub fn torques(&self) -> Torques<R> {
         let ForcesInterval { body, space, damping, .. } = self.forces;
-        Torques { body, space, damping, is_timed: true, in_space: true, further: true }
+        Torques { body, space, damping, is_timed: true, in_space: true, further: true, on_trajectory: true }
     }
 
     /// Torque and damping over a unit of time.
@@ -113,7 +115,9 @@ impl<R: Real> Applied<R> {
                 torques.space[j][i] = torques.space[j][i] * unit;
             }
         }
-        torques.further = !L::FUNCTION || self.forces.further.acts();
+        torques.on_trajectory = L::FURTHER && self.forces.trajectory.acts();
+        let of_table = torques.on_trajectory || acts(&self.forces.rotor_change);
+        torques.further = !L::FUNCTION || of_table || self.forces.further.acts();
         torques.is_timed = acts(&torques.body[1]) || acts(&torques.space[1]);
         torques.in_space = acts(&torques.space[0]) || acts(&torques.space[1]);
         for k in 0..6 {
