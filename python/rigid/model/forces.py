@@ -10,7 +10,7 @@ from __future__ import annotations
 import inspect
 from collections.abc import Callable, Container, Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar, Generic, Self, TypedDict, TypeVar, cast, overload
+from typing import Any, ClassVar, Generic, Self, TypeAlias, TypedDict, TypeVar, cast, overload
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -19,9 +19,11 @@ from .._checks.arguments import brief, finite_float, shaped
 from .frame import turned
 from .leading import Floats, Index, Shape, Vector, axes_of, same, taken, vector_of
 from .orbit import Orbit
+from .sampled import RotorTable, Sampled
 
 Value = TypeVar("Value")
 Class = TypeVar("Class", bound=type)
+Momentum: TypeAlias = Vector | Floats | RotorTable
 
 
 @dataclass(frozen=True, slots=True, init=False, eq=False, repr=False)
@@ -216,8 +218,13 @@ class Force(Generic[Value]):
         return cast("Value | None", value)
 
     def numbers(self, value: Value) -> Any:
-        """The numbers for the core: a tuple of one body, an array of many."""
+        """The numbers for the core: a tuple of one body, an array of many; or their table."""
         return value
+
+    def shape(self, value: Value) -> Shape:
+        """The axes of the bodies of a value."""
+        numbers = self.numbers(value)
+        return numbers.shape if isinstance(numbers, RotorTable) else axes_of(numbers, 1)
 
     def made(self, numbers: Any) -> Value | None:
         """The value with these numbers; None if they are zero."""
@@ -305,8 +312,8 @@ class GravityGradient(Force[Orbit]):
         return given
 
     def numbers(self, value: Orbit) -> Any:
-        """Its numbers, shape (..., 9)."""
-        return value.numbers
+        """Its numbers, shape (..., 9), or the table that it is."""
+        return value if isinstance(value, Sampled) else value.numbers
 
     def made(self, numbers: Any) -> Orbit | None:
         """The orbit with these numbers."""
@@ -342,17 +349,44 @@ class GravityGradient(Force[Orbit]):
         return value.words(varied)
 
 
-class Rotor(Force[Vector | Floats]):
-    """A rotor at constant speed."""
+class Rotor(Force[Momentum]):
+    """A rotor at constant speed, or with a momentum by a table."""
 
     title = "angular momentum of the rotor"
     unit = "kg m²/s"
     is_vector = True
     parameter = """\
-    rotor : array_like, shape (3,) or (..., 3), optional
-        Angular momentum ``h`` (kg m²/s) of a rotor relative to the body, constant in the body: a
-        gyrostat (Zhukovsky 1885, Volterra 1899). The whole momentum is ``I omega + h``. Energies
-        are energies of ``omega``, without the spin energy of the rotor."""
+    rotor : array_like, shape (3,) or (..., 3), or RotorTable, optional
+        Angular momentum ``h`` (kg m²/s) of a rotor relative to the body, constant in the body, or a
+        table over time: a gyrostat (Zhukovsky 1885, Volterra 1899). The whole momentum is
+        ``I omega + h``. Energies are energies of ``omega``, without the spin energy of the
+        rotor."""
+
+    def checked(self, given: Any) -> Momentum | None:
+        """The momentum, or its table."""
+        return given if isinstance(given, RotorTable) else super().checked(given)
+
+    def to_data(self, value: Momentum) -> Any:
+        """The momentum as a list, a table as a dict."""
+        return value.to_dict() if isinstance(value, RotorTable) else super().to_data(value)
+
+    def of_data(self, data: Any) -> Momentum | None:
+        """The momentum of a list, or the table of a dict."""
+        return RotorTable(**data) if isinstance(data, Mapping) else super().of_data(data)
+
+    def of(self, value: Momentum, shape: Shape, index: Index) -> Momentum | None:
+        """The rotors of some of the bodies."""
+        if isinstance(value, RotorTable):
+            return value.of(shape, index)
+        return super().of(value, shape, index)
+
+    def turned(self, value: Momentum, axes: Floats) -> Momentum | None:
+        """The rotor with other body axes."""
+        return value.turned(axes) if isinstance(value, RotorTable) else super().turned(value, axes)
+
+    def words(self, value: Momentum, varied: Container[str] = ()) -> str:
+        """The rotor in a few words."""
+        return value.words() if isinstance(value, RotorTable) else super().words(value, varied)
 
 
 class Drag(Force[Vector | Floats]):
@@ -388,6 +422,12 @@ class HasForces:
         """The further forces that act, and their values."""
         return ((FORCES[name], value) for name, value in self._further.items())
 
+    def momentum_of_rotor(self, t: ArrayLike) -> Floats:
+        """The momentum of the rotor (kg m²/s) at times, shape (..., m, 3), m perhaps 1."""
+        if isinstance(self.rotor, RotorTable):
+            return self.rotor.at(t)
+        return np.asarray(np.zeros(3) if self.rotor is None else self.rotor)[..., np.newaxis, :]
+
 
 class TopForces(TypedDict, total=False):
     """The keywords of heavy tops for further forces."""
@@ -400,7 +440,7 @@ class FreeForces(TopForces, total=False):
 
     orbit: Orbit | None
     dissipation: EnergySink | None
-    rotor: ArrayLike | None
+    rotor: ArrayLike | RotorTable | None
 
 
 FORCES: Mapping[str, Force[Any]] = {

@@ -45,6 +45,7 @@ from .leading import (
     taken,
     vector_of,
 )
+from .sampled import Sampled
 from .start import Start, normal
 from .torque import (
     Damping,
@@ -162,7 +163,7 @@ class Scene(HasForces, ABC):
         if self.damping is not None:
             shapes["damping"] = axes_of(self.damping, 2)
         for force, value in self.further():
-            shapes[force.name] = axes_of(force.numbers(value), 1)
+            shapes[force.name] = force.shape(value)
         return leading_shape(shapes)
 
     def __len__(self) -> int:
@@ -246,6 +247,12 @@ class Scene(HasForces, ABC):
         return bool(self._further)
 
     @property
+    def has_table(self) -> bool:
+        """Whether a force follows a table over time."""
+        by_torque = self.torque is not None and bool(self.torque.times)
+        return by_torque or any(isinstance(value, Sampled) for _, value in self.further())
+
+    @property
     def bounds_rates(self) -> bool:
         """Whether a bound of the rates is known; under a callback only if its bound is given."""
         function = None if self.torque is None else self.torque.function
@@ -264,8 +271,8 @@ class Scene(HasForces, ABC):
         by_force = any(force.in_space for force, _ in self.further())
         return bool(self.directions) or in_space or by_force
 
-    def further_numbers(self) -> dict[str, ArrayLike]:
-        """The numbers of the further forces by their names, one row of each body."""
+    def further_numbers(self) -> dict[str, Any]:
+        """The numbers of the further forces by their names, one row of each body, or a table."""
         return {force.name: force.numbers(value) for force, value in self.further()}
 
     def acting(self) -> _core.Forces | None:

@@ -14,6 +14,7 @@ from .._core import MOST_STATES
 from ..model.events import Event
 from ..model.frame import turned
 from ..model.leading import Shape
+from ..model.sampled import RotorTable, Sampled
 from ..model.scene import Scene
 from .arrays import Floats, in_rows
 from .bodies import Bodies
@@ -264,7 +265,9 @@ def find_events(
     n = len(bodies)
     normals = np.array([[event.omega, event.gamma] for event in events])
     pointing = np.array([event.pointing(scene, frame) for event in events])
-    orbit = np.zeros(9) if scene.orbit is None else scene.orbit.numbers
+    orbit = np.zeros(9)
+    if scene.orbit is not None and not isinstance(scene.orbit, Sampled):
+        orbit = scene.orbit.numbers
     if frame is not None:
         normals = turned(frame.T, normals)
     of_states = np.zeros((len(events), MOST_STATES))
@@ -281,8 +284,13 @@ def find_events(
         starts[:, : function.states] = in_rows(function.start, bodies.shape)
     # Moments are counted in this unit.
     exponents = bodies.scale_exponent[:, np.newaxis]
-    rotor = in_rows(np.zeros(3) if scene.rotor is None else np.asarray(scene.rotor), bodies.shape)
     momentum = _of_each([event.momentum for event in events], n, 3)
+    if momentum.any() and isinstance(scene.rotor, RotorTable):
+        raise ValueError(
+            f"rotor = {scene.rotor!r}: the momentum of a rotor by a table is not watched; take the "
+            "rates, or look at run.momentum()"
+        )
+    rotor = in_rows(scene.momentum_of_rotor(0.0)[..., 0, :], bodies.shape)
     kinds = zip(events, counted, strict=True)
     found: dict[str, Any] = Search(
         bodies=bodies,

@@ -321,7 +321,7 @@ def simulate(
     if "energy" in derived:
         columns["energy"] = energy_of(scene, bodies.shape, columns["omega"], columns["gamma"])
     if "momentum" in derived:
-        columns["momentum"] = momentum_of(scene, bodies.shape, columns["omega"])
+        columns["momentum"] = momentum_of(scene, bodies.shape, columns["omega"], times)
     if target is not PLAIN:
         estimate = ErrorEstimate(target.finish(made.states, estimate.error), estimate.lost_from)
     own_step = None if made.method == EXACT else step
