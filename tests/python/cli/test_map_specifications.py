@@ -123,7 +123,7 @@ def test_quadratic_drag_of_a_specification(line: str, drag: tuple[float, ...]) -
 
 
 def test_tables_over_time_are_tables_of_a_specification() -> None:
-    path = [[float(t) - 4.0, 1.0, 0.0] for t in range(9)]
+    path = [[float(t) - 4.0, 1.5, 0.0] for t in range(9)]
     tables = (
         f"orbit = {{ t = {list(range(9))}, positions = {path}, gm = 0.5 }}\n"
         "rotor = { t = [0, 8], momentum = [[0, 0, 0], [0, 0, 0.4]] }"
@@ -131,7 +131,7 @@ def test_tables_over_time_are_tables_of_a_specification() -> None:
     body = "moments = [1.0, 2.0, 2.5]"
     text = (
         f'[scene]\nkind = "free-body"\n{body}\n{tables}\n'
-        '[[axes]]\nname = "spin"\nvalues = [0.1, 0.2]\n'
+        '[x]\nname = "spin"\nvalues = [0.1, 0.2]\n'
         "[start]\nspin = 0.1\n"
         '[stable]\ncriterion = "no_flip"\naxis = 2\n[run]\nt_end = 8\nsamples = 4\n'
     )
