@@ -58,7 +58,8 @@ from .model.measures import (
     time_to_settle,
 )
 from .model.mixture import Mixture, mixture
-from .model.orbit import Orbit
+from .model.orbit import Orbit, OrbitTable
+from .model.sampled import RotorTable
 from .model.scene import FreeBody, HeavyTop
 from .model.start import (
     Noise,
@@ -144,11 +145,13 @@ __all__ = [
     "Noise",
     "Orbit",
     "OrbitStates",
+    "OrbitTable",
     "Outcomes",
     "Plan",
     "Progress",
     "Replay",
     "Report",
+    "RotorTable",
     "Row",
     "Run",
     "Samples",

@@ -72,6 +72,7 @@ __all__ = [
     "section",
     "simulate",
     "solve",
+    "spline",
     "state_bytes",
     "status_names",
     "tilt_times",
@@ -270,6 +271,9 @@ class Motion:
     def begin(self, bodies: Bodies, kept: NDArray[np.bool_]) -> None: ...
 
 def change_places() -> tuple[dict[str, int], int]: ...
+def spline(
+    knots: NDArray[np.float64], samples: NDArray[np.float64], times: NDArray[np.float64]
+) -> NDArray[np.float64]: ...
 def orbit_anomalies(
     numbers: NDArray[np.float64], times: NDArray[np.float64]
 ) -> NDArray[np.float64]: ...
@@ -284,6 +288,7 @@ class Forces:
         space: NDArray[np.float64],
         damping: NDArray[np.float64],
         further: Mapping[str, NDArray[np.float64]] | None = None,
+        knots: Mapping[str, NDArray[np.float64]] | None = None,
         function: tuple[
             int,
             bool,

@@ -1,18 +1,21 @@
 //! `Forces`: those of one body or of many; `BodyForces`: those of one of them; `ForcesInterval`: those in a kernel.
 
+use super::table::{self, Knot, Samples};
 use super::{
-    AtStart, Damping, FEWEST_STEPS, Further, MOST_STATES, Table, TorqueCall, TorqueCalls, TorqueFunction,
-    part, table,
+    AtStart, Damping, FEWEST_STEPS, Further, MOST_STATES, Rotor, Table, TorqueCall, TorqueCalls,
+    TorqueFunction, Trajectory, part,
 };
 use crate::error::Error;
 use crate::memory;
 use crate::real::Real;
 use crate::special::exp;
 
-/// What the table of a torque is called if it does not fit into memory.
+/// What a table is called if it does not fit into memory.
 const TABLE: &str = "table of the torque";
+const ROTOR: &str = "table of the rotor";
+const TRAJECTORY: &str = "table of the orbit";
 
-/// The forces on a body, on an interval of time in which the torque of the table is linear.
+/// The forces on a body, on an interval of time in which its tables are polynomials.
 #[derive(Clone, Copy)]
 pub struct ForcesInterval<'a, R> {
     /// Torque in the body at the begin of the interval, and its rate of change.
@@ -25,8 +28,12 @@ pub struct ForcesInterval<'a, R> {
     pub rates: [R; 3],
     /// Eigenvectors of the damping rates, as columns.
     pub modes: [[R; 3]; 3],
-    /// The further forces.
+    /// The further forces, with the rotor at the begin of the interval.
     pub further: Further<R>,
+    /// The rate of change of the momentum of the rotor; what it takes from the body is in the torque.
+    pub rotor_change: [R; 3],
+    /// The trajectory whose gravity gradient acts.
+    pub trajectory: Trajectory<R>,
     /// The functions that return a further torque.
     pub functions: Option<TorqueCalls<'a, R>>,
     /// The change of the parameters by which the body deviates, if deviation vectors are integrated.
@@ -92,6 +99,8 @@ impl<R: Copy> ForcesInterval<'_, R> {
             rates: [number; 3],
             modes: [[number; 3]; 3],
             further: Further::filled(number),
+            rotor_change: [number; 3],
+            trajectory: Trajectory([[number; 3]; 4]),
             functions: None,
             change: ParameterChange::filled(number),
         }
@@ -108,8 +117,20 @@ impl<R: Real> ForcesInterval<'_, R> {
     /// The same with other functions.
     #[inline(always)]
     pub fn with_functions<'b>(&self, functions: Option<TorqueCalls<'b, R>>) -> ForcesInterval<'b, R> {
-        let ForcesInterval { body, space, damping, rates, modes, further, change, .. } = *self;
-        ForcesInterval { body, space, damping, rates, modes, further, functions, change }
+        let ForcesInterval { body, space, damping, rates, modes, further, rotor_change, .. } = *self;
+        let ForcesInterval { trajectory, change, .. } = *self;
+        ForcesInterval {
+            body,
+            space,
+            damping,
+            rates,
+            modes,
+            further,
+            rotor_change,
+            trajectory,
+            functions,
+            change,
+        }
     }
 
     /// The same for code of a kernel, whose types cannot name a lifetime.
@@ -123,14 +144,54 @@ impl<R: Real> ForcesInterval<'_, R> {
     }
 }
 
-/// The forces on one body or on many. All tables have the same times, and each table, matrix or row of numbers is
-/// that of one body or serves all.
+/// The tables of one kind of some bodies, which have the same times.
+#[derive(Clone, Debug, PartialEq)]
+struct Tables<T> {
+    /// As in [`Samples`].
+    times: Vec<f64>,
+    /// The values of the tables, table after table; empty without tables.
+    values: Vec<T>,
+}
+
+impl<T: Copy> Tables<T> {
+    const NONE: Tables<T> = Tables { times: Vec::new(), values: Vec::new() };
+
+    /// How many values a table has.
+    fn len(&self) -> usize {
+        self.times.len().max(1)
+    }
+
+    /// The number of tables.
+    fn count(&self) -> usize {
+        self.values.len() / self.len()
+    }
+
+    fn of(&self, body: usize) -> Samples<'_, T> {
+        Samples { times: &self.times, values: of_one(&self.values, self.len(), body).unwrap_or(&[]) }
+    }
+
+    fn copied(&self, what: &'static str) -> Result<Self, Error> {
+        Ok(Tables { times: copied(what, &self.times)?, values: copied(what, &self.values)? })
+    }
+
+    fn of_some(&self, what: &'static str, bodies: &[usize]) -> Result<Self, Error> {
+        let values = taken(what, &self.values, self.len(), bodies)?;
+        Ok(Tables { times: copied(what, &self.times)?, values })
+    }
+}
+
+/// The forces on one body or on many. All tables of one kind have the same times, and each table, matrix or row of
+/// numbers is that of one body or serves all.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Forces {
-    /// Times of the tables, as in [`Table`].
-    times: Vec<f64>,
-    /// The values of the tables, table after table; empty if no torque is applied to any body.
-    values: Vec<[[f64; 3]; 2]>,
+    /// Torques, as in [`Table`].
+    torques: Tables<[[f64; 3]; 2]>,
+    /// Momenta of rotors, as in [`Table`].
+    rotors: Tables<[f64; 3]>,
+    /// The trajectory of all bodies, as in [`Table`].
+    trajectory: Tables<Knot>,
+    /// See [`Table::doubt`].
+    doubt: f64,
     /// The damping matrices, as in [`Damping`].
     dampings: Vec<[f64; 6]>,
     further: Vec<Further<f64>>,
@@ -141,8 +202,10 @@ pub struct Forces {
 impl Forces {
     /// No forces.
     pub const NONE: &'static Forces = &Forces {
-        times: Vec::new(),
-        values: Vec::new(),
+        torques: Tables::NONE,
+        rotors: Tables::NONE,
+        trajectory: Tables::NONE,
+        doubt: 0.0,
         dampings: Vec::new(),
         further: Vec::new(),
         function: None,
@@ -161,13 +224,9 @@ impl Forces {
     ) -> Result<Forces, Error> {
         table::check(times, body, space)?;
         let values = body.iter().zip(space).map(|(&body, &space)| [body, space]);
-        let made = Forces {
-            times: copied(TABLE, times)?,
-            values: memory::collected(TABLE, body.len(), values)?,
-            dampings: copied("damping", dampings)?,
-            further: Vec::new(),
-            function: None,
-        };
+        let values = memory::collected(TABLE, body.len(), values)?;
+        let torques = Tables { times: copied(TABLE, times)?, values };
+        let made = Forces { torques, dampings: copied("damping", dampings)?, ..Forces::NONE.copied()? };
         let rows = [body.len() / times.len().max(1), dampings.len()];
         if rows.iter().any(|&rows| rows > 1 && rows != made.bodies()) {
             let (expected, got) = (format!("({}, ...)", made.bodies()), format!("{rows:?} rows"));
@@ -188,6 +247,26 @@ impl Forces {
         }
         self.check_rows("forces", further.len())?;
         Ok(Forces { further, ..self })
+    }
+
+    /// The same with rotors whose momenta are tables: table after table.
+    ///
+    /// # Errors
+    /// If the tables are impossible, or those of another number of bodies.
+    pub fn with_rotors(self, times: &[f64], momenta: &[[f64; 3]]) -> Result<Forces, Error> {
+        table::check_smooth("rotor", times, momenta, 2)?;
+        let rotors = Tables { times: copied(ROTOR, times)?, values: copied(ROTOR, momenta)? };
+        self.check_rows("rotor", rotors.count())?;
+        Ok(Forces { rotors, ..self })
+    }
+
+    /// The same on a trajectory with these samples of `sqrt(3 gm / r^3) o`, which serves all bodies.
+    ///
+    /// # Errors
+    /// If the samples are impossible.
+    pub fn on_trajectory(self, times: &[f64], samples: &[[f64; 3]]) -> Result<Forces, Error> {
+        let values = table::spline(times, samples)?;
+        Ok(Forces { trajectory: Tables { times: copied(TRAJECTORY, times)?, values }, ..self })
     }
 
     /// The same with the torque that a function returns.
@@ -215,8 +294,10 @@ impl Forces {
     /// If they do not fit into memory once more.
     pub fn copied(&self) -> Result<Forces, Error> {
         Ok(Forces {
-            times: copied(TABLE, &self.times)?,
-            values: copied(TABLE, &self.values)?,
+            torques: self.torques.copied(TABLE)?,
+            rotors: self.rotors.copied(ROTOR)?,
+            trajectory: self.trajectory.copied(TRAJECTORY)?,
+            doubt: self.doubt,
             dampings: copied("damping", &self.dampings)?,
             further: copied("forces", &self.further)?,
             function: self.function.as_ref().map(TorqueFunction::copied).transpose()?,
@@ -233,8 +314,10 @@ impl Forces {
             return Err(Error::Value { argument: "body", value: bad.to_string(), rule });
         }
         Ok(Forces {
-            times: copied(TABLE, &self.times)?,
-            values: taken(TABLE, &self.values, self.times.len().max(1), bodies)?,
+            torques: self.torques.of_some(TABLE, bodies)?,
+            rotors: self.rotors.of_some(ROTOR, bodies)?,
+            trajectory: self.trajectory.copied(TRAJECTORY)?,
+            doubt: self.doubt,
             dampings: taken("damping", &self.dampings, 1, bodies)?,
             further: taken("forces", &self.further, 1, bodies)?,
             function: self.function.as_ref().map(|function| function.of_some(bodies)).transpose()?,
@@ -243,7 +326,8 @@ impl Forces {
 
     /// The same with damping and orbits that are rounded otherwise, by a unit in the last place: of the damping the
     /// diagonal up, the rest down, or with a sign of -1 the other way round. So equal dampings of all axes stay equal, and a matrix that is nearly singular changes
-    /// its least rate. A step rounds how far an orbit has gone alike in every step, as another rate would.
+    /// its least rate. A step rounds how far an orbit has gone alike in every step, as another rate would. A trajectory is
+    /// another by its doubt.
     ///
     /// # Errors
     /// As `of_some`.
@@ -253,6 +337,7 @@ impl Forces {
             *entry *= 1.0 + if k < 3 { sign * f64::EPSILON } else { -sign * f64::EPSILON };
         }
         forces.further.iter_mut().for_each(|further| further.orbit.round_otherwise(sign));
+        forces.doubt += sign;
         Ok(forces)
     }
 
@@ -269,7 +354,7 @@ impl Forces {
 
     /// The number of bodies on which they act; 1 if all have the same.
     pub fn bodies(&self) -> usize {
-        let tables = self.values.len() / self.times.len().max(1);
+        let tables = self.torques.count().max(self.rotors.count());
         let functions = self.function.as_ref().map_or(1, TorqueFunction::bodies);
         tables.max(self.dampings.len()).max(self.further.len()).max(functions)
     }
@@ -283,8 +368,10 @@ impl Forces {
     pub fn of(&self, body: usize) -> BodyForces<'_> {
         BodyForces {
             table: Table {
-                times: &self.times,
-                values: of_one(&self.values, self.times.len().max(1), body).unwrap_or(&[]),
+                torque: self.torques.of(body),
+                rotor: self.rotors.of(body),
+                trajectory: self.trajectory.of(body),
+                doubt: self.doubt,
             },
             damping: of_one(&self.dampings, 1, body).map_or(Damping::NONE, |one| Damping(one[0])),
             further: of_one(&self.further, 1, body).map_or(&Further::NONE, |one| &one[0]),
@@ -352,13 +439,24 @@ impl<'a> BodyForces<'a> {
 
     /// Whether nothing acts. A table of zeros acts.
     pub fn is_none(&self) -> bool {
-        let without_table = self.damping.is_none() && self.further.is_none() && self.function.is_none();
-        self.table.values.is_empty() && without_table
+        self.damping.is_none() && self.further.is_none() && self.function.is_none() && self.table.is_none()
+    }
+
+    /// Whether a further force acts, by its numbers or by a table.
+    pub fn acts_further(&self) -> bool {
+        !self.further.is_none() || self.table.acts_further()
+    }
+
+    /// The same with a trajectory that is another by its doubt: for a second run.
+    pub fn doubted(self) -> Self {
+        BodyForces { table: Table { doubt: 1.0, ..self.table }, ..self }
     }
 
     /// What acts, as bits: a table, which may be of zeros, damping, a function, and each further force.
     pub fn kinds(&self) -> u64 {
-        let others = [!self.table.values.is_empty(), !self.damping.is_none(), self.function.is_some()];
+        let Table { torque, rotor, trajectory, .. } = &self.table;
+        let tables = [torque.values.is_empty(), rotor.values.is_empty(), trajectory.values.is_empty()];
+        let others = [!tables[0], !self.damping.is_none(), self.function.is_some(), !tables[1], !tables[2]];
         bits(&others) | bits(&self.further.act()) << others.len()
     }
 
@@ -371,13 +469,19 @@ impl<'a> BodyForces<'a> {
     pub fn interval(&self, time: f64, backward: bool, moments: [f64; 3]) -> ForcesInterval<'static, f64> {
         let [[body, body_slope], [space, space_slope]] = self.table.torques(time, backward);
         let (rates, modes) = self.damping.modes(moments);
+        let (mut further, mut rotor_change) = (*self.further, [0.0; 3]);
+        if let Some([momentum, change]) = self.table.momentum(time, backward) {
+            (further.rotor, rotor_change) = (Rotor(momentum), change);
+        }
         ForcesInterval {
             body: [body, body_slope],
             space: [space, space_slope],
             damping: self.damping.0,
             rates,
             modes,
-            further: *self.further,
+            further,
+            rotor_change,
+            trajectory: self.table.trajectory.polynomial(time, backward, self.table.doubt),
             functions: None,
             change: ParameterChange::filled(0.0),
         }
@@ -396,7 +500,7 @@ impl<'a> BodyForces<'a> {
     /// Whether the gravity gradient of an orbit acts, and nothing else: not even a torque that is zero, under which a body
     /// is integrated like its neighbours.
     pub fn orbit_alone(&self) -> bool {
-        let has_others = !self.damping.is_none() || self.function.is_some() || !self.table.values.is_empty();
+        let has_others = !self.damping.is_none() || self.function.is_some() || !self.table.is_none();
         !has_others && self.further.is_orbit_alone()
     }
 
@@ -414,11 +518,17 @@ impl<'a> BodyForces<'a> {
 
     /// What the further forces add to the rate that the steps of a body follow, whose rates reach `fastest`.
     pub fn further_step_rate(&self, moments: [f64; 3], omega: [f64; 3], fastest: f64) -> f64 {
-        if self.further.is_none() {
+        if !self.acts_further() {
             return 0.0;
         }
         let is_torque_free = self.table.is_zero() && self.damping.is_none();
-        self.further.step_rate(moments, omega, fastest, is_torque_free)
+        self.further_bound().step_rate(moments, omega, fastest, is_torque_free)
+    }
+
+    /// The further forces, with the largest momentum of the rotor.
+    fn further_bound(&self) -> Further<f64> {
+        let rotor = self.table.largest_momentum().map_or(self.further.rotor, Rotor);
+        Further { rotor, ..*self.further }
     }
 
     /// The longest step of a run between two times that looks at the torque of a function often enough; infinite without
@@ -445,8 +555,9 @@ impl<'a> BodyForces<'a> {
         let [d, .., fastest] = self.damping.rates(moments);
         let strength = self.table.strength(moments) + self.further.strength(moments);
         let start = twice_kinetic.sqrt();
-        let at_start = AtStart { moments, omega, attitude, rotor: self.further.rotor.0 };
+        let at_start = AtStart { moments, omega, attitude, rotor: self.further_bound().rotor.0 };
         let [reach, turning] = self.further.reach(&at_start, (twice_kinetic + 2.0 * fall).sqrt());
+        let reach = self.table.reach(moments, reach, [first, last]);
         // Damping slows the rates in space, not those seen from a turning frame.
         let drag = |time: f64| if turning > 0.0 { turning * fastest.max(0.0) * time } else { 0.0 };
         let mut forward =
@@ -500,7 +611,7 @@ mod tests {
         let damped = Forces::new(&[], &[], &[], &[strong, weak]).unwrap();
         assert!(!damped.is_none() && !damped.of(0).is_none() && damped.of(1).is_none());
         let tables = Forces::new(&[0.0, 1.0], &[[0.0; 3]; 4], &[[0.0; 3]; 4], &[strong, weak]).unwrap();
-        assert_eq!((tables.bodies(), tables.of(1).table.times), (2, &[0.0, 1.0][..]));
+        assert_eq!((tables.bodies(), tables.of(1).table.torque.times), (2, &[0.0, 1.0][..]));
         assert!(Forces::new(&[], &torques, &none, &[strong, weak]).is_err());
     }
 

@@ -1,9 +1,9 @@
 //! Forces: what acts on a body besides weight, each in one file.
 //!
 //! A force has numbers and their check, an equation and its Taylor products, bounds, and what it adds to the rate that
-//! steps follow; dual numbers take the derivative. Every kernel of a forced body has the table of a torque and linear damping. The *further* forces are
-//! the rows of the list below; kernels with them have them all, and a body that has none of one has zeros for its
-//! numbers.
+//! steps follow; dual numbers take the derivative. Every kernel of a forced body has the table of a torque and linear
+//! damping. The *further* forces are the rows of the list below and the trajectory of a table; kernels with them have
+//! them all, and a body that has none of one has zeros for its numbers.
 //!
 //! Two of the further forces are no torques, and the equations of motion (`scene::further`) name them: the rotor has
 //! an angular momentum, and the dissipation turns the frame of the body. The function of a user is called for one
@@ -19,6 +19,7 @@ mod place;
 mod rotor;
 mod set;
 mod table;
+mod trajectory;
 
 pub use bodies::{BodyForces, Forces, ForcesInterval, ParameterChange};
 pub use damping::{Damping, damp};
@@ -33,7 +34,8 @@ pub use orbit::{Orbit, anomaly_cos_sin, conic_sign, is_open};
 pub use place::{Along, OrbitPlace, StepAlong};
 pub use rotor::Rotor;
 pub use set::ForceSet;
-pub use table::{Table, add_space_torque};
+pub use table::{Samples, Table, add_space_torque, spline};
+pub use trajectory::{Trajectory, TrajectorySeries};
 
 use crate::dual::Dual;
 use crate::error::Error;

@@ -141,7 +141,7 @@ impl<R: Real> Orbit<R> {
 
 /// A vector in space, in the body, from the space axes of a state, or of one order of it; linear in both.
 #[inline(always)]
-fn to_body<R: Real, const D: usize>(v: &[R; 3], state: &[R; D]) -> [R; 3] {
+pub(super) fn to_body<R: Real, const D: usize>(v: &[R; 3], state: &[R; D]) -> [R; 3] {
     // The third row of the matrix, the vertical, comes first in the state.
     let (third, first, second) = (direction(state, 0), direction(state, 1), direction(state, 2));
     let mut sum = *v;
@@ -153,7 +153,7 @@ fn to_body<R: Real, const D: usize>(v: &[R; 3], state: &[R; D]) -> [R; 3] {
 
 /// `a2 b3`, `a3 b1` and `a1 b2`, added to sums.
 #[inline(always)]
-fn add_products<R: Real>(a: &[R; 3], b: &[R; 3], sums: &mut [R; 3]) {
+pub(super) fn add_products<R: Real>(a: &[R; 3], b: &[R; 3], sums: &mut [R; 3]) {
     *sums = [a[1].fma(b[2], sums[0]), a[2].fma(b[0], sums[1]), a[0].fma(b[1], sums[2])];
 }
 

@@ -1,23 +1,14 @@
-//! A rotor at constant speed: the momentum of the body with it is `L = I omega + h`, `h` constant in the body (the
-//! gyrostat of Zhukovsky 1885 and Volterra 1899; Wittenburg, Dynamics of Multibody Systems, 2nd ed., 2008, §4.2). It
-//! does no work.
+//! A rotor: the momentum of the body with it is `L = I omega + h`, `h` constant in the body (the gyrostat of Zhukovsky 1885
+//! and Volterra 1899; Wittenburg, Dynamics of Multibody Systems, 2nd ed., 2008, §4.2), or a table over time. It does no
+//! work, but the torque `-h'` on the body by which its motor changes h does.
 
 use super::{Bounded, Force, Pace, length};
 use crate::error::Error;
-use crate::kinematics::cross;
 use crate::real::Real;
 
 /// The momentum `h` relative to the body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rotor<R>(pub [R; 3]);
-
-impl<R: Real> Rotor<R> {
-    /// `h x v`.
-    #[inline(always)]
-    pub fn across(&self, v: &[R; 3]) -> [R; 3] {
-        cross(&self.0, v)
-    }
-}
 
 impl<R: Real> Force<R> for Rotor<R> {
     type Series = ();

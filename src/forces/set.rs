@@ -60,7 +60,7 @@ impl From<BodyForces<'_>> for ForceSet {
     fn from(forces: BodyForces) -> ForceSet {
         ForceSet {
             act: !forces.is_none(),
-            further: !forces.further.is_none(),
+            further: forces.acts_further(),
             function: forces.function.is_some(),
             states: forces.function.is_some_and(|function| function.has_states()),
             in_space: forces.acts_in_space(),

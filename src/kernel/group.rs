@@ -101,6 +101,10 @@ impl<'a> ForcesRows<'a> {
             set_lane(&mut numbers.modes[k], lane, &interval.modes[k]);
         }
         numbers.further.set(lane, &interval.further);
+        set_lane(&mut numbers.rotor_change, lane, &interval.rotor_change);
+        for k in 0..4 {
+            set_lane(&mut numbers.trajectory.0[k], lane, &interval.trajectory.0[k]);
+        }
         let (rows, change) = (&mut numbers.change, &interval.change);
         set_lane(&mut rows.moments, lane, &change.moments);
         set_lane(&mut rows.weight, lane, &change.weight);
@@ -126,6 +130,10 @@ impl<'a> ForcesRows<'a> {
             interval.modes[k] = load_rows(&numbers.modes[k], at);
         }
         interval.further = numbers.further.load(at);
+        interval.rotor_change = load_rows(&numbers.rotor_change, at);
+        for k in 0..4 {
+            interval.trajectory.0[k] = load_rows(&numbers.trajectory.0[k], at);
+        }
         interval.change = ParameterChange {
             moments: load_rows(&numbers.change.moments, at),
             weight: load_rows(&numbers.change.weight, at),

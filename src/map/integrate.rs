@@ -6,8 +6,8 @@ use super::regular::{self, Checkpoints};
 use super::{Class, Observation, OnOrbit, Outcome, STEP_BLOCK};
 use crate::body::Body;
 use crate::error::Error;
-use crate::forces::OrbitPlace;
-use crate::kernel::{Compiled, Entry, ForcesRows, Group, Job, Kernel, drive, load};
+use crate::forces::{BodyForces, ForcesInterval, OrbitPlace};
+use crate::kernel::{Compiled, Entry, ForcesRows, Group, Job, Kernel, drive, load, reset_time};
 use crate::memory;
 use crate::observe::{Bound, Deviation, EXIT_TIME, Observed};
 use crate::parallel::Interrupt;
@@ -25,6 +25,24 @@ struct LaneTask {
     /// Its place on the orbit at the start, if it is integrated over its anomaly.
     on_orbit: Option<OnOrbit>,
     checkpoints: Option<Checkpoints>,
+    /// Its leg, if it is under a table.
+    leg: Option<Leg>,
+}
+
+/// Steps of equal size between two knots of a table.
+#[derive(Clone, Copy)]
+struct Leg {
+    from: f64,
+    to: f64,
+    steps: u64,
+    /// The steps of the legs before it.
+    before: u64,
+}
+
+impl Leg {
+    fn step(&self) -> f64 {
+        (self.to - self.from) / self.steps as f64
+    }
 }
 
 /// How samples are integrated.
@@ -96,11 +114,10 @@ impl Observation<'_> {
     }
 
     /// The outcome of a lane whose sample is finished.
-    fn outcome(&self, group: &Group, lane: usize, observed: Observed, step: f64) -> Outcome {
+    fn outcome(&self, group: &Group, lane: usize, observed: Observed, (step, steps): (f64, u64)) -> Outcome {
         let energy_drift = group.energy.worst.0[lane];
         let momentum_drift = group.momentum.worst.0[lane];
         let unit_drift = group.unit.0[lane];
-        let steps = group.count.0[lane];
         let rows = group.observed_in(lane);
         let left = rows[EXIT_TIME];
         let value = observed.outcome(&rows);
@@ -136,7 +153,7 @@ impl Observation<'_> {
             momentum_drift,
             unit_drift,
             step,
-            steps: steps as u64,
+            steps,
             exact: false,
         }
     }
@@ -161,12 +178,12 @@ struct MapJob<'a> {
     outcomes: &'a mut [Option<Outcome>],
 }
 
-impl MapJob<'_> {
+impl<'a> MapJob<'a> {
     /// Loads a sample into a lane, with so many times its steps; `None` and its outcome if they are too many.
     fn begin(&mut self, lane: usize, index: usize, times: u64) -> Option<LaneTask> {
         let (map, cross_check) = (self.map, self.run.cross_check);
         let body = &self.bodies[index];
-        let forces = map.forces_of((self.first + index as u64) / map.samples);
+        let forces = self.forces_of(index);
         let orbit = &forces.further.orbit;
         let is_on_clock = self.compiled.kernel().system.is_on_clock;
         let on_orbit = is_on_clock.then(|| {
@@ -178,11 +195,13 @@ impl MapJob<'_> {
         // A time, or the anomaly until then.
         let span = place.map_or(map.t_end, |place| place.anomaly_until(map.t_end));
         let steps = map.steps_of(body, forces, cross_check, (on_orbit, span)).saturating_mul(times);
-        if steps > map.max_steps {
+        if steps.saturating_add(forces.table.knots_between(0.0, map.t_end) as u64) > map.max_steps {
             self.outcomes[index] = Some(Outcome::REFUSED);
             return None;
         }
-        let step = span / steps as f64;
+        let longest = span / steps as f64;
+        let leg = forces.table.has_knots().then(|| self.leg(forces, (0.0, 0), longest));
+        let step = leg.map_or(longest, |leg| leg.step());
         let assignment = map.assignment(body, forces, cross_check);
         let deviation = match map.criterion.rule() {
             Some(_) => {
@@ -196,9 +215,7 @@ impl MapJob<'_> {
             Checkpoints::new(rule, norm, map.is_forced(), [steps as f64, map.t_end])
         });
         let interval = (!forces.is_none()).then(|| {
-            let interval = forces.interval(0.0, false, body.moments);
-            self.forces_rows.set(lane, &interval);
-            self.forces_rows.functions.set(lane, forces.function_from(0.0));
+            let interval = apply(&mut self.forces_rows, lane, forces, (0.0, body.moments));
             interval.with_functions(self.forces_rows.functions.of(lane))
         });
         let rate = || match on_orbit {
@@ -212,9 +229,57 @@ impl MapJob<'_> {
         if let Some(checkpoints) = &checkpoints {
             checkpoints.renormalise(&mut self.group, self.compiled.kernel().system, lane);
         }
+        let steps = leg.map_or(steps, |leg| leg.steps);
         self.target[lane] = checkpoints.map_or(steps as f64, |checkpoints| checkpoints.next());
-        Some(LaneTask { index, step, times, on_orbit, checkpoints })
+        Some(LaneTask { index, step: longest, times, on_orbit, checkpoints, leg })
     }
+
+    /// The forces on a sample in this run.
+    fn forces_of(&self, index: usize) -> BodyForces<'a> {
+        let forces = self.map.map.forces_of((self.first + index as u64) / self.map.samples);
+        if self.run.cross_check { forces.doubted() } else { forces }
+    }
+
+    /// The leg from a time on, after some steps: to the next knot, or to the horizon. In a cross-check it has a step more than
+    /// its length asks for: two runs of one step would be the same.
+    fn leg(&self, forces: BodyForces, (from, before): (f64, u64), longest: f64) -> Leg {
+        let end = self.map.t_end;
+        let to = forces.table.next_knot(from, false).map_or(end, |knot| knot.min(end));
+        let steps = ((to - from) / longest).ceil().max(1.0) as u64 + u64::from(self.run.cross_check);
+        Leg { from, to, steps, before }
+    }
+
+    /// Moves a lane on to the next leg of its sample; `None` if it is at the horizon.
+    fn next_leg(&mut self, lane: usize, task: &LaneTask, leg: Leg) -> Option<Leg> {
+        if leg.to >= self.map.t_end {
+            return None;
+        }
+        let forces = self.forces_of(task.index);
+        let next = self.leg(forces, (leg.to, leg.before + leg.steps), task.step);
+        let moments = self.bodies[task.index].moments;
+        apply(&mut self.forces_rows, lane, forces, (next.from, moments));
+        reset_time(&mut self.group, self.compiled.kernel().system, lane);
+        self.group.step.0[lane] = next.step();
+        // Observables tell the time from the count of steps.
+        let begin = next.from / next.step();
+        self.group.count.0[lane] = begin;
+        // Half a step before, which rounding does not reach.
+        self.target[lane] = begin + next.steps as f64 - 0.5;
+        Some(next)
+    }
+}
+
+/// Applies the forces on a body with these moments to its lane, from a time on to the next knot.
+fn apply<'a>(
+    rows: &mut ForcesRows<'a>,
+    lane: usize,
+    forces: BodyForces<'a>,
+    (time, moments): (f64, [f64; 3]),
+) -> ForcesInterval<'static, f64> {
+    let interval = forces.interval(time, false, moments);
+    rows.set(lane, &interval);
+    rows.functions.set(lane, forces.function_from(time));
+    interval
 }
 
 impl Job for MapJob<'_> {
@@ -232,7 +297,12 @@ impl Job for MapJob<'_> {
 
     fn advance(&mut self, tasks: &[Option<LaneTask>; LANES]) -> Result<(), Error> {
         let is_ruled = self.map.criterion.rule().is_some();
-        let steps = if is_ruled { regular::BLOCK } else { STEP_BLOCK };
+        let steps = match is_ruled {
+            true => regular::BLOCK,
+            // A leg has any number of steps.
+            false if self.map.has_knots() => 1,
+            false => STEP_BLOCK,
+        };
         // Each round counts its steps, which lead to the least target.
         loop {
             if self.run.interrupt.is_wanted() {
@@ -268,7 +338,17 @@ impl Job for MapJob<'_> {
             self.group.deactivate(lane);
             return Ok(false);
         }
-        let mut outcome = self.map.outcome(&self.group, lane, kernel.observed, task.step);
+        let mut steps = self.group.count.0[lane] as u64;
+        if let Some(leg) = task.leg {
+            let is_over = done(&self.group, lane, f64::INFINITY, self.map.is_stopped);
+            if !is_over && let Some(next) = self.next_leg(lane, task, leg) {
+                task.leg = Some(next);
+                return Ok(true);
+            }
+            let made = self.group.count.0[lane] - leg.from / leg.step();
+            steps = leg.before + made.round() as u64;
+        }
+        let mut outcome = self.map.outcome(&self.group, lane, kernel.observed, (task.step, steps));
         if let Some(on_orbit) = &task.on_orbit {
             self.map.translate(on_orbit, &mut outcome);
         }

@@ -167,6 +167,11 @@ impl Map {
         self.forces.as_ref().map_or(0, Forces::function_width)
     }
 
+    /// Whether the samples are under tables over time.
+    pub(super) fn has_knots(&self) -> bool {
+        self.forces.as_ref().is_some_and(|forces| forces.of(0).table.has_knots())
+    }
+
     /// The forces on any of the samples.
     pub(super) fn forces(&self) -> ForceSet {
         let Some(forces) = &self.forces else { return ForceSet::NONE };
@@ -196,8 +201,12 @@ impl Map {
             let rule = "under torque and damping only the tilt from the vertical is watched";
             return refuse("reference", "'start'".to_string(), rule);
         }
-        if !self.forces_of(0).table.times.is_empty() {
-            return refuse("torque", "a table".to_string(), "must be constant in a map");
+        let table = self.forces_of(0).table;
+        table.check_reaches(0.0)?;
+        table.check_reaches(self.t_end)?;
+        if self.has_knots() && self.conditions.iter().any(|one| one.criterion.rule().is_some()) {
+            let rule = "deviation vectors of a map are not integrated under a table over time";
+            return refuse("criterion", "'regular'".to_string(), rule);
         }
         for (pixel, number) in self.pixels.iter().zip(0..).filter(|(pixel, _)| pixel.possible) {
             let damping = self.forces_of(number).damping;

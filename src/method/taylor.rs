@@ -7,7 +7,7 @@ use super::tangent::turn;
 use super::{Engine, EngineName, Facts, Limits, Method, Numbers, Proposal, Step, Variables};
 use super::{acceleration, turning_of_rates};
 use crate::dual::Dual;
-use crate::forces::{ForcesInterval, Further, FurtherSeries, Order};
+use crate::forces::{ForcesInterval, Further, FurtherSeries, Order, TrajectorySeries};
 use crate::kinematics::{
     add_cross, add_roll_across, add_roll_along, add_turn_across, add_turn_along, direction, plus, put,
 };
@@ -415,21 +415,25 @@ fn gains_of_order<R: Real, M: Model<R>, L: Layout, const D: usize>(
     (model, applied): (&M, &Applied<R>),
     (unit, k, all_orders): (R, usize, bool),
     products: &[R; 3],
-    TurnSeries { turn, torques }: &mut TurnSeries<R>,
+    TurnSeries { turn, torques, on_trajectory }: &mut TurnSeries<R>,
     c: &Coefficients<R, D>,
     next: &mut [R; D],
 ) -> Gains<R> {
     let of_k = c.order(k);
     let at = Order { k, own: L::OWN_AT, factor: unit * R::splat(INVERSE[k + 1]) };
     let mut torque = torque_of_order::<R, L, D>(applied, unit, c, k, all_orders);
-    applied.add_further_orders::<L, D>(c, at, torques, next, &mut torque);
-    let rotor = &applied.forces.further.rotor;
-    let impulse = plus(&rotor.across(&rates(of_k)), &torque);
+    applied.add_further_orders::<L, D>(c, at, (torques, on_trajectory), next, &mut torque);
+    let (begin, mut before) = (c.order(0)[L::TIME_AT], [[R::splat(0.0); 3]; 2]);
+    if k > 0 {
+        // SAFETY: the calls for the orders 0 to k, one each and ascending, have pushed the rows 0 to k - 1.
+        before = [rates(c.order(k - 1)), unsafe { *turn.order(k - 1) }];
+    }
+    let impulse = plus(&applied.across_rotor(begin, [&rates(of_k), &before[0]], unit), &torque);
     let change = applied.over_moments(&impulse);
     let rate = plus(&model.euler(products, of_k), &change);
     let sink = applied.turn(&rate);
     turn.push(k, sink);
-    let rotor = rotor.across(&sink);
+    let rotor = applied.across_rotor(begin, [&sink, &before[1]], unit);
     let mut by_turn = rotor;
     for j in 0..k + 1 {
         // SAFETY: the calls for the orders 0 to k, one each and ascending, have pushed the rows 0 to k.
@@ -520,12 +524,17 @@ struct TurnSeries<R: Real> {
     turn: VectorSeries<R>,
     /// Those of the forces.
     torques: FurtherSeries<R>,
+    on_trajectory: TrajectorySeries<R>,
 }
 
 impl<R: Real> TurnSeries<R> {
     #[inline(always)]
     fn new() -> Self {
-        TurnSeries { turn: VectorSeries::new(), torques: Further::series() }
+        TurnSeries {
+            turn: VectorSeries::new(),
+            torques: Further::series(),
+            on_trajectory: TrajectorySeries::new(),
+        }
     }
 }
 

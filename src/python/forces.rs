@@ -3,26 +3,64 @@
 use super::convert::{Aligned1, Aligned2, copied, copied_rows, rows, same_length};
 use crate::error::Error;
 use crate::float_environment::FloatEnvironment;
-use crate::forces::{BodyForces, Bounded, Code, Forces, Further, Orbit, ParameterChange, TorqueFunction};
+use crate::forces::{
+    BodyForces, Bounded, Code, Forces, Further, Orbit, ParameterChange, Samples, TorqueFunction, Trajectory,
+};
 use crate::memory;
-use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods};
+use numpy::{IntoPyArray, PyArray1, PyArray2, PyArray3, PyArrayMethods};
 use pyo3::prelude::*;
 use std::collections::HashMap;
 
 /// Forces on the bodies of a request: torques in the body and in space at some times, linear between them (no times:
 /// constant), table after table, damping, entries 11, 22, 33, 23, 31, 12 of its matrices, and the numbers of the further
-/// forces by name. One table, matrix or row may serve all bodies; without tables no torque is applied. A function that
+/// forces by name. Those of a table over time are its vectors one after another, at the times of `knots` by the same name. One table, matrix or row may serve all bodies; without tables no torque is applied. A function that
 /// returns a torque is its address, whether it is told eight bodies at once, whether it is told states and places, its data in
 /// rows, what its torques are multiplied by, a bound of the rates, or 0, and its states at the start in rows.
 #[pyclass(frozen, name = "Forces", module = "rigid._core")]
 pub struct PyForces(pub Forces);
+
+/// What is given of some further forces.
+type ByName<T> = HashMap<String, T>;
+
+/// The vectors of a table, which come one after another in the rows of the bodies.
+fn vectors(what: &'static str, rows: &Aligned2<'_, f64>) -> Result<Vec<[f64; 3]>, Error> {
+    let (numbers, width) = copied_rows(what, rows)?;
+    if !width.is_multiple_of(3) {
+        return Err(Error::Shape {
+            argument: what,
+            expected: "(n, 3 m)".into(),
+            got: format!("(n, {width})"),
+        });
+    }
+    memory::collected(what, numbers.len() / 3, numbers.chunks_exact(3).map(|v| [v[0], v[1], v[2]]))
+}
+
+/// Value, slope and bend at some times, (n, 3, 3), of the spline of a trajectory through samples at its knots, (m, 3).
+#[pyfunction]
+pub fn spline<'py>(
+    py: Python<'py>,
+    knots: Aligned1<'py, f64>,
+    samples: Aligned2<'py, f64>,
+    times: Aligned1<'py, f64>,
+) -> PyResult<Bound<'py, PyArray3<f64>>> {
+    let _standard = FloatEnvironment::standard();
+    let (knots, times) = (copied("t", &knots)?, copied("t", &times)?);
+    let values = crate::forces::spline(&knots, rows::<3>("positions", &samples)?)?;
+    let spline = Samples { times: knots.as_slice(), values: values.as_slice() };
+    let found = times.iter().map(|&time| {
+        let Trajectory([value, slope, bend, _]) = spline.polynomial(time, false, 0.0);
+        [value, slope, bend.map(|x| 2.0 * x)]
+    });
+    let found = memory::collected("spline", times.len(), found)?.into_flattened().into_flattened();
+    found.into_pyarray(py).reshape([times.len(), 3, 3])
+}
 
 /// Address of a function, whether it is of eight bodies and long, data, units, the bound of the rates, states at the start.
 type GivenFunction<'py> =
     (usize, bool, bool, Aligned2<'py, f64>, Aligned1<'py, f64>, f64, Aligned2<'py, f64>);
 
 /// The numbers of the further forces, from those of some by name.
-fn further(given: &HashMap<String, Aligned2<'_, f64>>) -> Result<Vec<[f64; Further::LEN]>, Error> {
+fn further(given: &ByName<Aligned2<'_, f64>>) -> Result<Vec<[f64; Further::LEN]>, Error> {
     let bodies = given.values().map(|numbers| numbers.as_array().nrows()).max().unwrap_or(0);
     let none = std::iter::repeat_n([0.0; Further::LEN], bodies);
     let mut all = memory::collected("forces", bodies, none)?;
@@ -70,22 +108,33 @@ pub fn orbit_anomalies<'py>(
 #[pymethods]
 impl PyForces {
     #[new]
-    #[pyo3(signature = (*, times, body, space, damping, further = None, function = None))]
+    #[pyo3(signature = (*, times, body, space, damping, further = None, knots = None, function = None))]
     fn new(
         times: Aligned1<'_, f64>,
         body: Aligned2<'_, f64>,
         space: Aligned2<'_, f64>,
         damping: Aligned2<'_, f64>,
-        further: Option<HashMap<String, Aligned2<'_, f64>>>,
+        further: Option<ByName<Aligned2<'_, f64>>>,
+        knots: Option<ByName<Aligned1<'_, f64>>>,
         function: Option<GivenFunction<'_>>,
     ) -> PyResult<Self> {
         let _standard = FloatEnvironment::standard();
         let (body, space) = (rows::<3>("torque", &body)?, rows::<3>("torque", &space)?);
         let times = copied("torque times", &times)?;
         let mut forces = Forces::new(&times, body, space, rows::<6>("damping", &damping)?)?;
-        if let Some(given) = &further {
-            forces = forces.with_further(&self::further(given)?)?;
+        let mut given = further.unwrap_or_default();
+        for (name, knots) in knots.unwrap_or_default() {
+            let (times, rows) = (copied("t", &knots)?, given.remove(&name));
+            match (name.as_str(), rows) {
+                ("rotor", Some(rows)) => forces = forces.with_rotors(&times, &vectors("rotor", &rows)?)?,
+                ("orbit", Some(rows)) => forces = forces.on_trajectory(&times, &vectors("orbit", &rows)?)?,
+                _ => {
+                    let rule = "has no table over time";
+                    return Err(Error::Value { argument: "forces", value: name.clone(), rule }.into());
+                }
+            }
         }
+        forces = forces.with_further(&self::further(&given)?)?;
         let Some((address, is_of_eight, is_long, data, units, fastest, starts)) = function else {
             return Ok(PyForces(forces));
         };

@@ -55,7 +55,7 @@ mod _core {
     #[pymodule_export]
     use super::exact::{elliptic, flip_times, free_quantities_of, saddles, tilt_times, top_quantities_of};
     #[pymodule_export]
-    use super::forces::{PyForces, change_places, orbit_anomalies};
+    use super::forces::{PyForces, change_places, orbit_anomalies, spline};
     #[pymodule_export]
     use super::growth::{deviation_starts, generic_deviations, growth, rate_units, verdicts};
     #[pymodule_export]

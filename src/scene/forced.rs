@@ -10,8 +10,8 @@
 use super::{Layout, Model, Parameters, quaternion};
 use crate::dual::Dual;
 use crate::forces::{
-    ForcesInterval, MOST_STATES, ParameterChange, Returned, add_space_torque, attitude_of_stage, damp,
-    unit_of_stage,
+    ForcesInterval, MOST_STATES, ParameterChange, Returned, Trajectory, add_space_torque, attitude_of_stage,
+    damp, unit_of_stage,
 };
 use crate::kinematics::{add_cross, direction, dot, plus};
 use crate::real::Real;
@@ -36,6 +36,8 @@ pub struct Torques<R> {
     in_space: bool,
     /// Whether a further force of some lane acts, beside a function; else one does.
     pub further: bool,
+    /// Whether the gravity gradient along a trajectory acts on some lane.
+    pub on_trajectory: bool,
 }
 
 impl<R: Real> Torques<R> {
@@ -73,7 +75,7 @@ impl<R: Real> Torques<R> {
 
 /// Whether a number of some lane is not zero.
 #[inline(always)]
-fn acts<R: Real>(v: &[R; 3]) -> bool {
+pub(super) fn acts<R: Real>(v: &[R; 3]) -> bool {
     R::any(R::splat(0.0).lt(v[0].abs().max(v[1].abs()).max(v[2].abs())))
 }
 
@@ -94,12 +96,23 @@ impl<R: Real> Applied<R> {
     #[inline(always)]
     pub fn varied(&self) -> Applied<Dual<R>> {
         let mut forces = ForcesInterval::none();
-        let ForcesInterval { body: [body, slope], space, damping, further, change, .. } = &self.forces;
+        let ForcesInterval {
+            body: [body, slope],
+            space,
+            damping,
+            further,
+            rotor_change,
+            trajectory,
+            change,
+            ..
+        } = &self.forces;
         let none = [R::splat(0.0); 3];
         forces.body = [Dual::of(body, &change.torque), Dual::of(slope, &none)];
         forces.space = [Dual::of(&space[0], &none), Dual::of(&space[1], &none)];
         forces.damping = Dual::of(damping, &change.damping);
         forces.further = further.varied(&change.further);
+        forces.rotor_change = Dual::of(rotor_change, &none);
+        forces.trajectory = Trajectory(trajectory.0.map(|power| Dual::of(&power, &none)));
         Applied {
             moments: Dual::of(&self.moments, &change.moments),
             inverse: Dual::quotients(&self.inverse, none, &change.moments, &self.inverse),
@@ -117,7 +130,7 @@ impl<R: Real> Applied<R> {
     #[inline(always)]
     pub fn torques(&self) -> Torques<R> {
         let ForcesInterval { body, space, damping, .. } = self.forces;
-        Torques { body, space, damping, is_timed: true, in_space: true, further: true }
+        Torques { body, space, damping, is_timed: true, in_space: true, further: true, on_trajectory: true }
     }
 
     /// Torque and damping over a unit of time.
@@ -131,7 +144,9 @@ impl<R: Real> Applied<R> {
                 torques.space[j][i] = torques.space[j][i] * unit;
             }
         }
-        torques.further = !L::FUNCTION || self.forces.further.acts();
+        torques.on_trajectory = L::FURTHER && self.forces.trajectory.acts();
+        let of_table = torques.on_trajectory || acts(&self.forces.rotor_change);
+        torques.further = !L::FUNCTION || of_table || self.forces.further.acts();
         torques.is_timed = acts(&torques.body[1]) || acts(&torques.space[1]);
         torques.in_space = acts(&torques.space[0]) || acts(&torques.space[1]);
         for k in 0..6 {

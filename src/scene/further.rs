@@ -1,14 +1,16 @@
 //! The equations of motion under further forces.
 //!
-//! The angular momentum is `L = I omega + h`, with that of the rotor. The frame of the body turns with `omega + e`,
+//! The angular momentum is `L = I omega + h`, with that of the rotor, which may change with the time: the torque in the body
+//! is then with what that takes. The frame of the body turns with `omega + e`,
 //! `e` the turn by the dissipation; in space L changes by the torques alone.
 //!
 //! A deviation vector of rates d and rotation vector x changes a direction n that is fixed in space by `n x x` in the body.
 //! Dual numbers take the changes through the equations; x turns with `d + f + x x (omega + e)`, f the change of `e`.
 
+use super::forced::acts;
 use super::{Applied, FurtherFrame, Layout, Model, ROWS_LEN, Torques, in_rows};
 use crate::dual::Dual;
-use crate::forces::{FurtherSeries, MOST_STATES, Order, Returned};
+use crate::forces::{FurtherSeries, MOST_STATES, Order, Returned, TrajectorySeries};
 use crate::kinematics::{add_cross, cross, direction, dot, plus};
 use crate::real::Real;
 use crate::series::Coefficients;
@@ -51,11 +53,28 @@ impl<R: Real> Applied<R> {
         [self.moments[0] * omega[0], self.moments[1] * omega[1], self.moments[2] * omega[2]]
     }
 
-    /// The momentum with that of the rotor.
+    /// The momentum of the rotor at a time.
     #[inline(always)]
-    pub fn whole_momentum(&self, omega: &[R; 3]) -> [R; 3] {
-        let (own, rotor) = (self.momentum(omega), &self.forces.further.rotor.0);
-        plus(&own, rotor)
+    pub fn rotor(&self, time: R) -> [R; 3] {
+        let mut rotor = self.forces.further.rotor.0;
+        for i in 0..3 {
+            rotor[i] = time.fma(self.forces.rotor_change[i], rotor[i]);
+        }
+        rotor
+    }
+
+    /// The coefficient of order k of `h x v`, from the time at the begin, the coefficients of v of the orders k and k - 1, the
+    /// second zeros without one, and the unit of time.
+    #[inline(always)]
+    pub fn across_rotor(&self, time: R, [v, before]: [&[R; 3]; 2], unit: R) -> [R; 3] {
+        let (mut sum, mut change) = (cross(&self.rotor(time), v), self.forces.rotor_change);
+        if acts(&change) {
+            for i in 0..3 {
+                change[i] = change[i] * unit;
+            }
+            add_cross(&change, before, &mut sum);
+        }
+        sum
     }
 
     /// The turn of the frame by the dissipation, from the rate of change of the rates without it; linear.
@@ -100,7 +119,7 @@ impl<R: Real> Applied<R> {
         y: &[R; D],
         returned: Option<Returned<R>>,
     ) -> FurtherRate<R> {
-        let (omega, rotor) = ([y[0], y[1], y[2]], &self.forces.further.rotor);
+        let (omega, rotor) = ([y[0], y[1], y[2]], self.rotor(y[L::TIME_AT]));
         let mut torque = torques.damped::<L, D>(y);
         // Known without a function, where the question takes a tenth of a step of `rk4`.
         let mut acts = true;
@@ -112,8 +131,8 @@ impl<R: Real> Applied<R> {
         }
         let mut with_rotor = torque;
         if acts {
-            self.add_further_torques::<L, D>(y, &mut torque);
-            with_rotor = rotor.across(&omega);
+            self.add_further_torques::<L, D>(torques, y, &mut torque);
+            with_rotor = cross(&rotor, &omega);
             with_rotor = plus(&with_rotor, &torque);
         }
         let mut rate = model.euler(&[omega[1] * omega[2], omega[2] * omega[0], omega[0] * omega[1]], y);
@@ -121,10 +140,10 @@ impl<R: Real> Applied<R> {
         let (mut turn, mut power) = ([R::splat(0.0); 3], torque);
         if acts {
             turn = self.turn(&rate);
-            let by_turn = cross(&self.whole_momentum(&omega), &turn);
+            let by_turn = cross(&plus(&self.momentum(&omega), &rotor), &turn);
             self.add_over_moments(&by_turn, &mut rate);
             power = plus(&torque, &by_turn);
-            add_cross(&rotor.0, &turn, &mut with_rotor);
+            add_cross(&rotor, &turn, &mut with_rotor);
         }
         let impulse = if L::VECTORS == 0 {
             let half = dot(&with_rotor, &self.momentum(&omega));
@@ -132,7 +151,7 @@ impl<R: Real> Applied<R> {
         } else {
             dot(&with_rotor, &direction(y, 0))
         };
-        // The rotor does no work.
+        // The rotor does no work, its motor does.
         FurtherRate { omega: rate, turn, balance: [dot(&power, &omega), impulse], states }
     }
 
@@ -151,10 +170,18 @@ impl<R: Real> Applied<R> {
     }
 
     #[inline(always)]
-    fn add_further_torques<L: Layout, const D: usize>(&self, y: &[R; D], torque: &mut [R; 3]) {
+    fn add_further_torques<L: Layout, const D: usize>(
+        &self,
+        torques: &Torques<R>,
+        y: &[R; D],
+        torque: &mut [R; 3],
+    ) {
         let further = &self.forces.further;
         if L::HAS_FRAME {
             further.add_torques::<true, D>(&self.moments, y, L::OWN_AT, torque);
+            if torques.on_trajectory {
+                self.forces.trajectory.add_torque(&self.moments, y, y[L::TIME_AT], torque);
+            }
         } else {
             further.add_torques::<false, D>(&self.moments, y, L::OWN_AT, torque);
         }
@@ -168,13 +195,15 @@ impl<R: Real> Applied<R> {
         &self,
         c: &Coefficients<R, D>,
         at: Order<R>,
-        series: &mut FurtherSeries<R>,
+        (series, on_trajectory): (&mut FurtherSeries<R>, &mut TrajectorySeries<R>),
         next: &mut [R; D],
         torque: &mut [R; 3],
     ) {
         let further = &self.forces.further;
         if L::HAS_FRAME {
             further.add_orders::<true, D>(&self.moments, c, at, series, next, torque);
+            let of_time = (at.k, L::TIME_AT);
+            self.forces.trajectory.add_order(&self.moments, c, of_time, on_trajectory, torque);
         } else {
             further.add_orders::<false, D>(&self.moments, c, at, series, next, torque);
         }

@@ -266,9 +266,8 @@ impl Motion {
 
     /// Whether a step divides at so many knots of the table that it takes milliseconds.
     pub fn passes_many_knots(&self, dt: f64) -> bool {
-        let times = self.forces.of(0).table.times;
         let [first, last] = [self.time.min(self.time + dt), self.time.max(self.time + dt)];
-        times.partition_point(|&knot| knot < last) > times.partition_point(|&knot| knot <= first) + MANY_KNOTS
+        self.forces.of(0).table.knots_between(first, last) > MANY_KNOTS
     }
 
     /// Refuses what `trajectory::simulate` refuses of forced bodies.
@@ -355,7 +354,7 @@ impl Motion {
                 let [.., rate] = acting.damping.rates(body.moments);
                 damping_rate = damping_rate.max(rate);
                 // A function is told the time.
-                if acting.table.times.is_empty() && !forces.function {
+                if !acting.table.has_knots() && !forces.function {
                     let interval = acting.interval(0.0, false, body.moments);
                     rows.set(lane, &interval);
                     group.constant.push(interval.body[0]);

@@ -95,6 +95,18 @@ def _called(mass: float, time: float) -> Scene:
     return rigid.FreeBody(_many(mass), torque=torque, rotor=_satellites(mass, time).rotor)
 
 
+def _under_tables(mass: float, time: float) -> Scene:
+    t = np.linspace(-1.0, 6.0, 15)
+    path = np.stack([t - 2.0, np.ones(15), 0.1 * t], axis=1)
+    momenta = mass / time * np.where(SOME, SIZE, 0.0)[:, None, None] * [[0.1, 0.0, 0.2], [0.3] * 3]
+    return rigid.FreeBody(
+        _many(mass),
+        orbit=rigid.Orbit.table(time * t, path, gm=0.5 / time**2),
+        rotor=rigid.RotorTable([-1.0 * time, 6.0 * time], momenta),
+        damping=_damping(mass, time),
+    )
+
+
 SCENES: dict[str, Scenes] = {
     "free": lambda mass, _: rigid.FreeBody(_one((1.0, 1.5, 2.0), mass)),
     "symmetric": lambda mass, _: rigid.FreeBody(_one((1.5, 1.0, 1.5), mass)),
@@ -111,6 +123,7 @@ SCENES: dict[str, Scenes] = {
     "driven tops": _driven,
     "damped bodies": _of_each_strength,
     "satellites": _satellites,
+    "under tables": _under_tables,
     "under a function": _called,
 }
 

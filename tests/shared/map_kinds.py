@@ -55,6 +55,9 @@ def wheel(wheel: Any) -> rigid.FreeBody:
     return rigid.FreeBody(rigid.Body(MOMENTS), orbit=ORBIT, rotor=rotor)
 
 
+PATH_TIMES = np.linspace(0.0, 9.0, 19)
+PATH = np.stack([PATH_TIMES - 4.0, np.ones(19), 0.1 * PATH_TIMES], axis=1)
+
 POINTING: dict[str, Any] = {
     "start": rigid.Start(omega=(0.1, 0.2, 0.7), attitude_noise=rigid.uniform_attitude()),
     "stable": rigid.pointing_within(1.4, 1, "along", either=True),
@@ -306,6 +309,24 @@ KINDS: dict[str, tuple[dict[str, Any], str]] = {
             "t_end": 8.0,
         },
         "orbit",
+    ),
+    "under tables": (
+        {
+            "scene": rigid.FreeBody(
+                rigid.Body((1.0, 1.6, 2.0)),
+                orbit=rigid.Orbit.table(PATH_TIMES, PATH, gm=0.4),
+                rotor=rigid.RotorTable([0.0, 3.3, 9.0], [(0, 0, 0), (0.3, 0, 0.2), (0, 0.4, 0)]),
+                torque=rigid.Torque.body([(0, 0, 0.02), (0, 0, 0)], times=[0.0, 9.0]),
+            ),
+            "axes": {"spin": [0.5, 1.0], "I1": [0.8, 1.2]},
+            "start": rigid.Start(spin=1.0, axis=2, noise=rigid.normal(0.1)),
+            "stable": rigid.no_flip(2),
+            "measure": [rigid.mean_rate(1), rigid.drift()],
+            "method": None,
+            "check": 0.5,
+            "t_end": 8.0,
+        },
+        "orbit by a table of 19 times",
     ),
     "pointing": (
         {

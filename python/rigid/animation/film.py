@@ -213,7 +213,7 @@ def film_of(
     speed = finite_float("speed", speed, positive=True)
     view = _chosen(scene, view, shape is not None)
     solid = None if shape is None else faces_of(shape, frame=one.frame)
-    rotor = np.zeros(3) if scene.rotor is None else np.asarray(scene.rotor)
+    rotor = scene.momentum_of_rotor(t)
     momentum = to_space(attitude, np.array(scene.body.moments) * omega + rotor)
     size = float(np.linalg.norm(momentum[0]))
     chart, polhode = Chart("ω (rad/s)", ("ω₁", "ω₂", "ω₃"), AXES, omega.T), None

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from .._checks.arrays import attitudes
 from ..model.forces import forces_in_words
+from ..model.sampled import Sampled
 from ..model.scene import HeavyTop, Scene, check_heavy_top
 from ..rotations.apply import to_space
 
@@ -88,6 +89,8 @@ def _on_its_orbit(one: Recording) -> str:
     assert orbit is not None
     others = [name for name in one.scene.forces if name != "orbit"]
     under = f", under the gravity gradient and {forces_in_words(others)}" if others else ""
+    if isinstance(orbit, Sampled):
+        return f" along a trajectory by a table{under}"
     if orbit.eccentricity < 1.0:
         periods = f"{orbit.rate * abs(one.t[-1] - one.t[0]) / (2.0 * np.pi):.3g}"
         return f" ({'a period' if periods == '1' else f'{periods} periods'} of its orbit){under}"

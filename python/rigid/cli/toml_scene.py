@@ -17,6 +17,7 @@ from ..model.criterion import Criterion
 from ..model.forces import FORCES
 from ..model.mixture import Mixture, mixture
 from ..model.orbit import Orbit
+from ..model.sampled import RotorTable
 from ..model.scene import SCENES, Scene, check_scene
 from ..model.start import (
     Noise,
@@ -108,8 +109,18 @@ KINDS: Mapping[str, Callable[..., Scene]] = {
 
 _READ: Mapping[str, Callable[[Table, str], Any]] = {
     **{name: lambda table, key: FORCES[key].of_data(table[key]) for name in FORCES},
-    "orbit": lambda table, key: table.table(key).call(Orbit),
+    "orbit": lambda table, key: _orbit(table.table(key)),
+    "rotor": lambda table, key: _rotor(table, key),
 }
+
+
+def _orbit(table: Table) -> Any:
+    return table.call(Orbit.table if "positions" in table else Orbit)
+
+
+def _rotor(table: Table, key: str) -> Any:
+    given = table[key]
+    return table.table(key).call(RotorTable) if isinstance(given, dict) else given
 
 
 def read_scene(table: Table) -> Scene:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -11,6 +12,7 @@ from .._checks.arguments import one_of, times_of_each
 from .._checks.arrays import AttitudeLike, Floats, attitudes, of_size_one, require, vectors
 from ..model.body_like import BodyLike, moments_of
 from ..model.leading import Shape, leading_shape
+from ..model.sampled import RotorTable
 from ..model.scene import HeavyTop, Scene, check_scene, scene_from_dict
 from ..model.torque import Torque
 from ..rotations.apply import to_body, to_space
@@ -199,8 +201,10 @@ def invariants(
         shape = leading_shape({"scene": scene.shape, **_axes(rates, quaternions)})
     momentum = _of_each(scene.body.moments, motion) * rates
     kinetic = 0.5 * (momentum * rates).sum(axis=-1)
-    if scene.rotor is not None:
-        momentum = momentum + _of_each(scene.rotor, motion)
+    if scene.rotor is not None and isinstance(motion, Run):
+        momentum = momentum + scene.momentum_of_rotor(motion.t)
+    elif scene.rotor is not None:
+        momentum = momentum + _constant(scene.rotor)
     unit, power = of_size_one(momentum)
     potential, p_psi = np.zeros_like(kinetic), None
     if "gamma" in scene.directions:
@@ -325,7 +329,8 @@ def power_balance(
     if scene.damping is not None:
         acting = acting - rates @ np.array(scene.damping)
     for force, value in scene.further():
-        acting = acting + force.torque(_at_times(force.numbers(value)), rates)
+        if force.name != "orbit":
+            acting = acting + force.torque(_at_times(_constant(force.numbers(value))), rates)
     if "function" in scene.forces:
         raise ValueError("torque: the torque of a function is not known from the states")
     if "gamma" in scene.directions:
@@ -350,7 +355,7 @@ def _gravity_gradient(scene: Scene, quaternions: Floats | None, times: Floats) -
     place = orbit.position(times)
     distance = np.linalg.norm(place, axis=-1, keepdims=True)
     o = to_body(quaternions, place / distance)
-    strength = 3.0 * np.asarray(orbit.rate)[..., np.newaxis, np.newaxis] ** 2 / distance**3
+    strength = 3.0 * np.asarray(orbit.gm)[..., np.newaxis, np.newaxis] / distance**3
     torque: Floats = strength * np.cross(o, _at_times(scene.body.moments) * o)
     return torque
 
@@ -362,7 +367,7 @@ def _sink_power(scene: Scene, rates: Floats, acting: Floats) -> Floats | float:
     moments = _at_times(scene.body.moments)
     momentum = moments * rates
     if scene.rotor is not None:
-        momentum = momentum + _at_times(scene.rotor)
+        momentum = momentum + _at_times(_constant(scene.rotor))
     change = (np.cross(momentum, rates) + acting) / moments
     turn = _at_times(scene.dissipation.coefficient) * change / moments
     power: Floats = (rates * np.cross(momentum, turn)).sum(axis=-1)
@@ -389,6 +394,13 @@ def _time_derivative(values: Floats, times: Floats) -> Floats:
     for index in np.ndindex(values.shape[:-1]):
         derivative[index] = np.gradient(values[index], own[index], edge_order=2)
     return derivative
+
+
+def _constant(numbers: Any) -> Any:
+    """The numbers of a force, if they are not a table."""
+    if isinstance(numbers, RotorTable):
+        raise ValueError(f"rotor = {numbers!r}: is a table, which only invariants(run) knows")
+    return numbers
 
 
 def _at_times(vectors: ArrayLike) -> Floats:

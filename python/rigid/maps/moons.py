@@ -26,6 +26,7 @@ from numpy.typing import NDArray
 
 from .._libration import frequencies
 from ..model.orbit import Orbit
+from ..model.sampled import Sampled
 from ..rotations import quaternion_to_matrix
 from .satellites import Predicted
 from .spec import MapSpec
@@ -88,7 +89,9 @@ def averaged_torque(p: float, eccentricity: Floats) -> Floats:
 def _orbit_alone(spec: MapSpec) -> Orbit | None:
     """The orbit of a free body, an ellipse, on which nothing else acts."""
     orbit = spec.scene.orbit
-    if orbit is None or orbit.shape or orbit.eccentricity > 1.0 or {*spec.forces} != {"orbit"}:
+    if orbit is None or {*spec.forces} != {"orbit"} or isinstance(orbit, Sampled):
+        return None
+    if orbit.shape or orbit.eccentricity > 1.0:
         return None
     return orbit
 

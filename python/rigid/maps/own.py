@@ -15,7 +15,6 @@ from .._checks.arrays import attitudes, vectors
 from ..model.scene import SCENES, Scene
 from ..model.sourced import Sourced
 from ..model.start import Start
-from ..model.torque import require_constant
 from .axes import Axis, make_axes
 
 Floats = NDArray[np.float64]
@@ -76,7 +75,6 @@ class OwnScene:
                 f"scene = {self.source.name}: must return bodies of shape ({count},), one for each "
                 f"number it is given, got {scene.shape}"
             )
-        require_constant(scene.torque)
         checks: Mapping[str, Callable[[Any], Floats]] = {"omega": _rates, "attitude": attitudes}
         given = {
             name: check(part) for (name, check), part in zip(checks.items(), starts, strict=False)

@@ -340,7 +340,7 @@ def _curves(data: MapData, whole: MapSpec) -> list[dict[str, Any]]:
 
 def _motion(spec: MapSpec) -> dict[str, Any] | None:
     """The numbers of the equations of motion of each pixel; None under a torque of a function."""
-    if spec.is_called:
+    if spec.is_called or spec.grid.scene.has_table:
         return None
     return {"numbers": packed(numbers_of_motion(spec.grid), np.float64)}
 

@@ -190,6 +190,7 @@ def replay(
     body = some.bodies()
     scene = body.scene[0]
     step, method = record["step"], record["method"]
+    times = np.linspace(0.0, part.t_end, 501) if t is None else t
     run: Any
     if isinstance(spec.stable, Regular):
         run = _growth(part, body, start, record, t)
@@ -203,17 +204,16 @@ def replay(
             tolerance=TOLERANCE if is_adaptive(part, method) else None,
         )
     elif method == EXACT:
-        times = np.linspace(0.0, part.t_end, 501) if t is None else t
         run = simulate(scene, *start, t=times, method=method)
     elif not math.isfinite(step):  # it was not run: only its start is known
         run = simulate(scene, *start, t=[0.0], method=method)
-    elif t is None:
+    elif t is None and not scene.has_table:  # whose knots end steps
         total = round(min(part.t_end / step, spec.max_steps))
         ends = np.linspace(0, total, min(total, 500) + 1).astype(np.int64)
         strides = np.diff(ends, prepend=0).tolist()
         run = replayed(scene, *start, t=ends * step, method=method, step=step, strides=strides)
     else:
-        run = simulate(scene, *start, t=t, method=method, step=step)
+        run = simulate(scene, *start, t=times, method=method, step=step)
     classes = [CLASSES[code] for code in found["part_class"][0]]
     return Replay(
         pixel=index,

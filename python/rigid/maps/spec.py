@@ -31,7 +31,6 @@ from ..model.seed import checked_seed
 from ..model.sourced import Sourced
 from ..model.start import Noise, Start
 from ..model.time_unit import ORBIT, SECONDS, Clock, TimeUnit, clock_of
-from ..model.torque import require_constant
 from ..solve.choose_method import NO_BOUND
 from ..solve.closed_form import FORCED_RULE, NO_FORM, closed_forms, question_words, rule
 from ..solve.methods import (
@@ -246,7 +245,6 @@ class MapSpec:
             self.stable.check_forced(self.scene, self.forces)
             for one in self.measure:
                 one.check_forced(self.scene, self.forces)
-        require_constant(self.scene.torque)
         chosen = self.step is not None or (self.is_judged and self.method == AUTO)
         if not (chosen or self.whole.bounds_rates):
             raise ValueError(NO_BOUND)

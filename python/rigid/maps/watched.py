@@ -73,7 +73,7 @@ def watched(spec: MapSpec) -> list[tuple[Chart, list[NDArray[np.float64]]]]:
 def _is_eccentric(spec: MapSpec) -> bool:
     """Whether the distance from the planet changes in some pixel."""
     orbit = spec.grid.scene.further_numbers().get("orbit")
-    return orbit is not None and bool(np.any(np.asarray(orbit)[..., 1]))
+    return isinstance(orbit, np.ndarray) and bool(np.any(orbit[..., 1]))
 
 
 def _of(

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Container, Iterable, Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar, Generic, Self, TypeVar, cast
+from typing import Any, ClassVar, Generic, Self, TypeAlias, TypeVar, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -17,8 +17,10 @@ from .._checks.arguments import brief, finite_float, shaped
 from .frame import turned
 from .leading import ByValue, Floats, Index, Shape, Vector, axes_of, taken, vector_of
 from .orbit import Orbit
+from .sampled import RotorTable, Sampled
 
 Value = TypeVar("Value")
+Momentum: TypeAlias = Vector | Floats | RotorTable
 
 
 @dataclass(frozen=True, slots=True, init=False, eq=False, repr=False)
@@ -192,8 +194,13 @@ class Force(Generic[Value]):
         return cast("Value | None", value)
 
     def numbers(self, value: Value) -> Any:
-        """The numbers for the core: a tuple of one body, an array of many."""
+        """The numbers for the core: a tuple of one body, an array of many; or their table."""
         return value
+
+    def shape(self, value: Value) -> Shape:
+        """The axes of the bodies of a value."""
+        numbers = self.numbers(value)
+        return numbers.shape if isinstance(numbers, RotorTable) else axes_of(numbers, 1)
 
     def made(self, numbers: Any) -> Value | None:
         """The value with these numbers; None if they are zero."""
@@ -277,8 +284,8 @@ class GravityGradient(Force[Orbit]):
         return given
 
     def numbers(self, value: Orbit) -> Any:
-        """Its numbers, shape (..., 9)."""
-        return value.numbers
+        """Its numbers, shape (..., 9), or the table that it is."""
+        return value if isinstance(value, Sampled) else value.numbers
 
     def made(self, numbers: Any) -> Orbit | None:
         """The orbit with these numbers."""
@@ -314,13 +321,39 @@ class GravityGradient(Force[Orbit]):
         return value.words(varied)
 
 
-class Rotor(Force[Vector | Floats]):
-    """A rotor at constant speed."""
+class Rotor(Force[Momentum]):
+    """A rotor at constant speed, or with a momentum by a table."""
 
     name = "rotor"
     title = "angular momentum of the rotor"
     unit = "kg m²/s"
     is_vector = True
+
+    def checked(self, given: Any) -> Momentum | None:
+        """The momentum, or its table."""
+        return given if isinstance(given, RotorTable) else super().checked(given)
+
+    def to_data(self, value: Momentum) -> Any:
+        """The momentum as a list, a table as a dict."""
+        return value.to_dict() if isinstance(value, RotorTable) else super().to_data(value)
+
+    def of_data(self, data: Any) -> Momentum | None:
+        """The momentum of a list, or the table of a dict."""
+        return RotorTable(**data) if isinstance(data, Mapping) else super().of_data(data)
+
+    def of(self, value: Momentum, shape: Shape, index: Index) -> Momentum | None:
+        """The rotors of some of the bodies."""
+        if isinstance(value, RotorTable):
+            return value.of(shape, index)
+        return super().of(value, shape, index)
+
+    def turned(self, value: Momentum, axes: Floats) -> Momentum | None:
+        """The rotor with other body axes."""
+        return value.turned(axes) if isinstance(value, RotorTable) else super().turned(value, axes)
+
+    def words(self, value: Momentum, varied: Container[str] = ()) -> str:
+        """The rotor in a few words."""
+        return value.words() if isinstance(value, RotorTable) else super().words(value, varied)
 
 
 class Drag(Force[Vector | Floats]):

@@ -10,12 +10,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .. import _core
-from .._checks.arguments import first_place, shaped
+from .._checks.arguments import finite_float, first_place, numbers, of_shape, shaped
 from .._checks.arrays import UNIT, AttitudeLike, Floats, attitudes, unit_vectors, vectors
 from ..rotations import matrix_to_quaternion
 from ..rotations.apply import to_body
 from ..rotations.quaternions import product_of_checked
 from .leading import ByValue, Shape, Vector, frozen, leading_shape, vector_of
+from .sampled import Sampled, reached, table_times
 
 MOST_ECCENTRIC = 0.95
 """Largest eccentricity of an ellipse."""
@@ -175,6 +176,11 @@ class Orbit(ByValue):
         return leading_shape({**shapes, **axes})
 
     @property
+    def gm(self) -> float | Floats:
+        """Gravitational parameter over the cube of the unit of :meth:`position` (1/s²)."""
+        return self.rate * self.rate
+
+    @property
     def period(self) -> float | Floats:
         """Time of a revolution (s), shape (...); infinite on a hyperbola."""
         of_ellipse = 2.0 * np.pi / self.rate
@@ -235,6 +241,48 @@ class Orbit(ByValue):
         rate = fast**3 / mu
         return cls(rate, 1.0 + nearest * fast**2 / mu, -rate * passage, normal, towards)
 
+    @staticmethod
+    def table(t: ArrayLike, positions: ArrayLike, gm: float) -> OrbitTable:
+        """The trajectory of an ephemeris: of a flyby with more than two bodies, say.
+
+        Between the times ``sqrt(3 gm/r³) o`` is a cubic spline, where ``r o`` is the position. The
+        run that tells the errors of a motion takes another spline, which differs from it by a third
+        of its distance from the spline of every second sample: so the stated error contains the
+        error of the spline.
+
+        Parameters
+        ----------
+        t : array_like, shape (m,)
+            Times (s), 9 or more, each after the one before.
+        positions : array_like, shape (m, 3)
+            Vectors from the planet to the body in space (m).
+        gm : float
+            Gravitational parameter of the planet (m³/s²).
+
+        Returns
+        -------
+        OrbitTable
+
+        Raises
+        ------
+        ValueError
+            If there are fewer than 9 times, or two are equal; if a number is not finite or ``gm``
+            not positive; if a position is zero, or there is not one for each time; if the direction
+            from the planet turns by more than 45° between neighbours.
+
+        Examples
+        --------
+        A body on a circle of radius 1, whose direction is told every twentieth of a revolution:
+
+        >>> import numpy as np, rigid
+        >>> t = np.linspace(0.0, 2.0 * np.pi, 21)
+        >>> circle = np.stack([np.cos(t), np.sin(t), np.zeros(21)], axis=1)
+        >>> orbit = rigid.Orbit.table(t, circle, gm=1.0)
+        >>> orbit.position(0.3).round(4).tolist(), np.round([np.cos(0.3), np.sin(0.3)], 4).tolist()
+        ([0.9553, 0.2955, 0.0], [0.9553, 0.2955])
+        """
+        return OrbitTable(t, positions, gm)
+
     def position(self, t: ArrayLike) -> Floats:
         """Vector from the planet to the body in space, divided by the semi-major axis.
 
@@ -283,7 +331,8 @@ class Orbit(ByValue):
         """The axes of the orbit in space: columns radial, along and normal.
 
         The radial axis points from the planet to the body. The axis *along* is perpendicular to the
-        radial axis in the plane of the orbit: on a circle it has the direction of the motion.
+        radial axis in the plane of the orbit: on a circle it has the direction of the motion. The
+        normal of a table of positions is at right angles to position and velocity.
 
         Parameters
         ----------
@@ -298,7 +347,7 @@ class Orbit(ByValue):
         Raises
         ------
         ValueError
-            As for :meth:`position`.
+            As for :meth:`position`; if the body of a table moves along the line to the planet.
 
         Examples
         --------
@@ -306,11 +355,8 @@ class Orbit(ByValue):
         >>> rigid.Orbit(1.0).frame(0.0).tolist()
         [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
         """
-        place = self.position(t)
-        radial = place / np.linalg.norm(place, axis=-1, keepdims=True)
-        normal = np.asarray(self.normal)
-        normal = np.broadcast_to(normal[..., np.newaxis, :] if np.ndim(t) else normal, radial.shape)
-        return np.stack([radial, np.cross(normal, radial), normal], axis=-1)
+        frame, _ = self._turning(np.atleast_1d(shaped("t", t)))
+        return frame if np.ndim(t) else frame[..., 0, :, :]
 
     def to_space(
         self, omega: ArrayLike, attitude: AttitudeLike | None = None, t: ArrayLike = 0.0
@@ -375,10 +421,12 @@ class Orbit(ByValue):
         The direction from the planet turns by ``n sqrt|1 - e²| (a/r)²`` about the normal.
         """
         place, e = self.position(t), np.asarray(self.eccentricity)
+        radial = place / np.linalg.norm(place, axis=-1, keepdims=True)
+        normal = np.broadcast_to(np.asarray(self.normal)[..., np.newaxis, :], radial.shape)
         momentum = np.asarray(self.rate) * np.sqrt(np.abs((1.0 - e) * (1.0 + e)))
         turning = np.zeros(place.shape)
         turning[..., 2] = momentum[..., np.newaxis] / np.sum(place * place, axis=-1)
-        return self.frame(t), turning
+        return np.stack([radial, np.cross(normal, radial), normal], axis=-1), turning
 
     @property
     def numbers(self) -> Floats:
@@ -434,7 +482,7 @@ class Orbit(ByValue):
         >>> rigid.Orbit.from_dict(orbit.to_dict()) == orbit
         True
         """
-        return cls(**data)
+        return OrbitTable(**data) if "positions" in data else cls(**data)  # type: ignore[return-value]
 
     def __repr__(self) -> str:
         parts = []
@@ -456,6 +504,115 @@ class Orbit(ByValue):
         kind = "flyby" if self.eccentricity > 1.0 else "orbit"
         rate = "a varied rate" if "rate" in varied else f"{self.rate:g} rad/s"
         return f"{kind} at {rate}, {path}"
+
+
+@dataclass(frozen=True, slots=True, init=False, eq=False, repr=False)
+class OrbitTable(Sampled, Orbit):
+    """A trajectory of an ephemeris, as :meth:`Orbit.table` returns it.
+
+    It has no rate, eccentricity, anomaly or periapsis. What asks for these refuses it: axes of
+    maps, derivatives, events and criteria in the frame of the orbit.
+
+    Attributes
+    ----------
+    t : ndarray, shape (m,)
+        Times (s).
+    positions : ndarray, shape (m, 3)
+        Vectors from the planet to the body in space (m).
+    gm : float
+        Gravitational parameter of the planet (m³/s²).
+    """
+
+    t: Floats
+    positions: Floats
+    gm: float
+
+    def __init__(self, t: ArrayLike, positions: ArrayLike, gm: float) -> None:
+        set_field = object.__setattr__  # the dataclass is frozen
+        set_field(self, "t", table_times(t))
+        set_field(self, "gm", finite_float("gm", gm, positive=True))
+        places = numbers("positions", positions, "m")
+        if places.shape != (len(self.t), 3):
+            raise ValueError(f"positions: expected shape ({len(self.t)}, 3), got {places.shape}")
+        place = of_shape("positions", places, None, 3)
+        at_planet = ~np.any(place != 0.0, axis=-1)
+        if at_planet.any():
+            raise ValueError(f"positions{[int(np.argmax(at_planet))]} = 0: must not be the planet")
+        set_field(self, "positions", frozen(place))
+        self._spline(self.t[0])  # ValueError for too few positions
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return OrbitTable, (self.t, self.positions, self.gm)
+
+    def __getattr__(self, name: str) -> Any:
+        if name in Orbit.__slots__:
+            raise ValueError(
+                f"orbit = {self!r}: has no {name}, which this needs; a table of positions takes "
+                "part in runs and maps, give rigid.Orbit or rigid.Orbit.flyby for the rest"
+            )
+        raise AttributeError(name)
+
+    @property
+    def shape(self) -> Shape:
+        """One trajectory of all bodies: ``()``."""
+        return ()
+
+    @property
+    def samples(self) -> Floats:
+        """``sqrt(3 gm/r³) o`` in space at the times of the table (1/s)."""
+        x, y, z = self.positions.T
+        square = x * x + y * y + z * z
+        size: Floats = np.sqrt(3.0 * self.gm / np.sqrt(square)) / square
+        return self.positions * size[:, np.newaxis]
+
+    def _spline(self, t: ArrayLike) -> Floats:
+        """Value, slope and bend of the spline through the samples, shape (..., m, 3, 3)."""
+        times = reached("orbit", self.t, t)
+        return _core.spline(self.t, self.samples, times.ravel()).reshape(*times.shape, 3, 3)
+
+    def position(self, t: ArrayLike) -> Floats:
+        """Vector from the planet to the body in space (m), from the spline.
+
+        Parameters
+        ----------
+        t : array_like, shape (m,), () or (..., m)
+            Times (s).
+
+        Returns
+        -------
+        ndarray, shape (..., m, 3) or (..., 3)
+
+        Raises
+        ------
+        ValueError
+            If the table does not reach a time.
+        """
+        root = self._spline(t)[..., 0, :]
+        square = np.sum(root * root, axis=-1, keepdims=True)
+        place: Floats = root * np.cbrt(3.0 * self.gm / square) / np.sqrt(square)
+        return place if np.ndim(t) else place[..., 0, :]
+
+    def _turning(self, t: ArrayLike) -> tuple[Floats, Floats]:
+        """The axes at times, and how fast they turn, along these axes (rad/s).
+
+        With the root ``c`` of the gradient they turn by ``|c × c'|/c²`` about the normal ``n``, and
+        by ``|c| n·c''/|c × c'|`` about the radial axis.
+        """
+        root, slope, bend = np.moveaxis(self._spline(t), -2, 0)
+        size = np.linalg.norm(root, axis=-1)
+        normal = np.cross(root, slope)
+        swept = np.linalg.norm(normal, axis=-1)
+        if not np.all(swept > 0.0):
+            raise ValueError("t: the body moves along the line to the planet; no frame is known")
+        radial, normal = root / size[..., np.newaxis], normal / swept[..., np.newaxis]
+        turning = np.zeros(root.shape)
+        turning[..., 0] = size * np.sum(normal * bend, axis=-1) / swept
+        turning[..., 2] = swept / size**2
+        return np.stack([radial, np.cross(normal, radial), normal], axis=-1), turning
+
+    def words(self, varied: Container[str] = ()) -> str:
+        """The trajectory in a few words."""
+        return f"orbit by a table of {len(self.t)} times"
 
 
 _USUAL: Mapping[str, Any] = {

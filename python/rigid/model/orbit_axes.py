@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from .._checks.arguments import brief
 from .leading import Floats, three
+from .sampled import Sampled
 from .scene import Scene
 from .start import body_axis
 
@@ -35,6 +36,11 @@ def require_orbit(name: str, scene: Scene) -> None:
         raise ValueError(
             f"{name}() measures in the frame of an orbit, which the scene does not have; give it "
             "orbit=rigid.Orbit(rate)"
+        )
+    if isinstance(scene.orbit, Sampled):
+        raise ValueError(
+            f"{name}() measures in the frame of an orbit, which is not watched along the table of "
+            "rigid.Orbit.table; give rigid.Orbit, or look at the states of run.in_orbit_frame()"
         )
 
 

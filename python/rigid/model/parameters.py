@@ -19,6 +19,7 @@ from .._moments import box_moments
 from .body import Body
 from .forces import FORCES, EnergySink
 from .orbit import HYPERBOLA, MOST_ECCENTRIC, Orbit
+from .sampled import Sampled
 from .scene import HeavyTop, Scene
 from .start import Noise, Start, cos_sin
 from .torque import Torque
@@ -95,7 +96,9 @@ class Parameter:
         if place is None or place.first is None or self.times is not None:
             return False
         if self.place in FORCES:
-            return self.place in scene.forces
+            # A rotor by a table may be larger at all times, an orbit by a table has no numbers.
+            is_table = self.place == "orbit" and isinstance(scene.orbit, Sampled)
+            return self.place in scene.forces and not is_table
         return self.place not in OF_WEIGHT or "mgl" in scene.fields
 
     def change(self, scene: Scene) -> tuple[int, Floats]:
@@ -155,8 +158,10 @@ def _needs_free_body(scene: Scene, _start: Start, _asked: Parameter) -> str:
     return f"a {scene.title} has none; use a FreeBody" if scene.directions else ""
 
 
-def _needs_orbit(scene: Scene, _start: Start, _asked: Parameter) -> str:
-    return "the scene has no orbit; give it orbit=rigid.Orbit(rate)" if scene.orbit is None else ""
+def _needs_orbit(scene: Scene, start: Start, asked: Parameter) -> str:
+    if scene.orbit is None:
+        return "the scene has no orbit; give it orbit=rigid.Orbit(rate)"
+    return _needs_constant(scene, start, asked)
 
 
 def _needs_vertical(scene: Scene, _start: Start, _asked: Parameter) -> str:
@@ -176,6 +181,12 @@ def _needs_diagonal_damping(scene: Scene, _start: Start, _asked: Parameter) -> s
 def _needs_constant_torque(scene: Scene, _start: Start, _asked: Parameter) -> str:
     is_table = scene.torque is not None and scene.torque.times
     return "the torque of the scene is a table" if is_table else ""
+
+
+def _needs_constant(scene: Scene, start: Start, asked: Parameter) -> str:
+    if isinstance(getattr(scene, asked.place), Sampled):
+        return f"the {asked.place} of the scene is a table"
+    return _needs_free_body(scene, start, asked)
 
 
 def _needs_spin(_scene: Scene, start: Start, _asked: Parameter) -> str:
@@ -298,7 +309,7 @@ def _further(name: str) -> Place:
         value = getattr(scene, name)
         return np.zeros(3) if value is None else np.asarray(force.numbers(value))
 
-    why_not = _anywhere if name in HeavyTop.__slots__ else _needs_free_body
+    why_not = _anywhere if name in HeavyTop.__slots__ else _needs_constant
     return Place(read, 1, why_not, (name,), _OF_FORCES[name])
 
 

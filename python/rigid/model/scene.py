@@ -38,6 +38,7 @@ from .leading import (
     vector_of,
 )
 from .orbit import Orbit
+from .sampled import RotorTable, Sampled
 from .start import Start, normal
 from .torque import (
     Damping,
@@ -80,7 +81,7 @@ class Scene(ByValue, ABC):
     body : Body
     torque : Torque or None
     damping : 3 tuples of 3 floats, or None
-    orbit, dissipation, rotor, drag : Orbit, EnergySink, tuple of 3 floats, or None
+    orbit, dissipation, rotor, drag : Orbit, EnergySink, tuple of 3 floats or RotorTable, or None
         The further forces.
     """
 
@@ -96,7 +97,7 @@ class Scene(ByValue, ABC):
     damping: Damping | None
     orbit: Orbit | None = None
     dissipation: EnergySink | None = None
-    rotor: Vector | Floats | None = None
+    rotor: Vector | Floats | RotorTable | None = None
     drag: Vector | Floats | None = None
 
     _made: dict[Callable[[Any], Any], Any]
@@ -144,7 +145,7 @@ class Scene(ByValue, ABC):
         if self.damping is not None:
             shapes["damping"] = axes_of(self.damping, 2)
         for force, value in self.further():
-            shapes[force.name] = axes_of(force.numbers(value), 1)
+            shapes[force.name] = force.shape(value)
         return leading_shape(shapes)
 
     def __len__(self) -> int:
@@ -206,10 +207,22 @@ class Scene(ByValue, ABC):
         values = [(force, getattr(self, name)) for name, force in FORCES.items()]
         return [(force, value) for force, value in values if value is not None]
 
+    def momentum_of_rotor(self, t: ArrayLike) -> Floats:
+        """The momentum of the rotor (kg m²/s) at times, shape (..., m, 3), m perhaps 1."""
+        if isinstance(self.rotor, RotorTable):
+            return self.rotor.at(t)
+        return np.asarray(np.zeros(3) if self.rotor is None else self.rotor)[..., np.newaxis, :]
+
     @property
     def has_further(self) -> bool:
         """Whether forces act besides an applied torque, damping and a callback."""
         return bool(self.further())
+
+    @property
+    def has_table(self) -> bool:
+        """Whether a force follows a table over time."""
+        by_torque = self.torque is not None and bool(self.torque.times)
+        return by_torque or any(isinstance(value, Sampled) for _, value in self.further())
 
     @property
     def bounds_rates(self) -> bool:
@@ -230,8 +243,8 @@ class Scene(ByValue, ABC):
         by_force = any(force.in_space for force, _ in self.further())
         return bool(self.directions) or in_space or by_force
 
-    def further_numbers(self) -> dict[str, ArrayLike]:
-        """The numbers of the further forces by their names, one row of each body."""
+    def further_numbers(self) -> dict[str, Any]:
+        """The numbers of the further forces by their names, one row of each body, or a table."""
         return {force.name: force.numbers(value) for force, value in self.further()}
 
     def acting(self) -> _core.Forces | None:
@@ -389,10 +402,11 @@ class FreeBody(Scene):
         The orbit about a planet, whose gravity gradient acts.
     dissipation : EnergySink, optional
         Internal dissipation, which drains energy and keeps the angular momentum in space.
-    rotor : array_like, shape (3,) or (..., 3), optional
-        Angular momentum ``h`` (kg m²/s) of a rotor relative to the body, constant in the body: a
-        gyrostat (Zhukovsky 1885, Volterra 1899). The whole momentum is ``I omega + h``. Energies
-        are energies of ``omega``, without the spin energy of the rotor.
+    rotor : array_like, shape (3,) or (..., 3), or RotorTable, optional
+        Angular momentum ``h`` (kg m²/s) of a rotor relative to the body, constant in the body, or a
+        table over time: a gyrostat (Zhukovsky 1885, Volterra 1899). The whole momentum is
+        ``I omega + h``. Energies are energies of ``omega``, without the spin energy of the
+        rotor.
     drag : float or array_like, shape (3,) or (..., 3), optional
         Quadratic drag: the coefficients ``C`` (N m s²) of the torque ``-|omega| C omega``, one for
         each body axis or one for all.
@@ -437,7 +451,7 @@ class FreeBody(Scene):
     damping: Damping | None
     orbit: Orbit | None
     dissipation: EnergySink | None
-    rotor: Vector | Floats | None
+    rotor: Vector | Floats | RotorTable | None
     drag: Vector | Floats | None
 
     def __init__(
@@ -448,7 +462,7 @@ class FreeBody(Scene):
         damping: ArrayLike | None = None,
         orbit: Orbit | None = None,
         dissipation: EnergySink | None = None,
-        rotor: ArrayLike | None = None,
+        rotor: ArrayLike | RotorTable | None = None,
         drag: ArrayLike | None = None,
         frame: ArrayLike | None = None,
     ) -> None:

@@ -17,6 +17,7 @@ from .forces import FORCES
 from .frame import turned
 from .function import NO_STATES, TorqueFunction
 from .leading import ByValue, Index, Shape, axes_of, frozen, leading_shape, taken
+from .sampled import Sampled, linear, on_piece, reached
 
 Floats = NDArray[np.float64]
 Vector: TypeAlias = tuple[float, float, float]
@@ -350,14 +351,8 @@ class Torque(ByValue):
         >>> ramp.at([1.0, 2.0])[0][:, 2].tolist()
         [0.5, 1.0]
         """
-        times = np.atleast_1d(shaped("t", t))
-        if self.times:
-            outside = (times < self.times[0]) | (times > self.times[-1])
-            if outside.any():
-                raise ValueError(
-                    f"t = {times[outside][0]:g}: the table of the torque does not reach this time"
-                )
-        body, space = (_linear(self.times, part, times) for part in (self.in_body, self.in_space))
+        times = reached("torque", self.times, t)
+        body, space = (linear(self.times, part, times) for part in (self.in_body, self.in_space))
         return body, space
 
     def words(self) -> str:
@@ -526,12 +521,6 @@ def _components(given: Shape, shape: Shape) -> int:
     return ways[0]
 
 
-def require_constant(torque: Torque | None) -> None:
-    """Raise ValueError if a torque is a table, which no map takes."""
-    if torque is not None and torque.times:
-        raise ValueError("torque: maps take a constant torque or a function, not a table")
-
-
 def _whose(array: Floats, good: NDArray[np.bool_], width: int) -> str:
     """The damping of the first body that is bad, as a message names it."""
     good = np.asarray(good.all(axis=tuple(range(good.ndim - width, good.ndim))))
@@ -573,12 +562,12 @@ def forces_of(
     damping: Damping | None,
     shape: Shape = (),
     exponents: NDArray[np.intc] = NO_EXPONENT,
-    further: Mapping[str, ArrayLike] = MappingProxyType({}),
+    further: Mapping[str, ArrayLike | Sampled] = MappingProxyType({}),
 ) -> _core.Forces | None:
     """The forces on bodies of this shape as the core reads them; None if nothing acts.
 
     They are counted in units of ``2**exponents``, one for each body or one for all. ``further``
-    has the numbers of further forces by their names.
+    has the numbers or the tables of further forces by their names.
 
     Raises
     ------
@@ -606,15 +595,22 @@ def forces_of(
             raise ValueError(f"{name}: must be below 1e308 times the largest moment")
         return np.ascontiguousarray(found.reshape(prod(found.shape[:-1]), tail[-1]))
 
-    others = {
-        name: scaled(name, numbers, 1, FORCES[name].has_mass) for name, numbers in further.items()
-    }
+    others, knots = {}, {}
+    for name, given in further.items():
+        has_mass = FORCES[name].has_mass
+        if isinstance(given, Sampled):
+            vectors = scaled(name, given.samples, 2, has_mass)
+            others[name] = vectors.reshape(-1, 3 * len(given.t))
+            knots[name] = given.t
+        else:
+            others[name] = scaled(name, given, 1, has_mass)
     return _core.Forces(
         times=np.array(() if torque is None else torque.times, dtype=np.float64),
         body=scaled("torque", tables[0], 2),
         space=scaled("torque", tables[1], 2),
         damping=scaled("damping", entries, 1),
         further=others or None,
+        knots=knots or None,
         function=None
         if torque is None or torque.function is None
         else torque.function.for_core(shape, exponents),
@@ -648,25 +644,6 @@ def _common_knots(first: tuple[float, ...], second: tuple[float, ...]) -> Floats
     return np.array([knot for knot in every for _ in range(2 if knot in jumps else 1)])
 
 
-def _linear(times: Sequence[float], values: ArrayLike, t: Floats) -> Floats:
-    """A piecewise linear table at times inside it; after a jump, but for the last time."""
-    array = np.array(values)
-    if not times:
-        return np.broadcast_to(array, (*array.shape[:-2], len(t), 3)).copy()
-    knots = np.array(times)
-    piece = np.clip(np.searchsorted(knots, t, side="right") - 1, 0, len(knots) - 2)
-    return _on_piece(knots, array, piece, t)
-
-
-def _on_piece(knots: Floats, values: Floats, piece: NDArray[np.intp], t: Floats) -> Floats:
-    begin, end = knots[piece], knots[piece + 1]
-    width = np.where(end > begin, end - begin, 1.0)
-    share = ((t - begin) / width)[:, None]
-    first = values[..., piece, :]
-    line: Floats = first + share * (values[..., piece + 1, :] - first)
-    return line
-
-
 def _at(times: Sequence[float], values: ArrayLike, knots: Floats) -> Floats:
     """A table at the knots of a finer one: before a jump and after it, where there is one."""
     if not len(knots) or not times:
@@ -679,4 +656,4 @@ def _at(times: Sequence[float], values: ArrayLike, knots: Floats) -> Floats:
     after = np.searchsorted(own, knots, side="right") - 1
     left = np.searchsorted(own, knots, side="left") - 1
     piece = np.clip(np.where(before, left, after), 0, len(own) - 2)
-    return _on_piece(own, array, piece, knots)
+    return on_piece(own, array, piece, knots)

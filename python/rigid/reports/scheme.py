@@ -156,7 +156,7 @@ def _drifts(
     def invariants(q: Floats, w: Floats) -> tuple[Floats, Floats, Floats, Floats]:
         unit = q / np.linalg.norm(q, axis=-1, keepdims=True)
         gamma = to_body(unit, np.broadcast_to([0.0, 0.0, 1.0], w.shape))
-        momentum = momentum_of(scene, (count,), w)
+        momentum = momentum_of(scene, (count,), w, np.zeros(1))
         size = np.linalg.norm(momentum, axis=-1)
         conserved = np.vecdot(momentum, gamma) if weight else size
         return energy_of(scene, (count,), w, gamma), conserved, np.vecdot(momentum, w) / 2.0, size

@@ -56,9 +56,13 @@ def energy_of(
     return energy
 
 
-def momentum_of(scene: Scene, shape: Shape, omega: NDArray[Any]) -> Floats:
+def momentum_of(scene: Scene, shape: Shape, omega: NDArray[Any], t: Floats) -> Floats:
     """Angular momentum (kg m²/s) along principal axes, rotors included, shape (n, m, 3)."""
     momentum: Floats = in_rows(np.asarray(scene.body.moments), shape)[:, np.newaxis] * omega
     if scene.rotor is not None:
-        momentum += in_rows(np.asarray(scene.rotor), shape)[:, np.newaxis]
+        rotor = scene.momentum_of_rotor(t if t.ndim == 1 else t.reshape(*shape, -1))
+        if rotor.ndim > 2:
+            last = rotor.shape[-2:]
+            rotor = np.broadcast_to(rotor, (*shape, *last)).reshape(-1, *last)
+        momentum += rotor
     return momentum

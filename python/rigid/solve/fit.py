@@ -445,8 +445,7 @@ def fit(
 
 def _has_clock(scene: Scene) -> bool:
     """Whether forces of the scene depend on the time."""
-    by_time = scene.torque is not None and (scene.torque.times or scene.torque.function)
-    return bool(by_time) or scene.orbit is not None
+    return scene.has_table or scene.orbit is not None or "function" in scene.forces
 
 
 def _checked_sigma(sigma: ArrayLike, shape: tuple[int, ...]) -> Floats:

@@ -345,15 +345,15 @@ def _zeros(scene: Scene, bodies: Bodies, of: str) -> NDArray[np.intp]:
     """Number of exponents of each body that are zero by theory."""
     heavy = np.broadcast_to(np.any(bodies.weight != 0.0, axis=1), (len(bodies),))
     acting = set(scene.forces) - {"rotor"}
-    if not acting:
+    if not acting and not scene.has_table:
         # Flow, energy, turns about the vertical and L·gamma; of a free body all of space, and L.
         zeros = np.where(heavy, 4, 6)
-    elif acting == {"orbit"}:
+    elif acting == {"orbit"} and not scene.has_table:
         # On a circle flow and Jacobi's integral, in the frame of the orbit.
         circular = np.asarray(scene.further_numbers()["orbit"])[..., 1] == 0.0
         zeros = np.where(np.broadcast_to(circular, bodies.shape or 1).ravel(), 2, 0)
-    elif acting == {"dissipation"}:
-        # Turns of all space, and |L|.
+    elif acting <= {"dissipation"}:
+        # Turns of all space, and |L|; a rotor by a table has no energy either.
         zeros = np.full(len(bodies), 4)
     elif scene.orbit is not None or (scene.torque is not None and scene.torque.acts_in_space):
         zeros = np.zeros(len(bodies), dtype=np.intp)

@@ -607,7 +607,7 @@ an accuracy
         if momentum is None:
             scene, axes, omega = self._scene, self.frame, self._columns["omega"]
             omega = omega if axes is None else turned(axes.T, omega)
-            momentum = momentum_of(scene, self._shape, omega).reshape(self.omega.shape)
+            momentum = momentum_of(scene, self._shape, omega, self.t).reshape(self.omega.shape)
             if axes is not None:
                 momentum = turned(axes, momentum)
         return momentum if frame == "body" else to_space(self._recorded_attitude(), momentum)

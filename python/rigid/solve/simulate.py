@@ -301,7 +301,7 @@ def simulate(
     if "energy" in derived:
         columns["energy"] = energy_of(scene, bodies.shape, columns["omega"], columns["gamma"])
     if "momentum" in derived:
-        columns["momentum"] = momentum_of(scene, bodies.shape, columns["omega"])
+        columns["momentum"] = momentum_of(scene, bodies.shape, columns["omega"], times)
     if target is not PLAIN:
         made.states = target.finish(columns)
     if made.found is not None:

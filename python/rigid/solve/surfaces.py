@@ -16,6 +16,7 @@ from ..model.compiling import Callback, Taken, of_state, taken_by
 from ..model.events import Event
 from ..model.frame import turned
 from ..model.orbit import Orbit
+from ..model.sampled import RotorTable, Sampled
 from ..model.scene import Scene
 from .arrays import in_rows, lengths
 from .bodies import Bodies
@@ -437,9 +438,16 @@ def search_of(problem: Problem, watched: Watched, method: str) -> Search:
         starts[:, : function.states] = in_rows(function.start, bodies.shape)
     # Moments are counted in this unit.
     exponents = bodies.scale_exponent[:, np.newaxis]
-    rotor = in_rows(np.zeros(3) if scene.rotor is None else np.asarray(scene.rotor), bodies.shape)
-    orbit = np.zeros(9) if scene.orbit is None else scene.orbit.numbers
+    orbit = np.zeros(9)
+    if scene.orbit is not None and not isinstance(scene.orbit, Sampled):
+        orbit = scene.orbit.numbers
     momentum = _of_each([event.momentum for event in events], n, 3)
+    if momentum.any() and isinstance(scene.rotor, RotorTable):
+        raise ValueError(
+            f"rotor = {scene.rotor!r}: the momentum of a rotor by a table is not watched; take the "
+            "rates, or look at run.momentum()"
+        )
+    rotor = in_rows(scene.momentum_of_rotor(0.0)[..., 0, :], bodies.shape)
     kinds = zip(events, counted, strict=True)
     tolerance = problem.tolerance
     return Search(

@@ -217,7 +217,7 @@ class Unknowns:
         """The rate of oscillations by weight and rotor of the first guess (rad/s)."""
         least = min(self.scene.body.moments)
         weight = float(np.linalg.norm(self.scene.weight))
-        rotor = float(np.linalg.norm(self.scene.rotor or 0.0))
+        rotor = float(np.linalg.norm(self.scene.momentum_of_rotor(0.0)))
         return math.sqrt(weight / least) + rotor / least
 
     def _run(self, x: Floats, t: Floats, tangent: bool | tuple[str, ...]) -> Run:

@@ -227,8 +227,8 @@ class StabilityMap(MapData):
         t : array_like, optional
             Times of the trajectory in s, reached by steps no longer than the steps of the map. By
             default about 500 ends of the very steps that were taken, until ``t_end``, or 501 times
-            by closed form. A body that was not run, for example because of ``max_steps``, has its
-            start only.
+            by closed form or under a table over time. A body that was not run, for example because
+            of ``max_steps``, has its start only.
 
         Returns
         -------

@@ -122,6 +122,26 @@ def test_quadratic_drag_of_a_specification(line: str, drag: tuple[float, ...]) -
         parse_spec(BOX.replace("mass = 0.3", "mass = 0.3\ndrag = -1.0"), "box.toml")
 
 
+def test_tables_over_time_are_tables_of_a_specification() -> None:
+    path = [[float(t) - 4.0, 1.5, 0.0] for t in range(9)]
+    tables = (
+        f"orbit = {{ t = {list(range(9))}, positions = {path}, gm = 0.5 }}\n"
+        "rotor = { t = [0, 8], momentum = [[0, 0, 0], [0, 0, 0.4]] }"
+    )
+    body = "moments = [1.0, 2.0, 2.5]"
+    text = (
+        f'[scene]\nkind = "free-body"\n{body}\n{tables}\n'
+        '[x]\nname = "spin"\nvalues = [0.1, 0.2]\n'
+        "[start]\nspin = 0.1\n"
+        '[stable]\ncriterion = "no_flip"\naxis = 2\n[run]\nt_end = 8\nsamples = 4\n'
+    )
+    scene = parse_spec(text, "flyby.toml").scene
+    assert scene.orbit == rigid.Orbit.table(np.arange(9.0), path, gm=0.5)
+    assert scene.rotor == rigid.RotorTable([0.0, 8.0], [(0.0, 0.0, 0.0), (0.0, 0.0, 0.4)])
+    with pytest.raises(SpecError, match="momenta"):
+        parse_spec(text.replace("momentum", "momenta"), "flyby.toml")
+
+
 def test_what_a_specification_may_leave_out() -> None:
     text = TOP.replace("com = [0.6, 0.0, 0.8]\n", "").replace("axis = -3\n", "")
     text = text.replace('reference = "start"\n', "")
@@ -232,6 +252,8 @@ def test_the_page_of_files_has_a_row_for_every_key() -> None:
     assert rows("scene", "free_scene") == {key for make in KINDS.values() for key in keys(make)}
     assert rows("start") == keys(rigid.Start).keys()
     assert rows("orbit") == keys(rigid.Orbit).keys()
+    assert rows("orbit_table") == keys(rigid.Orbit.table).keys()
+    assert rows("rotor_table") == keys(rigid.RotorTable).keys()
     assert rows("axis") == {"name", "values", "from", "to", "count", "scale"}
     run = "samples", "half_width", "refine", "budget", "method", "step", "check", "max_steps"
     assert rows("map_run") == {"t_end", "time_unit", *run, "seed", "measure"}

@@ -140,14 +140,6 @@ test_functions_that_make_no_scene = refuses(
             ValueError,
             "must return bodies of shape (1,), one for each number it is given, got (5,)",
         ),
-        (
-            lambda a: rigid.FreeBody(
-                rigid.Body((1.0, 1.0, 1.0)),
-                torque=rigid.Torque.body([(0, 0, 1), (0, 0, 2)], times=[0, 1]),
-            ),
-            ValueError,
-            "torque: maps take a constant torque or a function, not a table",
-        ),
     ],
     literal=True,
     by=lambda function: small_map(function, axes={"a": [1.0, 2.0]}, samples=1),

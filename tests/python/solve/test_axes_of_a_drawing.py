@@ -150,6 +150,7 @@ def test_many_bodies_and_tables_of_a_torque_are_turned() -> None:
     each: Any = rigid.FreeBody(BODY, torque=table, rotor=[ROTOR, 2.0 * ROTOR], frame=AXES)
     assert np.allclose(each.torque.at(1.0)[0], 2.0 * AXES.T @ TORQUE)
     assert each.rotor is not None
+    assert not isinstance(each.rotor, rigid.RotorTable)
     assert np.allclose(each.rotor, np.array([ROTOR, 2.0 * ROTOR]) @ AXES)
     tops = rigid.HeavyTop(BODY, mgl=1.0, com=[COM, COM[::-1]], frame=AXES)
     assert np.allclose(tops.com, np.array([COM, COM[::-1]]) @ AXES)

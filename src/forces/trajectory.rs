@@ -1,0 +1,126 @@
+//! The gravity gradient along a trajectory that a table gives: the torque `c x I c`, `c = sqrt(3 gm / r^3) o` in the
+//! body, `o` the direction from the planet to the body (Hughes, Spacecraft Attitude Dynamics, 1986, §8.1). In space c is
+//! a cubic polynomial of the time between two knots: no kernel needs a root, nor a variable of the trajectory.
+
+use super::orbit::{add_products, to_body};
+use crate::kinematics::plus;
+use crate::real::Real;
+use crate::series::{Coefficients, VectorSeries};
+
+/// Coefficients of c in space, of the powers of the time since the begin of an interval; zeros without a trajectory.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Trajectory<R>(pub [[R; 3]; 4]);
+
+/// Coefficients beside those of the state.
+pub struct TrajectorySeries<R> {
+    /// Whether there is a trajectory in some lane.
+    acts: bool,
+    /// Those of c in space, from the time of the state on.
+    in_space: [[R; 3]; 4],
+    /// Those of c in the body.
+    roots: VectorSeries<R>,
+}
+
+impl<R: Real> TrajectorySeries<R> {
+    /// No coefficients yet.
+    #[inline(always)]
+    #[allow(clippy::new_without_default)] // A default would be taken for zero.
+    pub fn new() -> Self {
+        TrajectorySeries { acts: false, in_space: [[R::splat(0.0); 3]; 4], roots: VectorSeries::new() }
+    }
+}
+
+/// The torque from the products `c2 c3`, `c3 c1`, `c1 c2`, added to a sum; linear in the moments and in the products.
+#[inline(always)]
+fn add_gradient<R: Real>([i1, i2, i3]: &[R; 3], products: &[R; 3], torque: &mut [R; 3]) {
+    torque[0] = (*i3 - *i2).fma(products[0], torque[0]);
+    torque[1] = (*i1 - *i3).fma(products[1], torque[1]);
+    torque[2] = (*i2 - *i1).fma(products[2], torque[2]);
+}
+
+impl<R: Real> Trajectory<R> {
+    /// Whether there is a trajectory in some lane.
+    #[inline(always)]
+    pub fn acts(&self) -> bool {
+        let mut largest = R::splat(0.0);
+        for k in 0..4 {
+            for i in 0..3 {
+                largest = largest.max(self.0[k][i].abs());
+            }
+        }
+        R::any(R::splat(0.0).lt(largest))
+    }
+
+    /// The coefficients from a later time on.
+    #[inline(always)]
+    fn from(&self, time: R) -> [[R; 3]; 4] {
+        let (mut shifted, three) = (self.0, R::splat(3.0));
+        for i in 0..3 {
+            let [a, b, c, d] = [self.0[0][i], self.0[1][i], self.0[2][i], self.0[3][i]];
+            shifted[0][i] = time.fma(time.fma(time.fma(d, c), b), a);
+            shifted[1][i] = time.fma(time.fma(three * d, c + c), b);
+            shifted[2][i] = time.fma(three * d, c);
+        }
+        shifted
+    }
+
+    /// c in the body, at a state and a time.
+    #[inline(always)]
+    fn root<const D: usize>(&self, y: &[R; D], time: R) -> [R; 3] {
+        let [mut sum, .., last] = self.0;
+        for i in 0..3 {
+            sum[i] = time.fma(time.fma(time.fma(last[i], self.0[2][i]), self.0[1][i]), sum[i]);
+        }
+        to_body(&sum, y)
+    }
+
+    /// Adds the torque at a state and a time to `torque`.
+    #[inline(always)]
+    pub fn add_torque<const D: usize>(&self, moments: &[R; 3], y: &[R; D], time: R, torque: &mut [R; 3]) {
+        let root = self.root(y, time);
+        let mut products = [R::splat(0.0); 3];
+        add_products(&root, &root, &mut products);
+        add_gradient(moments, &products, torque);
+    }
+
+    /// Adds the coefficient of order k of the torque to `torque`. The calls are for ascending orders; `time` is the index
+    /// of the time in a state.
+    #[inline(always)]
+    pub fn add_order<const D: usize>(
+        &self,
+        moments: &[R; 3],
+        c: &Coefficients<R, D>,
+        (k, time): (usize, usize),
+        series: &mut TrajectorySeries<R>,
+        torque: &mut [R; 3],
+    ) {
+        if k == 0 {
+            series.acts = self.acts();
+            series.in_space = self.from(c.order(0)[time]);
+        }
+        if !series.acts {
+            return;
+        }
+        if k == 1 {
+            let unit = c.order(1)[time];
+            let mut power = unit;
+            for order in 1..4 {
+                for i in 0..3 {
+                    series.in_space[order][i] = series.in_space[order][i] * power;
+                }
+                power = power * unit;
+            }
+        }
+        let (mut root, mut products) = ([R::splat(0.0); 3], [R::splat(0.0); 3]);
+        for j in 0..=k.min(3) {
+            root = plus(&root, &to_body(&series.in_space[j], c.order(k - j)));
+        }
+        series.roots.push(k, root);
+        for j in 0..=k {
+            // SAFETY: the calls for the orders 0 to k, one each and ascending, have pushed the rows 0 to k.
+            let (one, other) = unsafe { (series.roots.order(j), series.roots.order(k - j)) };
+            add_products(one, other, &mut products);
+        }
+        add_gradient(moments, &products, torque);
+    }
+}

@@ -1,0 +1,333 @@
+"""Trajectories by a table of positions, beside exact orbits and a flyby of three bodies."""
+
+from __future__ import annotations
+
+import pickle
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import ArrayLike
+from scipy.integrate import solve_ivp
+
+import rigid
+from golden_orbits import GOLDEN, angle_between, case_of, scene_of, start_of
+from physics import Floats
+from refusals import refuses
+from rigid.model.scene import scene_from_dict
+
+METHODS = [method.name for method in rigid.methods() if "orbit" in method.forces]
+FLYBYS = [case["name"] for case in GOLDEN if case["e"] > 1.0]
+BODY = rigid.Body((0.61, 0.8, 1.0))
+OMEGA, ATTITUDE = np.array([0.3, 0.2, 0.5]), np.array([0.8, 0.1, 0.5, -0.3])
+HYPERBOLA = rigid.Orbit(1.0, 2.0, -4.0, (0.0, 0.6, 0.8), (1.0, 0.0, 0.0))
+ELLIPSE = rigid.Orbit(1.0, 0.3, 0.4, (0.0, 0.6, 0.8), (1.0, 0.0, 0.0))
+
+
+def table_of(orbit: rigid.Orbit, span: tuple[float, float], count: int) -> rigid.OrbitTable:
+    """The orbit as an ephemeris: its mean motion and semi-major axis are one."""
+    t = np.linspace(*span, count)
+    return rigid.Orbit.table(t, orbit.position(t), gm=1.0)
+
+
+def on(orbit: rigid.Orbit, **forces: Any) -> rigid.FreeBody:
+    return rigid.FreeBody(BODY, orbit=orbit, **forces)
+
+
+@pytest.mark.parametrize("count", [49, 97, 257, 1025])
+@pytest.mark.parametrize("name", FLYBYS)
+def test_golden_flybys_by_a_table_err_as_stated(name: str, count: int) -> None:
+    case = case_of(name)
+    times = [state["t"] for state in case["at"]]
+    exact = scene_of(case)
+    assert exact.orbit is not None
+    scene = rigid.FreeBody(exact.body, orbit=table_of(exact.orbit, (0.0, times[-1]), count))
+    run = rigid.simulate(scene, case["omega"], start_of(case), t=times)
+    off = np.abs(run.omega - [state["omega"] for state in case["at"]]).max(axis=1)
+    assert (off <= run.error * np.linalg.norm(case["omega"])).all()
+    assert (angle_between(run, case["at"]) <= run.error).all()
+    if count == 1025:
+        assert run.error < 1e-6
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("orbit", [HYPERBOLA, ELLIPSE])
+def test_every_method_tells_the_error_of_a_table(orbit: rigid.Orbit, method: str) -> None:
+    t = np.linspace(1.0, 8.0, 8)
+    truth = rigid.simulate(on(orbit), OMEGA, ATTITUDE, t=t, accuracy=1e-10)
+    for count in (21, 33, 129):
+        scene = on(table_of(orbit, (0.0, 8.0), count))
+        run = rigid.simulate(scene, OMEGA, ATTITUDE, t=t, method=method)
+        off = np.abs(run.omega - truth.omega).max(axis=1) / np.linalg.norm(OMEGA)
+        assert (off <= run.error + truth.error).all()
+        if count == 129:
+            assert run.error < 1e-3
+
+
+def test_the_stated_error_falls_with_the_fourth_power_of_the_spacing() -> None:
+    def error(count: int) -> float:
+        scene = on(table_of(ELLIPSE, (0.0, 8.0), count))
+        return float(rigid.simulate(scene, OMEGA, ATTITUDE, t=[8.0]).error)
+
+    coarse, fine = error(101), error(401)
+    # At least by 4^4 = 256, less what higher orders of a coarse table add.
+    assert coarse / fine > 200.0
+
+
+def moon(t: float) -> Floats:
+    """A body of an eightieth of the planet's mass, on a circle of radius 1 about it."""
+    return np.array([np.cos(t + 2.0), np.sin(t + 2.0), 0.0])
+
+
+def three_bodies(_: float, y: Floats, gm: float = 1.0) -> Floats:
+    """A flyby in the frame of the planet, with a moon; and the rotation of the body."""
+    r, v, q, w = y[:3], y[3:6], y[6:10], y[10:]
+    to_moon, own = moon(_) - r, moon(_)
+    pull = to_moon / np.linalg.norm(to_moon) ** 3 - own / np.linalg.norm(own) ** 3
+    change = np.concatenate([v, -gm * r / np.linalg.norm(r) ** 3 + gm / 80.0 * pull])
+    matrix = rigid.rotations.quaternion_to_matrix(q / np.linalg.norm(q))
+    o, i = matrix.T @ r / np.linalg.norm(r), np.array(BODY.moments)
+    torque = 3.0 * gm / np.linalg.norm(r) ** 3 * np.cross(o, i * o)
+    a, b, c, d = q
+    x, y_, z = w
+    turn = 0.5 * np.array(
+        [
+            -b * x - c * y_ - d * z,
+            a * x + c * z - d * y_,
+            a * y_ + d * x - b * z,
+            a * z + b * y_ - c * x,
+        ]
+    )
+    return np.concatenate([change, turn, (np.cross(i * w, w) + torque) / i])
+
+
+def flyby_of_three() -> tuple[Callable[[Floats], Floats], Floats]:
+    q = ATTITUDE / np.linalg.norm(ATTITUDE)
+    start = np.concatenate([[-3.0, 0.5, 0.4], [1.3, 0.1, 0.0], q, OMEGA])
+    path = solve_ivp(
+        three_bodies, (0.0, 5.0), start, "DOP853", rtol=1e-13, atol=1e-13, dense_output=True
+    )
+    return path.sol, path.y[:, -1]
+
+
+def test_a_flyby_of_three_bodies_is_that_of_scipy() -> None:
+    path, end = flyby_of_three()
+    for count in (61, 101, 2401):
+        t = np.linspace(0.0, 5.0, count)
+        orbit = rigid.Orbit.table(t, path(t)[:3].T, gm=1.0)
+        run = rigid.simulate(on(orbit), OMEGA, ATTITUDE, t=[5.0])
+        off = np.linalg.norm(run.omega[-1] - end[10:]) / np.linalg.norm(OMEGA)
+        assert off <= run.error
+    assert off < 1e-9
+
+
+@pytest.mark.parametrize("method", [None, "dop853", "taylor16"])
+def test_tangents_are_differences_of_neighbours(method: str | None) -> None:
+    scene = on(
+        table_of(HYPERBOLA, (0.0, 8.0), 65),
+        rotor=(0.1, 0.0, 0.2),
+        dissipation=rigid.EnergySink(0.05),
+        damping=0.02,
+    )
+    names = ("I1", "rotor1", "damping2")
+    options: dict[str, Any] = {"t": [6.0], "method": method, "check": False}
+    if method == "dop853":
+        options["step"] = 0.02
+    run = rigid.simulate(scene, OMEGA, ATTITUDE, tangent=names, **options)
+    assert run.tangent is not None
+    assert run.sensitivity is not None
+    h = 1e-4
+
+    def ends(omega: Floats, scene: rigid.FreeBody = scene) -> Floats:
+        end: Floats = rigid.simulate(scene, omega, ATTITUDE, **options).omega[-1]
+        return end
+
+    for k, axis in enumerate(np.eye(3)):
+        slope = (ends(OMEGA + h * axis) - ends(OMEGA - h * axis)) / (2.0 * h)
+        # Differences of the third order, and the second run of steps that are chosen anew.
+        np.testing.assert_allclose(run.tangent[-1][:3, k], slope, rtol=0.0, atol=2e-6)
+
+    def other(i1: float, h1: float, d2: float) -> rigid.FreeBody:
+        moments = (BODY.moments[0] + i1, *BODY.moments[1:])
+        return rigid.FreeBody(
+            rigid.Body(moments),
+            orbit=scene.orbit,
+            rotor=(0.1 + h1, 0.0, 0.2),
+            dissipation=scene.dissipation,
+            damping=(0.02, 0.02 + d2, 0.02),
+        )
+
+    for k, axis in enumerate(np.eye(3)):
+        above, below = (ends(OMEGA, other(*(sign * h * axis))) for sign in (1.0, -1.0))
+        slope = (above - below) / (2.0 * h)
+        np.testing.assert_allclose(run.sensitivity[-1][:3, k], slope, rtol=0.0, atol=2e-6)
+
+
+def test_growth_is_the_same_by_steps_and_by_series() -> None:
+    scene, t = on(table_of(ELLIPSE, (0.0, 8.0), 101)), np.array([4.0, 8.0])
+    grown = [
+        rigid.lyapunov(scene, OMEGA, ATTITUDE, t=t, exponents=2, method=method).exponent
+        for method in ("dop853", "taylor20")
+    ]
+    np.testing.assert_allclose(grown[0], grown[1], rtol=0.0, atol=1e-8)
+
+
+@pytest.mark.parametrize("orbit", [HYPERBOLA, ELLIPSE])
+def test_places_and_frames_are_those_of_the_orbit(orbit: rigid.Orbit) -> None:
+    table = table_of(orbit, (0.0, 8.0), 801)
+    t = np.linspace(0.05, 7.95, 40)
+    np.testing.assert_allclose(table.position(t), orbit.position(t), rtol=0.0, atol=1e-7)
+    np.testing.assert_allclose(table.frame(t), orbit.frame(t), rtol=0.0, atol=1e-5)
+    assert table.position(1.0).shape == (3,)
+    assert table.frame(1.0).shape == (3, 3)
+    states = orbit.to_space(np.tile(OMEGA, (40, 1)), np.tile(ATTITUDE, (40, 1)), t)
+    for found, expected in zip(
+        table.to_space(np.tile(OMEGA, (40, 1)), np.tile(ATTITUDE, (40, 1)), t), states, strict=True
+    ):
+        np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-4)
+    run = rigid.simulate(on(table), OMEGA, ATTITUDE, t=t)
+    assert run.attitude is not None
+    seen, exact = run.in_orbit_frame(), orbit.from_space(run.omega, run.attitude, t)
+    np.testing.assert_allclose(seen.omega, exact[0], rtol=0.0, atol=1e-4)
+    np.testing.assert_allclose(
+        rigid.free.roll_pitch_yaw(table, run.attitude, t, axes=(1, 3)),
+        rigid.free.roll_pitch_yaw(orbit, run.attitude, t, axes=(1, 3)),
+        rtol=0.0,
+        atol=1e-4,
+    )
+
+
+def test_the_frame_of_a_path_in_space_turns_as_its_axes_do() -> None:
+    path, _ = flyby_of_three()
+    t = np.linspace(0.0, 5.0, 801)
+    orbit = rigid.Orbit.table(t, path(t)[:3].T, gm=1.0)
+    when, h = np.array([1.0, 2.0, 3.0]), 1e-4
+    frame, turning = orbit._turning(when)
+    slope = (orbit.frame(when + h) - orbit.frame(when - h)) / (2.0 * h)
+    about = np.einsum("mij,mj->mi", frame, turning)
+    expected = np.cross(about[:, np.newaxis], np.swapaxes(frame, 1, 2))
+    # The bend of a cubic spline is linear between its knots: an eighth of h² times its own bend.
+    np.testing.assert_allclose(np.swapaxes(slope, 1, 2), expected, rtol=0.0, atol=1e-3)
+
+
+def test_events_and_steps_know_the_table() -> None:
+    scene = on(table_of(HYPERBOLA, (0.0, 8.0), 65))
+    run = rigid.simulate(
+        scene, OMEGA, ATTITUDE, t=[8.0], events=[rigid.crosses("omega1", 0.2), rigid.turns("speed")]
+    )
+    for event in run.events:
+        assert len(event.t)
+    at = rigid.simulate(scene, OMEGA, ATTITUDE, t=run.events[0].t)
+    np.testing.assert_allclose(at.omega[:, 0], 0.2, rtol=0.0, atol=1e-7)
+    motion = rigid.Motion(scene, OMEGA, ATTITUDE, method="dop853")
+    for _ in range(80):
+        motion.step(0.1)
+    np.testing.assert_allclose(motion.omega, run.omega[-1], rtol=0.0, atol=1e-8)
+
+
+def test_the_power_of_the_gradient_is_the_rate_of_the_energy() -> None:
+    t = np.linspace(0.0, 8.0, 4001)
+    run = rigid.simulate(on(table_of(HYPERBOLA, (0.0, 8.0), 129)), OMEGA, ATTITUDE, t=t)
+    assert run.energy_drift < 1e-9
+    residual = rigid.free.power_balance(run).residual
+    # The difference over two steps of 0.002.
+    assert np.abs(residual[1:-1]).max() < 1e-5
+
+
+def test_samples_of_a_map_are_classified_as_their_runs() -> None:
+    result = rigid.stability_map(
+        on(table_of(HYPERBOLA, (0.0, 8.0), 33)),
+        axes={"omega3": [0.1, 0.3, 0.6]},
+        start=rigid.Start(omega=(0.3, 0.2, 0.5), attitude_noise=rigid.normal(0.5)),
+        stable=rigid.no_flip(1),
+        measure=rigid.largest_tilt(reference="vertical"),
+        samples=30,
+        t_end=8.0,
+        rng=1,
+    )
+    exact = rigid.stability_map(
+        on(HYPERBOLA, torque=rigid.Torque.body((0.0, 0.0, 0.0))),
+        axes={"omega3": [0.1, 0.3, 0.6]},
+        start=rigid.Start(omega=(0.3, 0.2, 0.5), attitude_noise=rigid.normal(0.5)),
+        stable=rigid.no_flip(1),
+        measure=rigid.largest_tilt(reference="vertical"),
+        samples=30,
+        t_end=8.0,
+        rng=1,
+    )
+    assert result.stable.sum() not in (0, 90)
+    np.testing.assert_array_equal(result.stable, exact.stable)
+    np.testing.assert_array_equal(result.unstable, exact.unstable)
+
+
+def test_a_table_comes_back_from_files(tmp_path: Any) -> None:
+    scene = on(table_of(HYPERBOLA, (0.0, 8.0), 33))
+    assert scene_from_dict(scene.to_dict()) == scene
+    assert hash(scene_from_dict(scene.to_dict()).orbit) == hash(scene.orbit)
+    assert scene != on(table_of(HYPERBOLA, (0.0, 8.0), 34))
+    assert pickle.loads(pickle.dumps(scene)) == scene
+    run = rigid.simulate(scene, OMEGA, ATTITUDE, t=[1.0, 2.0])
+    run.save(tmp_path / "run.npz")
+    again = rigid.load_run(tmp_path / "run.npz")
+    np.testing.assert_array_equal(again.in_orbit_frame().omega, run.in_orbit_frame().omega)
+    assert repr(scene.orbit) == "OrbitTable(33 times from 0 to 8)"
+    assert "orbit by a table of 33 times" in scene.words()
+
+
+TABLE = table_of(HYPERBOLA, (0.0, 8.0), 17)
+CIRCLE = np.stack([np.cos(np.arange(9.0)), np.sin(np.arange(9.0)), np.zeros(9)], axis=1)
+"""Positions of a circle, 57 degrees apart."""
+
+
+def small_map(**options: Any) -> Any:
+    return rigid.stability_map(
+        on(TABLE),
+        **{
+            "axes": {"omega1": [0.1, 0.2]},
+            "stable": rigid.no_flip(3),
+            "start": rigid.Start(omega=(0.1, 0.2, 0.3)),
+            "samples": 4,
+            "t_end": 1.0,
+            **options,
+        },
+    )
+
+
+def made(t: ArrayLike, positions: ArrayLike = CIRCLE, gm: float = 1.0) -> rigid.OrbitTable:
+    return rigid.Orbit.table(t, positions, gm)
+
+
+test_what_a_table_cannot = refuses(
+    [
+        (
+            lambda: made(np.arange(8.0), CIRCLE[:8]),
+            "orbit: expected shape .9 or more, 3., got .8, 3.",
+        ),
+        (lambda: made(np.arange(9.0)), "turns by more than 45 degrees"),
+        (lambda: made([0, 1, 2, 3, 4, 4, 6, 7, 8]), "t of 9 times: .* no two of them equal"),
+        (lambda: made(np.arange(9.0), CIRCLE[:8]), r"positions: expected shape \(9, 3\)"),
+        (lambda: made(np.arange(9.0), 0.0 * CIRCLE), r"positions\[0\] = 0: must not be the planet"),
+        (lambda: made(np.arange(9.0), gm=0.0), "gm = 0.0: must be positive"),
+        (lambda: TABLE.position(9.0), "t = 9: the table of the orbit does not reach this time"),
+        (
+            lambda: rigid.simulate(on(TABLE), OMEGA, t=[9.0]),
+            "t = 9: the table of the orbit does not reach this time",
+        ),
+        (lambda: rigid.simulate(on(TABLE), OMEGA, t=[1.0], tangent="rate"), "rate"),
+        (lambda: TABLE.period, "OrbitTable.* has no rate"),
+        (
+            lambda: rigid.simulate(on(TABLE), OMEGA, t=[1.0], events=[rigid.crosses("roll", 0.1)]),
+            "not watched along the table",
+        ),
+        (lambda: small_map(axes={"rate": [1.0, 2.0]}), "the orbit of the scene is a table"),
+        (lambda: small_map(stable=rigid.yaw_within(1.0)), "not watched along the table"),
+        (lambda: small_map(stable=rigid.regular()), "not integrated under a table over time"),
+        (lambda: small_map(t_end=9.0), "t = 9: the table of the orbit does not reach this time"),
+        (lambda: small_map(time_unit="orbit"), "has no rate"),
+        (
+            lambda: rigid.simulate(on(TABLE), OMEGA, t=[1.0], method="splitting"),
+            "method = 'splitting': does not integrate",
+        ),
+    ]
+)
