@@ -141,16 +141,24 @@ class Sweep:
         rows = []
         for k, horizon in enumerate(horizons):
             ordered = [runs[k] for runs in self.kept() if k < len(runs)]
-            # A sweep that ran out of time may have come down to rounding unseen.
-            at_rounding = self.ended in ("rounding", "time")
-            lowest = min((run.error for run in ordered), default=0.0) if at_rounding else 0.0
-            floor = 10.0 * max(lowest, horizon.reference.uncertainty)
+            rounding = self._rounding([run.error for run in ordered])
+            floor = 10.0 * max(rounding, horizon.reference.uncertainty)
             for run, coarse in zip(ordered, [None, *ordered], strict=False):
                 order = None
                 if coarse and floor < run.error < coarse.error < 0.1:
                     order = math.log(coarse.error / run.error) / math.log(run.steps / coarse.steps)
                 rows.append(run.row(self.method, horizon, order))
         return rows
+
+    def _rounding(self, errors: Sequence[float]) -> float:
+        """The error to which these have come down by rounding; zero if they have not."""
+        if self.ended == "time" and len(errors) > 2:
+            # Rounding is unseen then. Each step is half the last: if an error falls as the one
+            # before it did, rounding is at most a tenth of it.
+            before, coarse, last = errors[-3:]
+            if last * before <= 1.1 * coarse**2:
+                return 0.0
+        return min(errors, default=0.0) if self.ended in ("rounding", "time") else 0.0
 
 
 @dataclass(slots=True)

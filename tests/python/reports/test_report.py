@@ -29,8 +29,9 @@ from rigid.reports.compute import run_report
 from rigid.reports.data import AT_UNCERTAINTY, REFERENCE, USELESS
 from rigid.reports.ensemble import ensemble_of, probe, same_steps
 from rigid.reports.plot import FAMILIES, OTHERS, family_of, spread
-from rigid.reports.reference import find_reference
+from rigid.reports.reference import Horizon, Reference, find_reference
 from rigid.reports.spec import ReportSpec, make_spec
+from rigid.reports.sweep import Measured, Sweep
 from rigid.solve.methods import run_methods
 
 DOCS = Path(__file__).parents[3] / "docs"
@@ -71,6 +72,25 @@ def top() -> rigid.Report:
 def test_the_order_of_a_method_is_found(box: rigid.Report, method: str, order: float) -> None:
     # The shortest steps whose errors are no rounding show 3.978 and 2.000, the longest 3.83, 2.06.
     assert box.order(method) == pytest.approx(order, abs=0.03)
+
+
+@pytest.mark.parametrize("order", [1, 2, 4, 8])
+@pytest.mark.parametrize("share", [0.0, 0.01, 1.0])
+def test_a_sweep_out_of_time_has_all_orders_that_rounding_does_not_bend(
+    order: int, share: float
+) -> None:
+    """Steps are halved; of the last error a share of the truncation is added by rounding."""
+    sweep, ensemble = Sweep("rk4", ended="time"), ensemble_of(make_spec(BOX, THROW, t_end=0.5))
+    for k in range(6):
+        error = 1e-2 * (0.5 ** (order * k) + share * 0.5 ** (order * 5))
+        state = np.full(ensemble.spec.bodies, error)
+        sweep.runs[100 * 2**k] = [Measured(100 * 2**k, state, state, 0.0, 0.0, call=1.0)]
+    horizon = Horizon(0.0, ensemble, Reference("exact", 0, 1e-18, 1e-18), None)
+    found = [row.order for row in sweep.rows([horizon]) if row.order is not None]
+    if share < 0.1:
+        assert len(found) == 5
+    # Rounding is at most a tenth of an error that counts.
+    np.testing.assert_allclose(found, order, rtol=0.0, atol=math.log2(1.1))
 
 
 def test_errors_are_those_of_the_state_against_the_closed_form(box: rigid.Report) -> None:
