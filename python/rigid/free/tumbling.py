@@ -161,7 +161,7 @@ def spin_state(
         If no body has the moments, the body has no such mode, an argument is not positive, or no
         motion in this mode has the two periods: ``rotation / precession`` is below the ratio of
         small nutations, or beyond the ratios of states that are farther from the separatrix than
-        rounding.
+        rounding. Of many bodies the message has the index of the first.
 
     Examples
     --------
@@ -207,9 +207,12 @@ def spin_state(
     below = ~(ratio > least)
     if below.any():
         index, spot = first_place(below)
+        others = below.sum() - 1
+        also = f"; {others} of the other bodies have no such motion either" if others else ""
         raise ValueError(
             f"rotation / precession{spot} = {ratio[index]:.6g}: must be above {least[index]:.6g}, "
             f"the ratio of small nutations in the {name}; take other moments or the other mode"
+            + also
         )
 
     def at(log_tangent: Floats) -> SpinState:

@@ -157,6 +157,16 @@ def test_what_no_motion_has_is_refused(
         free.spin_state(moments, precession=periods[0], rotation=periods[1], mode=mode)
 
 
+def test_the_body_that_has_no_such_motion_is_named() -> None:
+    """In the short-axis mode a ratio is above that of small nutations, which is
+    sqrt(I1 I2 / ((I3 - I1) (I3 - I2))): 1 of the moments 1, 2, 3, and 1.29 of 1, 2, 2.8."""
+    moments = [[1.0, 2.0, 3.0], [1.0, 2.0, 2.8], [1.0, 2.0, 3.0], [1.0, 2.0, 2.8]]
+    least = np.sqrt(2.0 / (1.8 * 0.8))
+    words = rf"precession\[1\] = 1.1: must be above {least:.6g}, .*; 1 of the other bodies have"
+    with pytest.raises(ValueError, match=words):
+        free.spin_state(moments, precession=1.0, rotation=1.1, mode="SAM")
+
+
 # Loss of energy over ages: the averaged motion against integrations and a closed form
 
 
