@@ -46,6 +46,9 @@ MAGNIFIED = 100.0
 class Plan:
     """The computation for a question about a scene: method, steps, error, cost, reasons.
 
+    The plan of a run, :attr:`Run.plan <rigid.Run.plan>`, says what was done: the steps that were
+    taken, and the largest error of a body.
+
     Attributes
     ----------
     scene, question : str
@@ -81,8 +84,8 @@ class Plan:
         Error of the attitude at the end (rad). For a closed form it is ``1e-15`` per radian turned,
         and None if the rates or the horizon are missing, or if ``why`` names a reason: rates that
         nearly vanish, or a saddle. The error of steps is not known before the run: it is None, or
-        with ``cost=True`` the largest :attr:`Run.error <rigid.Run.error>` of the bodies that were
-        run, if it is below one.
+        of a run and with ``cost=True`` the largest :attr:`Run.error <rigid.Run.error>` of the
+        bodies that were run, if it is below one.
     cost : float or None
         Processor time of a body of the call (ns), of all threads together and with the second run
         that estimates the error, measured by running some of the bodies. None unless it was asked

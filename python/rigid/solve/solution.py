@@ -26,6 +26,7 @@ from .methods import EXACT, SERIES, SERIES_TOLERANCE
 from .parameters import parameter_changes
 from .plan import Lazy, Plan, plan_of_parts
 from .request import Problem, Request
+from .status import Status
 from .tangent import tangent_of
 
 COLUMNS: Mapping[str, int] = {
@@ -365,23 +366,25 @@ def _by_steps(
     )
     by_series = states.pop("by_series", None)
     made = Solution(states, states, choice.method, choice.tolerance, choice.plan)
+    taken, worst = states["steps"], states.worst
+    worst = largest(states.error) if worst is None else worst
+    made.plan.amend(steps=int(taken.max(initial=0)), error=worst if worst < 1.0 else None)
     if choice.accuracy is None or choice.steps is None:
         return made
     if by_series is None:
         by_series = np.zeros(len(request.bodies), dtype=bool)
     if by_series.size and by_series.all():
         made.method, made.tolerance = SERIES, SERIES_TOLERANCE
-        made.plan.amend(method=SERIES, tolerance=SERIES_TOLERANCE, step=None, steps=None)
-    elif by_series.any():
+        made.plan.amend(method=SERIES, tolerance=SERIES_TOLERANCE, step=None)
+        return made
+    if by_series.any():
         some = np.count_nonzero(by_series)
         made.plan.amend(f"{some} of {len(by_series)} bodies by {SERIES}")
-    accurate = (states.error <= choice.accuracy) & ~by_series
-    if problem.accuracy is not None and accurate.any():
-        taken = states["steps"]
-        moved = accurate & (taken > 0)
-        lengths = np.broadcast_to(time_span(request.times), taken.shape)[moved] / taken[moved]
-        shortest = float(lengths.min()) if len(lengths) else None
-        made.plan.amend(step=shortest, steps=int(taken[accurate].max(initial=0)))
+    ended = np.isin(states["status"], (Status.STEP_LIMIT, Status.NOT_FINITE))
+    whole = ~by_series & ~ended & (taken > 0)
+    if whole.any():
+        spans = np.broadcast_to(time_span(request.times), taken.shape)
+        made.plan.amend(step=float((spans[whole] / taken[whole]).min()))
     return made
 
 

@@ -1,5 +1,7 @@
 """The estimated error is at least the error; an accuracy is met, refused or flagged."""
 
+import itertools
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -71,8 +73,9 @@ def test_the_steps_of_tops_are_made_for_1e_8_and_all_tops_are_checked() -> None:
     assert run.spec["accuracy"] is None
     assert run.plan.accuracy == 1e-8
     assert "the step follows from the error of 1e-08 at the end" in run.plan.why
+    assert run.plan.error == run.error.max()
     unchecked = rigid.simulate(TOP, omega, tilted(0.5), t=t, check=False)
-    assert unchecked.plan == run.plan
+    assert unchecked.plan == replace(run.plan, error=None)
     assert np.all(unchecked.status == rigid.Status.UNCHECKED)
 
 
@@ -208,12 +211,16 @@ def test_chaotic_tops_seldom_err_by_more_than_is_stated() -> None:
     assert np.count_nonzero(run.flagged) <= 0.01 * MANY
 
 
-@pytest.mark.parametrize("accuracy", [1e-4, 1e-7, 1e-10])
-@pytest.mark.parametrize("method", ["pmlf6", "rk4", "dop853"])
-def test_the_plan_of_a_run_has_the_step_that_was_made(method: str, accuracy: float) -> None:
+@pytest.mark.parametrize(
+    ("method", "accuracy"),
+    [(None, None), *itertools.product(["pmlf6", "rk4", "dop853"], [1e-4, 1e-7, 1e-10])],
+)
+def test_the_plan_of_a_run_has_the_step_that_was_made(
+    method: str | None, accuracy: float | None
+) -> None:
     run = rigid.simulate(TOP_ASKED, [0.5, 0.4, 2.0], t=[10.0], accuracy=accuracy, method=method)
     assert run.plan.step == 10.0 / run.steps
-    assert run.plan.steps == run.steps
+    assert (run.plan.steps, run.plan.error) == (run.steps, run.error)
     assert run.plan.step is not None
     # The quotient is rounded: a step that is shorter by it would make one step more.
     step = run.plan.step * (1.0 + 1e-15)

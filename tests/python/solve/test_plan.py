@@ -167,9 +167,11 @@ def test_errors_and_steps_grow_with_the_angle_turned() -> None:
 
 
 def test_adaptive_steps_are_told_by_their_tolerance() -> None:
-    plan = rigid.simulate(HEAVY, RATES, t=[1.0], method="taylor16", tolerance=1e-11).plan
-    assert (plan.tolerance, plan.step, plan.steps) == (1e-11, None, None)
-    assert plan.method_words() == "taylor16, tolerance 1e-11"
+    run = rigid.simulate(HEAVY, RATES, t=[1.0], method="taylor16", tolerance=1e-11)
+    plan = run.plan
+    assert (plan.tolerance, plan.step, plan.steps) == (1e-11, None, run.steps)
+    assert plan.error == run.error
+    assert plan.method_words() == f"taylor16, tolerance 1e-11, about {run.steps} steps"
     assert rigid.plan(HEAVY, "rates", step=0.1).tolerance is None
     assert rigid.plan(FREE, "rates").tolerance is None
 
@@ -346,7 +348,8 @@ def test_the_steps_that_are_planned_are_taken(scene: Scene, method: rigid.Method
         plan = rigid.plan(
             scene, "attitude", omega=omega, attitude=tilted(0.3), t_end=5.0, method=method.name
         )
-        assert run.plan == plan
+        # The run knows its steps and its error.
+        assert run.plan == dataclasses.replace(plan, steps=int(run.steps), error=float(run.error))
         # Both round the bound of the rates, perhaps across a whole number of steps.
         assert abs(int(run.steps) - (plan.steps or 0)) <= 1
 
