@@ -29,6 +29,14 @@ SCENES = {
     ),
     "flyby": rigid.FreeBody(BODY, orbit=rigid.Orbit(0.7, 1.8, -2.0, **INCLINED)),
 }
+STEEP = 15e-3
+"""Radians in a millisecond beyond which an angle may leap unseen: pi in 0.2 s, which is a step."""
+
+MOST_UNKNOWN = 6
+"""Bodies whose roll or yaw swings so fast. A body that turns by 0.8 rad/s does where an axis is
+within d = 0.8/15 rad of two opposite directions. The axis goes 6 rad, sweeps 12 d of the 4 pi of
+all directions, and meets one of the two in 0.10 of the cases, which is 2.4 of 24, give or take
+1.5. Measured were 1 to 4."""
 CRITERIA = {"roll": rigid.roll_within, "pitch": rigid.pitch_within, "yaw": rigid.yaw_within}
 LARGEST = {"roll": rigid.largest_roll, "pitch": rigid.largest_pitch, "yaw": rigid.largest_yaw}
 
@@ -97,9 +105,10 @@ def test_angles_are_those_of_a_fine_motion(where: str, of: str, axes: tuple[int,
     # Between two times, 1e-3 s apart, the angle changes by its rate, which is large near gimbal
     # lock; its largest value is flat there unless it is pi.
     step = np.abs(np.diff(angle, axis=1))
+    unknown = 0
     for k in range(COUNT):
         beyond = angle[k] > limit
-        told, steep = str(found.outcome[0, k]), bool(step[k].max() > 5e-3)
+        told, steep = str(found.outcome[0, k]), bool(step[k].max() > STEEP)
         if abs(largest[k] - limit) > 2.0 * step[k].max() and not (told == "undecided" and steep):
             assert told == ("unstable" if beyond.any() else "stable")
         left = found.left[0, k]  # not known if only the second run has seen it
@@ -110,8 +119,9 @@ def test_angles_are_those_of_a_fine_motion(where: str, of: str, axes: tuple[int,
         near = int(angle[k].argmax())
         around = step[k, max(near - 2, 0) : near + 2].max()
         # Errors of the steps, 1e-8 for each of some 20 rad, are magnified near gimbal lock. A body
-        # whose angle swings by 5 rad/s or more at any time may have no largest one.
+        # whose angle swings faster than STEEP at any time may have no largest one.
         value = values(found, f"largest_{of}")[k]
+        unknown += bool(np.isnan(value) or told == "undecided" or (np.isnan(left) and beyond.any()))
         if not (np.isnan(value) and steep):
             assert value == pytest.approx(largest[k], abs=around + 1e-5)
         late = angle[k] > 1.0
@@ -124,6 +134,7 @@ def test_angles_are_those_of_a_fine_motion(where: str, of: str, axes: tuple[int,
             last = len(late) - 1 - int(late[::-1].argmax())
             assert TIMES[last] - 1e-6 <= settled <= TIMES[last + 1] + 1e-6
     assert 6 <= result.stable[0] <= 18 or limit == 3.0
+    assert unknown <= (0 if of == "pitch" else MOST_UNKNOWN)
 
 
 @pytest.mark.parametrize("e", [0.0, 0.3])
