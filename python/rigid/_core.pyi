@@ -166,6 +166,7 @@ def section(
     method: str,
     kinds: Sequence[tuple[bool, int, bool]],
     pointing: NDArray[np.float64],
+    functions: Sequence[tuple[int, bool]],
     normal: NDArray[np.float64],
     momentum: NDArray[np.float64],
     square: NDArray[np.float64],

@@ -215,6 +215,14 @@ impl TorqueFunction {
 }
 
 impl<'a> TorqueCall<'a> {
+    /// A function that is given no numbers, and returns in the unit of the moments.
+    ///
+    /// # Safety
+    /// As for [`TorqueFunction::new`], with the states of the bodies for which it is called.
+    pub unsafe fn without_numbers(code: Code) -> TorqueCall<'a> {
+        TorqueCall { code, data: None, unit: 1.0, fastest: 0.0, start: &[], begin: 0.0 }
+    }
+
     /// The function of states whose time is zero at this time.
     pub fn from(self, begin: f64) -> TorqueCall<'a> {
         TorqueCall { begin, ..self }

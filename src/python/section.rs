@@ -4,7 +4,7 @@ use super::bodies::Bodies;
 use super::convert::{Aligned1, Aligned2, column, copied, interruptible_calls, rows, same_length};
 use crate::error::Error;
 use crate::float_environment::FloatEnvironment;
-use crate::forces::MOST_STATES;
+use crate::forces::{Code, MOST_STATES, TorqueCall};
 use crate::memory;
 use crate::method::{AnyMethod, Method, default_step};
 use crate::parallel::Interrupt;
@@ -19,10 +19,10 @@ use pyo3::types::PyDict;
 
 /// The points at which bodies cross their surfaces until a time; see `rigid.poincare` and `rigid.simulate`. A kind of
 /// surface is whether it is of a rate, its direction, and whether its points count, with its row of `pointing`: two pairs of
-/// a body axis and a direction, zeros without any, and 1 if the directions are those of the orbit. The surfaces of each
-/// body are neighbours in `normal`, `momentum`, `square`, `states` and `value`.
+/// a body axis and a direction, zeros without any, and 1 if the directions are those of the orbit; and with the address of a
+/// function in place of the surface and whether it is told eight bodies at once, 0 without any. The surfaces of each body are neighbours in `normal`, `momentum`, `square`, `states` and `value`.
 #[pyfunction]
-#[pyo3(signature = (bodies, *, method, kinds, pointing, normal, momentum, square, states, value, ends, count, closed, tolerance, max_steps, threads))]
+#[pyo3(signature = (bodies, *, method, kinds, pointing, functions, normal, momentum, square, states, value, ends, count, closed, tolerance, max_steps, threads))]
 #[allow(clippy::too_many_arguments)] // The request of `trajectory`, array by array.
 pub fn section<'py>(
     py: Python<'py>,
@@ -30,6 +30,7 @@ pub fn section<'py>(
     method: &str,
     kinds: Vec<(bool, i8, bool)>,
     pointing: Aligned2<'py, f64>,
+    functions: Vec<(usize, bool)>,
     normal: Aligned2<'py, f64>,
     momentum: Aligned2<'py, f64>,
     square: Aligned1<'py, f64>,
@@ -70,16 +71,22 @@ pub fn section<'py>(
         value: values[index],
     };
     let surfaces = &memory::collected("surfaces", many, (0..many).map(surface))?;
-    let kind = |(&(of_rate, direction, counts), row): (&(bool, i8, bool), &[f64; 13])| {
+    let kind = |((&(of_rate, direction, counts), row), (address, is_of_eight))| {
+        let row: &[f64; 13] = row;
         let [first, second, third, fourth] =
             [0, 1, 2, 3].map(|k| [row[3 * k], row[3 * k + 1], row[3 * k + 2]]);
         let pairs = [[first, second], [third, fourth]];
         let pointing = (first != [0.0; 3]).then_some(Pointing { pairs, in_orbit: row[12] != 0.0 });
-        SurfaceKind { of_rate, direction, counts, pointing }
+        let code = Code { address, is_of_eight, is_long: true };
+        // SAFETY: what `rigid.crosses` asks of its caller.
+        let function = (address > 0).then(|| unsafe { TorqueCall::without_numbers(code) });
+        SurfaceKind { of_rate, direction, counts, pointing, function }
     };
     let pointings = rows::<13>("pointing", &pointing)?;
     same_length("pointing", kinds.len(), pointings.len())?;
-    let kinds = &memory::collected("surfaces", kinds.len(), kinds.iter().zip(pointings).map(kind))?;
+    same_length("functions", kinds.len(), functions.len())?;
+    let kinds = kinds.iter().zip(pointings).zip(functions).map(kind);
+    let kinds = &memory::collected("surfaces", pointings.len(), kinds)?;
     let bodies = given;
     let own = bodies.iter().zip(&ends).enumerate();
     let own =
@@ -102,7 +109,7 @@ pub fn section<'py>(
         stop.expect(n, 0..n);
         trajectory::section(&request, method, &section, threads, isa, stop)
     };
-    let calls = forces.of(0).function.is_some();
+    let calls = forces.of(0).function.is_some() || kinds.iter().any(|kind| kind.function.is_some());
     to_dict(py, &interruptible_calls(py, None, calls, run)??)
 }
 

@@ -11,7 +11,7 @@ import inspect
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -23,6 +23,9 @@ from .._core import BODIES_OF_A_FUNCTION, BODIES_OF_A_ROW
 DOUBLES = ctypes.POINTER(ctypes.c_double)
 
 _ARGUMENTS = "t, omega, attitude, data, torque"
+
+_OF_VALUE = "t, omega, attitude"
+"""Arguments of a function of the state."""
 
 _OF_STATES = "states, rates"
 """Further arguments of a function that has states."""
@@ -82,69 +85,118 @@ def of_python(function: Callable[..., object], width: int, states: int) -> Callb
         If numba is installed, but cannot compile the function.
     """
     wanted = f"{_ARGUMENTS}, {_OF_STATES}" if states else _ARGUMENTS
+    rule = f"must take ({wanted}), or be the address of a compiled function; {_PLACE} may come last"
+    _, asks_place = _known("address", function, (wanted,), rule)
+    return _made(function, Taken(width, states, asks_place, False))
+
+
+def of_state(function: Callable[..., object], states: int) -> tuple[Taken, Callback]:
+    """The callback of a function ``f(t, omega, attitude)`` of a body with so many states.
+
+    Warns
+    -----
+    UserWarning
+        As :func:`of_python`.
+    """
+    takes_states, asks_place = taken_by(function)
+    taken = Taken(0, states if takes_states else 0, asks_place, True)
+    return taken, _made(function, taken)
+
+
+def taken_by(function: Callable[..., object]) -> tuple[bool, bool]:
+    """Whether a function of the state takes states, and the place on the orbit.
+
+    Raises
+    ------
+    TypeError
+        If it takes other arguments.
+    """
+    known = _OF_VALUE, f"{_OF_VALUE}, states"
+    rule = f"must take ({_OF_VALUE}), or also states; {_PLACE} may come last"
+    place, asks_place = _known("name", function, known, rule)
+    return place == 1, asks_place
+
+
+def _known(
+    name: str, function: Callable[..., object], known: tuple[str, ...], rule: str
+) -> tuple[int, bool]:
+    """Which of these arguments a function takes, and whether its place comes last."""
     try:
         signature = inspect.signature(getattr(function, "py_func", function))
-        asks_place = list(signature.parameters)[-1:] == [_PLACE]
-        signature.bind(*(f"{wanted}, {_PLACE}" if asks_place else wanted).split(", "))
     except (TypeError, ValueError):
-        raise TypeError(
-            f"address = {brief(function)}: must take ({wanted}), or be the address of a compiled "
-            f"function; {_PLACE} may come last"
-        ) from None
-    return _made(function, width, states, asks_place)
+        signature = inspect.Signature()
+    asks_place = list(signature.parameters)[-1:] == [_PLACE]
+    for index, taken in enumerate(known):
+        try:
+            signature.bind(*(f"{taken}, {_PLACE}" if asks_place else taken).split(", "))
+        except TypeError:
+            continue
+        return index, asks_place
+    raise TypeError(f"{name} = {brief(function)}: {rule}")
+
+
+class Taken(NamedTuple):
+    """What a function takes: numbers, states, the place; and whether it returns a number.
+
+    The number is written as the first of a torque.
+    """
+
+    width: int
+    states: int
+    asks_place: bool
+    is_value: bool
+
+    @property
+    def is_long(self) -> bool:
+        """Whether the core tells states and place."""
+        return self.states > 0 or self.asks_place or self.is_value
+
+    @property
+    def others(self) -> tuple[int, int]:
+        """From where to where it takes states, their rates and the place."""
+        return 0 if self.states else 2, 3 if self.asks_place else 2
 
 
 @lru_cache(maxsize=64)
-def _made(function: Callable[..., object], width: int, states: int, asks_place: bool) -> Callback:
+def _made(function: Callable[..., object], taken: Taken) -> Callback:
     """The callback of a function, made once: to compile takes a second."""
     try:
         import numba
     except ImportError:
         why = install_extra("to compile it needs numba", "numba")
-        return _called(function, width, states, asks_place, why)
+        return _called(function, taken, why)
     config: Any = numba.config
     if config.DISABLE_JIT:
         why = "numba does not compile: NUMBA_DISABLE_JIT is set"
-        return _called(function, width, states, asks_place, why)
+        return _called(function, taken, why)
     try:
-        made = _compiled(numba, function, width, states, asks_place)
+        made = _compiled(numba, function, taken)
     except Exception as error:  # numba raises its own, and what its parts raise
         reason = next(iter(str(error).strip().splitlines()), type(error).__name__)
         why = f"numba cannot compile it: {reason}"
-        warn_caller(f"torque = {brief(function)}: Python calls it, because {why}")
-        return _called(function, width, states, asks_place, why)
-    is_long = states > 0 or asks_place
-    return Callback(made.address, True, made, is_long=is_long, asks_place=asks_place)
+        what = "event" if taken.is_value else "torque"
+        warn_caller(f"{what} = {brief(function)}: Python calls it, because {why}")
+        return _called(function, taken, why)
+    return Callback(made.address, True, made, is_long=taken.is_long, asks_place=taken.asks_place)
 
 
-def _told(one: Callable[..., object], states: int, asks_place: bool) -> Callable[..., object]:
+def _told(one: Callable[..., Any], taken: Taken) -> Callable[..., object]:
     """A function of all arguments that calls one of those that it takes."""
+    first, last = taken.others
 
-    def all_of_them(
-        t: Any, omega: Any, attitude: Any, data: Any, torque: Any, own: Any, rates: Any, place: Any
-    ) -> None:
-        one(t, omega, attitude, data, torque, own, rates, place)
+    def every(t: Any, omega: Any, attitude: Any, data: Any, torque: Any, *others: Any) -> None:
+        one(t, omega, attitude, data, torque, *others[first:last])
 
-    def with_states(
-        t: Any, omega: Any, attitude: Any, data: Any, torque: Any, own: Any, rates: Any, place: Any
-    ) -> None:
-        one(t, omega, attitude, data, torque, own, rates)
+    def value(t: Any, omega: Any, attitude: Any, data: Any, torque: Any, *others: Any) -> None:
+        torque[0] = one(t, omega, attitude, *others[first:last:2])
 
-    def with_place(
-        t: Any, omega: Any, attitude: Any, data: Any, torque: Any, own: Any, rates: Any, place: Any
-    ) -> None:
-        one(t, omega, attitude, data, torque, place)
-
-    if not asks_place:
-        return with_states
-    return all_of_them if states else with_place
+    return value if taken.is_value else every
 
 
-def _compiled(
-    numba: Any, function: Callable[..., object], width: int, states: int, asks_place: bool
-) -> Any:
+def _compiled(numba: Any, function: Callable[..., object], taken: Taken) -> Any:
     """A loop over eight bodies whose numbers stand side by side, row by row."""
     one = function if hasattr(function, "py_func") else numba.njit(error_model="numpy")(function)
+    width, states = taken.width, taken.states
     carray, eight, row = numba.carray, BODIES_OF_A_FUNCTION, BODIES_OF_A_ROW
 
     def each(t: Any, omega: Any, attitude: Any, data: Any, torque: Any) -> None:
@@ -155,9 +207,9 @@ def _compiled(
             one(times[i], rates[:, i], attitudes[:, i], numbers[:, i], torques[:, i])
 
     doubles = numba.types.CPointer(numba.float64)
-    if not states and not asks_place:
+    if not taken.is_long:
         return numba.cfunc(numba.void(*[doubles] * 5), error_model="numpy")(each)
-    every = numba.njit(error_model="numpy")(_told(one, states, asks_place))
+    every = numba.njit(error_model="numpy")(_told(one, taken))
 
     def each_long(
         t: Any, omega: Any, attitude: Any, data: Any, torque: Any, own: Any, rate: Any, place: Any
@@ -181,15 +233,9 @@ def _compiled(
     return numba.cfunc(numba.void(*[doubles] * 8), error_model="numpy")(each_long)
 
 
-def _called(
-    function: Callable[..., object],
-    width: int,
-    states: int,
-    asks_place: bool,
-    why: str,
-) -> Callback:
+def _called(function: Callable[..., object], taken: Taken, why: str) -> Callback:
     """The function as it is, told new arrays."""
-    is_long = states > 0 or asks_place
+    width, states = taken.width, taken.states
 
     def copied(numbers: Any, length: int) -> Any:
         # A pointer without numbers is null.
@@ -200,7 +246,7 @@ def _called(
         function(t, copied(omega, 3), copied(attitude, 4), copied(data, width), returned)
         torque[0], torque[1], torque[2] = returned
 
-    every = _told(function, states, asks_place)
+    every = _told(function, taken)
 
     def one_long(
         t: float, omega: Any, attitude: Any, data: Any, torque: Any, own: Any, rate: Any, place: Any
@@ -212,8 +258,8 @@ def _called(
         for k in range(states):
             rate[k] = rates[k]
 
-    pointers = [DOUBLES] * (7 if is_long else 4)
-    kept = ctypes.CFUNCTYPE(None, ctypes.c_double, *pointers)(one_long if is_long else one)
+    pointers = [DOUBLES] * (7 if taken.is_long else 4)
+    kept = ctypes.CFUNCTYPE(None, ctypes.c_double, *pointers)(one_long if taken.is_long else one)
     address = ctypes.cast(kept, ctypes.c_void_p).value
     assert address is not None
-    return Callback(address, False, kept, why, is_long, asks_place)
+    return Callback(address, False, kept, why, taken.is_long, taken.asks_place)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from math import cos, pi, sin, sqrt
 from typing import Any
 
@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 from .._checks.arguments import brief, finite_float, one_of, vector
 from .._checks.quantities import without_unit
 from .._core import MOST_STATES
+from .compiling import taken_by
 from .frame import turned
 from .leading import Floats, three
 from .orbit_axes import (
@@ -93,12 +94,12 @@ class Event:
     Attributes
     ----------
     name : str
-        The quantity, or ``"plane"`` for one of vectors.
+        The quantity, ``"plane"`` for one of vectors, or the name of a function and ``()``.
     omega, gamma, momentum : tuple of float
         The quantity is ``omega·w + gamma·n + momentum·L`` for the rates ``w`` and the vertical
         ``n`` in the body and the angular momentum ``L`` in space; of a tilt it is minus its cosine.
         All are zero of ``"speed"``, whose square is looked at, of angles from a direction of space
-        or the orbit, of which sine or cosine is, and of a state.
+        or the orbit, of which sine or cosine is, of a state, and of a function.
     value : float
         The value that the quantity crosses; zero if it turns.
     direction : int
@@ -111,6 +112,8 @@ class Event:
         The direction of ``"pointing"``: a name, or a unit vector in space.
     axes : (int, int) or None
         The body axes of roll, pitch and yaw at rest; None for the default of the body.
+    function : callable or None
+        The function of the state whose value is crossed. No file has it.
     """
 
     name: str
@@ -123,6 +126,7 @@ class Event:
     axis: int | None = None
     of: str | tuple[float, float, float] | None = None
     axes: Axes | None = None
+    function: Callable[..., float] | None = None
 
     @property
     def state(self) -> int:
@@ -209,13 +213,14 @@ class Event:
         return [*np.concatenate(pairs).tolist(), float(in_orbit)]
 
     def to_dict(self) -> dict[str, Any]:
-        """All attributes as plain Python values.
+        """All attributes but a function as plain Python values.
 
         Returns
         -------
         dict
         """
-        return {name: list(v) if isinstance(v, tuple) else v for name, v in asdict(self).items()}
+        values = {name: getattr(self, name) for name in self.__slots__ if name != "function"}
+        return {name: list(v) if isinstance(v, tuple) else v for name, v in values.items()}
 
     @classmethod
     def from_dict(cls, entries: dict[str, Any]) -> Event:
@@ -244,7 +249,7 @@ class Event:
 
 
 def crosses(
-    name: str | None = None,
+    name: str | Callable[..., float] | None = None,
     value: float = 0.0,
     direction: int = 0,
     *,
@@ -259,14 +264,14 @@ def crosses(
 
     Parameters
     ----------
-    name : str, optional
+    name : str or callable, optional
         A rate ``"omega1"`` to ``"omega3"`` (rad/s); a component of the upward vertical in the body,
         ``"gamma1"`` to ``"gamma3"``; the angle of a body axis from the vertical, ``"tilt1"`` to
         ``"tilt3"`` (rad); a component of the angular momentum in space, ``"L1"`` to ``"L3"``
         (kg m²/s); ``"speed"``, the length of the rates (rad/s); ``"pointing"``, the angle of a
         body axis from a direction (rad); ``"roll"``, ``"pitch"`` or ``"yaw"`` of a body on an
         orbit (rad), as :func:`rigid.free.roll_pitch_yaw` has them; ``"state1"`` to ``"state8"``,
-        the states of :meth:`Torque.call`, in their units.
+        the states of :meth:`Torque.call`, in their units. Or a function of the state, see below.
     value : float
         The value of the quantity.
     direction : {0, 1, -1}
@@ -315,6 +320,17 @@ def crosses(
     ... )
     >>> run.events[0].t.round(3).tolist()
     [3.658]
+
+    When does the energy of a body that friction slows fall to a half?
+
+    >>> friction = rigid.FreeBody(rigid.Body((1.0, 1.5, 2.0)), damping=0.1)
+    >>> def energy(t, omega, attitude):
+    ...     return 0.5 * (omega[0]**2 + 1.5 * omega[1]**2 + 2.0 * omega[2]**2)
+    >>> run = rigid.simulate(
+    ...     friction, [0.0, 0.0, 1.0], t=[0.0, 10.0], events=[rigid.crosses(energy, 0.5)]
+    ... )
+    >>> run.events[0].t.round(3).tolist()
+    [6.931]
     """
     made = _quantity(name, omega, gamma, momentum, axis, of, axes)
     kind = made["name"].rstrip("123")
@@ -326,7 +342,7 @@ def crosses(
     elif kind in ANGLES:
         if abs(value) > pi:
             raise ValueError(f"value = {value}: never crossed; a {kind} lies between -pi and pi")
-    elif name not in STATES and not any(made["omega"]) and not any(made["momentum"]):
+    elif any(made["gamma"]) and not any(made["omega"]) and not any(made["momentum"]):
         check_reached(value, np.asarray(made["gamma"]), touching=False)
     return Event(**made, value=value, direction=checked_direction(direction), turns=False)
 
@@ -377,6 +393,11 @@ def turns(
     >>> run.events[0].tilt(3).round(3).tolist()
     [0.65, 0.5, 0.65]
     """
+    if callable(name):
+        raise ValueError(
+            f"name = {brief(name)}: a function has no known rate; let rigid.crosses find the zeros "
+            "of its rate"
+        )
     return Event(
         **_quantity(name, omega, gamma, momentum, axis, of, axes),
         value=0.0,
@@ -386,7 +407,7 @@ def turns(
 
 
 def _quantity(
-    name: str | None,
+    name: str | Callable[..., float] | None,
     omega: ArrayLike | None,
     gamma: ArrayLike | None,
     momentum: ArrayLike | None,
@@ -403,7 +424,9 @@ def _quantity(
     if all(value is None for value in given.values()):
         if name is None:
             raise ValueError("name: give the name of a quantity, or the vectors of one")
-        if one_of("name", name, QUANTITIES) in (*COMPONENTS, *TILTS, *MOMENTA):
+        if callable(name):
+            taken_by(name)
+        elif one_of("name", name, QUANTITIES) in (*COMPONENTS, *TILTS, *MOMENTA):
             kind, place = name[:-1], int(name[-1]) - 1
             key = {"omega": "omega", "L": "momentum"}.get(kind, "gamma")
             rows[key][place] = -1.0 if kind == "tilt" else 1.0
@@ -415,12 +438,16 @@ def _quantity(
     for key, (argument, known) in owners.items():
         if argument is not None and name not in known:
             raise ValueError(f"{key} = {brief(argument)}: belongs to {' or '.join(known)}")
+    function = name if callable(name) else None
+    if function is not None:
+        name = f"{getattr(function, '__name__', type(function).__name__)}()"
     return {
         "name": PLANE if name is None else name,
         **{key: three(row) for key, row in rows.items()},
         "axis": None if axis is None else body_axis(axis, signed=True),
         "of": _direction("radial" if of is None else of) if name == POINTING else None,
         "axes": None if axes is None else checked_axes(axes),
+        "function": function,
     }
 
 

@@ -191,6 +191,7 @@ def poincare(
         value=np.full((len(bodies), 1), surface.value),
         rotor=np.zeros((len(bodies), 3)),
         pointing=np.zeros((1, 13)),
+        functions=(None,),
         orbit=np.zeros((len(bodies), 9)),
         ends=np.full(len(bodies), end),
         count=most,

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from .._checks.arguments import brief
 from .._core import MOST_STATES
+from ..model.compiling import of_state, taken_by
 from ..model.events import Event
 from ..model.frame import turned
 from ..model.leading import Shape
@@ -20,7 +21,7 @@ from .bodies import Bodies
 from .columns import Column, Columns, HasColumns
 from .methods import EXACT, SERIES, adaptive_methods
 from .status import Status
-from .surfaces import Search, default_tolerance
+from .surfaces import Called, Search, default_tolerance
 
 
 class Points(HasColumns):
@@ -295,6 +296,7 @@ def find_events(
         value=_of_each([event.level for event in events], n),
         rotor=np.broadcast_to(np.ldexp(rotor, -exponents), (n, 3)),
         pointing=pointing,
+        functions=tuple(_called(event, scene, frame) for event in events),
         orbit=np.broadcast_to(in_rows(orbit, bodies.shape), (n, 9)),
         ends=np.broadcast_to(ends, (n,)).astype(np.float64),
         count=count,
@@ -318,6 +320,26 @@ def find_events(
         rows |= {"complete": complete, "lost_from": found["lost_from"]}
         records.append(Events(event=event, _columns=rows, _shape=bodies.shape))
     return FoundEvents(tuple(records), found["end"], found["stopped"])
+
+
+def _called(event: Event, scene: Scene, frame: Floats | None) -> Called | None:
+    """The function of an event for the bodies of a scene, if it has one."""
+    function = event.function
+    if function is None:
+        if event.name.endswith("()"):
+            raise ValueError(f"events: no file has the function {event.name}; give it again")
+        return None
+    if frame is not None:
+        raise ValueError(
+            "frame: the function of an event is told principal axes; turn its arguments in the "
+            "function, and leave the frame out"
+        )
+    takes_states, asks_place = taken_by(function)
+    if takes_states and not scene.states:
+        raise ValueError(f"states: {event.name} takes them; give Torque.call(..., states=k)")
+    if asks_place and scene.orbit is None:
+        raise ValueError(f"orbit_position: {event.name} takes it, but the scene has no orbit")
+    return Called(function, *of_state(function, scene.states))
 
 
 def events_of_parts(

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass, replace
-from typing import Any, Self
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
 from .._core import LEAST_STATE, MOST_STATES
+from ..model.compiling import Callback, Taken
 from ..model.orbit import Orbit
 from .arrays import Floats, lengths
 from .bodies import Bodies
@@ -48,12 +49,20 @@ def default_tolerance(forces: Collection[str]) -> float:
     return FUNCTION_TOLERANCE if "function" in forces else TOLERANCE
 
 
+class Called(NamedTuple):
+    """A function of the state in place of a surface, what it takes, and the same for the core."""
+
+    function: Callable[..., float]
+    taken: Taken
+    callback: Callback
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Search:
     """The points of some bodies on their surfaces.
 
     A surface is ``normal·(omega, gamma) + momentum·L + square |omega|² + states·s + cosine =
-    value``, with the cosine of a body axis from a direction.
+    value``, with the cosine of a body axis from a direction; or a function in place of all this.
 
     Attributes
     ----------
@@ -73,6 +82,8 @@ class Search:
         Momentum of a rotor in each body, in the unit of moments of the bodies.
     pointing : ndarray, shape (kinds, 13)
         Of :meth:`Event.pointing`.
+    functions : tuple of Called or None
+        Of each kind.
     orbit : ndarray, shape (n, 9)
         The numbers of the orbit of each body.
     ends : ndarray, shape (n,)
@@ -98,6 +109,7 @@ class Search:
     value: Floats
     rotor: Floats
     pointing: Floats
+    functions: tuple[Called | None, ...]
     orbit: Floats
     ends: Floats
     count: int | None
@@ -117,7 +129,7 @@ class Search:
         counts = found.pop("points").astype(np.intp)
         body = found["body"] = np.repeat(np.arange(len(self.bodies)), counts)
         found["error"], found["lost_from"] = (
-            self._errors(found, counts, body)
+            self._errors(found, counts, body, check=check)
             if check or self.closed
             else (np.full(len(body), np.nan), np.full(len(self.bodies), np.nan))
         )
@@ -158,6 +170,10 @@ class Search:
             method=self.method,
             kinds=list(self.kinds),
             pointing=np.ascontiguousarray(self.pointing),
+            functions=[
+                (0, False) if one is None else (one.callback.address, one.callback.of_eight)
+                for one in self.functions
+            ],
             normal=np.ascontiguousarray(self.normal.reshape(-1, 6)),
             momentum=np.ascontiguousarray(self.momentum.reshape(-1, 3)),
             square=np.ascontiguousarray(self.square.ravel()),
@@ -180,6 +196,11 @@ class Search:
         names = ("normal", "momentum", "square", "value", *of_bodies)
         own = {name: getattr(self, name)[some] for name in names}
         return replace(self, bodies=self.bodies.select(some), **own)
+
+    @property
+    def _are_called(self) -> NDArray[np.bool_]:
+        """Whether a function stands in place of the surface, of each kind."""
+        return np.array([one is not None for one in self.functions], dtype=bool)
 
     @property
     def _turns(self) -> NDArray[np.bool_]:
@@ -214,33 +235,43 @@ class Search:
             return np.where(self._turns, scale * rate, scale)
 
     def _errors(
-        self, found: dict[str, NDArray[Any]], counts: NDArray[np.intp], body: NDArray[np.intp]
+        self,
+        found: dict[str, NDArray[Any]],
+        counts: NDArray[np.intp],
+        body: NDArray[np.intp],
+        *,
+        check: bool,
     ) -> tuple[Floats, Floats]:
         """Errors of the times (p,), and when the points of each body are lost (n,).
 
-        Of a closed form they follow from its own error; else from a second run, by a method of
-        another order: three times what it makes of the surface, the largest until then.
+        Of a closed form they follow from its own error; else, and of functions, from a second run,
+        by a method of another order: three times what it makes of the surface, the largest until
+        then.
         """
         t, kind = found["t"], found["kind"]
         met = np.zeros(len(self.bodies))
         np.maximum.at(met, body, lengths(found["omega"]))
         scale = self._scales(met)[body, kind]
-        # Nothing tells the size of a state but its start and its rate.
-        grown = np.where(self.states[body, kind].any(axis=-1), np.abs(found["slope"]) * t, 0.0)
+        slope, called = np.abs(found["slope"]), self._are_called[kind]
+        # Nothing tells the size of a state but its start and its rate, of a function its rate.
+        grown = np.where(self.states[body, kind].any(axis=-1) | called, slope * t, 0.0)
         scale = np.maximum(scale, grown)
         if self.closed:
             omega = found["omega"][:, np.newaxis]
             bodies = self.bodies.select(body)
             error, _ = _core.errors_of_closed_forms(bodies, t[:, np.newaxis], omega)
             off = error * scale
-        else:
-            off = SAFETY * self._second_run(found, counts)
+        if called.any() or not self.closed:
+            second = SAFETY * self._second_run(found, counts) if check else np.full(len(t), np.nan)
+            off = np.where(called, second, off) if self.closed else second
         value = np.abs(self.value[body, kind])
         rounding = ROUNDINGS * np.finfo(float).eps * (scale + value)
         with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
-            late = (off + rounding) / np.abs(found["slope"]) + np.spacing(t)
+            late = (off + rounding) / slope + np.spacing(t)
         lost_from = np.full(len(self.bodies), np.inf)
-        lost = np.flatnonzero(~(off <= LOST * scale))
+        # A jump tells no scale of a function, and without a second run nothing tells its error.
+        known = ~called | (np.isfinite(slope) & check)
+        lost = np.flatnonzero(known & ~(off <= LOST * scale))
         np.minimum.at(lost_from, body[lost], t[lost])
         return late, lost_from
 
@@ -255,7 +286,8 @@ class Search:
         """The largest value on the surface in a second run until each point, (p,)."""
         off = np.full(len(found["t"]), np.nan)
         first = np.concatenate([[0], np.cumsum(counts)])
-        record = "attitude" if self.momentum.any() or self.pointing.any() else "axis"
+        needs = self.momentum.any() or self.pointing.any() or self._are_called.any()
+        record = "attitude" if needs else "axis"
         for some in _alike(counts):
             most = np.arange(counts[some].max())
             places = first[some, np.newaxis] + np.minimum(most, counts[some, np.newaxis] - 1)
@@ -273,9 +305,16 @@ class Search:
             known = {name: found[name][places] for name in names}
             with np.errstate(divide="ignore", invalid="ignore"):
                 known["pace"] = (found["steps"][some] / found["end"][some])[:, np.newaxis]
-            values = own._values(states, known)
+            # The value behind a jump is no error.
+            jumps = np.isnan(found["slope"][places])
+            size = np.where(jumps, 0.0, np.abs(own._values(states, known)))
             # Errors grow along a motion; where two runs agree by chance, those before still count.
-            off[places] = np.maximum.accumulate(np.abs(values), axis=1)
+            # The scales of functions differ.
+            alike = np.where(self._are_called[known["kind"]], known["kind"], -1)
+            for kind in np.unique(alike):
+                mine = alike == kind
+                grown = np.maximum.accumulate(np.where(mine, size, 0.0), axis=1)
+                off[places[mine]] = grown[mine]
         return off
 
     def _values(self, states: Mapping[str, Any], known: dict[str, NDArray[Any]]) -> Floats:
@@ -299,6 +338,10 @@ class Search:
         square = self.square[rows, kind]
         values: Floats = _dot(of_omega, omega) + _dot(of_gamma, gamma) + along
         values += square * _dot(omega, omega)
+        for index, one in enumerate(self.functions):
+            if one is not None:
+                mine = kind == index
+                values[mine] = self._of_function(one, mine, states, known["t"])
         values -= self.value[rows, kind]
         of_states = self.states[rows, kind][..., : known["states"].shape[-1]]
         if of_states.any():
@@ -329,6 +372,19 @@ class Search:
             off = MARKOV * known["pace"] * np.maximum(off, self.tolerance * size)
             rate = np.where(of_states.any(axis=-1), off, rate)
         return np.where(turning, rate, values)
+
+    def _of_function(
+        self, one: Called, mine: NDArray[np.bool_], states: Mapping[str, Any], t: Floats
+    ) -> list[float]:
+        """The values of a function at some states of bodies at times, (n, m)."""
+        first, last = one.taken.others
+        attitude = states["attitude"][mine]
+        attitude = np.where(attitude[:, :1] < 0.0, -attitude, attitude)
+        places = Orbit.of_numbers(self.orbit).position(t) if one.taken.asks_place else t
+        own = states["states"] if one.taken.states else t
+        others = [part[mine] for part in (own, t, places)[first:last:2]]
+        told = zip(t[mine], states["omega"][mine], attitude, *others, strict=True)
+        return [float(one.function(*each)) for each in told]
 
 
 def _dot(a: Floats, b: Floats) -> Floats:

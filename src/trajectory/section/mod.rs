@@ -6,6 +6,7 @@
 //! coefficients shows that there is none. A body with a closed form may begin each step at its state in closed form:
 //! the errors of steps then do not add up.
 
+mod called;
 mod watch;
 mod zeros;
 
@@ -14,7 +15,7 @@ use super::states::{invariant_errors, worse};
 use super::{Request, check_forced, invariants_at_start, kinds_in};
 use crate::error::Error;
 use crate::exact::{CanonicalForm, Evaluator, EvaluatorKind, Question, StartRows, StateRows};
-use crate::forces::{ForceSet, MOST_STATES};
+use crate::forces::{Bounded, ForceSet, MOST_STATES, TorqueCall};
 use crate::kernel::{Entry, Job, Kernel, KernelAssignment, Needs, State, System, drive, load, read, unload};
 use crate::memory;
 use crate::method::{Method, Step};
@@ -24,6 +25,7 @@ use crate::scene::TOP;
 use crate::simd::{Isa, LANES};
 use crate::start::Body;
 use crate::status::{DRIFT_LIMIT, Status};
+use called::{Called, Told};
 use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
 use watch::Watch;
@@ -92,6 +94,8 @@ pub struct SurfaceKind {
     pub counts: bool,
     /// Where a body axis points, if that matters.
     pub pointing: Option<Pointing>,
+    /// A function of the user in place of the left side, which writes its value as the first number of a torque.
+    pub function: Option<TorqueCall<'static>>,
 }
 
 /// The section that is wanted.
@@ -280,8 +284,10 @@ struct SectionJob<'a> {
     queue: Vec<usize>,
     lanes: AdaptiveLanes<'a>,
     closed: Option<ClosedForms>,
-    /// One for each kind of surface.
-    watches: Vec<Watch>,
+    /// The surfaces of each kind, with its index.
+    watches: Vec<(usize, Watch)>,
+    /// The functions of the others.
+    called: Vec<(usize, Called)>,
     /// The zeros of the last step of a lane.
     found: Vec<Found>,
     crossings: &'a mut [Crossings],
@@ -316,10 +322,14 @@ impl<'a> SectionJob<'a> {
         let queue = members.iter().rev().copied();
         let system = kernel.system;
         let mut watches = memory::reserved("surfaces", section.kinds.len())?;
+        let mut called = memory::reserved("surfaces", section.kinds.len())?;
         for (index, &kind) in section.kinds.iter().enumerate() {
             let own =
                 |&member: &usize| &section.surfaces[(block.start + member) * section.kinds.len() + index];
-            watches.push(Watch::new(kind, members.iter().map(own), system, order));
+            match kind.function {
+                Some(function) => called.push((index, Called::new(function, kind.direction))),
+                None => watches.push((index, Watch::new(kind, members.iter().map(own), system, order))),
+            }
         }
         let closed = way.form.map(|form| ClosedForms {
             evaluator: Evaluator::new(form.kind(), isa),
@@ -336,6 +346,7 @@ impl<'a> SectionJob<'a> {
             lanes: AdaptiveLanes::new(request, kernel, isa, tolerance)?,
             closed,
             watches,
+            called,
             found: Vec::new(),
             crossings,
             points,
@@ -386,14 +397,18 @@ impl<'a> SectionJob<'a> {
         let error = if self.closed.is_some() { CLOSED_ERROR * task.rate * now } else { 0.0 };
         let step = self.lanes.group.step.0[lane];
         self.found.clear();
-        for (kind, watch) in self.watches.iter_mut().enumerate() {
+        for (kind, watch) in &mut self.watches {
             let found = &mut self.found;
             let stays = watch.zeros(lane, error, &mut |zero, slope| {
-                found.push(Found { zero, slope: slope / step, kind });
+                found.push(Found { zero, slope: slope / step, kind: *kind });
             });
-            own.stays |= u32::from(stays) << kind;
+            own.stays |= u32::from(stays) << *kind;
         }
-        if self.watches.len() > 1 {
+        if !self.zeros_of_functions(lane, task, error, own) {
+            own.status = Status::NotFinite;
+            return Ok(self.leave(lane));
+        }
+        if self.section.kinds.len() > 1 {
             self.found.sort_unstable_by(|a, b| a.zero.at.total_cmp(&b.zero.at).then(a.kind.cmp(&b.kind)));
         }
         for index in 0..self.found.len() {
@@ -427,7 +442,7 @@ impl<'a> SectionJob<'a> {
         }
         if self.lanes.pass_knot(lane, self.block.start + task.body, false) {
             // The torque may jump there, and the slope with it.
-            self.watches.iter_mut().for_each(|watch| watch.bend(lane));
+            self.watches.iter_mut().for_each(|(_, watch)| watch.bend(lane));
         }
         self.lanes.aim(lane, end, false);
         Ok(true)
@@ -441,24 +456,54 @@ impl<'a> SectionJob<'a> {
         Found { zero, slope, kind }: Found,
         own: &mut Crossings,
     ) -> Result<Point, Error> {
-        let adaptive = &self.lanes.steps;
-        let units = self.lanes.group.step.0[lane] / adaptive.unit.0[lane] * zero.at;
-        let time = adaptive.begin[0].0[lane] + (adaptive.begin[1].0[lane] + units * adaptive.unit.0[lane]);
-        let y = self.lanes.kernel.dense_output(adaptive, lane, units);
-        let state = read(&self.lanes.group, lane, self.lanes.kernel, self.ways[task.body].assignment, y);
+        let (time, state, attitude) = self.inside(lane, task, zero.at);
         self.note_drift(lane, &state, own);
-        let attitude = state.attitude.expect("the system has an attitude");
         Ok(Point {
             kind: kind as u32,
             time,
             omega: state.omega,
             gamma: state.direction.expect("the system has the vertical"),
-            attitude: if attitude[0] < 0.0 { attitude.map(|x| -x) } else { attitude },
+            attitude,
             states: state.states.unwrap_or([0.0; MOST_STATES]),
             slope,
             direction: zero.direction,
             grazes: zero.grazes,
         })
+    }
+
+    /// Time, state, and attitude with a scalar that is not negative, at a share of the last step of a lane.
+    fn inside(&self, lane: usize, task: Task, share: f64) -> (f64, State, [f64; 4]) {
+        let adaptive = &self.lanes.steps;
+        let units = self.lanes.group.step.0[lane] / adaptive.unit.0[lane] * share;
+        let time = adaptive.begin[0].0[lane] + (adaptive.begin[1].0[lane] + units * adaptive.unit.0[lane]);
+        let y = self.lanes.kernel.dense_output(adaptive, lane, units);
+        let state = read(&self.lanes.group, lane, self.lanes.kernel, self.ways[task.body].assignment, y);
+        let attitude = state.attitude.expect("the system has an attitude");
+        (time, state, if attitude[0] < 0.0 { attitude.map(|x| -x) } else { attitude })
+    }
+
+    /// Finds the zeros of the functions in the last step of a lane; returns whether all functions return numbers.
+    fn zeros_of_functions(&mut self, lane: usize, task: Task, error: f64, own: &mut Crossings) -> bool {
+        let (mut called, mut zeros) = (std::mem::take(&mut self.called), std::mem::take(&mut self.found));
+        let step = self.lanes.group.step.0[lane];
+        let orbit = self.request.forces_of(self.block.start + task.body).further.orbit;
+        let told = |share: f64| {
+            let (time, State { omega, states, .. }, attitude) = self.inside(lane, task, share);
+            let mut variables = [0.0; 2];
+            orbit.start(time, &mut variables);
+            let (states, place) = (states.unwrap_or([0.0; MOST_STATES]), orbit.place(variables));
+            Told { time, omega, attitude, states, place }
+        };
+        let mut are_finite = true;
+        for (kind, function) in &mut called {
+            let stays = function.zeros(lane, error, &told, &mut |zero, slope| {
+                zeros.push(Found { zero, slope: slope / step, kind: *kind });
+            });
+            are_finite &= stays.is_some();
+            own.stays |= u32::from(stays == Some(true)) << *kind;
+        }
+        (self.called, self.found) = (called, zeros);
+        are_finite
     }
 
     /// The errors of the invariants at the end of a motion.
@@ -501,9 +546,12 @@ impl Job for SectionJob<'_> {
         if let (Some(closed), Some(form)) = (&mut self.closed, way.form) {
             closed.starts.set(lane, &form.to_canonical(body));
         }
-        let kinds = self.watches.len();
-        for (kind, watch) in self.watches.iter_mut().enumerate() {
-            watch.enter(lane, &self.section.surfaces[index * kinds + kind], body, forces, rate);
+        let surfaces = &self.section.surfaces[index * self.section.kinds.len()..];
+        for (kind, watch) in &mut self.watches {
+            watch.enter(lane, &surfaces[*kind], body, forces, rate);
+        }
+        for (kind, function) in &mut self.called {
+            function.enter(lane, &surfaces[*kind]);
         }
         Ok(Some(Task { body: member, rate }))
     }
@@ -520,7 +568,7 @@ impl Job for SectionJob<'_> {
         }
         self.rounds += 1;
         self.lanes.advance(1);
-        for watch in &mut self.watches {
+        for (_, watch) in &mut self.watches {
             watch.expand(&self.lanes.group, &self.lanes.steps);
         }
         Ok(())

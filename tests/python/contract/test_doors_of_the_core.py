@@ -71,6 +71,7 @@ def test_there_may_be_more_threads_than_numbers() -> None:
         square=np.zeros(n),
         states=np.zeros((n, _core.MOST_STATES)),
         pointing=np.zeros((1, 13)),
+        functions=[(0, False)],
         value=np.zeros(n),
         ends=np.ones(n),
         count=1,
