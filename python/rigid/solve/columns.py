@@ -218,7 +218,8 @@ class Result(HasColumns):
 
         Numbers have the digits that give their bits back. Components of vectors are columns such as
         ``omega1`` to ``omega3``, of quaternions ``w``, ``x``, ``y``, ``z``. Bodies of several
-        leading axes have an index for each: ``body``, ``body1`` and so on.
+        leading axes have an index for each: ``body``, ``body1`` and so on. A body whose record an
+        event has ended has no rows after its end.
 
         Parameters
         ----------

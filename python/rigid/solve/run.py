@@ -657,6 +657,14 @@ an accuracy
     def _labels(self) -> Mapping[str, Any]:
         return {"parameter": np.array(self.parameters, dtype=object)}
 
+    def _table(self) -> dict[str, NDArray[Any]]:
+        table = Result._table(self)
+        if self.end is None:
+            return table
+        # A row is an observation: after the end of its record a body has none.
+        gone = np.isnan(self.omega[..., 0]) & (self.t > self.end[..., np.newaxis])
+        return {name: np.broadcast_to(rows, gone.shape)[~gone] for name, rows in table.items()}
+
     def _dataset(self, spec: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
         # super() does not know a class with slots.
         variables, coordinates = Result._dataset(self, spec)

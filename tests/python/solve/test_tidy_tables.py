@@ -47,6 +47,22 @@ def test_bodies_of_two_axes_have_two_indices(tmp_path: Path) -> None:
     np.testing.assert_array_equal(found["body1"], np.tile(np.repeat([0, 1, 2], 2), 2))
 
 
+def test_a_body_that_an_event_ended_has_no_rows_after_its_end(tmp_path: Path) -> None:
+    """Rates that damping halves every second: each falls to 1 after the logarithm of its start."""
+    start = np.array([0.5, 3.0, 6.0, 20.0])
+    body = rigid.FreeBody(rigid.Body((1.0, 1.0, 1.0)), damping=np.log(2.0))
+    omega, t = start[:, np.newaxis] * [0.0, 0.0, 1.0], np.arange(0.0, 4.0)
+    run = rigid.simulate(body, omega, t=t, until=rigid.crosses("speed", 1.0))
+    found = table(run.to_csv(tmp_path / "run.csv"))
+    last = np.where(start > 1.0, np.log2(start), np.inf)
+    there = [(i, time) for i in range(4) for time in t if time <= last[i]]
+    np.testing.assert_array_equal(np.stack([found["body"], found["t"]], axis=1), there)
+    exact = [start[i] * 0.5**time for i, time in there]
+    np.testing.assert_allclose(found["omega3"], exact, rtol=1e-12)
+    alone = rigid.simulate(body, omega[1], t=t, until=rigid.crosses("speed", 1.0))
+    assert table(alone.to_csv(tmp_path / "one.csv"))["t"].tolist() == [0.0, 1.0]
+
+
 def test_more_rows_than_are_written_at_once(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
