@@ -241,25 +241,19 @@ def _called(function: Callable[..., object], taken: Taken, why: str) -> Callback
         # A pointer without numbers is null.
         return np.array(numbers[:length]) if length else np.empty(0)
 
-    def one(t: float, omega: Any, attitude: Any, data: Any, torque: Any) -> None:
-        returned = np.full(3, np.nan)
-        function(t, copied(omega, 3), copied(attitude, 4), copied(data, width), returned)
-        torque[0], torque[1], torque[2] = returned
-
     every = _told(function, taken)
 
-    def one_long(
-        t: float, omega: Any, attitude: Any, data: Any, torque: Any, own: Any, rate: Any, place: Any
-    ) -> None:
+    def one(t: float, omega: Any, attitude: Any, data: Any, torque: Any, *others: Any) -> None:
         returned, rates = np.full(3, np.nan), np.full(states, np.nan)
         known = copied(omega, 3), copied(attitude, 4), copied(data, width)
-        every(t, *known, returned, copied(own, states), rates, copied(place, 3))
+        own = [copied(others[0], states), rates, copied(others[2], 3)] if others else []
+        every(t, *known, returned, *own)
         torque[0], torque[1], torque[2] = returned
         for k in range(states):
-            rate[k] = rates[k]
+            others[1][k] = rates[k]
 
     pointers = [DOUBLES] * (7 if taken.is_long else 4)
-    kept = ctypes.CFUNCTYPE(None, ctypes.c_double, *pointers)(one_long if taken.is_long else one)
+    kept = ctypes.CFUNCTYPE(None, ctypes.c_double, *pointers)(one)
     address = ctypes.cast(kept, ctypes.c_void_p).value
     assert address is not None
     return Callback(address, False, kept, why, taken.is_long, taken.asks_place)
