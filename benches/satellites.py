@@ -27,6 +27,8 @@ sys.path.insert(0, str(Path(__file__).parent / "peers"))
 from numba_side import BLOCK, DOP853, numba, written
 from tops import Form
 
+Ways = dict[str, tuple[Callable[[], Any], str]]
+
 CELLS, ORBITS, REPEATS = sized((16, 10.0, 9), (4, 1.0, 1))
 T, NEAR, ALLOWED = 2.0 * np.pi * ORBITS, sized(1.02, 2.0), 1e-6
 RATIOS = np.linspace(1.05, 1.5, CELLS)
@@ -149,11 +151,13 @@ def mapped(check: float) -> rigid.StabilityMap:
     )  # fmt: skip
 
 
-def compared(bodies: Bodies, maps: dict[str, tuple[Callable[[], Any], str]]) -> None:
-    """Print the rows of some bodies."""
+def compared(bodies: Bodies, maps: Callable[[int], Ways]) -> None:
+    """Print the rows of some bodies, and of maps that are told how many steps ``rigid`` needs."""
     own = bodies.fewest(partial(bodies.simulated, "dop853"))
-    ways: dict[str, tuple[Callable[[], Any], str]]
-    ways = {"rigid dop853": (partial(bodies.simulated, "dop853", own), f"{own} steps"), **maps}
+    ways: Ways = {
+        "rigid dop853": (partial(bodies.simulated, "dop853", own), f"{own} steps"),
+        **maps(own),
+    }
     if numba is not None:
         side = Numba(bodies)
         steps = bodies.fewest(side.run)
@@ -186,14 +190,14 @@ def main() -> None:
     )
     compared(
         bodies,
-        {
+        lambda _: {
             "rigid map": (partial(mapped, 0.0), "unverified"),
             "rigid map, checked": (partial(mapped, 1.0), "verified"),
         },
     )
     for e, orbits, share in ONE:
         print(f"eccentricity {e}, {orbits:g} orbits, {share:.0%} of the bodies")
-        compared(Bodies(np.full(CELLS, e), 2.0 * np.pi * orbits, share), {})
+        compared(Bodies(np.full(CELLS, e), 2.0 * np.pi * orbits, share), lambda _: {})
 
 
 if __name__ == "__main__":
