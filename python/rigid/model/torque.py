@@ -202,8 +202,10 @@ class Torque:
         pulse that is longer than 0.42 % of the run. Shorter ones need output times, or a ``step``.
 
         ``"dop853"`` is the default, alone takes a ``tolerance``, and finds events and sections.
-        ``"rk4"`` and ``"midpoint"`` take equal steps, ``"midpoint"`` without states. The bits
-        depend on the function.
+        ``"rk4"`` and ``"midpoint"`` take equal steps, ``"midpoint"`` without states. At a jump two
+        runs in equal steps may err alike by chance, so that the stated error is too small: leave
+        the method out, or give a step that puts the jumps at its ends. The bits depend on the
+        function.
 
         Parameters
         ----------
