@@ -24,6 +24,7 @@ SCRIPTS = (
     "fuzz",
     "growth",
     "killed_writers",
+    "own_states",
     "principal_axes",
     "pulses",
     "refined_maps",
