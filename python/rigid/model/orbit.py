@@ -267,8 +267,9 @@ class Orbit(ByValue):
         ------
         ValueError
             If there are fewer than 9 times, or two are equal; if a number is not finite or ``gm``
-            not positive; if a position is zero, or there is not one for each time; if the direction
-            from the planet turns by more than 45° between neighbours.
+            not positive; if a position is zero, or there is not one for each time; if neighbouring
+            intervals of time differ by more than a factor of two, or the direction from the planet
+            turns by more than 45° within one.
 
         Examples
         --------
@@ -539,6 +540,13 @@ class OrbitTable(Sampled, Orbit):
         if at_planet.any():
             raise ValueError(f"positions{[int(np.argmax(at_planet))]} = 0: must not be the planet")
         set_field(self, "positions", frozen(place))
+        gaps = np.diff(self.t)
+        uneven = np.maximum(gaps[1:] / gaps[:-1], gaps[:-1] / gaps[1:]) > _UNEVEN
+        if uneven.any():
+            raise ValueError(
+                f"t = {self.t[int(np.argmax(uneven)) + 1]:g}: the intervals before and after it "
+                "must not differ by more than a factor of two: the spline would hide its error"
+            )
         self._spline(self.t[0])  # ValueError for too few positions
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -614,6 +622,13 @@ class OrbitTable(Sampled, Orbit):
         """The trajectory in a few words."""
         return f"orbit by a table of {len(self.t)} times"
 
+
+_UNEVEN = 2.0 + 1e-9
+"""Largest quotient of neighbouring intervals of a table, but for rounding.
+
+Without a sample the interval is then at least 1.5 times as long, and a cubic spline errs 1.5⁴ = 5
+times as much: a third of the difference is still above the error.
+"""
 
 _USUAL: Mapping[str, Any] = {
     "rate": None,

@@ -75,6 +75,26 @@ def test_the_stated_error_falls_with_the_fourth_power_of_the_spacing() -> None:
     assert coarse / fine > 200.0
 
 
+def test_random_tables_err_as_stated() -> None:
+    """Of flybys and circles, with intervals that differ by up to a factor of two."""
+    rng = np.random.default_rng(7)
+    for e in [0.0, 0.3, 1.3, 2.0, 4.25, 10.0] * 4:
+        time = (e - 1.0) ** 1.5 / np.sqrt(e + 1.0) if e > 1.0 else 1.0
+        span = time * rng.uniform(4.0, 12.0)
+        orbit = rigid.Orbit(1.0, e, -0.5 * span)
+        t = np.cumsum(np.append(0.0, 2.0 ** rng.uniform(-0.5, 0.5, 150)))
+        t *= span / t[-1]
+        ends = [0.4 * span, float(t[-1])]
+        omega, attitude = rng.normal(size=3) / time, rng.normal(size=4)
+        table = rigid.Orbit.table(t, orbit.position(t), gm=1.0)
+        found, exact = (
+            rigid.simulate(on(one), omega, attitude, t=ends, accuracy=accuracy)
+            for one, accuracy in ((table, None), (orbit, 1e-11))
+        )
+        off = np.abs(found.omega - exact.omega).max() / np.linalg.norm(exact.omega, axis=1).max()
+        assert off <= found.error + exact.error
+
+
 def moon(t: float) -> Floats:
     """A body of an eightieth of the planet's mass, on a circle of radius 1 about it."""
     return np.array([np.cos(t + 2.0), np.sin(t + 2.0), 0.0])
@@ -305,6 +325,7 @@ test_what_a_table_cannot = refuses(
             "orbit: expected shape .9 or more, 3., got .8, 3.",
         ),
         (lambda: made(np.arange(9.0)), "turns by more than 45 degrees"),
+        (lambda: made(np.arange(9.0) ** 2), "t = 1: the intervals before and after it"),
         (lambda: made([0, 1, 2, 3, 4, 4, 6, 7, 8]), "t of 9 times: .* no two of them equal"),
         (lambda: made(np.arange(9.0), CIRCLE[:8]), r"positions: expected shape \(9, 3\)"),
         (lambda: made(np.arange(9.0), 0.0 * CIRCLE), r"positions\[0\] = 0: must not be the planet"),
