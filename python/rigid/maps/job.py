@@ -219,7 +219,7 @@ def spans(spec: MapSpec, samples: range) -> list[range]:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Some:
+class SomeBodies:
     """Some bodies of a map, which one request to the core has.
 
     Attributes
@@ -260,7 +260,7 @@ class Some:
         return spec.bodies(spec.start.starts[0], self.pixels, self.samples)
 
 
-def requests(spec: MapSpec, flat: Ints) -> Iterator[Some]:
+def requests(spec: MapSpec, flat: Ints) -> Iterator[SomeBodies]:
     """The requests for bodies by their numbers among all of a map."""
     pixel, sample = np.divmod(flat, spec.samples)
     every = spans(spec, range(spec.samples))
@@ -269,4 +269,4 @@ def requests(spec: MapSpec, flat: Ints) -> Iterator[Some]:
         for number in np.unique(of_span[mine]):
             some = of_span[mine] == number
             places = mine[some]
-            yield Some(part, places, own[some], sample[places], every[number])
+            yield SomeBodies(part, places, own[some], sample[places], every[number])

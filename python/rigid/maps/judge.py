@@ -95,17 +95,17 @@ class BlockedJob:
         statistics = _core.MapStatistics(last - first, self._measures)
         for block in self._blocks(range(start, stop)):
             flat = block[self.status[block // self._samples] == 0]
-            part = self._counted(flat, threads, interrupted) if len(flat) else {}
+            if not len(flat):
+                continue
+            part = self._counted(flat, threads, interrupted)
             if part is None:
                 return None
-            if part:
-                statistics.merge({**part, "pixels": flat // self._samples - first})
+            statistics.merge({**part, "pixels": flat // self._samples - first})
         return {**statistics.arrays(), "measures": statistics.bins()}
 
     def outcomes(self, samples: NDArray[np.uint64], threads: int) -> dict[str, NDArray[Any]]:
         """As ``MapJob.outcomes``."""
-        blocks = list(self._blocks(samples)) or [np.empty(0, np.int64)]
-        parts = [self._found(flat, threads) for flat in blocks]
+        parts = [self._found(flat, threads) for flat in self._blocks(samples)]
         return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
 
 
