@@ -96,10 +96,12 @@ impl<R: Real> Trajectory<R> {
     ) {
         if k == 0 {
             series.acts = self.acts();
-            series.in_space = self.from(c.order(0)[time]);
         }
         if !series.acts {
             return;
+        }
+        if k == 0 {
+            series.in_space = self.from(c.order(0)[time]);
         }
         if k == 1 {
             let unit = c.order(1)[time];

@@ -9,7 +9,7 @@ use super::{acceleration, turning_of_rates};
 use crate::dual::Dual;
 use crate::forces::{ForcesInterval, Further, FurtherSeries, Order, TrajectorySeries};
 use crate::kinematics::{
-    add_cross, add_roll_across, add_roll_along, add_turn_across, add_turn_along, direction, plus, put,
+    add_cross, add_roll_across, add_roll_along, add_turn_across, add_turn_along, cross, direction, plus, put,
 };
 use crate::real::{Outlined, Real, is_finite};
 use crate::scene::{Applied, Layout, MOVED, Model, Moved, Parameters, add_turned_axes, moved_by, quaternion};
@@ -415,7 +415,7 @@ fn gains_of_order<R: Real, M: Model<R>, L: Layout, const D: usize>(
     (model, applied): (&M, &Applied<R>),
     (unit, k, all_orders): (R, usize, bool),
     products: &[R; 3],
-    TurnSeries { turn, torques, on_trajectory }: &mut TurnSeries<R>,
+    TurnSeries { turn, rotor, torques, on_trajectory }: &mut TurnSeries<R>,
     c: &Coefficients<R, D>,
     next: &mut [R; D],
 ) -> Gains<R> {
@@ -423,18 +423,19 @@ fn gains_of_order<R: Real, M: Model<R>, L: Layout, const D: usize>(
     let at = Order { k, own: L::OWN_AT, factor: unit * R::splat(INVERSE[k + 1]) };
     let mut torque = torque_of_order::<R, L, D>(applied, unit, c, k, all_orders);
     applied.add_further_orders::<L, D>(c, at, (torques, on_trajectory), next, &mut torque);
-    let (begin, mut before) = (c.order(0)[L::TIME_AT], [[R::splat(0.0); 3]; 2]);
-    if k > 0 {
-        // SAFETY: the calls for the orders 0 to k, one each and ascending, have pushed the rows 0 to k - 1.
-        before = [rates(c.order(k - 1)), unsafe { *turn.order(k - 1) }];
+    if k == 0 {
+        *rotor = applied.rotor_from(c.order(0)[L::TIME_AT], unit);
     }
-    let impulse = plus(&applied.across_rotor(begin, [&rates(of_k), &before[0]], unit), &torque);
+    let changing = if k > 0 { rotor.1 } else { None };
+    let by_rotor = across_rotor((&rotor.0, changing), &rates(of_k), || rates(c.order(k - 1)));
+    let impulse = plus(&by_rotor, &torque);
     let change = applied.over_moments(&impulse);
     let rate = plus(&model.euler(products, of_k), &change);
     let sink = applied.turn(&rate);
     turn.push(k, sink);
-    let rotor = applied.across_rotor(begin, [&sink, &before[1]], unit);
-    let mut by_turn = rotor;
+    // SAFETY: the calls for the orders 0 to k - 1, one each and ascending, have pushed the row k - 1.
+    let by_rotor = across_rotor((&rotor.0, changing), &sink, || unsafe { *turn.order(k - 1) });
+    let mut by_turn = by_rotor;
     for j in 0..k + 1 {
         // SAFETY: the calls for the orders 0 to k, one each and ascending, have pushed the rows 0 to k.
         let sink = unsafe { turn.order(k - j) };
@@ -444,8 +445,22 @@ fn gains_of_order<R: Real, M: Model<R>, L: Layout, const D: usize>(
         rate: plus(&rate, &applied.over_moments(&by_turn)),
         turn: sink,
         torque: plus(&torque, &by_turn),
-        impulse: plus(&impulse, &rotor),
+        impulse: plus(&impulse, &by_rotor),
     }
+}
+
+/// The coefficient of an order of `h x v`, from that of v; if h changes, also from that of the order before.
+#[inline(always)]
+fn across_rotor<R: Real>(
+    (momentum, change): (&[R; 3], Option<[R; 3]>),
+    v: &[R; 3],
+    before: impl FnOnce() -> [R; 3],
+) -> [R; 3] {
+    let mut sum = cross(momentum, v);
+    if let Some(change) = change {
+        add_cross(&change, &before(), &mut sum);
+    }
+    sum
 }
 
 /// The coefficient of order k of the applied torque with damping.
@@ -522,6 +537,8 @@ impl<R: Real> Beside<R> {
 struct TurnSeries<R: Real> {
     /// The turn of the frame by the dissipation.
     turn: VectorSeries<R>,
+    /// The momentum of the rotor, as in `Applied::rotor_from`.
+    rotor: ([R; 3], Option<[R; 3]>),
     /// Those of the forces.
     torques: FurtherSeries<R>,
     on_trajectory: TrajectorySeries<R>,
@@ -532,6 +549,7 @@ impl<R: Real> TurnSeries<R> {
     fn new() -> Self {
         TurnSeries {
             turn: VectorSeries::new(),
+            rotor: ([R::splat(0.0); 3], None),
             torques: Further::series(),
             on_trajectory: TrajectorySeries::new(),
         }

@@ -63,18 +63,17 @@ impl<R: Real> Applied<R> {
         rotor
     }
 
-    /// The coefficient of order k of `h x v`, from the time at the begin, the coefficients of v of the orders k and k - 1, the
-    /// second zeros without one, and the unit of time.
+    /// The momentum of the rotor at the begin of a step, and its change over the unit of time, if it changes in some lane.
     #[inline(always)]
-    pub fn across_rotor(&self, time: R, [v, before]: [&[R; 3]; 2], unit: R) -> [R; 3] {
-        let (mut sum, mut change) = (cross(&self.rotor(time), v), self.forces.rotor_change);
-        if acts(&change) {
-            for i in 0..3 {
-                change[i] = change[i] * unit;
-            }
-            add_cross(&change, before, &mut sum);
+    pub fn rotor_from(&self, time: R, unit: R) -> ([R; 3], Option<[R; 3]>) {
+        let mut change = self.forces.rotor_change;
+        if !acts(&change) {
+            return (self.forces.further.rotor.0, None);
         }
-        sum
+        for i in 0..3 {
+            change[i] = change[i] * unit;
+        }
+        (self.rotor(time), Some(change))
     }
 
     /// The turn of the frame by the dissipation, from the rate of change of the rates without it; linear.
