@@ -87,7 +87,11 @@ def test_arrays_of_many_numbers_print_their_shapes() -> None:
     ):
         assert len(repr(many)) < 700
         assert "of shape (" in repr(many)
-    one = rigid.exact.free_body(rigid.Body((1.0, 2.0, 3.0)), [0.3, 0.2, 1.2])
+    body = rigid.Body((1.0, 2.0, 3.0))
+    eight, nine = (repr(rigid.exact.free_body(body, omega[:count])) for count in (8, 9))
+    assert " m=[0." in eight
+    assert " m=<float64 of shape (9,)>" in nine
+    one = rigid.exact.free_body(body, [0.3, 0.2, 1.2])
     assert repr(one).startswith("FreeMotion(axis=3, m=0.0")
     drift = repr(rigid.frequency_drift(rigid.simulate(TOP, [0.3, 0.4, 1.0], t=t)))
     assert drift.startswith("FrequencyDrift(first=Lines(frequency=")

@@ -13,6 +13,7 @@ import rigid
 from map_kinds import EVERY_MEASURE
 from rigid import _core
 from rigid.maps.job import to_core
+from rigid.maps.measured import Measured
 from rigid.model.measures import Measure
 
 TOP = rigid.HeavyTop(rigid.Body((1.0, 1.2, 0.5)), mgl=1.0)
@@ -229,6 +230,15 @@ def test_values_of_bodies_in_bulk_are_those_of_the_map() -> None:
     np.testing.assert_array_equal(np.array([*values.values()]), each_body(result))
     alone = result.outcomes([5, 5, 2], pixel=1).measures["flips(2)"]
     np.testing.assert_array_equal(alone, values["flips(2)"][1, [5, 5, 2]])
+
+
+def test_the_smallest_numbers_keep_their_order() -> None:
+    """Those below 2^-1022 share a bin with zero."""
+    statistics = _core.MapStatistics(1, 1)
+    statistics.add(0, np.zeros(2, np.uint64), np.array([1e-323, 5e-324]), np.full(2, np.nan))
+    (bins,) = statistics.bins()
+    found = Measured(rigid.flips(), bins, (1,))
+    assert (found.least[0], found.largest[0]) == (5e-324, 1e-323)
 
 
 def test_parts_are_merged_in_any_order() -> None:
