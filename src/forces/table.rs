@@ -44,8 +44,8 @@ const FEWEST_SAMPLES: usize = 9;
 
 /// The cosine of the largest angle between neighbouring samples of a trajectory, 45 degrees.
 ///
-/// Of 1500 orbits and flybys with smaller angles the doubt was above the error, but for four in a hundred from 30 degrees on, by
-/// whose samples a planet is not passed at all. With larger angles every tenth error is above the doubt.
+/// A passage that falls between two samples is in no spline. In a scan of 3000 orbits and flybys some errors were larger than
+/// the doubt from 30 degrees on, most of them near an eccentricity of one, where the whole passage lies between two samples.
 const NEAR: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
 /// Adds a torque in space, in body components, to `sum`.
@@ -68,7 +68,8 @@ pub(super) fn check(times: &[f64], body: &[[f64; 3]], space: &[[f64; 3]]) -> Res
     let refuse = |argument, value: String, rule| Err(Error::Value { argument, value, rule });
     let wanted = times.len().max(1);
     for values in [body, space] {
-        if !values.len().is_multiple_of(wanted) || values.len() != body.len() {
+        let is_missing = values.is_empty() && !times.is_empty();
+        if is_missing || !values.len().is_multiple_of(wanted) || values.len() != body.len() {
             let (expected, got) = (format!("({wanted}, 3)"), format!("({}, 3)", values.len()));
             return Err(Error::Shape { argument: "torque", expected, got });
         }

@@ -44,6 +44,8 @@ def test_numbers_at_odd_addresses_are_the_same_numbers() -> None:
 
 def test_a_force_acts_on_as_many_bodies_as_it_has_rows() -> None:
     none = np.empty((0, 3))
+    with pytest.raises(ValueError, match=r"torque: expected shape \(2, 3\), got \(0, 3\)"):
+        _core.Forces(times=np.arange(2.0), body=none, space=none, damping=np.eye(2, 6))
     forces = _core.Forces(times=np.empty(0), body=none, space=none, damping=np.eye(2, 6))
     assert forces.kinds(2).tolist() == [2, 2]
     with pytest.raises(
