@@ -76,9 +76,9 @@ def append(log: Log, block: Block, count: int, repeats: int) -> None:
         grown = f"growth of the log = {size - before} bytes: must hold {CALLS} x {count} rows"
         required(size - before >= CALLS * count * ROW.itemsize, grown)
 
-    rows, costs = block.rows[:count], block.nanoseconds[:count]
+    some = Block(block.rows[:count], block.nanoseconds[:count])
     (seconds,) = in_turns(
-        {"append": partial(log.append, rows, costs)}, check, repeats=repeats, calls=CALLS
+        {"append": partial(log.append, some)}, check, repeats=repeats, calls=CALLS
     ).values()
     print(f"append of {count} rows: {1e3 * np.median(seconds):.2f} ms")
 

@@ -206,7 +206,7 @@ impl Map {
         table.check_reaches(self.t_end)?;
         if self.has_knots() && self.conditions.iter().any(|one| one.criterion.rule().is_some()) {
             let rule = "deviation vectors of a map are not integrated under a table over time";
-            return refuse("criterion", "'regular'".to_string(), rule);
+            return refuse("stable", "regular()".to_string(), rule);
         }
         for (pixel, number) in self.pixels.iter().zip(0..).filter(|(pixel, _)| pixel.possible) {
             let damping = self.forces_of(number).damping;
