@@ -183,8 +183,10 @@ impl Job for GrowthJob<'_, '_> {
         let (body, lane, count) = (legs.body(b), legs.lane(b), self.deviations.count);
         let (rate, assignment) = (legs.forced_rate(b), legs.integration(b).assignment);
         let each = &self.deviations.each[legs.index(b) * count..][..count];
+        let forces = legs.request.forces_of(legs.index(b));
+        let entry = Entry::unobserved(body, rate, 0.0).under(forces, legs.place(b));
         for j in 0..legs.lanes_each {
-            let entry = Entry { deviation: each[j], ..Entry::unobserved(body, rate, 0.0) };
+            let entry = Entry { deviation: each[j], ..entry };
             load(legs.lanes, lane + j, legs.compiled, assignment, &entry);
         }
         for (rows, deviation) in legs.lanes.further.iter_mut().zip(&each[legs.lanes_each..]) {
