@@ -88,8 +88,9 @@ impl Map {
         if let Some(first) = self.first.iter().find(|first| !begins_group(**first) || **first >= 1 << 63) {
             return refuse("first", first.to_string(), "must be a multiple of 64 below 2**63");
         }
-        let all_laws = self.mixture.iter().map(|mixed| &mixed.distributions).chain([&self.distributions]);
-        for given in all_laws.filter_map(|distributions| distributions.empirical.as_ref()) {
+        let all_distributions =
+            self.mixture.iter().map(|mixed| &mixed.distributions).chain([&self.distributions]);
+        for given in all_distributions.filter_map(|distributions| distributions.empirical.as_ref()) {
             let rule = "must not be empty, and shares must end at 1";
             if given.omega.is_empty() || given.cumulative.last().is_some_and(|&last| last < 1.0) {
                 return refuse("given_omega", given.omega.len().to_string(), rule);

@@ -268,7 +268,7 @@ fn draws_do_not_shift_each_other() {
 }
 
 #[test]
-fn laws_by_name() {
+fn distributions_by_name() {
     for (name, distribution) in [
         ("none", Distribution::None),
         ("normal", Distribution::Normal),
@@ -280,7 +280,7 @@ fn laws_by_name() {
     ] {
         assert_eq!(Distribution::parse("distribution", name).unwrap(), distribution);
     }
-    let message = Distribution::parse("omega law", "gauss").unwrap_err().to_string();
+    let message = Distribution::parse("omega distribution", "gauss").unwrap_err().to_string();
     assert_eq!(
         message,
         "omega distribution = 'gauss': must be one of none, normal, uniform, direction, uniform_attitude, \
