@@ -16,7 +16,7 @@ pub struct TrajectorySeries<R> {
     /// Whether there is a trajectory in some lane.
     acts: bool,
     /// Those of c in space, from the time of the state on.
-    in_space: [[R; 3]; 4],
+    in_space: VectorSeries<R>,
     /// Those of c in the body.
     roots: VectorSeries<R>,
 }
@@ -26,7 +26,7 @@ impl<R: Real> TrajectorySeries<R> {
     #[inline(always)]
     #[allow(clippy::new_without_default)] // A default would be taken for zero.
     pub fn new() -> Self {
-        TrajectorySeries { acts: false, in_space: [[R::splat(0.0); 3]; 4], roots: VectorSeries::new() }
+        TrajectorySeries { acts: false, in_space: VectorSeries::new(), roots: VectorSeries::new() }
     }
 }
 
@@ -84,13 +84,13 @@ impl<R: Real> Trajectory<R> {
     }
 
     /// Adds the coefficient of order k of the torque to `torque`. The calls are for ascending orders; `time` is the index
-    /// of the time in a state.
+    /// of the time in a state, `unit` the unit of the series.
     #[inline(always)]
     pub fn add_order<const D: usize>(
         &self,
         moments: &[R; 3],
         c: &Coefficients<R, D>,
-        (k, time): (usize, usize),
+        (k, time, unit): (usize, usize, R),
         series: &mut TrajectorySeries<R>,
         torque: &mut [R; 3],
     ) {
@@ -101,21 +101,17 @@ impl<R: Real> Trajectory<R> {
             return;
         }
         if k == 0 {
-            series.in_space = self.from(c.order(0)[time]);
-        }
-        if k == 1 {
-            let unit = c.order(1)[time];
-            let mut power = unit;
-            for order in 1..4 {
-                for i in 0..3 {
-                    series.in_space[order][i] = series.in_space[order][i] * power;
-                }
+            let mut power = R::splat(1.0);
+            for (order, row) in self.from(c.order(0)[time]).into_iter().enumerate() {
+                series.in_space.push(order, [row[0] * power, row[1] * power, row[2] * power]);
                 power = power * unit;
             }
         }
         let (mut root, mut products) = ([R::splat(0.0); 3], [R::splat(0.0); 3]);
         for j in 0..=k.min(3) {
-            root = plus(&root, &to_body(&series.in_space[j], c.order(k - j)));
+            // SAFETY: the call for the order 0 has pushed four rows.
+            let power = unsafe { series.in_space.order(j) };
+            root = plus(&root, &to_body(power, c.order(k - j)));
         }
         series.roots.push(k, root);
         for j in 0..=k {

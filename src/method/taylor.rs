@@ -136,13 +136,11 @@ impl<R: Real, M: Model<R>> Taylor<R, M> {
     #[inline(always)]
     pub fn coefficients<L: Layout, const D: usize>(&self, unit: R, y: &[R; D], c: &mut Coefficients<R, D>) {
         let side_by_side = const { L::VECTORS < 3 };
-        let mut series = Beside::new(self.has_high_orders);
-        let mut moved = MovedSeries::new();
-        // Twice at most.
-        loop {
+        for all_orders in [self.has_high_orders, true] {
+            // Made here: a value that is assigned again is copied.
+            let (mut series, mut moved) = (Beside::new(all_orders), MovedSeries::new());
             c.clear();
             c.push(*y);
-            moved.rows.clear();
             for half in 0..self.order / 2 {
                 let k = 2 * half;
                 let (mut sums, mut after) = (Products::none(), Products::none());
@@ -177,7 +175,6 @@ impl<R: Real, M: Model<R>> Taylor<R, M> {
             if !(L::BALANCE && L::VECTORS > 0) || series.all_orders || is_finite(&directions::<R, L, D>(c)) {
                 break;
             }
-            series = Beside::new(true);
         }
         if L::TANGENT && !L::FURTHER {
             self.deviation::<L, D>(unit, c);
@@ -415,7 +412,7 @@ fn gains_of_order<R: Real, M: Model<R>, L: Layout, const D: usize>(
     (model, applied): (&M, &Applied<R>),
     (unit, k, all_orders): (R, usize, bool),
     products: &[R; 3],
-    TurnSeries { turn, rotor, torques, on_trajectory }: &mut TurnSeries<R>,
+    TurnSeries { turn, rotor, rotor_changes, torques, on_trajectory }: &mut TurnSeries<R>,
     c: &Coefficients<R, D>,
     next: &mut [R; D],
 ) -> Gains<R> {
@@ -424,17 +421,24 @@ fn gains_of_order<R: Real, M: Model<R>, L: Layout, const D: usize>(
     let mut torque = torque_of_order::<R, L, D>(applied, unit, c, k, all_orders);
     applied.add_further_orders::<L, D>(c, at, (torques, on_trajectory), next, &mut torque);
     if k == 0 {
-        *rotor = applied.rotor_from(c.order(0)[L::TIME_AT], unit);
+        let (momentum, change) = applied.rotor_from(c.order(0)[L::TIME_AT], unit);
+        rotor.push(0, momentum);
+        *rotor_changes = change.is_some();
+        if let Some(change) = change {
+            rotor.push(1, change);
+        }
     }
-    let changing = if k > 0 { rotor.1 } else { None };
-    let by_rotor = across_rotor((&rotor.0, changing), &rates(of_k), || rates(c.order(k - 1)));
+    // SAFETY: the call for the order 0 has pushed the first row, and the second if there is a change.
+    let (momentum, change_of_rotor) =
+        unsafe { (rotor.order(0), if k > 0 && *rotor_changes { Some(rotor.order(1)) } else { None }) };
+    let by_rotor = across_rotor((momentum, change_of_rotor), &rates(of_k), || rates(c.order(k - 1)));
     let impulse = plus(&by_rotor, &torque);
     let change = applied.over_moments(&impulse);
     let rate = plus(&model.euler(products, of_k), &change);
     let sink = applied.turn(&rate);
     turn.push(k, sink);
     // SAFETY: the calls for the orders 0 to k - 1, one each and ascending, have pushed the row k - 1.
-    let by_rotor = across_rotor((&rotor.0, changing), &sink, || unsafe { *turn.order(k - 1) });
+    let by_rotor = across_rotor((momentum, change_of_rotor), &sink, || unsafe { *turn.order(k - 1) });
     let mut by_turn = by_rotor;
     for j in 0..k + 1 {
         // SAFETY: the calls for the orders 0 to k, one each and ascending, have pushed the rows 0 to k.
@@ -452,13 +456,13 @@ fn gains_of_order<R: Real, M: Model<R>, L: Layout, const D: usize>(
 /// The coefficient of an order of `h x v`, from that of v; if h changes, also from that of the order before.
 #[inline(always)]
 fn across_rotor<R: Real>(
-    (momentum, change): (&[R; 3], Option<[R; 3]>),
+    (momentum, change): (&[R; 3], Option<&[R; 3]>),
     v: &[R; 3],
     before: impl FnOnce() -> [R; 3],
 ) -> [R; 3] {
     let mut sum = cross(momentum, v);
     if let Some(change) = change {
-        add_cross(&change, &before(), &mut sum);
+        add_cross(change, &before(), &mut sum);
     }
     sum
 }
@@ -537,8 +541,9 @@ impl<R: Real> Beside<R> {
 struct TurnSeries<R: Real> {
     /// The turn of the frame by the dissipation.
     turn: VectorSeries<R>,
-    /// The momentum of the rotor, as in `Applied::rotor_from`.
-    rotor: ([R; 3], Option<[R; 3]>),
+    /// The momentum of the rotor at the begin of the step, then, if it changes in some lane, the change over the unit of time.
+    rotor: VectorSeries<R>,
+    rotor_changes: bool,
     /// Those of the forces.
     torques: FurtherSeries<R>,
     on_trajectory: TrajectorySeries<R>,
@@ -549,7 +554,8 @@ impl<R: Real> TurnSeries<R> {
     fn new() -> Self {
         TurnSeries {
             turn: VectorSeries::new(),
-            rotor: ([R::splat(0.0); 3], None),
+            rotor: VectorSeries::new(),
+            rotor_changes: false,
             torques: Further::series(),
             on_trajectory: TrajectorySeries::new(),
         }

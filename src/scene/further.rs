@@ -201,7 +201,8 @@ impl<R: Real> Applied<R> {
         let further = &self.forces.further;
         if L::HAS_FRAME {
             further.add_orders::<true, D>(&self.moments, c, at, series, next, torque);
-            let of_time = (at.k, L::TIME_AT);
+            // The factor is the unit over k + 1.
+            let of_time = (at.k, L::TIME_AT, at.factor);
             self.forces.trajectory.add_order(&self.moments, c, of_time, on_trajectory, torque);
         } else {
             further.add_orders::<false, D>(&self.moments, c, at, series, next, torque);
