@@ -101,8 +101,9 @@ impl<R: Real> Trajectory<R> {
             return;
         }
         if k == 0 {
-            let mut power = R::splat(1.0);
-            for (order, row) in self.from(c.order(0)[time]).into_iter().enumerate() {
+            let (rows, mut power) = (self.from(c.order(0)[time]), R::splat(1.0));
+            for order in 0..4 {
+                let row = rows[order];
                 series.in_space.push(order, [row[0] * power, row[1] * power, row[2] * power]);
                 power = power * unit;
             }

@@ -10,8 +10,8 @@
 use super::{Layout, Model, Parameters, quaternion};
 use crate::dual::Dual;
 use crate::forces::{
-    ForcesInterval, MOST_STATES, ParameterChange, Returned, Trajectory, add_space_torque, attitude_of_stage,
-    damp, unit_of_stage,
+    ForcesInterval, MOST_STATES, ParameterChange, Returned, add_space_torque, attitude_of_stage, damp,
+    unit_of_stage,
 };
 use crate::kinematics::{add_cross, direction, dot, plus};
 use crate::real::Real;
@@ -112,7 +112,9 @@ impl<R: Real> Applied<R> {
         forces.damping = Dual::of(damping, &change.damping);
         forces.further = further.varied(&change.further);
         forces.rotor_change = Dual::of(rotor_change, &none);
-        forces.trajectory = Trajectory(trajectory.0.map(|power| Dual::of(&power, &none)));
+        for k in 0..4 {
+            forces.trajectory.0[k] = Dual::of(&trajectory.0[k], &none);
+        }
         Applied {
             moments: Dual::of(&self.moments, &change.moments),
             inverse: Dual::quotients(&self.inverse, none, &change.moments, &self.inverse),
