@@ -23,14 +23,18 @@ from pathlib import Path
 
 # The entry points of kernels, by their paths.
 KERNEL = re.compile(
-    r"\brigid::kernel::registry::kernels_of::\w+::(avx512|avx2|scalar)::(advance|processed|adaptive|alone|dense|invariants_of)\b"
-    r"|as rigid::real::Real>::apart::apart::<rigid::simd::isa::By<"
+    r"\brigid::kernel::registry::kernels_of::\w+::(avx512|avx2|scalar)::(Packs<.*>::)?"
+    r"(advance|processed|adaptive|alone|dense|invariants_of)\b"
+    r"|as rigid::real::Real>::outlined::outlined::<rigid::simd::isa::By<"
     r".*rigid::exact::evaluate::(States|Exits)>>"
 )
 
+# What stands in their modules is one of them.
+OF_KERNELS = "rigid::kernel::registry::kernels_of::"
+
 # Parts that several kernels share are functions of their own, and are read as kernels are.
 SHARED = re.compile(
-    r"as rigid::real::Real>::apart::apart::"
+    r"as rigid::real::Real>::outlined::outlined::"
     r"<rigid::(observe::((bounds::)?Look|MotionInside)|method::(taylor::Expansion|midpoint::TorqueInTheMiddle))<"
 )
 # What a kernel may call, and why.
@@ -210,13 +214,14 @@ def main() -> int:
     parser.add_argument("library", nargs="?")
     library = parser.parse_args().library or built()
     listing = lines("objdump", "-d", "-C", "--no-show-raw-insn", library)
-    kernels = [
-        f
-        for f in functions(listing, offset_table(library))
-        if KERNEL.search(f.name) or SHARED.search(f.name)
-    ]
+    all_functions = list(functions(listing, offset_table(library)))
+    kernels = [f for f in all_functions if KERNEL.search(f.name) or SHARED.search(f.name)]
     if not any("<" in kernel.name for kernel in kernels):
         print(f"{library}: no kernel has a name with types; see --help", file=sys.stderr)
+        return 1
+    # A kernel whose path has changed would not be read.
+    if missed := [f.name for f in all_functions if OF_KERNELS in f.name and f not in kernels]:
+        print(f"{missed[0]}: no kernel by its name, nor {len(missed) - 1} others", file=sys.stderr)
         return 1
     refused: Counter[tuple[str, str, str]] = Counter()
     for kernel in kernels:

@@ -149,7 +149,7 @@ pub fn load(group: &mut Group, lane: usize, compiled: Compiled, assignment: Kern
         (group.momentum.start.0[lane], group.momentum.inverse_scale.0[lane]) = (0.0, DRIFT_LIMIT / square);
     }
     group.unit.0[lane] = 0.0;
-    if kernel.observed == Observed::Nothing {
+    if matches!(kernel.observed, Observed::Nothing) {
         return;
     }
     let mut frame = [[y[3], y[4], y[5]], [y[6], y[7], y[8]]];

@@ -109,7 +109,8 @@ pub(super) fn step_block<P, const PACKS: usize, M, L, S, const D: usize>(
     S: Engine<P, M, L, D>,
 {
     let packs = used_packs::<P, PACKS>(g);
-    if const { S::IS_SHORT && PACKS <= MOST_WRITTEN_OUT } && observed == Observed::Nothing && packs == PACKS {
+    let is_observed = !matches!(observed, Observed::Nothing);
+    if const { S::IS_SHORT && PACKS <= MOST_WRITTEN_OUT } && !is_observed && packs == PACKS {
         short_steps::<P, PACKS, M, L, S, D>(g, forces, steps, numbers);
         return;
     }
@@ -140,7 +141,7 @@ pub(super) fn step_block<P, const PACKS: usize, M, L, S, const D: usize>(
                 store_rows(&compensation, &mut g.compensation, at);
             }
             store_rows(&y, &mut g.state, at);
-            if observed != Observed::Nothing {
+            if is_observed {
                 let begin = (P::load(&g.count.0[at..]) + P::splat(i as f64)) * p.step;
                 let segment = Segment { begin, before: &before, after: &y, dense: &dense };
                 observed.after_step::<P, M, L, S, D>(engine, p, &mut g.observed, at, &segment);

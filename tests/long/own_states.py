@@ -167,6 +167,8 @@ def truth(
         EQUATIONS[name], (0.0, times[-1]), np.concatenate([start[:3], [1.0, 0, 0, 0], start[3:]]),
         "DOP853", times, args=(moments, data), rtol=tolerance, atol=1e-3 * tolerance, max_step=0.2,
     )  # fmt: skip
+    if not found.success:  # its steps became shorter than rounding
+        return truth(name, moments, start, data, times, 10.0 * tolerance)
     states: Floats = found.y.T
     states[:, 3:7] /= np.linalg.norm(states[:, 3:7], axis=1, keepdims=True)
     return states
